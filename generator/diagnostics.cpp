@@ -1,0 +1,31 @@
+#include "diagnostics.hpp"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+namespace dalembert {
+
+std::string to_string(const Diagnostic& d) {
+  std::string text;
+  if (!d.file.empty()) text += d.file + ": ";
+  if (!d.element.empty()) text += d.element + ": ";
+  text += fmt::format("{}: {}", d.severity == Severity::error ? "error" : "warning", d.message);
+  if (!d.remedy.empty()) text += "; " + d.remedy;
+  return text;
+}
+
+namespace {
+std::string join(const Diagnostics& diagnostics) {
+  std::string text;
+  for (const Diagnostic& d : diagnostics) text += (text.empty() ? "" : "\n") + to_string(d);
+  return text;
+}
+}  // namespace
+
+InputError::InputError(Diagnostic diagnostic) : InputError(Diagnostics{std::move(diagnostic)}) {}
+
+InputError::InputError(Diagnostics diagnostics)
+    : std::runtime_error(join(diagnostics)), diagnostics_(std::move(diagnostics)) {}
+
+}  // namespace dalembert

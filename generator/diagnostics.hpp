@@ -1,0 +1,40 @@
+// Diagnostics: what went wrong with the user's input, where, and what to do about it.
+//
+// Everything the compiler has to say about its input travels as a value. Warnings are collected and printed by the command;
+// errors are thrown as InputError, which carries every diagnostic found so far, and end the command with exit status 2
+// before any file is written.
+#pragma once
+
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace dalembert {
+
+enum class Severity { warning, error };
+
+struct Diagnostic {
+  Severity severity = Severity::error;
+  std::string file;     // the file as the user named it; empty when the command line is at fault
+  std::string element;  // the user's element, such as "joint 'l_knee'" or "line 3, column 5: key 'bas'"
+  std::string message;  // what is wrong with it
+  std::string remedy;   // what to do about it
+};
+
+// `file: element: severity: message; remedy`, one line, without the final newline.
+std::string to_string(const Diagnostic& diagnostic);
+
+using Diagnostics = std::vector<Diagnostic>;
+
+// Bad input or usage: exit status 2. Holds at least one diagnostic of severity error (and any warnings met before it).
+class InputError : public std::runtime_error {
+ public:
+  explicit InputError(Diagnostic diagnostic);
+  explicit InputError(Diagnostics diagnostics);
+  const Diagnostics& diagnostics() const { return diagnostics_; }
+
+ private:
+  Diagnostics diagnostics_;
+};
+
+}  // namespace dalembert

@@ -1,0 +1,56 @@
+// A robot as its URDF says it, checked but not yet interpreted: every link and joint by name, nothing fused or reordered.
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace dalembert::ir {
+
+// Mass (kg), centre of mass (m, link axes), rotational inertia about the centre of mass (kg m², link axes: a rotated
+// <inertial><origin rpy> is already turned into link axes by the reader).
+struct Inertia {
+  double mass = 0;
+  Eigen::Vector3d com = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
+};
+
+enum class JointType { revolute, continuous, prismatic, fixed };
+
+// q_joint = multiplier · q_of + offset (URDF <mimic>).
+struct Mimic {
+  std::string of;
+  double multiplier = 1;
+  double offset = 0;
+};
+
+struct Link {
+  std::string name;
+  std::optional<Inertia> inertia;  // absent: a frame without inertia
+};
+
+struct Joint {
+  std::string name;
+  JointType type = JointType::fixed;
+  int parent = -1;  // index into RobotDescription::links
+  int child = -1;
+  Eigen::Isometry3d origin = Eigen::Isometry3d::Identity();  // child link's frame in the parent link's frame at q = 0
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitX();           // unit, in the child link's frame
+  double damping = 0;                                        // <dynamics damping>, N m s/rad or N s/m
+  double friction = 0;                                       // <dynamics friction>, N m or N
+  std::optional<Mimic> mimic;
+};
+
+struct RobotDescription {
+  std::string file;  // as the user named it
+  std::string name;
+  std::vector<Link> links;
+  std::vector<Joint> joints;                // in urdfdom's order: alphabetical by name
+  int root = -1;                            // index into links
+  std::vector<std::vector<int>> children;   // per link: joints whose parent it is, in urdfdom's order (alphabetical by joint name)
+};
+
+}  // namespace dalembert::ir
