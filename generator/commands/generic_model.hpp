@@ -1,0 +1,32 @@
+// From the compiler's tree to the generic engine's model, in any scalar.
+#pragma once
+
+#include <Eigen/Core>
+#include <dalembert/generic/model.hpp>
+
+#include "ir/kinematic_tree.hpp"
+
+namespace dalembert {
+
+template <class S>
+Inertia<S> to_generic(const ir::Inertia& inertia) {
+  return {S(inertia.mass), inertia.com.cast<S>(), inertia.inertia.cast<S>()};
+}
+
+// The tree holds doubles: rotations and axes are orthonormal to 1e-16 only, and in longer scalars they stay as they are, so
+// that generated code and every scalar of the generic engine compute with the same numbers.
+// gravity: acceleration of free fall in world axes, m/s².
+template <class S>
+generic::Model<S> to_generic(const ir::KinematicTree& tree, const Eigen::Vector3d& gravity) {
+  generic::Model<S> model;
+  model.floating_base = tree.floating_base;
+  model.base = to_generic<S>(tree.base);
+  model.gravity = gravity.cast<S>();
+  for (const ir::Body& body : tree.bodies)
+    model.bodies.push_back({body.parent, body.prismatic(), body.axis.cast<S>(), body.placement.linear().cast<S>(),
+                            body.placement.translation().cast<S>(), to_generic<S>(body.inertia), S(body.armature),
+                            S(body.damping), S(body.friction)});
+  return model;
+}
+
+}  // namespace dalembert

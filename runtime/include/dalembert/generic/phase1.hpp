@@ -1,0 +1,74 @@
+// Phase I, root to leaves: where each body is and how it moves (paper, section 4.1; eqs. 8, 33).
+#pragma once
+
+#include <dalembert/generic/model.hpp>
+
+namespace dalembert::generic {
+
+// Frames: "in k" means axes of body k, at its origin.
+template <class S>
+struct BodyKinematics {
+  Transform<S> in_parent;      // pose of k in its parent
+  Transform<S> in_base;        // pose of k in the base
+  Matrix6<S> Ad_inverse;       // (ᵖAd_k)⁻¹
+  Matrix6<S> Ad_base;          // ⁰Ad_k
+  Matrix6<S> Ad_base_inverse;  // (⁰Ad_k)⁻¹
+  Vector6<S> E;                // joint's twist per unit of rate, in k (eq. 33)
+  Vector6<S> E_dot;            // Ė: zero for revolute and prismatic joints, whose axes stand still in k
+  Vector6<S> V;                // twist of k, in k
+  Vector6<S> V_relative;       // twist of k relative to the base, in k
+  Matrix6<S> ad_parent;        // ᵖad_k = ad(E_k q̇_k): motion relative to the parent
+  Matrix6<S> ad_base;          // ⁰ad_k = ad(V_relative): motion relative to the base
+};
+
+template <class S>
+struct Kinematics {
+  Vector6<S> base_twist;  // V of the base in base axes; zero for a fixed base
+  std::vector<BodyKinematics<S>> bodies;
+};
+
+// Pose of body k in its parent when its joint stands at q (rad or m).
+template <class S>
+Transform<S> joint_pose(const Body<S>& body, const S& q) {
+  if (body.prismatic) return {body.rotation, body.translation + body.rotation * (body.axis * q)};
+  return {body.rotation * rotation_about<S>(body.axis, q), body.translation};
+}
+
+// q, v: one entry per joint behind the base's (7 or none; 6 or none): driven joints are already expanded.
+template <class S>
+Kinematics<S> phase1(const Model<S>& model, const VectorX<S>& q, const VectorX<S>& v) {
+  const Eigen::Index q_joints = model.floating_base ? 7 : 0, v_joints = model.base_rows();
+  Kinematics<S> result;
+  result.base_twist.setZero();
+  if (model.floating_base) result.base_twist = v.template head<6>();
+  result.bodies.resize(model.bodies.size());
+  for (int k = 0; k < model.joints(); ++k) {
+    const Body<S>& body = model.bodies[static_cast<size_t>(k)];
+    BodyKinematics<S>& state = result.bodies[static_cast<size_t>(k)];
+    const BodyKinematics<S>* parent = body.parent < 0 ? nullptr : &result.bodies[static_cast<size_t>(body.parent)];
+
+    state.in_parent = joint_pose(body, S(q[q_joints + k]));
+    state.in_base = parent ? parent->in_base * state.in_parent : state.in_parent;
+    state.Ad_inverse = adjoint_inverse(state.in_parent);
+    state.Ad_base = adjoint(state.in_base);
+    state.Ad_base_inverse = adjoint_inverse(state.in_base);
+
+    state.E.setZero();
+    if (body.prismatic) {
+      state.E.template head<3>() = body.axis;
+    } else {
+      state.E.template tail<3>() = body.axis;
+    }
+    state.E_dot.setZero();
+
+    const Vector6<S> rate = state.E * S(v[v_joints + k]);
+    state.V = state.Ad_inverse * (parent ? parent->V : result.base_twist) + rate;
+    state.V_relative = rate;
+    if (parent) state.V_relative += state.Ad_inverse * parent->V_relative;
+    state.ad_parent = ad(rate);
+    state.ad_base = ad(state.V_relative);
+  }
+  return result;
+}
+
+}  // namespace dalembert::generic
