@@ -1,0 +1,15 @@
+# What `cmake --install` puts where, and the package that find_package(dalembert) finds.
+include(CMakePackageConfigHelpers)
+
+set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/dalembert)
+
+install(TARGETS dalembert dalembert_runtime EXPORT dalembert_targets)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/runtime/include/dalembert DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+install(EXPORT dalembert_targets NAMESPACE dalembert:: DESTINATION ${package_dir})
+
+configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/dalembert-config.cmake.in
+  ${PROJECT_BINARY_DIR}/dalembert-config.cmake INSTALL_DESTINATION ${package_dir})
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/dalembert-config-version.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/dalembert-config.cmake ${PROJECT_BINARY_DIR}/dalembert-config-version.cmake
+              ${CMAKE_CURRENT_LIST_DIR}/dalembert_add_robot.cmake
+        DESTINATION ${package_dir})
