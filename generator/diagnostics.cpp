@@ -18,7 +18,10 @@ std::string to_string(const Diagnostic& d) {
 namespace {
 std::string join(const Diagnostics& diagnostics) {
   std::string text;
-  for (const Diagnostic& d : diagnostics) text += (text.empty() ? "" : "\n") + to_string(d);
+  for (const Diagnostic& d : diagnostics) {
+    if (!text.empty()) text += '\n';
+    text += to_string(d);
+  }
   return text;
 }
 }  // namespace

@@ -1,11 +1,16 @@
 // The tree the dynamics is computed on: fixed, locked and cut joints are gone, bodies stand in depth-first order.
 //
-// Invariants: bodies[k].parent < k (-1 is the base); a subtree is the contiguous range [k, k + subtree_size); coordinate k of
-// the joints belongs to body k. The base's inertia matters only when it floats.
+// Invariants: bodies[k].parent < k (-1 is the base); a subtree is the contiguous range [k, k + subtree_size). The base's
+// inertia matters only when it floats.
+//
+// Every body's joint has a coordinate of its own, in the order of the bodies, except where the scene drives it through a mimic
+// relation: such a body stays in the tree with its own position, q_body = multiplier · q_driver + offset, but nq and nv do
+// not count it, and what its row and column would hold belongs to the driver's.
 #pragma once
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -24,9 +29,14 @@ struct Body {
   Inertia inertia;         // fused, in the body frame
   int subtree_size = 1;    // bodies in the subtree, this one included
 
-  double armature = 0, damping = 0, friction = 0;  // as the scene asks; zero when it does not
+  int driven_by = -1;      // the body whose joint drives this one, never driven itself; -1: a coordinate of its own
+  double multiplier = 1;   // read only when driven: q = multiplier · q_driver + offset
+  double offset = 0;
+
+  double armature = 0, damping = 0, friction = 0;  // as the scene asks; a driven body's are its driver's
 
   bool prismatic() const { return type == JointType::prismatic; }
+  bool driven() const { return driven_by >= 0; }
 };
 
 // Where a link of the URDF ended up.
@@ -44,9 +54,23 @@ struct KinematicTree {
   std::vector<Body> bodies;
   std::vector<LinkPlacement> links;  // every link kept, in depth-first order
 
-  int joints() const { return static_cast<int>(bodies.size()); }
-  int nq() const { return joints() + (floating_base ? 7 : 0); }
-  int nv() const { return joints() + (floating_base ? 6 : 0); }
+  int joints() const { return static_cast<int>(bodies.size()); }  // moving joints, driven ones included
+  // Per body: which of the joint coordinates is its own, or its driver's, counted from 0 behind the base's.
+  std::vector<int> coordinates() const {
+    std::vector<int> index(bodies.size());
+    int next = 0;
+    for (size_t k = 0; k < bodies.size(); ++k)
+      if (!bodies[k].driven()) index[k] = next++;
+    for (size_t k = 0; k < bodies.size(); ++k)
+      if (bodies[k].driven()) index[k] = index[static_cast<size_t>(bodies[k].driven_by)];
+    return index;
+  }
+  // Joints with a coordinate of their own.
+  int independent_joints() const {
+    return static_cast<int>(std::count_if(bodies.begin(), bodies.end(), [](const Body& b) { return !b.driven(); }));
+  }
+  int nq() const { return independent_joints() + (floating_base ? 7 : 0); }
+  int nv() const { return independent_joints() + (floating_base ? 6 : 0); }
   bool is_ancestor_or_self(int ancestor, int body) const {
     return ancestor < 0 || (ancestor <= body && body < ancestor + bodies[static_cast<size_t>(ancestor)].subtree_size);
   }

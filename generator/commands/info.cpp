@@ -1,0 +1,100 @@
+#include "commands/info.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace dalembert {
+
+namespace {
+
+std::string_view name_of(ir::JointType type) {
+  switch (type) {
+    case ir::JointType::revolute:
+      return "revolute";
+    case ir::JointType::continuous:
+      return "continuous";
+    case ir::JointType::prismatic:
+      return "prismatic";
+    case ir::JointType::fixed:
+      return "fixed";
+  }
+  return "";
+}
+
+// -0 and 0 print alike.
+std::string vector(const Eigen::Vector3d& v) {
+  return fmt::format("{:.6g} {:.6g} {:.6g}", v.x() + 0.0, v.y() + 0.0, v.z() + 0.0);
+}
+
+std::string summary(const Model& model) {
+  const ir::KinematicTree& tree = model.tree;
+  double mass = tree.base.mass;
+  for (const ir::Body& body : tree.bodies) mass += body.inertia.mass;
+  return fmt::format(
+      "robot {} ({}): {} base '{}', {} moving joints, {} links, {:.6g} kg that move\n"
+      "nq = {}, nv = {}\n",
+      tree.robot, model.name, tree.floating_base ? "floating" : "fixed", tree.base_link, tree.joints(), tree.links.size(), mass,
+      tree.nq(), tree.nv());
+}
+
+std::string coordinates(const ir::KinematicTree& tree) {
+  if (!tree.floating_base) return "q = [joints], v = [joint rates]\n";
+  return "q = [base position in the world (0-2), quaternion x y z w (3-6), joints (7-)]\n"
+         "v = [base linear velocity (0-2), angular velocity (3-5), both in base axes, joint rates (6-)]\n";
+}
+
+std::string bodies(const ir::KinematicTree& tree) {
+  std::string text = "\ntree (joint: type, axis -> body, mass):\n";
+  text += fmt::format("  base {}{}\n", tree.base_link, tree.floating_base ? fmt::format(", {:.6g} kg", tree.base.mass) : "");
+  const std::vector<int> coordinate = tree.coordinates();
+  std::vector<int> depth(tree.bodies.size());
+  for (size_t k = 0; k < tree.bodies.size(); ++k) {
+    const ir::Body& body = tree.bodies[k];
+    depth[k] = body.parent < 0 ? 1 : depth[static_cast<size_t>(body.parent)] + 1;
+    const std::string number = body.driven()
+                                   ? fmt::format("= {:.6g} q[{}] + {:.6g}", body.multiplier, coordinate[k], body.offset)
+                                   : fmt::format("{}", coordinate[k]);
+    text += fmt::format("  {:>{}}{} {}: {}, {} -> {}, {:.6g} kg\n", "", 2 * depth[k], number, body.joint, name_of(body.type),
+                        vector(body.axis), body.name, body.inertia.mass);
+  }
+  return text;
+}
+
+std::string links(const ir::KinematicTree& tree) {
+  std::string text = "\nlinks (link: body, position in the body's frame in m):\n";
+  for (const ir::LinkPlacement& link : tree.links) {
+    const std::string& body = link.body < 0 ? tree.base_link : tree.bodies[static_cast<size_t>(link.body)].name;
+    text +=
+        fmt::format("  {}: {}, {}\n", link.link, link.body < 0 ? "base " + body : body, vector(link.placement.translation()));
+  }
+  return text;
+}
+
+// Row and column i, k of M are structurally non-zero when one body is the other's ancestor; the base is everyone's.
+std::string sparsity(const ir::KinematicTree& tree) {
+  const size_t nv = static_cast<size_t>(tree.nv()), base = tree.floating_base ? 6 : 0;
+  const std::vector<int> coordinate = tree.coordinates();
+  std::vector<std::vector<bool>> filled(nv, std::vector<bool>(nv, false));
+  for (size_t i = 0; i < base; ++i)
+    for (size_t k = 0; k < nv; ++k) filled[i][k] = filled[k][i] = true;
+  size_t pairs = 0;
+  for (size_t k = 0; k < tree.bodies.size(); ++k)
+    for (int i = static_cast<int>(k); i >= 0; i = tree.bodies[static_cast<size_t>(i)].parent) {
+      const size_t row = base + static_cast<size_t>(coordinate[static_cast<size_t>(i)]),
+                   column = base + static_cast<size_t>(coordinate[k]);
+      filled[row][column] = filled[column][row] = true;
+      if (static_cast<size_t>(i) != k) ++pairs;
+    }
+  size_t elements = 0;
+  for (const std::vector<bool>& row : filled) elements += static_cast<size_t>(std::count(row.begin(), row.end(), true));
+  return fmt::format("\nsparsity: {} of {} elements of M are structurally non-zero; {} pairs of a body and an ancestor\n",
+                     elements, nv * nv, pairs);
+}
+
+}  // namespace
+
+std::string describe(const Model& model) {
+  return summary(model) + coordinates(model.tree) + bodies(model.tree) + links(model.tree) + sparsity(model.tree);
+}
+
+}  // namespace dalembert

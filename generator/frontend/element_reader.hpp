@@ -1,0 +1,46 @@
+// One XML element read with complaints: attributes, numbers and children, each defect a diagnostic with the line.
+#pragma once
+
+#include <tinyxml.h>
+
+#include <Eigen/Core>
+#include <initializer_list>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "diagnostics.hpp"
+
+namespace dalembert::frontend {
+
+// Where complaints about one link or joint go.
+class ElementReader {
+ public:
+  ElementReader(std::string file, Diagnostics& errors, Diagnostics& warnings)
+      : file_(std::move(file)), errors_(errors), warnings_(warnings) {}
+
+  // Every complaint from here on is about this element: "joint 'l_knee'"; the line is that of the XML element at fault.
+  void enter(std::string owner) { owner_ = std::move(owner); }
+
+  void error(const TiXmlElement& at, std::string message, std::string remedy);
+  void warning(const TiXmlElement& at, std::string message, std::string remedy);
+
+  // The attribute's text; an error when it is missing or blank.
+  std::optional<std::string> required(const TiXmlElement& element, const char* attribute, const std::string& remedy);
+  // The attribute as a finite number, or three of them; nothing (and an error, if it is there but malformed) otherwise.
+  std::optional<double> number(const TiXmlElement& element, const char* attribute);
+  std::optional<Eigen::Vector3d> vector(const TiXmlElement& element, const char* attribute);
+
+  // Warns about attributes and children that are not in the lists, and about a second child of the same `once` name.
+  void only_attributes(const TiXmlElement& element, std::initializer_list<std::string_view> known);
+  void only_children(const TiXmlElement& element, std::initializer_list<std::string_view> once,
+                     std::initializer_list<std::string_view> any_number);
+
+ private:
+  std::string file_;
+  Diagnostics& errors_;
+  Diagnostics& warnings_;
+  std::string owner_;
+};
+
+}  // namespace dalembert::frontend

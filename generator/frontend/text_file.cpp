@@ -1,0 +1,29 @@
+#include "frontend/text_file.hpp"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "diagnostics.hpp"
+
+namespace dalembert::frontend {
+
+std::string read_text_file(const std::string& path, const std::string& kind) {
+  const auto refuse = [&](std::string message, std::string remedy) -> void {
+    throw InputError({Severity::error, path, "", std::move(message), std::move(remedy)});
+  };
+  const std::string name_one = fmt::format("name a {} file that can be read", kind);
+  std::error_code ignored;
+  const std::filesystem::file_status status = std::filesystem::status(path, ignored);
+  if (!std::filesystem::exists(status)) refuse("there is no such file", name_one);
+  if (std::filesystem::is_directory(status)) refuse("this is a directory", name_one);
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream text;
+  if (file.peek() != std::ifstream::traits_type::eof()) text << file.rdbuf();
+  if (!file.is_open() || file.bad()) refuse("the file cannot be read", name_one);
+  return text.str();
+}
+
+}  // namespace dalembert::frontend

@@ -1,0 +1,18 @@
+// Whether links and joints make one tree, and whether their names can stand in C++.
+#pragma once
+
+#include <string>
+
+#include "diagnostics.hpp"
+#include "frontend/urdf_outline.hpp"
+
+namespace dalembert::frontend {
+
+// Throws InputError naming every joint whose parent or child does not exist, that joins a link to itself, or whose child
+// already has a parent; then every cycle; then two roots. Takes time in proportion to the file.
+void check_topology(const std::string& file, const UrdfOutline& outline);
+
+// Throws InputError naming links and joints that are C++ keywords, or that become equal as identifiers.
+void check_names(const std::string& file, const UrdfOutline& outline);
+
+}  // namespace dalembert::frontend

@@ -1,0 +1,210 @@
+#include "passes/build_tree.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <unordered_map>
+
+#include "ir/rotation.hpp"
+#include "passes/combine_inertia.hpp"
+
+namespace dalembert::passes {
+
+namespace {
+
+size_t at(int index) {
+  return static_cast<size_t>(index);
+}
+
+class TreeBuilder {
+ public:
+  TreeBuilder(const ir::RobotDescription& robot, const ir::Scene& scene, Diagnostics& warnings)
+      : robot_(robot), scene_(scene), warnings_(warnings) {}
+
+  ir::KinematicTree build() {
+    tree_.robot = robot_.name;
+    tree_.base_link = robot_.links[at(robot_.root)].name;
+    tree_.floating_base = scene_.base == ir::Base::floating;
+    parts_.resize(1);
+    walk();
+    if (tree_.floating_base) tree_.base = combined(parts_[0]);
+    for (size_t k = 0; k < tree_.bodies.size(); ++k) tree_.bodies[k].inertia = combined(parts_[k + 1]);
+    for (size_t k = tree_.bodies.size(); k-- > 0;)
+      if (const int parent = tree_.bodies[k].parent; parent >= 0)
+        tree_.bodies[at(parent)].subtree_size += tree_.bodies[k].subtree_size;
+    drive();
+    check_something_moves();
+    check_inertia();
+    check_links();
+    if (!errors_.empty()) throw InputError(errors_);
+    return std::move(tree_);
+  }
+
+ private:
+  // A link still to be visited: the joint above it (-1 for the root), and the body its parent link is part of.
+  struct Visit {
+    int link, joint, parent_body;
+    Eigen::Isometry3d placement;  // of the link, in the parent's body at q = 0
+  };
+
+  void walk() {
+    std::vector<Visit> stack{{robot_.root, -1, -1, Eigen::Isometry3d::Identity()}};
+    while (!stack.empty()) {
+      Visit visit = std::move(stack.back());
+      stack.pop_back();
+      const int body = visit.joint >= 0 && moves(robot_.joints[at(visit.joint)]) ? start_body(visit) : visit.parent_body;
+      const ir::Link& link = robot_.links[at(visit.link)];
+      tree_.links.push_back({link.name, body, visit.placement});
+      if (link.inertia) parts_[at(body + 1)].push_back(moved(*link.inertia, visit.placement));
+
+      const std::vector<int>& children = robot_.children[at(visit.link)];
+      for (auto j = children.rbegin(); j != children.rend(); ++j) {  // the first child on top of the stack
+        const ir::Joint& joint = robot_.joints[at(*j)];
+        if (!scene_.cut.count(robot_.links[at(joint.child)].name))
+          stack.push_back({joint.child, *j, body, visit.placement * joint.origin * lock(joint)});
+      }
+    }
+  }
+
+  bool moves(const ir::Joint& joint) const { return joint.type != ir::JointType::fixed && !scene_.locked.count(joint.name); }
+
+  // The joint's displacement where it is locked; the identity elsewhere.
+  Eigen::Isometry3d lock(const ir::Joint& joint) const {
+    Eigen::Isometry3d displacement = Eigen::Isometry3d::Identity();
+    const auto locked = scene_.locked.find(joint.name);
+    if (locked == scene_.locked.end()) return displacement;
+    if (joint.type == ir::JointType::prismatic) displacement.translation() = joint.axis * locked->second;
+    else displacement.linear() = ir::rotation_about(joint.axis, locked->second);
+    return displacement;
+  }
+
+  // The link begins a body: its frame becomes the body's.
+  int start_body(Visit& visit) {
+    const ir::Joint& joint = robot_.joints[at(visit.joint)];
+    ir::Body body;
+    body.name = robot_.links[at(visit.link)].name;
+    body.joint = joint.name;
+    body.type = joint.type;
+    body.parent = visit.parent_body;
+    body.placement = visit.placement;
+    body.axis = joint.axis;
+    const auto asked = [&](const std::map<std::string, double>& values, double otherwise) {
+      const auto value = values.find(joint.name);
+      return value == values.end() ? otherwise : value->second;
+    };
+    body.armature = asked(scene_.armature, 0);
+    body.damping = asked(scene_.damping, scene_.urdf_damping ? joint.damping : 0);
+    body.friction = asked(scene_.friction, scene_.urdf_friction ? joint.friction : 0);
+    visit.placement.setIdentity();
+    parts_.emplace_back();
+    tree_.bodies.push_back(std::move(body));
+    return tree_.joints() - 1;
+  }
+
+  // Mimic relations. What a driven joint adds to its driver's coordinate v: armature (c v̇ = force/c), so c² of it; likewise
+  // damping; Coulomb friction does not grow with speed, so |c|.
+  void drive() {
+    if (scene_.mimic.empty()) return;
+    std::unordered_map<std::string, int> body_of;
+    for (int k = 0; k < tree_.joints(); ++k) body_of.emplace(tree_.bodies[at(k)].joint, k);
+    for (const auto& [name, relation] : scene_.mimic) {
+      ir::Body& driven = tree_.bodies[at(body_of.at(name))];
+      driven.driven_by = body_of.at(relation.of);
+      driven.multiplier = relation.multiplier;
+      driven.offset = relation.offset;
+      ir::Body& driver = tree_.bodies[at(driven.driven_by)];
+      driver.armature += relation.multiplier * relation.multiplier * driven.armature;
+      driver.damping += relation.multiplier * relation.multiplier * driven.damping;
+      driver.friction += std::abs(relation.multiplier) * driven.friction;
+      driven.armature = driven.damping = driven.friction = 0;
+    }
+  }
+
+  void check_something_moves() {
+    if (tree_.nv() == 0)
+      throw InputError({Severity::error, robot_.file, fmt::format("robot '{}'", robot_.name),
+                        "no joint is left to move and the base is fixed", "unlock a joint, or ask for --base floating"});
+  }
+
+  // A joint that moves neither mass nor inertia, nor has an armature, makes M singular.
+  void check_inertia() {
+    std::vector<double> mass(tree_.bodies.size() + 1), moment(mass.size());  // per subtree, the base's first
+    for (size_t k = mass.size(); k-- > 0;) {
+      const ir::Inertia& own = k == 0 ? tree_.base : tree_.bodies[k - 1].inertia;
+      mass[k] += own.mass;
+      moment[k] += own.inertia.trace();
+      if (k > 0) {
+        mass[at(tree_.bodies[k - 1].parent + 1)] += mass[k];
+        moment[at(tree_.bodies[k - 1].parent + 1)] += moment[k];
+      }
+    }
+    for (const ir::LinkPlacement& link : tree_.links)  // a payload given at run time counts
+      for (int k = link.body; is_payload(link.link); k = tree_.bodies[at(k)].parent) {
+        mass[at(k + 1)] += 1;
+        if (k < 0) break;
+      }
+    std::vector<bool> carries(tree_.bodies.size());
+    for (size_t k = 0; k < carries.size(); ++k) {
+      const ir::Body& body = tree_.bodies[k];
+      const bool own = mass[k + 1] > 0 || (!body.prismatic() && moment[k + 1] > 0) || body.armature > 0;
+      if (own) carries[body.driven() ? at(body.driven_by) : k] = true;
+    }
+    for (size_t k = 0; k < carries.size(); ++k)
+      if (const ir::Body& body = tree_.bodies[k]; !body.driven() && !carries[k])
+        error(fmt::format("joint '{}'", body.joint),
+              fmt::format("it moves link '{}' and what is beyond it without any mass: M would be singular", body.name),
+              "give a link beyond it an <inertial>, make the joint fixed, or lock or cut it in the scene");
+      else if (no_inertia_about_axis(body))
+        warnings_.push_back({Severity::warning, robot_.file, fmt::format("joint '{}'", body.joint),
+                             fmt::format("link '{}' has no inertia about the joint's axis: M is singular", body.name),
+                             "give the link a rotational inertia, or the joint an armature in the scene"});
+    if (tree_.floating_base && mass[0] == 0)
+      error(fmt::format("robot '{}'", robot_.name), "no link has a mass: a floating base would have no inertia",
+            "give the links <inertial>, or ask for --base fixed");
+  }
+
+  bool no_inertia_about_axis(const ir::Body& body) const {
+    if (body.prismatic() || body.driven() || body.subtree_size > 1 || body.armature > 0) return false;
+    const Eigen::Vector3d lever = body.axis.cross(body.inertia.com);
+    return body.axis.dot(body.inertia.inertia * body.axis) + body.inertia.mass * lever.squaredNorm() == 0;
+  }
+
+  bool is_payload(const std::string& link) const {
+    return std::find(scene_.payloads.begin(), scene_.payloads.end(), link) != scene_.payloads.end();
+  }
+
+  // With a fixed base, links welded to it carry nothing and have no Jacobian.
+  void check_links() {
+    if (tree_.floating_base) return;
+    for (const ir::LinkPlacement& placement : tree_.links) {
+      if (placement.body >= 0) continue;
+      const std::string element = fmt::format("link '{}'", placement.link);
+      if (is_payload(placement.link))
+        error(element, "a payload is asked for at a link that does not move",
+              "name a link beyond a moving joint, or ask for base: floating");
+      if (std::find(scene_.jacobians.begin(), scene_.jacobians.end(), placement.link) != scene_.jacobians.end())
+        error(element, "a Jacobian is asked for of a link that does not move: the base is fixed",
+              "name a link beyond a moving joint, or ask for base: floating");
+    }
+  }
+
+  void error(std::string element, std::string message, std::string remedy) {
+    errors_.push_back({Severity::error, robot_.file, std::move(element), std::move(message), std::move(remedy)});
+  }
+
+  const ir::RobotDescription& robot_;
+  const ir::Scene& scene_;
+  Diagnostics& warnings_;
+  ir::KinematicTree tree_;
+  std::vector<std::vector<ir::Inertia>> parts_;  // per body, the base's first: inertias of its links
+  Diagnostics errors_;
+};
+
+}  // namespace
+
+ir::KinematicTree build_tree(const ir::RobotDescription& robot, const ir::Scene& scene, Diagnostics& warnings) {
+  return TreeBuilder(robot, scene, warnings).build();
+}
+
+}  // namespace dalembert::passes

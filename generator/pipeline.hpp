@@ -1,0 +1,33 @@
+// The compiler from top to bottom: a URDF and a scene become a Model, a Model becomes files.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "diagnostics.hpp"
+#include "ir/kinematic_tree.hpp"
+#include "ir/robot_description.hpp"
+#include "ir/scene.hpp"
+
+namespace dalembert {
+
+// What the user asks for.
+struct Request {
+  std::string robot;       // URDF file
+  std::string scene_file;  // empty: none
+  std::string name;        // of the generated code; empty: the robot's, as an identifier
+};
+
+// What the compiler works on.
+struct Model {
+  ir::RobotDescription description;
+  ir::Scene scene;
+  ir::KinematicTree tree;
+  std::string name;          // namespace and folder of the generated code; an identifier
+  std::string command_line;  // the command that remakes the generated code, without folders
+};
+
+// Reads and checks the URDF and the scene, and builds the tree. Throws InputError; appends to `warnings`.
+Model read_model(const Request& request, Diagnostics& warnings);
+
+}  // namespace dalembert
