@@ -1,0 +1,52 @@
+#!/bin/sh
+# sh cmake/setup.sh GROUP...   Installs what is missing of the groups' Debian packages; does nothing, quickly, when all is there.
+#
+#   build     the generator and the libraries its code needs
+#   example   the controller's plant (MuJoCo) and its picture (gnuplot)
+#   test      test framework, second compiler, and the programs that results are compared with
+set -eu
+
+build="g++ cmake ninja-build libeigen3-dev liburdfdom-dev libfmt-dev libyaml-cpp-dev libcli11-dev libtbb-dev libboost-dev"
+example="libmujoco-dev gnuplot-nox"
+test="libgtest-dev clang python3 libmujoco-dev libdart-dev libdart-utils-dev libdart-utils-urdf-dev libdart-external-ikfast-dev
+      dart-doc liborocos-kdl-dev libbenchmark-dev"
+
+wanted=""
+for group in "$@"; do
+  case $group in
+    build) wanted="$wanted $build" ;;
+    example) wanted="$wanted $example" ;;
+    test) wanted="$wanted $test" ;;
+    *) echo "setup.sh: no group '$group'; there are build, example and test" >&2; exit 2 ;;
+  esac
+done
+
+if ! command -v dpkg-query > /dev/null || ! command -v apt-get > /dev/null; then
+  echo "-- Not a Debian system: expecting the equivalents of these packages:" $wanted
+  exit 0
+fi
+
+installed=" $(dpkg-query -W -f '${db:Status-Status} ${Package}\n' 2> /dev/null | sed -n 's/^installed //p' | tr '\n' ' ')"
+missing=""
+for package in $wanted; do
+  case "$installed" in
+    *" $package "*) ;;
+    *) missing="$missing $package" ;;
+  esac
+done
+if [ -z "$missing" ]; then
+  echo "-- All packages are installed"
+  exit 0
+fi
+
+as_root=""
+if [ "$(id -u)" -ne 0 ]; then
+  as_root="sudo"
+  if ! command -v sudo > /dev/null; then
+    echo "setup.sh: these packages are missing:$missing; install them, or run this as root" >&2
+    exit 1
+  fi
+fi
+echo "-- Installing:$missing"
+$as_root apt-get update -q
+$as_root env DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends $missing
