@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "diagnostics.hpp"
+#include "frontend/scene_reader.hpp"
 #include "ir/kinematic_tree.hpp"
 #include "ir/robot_description.hpp"
 #include "ir/scene.hpp"
@@ -13,9 +14,10 @@ namespace dalembert {
 
 // What the user asks for.
 struct Request {
-  std::string robot;       // URDF file
-  std::string scene_file;  // empty: none
-  std::string name;        // of the generated code; empty: the robot's, as an identifier
+  std::string robot;                        // URDF file
+  std::string scene_file;                   // empty: none
+  std::vector<frontend::Setting> settings;  // scene keys given on the command line; they override the file's
+  std::string name;                         // of the generated code; empty: the robot's, as an identifier
 };
 
 // What the compiler works on.
@@ -24,7 +26,7 @@ struct Model {
   ir::Scene scene;
   ir::KinematicTree tree;
   std::string name;          // namespace and folder of the generated code; an identifier
-  std::string command_line;  // the command that remakes the generated code, without folders
+  std::string command_line;  // the command that remakes the generated code, with file names but without folders
 };
 
 // Reads and checks the URDF and the scene, and builds the tree. Throws InputError; appends to `warnings`.

@@ -1,7 +1,10 @@
 #include "commands/info.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "commands/json.hpp"
 
 namespace dalembert {
 
@@ -91,10 +94,52 @@ std::string sparsity(const ir::KinematicTree& tree) {
                      elements, nv * nv, pairs);
 }
 
+std::string cost_table(const std::vector<QuantityCost>& costs) {
+  if (costs.empty()) return "";
+  std::string text = "\noperations per evaluation:\n";
+  text +=
+      fmt::format("  {:<18}{:>8}{:>10}{:>8}{:>8}  {}\n", "quantity", "add", "multiply", "divide", "sincos", "does not read");
+  for (const QuantityCost& cost : costs) {
+    std::string unread;
+    const auto note = [&](bool reads, const char* input) {
+      if (!reads) unread += (unread.empty() ? "" : ", ") + std::string(input);
+    };
+    note(cost.reads_position, "joint positions");
+    note(cost.reads_velocity, "velocities");
+    note(cost.reads_base_pose, "base pose");
+    text += fmt::format("  {:<18}{:>8}{:>10}{:>8}{:>8}  {}\n", cost.name, cost.add, cost.multiply, cost.divide, cost.sincos,
+                        unread);
+  }
+  return text;
+}
+
 }  // namespace
 
-std::string describe(const Model& model) {
-  return summary(model) + coordinates(model.tree) + bodies(model.tree) + links(model.tree) + sparsity(model.tree);
+std::string describe(const Model& model, const std::vector<QuantityCost>& costs) {
+  return summary(model) + coordinates(model.tree) + bodies(model.tree) + links(model.tree) + sparsity(model.tree) +
+         cost_table(costs);
+}
+
+std::string describe_json(const Model& model, const std::vector<QuantityCost>& costs) {
+  const ir::KinematicTree& tree = model.tree;
+  std::vector<std::string> joints, bodies;
+  if (tree.floating_base) bodies.push_back(tree.base_link);
+  for (const ir::Body& body : tree.bodies) {
+    if (!body.driven()) joints.push_back(body.joint);
+    bodies.push_back(body.name);
+  }
+  std::string quantities;
+  for (const QuantityCost& cost : costs)
+    quantities += fmt::format(
+        "{}\n    {}: {{\"add\": {}, \"multiply\": {}, \"divide\": {}, \"sincos\": {}, \"reads_position\": {}, "
+        "\"reads_velocity\": {}, \"reads_base_pose\": {}}}",
+        quantities.empty() ? "" : ",", json_string(cost.name), cost.add, cost.multiply, cost.divide, cost.sincos,
+        cost.reads_position, cost.reads_velocity, cost.reads_base_pose);
+  return fmt::format(
+      "{{\n  \"robot\": {},\n  \"name\": {},\n  \"base\": \"{}\",\n  \"nq\": {},\n  \"nv\": {},\n  \"joints\": {},\n"
+      "  \"bodies\": {},\n  \"quantities\": {{{}}}\n}}\n",
+      json_string(tree.robot), json_string(model.name), tree.floating_base ? "floating" : "fixed", tree.nq(), tree.nv(),
+      json_array(joints), json_array(bodies), quantities.empty() ? "" : quantities + "\n  ");
 }
 
 }  // namespace dalembert

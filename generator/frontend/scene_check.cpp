@@ -1,6 +1,177 @@
 #include "frontend/scene_check.hpp"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <unordered_map>
+
+#include "frontend/nearest.hpp"
+
 namespace dalembert::frontend {
+
+namespace {
+
+class SceneCheck {
+ public:
+  SceneCheck(const SceneDocument& document, const ir::RobotDescription& robot, Diagnostics& warnings)
+      : document_(document), robot_(robot), warnings_(warnings), scene_(document.scene) {
+    for (size_t i = 0; i < robot.links.size(); ++i) links_.emplace(robot.links[i].name, static_cast<int>(i));
+    for (size_t j = 0; j < robot.joints.size(); ++j) joints_.emplace(robot.joints[j].name, static_cast<int>(j));
+    is_cut_.assign(robot.links.size(), false);
+  }
+
+  ir::Scene run() {
+    if (!document_.given.count("base")) scene_.base = default_base(robot_);
+    outputs();
+    cut();
+    for (const auto& [joint, value] : scene_.locked) moving_joint("locked", joint);
+    mimic();
+    for (const std::string& link : scene_.jacobians) kept_link("jacobians", link);
+    for (const std::string& link : scene_.payloads) kept_link("payloads", link);
+    for (const auto& [joint, value] : scene_.armature) free_joint("armature", joint);
+    for (const auto& [joint, value] : scene_.damping) free_joint("damping", joint);
+    for (const auto& [joint, value] : scene_.friction) free_joint("friction", joint);
+    if (!errors_.empty()) throw InputError(errors_);
+    warn_of_mimic();
+    warn_of_losses("damping", scene_.urdf_damping || document_.given.count("damping"), &ir::Joint::damping);
+    warn_of_losses("friction", scene_.urdf_friction || document_.given.count("friction"), &ir::Joint::friction);
+    return std::move(scene_);
+  }
+
+ private:
+  void outputs() {
+    const bool given = document_.given.count("outputs") > 0;
+    if (scene_.outputs.empty() && scene_.jacobians.empty())
+      error("outputs", "no output is asked for", "name at least one quantity, such as mass_matrix");
+    if (!scene_.rates_zero) return;
+    if (!given) {
+      scene_.outputs = {ir::Quantity::mass_matrix, ir::Quantity::gravity};
+    } else if (std::count(scene_.outputs.begin(), scene_.outputs.end(), ir::Quantity::coriolis_matrix)) {
+      error("outputs", "coriolis_matrix is zero when rates_zero is set",
+            "remove one of the two; bias then is gravity, and may stay");
+    }
+  }
+
+  void cut() {
+    std::vector<int> beyond;
+    for (const std::string& name : scene_.cut) {
+      if (!known("cut", "link", name, links_)) continue;
+      const int link = links_.at(name);
+      if (link == robot_.root)
+        error("cut/" + name, fmt::format("link '{}' is the root: nothing would be left", name), "name a link beyond a joint");
+      beyond.push_back(link);
+    }
+    while (!beyond.empty()) {
+      const size_t link = static_cast<size_t>(beyond.back());
+      beyond.pop_back();
+      if (is_cut_[link]) continue;
+      is_cut_[link] = true;
+      for (int j : robot_.children[link]) beyond.push_back(robot_.joints[static_cast<size_t>(j)].child);
+    }
+  }
+
+  void mimic() {
+    if (document_.urdf_mimic)
+      for (const ir::Joint& joint : robot_.joints)
+        if (joint.mimic && !is_cut(joint) && !scene_.locked.count(joint.name)) scene_.mimic.emplace(joint.name, *joint.mimic);
+    for (const auto& [name, relation] : scene_.mimic) {
+      const std::string key = document_.urdf_mimic ? "mimic" : "mimic/" + name;
+      const std::string of = document_.urdf_mimic ? key : key + "/of";
+      if (!free_joint(key, name) || !free_joint(of, relation.of)) continue;
+      if (relation.of == name) error(key, fmt::format("joint '{}' drives itself", name), "name another joint as its driver");
+      else if (scene_.mimic.count(relation.of))
+        error(key, fmt::format("joint '{}' is driven by '{}', which is driven itself", name, relation.of),
+              "name the joint at the end of the chain as the driver, which has a coordinate of its own");
+      if (relation.multiplier == 0)
+        error(key, fmt::format("the multiplier of joint '{}' is zero: it would not move", name),
+              fmt::format("lock it at its offset instead: locked: {{{}: {}}}", name, relation.offset));
+    }
+  }
+
+  template <class Names>
+  bool known(const std::string& key, const char* kind, const std::string& name, const Names& names) {
+    if (names.count(name)) return true;
+    std::vector<std::string> all;
+    for (const auto& entry : names) all.push_back(entry.first);
+    std::sort(all.begin(), all.end());
+    error(locate(key, name), fmt::format("there is no {} '{}'", kind, name), suggestion(name, all));
+    return false;
+  }
+
+  // A joint that exists, moves and is not cut.
+  bool moving_joint(const std::string& key, const std::string& name) {
+    if (!known(key, "joint", name, joints_)) return false;
+    const ir::Joint& joint = robot_.joints[static_cast<size_t>(joints_.at(name))];
+    if (joint.type == ir::JointType::fixed)
+      error(locate(key, name), fmt::format("joint '{}' is fixed", name), "name a joint that moves, or remove it here");
+    else if (is_cut(joint))
+      error(locate(key, name), fmt::format("joint '{}' is cut off", name),
+            "remove it here, or remove the link it belongs to from 'cut'");
+    else return true;
+    return false;
+  }
+
+  // … and is not locked either.
+  bool free_joint(const std::string& key, const std::string& name) {
+    if (!moving_joint(key, name)) return false;
+    if (!scene_.locked.count(name)) return true;
+    error(locate(key, name), fmt::format("joint '{}' is locked", name), "remove it here, or from 'locked'");
+    return false;
+  }
+
+  void kept_link(const std::string& key, const std::string& name) {
+    if (known(key, "link", name, links_) && is_cut_[static_cast<size_t>(links_.at(name))])
+      error(locate(key, name), fmt::format("link '{}' is cut off", name),
+            "remove it here, or remove the link it hangs on from 'cut'");
+  }
+
+  bool is_cut(const ir::Joint& joint) const { return is_cut_[static_cast<size_t>(joint.child)]; }
+
+  // The place of an entry of a key; a key with a '/' is a place already.
+  static std::string locate(const std::string& key, const std::string& name) {
+    return key.find('/') == key.npos ? key + "/" + name : key;
+  }
+
+  void error(const std::string& where, std::string message, std::string remedy) {
+    Place place{robot_.file, ""};  // neither written in the scene nor on the command line: the URDF's
+    auto found = document_.places.find(where);
+    if (found == document_.places.end()) found = document_.places.find(where.substr(0, where.find('/')));
+    if (found != document_.places.end()) place = found->second;
+    errors_.push_back({Severity::error, place.file, place.element, std::move(message), std::move(remedy)});
+  }
+
+  void warn_of_mimic() {
+    for (const ir::Joint& joint : robot_.joints)
+      if (joint.mimic && joint.type != ir::JointType::fixed && !is_cut(joint) && !scene_.locked.count(joint.name) &&
+          !scene_.mimic.count(joint.name))
+        warnings_.push_back({Severity::warning, robot_.file, fmt::format("joint '{}'", joint.name),
+                             fmt::format("its <mimic> of '{}' is left out: it is a joint of its own", joint.mimic->of),
+                             "ask for it with mimic: urdf in the scene"});
+  }
+
+  void warn_of_losses(const char* kind, bool asked, double ir::Joint::*value) {
+    if (asked) return;
+    std::vector<std::string> joints;
+    for (const ir::Joint& joint : robot_.joints)
+      if (joint.*value != 0 && joint.type != ir::JointType::fixed && !is_cut(joint) && !scene_.locked.count(joint.name))
+        joints.push_back(joint.name);
+    if (!joints.empty())
+      warnings_.push_back(
+          {Severity::warning, robot_.file, fmt::format("joint{} {}", joints.size() > 1 ? "s" : "", fmt::join(joints, ", ")),
+           fmt::format("<dynamics {}> is left out", kind), fmt::format("ask for it with {}: urdf in the scene", kind)});
+  }
+
+  const SceneDocument& document_;
+  const ir::RobotDescription& robot_;
+  Diagnostics& warnings_;
+  ir::Scene scene_;
+  std::unordered_map<std::string, int> links_, joints_;
+  std::vector<bool> is_cut_;  // per link
+  Diagnostics errors_;
+};
+
+}  // namespace
 
 ir::Base default_base(const ir::RobotDescription& robot) {
   if (robot.links[static_cast<size_t>(robot.root)].name == "world") return ir::Base::fixed;
@@ -13,6 +184,10 @@ ir::Base default_base(const ir::RobotDescription& robot) {
         welded.push_back(joint.child);
   }
   return ir::Base::fixed;
+}
+
+ir::Scene check_scene(const SceneDocument& document, const ir::RobotDescription& robot, Diagnostics& warnings) {
+  return SceneCheck(document, robot, warnings).run();
 }
 
 }  // namespace dalembert::frontend

@@ -1,7 +1,8 @@
-// A scene against its robot.
+// A scene against its robot: names looked up, defaults filled in, contradictions refused.
 #pragma once
 
 #include "diagnostics.hpp"
+#include "frontend/scene_reader.hpp"
 #include "ir/robot_description.hpp"
 #include "ir/scene.hpp"
 
@@ -10,5 +11,9 @@ namespace dalembert::frontend {
 // What `base` means when the user does not say: fixed when the root link is named "world", or when neither it nor a link
 // welded to it has an inertia; floating otherwise.
 ir::Base default_base(const ir::RobotDescription& robot);
+
+// The scene, complete. Throws InputError with every unknown name and contradiction, each with its place and a remedy. Warns
+// about what the URDF says and the scene leaves out: mimic relations, damping, friction.
+ir::Scene check_scene(const SceneDocument& document, const ir::RobotDescription& robot, Diagnostics& warnings);
 
 }  // namespace dalembert::frontend

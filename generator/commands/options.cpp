@@ -1,0 +1,46 @@
+#include "commands/options.hpp"
+
+namespace dalembert {
+
+namespace {
+struct Help {
+  const char* key;
+  const char* value;
+  const char* text;
+};
+
+constexpr Help scene_help[] = {
+    {"base", "fixed|floating", "default: floating, unless the root link is called world or has no inertia"},
+    {"gravity", "X,Y,Z|none|run_time",
+     "m/s² along the world's axes, default 0,0,-9.81; run_time=X,Y,Z sets the value to start with"},
+    {"outputs", "A,B,...", "mass_matrix, coriolis_matrix, gravity, bias, wrench_influence; default: all but the last"},
+    {"locked", "JOINT=VALUE,...", "joints held at a value (rad or m)"},
+    {"cut", "LINK,...", "links removed with everything beyond them"},
+    {"mimic", "urdf|{JOINT: {of: JOINT, multiplier: 1, offset: 0}}", "joints driven by another"},
+    {"jacobians", "LINK,...", "links whose body Jacobian is an output too"},
+    {"payloads", "LINK,...", "links that carry a payload given at run time"},
+    {"armature", "JOINT=VALUE,...", "rotor inertia at the joint, kg m² or kg"},
+    {"damping", "urdf|JOINT=VALUE,...", "viscous damping, N m s/rad or N s/m"},
+    {"friction", "urdf|JOINT=VALUE,...", "Coulomb friction, N m or N"},
+    {"rates_zero", "true|false", "statics: all velocities are zero"},
+    {"scalar", "double|float", "number type of the generated code, default double"},
+    {"parallel", "serial|tasks|auto", "whether a task graph is generated beside the serial code, default auto"},
+};
+}  // namespace
+
+SharedOptions::SharedOptions(CLI::App& command) {
+  command.add_option("ROBOT", request_.robot, "URDF file")->required()->type_name("FILE");
+  command.add_option("--scene", request_.scene_file, "scene file (YAML); the options below are its keys and override it")
+      ->type_name("FILE");
+  for (const Help& help : scene_help)
+    options_[help.key] = command.add_option(std::string("--") + help.key, texts_[help.key], help.text)->type_name(help.value);
+}
+
+Request SharedOptions::request() const {
+  Request request = request_;
+  for (const std::string& key : frontend::scene_keys())
+    if (options_.at(key)->count() > 0) request.settings.push_back({key, texts_.at(key)});
+  return request;
+}
+
+}  // namespace dalembert

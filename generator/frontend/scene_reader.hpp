@@ -1,0 +1,46 @@
+// Scene file (YAML) and command-line options → SceneDocument: what the user wrote, with its places.
+//
+// Every key of the file is an option of the same name. An option replaces the file's key as a whole. docs/scene.md describes
+// the keys. Names of links and joints are not looked up here: check_scene does, with the places kept in the document.
+#pragma once
+
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "diagnostics.hpp"
+#include "ir/scene.hpp"
+
+namespace dalembert::frontend {
+
+// A key given on the command line. The value is YAML in one line ("[a, b]", "{j1: 0.3}"); brackets may be left out of lists
+// ("a,b"), and maps written "j1=0.3,j2=0".
+struct Setting {
+  std::string key;
+  std::string text;
+};
+
+// The keys, in the order in which they are documented.
+const std::vector<std::string>& scene_keys();
+
+// Where something was written: a scene file with line and column, or an option.
+struct Place {
+  std::string file;
+  std::string element;  // "line 3, column 5: key 'locked'" or "option --locked"
+};
+
+struct SceneDocument {
+  ir::Scene scene;                      // the keys given; the defaults elsewhere
+  std::set<std::string> given;          // the keys given
+  bool urdf_mimic = false;              // mimic: urdf
+  std::map<std::string, Place> places;  // "locked" for a key, "locked/l_knee" for an entry of it
+};
+
+// `file`: empty when there is none. Throws InputError at the first unknown key or value, with line and column and a remedy.
+SceneDocument read_scene(const std::string& file, const std::vector<Setting>& settings);
+
+// The same for the text of a file.
+SceneDocument read_scene_text(const std::string& file, const std::string& text, const std::vector<Setting>& settings);
+
+}  // namespace dalembert::frontend

@@ -1,0 +1,54 @@
+#include "frontend/setting_text.hpp"
+
+#include <string_view>
+#include <vector>
+
+namespace dalembert::frontend {
+
+namespace {
+
+std::string trimmed(std::string_view text) {
+  const size_t begin = text.find_first_not_of(" \t");
+  if (begin == text.npos) return "";
+  return std::string(text.substr(begin, text.find_last_not_of(" \t") - begin + 1));
+}
+
+std::vector<std::string> split(std::string_view text) {
+  std::vector<std::string> pieces;
+  while (true) {
+    const size_t comma = text.find(',');
+    pieces.push_back(trimmed(text.substr(0, comma)));
+    if (comma == text.npos) return pieces;
+    text.remove_prefix(comma + 1);
+  }
+}
+
+YAML::Node list(const std::vector<std::string>& pieces) {
+  YAML::Node node(YAML::NodeType::Sequence);
+  for (const std::string& piece : pieces) node.push_back(piece);
+  return node;
+}
+
+}  // namespace
+
+YAML::Node node_of(const std::string& text) {
+  const std::string value = trimmed(text);
+  if (value.starts_with('[') || value.starts_with('{')) return YAML::Load(value);
+  if (value.empty()) return YAML::Node(YAML::NodeType::Sequence);
+  const std::vector<std::string> pieces = split(value);
+  if (value.find('=') == value.npos) return pieces.size() == 1 ? YAML::Node(value) : list(pieces);
+  // A piece without '=' continues the value before it.
+  std::vector<std::pair<std::string, std::vector<std::string>>> entries;
+  for (const std::string& piece : pieces) {
+    const size_t equals = piece.find('=');
+    if (equals != piece.npos) entries.push_back({trimmed(piece.substr(0, equals)), {trimmed(piece.substr(equals + 1))}});
+    else if (entries.empty()) return list(pieces);
+    else entries.back().second.push_back(piece);
+  }
+  YAML::Node map(YAML::NodeType::Map);
+  for (const auto& [key, values] : entries)
+    map.force_insert(key, values.size() == 1 ? YAML::Node(values.front()) : list(values));  // keeps a key given twice
+  return map;
+}
+
+}  // namespace dalembert::frontend
