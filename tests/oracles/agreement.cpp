@@ -1,0 +1,128 @@
+#include "agreement.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <dalembert/generic/dynamics.hpp>
+#include <limits>
+#include <stdexcept>
+
+#include "commands/generic_model.hpp"
+#include "load_robot.hpp"
+
+namespace dalembert::oracle {
+namespace {
+
+// Largest difference over max(largest element of the reference, floor).
+double relative_error(const Eigen::MatrixXd& ours, const Eigen::MatrixXd& reference, double floor) {
+  if (!ours.allFinite() || !reference.allFinite()) return std::numeric_limits<double>::infinity();
+  const double scale = std::max(reference.cwiseAbs().maxCoeff(), floor);
+  const double difference = (ours - reference).cwiseAbs().maxCoeff();
+  return difference == 0 ? 0 : difference / scale;
+}
+
+}  // namespace
+
+std::vector<Case> all_cases() {
+  std::vector<Case> cases;
+  for (const TestRobot& robot : test_robots) {
+    for (const Base base : {Base::floating, Base::fixed}) cases.push_back({robot, base});
+  }
+  return cases;
+}
+
+std::string name_of(const Case& c) {
+  return std::string(c.robot.name) + (c.base == Base::floating ? "_floating" : "_fixed");
+}
+
+ir::KinematicTree tree_of(const Case& c) {
+  return testing::load_robot(c.robot, c.base == Base::floating);
+}
+
+Request request_of(const Case& c, const ir::KinematicTree& tree, const Eigen::Vector3d& gravity) {
+  Request request{c.robot.urdf, c.base, {}, gravity};
+  for (const ir::Body& body : tree.bodies) request.joints.push_back(body.joint);
+  return request;
+}
+
+Dynamics generic_dynamics(const ir::KinematicTree& tree, const Eigen::Vector3d& gravity, const Eigen::VectorXd& q,
+                          const Eigen::VectorXd& v) {
+  const auto result = generic::evaluate<double>(to_generic<double>(tree, gravity), q, v);
+  Dynamics ours;
+  ours.mass_matrix = result.mass_matrix;
+  ours.coriolis = result.coriolis_matrix * v;
+  ours.gravity = result.gravity;
+  ours.bias = result.bias;
+  ours.momentum.setZero();
+  if (tree.floating_base) ours.momentum = result.mass_matrix.topRows<6>() * v;
+  return ours;
+}
+
+std::vector<Error> compare(const Dynamics& ours, const Dynamics& oracle, const Eigen::Vector3d& gravity,
+                           const Eigen::VectorXd& v) {
+  const double inertia = 1e-3 * oracle.mass_matrix.cwiseAbs().maxCoeff();
+  const double coriolis = inertia * v.squaredNorm(), weight = inertia * gravity.norm();
+  return {{"M", relative_error(ours.mass_matrix, oracle.mass_matrix, 0)},
+          {"C v", relative_error(ours.coriolis, oracle.coriolis, coriolis)},
+          {"g", relative_error(ours.gravity, oracle.gravity, weight)},
+          {"bias", relative_error(ours.bias, oracle.bias, coriolis + weight)},
+          {"momentum", relative_error(ours.momentum, oracle.momentum, inertia * v.norm())}};
+}
+
+double error_in(const std::vector<Error>& errors, const std::string& quantity) {
+  for (const Error& error : errors) {
+    if (quantity == error.quantity) return error.value;
+  }
+  throw std::invalid_argument("no quantity '" + quantity + "'");
+}
+
+Case mutated_case(Base base) {
+  for (const TestRobot& robot : test_robots) {
+    if (std::string(robot.name) == mutated_robot) return {robot, base};
+  }
+  throw std::invalid_argument(std::string("no test robot '") + mutated_robot + "'");
+}
+
+std::vector<Mutation> mutations(Base base) {
+  std::vector<Mutation> result{
+      {"a mass larger by 1e-6",
+       [](ir::KinematicTree& t) { t.bodies.back().inertia.mass *= 1 + 1e-6; },
+       {"M", "C v", "g", "bias"}},
+      {"an inertia larger by 1e-6",
+       [](ir::KinematicTree& t) { t.bodies.back().inertia.inertia *= 1 + 1e-6; },
+       {"M", "C v", "bias"}},
+      {"a product of inertia of the other sign",
+       [](ir::KinematicTree& t) {
+         auto& inertia = t.bodies.back().inertia.inertia;
+         inertia(0, 1) = inertia(1, 0) = -inertia(0, 1);
+       },
+       {"M", "C v", "bias"}},
+      {"a centre of mass off by a micrometre",
+       [](ir::KinematicTree& t) { t.bodies.back().inertia.com[1] += 1e-6; },
+       {"M", "g"}},
+      {"a joint off by a micrometre",
+       [](ir::KinematicTree& t) { t.bodies.back().placement.translation()[0] += 1e-6; },
+       {"M", "bias"}},
+      {"an axis reversed", [](ir::KinematicTree& t) { t.bodies.back().axis *= -1; }, {"M", "C v", "g", "bias"}},
+      {"a body on the wrong parent",
+       [](ir::KinematicTree& t) { t.bodies.back().parent = t.bodies[t.bodies.size() - 2].parent; },
+       {"M", "C v", "bias"}}};
+  if (base == Base::floating) {
+    result.push_back(
+        {"a base heavier by 1e-6", [](ir::KinematicTree& t) { t.base.mass *= 1 + 1e-6; }, {"M", "g", "bias", "momentum"}});
+  }
+  return result;
+}
+
+Dynamics in_world_axes(const Dynamics& ours, const Eigen::VectorXd& q) {
+  const Eigen::Matrix3d rotation = Eigen::Quaterniond(q[6], q[3], q[4], q[5]).toRotationMatrix();
+  Dynamics result = ours;
+  result.mass_matrix.topRows<3>() = rotation * ours.mass_matrix.topRows<3>();
+  result.mass_matrix.leftCols<3>() = (result.mass_matrix.leftCols<3>() * rotation.transpose()).eval();
+  for (Eigen::VectorXd* vector : {&result.coriolis, &result.gravity, &result.bias}) {
+    vector->head<3>() = (rotation * vector->head<3>()).eval();
+  }
+  result.momentum.head<3>() = rotation * ours.momentum.head<3>();
+  return result;
+}
+
+}  // namespace dalembert::oracle

@@ -1,0 +1,52 @@
+// How far we are from an oracle, quantity by quantity; and wrong versions of us, each of which an oracle must notice.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "ir/kinematic_tree.hpp"
+#include "oracle.hpp"
+#include "robots.hpp"
+
+namespace dalembert::oracle {
+
+// A test robot and what is done with its root: the parameter of every oracle test.
+struct Case {
+  TestRobot robot;
+  Base base = Base::floating;
+};
+std::vector<Case> all_cases();
+std::string name_of(const Case& c);  // an identifier: "wam_fixed"
+
+ir::KinematicTree tree_of(const Case& c);
+Request request_of(const Case& c, const ir::KinematicTree& tree, const Eigen::Vector3d& gravity);
+
+// The generic engine's answer (double) in an oracle's terms: C v from C itself, momentum from M's base rows.
+Dynamics generic_dynamics(const ir::KinematicTree& tree, const Eigen::Vector3d& gravity, const Eigen::VectorXd& q,
+                          const Eigen::VectorXd& v);
+
+struct Error {
+  const char* quantity;  // "M", "C v", "g", "bias", "momentum"
+  double value;          // largest difference, relative to the oracle's largest element
+};
+// A vector of nothing but rounding (g of a joint parallel to gravity) is measured against what a thousandth of the robot's
+// inertia would need, so that rounding is not divided by rounding. Infinite when a number of ours is not finite.
+std::vector<Error> compare(const Dynamics& ours, const Dynamics& oracle, const Eigen::Vector3d& gravity,
+                           const Eigen::VectorXd& v);
+double error_in(const std::vector<Error>& errors, const std::string& quantity);
+
+// A slip such as a front end or an engine could make, small or only of sign.
+struct Mutation {
+  const char* name;
+  std::function<void(ir::KinematicTree&)> spoil;
+  std::vector<const char*> noticed_in;
+};
+std::vector<Mutation> mutations(Base base);
+inline constexpr const char* mutated_robot = "branch_below_base";
+Case mutated_case(Base base);
+
+// Ours with C v of the base turned to world axes, as MuJoCo has it: a slip in conventions. Floating base.
+Dynamics in_world_axes(const Dynamics& ours, const Eigen::VectorXd& q);
+
+}  // namespace dalembert::oracle

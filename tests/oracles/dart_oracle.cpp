@@ -1,0 +1,127 @@
+#include "dart_oracle.hpp"
+
+#include <dart/dart.hpp>
+#include <dart/utils/urdf/urdf.hpp>
+#include <stdexcept>
+
+#include "urdf_text.hpp"
+
+namespace dalembert::oracle {
+
+struct DartOracle::Impl {
+  dart::dynamics::SkeletonPtr skeleton;
+  bool floating = false;
+  std::vector<int> dof;  // our coordinate of v → DART's
+
+  dart::dynamics::FreeJoint& free_joint() { return dynamic_cast<dart::dynamics::FreeJoint&>(*skeleton->getJoint(0)); }
+
+  void set_state(const Eigen::VectorXd& q, const Eigen::VectorXd& v) {
+    const int nv = static_cast<int>(dof.size());
+    const int base_dofs = floating ? 6 : 0;
+    Eigen::VectorXd positions(nv), velocities(nv);
+    if (floating) {
+      Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+      pose.translation() = q.head<3>();
+      pose.linear() = Eigen::Quaterniond(q[6], q[3], q[4], q[5]).toRotationMatrix();
+      positions.head<6>() = dart::dynamics::FreeJoint::convertToPositions(pose);
+    }
+    for (int i = 0; i < nv; ++i) {
+      velocities[dof[static_cast<size_t>(i)]] = v[i];
+      if (i >= base_dofs) positions[dof[static_cast<size_t>(i)]] = q[i + (floating ? 1 : 0)];
+    }
+    skeleton->setPositions(positions);
+    skeleton->setVelocities(velocities);
+  }
+
+  Eigen::VectorXd ours(const Eigen::VectorXd& theirs) const {
+    Eigen::VectorXd result(theirs.size());
+    for (int i = 0; i < result.size(); ++i) result[i] = theirs[dof[static_cast<size_t>(i)]];
+    return result;
+  }
+};
+
+namespace {
+
+dart::dynamics::SkeletonPtr load(const Request& request) {
+  // A link without <inertial> would silently weigh 1 kg. DART refuses a mass of zero only in asserts that its release build
+  // does not have; a mass of 1e-300 adds nothing to any sum and passes them all.
+  const dart::dynamics::Inertia nothing(1e-300, Eigen::Vector3d::Zero(), 1e-300 * Eigen::Matrix3d::Identity());
+  using Root = dart::utils::DartLoader::RootJointType;
+  dart::utils::DartLoader::Options options(nullptr, request.base == Base::floating ? Root::FLOATING : Root::FIXED, nothing);
+  auto skeleton = dart::utils::DartLoader(options).parseSkeletonString(edited_urdf(request.urdf, {}), "");
+  if (!skeleton) throw std::runtime_error(request.urdf + ": DART cannot read it");
+  skeleton->setGravity(request.gravity);
+  for (auto* dof : skeleton->getDofs()) {
+    dof->setDampingCoefficient(0);
+    dof->setCoulombFriction(0);
+    dof->setSpringStiffness(0);
+  }
+  return skeleton;
+}
+
+}  // namespace
+
+DartOracle::DartOracle(const Request& request) : impl_(std::make_unique<Impl>()) {
+  impl_->skeleton = load(request);
+  impl_->floating = request.base == Base::floating;
+  if (impl_->floating) {
+    // DART: [angular; linear], both in base axes; ours: [linear; angular]. A permutation, so nothing else changes.
+    for (const int i : {3, 4, 5, 0, 1, 2})
+      impl_->dof.push_back(static_cast<int>(impl_->free_joint().getIndexInSkeleton(static_cast<size_t>(i))));
+  }
+  for (const std::string& name : request.joints) {
+    auto* joint = impl_->skeleton->getJoint(name);
+    if (!joint || joint->getNumDofs() != 1)
+      throw std::runtime_error(request.urdf + ": DART has no moving joint '" + name + "'");
+    impl_->dof.push_back(static_cast<int>(joint->getIndexInSkeleton(0)));
+  }
+  if (impl_->dof.size() != impl_->skeleton->getNumDofs()) {
+    throw std::runtime_error(request.urdf + ": DART reads " + std::to_string(impl_->skeleton->getNumDofs()) +
+                             " coordinates, not " + std::to_string(impl_->dof.size()));
+  }
+}
+
+DartOracle::~DartOracle() = default;
+DartOracle::DartOracle(DartOracle&&) noexcept = default;
+
+void DartOracle::set_state(const Eigen::VectorXd& q, const Eigen::VectorXd& v) {
+  impl_->set_state(q, v);
+}
+const Eigen::MatrixXd& DartOracle::own_mass_matrix() {
+  return impl_->skeleton->getMassMatrix();
+}
+const Eigen::VectorXd& DartOracle::own_bias() {
+  return impl_->skeleton->getCoriolisAndGravityForces();
+}
+
+Dynamics DartOracle::evaluate(const Eigen::VectorXd& q, const Eigen::VectorXd& v) {
+  set_state(q, v);
+  const int nv = static_cast<int>(impl_->dof.size());
+  const Eigen::MatrixXd& own_mass = impl_->skeleton->getMassMatrix();
+  Dynamics result;
+  result.mass_matrix.resize(nv, nv);
+  for (int i = 0; i < nv; ++i) {
+    for (int j = 0; j < nv; ++j) {
+      result.mass_matrix(i, j) = own_mass(impl_->dof[static_cast<size_t>(i)], impl_->dof[static_cast<size_t>(j)]);
+    }
+  }
+  result.coriolis = impl_->ours(impl_->skeleton->getCoriolisForces());
+  result.gravity = impl_->ours(impl_->skeleton->getGravityForces());
+  result.bias = impl_->ours(impl_->skeleton->getCoriolisAndGravityForces());
+  result.momentum.setZero();
+  if (impl_->floating) {
+    // Body by body, from DART's spatial velocities and inertias rather than from the mass matrix: another road to M's rows.
+    const auto* base = impl_->skeleton->getBodyNode(0);
+    for (const auto* body : impl_->skeleton->getBodyNodes()) {
+      const Eigen::Isometry3d pose = body->getTransform(base);
+      const Eigen::Matrix<double, 6, 1> own =
+          body->getInertia().getSpatialTensor() * body->getSpatialVelocity();  // [angular; linear]
+      const Eigen::Vector3d linear = pose.linear() * own.tail<3>();
+      result.momentum.head<3>() += linear;
+      result.momentum.tail<3>() += pose.linear() * own.head<3>() + pose.translation().cross(linear);
+    }
+  }
+  return result;
+}
+
+}  // namespace dalembert::oracle

@@ -1,0 +1,32 @@
+// DART as an oracle: M, C v, g, bias and momentum of a URDF, by DART's own reading of it.
+//
+// DART keeps fixed links as bodies of their own and reads inertias itself, so it also checks our fusing of fixed joints and
+// our reading of rotated <inertial> elements. Never compile a target that uses it with -march=native: Eigen's alignment is
+// part of its ABI. Hence a library, and a test executable, of its own.
+#pragma once
+
+#include <memory>
+
+#include "oracle.hpp"
+
+namespace dalembert::oracle {
+
+class DartOracle {
+ public:
+  explicit DartOracle(const Request& request);  // throws std::runtime_error
+  ~DartOracle();
+  DartOracle(DartOracle&&) noexcept;
+
+  Dynamics evaluate(const Eigen::VectorXd& q, const Eigen::VectorXd& v);
+
+  // For benchmarks: one quantity in DART's own coordinates, at a state set before.
+  void set_state(const Eigen::VectorXd& q, const Eigen::VectorXd& v);
+  const Eigen::MatrixXd& own_mass_matrix();
+  const Eigen::VectorXd& own_bias();
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace dalembert::oracle

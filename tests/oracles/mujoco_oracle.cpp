@@ -1,0 +1,166 @@
+#include "mujoco_oracle.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cstring>
+#include <stdexcept>
+
+#include "urdf_text.hpp"
+
+namespace dalembert::oracle {
+namespace {
+
+mjModel* load(const Request& request, Inertias inertias) {
+  UrdfEdit edit;
+  edit.floating_joint = request.base == Base::floating;
+  edit.placeholder_inertia = inertias == Inertias::overwritten;
+  const std::string text = edited_urdf(request.urdf, edit);
+
+  const auto files = std::make_unique<mjVFS>();  // 2 MB: too large for the stack
+  mj_defaultVFS(files.get());
+  mj_makeEmptyFileVFS(files.get(), "robot.urdf", static_cast<int>(text.size()));
+  std::memcpy(files->filedata[mj_findFileVFS(files.get(), "robot.urdf")], text.data(), text.size());
+  char message[1000] = "";
+  mjModel* model = mj_loadXML("robot.urdf", files.get(), message, sizeof message);
+  mj_deleteVFS(files.get());
+  if (!model) throw std::runtime_error(request.urdf + ": MuJoCo: " + message);
+  return model;
+}
+
+}  // namespace
+
+MujocoOracle::MujocoOracle(const Request& request, Inertias inertias)
+    : model_(load(request, inertias)),
+      data_(mj_makeData(model_.get())),
+      floating_(request.base == Base::floating),
+      joints_(request.joints) {
+  const mjModel& m = *model_;
+  const int base_dofs = floating_ ? 6 : 0;
+  if (m.nv != static_cast<int>(joints_.size()) + base_dofs) {
+    throw std::runtime_error(request.urdf + ": MuJoCo reads " + std::to_string(m.nv - base_dofs) + " moving joints, not " +
+                             std::to_string(joints_.size()));
+  }
+  const auto joint_named = [&](const std::string& name) {
+    const int joint = mj_name2id(&m, mjOBJ_JOINT, name.c_str());
+    if (joint < 0) throw std::runtime_error(request.urdf + ": MuJoCo has no joint '" + name + "'");
+    return joint;
+  };
+  for (const std::string& name : joints_) {
+    const int joint = joint_named(name);
+    qpos_.push_back(m.jnt_qposadr[joint]);
+    dof_.push_back(m.jnt_dofadr[joint]);
+  }
+  if (floating_) {
+    const int joint = joint_named(floating_joint_name);
+    base_qpos_ = m.jnt_qposadr[joint];
+    base_dof_ = m.jnt_dofadr[joint];
+    base_body_ = m.jnt_bodyid[joint];
+  }
+  set_gravity(request.gravity);
+}
+
+void MujocoOracle::set_gravity(const Eigen::Vector3d& gravity) {
+  Eigen::Map<Eigen::Vector3d>(model_->opt.gravity) = gravity;
+}
+
+void MujocoOracle::set_inertia(int body, const ir::Inertia& inertia) {
+  // long double, so that the principal axes cost no digits.
+  using Matrix3l = Eigen::Matrix<long double, 3, 3>;
+  const Eigen::SelfAdjointEigenSolver<Matrix3l> solver(inertia.inertia.cast<long double>());
+  Matrix3l axes = solver.eigenvectors();
+  if (axes.determinant() < 0) axes.col(2) = -axes.col(2);
+  const Eigen::Quaterniond orientation = Eigen::Quaternion<long double>(axes).normalized().cast<double>();
+
+  mjModel& m = *model_;
+  m.body_mass[body] = inertia.mass;
+  Eigen::Map<Eigen::Vector3d>(m.body_ipos + 3 * body) = inertia.com;
+  Eigen::Map<Eigen::Vector3d>(m.body_inertia + 3 * body) = solver.eigenvalues().cast<double>();
+  Eigen::Map<Eigen::Vector4d>(m.body_iquat + 4 * body) << orientation.w(), orientation.vec();
+  m.body_sameframe[body] = 0;
+  m.body_simple[body] = 0;
+}
+
+void MujocoOracle::overwrite_inertias(const ir::KinematicTree& tree) {
+  for (const ir::Body& body : tree.bodies) {
+    const int joint = mj_name2id(model_.get(), mjOBJ_JOINT, body.joint.c_str());
+    if (joint < 0) throw std::runtime_error("MuJoCo has no joint '" + body.joint + "'");
+    set_inertia(model_->jnt_bodyid[joint], body.inertia);
+  }
+  if (floating_) set_inertia(base_body_, tree.base);
+  std::fill_n(model_->dof_simplenum, model_->nv, 0);  // "simple" was decided on the old inertias
+  mj_setConst(model_.get(), data_.get());             // what MuJoCo derives from inertias
+}
+
+void MujocoOracle::set_state(const Eigen::VectorXd& q, const Eigen::VectorXd& v) {
+  int first = 0, first_v = 0;
+  if (floating_) {
+    const Eigen::Quaterniond rotation(q[6], q[3], q[4], q[5]);  // w x y z
+    Eigen::Map<Eigen::Matrix<double, 7, 1>> qpos(data_->qpos + base_qpos_);
+    Eigen::Map<Eigen::Matrix<double, 6, 1>> qvel(data_->qvel + base_dof_);
+    qpos << q.head<3>(), rotation.w(), rotation.vec();
+    qvel << rotation * v.head<3>(), v.segment<3>(3);
+    first = 7, first_v = 6;
+  }
+  for (size_t i = 0; i < joints_.size(); ++i) {
+    data_->qpos[qpos_[i]] = q[first + static_cast<int>(i)];
+    data_->qvel[dof_[i]] = v[first_v + static_cast<int>(i)];
+  }
+}
+
+Eigen::VectorXd MujocoOracle::own_bias(const Eigen::Vector3d& gravity) {
+  const Eigen::Vector3d kept = Eigen::Map<Eigen::Vector3d>(model_->opt.gravity);
+  set_gravity(gravity);
+  Eigen::VectorXd result(model_->nv);
+  mj_comVel(model_.get(), data_.get());
+  mj_rne(model_.get(), data_.get(), 0, result.data());
+  set_gravity(kept);
+  return result;
+}
+
+Eigen::Matrix<double, 6, 1> MujocoOracle::own_momentum(const Eigen::Matrix3d& base_rotation) {
+  mj_subtreeVel(model_.get(), data_.get());
+  const auto of_base = [&](const double* array) { return Eigen::Map<const Eigen::Vector3d>(array + 3 * base_body_); };
+  const Eigen::Vector3d linear = model_->body_subtreemass[base_body_] * of_base(data_->subtree_linvel);
+  const Eigen::Vector3d arm = of_base(data_->subtree_com) - of_base(data_->xpos);
+  const Eigen::Vector3d angular = of_base(data_->subtree_angmom) + arm.cross(linear);  // MuJoCo's is about the centre of mass
+  Eigen::Matrix<double, 6, 1> result;
+  result << base_rotation.transpose() * linear, base_rotation.transpose() * angular;
+  return result;
+}
+
+Dynamics MujocoOracle::evaluate(const Eigen::VectorXd& q, const Eigen::VectorXd& v) {
+  const int nv = model_->nv;
+  set_state(q, v);
+  mj_kinematics(model_.get(), data_.get());
+  mj_comPos(model_.get(), data_.get());
+  mj_crb(model_.get(), data_.get());
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> own_mass(nv, nv);
+  mj_fullM(model_.get(), own_mass.data(), data_->qM);
+
+  Dynamics result;
+  result.momentum.setZero();
+  // qvel = T v; hence M = Tᵀ M' T and, with qacc = T v̇ + Ṫ v, C v = Tᵀ (c' + M' Ṫ v). T is a permutation but for the
+  // rotation R of the base's linear velocity, for which Ṫ v = R (ω × v).
+  Eigen::MatrixXd transform = Eigen::MatrixXd::Zero(nv, nv);
+  Eigen::VectorXd drift = Eigen::VectorXd::Zero(nv);
+  const int base_dofs = floating_ ? 6 : 0;
+  for (size_t i = 0; i < dof_.size(); ++i) transform(dof_[i], base_dofs + static_cast<int>(i)) = 1;
+
+  const Eigen::VectorXd velocity_terms = own_bias(Eigen::Vector3d::Zero());
+  if (floating_) {
+    const Eigen::Matrix3d rotation = Eigen::Quaterniond(q[6], q[3], q[4], q[5]).toRotationMatrix();
+    transform.block<3, 3>(base_dof_, 0) = rotation;
+    transform.block<3, 3>(base_dof_ + 3, 3).setIdentity();
+    drift.segment<3>(base_dof_) = rotation * v.segment<3>(3).cross(v.head<3>());
+    result.momentum = own_momentum(rotation);
+  }
+  result.mass_matrix = transform.transpose() * own_mass * transform;
+  result.coriolis = transform.transpose() * (velocity_terms + own_mass * drift);
+  result.bias = transform.transpose() * (own_bias(Eigen::Map<Eigen::Vector3d>(model_->opt.gravity)) + own_mass * drift);
+  set_state(q, Eigen::VectorXd::Zero(nv));
+  result.gravity = transform.transpose() * own_bias(Eigen::Map<Eigen::Vector3d>(model_->opt.gravity));
+  return result;
+}
+
+}  // namespace dalembert::oracle

@@ -1,0 +1,55 @@
+// MuJoCo as an oracle: M, C v, g, bias and momentum of a URDF, by MuJoCo's own reading of it.
+//
+// Its conventions differ from ours and are converted here, nowhere else: quaternions w x y z, and a base velocity whose
+// linear part is in world axes. MuJoCo's principal axes of inertias are good to 1e-8 only; `overwrite_inertias` replaces
+// them, after which its kinematics are still its own and its results are good to rounding.
+#pragma once
+
+#include <mujoco/mujoco.h>
+
+#include <memory>
+
+#include "ir/kinematic_tree.hpp"
+#include "oracle.hpp"
+
+namespace dalembert::oracle {
+
+enum class Inertias {
+  as_read,      // MuJoCo's own; refuses what breaks the triangle inequality; good to 1e-8
+  overwritten,  // a placeholder until overwrite_inertias() is called
+};
+
+class MujocoOracle {
+ public:
+  MujocoOracle(const Request& request, Inertias inertias);  // throws std::runtime_error with MuJoCo's message
+
+  // Sets every body's mass, centre and principal inertia. Bodies are matched by joint name.
+  void overwrite_inertias(const ir::KinematicTree& tree);
+
+  void set_gravity(const Eigen::Vector3d& gravity);  // m/s², world axes
+  Dynamics evaluate(const Eigen::VectorXd& q, const Eigen::VectorXd& v);
+
+  // For benchmarks and simulation: MuJoCo's own model, data and coordinates.
+  const mjModel* model() const { return model_.get(); }
+  mjModel* model() { return model_.get(); }
+  mjData* data() { return data_.get(); }
+  void set_state(const Eigen::VectorXd& q, const Eigen::VectorXd& v);  // converts, writes qpos and qvel, computes nothing
+
+ private:
+  struct Delete {
+    void operator()(mjModel* model) const { mj_deleteModel(model); }
+    void operator()(mjData* data) const { mj_deleteData(data); }
+  };
+  void set_inertia(int body, const ir::Inertia& inertia);
+  Eigen::VectorXd own_bias(const Eigen::Vector3d& gravity);  // mj_rne in MuJoCo's coordinates, at the state set
+  Eigen::Matrix<double, 6, 1> own_momentum(const Eigen::Matrix3d& base_rotation);
+
+  std::unique_ptr<mjModel, Delete> model_;
+  std::unique_ptr<mjData, Delete> data_;
+  bool floating_;
+  std::vector<std::string> joints_;
+  std::vector<int> qpos_, dof_;  // our joint → MuJoCo's addresses
+  int base_qpos_ = 0, base_dof_ = 0, base_body_ = 0;
+};
+
+}  // namespace dalembert::oracle

@@ -1,0 +1,31 @@
+// What an independent program says about a robot, in this project's conventions.
+//
+// An oracle reads the URDF itself and shares no code with the compiler or its front end: only the order of the joints (by
+// name) and the conventions of q and v (design.md, "Contracts") are given to it. Floating base: q = [position, quaternion
+// x y z w, joints], v = [base twist in base axes, linear first; joint rates].
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+namespace dalembert::oracle {
+
+enum class Base { fixed, floating };
+
+struct Dynamics {
+  Eigen::MatrixXd mass_matrix;           // nv × nv
+  Eigen::VectorXd coriolis;              // C v, nv (none of the oracles knows C itself)
+  Eigen::VectorXd gravity;               // g, nv
+  Eigen::VectorXd bias;                  // C v + g, nv
+  Eigen::Matrix<double, 6, 1> momentum;  // whole robot's, base axes, about the base's origin; zero when the base is fixed
+};
+
+struct Request {
+  std::string urdf;  // path of the file
+  Base base = Base::floating;
+  std::vector<std::string> joints;       // moving joints in our order
+  Eigen::Vector3d gravity{0, 0, -9.81};  // m/s², world axes
+};
+
+}  // namespace dalembert::oracle

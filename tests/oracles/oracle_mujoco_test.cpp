@@ -1,0 +1,49 @@
+// The generic engine against MuJoCo, on every test robot.
+#include "mujoco_oracle.hpp"
+#include "oracle_tests.hpp"
+
+namespace dalembert::oracle {
+namespace {
+
+class Mujoco : public ::testing::TestWithParam<Case> {};
+
+MujocoOracle with_our_inertias(const Case& c, const ir::KinematicTree& tree) {
+  MujocoOracle oracle(request_of(c, tree, testing::test_gravity), Inertias::overwritten);
+  oracle.overwrite_inertias(tree);
+  return oracle;
+}
+
+TEST_P(Mujoco, AgreesWithTheGenericEngine) {
+  const ir::KinematicTree tree = tree_of(GetParam());
+  MujocoOracle oracle = with_our_inertias(GetParam(), tree);
+  expect_agreement(oracle, tree);
+}
+
+// Inertias too are MuJoCo's reading of the file, as exact as its principal axes are. It refuses bodies without mass.
+TEST_P(Mujoco, ReadsTheSameInertias) {
+  const ir::KinematicTree tree = tree_of(GetParam());
+  if (std::string(GetParam().robot.name) == "massless_intermediate") GTEST_SKIP() << "MuJoCo refuses massless bodies";
+  MujocoOracle oracle(request_of(GetParam(), tree, testing::test_gravity), Inertias::as_read);
+  expect_agreement(oracle, tree, 1e-5);
+}
+
+INSTANTIATE_TEST_SUITE_P(Robots, Mujoco, ::testing::ValuesIn(all_cases()), case_name);
+
+TEST(MujocoOracle, NoticesMutations) {
+  expect_mutations_noticed(with_our_inertias);
+}
+
+TEST(MujocoOracle, NamesTheJointItDoesNotKnow) {
+  const Case c = mutated_case(Base::fixed);
+  Request request = request_of(c, tree_of(c), testing::test_gravity);
+  request.joints.back() = "no_such_joint";
+  try {
+    MujocoOracle oracle(request, Inertias::as_read);
+    FAIL() << "accepted";
+  } catch (const std::runtime_error& error) {
+    EXPECT_NE(std::string(error.what()).find("no_such_joint"), std::string::npos) << error.what();
+  }
+}
+
+}  // namespace
+}  // namespace dalembert::oracle
