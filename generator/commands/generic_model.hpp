@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <dalembert/generic/model.hpp>
 
 #include "ir/kinematic_tree.hpp"
@@ -26,6 +27,13 @@ generic::Model<S> to_generic(const ir::KinematicTree& tree, const Eigen::Vector3
     model.bodies.push_back({body.parent, body.prismatic(), body.axis.cast<S>(), body.placement.linear().cast<S>(),
                             body.placement.translation().cast<S>(), to_generic<S>(body.inertia), S(body.armature),
                             S(body.damping), S(body.friction)});
+  const std::vector<int> coordinates = tree.coordinates();
+  const auto driven = [](const ir::Body& body) { return body.driven(); };
+  if (std::any_of(tree.bodies.begin(), tree.bodies.end(), driven))
+    for (size_t k = 0; k < tree.bodies.size(); ++k) {
+      const ir::Body& body = tree.bodies[k];
+      model.coordinates.push_back({coordinates[k], S(body.driven() ? body.multiplier : 1), S(body.driven() ? body.offset : 0)});
+    }
   return model;
 }
 

@@ -1,0 +1,15 @@
+#include "load_robot.hpp"
+
+#include "frontend/urdf_reader.hpp"
+#include "passes/build_tree.hpp"
+
+namespace dalembert::testing {
+
+ir::KinematicTree load_robot(const TestRobot& robot, bool floating_base) {
+  ir::Scene scene;
+  scene.base = floating_base ? ir::Base::floating : ir::Base::fixed;
+  Diagnostics warnings;
+  return passes::build_tree(frontend::read_urdf(robot.urdf, warnings), scene, warnings);
+}
+
+}  // namespace dalembert::testing

@@ -1,0 +1,33 @@
+#include "multiprecision.hpp"
+
+#include <Eigen/Geometry>
+
+#include "commands/generic_model.hpp"
+
+namespace dalembert::generic {
+template Dynamics<testing::Multi> evaluate(const MultiModel&, const MultiVector&, const MultiVector&);
+template MatrixX<testing::Multi> mass_matrix(const MultiModel&, const MultiVector&);
+template MatrixX<testing::Multi> coriolis_matrix(const MultiModel&, const MultiVector&, const MultiVector&);
+template MultiVector newton_euler(const MultiModel&, const MultiVector&, const MultiVector&, const MultiVector&);
+}  // namespace dalembert::generic
+
+namespace dalembert::testing {
+
+generic::Model<Multi> exact_model(const ir::KinematicTree& tree, const Eigen::Vector3d& gravity) {
+  generic::Model<Multi> model = to_generic<Multi>(tree, gravity);
+  for (generic::Body<Multi>& body : model.bodies) {
+    body.axis.normalize();
+    Vector3<Multi> x = body.rotation.col(0).normalized(), y = body.rotation.col(1);
+    y = (y - x * x.dot(y)).normalized();
+    body.rotation << x, y, x.cross(y);
+  }
+  return model;
+}
+
+VectorX<Multi> exact_position(const ir::KinematicTree& tree, const Eigen::VectorXd& q) {
+  VectorX<Multi> exact = q.cast<Multi>();
+  if (tree.floating_base) exact.segment<4>(3).normalize();
+  return exact;
+}
+
+}  // namespace dalembert::testing
