@@ -66,4 +66,8 @@ Model read_model(const Request& request, Diagnostics& warnings) {
   return model;
 }
 
+std::vector<backend::OutputFile> compile(const Model& model) {
+  throw InputError({Severity::error, model.description.file, "", "this build has no code generator", "use --engine generic"});
+}
+
 }  // namespace dalembert

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "backend/output_files.hpp"
 #include "diagnostics.hpp"
 #include "frontend/scene_reader.hpp"
 #include "ir/kinematic_tree.hpp"
@@ -31,5 +32,8 @@ struct Model {
 
 // Reads and checks the URDF and the scene, and builds the tree. Throws InputError; appends to `warnings`.
 Model read_model(const Request& request, Diagnostics& warnings);
+
+// The model's generated code. Throws InputError when the model cannot be compiled.
+std::vector<backend::OutputFile> compile(const Model& model);
 
 }  // namespace dalembert

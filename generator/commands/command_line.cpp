@@ -6,7 +6,11 @@
 #include <cstdio>
 #include <exception>
 #include <functional>
+#include <memory>
 
+#include "commands/check.hpp"
+#include "commands/eval.hpp"
+#include "commands/generate.hpp"
 #include "commands/info.hpp"
 #include "commands/options.hpp"
 
@@ -14,7 +18,7 @@ namespace dalembert {
 
 namespace {
 
-constexpr int good = 0, bad_input = 2;
+constexpr int good = 0, check_failed = 1, bad_input = 2;
 
 void print(const Diagnostics& diagnostics) {
   for (const Diagnostic& d : diagnostics) fmt::print(stderr, "{}\n", to_string(d));
@@ -36,11 +40,52 @@ struct Command {
   std::function<int(Diagnostics& warnings)> run;
 };
 
-void add_info(Command& command, bool& json) {
-  command.parser.add_flag("--json", json, "one JSON object for machines");
-  command.run = [&](Diagnostics& warnings) {
+void add_generate(Command& command) {
+  const auto folder = std::make_shared<std::string>();
+  command.parser.add_option("-o,--out", *folder, "folder for the generated files; made when missing")
+      ->required()
+      ->type_name("DIR");
+  command.run = [&command, folder](Diagnostics& warnings) {
+    return print_result(generate(read_model(command.shared.request(), warnings), *folder));
+  };
+}
+
+void add_info(Command& command) {
+  const auto json = std::make_shared<bool>(false);
+  command.parser.add_flag("--json", *json, "one JSON object for machines");
+  command.run = [&command, json](Diagnostics& warnings) {
     const Model model = read_model(command.shared.request(), warnings);
-    return print_result(json ? describe_json(model, {}) : describe(model, {}));
+    return print_result(*json ? describe_json(model, {}) : describe(model, {}));
+  };
+}
+
+void add_eval(Command& command) {
+  struct Options {
+    std::string state, output, engine = "generated";
+  };
+  const auto options = std::make_shared<Options>();
+  command.parser
+      .add_option("--state", options->state, "states, one a line: q then v, separated by blanks; - for standard input")
+      ->required()
+      ->type_name("FILE");
+  command.parser.add_option("--output", options->output, "the quantity to print, or jacobian_LINK")
+      ->required()
+      ->type_name("QUANTITY");
+  command.parser.add_option("--engine", options->engine, "who computes; default generated, which needs a C++ compiler")
+      ->check(CLI::IsMember({"generic", "generated"}))
+      ->type_name("generic|generated");
+  command.run = [&command, options](Diagnostics& warnings) {
+    const Model model = read_model(command.shared.request(), warnings);
+    const Engine engine = options->engine == "generic" ? Engine::generic : Engine::generated;
+    return print_result(evaluate(model, options->state, options->output, engine, warnings));
+  };
+}
+
+void add_check(Command& command) {
+  command.run = [&command](Diagnostics& warnings) {
+    const CheckReport report = check(read_model(command.shared.request(), warnings));
+    const int printed = print_result(report.text);
+    return printed != good || report.passed ? printed : check_failed;
   };
 }
 
@@ -49,9 +94,14 @@ int parse_and_run(int argc, const char* const* argv, Diagnostics& warnings) {
   app.require_subcommand(1);
   app.footer("Exit status: 0 good, 1 a check failed, 2 bad input or usage.");
 
-  Command info(app, "info", "The robot as the compiler sees it: tree, coordinates, links, sparsity, operation counts");
-  bool json = false;
-  add_info(info, json);
+  Command generate(app, "generate", "Write a robot's dynamics as C++ files");
+  Command info(app, "info", "Show the robot as the compiler sees it: tree, coordinates, links, sparsity, operation counts");
+  Command eval(app, "eval", "Print a quantity at given states");
+  Command check(app, "check", "Compare generated code with the generic engine, in double and in 50 digits, and time it");
+  add_generate(generate);
+  add_info(info);
+  add_eval(eval);
+  add_check(check);
 
   try {
     app.parse(argc, argv);
@@ -59,7 +109,7 @@ int parse_and_run(int argc, const char* const* argv, Diagnostics& warnings) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help
     throw InputError({Severity::error, "", "command line", error.what(), "run 'dalembert --help', or a command with --help"});
   }
-  for (const Command* command : {&info})
+  for (const Command* command : {&generate, &info, &eval, &check})
     if (command->parser.parsed()) return command->run(warnings);
   return bad_input;
 }

@@ -32,6 +32,7 @@ SharedOptions::SharedOptions(CLI::App& command) {
   command.add_option("ROBOT", request_.robot, "URDF file")->required()->type_name("FILE");
   command.add_option("--scene", request_.scene_file, "scene file (YAML); the options below are its keys and override it")
       ->type_name("FILE");
+  command.add_option("--name", request_.name, "namespace of the generated code, default: the robot's name")->type_name("NAME");
   for (const Help& help : scene_help)
     options_[help.key] = command.add_option(std::string("--") + help.key, texts_[help.key], help.text)->type_name(help.value);
 }

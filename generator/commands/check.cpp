@@ -1,0 +1,110 @@
+#include "commands/check.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <random>
+
+#include "commands/generated_engine.hpp"
+#include "commands/generic_engine.hpp"
+
+namespace dalembert {
+
+namespace {
+
+// Uniform numbers, the same on every system (the distributions of <random> are not).
+class Uniform {
+ public:
+  double operator()(double low, double high) { return low + (high - low) * static_cast<double>(engine_() >> 11) * 0x1p-53; }
+
+ private:
+  std::mt19937_64 engine_{2016};
+};
+
+std::vector<State> random_states(const ir::KinematicTree& tree, int count) {
+  Uniform uniform;
+  const int base = tree.floating_base ? 7 : 0;
+  std::vector<State> states;
+  for (int s = 0; s < count; ++s) {
+    State state{fmt::format("random state {}", s), Eigen::VectorXd(tree.nq()), Eigen::VectorXd(tree.nv())};
+    for (int i = 0; i < base; ++i) state.q[i] = uniform(-1, 1);
+    if (tree.floating_base) state.q.segment<4>(3).normalize();
+    int coordinate = base;
+    for (const ir::Body& body : tree.bodies)
+      if (!body.driven())
+        state.q[coordinate++] = body.prismatic() ? uniform(-0.5, 0.5) : uniform(-std::numbers::pi, std::numbers::pi);
+    for (int i = 0; i < tree.nv(); ++i) state.v[i] = uniform(-2, 2);
+    states.push_back(std::move(state));
+  }
+  return states;
+}
+
+// The largest difference relative to the largest element of the reference, over states. NaN counts as infinite.
+class RelativeError {
+ public:
+  void add(const Eigen::MatrixXd& value, const Eigen::MatrixXd& reference) {
+    const double difference = (value - reference).cwiseAbs().maxCoeff<Eigen::PropagateNaN>();
+    difference_ = std::max(difference_, std::isnan(difference) ? std::numeric_limits<double>::infinity() : difference);
+    largest_ = std::max(largest_, reference.cwiseAbs().maxCoeff());
+  }
+  double value() const { return difference_ == 0 ? 0 : difference_ / largest_; }
+
+ private:
+  double difference_ = 0, largest_ = 0;
+};
+
+struct References {
+  std::vector<Eigen::MatrixXd> generic, multiprecision;  // per state
+};
+
+References references(const Model& model, const Output& output, const std::vector<State>& states) {
+  References references;
+  for (const State& state : states) {
+    references.generic.push_back(evaluate_generic(model, output, state));
+    references.multiprecision.push_back(evaluate_multiprecision(model, output, state));
+  }
+  return references;
+}
+
+}  // namespace
+
+CheckReport check(const Model& model) {
+  const double tolerance = model.scene.scalar == ir::ScalarType::float32 ? 1e-5 : 1e-12;
+  const std::vector<Output> outputs = outputs_of(model);
+  const std::vector<State> states = random_states(model.tree, 20);
+  CheckReport report;
+  report.text = fmt::format("{}: {} base, {} random states; errors relative to the largest element, at most {:g}\n", model.name,
+                            model.tree.floating_base ? "floating" : "fixed", states.size(), tolerance);
+  report.text += fmt::format("  {:<24}{:>16}{:>16}{:>14}\n", "output", "to generic", "to 50 digits", "ns per call");
+
+  const auto compare = [&](GeneratedEngine& engine, const Output& output, const References& expected, const std::string& time) {
+    RelativeError to_generic, to_multiprecision;
+    for (size_t s = 0; s < states.size(); ++s) {
+      engine.evaluate(states[s]);
+      to_generic.add(engine.result(output), expected.generic[s]);
+      to_multiprecision.add(engine.result(output), expected.multiprecision[s]);
+    }
+    const bool good = to_generic.value() <= tolerance && to_multiprecision.value() <= tolerance;
+    report.passed = report.passed && good;
+    report.text += fmt::format("  {:<24}{:>16.2e}{:>16.2e}{:>14}{}\n", output.name, to_generic.value(),
+                               to_multiprecision.value(), time, good ? "" : "  DIFFERS");
+  };
+
+  std::vector<References> expected;
+  for (const Output& output : outputs) {
+    expected.push_back(references(model, output, states));
+    GeneratedEngine alone(model, {output}, "-O2");
+    compare(alone, output, expected.back(), fmt::format("{:.0f}", alone.time_per_call(states)));
+  }
+  if (outputs.size() > 1) {
+    GeneratedEngine together(model, outputs, "-O2");
+    report.text += fmt::format("  {:<24}{:>16}{:>16}{:>14.0f}\n", "all together", "", "", together.time_per_call(states));
+    for (size_t i = 0; i < outputs.size(); ++i) compare(together, outputs[i], expected[i], "");
+  }
+  return report;
+}
+
+}  // namespace dalembert

@@ -1,0 +1,20 @@
+// `dalembert check`: generated code against the generic engine, in double and in 50 digits.
+#pragma once
+
+#include <string>
+
+#include "pipeline.hpp"
+
+namespace dalembert {
+
+struct CheckReport {
+  std::string text;  // a table: output, errors, time per call
+  bool passed = true;
+};
+
+// Generates and compiles each of the scene's outputs alone and all together, and compares them at random states, the same
+// ones in every run. Errors are relative to the output's largest element over all states. Passes when none exceeds 1e-12
+// (1e-5 for float).
+CheckReport check(const Model& model);
+
+}  // namespace dalembert

@@ -1,0 +1,151 @@
+#include "commands/compiler.hpp"
+
+#include <dlfcn.h>
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <spawn.h>
+#include <stdlib.h>
+#include <sys/wait.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+#include <stdexcept>
+
+#include "diagnostics.hpp"
+
+extern char** environ;
+
+namespace dalembert {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+[[noreturn]] void refuse(std::string message, std::string remedy) {
+  throw InputError({Severity::error, "", "C++ compiler", std::move(message), std::move(remedy)});
+}
+
+// A folder of its own, removed at the end.
+class TemporaryFolder {
+ public:
+  TemporaryFolder() {
+    std::string pattern = (fs::temp_directory_path() / "dalembert.XXXXXX").string();
+    if (!mkdtemp(pattern.data())) refuse("no temporary folder can be made", "set TMPDIR to a folder that can be written");
+    path_ = pattern;
+  }
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+std::vector<std::string> split(const std::string& text, char separator) {
+  std::vector<std::string> words;
+  std::istringstream stream(text);
+  for (std::string word; std::getline(stream, word, separator);)
+    if (!word.empty()) words.push_back(word);
+  return words;
+}
+
+std::string environment(const char* name) {
+  const char* value = std::getenv(name);
+  return value ? value : "";
+}
+
+std::vector<std::string> compiler_words() {
+  const std::vector<std::string> words = split(environment("CXX"), ' ');
+  return words.empty() ? std::vector<std::string>{"c++"} : words;
+}
+
+// The runtime's headers stand beside an installed executable, or in the source folder of a built one.
+std::vector<std::string> include_folders() {
+  if (const std::vector<std::string> given = split(environment("DALEMBERT_INCLUDE"), ':'); !given.empty()) return given;
+  std::vector<std::string> folders;
+  std::error_code error;
+  const fs::path installed = fs::read_symlink("/proc/self/exe", error).parent_path().parent_path() / "include";
+  for (const fs::path& folder : {installed, fs::path(DALEMBERT_RUNTIME_INCLUDE)})
+    if (folders.empty() && fs::exists(folder / "dalembert" / "version.hpp", error)) folders.push_back(folder.string());
+  for (const std::string& folder : split(DALEMBERT_EIGEN_INCLUDE, ':')) folders.push_back(folder);
+  return folders;
+}
+
+// Runs a command with its output in `log`; the exit status, or -1 when it cannot be started.
+int run(const std::vector<std::string>& words, const fs::path& log) {
+  std::vector<char*> arguments;
+  for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
+  arguments.push_back(nullptr);
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, log.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+  posix_spawn_file_actions_adddup2(&actions, STDOUT_FILENO, STDERR_FILENO);
+  pid_t child = 0;
+  const int failed = posix_spawnp(&child, arguments[0], &actions, nullptr, arguments.data(), environ);
+  posix_spawn_file_actions_destroy(&actions);
+  if (failed) return -1;
+  int status = 0;
+  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 1;
+}
+
+// The first lines of what the compiler said.
+std::string said(const fs::path& log) {
+  std::ifstream file(log);
+  std::string text, line;
+  for (int i = 0; i < 8 && std::getline(file, line); ++i) text += "\n  " + line;
+  return text;
+}
+
+}  // namespace
+
+LoadedCode::LoadedCode(const std::string& name, const std::vector<backend::OutputFile>& files,
+                       const std::vector<std::string>& flags) {
+  const TemporaryFolder folder;
+  const fs::path sources = folder.path() / name, object = folder.path() / "code.so", log = folder.path() / "log";
+  backend::write_files(sources.string(), files);
+  const std::vector<std::string> compiler = compiler_words();
+  std::vector<std::string> command = compiler;
+  for (const char* word : {"-std=c++17", "-shared", "-fPIC"}) command.push_back(word);
+  command.insert(command.end(), flags.begin(), flags.end());
+  command.push_back("-I" + folder.path().string());
+  for (const std::string& include : include_folders()) {
+    command.push_back("-isystem");
+    command.push_back(include);
+  }
+  for (const backend::OutputFile& file : files)
+    if (file.name.ends_with(".cpp")) command.push_back((sources / file.name).string());
+  command.push_back("-o");
+  command.push_back(object.string());
+
+  const int status = run(command, log);
+  if (status == -1 || status == 127)
+    refuse(fmt::format("'{}' cannot be run", compiler.front()),
+           "install g++ or set CXX to a C++17 compiler, or use --engine generic, which needs none");
+  if (status != 0)
+    refuse(fmt::format("'{}' does not compile the generated code:{}", compiler.front(), said(log)),
+           "set CXX to a C++17 compiler, and DALEMBERT_INCLUDE to the folders of dalembert's and Eigen's headers");
+  library_ = dlopen(object.c_str(), RTLD_NOW | RTLD_LOCAL);
+  if (!library_) throw std::runtime_error(std::string("the compiled code cannot be loaded: ") + dlerror());
+}
+
+LoadedCode::~LoadedCode() {
+  if (library_) dlclose(library_);
+}
+
+void* LoadedCode::address(const std::string& name) const {
+  void* address = dlsym(library_, name.c_str());
+  if (!address) throw std::runtime_error("the generated code has no function " + name);
+  return address;
+}
+
+}  // namespace dalembert

@@ -1,0 +1,52 @@
+#include "commands/eval.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <functional>
+#include <memory>
+
+#include "commands/generated_engine.hpp"
+#include "commands/generic_engine.hpp"
+
+namespace dalembert {
+
+namespace {
+
+void append_rows(std::string& text, const Eigen::MatrixXd& matrix) {
+  for (Eigen::Index i = 0; i < matrix.rows(); ++i)
+    for (Eigen::Index k = 0; k < matrix.cols(); ++k) {
+      const double x = matrix(i, k);
+      text += std::isnan(x) ? "nan" : fmt::format("{:.17g}", x);
+      text += k + 1 < matrix.cols() ? ' ' : '\n';
+    }
+}
+
+}  // namespace
+
+std::string evaluate(const Model& model, const std::string& state_file, const std::string& output, Engine engine,
+                     Diagnostics& warnings) {
+  const Output wanted = output_named(model, output);
+  const std::vector<State> states = read_states(state_file, model.tree, warnings);
+  std::unique_ptr<GeneratedEngine> generated;
+  if (engine == Engine::generated) generated = std::make_unique<GeneratedEngine>(model, std::vector{wanted}, "-O1");
+
+  std::string text;
+  for (const State& state : states) {
+    Eigen::MatrixXd result;
+    if (generated) {
+      generated->evaluate(state);
+      result = generated->result(wanted);
+    } else {
+      result = evaluate_generic(model, wanted, state);
+    }
+    if (!result.allFinite())
+      warnings.push_back({Severity::warning, state_file == "-" ? "standard input" : state_file, state.place,
+                          fmt::format("{} is not finite at this state", output), "look for nan or huge numbers on that line"});
+    if (!text.empty()) text += '\n';
+    append_rows(text, result);
+  }
+  return text;
+}
+
+}  // namespace dalembert

@@ -1,0 +1,29 @@
+// One result a user can name: a quantity, or the Jacobian of a link.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pipeline.hpp"
+
+namespace dalembert {
+
+struct Output {
+  std::string name;  // "mass_matrix", "jacobian_left_foot"
+  std::optional<ir::Quantity> quantity;
+  std::string link;  // of a Jacobian
+  int rows = 0;
+  int columns = 1;
+};
+
+// The output of that name: a quantity's, or "jacobian_" and a link's. Throws InputError when the model has none such.
+Output output_named(const Model& model, const std::string& name);
+
+// The outputs the scene asks for.
+std::vector<Output> outputs_of(const Model& model);
+
+// The same model with these outputs and no others, without a task graph.
+Model with_outputs(Model model, const std::vector<Output>& outputs);
+
+}  // namespace dalembert

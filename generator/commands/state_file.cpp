@@ -1,0 +1,65 @@
+#include "commands/state_file.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <iostream>
+#include <iterator>
+#include <optional>
+#include <sstream>
+
+#include "frontend/numbers.hpp"
+#include "frontend/text_file.hpp"
+
+namespace dalembert {
+
+namespace {
+
+void normalise_quaternion(State& state, const std::string& file, Diagnostics& warnings) {
+  auto quaternion = state.q.segment<4>(3);
+  const double length = quaternion.norm();
+  if (std::isnan(length)) return;
+  if (length == 0 || std::isinf(length))
+    throw InputError({Severity::error, file, state.place, fmt::format("the base's quaternion has length {}", length),
+                      "give a unit quaternion x y z w as the 4th to 7th number, for example 0 0 0 1"});
+  if (std::abs(length - 1) > 1e-6)
+    warnings.push_back({Severity::warning, file, state.place, fmt::format("the base's quaternion has length {:.9g}", length),
+                        "it is normalised; give a unit quaternion x y z w"});
+  quaternion /= length;
+}
+
+}  // namespace
+
+std::vector<State> read_states(const std::string& path, const ir::KinematicTree& tree, Diagnostics& warnings) {
+  if (path != "-") return read_states_text(path, frontend::read_text_file(path, "state"), tree, warnings);
+  const std::string text(std::istreambuf_iterator<char>(std::cin), {});
+  return read_states_text("standard input", text, tree, warnings);
+}
+
+std::vector<State> read_states_text(const std::string& file, const std::string& text, const ir::KinematicTree& tree,
+                                    Diagnostics& warnings) {
+  const Eigen::Index nq = tree.nq(), nv = tree.nv();
+  const std::string layout = fmt::format("a state of {} is {} numbers, q ({}) then v ({}), as 'dalembert info' lists them",
+                                         tree.robot, nq + nv, nq, nv);
+  std::vector<State> states;
+  std::istringstream lines(text);
+  std::string line;
+  for (int number = 1; std::getline(lines, line); ++number) {
+    line.erase(std::min(line.find('#'), line.size()));
+    if (line.find_first_not_of(" \t\r\f\v") == line.npos) continue;
+    const std::string place = fmt::format("line {}", number);
+    const std::optional<std::vector<double>> values = frontend::parse_numbers(line);
+    if (!values) throw InputError({Severity::error, file, place, "something on it is not a number", layout});
+    if (static_cast<Eigen::Index>(values->size()) != nq + nv)
+      throw InputError(
+          {Severity::error, file, place, fmt::format("there are {} numbers instead of {}", values->size(), nq + nv), layout});
+    const Eigen::Map<const Eigen::VectorXd> all(values->data(), nq + nv);
+    State state{place, all.head(nq), all.tail(nv)};
+    if (tree.floating_base) normalise_quaternion(state, file, warnings);
+    states.push_back(std::move(state));
+  }
+  if (states.empty()) throw InputError({Severity::error, file, "", "there is no state in it", layout});
+  return states;
+}
+
+}  // namespace dalembert
