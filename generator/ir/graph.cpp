@@ -1,0 +1,135 @@
+#include "ir/graph.hpp"
+
+#include <bit>
+#include <set>
+#include <utility>
+
+namespace dalembert::ir {
+
+Graph::Key Graph::key_of(const Node& n) {
+  const auto op = static_cast<std::uint64_t>(n.op);
+  if (n.op == Op::constant) return {op, std::bit_cast<std::uint64_t>(n.value)};
+  if (n.op == Op::input)
+    return {op | static_cast<std::uint64_t>(n.input.kind) << 8,
+            static_cast<std::uint64_t>(static_cast<std::uint32_t>(n.input.index)) << 32 |
+                static_cast<std::uint32_t>(n.input.component)};
+  return {op, static_cast<std::uint64_t>(static_cast<std::uint32_t>(n.a)) << 32 | static_cast<std::uint32_t>(n.b)};
+}
+
+NodeId Graph::intern(Node node) {
+  const bool leaf = node.op == Op::constant || node.op == Op::input;
+  node.tag = tag_;
+  if (!options_.share && !leaf) {
+    nodes_.push_back(node);
+    return size() - 1;
+  }
+  const auto [at, made] = index_.try_emplace(key_of(node), size());
+  if (made) nodes_.push_back(node);
+  return at->second;
+}
+
+NodeId Graph::find(Op op, NodeId a, NodeId b) const {
+  const auto at = index_.find(key_of(Node{op, a, b, 0, {}, {}}));
+  return at == index_.end() ? no_node : at->second;
+}
+
+NodeId Graph::constant(double value) {
+  if (value == 0) value = 0;  // one zero: −0 would not compare equal as a key
+  return intern({Op::constant, no_node, no_node, value, {}, {}});
+}
+
+NodeId Graph::input(Input input) { return intern({Op::input, no_node, no_node, 0, input, {}}); }
+
+NodeId Graph::unary(Op op, NodeId a) { return intern({op, a, no_node, 0, {}, {}}); }
+
+NodeId Graph::negate(NodeId a) {
+  const Node n = (*this)[a];
+  if (n.op == Op::constant) return constant(-n.value);
+  if (n.op == Op::negate) return n.a;
+  if (n.op == Op::subtract) return subtract(n.b, n.a);
+  return unary(Op::negate, a);
+}
+
+NodeId Graph::add(NodeId a, NodeId b) {
+  if (options_.fold) {
+    if (is_constant(a) && is_constant(b)) return constant((*this)[a].value + (*this)[b].value);
+    if (is_constant(a, 0)) return b;
+    if (is_constant(b, 0)) return a;
+  }
+  const bool na = (*this)[a].op == Op::negate, nb = (*this)[b].op == Op::negate;
+  if (na && nb) return negate(add((*this)[a].a, (*this)[b].a));
+  if (nb) return subtract(a, (*this)[b].a);
+  if (na) return subtract(b, (*this)[a].a);
+  if (a > b) std::swap(a, b);
+  return intern({Op::add, a, b, 0, {}, {}});
+}
+
+NodeId Graph::subtract(NodeId a, NodeId b) {
+  if (options_.fold) {
+    if (is_constant(a) && is_constant(b)) return constant((*this)[a].value - (*this)[b].value);
+    if (is_constant(a, 0)) return negate(b);
+    if (is_constant(b, 0)) return a;
+    if (a == b) return constant(0);
+  }
+  if ((*this)[b].op == Op::negate) return add(a, (*this)[b].a);
+  if ((*this)[a].op == Op::negate) return negate(add((*this)[a].a, b));
+  if (options_.share)
+    if (const NodeId reverse = find(Op::subtract, b, a); reverse != no_node) return unary(Op::negate, reverse);
+  return intern({Op::subtract, a, b, 0, {}, {}});
+}
+
+NodeId Graph::multiply(NodeId a, NodeId b) {
+  if (is_constant(b)) std::swap(a, b);  // a constant stands first
+  if (options_.fold && is_constant(a)) {
+    const double value = (*this)[a].value;
+    if (is_constant(b)) return constant(value * (*this)[b].value);
+    if (value == 0) return a;
+    if (value == 1) return b;
+    if (value == -1) return negate(b);
+  }
+  const bool na = (*this)[a].op == Op::negate, nb = (*this)[b].op == Op::negate;
+  if (na && nb) return multiply((*this)[a].a, (*this)[b].a);
+  if (na) return negate(multiply((*this)[a].a, b));
+  if (nb) return negate(multiply(a, (*this)[b].a));
+  if (options_.fold && is_constant(a) && (*this)[a].value < 0) return negate(multiply(constant(-(*this)[a].value), b));
+  if (!is_constant(a) && a > b) std::swap(a, b);
+  return intern({Op::multiply, a, b, 0, {}, {}});
+}
+
+NodeId Graph::divide(NodeId a, NodeId b) {
+  if (options_.fold && is_constant(b, 1)) return a;
+  return intern({Op::divide, a, b, 0, {}, {}});
+}
+
+std::vector<std::int32_t> uses(const Graph& graph, const std::vector<NodeId>& roots) {
+  std::vector<std::int32_t> count(static_cast<std::size_t>(graph.size()), 0);
+  for (NodeId root : roots) ++count[static_cast<std::size_t>(root)];
+  for (NodeId id = graph.size() - 1; id >= 0; --id) {
+    if (count[static_cast<std::size_t>(id)] == 0) continue;
+    const Node& n = graph[id];
+    if (n.a != no_node) ++count[static_cast<std::size_t>(n.a)];
+    if (n.b != no_node) ++count[static_cast<std::size_t>(n.b)];
+  }
+  return count;
+}
+
+Operations count(const Graph& graph, const std::vector<std::int32_t>& uses) {
+  Operations total;
+  std::set<NodeId> angles;
+  for (NodeId id = 0; id < graph.size(); ++id) {
+    if (uses[static_cast<std::size_t>(id)] == 0) continue;
+    switch (graph[id].op) {
+      case Op::add:
+      case Op::subtract: ++total.add; break;
+      case Op::multiply: ++total.multiply; break;
+      case Op::divide: ++total.divide; break;
+      case Op::sine:
+      case Op::cosine: angles.insert(graph[id].a); break;
+      default: break;
+    }
+  }
+  total.sincos = static_cast<long>(angles.size());
+  return total;
+}
+
+}  // namespace dalembert::ir

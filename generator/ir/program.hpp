@@ -1,0 +1,39 @@
+// A robot's dynamics as one scalar program: which node goes to which element of which result.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "ir/graph.hpp"
+#include "ir/quantity.hpp"
+
+namespace dalembert::ir {
+
+// A matrix or vector the emitted code offers.
+struct OutputArray {
+  std::string name;  // mass_matrix, …, jacobian_<link>
+  int rows = 0;
+  int columns = 1;
+};
+
+struct OutputElement {
+  int array = 0;  // index into Program::arrays
+  int row = 0;
+  int column = 0;
+  NodeId node = no_node;
+};
+
+struct Program {
+  Graph graph;
+  std::vector<OutputArray> arrays;
+  std::vector<OutputElement> elements;  // structural zeros are not listed
+  std::vector<std::string> names;       // per node: a name for reading, empty where there is none
+
+  std::vector<NodeId> roots() const {
+    std::vector<NodeId> ids;
+    for (const OutputElement& e : elements) ids.push_back(e.node);
+    return ids;
+  }
+};
+
+}  // namespace dalembert::ir

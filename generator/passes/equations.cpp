@@ -1,0 +1,139 @@
+#include "passes/equations.hpp"
+
+namespace dalembert::passes {
+
+namespace {
+
+Vec3 placed_origin(const BodyConstants& body, const JointPosition& q) {
+  return body.translation + q.displacement * column(body.rotation, 2);
+}
+
+// Columns x and y turned about z.
+Mat3 turned(const Mat3& m, const JointPosition& q) {
+  const Vec3 x = column(m, 0), y = column(m, 1);
+  return from_columns(q.cosine * x + q.sine * y, q.cosine * y - q.sine * x, column(m, 2));
+}
+
+
+
+// (tr(S) 1 − S) v
+Vec3 apply_rotational(const Sym6& s, const Vec3& v) {
+  const Sym6 inertia{s[3] + s[5], -s[1], -s[2], s[0] + s[5], -s[4], s[0] + s[3]};
+  return full(inertia) * v;
+}
+
+}  // namespace
+
+Pose pose(const Pose& parent, const BodyConstants& body, const JointPosition& q) {
+  const Mat3 placed = parent.rotation * body.rotation;
+  return {turned(placed, q), parent.position + parent.rotation * body.translation + q.displacement * column(placed, 2)};
+}
+
+Twist joint_twist(const Pose& pose, const BodyConstants& body) {
+  const Vec3 z = column(pose.rotation, 2);
+  return {body.revolute * cross(pose.position, z) + body.prismatic * z, body.revolute * z};
+}
+
+Twist body_twist(const Twist& parent, const Twist& joint, Sym rate) {
+  return {parent.linear + rate * joint.linear, parent.angular + rate * joint.angular};
+}
+
+Twist joint_twist_rate(const Twist& body, const Twist& joint) {
+  return {cross(body.angular, joint.linear) + cross(body.linear, joint.angular), cross(body.angular, joint.angular)};
+}
+
+Sums moments(const Pose& pose, const BodyConstants& body) {
+  const Mat3& r = pose.rotation;
+  const Vec3& p = pose.position;
+  Sums sums;
+  sums.first = r * body.first + body.mass * p;
+  const Mat3 half = full(body.second) * transpose(r) +
+                    Mat3{body.first[0] * p, body.first[1] * p, body.first[2] * p};  // Σ m x_k xᵀ
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t j = i; j < 3; ++j)
+      sums.second[sym6_index[i][j]] = dot(r[i], column(half, j)) + p[i] * sums.first[j];
+  return sums;
+}
+
+void add_velocity(Sums& sums, const Twist& twist, Sym mass, Sym half_trace) {
+  const Vec3 &u = twist.linear, &w = twist.angular, &x = sums.first;
+  sums.momentum = mass * u + cross(w, x);
+  Sym6 s = sums.second;
+  for (std::size_t i : {0u, 3u, 5u}) s[i] = s[i] + half_trace;
+  const Mat3 m = full(s);
+  const Sym xu = dot(x, u);
+  Mat3 wm = from_columns(cross(w, column(m, 0)), cross(w, column(m, 1)), cross(w, column(m, 2)));
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t j = 0; j < 3; ++j) {
+      const Sym sum = wm[i][j] + u[i] * x[j];
+      sums.bias[i][j] = i == j ? xu - sum : -sum;
+    }
+}
+
+Sums operator+(const Sums& a, const Sums& b) {
+  Sums sum;
+  sum.first = a.first + b.first;
+  for (std::size_t i = 0; i < 6; ++i) sum.second[i] = a.second[i] + b.second[i];
+  sum.momentum = a.momentum + b.momentum;
+  sum.bias = a.bias + b.bias;
+  return sum;
+}
+
+Twist apply_inertia(Sym mass, const Sums& sums, const Twist& twist) {
+  return {mass * twist.linear + cross(twist.angular, sums.first),
+          cross(sums.first, twist.linear) + apply_rotational(sums.second, twist.angular)};
+}
+
+Twist apply_bias(const Sums& sums, const Twist& twist) {
+  return {cross(twist.angular, sums.momentum), sums.bias * twist.angular};
+}
+
+Vec3 apply_bias_transposed(const Sums& sums, const Twist& joint) {
+  return cross(sums.momentum, joint.linear) + transpose(sums.bias) * joint.angular;
+}
+
+Sym element(const Twist& wrench, const Twist& twist) {
+  return dot(wrench.linear, twist.linear) + dot(wrench.angular, twist.angular);
+}
+
+Sym element_below(const JointForces& forces, const Twist& joint, const Twist& joint_rate) {
+  return element(forces.inertia, joint_rate) + dot(forces.transposed, joint.angular);
+}
+
+Vec3 to_child(const BodyConstants& body, const JointPosition& q, const Vec3& v) {
+  const Vec3 x = transpose(body.rotation) * v;
+  return {q.cosine * x[0] + q.sine * x[1], q.cosine * x[1] - q.sine * x[0], x[2]};
+}
+
+Vec3 to_parent(const BodyConstants& body, const JointPosition& q, const Vec3& f) {
+  const Vec3 x{q.cosine * f[0] - q.sine * f[1], q.sine * f[0] + q.cosine * f[1], f[2]};
+  return body.rotation * x;
+}
+
+Motion propagate(const Motion& parent, const BodyConstants& body, const JointPosition& q, Sym rate) {
+  const Vec3 &w = parent.angular, &a = parent.angular_acceleration;
+  const Vec3 p = placed_origin(body, q);
+  const Sym zero{rate.graph, rate.graph->constant(0)};
+  const Vec3 z{zero, zero, body.revolute * rate};       // the joint's angular rate, in the body's axes
+  const Vec3 slide{zero, zero, body.prismatic * rate};  // its linear rate
+
+  // The origin's acceleration: a_p + α × p + w × (w × p), and twice w × ḋ where the joint slides.
+  const Vec3 origin = parent.acceleration + cross(a, p) + cross(w, cross(w, p));
+  Motion motion;
+  const Vec3 carried = to_child(body, q, w);
+  motion.angular = carried + z;
+  motion.angular_acceleration = to_child(body, q, a) + cross(carried, z);
+  const Vec3 coriolis = cross(carried, slide);
+  motion.acceleration = to_child(body, q, origin) + coriolis + coriolis;
+  return motion;
+}
+
+Force body_force(const Motion& motion, const BodyConstants& body) {
+  const Vec3 &w = motion.angular, &a = motion.angular_acceleration, &h = body.first;
+  Force f;
+  f.force = body.mass * motion.acceleration + cross(a, h) + cross(w, cross(w, h));
+  f.torque = cross(h, motion.acceleration) + apply_rotational(body.second, a) + cross(w, apply_rotational(body.second, w));
+  return f;
+}
+
+}  // namespace dalembert::passes

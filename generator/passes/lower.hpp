@@ -1,0 +1,22 @@
+// Lowers a tree and a scene to one scalar program: phases I to III, body by body, with every constant in place.
+#pragma once
+
+#include "ir/kinematic_tree.hpp"
+#include "ir/normal_tree.hpp"
+#include "ir/program.hpp"
+#include "ir/scene.hpp"
+
+namespace dalembert::passes {
+
+struct LowerOptions {
+  ir::Graph::Options graph{};
+  bool names = true;  // keep names for reading
+};
+
+// The results a scene asks for, with their shapes, in the scene's order; then the Jacobians, in the scene's order.
+std::vector<ir::OutputArray> output_arrays(const ir::KinematicTree& tree, const ir::Scene& scene);
+
+ir::Program lower(const ir::KinematicTree& tree, const ir::NormalTree& normal, const ir::Scene& scene,
+                  const LowerOptions& options = {});
+
+}  // namespace dalembert::passes

@@ -1,0 +1,112 @@
+#include "passes/normalise.hpp"
+
+#include <Eigen/Geometry>
+#include <cmath>
+
+namespace dalembert::passes {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+// A rotation whose z axis is `axis`. Coordinate axes give permutations, which cost nothing and round nothing.
+Matrix3d frame_with_z(const Vector3d& axis) {
+  for (int i = 0; i < 3; ++i) {
+    if (std::abs(axis[i]) != 1) continue;
+    const int j = (i + 1) % 3, k = (i + 2) % 3;
+    Matrix3d frame = Matrix3d::Zero();
+    frame(j, 0) = 1;
+    frame(k, 1) = axis[i];
+    frame(i, 2) = axis[i];
+    return frame;
+  }
+  int least = 0;
+  axis.cwiseAbs().minCoeff(&least);
+  Matrix3d frame;
+  frame.col(2) = axis;
+  frame.col(0) = Vector3d::Unit(least).cross(axis).normalized();
+  frame.col(1) = axis.cross(frame.col(0));
+  return frame;
+}
+
+// cos(π/2) is 6e-17 in floating point: less than the rounding of what it is multiplied with. Such entries become exact.
+Matrix3d without_rounding_dust(Matrix3d rotation) {
+  constexpr double dust = 2.3e-16;
+  for (double& entry : rotation.reshaped()) {
+    if (std::abs(entry) < dust) entry = 0;
+    if (std::abs(entry - 1) < dust) entry = 1;
+    if (std::abs(entry + 1) < dust) entry = -1;
+  }
+  return rotation;
+}
+
+ir::Moments moments_of(const ir::Inertia& body, const Matrix3d& frame) {
+  const Matrix3d inertia = 0.5 * (body.inertia + body.inertia.transpose());
+  const double half_trace = 0.5 * inertia.trace();
+  ir::Moments m;
+  m.mass = body.mass;
+  m.first = frame.transpose() * (body.mass * body.com);
+  const Matrix3d second =
+      half_trace * Matrix3d::Identity() - inertia + body.mass * body.com * body.com.transpose();
+  m.second = frame.transpose() * second * frame;
+  m.second = (0.5 * (m.second + m.second.transpose())).eval();
+  m.half_trace = half_trace;
+  return m;
+}
+
+// The part of a body's moments that the parent can carry as well, in the body's frame; taken out of `moments`.
+ir::Moments take_movable(ir::Moments& moments, bool prismatic) {
+  ir::Moments moved;
+  if (prismatic) {  // no relative rotation: the whole second moment and the trace; mass and first moment stay
+    std::swap(moved.second, moments.second);
+    std::swap(moved.half_trace, moments.half_trace);
+    return moved;
+  }
+  std::swap(moved.mass, moments.mass);  // a distribution along the axis
+  std::swap(moved.first.z(), moments.first.z());
+  std::swap(moved.second(2, 2), moments.second(2, 2));
+  return moved;
+}
+
+void add_to_parent(ir::Moments& parent, const ir::Moments& m, const Matrix3d& r, const Vector3d& p) {
+  const Vector3d first = r * m.first;
+  parent.mass += m.mass;
+  parent.first += first + m.mass * p;
+  parent.second += r * m.second * r.transpose() + first * p.transpose() + p * first.transpose() +
+                   m.mass * p * p.transpose();
+  parent.half_trace += m.half_trace;
+}
+
+}  // namespace
+
+ir::NormalTree normalise(const ir::KinematicTree& tree, const NormaliseOptions& options) {
+  ir::NormalTree normal;
+  normal.floating_base = tree.floating_base;
+  normal.base = moments_of(tree.base, Matrix3d::Identity());
+  normal.bodies.resize(tree.bodies.size());
+  for (size_t k = 0; k < tree.bodies.size(); ++k) {
+    const ir::Body& body = tree.bodies[k];
+    ir::NormalBody& n = normal.bodies[k];
+    const Matrix3d frame = frame_with_z(body.axis);
+    const Matrix3d parent_frame = body.parent < 0
+                                      ? Matrix3d::Identity().eval()
+                                      : normal.bodies[static_cast<size_t>(body.parent)].link_rotation.transpose().eval();
+    n.parent = body.parent;
+    n.prismatic = body.prismatic();
+    n.rotation = without_rounding_dust(parent_frame.transpose() * body.placement.linear() * frame);
+    n.translation = parent_frame.transpose() * body.placement.translation();
+    n.link_rotation = frame.transpose();
+    n.own = n.moments = moments_of(body.inertia, frame);
+  }
+  if (!options.move_parameters) return normal;
+  for (size_t k = normal.bodies.size(); k-- > 0;) {
+    ir::NormalBody& n = normal.bodies[k];
+    const ir::Moments moved = take_movable(n.moments, n.prismatic);
+    // A prismatic joint displaces along z, which changes nothing in what moves: no mass, no first moment.
+    ir::Moments& parent = n.parent < 0 ? normal.base : normal.bodies[static_cast<size_t>(n.parent)].moments;
+    add_to_parent(parent, moved, n.rotation, n.translation);
+  }
+  return normal;
+}
+
+}  // namespace dalembert::passes
