@@ -15,7 +15,6 @@ Mat3 turned(const Mat3& m, const JointPosition& q) {
 }
 
 
-
 // (tr(S) 1 − S) v
 Vec3 apply_rotational(const Sym6& s, const Vec3& v) {
   const Sym6 inertia{s[3] + s[5], -s[1], -s[2], s[0] + s[5], -s[4], s[0] + s[3]};

@@ -88,9 +88,8 @@ ir::NormalTree normalise(const ir::KinematicTree& tree, const NormaliseOptions& 
     const ir::Body& body = tree.bodies[k];
     ir::NormalBody& n = normal.bodies[k];
     const Matrix3d frame = frame_with_z(body.axis);
-    const Matrix3d parent_frame = body.parent < 0
-                                      ? Matrix3d::Identity().eval()
-                                      : normal.bodies[static_cast<size_t>(body.parent)].link_rotation.transpose().eval();
+    Matrix3d parent_frame = Matrix3d::Identity();
+    if (body.parent >= 0) parent_frame = normal.bodies[static_cast<size_t>(body.parent)].link_rotation.transpose();
     n.parent = body.parent;
     n.prismatic = body.prismatic();
     n.rotation = without_rounding_dust(parent_frame.transpose() * body.placement.linear() * frame);

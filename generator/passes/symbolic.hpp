@@ -39,6 +39,8 @@ inline Mat3 operator*(const Mat3& a, const Mat3& b) {
   return from_columns(a * column(b, 0), a * column(b, 1), a * column(b, 2));
 }
 
+inline Mat3 operator+(const Mat3& a, const Mat3& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
+
 // Symmetric: xx xy xz yy yz zz.
 using Sym6 = std::array<Sym, 6>;
 inline constexpr std::size_t sym6_index[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
