@@ -25,6 +25,7 @@ struct OutputElement {
 
 struct Program {
   Graph graph;
+  int base_positions = 0;  // positions below this index are the base's
   std::vector<OutputArray> arrays;
   std::vector<OutputElement> elements;  // structural zeros are not listed
   std::vector<std::string> names;       // per node: a name for reading, empty where there is none

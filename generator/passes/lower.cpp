@@ -28,7 +28,7 @@ class Lowering {
         normal_(normal),
         scene_(scene),
         options_(options),
-        program_{ir::Graph(options.graph), output_arrays(tree, scene), {}, {}},
+        program_{ir::Graph(options.graph), tree.floating_base ? 7 : 0, output_arrays(tree, scene), {}, {}},
         in_(program_.graph, tree, normal, scene),
         coordinates_(tree.coordinates()),
         bodies_(tree.bodies.size()) {}

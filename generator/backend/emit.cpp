@@ -1,0 +1,188 @@
+#include "backend/emit.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cctype>
+
+#include "backend/code_text.hpp"
+#include "backend/emit_rolled.hpp"
+#include "backend/emit_straight.hpp"
+#include "backend/literals.hpp"
+#include "backend/templates.hpp"
+#include "dalembert/version.hpp"
+#include "ir/identifier.hpp"
+
+namespace dalembert::backend {
+namespace {
+
+std::string banner(const CodeInput& code) {
+  return fmt::format(
+      "// {} from {} (FNV-1a {}). Do not edit; remake with\n"
+      "//   {}\n"
+      "// This file is yours: no licence of the generator applies to it.",
+      banner_mark, comment_text(code.source), code.source_hash, comment_text(code.command_line));
+}
+
+std::vector<const ir::Body*> own_coordinates(const CodeInput& code) {
+  std::vector<const ir::Body*> bodies;
+  for (const ir::Body& b : code.tree.bodies)
+    if (!b.driven()) bodies.push_back(&b);
+  return bodies;
+}
+
+std::string quantities(const CodeInput& code) {
+  std::vector<std::string> names;
+  for (const ir::OutputArray& a : code.program.arrays) names.push_back(a.name);
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+std::string results(const CodeInput& code) {
+  std::string text;
+  for (const ir::OutputArray& a : code.program.arrays) {
+    text += a.columns == 1 ? fmt::format("  alignas(64) Scalar {}[{}] = {{}};\n", a.name, a.rows)
+                           : fmt::format("  alignas(64) Scalar {}[{} * {}] = {{}};\n", a.name, a.rows, a.columns);
+  }
+  return text;
+}
+
+std::string run_time_inputs(const CodeInput& code) {
+  std::string text;
+  const ir::Scene& s = code.scene;
+  if (s.gravity_kind == ir::GravityKind::run_time)
+    text += fmt::format("\n  Scalar gravity_vector[3] = {{{}, {}, {}}};  // m/s^2, world axes: set it as you need\n",
+                        literal(s.gravity[0], s.scalar), literal(s.gravity[1], s.scalar), literal(s.gravity[2], s.scalar));
+  for (const std::string& link : s.payloads)
+    text += fmt::format("\n  Payload payload_{};  // carried by link {}: set it as you need\n", ir::identifier(link), comment_text(link));
+  return text;
+}
+
+std::string payload_type(const CodeInput& code) {
+  if (code.scene.payloads.empty()) return "";
+  return "// A rigid body welded to a link, given at run time.\n"
+         "struct Payload {\n"
+         "  Scalar mass = 0;          // kg\n"
+         "  Scalar com[3] = {};       // centre of mass, m, in the link's frame\n"
+         "  Scalar inertia[6] = {};   // xx xy xz yy yz zz about the centre of mass, kg m^2, the link's axes\n"
+         "};\n\n";
+}
+
+std::string views(const CodeInput& code) {
+  std::string text = "// The results as Eigen matrices that look into the workspace.\n";
+  for (const ir::OutputArray& a : code.program.arrays) {
+    text += fmt::format(
+        "inline auto {0}(const Workspace& workspace) {{\n"
+        "  return Eigen::Map<const Eigen::Matrix<Scalar, {1}, {2}>, Eigen::Aligned64>(workspace.{0});\n"
+        "}}\n",
+        a.name, a.rows, a.columns);
+  }
+  return text;
+}
+
+std::string link_table(const CodeInput& code) {
+  std::string text = "// Links and the bodies they move with:\n";
+  for (const ir::LinkPlacement& link : code.tree.links)
+    text += fmt::format("//   {:<32} {}\n", comment_text(link.link),
+                        comment_text(link.body < 0 ? code.tree.base_link : code.tree.bodies[static_cast<size_t>(link.body)].name));
+  return text;
+}
+
+std::string unread(const CodeInput& code) {
+  const InputsRead read = inputs_read(code.program);
+  std::vector<std::string> parts;
+  if (!read.position) parts.push_back("joint positions");
+  if (code.tree.floating_base && !read.base_pose) parts.push_back("the base's pose");
+  if (!read.velocity) parts.push_back("velocities");
+  return parts.empty() ? "" : fmt::format(" (not read: {})", fmt::join(parts, ", "));
+}
+
+OutputFile header(const CodeInput& code) {
+  std::vector<std::string> joints, joint_names, body_names;
+  for (const ir::Body* b : own_coordinates(code)) {
+    joints.push_back(ir::identifier(b->joint));
+    joint_names.push_back(quoted(b->joint));
+  }
+  if (code.tree.floating_base) body_names.push_back(quoted(code.tree.base_link));
+  for (const ir::Body& b : code.tree.bodies) body_names.push_back(quoted(b.name));
+  const bool floating = code.tree.floating_base;
+  std::string report;
+  for (const std::string& line : code.report) report += "// " + comment_text(line) + "\n";
+  return {"dynamics.hpp",
+          render("dynamics.hpp",
+                 {{"banner", banner(code)},
+                  {"report", report.empty() ? "" : "//\n" + report},
+                  {"runtime_version", std::to_string(runtime_version)},
+                  {"name", code.name},
+                  {"scalar", scalar_name(code.scene.scalar)},
+                  {"nq", std::to_string(code.tree.nq())},
+                  {"nv", std::to_string(code.tree.nv())},
+                  {"position_layout", floating ? "base position in the world (3), quaternion x y z w (4), joints" : "joints"},
+                  {"velocity_layout", floating ? "base linear (3) and angular velocity (3) in base axes, joint rates" : "joint rates"},
+                  {"joints", std::to_string(joints.size())},
+                  {"bodies", std::to_string(body_names.size())},
+                  {"joint_enum", wrapped(joints, 2)},
+                  {"joint_names", wrapped(joint_names, 4)},
+                  {"body_names", wrapped(body_names, 4)},
+                  {"link_table", link_table(code)},
+                  {"payload_type", payload_type(code)},
+                  {"results", results(code)},
+                  {"run_time_inputs", run_time_inputs(code)},
+                  {"scratch", code.plan.form == ir::Form::rolled ? rolled_scratch(code) : ""},
+                  {"quantities", quantities(code)},
+                  {"unread", unread(code)},
+                  {"views", views(code)},
+                  {"stages", code.plan.tasks ? rolled_stages(code) : ""}})};
+}
+
+// get: `const T* NAME_mass_matrix(const NAME_workspace*)`; set: run-time inputs.
+void c_functions(const CodeInput& code, std::string& declarations, std::string& definitions) {
+  const std::string n = code.name, s = scalar_name(code.scene.scalar);
+  const auto add = [&](const std::string& comment, const std::string& signature, const std::string& body) {
+    declarations += fmt::format("// {}\n{};\n\n", comment, signature);
+    definitions += fmt::format("{} {{\n{}}}\n\n", signature, body);
+  };
+  for (const ir::OutputArray& a : code.program.arrays)
+    add(fmt::format("{} x {}", a.rows, a.columns), fmt::format("const {}* {}_{}(const {}_workspace* workspace)", s, n, a.name, n),
+        fmt::format("  return workspace->{};\n", a.name));
+  if (code.scene.gravity_kind == ir::GravityKind::run_time)
+    add("gravity: 3 numbers, m/s^2, world axes",
+        fmt::format("void {}_set_gravity(const {}* gravity, {}_workspace* workspace)", n, s, n),
+        "  for (int i = 0; i < 3; ++i) workspace->gravity_vector[i] = gravity[i];\n");
+  for (const std::string& link : code.scene.payloads) {
+    const std::string id = ir::identifier(link);
+    add("mass (kg), com: 3 numbers (m, link axes), inertia: xx xy xz yy yz zz about the com (kg m^2, link axes)",
+        fmt::format("void {0}_set_payload_{1}({2} mass, const {2}* com, const {2}* inertia, {0}_workspace* workspace)", n, id, s),
+        fmt::format("  {0}::Payload& payload = workspace->payload_{1};\n"
+                    "  payload.mass = mass;\n"
+                    "  for (int i = 0; i < 3; ++i) payload.com[i] = com[i];\n"
+                    "  for (int i = 0; i < 6; ++i) payload.inertia[i] = inertia[i];\n",
+                    n, id));
+  }
+}
+
+}  // namespace
+
+std::vector<OutputFile> emit(const CodeInput& code) {
+  std::vector<OutputFile> files{header(code)};
+  const std::string top = banner(code);
+  files.push_back({"dynamics.cpp", code.plan.form == ir::Form::rolled ? rolled_source(code, top) : straight_source(code, top)});
+  std::string declarations, definitions, guard = code.name + "_C_API_H";
+  c_functions(code, declarations, definitions);
+  std::transform(guard.begin(), guard.end(), guard.begin(), [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+  const std::string scalar = scalar_name(code.scene.scalar);
+  files.push_back({"c_api.h", render("c_api.h", {{"banner", top},
+                                                 {"guard", guard},
+                                                 {"name", code.name},
+                                                 {"scalar", scalar},
+                                                 {"quantities", quantities(code)},
+                                                 {"declarations", declarations}})});
+  files.push_back({"c_api.cpp", render("c_api.cpp", {{"banner", top}, {"name", code.name}, {"scalar", scalar}, {"definitions", definitions}})});
+  if (code.plan.tasks) {
+    files.push_back({"tasks.hpp", tasks_header(code, top)});
+    files.push_back({"tasks.cpp", tasks_source(code, top)});
+  }
+  return files;
+}
+
+}  // namespace dalembert::backend

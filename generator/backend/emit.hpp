@@ -1,0 +1,32 @@
+// From lowered code to the text of the emitted files.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "backend/output_files.hpp"
+#include "ir/kinematic_tree.hpp"
+#include "ir/normal_tree.hpp"
+#include "ir/plan.hpp"
+#include "ir/program.hpp"
+#include "ir/scene.hpp"
+
+namespace dalembert::backend {
+
+struct CodeInput {
+  const ir::KinematicTree& tree;
+  const ir::NormalTree& normal;
+  const ir::Scene& scene;
+  const ir::Program& program;
+  const ir::Plan& plan;
+  std::string name;          // namespace, folder and prefix; an identifier
+  std::string source;        // the URDF's file name, without folders
+  std::string source_hash;
+  std::string command_line;  // that remakes the files
+  std::vector<std::string> report;  // lines about operations and what was left out
+};
+
+// Every file of the robot's folder. Needs no input but its argument: the same code gives the same bytes anywhere.
+std::vector<OutputFile> emit(const CodeInput& code);
+
+}  // namespace dalembert::backend

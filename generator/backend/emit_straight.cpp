@@ -1,0 +1,102 @@
+#include "backend/emit_straight.hpp"
+
+#include <fmt/format.h>
+
+#include <map>
+
+#include "backend/code_text.hpp"
+#include "backend/graph_printer.hpp"
+#include "backend/literals.hpp"
+#include "backend/templates.hpp"
+
+namespace dalembert::backend {
+namespace {
+
+// Angles whose sine or cosine is needed, in the order they are met: all are computed together at the start.
+class Angles {
+ public:
+  Angles(const ir::Program& program) : graph_(program.graph) {
+    const auto uses = ir::uses(graph_, program.roots());
+    for (ir::NodeId id = 0; id < graph_.size(); ++id) {
+      const ir::Op op = graph_[id].op;
+      if (uses[static_cast<size_t>(id)] > 0 && (op == ir::Op::sine || op == ir::Op::cosine))
+        index_.try_emplace(graph_[id].a, static_cast<int>(index_.size()));
+    }
+  }
+  int count() const { return static_cast<int>(index_.size()); }
+  std::string text(ir::NodeId id) const {
+    return fmt::format("{}[{}]", graph_[id].op == ir::Op::sine ? "sine" : "cosine", index_.at(graph_[id].a));
+  }
+  // angle, sine and cosine of every joint, as declarations.
+  std::string prologue(const CodeInput& code, PrintStyle style) const {
+    if (index_.empty()) return "";
+    std::vector<Sink> sinks;
+    for (const auto& [node, i] : index_) sinks.push_back({node, fmt::format("angle[{}] = ", i), ";"});
+    std::string out = "  // Sines and cosines of all angles together.\n";
+    out += fmt::format("  constexpr int angles = {};\n", count());
+    out += "  alignas(64) Scalar angle[dalembert::padded(angles)] = {}, sine[dalembert::padded(angles)], "
+           "cosine[dalembert::padded(angles)];\n";
+    style.heading = nullptr;
+    out += print(code.program.graph, sinks, style);
+    return out + "  dalembert::sincos<angles>(angle, sine, cosine);\n";
+  }
+
+ private:
+  const ir::Graph& graph_;
+  std::map<ir::NodeId, int> index_;
+};
+
+const char* phase_title(int phase) {
+  switch (phase) {
+    case 1: return "Phase I";
+    case 2: return "Phase II";
+    case 3: return "Phase III";
+    default: return "";
+  }
+}
+
+std::string heading(const CodeInput& code, const ir::Tag& tag) {
+  static const std::map<int, std::string> equations = {
+      {1, "R = Rp Rk Rz(q), p = pp + Rp pk, J = [p x z; z], V = Vp + J dq, dJ = ad(Vp) J"},
+      {2, "h = R hk + m p, S = R (Sk R' + hk p') + p h', P = m u + w x h, D = -[w](S + t 1) - u h' + (h.u) 1; sums over children"},
+      {3, "F = A* J, G = A* dJ + B* J, H = P x Jv + D' Jw; M_ik = F.J_i, C_ik = G.J_i, C_ki = F.dJ_i + H.J_i"},
+  };
+  const std::string who = tag.body < 0 ? "base " + code.tree.base_link
+                                       : code.tree.bodies[static_cast<size_t>(tag.body)].joint + " -> " +
+                                             code.tree.bodies[static_cast<size_t>(tag.body)].name;
+  return fmt::format("\n  // {}: {}\n  // {}\n", phase_title(tag.phase), comment_text(who), equations.at(tag.phase));
+}
+
+}  // namespace
+
+std::string straight_source(const CodeInput& code, const std::string& banner) {
+  const ir::Program& program = code.program;
+  const Angles angles(program);
+  PrintStyle style;
+  style.type = "Scalar";
+  style.scalar = code.scene.scalar;
+  style.input = [&](const ir::Input& input) { return input_text(code, input); };
+  style.name = [&](ir::NodeId id) { return program.names[static_cast<size_t>(id)]; };
+  style.sine_or_cosine = [&](const ir::Graph&, ir::NodeId id) { return angles.text(id); };
+  style.heading = [&](const ir::Tag& tag) { return heading(code, tag); };
+
+  std::string body;
+  const InputsRead read = inputs_read(program);
+  if (!read.position && !read.base_pose) body += "  (void)q;\n";
+  if (!read.velocity) body += "  (void)v;\n";
+  body += angles.prologue(code, style);
+
+  std::vector<Sink> sinks;
+  for (const ir::OutputElement& e : program.elements) {
+    const ir::OutputArray& array = program.arrays[static_cast<size_t>(e.array)];
+    sinks.push_back({e.node, fmt::format("workspace.{}[{}] = ", array.name, element_index(array, e.row, e.column)), ";"});
+  }
+  if (sinks.empty()) body += "  (void)workspace;\n";
+  body += print(program.graph, sinks, style);
+  return render("straight.cpp", {{"banner", banner},
+                                 {"name", code.name},
+                                 {"includes", angles.count() > 0 ? "#include <dalembert/sincos.hpp>\n" : ""},
+                                 {"body", body}});
+}
+
+}  // namespace dalembert::backend

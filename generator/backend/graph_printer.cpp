@@ -1,0 +1,122 @@
+#include "backend/graph_printer.hpp"
+
+#include <fmt/format.h>
+
+#include <unordered_map>
+#include <unordered_set>
+
+#include "backend/literals.hpp"
+
+namespace dalembert::backend {
+namespace {
+
+using ir::NodeId;
+using ir::Op;
+
+constexpr int longest_expression = 14;  // operations
+
+enum Precedence { sum = 1, product = 2, sign = 3, atom = 4 };
+
+class Printer {
+ public:
+  Printer(const ir::Graph& graph, const std::vector<Sink>& sinks, const PrintStyle& style)
+      : graph_(graph), style_(style), text_of_(static_cast<size_t>(graph.size())) {
+    std::vector<NodeId> roots;
+    for (const Sink& s : sinks) roots.push_back(s.node);
+    uses_ = ir::uses(graph, roots);
+    for (const Sink& s : sinks) sinks_[s.node].push_back(&s);
+  }
+
+  std::string run() {
+    for (NodeId id = 0; id < graph_.size(); ++id) {
+      if (uses_[at(id)] == 0) continue;
+      const ir::Node& n = graph_[id];
+      const bool leaf = n.op == Op::constant || n.op == Op::input;
+      Text& t = text_of_[at(id)];
+      t = expression(n, id);
+      const auto sinks = sinks_.find(id);
+      const bool shared = uses_[at(id)] > 1;
+      const bool plain_sign = n.op == Op::negate && (graph_[n.a].op == Op::input || graph_[n.a].op == Op::constant);
+      if (!leaf && !plain_sign && (shared || t.operations > longest_expression)) declare(id, t);
+      if (sinks == sinks_.end()) continue;
+      head(n.tag);
+      for (const Sink* s : sinks->second) out_ += style_.indent + s->before + t.text + s->after + "\n";
+    }
+    return std::move(out_);
+  }
+
+ private:
+  struct Text {
+    std::string text;
+    int precedence = atom;
+    int operations = 0;
+  };
+
+  static size_t at(NodeId id) { return static_cast<size_t>(id); }
+
+  void head(const ir::Tag& tag) {
+    if (!style_.heading || (tag.phase == last_.phase && tag.body == last_.body)) return;
+    last_ = tag;
+    out_ += style_.heading(tag);
+  }
+
+  void declare(NodeId id, Text& t) {
+    head(graph_[id].tag);
+    std::string name = style_.name ? style_.name(id) : "";
+    if (name.empty() || !names_.insert(name).second) {
+      name = fmt::format("t{}", ++temporaries_);
+      names_.insert(name);
+    }
+    out_ += fmt::format("{}const {} {} = {};\n", style_.indent, style_.type, name, t.text);
+    t = {std::move(name), atom, 0};
+  }
+
+  std::string operand(NodeId id, int least) const {
+    const Text& t = text_of_[at(id)];
+    return t.precedence < least ? "(" + t.text + ")" : t.text;
+  }
+
+  Text expression(const ir::Node& n, NodeId id) const {
+    const auto binary = [&](const char* op, int precedence, int right) {
+      return Text{operand(n.a, precedence) + op + operand(n.b, right), precedence,
+                  1 + text_of_[at(n.a)].operations + text_of_[at(n.b)].operations};
+    };
+    switch (n.op) {
+      case Op::constant: {
+        std::string text = literal(n.value, style_.scalar);
+        const bool negative = text[0] == '-';
+        return {std::move(text), negative ? sign : atom, 0};
+      }
+      case Op::input: return {style_.input(n.input), atom, 0};
+      case Op::sine:
+      case Op::cosine: return {style_.sine_or_cosine(graph_, id), atom, 0};
+      case Op::sign: {
+        return {fmt::format("({0} > 0 ? 1 : 0) - ({0} < 0 ? 1 : 0)", operand(n.a, product)), sum, 2};
+      }
+      case Op::negate: return {"-" + operand(n.a, atom), sign, text_of_[at(n.a)].operations};
+      case Op::add: return binary(" + ", sum, product);
+      case Op::subtract: return binary(" - ", sum, product);
+      case Op::multiply: return binary(" * ", product, sign);
+      case Op::divide: return binary(" / ", product, sign);
+    }
+    return {};
+  }
+
+  const ir::Graph& graph_;
+  const PrintStyle& style_;
+  std::vector<std::int32_t> uses_;
+  std::unordered_map<NodeId, std::vector<const Sink*>> sinks_;
+  std::vector<Text> text_of_;
+  std::unordered_set<std::string> names_;
+  ir::Tag last_{-1, -2};
+  int temporaries_ = 0;
+  std::string out_;
+};
+
+}  // namespace
+
+std::string print(const ir::Graph& graph, const std::vector<Sink>& sinks, const PrintStyle& style) {
+  return Printer(graph, sinks, style).run();
+}
+
+}  // namespace dalembert::backend

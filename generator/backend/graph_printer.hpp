@@ -1,0 +1,33 @@
+// Prints the needed part of a scalar graph as C++ statements, one per named or shared value.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "ir/graph.hpp"
+#include "ir/scene.hpp"
+
+namespace dalembert::backend {
+
+// What to do with a value once it is there: `target = value;` is printed as "<before><value><after>".
+struct Sink {
+  ir::NodeId node = ir::no_node;
+  std::string before, after;
+};
+
+struct PrintStyle {
+  std::string type;  // of the variables: "Scalar", "V"
+  ir::ScalarType scalar = ir::ScalarType::float64;
+  std::string indent = "  ";
+  std::function<std::string(const ir::Input&)> input;        // text of an input
+  std::function<std::string(ir::NodeId)> name;               // wanted name of a node, or empty
+  std::function<std::string(const ir::Tag&)> heading;        // comment lines before a paragraph, or empty
+  std::function<std::string(const ir::Graph&, ir::NodeId)> sine_or_cosine;  // text of an Op::sine or Op::cosine
+};
+
+// Statements in order of the nodes' numbers. Values used once are written where they are used, as long as the expression stays
+// readable; each sink follows as soon as its value is known. Constant sinks come first.
+std::string print(const ir::Graph& graph, const std::vector<Sink>& sinks, const PrintStyle& style);
+
+}  // namespace dalembert::backend

@@ -1,0 +1,54 @@
+#include "backend/literals.hpp"
+
+#include <fmt/format.h>
+
+namespace dalembert::backend {
+
+std::string literal(double value, ir::ScalarType scalar) {
+  const bool single = scalar == ir::ScalarType::float32;
+  std::string text = single ? fmt::format("{}", static_cast<float>(value)) : fmt::format("{}", value);
+  if (text.find_first_of(".e") == std::string::npos) text += ".0";
+  return single ? text + "f" : text;
+}
+
+std::string scalar_name(ir::ScalarType scalar) { return scalar == ir::ScalarType::float32 ? "float" : "double"; }
+
+std::string wrapped(const std::vector<std::string>& items, int indent, int width) {
+  std::string text;
+  int column = indent;
+  for (size_t i = 0; i < items.size(); ++i) {
+    const std::string item = items[i] + (i + 1 < items.size() ? "," : "");
+    const int length = static_cast<int>(item.size()) + 1;
+    if (i > 0 && column + length > width) {
+      text += "\n" + std::string(static_cast<size_t>(indent), ' ');
+      column = indent;
+    } else if (i > 0) {
+      text += " ";
+    }
+    text += item;
+    column += length;
+  }
+  return text;
+}
+
+std::string quoted(std::string_view text) {
+  std::string out = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') out += '\\';
+    const auto byte = static_cast<unsigned char>(c);
+    if (byte < 0x20 || byte == 0x7f)
+      out += fmt::format("\\{:03o}", byte);
+    else
+      out += c;
+  }
+  return out + "\"";
+}
+
+std::string comment_text(std::string_view text) {
+  std::string out;
+  for (const char c : text) out += static_cast<unsigned char>(c) < 0x20 || c == 0x7f ? ' ' : c;
+  while (!out.empty() && out.back() == '\\') out.pop_back();  // a comment line must not continue
+  return out;
+}
+
+}  // namespace dalembert::backend

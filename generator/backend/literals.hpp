@@ -1,0 +1,27 @@
+// Numbers and names as C++ text.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "ir/scene.hpp"
+
+namespace dalembert::backend {
+
+// A literal of the scene's scalar type that reads back as the same value: `0.5`, `1e-09`, `0.5f`.
+std::string literal(double value, ir::ScalarType scalar);
+
+// `double` or `float`.
+std::string scalar_name(ir::ScalarType scalar);
+
+// Items joined by ", " and broken into lines of at most `width` characters, each but the first indented by `indent` blanks.
+std::string wrapped(const std::vector<std::string>& items, int indent, int width = 118);
+
+// A C string literal, quotes included.
+std::string quoted(std::string_view text);
+
+// A text safe inside a // comment: one line, printable.
+std::string comment_text(std::string_view text);
+
+}  // namespace dalembert::backend

@@ -1,0 +1,92 @@
+// SIMD lanes: a few scalars that are computed on side by side.
+//
+// Lanes<T, n> is the compiler's own vector type (GCC and Clang), so the arithmetic operators are the language's and no
+// vendor's intrinsics are needed: where the target's registers are narrower the compiler splits the lanes, where there are none it
+// computes one by one. Lanes<T, 1> is T itself. Loads and stores need no alignment.
+#pragma once
+
+#include <cstdint>
+#include <cstring>
+
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC diagnostic ignored "-Wpsabi"  // lanes never cross a call: everything here is inlined
+#endif
+
+#define DALEMBERT_INLINE inline __attribute__((always_inline))
+
+namespace dalembert {
+
+namespace detail {
+template <class T, int n>
+struct LanesOf {
+  typedef T type __attribute__((vector_size(sizeof(T) * n)));
+};
+template <class T>
+struct LanesOf<T, 1> {
+  using type = T;
+};
+}  // namespace detail
+
+template <class T, int n>
+using Lanes = typename detail::LanesOf<T, n>::type;
+
+// Doubles a register of the target holds; the width of loops over bodies.
+#if defined(DALEMBERT_LANES)
+inline constexpr int native_lanes = DALEMBERT_LANES;
+#elif defined(__AVX__)
+inline constexpr int native_lanes = 4;
+#elif defined(__SSE2__) || defined(__ARM_NEON)
+inline constexpr int native_lanes = 2;
+#else
+inline constexpr int native_lanes = 1;
+#endif
+
+// Arrays over bodies are padded to this many elements, so that whole lanes can be read and written at their end.
+constexpr int padded(int n) { return (n + 7) / 8 * 8; }
+
+template <int n, class T>
+DALEMBERT_INLINE Lanes<T, n> load(const T* from) {
+  Lanes<T, n> x;
+  std::memcpy(&x, from, sizeof x);
+  return x;
+}
+
+template <int n, class T>
+DALEMBERT_INLINE void store(T* to, Lanes<T, n> x) {
+  std::memcpy(to, &x, sizeof x);
+}
+
+// The first `count` lanes only.
+template <int count, int n, class T>
+DALEMBERT_INLINE void store_first(T* to, Lanes<T, n> x) {
+  std::memcpy(to, &x, sizeof(T) * count);
+}
+
+template <int n, class T>
+DALEMBERT_INLINE Lanes<T, n> broadcast(T x) {
+  return Lanes<T, n>{} + x;
+}
+
+// One value per lane from anywhere: from[at[0]], from[at[1]], …
+template <int n, class T>
+DALEMBERT_INLINE Lanes<T, n> gather(const T* from, const int* at) {
+  if constexpr (n == 1) {
+    return from[at[0]];
+  } else {
+    Lanes<T, n> x{};
+    for (int i = 0; i < n; ++i) x[i] = from[at[i]];
+    return x;
+  }
+}
+
+template <int n, class T>
+DALEMBERT_INLINE T lane(const Lanes<T, n>& x, int i) {
+  if constexpr (n == 1) {
+    (void)i;
+    return x;
+  } else {
+    return x[i];
+  }
+}
+
+}  // namespace dalembert
