@@ -7,7 +7,6 @@
 #include <cctype>
 
 #include "backend/code_text.hpp"
-#include "backend/emit_rolled.hpp"
 #include "backend/emit_straight.hpp"
 #include "backend/literals.hpp"
 #include "backend/templates.hpp"
@@ -128,11 +127,11 @@ OutputFile header(const CodeInput& code) {
                   {"payload_type", payload_type(code)},
                   {"results", results(code)},
                   {"run_time_inputs", run_time_inputs(code)},
-                  {"scratch", code.plan.form == ir::Form::rolled ? rolled_scratch(code) : ""},
+                  {"scratch", ""},
                   {"quantities", quantities(code)},
                   {"unread", unread(code)},
                   {"views", views(code)},
-                  {"stages", code.plan.tasks ? rolled_stages(code) : ""}})};
+                  {"stages", ""}})};
 }
 
 // get: `const T* NAME_mass_matrix(const NAME_workspace*)`; set: run-time inputs.
@@ -166,7 +165,7 @@ void c_functions(const CodeInput& code, std::string& declarations, std::string& 
 std::vector<OutputFile> emit(const CodeInput& code) {
   std::vector<OutputFile> files{header(code)};
   const std::string top = banner(code);
-  files.push_back({"dynamics.cpp", code.plan.form == ir::Form::rolled ? rolled_source(code, top) : straight_source(code, top)});
+  files.push_back({"dynamics.cpp", straight_source(code, top)});
   std::string declarations, definitions, guard = code.name + "_C_API_H";
   c_functions(code, declarations, definitions);
   std::transform(guard.begin(), guard.end(), guard.begin(), [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
@@ -178,10 +177,6 @@ std::vector<OutputFile> emit(const CodeInput& code) {
                                                  {"quantities", quantities(code)},
                                                  {"declarations", declarations}})});
   files.push_back({"c_api.cpp", render("c_api.cpp", {{"banner", top}, {"name", code.name}, {"scalar", scalar}, {"definitions", definitions}})});
-  if (code.plan.tasks) {
-    files.push_back({"tasks.hpp", tasks_header(code, top)});
-    files.push_back({"tasks.cpp", tasks_source(code, top)});
-  }
   return files;
 }
 
