@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "compile.hpp"
 #include "frontend/scene_check.hpp"
 #include "frontend/urdf_reader.hpp"
 #include "ir/identifier.hpp"
@@ -66,8 +67,6 @@ Model read_model(const Request& request, Diagnostics& warnings) {
   return model;
 }
 
-std::vector<backend::OutputFile> compile(const Model& model) {
-  throw InputError({Severity::error, model.description.file, "", "this build has no code generator", "use --engine generic"});
-}
+std::vector<backend::OutputFile> compile(const Model& model) { return compile(model, {}); }
 
 }  // namespace dalembert

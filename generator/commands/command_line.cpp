@@ -55,7 +55,7 @@ void add_info(Command& command) {
   command.parser.add_flag("--json", *json, "one JSON object for machines");
   command.run = [&command, json](Diagnostics& warnings) {
     const Model model = read_model(command.shared.request(), warnings);
-    return print_result(*json ? describe_json(model, {}) : describe(model, {}));
+    return print_result(*json ? describe_json(model, operation_costs(model)) : describe(model, operation_costs(model)));
   };
 }
 

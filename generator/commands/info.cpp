@@ -94,12 +94,12 @@ std::string sparsity(const ir::KinematicTree& tree) {
                      elements, nv * nv, pairs);
 }
 
-std::string cost_table(const std::vector<QuantityCost>& costs) {
+std::string cost_table(const std::vector<OperationCost>& costs) {
   if (costs.empty()) return "";
   std::string text = "\noperations per evaluation:\n";
   text +=
       fmt::format("  {:<18}{:>8}{:>10}{:>8}{:>8}  {}\n", "quantity", "add", "multiply", "divide", "sincos", "does not read");
-  for (const QuantityCost& cost : costs) {
+  for (const OperationCost& cost : costs) {
     std::string unread;
     const auto note = [&](bool reads, const char* input) {
       if (!reads) unread += (unread.empty() ? "" : ", ") + std::string(input);
@@ -107,7 +107,7 @@ std::string cost_table(const std::vector<QuantityCost>& costs) {
     note(cost.reads_position, "joint positions");
     note(cost.reads_velocity, "velocities");
     note(cost.reads_base_pose, "base pose");
-    text += fmt::format("  {:<18}{:>8}{:>10}{:>8}{:>8}  {}\n", cost.name, cost.add, cost.multiply, cost.divide, cost.sincos,
+    text += fmt::format("  {:<18}{:>8}{:>10}{:>8}{:>8}  {}\n", cost.name, cost.operations.add, cost.operations.multiply, cost.operations.divide, cost.operations.sincos,
                         unread);
   }
   return text;
@@ -115,12 +115,12 @@ std::string cost_table(const std::vector<QuantityCost>& costs) {
 
 }  // namespace
 
-std::string describe(const Model& model, const std::vector<QuantityCost>& costs) {
+std::string describe(const Model& model, const std::vector<OperationCost>& costs) {
   return summary(model) + coordinates(model.tree) + bodies(model.tree) + links(model.tree) + sparsity(model.tree) +
          cost_table(costs);
 }
 
-std::string describe_json(const Model& model, const std::vector<QuantityCost>& costs) {
+std::string describe_json(const Model& model, const std::vector<OperationCost>& costs) {
   const ir::KinematicTree& tree = model.tree;
   std::vector<std::string> joints, bodies;
   if (tree.floating_base) bodies.push_back(tree.base_link);
@@ -129,11 +129,11 @@ std::string describe_json(const Model& model, const std::vector<QuantityCost>& c
     bodies.push_back(body.name);
   }
   std::string quantities;
-  for (const QuantityCost& cost : costs)
+  for (const OperationCost& cost : costs)
     quantities += fmt::format(
         "{}\n    {}: {{\"add\": {}, \"multiply\": {}, \"divide\": {}, \"sincos\": {}, \"reads_position\": {}, "
         "\"reads_velocity\": {}, \"reads_base_pose\": {}}}",
-        quantities.empty() ? "" : ",", json_string(cost.name), cost.add, cost.multiply, cost.divide, cost.sincos,
+        quantities.empty() ? "" : ",", json_string(cost.name), cost.operations.add, cost.operations.multiply, cost.operations.divide, cost.operations.sincos,
         cost.reads_position, cost.reads_velocity, cost.reads_base_pose);
   return fmt::format(
       "{{\n  \"robot\": {},\n  \"name\": {},\n  \"base\": \"{}\",\n  \"nq\": {},\n  \"nv\": {},\n  \"joints\": {},\n"
