@@ -6,6 +6,7 @@
 #pragma once
 
 #include <dalembert/generic/dynamics.hpp>
+#include <limits>
 
 namespace dalembert::testing {
 
@@ -26,10 +27,12 @@ struct Scale {
         wrench_influence(largest(result.wrench_influence)) {}
 };
 
-// |a − b| / scale; the difference itself when the scale is zero.
+// |a − b| / scale; the difference itself when the scale is zero; infinity when anything is not a number.
 template <class A, class B, class S>
 double relative_error(const A& a, const B& b, const S& scale) {
-  const S error = largest((a - b).eval());
+  const auto difference = (a - b).eval();
+  if ((difference.array() != difference.array()).any()) return std::numeric_limits<double>::infinity();
+  const S error = largest(difference);
   return static_cast<double>(scale > 0 ? S(error / scale) : error);
 }
 

@@ -36,7 +36,6 @@ namespace detail {
 
 template <class S>
 Kinematics<S> kinematics(const Model<S>& model, const Reduction<S>& reduction, const VectorX<S>& q, const VectorX<S>& v) {
-  check_model(model);
   check_size<S>(q, model.nq(), "q");
   check_size<S>(v, model.nv(), "v");
   return phase1<S>(model, reduction.expand_position(q), reduction.expand_velocity(v));

@@ -2,7 +2,7 @@
 //
 // Problem. Evaluate the dynamics M v̇ + C v + g = τ of any tree in any scalar, as the paper prints it: the yardstick that
 // generated code is measured against. It allocates, throws and multiplies by zeros: it is not the real-time path.
-// Invariants. bodies[k].parent < k, −1 stands for the base; checked by check_model(), which every entry point calls.
+// Invariants. bodies[k].parent < k, −1 stands for the base; check_model(), run by every entry point, refuses others.
 //
 // Coordinates. Fixed base: q and v = q̇ have one entry per coordinate of the joints. Floating base: q = [base position in
 // the world (3), unit quaternion x y z w (4), joints], v = [base linear velocity (3), angular velocity (3), both in base

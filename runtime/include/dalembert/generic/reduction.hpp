@@ -11,8 +11,10 @@ namespace dalembert::generic {
 template <class S>
 class Reduction {
  public:
+  // Refuses a malformed model (check_model). Keeps a reference to it.
   explicit Reduction(const Model<S>& model)
       : model_(model), driven_(!model.coordinates.empty()), base_rows_(model.base_rows()) {
+    check_model(model);
     if (!driven_) return;
     G_ = MatrixX<S>::Zero(base_rows_ + model.joints(), model.nv());
     G_.topLeftCorner(base_rows_, base_rows_).setIdentity();
