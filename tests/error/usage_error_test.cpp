@@ -66,8 +66,8 @@ TEST(States, BadOnesAreRefusedWithTheirLine) {
   expect_refused(eval("0 0 0  0 0 0 0  0   0 0 0 0 0 0 0\n"), "line 1: error: the base's quaternion has length 0; give a unit");
   expect_refused(run_dalembert({"eval", sound, "--state", "no_such", "--output", "bias"}, "."),
                  "no_such: error: there is no such file; name a state file that can be read");
-  expect_refused(run_dalembert({"eval", sound, "--state", "-", "--output", "bais"}, "."),
-                 "option --output: error: the quantity 'bais' is unknown; did you mean 'bias'?");
+  expect_refused(run_dalembert({"eval", sound, "--state", "-", "--output", "bas"}, "."),
+                 "option --output: error: the quantity 'bas' is unknown; did you mean 'bias'?");
   expect_refused(run_dalembert({"eval", sound, "--state", "-", "--output", "jacobian_c"}, "."),
                  "option --output: error: there is no link 'c'");
 }
