@@ -11,4 +11,4 @@ cmake --preset example
 echo "== Building the generator, generating and compiling the controller"
 cmake --build --preset example -j "$(nproc)" --target mahru_controller
 echo "== Running"
-exec build/example/bin/mahru_controller "$@"
+exec build/example/bin/mahru_controller --out build/example "$@"
