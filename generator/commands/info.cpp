@@ -94,11 +94,11 @@ std::string sparsity(const ir::KinematicTree& tree) {
                      elements, nv * nv, pairs);
 }
 
-std::string cost_table(const std::vector<OperationCost>& costs) {
+std::string cost_table(const std::vector<OperationCost>& costs, bool floating_base) {
   if (costs.empty()) return "";
   std::string text = "\noperations per evaluation:\n";
   text +=
-      fmt::format("  {:<18}{:>8}{:>10}{:>8}{:>8}  {}\n", "quantity", "add", "multiply", "divide", "sincos", "does not read");
+      fmt::format("  {:<24}{:>10}{:>10}{:>8}{:>8}  {}\n", "quantity", "add", "multiply", "divide", "sincos", "does not read");
   for (const OperationCost& cost : costs) {
     std::string unread;
     const auto note = [&](bool reads, const char* input) {
@@ -106,9 +106,9 @@ std::string cost_table(const std::vector<OperationCost>& costs) {
     };
     note(cost.reads_position, "joint positions");
     note(cost.reads_velocity, "velocities");
-    note(cost.reads_base_pose, "base pose");
-    text += fmt::format("  {:<18}{:>8}{:>10}{:>8}{:>8}  {}\n", cost.name, cost.operations.add, cost.operations.multiply, cost.operations.divide, cost.operations.sincos,
-                        unread);
+    note(cost.reads_base_pose || !floating_base, "base pose");
+    text += fmt::format("  {:<24}{:>10}{:>10}{:>8}{:>8}  {}\n", cost.name, cost.operations.add, cost.operations.multiply,
+                        cost.operations.divide, cost.operations.sincos, unread);
   }
   return text;
 }
@@ -117,7 +117,7 @@ std::string cost_table(const std::vector<OperationCost>& costs) {
 
 std::string describe(const Model& model, const std::vector<OperationCost>& costs) {
   return summary(model) + coordinates(model.tree) + bodies(model.tree) + links(model.tree) + sparsity(model.tree) +
-         cost_table(costs);
+         cost_table(costs, model.tree.floating_base);
 }
 
 std::string describe_json(const Model& model, const std::vector<OperationCost>& costs) {
@@ -133,8 +133,8 @@ std::string describe_json(const Model& model, const std::vector<OperationCost>& 
     quantities += fmt::format(
         "{}\n    {}: {{\"add\": {}, \"multiply\": {}, \"divide\": {}, \"sincos\": {}, \"reads_position\": {}, "
         "\"reads_velocity\": {}, \"reads_base_pose\": {}}}",
-        quantities.empty() ? "" : ",", json_string(cost.name), cost.operations.add, cost.operations.multiply, cost.operations.divide, cost.operations.sincos,
-        cost.reads_position, cost.reads_velocity, cost.reads_base_pose);
+        quantities.empty() ? "" : ",", json_string(cost.name), cost.operations.add, cost.operations.multiply,
+        cost.operations.divide, cost.operations.sincos, cost.reads_position, cost.reads_velocity, cost.reads_base_pose);
   return fmt::format(
       "{{\n  \"robot\": {},\n  \"name\": {},\n  \"base\": \"{}\",\n  \"nq\": {},\n  \"nv\": {},\n  \"joints\": {},\n"
       "  \"bodies\": {},\n  \"quantities\": {{{}}}\n}}\n",

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <vector>
 
 #include "frontend/numbers.hpp"
 
@@ -71,13 +72,15 @@ void ElementReader::only_attributes(const TiXmlElement& element, std::initialize
 
 void ElementReader::only_children(const TiXmlElement& element, std::initializer_list<std::string_view> once,
                                   std::initializer_list<std::string_view> any_number) {
+  std::vector<std::string_view> known(once);
+  known.insert(known.end(), any_number);
   std::set<std::string_view> seen;
   for (const TiXmlElement* child = element.FirstChildElement(); child; child = child->NextSiblingElement()) {
     const std::string_view tag = child->Value();
     if (is_in(tag, any_number) || tag.find(':') != tag.npos) continue;  // a prefix: somebody else's extension
     if (!is_in(tag, once))
       warning(*child, fmt::format("unknown element <{}> in <{}> is ignored", tag, element.Value()),
-              fmt::format("the known ones are {}", fmt::join(once, ", ")));
+              fmt::format("the known ones are {}", fmt::join(known, ", ")));
     else if (!seen.insert(tag).second)
       warning(*child, fmt::format("a second <{}> in <{}> is ignored", tag, element.Value()), "keep one of them");
   }

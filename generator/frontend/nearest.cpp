@@ -34,7 +34,8 @@ std::string suggestion(std::string_view name, const std::vector<std::string>& na
   const auto nearest = std::min_element(names.begin(), names.end(), [&](const auto& a, const auto& b) {
     return edit_distance(name, a) < edit_distance(name, b);
   });
-  if (edit_distance(name, *nearest) <= std::max<size_t>(1, name.size() / 3)) return fmt::format("did you mean '{}'?", *nearest);
+  if (edit_distance(name, *nearest) <= std::max<size_t>(1, (name.size() + 1) / 3))
+    return fmt::format("did you mean '{}'?", *nearest);
   constexpr size_t shown = 12;
   if (names.size() <= shown) return fmt::format("choose from {}", fmt::join(names, ", "));
   return fmt::format("choose from {} and {} more", fmt::join(names.begin(), names.begin() + shown, ", "), names.size() - shown);

@@ -7,7 +7,7 @@
 
 namespace dalembert::frontend {
 
-// "did you mean 'l_knee'?" when one of the names is close (edit distance at most a third of the name's length, and at
+// "did you mean 'l_knee'?" when one of the names is close (edit distance at most about a third of the name's length, and at
 // least one edit allowed); otherwise "one of a, b, c" for few names, and for many the first of them and how many more.
 std::string suggestion(std::string_view name, const std::vector<std::string>& names);
 

@@ -155,7 +155,7 @@ class SceneCheck {
     std::vector<std::string> joints;
     for (const ir::Joint& joint : robot_.joints)
       if (joint.*value != 0 && joint.type != ir::JointType::fixed && !is_cut(joint) && !scene_.locked.count(joint.name))
-        joints.push_back(joint.name);
+        joints.push_back("'" + joint.name + "'");
     if (!joints.empty())
       warnings_.push_back(
           {Severity::warning, robot_.file, fmt::format("joint{} {}", joints.size() > 1 ? "s" : "", fmt::join(joints, ", ")),

@@ -78,7 +78,7 @@ class OutlineReader {
     if (!origin) return Eigen::Vector3d::Zero();
     if (origin->Attribute("quat_xyzw"))
       read_.error(*origin, "<origin quat_xyzw> is not supported", "write the rotation as rpy");
-    read_.only_attributes(*origin, {"xyz", "rpy"});
+    else read_.only_attributes(*origin, {"xyz", "rpy"});
     read_.vector(*origin, "xyz");
     return read_.vector(*origin, "rpy").value_or(Eigen::Vector3d::Zero());
   }
@@ -124,7 +124,7 @@ class OutlineReader {
     outline.parent = end(element, "parent");
     outline.child = end(element, "child");
     outline.origin_rpy = rpy(element);
-    if (outline.type != "fixed") axis(element);
+    if (outline.type == "revolute" || outline.type == "continuous" || outline.type == "prismatic") axis(element);
     if (const TiXmlElement* limit = element.FirstChildElement("limit"))
       for (const char* name : {"lower", "upper", "effort", "velocity"}) read_.number(*limit, name);
     if (const TiXmlElement* dynamics = element.FirstChildElement("dynamics"))

@@ -1,0 +1,277 @@
+// One scene per defect, each with what the user reads about it, word for word; and the same on the command line.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "run_dalembert.hpp"
+
+namespace dalembert::test {
+namespace {
+
+const std::string arm = ERROR_ROBOTS "/scenes/arm.urdf";
+
+struct Case {
+  const char* name;
+  const char* scene;
+  const char* messages;  // stderr
+};
+
+void PrintTo(const Case& c, std::ostream* os) {
+  *os << c.name;
+}
+
+// clang-format off
+const Case defects[] = {
+    {"unknown_key",
+     "base: fixed\ngravty: none\n",
+     "scene.yaml: line 2, column 1: key 'gravty': error: the key 'gravty' is unknown; did you mean 'gravity'?\n"},
+    {"unknown_key_without_neighbour",
+     "colour: red\n",
+     "scene.yaml: line 1, column 1: key 'colour': error: the key 'colour' is unknown; choose from base, gravity, outputs, locked, cut, mimic, jacobians, payloads, armature, damping, friction, rates_zero and 2 more\n"},
+    {"base_value",
+     "base: hanging\n",
+     "scene.yaml: line 1, column 7: key 'base': error: 'hanging' is unknown; choose from fixed, floating\n"},
+    {"base_list",
+     "base: [fixed]\n",
+     "scene.yaml: line 1, column 7: key 'base': error: the value is unknown; choose from fixed, floating\n"},
+    {"gravity_word",
+     "gravity: moon\n",
+     "scene.yaml: line 1, column 10: key 'gravity': error: the value is no gravity; write [0, 0, -9.81], none, run_time, or {run_time: [0, 0, -9.81]}\n"},
+    {"gravity_two_numbers",
+     "gravity: [0, -9.81]\n",
+     "scene.yaml: line 1, column 10: key 'gravity': error: the vector does not have three numbers; write [0, 0, -9.81], none, run_time, or {run_time: [0, 0, -9.81]}\n"},
+    {"gravity_not_a_number",
+     "gravity: [0, 0, g]\n",
+     "scene.yaml: line 1, column 17: key 'gravity': error: 'g' is not a finite number; write a finite decimal number\n"},
+    {"gravity_infinite",
+     "gravity: [0, 0, .inf]\n",
+     "scene.yaml: line 1, column 17: key 'gravity': error: '.inf' is not a finite number; write a finite decimal number\n"},
+    {"gravity_run_time_value",
+     "gravity: {run_time: 9.81}\n",
+     "scene.yaml: line 1, column 21: key 'gravity': error: the vector does not have three numbers; write [0, 0, -9.81], none, run_time, or {run_time: [0, 0, -9.81]}\n"},
+    {"unknown_output",
+     "outputs: [mass_matrx]\n",
+     "scene.yaml: line 1, column 11: key 'outputs': error: the quantity 'mass_matrx' is unknown; did you mean 'mass_matrix'?\n"},
+    {"no_output",
+     "outputs: []\n",
+     "scene.yaml: line 1, column 1: key 'outputs': error: no output is asked for; name at least one quantity, such as mass_matrix\n"},
+    {"output_twice",
+     "outputs: [bias, gravity, bias]\n",
+     "scene.yaml: line 1, column 26: key 'outputs': error: 'bias' is given twice; keep one of them\n"},
+    {"outputs_map",
+     "outputs: {bias: true}\n",
+     "scene.yaml: line 1, column 10: key 'outputs': error: the value is not a list; write a list of quantities\n"},
+    {"unknown_locked",
+     "locked: {elbo: 0.3}\n",
+     "scene.yaml: line 1, column 10: key 'locked': error: there is no joint 'elbo'; did you mean 'elbow'?\n"},
+    {"locked_value",
+     "locked:\n  elbow: bent\n",
+     "scene.yaml: line 2, column 10: key 'locked': error: 'bent' is not a finite number; write a finite decimal number\n"},
+    {"locked_twice",
+     "locked:\n  elbow: 0.3\n  wrist: 0\n  elbow: 0.4\n",
+     "scene.yaml: line 4, column 3: key 'locked': error: 'elbow' is given twice; keep one of them\n"},
+    {"locked_fixed_joint",
+     "locked: [weld]\n",
+     "scene.yaml: line 1, column 10: key 'locked': error: joint 'weld' is fixed; name a joint that moves, or remove it here\n"},
+    {"locked_and_cut",
+     "locked: {wrist: 0}\ncut: [fore]\n",
+     "scene.yaml: line 1, column 10: key 'locked': error: joint 'wrist' is cut off; remove it here, or remove the link it belongs to from 'cut'\n"},
+    {"unknown_cut",
+     "cut: [hnd]\n",
+     "scene.yaml: line 1, column 7: key 'cut': error: there is no link 'hnd'; did you mean 'hand'?\n"},
+    {"cut_root",
+     "cut: [base]\n",
+     "scene.yaml: line 1, column 7: key 'cut': error: link 'base' is the root: nothing would be left; name a link beyond a joint\n"},
+    {"mimic_word",
+     "mimic: all\n",
+     "scene.yaml: line 1, column 8: key 'mimic': error: the value is no map of mimic relations; write {joint: {of: other_joint, multiplier: 1, offset: 0}}, or urdf to take the URDF's relations\n"},
+    {"mimic_unknown_part",
+     "mimic: {wrist: {of: elbow, factor: 2}}\n",
+     "scene.yaml: line 1, column 28: key 'mimic': error: 'factor' is no part of a mimic relation; choose from of, multiplier, offset\n"},
+    {"mimic_without_driver",
+     "mimic: {wrist: {multiplier: 2}}\n",
+     "scene.yaml: line 1, column 9: key 'mimic': error: the relation of 'wrist' does not say which joint drives it; write {joint: {of: other_joint, multiplier: 1, offset: 0}}, or urdf to take the URDF's relations\n"},
+    {"mimic_unknown_driver",
+     "mimic: {wrist: {of: knee}}\n",
+     "scene.yaml: line 1, column 17: key 'mimic': error: there is no joint 'knee'; choose from elbow, grip, shoulder, weld, wrist\n"},
+    {"mimic_of_itself",
+     "mimic: {wrist: {of: wrist}}\n",
+     "scene.yaml: line 1, column 9: key 'mimic': error: joint 'wrist' drives itself; name another joint as its driver\n"},
+    {"mimic_chain",
+     "mimic: {wrist: {of: elbow}, elbow: {of: shoulder}}\n",
+     "scene.yaml: line 1, column 9: key 'mimic': error: joint 'wrist' is driven by 'elbow', which is driven itself; name the joint at the end of the chain as the driver, which has a coordinate of its own\n"},
+    {"mimic_cycle",
+     "mimic: {wrist: {of: elbow}, elbow: {of: wrist}}\n",
+     "scene.yaml: line 1, column 29: key 'mimic': error: joint 'elbow' is driven by 'wrist', which is driven itself; name the joint at the end of the chain as the driver, which has a coordinate of its own\nscene.yaml: line 1, column 9: key 'mimic': error: joint 'wrist' is driven by 'elbow', which is driven itself; name the joint at the end of the chain as the driver, which has a coordinate of its own\n"},
+    {"mimic_of_locked",
+     "mimic: {wrist: {of: elbow}}\nlocked: [elbow]\n",
+     "scene.yaml: line 1, column 17: key 'mimic': error: joint 'elbow' is locked; remove it here, or from 'locked'\n"},
+    {"mimic_and_locked",
+     "mimic: {wrist: {of: elbow}}\nlocked: [wrist]\n",
+     "scene.yaml: line 1, column 9: key 'mimic': error: joint 'wrist' is locked; remove it here, or from 'locked'\n"},
+    {"mimic_of_cut",
+     "mimic: {elbow: {of: wrist}}\ncut: [hand]\n",
+     "scene.yaml: line 1, column 17: key 'mimic': error: joint 'wrist' is cut off; remove it here, or remove the link it belongs to from 'cut'\n"},
+    {"mimic_of_fixed",
+     "mimic: {elbow: {of: weld}}\n",
+     "scene.yaml: line 1, column 17: key 'mimic': error: joint 'weld' is fixed; name a joint that moves, or remove it here\n"},
+    {"mimic_zero_multiplier",
+     "mimic: {wrist: {of: elbow, multiplier: 0, offset: 0.2}}\n",
+     "scene.yaml: line 1, column 9: key 'mimic': error: the multiplier of joint 'wrist' is zero: it would not move; lock it at its offset instead: locked: {wrist: 0.2}\n"},
+    {"unknown_jacobian",
+     "jacobians: [hands]\n",
+     "scene.yaml: line 1, column 13: key 'jacobians': error: there is no link 'hands'; did you mean 'hand'?\n"},
+    {"jacobian_of_cut",
+     "jacobians: [hand]\ncut: [fore]\n",
+     "scene.yaml: line 1, column 13: key 'jacobians': error: link 'hand' is cut off; remove it here, or remove the link it hangs on from 'cut'\n"},
+    {"jacobian_of_fixed_base",
+     "base: fixed\njacobians: [base]\n",
+     "arm.urdf: link 'base': error: a Jacobian is asked for of a link that does not move: the base is fixed; name a link beyond a moving joint, or ask for base: floating\n"},
+    {"unknown_payload",
+     "payloads: [handle]\n",
+     "scene.yaml: line 1, column 12: key 'payloads': error: there is no link 'handle'; did you mean 'hand'?\n"},
+    {"payload_on_cut",
+     "payloads: [hand]\ncut: [hand]\n",
+     "scene.yaml: line 1, column 12: key 'payloads': error: link 'hand' is cut off; remove it here, or remove the link it hangs on from 'cut'\n"},
+    {"payload_on_fixed_base",
+     "base: fixed\npayloads: [base]\n",
+     "arm.urdf: link 'base': error: a payload is asked for at a link that does not move; name a link beyond a moving joint, or ask for base: floating\n"},
+    {"payload_twice",
+     "payloads: [hand, hand]\n",
+     "scene.yaml: line 1, column 18: key 'payloads': error: 'hand' is given twice; keep one of them\n"},
+    {"negative_armature",
+     "armature: {elbow: -1}\n",
+     "scene.yaml: line 1, column 19: key 'armature': error: the armature of joint 'elbow' is negative; give a value of zero or more\n"},
+    {"negative_damping",
+     "damping: {elbow: -1}\n",
+     "scene.yaml: line 1, column 18: key 'damping': error: the damping of joint 'elbow' is negative; give a value of zero or more\n"},
+    {"negative_friction",
+     "friction: {elbow: -1}\n",
+     "scene.yaml: line 1, column 19: key 'friction': error: the friction of joint 'elbow' is negative; give a value of zero or more\n"},
+    {"armature_of_locked",
+     "armature: {elbow: 1}\nlocked: [elbow]\n",
+     "scene.yaml: line 1, column 12: key 'armature': error: joint 'elbow' is locked; remove it here, or from 'locked'\n"},
+    {"damping_of_fixed",
+     "damping: {weld: 1}\n",
+     "scene.yaml: line 1, column 11: key 'damping': error: joint 'weld' is fixed; name a joint that moves, or remove it here\n"},
+    {"friction_of_unknown",
+     "friction: {elbwo: 1}\n",
+     "scene.yaml: line 1, column 12: key 'friction': error: there is no joint 'elbwo'; did you mean 'elbow'?\n"},
+    {"damping_word",
+     "damping: yes\n",
+     "scene.yaml: line 1, column 10: key 'damping': error: the value is not a map; write damping: {joint: value}\n"},
+    {"rates_zero_word",
+     "rates_zero: maybe\n",
+     "scene.yaml: line 1, column 13: key 'rates_zero': error: 'maybe' is unknown; choose from true, false\n"},
+    {"rates_zero_and_coriolis",
+     "rates_zero: true\noutputs: [mass_matrix, coriolis_matrix]\n",
+     "scene.yaml: line 2, column 1: key 'outputs': error: coriolis_matrix is zero when rates_zero is set; remove one of the two; bias then is gravity, and may stay\n"},
+    {"scalar_value",
+     "scalar: half\n",
+     "scene.yaml: line 1, column 9: key 'scalar': error: 'half' is unknown; choose from double, float\n"},
+    {"parallel_value",
+     "parallel: threads\n",
+     "scene.yaml: line 1, column 11: key 'parallel': error: 'threads' is unknown; choose from serial, tasks, auto\n"},
+    {"everything_locked",
+     "base: fixed\nlocked: [shoulder, elbow, wrist, grip]\n",
+     "arm.urdf: robot 'arm': error: no joint is left to move and the base is fixed; unlock a joint, or ask for --base floating\n"},
+    {"key_twice",
+     "base: fixed\nbase: floating\n",
+     "scene.yaml: line 2, column 1: key 'base': error: the key is given twice; keep one of them\n"},
+    {"not_yaml",
+     "base: fixed\n  gravity: [\n",
+     "scene.yaml: line 2, column 10: error: this is not YAML: illegal map value; docs/scene.md shows how a scene is written\n"},
+    {"not_a_map",
+     "- base\n",
+     "scene.yaml: line 1, column 1: error: a scene is a map of keys to values; write lines such as 'base: fixed'\n"},
+};
+// clang-format on
+
+class Scene : public testing::TestWithParam<Case> {
+ protected:
+  Scene() {
+    write_text(folder_.path() + "/arm.urdf", text_of(arm));
+    write_text(folder_.path() + "/scene.yaml", GetParam().scene);
+  }
+  TemporaryFolder folder_;
+};
+
+TEST_P(Scene, IsRefusedWithPlaceAndRemedyAndNothingIsWritten) {
+  const Outcome run = run_dalembert({"generate", "arm.urdf", "--scene", "scene.yaml", "-o", "out"}, folder_.path());
+  EXPECT_EQ(run.status, 2);
+  EXPECT_EQ(run.err, GetParam().messages);
+  EXPECT_EQ(run.out, "");
+  EXPECT_FALSE(std::filesystem::exists(folder_.path() + "/out"));
+}
+
+INSTANTIATE_TEST_SUITE_P(Defects, Scene, testing::ValuesIn(defects),
+                         [](const auto& info) { return std::string(info.param.name); });
+
+Outcome info(std::vector<std::string> options) {
+  options.insert(options.begin(), {"info", arm});
+  return run_dalembert(options, ERROR_ROBOTS);
+}
+
+std::string nq_and_nv(const Outcome& run) {
+  const size_t begin = run.out.find("nq = ");
+  return begin == run.out.npos ? run.err : run.out.substr(begin, run.out.find('\n', begin) - begin);
+}
+
+TEST(SceneOptions, EveryKeyIsAnOptionOfTheSameName) {
+  EXPECT_EQ(nq_and_nv(info({})), "nq = 11, nv = 10");
+  EXPECT_EQ(nq_and_nv(info({"--base", "fixed"})), "nq = 4, nv = 4");
+  EXPECT_EQ(nq_and_nv(info({"--locked", "elbow=0.3,wrist=0"})), "nq = 9, nv = 8");
+  EXPECT_EQ(nq_and_nv(info({"--locked", "elbow,wrist"})), "nq = 9, nv = 8");
+  EXPECT_EQ(nq_and_nv(info({"--locked", "{elbow: 0.3}"})), "nq = 10, nv = 9");
+  EXPECT_EQ(nq_and_nv(info({"--cut", "fore"})), "nq = 8, nv = 7");
+  EXPECT_EQ(nq_and_nv(info({"--mimic", "{wrist: {of: elbow, multiplier: -1, offset: 0.1}}"})), "nq = 10, nv = 9");
+  for (const std::vector<std::string>& options : std::vector<std::vector<std::string>>{{"--gravity", "0,0,-1.62"},
+                                                                                       {"--gravity", "-9.81,0,0"},
+                                                                                       {"--gravity", "none"},
+                                                                                       {"--gravity", "run_time"},
+                                                                                       {"--gravity", "run_time=0,0,-9.81"},
+                                                                                       {"--outputs", "gravity"},
+                                                                                       {"--outputs", "bias,wrench_influence"},
+                                                                                       {"--jacobians", "hand,tool"},
+                                                                                       {"--payloads", "hand"},
+                                                                                       {"--armature", "elbow=0.1"},
+                                                                                       {"--damping", "urdf"},
+                                                                                       {"--friction", "elbow=1,wrist=2"},
+                                                                                       {"--rates_zero", "true"},
+                                                                                       {"--scalar", "float"},
+                                                                                       {"--parallel", "tasks"}})
+    EXPECT_EQ(info(options).status, 0) << options[0] << ' ' << options[1] << info(options).err;
+}
+
+TEST(SceneOptions, OptionsOverrideTheFile) {
+  const TemporaryFolder folder;
+  const std::string scene = folder.path() + "/scene.yaml";
+  write_text(scene, "base: fixed\nlocked: {elbow: 0}\n");
+  EXPECT_EQ(nq_and_nv(info({"--scene", scene})), "nq = 3, nv = 3");
+  EXPECT_EQ(nq_and_nv(info({"--scene", scene, "--base", "floating"})), "nq = 10, nv = 9");
+  EXPECT_EQ(nq_and_nv(info({"--scene", scene, "--locked", ""})), "nq = 4, nv = 4");
+}
+
+TEST(SceneOptions, ComplaintsNameTheOption) {
+  const auto complaint = [](std::vector<std::string> options) {
+    const Outcome run = info(std::move(options));
+    EXPECT_EQ(run.status, 2);
+    return run.err;
+  };
+  EXPECT_EQ(complaint({"--base", "hanging"}), "option --base: error: 'hanging' is unknown; choose from fixed, floating\n");
+  EXPECT_EQ(complaint({"--cut", "hnd"}), "option --cut: error: there is no link 'hnd'; did you mean 'hand'?\n");
+  EXPECT_EQ(complaint({"--locked", "elbow=1,elbow=2"}), "option --locked: error: 'elbow' is given twice; keep one of them\n");
+  EXPECT_EQ(complaint({"--outputs", ""}),
+            "option --outputs: error: no output is asked for; name at least one quantity, such as mass_matrix\n");
+  EXPECT_EQ(complaint({"--mimic", "{elbow: {"}),
+            "option --mimic: error: the value is not YAML: end of map flow not found; docs/scene.md shows how it is written\n");
+}
+
+TEST(SceneOptions, StaticsLeavesOutVelocityTermsUnlessTheyAreAskedFor) {
+  EXPECT_EQ(info({"--rates_zero", "true"}).err, "");
+  EXPECT_EQ(info({"--rates_zero", "true", "--outputs", "bias"}).err, "");
+  EXPECT_EQ(info({"--rates_zero", "true", "--outputs", "coriolis_matrix"}).status, 2);
+}
+
+}  // namespace
+}  // namespace dalembert::test

@@ -1,0 +1,119 @@
+// Bad usage, bad state files, and places that cannot be written: exit status 2, a remedy, nothing on stdout.
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <cstdlib>
+#include <filesystem>
+
+#include "run_dalembert.hpp"
+
+namespace dalembert::test {
+namespace {
+
+const std::string sound = ERROR_ROBOTS "/sound.urdf";
+
+void expect_refused(const Outcome& run, const std::string& message) {
+  EXPECT_EQ(run.status, 2) << run.err;
+  EXPECT_EQ(run.out, "");
+  EXPECT_NE(run.err.find(message), std::string::npos) << run.err;
+}
+
+TEST(Usage, BadCommandLinesAreRefused) {
+  expect_refused(run_dalembert({}, "."), "command line: error: A subcommand is required; run 'dalembert --help'");
+  expect_refused(run_dalembert({"frobnicate"}, "."), "command line: error: ");
+  expect_refused(run_dalembert({"info"}, "."), "command line: error: ROBOT is required");
+  expect_refused(run_dalembert({"info", sound, "--bse", "fixed"}, "."), "--bse");
+  expect_refused(run_dalembert({"generate", sound}, "."), "--out is required");
+  expect_refused(run_dalembert({"eval", sound, "--state", "-"}, "."), "--output is required");
+  expect_refused(run_dalembert({"eval", sound, "--state", "-", "--output", "bias", "--engine", "steam"}, "."), "steam");
+  expect_refused(run_dalembert({"info", sound, "--name", "a-b"}, "."),
+                 "option --name: error: 'a-b' cannot be the name of a C++");
+  expect_refused(run_dalembert({"info", sound, "--name", "class"}, "."), "option --name: error: 'class' is a keyword of C++");
+}
+
+TEST(Usage, HelpIsAResult) {
+  for (const std::vector<std::string>& words :
+       std::vector<std::vector<std::string>>{{}, {"generate"}, {"info"}, {"eval"}, {"check"}}) {
+    std::vector<std::string> arguments = words;
+    arguments.push_back("--help");
+    const Outcome run = run_dalembert(arguments, ".");
+    EXPECT_EQ(run.status, 0);
+    EXPECT_EQ(run.err, "");
+    EXPECT_NE(run.out.find("Usage: dalembert"), std::string::npos);
+  }
+}
+
+TEST(Usage, AFullDiskIsNotSuccess) {
+  if (!std::filesystem::exists("/dev/full")) GTEST_SKIP();
+  const std::string command = std::string("'") + dalembert_path() + "' info '" + sound + "' >/dev/full 2>/dev/null";
+  EXPECT_EQ(WEXITSTATUS(std::system(command.c_str())), 2);
+}
+
+Outcome eval(const std::string& states, std::vector<std::string> options = {}) {
+  std::vector<std::string> arguments{"eval", sound, "--state", "-", "--output", "bias", "--engine", "generic"};
+  arguments.insert(arguments.end(), options.begin(), options.end());
+  return run_dalembert(arguments, ".", states);
+}
+
+TEST(States, BadOnesAreRefusedWithTheirLine) {
+  const std::vector<std::string> fixed{"--base", "fixed"};
+  expect_refused(eval("", fixed), "standard input: error: there is no state in it; a state of r is 2 numbers");
+  expect_refused(eval("# nothing\n\n", fixed), "standard input: error: there is no state in it");
+  expect_refused(eval("0 0\n0\n", fixed), "standard input: line 2: error: there are 1 numbers instead of 2");
+  expect_refused(eval("0 0 0\n", fixed), "standard input: line 1: error: there are 3 numbers instead of 2");
+  expect_refused(eval("0 zero\n", fixed), "standard input: line 1: error: something on it is not a number");
+  expect_refused(eval("0 0,5\n", fixed), "standard input: line 1: error: something on it is not a number");
+  expect_refused(eval("0 0 0  0 0 0 0  0   0 0 0 0 0 0 0\n"), "line 1: error: the base's quaternion has length 0; give a unit");
+  expect_refused(run_dalembert({"eval", sound, "--state", "no_such", "--output", "bias"}, "."),
+                 "no_such: error: there is no such file; name a state file that can be read");
+  expect_refused(run_dalembert({"eval", sound, "--state", "-", "--output", "bas"}, "."),
+                 "option --output: error: the quantity 'bas' is unknown; did you mean 'bias'?");
+  expect_refused(run_dalembert({"eval", sound, "--state", "-", "--output", "jacobian_c"}, "."),
+                 "option --output: error: there is no link 'c'");
+}
+
+TEST(States, CommentsAndBlankLinesAreSkippedAndStatesSeparatedByAnEmptyLine) {
+  const Outcome run = eval("# one\n0 1  # at rest\n\n\t0.5 2\r\n", {"--base", "fixed", "--gravity", "none"});
+  EXPECT_EQ(run.status, 0);
+  EXPECT_EQ(run.err, "");
+  EXPECT_EQ(run.out, "0\n\n0\n");
+}
+
+TEST(States, NotANumberIsReadAndWarnedAboutWhereTheResultDependsOnIt) {
+  const Outcome bias = eval("0 nan\n", {"--base", "fixed"});
+  EXPECT_EQ(bias.status, 0);
+  EXPECT_EQ(bias.out, "nan\n");
+  EXPECT_NE(bias.err.find("standard input: line 1: warning: bias is not finite"), std::string::npos);
+  const Outcome gravity = run_dalembert(
+      {"eval", sound, "--base", "fixed", "--state", "-", "--output", "gravity", "--engine", "generic"}, ".", "0 nan\n");
+  EXPECT_EQ(gravity.status, 0);
+  EXPECT_EQ(gravity.err, "");
+  EXPECT_EQ(gravity.out, "0\n");
+}
+
+TEST(States, QuaternionsAreNormalised) {
+  const std::string rest = " 0  0 0 0 0 0 0 0\n";
+  const Outcome unit = eval("0 0 0  0.6 0 0 0.8 " + rest), twice = eval("0 0 0  1.2 0 0 1.6 " + rest);
+  EXPECT_EQ(unit.err, "");
+  EXPECT_NE(twice.err.find("line 1: warning: the base's quaternion has length 2; it is normalised"), std::string::npos)
+      << twice.err;
+  EXPECT_EQ(unit.out, twice.out);
+}
+
+TEST(Compiler, ItsAbsenceHasARemedy) {
+  setenv("CXX", "/no/such/compiler", 1);
+  const Outcome run = run_dalembert({"eval", sound, "--state", "-", "--output", "bias", "--base", "fixed"}, ".", "0 0\n");
+  unsetenv("CXX");
+  expect_refused(run, "C++ compiler: error: '/no/such/compiler' cannot be run; install g++ or set CXX");
+}
+
+TEST(Output, AFileInTheWayIsRefused) {
+  const TemporaryFolder folder;
+  write_text(folder.path() + "/out", "mine");
+  expect_refused(run_dalembert({"generate", sound, "-o", "out"}, folder.path()),
+                 "out: error: the folder cannot be made; name a folder");
+  EXPECT_EQ(text_of(folder.path() + "/out"), "mine");
+}
+
+}  // namespace
+}  // namespace dalembert::test
