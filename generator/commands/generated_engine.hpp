@@ -16,7 +16,7 @@ namespace dalembert {
 class GeneratedEngine {
  public:
   // Generates the model with these outputs, compiles it (`optimisation`: "-O1") and makes a workspace.
-  GeneratedEngine(const Model& model, std::vector<Output> outputs, const std::string& optimisation);
+  GeneratedEngine(const Model& model, const std::vector<Output>& outputs, const std::string& optimisation);
 
   // Evaluates all outputs at the state.
   void evaluate(const State& state);
@@ -30,10 +30,16 @@ class GeneratedEngine {
  private:
   using Workspace = void;
 
+  // Calls the evaluation with the state in the code's own number type.
+  template <class Scalar>
+  void call(const State& state);
+  template <class Scalar>
+  Eigen::MatrixXd read(const Output& output) const;
+
   std::string name_;
+  bool single_precision_;
   LoadedCode code_;
-  std::vector<Output> outputs_;
-  void (*evaluate_)(const double* q, const double* v, Workspace* workspace) = nullptr;
+  void* evaluate_;  // void(const Scalar* q, const Scalar* v, Workspace*)
   std::unique_ptr<Workspace, void (*)(Workspace*)> workspace_;
 };
 
