@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <utility>
 
 #include "diagnostics.hpp"
 
@@ -20,25 +21,44 @@ namespace fs = std::filesystem;
 }
 
 bool holds(const fs::path& path, const std::string& text) {
+  std::error_code error;
+  if (!fs::is_regular_file(path, error)) return false;
   std::ifstream file(path, std::ios::binary);
   return file && std::equal(std::istreambuf_iterator<char>(file), {}, text.begin(), text.end());
 }
 
-void replace(const fs::path& path, const std::string& text) {
-  const fs::path temporary = path.string() + ".new" + std::to_string(getpid());
-  std::error_code error;
-  {
+// Files under their temporary names, until all of them are renamed; those that are not, are removed.
+class Staged {
+ public:
+  ~Staged() {
+    std::error_code ignored;
+    for (const auto& [temporary, path] : files_) fs::remove(temporary, ignored);
+  }
+
+  void add(const fs::path& path, const std::string& text) {
+    std::error_code error;
+    if (fs::is_directory(path, error)) refuse(path, "a folder stands in the file's place");
+    fs::path temporary = path;
+    temporary += ".new" + std::to_string(getpid());
+    files_.emplace_back(temporary, path);
     std::ofstream file(temporary, std::ios::binary | std::ios::trunc);
     file << text;
     file.close();
-    if (file) fs::rename(temporary, path, error);
-    else error = std::make_error_code(std::errc::io_error);
+    if (!file) refuse(path, "the file cannot be written");
   }
-  if (!error) return;
-  std::error_code ignored;
-  fs::remove(temporary, ignored);
-  refuse(path, "the file cannot be written");
-}
+
+  void rename() {
+    std::error_code error;
+    for (const auto& [temporary, path] : files_) {
+      fs::rename(temporary, path, error);
+      if (error) refuse(path, "the file cannot be written");
+    }
+    files_.clear();
+  }
+
+ private:
+  std::vector<std::pair<fs::path, fs::path>> files_;  // temporary, final
+};
 
 bool is_ours(const fs::path& path) {
   std::string start(4096, '\0');
@@ -54,8 +74,10 @@ void write_files(const std::string& folder, const std::vector<OutputFile>& files
   std::error_code error;
   fs::create_directories(folder, error);
   if (!fs::is_directory(folder)) refuse(folder, "the folder cannot be made");
+  Staged staged;
   for (const OutputFile& file : files)
-    if (const fs::path path = fs::path(folder) / file.name; !holds(path, file.text)) replace(path, file.text);
+    if (const fs::path path = fs::path(folder) / file.name; !holds(path, file.text)) staged.add(path, file.text);
+  staged.rename();
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
     const bool produced =
         std::any_of(files.begin(), files.end(), [&](const OutputFile& f) { return entry.path().filename() == f.name; });

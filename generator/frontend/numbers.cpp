@@ -9,7 +9,7 @@ namespace {
 constexpr std::string_view blanks = " \t\r\n\f\v";
 
 std::optional<double> parse_word(std::string_view word) {
-  if (word.starts_with('+')) word.remove_prefix(1);  // from_chars knows no plus sign
+  if (word.starts_with('+') && !word.starts_with("+-")) word.remove_prefix(1);  // from_chars knows no plus sign
   double value = 0;
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
   if (error == std::errc::result_out_of_range) {  // below the smallest number is zero, above the largest is malformed

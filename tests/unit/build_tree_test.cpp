@@ -1,0 +1,245 @@
+// From links and joints to bodies: order, fusing, locking, cutting, mimic.
+#include "passes/build_tree.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <robots.hpp>
+
+#include "frontend/urdf_reader.hpp"
+#include "ir/rotation.hpp"
+#include "passes/combine_inertia.hpp"
+
+namespace dalembert {
+namespace {
+
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+
+ir::RobotDescription read(const char* file) {
+  Diagnostics warnings;
+  return frontend::read_urdf(file, warnings);
+}
+
+ir::KinematicTree build(const ir::RobotDescription& robot, const ir::Scene& scene) {
+  Diagnostics warnings;
+  return passes::build_tree(robot, scene, warnings);
+}
+
+void expect_same_bits(const ir::Inertia& a, const ir::Inertia& b) {
+  EXPECT_EQ(a.mass, b.mass);
+  EXPECT_EQ(a.com, b.com);
+  EXPECT_EQ(a.inertia, b.inertia);
+}
+
+void expect_same_bits(const ir::KinematicTree& a, const ir::KinematicTree& b) {
+  ASSERT_EQ(a.bodies.size(), b.bodies.size());
+  expect_same_bits(a.base, b.base);
+  for (size_t k = 0; k < a.bodies.size(); ++k) {
+    SCOPED_TRACE(a.bodies[k].name);
+    EXPECT_EQ(a.bodies[k].name, b.bodies[k].name);
+    EXPECT_EQ(a.bodies[k].joint, b.bodies[k].joint);
+    EXPECT_EQ(a.bodies[k].parent, b.bodies[k].parent);
+    EXPECT_EQ(a.bodies[k].subtree_size, b.bodies[k].subtree_size);
+    EXPECT_EQ(a.bodies[k].axis, b.bodies[k].axis);
+    EXPECT_EQ(a.bodies[k].placement.matrix(), b.bodies[k].placement.matrix());
+    expect_same_bits(a.bodies[k].inertia, b.bodies[k].inertia);
+  }
+}
+
+// Spatial inertia at a frame's origin, twists linear first (algorithm.md, eq. 12).
+Matrix6 spatial(const ir::Inertia& inertia) {
+  const Eigen::Vector3d c = inertia.com;
+  Eigen::Matrix3d cross;
+  cross << 0, -c.z(), c.y(), c.z(), 0, -c.x(), -c.y(), c.x(), 0;
+  Matrix6 A;
+  A << inertia.mass * Eigen::Matrix3d::Identity(), -inertia.mass * cross, inertia.mass * cross,
+      inertia.inertia - inertia.mass * cross * cross;
+  return A;
+}
+
+class EveryRobot : public testing::TestWithParam<TestRobot> {};
+
+TEST_P(EveryRobot, BodiesStandInDepthFirstOrder) {
+  const ir::RobotDescription robot = read(GetParam().urdf);
+  const ir::KinematicTree tree = build(robot, {});
+  for (int k = 0; k < tree.joints(); ++k) {
+    const ir::Body& body = tree.bodies[static_cast<size_t>(k)];
+    EXPECT_LT(body.parent, k);
+    EXPECT_NEAR(body.axis.norm(), 1, 1e-15);
+    EXPECT_LE(k + body.subtree_size, tree.joints());
+    for (int i = k + 1; i < tree.joints(); ++i) {  // the subtree is the range behind k
+      int ancestor = i;
+      while (ancestor > k) ancestor = tree.bodies[static_cast<size_t>(ancestor)].parent;
+      EXPECT_EQ(ancestor == k, i < k + body.subtree_size) << k << ' ' << i;
+    }
+  }
+  EXPECT_EQ(tree.links.size(), robot.links.size());
+  const auto moving =
+      std::count_if(robot.joints.begin(), robot.joints.end(), [](const auto& j) { return j.type != ir::JointType::fixed; });
+  EXPECT_EQ(tree.joints(), moving);
+}
+
+TEST_P(EveryRobot, FusingKeepsTheWholeMassAndItsMoments) {
+  const ir::RobotDescription robot = read(GetParam().urdf);
+  const ir::KinematicTree tree = build(robot, {});
+  const auto link_inertia = [&](const std::string& name) {
+    return std::find_if(robot.links.begin(), robot.links.end(), [&](const auto& l) { return l.name == name; })->inertia;
+  };
+  for (int k = -1; k < tree.joints(); ++k) {
+    Matrix6 sum = Matrix6::Zero();
+    for (const ir::LinkPlacement& link : tree.links) {
+      const std::optional<ir::Inertia> inertia = link_inertia(link.link);
+      if (link.body != k || !inertia) continue;
+      const Eigen::Matrix3d R = link.placement.linear();
+      const Eigen::Vector3d p = link.placement.translation();
+      Eigen::Matrix3d cross;
+      cross << 0, -p.z(), p.y(), p.z(), 0, -p.x(), -p.y(), p.x(), 0;
+      Matrix6 from_body;  // twist of the body at its origin → twist of the link at its own
+      from_body << R.transpose(), -R.transpose() * cross, Eigen::Matrix3d::Zero(), R.transpose();
+      sum += from_body.transpose() * spatial(*inertia) * from_body;
+    }
+    const Matrix6 fused = spatial(k < 0 ? tree.base : tree.bodies[static_cast<size_t>(k)].inertia);
+    EXPECT_LE((fused - sum).cwiseAbs().maxCoeff(), 1e-14 * std::max(1.0, sum.cwiseAbs().maxCoeff())) << k;
+  }
+}
+
+TEST_P(EveryRobot, LockingAtZeroIsFixingToTheLastBit) {
+  const ir::RobotDescription robot = read(GetParam().urdf);
+  for (size_t j = 0; j < robot.joints.size(); ++j) {
+    ir::RobotDescription fixed = robot;
+    ir::Scene locked;
+    for (size_t i = j; i < robot.joints.size(); i += 2) {  // this one and every other behind it
+      if (robot.joints[i].type == ir::JointType::fixed) continue;
+      fixed.joints[i].type = ir::JointType::fixed;
+      locked.locked[robot.joints[i].name] = 0;
+    }
+    expect_same_bits(build(robot, locked), build(fixed, {}));
+    if (j > 3) break;
+  }
+}
+
+TEST_P(EveryRobot, CuttingIsAUrdfWithoutTheSubtree) {
+  const ir::RobotDescription robot = read(GetParam().urdf);
+  for (size_t j = 0; j < std::min<size_t>(robot.joints.size(), 8); ++j) {
+    ir::RobotDescription shorter = robot;
+    const int parent = robot.joints[j].parent, child = robot.joints[j].child;
+    std::erase(shorter.children[static_cast<size_t>(parent)], static_cast<int>(j));  // nothing leads there any more
+    ir::Scene scene;
+    scene.cut.insert(robot.links[static_cast<size_t>(child)].name);
+    try {
+      expect_same_bits(build(robot, scene), build(shorter, {}));
+    } catch (const InputError& error) {
+      EXPECT_NE(std::string(error.what()).find(" mass"), std::string::npos) << error.what();  // what is left carries nothing
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(BuildTree, EveryRobot, testing::ValuesIn(test_robots),
+                         [](const auto& info) { return std::string(info.param.name); });
+
+const char* two_links = R"(
+<robot name="r">
+  <link name="a"><inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="2" iyz="0" izz="3"/></inertial></link>
+  <link name="b"><inertial><origin xyz="1 2 3" rpy="0 0 1.5707963267948966"/><mass value="2"/>
+    <inertia ixx="1" ixy="0" ixz="0" iyy="2" iyz="0" izz="2.5"/></inertial></link>
+  <link name="c"><inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link>
+  <joint name="j" type="TYPE"><origin xyz="0 0 1" rpy="RPY"/><parent link="a"/><child link="b"/><axis xyz="AXIS"/></joint>
+  <joint name="k" type="prismatic"><origin xyz="0 1 0"/><parent link="b"/><child link="c"/><axis xyz="0 0 2"/></joint>
+</robot>)";
+
+ir::RobotDescription two(const std::string& type, const std::string& rpy, const std::string& axis) {
+  std::string text = two_links;
+  for (const auto& [key, value] : {std::pair<std::string, std::string>{"TYPE", type}, {"RPY", rpy}, {"AXIS", axis}})
+    text.replace(text.find(key), key.size(), value);
+  Diagnostics warnings;
+  return frontend::read_urdf_text("r.urdf", text, warnings);
+}
+
+TEST(BuildTree, LockingAtAValueIsAFixedJointWithThatRpy) {
+  ir::Scene locked;
+  locked.locked["j"] = 0.3;
+  expect_same_bits(build(two("revolute", "0 0 0", "0 0 1"), locked), build(two("fixed", "0 0 0.3", "0 0 1"), {}));
+  expect_same_bits(build(two("revolute", "0 0 0", "0 -1 0"), locked), build(two("fixed", "0 -0.3 0", "0 0 1"), {}));
+  expect_same_bits(build(two("continuous", "0 0 0", "2 0 0"), locked), build(two("fixed", "0.3 0 0", "0 0 1"), {}));
+}
+
+TEST(BuildTree, InertiasWithRotatedOriginsAreTurnedIntoLinkAxes) {
+  const ir::Inertia inertia = *two("revolute", "0 0 0", "0 0 1").links[1].inertia;
+  EXPECT_EQ(inertia.com, Eigen::Vector3d(1, 2, 3));
+  const Eigen::Matrix3d expected = Eigen::Vector3d(2, 1, 2.5).asDiagonal();  // a quarter turn about z swaps x and y
+  EXPECT_LE((inertia.inertia - expected).cwiseAbs().maxCoeff(), 1e-15);
+}
+
+TEST(BuildTree, AFixedBaseCarriesNothing) {
+  ir::Scene scene;
+  scene.base = ir::Base::fixed;
+  const ir::KinematicTree tree = build(two("revolute", "0 0 0", "0 0 1"), scene);
+  EXPECT_EQ(tree.base.mass, 0);
+  EXPECT_EQ(tree.nq(), 2);
+  EXPECT_EQ(tree.nv(), 2);
+  scene.base = ir::Base::floating;
+  EXPECT_EQ(build(two("revolute", "0 0 0", "0 0 1"), scene).nq(), 9);
+}
+
+TEST(BuildTree, DrivenJointsHaveNoCoordinateAndTheirExtrasAreTheirDrivers) {
+  ir::Scene scene;
+  scene.base = ir::Base::fixed;
+  scene.mimic["k"] = {"j", -2, 0.5};
+  scene.armature = {{"j", 1}, {"k", 1}};
+  scene.damping = {{"k", 3}};
+  scene.friction = {{"k", 3}};
+  const ir::KinematicTree tree = build(two("revolute", "0 0 0", "0 0 1"), scene);
+  EXPECT_EQ(tree.joints(), 2);
+  EXPECT_EQ(tree.nv(), 1);
+  EXPECT_EQ(tree.coordinates(), (std::vector<int>{0, 0}));
+  EXPECT_TRUE(tree.bodies[1].driven());
+  EXPECT_EQ(tree.bodies[1].driven_by, 0);
+  EXPECT_EQ(tree.bodies[1].multiplier, -2);
+  EXPECT_EQ(tree.bodies[1].offset, 0.5);
+  EXPECT_EQ(tree.bodies[0].armature, 1 + 4 * 1);
+  EXPECT_EQ(tree.bodies[0].damping, 4 * 3);
+  EXPECT_EQ(tree.bodies[0].friction, 2 * 3);
+  EXPECT_EQ(tree.bodies[1].armature, 0);
+}
+
+TEST(Rotation, ZerosAndOnesAreExact) {
+  EXPECT_EQ(ir::rotation_from_rpy({0, 0, 0}), Eigen::Matrix3d::Identity());
+  const Eigen::Matrix3d yaw_roll = ir::rotation_from_rpy({0.3, 0, 0.7});
+  EXPECT_EQ(yaw_roll(2, 0), 0);  // a quaternion would leave 1e-17 here
+  EXPECT_FALSE(std::signbit(yaw_roll(2, 0)));
+  EXPECT_EQ(ir::rotation_about({0, 0, 1}, 0.4), ir::rotation_from_rpy({0, 0, 0.4}));
+  EXPECT_NE(ir::rotation_from_rpy({-1.5708, 0, 0})(1, 1), 0);  // not snapped
+  const Eigen::Vector3d skew = Eigen::Vector3d(1, -2, 0.5).normalized();
+  EXPECT_LE((ir::rotation_about(skew, 2.2) - Eigen::AngleAxisd(2.2, skew).toRotationMatrix()).norm(), 1e-15);
+}
+
+TEST(CombineInertia, OnePartAndPartsWithoutMassChangeNoBit) {
+  const ir::Inertia part{0.3, {0.1, 0.7, -0.3}, Eigen::Vector3d(0.1, 0.2, 0.3).asDiagonal()};
+  expect_same_bits(passes::combined({part}), part);
+  expect_same_bits(passes::combined({part, ir::Inertia{}}), part);
+  expect_same_bits(passes::moved(part, Eigen::Isometry3d::Identity()), part);
+}
+
+TEST(BuildTree, LongChainsTakeLinearTimeAndNoStack) {
+  std::string text = "<robot name='r'><link name='l0'/>";
+  const int links = 5000;
+  for (int i = 1; i < links; ++i) {
+    const std::string n = std::to_string(i);
+    text += "<link name='l" + n +
+            "'><inertial><mass value='1'/><inertia ixx='1' ixy='0' ixz='0' iyy='1' iyz='0' izz='1'/></inertial></link>";
+    text += "<joint name='j" + n + "' type='revolute'><parent link='l" + std::to_string(i - 1) + "'/><child link='l" + n +
+            "'/><axis xyz='0 0 1'/></joint>";
+  }
+  Diagnostics warnings;
+  const ir::RobotDescription robot = frontend::read_urdf_text("r.urdf", text + "</robot>", warnings);
+  ir::Scene scene;
+  scene.base = ir::Base::fixed;
+  const ir::KinematicTree tree = build(robot, scene);
+  EXPECT_EQ(tree.joints(), links - 1);
+  EXPECT_EQ(tree.bodies.front().subtree_size, links - 1);
+}
+
+}  // namespace
+}  // namespace dalembert

@@ -1,0 +1,86 @@
+// Generated files on disk: whole, unchanged when the same, and none left over from an earlier run.
+#include "backend/output_files.hpp"
+
+#include <gtest/gtest.h>
+#include <stdlib.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+#include "commands/json.hpp"
+#include "diagnostics.hpp"
+
+namespace dalembert {
+namespace {
+
+namespace fs = std::filesystem;
+
+class OutputFiles : public testing::Test {
+ protected:
+  OutputFiles() {
+    std::string pattern = (fs::temp_directory_path() / "dalembert_test.XXXXXX").string();
+    root_ = mkdtemp(pattern.data());
+  }
+  ~OutputFiles() override { fs::remove_all(root_); }
+
+  std::string text(const std::string& name) const {
+    std::ifstream file(root_ / "out" / name, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
+  }
+  size_t count() const { return static_cast<size_t>(std::distance(fs::directory_iterator(root_ / "out"), {})); }
+  void write(const std::vector<backend::OutputFile>& files) { backend::write_files((root_ / "out").string(), files); }
+
+  fs::path root_;
+};
+
+const std::string ours = std::string("// ") + backend::banner_mark + " from r.urdf\n";
+
+TEST_F(OutputFiles, AreWrittenAndNothingElseIs) {
+  write({{"a.hpp", ours + "1"}, {"b.cpp", std::string("x\0y\n", 4)}});
+  EXPECT_EQ(text("a.hpp"), ours + "1");
+  EXPECT_EQ(text("b.cpp"), std::string("x\0y\n", 4));
+  EXPECT_EQ(count(), 2u);
+}
+
+TEST_F(OutputFiles, AreLeftAloneWhenTheyStayTheSame) {
+  write({{"a.hpp", ours + "1"}, {"b.hpp", ours + "1"}});
+  const fs::file_time_type old = fs::file_time_type::clock::now() - std::chrono::hours(1);
+  fs::last_write_time(root_ / "out/a.hpp", old);
+  fs::last_write_time(root_ / "out/b.hpp", old);
+  write({{"a.hpp", ours + "1"}, {"b.hpp", ours + "12"}});
+  EXPECT_EQ(fs::last_write_time(root_ / "out/a.hpp"), old);
+  EXPECT_NE(fs::last_write_time(root_ / "out/b.hpp"), old);
+  EXPECT_EQ(text("b.hpp"), ours + "12");
+}
+
+TEST_F(OutputFiles, OfAnEarlierRunAreRemovedAndForeignOnesKept) {
+  write({{"a.hpp", ours}, {"tasks.hpp", ours}});
+  std::ofstream(root_ / "out/mine.txt") << "mine";
+  fs::create_directory(root_ / "out/folder");
+  write({{"a.hpp", ours}});
+  EXPECT_FALSE(fs::exists(root_ / "out/tasks.hpp"));
+  EXPECT_EQ(text("mine.txt"), "mine");
+  EXPECT_TRUE(fs::is_directory(root_ / "out/folder"));
+}
+
+TEST_F(OutputFiles, ThatCannotBeWrittenAreRefused) {
+  std::ofstream(root_ / "out") << "a file";
+  EXPECT_THROW(write({{"a.hpp", ours}}), InputError);
+  fs::remove(root_ / "out");
+  fs::create_directories(root_ / "out/a.hpp/inside");  // a folder in the file's place
+  EXPECT_THROW(write({{"0.hpp", ours}, {"a.hpp", ours}, {"b.hpp", ours}}), InputError);
+  EXPECT_EQ(count(), 1u);  // neither the others nor temporary files stay
+}
+
+TEST(Json, StringsAreEscaped) {
+  EXPECT_EQ(json_string("plain"), "\"plain\"");
+  EXPECT_EQ(json_string("a\"b\\c\n\x01"), "\"a\\\"b\\\\c\\u000a\\u0001\"");
+  EXPECT_EQ(json_string("g\xc3\xa9"), "\"g\xc3\xa9\"");
+  EXPECT_EQ(json_string("\xc3(\xed\xa0\x80"), "\"\\ufffd(\\ufffd\\ufffd\\ufffd\"");  // not UTF-8
+  EXPECT_EQ(json_array({"a", "b"}), "[\"a\", \"b\"]");
+  EXPECT_EQ(json_array({}), "[]");
+}
+
+}  // namespace
+}  // namespace dalembert
