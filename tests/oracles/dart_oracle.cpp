@@ -15,22 +15,21 @@ struct DartOracle::Impl {
 
   dart::dynamics::FreeJoint& free_joint() { return dynamic_cast<dart::dynamics::FreeJoint&>(*skeleton->getJoint(0)); }
 
-  void set_state(const Eigen::VectorXd& q, const Eigen::VectorXd& v) {
+  Coordinates own_coordinates(const Eigen::VectorXd& q, const Eigen::VectorXd& v) const {
     const int nv = static_cast<int>(dof.size());
     const int base_dofs = floating ? 6 : 0;
-    Eigen::VectorXd positions(nv), velocities(nv);
+    Coordinates own{Eigen::VectorXd(nv), Eigen::VectorXd(nv)};
     if (floating) {
       Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
       pose.translation() = q.head<3>();
       pose.linear() = Eigen::Quaterniond(q[6], q[3], q[4], q[5]).toRotationMatrix();
-      positions.head<6>() = dart::dynamics::FreeJoint::convertToPositions(pose);
+      own.positions.head<6>() = dart::dynamics::FreeJoint::convertToPositions(pose);
     }
     for (int i = 0; i < nv; ++i) {
-      velocities[dof[static_cast<size_t>(i)]] = v[i];
-      if (i >= base_dofs) positions[dof[static_cast<size_t>(i)]] = q[i + (floating ? 1 : 0)];
+      own.velocities[dof[static_cast<size_t>(i)]] = v[i];
+      if (i >= base_dofs) own.positions[dof[static_cast<size_t>(i)]] = q[i + (floating ? 1 : 0)];
     }
-    skeleton->setPositions(positions);
-    skeleton->setVelocities(velocities);
+    return own;
   }
 
   Eigen::VectorXd ours(const Eigen::VectorXd& theirs) const {
@@ -84,18 +83,25 @@ DartOracle::DartOracle(const Request& request) : impl_(std::make_unique<Impl>())
 DartOracle::~DartOracle() = default;
 DartOracle::DartOracle(DartOracle&&) noexcept = default;
 
-void DartOracle::set_state(const Eigen::VectorXd& q, const Eigen::VectorXd& v) {
-  impl_->set_state(q, v);
+DartOracle::Coordinates DartOracle::own_coordinates(const Eigen::VectorXd& q, const Eigen::VectorXd& v) {
+  return impl_->own_coordinates(q, v);
+}
+void DartOracle::set_state(const Coordinates& coordinates) {
+  impl_->skeleton->setPositions(coordinates.positions);
+  impl_->skeleton->setVelocities(coordinates.velocities);
 }
 const Eigen::MatrixXd& DartOracle::own_mass_matrix() {
   return impl_->skeleton->getMassMatrix();
+}
+const Eigen::VectorXd& DartOracle::own_gravity() {
+  return impl_->skeleton->getGravityForces();
 }
 const Eigen::VectorXd& DartOracle::own_bias() {
   return impl_->skeleton->getCoriolisAndGravityForces();
 }
 
 Dynamics DartOracle::evaluate(const Eigen::VectorXd& q, const Eigen::VectorXd& v) {
-  set_state(q, v);
+  set_state(own_coordinates(q, v));
   const int nv = static_cast<int>(impl_->dof.size());
   const Eigen::MatrixXd& own_mass = impl_->skeleton->getMassMatrix();
   Dynamics result;

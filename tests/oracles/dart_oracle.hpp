@@ -19,9 +19,14 @@ class DartOracle {
 
   Dynamics evaluate(const Eigen::VectorXd& q, const Eigen::VectorXd& v);
 
-  // For benchmarks: one quantity in DART's own coordinates, at a state set before.
-  void set_state(const Eigen::VectorXd& q, const Eigen::VectorXd& v);
+  // For benchmarks: DART's own coordinates of a state of ours, and what it computes in them.
+  struct Coordinates {
+    Eigen::VectorXd positions, velocities;
+  };
+  Coordinates own_coordinates(const Eigen::VectorXd& q, const Eigen::VectorXd& v);
+  void set_state(const Coordinates& coordinates);
   const Eigen::MatrixXd& own_mass_matrix();
+  const Eigen::VectorXd& own_gravity();
   const Eigen::VectorXd& own_bias();
 
  private:

@@ -1,0 +1,124 @@
+# The robots that are timed, and their generated libraries.
+#
+# Written here: tables/benchmark_robots.hpp (all robots) and tables/generated_table.hpp (all generated libraries);
+# generated_libraries lists the latter's targets.
+
+set(generated_libraries "")
+set(robot_rows "")
+set(generated_includes "")
+set(generated_rows "")
+
+# One library of the robot: LABEL as in GeneratedRobot::outputs, then the outputs.
+function(benchmark_library robot urdf base label)
+  string(MAKE_C_IDENTIFIER "benchmark_${robot}_${label}" name)
+  string(REPLACE ";" "," outputs "${ARGN}")
+  dalembert_add_robot(${name} URDF "${urdf}" NAME ${name} OPTIONS --base ${base} --outputs ${outputs})
+  target_compile_options(${name} PRIVATE -O3 -march=native)
+  if(TARGET ${robot}_urdf)
+    add_dependencies(${name} ${robot}_urdf)
+  endif()
+  set(row "    {\"${robot}\", \"${label}\", \"$<TARGET_FILE:${name}>\", DALEMBERT_CALLS(${name})")
+  foreach(quantity mass_matrix coriolis_matrix gravity bias)
+    if(quantity IN_LIST ARGN)
+      string(APPEND row ", DALEMBERT_OUTPUT(${name}, ${quantity})")
+    else()
+      string(APPEND row ", nullptr")
+    endif()
+  endforeach()
+  set(generated_libraries "${generated_libraries};${name}" PARENT_SCOPE)
+  set(generated_includes "${generated_includes}#include \"${name}/c_api.h\"\n" PARENT_SCOPE)
+  set(generated_rows "${generated_rows}${row}},\n" PARENT_SCOPE)
+endfunction()
+
+# A robot, timed for each LABEL in ARGN.
+macro(benchmark_robot robot urdf base chain)
+  if("${base}" STREQUAL "floating")
+    set(floats true)
+  else()
+    set(floats false)
+  endif()
+  string(APPEND robot_rows "    {\"${robot}\", \"${urdf}\", ${floats}, ${chain}},\n")
+  set(outputs_of_M mass_matrix)
+  set(outputs_of_C coriolis_matrix)
+  set(outputs_of_M+C mass_matrix coriolis_matrix)
+  set(outputs_of_g gravity)
+  set(outputs_of_bias bias)
+  foreach(label ${ARGN})
+    benchmark_library("${robot}" "${urdf}" ${base} ${label} ${outputs_of_${label}})
+  endforeach()
+endmacro()
+
+# A tree of equal branches (one: a chain) on a fixed base, its URDF written while building.
+macro(benchmark_tree robot joints branches chain)
+  set(urdf "${CMAKE_CURRENT_BINARY_DIR}/${robot}.urdf")
+  add_custom_command(OUTPUT "${urdf}" COMMAND make_robot ${joints} ${branches} > "${urdf}" DEPENDS make_robot VERBATIM)
+  add_custom_target(${robot}_urdf DEPENDS "${urdf}")
+  benchmark_robot(${robot} "${urdf}" fixed ${chain} ${ARGN})
+endmacro()
+
+set(data /usr/share/doc/dart/data)
+set(everything M C M+C g bias)
+benchmark_robot(MAHRU "${PROJECT_SOURCE_DIR}/examples/mahru/mahru.urdf" floating false ${everything})
+if(EXISTS ${data})
+  benchmark_robot(DRC-Hubo ${data}/urdf/drchubo/drchubo.urdf floating false ${everything})
+  benchmark_robot(Atlas ${data}/sdf/atlas/atlas_v3_no_head.urdf floating false ${everything})
+  benchmark_robot(WAM ${data}/urdf/wam/wam.urdf fixed true ${everything})
+  benchmark_robot(KR5 "${data}/urdf/KR5/KR5 sixx R650.urdf" fixed true ${everything})
+else()
+  message(WARNING "Benchmarks run without DRC-Hubo, Atlas, WAM and KR5, which are in the package dart-doc")
+endif()
+# The larger ones take minutes to compile: -DDALEMBERT_BENCHMARK_JOINTS="10;20;50;100" for a full table.
+set(DALEMBERT_BENCHMARK_JOINTS 10 20 CACHE STRING "Joints of the chains and trees that are timed")
+foreach(joints IN LISTS DALEMBERT_BENCHMARK_JOINTS)
+  benchmark_tree(chain_${joints} ${joints} 1 true M M+C bias)
+  foreach(branches 2 5 10)
+    if(joints EQUAL branches)
+      continue()  # ten pendulums: C is zero
+    endif()
+    benchmark_tree(tree_${joints}_${branches} ${joints} ${branches} false M+C)
+  endforeach()
+endforeach()
+
+file(CONFIGURE OUTPUT tables/benchmark_robots.hpp CONTENT [[
+// Written by tests/benchmarks/robots.cmake.
+#pragma once
+
+namespace dalembert::benchmarks {
+
+struct RobotEntry {
+  const char* name;
+  const char* urdf;
+  bool floating;
+  bool chain;  // on a fixed base
+};
+
+inline constexpr RobotEntry benchmark_robots[] = {
+@robot_rows@};
+
+}  // namespace dalembert::benchmarks
+]] @ONLY)
+
+file(GENERATE OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/tables/generated_table.hpp CONTENT
+"// Written by tests/benchmarks/robots.cmake.
+#pragma once
+
+${generated_includes}
+#include \"generated_robot.hpp\"
+
+namespace dalembert::benchmarks {
+
+#define DALEMBERT_CALLS(name)                                                      \\
+  []() -> void* { return name##_create(); },                                       \\
+      [](void* workspace) { name##_destroy(static_cast<name##_workspace*>(workspace)); }, \\
+      [](const double* q, const double* v, void* workspace) { name##_evaluate(q, v, static_cast<name##_workspace*>(workspace)); }
+#define DALEMBERT_OUTPUT(name, quantity) \\
+  [](const void* workspace) { return name##_##quantity(static_cast<const name##_workspace*>(workspace)); }
+
+inline constexpr GeneratedRobot generated_robots[] = {
+${generated_rows}};
+
+#undef DALEMBERT_CALLS
+#undef DALEMBERT_OUTPUT
+
+}  // namespace dalembert::benchmarks
+")
