@@ -1,10 +1,11 @@
 # The robots that are timed, and their generated libraries.
 #
-# Written here: tables/benchmark_robots.hpp (all robots) and tables/generated_table.hpp (all generated libraries);
-# generated_libraries lists the latter's targets.
+# Written here: tables/benchmark_robots.hpp and tables/robots.json (all robots), tables/generated_table.hpp (all generated
+# libraries); generated_libraries lists the latter's targets.
 
 set(generated_libraries "")
 set(robot_rows "")
+set(robot_json "")
 set(generated_includes "")
 set(generated_rows "")
 
@@ -37,6 +38,7 @@ macro(benchmark_robot robot urdf base chain)
   else()
     set(floats false)
   endif()
+  string(APPEND robot_json "  {\"name\": \"${robot}\", \"urdf\": \"${urdf}\", \"base\": \"${base}\"},\n")
   string(APPEND robot_rows "    {\"${robot}\", \"${urdf}\", ${floats}, ${chain}},\n")
   set(outputs_of_M mass_matrix)
   set(outputs_of_C coriolis_matrix)
@@ -46,6 +48,11 @@ macro(benchmark_robot robot urdf base chain)
   foreach(label ${ARGN})
     benchmark_library("${robot}" "${urdf}" ${base} ${label} ${outputs_of_${label}})
   endforeach()
+endmacro()
+
+# The robot with the base it is not timed with, all outputs: for the accuracy program.
+macro(accuracy_robot robot urdf base)
+  benchmark_library("${robot}" "${urdf}" ${base} ${base} mass_matrix coriolis_matrix gravity bias)
 endmacro()
 
 # A tree of equal branches (one: a chain) on a fixed base, its URDF written while building.
@@ -59,11 +66,14 @@ endmacro()
 set(data /usr/share/doc/dart/data)
 set(everything M C M+C g bias)
 benchmark_robot(MAHRU "${PROJECT_SOURCE_DIR}/examples/mahru/mahru.urdf" floating false ${everything})
+accuracy_robot(MAHRU "${PROJECT_SOURCE_DIR}/examples/mahru/mahru.urdf" fixed)
 if(EXISTS ${data})
   benchmark_robot(DRC-Hubo ${data}/urdf/drchubo/drchubo.urdf floating false ${everything})
   benchmark_robot(Atlas ${data}/sdf/atlas/atlas_v3_no_head.urdf floating false ${everything})
   benchmark_robot(WAM ${data}/urdf/wam/wam.urdf fixed true ${everything})
   benchmark_robot(KR5 "${data}/urdf/KR5/KR5 sixx R650.urdf" fixed true ${everything})
+  accuracy_robot(WAM ${data}/urdf/wam/wam.urdf floating)
+  accuracy_robot(KR5 "${data}/urdf/KR5/KR5 sixx R650.urdf" floating)
 else()
   message(WARNING "Benchmarks run without DRC-Hubo, Atlas, WAM and KR5, which are in the package dart-doc")
 endif()
@@ -97,6 +107,9 @@ inline constexpr RobotEntry benchmark_robots[] = {
 
 }  // namespace dalembert::benchmarks
 ]] @ONLY)
+
+string(REGEX REPLACE ",\n$" "" robot_json "${robot_json}")
+file(CONFIGURE OUTPUT tables/robots.json CONTENT "[\n@robot_json@\n]\n" @ONLY)
 
 file(GENERATE OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/tables/generated_table.hpp CONTENT
 "// Written by tests/benchmarks/robots.cmake.

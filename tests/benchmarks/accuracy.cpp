@@ -1,0 +1,153 @@
+// How accurate generated code is: its largest error over many random states, in ulp of the largest exact element.
+//
+//   accuracy [--states N] [--limit ULP] [--robot NAME]...      all robots but the chains and trees, 10000 states, 32 ulp
+//
+// Exact: the generic engine in 100 decimal digits on the same doubles, rounded. One row per robot, base, library and
+// quantity; the libraries are those that benchmark_peers times (-O3 -march=native). Exit status 1 when an error exceeds the
+// limit or a result is not finite, 2 for bad usage.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <limits>
+#include <map>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "benchmark_robots.hpp"
+#include "generated_robot.hpp"
+#include "generated_table.hpp"
+#include "load_robot.hpp"
+
+namespace dalembert::benchmarks {
+namespace {
+
+struct Options {
+  int states = 10000;
+  double limit = 32;
+  std::vector<std::string> robots;
+};
+
+constexpr const char* quantity_names[] = {"mass_matrix", "coriolis_matrix", "gravity", "bias"};
+
+// Largest difference in units of the last place of the largest exact element.
+double ulp_error(const Eigen::MatrixXd& ours, const Eigen::MatrixXd& exact) {
+  if (!ours.allFinite()) return std::numeric_limits<double>::infinity();
+  const double largest = exact.cwiseAbs().maxCoeff(), difference = (ours - exact).cwiseAbs().maxCoeff();
+  if (difference == 0) return 0;
+  if (largest == 0) return std::numeric_limits<double>::infinity();
+  return difference / std::ldexp(1.0, std::max(std::ilogb(largest) - 52, -1074));
+}
+
+// Errors of one library, one vector per quantity (empty: not among its outputs).
+using Errors = std::array<std::vector<double>, 4>;
+
+void append(Errors& errors, const Results& ours, const Results& exact) {
+  const auto add = [&](size_t quantity, const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
+    if (a.size()) errors[quantity].push_back(ulp_error(a, b));
+  };
+  add(0, ours.mass_matrix, exact.mass_matrix);
+  add(1, ours.coriolis_matrix, exact.coriolis_matrix);
+  add(2, ours.gravity, exact.gravity);
+  add(3, ours.bias, exact.bias);
+}
+
+// States first, first + step, ... up to the count. Exact results are shared by all libraries of the robot.
+void measure(const ir::KinematicTree& tree, const std::vector<const GeneratedRobot*>& libraries, int first, int step, int count,
+             std::vector<Errors>& errors) {
+  std::vector<GeneratedEvaluation> evaluations;
+  for (const GeneratedRobot* library : libraries) evaluations.emplace_back(*library);
+  errors.resize(libraries.size());
+  const Eigen::Vector3d gravity(0, 0, -9.81);
+  for (int i = first; i < count; i += step) {
+    const testing::State state = testing::moderate_state(tree, static_cast<std::uint64_t>(i + 1));
+    const Results exact = exact_results(tree, gravity, state);
+    for (size_t k = 0; k < libraries.size(); ++k) {
+      evaluations[k].run(state);
+      append(errors[k], evaluations[k].results(tree.nv()), exact);
+    }
+  }
+}
+
+// Prints the rows of one robot with one base. Returns whether all are within the limit.
+bool report(const RobotEntry& entry, bool floating, const std::vector<const GeneratedRobot*>& libraries,
+            const Options& options) {
+  const ir::KinematicTree tree = testing::load_robot({entry.name, entry.urdf}, floating);
+  const int workers = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  std::vector<std::vector<Errors>> parts(static_cast<size_t>(workers));
+  std::vector<std::thread> threads;
+  for (int w = 0; w < workers; ++w) {
+    threads.emplace_back([&, w] { measure(tree, libraries, w, workers, options.states, parts[static_cast<size_t>(w)]); });
+  }
+  for (std::thread& thread : threads) thread.join();
+
+  bool good = true;
+  for (size_t k = 0; k < libraries.size(); ++k) {
+    for (size_t quantity = 0; quantity < 4; ++quantity) {
+      std::vector<double> all;
+      for (const auto& part : parts) all.insert(all.end(), part[k][quantity].begin(), part[k][quantity].end());
+      if (all.empty()) continue;
+      std::sort(all.begin(), all.end());
+      good = good && all.back() <= options.limit;
+      std::printf("%-10s %-9s %-9s %-16s %8d %10.2f %10.2f\n", entry.name, floating ? "floating" : "fixed",
+                  libraries[k]->outputs, quantity_names[quantity], static_cast<int>(all.size()), all.back(),
+                  all[all.size() / 2]);
+    }
+  }
+  std::fflush(stdout);
+  return good;
+}
+
+bool wanted(const RobotEntry& entry, const Options& options) {
+  const std::string name = entry.name;
+  if (options.robots.empty()) return name.rfind("chain_", 0) != 0 && name.rfind("tree_", 0) != 0;
+  return std::find(options.robots.begin(), options.robots.end(), name) != options.robots.end();
+}
+
+int run(const Options& options) {
+  std::printf("%-10s %-9s %-9s %-16s %8s %10s %10s\n", "robot", "base", "library", "quantity", "states", "max ulp",
+              "median ulp");
+  bool good = true, any = false;
+  for (const RobotEntry& entry : benchmark_robots) {
+    if (!wanted(entry, options)) continue;
+    std::map<bool, std::vector<const GeneratedRobot*>> by_base;
+    for (const GeneratedRobot& library : generated_robots) {
+      if (std::string(library.robot) != entry.name) continue;
+      const std::string outputs = library.outputs;
+      by_base[outputs == "floating" || (outputs != "fixed" && entry.floating)].push_back(&library);
+    }
+    for (const auto& [floating, libraries] : by_base) {
+      good = report(entry, floating, libraries, options) && good;
+      any = true;
+    }
+  }
+  if (!any) {
+    std::fprintf(stderr, "accuracy: no such robot\n");
+    return 2;
+  }
+  return good ? 0 : 1;
+}
+
+}  // namespace
+}  // namespace dalembert::benchmarks
+
+int main(int argc, char** argv) {
+  dalembert::benchmarks::Options options;
+  for (int i = 1; i < argc; i += 2) {
+    const std::string option = argv[i];
+    const char* value = i + 1 < argc ? argv[i + 1] : "";
+    if (option == "--states" && std::atoi(value) > 0) {
+      options.states = std::atoi(value);
+    } else if (option == "--limit" && std::atof(value) > 0) {
+      options.limit = std::atof(value);
+    } else if (option == "--robot" && *value) {
+      options.robots.push_back(value);
+    } else {
+      std::fprintf(stderr, "usage: accuracy [--states N] [--limit ULP] [--robot NAME]...\n");
+      return 2;
+    }
+  }
+  return dalembert::benchmarks::run(options);
+}

@@ -1,0 +1,190 @@
+#!/usr/bin/env python3
+"""Measures everything that docs/performance.md says and writes that page (and README's summary between its markers).
+
+    python3 tests/benchmarks/table.py [--build build/release] [--repetitions 21] [--states 10000] [--robots MAHRU,WAM]
+
+Run it on an idle machine, after `cmake --build --preset release`. Times are CPU times of one core; each is the median of the
+repetitions, which are interleaved at random among all benchmarks of a robot; ratios are medians of ratios, repetition by
+repetition. Nothing is written unless everything succeeded.
+"""
+import argparse
+import datetime
+import json
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+import time
+
+import measure
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+QUANTITIES = ["M", "C", "M+C", "g", "bias"]
+OUTPUTS = {"M": "mass_matrix", "C": "coriolis_matrix", "M+C": "mass_matrix,coriolis_matrix", "g": "gravity", "bias": "bias"}
+WHO = ["dalembert", "mujoco", "dart", "kdl", "generic"]
+
+# What was asked for: our quantity must take at most 1/factor of MuJoCo's time for the other.
+GOALS = [("MAHRU", "M+C", "M", 6), ("MAHRU", "M", "M", 14), ("MAHRU", "bias", "bias", 14),
+         ("Atlas", "M+C", "M", 6), ("Atlas", "M", "M", 14), ("Atlas", "bias", "bias", 14),
+         ("DRC-Hubo", "M+C", "M", 5), ("DRC-Hubo", "M", "M", 12), ("DRC-Hubo", "bias", "bias", 12),
+         ("WAM", "M+C", "M", 3), ("WAM", "M", "M", 8), ("WAM", "bias", "bias", 8)]
+
+
+def output_of(*command, **more):
+    return subprocess.run([str(part) for part in command], check=True, stdout=subprocess.PIPE, text=True, **more).stdout
+
+
+def table(header, rows):
+    """Markdown: the first column to the left, the others to the right."""
+    lines = [header, ["---"] + ["---:"] * (len(header) - 1)] + rows
+    return "\n".join("| " + " | ".join(str(cell) for cell in line) + " |" for line in lines) + "\n"
+
+
+def provenance(build):
+    cpu = re.search(r"model name\s*:\s*(.*)", pathlib.Path("/proc/cpuinfo").read_text())
+    cache = dict(re.findall(r"^(CMAKE_CXX_COMPILER|CMAKE_BUILD_TYPE):\w+=(.*)$", (build / "CMakeCache.txt").read_text(), re.M))
+    compiler = output_of(cache["CMAKE_CXX_COMPILER"], "--version").splitlines()[0]
+    commit = output_of("git", "-C", ROOT, "rev-parse", "--short=12", "HEAD").strip()
+    changed = output_of("git", "-C", ROOT, "status", "--porcelain", "--untracked-files=no").strip()
+    return (f"{datetime.date.today().isoformat()}, one core of {cpu.group(1) if cpu else 'an unknown processor'}; {compiler}, "
+            f"generated code with -O3 -march=native; commit {commit}{' with local changes' if changed else ''}.")
+
+
+def cell(row):
+    return f"{measure.duration(measure.median(row['times']))} ± {measure.spread(row['times']):.0%}, {row['relative_error']:.0e}" if row else ""
+
+
+def goal_table(results):
+    rows = []
+    for robot, ours, theirs, factor in GOALS:
+        a, b = results.get(f"{robot}/{ours}/dalembert"), results.get(f"{robot}/{theirs}/mujoco")
+        if a and b:
+            speed = 1 / measure.ratio(a, b)
+            rows.append([f"{robot} {ours}", measure.duration(measure.median(a["times"])), f"{theirs}: {measure.duration(measure.median(b['times']))}",
+                         f"{speed:.1f}", factor, "yes" if speed >= factor else "no"])
+    return table(["", "ours", "MuJoCo", "times faster", "asked for", "reached"], rows)
+
+
+def time_tables(results, robots):
+    text = ""
+    for robot in robots:
+        who = [w for w in WHO if any(f"{robot['name']}/{q}/{w}" in results for q in QUANTITIES)]
+        rows = [[q] + [cell(results.get(f"{robot['name']}/{q}/{w}")) for w in who] for q in QUANTITIES]
+        text += f"### {robot['name']}, {robot['base']} base\n\n" + table([""] + who, [r for r in rows if any(r[1:])]) + "\n"
+    return text
+
+
+def fastest(action, times=3):
+    best = float("inf")
+    for _ in range(times):
+        start = time.perf_counter()
+        action()
+        best = min(best, time.perf_counter() - start)
+    return best
+
+
+def code_row(build, robot, results, quantities):
+    """Generation and compile time of one library, measured here; its size and operations."""
+    program = build / "bin" / "dalembert"
+    options = ["--base", robot["base"], "--outputs", OUTPUTS[quantities]]
+    quiet = {"check": True, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    with tempfile.TemporaryDirectory() as folder:
+        where = pathlib.Path(folder) / "robot"
+        generate = fastest(lambda: subprocess.run([program, "generate", robot["urdf"], "-o", where, "--name", "robot", *options], **quiet))
+        includes = ["-I", folder, "-I", ROOT / "runtime/include", "-isystem", "/usr/include/eigen3"]
+        compile_time = fastest(lambda: subprocess.run(
+            ["g++", "-std=c++17", "-O3", "-march=native", *includes, "-c", where / "dynamics.cpp", "-o", pathlib.Path(folder) / "dynamics.o"],
+            **quiet), 1)
+    info = json.loads(output_of(program, "info", "--json", robot["urdf"], *options, stderr=subprocess.DEVNULL))["quantities"]["all"]
+    row = results[f"{robot['name']}/{quantities}/dalembert"]
+    return [f"{robot['name']} {quantities}", f"{generate:.2f} s", f"{compile_time:.1f} s", f"{row['text_bytes'] / 1024:.1f} kB",
+            f"{row['table_bytes'] / 1024:.1f} kB", info["add"], info["multiply"], info["divide"], info["sincos"]]
+
+
+def code_table(build, robots, results):
+    rows = [code_row(build, robot, results, q) for robot in robots for q in QUANTITIES if f"{robot['name']}/{q}/dalembert" in results]
+    return table(["", "generation", "compilation", "text", "tables", "add", "multiply", "divide", "sincos"], rows)
+
+
+def accuracy_table(build, robots, states):
+    """The accuracy program's own rows; it exits with 1 when its limit is exceeded, which the table must then show."""
+    chosen = [part for robot in robots if not re.match("chain_|tree_", robot["name"]) for part in ("--robot", robot["name"])]
+    if not chosen:
+        return ""
+    answer = subprocess.run([build / "bin" / "accuracy", "--states", str(states), *chosen], stdout=subprocess.PIPE, text=True)
+    if answer.returncode not in (0, 1):
+        sys.exit("accuracy failed")
+    rows = [line.split() for line in answer.stdout.splitlines()[1:]]
+    return table(["robot", "base", "library", "quantity", "states", "max ulp", "median ulp"], rows)
+
+
+def page(build, robots, results, states):
+    return f"""# Performance
+
+Written by `python3 tests/benchmarks/table.py`; do not edit. {provenance(build)}
+
+All programs compute the same fused robot from the same 64 states in turn: state in, finished dense results out. MuJoCo (Debian's
+build) works in its own coordinates of the floating base: `mj_kinematics, mj_comPos, mj_crb, mj_fullM` for M, `mj_kinematics,
+mj_comPos, mj_comVel, mj_rne` for bias and g. DART and KDL are Debian's builds as well. *generic* is this project's generic engine, which is
+made to be read, not to be fast. No peer computes C.
+
+## Against MuJoCo
+
+{goal_table(results)}
+## Times
+
+Median ± half the interquartile range of CPU time; then the largest error over 16 states, relative to the largest element, against 100
+digits.
+
+{time_tables(results, robots)}## Code
+
+Generation (best of three runs of `dalembert generate`), compilation of `dynamics.cpp` (g++ -O3 -march=native, one core), bytes of
+machine code and of constants, scalar operations of the emitted program.
+
+{code_table(build, robots, results)}
+## Accuracy
+
+Error in units of the last place of the largest exact element, over random states. Asked for: at most 32.
+
+{accuracy_table(build, robots, states)}"""
+
+
+def replaced(path, text):
+    """Writes `text` between the markers of README, if it has them."""
+    start, end = "<!-- performance -->\n", "<!-- /performance -->"
+    old = path.read_text() if path.exists() else ""
+    if start not in old or end not in old:
+        return None
+    return old[:old.index(start) + len(start)] + text + old[old.index(end):]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build/release")
+    parser.add_argument("--repetitions", type=int, default=21)
+    parser.add_argument("--states", type=int, default=10000, help="of the accuracy table")
+    parser.add_argument("--robots", help="only these, separated by commas")
+    parser.add_argument("--output", type=pathlib.Path, default=ROOT / "docs/performance.md")
+    options = parser.parse_args()
+    build = options.build.resolve()
+
+    robots = json.loads((build / "tests/benchmarks/tables/robots.json").read_text())
+    if options.robots:
+        robots = [robot for robot in robots if robot["name"] in options.robots.split(",")]
+    results = {}
+    for robot in robots:
+        print(f"== Timing {robot['name']}", flush=True)
+        results.update(measure.run(build / "bin/benchmark_peers", f"^{robot['name']}/", options.repetitions, 0.02))
+    print("== Code and accuracy", flush=True)
+    text = page(build, robots, results, options.states)
+    options.output.parent.mkdir(parents=True, exist_ok=True)
+    options.output.write_text(text)
+    readme = replaced(ROOT / "README.md", goal_table(results))
+    if readme and not options.robots:
+        (ROOT / "README.md").write_text(readme)
+    print(f"== Wrote {options.output}")
+
+
+if __name__ == "__main__":
+    main()
