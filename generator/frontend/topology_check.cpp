@@ -31,8 +31,8 @@ class TopologyCheck {
  private:
   void check_joint(int j) {
     const JointOutline& joint = outline_.joints[static_cast<size_t>(j)];
-    const bool known = check_link(joint, "parent", joint.parent) & check_link(joint, "child", joint.child);
-    if (!known) return;
+    const bool parent_known = check_link(joint, "parent", joint.parent);
+    if (!check_link(joint, "child", joint.child) || !parent_known) return;
     if (joint.parent == joint.child)
       return error(place(joint), fmt::format("the joint connects link '{}' to itself", joint.parent),
                    "name two different links");

@@ -18,8 +18,7 @@ namespace {
 
 class OutlineReader {
  public:
-  OutlineReader(const std::string& file, Diagnostics& warnings)
-      : file_(file), warnings_(warnings), read_(file, errors_, warnings) {}
+  OutlineReader(const std::string& file, Diagnostics& warnings) : file_(file), read_(file, errors_, warnings) {}
 
   UrdfOutline outline(const std::string& text) {
     TiXmlDocument document;
@@ -206,7 +205,6 @@ class OutlineReader {
   }
 
   std::string file_;
-  Diagnostics& warnings_;
   Diagnostics errors_;
   ElementReader read_;
 };

@@ -1,0 +1,100 @@
+// eval and check as a user runs them: both engines agree, and a wrong line of generated code is found.
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <sstream>
+
+#include "run_dalembert.hpp"
+
+namespace dalembert::test {
+namespace {
+
+const std::string arm = ERROR_ROBOTS "/scenes/arm.urdf";
+
+// Rows of numbers; an empty row between states.
+std::vector<std::vector<double>> rows(const std::string& text) {
+  std::vector<std::vector<double>> rows;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line);
+    rows.emplace_back();
+    for (double x; words >> x;) rows.back().push_back(x);
+  }
+  return rows;
+}
+
+struct Use {
+  std::string output;
+  size_t rows, columns;
+  std::vector<std::string> options;
+};
+
+TEST(Eval, EnginesAgreeAndShapesAreThoseOfTheQuantity) {
+  const std::vector<std::string> fixed{"--base", "fixed"}, floating{"--base", "floating"};
+  const std::vector<std::string> driven{
+      "--base",     "fixed",     "--mimic",   "{wrist: {of: elbow, multiplier: -1.5, offset: 0.1}}",
+      "--armature", "wrist=0.1", "--damping", "wrist=2,grip=1",
+      "--friction", "elbow=0.5"};
+  for (const Use& use :
+       {Use{"mass_matrix", 10, 10, floating}, Use{"wrench_influence", 10, 30, floating}, Use{"coriolis_matrix", 4, 4, fixed},
+        Use{"jacobian_tool", 6, 4, fixed}, Use{"bias", 3, 1, driven}, Use{"mass_matrix", 3, 3, driven}}) {
+    SCOPED_TRACE(use.output);
+    const size_t nv = use.output == "jacobian_tool" ? use.columns : use.rows, nq = nv + (nv == 10 ? 1 : 0);
+    std::string states;
+    for (int s = 0; s < 2; ++s) {
+      for (size_t i = 0; i < nq + nv; ++i) states += std::to_string(std::sin(static_cast<double>(i) + 10 * s)) + ' ';
+      states += '\n';
+    }
+    Outcome outcomes[2];
+    for (int e = 0; e < 2; ++e) {
+      std::vector<std::string> arguments{"eval",     arm,        "--state",  "-",
+                                         "--output", use.output, "--engine", e ? "generated" : "generic"};
+      arguments.insert(arguments.end(), use.options.begin(), use.options.end());
+      outcomes[e] = run_dalembert(arguments, ".", states);
+      ASSERT_EQ(outcomes[e].status, 0) << outcomes[e].err;
+    }
+    const auto generic = rows(outcomes[0].out), generated = rows(outcomes[1].out);
+    ASSERT_EQ(generic.size(), 2 * use.rows + 1);
+    ASSERT_EQ(generated.size(), generic.size());
+    double largest = 0, difference = 0;
+    for (size_t i = 0; i < generic.size(); ++i) {
+      ASSERT_EQ(generic[i].size(), i == use.rows ? 0 : use.columns);
+      ASSERT_EQ(generated[i].size(), generic[i].size());
+      for (size_t k = 0; k < generic[i].size(); ++k) {
+        largest = std::max(largest, std::abs(generic[i][k]));
+        difference = std::max(difference, std::abs(generic[i][k] - generated[i][k]));
+      }
+    }
+    EXPECT_GT(largest, 0);
+    EXPECT_LE(difference, 1e-12 * largest);
+  }
+}
+
+TEST(Check, PassesInDoubleAndFloat) {
+  for (const char* scalar : {"double", "float"}) {
+    const Outcome outcome = run_dalembert({"check", arm, "--scalar", scalar, "--outputs", "gravity"}, ".");
+    EXPECT_EQ(outcome.status, 0) << outcome.err << outcome.out;
+    EXPECT_EQ(outcome.out.find("DIFFERS"), std::string::npos);
+  }
+}
+
+// A compiler that first turns an addition of the generated code into a subtraction.
+TEST(Check, FindsAWrongLine) {
+  const TemporaryFolder folder;
+  const std::string compiler = folder.path() + "/compiler";
+  write_text(compiler,
+             "#!/bin/sh\nfor file; do case \"$file\" in */dynamics.cpp)\n"
+             "  sed -i '0,/\\(Scalar .* = .*\\) + /s//\\1 - /' \"$file\";;\nesac; done\nexec c++ \"$@\"\n");
+  chmod(compiler.c_str(), 0700);
+  setenv("CXX", compiler.c_str(), 1);
+  const Outcome outcome = run_dalembert({"check", arm, "--outputs", "mass_matrix"}, ".");
+  unsetenv("CXX");
+  EXPECT_EQ(outcome.status, 1) << outcome.err << outcome.out;
+  EXPECT_NE(outcome.out.find("DIFFERS"), std::string::npos) << outcome.out;
+}
+
+}  // namespace
+}  // namespace dalembert::test
