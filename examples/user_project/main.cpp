@@ -21,8 +21,9 @@ int try_arm() {
   const double h = m * l * c * std::cos(q[1]), k = m * l * c * std::sin(q[1]);
   Eigen::Matrix2d M;
   M << 2 * (I + m * c * c) + m * l * l + 2 * h, I + m * c * c + h, I + m * c * c + h, I + m * c * c;
-  const Eigen::Vector2d bias(-k * v[1] * (2 * v[0] + v[1]) + g0 * (m * (c + l) * std::sin(q[0]) + m * c * std::sin(q[0] + q[1])),
-                             k * v[0] * v[0] + g0 * m * c * std::sin(q[0] + q[1]));
+  const Eigen::Vector2d bias(
+      -k * v[1] * (2 * v[0] + v[1]) + g0 * (m * (c + l) * std::sin(q[0]) + m * c * std::sin(q[0] + q[1])),
+      k * v[0] * v[0] + g0 * m * c * std::sin(q[0] + q[1]));
   const double error = (acceleration + M.llt().solve(bias)).norm() / acceleration.norm();
   std::printf("arm, in C++: accelerates by %.6f and %.6f rad/s^2, differs from the textbook by %.1e\n", acceleration[0],
               acceleration[1], error);
@@ -31,4 +32,6 @@ int try_arm() {
 
 }  // namespace
 
-int main() { return try_arm() + try_cart_pole(); }
+int main() {
+  return try_arm() + try_cart_pole();
+}

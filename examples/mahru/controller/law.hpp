@@ -20,9 +20,9 @@ static_assert(mahru_fixed::joints == joints && mahru_floating::joints == joints)
 inline constexpr double position_rate = 20;  // Λ, 1/s: how fast a position error dies out once s is zero
 inline constexpr double velocity_rate = 50;  // 1/s: how fast s dies out
 
-// K: the inertia that the joints feel at the starting posture (M, and where the base is free M_jj − M_jb M_bb⁻¹ M_bj), times the rate.
-// A full matrix in place of one gain per joint, because K M⁻¹ is then near the rate in every direction: with a diagonal K some
-// directions of an arm are ten times slower than others.
+// K: the inertia that the joints feel at the starting posture (M, and where the base is free M_jj − M_jb M_bb⁻¹ M_bj), times
+// the rate. A full matrix in place of one gain per joint, because K M⁻¹ is then near the rate in every direction: with a
+// diagonal K some directions of an arm are ten times slower than others.
 using MatrixJ = Eigen::Matrix<double, joints, joints>;
 
 // On the stand: 25 joints, all driven.
@@ -55,8 +55,9 @@ class FixedBaseLaw {
   MatrixJ gains_;
 };
 
-// Released, without gravity: nothing drives the base, so its six equations of the law must ask for no force. They are met by letting
-// the base's reference velocity be its own (its s is zero) and by solving M_bb a_b = −(M_bj a_j + C_b v_r) for its reference acceleration.
+// Released, without gravity: nothing drives the base, so its six equations of the law must ask for no force. They are met by
+// letting the base's reference velocity be its own (its s is zero) and by solving M_bb a_b = −(M_bj a_j + C_b v_r) for its
+// reference acceleration.
 class FloatingBaseLaw {
  public:
   static constexpr Base base = Base::floating;

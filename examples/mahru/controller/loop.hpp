@@ -1,7 +1,7 @@
 // The 1 kHz loop. Nothing in here allocates, locks or prints.
 //
-// Plant and controller share the thread and go in step: a tick is always 1 ms of simulated time, so lateness shows in the timing
-// and never in the tracking. The plant's share of a tick is measured apart.
+// Plant and controller share the thread and go in step: a tick is always 1 ms of simulated time, so lateness shows in the
+// timing and never in the tracking. The plant's share of a tick is measured apart.
 #pragma once
 
 #include <cmath>
@@ -35,7 +35,8 @@ void run_loop(Law& law, Plant& plant, const Reference& reference, Plant::Account
     const std::int64_t commanded = now();
 
     plant.account(account);
-    tick.mass_matrix_difference = (law.mass_matrix() - account.mass_matrix).cwiseAbs().maxCoeff() / account.mass_matrix.maxCoeff();
+    tick.mass_matrix_difference =
+        (law.mass_matrix() - account.mass_matrix).cwiseAbs().maxCoeff() / account.mass_matrix.maxCoeff();
     if constexpr (Law::base == Base::floating) {
       const auto momentum = law.momentum(state);
       tick.linear[0] = momentum.linear, tick.linear[1] = account.linear_momentum;

@@ -10,8 +10,8 @@ namespace {
 
 constexpr int substeps = 2;
 
-// MuJoCo welds the root of a URDF to the world. A link named "world" and a floating joint release it. Fixed joints stay bodies of
-// their own ("fusestatic"): fusing would diagonalise the sum of their inertias, which MuJoCo does to few digits only.
+// MuJoCo welds the root of a URDF to the world. A link named "world" and a floating joint release it. Fixed joints stay bodies
+// of their own ("fusestatic"): fusing would diagonalise the sum of their inertias, which MuJoCo does to few digits only.
 std::string prepare(const std::string& file, Base base) {
   std::ifstream in(file);
   if (!in) throw std::runtime_error(file + ": cannot be read");
@@ -112,7 +112,8 @@ void Plant::account(Account& account) noexcept {
 
   // From linear velocities in the world to linear velocities in base axes: Tᵀ M T with T = diag(R, 1).
   const Eigen::Matrix3d r = rotation_of(*d);
-  for (int i = 0; i < nv_; ++i) account.mass_matrix.block<3, 1>(0, i) = r.transpose() * account.mass_matrix.block<3, 1>(0, i).eval();
+  for (int i = 0; i < nv_; ++i)
+    account.mass_matrix.block<3, 1>(0, i) = r.transpose() * account.mass_matrix.block<3, 1>(0, i).eval();
   for (int i = 0; i < nv_; ++i) account.mass_matrix.block<1, 3>(i, 0) = account.mass_matrix.block<1, 3>(i, 0).eval() * r;
 
   mj_comVel(m, d);

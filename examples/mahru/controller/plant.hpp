@@ -16,7 +16,8 @@ namespace controller {
 
 class Plant {
  public:
-  // `joint_names`: the order in which states and torques are exchanged. Throws std::runtime_error when MuJoCo refuses the model.
+  // `joint_names`: the order in which states and torques are exchanged. Throws std::runtime_error when MuJoCo refuses the
+  // model.
   Plant(const std::string& urdf_file, Base base, const char* const* joint_names);
 
   int nv() const { return nv_; }

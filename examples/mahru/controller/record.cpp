@@ -6,12 +6,14 @@
 namespace controller {
 namespace {
 
-Percentiles percentiles(const std::vector<Tick>& ticks, std::int64_t Tick::* member) {
+Percentiles percentiles(const std::vector<Tick>& ticks, std::int64_t Tick::*member) {
   std::vector<std::int64_t> values;
   values.reserve(ticks.size());
   for (const Tick& tick : ticks) values.push_back(tick.*member);
   std::sort(values.begin(), values.end());
-  const auto at = [&](double p) { return 1e-3 * values[std::min(values.size() - 1, static_cast<std::size_t>(p * values.size()))]; };
+  const auto at = [&](double p) {
+    return 1e-3 * values[std::min(values.size() - 1, static_cast<std::size_t>(p * values.size()))];
+  };
   return {at(0.5), at(0.99), at(0.999), at(1)};
 }
 
@@ -57,10 +59,8 @@ Summary summarise(const std::vector<Tick>& ticks, Base base) {
   summary.plant = percentiles(ticks, &Tick::plant);
   constexpr std::int64_t period_ns = static_cast<std::int64_t>(1e9 * period);
   for (const Tick& tick : ticks) {
-    if (tick.computed > period_ns)
-      ++summary.missed_by_computing;
-    else if (tick.finished > period_ns)
-      ++summary.missed_by_system;
+    if (tick.computed > period_ns) ++summary.missed_by_computing;
+    else if (tick.finished > period_ns) ++summary.missed_by_system;
     summary.mass_matrix_difference = std::max(summary.mass_matrix_difference, tick.mass_matrix_difference);
   }
   track(ticks, summary);

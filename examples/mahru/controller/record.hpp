@@ -16,11 +16,11 @@ struct Tick {
   std::int64_t law;       // ns from the wake-up to the torques: state, reference, dynamics, law
   std::int64_t plant;     // ns in the simulation (not part of a controller on a real robot)
   std::int64_t finished;  // ns from the time set to the end of all work
-  std::int64_t computed;  // ns of processor time spent between wake-up and end
+  std::int64_t computed;  // ns of processor time spent between wake-up and end, without what the hypervisor says it took
   VectorJ q, q_d;         // rad
   VectorJ torque;         // N m
-  double mass_matrix_difference;           // largest element of |M − M of the plant| / largest of |M|
-  Eigen::Vector3d linear[2], angular[2];   // momentum, world axes: by the generated M, by the plant
+  double mass_matrix_difference;          // largest element of |M − M of the plant| / largest of |M|
+  Eigen::Vector3d linear[2], angular[2];  // momentum, world axes: by the generated M, by the plant
 };
 
 struct Percentiles {
@@ -32,12 +32,12 @@ struct Summary {
   int ticks = 0;
   int missed_by_computing = 0;  // the tick's work took more processor time than a period has
   int missed_by_system = 0;     // late for any other reason: woken late, or other programs or the hypervisor had the processor
-  double rms_error = 0, peak_error = 0;  // rad, all joints, after the first second
-  int worst_joint = 0;                   // the one with the peak
+  double rms_error = 0, peak_error = 0;      // rad, all joints, after the first second
+  int worst_joint = 0;                       // the one with the peak
   std::array<double, joints> rms{}, peak{};  // rad, each joint, after the first second
   double mass_matrix_difference = 0;
-  double drift[2][2] = {};       // of linear, angular momentum × generated, plant: largest change / size at the start
-  double disagreement[2] = {};   // of linear, angular momentum: largest difference generated − plant / size at the start
+  double drift[2][2] = {};      // of linear, angular momentum × generated, plant: largest change / size at the start
+  double disagreement[2] = {};  // of linear, angular momentum: largest difference generated − plant / size at the start
 };
 
 Summary summarise(const std::vector<Tick>& ticks, Base base);

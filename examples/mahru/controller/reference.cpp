@@ -7,7 +7,7 @@ namespace controller {
 namespace {
 
 constexpr double pi = 3.14159265358979323846;
-constexpr double fade_in = 1.0;         // s
+constexpr double fade_in = 1.0;             // s
 constexpr double largest_amplitude = 0.35;  // rad
 
 struct Fade {
