@@ -5,6 +5,7 @@
 #include <exception>
 #include <memory>
 
+#include "heap_counter.hpp"
 #include "loop.hpp"
 #include "report.hpp"
 
@@ -47,9 +48,13 @@ bool run(const Options& options) {
              Law::base == Base::fixed ? "pelvis on a stand" : "released without gravity", options.seconds);
   for (const std::string& notice : enter_real_time()) fmt::print("  {}\n", notice);
   std::fflush(stdout);
+  const long before = heap_allocations();
   run_loop(*law, plant, reference, account, ticks);
+  const long allocated = heap_allocations() - before;
 
-  const bool met = print_table(summarise(ticks, Law::base), Law::base, Law::joint_names, options.dynamics_limit);
+  Summary summary = summarise(ticks, Law::base);
+  summary.heap_allocations = allocated;
+  const bool met = print_table(summary, Law::base, Law::joint_names, options.dynamics_limit);
   write_files(options.out, ticks, Law::base, Law::joint_names);
   return met;
 }

@@ -30,6 +30,7 @@ struct Percentiles {
 struct Summary {
   Percentiles late, dynamics, law, plant;
   int ticks = 0;
+  long heap_allocations = 0;    // during the loop, plant included
   int missed_by_computing = 0;  // the tick's work took more processor time than a period has
   int missed_by_system = 0;     // late for any other reason: woken late, or other programs or the hypervisor had the processor
   double rms_error = 0, peak_error = 0;      // rad, all joints, after the first second

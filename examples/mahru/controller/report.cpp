@@ -102,6 +102,7 @@ bool print_table(const Summary& summary, Base base, const char* const* joint_nam
              summary.missed_by_computing, summary.missed_by_system);
   fmt::print("  tracking after the first second: RMS {:.3g} rad, peak {:.3g} rad ({})\n", summary.rms_error, summary.peak_error,
              joint_names[summary.worst_joint]);
+  fmt::print("  heap allocations in the loop: {}\n", summary.heap_allocations);
   fmt::print("  generated M against MuJoCo's: largest difference {:.2g} of M's largest element\n",
              summary.mass_matrix_difference);
   if (base == Base::floating) {
@@ -117,6 +118,7 @@ bool print_table(const Summary& summary, Base base, const char* const* joint_nam
   bool met = verdict("no deadline missed from computing", summary.missed_by_computing == 0);
   met &= verdict(fmt::format("p99 of the dynamics call under {:g} µs", dynamics_limit), summary.dynamics.p99 < dynamics_limit);
   met &= verdict("RMS tracking error under 1e-3 rad after the first second", summary.rms_error < rms_target);
+  met &= verdict("no heap allocation in the loop", summary.heap_allocations == 0);
   met &= verdict("M agrees with MuJoCo's to 1e-9", summary.mass_matrix_difference < agreement_target);
   if (base == Base::floating) {
     met &= verdict("momenta agree with MuJoCo's to 1e-9",
