@@ -9,6 +9,7 @@
 #include "backend/code_text.hpp"
 #include "backend/emit.hpp"
 #include "passes/lower.hpp"
+#include "passes/lower_rolled.hpp"
 #include "passes/normalise.hpp"
 #include "passes/plan.hpp"
 
@@ -70,7 +71,10 @@ std::vector<backend::OutputFile> compile(const Model& model, const CompileOption
   const Lowered lowered = lower(model, options);
   const std::vector<OperationCost> costs = costs_of(lowered.program);
   const ir::Plan plan = passes::plan(model.tree, model.scene, costs.front().operations, options.form);
-  return backend::emit({model.tree, lowered.normal, model.scene, lowered.program, plan, model.name,
+  const ir::RolledProgram rolled = plan.form == ir::Form::rolled
+                                       ? passes::lower_rolled(model.tree, lowered.normal, model.scene, plan)
+                                       : ir::RolledProgram{};
+  return backend::emit({model.tree, lowered.normal, model.scene, lowered.program, plan, rolled, model.name,
                         std::filesystem::path(model.description.file).filename().string(),
                         hash_of_file(model.description.file), model.command_line, report(costs)});
 }

@@ -7,6 +7,7 @@
 #include <cctype>
 
 #include "backend/code_text.hpp"
+#include "backend/emit_rolled.hpp"
 #include "backend/emit_straight.hpp"
 #include "backend/literals.hpp"
 #include "backend/templates.hpp"
@@ -96,6 +97,13 @@ std::string unread(const CodeInput& code) {
   return parts.empty() ? "" : fmt::format(" (not read: {})", fmt::join(parts, ", "));
 }
 
+// The functions that evaluate() calls in this order, for the task graph.
+std::string stage_declarations(const CodeInput& code) {
+  std::string text = "// What evaluate() is made of, for the task graph.\nnamespace stages {\n\n";
+  for (const Stage& s : rolled_stages(code)) text += fmt::format("void {}({}) noexcept;\n", s.name, s.arguments);
+  return text + "\n}  // namespace stages\n\n";
+}
+
 OutputFile header(const CodeInput& code) {
   std::vector<std::string> joints, joint_names, body_names;
   for (const ir::Body* b : own_coordinates(code)) {
@@ -104,7 +112,7 @@ OutputFile header(const CodeInput& code) {
   }
   if (code.tree.floating_base) body_names.push_back(quoted(code.tree.base_link));
   for (const ir::Body& b : code.tree.bodies) body_names.push_back(quoted(b.name));
-  const bool floating = code.tree.floating_base;
+  const bool floating = code.tree.floating_base, rolled = code.plan.form == ir::Form::rolled;
   std::string report;
   for (const std::string& line : code.report) report += "// " + comment_text(line) + "\n";
   return {"dynamics.hpp",
@@ -124,14 +132,14 @@ OutputFile header(const CodeInput& code) {
                   {"joint_names", wrapped(joint_names, 4)},
                   {"body_names", wrapped(body_names, 4)},
                   {"link_table", link_table(code)},
-                  {"payload_type", payload_type(code)},
+                  {"types", payload_type(code) + (rolled ? rolled_workspace(code) + "\n" : "")},
                   {"results", results(code)},
                   {"run_time_inputs", run_time_inputs(code)},
-                  {"scratch", ""},
+                  {"scratch", rolled ? "\n  Kept kept;\n" : ""},
                   {"quantities", quantities(code)},
                   {"unread", unread(code)},
                   {"views", views(code)},
-                  {"stages", ""}})};
+                  {"stages", code.plan.tasks && rolled ? stage_declarations(code) : ""}})};
 }
 
 // get: `const T* NAME_mass_matrix(const NAME_workspace*)`; set: run-time inputs.
@@ -165,7 +173,7 @@ void c_functions(const CodeInput& code, std::string& declarations, std::string& 
 std::vector<OutputFile> emit(const CodeInput& code) {
   std::vector<OutputFile> files{header(code)};
   const std::string top = banner(code);
-  files.push_back({"dynamics.cpp", straight_source(code, top)});
+  files.push_back({"dynamics.cpp", code.plan.form == ir::Form::rolled ? rolled_source(code, top) : straight_source(code, top)});
   std::string declarations, definitions, guard = code.name + "_C_API_H";
   c_functions(code, declarations, definitions);
   std::transform(guard.begin(), guard.end(), guard.begin(), [](unsigned char c) { return static_cast<char>(std::toupper(c)); });

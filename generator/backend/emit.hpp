@@ -9,6 +9,7 @@
 #include "ir/normal_tree.hpp"
 #include "ir/plan.hpp"
 #include "ir/program.hpp"
+#include "ir/rolled.hpp"
 #include "ir/scene.hpp"
 
 namespace dalembert::backend {
@@ -19,6 +20,7 @@ struct CodeInput {
   const ir::Scene& scene;
   const ir::Program& program;
   const ir::Plan& plan;
+  const ir::RolledProgram& rolled;  // empty for the straight form
   std::string name;          // namespace, folder and prefix; an identifier
   std::string source;        // the URDF's file name, without folders
   std::string source_hash;

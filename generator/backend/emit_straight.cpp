@@ -28,7 +28,7 @@ class Angles {
     return fmt::format("{}[{}]", graph_[id].op == ir::Op::sine ? "sine" : "cosine", index_.at(graph_[id].a));
   }
   // angle, sine and cosine of every joint, as declarations.
-  std::string prologue(const CodeInput& code, PrintStyle style) const {
+  std::string prologue(PrintStyle style) const {
     if (index_.empty()) return "";
     std::vector<Sink> sinks;
     for (const auto& [node, i] : index_) sinks.push_back({node, fmt::format("angle[{}] = ", i), ";"});
@@ -37,7 +37,7 @@ class Angles {
     out += "  alignas(64) Scalar angle[dalembert::padded(angles)] = {}, sine[dalembert::padded(angles)], "
            "cosine[dalembert::padded(angles)];\n";
     style.heading = nullptr;
-    out += print(code.program.graph, sinks, style);
+    out += print(graph_, sinks, style);
     return out + "  dalembert::sincos<angles>(angle, sine, cosine);\n";
   }
 
@@ -69,8 +69,7 @@ std::string heading(const CodeInput& code, const ir::Tag& tag) {
 
 }  // namespace
 
-std::string straight_source(const CodeInput& code, const std::string& banner) {
-  const ir::Program& program = code.program;
+std::string straight_statements(const CodeInput& code, const ir::Program& program) {
   const Angles angles(program);
   PrintStyle style;
   style.type = "Scalar";
@@ -84,7 +83,7 @@ std::string straight_source(const CodeInput& code, const std::string& banner) {
   const InputsRead read = inputs_read(program);
   if (!read.position && !read.base_pose) body += "  (void)q;\n";
   if (!read.velocity) body += "  (void)v;\n";
-  body += angles.prologue(code, style);
+  body += angles.prologue(style);
 
   std::vector<Sink> sinks;
   for (const ir::OutputElement& e : program.elements) {
@@ -92,10 +91,15 @@ std::string straight_source(const CodeInput& code, const std::string& banner) {
     sinks.push_back({e.node, fmt::format("workspace.{}[{}] = ", array.name, element_index(array, e.row, e.column)), ";"});
   }
   if (sinks.empty()) body += "  (void)workspace;\n";
-  body += print(program.graph, sinks, style);
+  return body + print(program.graph, sinks, style);
+}
+
+std::string straight_source(const CodeInput& code, const std::string& banner) {
+  const std::string body = straight_statements(code, code.program);
+  const bool angles = body.find("dalembert::sincos") != std::string::npos;
   return render("straight.cpp", {{"banner", banner},
                                  {"name", code.name},
-                                 {"includes", angles.count() > 0 ? "#include <dalembert/sincos.hpp>\n" : ""},
+                                 {"includes", angles ? "#include <dalembert/sincos.hpp>\n" : ""},
                                  {"body", body}});
 }
 

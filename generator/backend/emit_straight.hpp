@@ -7,6 +7,9 @@
 
 namespace dalembert::backend {
 
+// Statements that compute a program's results from q, v and the workspace.
+std::string straight_statements(const CodeInput& code, const ir::Program& program);
+
 // The text of dynamics.cpp.
 std::string straight_source(const CodeInput& code, const std::string& banner);
 

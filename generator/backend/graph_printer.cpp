@@ -37,6 +37,7 @@ class Printer {
       const auto sinks = sinks_.find(id);
       const bool shared = uses_[at(id)] > 1;
       const bool plain_sign = n.op == Op::negate && (graph_[n.a].op == Op::input || graph_[n.a].op == Op::constant);
+      if (n.op == Op::input && style_.input_name && shared) read_once(n, t);
       if (!leaf && !plain_sign && (shared || t.operations > longest_expression)) declare(id, t);
       if (sinks == sinks_.end()) continue;
       head(n.tag);
@@ -69,6 +70,14 @@ class Printer {
     }
     out_ += fmt::format("{}const {} {} = {};\n", style_.indent, style_.type, name, t.text);
     t = {std::move(name), atom, 0};
+  }
+
+  void read_once(const ir::Node& n, Text& t) {
+    const std::string name = style_.input_name(n.input);
+    if (name == t.text) return;  // a variable already
+    names_.insert(name);
+    out_ += fmt::format("{}const {} {} = {};\n", style_.indent, style_.type, name, t.text);
+    t = {name, atom, 0};
   }
 
   std::string operand(NodeId id, int least) const {

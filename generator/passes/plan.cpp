@@ -1,7 +1,149 @@
 #include "passes/plan.hpp"
 
-namespace dalembert::passes {
+#include <algorithm>
+#include <set>
 
-ir::Plan plan(const ir::KinematicTree&, const ir::Scene&, const ir::Operations&, ir::Form) { return {}; }
+#include "ir/identifier.hpp"
+
+namespace dalembert::passes {
+namespace {
+
+using Limb = std::vector<int>;
+
+// Runs of bodies without a branch, in depth-first order.
+std::vector<Limb> limbs_of(const ir::KinematicTree& tree) {
+  std::vector<int> children(tree.bodies.size(), 0);
+  for (const ir::Body& b : tree.bodies)
+    if (b.parent >= 0) ++children[static_cast<size_t>(b.parent)];
+  std::vector<Limb> limbs;
+  for (int k = 0; k < tree.joints(); ++k) {
+    const int parent = tree.bodies[static_cast<size_t>(k)].parent;
+    if (parent < 0 || children[static_cast<size_t>(parent)] > 1) limbs.emplace_back();
+    limbs.back().push_back(k);
+  }
+  return limbs;
+}
+
+// Groups of limbs to be computed side by side: similar in length, none above another, not even by way of their groups.
+class Grouping {
+ public:
+  Grouping(const ir::KinematicTree& tree, const std::vector<Limb>& limbs) : limbs_(limbs), group_of_(limbs.size(), -1) {
+    std::vector<int> limb_of(tree.bodies.size());
+    for (size_t i = 0; i < limbs.size(); ++i)
+      for (int b : limbs[i]) limb_of[static_cast<size_t>(b)] = static_cast<int>(i);
+    for (const Limb& limb : limbs) {
+      const int parent = tree.bodies[static_cast<size_t>(limb.front())].parent;
+      above_.push_back(parent < 0 ? -1 : limb_of[static_cast<size_t>(parent)]);
+    }
+  }
+
+  std::vector<std::vector<int>> run(size_t widest) {
+    std::vector<int> order(limbs_.size());
+    for (size_t i = 0; i < order.size(); ++i) order[i] = static_cast<int>(i);
+    std::stable_sort(order.begin(), order.end(), [this](int a, int b) { return length(a) > length(b); });
+    for (size_t i = 0; i < order.size(); ++i) {
+      if (group_of_[at(order[i])] >= 0) continue;
+      const int group = static_cast<int>(groups_.size());
+      groups_.push_back({order[i]});
+      group_of_[at(order[i])] = group;
+      for (size_t j = i + 1; j < order.size() && groups_.back().size() < widest; ++j) {
+        const int limb = order[j];
+        // Padding costs as much as work: a limb joins when at least two thirds of its lane are its own.
+        if (group_of_[at(limb)] >= 0 || 3 * length(limb) < 2 * length(order[i])) continue;
+        group_of_[at(limb)] = group;
+        groups_.back().push_back(limb);
+        if (!cyclic(group)) continue;
+        groups_.back().pop_back();
+        group_of_[at(limb)] = -1;
+      }
+      std::sort(groups_.back().begin(), groups_.back().end());
+    }
+    return parents_first();
+  }
+
+ private:
+  static size_t at(int i) { return static_cast<size_t>(i); }
+  size_t length(int limb) const { return limbs_[at(limb)].size(); }
+
+  // Groups the limbs of `group` hang on; a limb without a group yet stands for itself.
+  template <class F>
+  void each_above(const std::vector<int>& limbs, const F& f) const {
+    for (int l : limbs)
+      if (above_[at(l)] >= 0) f(above_[at(l)]);
+  }
+
+  // Whether going up from the group leads back to it.
+  bool cyclic(int group) const {
+    std::set<int> seen;
+    std::vector<int> todo;
+    each_above(groups_[at(group)], [&](int l) { todo.push_back(l); });
+    while (!todo.empty()) {
+      const int limb = todo.back();
+      todo.pop_back();
+      if (group_of_[at(limb)] == group) return true;
+      if (!seen.insert(limb).second) continue;
+      const int its = group_of_[at(limb)];
+      const std::vector<int> alone{limb};
+      each_above(its >= 0 ? groups_[at(its)] : alone, [&](int l) { todo.push_back(l); });
+    }
+    return false;
+  }
+
+  std::vector<std::vector<int>> parents_first() const {
+    std::vector<std::vector<int>> sorted;
+    std::vector<bool> done(groups_.size(), false);
+    while (sorted.size() < groups_.size())
+      for (size_t g = 0; g < groups_.size(); ++g) {
+        bool ready = !done[g];
+        each_above(groups_[g], [&](int l) { ready = ready && done[at(group_of_[at(l)])]; });
+        if (!ready) continue;
+        done[g] = true;
+        sorted.push_back(groups_[g]);
+      }
+    return sorted;
+  }
+
+  const std::vector<Limb>& limbs_;
+  std::vector<int> above_;  // per limb: the limb it hangs on, -1: the base
+  std::vector<int> group_of_;
+  std::vector<std::vector<int>> groups_;
+};
+
+void lay_out(const ir::KinematicTree& tree, ir::Plan& plan) {
+  const std::vector<Limb> limbs = limbs_of(tree);
+  plan.slot_of.assign(tree.bodies.size(), 0);
+  for (const std::vector<int>& group : Grouping(tree, limbs).run(4)) {
+    ir::Segment s;
+    s.width = group.size() > 2 ? 4 : static_cast<int>(group.size());
+    for (int l : group) s.steps = std::max(s.steps, static_cast<int>(limbs[static_cast<size_t>(l)].size()));
+    s.first_slot = plan.slots;
+    s.name = ir::identifier(tree.bodies[static_cast<size_t>(limbs[static_cast<size_t>(group.front())].front())].joint);
+    if (s.width > 1) s.name += "_x" + std::to_string(group.size());
+    for (int lane = 0; lane < s.width; ++lane) {
+      Limb bodies = static_cast<size_t>(lane) < group.size() ? limbs[static_cast<size_t>(group[static_cast<size_t>(lane)])] : Limb{};
+      s.parents.push_back(bodies.empty() ? -1 : tree.bodies[static_cast<size_t>(bodies.front())].parent);
+      for (size_t step = 0; step < bodies.size(); ++step)
+        plan.slot_of[static_cast<size_t>(bodies[step])] = s.first_slot + static_cast<int>(step) * s.width + lane;
+      bodies.resize(static_cast<size_t>(s.steps), -1);
+      s.bodies.push_back(std::move(bodies));
+    }
+    plan.slots += (s.slots() + 7) / 8 * 8;
+    plan.segments.push_back(std::move(s));
+  }
+}
+
+}  // namespace
+
+ir::Plan plan(const ir::KinematicTree& tree, const ir::Scene& scene, const ir::Operations& straight, ir::Form form) {
+  ir::Plan plan;
+  plan.tasks = scene.parallel == ir::Parallel::tasks;
+  // A driven joint's row is a sum of rows, a payload's moments are inputs: only the straight form knows either.
+  bool straight_only = !scene.payloads.empty();
+  for (const ir::Body& b : tree.bodies) straight_only = straight_only || b.driven();
+  if (form == ir::Form::automatic) form = straight.total() <= 3500 && !plan.tasks ? ir::Form::straight : ir::Form::rolled;
+  plan.form = straight_only ? ir::Form::straight : form;
+  if (plan.form == ir::Form::rolled) lay_out(tree, plan);
+  return plan;
+}
 
 }  // namespace dalembert::passes

@@ -1,0 +1,162 @@
+#include "backend/emit_blocks.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "backend/emit_paragraph.hpp"
+#include "backend/literals.hpp"
+
+namespace dalembert::backend {
+namespace {
+
+int base_rows(const CodeInput& code) { return code.tree.floating_base ? 6 : 0; }
+
+// The limb that holds a body: its bodies, and the body it hangs on.
+std::pair<std::vector<int>, int> limb_of(const CodeInput& code, int body) {
+  for (const ir::Segment& s : code.plan.segments)
+    for (size_t lane = 0; lane < s.bodies.size(); ++lane) {
+      if (std::find(s.bodies[lane].begin(), s.bodies[lane].end(), body) == s.bodies[lane].end()) continue;
+      std::vector<int> limb = s.bodies[lane];
+      std::erase(limb, -1);
+      return {limb, s.parents[lane]};
+    }
+  return {{}, -1};
+}
+
+// For every lane the limb that is `level` branches above its limb (0: the nearest), as bodies; empty where there is none.
+std::vector<std::vector<int>> limbs_above(const CodeInput& code, const ir::Segment& segment, int level) {
+  std::vector<std::vector<int>> above;
+  for (size_t lane = 0; lane < segment.bodies.size(); ++lane) {
+    int parent = segment.parents[lane];
+    for (int i = 0; i < level && parent >= 0; ++i) parent = limb_of(code, parent).second;
+    above.push_back(parent < 0 ? std::vector<int>{} : limb_of(code, parent).first);
+  }
+  return above;
+}
+
+struct Above {
+  std::vector<std::vector<int>> limbs;
+  size_t steps = 0;
+};
+
+std::vector<Above> all_above(const CodeInput& code, const ir::Segment& segment) {
+  std::vector<Above> levels;
+  while (true) {
+    Above a{limbs_above(code, segment, static_cast<int>(levels.size())), 0};
+    for (const auto& limb : a.limbs) a.steps = std::max(a.steps, limb.size());
+    if (a.steps == 0) return levels;
+    levels.push_back(std::move(a));
+  }
+}
+
+std::string ints(const std::string& name, const std::vector<int>& values) {
+  std::vector<std::string> texts;
+  for (int x : values) texts.push_back(std::to_string(x));
+  return fmt::format("constexpr int {}[] = {{{}{}}};\n", name, texts.size() > 16 ? "\n    " : "", wrapped(texts, 4));
+}
+
+// First row and length of each lane's limb.
+void rows_of(const CodeInput& code, const std::vector<std::vector<int>>& limbs, std::vector<int>& first, std::vector<int>& length) {
+  for (const auto& limb : limbs) {
+    const int real = static_cast<int>(std::count_if(limb.begin(), limb.end(), [](int b) { return b >= 0; }));
+    first.push_back(real > 0 ? base_rows(code) + limb.front() : 0);
+    length.push_back(real);
+  }
+}
+
+}  // namespace
+
+std::string limb_tables(const CodeInput& code, size_t segment) {
+  if (!code.rolled.mass && !code.rolled.coriolis) return "";
+  const ir::Segment& s = code.plan.segments[segment];
+  std::string text;
+  std::vector<int> first, length;
+  rows_of(code, s.bodies, first, length);
+  if (s.width > 1) text += ints(s.name + "_row", first) + ints(s.name + "_length", length);
+  const std::vector<Above> levels = all_above(code, s);
+  for (size_t level = 0; level < levels.size(); ++level) {
+    const Above& a = levels[level];
+    std::vector<int> above_first, above_length, slots;
+    rows_of(code, a.limbs, above_first, above_length);
+    for (size_t step = 0; step < a.steps; ++step)
+      for (const auto& limb : a.limbs) slots.push_back(step < limb.size() ? slot_of(code, limb[step]) : slot_of(code, -1));
+    const std::string prefix = fmt::format("{}_above_{}", s.name, level + 1);
+    text += ints(prefix + "_slot", slots);
+    if (s.width > 1) text += ints(prefix + "_row", above_first) + ints(prefix + "_length", above_length);
+  }
+  return text;
+}
+
+std::string elements_stage(const CodeInput& code, size_t segment) {
+  const ir::Segment& s = code.plan.segments[segment];
+  const bool mass = code.rolled.mass, coriolis = code.rolled.coriolis, floating = code.tree.floating_base;
+  const char* elements = mass && coriolis ? "both" : mass ? "mass" : "coriolis";
+  const std::string M = mass ? "workspace.mass_matrix" : "static_cast<Scalar*>(nullptr)",
+                    C = coriolis ? "workspace.coriolis_matrix" : "static_cast<Scalar*>(nullptr)";
+  const std::string angular = code.rolled.all_revolute ? "kept.rotation[6]" : "kept.joint_angular[0]";
+  const auto if_coriolis = [&](const char* text) { return coriolis ? text : "nullptr"; };
+  std::string text = "  // Phase III: M_ik = F_k.J_i, C_ik = G_k.J_i, C_ki = F_k.dJ_i + H_k.J_i\n";
+  text += fmt::format("  const dalembert::Panels<Scalar> panels{{kept.joint_linear[0], {}, {}, kept.inertia_force[0], {}, {}, {}}};\n",
+                      angular, if_coriolis("kept.joint_rate[0]"), if_coriolis("kept.bias_force[0]"), if_coriolis("kept.transposed[0]"),
+                      code.plan.slots + 8);
+  const std::vector<Above> levels = all_above(code, s);
+  const std::string end = "nv, begin, end";
+  if (s.width > 1) {
+    text += fmt::format("  constexpr dalembert::LimbTable limbs{{{0}_row, {0}_length, {1}, {2}}};\n", s.name, s.first_slot, s.steps);
+    text += fmt::format("  dalembert::limb_blocks<dalembert::Elements::{}, {}, Scalar>(panels, limbs, {}, {}, {});\n", elements, s.width, M, C, end);
+    for (size_t level = 0; level < levels.size(); ++level)
+      text += fmt::format(
+          "  constexpr dalembert::LimbTable above_{3}{{{0}_above_{3}_row, {0}_above_{3}_length, 0, {4}}};\n"
+          "  dalembert::cross_blocks<dalembert::Elements::{1}, {2}, {4}, Scalar>(panels, limbs, {0}_above_{3}_slot, above_{3}, {5}, {6}, {7});\n",
+          s.name, elements, s.width, level + 1, levels[level].steps, M, C, end);
+  } else {
+    const int row = base_rows(code) + s.bodies[0].front();
+    text += fmt::format("  dalembert::run_block<dalembert::Elements::{}, Scalar>(panels, {}, {}, {}, {}, {}, {});\n", elements, s.first_slot, row,
+                        s.steps, M, C, end);
+    for (size_t level = 0; level < levels.size(); ++level)
+      text += fmt::format("  dalembert::run_cross_block<dalembert::Elements::{}, {}, Scalar>(panels, {}, {}, {}_above_{}_slot, {}, {}, {}, {});\n",
+                          elements, levels[level].steps, s.first_slot, row, s.name, level + 1,
+                          base_rows(code) + levels[level].limbs[0].front(), M, C, end);
+  }
+  if (!floating) return text;
+  const auto base = [&](const char* what, const char* force, const std::string& matrix) {
+    return s.width > 1 ? fmt::format("    dalembert::base_{}<{}, Scalar>(kept.{}[0], panels.stride, limbs, {}, nv);\n", what, s.width, force, matrix)
+                       : fmt::format("    dalembert::run_base_{}<Scalar>(kept.{}[0], panels.stride, {}, {}, {}, {}, nv);\n", what, force,
+                                     s.first_slot, base_rows(code) + s.bodies[0].front(), s.steps, matrix);
+  };
+  text += "  if (begin == 0) {  // the base's rows and columns\n";
+  if (mass) text += base("columns", "inertia_force", M) + base("rows", "inertia_force", M);
+  if (coriolis) text += base("columns", "bias_force", C) + base("rows", "below_force", C);
+  return text + "  }\n";
+}
+
+std::string wrench_tables(const CodeInput& code) {
+  if (!code.rolled.wrench) return "";
+  std::vector<int> parents;
+  std::string rotations, translations;
+  for (size_t k = 0; k < code.normal.bodies.size(); ++k) {
+    const ir::NormalBody& n = code.normal.bodies[k];
+    parents.push_back(n.parent);
+    std::vector<std::string> r, t;
+    for (int i = 0; i < 3; ++i) {
+      for (int j = 0; j < 3; ++j) r.push_back(literal(n.link_rotation(i, j), code.scene.scalar));
+      t.push_back(literal(n.link_translation[i], code.scene.scalar));
+    }
+    rotations += fmt::format("    {{{}}},\n", fmt::join(r, ", "));
+    translations += fmt::format("    {{{}}},\n", fmt::join(t, ", "));
+  }
+  return ints("body_parent", parents) + "constexpr Scalar link_rotation[][9] = {\n" + rotations +
+         "};\nconstexpr Scalar link_translation[][3] = {\n" + translations + "};\n";
+}
+
+std::string wrench_stage(const CodeInput& code) {
+  return fmt::format(
+      "  const dalembert::BodyTable<Scalar> table{{joint_slot, body_parent, link_rotation, link_translation}};\n"
+      "  dalembert::wrench_columns<Scalar>(table, {}, kept.rotation[0], kept.position[0], kept.joint_linear[0], {}, {}, {},\n"
+      "                                    workspace.wrench_influence, nv);\n",
+      code.tree.joints(), code.rolled.all_revolute ? "kept.rotation[6]" : "kept.joint_angular[0]", code.plan.slots + 8, base_rows(code));
+}
+
+}  // namespace dalembert::backend
