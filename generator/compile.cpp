@@ -21,9 +21,9 @@ struct Lowered {
   ir::Program program;
 };
 
-Lowered lower(const Model& model, const CompileOptions& options) {
-  Lowered lowered{passes::normalise(model.tree, {options.move_parameters}), {}};
-  lowered.program = passes::lower(model.tree, lowered.normal, model.scene, {{options.fold, options.share}, true});
+Lowered lower(const Model& model) {
+  Lowered lowered{passes::normalise(model.tree, {model.options.move_parameters}), {}};
+  lowered.program = passes::lower(model.tree, lowered.normal, model.scene, {{model.options.fold, model.options.share}, true});
   return lowered;
 }
 
@@ -63,14 +63,14 @@ std::vector<std::string> report(const std::vector<OperationCost>& costs) {
 
 }  // namespace
 
-std::vector<OperationCost> operation_costs(const Model& model, const CompileOptions& options) {
-  return costs_of(lower(model, options).program);
+std::vector<OperationCost> operation_costs(const Model& model) {
+  return costs_of(lower(model).program);
 }
 
-std::vector<backend::OutputFile> compile(const Model& model, const CompileOptions& options) {
-  const Lowered lowered = lower(model, options);
+std::vector<backend::OutputFile> compile(const Model& model) {
+  const Lowered lowered = lower(model);
   const std::vector<OperationCost> costs = costs_of(lowered.program);
-  const ir::Plan plan = passes::plan(model.tree, model.scene, costs.front().operations, options.form);
+  const ir::Plan plan = passes::plan(model.tree, model.scene, costs.front().operations, model.options);
   const ir::RolledProgram rolled = plan.form == ir::Form::rolled
                                        ? passes::lower_rolled(model.tree, lowered.normal, model.scene, plan)
                                        : ir::RolledProgram{};

@@ -4,20 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "backend/output_files.hpp"
 #include "ir/graph.hpp"
-#include "ir/plan.hpp"
-#include "ir/program.hpp"
 #include "pipeline.hpp"
 
 namespace dalembert {
-
-struct CompileOptions {
-  ir::Form form = ir::Form::automatic;
-  bool move_parameters = true;
-  bool fold = true;
-  bool share = true;
-};
 
 // What evaluating a quantity costs, and what of the state it reads.
 struct OperationCost {
@@ -29,9 +19,6 @@ struct OperationCost {
 };
 
 // Scalar operations of the scene's outputs together ("all", first) and of each alone, counted in the scalar program.
-std::vector<OperationCost> operation_costs(const Model& model, const CompileOptions& options = {});
-
-// The text of every generated file.
-std::vector<backend::OutputFile> compile(const Model& model, const CompileOptions& options);
+std::vector<OperationCost> operation_costs(const Model& model);
 
 }  // namespace dalembert

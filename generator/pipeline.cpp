@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "compile.hpp"
 #include "frontend/scene_check.hpp"
 #include "frontend/urdf_reader.hpp"
 #include "ir/identifier.hpp"
@@ -51,7 +50,23 @@ std::string command_line(const Request& request, const std::string& name) {
   for (const std::string& key : frontend::scene_keys())
     for (const frontend::Setting& setting : request.settings)
       if (setting.key == key) line += fmt::format(" --{} {}", key, quoted(setting.text));
+  if (!request.form.empty()) line += " --form " + request.form;
+  for (const std::string& pass : request.without) line += " --without " + pass;
   return line + " --name " + name;
+}
+
+// The command line's parser has checked the words.
+ir::CompileOptions compile_options(const Request& request) {
+  ir::CompileOptions options;
+  if (request.form == "straight") options.form = ir::Form::straight;
+  if (request.form == "rolled") options.form = ir::Form::rolled;
+  for (const std::string& pass : request.without) {
+    if (pass == "fold") options.fold = false;
+    if (pass == "share") options.share = false;
+    if (pass == "move_parameters") options.move_parameters = false;
+    if (pass == "pack") options.pack = false;
+  }
+  return options;
 }
 
 }  // namespace
@@ -61,12 +76,11 @@ Model read_model(const Request& request, Diagnostics& warnings) {
   Model model;
   model.description = frontend::read_urdf(request.robot, warnings);
   model.name = code_name(request, model.description);
+  model.options = compile_options(request);
   model.command_line = command_line(request, model.name);
   model.scene = frontend::check_scene(document, model.description, warnings);
   model.tree = passes::build_tree(model.description, model.scene, warnings);
   return model;
 }
-
-std::vector<backend::OutputFile> compile(const Model& model) { return compile(model, {}); }
 
 }  // namespace dalembert

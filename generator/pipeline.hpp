@@ -7,6 +7,7 @@
 #include "backend/output_files.hpp"
 #include "diagnostics.hpp"
 #include "frontend/scene_reader.hpp"
+#include "ir/compile_options.hpp"
 #include "ir/kinematic_tree.hpp"
 #include "ir/robot_description.hpp"
 #include "ir/scene.hpp"
@@ -18,6 +19,8 @@ struct Request {
   std::string robot;                        // URDF file
   std::string scene_file;                   // empty: none
   std::vector<frontend::Setting> settings;  // scene keys given on the command line; they override the file's
+  std::string form;                         // auto, straight or rolled; empty: auto
+  std::vector<std::string> without;         // passes to leave out
   std::string name;                         // of the generated code; empty: the robot's, as an identifier
 };
 
@@ -26,6 +29,7 @@ struct Model {
   ir::RobotDescription description;
   ir::Scene scene;
   ir::KinematicTree tree;
+  ir::CompileOptions options;
   std::string name;          // namespace and folder of the generated code; an identifier
   std::string command_line;  // the command that remakes the generated code, with file names but without folders
 };

@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-namespace dalembert::ir {
+#include "ir/compile_options.hpp"
 
-enum class Form { automatic, straight, rolled };
+namespace dalembert::ir {
 
 // Limbs (runs of bodies without branches) that are computed side by side, one per lane, step by step from the root outwards.
 // Short limbs are padded with steps that hold no body (-1). Slots of a segment are consecutive: slot = first_slot + step·width + lane.

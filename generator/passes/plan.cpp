@@ -109,10 +109,10 @@ class Grouping {
   std::vector<std::vector<int>> groups_;
 };
 
-void lay_out(const ir::KinematicTree& tree, ir::Plan& plan) {
+void lay_out(const ir::KinematicTree& tree, size_t widest, ir::Plan& plan) {
   const std::vector<Limb> limbs = limbs_of(tree);
   plan.slot_of.assign(tree.bodies.size(), 0);
-  for (const std::vector<int>& group : Grouping(tree, limbs).run(4)) {
+  for (const std::vector<int>& group : Grouping(tree, limbs).run(widest)) {
     ir::Segment s;
     s.width = group.size() > 2 ? 4 : static_cast<int>(group.size());
     for (int l : group) s.steps = std::max(s.steps, static_cast<int>(limbs[static_cast<size_t>(l)].size()));
@@ -134,15 +134,17 @@ void lay_out(const ir::KinematicTree& tree, ir::Plan& plan) {
 
 }  // namespace
 
-ir::Plan plan(const ir::KinematicTree& tree, const ir::Scene& scene, const ir::Operations& straight, ir::Form form) {
+ir::Plan plan(const ir::KinematicTree& tree, const ir::Scene& scene, const ir::Operations& straight,
+              const ir::CompileOptions& options) {
   ir::Plan plan;
   plan.tasks = scene.parallel == ir::Parallel::tasks;
   // A driven joint's row is a sum of rows, a payload's moments are inputs: only the straight form knows either.
   bool straight_only = !scene.payloads.empty();
   for (const ir::Body& b : tree.bodies) straight_only = straight_only || b.driven();
+  ir::Form form = options.form;
   if (form == ir::Form::automatic) form = straight.total() <= 3500 && !plan.tasks ? ir::Form::straight : ir::Form::rolled;
   plan.form = straight_only ? ir::Form::straight : form;
-  if (plan.form == ir::Form::rolled) lay_out(tree, plan);
+  if (plan.form == ir::Form::rolled) lay_out(tree, options.pack ? 4 : 1, plan);
   return plan;
 }
 

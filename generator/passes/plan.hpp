@@ -9,6 +9,7 @@
 namespace dalembert::passes {
 
 // `straight` are the operations of the straight form.
-ir::Plan plan(const ir::KinematicTree& tree, const ir::Scene& scene, const ir::Operations& straight, ir::Form form);
+ir::Plan plan(const ir::KinematicTree& tree, const ir::Scene& scene, const ir::Operations& straight,
+              const ir::CompileOptions& options);
 
 }  // namespace dalembert::passes

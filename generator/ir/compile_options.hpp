@@ -1,0 +1,18 @@
+// How the compiler is to go about it: never changes a result by more than rounding, only its cost.
+#pragma once
+
+namespace dalembert::ir {
+
+// One straight line for the whole robot, or limbs side by side in lanes and rolled loops.
+enum class Form { automatic, straight, rolled };
+
+// Each pass can be turned off, to see what it is worth.
+struct CompileOptions {
+  Form form = Form::automatic;
+  bool fold = true;             // zeros, ones and constants disappear
+  bool share = true;            // equal subexpressions are computed once
+  bool move_parameters = true;  // inertial parameters move towards the base
+  bool pack = true;             // limbs stand side by side in lanes
+};
+
+}  // namespace dalembert::ir
