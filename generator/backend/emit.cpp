@@ -9,6 +9,7 @@
 #include "backend/code_text.hpp"
 #include "backend/emit_rolled.hpp"
 #include "backend/emit_straight.hpp"
+#include "backend/emit_tasks.hpp"
 #include "backend/literals.hpp"
 #include "backend/templates.hpp"
 #include "dalembert/version.hpp"
@@ -185,6 +186,10 @@ std::vector<OutputFile> emit(const CodeInput& code) {
                                                  {"quantities", quantities(code)},
                                                  {"declarations", declarations}})});
   files.push_back({"c_api.cpp", render("c_api.cpp", {{"banner", top}, {"name", code.name}, {"scalar", scalar}, {"definitions", definitions}})});
+  if (code.plan.tasks) {
+    files.push_back({"tasks.hpp", tasks_header(code, top)});
+    files.push_back({"tasks.cpp", tasks_source(code, top)});
+  }
   return files;
 }
 

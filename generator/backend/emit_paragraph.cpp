@@ -25,7 +25,7 @@ class ParagraphWriter {
         width_(paragraph.direction == Direction::anywhere ? "dalembert::native_lanes" : std::to_string(segment_.width)) {}
 
   std::string run() const {
-    std::string text = fmt::format("  // {}\n  {{\n    using V = dalembert::Lanes<Scalar, {}>;\n", paragraph_.equation, width_);
+    std::string text = fmt::format("  // {}\n  {{\n    using V [[maybe_unused]] = dalembert::Lanes<Scalar, {}>;\n", paragraph_.equation, width_);
     if (paragraph_.direction != Direction::anywhere) text += carried_from_outside();
     text += loop_head();
     text += print(paragraph_.graph, sinks(), style());

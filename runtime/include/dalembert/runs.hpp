@@ -85,7 +85,7 @@ DALEMBERT_INLINE void run_block(const Panels<T>& p, int first_slot, int first_ro
 
 // The block between the limb and a limb above it, whose steps have slots above_slot[0…]; columns [begin, end) of the limb.
 template <Elements elements, int above_steps, class T>
-DALEMBERT_INLINE void run_cross_block(const Panels<T>& p, int first_slot, int first_row, int steps, const int* above_slot,
+DALEMBERT_INLINE void run_cross_block(const Panels<T>& p, int first_slot, int first_row, const int* above_slot,
                                       int above_row, T* M, T* C, int leading, int begin, int end) {
   constexpr int stride = padded(above_steps);
   T gathered[12 * stride] = {};
@@ -103,7 +103,6 @@ DALEMBERT_INLINE void run_cross_block(const Panels<T>& p, int first_slot, int fi
     const int at = (above_row + i) * leading + first_row + begin;
     detail::column_below<elements, T>(p, first_slot + begin, end - begin, up, i, M + at, C + at);
   }
-  (void)steps;
 }
 
 // Rows and columns of a floating base.

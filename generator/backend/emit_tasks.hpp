@@ -1,0 +1,14 @@
+// The static oneTBB task graph beside the serial evaluation.
+#pragma once
+
+#include <string>
+
+#include "backend/emit.hpp"
+
+namespace dalembert::backend {
+
+// The texts of tasks.hpp and tasks.cpp.
+std::string tasks_header(const CodeInput& code, const std::string& banner);
+std::string tasks_source(const CodeInput& code, const std::string& banner);
+
+}  // namespace dalembert::backend
