@@ -1,0 +1,94 @@
+// The generated code of one robot as a GeneratedRobot: works with whatever outputs were asked for.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstring>
+
+#include "generated_robot.hpp"
+
+namespace dalembert::testing {
+
+// What the generated namespace offers, gathered by adapter.cpp.in.
+template <class Scalar>
+struct Layout {
+  int nq, nv;
+  std::vector<std::string> joint_names, body_names;
+};
+
+// Stands in where no task graph was generated.
+struct NoTaskGraph {};
+
+// Outside the class, whose own evaluate() would hide the generated one.
+template <class Scalar, class Workspace>
+void evaluate_serial(const Scalar* q, const Scalar* v, Workspace& workspace) {
+  evaluate(q, v, workspace);
+}
+
+template <class Scalar, class Workspace, class TaskGraph>
+class Adapter final : public GeneratedRobot {
+ public:
+  explicit Adapter(Layout<Scalar> layout) : layout_(std::move(layout)) { renew_workspaces(); }
+
+  int nq() const override { return layout_.nq; }
+  int nv() const override { return layout_.nv; }
+  bool single_precision() const override { return std::is_same_v<Scalar, float>; }
+  std::vector<std::string> joint_names() const override { return layout_.joint_names; }
+  std::vector<std::string> body_names() const override { return layout_.body_names; }
+
+  void set_state(const Eigen::VectorXd& q, const Eigen::VectorXd& v) override {
+    q_ = q.cast<Scalar>();
+    v_ = v.cast<Scalar>();
+  }
+  bool has_tasks() const override { return !std::is_same_v<TaskGraph, NoTaskGraph>; }
+  void evaluate(Variant variant) override {
+    if (variant == Variant::serial) {
+      evaluate_serial(q_.data(), v_.data(), *serial_);
+    } else if constexpr (!std::is_same_v<TaskGraph, NoTaskGraph>) {
+      graph_->evaluate(q_.data(), v_.data());
+    }
+  }
+  void renew_workspaces() override {
+    graph_.reset();
+    serial_ = std::make_unique<Workspace>();
+    parallel_ = std::make_unique<Workspace>();
+    if constexpr (!std::is_same_v<TaskGraph, NoTaskGraph>) graph_ = std::make_unique<TaskGraph>(*parallel_);
+  }
+
+  generic::Dynamics<double> result(Variant variant) const override {
+    generic::Dynamics<double> all;
+    visit(
+        variant, [](auto& quantity, const auto& view) { quantity = view.template cast<double>(); }, all);
+    return all;
+  }
+  std::vector<std::byte> bits(Variant variant) const override {
+    std::vector<std::byte> all;
+    generic::Dynamics<double> unused;
+    const auto append = [&](auto&, const auto& view) {
+      const size_t size = static_cast<size_t>(view.size()) * sizeof(Scalar), end = all.size();
+      all.resize(end + size);
+      if (size > 0) std::memcpy(all.data() + end, view.data(), size);
+    };
+    visit(variant, append, unused);
+    return all;
+  }
+
+ private:
+  template <class Action>
+  void visit(Variant variant, const Action& action, generic::Dynamics<double>& all) const {
+    const auto each = [&](const auto& ws) {
+      if constexpr (requires { mass_matrix(ws); }) action(all.mass_matrix, mass_matrix(ws));
+      if constexpr (requires { coriolis_matrix(ws); }) action(all.coriolis_matrix, coriolis_matrix(ws));
+      if constexpr (requires { gravity(ws); }) action(all.gravity, gravity(ws));
+      if constexpr (requires { bias(ws); }) action(all.bias, bias(ws));
+      if constexpr (requires { wrench_influence(ws); }) action(all.wrench_influence, wrench_influence(ws));
+    };
+    each(variant == Variant::serial ? *serial_ : *parallel_);
+  }
+
+  Layout<Scalar> layout_;
+  VectorX<Scalar> q_, v_;
+  std::unique_ptr<Workspace> serial_, parallel_;
+  std::unique_ptr<TaskGraph> graph_;
+};
+
+}  // namespace dalembert::testing

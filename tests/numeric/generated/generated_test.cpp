@@ -1,0 +1,239 @@
+// Generated code against the generic engine, and what generated code promises: repeatable bits, no heap, no needless reads.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <limits>
+
+#include "commands/generic_model.hpp"
+#include "generated_robot.hpp"
+#include "heap_count.hpp"
+#include "pipeline.hpp"
+#include "scale.hpp"
+#include "states.hpp"
+
+namespace dalembert::testing {
+namespace {
+
+// Relative to the largest element of each quantity (scale.hpp). In float, rounding of constants and of the computation adds
+// up along a chain: the tolerance is a thousand times float's epsilon.
+constexpr double tolerance_double = 1e-12, tolerance_float = 1.2e-4;
+
+Model read_case(const GeneratedCase& generated) {
+  Request request;
+  request.robot = generated.urdf;
+  request.name = generated.name;
+  for (const auto& [key, value] : generated.settings) request.settings.push_back({key, value});
+  Diagnostics warnings;
+  return read_model(request, warnings);
+}
+
+class Generated : public ::testing::TestWithParam<GeneratedCase> {
+ protected:
+  Generated() : model(read_case(GetParam())), robot(GetParam().make()) {}
+
+  void evaluate(const State& state, Variant variant) {
+    robot->set_state(state.q, state.v);
+    robot->evaluate(variant);
+  }
+  // Moderate and extreme states, in numbers the robot's scalar can hold.
+  std::vector<State> states() const {
+    std::vector<State> all = extreme_states(model.tree);
+    for (std::uint64_t seed = 1; seed <= 5; ++seed) all.push_back(moderate_state(model.tree, seed));
+    if (robot->single_precision())
+      for (State& state : all) {
+        state.q = state.q.cast<float>().cast<double>().eval();
+        state.v = state.v.cast<float>().cast<double>().eval();
+      }
+    return all;
+  }
+  bool floating() const { return model.tree.floating_base; }
+
+  const Model model;
+  const std::unique_ptr<GeneratedRobot> robot;
+};
+
+// Largest error of any quantity that was generated; `compared` counts them.
+double largest_error(const generic::Dynamics<double>& generated, const generic::Dynamics<double>& reference,
+                     const Eigen::VectorXd& v, int& compared) {
+  const Scale<double> scale(reference, v);
+  double worst = 0;
+  compared = 0;
+  const auto compare = [&](const auto& ours, const auto& theirs, double size) {
+    if (ours.size() == 0) return;
+    ++compared;
+    const bool same_shape = ours.rows() == theirs.rows() && ours.cols() == theirs.cols();
+    worst = std::max(worst, same_shape ? relative_error(ours, theirs, size) : std::numeric_limits<double>::infinity());
+  };
+  compare(generated.mass_matrix, reference.mass_matrix, scale.mass_matrix);
+  compare(generated.coriolis_matrix, reference.coriolis_matrix, scale.coriolis_matrix);
+  compare(generated.gravity, reference.gravity, scale.gravity);
+  compare(generated.bias, reference.bias, scale.bias);
+  compare(generated.wrench_influence, reference.wrench_influence, scale.wrench_influence);
+  return worst;
+}
+
+TEST_P(Generated, MatchesTheGenericEngine) {
+  ASSERT_EQ(robot->nq(), model.tree.nq());
+  ASSERT_EQ(robot->nv(), model.tree.nv());
+  const generic::Model<double> reference = to_generic<double>(model.tree, model.scene.gravity);
+  const double tolerance = robot->single_precision() ? tolerance_float : tolerance_double;
+  double worst = 0;
+  for (const State& state : states()) {
+    evaluate(state, Variant::serial);
+    int compared = 0;
+    const double error = largest_error(robot->result(Variant::serial), generic::evaluate<double>(reference, state.q, state.v),
+                                       state.v, compared);
+    EXPECT_EQ(compared, static_cast<int>(model.scene.outputs.size()));
+    EXPECT_LE(error, tolerance) << state.name;
+    worst = std::max(worst, error);
+  }
+  std::printf("largest error %.2g\n", worst);
+}
+
+TEST_P(Generated, NamesJointsAndBodiesInOrder) {
+  std::vector<std::string> joints, bodies;
+  if (floating()) bodies.push_back(model.tree.base_link);
+  for (const ir::Body& body : model.tree.bodies) {
+    joints.push_back(body.joint);
+    bodies.push_back(body.name);
+  }
+  EXPECT_EQ(robot->joint_names(), joints);
+  EXPECT_EQ(robot->body_names(), bodies);
+}
+
+TEST_P(Generated, GivesTheSameBitsEveryTime) {
+  const State one = moderate_state(model.tree, 1), other = moderate_state(model.tree, 2);
+  evaluate(one, Variant::serial);
+  const auto first = robot->bits(Variant::serial);
+  ASSERT_FALSE(first.empty());
+  evaluate(one, Variant::serial);
+  EXPECT_EQ(robot->bits(Variant::serial), first) << "evaluated twice";
+  evaluate(other, Variant::serial);
+  evaluate(one, Variant::serial);
+  EXPECT_EQ(robot->bits(Variant::serial), first) << "after another state";
+  robot->renew_workspaces();
+  evaluate(one, Variant::serial);
+  EXPECT_EQ(robot->bits(Variant::serial), first) << "in another workspace";
+}
+
+TEST_P(Generated, TaskGraphGivesTheSameBitsAsSerial) {
+  if (!robot->has_tasks()) GTEST_SKIP() << "serial only";
+  for (const State& state : states())
+    for (int repetition = 0; repetition < 3; ++repetition) {
+      evaluate(state, Variant::serial);
+      evaluate(state, Variant::tasks);
+      ASSERT_EQ(robot->bits(Variant::tasks), robot->bits(Variant::serial)) << state.name;
+    }
+}
+
+TEST_P(Generated, SerialEvaluationNeverAllocates) {
+  const State state = moderate_state(model.tree, 1);
+  robot->set_state(state.q, state.v);
+  const std::uint64_t before = heap_allocations();
+  for (int i = 0; i < 10; ++i) robot->evaluate(Variant::serial);
+  EXPECT_EQ(heap_allocations() - before, 0u);
+}
+
+// Not a promise but a report: oneTBB owns its memory.
+TEST_P(Generated, TaskGraphsAllocationsAreReported) {
+  if (!robot->has_tasks()) GTEST_SKIP() << "serial only";
+  const State state = moderate_state(model.tree, 1);
+  robot->set_state(state.q, state.v);
+  const std::uint64_t start = heap_allocations();
+  robot->evaluate(Variant::tasks);
+  const std::uint64_t first = heap_allocations();
+  for (int i = 0; i < 100; ++i) robot->evaluate(Variant::tasks);
+  std::printf("task graph: %llu allocations in the first evaluation, %.2f in each later one\n",
+              static_cast<unsigned long long>(first - start), static_cast<double>(heap_allocations() - first) / 100);
+}
+
+// Values that cannot matter are not read: a NaN in their place changes no bit.
+TEST_P(Generated, ReadsNothingItDoesNotNeed) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const State state = moderate_state(model.tree, 1);
+  evaluate(state, Variant::serial);
+  const auto expected = robot->bits(Variant::serial);
+  const auto asked = [&](ir::Quantity quantity) {
+    return std::find(model.scene.outputs.begin(), model.scene.outputs.end(), quantity) != model.scene.outputs.end();
+  };
+  const bool C = asked(ir::Quantity::coriolis_matrix), g = asked(ir::Quantity::gravity), bias = asked(ir::Quantity::bias),
+             W = asked(ir::Quantity::wrench_influence);
+  const auto expect_unread = [&](const State& spoilt, const char* what) {
+    evaluate(spoilt, Variant::serial);
+    EXPECT_EQ(robot->bits(Variant::serial), expected) << what;
+  };
+
+  State spoilt = state;
+  if (!C && !bias) {
+    spoilt.v.setConstant(nan);
+    expect_unread(spoilt, "the velocity");
+  }
+  if (floating()) {
+    spoilt = state;
+    spoilt.q.head<3>().setConstant(nan);
+    expect_unread(spoilt, "the base's position");
+    if (!g && !bias) {
+      spoilt.q.head<7>().setConstant(nan);
+      expect_unread(spoilt, "the base's pose");
+    }
+  } else if (!g && !bias && !W) {
+    // M and C of a limb on the ground do not depend on where its first joint stands.
+    spoilt = state;
+    for (size_t k = 0; k < model.tree.bodies.size(); ++k)
+      if (model.tree.bodies[k].parent < 0) spoilt.q[static_cast<Eigen::Index>(k)] = nan;
+    expect_unread(spoilt, "the first joints' positions");
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Robots, Generated, ::testing::ValuesIn(generated_cases()),
+                         [](const auto& info) { return std::string(info.param.name); });
+
+// The comparison can fail: an error of 1e-11 of the largest element, a missing row and a NaN are all seen.
+TEST(GeneratedChecks, SeeWrongResults) {
+  const GeneratedCase& one = generated_cases().front();
+  const Model model = read_case(one);
+  const State state = moderate_state(model.tree, 1);
+  const auto right = generic::evaluate<double>(to_generic<double>(model.tree, model.scene.gravity), state.q, state.v);
+  int compared = 0;
+  EXPECT_EQ(largest_error(right, right, state.v, compared), 0);
+  EXPECT_EQ(compared, 5);
+  const auto error = [&](auto spoil) {
+    generic::Dynamics<double> wrong = right;
+    spoil(wrong);
+    return largest_error(wrong, right, state.v, compared);
+  };
+  EXPECT_GT(error([](auto& d) { d.mass_matrix(0, 0) += 1e-11 * largest(d.mass_matrix); }), tolerance_double);
+  EXPECT_GT(error([](auto& d) { d.bias *= -1; }), tolerance_double);
+  EXPECT_GT(error([](auto& d) { d.gravity[0] = std::nan(""); }), tolerance_double);
+  EXPECT_GT(error([](auto& d) { d.wrench_influence(0, 0) = std::nan(""); }), tolerance_double);
+  EXPECT_GT(error([](auto& d) { d.coriolis_matrix.conservativeResize(d.coriolis_matrix.rows() + 1, Eigen::NoChange); }),
+            tolerance_double);
+}
+
+// The trap sees every road to the heap. (Called through volatile pointers: compilers leave out what is freed unused.)
+TEST(GeneratedChecks, HeapIsTrapped) {
+  void* (*volatile const by_malloc)(size_t) = std::malloc;
+  void* (*volatile const by_calloc)(size_t, size_t) = std::calloc;
+  void* (*volatile const by_realloc)(void*, size_t) = std::realloc;
+  void* (*volatile const by_aligned_alloc)(size_t, size_t) = std::aligned_alloc;
+  void* (*volatile const by_new)(size_t) = ::operator new;
+  const auto allocates = [](auto action) {
+    const std::uint64_t before = heap_allocations();
+    void* memory = action();
+    const std::uint64_t after = heap_allocations();
+    std::free(memory);
+    return after > before;
+  };
+  EXPECT_TRUE(allocates([&] { return by_malloc(8); }));
+  EXPECT_TRUE(allocates([&] { return by_calloc(1, 8); }));
+  EXPECT_TRUE(allocates([&] { return by_realloc(nullptr, 8); }));
+  EXPECT_TRUE(allocates([&] { return by_aligned_alloc(64, 64); }));
+  const std::uint64_t before = heap_allocations();
+  ::operator delete(by_new(8));
+  EXPECT_EQ(heap_allocations() - before, 1u);
+}
+
+}  // namespace
+}  // namespace dalembert::testing
