@@ -10,12 +10,13 @@ repetition. Nothing is written unless everything succeeded.
 import argparse
 import datetime
 import json
+import os
 import pathlib
 import re
+import resource
 import subprocess
 import sys
 import tempfile
-import time
 
 import measure
 
@@ -48,7 +49,8 @@ def provenance(build):
     commit = output_of("git", "-C", ROOT, "rev-parse", "--short=12", "HEAD").strip()
     changed = output_of("git", "-C", ROOT, "status", "--porcelain", "--untracked-files=no").strip()
     return (f"{datetime.date.today().isoformat()}, one core of {cpu.group(1) if cpu else 'an unknown processor'}; {compiler}, "
-            f"generated code with -O3 -march=native; commit {commit}{' with local changes' if changed else ''}.")
+            f"generated code with -O3 -march=native; commit {commit}{' with local changes' if changed else ''}; "
+            f"load average {os.getloadavg()[0]:.1f} before the measurement (0 on an idle machine).")
 
 
 def cell(row):
@@ -75,13 +77,14 @@ def time_tables(results, robots):
     return text
 
 
-def fastest(action, times=3):
-    best = float("inf")
-    for _ in range(times):
-        start = time.perf_counter()
-        action()
-        best = min(best, time.perf_counter() - start)
-    return best
+def cpu_seconds(action):
+    """Processor time of the programs that the action runs: what others do on the machine does not count."""
+    def used():
+        usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+        return usage.ru_utime + usage.ru_stime
+    start = used()
+    action()
+    return used() - start
 
 
 def code_row(build, robot, results, quantities):
@@ -91,11 +94,11 @@ def code_row(build, robot, results, quantities):
     quiet = {"check": True, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
     with tempfile.TemporaryDirectory() as folder:
         where = pathlib.Path(folder) / "robot"
-        generate = fastest(lambda: subprocess.run([program, "generate", robot["urdf"], "-o", where, "--name", "robot", *options], **quiet))
+        generate = cpu_seconds(lambda: subprocess.run([program, "generate", robot["urdf"], "-o", where, "--name", "robot", *options], **quiet))
         includes = ["-I", folder, "-I", ROOT / "runtime/include", "-isystem", "/usr/include/eigen3"]
-        compile_time = fastest(lambda: subprocess.run(
+        compile_time = cpu_seconds(lambda: subprocess.run(
             ["g++", "-std=c++17", "-O3", "-march=native", *includes, "-c", where / "dynamics.cpp", "-o", pathlib.Path(folder) / "dynamics.o"],
-            **quiet), 1)
+            **quiet))
     info = json.loads(output_of(program, "info", "--json", robot["urdf"], *options, stderr=subprocess.DEVNULL))["quantities"]["all"]
     row = results[f"{robot['name']}/{quantities}/dalembert"]
     return [f"{robot['name']} {quantities}", f"{generate:.2f} s", f"{compile_time:.1f} s", f"{row['text_bytes'] / 1024:.1f} kB",
@@ -119,10 +122,10 @@ def accuracy_table(build, robots, states):
     return table(["robot", "base", "library", "quantity", "states", "max ulp", "median ulp"], rows)
 
 
-def page(build, robots, results, states):
+def page(build, robots, results, states, measured_on):
     return f"""# Performance
 
-Written by `python3 tests/benchmarks/table.py`; do not edit. {provenance(build)}
+Written by `python3 tests/benchmarks/table.py`; do not edit. {measured_on}
 
 All programs compute the same fused robot from the same 64 states in turn: state in, finished dense results out. MuJoCo (Debian's
 build) works in its own coordinates of the floating base: `mj_kinematics, mj_comPos, mj_crb, mj_fullM` for M, `mj_kinematics,
@@ -139,8 +142,8 @@ digits.
 
 {time_tables(results, robots)}## Code
 
-Generation (best of three runs of `dalembert generate`), compilation of `dynamics.cpp` (g++ -O3 -march=native, one core), bytes of
-machine code and of constants, scalar operations of the emitted program.
+Processor time of `dalembert generate` and of compiling `dynamics.cpp` (g++ -O3 -march=native), bytes of machine code and of
+constants, scalar operations of the emitted program.
 
 {code_table(build, robots, results)}
 ## Accuracy
@@ -172,12 +175,13 @@ def main():
     robots = json.loads((build / "tests/benchmarks/tables/robots.json").read_text())
     if options.robots:
         robots = [robot for robot in robots if robot["name"] in options.robots.split(",")]
+    measured_on = provenance(build)
     results = {}
     for robot in robots:
         print(f"== Timing {robot['name']}", flush=True)
         results.update(measure.run(build / "bin/benchmark_peers", f"^{robot['name']}/", options.repetitions, 0.02))
     print("== Code and accuracy", flush=True)
-    text = page(build, robots, results, options.states)
+    text = page(build, robots, results, options.states, measured_on)
     options.output.parent.mkdir(parents=True, exist_ok=True)
     options.output.write_text(text)
     readme = replaced(ROOT / "README.md", goal_table(results))
