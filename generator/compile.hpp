@@ -1,24 +1,21 @@
 // The back half of the compiler: a Model becomes a scalar program, a plan for its shape, and text.
 #pragma once
 
-#include <string>
-#include <vector>
-
-#include "ir/graph.hpp"
+#include "ir/normal_tree.hpp"
+#include "ir/plan.hpp"
+#include "ir/program.hpp"
+#include "ir/rolled.hpp"
 #include "pipeline.hpp"
 
 namespace dalembert {
 
-// What evaluating a quantity costs, and what of the state it reads.
-struct OperationCost {
-  std::string name;  // "all", a quantity's name, or "jacobian_" and a link's
-  ir::Operations operations;
-  bool reads_position = false;   // joint positions
-  bool reads_velocity = false;
-  bool reads_base_pose = false;  // the floating base's orientation; its position is never read
+// A model on its way to text.
+struct Lowered {
+  ir::NormalTree normal;
+  ir::Program program;
+  ir::Plan plan;
+  ir::RolledProgram rolled;  // empty for the straight form
 };
-
-// Scalar operations of the scene's outputs together ("all", first) and of each alone, counted in the scalar program.
-std::vector<OperationCost> operation_costs(const Model& model);
+Lowered lower(const Model& model);
 
 }  // namespace dalembert

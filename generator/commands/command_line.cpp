@@ -3,12 +3,15 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <functional>
+#include <iterator>
 #include <memory>
 
 #include "commands/check.hpp"
+#include "commands/dump.hpp"
 #include "commands/eval.hpp"
 #include "commands/generate.hpp"
 #include "commands/info.hpp"
@@ -53,9 +56,16 @@ void add_generate(Command& command) {
 void add_info(Command& command) {
   const auto json = std::make_shared<bool>(false);
   command.parser.add_flag("--json", *json, "one JSON object for machines");
-  command.run = [&command, json](Diagnostics& warnings) {
+  const auto stage = std::make_shared<std::string>();
+  command.parser.add_option("--dump", *stage, "instead: what a pass has made of the robot, and the operations after each pass")
+      ->check(CLI::IsMember(std::vector<std::string>(std::begin(stage_names), std::end(stage_names))))
+      ->excludes("--json")
+      ->type_name("tree|normal_tree|program|plan");
+  command.run = [&command, json, stage](Diagnostics& warnings) {
     const Model model = read_model(command.shared.request(), warnings);
-    return print_result(*json ? describe_json(model, operation_costs(model)) : describe(model, operation_costs(model)));
+    if (stage->empty()) return print_result(*json ? describe_json(model) : describe(model));
+    const auto at = std::find(std::begin(stage_names), std::end(stage_names), *stage);
+    return print_result(dump(model, static_cast<Stage>(at - std::begin(stage_names))));
   };
 }
 

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 
+#include "backend/workspace_size.hpp"
 #include "commands/json.hpp"
+#include "report.hpp"
 
 namespace dalembert {
 
@@ -94,33 +96,34 @@ std::string sparsity(const ir::KinematicTree& tree) {
                      elements, nv * nv, pairs);
 }
 
-std::string cost_table(const std::vector<OperationCost>& costs, bool floating_base) {
-  if (costs.empty()) return "";
-  std::string text = "\noperations per evaluation:\n";
-  text +=
-      fmt::format("  {:<24}{:>10}{:>10}{:>8}{:>8}  {}\n", "quantity", "add", "multiply", "divide", "sincos", "does not read");
+std::string operations_json(const ir::Operations& o) {
+  return fmt::format("\"add\": {}, \"multiply\": {}, \"divide\": {}, \"sincos\": {}", o.add, o.multiply, o.divide, o.sincos);
+}
+
+// One object per quantity, by name.
+std::string quantities_json(const std::vector<OperationCost>& costs) {
+  std::string text;
   for (const OperationCost& cost : costs) {
-    std::string unread;
-    const auto note = [&](bool reads, const char* input) {
-      if (!reads) unread += (unread.empty() ? "" : ", ") + std::string(input);
-    };
-    note(cost.reads_position, "joint positions");
-    note(cost.reads_velocity, "velocities");
-    note(cost.reads_base_pose || !floating_base, "base pose");
-    text += fmt::format("  {:<24}{:>10}{:>10}{:>8}{:>8}  {}\n", cost.name, cost.operations.add, cost.operations.multiply,
-                        cost.operations.divide, cost.operations.sincos, unread);
+    std::string phases;
+    for (const ir::Operations& phase : cost.phases)
+      phases += fmt::format("{}{{{}}}", phases.empty() ? "" : ", ", operations_json(phase));
+    text += fmt::format(
+        "{}\n    {}: {{{}, \"reads_position\": {}, \"reads_velocity\": {}, \"reads_base_pose\": {}, \"phases\": [{}]}}",
+        text.empty() ? "" : ",", json_string(cost.name), operations_json(cost.operations), cost.reads_position,
+        cost.reads_velocity, cost.reads_base_pose, phases);
   }
   return text;
 }
 
 }  // namespace
 
-std::string describe(const Model& model, const std::vector<OperationCost>& costs) {
-  return summary(model) + coordinates(model.tree) + bodies(model.tree) + links(model.tree) + sparsity(model.tree) +
-         cost_table(costs, model.tree.floating_base);
+std::string describe(const Model& model) {
+  std::string text = summary(model) + coordinates(model.tree) + bodies(model.tree) + links(model.tree) + sparsity(model.tree) + "\n";
+  for (const std::string& line : report(model, lower(model))) text += line + "\n";
+  return text;
 }
 
-std::string describe_json(const Model& model, const std::vector<OperationCost>& costs) {
+std::string describe_json(const Model& model) {
   const ir::KinematicTree& tree = model.tree;
   std::vector<std::string> joints, bodies;
   if (tree.floating_base) bodies.push_back(tree.base_link);
@@ -128,18 +131,14 @@ std::string describe_json(const Model& model, const std::vector<OperationCost>& 
     if (!body.driven()) joints.push_back(body.joint);
     bodies.push_back(body.name);
   }
-  std::string quantities;
-  for (const OperationCost& cost : costs)
-    quantities += fmt::format(
-        "{}\n    {}: {{\"add\": {}, \"multiply\": {}, \"divide\": {}, \"sincos\": {}, \"reads_position\": {}, "
-        "\"reads_velocity\": {}, \"reads_base_pose\": {}}}",
-        quantities.empty() ? "" : ",", json_string(cost.name), cost.operations.add, cost.operations.multiply,
-        cost.operations.divide, cost.operations.sincos, cost.reads_position, cost.reads_velocity, cost.reads_base_pose);
+  const Lowered lowered = lower(model);
   return fmt::format(
       "{{\n  \"robot\": {},\n  \"name\": {},\n  \"base\": \"{}\",\n  \"nq\": {},\n  \"nv\": {},\n  \"joints\": {},\n"
-      "  \"bodies\": {},\n  \"quantities\": {{{}}}\n}}\n",
+      "  \"bodies\": {},\n  \"workspace_bytes\": {},\n  \"quantities\": {{{}\n  }},\n  \"without_scene\": {{{}\n  }}\n}}\n",
       json_string(tree.robot), json_string(model.name), tree.floating_base ? "floating" : "fixed", tree.nq(), tree.nv(),
-      json_array(joints), json_array(bodies), quantities.empty() ? "" : quantities + "\n  ");
+      json_array(joints), json_array(bodies),
+      backend::workspace_bytes(lowered.program.arrays, model.scene, lowered.plan, lowered.rolled),
+      quantities_json(operation_costs(lowered.program, tree)), quantities_json(costs_before(model)));
 }
 
 }  // namespace dalembert

@@ -2,18 +2,18 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
-#include "compile.hpp"
+#include "pipeline.hpp"
 
 namespace dalembert {
 
 // The tree with its joints numbered, the order of coordinates, bodies with masses, the table from link to body, the
-// sparsity of M, and the costs.
-std::string describe(const Model& model, const std::vector<OperationCost>& costs);
+// sparsity of M, and the report of what was left out.
+std::string describe(const Model& model);
 
 // The same for machines: one JSON object with robot, name, base, nq, nv, joints (those with a coordinate, in order), bodies,
-// and quantities by name.
-std::string describe_json(const Model& model, const std::vector<OperationCost>& costs);
+// workspace_bytes, quantities by name, and without_scene: the same quantities of the URDF without a scene, as the equations are
+// written (empty when they cannot be computed).
+std::string describe_json(const Model& model);
 
 }  // namespace dalembert

@@ -1,0 +1,127 @@
+#include "commands/dump.hpp"
+
+#include <fmt/format.h>
+
+#include "compile.hpp"
+#include "costs.hpp"
+
+namespace dalembert {
+namespace {
+
+// -0 and 0 print alike; all digits that matter.
+std::string text_of(const Eigen::Vector3d& v) {
+  return fmt::format("[{} {} {}]", v.x() + 0.0, v.y() + 0.0, v.z() + 0.0);
+}
+std::string text_of(const Eigen::Matrix3d& m) {
+  return text_of(Eigen::Vector3d(m.row(0))) + " " + text_of(Eigen::Vector3d(m.row(1))) + " " + text_of(Eigen::Vector3d(m.row(2)));
+}
+
+std::string text_of(const ir::Inertia& inertia) {
+  return fmt::format("    mass {} kg, com {} m\n    inertia {} kg m^2\n", inertia.mass, text_of(inertia.com), text_of(inertia.inertia));
+}
+
+std::string text_of(const ir::Moments& moments) {
+  return fmt::format("    mass {}, first {}, half trace {}\n    second {}\n", moments.mass, text_of(moments.first),
+                     moments.half_trace, text_of(moments.second));
+}
+
+std::string joint_name(const ir::KinematicTree& tree, int body) {
+  return body < 0 ? "base" : tree.bodies[static_cast<size_t>(body)].joint;
+}
+
+std::string tree_text(const ir::KinematicTree& tree) {
+  std::string text = fmt::format("{} base {}\n", tree.floating_base ? "floating" : "fixed", tree.base_link);
+  if (tree.floating_base) text += text_of(tree.base);
+  for (const ir::Body& b : tree.bodies) {
+    text += fmt::format("{} ({}, on {}) -> {}\n", b.joint, b.prismatic() ? "prismatic" : "revolute", joint_name(tree, b.parent), b.name);
+    if (b.driven()) text += fmt::format("    driven: {} * {} + {}\n", b.multiplier, joint_name(tree, b.driven_by), b.offset);
+    text += fmt::format("    axis {}\n    rotation {}\n    translation {} m\n", text_of(b.axis),
+                        text_of(Eigen::Matrix3d(b.placement.linear())), text_of(Eigen::Vector3d(b.placement.translation())));
+    text += text_of(b.inertia);
+  }
+  return text;
+}
+
+std::string normal_tree_text(const ir::KinematicTree& tree, const ir::NormalTree& normal) {
+  std::string text;
+  if (normal.floating_base) text += "base\n" + text_of(normal.base);
+  for (size_t k = 0; k < normal.bodies.size(); ++k) {
+    const ir::NormalBody& b = normal.bodies[k];
+    text += fmt::format("{} ({}, on {})\n    rotation {}\n    translation {} m\n", tree.bodies[k].joint,
+                        b.prismatic ? "prismatic" : "revolute", joint_name(tree, b.parent), text_of(b.rotation), text_of(b.translation));
+    text += text_of(b.moments);
+  }
+  return text;
+}
+
+std::string input_text(const ir::KinematicTree& tree, const ir::Scene& scene, const ir::Input& input) {
+  switch (input.kind) {
+    case ir::InputKind::position: return fmt::format("q[{}]", input.index);
+    case ir::InputKind::velocity: return fmt::format("v[{}]", input.index);
+    case ir::InputKind::gravity: return fmt::format("gravity[{}]", input.component);
+    case ir::InputKind::payload: return fmt::format("payload {}[{}]", scene.payloads.at(static_cast<size_t>(input.index)), input.component);
+    default: return joint_name(tree, input.index);
+  }
+}
+
+// One node a line: `%12 = multiply %3 %7  ; name`.
+std::string program_text(const ir::KinematicTree& tree, const ir::Scene& scene, const ir::Program& program) {
+  constexpr const char* op_names[] = {"constant", "input", "sine", "cosine", "sign", "negate", "add", "subtract", "multiply", "divide"};
+  const std::vector<std::int32_t> uses = ir::uses(program.graph, program.roots());
+  std::string text;
+  for (ir::NodeId id = 0; id < program.graph.size(); ++id) {
+    const ir::Node& n = program.graph[id];
+    if (uses[static_cast<size_t>(id)] == 0) continue;
+    text += fmt::format("%{} = {}", id, op_names[static_cast<size_t>(n.op)]);
+    if (n.op == ir::Op::constant) text += fmt::format(" {}", n.value);
+    if (n.op == ir::Op::input) text += " " + input_text(tree, scene, n.input);
+    if (n.a != ir::no_node) text += fmt::format(" %{}", n.a);
+    if (n.b != ir::no_node) text += fmt::format(" %{}", n.b);
+    if (n.op != ir::Op::constant && n.op != ir::Op::input)
+      text += fmt::format("  ; phase {}, {}", n.tag.phase, joint_name(tree, n.tag.body));
+    if (const std::string& name = program.names[static_cast<size_t>(id)]; !name.empty()) text += ", " + name;
+    text += "\n";
+  }
+  for (const ir::OutputElement& e : program.elements)
+    text += fmt::format("{}({}, {}) = %{}\n", program.arrays[static_cast<size_t>(e.array)].name, e.row, e.column, e.node);
+  return text;
+}
+
+std::string plan_text(const ir::KinematicTree& tree, const ir::Plan& plan) {
+  if (plan.form == ir::Form::straight) return "straight form: one straight line for the whole robot\n";
+  std::string text = fmt::format("rolled form, {}, {} slots\n", plan.tasks ? "with a task graph" : "serial", plan.slots);
+  for (const ir::Segment& s : plan.segments) {
+    text += fmt::format("segment {}: {} lanes, {} steps, slots {} to {}\n", s.name, s.width, s.steps, s.first_slot,
+                        s.first_slot + s.slots() - 1);
+    for (size_t lane = 0; lane < s.bodies.size(); ++lane) {
+      text += fmt::format("    lane {} on {}:", lane, joint_name(tree, s.parents[lane]));
+      for (int body : s.bodies[lane]) text += " " + (body < 0 ? std::string("-") : joint_name(tree, body));
+      text += "\n";
+    }
+  }
+  return text;
+}
+
+std::string pass_table(const Model& model) {
+  std::string text = fmt::format("\n{:<48}{:>10}{:>10}{:>10}{:>10}\n", "operations of all outputs after", "multiply", "add", "sin/cos", "divide");
+  for (const PassCost& pass : pass_costs(model))
+    text += fmt::format("{:<48}{:>10}{:>10}{:>10}{:>10}\n", pass.name, pass.operations.multiply, pass.operations.add,
+                        pass.operations.sincos, pass.operations.divide);
+  return text;
+}
+
+std::string stage_text(const Model& model, const Lowered& lowered, Stage stage) {
+  switch (stage) {
+    case Stage::tree: return tree_text(model.tree);
+    case Stage::normal_tree: return normal_tree_text(model.tree, lowered.normal);
+    case Stage::program: return program_text(model.tree, model.scene, lowered.program);
+    case Stage::plan: return plan_text(model.tree, lowered.plan);
+  }
+  return "";
+}
+
+}  // namespace
+
+std::string dump(const Model& model, Stage stage) { return stage_text(model, lower(model), stage) + pass_table(model); }
+
+}  // namespace dalembert

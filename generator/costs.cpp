@@ -1,0 +1,109 @@
+#include "costs.hpp"
+
+#include <algorithm>
+#include <set>
+
+#include "frontend/scene_check.hpp"
+#include "passes/build_tree.hpp"
+#include "passes/lower.hpp"
+#include "passes/normalise.hpp"
+
+namespace dalembert {
+namespace {
+
+ir::Program program_of(const Model& model) {
+  const ir::NormalTree normal = passes::normalise(model.tree, {model.options.move_parameters});
+  return passes::lower(model.tree, normal, model.scene, {{model.options.fold, model.options.share}, false});
+}
+
+// The needed nodes of one phase; phase 0: of all.
+ir::Operations count(const ir::Graph& graph, std::vector<std::int32_t> uses, int phase) {
+  for (ir::NodeId id = 0; phase > 0 && id < graph.size(); ++id)
+    if (graph[id].tag.phase != phase) uses[static_cast<size_t>(id)] = 0;
+  return ir::count(graph, uses);
+}
+
+std::vector<int> missing(const std::set<int>& read, int size) {
+  std::vector<int> rest;
+  for (int i = 0; i < size; ++i)
+    if (!read.contains(i)) rest.push_back(i);
+  return rest;
+}
+
+// The cost of one result of the program, or of all (-1).
+OperationCost cost_of(const ir::Program& program, const ir::KinematicTree& tree, int array) {
+  std::vector<ir::NodeId> roots;
+  for (const ir::OutputElement& e : program.elements)
+    if (array < 0 || e.array == array) roots.push_back(e.node);
+  const std::vector<std::int32_t> uses = ir::uses(program.graph, roots);
+  OperationCost cost;
+  cost.name = array < 0 ? "all" : program.arrays[static_cast<size_t>(array)].name;
+  cost.operations = count(program.graph, uses, 0);
+  for (int phase = 1; phase <= 3; ++phase) cost.phases[static_cast<size_t>(phase - 1)] = count(program.graph, uses, phase);
+  std::set<int> positions, velocities;
+  for (ir::NodeId id = 0; id < program.graph.size(); ++id) {
+    const ir::Node& n = program.graph[id];
+    if (uses[static_cast<size_t>(id)] == 0 || n.op != ir::Op::input) continue;
+    if (n.input.kind == ir::InputKind::position) positions.insert(n.input.index);
+    if (n.input.kind == ir::InputKind::velocity) velocities.insert(n.input.index);
+  }
+  for (int index : positions) (index < program.base_positions ? cost.reads_base_pose : cost.reads_position) = true;
+  cost.reads_velocity = !velocities.empty();
+  cost.positions_not_read = missing(positions, tree.nq());
+  cost.velocities_not_read = missing(velocities, tree.nv());
+  return cost;
+}
+
+// The model without its scene, but for the outputs: the default ones and `model`'s own.
+Model whole_robot(const Model& model) {
+  Model whole;
+  whole.description = model.description;
+  whole.name = model.name;
+  whole.options = model.options;
+  whole.scene.base = model.tree.floating_base ? ir::Base::floating : frontend::default_base(model.description);
+  for (ir::Quantity quantity : model.scene.outputs)
+    if (std::find(whole.scene.outputs.begin(), whole.scene.outputs.end(), quantity) == whole.scene.outputs.end())
+      whole.scene.outputs.push_back(quantity);
+  whole.scene.jacobians = model.scene.jacobians;
+  Diagnostics warnings;
+  whole.tree = passes::build_tree(whole.description, whole.scene, warnings);
+  return whole;
+}
+
+Model as_written(Model model) {
+  model.options.fold = model.options.share = model.options.move_parameters = false;
+  return model;
+}
+
+}  // namespace
+
+std::vector<OperationCost> operation_costs(const ir::Program& program, const ir::KinematicTree& tree) {
+  std::vector<OperationCost> costs{cost_of(program, tree, -1)};
+  for (size_t a = 0; a < program.arrays.size(); ++a) costs.push_back(cost_of(program, tree, static_cast<int>(a)));
+  return costs;
+}
+
+std::vector<OperationCost> operation_costs(const Model& model) { return operation_costs(program_of(model), model.tree); }
+
+std::vector<OperationCost> costs_before(const Model& model) {
+  try {
+    return operation_costs(as_written(whole_robot(model)));
+  } catch (const InputError&) {
+    return {};
+  }
+}
+
+std::vector<PassCost> pass_costs(const Model& model) {
+  std::vector<PassCost> list;
+  const auto add = [&](const std::string& name, const Model& m) { list.push_back({name, operation_costs(m).front().operations}); };
+  if (const std::vector<OperationCost> before = costs_before(model); !before.empty())
+    list.push_back({"the whole URDF, as the equations are written", before.front().operations});
+  Model step = as_written(model);
+  add("+ scene", step);
+  if (model.options.fold) step.options.fold = true, add("+ fold", step);
+  if (model.options.share) step.options.share = true, add("+ share", step);
+  if (model.options.move_parameters) step.options.move_parameters = true, add("+ move_parameters", step);
+  return list;
+}
+
+}  // namespace dalembert

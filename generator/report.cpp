@@ -1,0 +1,99 @@
+#include "report.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "backend/workspace_size.hpp"
+
+namespace dalembert {
+namespace {
+
+constexpr const char* phase_names[] = {"I   bodies outwards", "II  sums inwards", "III elements"};
+
+std::string row(const std::string& name, const ir::Operations* before, const ir::Operations& after) {
+  std::string line = fmt::format("{:<24}", name);
+  const auto column = [&](long ir::Operations::*count) {
+    if (before) line += fmt::format("{:>8} {:>7}", before->*count, after.*count);
+    else line += fmt::format("{:>16}", after.*count);
+  };
+  column(&ir::Operations::multiply);
+  column(&ir::Operations::add);
+  column(&ir::Operations::sincos);
+  column(&ir::Operations::divide);
+  return line;
+}
+
+const OperationCost* named(const std::vector<OperationCost>& costs, const std::string& name) {
+  const auto at = std::find_if(costs.begin(), costs.end(), [&](const OperationCost& c) { return c.name == name; });
+  return at == costs.end() ? nullptr : &*at;
+}
+
+// All phases, then those in which something is computed.
+void add_rows(std::vector<std::string>& lines, const OperationCost* before, const OperationCost& after) {
+  lines.push_back(row(after.name == "all" ? "all together" : after.name, before ? &before->operations : nullptr, after.operations));
+  for (size_t phase = 0; phase < 3; ++phase) {
+    const ir::Operations* from = before ? &before->phases[phase] : nullptr;
+    const auto any = [](const ir::Operations& o) { return o.total() + o.sincos > 0; };
+    if (any(after.phases[phase]) || (from && any(*from)))
+      lines.push_back(row(fmt::format("  {}", phase_names[phase]), from, after.phases[phase]));
+  }
+}
+
+// Names of the joints whose coordinate is listed; `base` coordinates come before the joints'.
+std::vector<std::string> joint_names(const std::vector<int>& listed, int base, const ir::KinematicTree& tree) {
+  std::vector<std::string> own, names;
+  for (const ir::Body& body : tree.bodies)
+    if (!body.driven()) own.push_back(body.joint);
+  for (int index : listed)
+    if (index >= base) names.push_back(own[static_cast<size_t>(index - base)]);
+  return names;
+}
+
+}  // namespace
+
+std::string not_read(const OperationCost& cost, const ir::KinematicTree& tree) {
+  std::vector<std::string> parts;
+  const auto joints = [&](const char* what, const std::vector<std::string>& names, bool some_read) {
+    if (!some_read && tree.independent_joints() > 0) parts.push_back(fmt::format("joint {}s", what));
+    else if (!names.empty()) parts.push_back(fmt::format("{} of {}", what, fmt::join(names, " and ")));
+  };
+  if (tree.floating_base) parts.push_back(cost.reads_base_pose ? "base position" : "base pose");
+  joints("position", joint_names(cost.positions_not_read, tree.floating_base ? 7 : 0, tree), cost.reads_position);
+  if (!cost.reads_velocity) parts.push_back("velocities");
+  else joints("rate", joint_names(cost.velocities_not_read, tree.floating_base ? 6 : 0, tree), true);
+  return fmt::format("{}", fmt::join(parts, ", "));
+}
+
+std::vector<std::string> report(const Model& model, const Lowered& lowered) {
+  const std::vector<OperationCost> after = operation_costs(lowered.program, model.tree), before = costs_before(model);
+  std::vector<std::string> lines;
+  if (before.empty()) {
+    lines.push_back("Scalar operations of one evaluation, per phase. (Nothing to compare with: without the scene the URDF cannot");
+    lines.push_back("be computed.)");
+    lines.push_back(fmt::format("{:<24}{:>16}{:>16}{:>16}{:>16}", "", "multiply", "add", "sin/cos", "divide"));
+  } else {
+    lines.push_back("Scalar operations of one evaluation, per phase. Before: the URDF without a scene, as the equations are written");
+    lines.push_back("(--without fold,share,move_parameters), with the default outputs and those asked for. Here: what is left.");
+    lines.push_back(fmt::format("{:<24}{:>16}{:>16}{:>16}{:>16}", "", "multiply", "add", "sin/cos", "divide"));
+    std::string heading(24, ' ');
+    for (int i = 0; i < 4; ++i) heading += fmt::format("{:>8} {:>7}", "before", "here");
+    lines.push_back(heading);
+  }
+  for (const OperationCost& cost : after) add_rows(lines, named(before, cost.name), cost);
+  std::vector<std::string> left_out;
+  for (const OperationCost& cost : before)
+    if (!named(after, cost.name)) left_out.push_back(cost.name);
+  if (!left_out.empty()) lines.push_back(fmt::format("Left out: {}", fmt::join(left_out, ", ")));
+  for (const OperationCost& cost : after)
+    if (const std::string unread = not_read(cost, model.tree); !unread.empty())
+      lines.push_back(fmt::format("Not read {}: {}", cost.name == "all" ? "at all" : "by " + cost.name, unread));
+  if (lowered.plan.form == ir::Form::rolled)
+    lines.push_back("The code is in rolled form: its loops compute padding and constants that this count does not have.");
+  lines.push_back(fmt::format("Workspace: {} bytes",
+                              backend::workspace_bytes(lowered.program.arrays, model.scene, lowered.plan, lowered.rolled)));
+  return lines;
+}
+
+}  // namespace dalembert
