@@ -68,6 +68,8 @@ ir::Moments take_movable(ir::Moments& moments, bool prismatic) {
   return moved;
 }
 
+bool has_inertia(const ir::Moments& own) { return own.mass != 0 || !own.second.isZero(0); }
+
 void add_to_parent(ir::Moments& parent, const ir::Moments& m, const Matrix3d& r, const Vector3d& p) {
   const Vector3d first = r * m.first;
   parent.mass += m.mass;
@@ -100,6 +102,8 @@ ir::NormalTree normalise(const ir::KinematicTree& tree, const NormaliseOptions& 
   if (!options.move_parameters) return normal;
   for (size_t k = normal.bodies.size(); k-- > 0;) {
     ir::NormalBody& n = normal.bodies[k];
+    // A link without inertia, as in a joint of several axes, costs nothing as long as nothing moves there.
+    if (n.parent >= 0 && !has_inertia(normal.bodies[static_cast<size_t>(n.parent)].own)) continue;
     const ir::Moments moved = take_movable(n.moments, n.prismatic);
     // A prismatic joint displaces along z, which changes nothing in what moves: no mass, no first moment.
     ir::Moments& parent = n.parent < 0 ? normal.base : normal.bodies[static_cast<size_t>(n.parent)].moments;

@@ -176,9 +176,8 @@ TEST_P(SceneOperations, PhasesAddUpAndPassesOnlyRemove) {
     }
   const std::vector<PassCost> passes = pass_costs(model);
   ASSERT_EQ(passes.size(), 5u);
-  for (size_t i = 1; i < 4; ++i) EXPECT_TRUE(at_most(passes[i].operations, passes[i - 1].operations)) << passes[i].name;
-  // Moving parameters gives a link without mass something to compute with: that can cost as much as it saves elsewhere.
-  EXPECT_LE(static_cast<double>(passes[4].operations.total()), 1.02 * static_cast<double>(passes[3].operations.total()));
+  for (size_t i = 1; i < passes.size(); ++i)
+    EXPECT_TRUE(at_most(passes[i].operations, passes[i - 1].operations)) << passes[i].name;
   EXPECT_EQ(counts(passes.back().operations), counts(operation_costs(model).front().operations));
 }
 
