@@ -3,7 +3,7 @@
 
     python3 tests/benchmarks/table.py [--build build/release] [--repetitions 21] [--states 10000] [--robots MAHRU,WAM]
 
-Run it on an idle machine, after `cmake --build --preset release`. Times are CPU times of one core; each is the median of the
+Run it on an idle machine. It first builds what it measures, so that the commit it names is the one measured. Times are CPU times of one core; each is the median of the
 repetitions, which are interleaved at random among all benchmarks of a robot; ratios are medians of ratios, repetition by
 repetition. Nothing is written unless everything succeeded.
 """
@@ -172,6 +172,9 @@ def main():
     options = parser.parse_args()
     build = options.build.resolve()
 
+    print("== Building", flush=True)
+    subprocess.run(["cmake", "--build", str(build), "--target", "dalembert", "benchmark_peers", "accuracy"], check=True,
+                   stdout=subprocess.DEVNULL)
     robots = json.loads((build / "tests/benchmarks/tables/robots.json").read_text())
     if options.robots:
         robots = [robot for robot in robots if robot["name"] in options.robots.split(",")]
