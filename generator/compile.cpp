@@ -41,8 +41,8 @@ Lowered lower(const Model& model) {
 std::vector<backend::OutputFile> compile(const Model& model) {
   const Lowered lowered = lower(model);
   return backend::emit({model.tree, lowered.normal, model.scene, lowered.program, lowered.plan, lowered.rolled, model.name,
-                        std::filesystem::path(model.description.file).filename().string(),
-                        hash_of_file(model.description.file), model.command_line, report(model, lowered)});
+                        std::filesystem::path(model.description.file).filename().string(), hash_of_file(model.description.file),
+                        model.command_line, report(model, lowered)});
 }
 
 }  // namespace dalembert

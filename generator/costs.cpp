@@ -83,7 +83,9 @@ std::vector<OperationCost> operation_costs(const ir::Program& program, const ir:
   return costs;
 }
 
-std::vector<OperationCost> operation_costs(const Model& model) { return operation_costs(program_of(model), model.tree); }
+std::vector<OperationCost> operation_costs(const Model& model) {
+  return operation_costs(program_of(model), model.tree);
+}
 
 std::vector<OperationCost> costs_before(const Model& model) {
   try {
@@ -95,7 +97,9 @@ std::vector<OperationCost> costs_before(const Model& model) {
 
 std::vector<PassCost> pass_costs(const Model& model) {
   std::vector<PassCost> list;
-  const auto add = [&](const std::string& name, const Model& m) { list.push_back({name, operation_costs(m).front().operations}); };
+  const auto add = [&](const std::string& name, const Model& m) {
+    list.push_back({name, operation_costs(m).front().operations});
+  };
   if (const std::vector<OperationCost> before = costs_before(model); !before.empty())
     list.push_back({"the whole URDF, as the equations are written", before.front().operations});
   Model step = as_written(model);

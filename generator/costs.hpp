@@ -17,9 +17,9 @@ struct OperationCost {
   std::array<ir::Operations, 3> phases{};  // I: bodies outwards, II: sums inwards, III: elements
   bool reads_position = false;             // joint positions
   bool reads_velocity = false;
-  bool reads_base_pose = false;         // the floating base's orientation; its position is never read
-  std::vector<int> positions_not_read;  // indices into q
-  std::vector<int> velocities_not_read; // indices into v
+  bool reads_base_pose = false;          // the floating base's orientation; its position is never read
+  std::vector<int> positions_not_read;   // indices into q
+  std::vector<int> velocities_not_read;  // indices into v
 };
 
 // Scalar operations of the scene's outputs together ("all", first) and of each alone.
@@ -28,8 +28,8 @@ std::vector<OperationCost> operation_costs(const ir::Program& program, const ir:
 
 // What there was to leave out: the same URDF without a scene, asked for the default outputs and those of the model, with every
 // product and sum that the equations write out (--without fold,share,move_parameters). The base floats where the model's does;
-// run-time inputs are constants. Costs as above; empty when the whole robot cannot be computed at all (a joint without mass that
-// the scene locks or cuts).
+// run-time inputs are constants. Costs as above; empty when the whole robot cannot be computed at all (a joint without mass
+// that the scene locks or cuts).
 std::vector<OperationCost> costs_before(const Model& model);
 
 // The effect of one pass, or of the scene.
@@ -38,8 +38,8 @@ struct PassCost {
   ir::Operations operations;
 };
 
-// The cost of the model's outputs together as one thing after the other is done: as in costs_before(); the scene; then each pass
-// that the model's options have.
+// The cost of the model's outputs together as one thing after the other is done: as in costs_before(); the scene; then each
+// pass that the model's options have.
 std::vector<PassCost> pass_costs(const Model& model);
 
 }  // namespace dalembert

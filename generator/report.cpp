@@ -32,7 +32,8 @@ const OperationCost* named(const std::vector<OperationCost>& costs, const std::s
 
 // All phases, then those in which something is computed.
 void add_rows(std::vector<std::string>& lines, const OperationCost* before, const OperationCost& after) {
-  lines.push_back(row(after.name == "all" ? "all together" : after.name, before ? &before->operations : nullptr, after.operations));
+  lines.push_back(
+      row(after.name == "all" ? "all together" : after.name, before ? &before->operations : nullptr, after.operations));
   for (size_t phase = 0; phase < 3; ++phase) {
     const ir::Operations* from = before ? &before->phases[phase] : nullptr;
     const auto any = [](const ir::Operations& o) { return o.total() + o.sincos > 0; };
@@ -70,12 +71,15 @@ std::vector<std::string> report(const Model& model, const Lowered& lowered) {
   const std::vector<OperationCost> after = operation_costs(lowered.program, model.tree), before = costs_before(model);
   std::vector<std::string> lines;
   if (before.empty()) {
-    lines.push_back("Scalar operations of one evaluation, per phase. (Nothing to compare with: without the scene the URDF cannot");
+    lines.push_back(
+        "Scalar operations of one evaluation, per phase. (Nothing to compare with: without the scene the URDF cannot");
     lines.push_back("be computed.)");
     lines.push_back(fmt::format("{:<24}{:>16}{:>16}{:>16}{:>16}", "", "multiply", "add", "sin/cos", "divide"));
   } else {
-    lines.push_back("Scalar operations of one evaluation, per phase. Before: the URDF without a scene, as the equations are written");
-    lines.push_back("(--without fold,share,move_parameters), with the default outputs and those asked for. Here: what is left.");
+    lines.push_back(
+        "Scalar operations of one evaluation, per phase. Before: the URDF without a scene, as the equations are written");
+    lines.push_back(
+        "(--without fold,share,move_parameters), with the default outputs and those asked for. Here: what is left.");
     lines.push_back(fmt::format("{:<24}{:>16}{:>16}{:>16}{:>16}", "", "multiply", "add", "sin/cos", "divide"));
     std::string heading(24, ' ');
     for (int i = 0; i < 4; ++i) heading += fmt::format("{:>8} {:>7}", "before", "here");
@@ -86,8 +90,10 @@ std::vector<std::string> report(const Model& model, const Lowered& lowered) {
   for (const OperationCost& cost : before)
     if (!named(after, cost.name)) left_out.push_back(cost.name);
   if (!left_out.empty()) lines.push_back(fmt::format("Left out: {}", fmt::join(left_out, ", ")));
+  const std::string unread_at_all = not_read(after.front(), model.tree);
   for (const OperationCost& cost : after)
-    if (const std::string unread = not_read(cost, model.tree); !unread.empty())
+    if (const std::string unread = not_read(cost, model.tree);
+        !unread.empty() && (&cost == &after.front() || unread != unread_at_all))
       lines.push_back(fmt::format("Not read {}: {}", cost.name == "all" ? "at all" : "by " + cost.name, unread));
   if (lowered.plan.form == ir::Form::rolled)
     lines.push_back("The code is in rolled form: its loops compute padding and constants that this count does not have.");

@@ -13,11 +13,13 @@ std::string text_of(const Eigen::Vector3d& v) {
   return fmt::format("[{} {} {}]", v.x() + 0.0, v.y() + 0.0, v.z() + 0.0);
 }
 std::string text_of(const Eigen::Matrix3d& m) {
-  return text_of(Eigen::Vector3d(m.row(0))) + " " + text_of(Eigen::Vector3d(m.row(1))) + " " + text_of(Eigen::Vector3d(m.row(2)));
+  return text_of(Eigen::Vector3d(m.row(0))) + " " + text_of(Eigen::Vector3d(m.row(1))) + " " +
+         text_of(Eigen::Vector3d(m.row(2)));
 }
 
 std::string text_of(const ir::Inertia& inertia) {
-  return fmt::format("    mass {} kg, com {} m\n    inertia {} kg m^2\n", inertia.mass, text_of(inertia.com), text_of(inertia.inertia));
+  return fmt::format("    mass {} kg, com {} m\n    inertia {} kg m^2\n", inertia.mass, text_of(inertia.com),
+                     text_of(inertia.inertia));
 }
 
 std::string text_of(const ir::Moments& moments) {
@@ -33,7 +35,8 @@ std::string tree_text(const ir::KinematicTree& tree) {
   std::string text = fmt::format("{} base {}\n", tree.floating_base ? "floating" : "fixed", tree.base_link);
   if (tree.floating_base) text += text_of(tree.base);
   for (const ir::Body& b : tree.bodies) {
-    text += fmt::format("{} ({}, on {}) -> {}\n", b.joint, b.prismatic() ? "prismatic" : "revolute", joint_name(tree, b.parent), b.name);
+    text += fmt::format("{} ({}, on {}) -> {}\n", b.joint, b.prismatic() ? "prismatic" : "revolute", joint_name(tree, b.parent),
+                        b.name);
     if (b.driven()) text += fmt::format("    driven: {} * {} + {}\n", b.multiplier, joint_name(tree, b.driven_by), b.offset);
     text += fmt::format("    axis {}\n    rotation {}\n    translation {} m\n", text_of(b.axis),
                         text_of(Eigen::Matrix3d(b.placement.linear())), text_of(Eigen::Vector3d(b.placement.translation())));
@@ -48,7 +51,8 @@ std::string normal_tree_text(const ir::KinematicTree& tree, const ir::NormalTree
   for (size_t k = 0; k < normal.bodies.size(); ++k) {
     const ir::NormalBody& b = normal.bodies[k];
     text += fmt::format("{} ({}, on {})\n    rotation {}\n    translation {} m\n", tree.bodies[k].joint,
-                        b.prismatic ? "prismatic" : "revolute", joint_name(tree, b.parent), text_of(b.rotation), text_of(b.translation));
+                        b.prismatic ? "prismatic" : "revolute", joint_name(tree, b.parent), text_of(b.rotation),
+                        text_of(b.translation));
     text += text_of(b.moments);
   }
   return text;
@@ -56,17 +60,23 @@ std::string normal_tree_text(const ir::KinematicTree& tree, const ir::NormalTree
 
 std::string input_text(const ir::KinematicTree& tree, const ir::Scene& scene, const ir::Input& input) {
   switch (input.kind) {
-    case ir::InputKind::position: return fmt::format("q[{}]", input.index);
-    case ir::InputKind::velocity: return fmt::format("v[{}]", input.index);
-    case ir::InputKind::gravity: return fmt::format("gravity[{}]", input.component);
-    case ir::InputKind::payload: return fmt::format("payload {}[{}]", scene.payloads.at(static_cast<size_t>(input.index)), input.component);
-    default: return joint_name(tree, input.index);
+    case ir::InputKind::position:
+      return fmt::format("q[{}]", input.index);
+    case ir::InputKind::velocity:
+      return fmt::format("v[{}]", input.index);
+    case ir::InputKind::gravity:
+      return fmt::format("gravity[{}]", input.component);
+    case ir::InputKind::payload:
+      return fmt::format("payload {}[{}]", scene.payloads.at(static_cast<size_t>(input.index)), input.component);
+    default:
+      return joint_name(tree, input.index);
   }
 }
 
 // One node a line: `%12 = multiply %3 %7  ; name`.
 std::string program_text(const ir::KinematicTree& tree, const ir::Scene& scene, const ir::Program& program) {
-  constexpr const char* op_names[] = {"constant", "input", "sine", "cosine", "sign", "negate", "add", "subtract", "multiply", "divide"};
+  constexpr const char* op_names[] = {"constant", "input", "sine",     "cosine",   "sign",
+                                      "negate",   "add",   "subtract", "multiply", "divide"};
   const std::vector<std::int32_t> uses = ir::uses(program.graph, program.roots());
   std::string text;
   for (ir::NodeId id = 0; id < program.graph.size(); ++id) {
@@ -103,7 +113,8 @@ std::string plan_text(const ir::KinematicTree& tree, const ir::Plan& plan) {
 }
 
 std::string pass_table(const Model& model) {
-  std::string text = fmt::format("\n{:<48}{:>10}{:>10}{:>10}{:>10}\n", "operations of all outputs after", "multiply", "add", "sin/cos", "divide");
+  std::string text = fmt::format("\n{:<48}{:>10}{:>10}{:>10}{:>10}\n", "operations of all outputs after", "multiply", "add",
+                                 "sin/cos", "divide");
   for (const PassCost& pass : pass_costs(model))
     text += fmt::format("{:<48}{:>10}{:>10}{:>10}{:>10}\n", pass.name, pass.operations.multiply, pass.operations.add,
                         pass.operations.sincos, pass.operations.divide);
@@ -112,16 +123,22 @@ std::string pass_table(const Model& model) {
 
 std::string stage_text(const Model& model, const Lowered& lowered, Stage stage) {
   switch (stage) {
-    case Stage::tree: return tree_text(model.tree);
-    case Stage::normal_tree: return normal_tree_text(model.tree, lowered.normal);
-    case Stage::program: return program_text(model.tree, model.scene, lowered.program);
-    case Stage::plan: return plan_text(model.tree, lowered.plan);
+    case Stage::tree:
+      return tree_text(model.tree);
+    case Stage::normal_tree:
+      return normal_tree_text(model.tree, lowered.normal);
+    case Stage::program:
+      return program_text(model.tree, model.scene, lowered.program);
+    case Stage::plan:
+      return plan_text(model.tree, lowered.plan);
   }
   return "";
 }
 
 }  // namespace
 
-std::string dump(const Model& model, Stage stage) { return stage_text(model, lower(model), stage) + pass_table(model); }
+std::string dump(const Model& model, Stage stage) {
+  return stage_text(model, lower(model), stage) + pass_table(model);
+}
 
 }  // namespace dalembert

@@ -118,7 +118,8 @@ std::string quantities_json(const std::vector<OperationCost>& costs) {
 }  // namespace
 
 std::string describe(const Model& model) {
-  std::string text = summary(model) + coordinates(model.tree) + bodies(model.tree) + links(model.tree) + sparsity(model.tree) + "\n";
+  std::string text =
+      summary(model) + coordinates(model.tree) + bodies(model.tree) + links(model.tree) + sparsity(model.tree) + "\n";
   for (const std::string& line : report(model, lower(model))) text += line + "\n";
   return text;
 }

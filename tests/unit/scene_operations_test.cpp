@@ -22,7 +22,8 @@ ir::RobotDescription read(const std::string& file) {
 }
 
 const TestRobot* robot_named(std::string_view name) {
-  const auto at = std::find_if(std::begin(test_robots), std::end(test_robots), [&](const TestRobot& r) { return r.name == name; });
+  const auto at =
+      std::find_if(std::begin(test_robots), std::end(test_robots), [&](const TestRobot& r) { return r.name == name; });
   return at == std::end(test_robots) ? nullptr : at;
 }
 
@@ -46,9 +47,13 @@ ir::Scene fixed_base() {
 }
 
 using Counts = std::array<long, 4>;
-Counts counts(const ir::Operations& o) { return {o.add, o.multiply, o.divide, o.sincos}; }
+Counts counts(const ir::Operations& o) {
+  return {o.add, o.multiply, o.divide, o.sincos};
+}
 
-bool at_most(const ir::Operations& a, const ir::Operations& b) { return a.total() <= b.total() && a.sincos <= b.sincos; }
+bool at_most(const ir::Operations& a, const ir::Operations& b) {
+  return a.total() <= b.total() && a.sincos <= b.sincos;
+}
 
 void expect_same_counts(const std::vector<OperationCost>& a, const std::vector<OperationCost>& b) {
   ASSERT_EQ(a.size(), b.size());
@@ -113,8 +118,7 @@ TEST_P(SceneOperations, NoSubsetOfTheOutputsCostsMoreThanItsSuperset) {
       }
     }
     for (unsigned set = 1; set < 16; ++set)
-      for (unsigned i = 0; i < 4; ++i)
-        EXPECT_TRUE(at_most(of[set], of[set | 1u << i])) << set << " and " << i;
+      for (unsigned i = 0; i < 4; ++i) EXPECT_TRUE(at_most(of[set], of[set | 1u << i])) << set << " and " << i;
   }
 }
 
@@ -192,8 +196,9 @@ TEST(SceneOperationsText, LockedAxisAlignedJointsCostWhatFixedOnesWithRpyDo) {
       const std::string n = std::to_string(i), from = std::to_string(i - 1);
       const bool chosen = i == 1 || i == 3 || i == 4;
       text += "<link name='l" + n + "'>" + body + "</link><joint name='j" + n + "' type='" + (chosen ? type : "revolute") +
-              "'><origin xyz='0.2 0 0.3' rpy='" + (chosen ? rpy : "0 0 0") + "'/><parent link='l" + from + "'/><child link='l" + n +
-              "'/><axis xyz='" + (chosen ? "0 1 0" : "0 0 1") + "'/><limit lower='-3' upper='3' effort='1' velocity='1'/></joint>";
+              "'><origin xyz='0.2 0 0.3' rpy='" + (chosen ? rpy : "0 0 0") + "'/><parent link='l" + from + "'/><child link='l" +
+              n + "'/><axis xyz='" + (chosen ? "0 1 0" : "0 0 1") +
+              "'/><limit lower='-3' upper='3' effort='1' velocity='1'/></joint>";
     }
     Diagnostics warnings;
     return frontend::read_urdf_text("r.urdf", text + "</robot>", warnings);
@@ -221,10 +226,10 @@ TEST(SceneOperationsOfArms, GravityCostsAtMost35PercentOfBiasAndReadsNoVelocity)
 }
 
 TEST(SceneOperationsOfArms, APlanarChainCostsAtMostAThirdOfASkewOne) {
-  const ir::RobotDescription planar = read(robot_named("planar_chain_10")->urdf), skew = read(robot_named("skew_chain_10")->urdf);
-  for (const std::vector<Quantity>& outputs : std::vector<std::vector<Quantity>>{{Quantity::mass_matrix, Quantity::coriolis_matrix},
-                                                                                {Quantity::mass_matrix},
-                                                                                {Quantity::bias}}) {
+  const ir::RobotDescription planar = read(robot_named("planar_chain_10")->urdf),
+                             skew = read(robot_named("skew_chain_10")->urdf);
+  for (const std::vector<Quantity>& outputs : std::vector<std::vector<Quantity>>{
+           {Quantity::mass_matrix, Quantity::coriolis_matrix}, {Quantity::mass_matrix}, {Quantity::bias}}) {
     const long of_planar = cost(planar, fixed_base(), outputs).operations.total();
     const long of_skew = cost(skew, fixed_base(), outputs).operations.total();
     EXPECT_LE(3 * of_planar, of_skew) << name_of(outputs.front()) << ": " << of_planar << " and " << of_skew;
