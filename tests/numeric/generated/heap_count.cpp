@@ -1,9 +1,13 @@
-// Under a sanitizer its hooks count; elsewhere the allocation functions are replaced by ones that count and hand on to glibc's.
+// Under a sanitizer its hooks count; elsewhere the allocation functions are replaced by ones that count and hand on to glibc's,
+// and oneTBB, which would carve its memory out of mapped pages, is denied its own allocator and falls back on malloc.
 #include "heap_count.hpp"
+
+#include <dlfcn.h>
 
 #include <atomic>
 #include <cerrno>
 #include <cstddef>
+#include <cstring>
 
 namespace {
 std::atomic<std::uint64_t> count{0};
@@ -61,6 +65,11 @@ int posix_memalign(void** result, size_t alignment, size_t size) {
   ++count;
   *result = __libc_memalign(alignment, size);
   return *result ? 0 : ENOMEM;
+}
+void* dlopen(const char* library, int flags) {
+  if (library && std::strstr(library, "libtbbmalloc")) return nullptr;
+  static const auto next = reinterpret_cast<void* (*)(const char*, int)>(dlsym(RTLD_NEXT, "dlopen"));
+  return next(library, flags);
 }
 
 #endif
