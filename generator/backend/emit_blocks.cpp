@@ -68,6 +68,8 @@ void rows_of(const CodeInput& code, const std::vector<std::vector<int>>& limbs, 
 
 }  // namespace
 
+bool elements_split(const ir::Segment& segment) { return segment.steps > 8; }
+
 std::string limb_tables(const CodeInput& code, size_t segment) {
   if (!code.rolled.mass && !code.rolled.coriolis) return "";
   const ir::Segment& s = code.plan.segments[segment];
@@ -102,15 +104,15 @@ std::string elements_stage(const CodeInput& code, size_t segment) {
                       angular, if_coriolis("kept.joint_rate[0]"), if_coriolis("kept.bias_force[0]"), if_coriolis("kept.transposed[0]"),
                       code.plan.slots + 8);
   const std::vector<Above> levels = all_above(code, s);
-  const std::string end = "nv, begin, end";
+  const std::string end = elements_split(s) ? "nv, begin, end" : fmt::format("nv, 0, {}", s.steps);
   if (s.width > 1) {
-    text += fmt::format("  constexpr dalembert::LimbTable limbs{{{0}_row, {0}_length, {1}, {2}}};\n", s.name, s.first_slot, s.steps);
-    text += fmt::format("  dalembert::limb_blocks<dalembert::Elements::{}, {}, Scalar>(panels, limbs, {}, {}, {});\n", elements, s.width, M, C, end);
+    text += fmt::format("  constexpr dalembert::LimbTable limbs{{{0}_row, {0}_length, {1}}};\n", s.name, s.first_slot);
+    text += fmt::format("  dalembert::limb_blocks<dalembert::Elements::{}, {}, {}, Scalar>(panels, limbs, {}, {}, {});\n", elements, s.width, s.steps, M, C, end);
     for (size_t level = 0; level < levels.size(); ++level)
       text += fmt::format(
-          "  constexpr dalembert::LimbTable above_{3}{{{0}_above_{3}_row, {0}_above_{3}_length, 0, {4}}};\n"
-          "  dalembert::cross_blocks<dalembert::Elements::{1}, {2}, {4}, Scalar>(panels, limbs, {0}_above_{3}_slot, above_{3}, {5}, {6}, {7});\n",
-          s.name, elements, s.width, level + 1, levels[level].steps, M, C, end);
+          "  constexpr dalembert::LimbTable above_{3}{{{0}_above_{3}_row, {0}_above_{3}_length, 0}};\n"
+          "  dalembert::cross_blocks<dalembert::Elements::{1}, {2}, {8}, {4}, Scalar>(panels, limbs, {0}_above_{3}_slot, above_{3}, {5}, {6}, {7});\n",
+          s.name, elements, s.width, level + 1, levels[level].steps, M, C, end, s.steps);
   } else {
     const int row = base_rows(code) + s.bodies[0].front();
     text += fmt::format("  dalembert::run_block<dalembert::Elements::{}, Scalar>(panels, {}, {}, {}, {}, {}, {});\n", elements, s.first_slot, row,
@@ -122,14 +124,15 @@ std::string elements_stage(const CodeInput& code, size_t segment) {
   }
   if (!floating) return text;
   const auto base = [&](const char* what, const char* force, const std::string& matrix) {
-    return s.width > 1 ? fmt::format("    dalembert::base_{}<{}, Scalar>(kept.{}[0], panels.stride, limbs, {}, nv);\n", what, s.width, force, matrix)
-                       : fmt::format("    dalembert::run_base_{}<Scalar>(kept.{}[0], panels.stride, {}, {}, {}, {}, nv);\n", what, force,
+    return s.width > 1 ? fmt::format("  dalembert::base_{}<{}, {}, Scalar>(kept.{}[0], panels.stride, limbs, {}, nv);\n", what, s.width, s.steps, force, matrix)
+                       : fmt::format("  dalembert::run_base_{}<Scalar>(kept.{}[0], panels.stride, {}, {}, {}, {}, nv);\n", what, force,
                                      s.first_slot, base_rows(code) + s.bodies[0].front(), s.steps, matrix);
   };
-  text += "  if (begin == 0) {  // the base's rows and columns\n";
+  text += "  // The base's rows and columns.\n";
+  if (elements_split(s)) text += "  if (begin > 0) return;\n";
   if (mass) text += base("columns", "inertia_force", M) + base("rows", "inertia_force", M);
   if (coriolis) text += base("columns", "bias_force", C) + base("rows", "below_force", C);
-  return text + "  }\n";
+  return text;
 }
 
 std::string wrench_tables(const CodeInput& code) {

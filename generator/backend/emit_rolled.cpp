@@ -221,8 +221,8 @@ std::vector<StageText> stages(const CodeInput& code) {
   if (!code.rolled.base_elements.empty()) add("base", ws, "workspace", base_stage(code));
   if (code.rolled.mass || code.rolled.coriolis)
     for (size_t s = 0; s < segments.size(); ++s)
-      add("elements_" + segments[s].name, ws + ", int begin, int end", fmt::format("workspace, 0, {}", segments[s].steps),
-          elements_stage(code, s));
+      add("elements_" + segments[s].name, ws + (elements_split(segments[s]) ? ", int begin, int end" : ""),
+          elements_split(segments[s]) ? fmt::format("workspace, 0, {}", segments[s].steps) : "workspace", elements_stage(code, s));
   add("results", "const Scalar* v, Workspace& workspace", "v, workspace", results_stage(code));
   const ir::Program jacobians = jacobians_only(code);
   if (!jacobians.elements.empty()) add("jacobians", state, "q, v, workspace", straight_statements(code, jacobians));

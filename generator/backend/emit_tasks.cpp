@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <map>
 
+#include "backend/emit_blocks.hpp"
 #include "backend/emit_rolled.hpp"
 #include "backend/templates.hpp"
 
@@ -26,7 +27,8 @@ struct Tasks {
     return -1;
   }
   void edge(const std::string& before, const std::string& after) {
-    if (find(before) >= 0 && find(after) >= 0) edges.emplace_back(find(before), find(after));
+    const std::pair<int, int> e{find(before), find(after)};
+    if (e.first >= 0 && e.second >= 0 && std::find(edges.begin(), edges.end(), e) == edges.end()) edges.push_back(e);
   }
 };
 
@@ -41,6 +43,7 @@ std::vector<std::pair<int, int>> column_ranges(const CodeInput& code, const ir::
     for (int b = parent; b >= 0; b = code.tree.bodies[static_cast<size_t>(b)].parent) ++depth;
     above = std::max(above, depth);
   }
+  if (!elements_split(s)) return {{0, s.steps}};
   std::vector<std::pair<int, int>> ranges;
   int begin = 0, pairs = 0;
   for (int c = 0; c < s.steps; c += 4) {
@@ -80,7 +83,7 @@ Tasks tasks_of(const CodeInput& code) {
     for (const ir::Segment& s : segments) {
       if (stage.name != "elements_" + s.name) continue;
       for (const auto& [begin, end] : column_ranges(code, s))
-        t.tasks.push_back({fmt::format("{}_{}", stage.name, begin), fmt::format("stages::{}(*w, {}, {})", stage.name, begin, end)});
+        t.tasks.push_back({fmt::format("{}_{}", stage.name, begin), elements_split(s) ? fmt::format("stages::{}(*w, {}, {})", stage.name, begin, end) : fmt::format("stages::{}(*w)", stage.name)});
     }
   }
 

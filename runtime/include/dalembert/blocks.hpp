@@ -8,6 +8,9 @@
 // length known when the code was generated.
 #pragma once
 
+#include <initializer_list>
+#include <utility>
+
 #include "dalembert/lanes.hpp"
 
 namespace dalembert {
@@ -29,7 +32,6 @@ struct LimbTable {
   const int* first_row;  // per lane
   const int* length;     // per lane: real steps, 0 for an empty lane
   int first_slot;
-  int steps;             // of the longest
 };
 
 enum class Elements { mass = 1, coriolis = 2, both = 3 };
@@ -38,9 +40,38 @@ constexpr bool has_coriolis(Elements e) { return (static_cast<int>(e) & 2) != 0;
 
 namespace detail {
 
-// out[l] = (rows[0][l], rows[1][l], rows[2][l], rows[3][l])
+// Limbs up to this length have their blocks written out; longer ones run through loops, which keeps the code in the cache.
+inline constexpr int short_limb = 8;
+
+template <class F, int... i>
+DALEMBERT_INLINE void write_out(std::integer_sequence<int, i...>, int count, const F& f) {
+  (void)std::initializer_list<int>{(i < count ? (f(i), 0) : 0)...};
+}
+
+// f(0), …, f(count − 1), written out when `out` says so (count is then at most `most`, and known to the compiler).
+template <bool out, int most, class F>
+DALEMBERT_INLINE void repeat(int count, const F& f) {
+  if constexpr (out) {
+    write_out(std::make_integer_sequence<int, most>{}, count, f);
+  } else {
+    for (int i = 0; i < count; ++i) f(i);
+  }
+}
+
+// Column l of four rows of `width` lanes: out[l] = (rows[0][l], rows[1][l], rows[2][l], rows[3][l]).
 template <class T>
 DALEMBERT_INLINE void transpose(const Lanes<T, 4>* rows, Lanes<T, 4>* out) {
+#if defined(__AVX512F__)
+  using W = Lanes<T, 8>;  // two permutations of registers twice as wide
+  const W upper = __builtin_shufflevector(rows[0], rows[1], 0, 1, 2, 3, 4, 5, 6, 7);
+  const W lower = __builtin_shufflevector(rows[2], rows[3], 0, 1, 2, 3, 4, 5, 6, 7);
+  const W first = __builtin_shufflevector(upper, lower, 0, 4, 8, 12, 1, 5, 9, 13);
+  const W last = __builtin_shufflevector(upper, lower, 2, 6, 10, 14, 3, 7, 11, 15);
+  out[0] = __builtin_shufflevector(first, first, 0, 1, 2, 3);
+  out[1] = __builtin_shufflevector(first, first, 4, 5, 6, 7);
+  out[2] = __builtin_shufflevector(last, last, 0, 1, 2, 3);
+  out[3] = __builtin_shufflevector(last, last, 4, 5, 6, 7);
+#else
   using V = Lanes<T, 4>;
   const V a = __builtin_shufflevector(rows[0], rows[1], 0, 4, 2, 6), b = __builtin_shufflevector(rows[0], rows[1], 1, 5, 3, 7);
   const V c = __builtin_shufflevector(rows[2], rows[3], 0, 4, 2, 6), d = __builtin_shufflevector(rows[2], rows[3], 1, 5, 3, 7);
@@ -48,10 +79,26 @@ DALEMBERT_INLINE void transpose(const Lanes<T, 4>* rows, Lanes<T, 4>* out) {
   out[1] = __builtin_shufflevector(b, d, 0, 1, 4, 5);
   out[2] = __builtin_shufflevector(a, c, 2, 3, 6, 7);
   out[3] = __builtin_shufflevector(b, d, 2, 3, 6, 7);
+#endif
 }
 template <class T>
 DALEMBERT_INLINE void transpose(const Lanes<T, 2>* rows, Lanes<T, 4>* out) {
   for (int l = 0; l < 2; ++l) out[l] = Lanes<T, 4>{rows[0][l], rows[1][l], rows[2][l], rows[3][l]};
+}
+
+// The same for two rows.
+template <class T>
+DALEMBERT_INLINE void transpose_pair(const Lanes<T, 4>* rows, Lanes<T, 2>* out) {
+  const Lanes<T, 4> a = __builtin_shufflevector(rows[0], rows[1], 0, 4, 2, 6), b = __builtin_shufflevector(rows[0], rows[1], 1, 5, 3, 7);
+  out[0] = __builtin_shufflevector(a, a, 0, 1);
+  out[1] = __builtin_shufflevector(b, b, 0, 1);
+  out[2] = __builtin_shufflevector(a, a, 2, 3);
+  out[3] = __builtin_shufflevector(b, b, 2, 3);
+}
+template <class T>
+DALEMBERT_INLINE void transpose_pair(const Lanes<T, 2>* rows, Lanes<T, 2>* out) {
+  out[0] = __builtin_shufflevector(rows[0], rows[1], 0, 2);
+  out[1] = __builtin_shufflevector(rows[0], rows[1], 1, 3);
 }
 
 template <class T>
@@ -77,6 +124,8 @@ DALEMBERT_INLINE Lanes<T, n> dot3(const Lanes<T, n>* a, const T* b, int stride) 
   return a[0] * load<n, T>(b) + a[1] * load<n, T>(b + stride) + a[2] * load<n, T>(b + 2 * stride);
 }
 
+constexpr int least(int a, int b) { return a < b ? a : b; }
+
 // What a joint of the upper limb needs: J and J̇, `width` lanes each.
 template <class T>
 struct Upper {
@@ -93,18 +142,17 @@ struct Tile {
   V lower[4][4];    // C_ki
 };
 
-template <Elements elements, int width, bool diagonal, class T>
+template <Elements elements, int width, bool diagonal, bool out, class T>
 DALEMBERT_INLINE void fill(Tile<width, T>& tile, const Upper<T>& up, int above, const Panels<T>& p, int below) {
   using V = Lanes<T, width>;
-  for (int c = 0; c < below; ++c) {
+  repeat<out, 4>(below, [&](int c) __attribute__((always_inline)) {
     V f[6], g[6], h[3];
     load_all<width, T>(f, p.inertia_force + c * width, 6, p.stride);
     if constexpr (has_coriolis(elements)) {
       load_all<width, T>(g, p.bias_force + c * width, 6, p.stride);
       load_all<width, T>(h, p.transposed + c * width, 3, p.stride);
     }
-    const int end = diagonal ? c + 1 : above;
-    for (int r = 0; r < end; ++r) {
+    repeat<out, 4>(diagonal ? c + 1 : above, [&](int r) __attribute__((always_inline)) {
       const T *v = up.linear + r * width, *w = up.angular + r * width;
       if constexpr (has_mass(elements)) {
         const V m = dot3<width, T>(f, v, up.stride) + dot3<width, T>(f + 3, w, up.stride);
@@ -112,155 +160,197 @@ DALEMBERT_INLINE void fill(Tile<width, T>& tile, const Upper<T>& up, int above, 
         if (diagonal) tile.mass[c][r] = m;
       }
       if constexpr (has_coriolis(elements)) {
+        const V above_diagonal = dot3<width, T>(g, v, up.stride) + dot3<width, T>(g + 3, w, up.stride);
+        tile.upper[r][c] = above_diagonal;
+        if (diagonal && r == c) return;
         const T* d = up.rate + r * width;
         const V below_diagonal = dot3<width, T>(f, d, up.stride) + dot3<width, T>(f + 3, d + 3 * up.stride, up.stride) +
                                  dot3<width, T>(h, w, up.stride);
-        const V above_diagonal = dot3<width, T>(g, v, up.stride) + dot3<width, T>(g + 3, w, up.stride);
-        if (diagonal) {
-          tile.upper[c][r] = below_diagonal;  // of the diagonal itself the second stays
-          tile.upper[r][c] = above_diagonal;
-        } else {
-          tile.lower[r][c] = below_diagonal;
-          tile.upper[r][c] = above_diagonal;
-        }
+        (diagonal ? tile.upper[c][r] : tile.lower[r][c]) = below_diagonal;
       }
-    }
+    });
+  });
+}
+
+// A column of each lane's block: values of up to four consecutive rows, from to[lane] on.
+template <int width, class T>
+DALEMBERT_INLINE void put_column(T* const* to, const Lanes<T, width>* values, const int* count, int along) {
+  if (along == 1) {
+    write_out(std::make_integer_sequence<int, width>{}, width, [&](int l) __attribute__((always_inline)) {
+      if (count[l] > 0) *to[l] = values[0][l];
+    });
+  } else if (along == 2) {
+    Lanes<T, 2> turned[width];
+    transpose_pair<T>(values, turned);
+    write_out(std::make_integer_sequence<int, width>{}, width, [&](int l) __attribute__((always_inline)) {
+      if (count[l] > 1) {
+        store<2, T>(to[l], turned[l]);
+      } else if (count[l] == 1) {
+        *to[l] = turned[l][0];
+      }
+    });
+  } else {
+    Lanes<T, 4> turned[width];
+    transpose<T>(values, turned);
+    write_out(std::make_integer_sequence<int, width>{}, width,
+              [&](int l) __attribute__((always_inline)) { store_count<T>(to[l], turned[l], count[l]); });
   }
 }
 
-// Column `column` of each lane's block: values of four consecutive rows, from `rows` on.
-template <int width, class T>
-DALEMBERT_INLINE void put_column(T* matrix, int leading, const Lanes<T, width>* values, const int* row, const int* column,
-                                 const int* count) {
-  Lanes<T, 4> turned[width];
-  transpose<T>(values, turned);
-  for (int l = 0; l < width; ++l)
-    if (count[l] > 0) store_count<T>(matrix + column[l] * leading + row[l], turned[l], count[l]);
-}
+// A tile's place in M or C, lane by lane: first rows, and how many real steps there are from there on.
+template <int width>
+struct Place {
+  int row_above[width], left_above[width], row_below[width], left_below[width];
+};
 
-constexpr int least(int a, int b) { return a < b ? a : b; }
-
-// Stores values[above][below] as columns of the lower limb (above runs along the column), or of the upper limb.
-template <int width, class T>
-DALEMBERT_INLINE void put(T* matrix, int leading, const Lanes<T, width> (*values)[4], bool by_upper, int above, int below,
-                          const int* row_above, const int* left_above, const int* row_below, const int* left_below) {
-  for (int i = 0; i < (by_upper ? above : below); ++i) {
-    Lanes<T, width> line[4];
-    int row[width], column[width], count[width];
-    for (int j = 0; j < 4; ++j) line[j] = by_upper ? values[i][j] : values[j][i];
+// Stores values[above][below] as columns of the lower limb's joints (rows run over `above`), or of the upper limb's.
+template <bool by_upper, bool out, int width, class T>
+DALEMBERT_INLINE void put(T* matrix, int leading, const Lanes<T, width> (*values)[4], int above, int below, const Place<width>& at) {
+  const int along = by_upper ? below : above;
+  T* to[width];
+  int count[width];
+  const int* row = by_upper ? at.row_below : at.row_above;
+  const int* column = by_upper ? at.row_above : at.row_below;
+  const int* left = by_upper ? at.left_below : at.left_above;
+  const int* across = by_upper ? at.left_above : at.left_below;
+  for (int l = 0; l < width; ++l) to[l] = matrix + column[l] * leading + row[l];
+  repeat<out, 4>(by_upper ? above : below, [&](int i) __attribute__((always_inline)) {
+    Lanes<T, width> line[4] = {};
+    T* here[width];
+    write_out(std::make_integer_sequence<int, 4>{}, along,
+              [&](int j) __attribute__((always_inline)) { line[j] = by_upper ? values[i][j] : values[j][i]; });
     for (int l = 0; l < width; ++l) {
-      const int along = by_upper ? least(left_below[l], below) : least(left_above[l], above);
-      const bool inside = by_upper ? i < left_above[l] : i < left_below[l];
-      row[l] = by_upper ? row_below[l] : row_above[l];
-      column[l] = (by_upper ? row_above[l] : row_below[l]) + i;
-      count[l] = inside ? along : 0;
+      here[l] = to[l] + i * leading;
+      count[l] = i < across[l] ? least(left[l], along) : 0;
     }
-    put_column<width, T>(matrix, leading, line, row, column, count);
+    put_column<width, T>(here, line, count, along);
+  });
+}
+
+// Both triangles of an off-diagonal tile, or the whole of a diagonal one.
+template <Elements elements, int width, bool diagonal, bool out, class T>
+DALEMBERT_INLINE void tile_into(const Panels<T>& p, const Upper<T>& up, int above, int below, const Place<width>& at, T* M, T* C,
+                                int leading) {
+  Tile<width, T> tile;
+  fill<elements, width, diagonal, out, T>(tile, up, above, p, below);
+  if constexpr (has_mass(elements)) {
+    put<false, out, width, T>(M, leading, tile.mass, above, below, at);
+    if (!diagonal) put<true, out, width, T>(M, leading, tile.mass, above, below, at);
   }
+  if constexpr (has_coriolis(elements)) {
+    put<false, out, width, T>(C, leading, tile.upper, above, below, at);
+    if (!diagonal) put<true, out, width, T>(C, leading, tile.lower, above, below, at);
+  }
+}
+
+template <class T>
+DALEMBERT_INLINE Panels<T> moved(Panels<T> p, int slots, bool coriolis) {
+  p.inertia_force += slots;
+  if (coriolis) p.bias_force += slots, p.transposed += slots;
+  return p;
 }
 
 }  // namespace detail
 
 // The block of every limb of a segment with itself, `width` limbs side by side.
-// M, C: nv × nv, column by column; steps [begin, end) of the columns, begin a multiple of four.
-template <Elements elements, int width, class T>
+// M, C: nv × nv, column by column; the columns of steps [begin, end), begin a multiple of four.
+template <Elements elements, int width, int steps, class T>
 DALEMBERT_INLINE void limb_blocks(const Panels<T>& panels, const LimbTable& limbs, T* M, T* C, int leading, int begin, int end) {
-  for (int c0 = begin; c0 < end; c0 += 4) {
-    const int below = detail::least(4, limbs.steps - c0);
-    Panels<T> p = panels;
-    const int at = limbs.first_slot + c0 * width;
-    p.inertia_force += at, p.bias_force += at, p.transposed += at;
-    for (int r0 = 0; r0 <= c0; r0 += 4) {
-      const int above = detail::least(4, limbs.steps - r0), from = limbs.first_slot + r0 * width;
-      const detail::Upper<T> up{panels.joint_linear + from, panels.joint_angular + from, panels.joint_rate + from, panels.stride};
-      int row_above[width], left_above[width], row_below[width], left_below[width];
+  constexpr bool out = steps <= detail::short_limb;
+  constexpr int tiles = (steps + 3) / 4;
+  const auto column = [&](int tile) __attribute__((always_inline)) {
+    const int c0 = begin + 4 * tile, below = detail::least(4, steps - c0);
+    const Panels<T> p = detail::moved(panels, limbs.first_slot + c0 * width, has_coriolis(elements));
+    detail::repeat<out, tiles>(c0 / 4 + 1, [&](int row) __attribute__((always_inline)) {
+      const int r0 = 4 * row, from = limbs.first_slot + r0 * width;
+      const detail::Upper<T> up{panels.joint_linear + from, panels.joint_angular + from,
+                                has_coriolis(elements) ? panels.joint_rate + from : nullptr, panels.stride};
+      detail::Place<width> at;
       for (int l = 0; l < width; ++l) {
-        row_above[l] = limbs.first_row[l] + r0, left_above[l] = limbs.length[l] - r0;
-        row_below[l] = limbs.first_row[l] + c0, left_below[l] = limbs.length[l] - c0;
+        at.row_above[l] = limbs.first_row[l] + r0, at.left_above[l] = limbs.length[l] - r0;
+        at.row_below[l] = limbs.first_row[l] + c0, at.left_below[l] = limbs.length[l] - c0;
       }
-      detail::Tile<width, T> tile;
-      const auto put = [&](T* matrix, const Lanes<T, width> (*values)[4], bool by_upper) {
-        detail::put<width, T>(matrix, leading, values, by_upper, above, below, row_above, left_above, row_below, left_below);
-      };
       if (r0 == c0) {
-        detail::fill<elements, width, true, T>(tile, up, above, p, below);
-        if constexpr (has_mass(elements)) put(M, tile.mass, false);
-        if constexpr (has_coriolis(elements)) put(C, tile.upper, false);
+        detail::tile_into<elements, width, true, out, T>(p, up, below, below, at, M, C, leading);
       } else {
-        detail::fill<elements, width, false, T>(tile, up, above, p, below);
-        if constexpr (has_mass(elements)) put(M, tile.mass, false), put(M, tile.mass, true);
-        if constexpr (has_coriolis(elements)) put(C, tile.upper, false), put(C, tile.lower, true);
+        detail::tile_into<elements, width, false, out, T>(p, up, 4, below, at, M, C, leading);
       }
-    }
-  }
+    });
+  };
+  detail::repeat<out, tiles>((end - begin + 3) / 4, column);
 }
 
 // The blocks between the limbs of a segment and a limb above each of them, which may be another one for every lane.
 // above_slot: [step][lane], the slots of the limbs above (any slot where a lane has none); above: their rows and lengths.
-template <Elements elements, int width, int above_steps, class T>
+template <Elements elements, int width, int steps, int above_steps, class T>
 DALEMBERT_INLINE void cross_blocks(const Panels<T>& panels, const LimbTable& limbs, const int* above_slot, const LimbTable& above,
                                    T* M, T* C, int leading, int begin, int end) {
-  constexpr int stride = above_steps * width;
+  constexpr bool out = steps <= detail::short_limb && above_steps <= 4;
+  constexpr int stride = above_steps * width, tiles = (steps + 3) / 4, above_tiles = (above_steps + 3) / 4;
   T gathered[12 * stride];
-  const T* sources[4] = {panels.joint_linear, panels.joint_angular, panels.joint_rate, panels.joint_rate + 3 * panels.stride};
+  const T* sources[4] = {panels.joint_linear, panels.joint_angular, panels.joint_rate,
+                         has_coriolis(elements) ? panels.joint_rate + 3 * panels.stride : nullptr};
   for (int part = 0; part < (has_coriolis(elements) ? 4 : 2); ++part)
     for (int j = 0; j < 3; ++j)
-      for (int i = 0; i < stride; ++i) gathered[(3 * part + j) * stride + i] = sources[part][j * panels.stride + above_slot[i]];
-  for (int c0 = begin; c0 < end; c0 += 4) {
-    const int below = detail::least(4, limbs.steps - c0), at = limbs.first_slot + c0 * width;
-    Panels<T> p = panels;
-    p.inertia_force += at, p.bias_force += at, p.transposed += at;
-    for (int r0 = 0; r0 < above_steps; r0 += 4) {
-      const int rows = detail::least(4, above_steps - r0);
+      for (int i = 0; i < above_steps; ++i)
+        store<width, T>(gathered + (3 * part + j) * stride + i * width,
+                        gather<width, T>(sources[part] + j * panels.stride, above_slot + i * width));
+  const auto column = [&](int tile) __attribute__((always_inline)) {
+    const int c0 = begin + 4 * tile, below = detail::least(4, steps - c0);
+    const Panels<T> p = detail::moved(panels, limbs.first_slot + c0 * width, has_coriolis(elements));
+    detail::repeat<out, above_tiles>(above_tiles, [&](int row) __attribute__((always_inline)) {
+      const int r0 = 4 * row, rows = detail::least(4, above_steps - r0);
       const T* from = gathered + r0 * width;
       const detail::Upper<T> up{from, from + 3 * stride, from + 6 * stride, stride};
-      int row_above[width], left_above[width], row_below[width], left_below[width];
+      detail::Place<width> at;
       for (int l = 0; l < width; ++l) {
-        row_above[l] = above.first_row[l] + r0, left_above[l] = above.length[l] - r0;
-        row_below[l] = limbs.first_row[l] + c0, left_below[l] = above.length[l] > 0 ? limbs.length[l] - c0 : 0;
+        at.row_above[l] = above.first_row[l] + r0, at.left_above[l] = above.length[l] - r0;
+        at.row_below[l] = limbs.first_row[l] + c0, at.left_below[l] = above.length[l] > 0 ? limbs.length[l] - c0 : 0;
       }
-      detail::Tile<width, T> tile;
-      detail::fill<elements, width, false, T>(tile, up, rows, p, below);
-      const auto put = [&](T* matrix, const Lanes<T, width> (*values)[4], bool by_upper) {
-        detail::put<width, T>(matrix, leading, values, by_upper, rows, below, row_above, left_above, row_below, left_below);
-      };
-      if constexpr (has_mass(elements)) put(M, tile.mass, false), put(M, tile.mass, true);
-      if constexpr (has_coriolis(elements)) put(C, tile.upper, false), put(C, tile.lower, true);
-    }
-  }
+      detail::tile_into<elements, width, false, out, T>(p, up, rows, below, at, M, C, leading);
+    });
+  };
+  detail::repeat<out, tiles>((end - begin + 3) / 4, column);
 }
 
-// Rows and columns of a floating base for the limbs of a segment: M_BJ = F, M_JB = Fᵀ, C_BJ = G, C_JB = Xᵀ. The base's six
-// rows come first. `below` holds X, six components per slot.
-template <int width, class T>
+// Rows and columns of a floating base for the limbs of a segment: columns M_BJ = F, C_BJ = G; rows M_JB = Fᵀ, C_JB = Xᵀ.
+// force: six components per slot. The base's six rows come first.
+template <int width, int steps, class T>
 DALEMBERT_INLINE void base_columns(const T* force, int stride, const LimbTable& limbs, T* matrix, int leading) {
-  for (int c = 0; c < limbs.steps; ++c) {
-    Lanes<T, width> f[8] = {};
+  constexpr bool out = steps <= detail::short_limb;
+  detail::repeat<out, steps>(steps, [&](int c) __attribute__((always_inline)) {
+    Lanes<T, width> f[6];
     detail::load_all<width, T>(f, force + limbs.first_slot + c * width, 6, stride);
-    int row[width] = {}, row4[width], column[width], four[width], two[width];
+    T *upper[width], *lower[width];
+    int four[width], two[width];
     for (int l = 0; l < width; ++l) {
-      const bool inside = c < limbs.length[l];
-      row4[l] = 4, column[l] = limbs.first_row[l] + c, four[l] = inside ? 4 : 0, two[l] = inside ? 2 : 0;
+      upper[l] = matrix + (limbs.first_row[l] + c) * leading, lower[l] = upper[l] + 4;
+      four[l] = c < limbs.length[l] ? 4 : 0, two[l] = four[l] / 2;
     }
-    detail::put_column<width, T>(matrix, leading, f, row, column, four);
-    detail::put_column<width, T>(matrix, leading, f + 4, row4, column, two);
-  }
+    detail::put_column<width, T>(upper, f, four, 4);
+    detail::put_column<width, T>(lower, f + 4, two, 2);
+  });
 }
-template <int width, class T>
+template <int width, int steps, class T>
 DALEMBERT_INLINE void base_rows(const T* force, int stride, const LimbTable& limbs, T* matrix, int leading) {
-  for (int r0 = 0; r0 < limbs.steps; r0 += 4) {
-    const int rows = detail::least(4, limbs.steps - r0);
-    int row[width], count[width];
-    for (int l = 0; l < width; ++l)
-      row[l] = limbs.first_row[l] + r0, count[l] = detail::least(rows, limbs.length[l] - r0);
-    for (int j = 0; j < 6; ++j) {
+  constexpr bool out = steps <= detail::short_limb;
+  constexpr int tiles = (steps + 3) / 4;
+  detail::repeat<out, tiles>(tiles, [&](int tile) __attribute__((always_inline)) {
+    const int r0 = 4 * tile, rows = detail::least(4, steps - r0);
+    detail::repeat<out, 6>(6, [&](int j) __attribute__((always_inline)) {
       Lanes<T, width> f[4] = {};
-      int column[width];
-      for (int i = 0; i < rows; ++i) f[i] = load<width, T>(force + j * stride + limbs.first_slot + (r0 + i) * width);
-      for (int l = 0; l < width; ++l) column[l] = j;
-      detail::put_column<width, T>(matrix, leading, f, row, column, count);
-    }
-  }
+      T* to[width];
+      int count[width];
+      detail::write_out(std::make_integer_sequence<int, 4>{}, rows, [&](int i) __attribute__((always_inline)) {
+        f[i] = load<width, T>(force + j * stride + limbs.first_slot + (r0 + i) * width);
+      });
+      for (int l = 0; l < width; ++l) {
+        to[l] = matrix + j * leading + limbs.first_row[l] + r0;
+        count[l] = detail::least(rows, limbs.length[l] - r0);
+      }
+      detail::put_column<width, T>(to, f, count, rows);
+    });
+  });
 }
 
 }  // namespace dalembert

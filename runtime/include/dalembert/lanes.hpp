@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <cstring>
 
-#if defined(__GNUC__) && !defined(__clang__)
+#if defined(__GNUC__)
 #pragma GCC diagnostic ignored "-Wpsabi"  // lanes never cross a call: everything here is inlined
 #endif
 
@@ -52,13 +52,13 @@ DALEMBERT_INLINE Lanes<T, n> load(const T* from) {
 }
 
 template <int n, class T>
-DALEMBERT_INLINE void store(T* to, Lanes<T, n> x) {
+DALEMBERT_INLINE void store(T* to, const Lanes<T, n>& x) {
   std::memcpy(to, &x, sizeof x);
 }
 
 // The first `count` lanes only.
 template <int count, int n, class T>
-DALEMBERT_INLINE void store_first(T* to, Lanes<T, n> x) {
+DALEMBERT_INLINE void store_first(T* to, const Lanes<T, n>& x) {
   std::memcpy(to, &x, sizeof(T) * count);
 }
 
