@@ -49,6 +49,21 @@ std::string layout(const CodeInput& code) {
   return text;
 }
 
+// The joint of every slot; where a lane has no body left, its last joint's.
+std::vector<int> joints_of_slots(const CodeInput& code) {
+  std::vector<int> joints(static_cast<size_t>(code.plan.slots), 0);
+  for (const ir::Segment& s : code.plan.segments)
+    for (int lane = 0; lane < s.width; ++lane) {
+      int last = 0;
+      for (int step = 0; step < s.steps; ++step) {
+        const int body = s.bodies[static_cast<size_t>(lane)][static_cast<size_t>(step)];
+        if (body >= 0) last = body;
+        joints[static_cast<size_t>(s.first_slot + step * s.width + lane)] = last;
+      }
+    }
+  return joints;
+}
+
 // The slots of the joints that the arrays of positions and rates are spread to.
 std::string joint_tables(const CodeInput& code) {
   std::vector<int> all, turning, turning_at, sliding, sliding_at;
@@ -59,6 +74,7 @@ std::string joint_tables(const CodeInput& code) {
     (slides ? sliding_at : turning_at).push_back(k);
   }
   std::string text = int_table("joint_slot", all);
+  if (sliding.empty()) text += int_table("slot_joint", joints_of_slots(code));
   if (!sliding.empty()) {
     text += int_table("sliding_slot", sliding) + int_table("sliding_joint", sliding_at);
     if (!turning.empty()) text += int_table("turning_slot", turning) + int_table("turning_joint", turning_at);
@@ -80,17 +96,20 @@ class Prepare {
     const bool own = kept_role(code_, "sine") || kept_role(code_, "cosine");
     const bool pose = kept_role(code_, "pose_sine") || kept_role(code_, "pose_cosine");
     if (own) text += sines("", base_q, false);
-    if (pose) text += own ? copy_of_sines() : sines("pose_", base_q, true);
+    if (pose) text += own ? copy_of_sines() : sines("pose_", base_q, true) + held_at_zero();
     if (kept_role(code_, "slide")) text += spread("slide", "sliding", "q", base_q, false);
     if (kept_role(code_, "pose_slide")) text += spread("pose_slide", "sliding", "q", base_q, true);
-    if (kept_role(code_, "rate"))
+    if (kept_role(code_, "rate") && sliding_ == 0)
+      text += fmt::format("  for (int i = 0; i < {}; i += 4)\n    dalembert::store<4, Scalar>(kept.rate[0] + i, dalembert::gather<4>(v + {}, slot_joint + i));\n",
+                          code_.plan.slots, base_v);
+    else if (kept_role(code_, "rate"))
       text += fmt::format("  for (int k = 0; k < {}; ++k) kept.rate[0][joint_slot[k]] = v[{} + k];\n", code_.tree.joints(), base_v);
     text += root();
-    if (!own && !(pose && turning_ > 0) && text.find("q[") == std::string::npos) text += "  (void)q;\n";
-    if (text.find("v[") == std::string::npos) text += "  (void)v;\n";
+    if (text.find("q[") == std::string::npos && text.find("(q +") == std::string::npos) text += "  (void)q;\n";
+    if (text.find("v[") == std::string::npos && text.find("(v +") == std::string::npos) text += "  (void)v;\n";
     return text;
   }
-  bool needs_sines() const { return kept_role(code_, "sine") || kept_role(code_, "cosine") || kept_role(code_, "pose_sine"); }
+  bool needs_angles() const { return sliding_ > 0 && turning_ > 0 && (kept_role(code_, "sine") || kept_role(code_, "cosine") || kept_role(code_, "pose_sine")); }
 
  private:
   // Spreads the positions of some joints to their slots, but for the joints that carry the frame of reference if `reference`.
@@ -110,6 +129,9 @@ class Prepare {
   }
   std::string sines(const std::string& prefix, int base, bool reference) const {
     if (turning_ == 0) return "";
+    if (sliding_ == 0)
+      return fmt::format("  // Sines and cosines of all angles together.\n  dalembert::sincos_at<{0}>(q + {1}, slot_joint, kept.{2}sine[0], kept.{2}cosine[0]);\n",
+                         code_.plan.slots, base, prefix);
     return "  // Sines and cosines of all angles together; slots without a turning joint stay at zero.\n" +
            spread("angle", "turning", "q", base, reference) +
            fmt::format("  dalembert::sincos<{0}>(kept.angle[0], kept.{1}sine[0], kept.{1}cosine[0]);\n", code_.plan.slots, prefix);
@@ -119,6 +141,10 @@ class Prepare {
         "  // The joints that carry the frame of reference stand at zero in Phase I: M and C do not depend on them.\n"
         "  for (int i = 0; i < {}; ++i) {{\n    kept.pose_sine[0][i] = kept.sine[0][i];\n    kept.pose_cosine[0][i] = kept.cosine[0][i];\n  }}\n",
         code_.plan.slots);
+    return text + held_at_zero();
+  }
+  std::string held_at_zero() const {
+    std::string text;
     for (int k : held_)
       text += fmt::format("  kept.pose_sine[0][{0}] = 0;\n  kept.pose_cosine[0][{0}] = 1;\n", slot_of(code_, k));
     return text;
@@ -237,11 +263,10 @@ std::string rolled_workspace(const CodeInput& code) {
   const auto row = [&](const std::string& name, int components, const std::string& meaning) {
     text += fmt::format("  alignas(64) Scalar {}[{}][{}] = {{}};  // {}\n", name, components, stride(code), meaning);
   };
-  if (Prepare(code).needs_sines()) row("angle", 1, "q of turning joints, rad");
-  bool sine = false;
+  if (Prepare(code).needs_angles()) row("angle", 1, "q of turning joints, rad");
   for (const ir::Role& r : code.rolled.roles) {
     if (!r.name.empty()) row(r.name, r.components, r.meaning);
-    sine = sine || r.name == "sine";
+
   }
   return text + "};\n";
 }

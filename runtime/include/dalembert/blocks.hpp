@@ -58,10 +58,16 @@ DALEMBERT_INLINE void repeat(int count, const F& f) {
   }
 }
 
+// f(0), …, f(width − 1), never a loop: what depends on the limbs' tables alone is then worked out by the compiler.
+template <int width, class F>
+DALEMBERT_INLINE void lanes(const F& f) {
+  write_out(std::make_integer_sequence<int, width>{}, width, f);
+}
+
 // Column l of four rows of `width` lanes: out[l] = (rows[0][l], rows[1][l], rows[2][l], rows[3][l]).
 template <class T>
 DALEMBERT_INLINE void transpose(const Lanes<T, 4>* rows, Lanes<T, 4>* out) {
-#if defined(__AVX512F__)
+#if defined(__AVX512F__) && defined(__clang__)  // GCC 12 joins registers by way of memory
   using W = Lanes<T, 8>;  // two permutations of registers twice as wide
   const W upper = __builtin_shufflevector(rows[0], rows[1], 0, 1, 2, 3, 4, 5, 6, 7);
   const W lower = __builtin_shufflevector(rows[2], rows[3], 0, 1, 2, 3, 4, 5, 6, 7);
@@ -83,7 +89,9 @@ DALEMBERT_INLINE void transpose(const Lanes<T, 4>* rows, Lanes<T, 4>* out) {
 }
 template <class T>
 DALEMBERT_INLINE void transpose(const Lanes<T, 2>* rows, Lanes<T, 4>* out) {
-  for (int l = 0; l < 2; ++l) out[l] = Lanes<T, 4>{rows[0][l], rows[1][l], rows[2][l], rows[3][l]};
+  const Lanes<T, 4> a = __builtin_shufflevector(rows[0], rows[1], 0, 2, 1, 3), b = __builtin_shufflevector(rows[2], rows[3], 0, 2, 1, 3);
+  out[0] = __builtin_shufflevector(a, b, 0, 1, 4, 5);
+  out[1] = __builtin_shufflevector(a, b, 2, 3, 6, 7);
 }
 
 // The same for two rows.
@@ -176,13 +184,13 @@ DALEMBERT_INLINE void fill(Tile<width, T>& tile, const Upper<T>& up, int above, 
 template <int width, class T>
 DALEMBERT_INLINE void put_column(T* const* to, const Lanes<T, width>* values, const int* count, int along) {
   if (along == 1) {
-    write_out(std::make_integer_sequence<int, width>{}, width, [&](int l) __attribute__((always_inline)) {
+    lanes<width>([&](int l) __attribute__((always_inline)) {
       if (count[l] > 0) *to[l] = values[0][l];
     });
   } else if (along == 2) {
     Lanes<T, 2> turned[width];
     transpose_pair<T>(values, turned);
-    write_out(std::make_integer_sequence<int, width>{}, width, [&](int l) __attribute__((always_inline)) {
+    lanes<width>([&](int l) __attribute__((always_inline)) {
       if (count[l] > 1) {
         store<2, T>(to[l], turned[l]);
       } else if (count[l] == 1) {
@@ -192,8 +200,7 @@ DALEMBERT_INLINE void put_column(T* const* to, const Lanes<T, width>* values, co
   } else {
     Lanes<T, 4> turned[width];
     transpose<T>(values, turned);
-    write_out(std::make_integer_sequence<int, width>{}, width,
-              [&](int l) __attribute__((always_inline)) { store_count<T>(to[l], turned[l], count[l]); });
+    lanes<width>([&](int l) __attribute__((always_inline)) { store_count<T>(to[l], turned[l], count[l]); });
   }
 }
 
@@ -213,16 +220,16 @@ DALEMBERT_INLINE void put(T* matrix, int leading, const Lanes<T, width> (*values
   const int* column = by_upper ? at.row_above : at.row_below;
   const int* left = by_upper ? at.left_below : at.left_above;
   const int* across = by_upper ? at.left_above : at.left_below;
-  for (int l = 0; l < width; ++l) to[l] = matrix + column[l] * leading + row[l];
+  lanes<width>([&](int l) __attribute__((always_inline)) { to[l] = matrix + column[l] * leading + row[l]; });
   repeat<out, 4>(by_upper ? above : below, [&](int i) __attribute__((always_inline)) {
     Lanes<T, width> line[4] = {};
     T* here[width];
     write_out(std::make_integer_sequence<int, 4>{}, along,
               [&](int j) __attribute__((always_inline)) { line[j] = by_upper ? values[i][j] : values[j][i]; });
-    for (int l = 0; l < width; ++l) {
+    detail::lanes<width>([&](int l) __attribute__((always_inline)) {
       here[l] = to[l] + i * leading;
       count[l] = i < across[l] ? least(left[l], along) : 0;
-    }
+    });
     put_column<width, T>(here, line, count, along);
   });
 }
@@ -266,10 +273,10 @@ DALEMBERT_INLINE void limb_blocks(const Panels<T>& panels, const LimbTable& limb
       const detail::Upper<T> up{panels.joint_linear + from, panels.joint_angular + from,
                                 has_coriolis(elements) ? panels.joint_rate + from : nullptr, panels.stride};
       detail::Place<width> at;
-      for (int l = 0; l < width; ++l) {
+      detail::lanes<width>([&](int l) __attribute__((always_inline)) {
         at.row_above[l] = limbs.first_row[l] + r0, at.left_above[l] = limbs.length[l] - r0;
         at.row_below[l] = limbs.first_row[l] + c0, at.left_below[l] = limbs.length[l] - c0;
-      }
+      });
       if (r0 == c0) {
         detail::tile_into<elements, width, true, out, T>(p, up, below, below, at, M, C, leading);
       } else {
@@ -303,10 +310,10 @@ DALEMBERT_INLINE void cross_blocks(const Panels<T>& panels, const LimbTable& lim
       const T* from = gathered + r0 * width;
       const detail::Upper<T> up{from, from + 3 * stride, from + 6 * stride, stride};
       detail::Place<width> at;
-      for (int l = 0; l < width; ++l) {
+      detail::lanes<width>([&](int l) __attribute__((always_inline)) {
         at.row_above[l] = above.first_row[l] + r0, at.left_above[l] = above.length[l] - r0;
         at.row_below[l] = limbs.first_row[l] + c0, at.left_below[l] = above.length[l] > 0 ? limbs.length[l] - c0 : 0;
-      }
+      });
       detail::tile_into<elements, width, false, out, T>(p, up, rows, below, at, M, C, leading);
     });
   };
@@ -323,10 +330,10 @@ DALEMBERT_INLINE void base_columns(const T* force, int stride, const LimbTable& 
     detail::load_all<width, T>(f, force + limbs.first_slot + c * width, 6, stride);
     T *upper[width], *lower[width];
     int four[width], two[width];
-    for (int l = 0; l < width; ++l) {
+    detail::lanes<width>([&](int l) __attribute__((always_inline)) {
       upper[l] = matrix + (limbs.first_row[l] + c) * leading, lower[l] = upper[l] + 4;
       four[l] = c < limbs.length[l] ? 4 : 0, two[l] = four[l] / 2;
-    }
+    });
     detail::put_column<width, T>(upper, f, four, 4);
     detail::put_column<width, T>(lower, f + 4, two, 2);
   });
@@ -344,10 +351,10 @@ DALEMBERT_INLINE void base_rows(const T* force, int stride, const LimbTable& lim
       detail::write_out(std::make_integer_sequence<int, 4>{}, rows, [&](int i) __attribute__((always_inline)) {
         f[i] = load<width, T>(force + j * stride + limbs.first_slot + (r0 + i) * width);
       });
-      for (int l = 0; l < width; ++l) {
+      detail::lanes<width>([&](int l) __attribute__((always_inline)) {
         to[l] = matrix + j * leading + limbs.first_row[l] + r0;
         count[l] = detail::least(rows, limbs.length[l] - r0);
-      }
+      });
       detail::put_column<width, T>(to, f, count, rows);
     });
   });

@@ -67,16 +67,25 @@ DALEMBERT_INLINE Lanes<T, n> broadcast(T x) {
   return Lanes<T, n>{} + x;
 }
 
+// One value per lane: f(0), f(1), … Built in registers: writing lanes one by one would go through memory.
+template <int n, class T, class F>
+DALEMBERT_INLINE Lanes<T, n> each_lane(const F& f) {
+  static_assert(n == 1 || n == 2 || n == 4 || n == 8, "lanes come in powers of two up to eight");
+  if constexpr (n == 1) {
+    return f(0);
+  } else if constexpr (n == 2) {
+    return Lanes<T, 2>{f(0), f(1)};
+  } else if constexpr (n == 4) {
+    return Lanes<T, 4>{f(0), f(1), f(2), f(3)};
+  } else {
+    return Lanes<T, 8>{f(0), f(1), f(2), f(3), f(4), f(5), f(6), f(7)};
+  }
+}
+
 // One value per lane from anywhere: from[at[0]], from[at[1]], …
 template <int n, class T>
 DALEMBERT_INLINE Lanes<T, n> gather(const T* from, const int* at) {
-  if constexpr (n == 1) {
-    return from[at[0]];
-  } else {
-    Lanes<T, n> x{};
-    for (int i = 0; i < n; ++i) x[i] = from[at[i]];
-    return x;
-  }
+  return each_lane<n, T>([=](int i) { return from[at[i]]; });
 }
 
 template <int n, class T>

@@ -67,25 +67,43 @@ __attribute__((noinline, cold)) void sincos_large(const T* angle, T* sine, T* co
 
 }  // namespace detail
 
-// angle, sine, cosine: arrays of padded(n) elements, rad; angle's padding must hold numbers (zeros). The arrays may not overlap.
-template <int n, class T>
-DALEMBERT_INLINE void sincos(const T* angle, T* sine, T* cosine) {
+namespace detail {
+
+// Blocks of n angles, each read by read(i), a register at a time.
+template <int n, class T, class Read>
+DALEMBERT_INLINE void sincos_each(const Read& read, T* sine, T* cosine) {
   constexpr int w = native_lanes < 2 ? 2 : native_lanes;
   using V = Lanes<double, w>;
   Lanes<std::int64_t, w> large{};
   for (int i = 0; i < n; i += w) {
-    V x, s, c;
-    for (int j = 0; j < w; ++j) x[j] = static_cast<double>(angle[i + j]);
+    V s, c;
+    const V x = each_lane<w, double>([&](int j) { return static_cast<double>(read(i + j)); });
     large |= (x > sincos_fast_limit) | (x < -sincos_fast_limit);
-    detail::sincos_reduced<w>(x, s, c);
-    for (int j = 0; j < w; ++j) {
-      sine[i + j] = static_cast<T>(s[j]);
-      cosine[i + j] = static_cast<T>(c[j]);
-    }
+    sincos_reduced<w>(x, s, c);
+    store<w, T>(sine + i, __builtin_convertvector(s, Lanes<T, w>));
+    store<w, T>(cosine + i, __builtin_convertvector(c, Lanes<T, w>));
   }
   std::int64_t any = 0;
   for (int j = 0; j < w; ++j) any |= large[j];
-  if (__builtin_expect(any != 0, 0)) detail::sincos_large(angle, sine, cosine, n);
+  if (__builtin_expect(any != 0, 0)) {
+    T angle[padded(n)];
+    for (int i = 0; i < n; ++i) angle[i] = read(i);
+    sincos_large(angle, sine, cosine, n);
+  }
+}
+
+}  // namespace detail
+
+// angle, sine, cosine: arrays of padded(n) elements, rad; angle's padding must hold numbers (zeros). The arrays may not overlap.
+template <int n, class T>
+DALEMBERT_INLINE void sincos(const T* angle, T* sine, T* cosine) {
+  detail::sincos_each<n, T>([angle](int i) { return angle[i]; }, sine, cosine);
+}
+
+// Of angle[at[0]], …, angle[at[n − 1]]; n a multiple of eight.
+template <int n, class T>
+DALEMBERT_INLINE void sincos_at(const T* angle, const int* at, T* sine, T* cosine) {
+  detail::sincos_each<n, T>([angle, at](int i) { return angle[at[i]]; }, sine, cosine);
 }
 
 }  // namespace dalembert
