@@ -35,8 +35,8 @@ class Lowering {
 
   ir::Program run() {
     for (size_t k = 0; k < bodies_.size(); ++k) inputs(k);
-    if (wanted("gravity")) gravity();
-    if (wanted("bias")) bias();
+    if (wanted("gravity")) gravity(array("gravity"));
+    if (wanted("bias")) scene_.rates_zero ? gravity(array("bias")) : bias();
     const bool poses = std::any_of(program_.arrays.begin(), program_.arrays.end(), [](const ir::OutputArray& a) {
       return a.name != "gravity" && a.name != "bias";
     });
@@ -106,8 +106,7 @@ class Lowering {
   }
 
   // g_i = −J_i·[m γ; h × γ] with γ and the subtree's first moment h along the body's own axes.
-  void gravity() {
-    const int array = this->array("gravity");
+  void gravity(int array) {
     std::vector<Vec3> down(bodies_.size()), first(bodies_.size());
     std::vector<Sym> mass(bodies_.size());
     const Vec3 base_down = in_.gravity_in_base();
@@ -174,7 +173,7 @@ class Lowering {
       torque = scaled(k, torque);
       if (!joint.driven()) {
         torque = torque + in_.constant(joint.damping) * b.rate;
-        if (joint.friction != 0 && !scene_.rates_zero)
+        if (joint.friction != 0)
           torque = torque + in_.constant(joint.friction) * Sym{&program_.graph, program_.graph.sign(b.rate.id)};
       }
       put(array, row_of(k), 0, torque);

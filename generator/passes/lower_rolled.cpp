@@ -348,7 +348,7 @@ class RolledLowering {
     for (Quantity q : scene_.outputs) {
       program_.mass |= q == Quantity::mass_matrix;
       program_.coriolis |= q == Quantity::coriolis_matrix;
-      program_.gravity |= q == Quantity::gravity;
+      program_.gravity |= q == Quantity::gravity && scene_.gravity_kind != ir::GravityKind::none;
       program_.bias |= q == Quantity::bias;
       program_.wrench |= q == Quantity::wrench_influence;
     }

@@ -138,8 +138,10 @@ ir::Plan plan(const ir::KinematicTree& tree, const ir::Scene& scene, const ir::O
               const ir::CompileOptions& options) {
   ir::Plan plan;
   plan.tasks = scene.parallel == ir::Parallel::tasks;
-  // A driven joint's row is a sum of rows, a payload's moments are inputs: only the straight form knows either.
-  bool straight_only = !scene.payloads.empty();
+  // A driven joint's row is a sum of rows, a payload's moments are inputs, the bias at rest is gravity's: only the straight form
+  // knows any of them.
+  const bool bias = std::find(scene.outputs.begin(), scene.outputs.end(), ir::Quantity::bias) != scene.outputs.end();
+  bool straight_only = !scene.payloads.empty() || (scene.rates_zero && bias);
   for (const ir::Body& b : tree.bodies) straight_only = straight_only || b.driven();
   ir::Form form = options.form;
   if (form == ir::Form::automatic) form = straight.total() <= 3500 && !plan.tasks ? ir::Form::straight : ir::Form::rolled;

@@ -73,6 +73,35 @@ TEST(Eval, EnginesAgreeAndShapesAreThoseOfTheQuantity) {
   }
 }
 
+// NaN where the scene says nothing is read.
+TEST(Eval, DoesNotReadWhatTheQuantityDoesNotDependOn) {
+  struct Case {
+    std::vector<std::string> options;
+    std::string output, state, same;
+  };
+  const std::string zeros = " 0 0 0 0", q = "0.1 -0.2 0.3 0.4", nans = " nan nan nan nan";
+  const std::string pose = "0.5 0.6 0.7 0.6 0 0 0.8 ", no_pose = "nan nan nan nan nan nan nan ", twist = " 0 0 0 0 0 0";
+  const std::string no_twist = " nan nan nan nan nan nan";
+  for (const Case& c :
+       {Case{{"--base", "fixed", "--outputs", "gravity"}, "gravity", q + zeros, q + nans},
+        Case{{"--base", "fixed", "--outputs", "mass_matrix"}, "mass_matrix", q + zeros, "nan -0.2 0.3 0.4" + nans},
+        Case{{"--base", "floating", "--outputs", "mass_matrix"},
+             "mass_matrix",
+             pose + q + twist + zeros,
+             no_pose + q + no_twist + nans},
+        Case{{"--base", "fixed", "--rates_zero", "true", "--outputs", "bias"}, "bias", q + zeros, q + nans}}) {
+    SCOPED_TRACE(c.output);
+    std::vector<std::string> arguments{"eval", arm, "--state", "-", "--output", c.output};
+    arguments.insert(arguments.end(), c.options.begin(), c.options.end());
+    const Outcome plain = run_dalembert(arguments, ".", c.state + "\n"),
+                  poisoned = run_dalembert(arguments, ".", c.same + "\n");
+    ASSERT_EQ(plain.status, 0) << plain.err;
+    ASSERT_EQ(poisoned.status, 0) << poisoned.err;
+    EXPECT_EQ(poisoned.out, plain.out);
+    EXPECT_EQ(plain.out.find("nan"), std::string::npos);
+  }
+}
+
 TEST(Check, PassesInDoubleAndFloat) {
   for (const char* scalar : {"double", "float"}) {
     const Outcome outcome = run_dalembert({"check", arm, "--scalar", scalar, "--outputs", "gravity"}, ".");

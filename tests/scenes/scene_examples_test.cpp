@@ -13,6 +13,7 @@
 #include "code_size.hpp"
 #include "commands/generated_engine.hpp"
 #include "commands/generic_engine.hpp"
+#include "compile.hpp"
 #include "costs.hpp"
 #include "ir/rotation.hpp"
 #include "passes/build_tree.hpp"
@@ -71,6 +72,10 @@ TEST_P(SceneExample, TheLibraryHasNoSymbolOfWhatIsLeftOut) {
   const std::vector<std::string> all = symbols(e.archive);
   ASSERT_TRUE(mentioned(all, "evaluate")) << e.archive;
   EXPECT_FALSE(mentioned(all, "tbb"));
+  for (const backend::OutputFile& file : compile(e.model)) {
+    EXPECT_EQ(file.text.find("tbb"), std::string::npos) << file.name;
+    EXPECT_FALSE(file.name.starts_with("tasks"));
+  }
   for (ir::Quantity quantity : ir::all_quantities) {
     const bool wanted = std::count(e.model.scene.outputs.begin(), e.model.scene.outputs.end(), quantity) > 0;
     EXPECT_EQ(mentioned(all, e.name + "_" + std::string(name_of(quantity))), wanted) << name_of(quantity);
@@ -115,6 +120,42 @@ TEST(SceneExamples, LegsOnlyTakeAtMost60PercentOfTheOperations) {
   const ir::Operations legs = operation_costs(example("legs_only").model).front().operations;
   const ir::Operations full = operation_costs(example("full_mass_coriolis").model).front().operations;
   EXPECT_LE(static_cast<double>(legs.total()), 0.6 * static_cast<double>(full.total()));
+}
+
+// At rest, whatever form is asked for, velocities are not even read; and without gravity nothing of it is computed.
+TEST(Statics, BiasIsGravityAndVelocitiesAreNotRead) {
+  Request request;
+  request.robot = example("full_humanoid").model.description.file;
+  request.settings = {{"outputs", "bias,gravity"}, {"rates_zero", "true"}};
+  request.form = "rolled";
+  Diagnostics warnings;
+  const Model model = read_model(request, warnings);
+  const std::vector<Output> outputs = outputs_of(model);
+  GeneratedEngine engine(model, outputs, "-O1");
+  for (State state : random_states(model.tree, 5)) {
+    const Eigen::MatrixXd expected = evaluate_generic(model, outputs[1], state);
+    state.v.setConstant(nan);
+    engine.evaluate(state);
+    for (const Output& output : outputs)
+      EXPECT_LE((engine.result(output) - expected).cwiseAbs().maxCoeff(), 1e-12 * expected.cwiseAbs().maxCoeff())
+          << output.name;
+  }
+}
+
+TEST(Statics, WithoutGravityTheRolledFormHasNothingOfIt) {
+  Request request;
+  request.robot = example("full_humanoid").model.description.file;
+  request.settings = {{"outputs", "mass_matrix,gravity"}, {"gravity", "none"}};
+  request.form = "rolled";
+  Diagnostics warnings;
+  const ir::RolledProgram with_none = lower(read_model(request, warnings)).rolled;
+  request.settings.back().text = "0,0,-9.81";
+  const ir::RolledProgram with_some = lower(read_model(request, warnings)).rolled;
+  const auto kept = [](const ir::RolledProgram& program) {
+    return std::count_if(program.roles.begin(), program.roles.end(), [](const ir::Role& r) { return !r.name.empty(); });
+  };
+  EXPECT_FALSE(with_none.gravity);
+  EXPECT_LT(kept(with_none), kept(with_some));
 }
 
 struct Payload {
