@@ -7,6 +7,7 @@
 #include <iterator>
 
 #include "backend/emit.hpp"
+#include "backend/workspace_size.hpp"
 #include "passes/lower.hpp"
 #include "passes/lower_rolled.hpp"
 #include "passes/normalise.hpp"
@@ -25,6 +26,13 @@ std::string hash_of_file(const std::string& path) {
   return fmt::format("{:016x}", hash);
 }
 
+// All but the URDF's hash and the report.
+backend::CodeInput code_input(const Model& model, const Lowered& lowered) {
+  return {model.tree,   lowered.normal,     model.scene, lowered.program,
+          lowered.plan, lowered.rolled,     model.name,  std::filesystem::path(model.description.file).filename().string(),
+          "",           model.command_line, {}};
+}
+
 }  // namespace
 
 Lowered lower(const Model& model) {
@@ -38,11 +46,16 @@ Lowered lower(const Model& model) {
   return lowered;
 }
 
+std::size_t workspace_bytes(const Model& model, const Lowered& lowered) {
+  return backend::workspace_bytes(code_input(model, lowered));
+}
+
 std::vector<backend::OutputFile> compile(const Model& model) {
   const Lowered lowered = lower(model);
-  return backend::emit({model.tree, lowered.normal, model.scene, lowered.program, lowered.plan, lowered.rolled, model.name,
-                        std::filesystem::path(model.description.file).filename().string(), hash_of_file(model.description.file),
-                        model.command_line, report(model, lowered)});
+  backend::CodeInput code = code_input(model, lowered);
+  code.source_hash = hash_of_file(model.description.file);
+  code.report = report(model, lowered);
+  return backend::emit(code);
 }
 
 }  // namespace dalembert

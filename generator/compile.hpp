@@ -1,6 +1,8 @@
 // The back half of the compiler: a Model becomes a scalar program, a plan for its shape, and text.
 #pragma once
 
+#include <cstddef>
+
 #include "ir/normal_tree.hpp"
 #include "ir/plan.hpp"
 #include "ir/program.hpp"
@@ -17,5 +19,8 @@ struct Lowered {
   ir::RolledProgram rolled;  // empty for the straight form
 };
 Lowered lower(const Model& model);
+
+// sizeof(Workspace) of the generated code.
+std::size_t workspace_bytes(const Model& model, const Lowered& lowered);
 
 }  // namespace dalembert

@@ -5,8 +5,6 @@
 
 #include <algorithm>
 
-#include "backend/workspace_size.hpp"
-
 namespace dalembert {
 namespace {
 
@@ -97,8 +95,7 @@ std::vector<std::string> report(const Model& model, const Lowered& lowered) {
       lines.push_back(fmt::format("Not read {}: {}", cost.name == "all" ? "at all" : "by " + cost.name, unread));
   if (lowered.plan.form == ir::Form::rolled)
     lines.push_back("The code is in rolled form: its loops compute padding and constants that this count does not have.");
-  lines.push_back(fmt::format("Workspace: {} bytes",
-                              backend::workspace_bytes(lowered.program.arrays, model.scene, lowered.plan, lowered.rolled)));
+  lines.push_back(fmt::format("Workspace: {} bytes", workspace_bytes(model, lowered)));
   return lines;
 }
 

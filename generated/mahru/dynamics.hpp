@@ -31,7 +31,7 @@
 // Not read by coriolis_matrix: base pose
 // Not read by gravity: base position, velocities
 // The code is in rolled form: its loops compute padding and constants that this count does not have.
-// Workspace: 46720 bytes
+// Workspace: 46400 bytes
 #pragma once
 
 #include <Eigen/Core>

@@ -257,17 +257,19 @@ std::vector<StageText> stages(const CodeInput& code) {
 
 }  // namespace
 
+std::vector<KeptArray> kept_arrays(const CodeInput& code) {
+  std::vector<KeptArray> arrays;
+  if (Prepare(code).needs_angles()) arrays.push_back({"angle", 1, stride(code), "q of turning joints, rad"});
+  for (const ir::Role& r : code.rolled.roles)
+    if (!r.name.empty()) arrays.push_back({r.name, r.components, stride(code), r.meaning});
+  return arrays;
+}
+
 std::string rolled_workspace(const CodeInput& code) {
   std::string text = fmt::format(
       "// Room to work in: one value per slot, a slot per body of a limb and lane; the root's slot is {}.\nstruct Kept {{\n", code.plan.slots);
-  const auto row = [&](const std::string& name, int components, const std::string& meaning) {
-    text += fmt::format("  alignas(64) Scalar {}[{}][{}] = {{}};  // {}\n", name, components, stride(code), meaning);
-  };
-  if (Prepare(code).needs_angles()) row("angle", 1, "q of turning joints, rad");
-  for (const ir::Role& r : code.rolled.roles) {
-    if (!r.name.empty()) row(r.name, r.components, r.meaning);
-
-  }
+  for (const KeptArray& a : kept_arrays(code))
+    text += fmt::format("  alignas(64) Scalar {}[{}][{}] = {{}};  // {}\n", a.name, a.components, a.slots, a.meaning);
   return text + "};\n";
 }
 

@@ -10,6 +10,15 @@ namespace dalembert::backend {
 // The text of dynamics.cpp.
 std::string rolled_source(const CodeInput& code, const std::string& banner);
 
+// The arrays of struct Kept: Scalar name[components][slots], each at a multiple of 64 bytes.
+struct KeptArray {
+  std::string name;
+  int components = 0;
+  int slots = 0;
+  std::string meaning;
+};
+std::vector<KeptArray> kept_arrays(const CodeInput& code);
+
 // What the workspace keeps per slot: the definition of struct Kept.
 std::string rolled_workspace(const CodeInput& code);
 

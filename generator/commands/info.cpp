@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
-#include "backend/workspace_size.hpp"
 #include "commands/json.hpp"
+#include "compile.hpp"
 #include "report.hpp"
 
 namespace dalembert {
@@ -137,8 +137,7 @@ std::string describe_json(const Model& model) {
       "{{\n  \"robot\": {},\n  \"name\": {},\n  \"base\": \"{}\",\n  \"nq\": {},\n  \"nv\": {},\n  \"joints\": {},\n"
       "  \"bodies\": {},\n  \"workspace_bytes\": {},\n  \"quantities\": {{{}\n  }},\n  \"without_scene\": {{{}\n  }}\n}}\n",
       json_string(tree.robot), json_string(model.name), tree.floating_base ? "floating" : "fixed", tree.nq(), tree.nv(),
-      json_array(joints), json_array(bodies),
-      backend::workspace_bytes(lowered.program.arrays, model.scene, lowered.plan, lowered.rolled),
+      json_array(joints), json_array(bodies), workspace_bytes(model, lowered),
       quantities_json(operation_costs(lowered.program, tree)), quantities_json(costs_before(model)));
 }
 
