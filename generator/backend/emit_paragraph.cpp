@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <map>
 #include <set>
 
 #include "backend/graph_printer.hpp"
@@ -135,12 +136,16 @@ class ParagraphWriter {
 
   std::string carried_to_parents() const {
     std::string text;
+    std::map<int, std::vector<size_t>> lanes_of;  // by parent
+    for (size_t lane = 0; lane < segment_.parents.size(); ++lane)
+      if (segment_.bodies[lane].front() >= 0 && (segment_.parents[lane] >= 0 || code_.tree.floating_base))
+        lanes_of[segment_.parents[lane]].push_back(lane);
     for (const ir::StateStore& c : paragraph_.carried)
-      for (size_t lane = 0; lane < segment_.parents.size(); ++lane) {
-        const int parent = segment_.parents[lane];
-        if (segment_.bodies[lane].front() < 0 || (parent < 0 && !code_.tree.floating_base)) continue;
-        text += fmt::format("    {}[{}] += dalembert::lane<{}, Scalar>({}, {});\n", kept(code_, c.role, c.component),
-                            slot_of(code_, parent), width_, variable(c.role, c.component), lane);
+      for (const auto& [parent, lanes] : lanes_of) {
+        std::vector<std::string> terms;
+        for (size_t lane : lanes)
+          terms.push_back(fmt::format("dalembert::lane<{}, Scalar>({}, {})", width_, variable(c.role, c.component), lane));
+        text += fmt::format("    {}[{}] += {};\n", kept(code_, c.role, c.component), slot_of(code_, parent), fmt::join(terms, " + "));
       }
     return text;
   }

@@ -130,11 +130,17 @@ class Prepare {
   std::string sines(const std::string& prefix, int base, bool reference) const {
     if (turning_ == 0) return "";
     if (sliding_ == 0)
-      return fmt::format("  // Sines and cosines of all angles together.\n  dalembert::sincos_at<{0}>(q + {1}, slot_joint, kept.{2}sine[0], kept.{2}cosine[0]);\n",
-                         code_.plan.slots, base, prefix);
+      return sines_by_segment(prefix, base);
     return "  // Sines and cosines of all angles together; slots without a turning joint stay at zero.\n" +
            spread("angle", "turning", "q", base, reference) +
            fmt::format("  dalembert::sincos<{0}>(kept.angle[0], kept.{1}sine[0], kept.{1}cosine[0]);\n", code_.plan.slots, prefix);
+  }
+  std::string sines_by_segment(const std::string& prefix, int base) const {
+    std::string text = "  // Sines and cosines of all angles together.\n";
+    for (const ir::Segment& s : code_.plan.segments)
+      text += fmt::format("  dalembert::sincos_at<{0}>(q + {1}, slot_joint + {2}, kept.{3}sine[0] + {2}, kept.{3}cosine[0] + {2});\n",
+                          (s.slots() + 3) / 4 * 4, base, s.first_slot, prefix);
+    return text;
   }
   std::string copy_of_sines() const {
     std::string text = fmt::format(

@@ -1,6 +1,7 @@
 #include "backend/emit_straight.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <map>
 
@@ -30,18 +31,34 @@ class Angles {
   // angle, sine and cosine of every joint, as declarations.
   std::string prologue(PrintStyle style) const {
     if (index_.empty()) return "";
+    const std::string room =
+        fmt::format("  constexpr int angles = {};\n  alignas(64) Scalar sine[dalembert::padded(angles)], cosine[dalembert::padded(angles)];\n", count());
+    if (const std::vector<int> at = positions(); !at.empty())
+      return fmt::format("  // Sines and cosines of all angles together.\n  static constexpr int angle_at[] = {{{}}};\n{}"
+                         "  dalembert::sincos_at<{}>(q, angle_at, sine, cosine);\n",
+                         fmt::join(at, ", "), room, at.size());
     std::vector<Sink> sinks;
     for (const auto& [node, i] : index_) sinks.push_back({node, fmt::format("angle[{}] = ", i), ";"});
-    std::string out = "  // Sines and cosines of all angles together.\n";
-    out += fmt::format("  constexpr int angles = {};\n", count());
-    out += "  alignas(64) Scalar angle[dalembert::padded(angles)] = {}, sine[dalembert::padded(angles)], "
-           "cosine[dalembert::padded(angles)];\n";
+    std::string out = "  // Sines and cosines of all angles together.\n" + room;
+    out += "  alignas(64) Scalar angle[dalembert::padded(angles)] = {};\n";
     style.heading = nullptr;
     out += print(graph_, sinks, style);
     return out + "  dalembert::sincos<angles>(angle, sine, cosine);\n";
   }
 
  private:
+  // Where in q the angles are, the last one repeated to fill a register; empty when an angle is not simply a position.
+  std::vector<int> positions() const {
+    std::vector<int> at(index_.size());
+    for (const auto& [node, i] : index_) {
+      const ir::Node& n = graph_[node];
+      if (n.op != ir::Op::input || n.input.kind != ir::InputKind::position) return {};
+      at[static_cast<size_t>(i)] = n.input.index;
+    }
+    while (at.size() % 4 != 0) at.push_back(at.back());
+    return at;
+  }
+
   const ir::Graph& graph_;
   std::map<ir::NodeId, int> index_;
 };

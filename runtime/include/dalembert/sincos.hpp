@@ -72,7 +72,7 @@ namespace detail {
 // Blocks of n angles, each read by read(i), a register at a time.
 template <int n, class T, class Read>
 DALEMBERT_INLINE void sincos_each(const Read& read, T* sine, T* cosine) {
-  constexpr int w = native_lanes < 2 ? 2 : native_lanes;
+  constexpr int w = native_lanes < 2 ? 2 : n % native_lanes == 0 ? native_lanes : 4;
   using V = Lanes<double, w>;
   Lanes<std::int64_t, w> large{};
   for (int i = 0; i < n; i += w) {
@@ -100,7 +100,8 @@ DALEMBERT_INLINE void sincos(const T* angle, T* sine, T* cosine) {
   detail::sincos_each<n, T>([angle](int i) { return angle[i]; }, sine, cosine);
 }
 
-// Of angle[at[0]], …, angle[at[n − 1]]; n a multiple of eight.
+// Of angle[at[0]], …, angle[at[n − 1]]; n is a multiple of four, and
+// sine and cosine have room for padded(n).
 template <int n, class T>
 DALEMBERT_INLINE void sincos_at(const T* angle, const int* at, T* sine, T* cosine) {
   detail::sincos_each<n, T>([angle, at](int i) { return angle[at[i]]; }, sine, cosine);
