@@ -37,7 +37,8 @@ backend::CodeInput code_input(const Model& model, const Lowered& lowered) {
 
 Lowered lower(const Model& model) {
   Lowered lowered{passes::normalise(model.tree, {model.options.move_parameters}), {}, {}, {}};
-  lowered.program = passes::lower(model.tree, lowered.normal, model.scene, {{model.options.fold, model.options.share}, true});
+  const bool names = model.tree.joints() < 200;  // nobody reads a straight line of a million statements
+  lowered.program = passes::lower(model.tree, lowered.normal, model.scene, {{model.options.fold, model.options.share}, names});
   const ir::Program& program = lowered.program;
   const ir::Operations operations = ir::count(program.graph, ir::uses(program.graph, program.roots()));
   lowered.plan = passes::plan(model.tree, model.scene, operations, model.options);

@@ -92,7 +92,7 @@ std::string straight_statements(const CodeInput& code, const ir::Program& progra
   style.type = "Scalar";
   style.scalar = code.scene.scalar;
   style.input = [&](const ir::Input& input) { return input_text(code, input); };
-  style.name = [&](ir::NodeId id) { return program.names[static_cast<size_t>(id)]; };
+  style.name = [&](ir::NodeId id) { return program.names.empty() ? std::string() : program.names[static_cast<size_t>(id)]; };
   style.sine_or_cosine = [&](const ir::Graph&, ir::NodeId id) { return angles.text(id); };
   style.heading = [&](const ir::Tag& tag) { return heading(code, tag); };
 

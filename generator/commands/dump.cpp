@@ -89,7 +89,7 @@ std::string program_text(const ir::KinematicTree& tree, const ir::Scene& scene, 
     if (n.b != ir::no_node) text += fmt::format(" %{}", n.b);
     if (n.op != ir::Op::constant && n.op != ir::Op::input)
       text += fmt::format("  ; phase {}, {}", n.tag.phase, joint_name(tree, n.tag.body));
-    if (const std::string& name = program.names[static_cast<size_t>(id)]; !name.empty()) text += ", " + name;
+    if (!program.names.empty() && !program.names[static_cast<size_t>(id)].empty()) text += ", " + program.names[static_cast<size_t>(id)];
     text += "\n";
   }
   for (const ir::OutputElement& e : program.elements)

@@ -6,14 +6,46 @@
 
 namespace dalembert::ir {
 
-Graph::Key Graph::key_of(const Node& n) {
+namespace {
+
+// What makes two nodes equal, in two words.
+struct Key {
+  std::uint64_t head, tail;
+  bool operator==(const Key&) const = default;
+};
+
+std::uint64_t pair(std::int32_t a, std::int32_t b) {
+  return static_cast<std::uint64_t>(static_cast<std::uint32_t>(a)) << 32 | static_cast<std::uint32_t>(b);
+}
+
+Key key_of(const Node& n) {
   const auto op = static_cast<std::uint64_t>(n.op);
   if (n.op == Op::constant) return {op, std::bit_cast<std::uint64_t>(n.value)};
-  if (n.op == Op::input)
-    return {op | static_cast<std::uint64_t>(n.input.kind) << 8,
-            static_cast<std::uint64_t>(static_cast<std::uint32_t>(n.input.index)) << 32 |
-                static_cast<std::uint32_t>(n.input.component)};
-  return {op, static_cast<std::uint64_t>(static_cast<std::uint32_t>(n.a)) << 32 | static_cast<std::uint32_t>(n.b)};
+  if (n.op == Op::input) return {op | static_cast<std::uint64_t>(n.input.kind) << 8, pair(n.input.index, n.input.component)};
+  return {op, pair(n.a, n.b)};
+}
+
+std::size_t hash(const Key& k) {
+  std::uint64_t x = (k.tail ^ (k.head << 56)) * 0x9E3779B97F4A7C15ull;
+  x ^= x >> 32;
+  return static_cast<std::size_t>(x * 0xD6E8FEB86659FD93ull >> 16);
+}
+
+}  // namespace
+
+std::size_t Graph::place_of(const Node& node) const {
+  const Key key = key_of(node);
+  const std::size_t mask = table_.size() - 1;
+  std::size_t at = hash(key) & mask;
+  while (table_[at] != no_node && !(key_of((*this)[table_[at]]) == key)) at = (at + 1) & mask;
+  return at;
+}
+
+void Graph::grow() {
+  std::vector<NodeId> old(2 * table_.size(), no_node);
+  old.swap(table_);
+  for (NodeId id : old)
+    if (id != no_node) table_[place_of((*this)[id])] = id;
 }
 
 NodeId Graph::intern(Node node) {
@@ -23,15 +55,15 @@ NodeId Graph::intern(Node node) {
     nodes_.push_back(node);
     return size() - 1;
   }
-  const auto [at, made] = index_.try_emplace(key_of(node), size());
-  if (made) nodes_.push_back(node);
-  return at->second;
+  const std::size_t at = place_of(node);
+  if (table_[at] != no_node) return table_[at];
+  const NodeId id = table_[at] = size();
+  nodes_.push_back(node);
+  if (2 * ++entries_ > table_.size()) grow();
+  return id;
 }
 
-NodeId Graph::find(Op op, NodeId a, NodeId b) const {
-  const auto at = index_.find(key_of(Node{op, a, b, 0, {}, {}}));
-  return at == index_.end() ? no_node : at->second;
-}
+NodeId Graph::find(Op op, NodeId a, NodeId b) const { return table_[place_of(Node{op, a, b, 0, {}, {}})]; }
 
 NodeId Graph::constant(double value) {
   if (value == 0) value = 0;  // one zero: −0 would not compare equal as a key

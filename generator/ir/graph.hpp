@@ -6,7 +6,6 @@
 #pragma once
 
 #include <cstdint>
-#include <unordered_map>
 #include <vector>
 
 namespace dalembert::ir {
@@ -82,18 +81,14 @@ class Graph {
   NodeId intern(Node node);
   NodeId find(Op op, NodeId a, NodeId b) const;
 
-  struct Key {
-    std::uint64_t head, tail;
-    bool operator==(const Key&) const = default;
-  };
-  struct KeyHash {
-    std::size_t operator()(const Key& k) const { return (k.head * 0x9E3779B97F4A7C15ull) ^ (k.tail + (k.head >> 29)); }
-  };
-  static Key key_of(const Node& node);
+  // Where in the table a node equal to this one stands, or the free place where it belongs.
+  std::size_t place_of(const Node& node) const;
+  void grow();
 
   Options options_{};
   std::vector<Node> nodes_;
-  std::unordered_map<Key, NodeId, KeyHash> index_;
+  std::vector<NodeId> table_ = std::vector<NodeId>(1024, no_node);  // open addressing; a power of two, at most half full
+  std::size_t entries_ = 0;
   Tag tag_{};
 };
 

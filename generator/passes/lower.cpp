@@ -76,7 +76,7 @@ class Lowering {
     for (const auto& [key, value] : elements_)
       if (!program_.graph.is_constant(value.id, 0))
         program_.elements.push_back({std::get<0>(key), std::get<2>(key), std::get<1>(key), value.id});
-    program_.names.resize(static_cast<size_t>(program_.graph.size()));
+    if (options_.names) program_.names.resize(static_cast<size_t>(program_.graph.size()));
   }
 
   void name(Sym x, int body, const std::string& what) {
