@@ -144,10 +144,14 @@ ir::Plan plan(const ir::KinematicTree& tree, const ir::Scene& scene, const ir::O
   bool straight_only = !scene.payloads.empty() || (scene.rates_zero && bias);
   for (const ir::Body& b : tree.bodies) straight_only = straight_only || b.driven();
   ir::Form form = options.form;
-  if (form == ir::Form::automatic) form = straight.total() <= 3500 && !plan.tasks ? ir::Form::straight : ir::Form::rolled;
+  lay_out(tree, options.pack ? 4 : 1, plan);
+  if (form == ir::Form::automatic) {
+    // Measured: limbs side by side are worth rolling from about 2000 operations on, a single chain later.
+    const bool lanes = std::any_of(plan.segments.begin(), plan.segments.end(), [](const ir::Segment& s) { return s.width > 1; });
+    form = straight.total() <= (lanes ? 2000 : 3500) && !plan.tasks ? ir::Form::straight : ir::Form::rolled;
+  }
   plan.form = straight_only ? ir::Form::straight : form;
-  if (plan.form == ir::Form::rolled) lay_out(tree, options.pack ? 4 : 1, plan);
-  return plan;
+  return plan.form == ir::Form::rolled ? plan : ir::Plan{.tasks = plan.tasks, .segments = {}, .slot_of = {}};
 }
 
 }  // namespace dalembert::passes
