@@ -8,8 +8,8 @@ set -eu
 
 build="g++ cmake ninja-build pkg-config libeigen3-dev liburdfdom-dev libtinyxml-dev libfmt-dev libyaml-cpp-dev libcli11-dev libtbb-dev libboost-dev"
 example="libmujoco-dev gnuplot-nox"
-test="libgtest-dev clang make python3 libmujoco-dev libdart-dev libdart-utils-dev libdart-utils-urdf-dev libdart-external-ikfast-dev
-      libassimp-dev libtinyxml2-dev dart-doc liborocos-kdl-dev libbenchmark-dev"
+test="libgtest-dev clang g++-aarch64-linux-gnu make python3 libmujoco-dev libdart-dev libdart-utils-dev libdart-utils-urdf-dev
+      libdart-external-ikfast-dev libassimp-dev libtinyxml2-dev dart-doc liborocos-kdl-dev libbenchmark-dev"
 
 wanted=""
 for group in "$@"; do

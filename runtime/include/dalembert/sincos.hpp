@@ -2,7 +2,7 @@
 //
 // Error at most 2 ulp for |x| ≤ 1e5 (reduction by three parts of π/2 whose products with the quadrant are exact, then the
 // minimax polynomials of fdlibm, S1…S6 and C1…C6, on ±π/4 with the reduction's remainder carried along). Larger angles are
-// handed to the standard library one by one: as accurate, slower. Infinities and NaN give NaN. No allocation, no lock.
+// handed to the standard library one by one: as accurate as that is, slower. Infinities and NaN give NaN. No allocation, no lock.
 #pragma once
 
 #include <cmath>
@@ -17,7 +17,7 @@ inline constexpr double sincos_fast_limit = 1e5;
 namespace detail {
 
 template <int n>
-DALEMBERT_INLINE void sincos_reduced(Lanes<double, n> x, Lanes<double, n>& sine, Lanes<double, n>& cosine) {
+DALEMBERT_INLINE void sincos_reduced(const Lanes<double, n>& x, Lanes<double, n>& sine, Lanes<double, n>& cosine) {
   using V = Lanes<double, n>;
   using I = Lanes<std::int64_t, n>;
   constexpr double magic = 6755399441055744.0;       // 1.5·2⁵²: adding it rounds to an integer, kept in the low bits

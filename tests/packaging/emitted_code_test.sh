@@ -1,0 +1,46 @@
+#!/bin/sh
+# sh emitted_code_test.sh DALEMBERT PROJECT EIGEN WORK COMPILER [FLAG...]
+#
+# Generates three robots that between them use every form of emitted code, and compiles each emitted file with COMPILER FLAG...
+# and warnings as errors. Exit status: 0 good, 1 a file does not compile, 77 this machine cannot tell.
+set -eu
+dalembert=$1 project=$2 eigen=$3 work=$4 compiler=$5
+shift 5
+
+if ! command -v "$compiler" > /dev/null; then
+  if command -v dpkg-query > /dev/null; then
+    echo "$compiler is not there; 'sh cmake/setup.sh build test' installs it" >&2
+    exit 1
+  fi
+  echo "SKIPPED: no $compiler on this machine"
+  exit 77
+fi
+machine=$("$compiler" -dumpmachine)
+case "$* $machine" in
+  *-march=x86-64*' 'x86_64*) ;;
+  *-march=x86-64*) echo "SKIPPED: $compiler compiles for $machine, not for x86-64"; exit 77 ;;
+esac
+
+rm -rf "$work"
+mkdir -p "$work/headers"
+generate_robot() {
+  robot=$1
+  shift
+  "$dalembert" generate "$project/tests/robots/$robot.urdf" --name "$robot" -o "$work/$robot" "$@"
+}
+generate_robot quadruped --base floating --form rolled --parallel tasks
+generate_robot prismatic_mix --base fixed --form straight --parallel serial
+generate_robot hand --base fixed --form rolled --scalar float --parallel serial
+
+# oneTBB's headers are the same for every target; a cross compiler must see them without the rest of /usr/include.
+for folder in oneapi tbb; do
+  if [ -d "/usr/include/$folder" ]; then ln -s "/usr/include/$folder" "$work/headers/$folder"; fi
+done
+
+failed=0
+for source in "$work"/*/*.cpp; do
+  echo "-- $compiler $* ${source#"$work"/}"
+  "$compiler" -std=c++17 -Wall -Wextra -Wpedantic -Werror -O1 "$@" -I "$work" -I "$project/runtime/include" -isystem "$eigen" \
+    -isystem "$work/headers" -c "$source" -o "$source.o" || failed=1
+done
+exit $failed
