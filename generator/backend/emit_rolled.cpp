@@ -65,7 +65,8 @@ std::vector<int> joints_of_slots(const CodeInput& code) {
 }
 
 // The slots of the joints that the arrays of positions and rates are spread to.
-std::string joint_tables(const CodeInput& code) {
+// Only those that the code reads.
+std::string joint_tables(const CodeInput& code, const std::string& text) {
   std::vector<int> all, turning, turning_at, sliding, sliding_at;
   for (int k = 0; k < code.tree.joints(); ++k) {
     all.push_back(slot_of(code, k));
@@ -73,13 +74,17 @@ std::string joint_tables(const CodeInput& code) {
     (slides ? sliding : turning).push_back(slot_of(code, k));
     (slides ? sliding_at : turning_at).push_back(k);
   }
-  std::string text = int_table("joint_slot", all);
-  if (sliding.empty()) text += int_table("slot_joint", joints_of_slots(code));
-  if (!sliding.empty()) {
-    text += int_table("sliding_slot", sliding) + int_table("sliding_joint", sliding_at);
-    if (!turning.empty()) text += int_table("turning_slot", turning) + int_table("turning_joint", turning_at);
-  }
-  return text;
+  std::string tables;
+  const auto add = [&](const std::string& name, const std::vector<int>& values) {
+    if (text.find(name) != std::string::npos) tables += int_table(name, values);
+  };
+  add("joint_slot", all);
+  add("slot_joint", joints_of_slots(code));
+  add("sliding_slot", sliding);
+  add("sliding_joint", sliding_at);
+  add("turning_slot", turning);
+  add("turning_joint", turning_at);
+  return tables;
 }
 
 class Prepare {
@@ -286,7 +291,7 @@ std::vector<Stage> rolled_stages(const CodeInput& code) {
 }
 
 std::string rolled_source(const CodeInput& code, const std::string& banner) {
-  std::string tables = joint_tables(code), text, calls, includes;
+  std::string tables, text, calls, includes;
   for (size_t s = 0; s < code.plan.segments.size(); ++s) {
     tables += "\n// " + code.plan.segments[s].name + ", a row per step, a column per lane\n" + segment_tables(code, s);
     tables += limb_tables(code, s);
@@ -301,6 +306,7 @@ std::string rolled_source(const CodeInput& code, const std::string& banner) {
                         keeps ? open_stage : "", unused, s.body);
     calls += fmt::format("  {}{}({});\n", code.plan.tasks ? "stages::" : "", s.stage.name, s.stage.call);
   }
+  tables = joint_tables(code, text) + tables;
   for (const auto& [name, word] : {std::pair{"blocks", "dalembert::limb_blocks"}, {"runs", "dalembert::run_block"},
                                    {"sincos", "dalembert::sincos"}, {"wrench", "dalembert::wrench_columns"}})
     if (text.find(word) != std::string::npos) includes += fmt::format("#include <dalembert/{}.hpp>\n", name);
