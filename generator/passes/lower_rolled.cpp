@@ -55,11 +55,18 @@ std::vector<ir::Role> make_roles() {
 class SegmentLowering {
  public:
   SegmentLowering(const ir::KinematicTree& tree, const ir::NormalTree& normal, const ir::Segment& segment,
-                  const ir::RolledProgram& program, const std::vector<double>& composite_mass, ir::SegmentCode& code)
-      : tree_(tree), normal_(normal), segment_(segment), program_(program), composite_mass_(composite_mass), code_(code) {}
+                  const ir::RolledProgram& program, const std::vector<double>& composite_mass,
+                  const ir::Graph::Options& options, ir::SegmentCode& code)
+      : tree_(tree),
+        normal_(normal),
+        segment_(segment),
+        program_(program),
+        composite_mass_(composite_mass),
+        options_(options),
+        code_(code) {}
 
   Paragraph& begin(const std::string& name, const std::string& equation, Direction direction) {
-    code_.paragraphs.push_back({name, equation, direction, {}, {}, {}});
+    code_.paragraphs.push_back({name, equation, direction, ir::Graph(options_), {}, {}});
     paragraph_ = &code_.paragraphs.back();
     return *paragraph_;
   }
@@ -292,6 +299,7 @@ class SegmentLowering {
   const ir::Segment& segment_;
   const ir::RolledProgram& program_;
   const std::vector<double>& composite_mass_;
+  const ir::Graph::Options options_;
   ir::SegmentCode& code_;
   Paragraph* paragraph_ = nullptr;
 };
@@ -339,8 +347,12 @@ Values follow(const Paragraph& p, Needed& needed, bool has_children) {
 
 class RolledLowering {
  public:
-  RolledLowering(const ir::KinematicTree& tree, const ir::NormalTree& normal, const ir::Scene& scene, const ir::Plan& plan)
-      : tree_(tree), normal_(normal), scene_(scene), plan_(plan) {}
+  RolledLowering(const ir::KinematicTree& tree, const ir::NormalTree& normal, const ir::Scene& scene, const ir::Plan& plan,
+                 const ir::Graph::Options& options)
+      : tree_(tree), normal_(normal), scene_(scene), plan_(plan), options_(options) {
+    program_.root.graph = ir::Graph(options);
+    program_.base_graph = ir::Graph(options);
+  }
 
   ir::RolledProgram run() {
     program_.roles = make_roles();
@@ -368,7 +380,7 @@ class RolledLowering {
  private:
   void lower_segment(const ir::Segment& segment) {
     program_.segments.emplace_back();
-    SegmentLowering lowering(tree_, normal_, segment, program_, composite_mass_, program_.segments.back());
+    SegmentLowering lowering(tree_, normal_, segment, program_, composite_mass_, options_, program_.segments.back());
     if (program_.mass || program_.coriolis || program_.wrench) lowering.matrices();
     if (program_.gravity) lowering.gravity();
     if (program_.bias) lowering.bias();
@@ -511,6 +523,7 @@ class RolledLowering {
   const ir::NormalTree& normal_;
   const ir::Scene& scene_;
   const ir::Plan& plan_;
+  const ir::Graph::Options options_;
   ir::RolledProgram program_;
   std::vector<double> composite_mass_;
   double total_mass_ = 0;
@@ -519,8 +532,8 @@ class RolledLowering {
 }  // namespace
 
 ir::RolledProgram lower_rolled(const ir::KinematicTree& tree, const ir::NormalTree& normal, const ir::Scene& scene,
-                               const ir::Plan& plan) {
-  return RolledLowering(tree, normal, scene, plan).run();
+                               const ir::Plan& plan, const ir::Graph::Options& options) {
+  return RolledLowering(tree, normal, scene, plan, options).run();
 }
 
 }  // namespace dalembert::passes

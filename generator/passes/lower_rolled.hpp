@@ -22,6 +22,6 @@ enum RoleId : int {
 };
 
 ir::RolledProgram lower_rolled(const ir::KinematicTree& tree, const ir::NormalTree& normal, const ir::Scene& scene,
-                               const ir::Plan& plan);
+                               const ir::Plan& plan, const ir::Graph::Options& options);
 
 }  // namespace dalembert::passes
