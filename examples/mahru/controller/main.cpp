@@ -17,7 +17,7 @@ struct Options {
   std::string urdf = MAHRU_URDF;
   Base base = Base::fixed;
   double seconds = 10;
-  double dynamics_limit = 10;
+  bool timing_counts = true;
   std::string out = ".";
 };
 
@@ -54,7 +54,7 @@ bool run(const Options& options) {
 
   Summary summary = summarise(ticks, Law::base);
   summary.heap_allocations = allocated;
-  const bool met = print_table(summary, Law::base, Law::joint_names, options.dynamics_limit);
+  const bool met = print_table(summary, Law::base, Law::joint_names, options.timing_counts);
   write_files(options.out, ticks, Law::base, Law::joint_names);
   return met;
 }
@@ -70,8 +70,8 @@ int main(int argc, char** argv) {
       ->transform(CLI::CheckedTransformer(std::map<std::string, Base>{{"fixed", Base::fixed}, {"floating", Base::floating}}));
   app.add_option("--seconds", options.seconds, "length of the run")->check(CLI::Range(1.5, 600.0))->capture_default_str();
   app.add_option("--urdf", options.urdf, "the plant's URDF")->check(CLI::ExistingFile);
-  app.add_option("--dynamics-limit", options.dynamics_limit, "target for the dynamics call's 99th percentile, in microseconds")
-      ->capture_default_str();
+  app.add_flag("!--ignore-timing", options.timing_counts,
+               "let the exit status rest on the other targets alone: for a machine busy with other work");
   app.add_option("-o,--out", options.out, "folder for the table of all ticks (csv) and the picture (svg)")
       ->capture_default_str();
   try {

@@ -9,6 +9,7 @@
 namespace controller {
 namespace {
 
+constexpr double dynamics_target = 10;     // µs, 99th percentile
 constexpr double rms_target = 1e-3;        // rad
 constexpr double agreement_target = 1e-9;  // relative
 constexpr double drift_target = 1e-6;      // relative, over the whole run: the integrator's error, not the law's
@@ -92,7 +93,7 @@ unset multiplot
 
 }  // namespace
 
-bool print_table(const Summary& summary, Base base, const char* const* joint_names, double dynamics_limit) {
+bool print_table(const Summary& summary, Base base, const char* const* joint_names, bool timing_counts) {
   fmt::print("\n  {:<34} {:>9} {:>9} {:>9} {:>9}\n", "time per tick, µs", "p50", "p99", "p99.9", "max");
   print_row("dynamics call (generated)", summary.dynamics);
   print_row("whole control law", summary.law);
@@ -115,8 +116,10 @@ bool print_table(const Summary& summary, Base base, const char* const* joint_nam
   }
 
   fmt::print("\n");
-  bool met = verdict("no deadline missed from computing", summary.missed_by_computing == 0);
-  met &= verdict(fmt::format("p99 of the dynamics call under {:g} µs", dynamics_limit), summary.dynamics.p99 < dynamics_limit);
+  bool in_time = verdict("no deadline missed from computing", summary.missed_by_computing == 0);
+  in_time &=
+      verdict(fmt::format("p99 of the dynamics call under {:g} µs", dynamics_target), summary.dynamics.p99 < dynamics_target);
+  bool met = in_time || !timing_counts;
   met &= verdict("RMS tracking error under 1e-3 rad after the first second", summary.rms_error < rms_target);
   met &= verdict("no heap allocation in the loop", summary.heap_allocations == 0);
   met &= verdict("M agrees with MuJoCo's to 1e-9", summary.mass_matrix_difference < agreement_target);
