@@ -53,7 +53,9 @@ void compare_momenta(const std::vector<Tick>& ticks, Summary& summary) {
 Summary summarise(const std::vector<Tick>& ticks, Base base) {
   Summary summary;
   summary.ticks = static_cast<int>(ticks.size());
-  summary.late = percentiles(ticks, &Tick::late);
+  summary.woken = percentiles(ticks, &Tick::woken);
+  summary.rehearsal = percentiles(ticks, &Tick::rehearsal);
+  summary.begun = percentiles(ticks, &Tick::begun);
   summary.dynamics = percentiles(ticks, &Tick::dynamics);
   summary.law = percentiles(ticks, &Tick::law);
   summary.plant = percentiles(ticks, &Tick::plant);

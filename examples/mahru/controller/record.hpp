@@ -11,15 +11,17 @@
 namespace controller {
 
 struct Tick {
-  std::int64_t late;      // ns from the time set to the time woken
-  std::int64_t dynamics;  // ns in the generated evaluate()
-  std::int64_t law;       // ns from the wake-up to the torques: state, reference, dynamics, law
-  std::int64_t plant;     // ns in the simulation (not part of a controller on a real robot)
-  std::int64_t finished;  // ns from the time set to the end of all work
-  std::int64_t computed;  // ns of processor time spent between wake-up and end, without what the hypervisor says it took
-  VectorJ q, q_d;         // rad
-  VectorJ torque;         // N m
-  double mass_matrix_difference;          // largest element of |M − M of the plant| / largest of |M|
+  std::int64_t woken;             // ns from the time the sleep was to end to the time it did
+  std::int64_t rehearsal;         // ns in the generated evaluate() right after the sleep, caches cold; its results are not used
+  std::int64_t begun;             // ns from the time set for the tick to its begin
+  std::int64_t dynamics;          // ns in the generated evaluate() that counts
+  std::int64_t law;               // ns from the begin to the torques: state, reference, dynamics, law
+  std::int64_t plant;             // ns in the simulation (not part of a controller on a real robot)
+  std::int64_t finished;          // ns from the time set to the end of all work
+  std::int64_t computed;          // ns of processor time spent between begin and end, without what the hypervisor says it took
+  VectorJ q, q_d;                 // rad
+  VectorJ torque;                 // N m
+  double mass_matrix_difference;  // largest element of |M − M of the plant| / largest of |M|
   Eigen::Vector3d linear[2], angular[2];  // momentum, world axes: by the generated M, by the plant
 };
 
@@ -28,11 +30,11 @@ struct Percentiles {
 };
 
 struct Summary {
-  Percentiles late, dynamics, law, plant;
+  Percentiles woken, rehearsal, begun, dynamics, law, plant;
   int ticks = 0;
   long heap_allocations = 0;    // during the loop, plant included
   int missed_by_computing = 0;  // the tick's work took more processor time than a period has
-  int missed_by_system = 0;     // late for any other reason: woken late, or other programs or the hypervisor had the processor
+  int missed_by_system = 0;     // late for any other reason: begun late, or other programs or the hypervisor had the processor
   double rms_error = 0, peak_error = 0;      // rad, all joints, after the first second
   int worst_joint = 0;                       // the one with the peak
   std::array<double, joints> rms{}, peak{};  // rad, each joint, after the first second

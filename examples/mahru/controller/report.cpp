@@ -29,13 +29,14 @@ void write_csv(const std::string& file, const std::vector<Tick>& ticks, const ch
   if (!out) throw std::runtime_error(file + ": cannot be written");
   fmt::print(out, "time_s");
   for (int i = 0; i < joints; ++i) fmt::print(out, ",{0}_rad,{0}_desired_rad", joint_names[i]);
-  fmt::print(out, ",largest_error_rad,dynamics_us,law_us,plant_us,late_us\n");
+  fmt::print(out, ",largest_error_rad,dynamics_us,law_us,plant_us,rehearsal_us,begun_us,woken_us\n");
   for (std::size_t k = 0; k < ticks.size(); ++k) {
     const Tick& tick = ticks[k];
     fmt::print(out, "{:.3f}", k * period);
     for (int i = 0; i < joints; ++i) fmt::print(out, ",{:.9g},{:.9g}", tick.q[i], tick.q_d[i]);
-    fmt::print(out, ",{:.6g},{:.3f},{:.3f},{:.3f},{:.3f}\n", (tick.q - tick.q_d).cwiseAbs().maxCoeff(), 1e-3 * tick.dynamics,
-               1e-3 * tick.law, 1e-3 * tick.plant, 1e-3 * tick.late);
+    fmt::print(out, ",{:.6g},{:.3f},{:.3f},{:.3f},{:.3f},{:.3f},{:.3f}\n", (tick.q - tick.q_d).cwiseAbs().maxCoeff(),
+               1e-3 * tick.dynamics, 1e-3 * tick.law, 1e-3 * tick.plant, 1e-3 * tick.rehearsal, 1e-3 * tick.begun,
+               1e-3 * tick.woken);
   }
   if (std::fclose(out) != 0) throw std::runtime_error(file + ": cannot be written");
 }
@@ -76,19 +77,19 @@ plot data every 10 using 1:{error} with lines notitle, 1e-3 with lines dt 2 lc b
 set format y '%g'
 set ylabel 'time, µs'
 set title 'Each tick'
-plot data every 5 using 1:{plant} with points pt 7 ps 0.2 lc 3 title 'plant', data every 5 using 1:{late} with points pt 7 ps 0.2 lc 4 title 'wake-up lateness', data every 5 using 1:{law} with points pt 7 ps 0.2 lc 2 title 'whole law', data every 5 using 1:{dynamics} with points pt 7 ps 0.2 lc 1 title 'dynamics call'
+plot data every 5 using 1:{plant} with points pt 7 ps 0.2 lc 3 title 'plant', data every 5 using 1:{woken} with points pt 7 ps 0.2 lc 4 title 'wake-up lateness', data every 5 using 1:{law} with points pt 7 ps 0.2 lc 2 title 'whole law', data every 5 using 1:{dynamics} with points pt 7 ps 0.2 lc 1 title 'dynamics call'
 unset logscale
 set logscale x
 set yrange [0:1]
 set xlabel 'time, µs'
 set ylabel 'share of ticks below'
 set title 'Distribution of times'
-plot data using {dynamics}:(1.0/{ticks}) smooth cumulative title 'dynamics call', data using {law}:(1.0/{ticks}) smooth cumulative title 'whole law', data using {plant}:(1.0/{ticks}) smooth cumulative title 'plant', data using {late}:(1.0/{ticks}) smooth cumulative title 'wake-up lateness'
+plot data using {dynamics}:(1.0/{ticks}) smooth cumulative title 'dynamics call', data using {law}:(1.0/{ticks}) smooth cumulative title 'whole law', data using {plant}:(1.0/{ticks}) smooth cumulative title 'plant', data using {woken}:(1.0/{ticks}) smooth cumulative title 'wake-up lateness'
 unset multiplot
 )",
                      fmt::arg("svg", quoted(svg)), fmt::arg("csv", quoted(csv)), fmt::arg("tracking", tracking),
                      fmt::arg("error", after_joints), fmt::arg("dynamics", after_joints + 1), fmt::arg("law", after_joints + 2),
-                     fmt::arg("plant", after_joints + 3), fmt::arg("late", after_joints + 4), fmt::arg("ticks", ticks));
+                     fmt::arg("plant", after_joints + 3), fmt::arg("woken", after_joints + 6), fmt::arg("ticks", ticks));
 }
 
 }  // namespace
@@ -96,10 +97,12 @@ unset multiplot
 bool print_table(const Summary& summary, Base base, const char* const* joint_names, bool timing_counts) {
   fmt::print("\n  {:<34} {:>9} {:>9} {:>9} {:>9}\n", "time per tick, µs", "p50", "p99", "p99.9", "max");
   print_row("dynamics call (generated)", summary.dynamics);
+  print_row("  rehearsal of it, caches cold", summary.rehearsal);
   print_row("whole control law", summary.law);
   print_row("plant and checks (MuJoCo)", summary.plant);
-  print_row("wake-up lateness (jitter)", summary.late);
-  fmt::print("\n  of {} deadlines missed from computing {}, missed from late wake-up or preemption {}\n", summary.ticks,
+  print_row("begin of the tick, late by", summary.begun);
+  print_row("wake-up lateness (jitter)", summary.woken);
+  fmt::print("\n  of {} deadlines missed from computing {}, missed from late begin or preemption {}\n", summary.ticks,
              summary.missed_by_computing, summary.missed_by_system);
   fmt::print("  tracking after the first second: RMS {:.3g} rad, peak {:.3g} rad ({})\n", summary.rms_error, summary.peak_error,
              joint_names[summary.worst_joint]);
