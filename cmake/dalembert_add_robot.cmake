@@ -1,4 +1,4 @@
-# dalembert_add_robot(TARGET URDF file [SCENE file] [NAME name] [TASKS] [OPTIONS option...])
+# dalembert_add_robot(TARGET URDF file [SCENE file] [NAME name] [TASKS] [NATIVE] [OPTIONS option...])
 #
 # Adds the static library TARGET: the dynamics of one robot in one use, generated while building and again whenever the URDF, the
 # scene or the generator changes (and compiled again only when the generated code itself does). Link it like any other library:
@@ -10,12 +10,16 @@
 #
 #   NAME     folder, namespace and C prefix of the code; TARGET if not given. Two robots in one program need two names.
 #   TASKS    emit the oneTBB task graph as well (NAME/tasks.hpp). The only case in which oneTBB is needed.
+#   NATIVE   optimise the code for the processor that compiles it, whatever the build type: -O3 -march=native. It is about three times
+#            as fast as plain x86-64 code, and runs on no older processor. The interface to it stays the same.
 #   OPTIONS  further options of `dalembert generate`, such as --base fixed --outputs mass_matrix,gravity
 #
 # Works the same inside this project's own tree and after find_package(dalembert).
 
+include(CheckCXXCompilerFlag)
+
 function(dalembert_add_robot target)
-  cmake_parse_arguments(PARSE_ARGV 1 ARG "TASKS" "URDF;SCENE;NAME" "OPTIONS")
+  cmake_parse_arguments(PARSE_ARGV 1 ARG "TASKS;NATIVE" "URDF;SCENE;NAME" "OPTIONS")
   if(ARG_UNPARSED_ARGUMENTS)
     message(FATAL_ERROR "dalembert_add_robot(${target}): unknown argument '${ARG_UNPARSED_ARGUMENTS}'; "
                         "options of the generator go behind OPTIONS")
@@ -67,6 +71,10 @@ function(dalembert_add_robot target)
   add_library(${target} STATIC ${files} "${stamp}")
   target_include_directories(${target} PUBLIC "${include_dir}")
   target_link_libraries(${target} PUBLIC dalembert::runtime)
+  if(ARG_NATIVE)
+    check_cxx_compiler_flag(-march=native DALEMBERT_HAS_MARCH_NATIVE)
+    target_compile_options(${target} PRIVATE -O3 $<$<BOOL:${DALEMBERT_HAS_MARCH_NATIVE}>:-march=native>)
+  endif()
   if(ARG_TASKS)
     target_link_libraries(${target} PUBLIC TBB::tbb)
   endif()
