@@ -43,8 +43,8 @@ Lowered lower(const Model& model) {
   const ir::Operations operations = ir::count(program.graph, ir::uses(program.graph, program.roots()));
   lowered.plan = passes::plan(model.tree, model.scene, operations, model.options);
   if (lowered.plan.form == ir::Form::rolled)
-    lowered.rolled = passes::lower_rolled(model.tree, lowered.normal, model.scene, lowered.plan,
-                                           {model.options.fold, model.options.share});
+    lowered.rolled =
+        passes::lower_rolled(model.tree, lowered.normal, model.scene, lowered.plan, {model.options.fold, model.options.share});
   return lowered;
 }
 

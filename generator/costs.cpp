@@ -83,9 +83,7 @@ std::vector<OperationCost> operation_costs(const ir::Program& program, const ir:
   return costs;
 }
 
-std::vector<OperationCost> operation_costs(const Model& model) {
-  return operation_costs(program_of(model), model.tree);
-}
+std::vector<OperationCost> operation_costs(const Model& model) { return operation_costs(program_of(model), model.tree); }
 
 std::vector<OperationCost> costs_before(const Model& model) {
   try {

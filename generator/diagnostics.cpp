@@ -28,7 +28,6 @@ std::string join(const Diagnostics& diagnostics) {
 
 InputError::InputError(Diagnostic diagnostic) : InputError(Diagnostics{std::move(diagnostic)}) {}
 
-InputError::InputError(Diagnostics diagnostics)
-    : std::runtime_error(join(diagnostics)), diagnostics_(std::move(diagnostics)) {}
+InputError::InputError(Diagnostics diagnostics) : std::runtime_error(join(diagnostics)), diagnostics_(std::move(diagnostics)) {}
 
 }  // namespace dalembert

@@ -29,9 +29,7 @@ std::string code_name(const Request& request, const ir::RobotDescription& robot)
   return name;
 }
 
-std::string file_name(const std::string& path) {
-  return std::filesystem::path(path).filename().string();
-}
+std::string file_name(const std::string& path) { return std::filesystem::path(path).filename().string(); }
 
 // As one word of a shell's command line.
 std::string quoted(const std::string& text) {

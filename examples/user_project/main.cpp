@@ -32,6 +32,4 @@ int try_arm() {
 
 }  // namespace
 
-int main() {
-  return try_arm() + try_cart_pole();
-}
+int main() { return try_arm() + try_cart_pole(); }

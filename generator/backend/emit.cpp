@@ -55,7 +55,8 @@ std::string run_time_inputs(const CodeInput& code) {
     text += fmt::format("\n  Scalar gravity_vector[3] = {{{}, {}, {}}};  // m/s^2, world axes: set it as you need\n",
                         literal(s.gravity[0], s.scalar), literal(s.gravity[1], s.scalar), literal(s.gravity[2], s.scalar));
   for (const std::string& link : s.payloads)
-    text += fmt::format("\n  Payload payload_{};  // carried by link {}: set it as you need\n", ir::identifier(link), comment_text(link));
+    text += fmt::format("\n  Payload payload_{};  // carried by link {}: set it as you need\n", ir::identifier(link),
+                        comment_text(link));
   return text;
 }
 
@@ -84,8 +85,9 @@ std::string views(const CodeInput& code) {
 std::string link_table(const CodeInput& code) {
   std::string text = "// Links and the bodies they move with:\n";
   for (const ir::LinkPlacement& link : code.tree.links)
-    text += fmt::format("//   {:<32} {}\n", comment_text(link.link),
-                        comment_text(link.body < 0 ? code.tree.base_link : code.tree.bodies[static_cast<size_t>(link.body)].name));
+    text +=
+        fmt::format("//   {:<32} {}\n", comment_text(link.link),
+                    comment_text(link.body < 0 ? code.tree.base_link : code.tree.bodies[static_cast<size_t>(link.body)].name));
   return text;
 }
 
@@ -126,7 +128,8 @@ OutputFile header(const CodeInput& code) {
                   {"nq", std::to_string(code.tree.nq())},
                   {"nv", std::to_string(code.tree.nv())},
                   {"position_layout", floating ? "base position in the world (3), quaternion x y z w (4), joints" : "joints"},
-                  {"velocity_layout", floating ? "base linear (3) and angular velocity (3) in base axes, joint rates" : "joint rates"},
+                  {"velocity_layout",
+                   floating ? "base linear (3) and angular velocity (3) in base axes, joint rates" : "joint rates"},
                   {"joints", std::to_string(joints.size())},
                   {"bodies", std::to_string(body_names.size())},
                   {"joint_enum", wrapped(joints, 2)},
@@ -151,7 +154,8 @@ void c_functions(const CodeInput& code, std::string& declarations, std::string& 
     definitions += fmt::format("{} {{\n{}}}\n\n", signature, body);
   };
   for (const ir::OutputArray& a : code.program.arrays)
-    add(fmt::format("{} x {}", a.rows, a.columns), fmt::format("const {}* {}_{}(const {}_workspace* workspace)", s, n, a.name, n),
+    add(fmt::format("{} x {}", a.rows, a.columns),
+        fmt::format("const {}* {}_{}(const {}_workspace* workspace)", s, n, a.name, n),
         fmt::format("  return workspace->{};\n", a.name));
   if (code.scene.gravity_kind == ir::GravityKind::run_time)
     add("gravity: 3 numbers, m/s^2, world axes",
@@ -160,7 +164,8 @@ void c_functions(const CodeInput& code, std::string& declarations, std::string& 
   for (const std::string& link : code.scene.payloads) {
     const std::string id = ir::identifier(link);
     add("mass (kg), com: 3 numbers (m, link axes), inertia: xx xy xz yy yz zz about the com (kg m^2, link axes)",
-        fmt::format("void {0}_set_payload_{1}({2} mass, const {2}* com, const {2}* inertia, {0}_workspace* workspace)", n, id, s),
+        fmt::format("void {0}_set_payload_{1}({2} mass, const {2}* com, const {2}* inertia, {0}_workspace* workspace)", n, id,
+                    s),
         fmt::format("  {0}::Payload& payload = workspace->payload_{1};\n"
                     "  payload.mass = mass;\n"
                     "  for (int i = 0; i < 3; ++i) payload.com[i] = com[i];\n"
@@ -185,7 +190,9 @@ std::vector<OutputFile> emit(const CodeInput& code) {
                                                  {"scalar", scalar},
                                                  {"quantities", quantities(code)},
                                                  {"declarations", declarations}})});
-  files.push_back({"c_api.cpp", render("c_api.cpp", {{"banner", top}, {"name", code.name}, {"scalar", scalar}, {"definitions", definitions}})});
+  files.push_back(
+      {"c_api.cpp",
+       render("c_api.cpp", {{"banner", top}, {"name", code.name}, {"scalar", scalar}, {"definitions", definitions}})});
   if (code.plan.tasks) {
     files.push_back({"tasks.hpp", tasks_header(code, top)});
     files.push_back({"tasks.cpp", tasks_source(code, top)});

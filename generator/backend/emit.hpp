@@ -21,10 +21,10 @@ struct CodeInput {
   const ir::Program& program;
   const ir::Plan& plan;
   const ir::RolledProgram& rolled;  // empty for the straight form
-  std::string name;          // namespace, folder and prefix; an identifier
-  std::string source;        // the URDF's file name, without folders
+  std::string name;                 // namespace, folder and prefix; an identifier
+  std::string source;               // the URDF's file name, without folders
   std::string source_hash;
-  std::string command_line;  // that remakes the files
+  std::string command_line;         // that remakes the files
   std::vector<std::string> report;  // lines about operations and what was left out
 };
 

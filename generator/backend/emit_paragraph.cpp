@@ -26,11 +26,13 @@ class ParagraphWriter {
         width_(paragraph.direction == Direction::anywhere ? "dalembert::native_lanes" : std::to_string(segment_.width)) {}
 
   std::string run() const {
-    std::string text = fmt::format("  // {}\n  {{\n    using V [[maybe_unused]] = dalembert::Lanes<Scalar, {}>;\n", paragraph_.equation, width_);
+    std::string text = fmt::format("  // {}\n  {{\n    using V [[maybe_unused]] = dalembert::Lanes<Scalar, {}>;\n",
+                                   paragraph_.equation, width_);
     if (paragraph_.direction != Direction::anywhere) text += carried_from_outside();
     text += loop_head();
     text += print(paragraph_.graph, sinks(), style());
-    for (const ir::StateStore& c : paragraph_.carried) text += fmt::format("      {0} = next_{0};\n", variable(c.role, c.component));
+    for (const ir::StateStore& c : paragraph_.carried)
+      text += fmt::format("      {0} = next_{0};\n", variable(c.role, c.component));
     text += "    }\n";
     if (paragraph_.direction == Direction::inwards) text += carried_to_parents();
     return text + "  }\n";
@@ -72,10 +74,12 @@ class ParagraphWriter {
       case InputKind::carried: return variable(in.index, in.component);
       case InputKind::state: return fmt::format("dalembert::load<{}>({} + slot)", width_, kept(code_, in.index, in.component));
       case InputKind::table:
-        return fmt::format("dalembert::load<{}>({}_{} + i)", width_, segment_.name, table_.columns[static_cast<size_t>(in.index)].name);
+        return fmt::format("dalembert::load<{}>({}_{} + i)", width_, segment_.name,
+                           table_.columns[static_cast<size_t>(in.index)].name);
       case InputKind::velocity:  // of the base
         return fmt::format("dalembert::broadcast<{}>({}[{}])", width_,
-                           kept(code_, root_role(in.index < 3 ? "body_linear" : "body_angular"), in.index % 3), slot_of(code_, -1));
+                           kept(code_, root_role(in.index < 3 ? "body_linear" : "body_angular"), in.index % 3),
+                           slot_of(code_, -1));
       default: return "";
     }
   }
@@ -92,7 +96,8 @@ class ParagraphWriter {
   }
   int root_role(const std::string& name) const {
     const auto& roles = code_.rolled.roles;
-    return static_cast<int>(std::find_if(roles.begin(), roles.end(), [&](const ir::Role& r) { return r.name == name; }) - roles.begin());
+    return static_cast<int>(std::find_if(roles.begin(), roles.end(), [&](const ir::Role& r) { return r.name == name; }) -
+                            roles.begin());
   }
 
   std::vector<Sink> sinks() const {
@@ -101,12 +106,12 @@ class ParagraphWriter {
       const std::string to = fmt::format("dalembert::store<{}, Scalar>({} + slot, ", width_, kept(code_, s.role, s.component));
       if (paragraph_.graph.is_constant(s.node))
         sinks.push_back({s.node, to + fmt::format("dalembert::broadcast<{}, Scalar>(", width_), "));"});
-      else
-        sinks.push_back({s.node, to, ");"});
+      else sinks.push_back({s.node, to, ");"});
     }
     for (const ir::StateStore& c : paragraph_.carried) {
       const bool constant = paragraph_.graph.is_constant(c.node);
-      sinks.push_back({c.node, fmt::format("const V next_{} = {}", variable(c.role, c.component), constant ? "V{} + " : ""), ";"});
+      sinks.push_back(
+          {c.node, fmt::format("const V next_{} = {}", variable(c.role, c.component), constant ? "V{} + " : ""), ";"});
     }
     return sinks;
   }
@@ -127,7 +132,8 @@ class ParagraphWriter {
     for (const ir::StateStore& c : paragraph_.carried) {
       std::string from = "V{}";
       if (outwards)
-        from = together ? fmt::format("dalembert::broadcast<{}>({}[{}])", width_, kept(code_, c.role, c.component), slot_of(code_, *parents.begin()))
+        from = together ? fmt::format("dalembert::broadcast<{}>({}[{}])", width_, kept(code_, c.role, c.component),
+                                      slot_of(code_, *parents.begin()))
                         : fmt::format("dalembert::gather<{}>({}, parents)", width_, kept(code_, c.role, c.component));
       text += fmt::format("    V {} = {};\n", variable(c.role, c.component), from);
     }
@@ -145,7 +151,8 @@ class ParagraphWriter {
         std::vector<std::string> terms;
         for (size_t lane : lanes)
           terms.push_back(fmt::format("dalembert::lane<{}, Scalar>({}, {})", width_, variable(c.role, c.component), lane));
-        text += fmt::format("    {}[{}] += {};\n", kept(code_, c.role, c.component), slot_of(code_, parent), fmt::join(terms, " + "));
+        text += fmt::format("    {}[{}] += {};\n", kept(code_, c.role, c.component), slot_of(code_, parent),
+                            fmt::join(terms, " + "));
       }
     return text;
   }

@@ -31,12 +31,15 @@ class Angles {
   // angle, sine and cosine of every joint, as declarations.
   std::string prologue(PrintStyle style) const {
     if (index_.empty()) return "";
-    const std::string room =
-        fmt::format("  constexpr int angles = {};\n  alignas(64) Scalar sine[dalembert::padded(angles)], cosine[dalembert::padded(angles)];\n", count());
+    const std::string room = fmt::format(
+        "  constexpr int angles = {};\n  alignas(64) Scalar sine[dalembert::padded(angles)], "
+        "cosine[dalembert::padded(angles)];\n",
+        count());
     if (const std::vector<int> at = positions(); !at.empty())
-      return fmt::format("  // Sines and cosines of all angles together.\n  static constexpr int angle_at[] = {{{}}};\n{}"
-                         "  dalembert::sincos_at<{}>(q, angle_at, sine, cosine);\n",
-                         fmt::join(at, ", "), room, at.size());
+      return fmt::format(
+          "  // Sines and cosines of all angles together.\n  static constexpr int angle_at[] = {{{}}};\n{}"
+          "  dalembert::sincos_at<{}>(q, angle_at, sine, cosine);\n",
+          fmt::join(at, ", "), room, at.size());
     std::vector<Sink> sinks;
     for (const auto& [node, i] : index_) sinks.push_back({node, fmt::format("angle[{}] = ", i), ";"});
     std::string out = "  // Sines and cosines of all angles together.\n" + room;
@@ -75,7 +78,8 @@ const char* phase_title(int phase) {
 std::string heading(const CodeInput& code, const ir::Tag& tag) {
   static const std::map<int, std::string> equations = {
       {1, "R = Rp Rk Rz(q), p = pp + Rp pk, J = [p x z; z], V = Vp + J dq, dJ = ad(Vp) J"},
-      {2, "h = R hk + m p, S = R (Sk R' + hk p') + p h', P = m u + w x h, D = -[w](S + t 1) - u h' + (h.u) 1; sums over children"},
+      {2,
+       "h = R hk + m p, S = R (Sk R' + hk p') + p h', P = m u + w x h, D = -[w](S + t 1) - u h' + (h.u) 1; sums over children"},
       {3, "F = A* J, G = A* dJ + B* J, H = P x Jv + D' Jw; M_ik = F.J_i, C_ik = G.J_i, C_ki = F.dJ_i + H.J_i"},
   };
   const std::string who = tag.body < 0 ? "base " + code.tree.base_link

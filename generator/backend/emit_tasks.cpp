@@ -83,7 +83,9 @@ Tasks tasks_of(const CodeInput& code) {
     for (const ir::Segment& s : segments) {
       if (stage.name != "elements_" + s.name) continue;
       for (const auto& [begin, end] : column_ranges(code, s))
-        t.tasks.push_back({fmt::format("{}_{}", stage.name, begin), elements_split(s) ? fmt::format("stages::{}(*w, {}, {})", stage.name, begin, end) : fmt::format("stages::{}(*w)", stage.name)});
+        t.tasks.push_back({fmt::format("{}_{}", stage.name, begin),
+                           elements_split(s) ? fmt::format("stages::{}(*w, {}, {})", stage.name, begin, end)
+                                             : fmt::format("stages::{}(*w)", stage.name)});
     }
   }
 
@@ -132,7 +134,8 @@ std::string tasks_source(const CodeInput& code, const std::string& banner) {
     nodes += fmt::format("  const int {} = graph_.add([{}w] {{ {}; }});\n", task.name, state ? "this, " : "", task.call);
   }
   for (const auto& [before, after] : t.edges)
-    edges += fmt::format("  graph_.edge({}, {});\n", t.tasks[static_cast<size_t>(before)].name, t.tasks[static_cast<size_t>(after)].name);
+    edges += fmt::format("  graph_.edge({}, {});\n", t.tasks[static_cast<size_t>(before)].name,
+                         t.tasks[static_cast<size_t>(after)].name);
   for (const Task& task : t.tasks) edges += fmt::format("  static_cast<void>({});\n", task.name);
   return render("tasks.cpp", {{"banner", banner}, {"name", code.name}, {"nodes", nodes}, {"edges", edges}});
 }

@@ -20,10 +20,10 @@ struct PrintStyle {
   std::string type;  // of the variables: "Scalar", "V"
   ir::ScalarType scalar = ir::ScalarType::float64;
   std::string indent = "  ";
-  std::function<std::string(const ir::Input&)> input;        // text of an input
-  std::function<std::string(const ir::Input&)> input_name;   // if set: inputs used twice are read once, into this variable
-  std::function<std::string(ir::NodeId)> name;               // wanted name of a node, or empty
-  std::function<std::string(const ir::Tag&)> heading;        // comment lines before a paragraph, or empty
+  std::function<std::string(const ir::Input&)> input;       // text of an input
+  std::function<std::string(const ir::Input&)> input_name;  // if set: inputs used twice are read once, into this variable
+  std::function<std::string(ir::NodeId)> name;              // wanted name of a node, or empty
+  std::function<std::string(const ir::Tag&)> heading;       // comment lines before a paragraph, or empty
   std::function<std::string(const ir::Graph&, ir::NodeId)> sine_or_cosine;  // text of an Op::sine or Op::cosine
 };
 

@@ -36,10 +36,8 @@ std::string quoted(std::string_view text) {
   for (const char c : text) {
     if (c == '"' || c == '\\') out += '\\';
     const auto byte = static_cast<unsigned char>(c);
-    if (byte < 0x20 || byte == 0x7f)
-      out += fmt::format("\\{:03o}", byte);
-    else
-      out += c;
+    if (byte < 0x20 || byte == 0x7f) out += fmt::format("\\{:03o}", byte);
+    else out += c;
   }
   return out + "\"";
 }

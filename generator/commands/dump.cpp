@@ -9,9 +9,7 @@ namespace dalembert {
 namespace {
 
 // -0 and 0 print alike; all digits that matter.
-std::string text_of(const Eigen::Vector3d& v) {
-  return fmt::format("[{} {} {}]", v.x() + 0.0, v.y() + 0.0, v.z() + 0.0);
-}
+std::string text_of(const Eigen::Vector3d& v) { return fmt::format("[{} {} {}]", v.x() + 0.0, v.y() + 0.0, v.z() + 0.0); }
 std::string text_of(const Eigen::Matrix3d& m) {
   return text_of(Eigen::Vector3d(m.row(0))) + " " + text_of(Eigen::Vector3d(m.row(1))) + " " +
          text_of(Eigen::Vector3d(m.row(2)));
@@ -60,16 +58,12 @@ std::string normal_tree_text(const ir::KinematicTree& tree, const ir::NormalTree
 
 std::string input_text(const ir::KinematicTree& tree, const ir::Scene& scene, const ir::Input& input) {
   switch (input.kind) {
-    case ir::InputKind::position:
-      return fmt::format("q[{}]", input.index);
-    case ir::InputKind::velocity:
-      return fmt::format("v[{}]", input.index);
-    case ir::InputKind::gravity:
-      return fmt::format("gravity[{}]", input.component);
+    case ir::InputKind::position: return fmt::format("q[{}]", input.index);
+    case ir::InputKind::velocity: return fmt::format("v[{}]", input.index);
+    case ir::InputKind::gravity: return fmt::format("gravity[{}]", input.component);
     case ir::InputKind::payload:
       return fmt::format("payload {}[{}]", scene.payloads.at(static_cast<size_t>(input.index)), input.component);
-    default:
-      return joint_name(tree, input.index);
+    default: return joint_name(tree, input.index);
   }
 }
 
@@ -89,7 +83,8 @@ std::string program_text(const ir::KinematicTree& tree, const ir::Scene& scene, 
     if (n.b != ir::no_node) text += fmt::format(" %{}", n.b);
     if (n.op != ir::Op::constant && n.op != ir::Op::input)
       text += fmt::format("  ; phase {}, {}", n.tag.phase, joint_name(tree, n.tag.body));
-    if (!program.names.empty() && !program.names[static_cast<size_t>(id)].empty()) text += ", " + program.names[static_cast<size_t>(id)];
+    if (!program.names.empty() && !program.names[static_cast<size_t>(id)].empty())
+      text += ", " + program.names[static_cast<size_t>(id)];
     text += "\n";
   }
   for (const ir::OutputElement& e : program.elements)
@@ -123,22 +118,16 @@ std::string pass_table(const Model& model) {
 
 std::string stage_text(const Model& model, const Lowered& lowered, Stage stage) {
   switch (stage) {
-    case Stage::tree:
-      return tree_text(model.tree);
-    case Stage::normal_tree:
-      return normal_tree_text(model.tree, lowered.normal);
-    case Stage::program:
-      return program_text(model.tree, model.scene, lowered.program);
-    case Stage::plan:
-      return plan_text(model.tree, lowered.plan);
+    case Stage::tree: return tree_text(model.tree);
+    case Stage::normal_tree: return normal_tree_text(model.tree, lowered.normal);
+    case Stage::program: return program_text(model.tree, model.scene, lowered.program);
+    case Stage::plan: return plan_text(model.tree, lowered.plan);
   }
   return "";
 }
 
 }  // namespace
 
-std::string dump(const Model& model, Stage stage) {
-  return stage_text(model, lower(model), stage) + pass_table(model);
-}
+std::string dump(const Model& model, Stage stage) { return stage_text(model, lower(model), stage) + pass_table(model); }
 
 }  // namespace dalembert

@@ -33,9 +33,7 @@ Eigen::MatrixXd GeneratedEngine::read(const Output& output) const {
   return Eigen::Map<const Eigen::MatrixX<Scalar>>(values, output.rows, output.columns).template cast<double>();
 }
 
-void GeneratedEngine::evaluate(const State& state) {
-  single_precision_ ? call<float>(state) : call<double>(state);
-}
+void GeneratedEngine::evaluate(const State& state) { single_precision_ ? call<float>(state) : call<double>(state); }
 
 Eigen::MatrixXd GeneratedEngine::result(const Output& output) const {
   return single_precision_ ? read<float>(output) : read<double>(output);

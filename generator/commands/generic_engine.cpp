@@ -28,16 +28,11 @@ MatrixX<S> evaluate(const Model& model, const Output& output, const State& state
   if (model.scene.rates_zero) v.setZero();
   if (!output.quantity) return jacobian<S>(model, robot, output.link, q);
   switch (*output.quantity) {
-    case ir::Quantity::mass_matrix:
-      return generic::mass_matrix<S>(robot, q);
-    case ir::Quantity::coriolis_matrix:
-      return generic::coriolis_matrix<S>(robot, q, v);
-    case ir::Quantity::gravity:
-      return generic::gravity<S>(robot, q);
-    case ir::Quantity::bias:
-      return generic::bias<S>(robot, q, v);
-    case ir::Quantity::wrench_influence:
-      return generic::wrench_influence<S>(robot, q);
+    case ir::Quantity::mass_matrix: return generic::mass_matrix<S>(robot, q);
+    case ir::Quantity::coriolis_matrix: return generic::coriolis_matrix<S>(robot, q, v);
+    case ir::Quantity::gravity: return generic::gravity<S>(robot, q);
+    case ir::Quantity::bias: return generic::bias<S>(robot, q, v);
+    case ir::Quantity::wrench_influence: return generic::wrench_influence<S>(robot, q);
   }
   return {};
 }

@@ -14,14 +14,10 @@ namespace {
 
 std::string_view name_of(ir::JointType type) {
   switch (type) {
-    case ir::JointType::revolute:
-      return "revolute";
-    case ir::JointType::continuous:
-      return "continuous";
-    case ir::JointType::prismatic:
-      return "prismatic";
-    case ir::JointType::fixed:
-      return "fixed";
+    case ir::JointType::revolute: return "revolute";
+    case ir::JointType::continuous: return "continuous";
+    case ir::JointType::prismatic: return "prismatic";
+    case ir::JointType::fixed: return "fixed";
   }
   return "";
 }

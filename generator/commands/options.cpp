@@ -33,7 +33,8 @@ SharedOptions::SharedOptions(CLI::App& command) {
   command.add_option("--scene", request_.scene_file, "scene file (YAML); the options below are its keys and override it")
       ->type_name("FILE");
   command.add_option("--name", request_.name, "namespace of the generated code, default: the robot's name")->type_name("NAME");
-  command.add_option("--form", request_.form, "shape of the code: one straight line, or loops over limbs in lanes; default auto")
+  command
+      .add_option("--form", request_.form, "shape of the code: one straight line, or loops over limbs in lanes; default auto")
       ->check(CLI::IsMember({"auto", "straight", "rolled"}))
       ->type_name("auto|straight|rolled");
   command.add_option("--without", request_.without, "passes to leave out, to see what they are worth")

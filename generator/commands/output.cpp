@@ -16,15 +16,10 @@ Output output_of(const Model& model, ir::Quantity quantity) {
   Output output{std::string(name_of(quantity)), quantity, "", nv, 1};
   switch (quantity) {
     case ir::Quantity::mass_matrix:
-    case ir::Quantity::coriolis_matrix:
-      output.columns = nv;
-      break;
+    case ir::Quantity::coriolis_matrix: output.columns = nv; break;
     case ir::Quantity::gravity:
-    case ir::Quantity::bias:
-      break;
-    case ir::Quantity::wrench_influence:
-      output.columns = 6 * (model.tree.joints() + (model.tree.floating_base ? 1 : 0));
-      break;
+    case ir::Quantity::bias: break;
+    case ir::Quantity::wrench_influence: output.columns = 6 * (model.tree.joints() + (model.tree.floating_base ? 1 : 0)); break;
   }
   return output;
 }

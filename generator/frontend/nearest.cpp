@@ -10,9 +10,7 @@
 namespace dalembert::frontend {
 
 namespace {
-char lower(char c) {
-  return 'A' <= c && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-}
+char lower(char c) { return 'A' <= c && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 
 // Levenshtein's distance, upper and lower case being equal.
 size_t edit_distance(std::string_view a, std::string_view b) {

@@ -124,9 +124,7 @@ void check_identifiers(const std::string& file, const std::vector<Outline>& elem
 
 }  // namespace
 
-void check_topology(const std::string& file, const UrdfOutline& outline) {
-  TopologyCheck(file, outline).run();
-}
+void check_topology(const std::string& file, const UrdfOutline& outline) { TopologyCheck(file, outline).run(); }
 
 void check_names(const std::string& file, const UrdfOutline& outline) {
   Diagnostics errors;

@@ -46,9 +46,7 @@ urdf::ModelInterfaceSharedPtr parse(const std::string& file, const std::string& 
   return model;
 }
 
-Eigen::Vector3d vector(const urdf::Vector3& v) {
-  return {v.x, v.y, v.z};
-}
+Eigen::Vector3d vector(const urdf::Vector3& v) { return {v.x, v.y, v.z}; }
 
 // `rpy` comes from the file: by way of urdfdom's quaternion the exact zeros of axis-aligned frames would be lost.
 ir::Inertia inertia(const urdf::Inertial& inertial, const Eigen::Vector3d& rpy) {
@@ -61,14 +59,10 @@ ir::Inertia inertia(const urdf::Inertial& inertial, const Eigen::Vector3d& rpy) 
 
 ir::JointType type(const urdf::Joint& joint) {
   switch (joint.type) {
-    case urdf::Joint::REVOLUTE:
-      return ir::JointType::revolute;
-    case urdf::Joint::CONTINUOUS:
-      return ir::JointType::continuous;
-    case urdf::Joint::PRISMATIC:
-      return ir::JointType::prismatic;
-    default:
-      return ir::JointType::fixed;  // the outline refused every other type
+    case urdf::Joint::REVOLUTE: return ir::JointType::revolute;
+    case urdf::Joint::CONTINUOUS: return ir::JointType::continuous;
+    case urdf::Joint::PRISMATIC: return ir::JointType::prismatic;
+    default: return ir::JointType::fixed;  // the outline refused every other type
   }
 }
 

@@ -17,13 +17,13 @@ enum class Op : std::uint8_t { constant, input, sine, cosine, sign, negate, add,
 
 // Where a value enters. `index` and `component` say which one, in the terms of `kind`.
 enum class InputKind : std::uint8_t {
-  position,       // index: position in q
-  velocity,       // index: position in v
-  gravity,        // component 0…2 of the gravity vector given at run time
-  payload,        // index: payload number; component: mass, com (3), inertia xx xy xz yy yz zz
-  table,          // index: column of the table of constants (one value per slot)
-  state,          // index: role of a value kept in the workspace (one value per slot); component within the role
-  carried,        // index, component: as state, but of the step before (towards the root or the leaves, as the loop runs)
+  position,  // index: position in q
+  velocity,  // index: position in v
+  gravity,   // component 0…2 of the gravity vector given at run time
+  payload,   // index: payload number; component: mass, com (3), inertia xx xy xz yy yz zz
+  table,     // index: column of the table of constants (one value per slot)
+  state,     // index: role of a value kept in the workspace (one value per slot); component within the role
+  carried,   // index, component: as state, but of the step before (towards the root or the leaves, as the loop runs)
 };
 
 struct Input {
@@ -43,8 +43,8 @@ struct Node {
   Op op = Op::constant;
   NodeId a = no_node;
   NodeId b = no_node;
-  double value = 0;   // op constant
-  Input input{};      // op input
+  double value = 0;  // op constant
+  Input input{};     // op input
   Tag tag{};
 };
 
@@ -97,7 +97,7 @@ std::vector<std::int32_t> uses(const Graph& graph, const std::vector<NodeId>& ro
 
 // Scalar operations. A sine and a cosine of the same angle count as one pair.
 struct Operations {
-  long add = 0;       // additions and subtractions
+  long add = 0;  // additions and subtractions
   long multiply = 0;
   long divide = 0;
   long sincos = 0;

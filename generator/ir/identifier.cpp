@@ -6,12 +6,8 @@
 namespace dalembert::ir {
 
 namespace {
-bool is_digit(char c) {
-  return '0' <= c && c <= '9';
-}
-bool is_letter(char c) {
-  return ('a' <= c && c <= 'z') || ('A' <= c && c <= 'Z') || c == '_';
-}
+bool is_digit(char c) { return '0' <= c && c <= '9'; }
+bool is_letter(char c) { return ('a' <= c && c <= 'z') || ('A' <= c && c <= 'Z') || c == '_'; }
 
 // Sorted, for binary search.
 constexpr std::string_view keywords[] = {
@@ -39,8 +35,6 @@ std::string identifier(std::string_view name) {
   return text;
 }
 
-bool is_cpp_keyword(std::string_view text) {
-  return std::binary_search(std::begin(keywords), std::end(keywords), text);
-}
+bool is_cpp_keyword(std::string_view text) { return std::binary_search(std::begin(keywords), std::end(keywords), text); }
 
 }  // namespace dalembert::ir

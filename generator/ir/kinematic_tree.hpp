@@ -20,17 +20,17 @@
 namespace dalembert::ir {
 
 struct Body {
-  std::string name;        // the moving joint's child link
-  std::string joint;       // the joint that moves it
-  JointType type = JointType::revolute;  // revolute, continuous or prismatic
-  int parent = -1;         // body index, -1: the base
+  std::string name;                                             // the moving joint's child link
+  std::string joint;                                            // the joint that moves it
+  JointType type = JointType::revolute;                         // revolute, continuous or prismatic
+  int parent = -1;                                              // body index, -1: the base
   Eigen::Isometry3d placement = Eigen::Isometry3d::Identity();  // body frame in the parent body's frame at q = 0
   Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();              // unit, in the body frame
-  Inertia inertia;         // fused, in the body frame
-  int subtree_size = 1;    // bodies in the subtree, this one included
+  Inertia inertia;                                              // fused, in the body frame
+  int subtree_size = 1;                                         // bodies in the subtree, this one included
 
-  int driven_by = -1;      // the body whose joint drives this one, never driven itself; -1: a coordinate of its own
-  double multiplier = 1;   // read only when driven: q = multiplier · q_driver + offset
+  int driven_by = -1;     // the body whose joint drives this one, never driven itself; -1: a coordinate of its own
+  double multiplier = 1;  // read only when driven: q = multiplier · q_driver + offset
   double offset = 0;
 
   double armature = 0, damping = 0, friction = 0;  // as the scene asks; a driven body's are its driver's
@@ -42,15 +42,15 @@ struct Body {
 // Where a link of the URDF ended up.
 struct LinkPlacement {
   std::string link;
-  int body = -1;  // -1: the base
+  int body = -1;                                                // -1: the base
   Eigen::Isometry3d placement = Eigen::Isometry3d::Identity();  // link frame in the body's frame
 };
 
 struct KinematicTree {
-  std::string robot;       // the URDF's robot name
+  std::string robot;  // the URDF's robot name
   std::string base_link;
   bool floating_base = false;
-  Inertia base;            // fused, in the base link's frame
+  Inertia base;  // fused, in the base link's frame
   std::vector<Body> bodies;
   std::vector<LinkPlacement> links;  // every link kept, in depth-first order
 
@@ -71,9 +71,6 @@ struct KinematicTree {
   }
   int nq() const { return independent_joints() + (floating_base ? 7 : 0); }
   int nv() const { return independent_joints() + (floating_base ? 6 : 0); }
-  bool is_ancestor_or_self(int ancestor, int body) const {
-    return ancestor < 0 || (ancestor <= body && body < ancestor + bodies[static_cast<size_t>(ancestor)].subtree_size);
-  }
 };
 
 }  // namespace dalembert::ir

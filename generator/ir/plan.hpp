@@ -9,7 +9,8 @@
 namespace dalembert::ir {
 
 // Limbs (runs of bodies without branches) that are computed side by side, one per lane, step by step from the root outwards.
-// Short limbs are padded with steps that hold no body (-1). Slots of a segment are consecutive: slot = first_slot + step·width + lane.
+// Short limbs are padded with steps that hold no body (-1). Slots of a segment are consecutive:
+// slot = first_slot + step·width + lane.
 struct Segment {
   std::string name;
   int width = 1;

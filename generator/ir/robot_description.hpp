@@ -48,9 +48,10 @@ struct RobotDescription {
   std::string file;  // as the user named it
   std::string name;
   std::vector<Link> links;
-  std::vector<Joint> joints;                // in urdfdom's order: alphabetical by name
-  int root = -1;                            // index into links
-  std::vector<std::vector<int>> children;   // per link: joints whose parent it is, in urdfdom's order (alphabetical by joint name)
+  std::vector<Joint> joints;  // in urdfdom's order: alphabetical by name
+  int root = -1;              // index into links
+  // Per link: the joints whose parent it is, in urdfdom's order.
+  std::vector<std::vector<int>> children;
 };
 
 }  // namespace dalembert::ir

@@ -52,7 +52,7 @@ struct SegmentCode {
 // The values at the root and what depends on them alone, without lanes.
 struct RootCode {
   Graph graph;
-  std::vector<StateStore> stores;   // to the root's slot
+  std::vector<StateStore> stores;  // to the root's slot
 };
 
 struct BlockElement {
@@ -61,14 +61,13 @@ struct BlockElement {
 };
 
 struct RolledProgram {
-  std::vector<Role> roles;             // empty name: unused
-  std::vector<SegmentCode> segments;   // parallel to Plan::segments
-  RootCode root;                       // before the segments
-  Graph base_graph;                    // after them: the base's own block and rows
+  std::vector<Role> roles;            // empty name: unused
+  std::vector<SegmentCode> segments;  // parallel to Plan::segments
+  RootCode root;                      // before the segments
+  Graph base_graph;                   // after them: the base's own block and rows
   std::vector<BlockElement> base_elements;
   bool mass = false, coriolis = false, gravity = false, bias = false, wrench = false;
   bool all_revolute = true;
-  Operations executed;  // operations of one evaluation with every lane counted, padding included
 };
 
 }  // namespace dalembert::ir

@@ -22,19 +22,19 @@ struct Scene {
   GravityKind gravity_kind = GravityKind::constant;
   Eigen::Vector3d gravity{0, 0, -9.81};  // m/s², world axes; when given at run time: the value a new workspace starts with
   std::vector<Quantity> outputs{Quantity::mass_matrix, Quantity::coriolis_matrix, Quantity::gravity, Quantity::bias};
-  std::map<std::string, double> locked;   // joint name → value (rad or m)
-  std::set<std::string> cut;              // link names: each and everything beyond it is removed
-  std::map<std::string, Mimic> mimic;     // driven joint → relation (no coordinate of its own)
-  std::vector<std::string> jacobians;     // links whose body Jacobian (6 × nv) is asked for
-  std::vector<std::string> payloads;      // links that carry a payload given at run time
+  std::map<std::string, double> locked;  // joint name → value (rad or m)
+  std::set<std::string> cut;             // link names: each and everything beyond it is removed
+  std::map<std::string, Mimic> mimic;    // driven joint → relation (no coordinate of its own)
+  std::vector<std::string> jacobians;    // links whose body Jacobian (6 × nv) is asked for
+  std::vector<std::string> payloads;     // links that carry a payload given at run time
   ScalarType scalar = ScalarType::float64;
   Parallel parallel = Parallel::automatic;
-  bool rates_zero = false;                // statics: v = 0, no velocity terms
-  std::map<std::string, double> armature; // joint → rotor inertia reflected to the joint, kg m² or kg
-  std::map<std::string, double> damping;  // joint → viscous damping
-  std::map<std::string, double> friction; // joint → Coulomb friction
-  bool urdf_damping = false;              // take <dynamics damping> from the URDF
-  bool urdf_friction = false;             // take <dynamics friction> from the URDF
+  bool rates_zero = false;                 // statics: v = 0, no velocity terms
+  std::map<std::string, double> armature;  // joint → rotor inertia reflected to the joint, kg m² or kg
+  std::map<std::string, double> damping;   // joint → viscous damping
+  std::map<std::string, double> friction;  // joint → Coulomb friction
+  bool urdf_damping = false;               // take <dynamics damping> from the URDF
+  bool urdf_friction = false;              // take <dynamics friction> from the URDF
 };
 
 }  // namespace dalembert::ir

@@ -4,8 +4,7 @@ namespace dalembert::passes {
 
 using ir::InputKind;
 
-LowerInputs::LowerInputs(ir::Graph& graph, const ir::KinematicTree& tree, const ir::NormalTree& normal,
-                         const ir::Scene& scene)
+LowerInputs::LowerInputs(ir::Graph& graph, const ir::KinematicTree& tree, const ir::NormalTree& normal, const ir::Scene& scene)
     : graph_(graph), tree_(tree), normal_(normal), scene_(scene), coordinates_(tree.coordinates()) {}
 
 Mat3 LowerInputs::constant(const Eigen::Matrix3d& m) const {
@@ -108,8 +107,7 @@ void LowerInputs::add_payloads(BodyConstants& c, int body, const ir::Moments& ow
       const Mat3 rotated = r * full(central) * transpose(r);
       const Vec3 h = m * x;
       for (size_t a = 0; a < 3; ++a) {
-        for (size_t b = a; b < 3; ++b)
-          c.second[sym6_index[a][b]] = c.second[sym6_index[a][b]] + rotated[a][b] + h[a] * x[b];
+        for (size_t b = a; b < 3; ++b) c.second[sym6_index[a][b]] = c.second[sym6_index[a][b]] + rotated[a][b] + h[a] * x[b];
         trace = trace + rotated[a][a] + h[a] * x[a];
       }
       c.first = c.first + h;

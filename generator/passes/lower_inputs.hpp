@@ -23,8 +23,8 @@ class LowerInputs {
 
   JointPosition position(size_t body) const;
   Sym rate(size_t body) const;
-  Twist base_twist() const;     // floating base: v's first six; fixed: zero
-  Vec3 gravity_in_base() const; // gravity along the base's axes: the world's on a fixed base
+  Twist base_twist() const;      // floating base: v's first six; fixed: zero
+  Vec3 gravity_in_base() const;  // gravity along the base's axes: the world's on a fixed base
   // Constants of a body with what the scene's payload adds; `payload` tells whether there is one.
   BodyConstants body(size_t k) const { return constants(normal_.bodies[k], static_cast<int>(k)); }
   BodyConstants base() const;

@@ -44,8 +44,6 @@ inline Mat3 operator+(const Mat3& a, const Mat3& b) { return {a[0] + b[0], a[1] 
 // Symmetric: xx xy xz yy yz zz.
 using Sym6 = std::array<Sym, 6>;
 inline constexpr std::size_t sym6_index[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
-inline Mat3 full(const Sym6& s) {
-  return {Vec3{s[0], s[1], s[2]}, Vec3{s[1], s[3], s[4]}, Vec3{s[2], s[4], s[5]}};
-}
+inline Mat3 full(const Sym6& s) { return {Vec3{s[0], s[1], s[2]}, Vec3{s[1], s[3], s[4]}, Vec3{s[2], s[4], s[5]}}; }
 
 }  // namespace dalembert::passes

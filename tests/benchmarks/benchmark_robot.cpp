@@ -10,9 +10,7 @@
 namespace dalembert::benchmarks {
 namespace {
 
-double largest(const Eigen::MatrixXd& matrix) {
-  return matrix.cwiseAbs().maxCoeff();
-}
+double largest(const Eigen::MatrixXd& matrix) { return matrix.cwiseAbs().maxCoeff(); }
 
 double error_of(const Eigen::MatrixXd& ours, const Eigen::MatrixXd& exact) {
   if (ours.size() == 0) return 0;
@@ -24,16 +22,11 @@ double error_of(const Eigen::MatrixXd& ours, const Eigen::MatrixXd& exact) {
 
 const char* label(Quantities quantities) {
   switch (quantities) {
-    case Quantities::M:
-      return "M";
-    case Quantities::C:
-      return "C";
-    case Quantities::M_and_C:
-      return "M+C";
-    case Quantities::gravity:
-      return "g";
-    case Quantities::bias:
-      return "bias";
+    case Quantities::M: return "M";
+    case Quantities::C: return "C";
+    case Quantities::M_and_C: return "M+C";
+    case Quantities::gravity: return "g";
+    case Quantities::bias: return "bias";
   }
   return "";
 }

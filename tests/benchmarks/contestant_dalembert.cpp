@@ -5,9 +5,7 @@
 
 namespace dalembert::benchmarks {
 
-bool has_generated(const std::string& robot, Quantities quantities) {
-  return find_generated(robot, label(quantities));
-}
+bool has_generated(const std::string& robot, Quantities quantities) { return find_generated(robot, label(quantities)); }
 
 Contestant dalembert_contestant(const BenchmarkRobot& robot, Quantities quantities) {
   const GeneratedRobot* generated = find_generated(robot.name(), label(quantities));

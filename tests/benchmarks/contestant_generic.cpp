@@ -16,18 +16,10 @@ Contestant generic_contestant(const BenchmarkRobot& robot, Quantities quantities
     void run(int index) {
       const testing::State& state = states[static_cast<size_t>(index)];
       switch (quantities) {
-        case Quantities::M:
-          results.mass_matrix = generic::mass_matrix<double>(model, state.q);
-          break;
-        case Quantities::C:
-          results.coriolis_matrix = generic::coriolis_matrix<double>(model, state.q, state.v);
-          break;
-        case Quantities::gravity:
-          results.gravity = generic::gravity<double>(model, state.q);
-          break;
-        case Quantities::bias:
-          results.bias = generic::bias<double>(model, state.q, state.v);
-          break;
+        case Quantities::M: results.mass_matrix = generic::mass_matrix<double>(model, state.q); break;
+        case Quantities::C: results.coriolis_matrix = generic::coriolis_matrix<double>(model, state.q, state.v); break;
+        case Quantities::gravity: results.gravity = generic::gravity<double>(model, state.q); break;
+        case Quantities::bias: results.bias = generic::bias<double>(model, state.q, state.v); break;
         case Quantities::M_and_C: {
           const auto kinematics = generic::phase1<double>(model, state.q, state.v);
           const auto composites = generic::phase2(model, kinematics);

@@ -11,9 +11,7 @@
 namespace dalembert::benchmarks {
 namespace {
 
-KDL::Vector to_kdl(const Eigen::Vector3d& v) {
-  return {v.x(), v.y(), v.z()};
-}
+KDL::Vector to_kdl(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
 KDL::Frame to_kdl(const Eigen::Isometry3d& pose) {
   const Eigen::Matrix3d R = pose.linear();

@@ -41,9 +41,7 @@ Outcome run_dalembert(const std::vector<std::string>& arguments, const std::stri
   return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, text_of(out), text_of(err)};
 }
 
-std::string dalembert_path() {
-  return DALEMBERT_EXECUTABLE;
-}
+std::string dalembert_path() { return DALEMBERT_EXECUTABLE; }
 
 TemporaryFolder::TemporaryFolder() {
   std::string pattern = (std::filesystem::temp_directory_path() / "dalembert_test.XXXXXX").string();
@@ -61,8 +59,6 @@ std::string text_of(const std::string& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-void write_text(const std::string& path, const std::string& text) {
-  std::ofstream(path, std::ios::binary) << text;
-}
+void write_text(const std::string& path, const std::string& text) { std::ofstream(path, std::ios::binary) << text; }
 
 }  // namespace dalembert::test

@@ -16,9 +16,7 @@ struct Case {
   const char* messages;  // stderr
 };
 
-void PrintTo(const Case& c, std::ostream* os) {
-  *os << c.name;
-}
+void PrintTo(const Case& c, std::ostream* os) { *os << c.name; }
 
 // clang-format off
 const Case defects[] = {

@@ -13,12 +13,8 @@ struct Case {
   const char* messages;  // lines of stderr, without the file's name in front
 };
 
-void PrintTo(const Case& c, std::ostream* os) {
-  *os << c.robot;
-}
-std::string name_of(const testing::TestParamInfo<Case>& info) {
-  return info.param.robot;
-}
+void PrintTo(const Case& c, std::ostream* os) { *os << c.robot; }
+std::string name_of(const testing::TestParamInfo<Case>& info) { return info.param.robot; }
 
 // Every line of the messages with the file's name in front.
 std::string expected(const Case& c) {

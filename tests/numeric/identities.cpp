@@ -12,26 +12,18 @@ namespace {
 const Multi step("1e-30");
 
 // |a − b| against the largest element of either.
-double relative(const Matrix& a, const Matrix& b) {
-  return relative_error(a, b, std::max<Multi>(largest(a), largest(b)));
-}
+double relative(const Matrix& a, const Matrix& b) { return relative_error(a, b, std::max<Multi>(largest(a), largest(b))); }
 
-Matrix transposed(const Matrix& m) {
-  return m.transpose();
-}
+Matrix transposed(const Matrix& m) { return m.transpose(); }
 
 const Inertia<Multi>& inertia_of(const Model& model, size_t pose) {
   return pose == 0 ? model.base : model.bodies[pose - 1].inertia;
 }
 
 // Bodies that can move; poses[0] is the base.
-size_t first_moving(const Model& model) {
-  return model.floating_base ? 0 : 1;
-}
+size_t first_moving(const Model& model) { return model.floating_base ? 0 : 1; }
 
-Vector3<Multi> unskew(const Matrix3<Multi>& m) {
-  return {m(2, 1), m(0, 2), m(1, 0)};
-}
+Vector3<Multi> unskew(const Matrix3<Multi>& m) { return {m(2, 1), m(0, 2), m(1, 0)}; }
 
 // Body twists in body axes, from differences of world poses along v.
 std::vector<Vector6<Multi>> twists(const Model& model, const Vector& q, const Vector& v) {

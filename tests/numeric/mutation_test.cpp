@@ -17,9 +17,7 @@ const TestRobot& robot_named(const std::string& name) {
   return *std::find_if(std::begin(test_robots), std::end(test_robots), [&](const TestRobot& r) { return r.name == name; });
 }
 
-Dynamics evaluate(const Case& c) {
-  return generic::evaluate<Multi>(c.model, c.q, c.v);
-}
+Dynamics evaluate(const Case& c) { return generic::evaluate<Multi>(c.model, c.q, c.v); }
 
 // The result of a model that is wrong by one part in a million in one place.
 Dynamics evaluate_wrong(const Case& c, const std::function<void(Model&)>& spoil) {

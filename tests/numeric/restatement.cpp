@@ -12,9 +12,7 @@ using Matrix3m = Matrix3<Multi>;
 using Vector6m = Vector6<Multi>;
 using Matrix6m = Matrix6<Multi>;
 
-Matrix3m skew(const Vector3m& a) {
-  return cross_matrix<Multi>(a);
-}
+Matrix3m skew(const Vector3m& a) { return cross_matrix<Multi>(a); }
 
 // Of a subtree, in base axes at the base's origin: inertia (m, h, I) and bias (P, D).
 struct Subtree {

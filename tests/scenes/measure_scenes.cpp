@@ -63,9 +63,7 @@ std::string today() {
   return text;
 }
 
-std::string operations(const ir::Operations& o) {
-  return fmt::format("{} + {}", o.total(), o.sincos);
-}
+std::string operations(const ir::Operations& o) { return fmt::format("{} + {}", o.total(), o.sincos); }
 
 using Times = std::map<std::string, std::vector<double>>;  // per example, round by round
 

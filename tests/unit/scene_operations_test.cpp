@@ -47,13 +47,9 @@ ir::Scene fixed_base() {
 }
 
 using Counts = std::array<long, 4>;
-Counts counts(const ir::Operations& o) {
-  return {o.add, o.multiply, o.divide, o.sincos};
-}
+Counts counts(const ir::Operations& o) { return {o.add, o.multiply, o.divide, o.sincos}; }
 
-bool at_most(const ir::Operations& a, const ir::Operations& b) {
-  return a.total() <= b.total() && a.sincos <= b.sincos;
-}
+bool at_most(const ir::Operations& a, const ir::Operations& b) { return a.total() <= b.total() && a.sincos <= b.sincos; }
 
 void expect_same_counts(const std::vector<OperationCost>& a, const std::vector<OperationCost>& b) {
   ASSERT_EQ(a.size(), b.size());

@@ -1,4 +1,4 @@
-// Sines and cosines in lanes, against Boost.Multiprecision: 50 digits for the angles of the fast path, 400 for the largest doubles.
+// Sines and cosines in lanes, against Boost.Multiprecision: 50 digits for angles of the fast path, 400 for the largest ones.
 #include "dalembert/sincos.hpp"
 
 #include <gtest/gtest.h>
@@ -137,7 +137,7 @@ TEST(Sincos, IsWithinOneUlpOfLargeAngles) {
   expect_within<Digits400>(1, angles);
 }
 
-// The double that comes closest to a multiple of π/2: glibc 2.36 is 8 ulp off there, and we promise no more than the library has.
+// The double that comes closest to a multiple of π/2: glibc 2.36 is 8 ulp off there, and we promise no more than it has.
 TEST(Sincos, IsTheLibrarysBesideALargeMultipleOfAQuarterTurn) {
   const volatile double x = 0x1.6ac5b262ca1ffp+849;  // volatile: the compiler's own sine is another one
   const SineCosine result = computed({x}).front();
@@ -170,7 +170,7 @@ TEST(Sincos, OfNoNumberIsNoNumber) {
   }
 }
 
-// Every count pads to whole registers, whatever their width: results are those of eight together, and no further ones are written.
+// Every count pads to whole registers, whatever their width: results are those of eight together, and no more are written.
 template <int n>
 void expect_same_for_count() {
   constexpr int room = dalembert::padded(n);

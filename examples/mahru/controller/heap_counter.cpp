@@ -11,9 +11,7 @@ std::atomic<long> count{0};
 
 }  // namespace
 
-long heap_allocations() noexcept {
-  return count.load(std::memory_order_relaxed);
-}
+long heap_allocations() noexcept { return count.load(std::memory_order_relaxed); }
 
 }  // namespace controller
 

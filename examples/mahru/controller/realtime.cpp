@@ -33,12 +33,8 @@ std::vector<std::string> enter_real_time() {
   return notices;
 }
 
-std::int64_t now() noexcept {
-  return read_clock(CLOCK_MONOTONIC);
-}
-std::int64_t cpu_time() noexcept {
-  return read_clock(CLOCK_THREAD_CPUTIME_ID);
-}
+std::int64_t now() noexcept { return read_clock(CLOCK_MONOTONIC); }
+std::int64_t cpu_time() noexcept { return read_clock(CLOCK_THREAD_CPUTIME_ID); }
 
 void sleep_until(std::int64_t time) noexcept {
   const timespec t{time / second, time % second};

@@ -2,7 +2,8 @@
 //
 // Error at most 2 ulp for |x| ≤ 1e5 (reduction by three parts of π/2 whose products with the quadrant are exact, then the
 // minimax polynomials of fdlibm, S1…S6 and C1…C6, on ±π/4 with the reduction's remainder carried along). Larger angles are
-// handed to the standard library one by one: as accurate as that is, slower. Infinities and NaN give NaN. No allocation, no lock.
+// handed to the standard library one by one: as accurate as that is, slower. Infinities and NaN give NaN. Neither
+// allocates nor locks.
 #pragma once
 
 #include <cmath>
@@ -36,10 +37,12 @@ DALEMBERT_INLINE void sincos_reduced(const Lanes<double, n>& x, Lanes<double, n>
   const V tail = (second - r) + rest;  // r + tail is the reduced angle to far more than 53 bits
 
   const V z = r * r;
+  // clang-format off
   const V s = ((((1.58969099521155010221e-10 * z - 2.50507602534068634195e-08) * z + 2.75573137070700676789e-06) * z -
                 1.98412698298579493134e-04) * z + 8.33333333332248946124e-03) * z - 1.66666666666666324348e-01;
   const V c = ((((-1.13596475577881948265e-11 * z + 2.08757232129817482790e-09) * z - 2.75573143513906633035e-07) * z +
                 2.48015872894767294178e-05) * z - 1.38888888888741095749e-03) * z + 4.16666666666666019037e-02;
+  // clang-format on
   const V sin_r = r + (r * z * s + tail * (1.0 - 0.5 * z));
   const V half = 0.5 * z;
   const V one_minus = 1.0 - half;
@@ -64,10 +67,6 @@ __attribute__((noinline, cold)) void sincos_large(const T* angle, T* sine, T* co
     cosine[i] = static_cast<T>(std::cos(x));
   }
 }
-
-}  // namespace detail
-
-namespace detail {
 
 // Blocks of n angles, each read by read(i), a register at a time.
 template <int n, class T, class Read>
@@ -94,14 +93,13 @@ DALEMBERT_INLINE void sincos_each(const Read& read, T* sine, T* cosine) {
 
 }  // namespace detail
 
-// angle, sine, cosine: arrays of padded(n) elements, rad; angle's padding must hold numbers (zeros). The arrays may not overlap.
+// angle (rad), sine, cosine: arrays of padded(n) elements that do not overlap; angle's padding must hold numbers (zeros).
 template <int n, class T>
 DALEMBERT_INLINE void sincos(const T* angle, T* sine, T* cosine) {
   detail::sincos_each<n, T>([angle](int i) { return angle[i]; }, sine, cosine);
 }
 
-// Of angle[at[0]], …, angle[at[n − 1]]; n is a multiple of four, and
-// sine and cosine have room for padded(n).
+// Of angle[at[0]], …, angle[at[n − 1]]; n is a multiple of four, and sine and cosine have room for padded(n).
 template <int n, class T>
 DALEMBERT_INLINE void sincos_at(const T* angle, const int* at, T* sine, T* cosine) {
   detail::sincos_each<n, T>([angle, at](int i) { return angle[at[i]]; }, sine, cosine);

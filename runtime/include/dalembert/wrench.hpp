@@ -14,12 +14,13 @@ struct BodyTable {
   const T (*link_translation)[3];  // the link's origin in the body's frame
 };
 
-// Fills the six columns of every body, W(row of joint i, columns of body b) = the twist of b's link in its own axes, linear part
-// first, per unit rate of i. `rotation` column by column, `stride` apart, as kept by Phase I; `base`: 6 on a floating base, else 0.
+// Fills the six columns of every body: W(row of joint i, columns of body b) = the twist of b's link in its own axes, linear
+// part first, per unit rate of i. `rotation`: column by column, `stride` apart, as Phase I keeps it; `base`: its rows, 6 when
+// it floats, else 0.
 template <class T>
 inline void wrench_columns(const BodyTable<T>& table, int bodies, const T* rotation, const T* position, const T* joint_linear,
                            const T* joint_angular, int stride, int base, T* W, int rows) {
-  const auto put = [&](int row, int column, const T (&r)[3][3], const T* v, const T* w) {
+  const auto put = [&](int row, int column, const T(&r)[3][3], const T* v, const T* w) {
     for (int j = 0; j < 3; ++j) {
       W[row + rows * (column + j)] = r[0][j] * v[0] + r[1][j] * v[1] + r[2][j] * v[2];
       W[row + rows * (column + j + 3)] = r[0][j] * w[0] + r[1][j] * w[1] + r[2][j] * w[2];

@@ -13,9 +13,7 @@ namespace {
 std::atomic<std::uint64_t> count{0};
 }
 
-std::uint64_t dalembert::testing::heap_allocations() {
-  return count.load();
-}
+std::uint64_t dalembert::testing::heap_allocations() { return count.load(); }
 
 #if defined(__has_feature)
 #if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
