@@ -3,9 +3,9 @@
 
     python3 tests/benchmarks/table.py [--build build/release] [--repetitions 21] [--states 10000] [--robots MAHRU,WAM]
 
-Run it on an idle machine. It first builds what it measures, so that the commit it names is the one measured. Times are CPU times of one core; each is the median of the
-repetitions, which are interleaved at random among all benchmarks of a robot; ratios are medians of ratios, repetition by
-repetition. Nothing is written unless everything succeeded.
+Run it on an idle machine. It first builds what it measures, so that the commit it names is the one measured. Times are CPU
+times of one core; each is the median of the repetitions, which are interleaved at random among all benchmarks of a robot;
+ratios are medians of ratios, repetition by repetition. Nothing is written unless everything succeeded.
 """
 import argparse
 import datetime
