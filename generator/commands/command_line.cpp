@@ -60,7 +60,7 @@ void add_info(Command& command) {
   command.parser.add_option("--dump", *stage, "instead: what a pass has made of the robot, and the operations after each pass")
       ->check(CLI::IsMember(std::vector<std::string>(std::begin(stage_names), std::end(stage_names))))
       ->excludes("--json")
-      ->type_name("tree|normal_tree|program|plan");
+      ->type_name("tree|normal_tree|program|plan|rolled");
   command.run = [&command, json, stage](Diagnostics& warnings) {
     const Model model = read_model(command.shared.request(), warnings);
     if (stage->empty()) return print_result(*json ? describe_json(model) : describe(model));

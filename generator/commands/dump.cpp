@@ -107,6 +107,32 @@ std::string plan_text(const ir::KinematicTree& tree, const ir::Plan& plan) {
   return text;
 }
 
+std::string text_of(const ir::Operations& o) {
+  return fmt::format("{} multiply, {} add, {} sin/cos, {} divide", o.multiply, o.add, o.sincos, o.divide);
+}
+
+std::string paragraph_text(const ir::Segment& segment, const ir::Paragraph& paragraph) {
+  constexpr const char* directions[] = {"outwards", "inwards", "anywhere"};
+  std::vector<ir::NodeId> roots;
+  for (const auto& stores : {paragraph.stores, paragraph.carried})
+    for (const ir::StateStore& store : stores) roots.push_back(store.node);
+  const ir::Operations per_slot = ir::count(paragraph.graph, ir::uses(paragraph.graph, roots));
+  return fmt::format("    {} ({}): values kept: {}, carried: {}; slots: {}, each {}\n      {}\n", paragraph.name,
+                     directions[static_cast<size_t>(paragraph.direction)], paragraph.stores.size(), paragraph.carried.size(),
+                     segment.slots(), text_of(per_slot), paragraph.equation);
+}
+
+std::string rolled_text(const ir::Plan& plan, const ir::RolledProgram& rolled) {
+  if (plan.form == ir::Form::straight) return "straight form: no loops\n";
+  std::string text;
+  for (size_t s = 0; s < rolled.segments.size(); ++s) {
+    const ir::SegmentCode& code = rolled.segments[s];
+    text += fmt::format("segment {}: {} constants per slot\n", plan.segments[s].name, code.columns.size());
+    for (const ir::Paragraph& paragraph : code.paragraphs) text += paragraph_text(plan.segments[s], paragraph);
+  }
+  return text + "elements of M and C between two limbs: block products of the runtime\n";
+}
+
 std::string pass_table(const Model& model) {
   std::string text = fmt::format("\n{:<48}{:>10}{:>10}{:>10}{:>10}\n", "operations of all outputs after", "multiply", "add",
                                  "sin/cos", "divide");
@@ -122,6 +148,7 @@ std::string stage_text(const Model& model, const Lowered& lowered, Stage stage) 
     case Stage::normal_tree: return normal_tree_text(model.tree, lowered.normal);
     case Stage::program: return program_text(model.tree, model.scene, lowered.program);
     case Stage::plan: return plan_text(model.tree, lowered.plan);
+    case Stage::rolled: return rolled_text(lowered.plan, lowered.rolled);
   }
   return "";
 }

@@ -6,6 +6,7 @@
 #include <map>
 #include <robots.hpp>
 
+#include "compile.hpp"
 #include "costs.hpp"
 #include "frontend/urdf_reader.hpp"
 #include "ir/rotation.hpp"
@@ -115,6 +116,28 @@ TEST_P(SceneOperations, NoSubsetOfTheOutputsCostsMoreThanItsSuperset) {
     }
     for (unsigned set = 1; set < 16; ++set)
       for (unsigned i = 0; i < 4; ++i) EXPECT_TRUE(at_most(of[set], of[set | 1u << i])) << set << " and " << i;
+  }
+}
+
+// The same for the emitted code's workspace: results, and what is kept between the stages of the rolled form.
+TEST_P(SceneOperations, NoSubsetOfTheOutputsTakesMoreRoomThanItsSuperset) {
+  Diagnostics warnings;
+  Request request;
+  request.robot = GetParam().urdf;
+  Model model = read_model(request, warnings);
+  const std::vector<Quantity> all = ir::Scene{}.outputs;
+  for (const ir::Form form : {ir::Form::automatic, ir::Form::straight, ir::Form::rolled}) {
+    model.options.form = form;
+    std::vector<size_t> bytes(16);
+    for (unsigned set = 1; set < 16; ++set) {
+      model.scene.outputs.clear();
+      for (unsigned i = 0; i < 4; ++i)
+        if (set & 1u << i) model.scene.outputs.push_back(all[i]);
+      bytes[set] = workspace_bytes(model, lower(model));
+    }
+    for (unsigned set = 1; set < 16; ++set)
+      for (unsigned i = 0; i < 4; ++i)
+        EXPECT_LE(bytes[set], bytes[set | 1u << i]) << set << " and " << i << ", form " << static_cast<int>(form);
   }
 }
 

@@ -1,0 +1,127 @@
+// The scene's schema: every key works in a file and as an option of the same name, and stands in docs/scene.md with an example.
+#include <gtest/gtest.h>
+
+#include <CLI/CLI.hpp>
+#include <fstream>
+#include <iterator>
+#include <set>
+
+#include "commands/options.hpp"
+#include "frontend/scene_check.hpp"
+#include "frontend/scene_reader.hpp"
+#include "frontend/urdf_reader.hpp"
+#include "passes/build_tree.hpp"
+
+namespace dalembert {
+namespace {
+
+// A value unlike the default, for the robot below.
+struct Example {
+  const char* key;
+  const char* file;    // in a scene file
+  const char* option;  // on the command line
+};
+const Example examples[] = {
+    {"base", "fixed", "fixed"},
+    {"gravity", "[1, 0, -3]", "1,0,-3"},
+    {"outputs", "[bias]", "bias"},
+    {"locked", "{b: 0.25}", "b=0.25"},
+    {"cut", "[l3]", "l3"},
+    {"mimic", "{b: {of: a, multiplier: -2}}", "{b: {of: a, multiplier: -2}}"},
+    {"jacobians", "[l2, l3]", "l2,l3"},
+    {"payloads", "[l3]", "l3"},
+    {"armature", "{a: 0.5, c: 0.25}", "a=0.5,c=0.25"},
+    {"damping", "urdf", "urdf"},
+    {"friction", "{a: 2}", "a=2"},
+    {"rates_zero", "true", "true"},
+    {"scalar", "float", "float"},
+    {"parallel", "tasks", "tasks"},
+};
+
+// Three joints in a row, with damping.
+std::string robot_text() {
+  std::string text = "<robot name='r'>";
+  for (int i = 0; i < 4; ++i) {
+    const std::string n = std::to_string(i);
+    text += "<link name='l" + n +
+            "'><inertial><origin xyz='0.1 0.02 0.3'/><mass value='2'/>"
+            "<inertia ixx='0.1' ixy='0.01' ixz='0.02' iyy='0.12' iyz='0.03' izz='0.14'/></inertial></link>";
+    if (i > 0)
+      text += std::string("<joint type='continuous' name='") + "abc"[i - 1] + "'><origin xyz='0 0.1 0.4'/><parent link='l" +
+              std::to_string(i - 1) + "'/><child link='l" + n + "'/><axis xyz='0 1 0'/><dynamics damping='0.3'/></joint>";
+  }
+  return text + "</robot>";
+}
+
+// The files generated for a document, without the command line in their banners.
+std::vector<backend::OutputFile> code_of(const frontend::SceneDocument& document) {
+  Diagnostics warnings;
+  Model model;
+  model.description = frontend::read_urdf_text("r.urdf", robot_text(), warnings);
+  model.name = "r";
+  model.scene = frontend::check_scene(document, model.description, warnings);
+  model.tree = passes::build_tree(model.description, model.scene, warnings);
+  return compile(model);
+}
+
+bool same(const std::vector<backend::OutputFile>& a, const std::vector<backend::OutputFile>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](const auto& x, const auto& y) { return x.name == y.name && x.text == y.text; });
+}
+
+TEST(SceneKeys, EachHasAnExampleHere) {
+  std::vector<std::string> keys;
+  for (const Example& example : examples) keys.emplace_back(example.key);
+  EXPECT_EQ(keys, frontend::scene_keys());
+}
+
+TEST(SceneKeys, EachIsAnOptionThatDoesWhatTheFileDoes) {
+  const std::vector<backend::OutputFile> without = code_of(frontend::read_scene_text("", "", {}));
+  for (const Example& example : examples) {
+    SCOPED_TRACE(example.key);
+    CLI::App app;
+    SharedOptions options(app);
+    app.parse(std::vector<std::string>{example.option, std::string("--") + example.key, "r.urdf"});  // last word first
+    const Request request = options.request();
+    ASSERT_EQ(request.settings.size(), 1u);
+    const auto by_option = code_of(frontend::read_scene_text("", "", request.settings));
+    const auto by_file =
+        code_of(frontend::read_scene_text("r.yaml", std::string(example.key) + ": " + example.file + "\n", {}));
+    EXPECT_TRUE(same(by_option, by_file));
+    EXPECT_FALSE(same(by_option, without)) << "the key has no effect";
+  }
+}
+
+// The blocks of docs/scene.md between ```yaml and ```.
+std::vector<std::string> documented_scenes() {
+  std::ifstream file(DOCS "/scene.md");
+  const std::string text(std::istreambuf_iterator<char>(file), {});
+  std::vector<std::string> blocks;
+  for (size_t at = text.find("```yaml\n"); at != text.npos; at = text.find("```yaml\n", at + 1))
+    blocks.push_back(text.substr(at + 8, text.find("```", at + 8) - at - 8));
+  return blocks;
+}
+
+TEST(SceneKeys, EachStandsInTheDocumentationWithAnExampleThatMahruTakes) {
+  std::set<std::string> shown;
+  for (const std::string& block : documented_scenes()) {
+    SCOPED_TRACE(block);
+    const frontend::SceneDocument document = frontend::read_scene_text("docs/scene.md", block, {});
+    shown.insert(document.given.begin(), document.given.end());
+    Diagnostics warnings;
+    const ir::RobotDescription mahru = frontend::read_urdf(MAHRU, warnings);
+    const ir::Scene scene = frontend::check_scene(document, mahru, warnings);
+    EXPECT_GT(passes::build_tree(mahru, scene, warnings).nv(), 0);
+  }
+  const std::vector<std::string>& keys = frontend::scene_keys();
+  EXPECT_EQ(shown, std::set<std::string>(keys.begin(), keys.end()));
+
+  std::ifstream file(DOCS "/scene.md");
+  std::vector<std::string> rows;
+  for (std::string line; std::getline(file, line);)
+    if (line.starts_with("| `")) rows.push_back(line.substr(3, line.find('`', 3) - 3));
+  EXPECT_EQ(rows, keys);
+}
+
+}  // namespace
+}  // namespace dalembert
