@@ -107,7 +107,7 @@ class SceneReader {
   // {joint: value, ...}, or [joint, ...] for zero
   void locked(const YAML::Node& node) {
     scene_.locked.clear();
-    if (node.IsMap()) scene_.locked = values(node);
+    if (node.IsMap()) scene_.locked = values(node, "");
     else
       for (const YAML::Node& item : list(node, "a map from joints to values, or a list of joints to lock at zero"))
         scene_.locked[item.Scalar()] = 0;
@@ -119,14 +119,14 @@ class SceneReader {
   void jacobians(const YAML::Node& node) { scene_.jacobians = names(node, "a list of links"); }
   void payloads(const YAML::Node& node) { scene_.payloads = names(node, "a list of links"); }
 
-  void armature(const YAML::Node& node) { scene_.armature = positive_values(node); }
+  void armature(const YAML::Node& node) { scene_.armature = positive_values(node, false); }
   void damping(const YAML::Node& node) {
     scene_.urdf_damping = says_urdf(node);
-    scene_.damping = scene_.urdf_damping ? std::map<std::string, double>{} : positive_values(node);
+    scene_.damping = scene_.urdf_damping ? std::map<std::string, double>{} : positive_values(node, true);
   }
   void friction(const YAML::Node& node) {
     scene_.urdf_friction = says_urdf(node);
-    scene_.friction = scene_.urdf_friction ? std::map<std::string, double>{} : positive_values(node);
+    scene_.friction = scene_.urdf_friction ? std::map<std::string, double>{} : positive_values(node, true);
   }
 
   // {joint: {of: joint, multiplier: 1, offset: 0}, ...} or urdf
@@ -201,8 +201,9 @@ class SceneReader {
     return names;
   }
 
-  std::map<std::string, double> values(const YAML::Node& node) {
-    if (!node.IsMap()) refuse(node, "the value is not a map", fmt::format("write {}: {{joint: value}}", key_));
+  // `otherwise`: what else the remedy offers.
+  std::map<std::string, double> values(const YAML::Node& node, const std::string& otherwise) {
+    if (!node.IsMap()) refuse(node, "the value is not a map", fmt::format("write {}: {{joint: value}}{}", key_, otherwise));
     forget_entries();
     std::map<std::string, double> values;
     for (const auto& entry : node) {
@@ -211,8 +212,8 @@ class SceneReader {
     }
     return values;
   }
-  std::map<std::string, double> positive_values(const YAML::Node& node) {
-    std::map<std::string, double> values = this->values(node);
+  std::map<std::string, double> positive_values(const YAML::Node& node, bool in_urdf) {
+    std::map<std::string, double> values = this->values(node, in_urdf ? ", or urdf to take the URDF's values" : "");
     for (const auto& entry : node)
       if (const std::string& joint = entry.first.Scalar(); values.at(joint) < 0)
         refuse(entry.second, fmt::format("the {} of joint '{}' is negative", key_, joint), "give a value of zero or more");
