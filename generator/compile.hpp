@@ -18,9 +18,10 @@ struct Lowered {
   ir::Plan plan;
   ir::RolledProgram rolled;  // empty for the straight form
 };
+// Runs the passes, those that the model's options leave in.
 Lowered lower(const Model& model);
 
-// sizeof(Workspace) of the generated code.
+// sizeof(Workspace) of the generated code, in bytes.
 std::size_t workspace_bytes(const Model& model, const Lowered& lowered);
 
 }  // namespace dalembert

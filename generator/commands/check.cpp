@@ -5,42 +5,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
-#include <random>
 
 #include "commands/generated_engine.hpp"
 #include "commands/generic_engine.hpp"
+#include "commands/random_states.hpp"
 
 namespace dalembert {
 
 namespace {
-
-// Uniform numbers, the same on every system (the distributions of <random> are not).
-class Uniform {
- public:
-  double operator()(double low, double high) { return low + (high - low) * static_cast<double>(engine_() >> 11) * 0x1p-53; }
-
- private:
-  std::mt19937_64 engine_{2016};
-};
-
-std::vector<State> random_states(const ir::KinematicTree& tree, int count) {
-  Uniform uniform;
-  const int base = tree.floating_base ? 7 : 0;
-  std::vector<State> states;
-  for (int s = 0; s < count; ++s) {
-    State state{fmt::format("random state {}", s), Eigen::VectorXd(tree.nq()), Eigen::VectorXd(tree.nv())};
-    for (int i = 0; i < base; ++i) state.q[i] = uniform(-1, 1);
-    if (tree.floating_base) state.q.segment<4>(3).normalize();
-    int coordinate = base;
-    for (const ir::Body& body : tree.bodies)
-      if (!body.driven())
-        state.q[coordinate++] = body.prismatic() ? uniform(-0.5, 0.5) : uniform(-std::numbers::pi, std::numbers::pi);
-    for (int i = 0; i < tree.nv(); ++i) state.v[i] = uniform(-2, 2);
-    states.push_back(std::move(state));
-  }
-  return states;
-}
 
 // The largest difference relative to the largest element of the reference, over states. NaN counts as infinite.
 class RelativeError {

@@ -58,6 +58,8 @@ class Graph {
   Graph() = default;
   explicit Graph(Options options) : options_(options) {}
 
+  // The node of that value: one there is already or a new one. Angles in rad; sign(x) is −1, 0 or 1. Operands are nodes of
+  // this graph.
   NodeId constant(double value);
   NodeId input(Input input);
   NodeId sine(NodeId a) { return unary(Op::sine, a); }
@@ -74,6 +76,7 @@ class Graph {
   bool is_constant(NodeId id) const { return (*this)[id].op == Op::constant; }
   bool is_constant(NodeId id, double value) const { return is_constant(id) && (*this)[id].value == value; }
 
+  // Of the nodes made from here on.
   void set_tag(Tag tag) { tag_ = tag; }
 
  private:
@@ -107,6 +110,7 @@ struct Operations {
     return *this;
   }
 };
+// Of one evaluation of the nodes used (see uses()).
 Operations count(const Graph& graph, const std::vector<std::int32_t>& uses);
 
 }  // namespace dalembert::ir

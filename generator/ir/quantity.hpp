@@ -18,6 +18,7 @@ enum class Quantity {
 inline constexpr Quantity all_quantities[] = {Quantity::mass_matrix, Quantity::coriolis_matrix, Quantity::gravity,
                                               Quantity::bias, Quantity::wrench_influence};
 
+// "mass_matrix" and so on, and back; nothing for a name that is none.
 std::string_view name_of(Quantity quantity);
 std::optional<Quantity> quantity_named(std::string_view name);
 

@@ -12,6 +12,7 @@
 
 namespace dalembert::passes {
 
+// Makes the nodes of one robot's inputs and constants in a graph. References the tree, its normal form and the scene.
 class LowerInputs {
  public:
   LowerInputs(ir::Graph& graph, const ir::KinematicTree& tree, const ir::NormalTree& normal, const ir::Scene& scene);
@@ -21,11 +22,13 @@ class LowerInputs {
   Mat3 constant(const Eigen::Matrix3d& m) const;
   Vec3 zero() const { return constant(Eigen::Vector3d(Eigen::Vector3d::Zero())); }
 
+  // Of the joint above a body: sine and cosine, or displacement (m); rate (rad/s or m/s), zero in statics. A driven joint's are
+  // its driver's, scaled.
   JointPosition position(size_t body) const;
   Sym rate(size_t body) const;
   Twist base_twist() const;      // floating base: v's first six; fixed: zero
   Vec3 gravity_in_base() const;  // gravity along the base's axes: the world's on a fixed base
-  // Constants of a body with what the scene's payload adds; `payload` tells whether there is one.
+  // Constants of a body, or of the base, with what the scene's payloads add.
   BodyConstants body(size_t k) const { return constants(normal_.bodies[k], static_cast<int>(k)); }
   BodyConstants base() const;
 

@@ -67,7 +67,14 @@ std::string operations(const ir::Operations& o) { return fmt::format("{} + {}", 
 
 using Times = std::map<std::string, std::vector<double>>;  // per example, round by round
 
-Times measure(const std::vector<State>& (*states_of)(const Example&)) {
+const std::vector<State>& states_of(const Example& e) {
+  static std::map<std::string, std::vector<State>> states;
+  const auto [at, made] = states.try_emplace(e.name);
+  if (made) at->second = random_states(e.model.tree, 20);
+  return at->second;
+}
+
+Times measure() {
   Times times;
   std::map<std::string, std::shared_ptr<void>> workspaces;
   for (const Example& e : examples()) workspaces[e.name] = e.workspace();
@@ -79,31 +86,20 @@ Times measure(const std::vector<State>& (*states_of)(const Example&)) {
   return times;
 }
 
-const std::vector<State>& states_of(const Example& e) {
-  static std::map<std::string, std::vector<State>> states;
-  const auto [at, made] = states.try_emplace(e.name);
-  if (made) at->second = random_states(e.model.tree, 20);
-  return at->second;
-}
-
 std::string page() {
   double load[1] = {0};
   if (getloadavg(load, 1) < 1) load[0] = 0;
-  const Times times = measure(states_of);
+  const Times times = measure();
   std::string text = fmt::format(
       "# What scenes save\n\n"
       "Written by `cmake --build build/release --target scenes_page` on {}: {}, one thread, load average {:.1f} before the\n"
       "measurement (0 on an idle machine); {}.\n\n"
       "The scenes are those of [examples/scenes](../examples/scenes), in the order of their cost. *Operations* are additions,\n"
-      "multiplications and divisions + pairs of sine and cosine; *before* is the URDF without a scene, as the equations are "
-      "written\n"
-      "(see [scene.md](scene.md#what-was-left-out)). *Time* is processor time per evaluation, the median of {} batches of "
-      "2000\n"
-      "evaluations, the scenes taking turns; ± is the distance between the quartiles. *Code* is machine code + constants, "
-      "without\n"
-      "the C API. *Error* is the largest difference to the generic engine on the reduced model at 20 random states, relative "
-      "to\n"
-      "the result's largest element.\n\n"
+      "multiplications and divisions + pairs of sine and cosine; *before* is the URDF without a scene, as the equations are\n"
+      "written (see [scene.md](scene.md#what-was-left-out)). *Time* is processor time per evaluation, the median of {}\n"
+      "batches of 2000 evaluations, the scenes taking turns; ± is the distance between the quartiles. *Code* is machine code\n"
+      "+ constants, without the C API. *Error* is the largest difference to the generic engine on the reduced model at 20\n"
+      "random states, relative to the result's largest element.\n\n"
       "| Scene | nv | Operations before | here | Time, ns | Code, bytes | Workspace, bytes | Error |\n"
       "|---|---|---|---|---|---|---|---|\n",
       today(), machine(), load[0], COMPILER, rounds);

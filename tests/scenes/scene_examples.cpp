@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <numbers>
-#include <random>
 #include <stdexcept>
 
 #include "arm_gravity/c_api.h"
@@ -102,24 +100,6 @@ const Example& example(const std::string& name) {
   for (const Example& e : examples())
     if (e.name == name) return e;
   throw std::invalid_argument("no example " + name);
-}
-
-std::vector<State> random_states(const ir::KinematicTree& tree, int count) {
-  std::mt19937_64 engine{2016};
-  const auto uniform = [&](double limit) { return limit * (2 * static_cast<double>(engine() >> 11) * 0x1p-53 - 1); };
-  const int base = tree.floating_base ? 7 : 0;
-  std::vector<State> states;
-  for (int s = 0; s < count; ++s) {
-    State state{"random state " + std::to_string(s), Eigen::VectorXd(tree.nq()), Eigen::VectorXd(tree.nv())};
-    for (int i = 0; i < base; ++i) state.q[i] = uniform(1);
-    if (tree.floating_base) state.q.segment<4>(3).normalize();
-    int coordinate = base;
-    for (const ir::Body& body : tree.bodies)
-      if (!body.driven()) state.q[coordinate++] = uniform(body.prismatic() ? 0.5 : std::numbers::pi);
-    for (int i = 0; i < tree.nv(); ++i) state.v[i] = uniform(2);
-    states.push_back(std::move(state));
-  }
-  return states;
 }
 
 double error_of(const Example& example, const std::vector<State>& states) {

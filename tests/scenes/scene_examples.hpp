@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "commands/output.hpp"
-#include "commands/state_file.hpp"
+#include "commands/random_states.hpp"
 
 namespace dalembert::scenes {
 
@@ -27,9 +27,6 @@ struct Example {
 // The five scenes, then the full humanoid with the outputs of legs_only.
 const std::vector<Example>& examples();
 const Example& example(const std::string& name);
-
-// Uniform in [-π, π] for angles, [-0.5, 0.5] for slides, [-2, 2] for velocities; a unit quaternion. The same on every system.
-std::vector<State> random_states(const ir::KinematicTree& tree, int count);
 
 // Largest difference relative to the largest element, over states and outputs, of the compiled code to the generic engine.
 double error_of(const Example& example, const std::vector<State>& states);

@@ -13,12 +13,14 @@ namespace dalembert {
 // Tasks are numbered in the order they are added. A task runs when all tasks it comes after have run.
 class TaskGraph {
  public:
+  // Returns the task's number.
   int add(std::function<void()> task) {
     nodes_.emplace_back(graph_, [task = std::move(task)](const tbb::flow::continue_msg&) { task(); });
     first_.push_back(true);
     return static_cast<int>(nodes_.size()) - 1;
   }
 
+  // `after` runs when `before` has. The caller keeps the graph free of cycles.
   void edge(int before, int after) {
     tbb::flow::make_edge(nodes_[static_cast<std::size_t>(before)], nodes_[static_cast<std::size_t>(after)]);
     first_[static_cast<std::size_t>(after)] = false;

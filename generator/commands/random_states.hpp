@@ -1,0 +1,15 @@
+// Random states of a robot, for comparing and timing.
+#pragma once
+
+#include <vector>
+
+#include "commands/state_file.hpp"
+#include "ir/kinematic_tree.hpp"
+
+namespace dalembert {
+
+// Uniform in [-π, π] rad for angles, [-0.5, 0.5] m for slides, [-2, 2] for velocities (rad/s, m/s), [-1, 1] m for a floating
+// base's position; its orientation a unit quaternion. The same states on every system and in every run.
+std::vector<State> random_states(const ir::KinematicTree& tree, int count);
+
+}  // namespace dalembert
