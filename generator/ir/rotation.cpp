@@ -23,6 +23,16 @@ Eigen::Matrix3d rotation_about(const Eigen::Vector3d& axis, double angle) {
   return Eigen::AngleAxisd(angle, axis).toRotationMatrix();
 }
 
+Eigen::Matrix3d without_rounding_dust(Eigen::Matrix3d rotation) {
+  constexpr double dust = 2.3e-16;
+  for (double& entry : rotation.reshaped()) {
+    if (std::abs(entry) < dust) entry = 0;
+    if (std::abs(entry - 1) < dust) entry = 1;
+    if (std::abs(entry + 1) < dust) entry = -1;
+  }
+  return rotation;
+}
+
 Eigen::Matrix3d rotated(const Eigen::Matrix3d& inertia, const Eigen::Matrix3d& rotation) {
   const Eigen::Matrix3d product = rotation * inertia * rotation.transpose();
   return 0.5 * (product + product.transpose());

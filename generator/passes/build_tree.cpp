@@ -87,7 +87,9 @@ class TreeBuilder {
     body.joint = joint.name;
     body.type = joint.type;
     body.parent = visit.parent_body;
+    // Here rather than in a later pass: what counts as the robot is the same for generated code and for its references.
     body.placement = visit.placement;
+    body.placement.linear() = ir::without_rounding_dust(body.placement.linear());
     body.axis = joint.axis;
     const auto asked = [&](const std::map<std::string, double>& values, double otherwise) {
       const auto value = values.find(joint.name);

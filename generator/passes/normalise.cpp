@@ -3,6 +3,8 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "ir/rotation.hpp"
+
 namespace dalembert::passes {
 namespace {
 
@@ -27,17 +29,6 @@ Matrix3d frame_with_z(const Vector3d& axis) {
   frame.col(0) = Vector3d::Unit(least).cross(axis).normalized();
   frame.col(1) = axis.cross(frame.col(0));
   return frame;
-}
-
-// cos(π/2) is 6e-17 in floating point: less than the rounding of what it is multiplied with. Such entries become exact.
-Matrix3d without_rounding_dust(Matrix3d rotation) {
-  constexpr double dust = 2.3e-16;
-  for (double& entry : rotation.reshaped()) {
-    if (std::abs(entry) < dust) entry = 0;
-    if (std::abs(entry - 1) < dust) entry = 1;
-    if (std::abs(entry + 1) < dust) entry = -1;
-  }
-  return rotation;
 }
 
 ir::Moments moments_of(const ir::Inertia& body, const Matrix3d& frame) {
@@ -94,7 +85,7 @@ ir::NormalTree normalise(const ir::KinematicTree& tree, const NormaliseOptions& 
     if (body.parent >= 0) parent_frame = normal.bodies[static_cast<size_t>(body.parent)].link_rotation.transpose();
     n.parent = body.parent;
     n.prismatic = body.prismatic();
-    n.rotation = without_rounding_dust(parent_frame.transpose() * body.placement.linear() * frame);
+    n.rotation = ir::without_rounding_dust(parent_frame.transpose() * body.placement.linear() * frame);
     n.translation = parent_frame.transpose() * body.placement.translation();
     n.link_rotation = frame.transpose();
     n.own = n.moments = moments_of(body.inertia, frame);

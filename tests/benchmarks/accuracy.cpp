@@ -3,13 +3,16 @@
 //   accuracy [--states N] [--limit ULP] [--robot NAME]...      all robots but the chains and trees, 10000 states, 32 ulp
 //
 // Exact: the generic engine in 100 decimal digits on the same doubles, rounded. One row per robot, base, library and
-// quantity; the libraries are those that benchmark_peers times (-O3 -march=native). Exit status 1 when an error exceeds the
-// limit or a result is not finite, 2 for bad usage.
+// quantity; the libraries are those that benchmark_peers times (-O3 -march=native). `over`: states beyond the limit. `generic
+// max`: the generic engine in double on the same states, which shows where a state is hard for any program: an arm that
+// balances has a g whose largest element is what remains of much larger terms. Exit status 1 when an error exceeds the limit or
+// a result is not finite, 2 for bad usage.
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <dalembert/generic/dynamics.hpp>
 #include <limits>
 #include <map>
 #include <string>
@@ -17,6 +20,7 @@
 #include <vector>
 
 #include "benchmark_robots.hpp"
+#include "commands/generic_model.hpp"
 #include "generated_robot.hpp"
 #include "generated_table.hpp"
 #include "load_robot.hpp"
@@ -54,13 +58,19 @@ void append(Errors& errors, const Results& ours, const Results& exact) {
   add(3, ours.bias, exact.bias);
 }
 
-// States first, first + step, ... up to the count. Exact results are shared by all libraries of the robot.
+Results generic_results(const generic::Model<double>& model, const testing::State& state) {
+  generic::Dynamics<double> all = generic::evaluate<double>(model, state.q, state.v);
+  return {std::move(all.mass_matrix), std::move(all.coriolis_matrix), std::move(all.gravity), std::move(all.bias)};
+}
+
+// States first, first + step, ... up to the count: errors of each library, then of the generic engine. Exact results are shared.
 void measure(const ir::KinematicTree& tree, const std::vector<const GeneratedRobot*>& libraries, int first, int step, int count,
              std::vector<Errors>& errors) {
   std::vector<GeneratedEvaluation> evaluations;
   for (const GeneratedRobot* library : libraries) evaluations.emplace_back(*library);
-  errors.resize(libraries.size());
+  errors.resize(libraries.size() + 1);
   const Eigen::Vector3d gravity(0, 0, -9.81);
+  const generic::Model<double> model = to_generic<double>(tree, gravity);
   for (int i = first; i < count; i += step) {
     const testing::State state = testing::moderate_state(tree, static_cast<std::uint64_t>(i + 1));
     const Results exact = exact_results(tree, gravity, state);
@@ -68,6 +78,7 @@ void measure(const ir::KinematicTree& tree, const std::vector<const GeneratedRob
       evaluations[k].run(state);
       append(errors[k], evaluations[k].results(tree.nv()), exact);
     }
+    append(errors.back(), generic_results(model, state), exact);
   }
 }
 
@@ -83,17 +94,22 @@ bool report(const RobotEntry& entry, bool floating, const std::vector<const Gene
   }
   for (std::thread& thread : threads) thread.join();
 
+  const auto sorted = [&](size_t library, size_t quantity) {
+    std::vector<double> all;
+    for (const auto& part : parts) all.insert(all.end(), part[library][quantity].begin(), part[library][quantity].end());
+    std::sort(all.begin(), all.end());
+    return all;
+  };
   bool good = true;
   for (size_t k = 0; k < libraries.size(); ++k) {
     for (size_t quantity = 0; quantity < 4; ++quantity) {
-      std::vector<double> all;
-      for (const auto& part : parts) all.insert(all.end(), part[k][quantity].begin(), part[k][quantity].end());
+      const std::vector<double> all = sorted(k, quantity);
       if (all.empty()) continue;
-      std::sort(all.begin(), all.end());
-      good = good && all.back() <= options.limit;
-      std::printf("%-10s %-9s %-9s %-16s %8d %10.2f %10.2f\n", entry.name, floating ? "floating" : "fixed",
+      const auto over = all.end() - std::upper_bound(all.begin(), all.end(), options.limit);
+      good = good && over == 0;
+      std::printf("%-10s %-9s %-9s %-16s %8d %10.2f %10.2f %6d %12.2f\n", entry.name, floating ? "floating" : "fixed",
                   libraries[k]->outputs, quantity_names[quantity], static_cast<int>(all.size()), all.back(),
-                  all[all.size() / 2]);
+                  all[all.size() / 2], static_cast<int>(over), sorted(libraries.size(), quantity).back());
     }
   }
   std::fflush(stdout);
@@ -107,8 +123,8 @@ bool wanted(const RobotEntry& entry, const Options& options) {
 }
 
 int run(const Options& options) {
-  std::printf("%-10s %-9s %-9s %-16s %8s %10s %10s\n", "robot", "base", "library", "quantity", "states", "max ulp",
-              "median ulp");
+  std::printf("%-10s %-9s %-9s %-16s %8s %10s %10s %6s %12s\n", "robot", "base", "library", "quantity", "states", "max ulp",
+              "median ulp", "over", "generic max");
   bool good = true, any = false;
   for (const RobotEntry& entry : benchmark_robots) {
     if (!wanted(entry, options)) continue;

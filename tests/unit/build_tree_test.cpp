@@ -215,6 +215,16 @@ TEST(Rotation, ZerosAndOnesAreExact) {
   EXPECT_LE((ir::rotation_about(skew, 2.2) - Eigen::AngleAxisd(2.2, skew).toRotationMatrix()).norm(), 1e-15);
 }
 
+TEST(Rotation, SquareTurnsAreExactAndOthersUntouched) {
+  constexpr double right_angle = 1.5707963267948966;
+  Eigen::Matrix3d quarter;
+  quarter << 1, 0, 0, 0, 0, -1, 0, 1, 0;
+  EXPECT_NE(ir::rotation_from_rpy({right_angle, 0, 0}), quarter);
+  EXPECT_EQ(ir::without_rounding_dust(ir::rotation_from_rpy({right_angle, 0, 0})), quarter);
+  const Eigen::Matrix3d nearly = ir::rotation_from_rpy({-1.5708, 1e-9, 0});
+  EXPECT_EQ(ir::without_rounding_dust(nearly), nearly);
+}
+
 TEST(CombineInertia, OnePartAndPartsWithoutMassChangeNoBit) {
   const ir::Inertia part{0.3, {0.1, 0.7, -0.3}, Eigen::Vector3d(0.1, 0.2, 0.3).asDiagonal()};
   expect_same_bits(passes::combined({part}), part);
