@@ -36,15 +36,6 @@ struct Options {
 
 constexpr const char* quantity_names[] = {"mass_matrix", "coriolis_matrix", "gravity", "bias"};
 
-// Largest difference in units of the last place of the largest exact element.
-double ulp_error(const Eigen::MatrixXd& ours, const Eigen::MatrixXd& exact) {
-  if (!ours.allFinite()) return std::numeric_limits<double>::infinity();
-  const double largest = exact.cwiseAbs().maxCoeff(), difference = (ours - exact).cwiseAbs().maxCoeff();
-  if (difference == 0) return 0;
-  if (largest == 0) return std::numeric_limits<double>::infinity();
-  return difference / std::ldexp(1.0, std::max(std::ilogb(largest) - 52, -1074));
-}
-
 // Errors of one library, one vector per quantity (empty: not among its outputs).
 using Errors = std::array<std::vector<double>, 4>;
 
@@ -58,12 +49,7 @@ void append(Errors& errors, const Results& ours, const Results& exact) {
   add(3, ours.bias, exact.bias);
 }
 
-Results generic_results(const generic::Model<double>& model, const testing::State& state) {
-  generic::Dynamics<double> all = generic::evaluate<double>(model, state.q, state.v);
-  return {std::move(all.mass_matrix), std::move(all.coriolis_matrix), std::move(all.gravity), std::move(all.bias)};
-}
-
-// States first, first + step, ... up to the count: errors of each library, then of the generic engine. Exact results are shared.
+// States first, first + step, ... up to the count: errors of each library, then of the generic engine.
 void measure(const ir::KinematicTree& tree, const std::vector<const GeneratedRobot*>& libraries, int first, int step, int count,
              std::vector<Errors>& errors) {
   std::vector<GeneratedEvaluation> evaluations;

@@ -1,7 +1,10 @@
 #include "benchmark_robot.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <dalembert/generic/dynamics.hpp>
 #include <limits>
+#include <utility>
 
 #include "commands/generic_model.hpp"
 #include "load_robot.hpp"
@@ -51,6 +54,11 @@ Results exact_results(const ir::KinematicTree& tree, const Eigen::Vector3d& grav
   return results;
 }
 
+Results generic_results(const generic::Model<double>& model, const testing::State& state) {
+  generic::Dynamics<double> all = generic::evaluate<double>(model, state.q, state.v);
+  return {std::move(all.mass_matrix), std::move(all.coriolis_matrix), std::move(all.gravity), std::move(all.bias)};
+}
+
 const Results& BenchmarkRobot::exact(int index) const {
   const auto at = static_cast<size_t>(index);
   if (!exact_[at]) exact_[at] = std::make_unique<Results>(exact_results(tree_, gravity_, states_[at]));
@@ -60,6 +68,14 @@ const Results& BenchmarkRobot::exact(int index) const {
 double relative_error(const Results& ours, const Results& exact) {
   return std::max({error_of(ours.mass_matrix, exact.mass_matrix), error_of(ours.coriolis_matrix, exact.coriolis_matrix),
                    error_of(ours.gravity, exact.gravity), error_of(ours.bias, exact.bias)});
+}
+
+double ulp_error(const Eigen::MatrixXd& ours, const Eigen::MatrixXd& exact) {
+  if (!ours.allFinite()) return std::numeric_limits<double>::infinity();
+  const double difference = largest(ours - exact);
+  if (difference == 0) return 0;
+  if (largest(exact) == 0) return std::numeric_limits<double>::infinity();
+  return difference / std::ldexp(1.0, std::max(std::ilogb(largest(exact)) - 52, -1074));
 }
 
 }  // namespace dalembert::benchmarks

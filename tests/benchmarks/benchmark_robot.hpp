@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <dalembert/generic/model.hpp>
 #include <memory>
 #include <string>
 #include <vector>
@@ -24,6 +25,9 @@ struct Results {
 
 // M, C, g and bias in 100 decimal digits, rounded to double.
 Results exact_results(const ir::KinematicTree& tree, const Eigen::Vector3d& gravity, const testing::State& state);
+
+// The same in double, by the generic engine.
+Results generic_results(const generic::Model<double>& model, const testing::State& state);
 
 class BenchmarkRobot {
  public:
@@ -51,5 +55,8 @@ class BenchmarkRobot {
 
 // Largest difference relative to the largest exact element, over the results that `ours` has; infinite if not finite.
 double relative_error(const Results& ours, const Results& exact);
+
+// Largest difference in units of the last place of the largest exact element; infinite if not finite.
+double ulp_error(const Eigen::MatrixXd& ours, const Eigen::MatrixXd& exact);
 
 }  // namespace dalembert::benchmarks

@@ -54,11 +54,23 @@ macro(accuracy_robot robot urdf base)
   benchmark_library("${robot}" "${urdf}" ${base} ${base} mass_matrix coriolis_matrix gravity bias)
 endmacro()
 
-# A tree of equal branches (one: a chain) on a fixed base, its URDF written while building.
-macro(benchmark_tree robot joints branches chain)
+# Writes the robot's URDF while building: ARGN are make_robot's arguments.
+macro(make_urdf robot)
   set(urdf "${CMAKE_CURRENT_BINARY_DIR}/${robot}.urdf")
-  add_custom_command(OUTPUT "${urdf}" COMMAND make_robot ${joints} ${branches} > "${urdf}" DEPENDS make_robot VERBATIM)
+  add_custom_command(OUTPUT "${urdf}" COMMAND make_robot ${ARGN} > "${urdf}" DEPENDS make_robot VERBATIM)
   add_custom_target(${robot}_urdf DEPENDS "${urdf}")
+endmacro()
+
+# A chain on a fixed base, all outputs, for the program of extremes: the last link's mass and length relative to the base's.
+macro(extreme_chain robot joints masses lengths)
+  make_urdf(${robot} ${joints} 1 ${masses} ${lengths})
+  accuracy_robot(${robot} "${urdf}" fixed)
+  string(APPEND extreme_rows "    {\"${robot}\", \"${urdf}\", false, true},\n")
+endmacro()
+
+# A tree of equal branches (one: a chain) on a fixed base.
+macro(benchmark_tree robot joints branches chain)
+  make_urdf(${robot} ${joints} ${branches})
   benchmark_robot(${robot} "${urdf}" fixed ${chain} ${ARGN})
 endmacro()
 
@@ -76,6 +88,15 @@ if(EXISTS ${data})
 else()
   message(WARNING "Benchmarks run without DRC-Hubo, Atlas, WAM and KR5, which are in the package dart-doc")
 endif()
+set(extreme_rows "    {\"MAHRU\", \"${PROJECT_SOURCE_DIR}/examples/mahru/mahru.urdf\", false, false},\n")
+if(EXISTS ${data})
+  string(APPEND extreme_rows "    {\"WAM\", \"${data}/urdf/wam/wam.urdf\", true, false},\n")
+endif()
+extreme_chain(heavy_tip 10 1e9 1)
+extreme_chain(light_tip 10 1e-9 1)
+extreme_chain(long_tip 10 1 1e6)
+extreme_chain(short_tip 10 1 1e-6)
+extreme_chain(long_chain 100 1 1)
 # The larger ones take minutes to compile: -DDALEMBERT_BENCHMARK_JOINTS="10;20;50;100" for a full table.
 set(DALEMBERT_BENCHMARK_JOINTS 10 20 CACHE STRING "Joints of the chains and trees that are timed")
 foreach(joints IN LISTS DALEMBERT_BENCHMARK_JOINTS)
@@ -103,6 +124,10 @@ struct RobotEntry {
 
 inline constexpr RobotEntry benchmark_robots[] = {
 @robot_rows@};
+
+// Of the program of extremes: chains that are extreme themselves, others whose states are.
+inline constexpr RobotEntry extreme_robots[] = {
+@extreme_rows@};
 
 }  // namespace dalembert::benchmarks
 ]] @ONLY)
