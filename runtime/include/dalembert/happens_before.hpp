@@ -1,0 +1,32 @@
+// Tells ThreadSanitizer what oneTBB orders. The library is not compiled for it, so that every hand-over from one task to the
+// next would be reported as a race. Nothing at all in other builds.
+#pragma once
+
+#if defined(__has_feature)
+#if __has_feature(thread_sanitizer)
+#define DALEMBERT_THREAD_SANITIZER
+#endif
+#elif defined(__SANITIZE_THREAD__)
+#define DALEMBERT_THREAD_SANITIZER
+#endif
+
+#ifdef DALEMBERT_THREAD_SANITIZER
+#include <sanitizer/tsan_interface.h>
+#endif
+
+namespace dalembert::detail {
+
+// What this thread did before happens_before(event) comes before what another does after happens_after(event).
+inline void happens_before([[maybe_unused]] void* event) {
+#ifdef DALEMBERT_THREAD_SANITIZER
+  __tsan_release(event);
+#endif
+}
+inline void happens_after([[maybe_unused]] void* event) {
+#ifdef DALEMBERT_THREAD_SANITIZER
+  __tsan_acquire(event);
+#endif
+}
+
+}  // namespace dalembert::detail
+#undef DALEMBERT_THREAD_SANITIZER
