@@ -93,6 +93,8 @@ std::vector<OperationCost> costs_before(const Model& model) {
   }
 }
 
+bool too_large_to_compare(const ir::Program& program) { return program.graph.size() > 500'000; }
+
 std::vector<PassCost> pass_costs(const Model& model) {
   std::vector<PassCost> list;
   const auto add = [&](const std::string& name, const Model& m) {

@@ -32,6 +32,9 @@ std::vector<OperationCost> operation_costs(const ir::Program& program, const ir:
 // that the scene locks or cuts).
 std::vector<OperationCost> costs_before(const Model& model);
 
+// Whether the program is so large that lowering its robot once more, for costs_before(), would take longer than all the rest.
+bool too_large_to_compare(const ir::Program& program);
+
 // The effect of one pass, or of the scene.
 struct PassCost {
   std::string name;  // what has been done so far, ending with this

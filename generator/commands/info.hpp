@@ -13,7 +13,7 @@ std::string describe(const Model& model);
 
 // The same for machines: one JSON object with robot, name, base, nq, nv, joints (those with a coordinate, in order), bodies,
 // workspace_bytes, quantities by name, and without_scene: the same quantities of the URDF without a scene, as the equations are
-// written (empty when they cannot be computed).
+// written (empty when they cannot be computed, or the robot is too large).
 std::string describe_json(const Model& model);
 
 }  // namespace dalembert
