@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <dalembert/generic/dynamics.hpp>
 #include <limits>
+#include <memory>
 #include <stdexcept>
 
 #include "commands/generic_model.hpp"
+#include "generated_robot.hpp"
 #include "load_robot.hpp"
 
 namespace dalembert::oracle {
@@ -18,6 +20,17 @@ double relative_error(const Eigen::MatrixXd& ours, const Eigen::MatrixXd& refere
   const double scale = std::max(reference.cwiseAbs().maxCoeff(), floor);
   const double difference = (ours - reference).cwiseAbs().maxCoeff();
   return difference == 0 ? 0 : difference / scale;
+}
+
+Dynamics in_oracle_terms(const generic::Dynamics<double>& result, const Eigen::VectorXd& v, bool floating_base) {
+  Dynamics ours;
+  ours.mass_matrix = result.mass_matrix;
+  ours.coriolis = result.coriolis_matrix * v;
+  ours.gravity = result.gravity;
+  ours.bias = result.bias;
+  ours.momentum.setZero();
+  if (floating_base) ours.momentum = result.mass_matrix.topRows<6>() * v;
+  return ours;
 }
 
 }  // namespace
@@ -44,17 +57,23 @@ Request request_of(const Case& c, const ir::KinematicTree& tree, const Eigen::Ve
   return request;
 }
 
-Dynamics generic_dynamics(const ir::KinematicTree& tree, const Eigen::Vector3d& gravity, const Eigen::VectorXd& q,
-                          const Eigen::VectorXd& v) {
-  const auto result = generic::evaluate<double>(to_generic<double>(tree, gravity), q, v);
-  Dynamics ours;
-  ours.mass_matrix = result.mass_matrix;
-  ours.coriolis = result.coriolis_matrix * v;
-  ours.gravity = result.gravity;
-  ours.bias = result.bias;
-  ours.momentum.setZero();
-  if (tree.floating_base) ours.momentum = result.mass_matrix.topRows<6>() * v;
-  return ours;
+Engine generic_engine(const ir::KinematicTree& tree, const Eigen::Vector3d& gravity) {
+  return [model = to_generic<double>(tree, gravity)](const Eigen::VectorXd& q, const Eigen::VectorXd& v) {
+    return in_oracle_terms(generic::evaluate<double>(model, q, v), v, model.floating_base);
+  };
+}
+
+Engine generated_engine(const Case& c) {
+  for (const testing::GeneratedCase& generated : testing::generated_cases()) {
+    if (generated.name != name_of(c)) continue;
+    const std::shared_ptr<testing::GeneratedRobot> robot = generated.make();
+    return [robot, floating = c.base == Base::floating](const Eigen::VectorXd& q, const Eigen::VectorXd& v) {
+      robot->set_state(q, v);
+      robot->evaluate(testing::Variant::serial);
+      return in_oracle_terms(robot->result(testing::Variant::serial), v, floating);
+    };
+  }
+  throw std::invalid_argument("no code was generated for '" + name_of(c) + "'");
 }
 
 std::vector<Error> compare(const Dynamics& ours, const Dynamics& oracle, const Eigen::Vector3d& gravity,

@@ -22,9 +22,12 @@ std::string name_of(const Case& c);  // an identifier: "wam_fixed"
 ir::KinematicTree tree_of(const Case& c);
 Request request_of(const Case& c, const ir::KinematicTree& tree, const Eigen::Vector3d& gravity);
 
-// The generic engine's answer (double) in an oracle's terms: C v from C itself, momentum from M's base rows.
-Dynamics generic_dynamics(const ir::KinematicTree& tree, const Eigen::Vector3d& gravity, const Eigen::VectorXd& q,
-                          const Eigen::VectorXd& v);
+// One of our two engines: answers (double) in an oracle's terms, C v from C itself, momentum from M's base rows.
+using Engine = std::function<Dynamics(const Eigen::VectorXd& q, const Eigen::VectorXd& v)>;
+Engine generic_engine(const ir::KinematicTree& tree, const Eigen::Vector3d& gravity);
+// The code generated for the case, with testing::test_gravity; the library that generated_test also tests. Serial: the task
+// graph gives the same bits, as generated_test shows.
+Engine generated_engine(const Case& c);
 
 struct Error {
   const char* quantity;  // "M", "C v", "g", "bias", "momentum"

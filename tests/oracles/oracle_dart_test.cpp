@@ -1,4 +1,4 @@
-// The generic engine against DART, which reads inertias and fixed joints itself, on every test robot.
+// The generic engine and generated code against DART, which reads inertias and fixed joints itself, on every test robot.
 #include "dart_oracle.hpp"
 #include "oracle_tests.hpp"
 
@@ -14,7 +14,13 @@ DartOracle dart(const Case& c, const ir::KinematicTree& tree) {
 TEST_P(Dart, AgreesWithTheGenericEngine) {
   const ir::KinematicTree tree = tree_of(GetParam());
   DartOracle oracle = dart(GetParam(), tree);
-  expect_agreement(oracle, tree);
+  expect_agreement(oracle, tree, generic_engine(tree, testing::test_gravity));
+}
+
+TEST_P(Dart, AgreesWithGeneratedCode) {
+  const ir::KinematicTree tree = tree_of(GetParam());
+  DartOracle oracle = dart(GetParam(), tree);
+  expect_agreement(oracle, tree, generated_engine(GetParam()));
 }
 
 INSTANTIATE_TEST_SUITE_P(Robots, Dart, ::testing::ValuesIn(all_cases()), case_name);

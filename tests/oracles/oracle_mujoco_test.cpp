@@ -1,4 +1,4 @@
-// The generic engine against MuJoCo, on every test robot.
+// The generic engine and generated code against MuJoCo, on every test robot.
 #include "mujoco_oracle.hpp"
 #include "oracle_tests.hpp"
 
@@ -16,7 +16,13 @@ MujocoOracle with_our_inertias(const Case& c, const ir::KinematicTree& tree) {
 TEST_P(Mujoco, AgreesWithTheGenericEngine) {
   const ir::KinematicTree tree = tree_of(GetParam());
   MujocoOracle oracle = with_our_inertias(GetParam(), tree);
-  expect_agreement(oracle, tree);
+  expect_agreement(oracle, tree, generic_engine(tree, testing::test_gravity));
+}
+
+TEST_P(Mujoco, AgreesWithGeneratedCode) {
+  const ir::KinematicTree tree = tree_of(GetParam());
+  MujocoOracle oracle = with_our_inertias(GetParam(), tree);
+  expect_agreement(oracle, tree, generated_engine(GetParam()));
 }
 
 // Inertias too are MuJoCo's reading of the file, as exact as its principal axes are. It refuses bodies without mass.
@@ -24,7 +30,7 @@ TEST_P(Mujoco, ReadsTheSameInertias) {
   const ir::KinematicTree tree = tree_of(GetParam());
   if (std::string(GetParam().robot.name) == "massless_intermediate") GTEST_SKIP() << "MuJoCo refuses massless bodies";
   MujocoOracle oracle(request_of(GetParam(), tree, testing::test_gravity), Inertias::as_read);
-  expect_agreement(oracle, tree, 1e-5);
+  expect_agreement(oracle, tree, generic_engine(tree, testing::test_gravity), 1e-5);
 }
 
 INSTANTIATE_TEST_SUITE_P(Robots, Mujoco, ::testing::ValuesIn(all_cases()), case_name);
