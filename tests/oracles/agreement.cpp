@@ -43,13 +43,9 @@ std::vector<Case> all_cases() {
   return cases;
 }
 
-std::string name_of(const Case& c) {
-  return std::string(c.robot.name) + (c.base == Base::floating ? "_floating" : "_fixed");
-}
+std::string name_of(const Case& c) { return std::string(c.robot.name) + (c.base == Base::floating ? "_floating" : "_fixed"); }
 
-ir::KinematicTree tree_of(const Case& c) {
-  return testing::load_robot(c.robot, c.base == Base::floating);
-}
+ir::KinematicTree tree_of(const Case& c) { return testing::load_robot(c.robot, c.base == Base::floating); }
 
 Request request_of(const Case& c, const ir::KinematicTree& tree, const Eigen::Vector3d& gravity) {
   Request request{c.robot.urdf, c.base, {}, gravity};

@@ -90,15 +90,9 @@ void DartOracle::set_state(const Coordinates& coordinates) {
   impl_->skeleton->setPositions(coordinates.positions);
   impl_->skeleton->setVelocities(coordinates.velocities);
 }
-const Eigen::MatrixXd& DartOracle::own_mass_matrix() {
-  return impl_->skeleton->getMassMatrix();
-}
-const Eigen::VectorXd& DartOracle::own_gravity() {
-  return impl_->skeleton->getGravityForces();
-}
-const Eigen::VectorXd& DartOracle::own_bias() {
-  return impl_->skeleton->getCoriolisAndGravityForces();
-}
+const Eigen::MatrixXd& DartOracle::own_mass_matrix() { return impl_->skeleton->getMassMatrix(); }
+const Eigen::VectorXd& DartOracle::own_gravity() { return impl_->skeleton->getGravityForces(); }
+const Eigen::VectorXd& DartOracle::own_bias() { return impl_->skeleton->getCoriolisAndGravityForces(); }
 
 Dynamics DartOracle::evaluate(const Eigen::VectorXd& q, const Eigen::VectorXd& v) {
   set_state(own_coordinates(q, v));

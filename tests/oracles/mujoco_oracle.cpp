@@ -60,9 +60,7 @@ MujocoOracle::MujocoOracle(const Request& request, Inertias inertias)
   set_gravity(request.gravity);
 }
 
-void MujocoOracle::set_gravity(const Eigen::Vector3d& gravity) {
-  Eigen::Map<Eigen::Vector3d>(model_->opt.gravity) = gravity;
-}
+void MujocoOracle::set_gravity(const Eigen::Vector3d& gravity) { Eigen::Map<Eigen::Vector3d>(model_->opt.gravity) = gravity; }
 
 void MujocoOracle::set_inertia(int body, const ir::Inertia& inertia) {
   // long double, so that the principal axes cost no digits.

@@ -7,9 +7,7 @@ namespace {
 
 class Dart : public ::testing::TestWithParam<Case> {};
 
-DartOracle dart(const Case& c, const ir::KinematicTree& tree) {
-  return DartOracle(request_of(c, tree, testing::test_gravity));
-}
+DartOracle dart(const Case& c, const ir::KinematicTree& tree) { return DartOracle(request_of(c, tree, testing::test_gravity)); }
 
 TEST_P(Dart, AgreesWithTheGenericEngine) {
   const ir::KinematicTree tree = tree_of(GetParam());
@@ -25,9 +23,7 @@ TEST_P(Dart, AgreesWithGeneratedCode) {
 
 INSTANTIATE_TEST_SUITE_P(Robots, Dart, ::testing::ValuesIn(all_cases()), case_name);
 
-TEST(DartOracle, NoticesMutations) {
-  expect_mutations_noticed(dart);
-}
+TEST(DartOracle, NoticesMutations) { expect_mutations_noticed(dart); }
 
 }  // namespace
 }  // namespace dalembert::oracle

@@ -35,9 +35,7 @@ TEST_P(Mujoco, ReadsTheSameInertias) {
 
 INSTANTIATE_TEST_SUITE_P(Robots, Mujoco, ::testing::ValuesIn(all_cases()), case_name);
 
-TEST(MujocoOracle, NoticesMutations) {
-  expect_mutations_noticed(with_our_inertias);
-}
+TEST(MujocoOracle, NoticesMutations) { expect_mutations_noticed(with_our_inertias); }
 
 TEST(MujocoOracle, NamesTheJointItDoesNotKnow) {
   const Case c = mutated_case(Base::fixed);

@@ -52,8 +52,6 @@ void expect_mutations_noticed(const Make& make) {
   }
 }
 
-inline std::string case_name(const ::testing::TestParamInfo<Case>& info) {
-  return name_of(info.param);
-}
+inline std::string case_name(const ::testing::TestParamInfo<Case>& info) { return name_of(info.param); }
 
 }  // namespace dalembert::oracle

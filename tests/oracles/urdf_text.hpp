@@ -14,9 +14,7 @@ struct UrdfEdit {
 };
 
 // The name of a link after the edit. Every link is renamed because "world" has a special meaning to MuJoCo and DART.
-inline std::string link_name_in_oracle(const std::string& link) {
-  return "link_" + link;
-}
+inline std::string link_name_in_oracle(const std::string& link) { return "link_" + link; }
 inline constexpr const char* floating_joint_name = "oracle_base";
 
 // Reads `path`; removes <visual>, <collision>, <transmission> and <gazebo>. Throws std::runtime_error naming the file.
