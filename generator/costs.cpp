@@ -40,17 +40,12 @@ OperationCost cost_of(const ir::Program& program, const ir::KinematicTree& tree,
   cost.name = array < 0 ? "all" : program.arrays[static_cast<size_t>(array)].name;
   cost.operations = count(program.graph, uses, 0);
   for (int phase = 1; phase <= 3; ++phase) cost.phases[static_cast<size_t>(phase - 1)] = count(program.graph, uses, phase);
-  std::set<int> positions, velocities;
-  for (ir::NodeId id = 0; id < program.graph.size(); ++id) {
-    const ir::Node& n = program.graph[id];
-    if (uses[static_cast<size_t>(id)] == 0 || n.op != ir::Op::input) continue;
-    if (n.input.kind == ir::InputKind::position) positions.insert(n.input.index);
-    if (n.input.kind == ir::InputKind::velocity) velocities.insert(n.input.index);
-  }
-  for (int index : positions) (index < program.base_positions ? cost.reads_base_pose : cost.reads_position) = true;
-  cost.reads_velocity = !velocities.empty();
-  cost.positions_not_read = missing(positions, tree.nq());
-  cost.velocities_not_read = missing(velocities, tree.nv());
+  const ir::InputsRead read = ir::inputs_read(program, uses);
+  cost.reads_base_pose = read.base_pose();
+  cost.reads_position = read.joint_positions();
+  cost.reads_velocity = !read.velocities.empty();
+  cost.positions_not_read = missing(read.positions, tree.nq());
+  cost.velocities_not_read = missing(read.velocities, tree.nv());
   return cost;
 }
 

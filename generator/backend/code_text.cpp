@@ -26,17 +26,4 @@ std::string input_text(const CodeInput& code, const ir::Input& input) {
 
 int element_index(const ir::OutputArray& array, int row, int column) { return row + array.rows * column; }
 
-InputsRead inputs_read(const ir::Program& program) {
-  InputsRead read;
-  const auto uses = ir::uses(program.graph, program.roots());
-  const int base_positions = program.base_positions;
-  for (ir::NodeId id = 0; id < program.graph.size(); ++id) {
-    const ir::Node& n = program.graph[id];
-    if (uses[static_cast<size_t>(id)] == 0 || n.op != ir::Op::input) continue;
-    if (n.input.kind == ir::InputKind::position) (n.input.index < base_positions ? read.base_pose : read.position) = true;
-    if (n.input.kind == ir::InputKind::velocity) read.velocity = true;
-  }
-  return read;
-}
-
 }  // namespace dalembert::backend

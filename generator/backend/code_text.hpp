@@ -13,12 +13,4 @@ std::string input_text(const CodeInput& code, const ir::Input& input);
 // `row + nv * column` worked out.
 int element_index(const ir::OutputArray& array, int row, int column);
 
-// Which inputs a program's results depend on.
-struct InputsRead {
-  bool position = false;   // joint positions
-  bool base_pose = false;  // the floating base's orientation (its position is never read)
-  bool velocity = false;
-};
-InputsRead inputs_read(const ir::Program& program);
-
 }  // namespace dalembert::backend

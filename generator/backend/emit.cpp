@@ -92,11 +92,11 @@ std::string link_table(const CodeInput& code) {
 }
 
 std::string unread(const CodeInput& code) {
-  const InputsRead read = inputs_read(code.program);
+  const ir::InputsRead read = ir::inputs_read(code.program, ir::uses(code.program.graph, code.program.roots()));
   std::vector<std::string> parts;
-  if (!read.position) parts.push_back("joint positions");
-  if (code.tree.floating_base && !read.base_pose) parts.push_back("the base's pose");
-  if (!read.velocity) parts.push_back("velocities");
+  if (!read.joint_positions()) parts.push_back("joint positions");
+  if (code.tree.floating_base && !read.base_pose()) parts.push_back("the base's pose");
+  if (read.velocities.empty()) parts.push_back("velocities");
   return parts.empty() ? "" : fmt::format(" (not read: {})", fmt::join(parts, ", "));
 }
 

@@ -101,9 +101,9 @@ std::string straight_statements(const CodeInput& code, const ir::Program& progra
   style.heading = [&](const ir::Tag& tag) { return heading(code, tag); };
 
   std::string body;
-  const InputsRead read = inputs_read(program);
-  if (!read.position && !read.base_pose) body += "  (void)q;\n";
-  if (!read.velocity) body += "  (void)v;\n";
+  const ir::InputsRead read = ir::inputs_read(program, ir::uses(program.graph, program.roots()));
+  if (read.positions.empty()) body += "  (void)q;\n";
+  if (read.velocities.empty()) body += "  (void)v;\n";
   body += angles.prologue(style);
 
   std::vector<Sink> sinks;

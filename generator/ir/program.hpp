@@ -1,6 +1,7 @@
 // A robot's dynamics as one scalar program: which node goes to which element of which result.
 #pragma once
 
+#include <set>
 #include <string>
 #include <vector>
 
@@ -36,5 +37,17 @@ struct Program {
     return ids;
   }
 };
+
+// Which inputs the nodes used (see uses()) depend on.
+struct InputsRead {
+  std::set<int> positions;   // indices into q
+  std::set<int> velocities;  // indices into v
+  int base_positions = 0;    // as in Program
+
+  // Of the floating base only the orientation is ever read.
+  bool base_pose() const { return !positions.empty() && *positions.begin() < base_positions; }
+  bool joint_positions() const { return !positions.empty() && *positions.rbegin() >= base_positions; }
+};
+InputsRead inputs_read(const Program& program, const std::vector<std::int32_t>& uses);
 
 }  // namespace dalembert::ir

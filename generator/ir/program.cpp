@@ -1,0 +1,17 @@
+#include "ir/program.hpp"
+
+namespace dalembert::ir {
+
+InputsRead inputs_read(const Program& program, const std::vector<std::int32_t>& uses) {
+  InputsRead read;
+  read.base_positions = program.base_positions;
+  for (NodeId id = 0; id < program.graph.size(); ++id) {
+    const Node& n = program.graph[id];
+    if (uses[static_cast<std::size_t>(id)] == 0 || n.op != Op::input) continue;
+    if (n.input.kind == InputKind::position) read.positions.insert(n.input.index);
+    if (n.input.kind == InputKind::velocity) read.velocities.insert(n.input.index);
+  }
+  return read;
+}
+
+}  // namespace dalembert::ir
