@@ -7,6 +7,7 @@
 
 #include "frontend/nearest.hpp"
 #include "ir/identifier.hpp"
+#include "ir/library_names.hpp"
 
 namespace dalembert::frontend {
 
@@ -130,6 +131,10 @@ void check_names(const std::string& file, const UrdfOutline& outline) {
   Diagnostics errors;
   check_identifiers(file, outline.links, errors);
   check_identifiers(file, outline.joints, errors);
+  for (const JointOutline& joint : outline.joints)  // enumerators bear their names bare
+    if (ir::is_library_macro(ir::identifier(joint.name)))
+      errors.push_back({Severity::error, file, place(joint), "the name is a macro of the C++ library",
+                        "rename it, for example '" + joint.name + "_'"});
   if (!errors.empty()) throw InputError(errors);
 }
 

@@ -1,0 +1,14 @@
+// Names that the C and C++ libraries take before a robot can: where the front end would emit one bare, it refuses it.
+#pragma once
+
+#include <string_view>
+
+namespace dalembert::ir {
+
+// Whether a header that generated code includes defines the name as a macro for a value: no identifier can be called so.
+bool is_library_macro(std::string_view text);
+
+// Whether such a header declares the name at global scope: no namespace can be called so, while an enumerator can.
+bool is_library_function(std::string_view text);
+
+}  // namespace dalembert::ir
