@@ -7,9 +7,9 @@
 //                                 multiply             add         sin/cos          divide
 //                           before    here  before    here  before    here  before    here
 // all together               14972    6896   12586    5790      25      25       0       0
-//   I   bodies outwards       4461    1408    3218     906      25      25       0       0
+//   I   bodies outwards       4503    1414    3242     912      25      25       0       0
 //   II  sums inwards          5762    2353    5281    2153       0       0       0       0
-//   III elements              4749    3135    4087    2731       0       0       0       0
+//   III elements              4707    3129    4063    2725       0       0       0       0
 // mass_matrix                 4848    1894    3840    1432      25      25       0       0
 //   I   bodies outwards       1650     370    1050     183      25      25       0       0
 //   II  sums inwards          1872     728    1654     577       0       0       0       0
@@ -23,9 +23,8 @@
 //   II  sums inwards           600     138     500      90       0       0       0       0
 //   III elements                 9       9       3       3       0       0       0       0
 // bias                        4168    1323    3519     941      25      25       0       0
-//   I   bodies outwards       1850     473    1500     320      25      25       0       0
+//   I   bodies outwards       1892     479    1524     326      25      25       0       0
 //   II  sums inwards          2276     844    1995     615       0       0       0       0
-//   III elements                42       6      24       6       0       0       0       0
 // Not read at all: base position
 // Not read by mass_matrix: base pose, velocities
 // Not read by coriolis_matrix: base pose

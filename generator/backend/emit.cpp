@@ -133,7 +133,7 @@ OutputFile header(const CodeInput& code) {
                   {"joints", std::to_string(joints.size())},
                   {"bodies", std::to_string(body_names.size())},
                   {"joint_enum", wrapped(joints, 2)},
-                  {"joint_names", wrapped(joint_names, 4)},
+                  {"joint_names", joint_names.empty() ? "nullptr" : wrapped(joint_names, 4)},
                   {"body_names", wrapped(body_names, 4)},
                   {"link_table", link_table(code)},
                   {"types", payload_type(code) + (rolled ? rolled_workspace(code) + "\n" : "")},

@@ -45,7 +45,8 @@ class Angles {
     std::string out = "  // Sines and cosines of all angles together.\n" + room;
     out += "  alignas(64) Scalar angle[dalembert::padded(angles)] = {};\n";
     style.heading = nullptr;
-    out += print(graph_, sinks, style);
+    style.indent = "    ";
+    out += "  {\n" + print(graph_, sinks, style) + "  }\n";  // a scope: its names are taken again below
     return out + "  dalembert::sincos<angles>(angle, sine, cosine);\n";
   }
 

@@ -23,7 +23,7 @@ class Printer {
       : graph_(graph), style_(style), text_of_(static_cast<size_t>(graph.size())) {
     std::vector<NodeId> roots;
     for (const Sink& s : sinks) roots.push_back(s.node);
-    uses_ = ir::uses(graph, roots);
+    uses_ = named(graph, roots);
     for (const Sink& s : sinks) sinks_[s.node].push_back(&s);
   }
 
@@ -54,6 +54,19 @@ class Printer {
   };
 
   static size_t at(NodeId id) { return static_cast<size_t>(id); }
+
+  // How often the text names each value: as ir::uses(), but a sine or cosine does not name its angle, computed elsewhere.
+  static std::vector<std::int32_t> named(const ir::Graph& graph, const std::vector<NodeId>& roots) {
+    std::vector<std::int32_t> count(at(graph.size()), 0);
+    for (NodeId root : roots) ++count[at(root)];
+    for (NodeId id = graph.size() - 1; id >= 0; --id) {
+      const ir::Node& n = graph[id];
+      if (count[at(id)] == 0 || n.op == Op::sine || n.op == Op::cosine) continue;
+      if (n.a != ir::no_node) ++count[at(n.a)];
+      if (n.b != ir::no_node) ++count[at(n.b)];
+    }
+    return count;
+  }
 
   void head(const ir::Tag& tag) {
     if (!style_.heading || (tag.phase == last_.phase && tag.body == last_.body)) return;

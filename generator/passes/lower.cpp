@@ -109,7 +109,9 @@ class Lowering {
   void gravity(int array) {
     std::vector<Vec3> down(bodies_.size()), first(bodies_.size());
     std::vector<Sym> mass(bodies_.size());
+    tag(1, -1);
     const Vec3 base_down = in_.gravity_in_base();
+    tag(2, -1);
     const BodyConstants base = in_.base();
     Vec3 base_first = base.first;
     Sym base_mass = base.mass;
@@ -145,6 +147,7 @@ class Lowering {
   // Recursive Newton-Euler in body axes: C v + g, with the scene's damping and friction.
   void bias() {
     const int array = this->array("bias");
+    tag(1, -1);
     const Twist v = in_.base_twist();
     const Motion root{v.angular, in_.zero(), cross(v.angular, v.linear) - in_.gravity_in_base()};
     std::vector<Motion> motion(bodies_.size());
@@ -320,6 +323,7 @@ class Lowering {
   // Body Jacobians: the twist of a frame fixed to body `body`, in that frame's axes, per unit rate of every joint above it.
   void frame_jacobian(int array, int body, const Eigen::Matrix3d& rotation, const Eigen::Vector3d& translation,
                       bool transposed, int offset) {
+    tag(3, body);
     Pose frame{in_.constant(rotation), in_.constant(translation)};
     if (body >= 0) {
       const Pose& p = bodies_[static_cast<size_t>(body)].pose;
@@ -333,7 +337,6 @@ class Lowering {
         transposed ? put(array, row, offset + static_cast<int>(i), x) : put(array, static_cast<int>(i), row, x);
       }
     };
-    tag(3, body);
     for (int i = body; i >= 0; i = parent(static_cast<size_t>(i))) {
       const auto a = static_cast<size_t>(i);
       put_column(row_of(a), scaled(a, in_.constant(1)), bodies_[a].joint);

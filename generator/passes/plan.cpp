@@ -139,9 +139,9 @@ ir::Plan plan(const ir::KinematicTree& tree, const ir::Scene& scene, const ir::O
   ir::Plan plan;
   plan.tasks = scene.parallel == ir::Parallel::tasks;
   // A driven joint's row is a sum of rows, a payload's moments are inputs, the bias at rest is gravity's: only the straight form
-  // knows any of them.
+  // knows any of them. And a base alone has nothing to roll.
   const bool bias = std::find(scene.outputs.begin(), scene.outputs.end(), ir::Quantity::bias) != scene.outputs.end();
-  bool straight_only = !scene.payloads.empty() || (scene.rates_zero && bias);
+  bool straight_only = tree.bodies.empty() || !scene.payloads.empty() || (scene.rates_zero && bias);
   for (const ir::Body& b : tree.bodies) straight_only = straight_only || b.driven();
   ir::Form form = options.form;
   lay_out(tree, options.pack ? 4 : 1, plan);

@@ -110,6 +110,24 @@ TEST(Check, PassesInDoubleAndFloat) {
   }
 }
 
+// At the edge: C of joints that do not meet is zero but for rounding, nothing is left but the base, angles are sums. What is
+// compiled has no warning.
+TEST(Check, PassesOnTurntablesOnALoneBaseAndOnDrivenJoints) {
+  const std::string branches = ERROR_ROBOTS "/../robots/two_branches_at_base.urdf";
+  setenv("CXX", "c++ -Wall -Wextra -Wpedantic -Werror", 1);
+  for (const std::vector<std::string>& arguments : std::vector<std::vector<std::string>>{
+           {branches, "--base", "fixed", "--cut", "a_02,b_02", "--outputs", "coriolis_matrix"},
+           {branches, "--base", "floating", "--cut", "a_01,b_01", "--payloads", "base", "--outputs", "gravity"},
+           {arm, "--base", "fixed", "--outputs", "mass_matrix", "--mimic",
+            "{elbow: {of: shoulder, multiplier: 0.3}, wrist: {of: shoulder, multiplier: 0.3, offset: 1}}"}}) {
+    std::vector<std::string> command{"check"};
+    command.insert(command.end(), arguments.begin(), arguments.end());
+    const Outcome outcome = run_dalembert(command, ".");
+    EXPECT_EQ(outcome.status, 0) << outcome.err << outcome.out;
+  }
+  unsetenv("CXX");
+}
+
 // A compiler that first turns an addition of the generated code into a subtraction.
 TEST(Check, FindsAWrongLine) {
   const TemporaryFolder folder;
