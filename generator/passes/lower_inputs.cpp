@@ -79,14 +79,16 @@ BodyConstants LowerInputs::base() const {
   const Eigen::Vector3d com = tree_.base.com;
   const Eigen::Matrix3d inertia = tree_.base.inertia;
   n.own.first = n.own.mass * com;
-  n.own.second = 0.5 * inertia.trace() * Eigen::Matrix3d::Identity() - inertia + n.own.mass * com * com.transpose();
+  n.own.half_trace = 0.5 * inertia.trace();
+  n.own.second = n.own.half_trace * Eigen::Matrix3d::Identity() - inertia + n.own.mass * com * com.transpose();
   return constants(n, -1);
 }
 
 void LowerInputs::add_payloads(BodyConstants& c, int body, const ir::Moments& own, const Eigen::Matrix3d& link_rotation,
                                const Eigen::Vector3d& link_translation) const {
   // Moments of the whole body, payload welded on: their trace about the common centre of mass is the body's half trace.
-  Sym mass = constant(own.mass), trace = constant(own.second.trace());
+  // A body without mass has no such centre while its payloads are empty: a mass below all rounding makes 0/0 a zero.
+  Sym mass = constant(own.mass > 0 ? own.mass : 1e-36), trace = constant(own.second.trace());
   Vec3 first = constant(own.first);
   bool any = false;
   for (size_t i = 0; i < scene_.payloads.size(); ++i)

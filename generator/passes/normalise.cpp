@@ -11,11 +11,13 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-// A rotation whose z axis is `axis`. Coordinate axes give permutations, which cost nothing and round nothing.
+// A rotation whose z axis is `axis`. Coordinate axes give permutations, which cost nothing and round nothing. An axis 1e-9 off
+// has a 1 there as well: the other entries tell.
 Matrix3d frame_with_z(const Vector3d& axis) {
+  constexpr double dust = 2.3e-16;  // less than the rounding of what it is multiplied with
   for (int i = 0; i < 3; ++i) {
-    if (std::abs(axis[i]) != 1) continue;
     const int j = (i + 1) % 3, k = (i + 2) % 3;
+    if (std::abs(axis[i]) != 1 || std::abs(axis[j]) >= dust || std::abs(axis[k]) >= dust) continue;
     Matrix3d frame = Matrix3d::Zero();
     frame(j, 0) = 1;
     frame(k, 1) = axis[i];
