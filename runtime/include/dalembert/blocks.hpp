@@ -132,6 +132,13 @@ DALEMBERT_INLINE Lanes<T, n> dot3(const Lanes<T, n>* a, const T* b, int stride) 
   return a[0] * load<n, T>(b) + a[1] * load<n, T>(b + stride) + a[2] * load<n, T>(b + 2 * stride);
 }
 
+// sum + a·b as one chain of multiply-adds: adding the product up first would take an addition more.
+template <int n, class T>
+DALEMBERT_INLINE Lanes<T, n> add_dot3(Lanes<T, n> sum, const Lanes<T, n>* a, const T* b, int stride) {
+  for (int j = 0; j < 3; ++j) sum += a[j] * load<n, T>(b + j * stride);
+  return sum;
+}
+
 constexpr int least(int a, int b) { return a < b ? a : b; }
 
 // What a joint of the upper limb needs: J and J̇, `width` lanes each.
@@ -163,17 +170,17 @@ DALEMBERT_INLINE void fill(Tile<width, T>& tile, const Upper<T>& up, int above, 
     repeat<out, 4>(diagonal ? c + 1 : above, [&](int r) __attribute__((always_inline)) {
       const T *v = up.linear + r * width, *w = up.angular + r * width;
       if constexpr (has_mass(elements)) {
-        const V m = dot3<width, T>(f, v, up.stride) + dot3<width, T>(f + 3, w, up.stride);
+        const V m = add_dot3<width, T>(dot3<width, T>(f, v, up.stride), f + 3, w, up.stride);
         tile.mass[r][c] = m;
         if (diagonal) tile.mass[c][r] = m;
       }
       if constexpr (has_coriolis(elements)) {
-        const V above_diagonal = dot3<width, T>(g, v, up.stride) + dot3<width, T>(g + 3, w, up.stride);
+        const V above_diagonal = add_dot3<width, T>(dot3<width, T>(g, v, up.stride), g + 3, w, up.stride);
         tile.upper[r][c] = above_diagonal;
         if (diagonal && r == c) return;
         const T* d = up.rate + r * width;
-        const V below_diagonal = dot3<width, T>(f, d, up.stride) + dot3<width, T>(f + 3, d + 3 * up.stride, up.stride) +
-                                 dot3<width, T>(h, w, up.stride);
+        const V forced = add_dot3<width, T>(dot3<width, T>(f, d, up.stride), f + 3, d + 3 * up.stride, up.stride);
+        const V below_diagonal = add_dot3<width, T>(forced, h, w, up.stride);
         (diagonal ? tile.upper[c][r] : tile.lower[r][c]) = below_diagonal;
       }
     });
