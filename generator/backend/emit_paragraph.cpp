@@ -64,6 +64,7 @@ class ParagraphWriter {
     s.type = "V";
     s.scalar = code_.scene.scalar;
     s.indent = "      ";
+    s.flat_sums = true;
     s.input = [this](const ir::Input& in) { return input(in); };
     s.input_name = [this](const ir::Input& in) { return input_name(in); };
     return s;

@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <unordered_map>
 #include <unordered_set>
+#include <utility>
 
 #include "backend/literals.hpp"
 
@@ -47,10 +49,17 @@ class Printer {
   }
 
  private:
+  // A term of a sum.
+  struct Term {
+    std::string text;  // binds at least like a product
+    bool negative = false;
+    bool is_product = false;
+  };
   struct Text {
     std::string text;
     int precedence = atom;
     int operations = 0;
+    std::vector<Term> terms;  // of a sum that has no name
   };
 
   static size_t at(NodeId id) { return static_cast<size_t>(id); }
@@ -82,7 +91,7 @@ class Printer {
       names_.insert(name);
     }
     out_ += fmt::format("{}const {} {} = {};\n", style_.indent, style_.type, name, t.text);
-    t = {std::move(name), atom, 0};
+    t = {std::move(name), atom, 0, {}};
   }
 
   void read_once(const ir::Node& n, Text& t) {
@@ -90,7 +99,7 @@ class Printer {
     if (name == t.text) return;  // a variable already
     names_.insert(name);
     out_ += fmt::format("{}const {} {} = {};\n", style_.indent, style_.type, name, t.text);
-    t = {name, atom, 0};
+    t = {name, atom, 0, {}};
   }
 
   std::string operand(NodeId id, int least) const {
@@ -98,26 +107,49 @@ class Printer {
     return t.precedence < least ? "(" + t.text + ")" : t.text;
   }
 
+  void add_terms(NodeId id, bool negative, std::vector<Term>& terms) const {
+    const Text& t = text_of_[at(id)];
+    if (t.terms.empty())
+      terms.push_back({operand(id, product), negative, graph_[id].op == Op::multiply && t.precedence == product});
+    for (const Term& inner : t.terms) terms.push_back({inner.text, inner.negative != negative, inner.is_product});
+  }
+
+  Text sum_of(const ir::Node& n) const {
+    Text t{"", sum, 1 + text_of_[at(n.a)].operations + text_of_[at(n.b)].operations, {}};
+    add_terms(n.a, false, t.terms);
+    add_terms(n.b, n.op == Op::subtract, t.terms);
+    std::stable_sort(t.terms.begin(), t.terms.end(), [](const Term& a, const Term& b) {
+      return std::pair(a.is_product, a.negative) < std::pair(b.is_product, b.negative);
+    });
+    const auto lead = std::find_if(t.terms.begin(), t.terms.end(), [](const Term& term) { return !term.negative; });
+    if (lead != t.terms.end()) std::rotate(t.terms.begin(), lead, lead + 1);
+    for (const Term& term : t.terms)
+      t.text += (t.text.empty() ? (term.negative ? "-" : "") : (term.negative ? " - " : " + ")) + term.text;
+    return t;
+  }
+
   Text expression(const ir::Node& n, NodeId id) const {
     const auto binary = [&](const char* op, int precedence, int right) {
-      return Text{operand(n.a, precedence) + op + operand(n.b, right), precedence,
-                  1 + text_of_[at(n.a)].operations + text_of_[at(n.b)].operations};
+      return Text{operand(n.a, precedence) + op + operand(n.b, right),
+                  precedence,
+                  1 + text_of_[at(n.a)].operations + text_of_[at(n.b)].operations,
+                  {}};
     };
     switch (n.op) {
       case Op::constant: {
         std::string text = literal(n.value, style_.scalar);
         const bool negative = text[0] == '-';
-        return {std::move(text), negative ? sign : atom, 0};
+        return {std::move(text), negative ? sign : atom, 0, {}};
       }
-      case Op::input: return {style_.input(n.input), atom, 0};
+      case Op::input: return {style_.input(n.input), atom, 0, {}};
       case Op::sine:
-      case Op::cosine: return {style_.sine_or_cosine(graph_, id), atom, 0};
+      case Op::cosine: return {style_.sine_or_cosine(graph_, id), atom, 0, {}};
       case Op::sign: {
-        return {fmt::format("({0} > 0 ? 1 : 0) - ({0} < 0 ? 1 : 0)", operand(n.a, product)), sum, 2};
+        return {fmt::format("({0} > 0 ? 1 : 0) - ({0} < 0 ? 1 : 0)", operand(n.a, product)), sum, 2, {}};
       }
-      case Op::negate: return {"-" + operand(n.a, atom), sign, text_of_[at(n.a)].operations};
-      case Op::add: return binary(" + ", sum, product);
-      case Op::subtract: return binary(" - ", sum, product);
+      case Op::negate: return {"-" + operand(n.a, atom), sign, text_of_[at(n.a)].operations, {}};
+      case Op::add: return style_.flat_sums ? sum_of(n) : binary(" + ", sum, product);
+      case Op::subtract: return style_.flat_sums ? sum_of(n) : binary(" - ", sum, product);
       case Op::multiply: return binary(" * ", product, sign);
       case Op::divide: return binary(" / ", product, sign);
     }

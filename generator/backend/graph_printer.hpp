@@ -20,6 +20,9 @@ struct PrintStyle {
   std::string type;  // of the variables: "Scalar", "V"
   ir::ScalarType scalar = ir::ScalarType::float64;
   std::string indent = "  ";
+  // Sums of sums written as one sum, plain terms first: every product is then one multiply-add. Fewer operations, one longer
+  // chain of them: pays in lanes, where throughput is the limit, and costs a few percent in straight scalar code.
+  bool flat_sums = false;
   std::function<std::string(const ir::Input&)> input;       // text of an input
   std::function<std::string(const ir::Input&)> input_name;  // if set: inputs used twice are read once, into this variable
   std::function<std::string(ir::NodeId)> name;              // wanted name of a node, or empty
