@@ -25,10 +25,10 @@ std::string code_name(const Request& request, const ir::RobotDescription& robot)
   };
   if (name != ir::identifier(name)) refuse(fmt::format("'{}' cannot be the name of a C++ namespace", name));
   if (ir::is_cpp_keyword(name)) refuse(fmt::format("'{}' is a keyword of C++", name));
-  if (ir::is_library_macro(name) || ir::is_library_function(name)) refuse(fmt::format("'{}' is a name of the C++ library", name));
+  if (ir::is_library_macro(name) || ir::is_library_function(name))
+    refuse(fmt::format("'{}' is a name of the C++ library", name));
   // The last ones by their C functions: pthread_create, sem_destroy.
-  for (const char* taken :
-       {"dalembert", "std", "Eigen", "tbb", "main", "pthread", "timer", "thrd", "tss", "sem", "mtx", "cnd"})
+  for (const char* taken : {"dalembert", "std", "Eigen", "tbb", "main", "pthread", "timer", "thrd", "tss", "sem", "mtx", "cnd"})
     if (name == taken) refuse(fmt::format("'{}' is the name of a library the generated code uses", name));
   return name;
 }

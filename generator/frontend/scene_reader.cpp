@@ -243,18 +243,26 @@ class SceneReader {
 };
 
 void read_file(SceneDocument& document, const std::string& file, const std::string& text) {
-  YAML::Node root;
+  std::vector<YAML::Node> documents;
   try {
-    root = YAML::Load(text);
+    documents = YAML::LoadAll(text);
   } catch (const YAML::Exception& error) {
     throw InputError({Severity::error, file, fmt::format("line {}, column {}", error.mark.line + 1, error.mark.column + 1),
                       "this is not YAML: " + error.msg, "docs/scene.md shows how a scene is written"});
   }
-  if (root.IsNull()) return;
+  std::erase_if(documents, [](const YAML::Node& node) { return node.IsNull(); });
+  if (documents.empty()) return;
+  const auto line_of = [](const YAML::Node& node) {
+    return fmt::format("line {}, column {}", node.Mark().line + 1, node.Mark().column + 1);
+  };
+  if (documents.size() > 1)
+    throw InputError({Severity::error, file, line_of(documents[1]), "a second document begins here",
+                      "a scene is one document: remove the line '---' and what is not needed"});
+  const YAML::Node& root = documents.front();
   SceneReader reader(document, file);
   if (!root.IsMap())
-    throw InputError({Severity::error, file, fmt::format("line {}, column {}", root.Mark().line + 1, root.Mark().column + 1),
-                      "a scene is a map of keys to values", "write lines such as 'base: fixed'"});
+    throw InputError(
+        {Severity::error, file, line_of(root), "a scene is a map of keys to values", "write lines such as 'base: fixed'"});
   for (const auto& entry : root) {
     const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "";
     const bool twice = document.given.count(key) > 0;

@@ -8,6 +8,7 @@ namespace dalembert::ir {
 namespace {
 
 // Those of the standard library and POSIX that someone may call a joint or a robot; sorted, for binary search.
+// clang-format off
 constexpr std::string_view macros[] = {
     "BIG_ENDIAN", "BUFSIZ", "BYTE_ORDER", "CHAR_BIT", "CHAR_MAX", "CHAR_MIN", "CLOCKS_PER_SEC", "CLOCK_MONOTONIC",
     "CLOCK_REALTIME", "DBL_EPSILON", "DBL_MAX", "DBL_MIN", "EACCES", "EAGAIN", "EBUSY", "EDOM", "EEXIST", "EFAULT",
@@ -39,13 +40,12 @@ constexpr std::string_view functions[] = {
     "system", "tan", "tanh", "tempnam", "tgamma", "time", "timegm", "tmpfile", "tmpnam", "toascii", "tolower",
     "toupper", "trunc", "truncate", "ttyname", "tzset", "uname", "ungetc", "unlink", "usleep", "vfork", "wait",
     "write", "y0", "y1", "yn"};
+// clang-format on
 
 }  // namespace
 
 bool is_library_macro(std::string_view text) { return std::binary_search(std::begin(macros), std::end(macros), text); }
 
-bool is_library_function(std::string_view text) {
-  return std::binary_search(std::begin(functions), std::end(functions), text);
-}
+bool is_library_function(std::string_view text) { return std::binary_search(std::begin(functions), std::end(functions), text); }
 
 }  // namespace dalembert::ir
