@@ -46,8 +46,12 @@ inline void wrench_columns(const BodyTable<T>& table, int bodies, const T* rotat
     }
     for (int i = 0; i < base; ++i) {
       T v[3] = {}, w[3] = {};
-      (i < 3 ? v : w)[i % 3] = T(1);
-      if (i >= 3) v[0] = w[1] * p[2] - w[2] * p[1], v[1] = w[2] * p[0] - w[0] * p[2], v[2] = w[0] * p[1] - w[1] * p[0];
+      if (i < 3) {
+        v[i] = T(1);
+      } else {
+        w[i - 3] = T(1);
+        v[0] = w[1] * p[2] - w[2] * p[1], v[1] = w[2] * p[0] - w[0] * p[2], v[2] = w[0] * p[1] - w[1] * p[0];
+      }
       put(i, column, r, v, w);
     }
   }
