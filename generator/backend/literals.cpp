@@ -34,7 +34,7 @@ std::string wrapped(const std::vector<std::string>& items, int indent, int width
 std::string quoted(std::string_view text) {
   std::string out = "\"";
   for (const char c : text) {
-    if (c == '"' || c == '\\') out += '\\';
+    if (c == '"' || c == '\\' || (c == '?' && out.back() == '?')) out += '\\';  // "??/" would be a trigraph
     const auto byte = static_cast<unsigned char>(c);
     if (byte < 0x20 || byte == 0x7f) out += fmt::format("\\{:03o}", byte);
     else out += c;
