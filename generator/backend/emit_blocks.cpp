@@ -58,7 +58,8 @@ std::string ints(const std::string& name, const std::vector<int>& values) {
 }
 
 // First row and length of each lane's limb.
-void rows_of(const CodeInput& code, const std::vector<std::vector<int>>& limbs, std::vector<int>& first, std::vector<int>& length) {
+void rows_of(const CodeInput& code, const std::vector<std::vector<int>>& limbs, std::vector<int>& first,
+             std::vector<int>& length) {
   for (const auto& limb : limbs) {
     const int real = static_cast<int>(std::count_if(limb.begin(), limb.end(), [](int b) { return b >= 0; }));
     first.push_back(real > 0 ? base_rows(code) + limb.front() : 0);
@@ -100,33 +101,39 @@ std::string elements_stage(const CodeInput& code, size_t segment) {
   const std::string angular = code.rolled.all_revolute ? "kept.rotation[6]" : "kept.joint_angular[0]";
   const auto if_coriolis = [&](const char* text) { return coriolis ? text : "nullptr"; };
   std::string text = "  // Phase III: M_ik = F_k.J_i, C_ik = G_k.J_i, C_ki = F_k.dJ_i + H_k.J_i\n";
-  text += fmt::format("  const dalembert::Panels<Scalar> panels{{kept.joint_linear[0], {}, {}, kept.inertia_force[0], {}, {}, {}}};\n",
-                      angular, if_coriolis("kept.joint_rate[0]"), if_coriolis("kept.bias_force[0]"), if_coriolis("kept.transposed[0]"),
-                      code.plan.slots + 8);
+  text += fmt::format(
+      "  const dalembert::Panels<Scalar> panels{{kept.joint_linear[0], {}, {}, kept.inertia_force[0], {}, {}, {}}};\n", angular,
+      if_coriolis("kept.joint_rate[0]"), if_coriolis("kept.bias_force[0]"), if_coriolis("kept.transposed[0]"),
+      code.plan.slots + 8);
   const std::vector<Above> levels = all_above(code, s);
   const std::string end = elements_split(s) ? "nv, begin, end" : fmt::format("nv, 0, {}", s.steps);
   if (s.width > 1) {
     text += fmt::format("  constexpr dalembert::LimbTable limbs{{{0}_row, {0}_length, {1}}};\n", s.name, s.first_slot);
-    text += fmt::format("  dalembert::limb_blocks<dalembert::Elements::{}, {}, {}, Scalar>(panels, limbs, {}, {}, {});\n", elements, s.width, s.steps, M, C, end);
+    text += fmt::format("  dalembert::limb_blocks<dalembert::Elements::{}, {}, {}, Scalar>(panels, limbs, {}, {}, {});\n",
+                        elements, s.width, s.steps, M, C, end);
     for (size_t level = 0; level < levels.size(); ++level)
       text += fmt::format(
           "  constexpr dalembert::LimbTable above_{3}{{{0}_above_{3}_row, {0}_above_{3}_length, 0}};\n"
-          "  dalembert::cross_blocks<dalembert::Elements::{1}, {2}, {8}, {4}, Scalar>(panels, limbs, {0}_above_{3}_slot, above_{3}, {5}, {6}, {7});\n",
+          "  dalembert::cross_blocks<dalembert::Elements::{1}, {2}, {8}, {4}, Scalar>(panels, limbs, {0}_above_{3}_slot, "
+          "above_{3}, {5}, {6}, {7});\n",
           s.name, elements, s.width, level + 1, levels[level].steps, M, C, end, s.steps);
   } else {
     const int row = base_rows(code) + s.bodies[0].front();
-    text += fmt::format("  dalembert::run_block<dalembert::Elements::{}, Scalar>(panels, {}, {}, {}, {}, {}, {});\n", elements, s.first_slot, row,
-                        s.steps, M, C, end);
+    text += fmt::format("  dalembert::run_block<dalembert::Elements::{}, Scalar>(panels, {}, {}, {}, {}, {}, {});\n", elements,
+                        s.first_slot, row, s.steps, M, C, end);
     for (size_t level = 0; level < levels.size(); ++level)
-      text += fmt::format("  dalembert::run_cross_block<dalembert::Elements::{}, {}, Scalar>(panels, {}, {}, {}_above_{}_slot, {}, {}, {}, {});\n",
-                          elements, levels[level].steps, s.first_slot, row, s.name, level + 1,
-                          base_rows(code) + levels[level].limbs[0].front(), M, C, end);
+      text += fmt::format(
+          "  dalembert::run_cross_block<dalembert::Elements::{}, {}, Scalar>(panels, {}, {}, {}_above_{}_slot, {}, {}, {}, "
+          "{});\n",
+          elements, levels[level].steps, s.first_slot, row, s.name, level + 1, base_rows(code) + levels[level].limbs[0].front(),
+          M, C, end);
   }
   if (!floating) return text;
   const auto base = [&](const char* what, const char* force, const std::string& matrix) {
-    return s.width > 1 ? fmt::format("  dalembert::base_{}<{}, {}, Scalar>(kept.{}[0], panels.stride, limbs, {}, nv);\n", what, s.width, s.steps, force, matrix)
-                       : fmt::format("  dalembert::run_base_{}<Scalar>(kept.{}[0], panels.stride, {}, {}, {}, {}, nv);\n", what, force,
-                                     s.first_slot, base_rows(code) + s.bodies[0].front(), s.steps, matrix);
+    return s.width > 1 ? fmt::format("  dalembert::base_{}<{}, {}, Scalar>(kept.{}[0], panels.stride, limbs, {}, nv);\n", what,
+                                     s.width, s.steps, force, matrix)
+                       : fmt::format("  dalembert::run_base_{}<Scalar>(kept.{}[0], panels.stride, {}, {}, {}, {}, nv);\n", what,
+                                     force, s.first_slot, base_rows(code) + s.bodies[0].front(), s.steps, matrix);
   };
   text += "  // The base's rows and columns.\n";
   if (elements_split(s)) text += "  if (begin > 0) return;\n";
@@ -159,7 +166,8 @@ std::string wrench_stage(const CodeInput& code) {
       "  const dalembert::BodyTable<Scalar> table{{joint_slot, body_parent, link_rotation, link_translation}};\n"
       "  dalembert::wrench_columns<Scalar>(table, {}, kept.rotation[0], kept.position[0], kept.joint_linear[0], {}, {}, {},\n"
       "                                    workspace.wrench_influence, nv);\n",
-      code.tree.joints(), code.rolled.all_revolute ? "kept.rotation[6]" : "kept.joint_angular[0]", code.plan.slots + 8, base_rows(code));
+      code.tree.joints(), code.rolled.all_revolute ? "kept.rotation[6]" : "kept.joint_angular[0]", code.plan.slots + 8,
+      base_rows(code));
 }
 
 }  // namespace dalembert::backend

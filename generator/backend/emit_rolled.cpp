@@ -42,8 +42,10 @@ std::string layout(const CodeInput& code) {
       const auto& bodies = s.bodies[static_cast<size_t>(lane)];
       const auto last = std::find_if(bodies.rbegin(), bodies.rend(), [](int b) { return b >= 0; });
       if (last == bodies.rend()) continue;
-      text += comment_text(fmt::format("//     lane {}: {} to {}", lane, code.tree.bodies[static_cast<size_t>(bodies.front())].joint,
-                                       code.tree.bodies[static_cast<size_t>(*last)].joint)) + "\n";
+      text += comment_text(fmt::format("//     lane {}: {} to {}", lane,
+                                       code.tree.bodies[static_cast<size_t>(bodies.front())].joint,
+                                       code.tree.bodies[static_cast<size_t>(*last)].joint)) +
+              "\n";
     }
   }
   return text;
@@ -105,16 +107,22 @@ class Prepare {
     if (kept_role(code_, "slide")) text += spread("slide", "sliding", "q", base_q, false);
     if (kept_role(code_, "pose_slide")) text += spread("pose_slide", "sliding", "q", base_q, true);
     if (kept_role(code_, "rate") && sliding_ == 0)
-      text += fmt::format("  for (int i = 0; i < {}; i += 4)\n    dalembert::store<4, Scalar>(kept.rate[0] + i, dalembert::gather<4>(v + {}, slot_joint + i));\n",
-                          code_.plan.slots, base_v);
+      text += fmt::format(
+          "  for (int i = 0; i < {}; i += 4)\n    dalembert::store<4, Scalar>(kept.rate[0] + i, dalembert::gather<4>(v + {}, "
+          "slot_joint + i));\n",
+          code_.plan.slots, base_v);
     else if (kept_role(code_, "rate"))
-      text += fmt::format("  for (int k = 0; k < {}; ++k) kept.rate[0][joint_slot[k]] = v[{} + k];\n", code_.tree.joints(), base_v);
+      text +=
+          fmt::format("  for (int k = 0; k < {}; ++k) kept.rate[0][joint_slot[k]] = v[{} + k];\n", code_.tree.joints(), base_v);
     text += root();
     if (text.find("q[") == std::string::npos && text.find("(q +") == std::string::npos) text += "  (void)q;\n";
     if (text.find("v[") == std::string::npos && text.find("(v +") == std::string::npos) text += "  (void)v;\n";
     return text;
   }
-  bool needs_angles() const { return sliding_ > 0 && turning_ > 0 && (kept_role(code_, "sine") || kept_role(code_, "cosine") || kept_role(code_, "pose_sine")); }
+  bool needs_angles() const {
+    return sliding_ > 0 && turning_ > 0 &&
+           (kept_role(code_, "sine") || kept_role(code_, "cosine") || kept_role(code_, "pose_sine"));
+  }
 
  private:
   // Spreads the positions of some joints to their slots, but for the joints that carry the frame of reference if `reference`.
@@ -123,9 +131,9 @@ class Prepare {
     const bool mixed = sliding_ > 0;
     const std::string joint = mixed ? which + "_joint[k]" : "k", slot = mixed ? which + "_slot[k]" : "joint_slot[k]";
     std::string skip;
-    if (reference && !held_.empty())
-      skip = fmt::format("if (!({})) ", held_condition(joint));
-    return fmt::format("  for (int k = 0; k < {}; ++k) {}kept.{}[0][{}] = {}[{} + {}];\n", count, skip, role, slot, from, base, joint);
+    if (reference && !held_.empty()) skip = fmt::format("if (!({})) ", held_condition(joint));
+    return fmt::format("  for (int k = 0; k < {}; ++k) {}kept.{}[0][{}] = {}[{} + {}];\n", count, skip, role, slot, from, base,
+                       joint);
   }
   std::string held_condition(const std::string& joint) const {
     std::vector<std::string> tests;
@@ -134,23 +142,25 @@ class Prepare {
   }
   std::string sines(const std::string& prefix, int base, bool reference) const {
     if (turning_ == 0) return "";
-    if (sliding_ == 0)
-      return sines_by_segment(prefix, base);
+    if (sliding_ == 0) return sines_by_segment(prefix, base);
     return "  // Sines and cosines of all angles together; slots without a turning joint stay at zero.\n" +
            spread("angle", "turning", "q", base, reference) +
-           fmt::format("  dalembert::sincos<{0}>(kept.angle[0], kept.{1}sine[0], kept.{1}cosine[0]);\n", code_.plan.slots, prefix);
+           fmt::format("  dalembert::sincos<{0}>(kept.angle[0], kept.{1}sine[0], kept.{1}cosine[0]);\n", code_.plan.slots,
+                       prefix);
   }
   std::string sines_by_segment(const std::string& prefix, int base) const {
     std::string text = "  // Sines and cosines of all angles together.\n";
     for (const ir::Segment& s : code_.plan.segments)
-      text += fmt::format("  dalembert::sincos_at<{0}>(q + {1}, slot_joint + {2}, kept.{3}sine[0] + {2}, kept.{3}cosine[0] + {2});\n",
-                          (s.slots() + 3) / 4 * 4, base, s.first_slot, prefix);
+      text += fmt::format(
+          "  dalembert::sincos_at<{0}>(q + {1}, slot_joint + {2}, kept.{3}sine[0] + {2}, kept.{3}cosine[0] + {2});\n",
+          (s.slots() + 3) / 4 * 4, base, s.first_slot, prefix);
     return text;
   }
   std::string copy_of_sines() const {
     std::string text = fmt::format(
         "  // The joints that carry the frame of reference stand at zero in Phase I: M and C do not depend on them.\n"
-        "  for (int i = 0; i < {}; ++i) {{\n    kept.pose_sine[0][i] = kept.sine[0][i];\n    kept.pose_cosine[0][i] = kept.cosine[0][i];\n  }}\n",
+        "  for (int i = 0; i < {}; ++i) {{\n    kept.pose_sine[0][i] = kept.sine[0][i];\n    kept.pose_cosine[0][i] = "
+        "kept.cosine[0][i];\n  }}\n",
         code_.plan.slots);
     return text + held_at_zero();
   }
@@ -208,7 +218,8 @@ std::string results_stage(const CodeInput& code) {
   const int base = code.tree.floating_base ? 6 : 0, joints = code.tree.joints();
   std::string text;
   const auto copy = [&](const char* result, const char* role) {
-    text += fmt::format("  for (int k = 0; k < {}; ++k) workspace.{}[{} + k] = kept.{}[0][joint_slot[k]];\n", joints, result, base, role);
+    text += fmt::format("  for (int k = 0; k < {}; ++k) workspace.{}[{} + k] = kept.{}[0][joint_slot[k]];\n", joints, result,
+                        base, role);
   };
   if (code.rolled.gravity) copy("gravity", "gravity_torque");
   if (code.rolled.bias) copy("bias", "bias_torque");
@@ -221,8 +232,9 @@ std::string results_stage(const CodeInput& code) {
     if (code.rolled.bias && b.damping != 0 && !code.scene.rates_zero)
       text += fmt::format("  workspace.bias[{0}] += {1} * v[{0}];  // damping\n", row, value(b.damping));
     if (code.rolled.bias && b.friction != 0 && !code.scene.rates_zero)
-      text += fmt::format("  workspace.bias[{0}] += {1} * ((v[{0}] > 0 ? 1 : 0) - (v[{0}] < 0 ? 1 : 0));  // Coulomb friction\n", row,
-                          value(b.friction));
+      text +=
+          fmt::format("  workspace.bias[{0}] += {1} * ((v[{0}] > 0 ? 1 : 0) - (v[{0}] < 0 ? 1 : 0));  // Coulomb friction\n",
+                      row, value(b.friction));
   }
   if (code.rolled.wrench) text += wrench_stage(code);
   return text;
@@ -244,7 +256,8 @@ struct StageText {
 std::vector<StageText> stages(const CodeInput& code) {
   std::vector<StageText> all;
   const std::string ws = "Workspace& workspace", state = "const Scalar* q, const Scalar* v, Workspace& workspace";
-  const auto add = [&](const std::string& name, const std::string& arguments, const std::string& call, const std::string& body) {
+  const auto add = [&](const std::string& name, const std::string& arguments, const std::string& call,
+                       const std::string& body) {
     if (!body.empty()) all.push_back({{name, arguments, call}, body});
   };
   const auto& segments = code.plan.segments;
@@ -259,7 +272,8 @@ std::vector<StageText> stages(const CodeInput& code) {
   if (code.rolled.mass || code.rolled.coriolis)
     for (size_t s = 0; s < segments.size(); ++s)
       add("elements_" + segments[s].name, ws + (elements_split(segments[s]) ? ", int begin, int end" : ""),
-          elements_split(segments[s]) ? fmt::format("workspace, 0, {}", segments[s].steps) : "workspace", elements_stage(code, s));
+          elements_split(segments[s]) ? fmt::format("workspace, 0, {}", segments[s].steps) : "workspace",
+          elements_stage(code, s));
   add("results", "const Scalar* v, Workspace& workspace", "v, workspace", results_stage(code));
   const ir::Program jacobians = jacobians_only(code);
   if (!jacobians.elements.empty()) add("jacobians", state, "q, v, workspace", straight_statements(code, jacobians));
@@ -278,7 +292,8 @@ std::vector<KeptArray> kept_arrays(const CodeInput& code) {
 
 std::string rolled_workspace(const CodeInput& code) {
   std::string text = fmt::format(
-      "// Room to work in: one value per slot, a slot per body of a limb and lane; the root's slot is {}.\nstruct Kept {{\n", code.plan.slots);
+      "// Room to work in: one value per slot, a slot per body of a limb and lane; the root's slot is {}.\nstruct Kept {{\n",
+      code.plan.slots);
   for (const KeptArray& a : kept_arrays(code))
     text += fmt::format("  alignas(64) Scalar {}[{}][{}] = {{}};  // {}\n", a.name, a.components, a.slots, a.meaning);
   return text + "};\n";
@@ -302,13 +317,15 @@ std::string rolled_source(const CodeInput& code, const std::string& banner) {
     std::string unused;
     if (s.body.find("workspace") == std::string::npos && !keeps) unused += "  (void)workspace;\n";
     if (s.stage.arguments.starts_with("const Scalar* v") && s.body.find("v[") == std::string::npos) unused += "  (void)v;\n";
-    text += fmt::format("{}void {}({}) noexcept {{\n{}{}{}}}\n\n", code.plan.tasks ? "" : "static ", s.stage.name, s.stage.arguments,
-                        keeps ? open_stage : "", unused, s.body);
+    text += fmt::format("{}void {}({}) noexcept {{\n{}{}{}}}\n\n", code.plan.tasks ? "" : "static ", s.stage.name,
+                        s.stage.arguments, keeps ? open_stage : "", unused, s.body);
     calls += fmt::format("  {}{}({});\n", code.plan.tasks ? "stages::" : "", s.stage.name, s.stage.call);
   }
   tables = joint_tables(code, text) + tables;
-  for (const auto& [name, word] : {std::pair{"blocks", "dalembert::limb_blocks"}, {"runs", "dalembert::run_block"},
-                                   {"sincos", "dalembert::sincos"}, {"wrench", "dalembert::wrench_columns"}})
+  for (const auto& [name, word] : {std::pair{"blocks", "dalembert::limb_blocks"},
+                                   {"runs", "dalembert::run_block"},
+                                   {"sincos", "dalembert::sincos"},
+                                   {"wrench", "dalembert::wrench_columns"}})
     if (text.find(word) != std::string::npos) includes += fmt::format("#include <dalembert/{}.hpp>\n", name);
   if (includes.empty()) includes = "#include <dalembert/lanes.hpp>\n";
   return render("rolled.cpp", {{"banner", banner},

@@ -24,9 +24,9 @@ std::string rolled_workspace(const CodeInput& code);
 
 // The functions the evaluation is made of.
 struct Stage {
-  std::string name;        // prepare, outwards_<segment>, inwards_<segment>, base, elements_<segment>, results
-  std::string arguments;   // of its declaration
-  std::string call;        // its arguments in evaluate()
+  std::string name;       // prepare, outwards_<segment>, inwards_<segment>, base, elements_<segment>, results
+  std::string arguments;  // of its declaration
+  std::string call;       // its arguments in evaluate()
 };
 std::vector<Stage> rolled_stages(const CodeInput& code);
 

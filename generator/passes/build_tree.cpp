@@ -13,9 +13,7 @@ namespace dalembert::passes {
 
 namespace {
 
-size_t at(int index) {
-  return static_cast<size_t>(index);
-}
+size_t at(int index) { return static_cast<size_t>(index); }
 
 class TreeBuilder {
  public:

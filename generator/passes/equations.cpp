@@ -14,7 +14,6 @@ Mat3 turned(const Mat3& m, const JointPosition& q) {
   return from_columns(q.cosine * x + q.sine * y, q.cosine * y - q.sine * x, column(m, 2));
 }
 
-
 // (tr(S) 1 − S) v
 Vec3 apply_rotational(const Sym6& s, const Vec3& v) {
   const Sym6 inertia{s[3] + s[5], -s[1], -s[2], s[0] + s[5], -s[4], s[0] + s[3]};
@@ -46,11 +45,10 @@ Sums moments(const Pose& pose, const BodyConstants& body) {
   const Vec3& p = pose.position;
   Sums sums;
   sums.first = r * body.first + body.mass * p;
-  const Mat3 half = full(body.second) * transpose(r) +
-                    Mat3{body.first[0] * p, body.first[1] * p, body.first[2] * p};  // Σ m x_k xᵀ
+  const Mat3 half =
+      full(body.second) * transpose(r) + Mat3{body.first[0] * p, body.first[1] * p, body.first[2] * p};  // Σ m x_k xᵀ
   for (std::size_t i = 0; i < 3; ++i)
-    for (std::size_t j = i; j < 3; ++j)
-      sums.second[sym6_index[i][j]] = dot(r[i], column(half, j)) + p[i] * sums.first[j];
+    for (std::size_t j = i; j < 3; ++j) sums.second[sym6_index[i][j]] = dot(r[i], column(half, j)) + p[i] * sums.first[j];
   return sums;
 }
 

@@ -1,8 +1,8 @@
 // The equations of the explicit formulation, body by body, on symbolic scalars.
 //
-// Phases I to III (Shin, Park and Park 2016) with everything along the reference frame's axes and about its origin: the floating
-// base's frame, or, on a fixed base, the frame of the first body of each branch. Transforms of Phase II then disappear and
-// accumulation is a plain sum. Velocities are absolute. Gravity and bias run in body axes, where they are cheapest.
+// Phases I to III (Shin, Park and Park 2016) with everything along the reference frame's axes and about its origin: the
+// floating base's frame, or, on a fixed base, the frame of the first body of each branch. Transforms of Phase II then disappear
+// and accumulation is a plain sum. Velocities are absolute. Gravity and bias run in body axes, where they are cheapest.
 //
 // Notation: R, p orientation and origin of a body's frame; J = [Jv; Jw] the joint's twist at the reference origin; [u; w] the
 // body's twist; m, h, S the moments of mass, t the half trace; P momentum, D the lower right block of the bias matrix.
@@ -14,7 +14,7 @@ namespace dalembert::passes {
 
 // What is constant about a joint and its body. In a loop these stand for columns of a table.
 struct BodyConstants {
-  Mat3 rotation;     // in the parent's frame at q = 0
+  Mat3 rotation;  // in the parent's frame at q = 0
   Vec3 translation;
   Sym revolute, prismatic;  // one of them 1, the other 0
   Sym mass;
@@ -45,9 +45,9 @@ struct Sums {  // Phase II: added up over a subtree
 };
 
 struct JointForces {
-  Twist inertia;   // F = A* J
-  Twist bias;      // G = A* J̇ + B* J
-  Vec3 transposed; // H = [0; P × Jv + Dᵀ Jw], its angular part
+  Twist inertia;    // F = A* J
+  Twist bias;       // G = A* J̇ + B* J
+  Vec3 transposed;  // H = [0; P × Jv + Dᵀ Jw], its angular part
 };
 
 // Phase I (eq. 20): ⁰Ad_k. R = R_p R_k Rz(q), p = p_p + R_p p_k, slid along z by a prismatic joint.
@@ -72,8 +72,8 @@ Twist apply_bias(const Sums& sums, const Twist& twist);
 Vec3 apply_bias_transposed(const Sums& sums, const Twist& joint);
 
 // Phase III (eq. 31–39).
-Sym element(const Twist& wrench, const Twist& twist);                                          // F·J
-Sym element_below(const JointForces& forces, const Twist& joint, const Twist& joint_rate);     // F·J̇ + H·J
+Sym element(const Twist& wrench, const Twist& twist);                                       // F·J
+Sym element_below(const JointForces& forces, const Twist& joint, const Twist& joint_rate);  // F·J̇ + H·J
 
 // Body axes: Rᵀ v and R f across a joint.
 Vec3 to_child(const BodyConstants& body, const JointPosition& q, const Vec3& v);

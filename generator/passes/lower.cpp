@@ -37,9 +37,8 @@ class Lowering {
     for (size_t k = 0; k < bodies_.size(); ++k) inputs(k);
     if (wanted("gravity")) gravity(array("gravity"));
     if (wanted("bias")) scene_.rates_zero ? gravity(array("bias")) : bias();
-    const bool poses = std::any_of(program_.arrays.begin(), program_.arrays.end(), [](const ir::OutputArray& a) {
-      return a.name != "gravity" && a.name != "bias";
-    });
+    const bool poses = std::any_of(program_.arrays.begin(), program_.arrays.end(),
+                                   [](const ir::OutputArray& a) { return a.name != "gravity" && a.name != "bias"; });
     if (poses) {
       phase_one();
       if (wanted("mass_matrix") || wanted("coriolis_matrix")) phases_two_and_three();
@@ -247,9 +246,8 @@ class Lowering {
       const Twist f = apply_inertia(b.composite_mass, b.sums, b.joint);
       const Twist g_inertia = apply_inertia(b.composite_mass, b.sums, b.joint_rate);
       const Twist g_bias = apply_bias(b.sums, b.joint);
-      const JointForces forces{f,
-                               {g_inertia.linear + g_bias.linear, g_inertia.angular + g_bias.angular},
-                               apply_bias_transposed(b.sums, b.joint)};
+      const JointForces forces{
+          f, {g_inertia.linear + g_bias.linear, g_inertia.angular + g_bias.angular}, apply_bias_transposed(b.sums, b.joint)};
       name(f.linear, n, "F_");
       name(f.angular, n, "Fw_");
       name(forces.bias.linear, n, "G_");
@@ -289,8 +287,9 @@ class Lowering {
         cross(forces.inertia.linear, v.linear) + cross(forces.inertia.angular, v.angular) + forces.transposed;
     for (size_t i = 0; i < 3; ++i) {
       const int linear = static_cast<int>(i), angular = linear + 3;
-      for (const auto& [r, f, g, h] : {std::tuple{linear, forces.inertia.linear[i], forces.bias.linear[i], below_linear[i]},
-                                       std::tuple{angular, forces.inertia.angular[i], forces.bias.angular[i], below_angular[i]}}) {
+      for (const auto& [r, f, g, h] :
+           {std::tuple{linear, forces.inertia.linear[i], forces.bias.linear[i], below_linear[i]},
+            std::tuple{angular, forces.inertia.angular[i], forces.bias.angular[i], below_angular[i]}}) {
         put(mass, r, row, scaled(k, f));
         put(mass, row, r, scaled(k, f));
         put(coriolis, r, row, scaled(k, g));
@@ -321,8 +320,8 @@ class Lowering {
   }
 
   // Body Jacobians: the twist of a frame fixed to body `body`, in that frame's axes, per unit rate of every joint above it.
-  void frame_jacobian(int array, int body, const Eigen::Matrix3d& rotation, const Eigen::Vector3d& translation,
-                      bool transposed, int offset) {
+  void frame_jacobian(int array, int body, const Eigen::Matrix3d& rotation, const Eigen::Vector3d& translation, bool transposed,
+                      int offset) {
     tag(3, body);
     Pose frame{in_.constant(rotation), in_.constant(translation)};
     if (body >= 0) {

@@ -77,9 +77,7 @@ class SegmentLowering {
   Sym state(int role, int component = 0) { return input(InputKind::state, role, component); }
   Vec3 state3(int role, int from = 0) { return {state(role, from), state(role, from + 1), state(role, from + 2)}; }
   Sym carried(int role, int component) { return input(InputKind::carried, role, component); }
-  Vec3 carried3(int role, int from = 0) {
-    return {carried(role, from), carried(role, from + 1), carried(role, from + 2)};
-  }
+  Vec3 carried3(int role, int from = 0) { return {carried(role, from), carried(role, from + 1), carried(role, from + 2)}; }
   void store(int role, int component, Sym x) { paragraph_->stores.push_back({role, component, x.id}); }
   void store(int role, const Vec3& x, int from = 0) {
     for (int i = 0; i < 3; ++i) store(role, from + i, x[static_cast<size_t>(i)]);
@@ -151,13 +149,12 @@ class SegmentLowering {
     bool turning = false, sliding = false;
     for_each_body([&](size_t b) { (normal_.bodies[b].prismatic ? sliding : turning) = true; });
     const bool apart = reference && !tree_.floating_base;
-    return {turning ? state(apart ? pose_sine : sine) : constant(0), turning ? state(apart ? pose_cosine : cosine) : constant(1),
+    return {turning ? state(apart ? pose_sine : sine) : constant(0),
+            turning ? state(apart ? pose_cosine : cosine) : constant(1),
             sliding ? state(apart ? pose_slide : slide) : constant(0)};
   }
 
-  Twist joint() {
-    return {state3(joint_linear), program_.all_revolute ? state3(rotation, 6) : state3(joint_angular)};
-  }
+  Twist joint() { return {state3(joint_linear), program_.all_revolute ? state3(rotation, 6) : state3(joint_angular)}; }
   Mat3 rotation_matrix(const std::function<Vec3(int, int)>& source) {
     return from_columns(source(rotation, 0), source(rotation, 3), source(rotation, 6));
   }
@@ -198,7 +195,8 @@ class SegmentLowering {
     carry(down, here);
     store(gravity_first, c.first);
 
-    begin("gravity_inwards", "g = -(h x down)_z (revolute), -m down_z (prismatic); h_p += Rk Rz(q) h + m p", Direction::inwards);
+    begin("gravity_inwards", "g = -(h x down)_z (revolute), -m down_z (prismatic); h_p += Rk Rz(q) h + m p",
+          Direction::inwards);
     const BodyConstants k = body_constants(false);
     const JointPosition q = joint_position(false);
     const Sym mass = composite_mass();
@@ -209,7 +207,8 @@ class SegmentLowering {
   }
 
   void bias() {
-    begin("bias_outwards", "Newton-Euler in body axes: w, dw, a of the body and f = m a + dw x h + w x (w x h), n = h x a + I dw + w x I w",
+    begin("bias_outwards",
+          "Newton-Euler in body axes: w, dw, a of the body and f = m a + dw x h + w x (w x h), n = h x a + I dw + w x I w",
           Direction::outwards);
     const BodyConstants c = body_constants(false);
     const Motion parent{carried3(motion, 0), carried3(motion, 3), carried3(motion, 6)};
@@ -259,7 +258,8 @@ class SegmentLowering {
 
   void moments_of_bodies() {
     begin("moments",
-          "Phase II: h = R hk + m p, S = R (Sk R' + hk p') + p h', P = m u + w x h, D = -[w](S + t 1) - u h' + (h.u) 1; dJ = ad(V) J",
+          "Phase II: h = R hk + m p, S = R (Sk R' + hk p') + p h', P = m u + w x h, D = -[w](S + t 1) - u h' + (h.u) 1; dJ = "
+          "ad(V) J",
           Direction::anywhere);
     const BodyConstants c = body_constants(true);
     const Pose here{rotation_matrix([this](int r, int i) { return state3(r, i); }), state3(position)};
@@ -273,8 +273,8 @@ class SegmentLowering {
 
   void accumulate() {
     begin("accumulate", "Phase II: sums over the subtree (eq. 29, 30)", Direction::inwards);
-    const Sums total = sums([this](int role, int i) { return state(role, i); }) +
-                       sums([this](int role, int i) { return carried(role, i); });
+    const Sums total =
+        sums([this](int role, int i) { return state(role, i); }) + sums([this](int role, int i) { return carried(role, i); });
     each(total, [this](int role, int i, Sym x) { store(role, i, x), carry(role, i, x); });
   }
 
@@ -433,7 +433,9 @@ class RolledLowering {
     ir::Graph& g = program_.base_graph;
     const LowerInputs in(g, tree_, normal_, scene_);
     const auto state = [&](int role, int i) { return Sym{&g, g.input({InputKind::state, role, i})}; };
-    const auto state3 = [&](int role, int from) { return Vec3{state(role, from), state(role, from + 1), state(role, from + 2)}; };
+    const auto state3 = [&](int role, int from) {
+      return Vec3{state(role, from), state(role, from + 1), state(role, from + 2)};
+    };
     if (program_.mass || program_.coriolis) {
       Sums s;
       for (int i = 0; i < 6; ++i) s.second[static_cast<size_t>(i)] = state(second, i);
@@ -444,7 +446,8 @@ class RolledLowering {
       for (size_t j = 0; j < 6; ++j) {
         Twist unit{in.zero(), in.zero()};
         (j < 3 ? unit.linear : unit.angular)[j % 3] = in.constant(1);
-        const Twist f = apply_inertia(mass, s, unit), a = apply_inertia(mass, s, joint_twist_rate(v, unit)), b = apply_bias(s, unit);
+        const Twist f = apply_inertia(mass, s, unit), a = apply_inertia(mass, s, joint_twist_rate(v, unit)),
+                    b = apply_bias(s, unit);
         for (size_t i = 0; i < 6; ++i) {
           const int row = static_cast<int>(i), column = static_cast<int>(j);
           element("mass_matrix", row, column, i < 3 ? f.linear[i] : f.angular[i - 3]);

@@ -39,8 +39,7 @@ ir::Moments moments_of(const ir::Inertia& body, const Matrix3d& frame) {
   ir::Moments m;
   m.mass = body.mass;
   m.first = frame.transpose() * (body.mass * body.com);
-  const Matrix3d second =
-      half_trace * Matrix3d::Identity() - inertia + body.mass * body.com * body.com.transpose();
+  const Matrix3d second = half_trace * Matrix3d::Identity() - inertia + body.mass * body.com * body.com.transpose();
   m.second = frame.transpose() * second * frame;
   m.second = (0.5 * (m.second + m.second.transpose())).eval();
   m.half_trace = half_trace;
@@ -67,8 +66,7 @@ void add_to_parent(ir::Moments& parent, const ir::Moments& m, const Matrix3d& r,
   const Vector3d first = r * m.first;
   parent.mass += m.mass;
   parent.first += first + m.mass * p;
-  parent.second += r * m.second * r.transpose() + first * p.transpose() + p * first.transpose() +
-                   m.mass * p * p.transpose();
+  parent.second += r * m.second * r.transpose() + first * p.transpose() + p * first.transpose() + m.mass * p * p.transpose();
   parent.half_trace += m.half_trace;
 }
 

@@ -120,7 +120,8 @@ void lay_out(const ir::KinematicTree& tree, size_t widest, ir::Plan& plan) {
     s.name = ir::identifier(tree.bodies[static_cast<size_t>(limbs[static_cast<size_t>(group.front())].front())].joint);
     if (s.width > 1) s.name += "_x" + std::to_string(group.size());
     for (int lane = 0; lane < s.width; ++lane) {
-      Limb bodies = static_cast<size_t>(lane) < group.size() ? limbs[static_cast<size_t>(group[static_cast<size_t>(lane)])] : Limb{};
+      Limb bodies =
+          static_cast<size_t>(lane) < group.size() ? limbs[static_cast<size_t>(group[static_cast<size_t>(lane)])] : Limb{};
       s.parents.push_back(bodies.empty() ? -1 : tree.bodies[static_cast<size_t>(bodies.front())].parent);
       for (size_t step = 0; step < bodies.size(); ++step)
         plan.slot_of[static_cast<size_t>(bodies[step])] = s.first_slot + static_cast<int>(step) * s.width + lane;
@@ -138,8 +139,8 @@ ir::Plan plan(const ir::KinematicTree& tree, const ir::Scene& scene, const ir::O
               const ir::CompileOptions& options) {
   ir::Plan plan;
   plan.tasks = scene.parallel == ir::Parallel::tasks;
-  // A driven joint's row is a sum of rows, a payload's moments are inputs, the bias at rest is gravity's: only the straight form
-  // knows any of them. And a base alone has nothing to roll.
+  // A driven joint's row is a sum of rows, a payload's moments are inputs, the bias at rest is gravity's: only the straight
+  // form knows any of them. And a base alone has nothing to roll.
   const bool bias = std::find(scene.outputs.begin(), scene.outputs.end(), ir::Quantity::bias) != scene.outputs.end();
   bool straight_only = tree.bodies.empty() || !scene.payloads.empty() || (scene.rates_zero && bias);
   for (const ir::Body& b : tree.bodies) straight_only = straight_only || b.driven();
@@ -147,7 +148,8 @@ ir::Plan plan(const ir::KinematicTree& tree, const ir::Scene& scene, const ir::O
   lay_out(tree, options.pack ? 4 : 1, plan);
   if (form == ir::Form::automatic) {
     // Measured: limbs side by side are worth rolling from about 2000 operations on, a single chain later.
-    const bool lanes = std::any_of(plan.segments.begin(), plan.segments.end(), [](const ir::Segment& s) { return s.width > 1; });
+    const bool lanes =
+        std::any_of(plan.segments.begin(), plan.segments.end(), [](const ir::Segment& s) { return s.width > 1; });
     form = straight.total() <= (lanes ? 2000 : 3500) && !plan.tasks ? ir::Form::straight : ir::Form::rolled;
   }
   plan.form = straight_only ? ir::Form::straight : form;

@@ -1,11 +1,12 @@
-// Phase III: the elements of M and C between the joints of limbs, in blocks of fixed size (Shin, Park and Park 2016, eq. 31-39).
+// Phase III: the elements of M and C between the joints of limbs, in blocks of fixed size (Shin, Park and Park 2016, eq.
+// 31-39).
 //
 //   M_ik = F_k·J_i    C_ik = G_k·J_i    C_ki = F_k·J̇_i + H_k·J_i     (i above k, or k itself; H has an angular part alone)
 //
 // A limb is a run of bodies without branches: its rows and columns are consecutive in M and C. Limbs of equal length stand side
-// by side in lanes, slot = first + step·width + lane, and tiles of four steps by four are turned into columns when stored. A limb
-// on its own (width 1) has its steps in consecutive slots, and lanes run along them. Nothing is allocated, every loop has a
-// length known when the code was generated.
+// by side in lanes, slot = first + step·width + lane, and tiles of four steps by four are turned into columns when stored. A
+// limb on its own (width 1) has its steps in consecutive slots, and lanes run along them. Nothing is allocated, every loop has
+// a length known when the code was generated.
 #pragma once
 
 #include <initializer_list>
@@ -18,12 +19,12 @@ namespace dalembert {
 // Twists and wrenches of all slots, component by component: component j of slot s at [j * stride + s]. Linear parts first.
 template <class T>
 struct Panels {
-  const T* joint_linear;    // J, 3
-  const T* joint_angular;   // J, 3
-  const T* joint_rate;      // J̇, 6
-  const T* inertia_force;   // F, 6
-  const T* bias_force;      // G, 6
-  const T* transposed;      // H, 3
+  const T* joint_linear;   // J, 3
+  const T* joint_angular;  // J, 3
+  const T* joint_rate;     // J̇, 6
+  const T* inertia_force;  // F, 6
+  const T* bias_force;     // G, 6
+  const T* transposed;     // H, 3
   int stride;
 };
 
@@ -68,7 +69,7 @@ DALEMBERT_INLINE void lanes(const F& f) {
 template <class T>
 DALEMBERT_INLINE void transpose(const Lanes<T, 4>* rows, Lanes<T, 4>* out) {
 #if defined(__AVX512F__) && defined(__clang__)  // GCC 12 joins registers by way of memory
-  using W = Lanes<T, 8>;  // two permutations of registers twice as wide
+  using W = Lanes<T, 8>;                        // two permutations of registers twice as wide
   const W upper = __builtin_shufflevector(rows[0], rows[1], 0, 1, 2, 3, 4, 5, 6, 7);
   const W lower = __builtin_shufflevector(rows[2], rows[3], 0, 1, 2, 3, 4, 5, 6, 7);
   const W first = __builtin_shufflevector(upper, lower, 0, 4, 8, 12, 1, 5, 9, 13);
@@ -89,7 +90,8 @@ DALEMBERT_INLINE void transpose(const Lanes<T, 4>* rows, Lanes<T, 4>* out) {
 }
 template <class T>
 DALEMBERT_INLINE void transpose(const Lanes<T, 2>* rows, Lanes<T, 4>* out) {
-  const Lanes<T, 4> a = __builtin_shufflevector(rows[0], rows[1], 0, 2, 1, 3), b = __builtin_shufflevector(rows[2], rows[3], 0, 2, 1, 3);
+  const Lanes<T, 4> a = __builtin_shufflevector(rows[0], rows[1], 0, 2, 1, 3),
+                    b = __builtin_shufflevector(rows[2], rows[3], 0, 2, 1, 3);
   out[0] = __builtin_shufflevector(a, b, 0, 1, 4, 5);
   out[1] = __builtin_shufflevector(a, b, 2, 3, 6, 7);
 }
@@ -97,7 +99,8 @@ DALEMBERT_INLINE void transpose(const Lanes<T, 2>* rows, Lanes<T, 4>* out) {
 // The same for two rows.
 template <class T>
 DALEMBERT_INLINE void transpose_pair(const Lanes<T, 4>* rows, Lanes<T, 2>* out) {
-  const Lanes<T, 4> a = __builtin_shufflevector(rows[0], rows[1], 0, 4, 2, 6), b = __builtin_shufflevector(rows[0], rows[1], 1, 5, 3, 7);
+  const Lanes<T, 4> a = __builtin_shufflevector(rows[0], rows[1], 0, 4, 2, 6),
+                    b = __builtin_shufflevector(rows[0], rows[1], 1, 5, 3, 7);
   out[0] = __builtin_shufflevector(a, a, 0, 1);
   out[1] = __builtin_shufflevector(b, b, 0, 1);
   out[2] = __builtin_shufflevector(a, a, 2, 3);
@@ -152,39 +155,41 @@ struct Upper {
 template <int width, class T>
 struct Tile {
   using V = Lanes<T, width>;
-  V mass[4][4];     // [above][below]
-  V upper[4][4];    // C_ik
-  V lower[4][4];    // C_ki
+  V mass[4][4];   // [above][below]
+  V upper[4][4];  // C_ik
+  V lower[4][4];  // C_ki
 };
 
 template <Elements elements, int width, bool diagonal, bool out, class T>
 DALEMBERT_INLINE void fill(Tile<width, T>& tile, const Upper<T>& up, int above, const Panels<T>& p, int below) {
   using V = Lanes<T, width>;
-  repeat<out, 4>(below, [&](int c) __attribute__((always_inline)) {
-    V f[6], g[6], h[3];
-    load_all<width, T>(f, p.inertia_force + c * width, 6, p.stride);
-    if constexpr (has_coriolis(elements)) {
-      load_all<width, T>(g, p.bias_force + c * width, 6, p.stride);
-      load_all<width, T>(h, p.transposed + c * width, 3, p.stride);
-    }
-    repeat<out, 4>(diagonal ? c + 1 : above, [&](int r) __attribute__((always_inline)) {
-      const T *v = up.linear + r * width, *w = up.angular + r * width;
-      if constexpr (has_mass(elements)) {
-        const V m = add_dot3<width, T>(dot3<width, T>(f, v, up.stride), f + 3, w, up.stride);
-        tile.mass[r][c] = m;
-        if (diagonal) tile.mass[c][r] = m;
-      }
-      if constexpr (has_coriolis(elements)) {
-        const V above_diagonal = add_dot3<width, T>(dot3<width, T>(g, v, up.stride), g + 3, w, up.stride);
-        tile.upper[r][c] = above_diagonal;
-        if (diagonal && r == c) return;
-        const T* d = up.rate + r * width;
-        const V forced = add_dot3<width, T>(dot3<width, T>(f, d, up.stride), f + 3, d + 3 * up.stride, up.stride);
-        const V below_diagonal = add_dot3<width, T>(forced, h, w, up.stride);
-        (diagonal ? tile.upper[c][r] : tile.lower[r][c]) = below_diagonal;
-      }
-    });
-  });
+  repeat<out, 4>(
+      below, [&](int c) __attribute__((always_inline)) {
+        V f[6], g[6], h[3];
+        load_all<width, T>(f, p.inertia_force + c * width, 6, p.stride);
+        if constexpr (has_coriolis(elements)) {
+          load_all<width, T>(g, p.bias_force + c * width, 6, p.stride);
+          load_all<width, T>(h, p.transposed + c * width, 3, p.stride);
+        }
+        repeat<out, 4>(
+            diagonal ? c + 1 : above, [&](int r) __attribute__((always_inline)) {
+              const T *v = up.linear + r * width, *w = up.angular + r * width;
+              if constexpr (has_mass(elements)) {
+                const V m = add_dot3<width, T>(dot3<width, T>(f, v, up.stride), f + 3, w, up.stride);
+                tile.mass[r][c] = m;
+                if (diagonal) tile.mass[c][r] = m;
+              }
+              if constexpr (has_coriolis(elements)) {
+                const V above_diagonal = add_dot3<width, T>(dot3<width, T>(g, v, up.stride), g + 3, w, up.stride);
+                tile.upper[r][c] = above_diagonal;
+                if (diagonal && r == c) return;
+                const T* d = up.rate + r * width;
+                const V forced = add_dot3<width, T>(dot3<width, T>(f, d, up.stride), f + 3, d + 3 * up.stride, up.stride);
+                const V below_diagonal = add_dot3<width, T>(forced, h, w, up.stride);
+                (diagonal ? tile.upper[c][r] : tile.lower[r][c]) = below_diagonal;
+              }
+            });
+      });
 }
 
 // A column of each lane's block: values of up to four consecutive rows, from to[lane] on.
@@ -219,7 +224,8 @@ struct Place {
 
 // Stores values[above][below] as columns of the lower limb's joints (rows run over `above`), or of the upper limb's.
 template <bool by_upper, bool out, int width, class T>
-DALEMBERT_INLINE void put(T* matrix, int leading, const Lanes<T, width> (*values)[4], int above, int below, const Place<width>& at) {
+DALEMBERT_INLINE void put(T* matrix, int leading, const Lanes<T, width> (*values)[4], int above, int below,
+                          const Place<width>& at) {
   const int along = by_upper ? below : above;
   T* to[width];
   int count[width];
@@ -228,23 +234,25 @@ DALEMBERT_INLINE void put(T* matrix, int leading, const Lanes<T, width> (*values
   const int* left = by_upper ? at.left_below : at.left_above;
   const int* across = by_upper ? at.left_above : at.left_below;
   lanes<width>([&](int l) __attribute__((always_inline)) { to[l] = matrix + column[l] * leading + row[l]; });
-  repeat<out, 4>(by_upper ? above : below, [&](int i) __attribute__((always_inline)) {
-    Lanes<T, width> line[4] = {};
-    T* here[width];
-    write_out(std::make_integer_sequence<int, 4>{}, along,
-              [&](int j) __attribute__((always_inline)) { line[j] = by_upper ? values[i][j] : values[j][i]; });
-    detail::lanes<width>([&](int l) __attribute__((always_inline)) {
-      here[l] = to[l] + i * leading;
-      count[l] = i < across[l] ? least(left[l], along) : 0;
-    });
-    put_column<width, T>(here, line, count, along);
-  });
+  repeat<out, 4>(
+      by_upper ? above : below, [&](int i) __attribute__((always_inline)) {
+        Lanes<T, width> line[4] = {};
+        T* here[width];
+        write_out(
+            std::make_integer_sequence<int, 4>{},
+            along, [&](int j) __attribute__((always_inline)) { line[j] = by_upper ? values[i][j] : values[j][i]; });
+        detail::lanes<width>([&](int l) __attribute__((always_inline)) {
+          here[l] = to[l] + i * leading;
+          count[l] = i < across[l] ? least(left[l], along) : 0;
+        });
+        put_column<width, T>(here, line, count, along);
+      });
 }
 
 // Both triangles of an off-diagonal tile, or the whole of a diagonal one.
 template <Elements elements, int width, bool diagonal, bool out, class T>
-DALEMBERT_INLINE void tile_into(const Panels<T>& p, const Upper<T>& up, int above, int below, const Place<width>& at, T* M, T* C,
-                                int leading) {
+DALEMBERT_INLINE void tile_into(const Panels<T>& p, const Upper<T>& up, int above, int below, const Place<width>& at, T* M,
+                                T* C, int leading) {
   Tile<width, T> tile;
   fill<elements, width, diagonal, out, T>(tile, up, above, p, below);
   if constexpr (has_mass(elements)) {
@@ -269,27 +277,29 @@ DALEMBERT_INLINE Panels<T> moved(Panels<T> p, int slots, bool coriolis) {
 // The block of every limb of a segment with itself, `width` limbs side by side.
 // M, C: nv × nv, column by column; the columns of steps [begin, end), begin a multiple of four.
 template <Elements elements, int width, int steps, class T>
-DALEMBERT_INLINE void limb_blocks(const Panels<T>& panels, const LimbTable& limbs, T* M, T* C, int leading, int begin, int end) {
+DALEMBERT_INLINE void limb_blocks(const Panels<T>& panels, const LimbTable& limbs, T* M, T* C, int leading, int begin,
+                                  int end) {
   constexpr bool out = steps <= detail::short_limb;
   constexpr int tiles = (steps + 3) / 4;
   const auto column = [&](int tile) __attribute__((always_inline)) {
     const int c0 = begin + 4 * tile, below = detail::least(4, steps - c0);
     const Panels<T> p = detail::moved(panels, limbs.first_slot + c0 * width, has_coriolis(elements));
-    detail::repeat<out, tiles>(c0 / 4 + 1, [&](int row) __attribute__((always_inline)) {
-      const int r0 = 4 * row, from = limbs.first_slot + r0 * width;
-      const detail::Upper<T> up{panels.joint_linear + from, panels.joint_angular + from,
-                                has_coriolis(elements) ? panels.joint_rate + from : nullptr, panels.stride};
-      detail::Place<width> at;
-      detail::lanes<width>([&](int l) __attribute__((always_inline)) {
-        at.row_above[l] = limbs.first_row[l] + r0, at.left_above[l] = limbs.length[l] - r0;
-        at.row_below[l] = limbs.first_row[l] + c0, at.left_below[l] = limbs.length[l] - c0;
-      });
-      if (r0 == c0) {
-        detail::tile_into<elements, width, true, out, T>(p, up, below, below, at, M, C, leading);
-      } else {
-        detail::tile_into<elements, width, false, out, T>(p, up, 4, below, at, M, C, leading);
-      }
-    });
+    detail::repeat<out, tiles>(
+        c0 / 4 + 1, [&](int row) __attribute__((always_inline)) {
+          const int r0 = 4 * row, from = limbs.first_slot + r0 * width;
+          const detail::Upper<T> up{panels.joint_linear + from, panels.joint_angular + from,
+                                    has_coriolis(elements) ? panels.joint_rate + from : nullptr, panels.stride};
+          detail::Place<width> at;
+          detail::lanes<width>([&](int l) __attribute__((always_inline)) {
+            at.row_above[l] = limbs.first_row[l] + r0, at.left_above[l] = limbs.length[l] - r0;
+            at.row_below[l] = limbs.first_row[l] + c0, at.left_below[l] = limbs.length[l] - c0;
+          });
+          if (r0 == c0) {
+            detail::tile_into<elements, width, true, out, T>(p, up, below, below, at, M, C, leading);
+          } else {
+            detail::tile_into<elements, width, false, out, T>(p, up, 4, below, at, M, C, leading);
+          }
+        });
   };
   detail::repeat<out, tiles>((end - begin + 3) / 4, column);
 }
@@ -297,8 +307,8 @@ DALEMBERT_INLINE void limb_blocks(const Panels<T>& panels, const LimbTable& limb
 // The blocks between the limbs of a segment and a limb above each of them, which may be another one for every lane.
 // above_slot: [step][lane], the slots of the limbs above (any slot where a lane has none); above: their rows and lengths.
 template <Elements elements, int width, int steps, int above_steps, class T>
-DALEMBERT_INLINE void cross_blocks(const Panels<T>& panels, const LimbTable& limbs, const int* above_slot, const LimbTable& above,
-                                   T* M, T* C, int leading, int begin, int end) {
+DALEMBERT_INLINE void cross_blocks(const Panels<T>& panels, const LimbTable& limbs, const int* above_slot,
+                                   const LimbTable& above, T* M, T* C, int leading, int begin, int end) {
   constexpr bool out = steps <= detail::short_limb && above_steps <= 4;
   constexpr int stride = above_steps * width, tiles = (steps + 3) / 4, above_tiles = (above_steps + 3) / 4;
   T gathered[12 * stride];
@@ -312,17 +322,18 @@ DALEMBERT_INLINE void cross_blocks(const Panels<T>& panels, const LimbTable& lim
   const auto column = [&](int tile) __attribute__((always_inline)) {
     const int c0 = begin + 4 * tile, below = detail::least(4, steps - c0);
     const Panels<T> p = detail::moved(panels, limbs.first_slot + c0 * width, has_coriolis(elements));
-    detail::repeat<out, above_tiles>(above_tiles, [&](int row) __attribute__((always_inline)) {
-      const int r0 = 4 * row, rows = detail::least(4, above_steps - r0);
-      const T* from = gathered + r0 * width;
-      const detail::Upper<T> up{from, from + 3 * stride, from + 6 * stride, stride};
-      detail::Place<width> at;
-      detail::lanes<width>([&](int l) __attribute__((always_inline)) {
-        at.row_above[l] = above.first_row[l] + r0, at.left_above[l] = above.length[l] - r0;
-        at.row_below[l] = limbs.first_row[l] + c0, at.left_below[l] = above.length[l] > 0 ? limbs.length[l] - c0 : 0;
-      });
-      detail::tile_into<elements, width, false, out, T>(p, up, rows, below, at, M, C, leading);
-    });
+    detail::repeat<out, above_tiles>(
+        above_tiles, [&](int row) __attribute__((always_inline)) {
+          const int r0 = 4 * row, rows = detail::least(4, above_steps - r0);
+          const T* from = gathered + r0 * width;
+          const detail::Upper<T> up{from, from + 3 * stride, from + 6 * stride, stride};
+          detail::Place<width> at;
+          detail::lanes<width>([&](int l) __attribute__((always_inline)) {
+            at.row_above[l] = above.first_row[l] + r0, at.left_above[l] = above.length[l] - r0;
+            at.row_below[l] = limbs.first_row[l] + c0, at.left_below[l] = above.length[l] > 0 ? limbs.length[l] - c0 : 0;
+          });
+          detail::tile_into<elements, width, false, out, T>(p, up, rows, below, at, M, C, leading);
+        });
   };
   detail::repeat<out, tiles>((end - begin + 3) / 4, column);
 }
@@ -332,39 +343,43 @@ DALEMBERT_INLINE void cross_blocks(const Panels<T>& panels, const LimbTable& lim
 template <int width, int steps, class T>
 DALEMBERT_INLINE void base_columns(const T* force, int stride, const LimbTable& limbs, T* matrix, int leading) {
   constexpr bool out = steps <= detail::short_limb;
-  detail::repeat<out, steps>(steps, [&](int c) __attribute__((always_inline)) {
-    Lanes<T, width> f[6];
-    detail::load_all<width, T>(f, force + limbs.first_slot + c * width, 6, stride);
-    T *upper[width], *lower[width];
-    int four[width], two[width];
-    detail::lanes<width>([&](int l) __attribute__((always_inline)) {
-      upper[l] = matrix + (limbs.first_row[l] + c) * leading, lower[l] = upper[l] + 4;
-      four[l] = c < limbs.length[l] ? 4 : 0, two[l] = four[l] / 2;
-    });
-    detail::put_column<width, T>(upper, f, four, 4);
-    detail::put_column<width, T>(lower, f + 4, two, 2);
-  });
+  detail::repeat<out, steps>(
+      steps, [&](int c) __attribute__((always_inline)) {
+        Lanes<T, width> f[6];
+        detail::load_all<width, T>(f, force + limbs.first_slot + c * width, 6, stride);
+        T *upper[width], *lower[width];
+        int four[width], two[width];
+        detail::lanes<width>([&](int l) __attribute__((always_inline)) {
+          upper[l] = matrix + (limbs.first_row[l] + c) * leading, lower[l] = upper[l] + 4;
+          four[l] = c < limbs.length[l] ? 4 : 0, two[l] = four[l] / 2;
+        });
+        detail::put_column<width, T>(upper, f, four, 4);
+        detail::put_column<width, T>(lower, f + 4, two, 2);
+      });
 }
 template <int width, int steps, class T>
 DALEMBERT_INLINE void base_rows(const T* force, int stride, const LimbTable& limbs, T* matrix, int leading) {
   constexpr bool out = steps <= detail::short_limb;
   constexpr int tiles = (steps + 3) / 4;
-  detail::repeat<out, tiles>(tiles, [&](int tile) __attribute__((always_inline)) {
-    const int r0 = 4 * tile, rows = detail::least(4, steps - r0);
-    detail::repeat<out, 6>(6, [&](int j) __attribute__((always_inline)) {
-      Lanes<T, width> f[4] = {};
-      T* to[width];
-      int count[width];
-      detail::write_out(std::make_integer_sequence<int, 4>{}, rows, [&](int i) __attribute__((always_inline)) {
-        f[i] = load<width, T>(force + j * stride + limbs.first_slot + (r0 + i) * width);
+  detail::repeat<out, tiles>(
+      tiles, [&](int tile) __attribute__((always_inline)) {
+        const int r0 = 4 * tile, rows = detail::least(4, steps - r0);
+        detail::repeat<out, 6>(
+            6, [&](int j) __attribute__((always_inline)) {
+              Lanes<T, width> f[4] = {};
+              T* to[width];
+              int count[width];
+              detail::write_out(
+                  std::make_integer_sequence<int, 4>{}, rows, [&](int i) __attribute__((always_inline)) {
+                    f[i] = load<width, T>(force + j * stride + limbs.first_slot + (r0 + i) * width);
+                  });
+              detail::lanes<width>([&](int l) __attribute__((always_inline)) {
+                to[l] = matrix + j * leading + limbs.first_row[l] + r0;
+                count[l] = detail::least(rows, limbs.length[l] - r0);
+              });
+              detail::put_column<width, T>(to, f, count, rows);
+            });
       });
-      detail::lanes<width>([&](int l) __attribute__((always_inline)) {
-        to[l] = matrix + j * leading + limbs.first_row[l] + r0;
-        count[l] = detail::least(rows, limbs.length[l] - r0);
-      });
-      detail::put_column<width, T>(to, f, count, rows);
-    });
-  });
 }
 
 }  // namespace dalembert

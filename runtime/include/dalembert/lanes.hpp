@@ -1,8 +1,8 @@
 // SIMD lanes: a few scalars that are computed on side by side.
 //
 // Lanes<T, n> is the compiler's own vector type (GCC and Clang), so the arithmetic operators are the language's and no
-// vendor's intrinsics are needed: where the target's registers are narrower the compiler splits the lanes, where there are none it
-// computes one by one. Lanes<T, 1> is T itself. Loads and stores need no alignment.
+// vendor's intrinsics are needed: where the target's registers are narrower the compiler splits the lanes, where there are none
+// it computes one by one. Lanes<T, 1> is T itself. Loads and stores need no alignment.
 #pragma once
 
 #include <cstdint>

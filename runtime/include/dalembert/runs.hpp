@@ -45,12 +45,16 @@ DALEMBERT_INLINE void column_above(const Panels<T>& p, int k, const Upper<T>& up
   if constexpr (has_mass(elements)) {
     take<6, T>(f, p.inertia_force + k, p.stride);
     const T fv[3] = {f[0], f[1], f[2]}, fw[3] = {f[3], f[4], f[5]};
-    along<T>(M, rows, [&](int s) { return dot_along<T, 3>(fv, up.linear, up.stride, s) + dot_along<T, 3>(fw, up.angular, up.stride, s); });
+    along<T>(M, rows, [&](int s) {
+      return dot_along<T, 3>(fv, up.linear, up.stride, s) + dot_along<T, 3>(fw, up.angular, up.stride, s);
+    });
   }
   if constexpr (has_coriolis(elements)) {
     take<6, T>(g, p.bias_force + k, p.stride);
     const T gv[3] = {g[0], g[1], g[2]}, gw[3] = {g[3], g[4], g[5]};
-    along<T>(C, rows, [&](int s) { return dot_along<T, 3>(gv, up.linear, up.stride, s) + dot_along<T, 3>(gw, up.angular, up.stride, s); });
+    along<T>(C, rows, [&](int s) {
+      return dot_along<T, 3>(gv, up.linear, up.stride, s) + dot_along<T, 3>(gw, up.angular, up.stride, s);
+    });
   }
 }
 
@@ -73,8 +77,8 @@ DALEMBERT_INLINE void column_below(const Panels<T>& p, int first, int rows, cons
 
 // The block of the limb with itself; columns [begin, end).
 template <Elements elements, class T>
-DALEMBERT_INLINE void run_block(const Panels<T>& p, int first_slot, int first_row, int steps, T* M, T* C, int leading, int begin,
-                                int end) {
+DALEMBERT_INLINE void run_block(const Panels<T>& p, int first_slot, int first_row, int steps, T* M, T* C, int leading,
+                                int begin, int end) {
   const detail::Upper<T> up{p.joint_linear + first_slot, p.joint_angular + first_slot, p.joint_rate + first_slot, p.stride};
   for (int k = begin; k < end; ++k) {
     T *m = M + (first_row + k) * leading + first_row, *c = C + (first_row + k) * leading + first_row;
@@ -85,15 +89,14 @@ DALEMBERT_INLINE void run_block(const Panels<T>& p, int first_slot, int first_ro
 
 // The block between the limb and a limb above it, whose steps have slots above_slot[0…]; columns [begin, end) of the limb.
 template <Elements elements, int above_steps, class T>
-DALEMBERT_INLINE void run_cross_block(const Panels<T>& p, int first_slot, int first_row, const int* above_slot,
-                                      int above_row, T* M, T* C, int leading, int begin, int end) {
+DALEMBERT_INLINE void run_cross_block(const Panels<T>& p, int first_slot, int first_row, const int* above_slot, int above_row,
+                                      T* M, T* C, int leading, int begin, int end) {
   constexpr int stride = padded(above_steps);
   T gathered[12 * stride] = {};
   const T* sources[4] = {p.joint_linear, p.joint_angular, p.joint_rate, p.joint_rate + 3 * p.stride};
   for (int part = 0; part < (has_coriolis(elements) ? 4 : 2); ++part)
     for (int j = 0; j < 3; ++j)
-      for (int i = 0; i < above_steps; ++i)
-        gathered[(3 * part + j) * stride + i] = sources[part][j * p.stride + above_slot[i]];
+      for (int i = 0; i < above_steps; ++i) gathered[(3 * part + j) * stride + i] = sources[part][j * p.stride + above_slot[i]];
   const detail::Upper<T> up{gathered, gathered + 3 * stride, gathered + 6 * stride, stride};
   for (int k = begin; k < end; ++k) {
     const int at = (first_row + k) * leading + above_row;
@@ -107,12 +110,14 @@ DALEMBERT_INLINE void run_cross_block(const Panels<T>& p, int first_slot, int fi
 
 // Rows and columns of a floating base.
 template <class T>
-DALEMBERT_INLINE void run_base_columns(const T* force, int stride, int first_slot, int first_row, int steps, T* matrix, int leading) {
+DALEMBERT_INLINE void run_base_columns(const T* force, int stride, int first_slot, int first_row, int steps, T* matrix,
+                                       int leading) {
   for (int k = 0; k < steps; ++k)
     for (int j = 0; j < 6; ++j) matrix[(first_row + k) * leading + j] = force[j * stride + first_slot + k];
 }
 template <class T>
-DALEMBERT_INLINE void run_base_rows(const T* force, int stride, int first_slot, int first_row, int steps, T* matrix, int leading) {
+DALEMBERT_INLINE void run_base_rows(const T* force, int stride, int first_slot, int first_row, int steps, T* matrix,
+                                    int leading) {
   for (int j = 0; j < 6; ++j)
     for (int k = 0; k < steps; ++k) matrix[j * leading + first_row + k] = force[j * stride + first_slot + k];
 }
