@@ -2,7 +2,7 @@
 //
 //   make_robot JOINTS BRANCHES [MASSES LENGTHS]
 //
-// The paper's second experiment (algorithm.md §5 of the design notes) sweeps these. Every link is a bar of 2 kg along x with
+// The paper's second experiment sweeps these. Every link is a bar of 2 kg along x with
 // a generic, turned inertia, so that no structural zero flatters anyone; axes go z, y, x, z, ... down each branch. MASSES and
 // LENGTHS make extremes: the last link's mass and length as a multiple of the base's, those between growing geometrically.
 #include <cmath>

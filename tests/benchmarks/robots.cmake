@@ -109,6 +109,44 @@ foreach(joints IN LISTS DALEMBERT_BENCHMARK_JOINTS)
   endforeach()
 endforeach()
 
+# The robots of benchmark_tasks: JOINTS in BRANCHES equal branches on a fixed base, with a task graph.
+set(task_libraries "")
+set(task_includes "")
+set(task_structs "")
+set(task_names "")
+function(task_robot name urdf)
+  dalembert_add_robot(tasks_${name} URDF "${urdf}" NAME ${name} TASKS NATIVE OPTIONS --base fixed --outputs mass_matrix,coriolis_matrix)
+  set(task_libraries "${task_libraries};tasks_${name}" PARENT_SCOPE)
+  set(task_includes "${task_includes}#include \"${name}/tasks.hpp\"\n" PARENT_SCOPE)
+  set(task_structs "${task_structs}struct ${name}_robot {
+  static constexpr int nq = ${name}::nq, nv = ${name}::nv;
+  using Workspace = ${name}::Workspace;
+  using TaskGraph = ${name}::TaskGraph;
+  static void evaluate(const double* q, const double* v, Workspace& w) { ${name}::evaluate(q, v, w); }
+};
+" PARENT_SCOPE)
+  set(task_names "${task_names} DALEMBERT_TASK_ROBOT(${name})" PARENT_SCOPE)
+endfunction()
+task_robot(mahru "${PROJECT_SOURCE_DIR}/examples/mahru/mahru.urdf")
+foreach(shape "50;1" "200;1" "50;5" "100;5" "200;5" "500;5")
+  list(GET shape 0 joints)
+  list(GET shape 1 branches)
+  set(name tree_${joints}_in_${branches})
+  set(urdf "${CMAKE_CURRENT_BINARY_DIR}/${name}.urdf")
+  add_custom_command(OUTPUT "${urdf}" COMMAND make_robot ${joints} ${branches} > "${urdf}" DEPENDS make_robot VERBATIM)
+  add_custom_target(${name}_urdf DEPENDS "${urdf}")
+  task_robot(${name} "${urdf}")
+  add_dependencies(tasks_${name} ${name}_urdf)
+endforeach()
+file(CONFIGURE OUTPUT tables/task_robots.hpp CONTENT [[
+// Written by tests/benchmarks/robots.cmake.
+#pragma once
+
+@task_includes@
+@task_structs@
+#define DALEMBERT_TASK_ROBOTS @task_names@
+]] @ONLY)
+
 file(CONFIGURE OUTPUT tables/benchmark_robots.hpp CONTENT [[
 // Written by tests/benchmarks/robots.cmake.
 #pragma once
