@@ -153,6 +153,10 @@ ir::Plan plan(const ir::KinematicTree& tree, const ir::Scene& scene, const ir::O
     form = straight.total() <= (lanes ? 2000 : 3500) && !plan.tasks ? ir::Form::straight : ir::Form::rolled;
   }
   plan.form = straight_only ? ir::Form::straight : form;
+  // Measured on two cores: a graph of tasks pays from about 30 µs of serial work on.
+  constexpr long work_for_tasks = 500000;
+  if (scene.parallel == ir::Parallel::automatic)
+    plan.tasks = plan.form == ir::Form::rolled && straight.total() >= work_for_tasks;
   return plan.form == ir::Form::rolled ? plan : ir::Plan{.tasks = plan.tasks, .segments = {}, .slot_of = {}};
 }
 
