@@ -41,8 +41,13 @@ std::size_t Graph::place_of(const Node& node) const {
   return at;
 }
 
-void Graph::grow() {
-  std::vector<NodeId> old(2 * table_.size(), no_node);
+void Graph::reserve(std::size_t nodes) {
+  nodes_.reserve(nodes);
+  if (2 * nodes > table_.size()) resize_table(std::bit_ceil(2 * nodes));
+}
+
+void Graph::resize_table(std::size_t places) {
+  std::vector<NodeId> old(places, no_node);
   old.swap(table_);
   for (NodeId id : old)
     if (id != no_node) table_[place_of((*this)[id])] = id;
@@ -59,7 +64,7 @@ NodeId Graph::intern(Node node) {
   if (table_[at] != no_node) return table_[at];
   const NodeId id = table_[at] = size();
   nodes_.push_back(node);
-  if (2 * ++entries_ > table_.size()) grow();
+  if (2 * ++entries_ > table_.size()) resize_table(2 * table_.size());
   return id;
 }
 

@@ -60,6 +60,9 @@ class Graph {
 
   // The node of that value: one there is already or a new one. Angles in rad; sign(x) is −1, 0 or 1. Operands are nodes of
   // this graph.
+  // Makes room for about so many nodes: growing to millions of them step by step takes as long as making them.
+  void reserve(std::size_t nodes);
+
   NodeId constant(double value);
   NodeId input(Input input);
   NodeId sine(NodeId a) { return unary(Op::sine, a); }
@@ -86,7 +89,7 @@ class Graph {
 
   // Where in the table a node equal to this one stands, or the free place where it belongs.
   std::size_t place_of(const Node& node) const;
-  void grow();
+  void resize_table(std::size_t places);
 
   Options options_{};
   std::vector<Node> nodes_;

@@ -34,6 +34,7 @@ class Lowering {
         bodies_(tree.bodies.size()) {}
 
   ir::Program run() {
+    reserve();
     for (size_t k = 0; k < bodies_.size(); ++k) inputs(k);
     if (wanted("gravity")) gravity(array("gravity"));
     if (wanted("bias")) scene_.rates_zero ? gravity(array("bias")) : bias();
@@ -52,6 +53,16 @@ class Lowering {
   int parent(size_t k) const { return tree_.bodies[k].parent; }
   bool is_reference(size_t k) const { return parent(k) < 0 && !tree_.floating_base; }
   int base_rows() const { return tree_.floating_base ? 6 : 0; }
+  // About the nodes of Phase III, a few dozen for every joint and joint above it: they are most of a long chain's.
+  void reserve() {
+    std::vector<size_t> depth(bodies_.size(), 1);
+    size_t pairs = 0;
+    for (size_t k = 0; k < bodies_.size(); ++k) {
+      if (parent(k) >= 0) depth[k] += depth[static_cast<size_t>(parent(k))];
+      pairs += depth[k];
+    }
+    program_.graph.reserve(pairs * ((wanted("mass_matrix") ? 12 : 0) + (wanted("coriolis_matrix") ? 32 : 0)));
+  }
   void tag(int phase, int body) { program_.graph.set_tag({static_cast<std::int16_t>(phase), body}); }
 
   int array(std::string_view name) const {
