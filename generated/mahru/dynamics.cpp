@@ -139,7 +139,6 @@ alignas(64) constexpr Scalar left_hip_yaw_x4_half_trace[24] = {
 };
 constexpr int left_hip_yaw_x4_row[] = {6, 12, 19, 25};
 constexpr int left_hip_yaw_x4_length[] = {6, 6, 6, 6};
-constexpr int left_hip_yaw_x4_above_1_slot[] = {32, 32, 0, 0};
 constexpr int left_hip_yaw_x4_above_1_row[] = {0, 0, 18, 18};
 constexpr int left_hip_yaw_x4_above_1_length[] = {0, 0, 1, 1};
 }  // namespace
@@ -1570,7 +1569,7 @@ void elements_left_hip_yaw_x4(Workspace& workspace) noexcept {
   constexpr dalembert::LimbTable limbs{left_hip_yaw_x4_row, left_hip_yaw_x4_length, 8};
   dalembert::limb_blocks<dalembert::Elements::both, 4, 6, Scalar>(panels, limbs, workspace.mass_matrix, workspace.coriolis_matrix, nv, 0, 6);
   constexpr dalembert::LimbTable above_1{left_hip_yaw_x4_above_1_row, left_hip_yaw_x4_above_1_length, 0};
-  dalembert::cross_blocks<dalembert::Elements::both, 4, 6, 1, Scalar>(panels, limbs, left_hip_yaw_x4_above_1_slot, above_1, workspace.mass_matrix, workspace.coriolis_matrix, nv, 0, 6);
+  dalembert::shared_cross_blocks<dalembert::Elements::both, 4, 6, 1, Scalar>(panels, limbs, 0, 0, above_1, workspace.mass_matrix, workspace.coriolis_matrix, nv, 0, 6);
   // The base's rows and columns.
   dalembert::base_columns<4, 6, Scalar>(kept.inertia_force[0], panels.stride, limbs, workspace.mass_matrix, nv);
   dalembert::base_rows<4, 6, Scalar>(kept.inertia_force[0], panels.stride, limbs, workspace.mass_matrix, nv);

@@ -25,30 +25,45 @@ std::pair<std::vector<int>, int> limb_of(const CodeInput& code, int body) {
   return {{}, -1};
 }
 
-// For every lane the limb that is `level` branches above its limb (0: the nearest), as bodies; empty where there is none.
-std::vector<std::vector<int>> limbs_above(const CodeInput& code, const ir::Segment& segment, int level) {
+// The limbs above a limb that hangs on `parent`, as bodies, the one nearest the base first.
+std::vector<std::vector<int>> limbs_above(const CodeInput& code, int parent) {
   std::vector<std::vector<int>> above;
-  for (size_t lane = 0; lane < segment.bodies.size(); ++lane) {
-    int parent = segment.parents[lane];
-    for (int i = 0; i < level && parent >= 0; ++i) parent = limb_of(code, parent).second;
-    above.push_back(parent < 0 ? std::vector<int>{} : limb_of(code, parent).first);
+  while (parent >= 0) {
+    auto [limb, next] = limb_of(code, parent);
+    above.insert(above.begin(), std::move(limb));
+    parent = next;
   }
   return above;
 }
 
+// The limbs at one level above a segment, lane by lane; empty where a lane has none there. Levels count from the base: that
+// is where most lanes have the same limb above them.
 struct Above {
   std::vector<std::vector<int>> limbs;
   size_t steps = 0;
+
+  // The one limb that is above all lanes that have a limb above them; empty where there are several.
+  std::vector<int> shared() const {
+    std::vector<int> one;
+    for (const auto& limb : limbs) {
+      if (!one.empty() && !limb.empty() && limb != one) return {};
+      if (!limb.empty()) one = limb;
+    }
+    return one;
+  }
 };
 
 std::vector<Above> all_above(const CodeInput& code, const ir::Segment& segment) {
   std::vector<Above> levels;
-  while (true) {
-    Above a{limbs_above(code, segment, static_cast<int>(levels.size())), 0};
-    for (const auto& limb : a.limbs) a.steps = std::max(a.steps, limb.size());
-    if (a.steps == 0) return levels;
-    levels.push_back(std::move(a));
+  for (size_t lane = 0; lane < segment.parents.size(); ++lane) {
+    auto limbs = limbs_above(code, segment.parents[lane]);
+    if (limbs.size() > levels.size()) levels.resize(limbs.size(), {std::vector<std::vector<int>>(segment.parents.size()), 0});
+    for (size_t level = 0; level < limbs.size(); ++level) {
+      levels[level].steps = std::max(levels[level].steps, limbs[level].size());
+      levels[level].limbs[lane] = std::move(limbs[level]);
+    }
   }
+  return levels;
 }
 
 std::string ints(const std::string& name, const std::vector<int>& values) {
@@ -86,7 +101,7 @@ std::string limb_tables(const CodeInput& code, size_t segment) {
     for (size_t step = 0; step < a.steps; ++step)
       for (const auto& limb : a.limbs) slots.push_back(step < limb.size() ? slot_of(code, limb[step]) : slot_of(code, -1));
     const std::string prefix = fmt::format("{}_above_{}", s.name, level + 1);
-    text += ints(prefix + "_slot", slots);
+    if (s.width == 1 || a.shared().empty()) text += ints(prefix + "_slot", slots);
     if (s.width > 1) text += ints(prefix + "_row", above_first) + ints(prefix + "_length", above_length);
   }
   return text;
@@ -111,12 +126,19 @@ std::string elements_stage(const CodeInput& code, size_t segment) {
     text += fmt::format("  constexpr dalembert::LimbTable limbs{{{0}_row, {0}_length, {1}}};\n", s.name, s.first_slot);
     text += fmt::format("  dalembert::limb_blocks<dalembert::Elements::{}, {}, {}, Scalar>(panels, limbs, {}, {}, {});\n",
                         elements, s.width, s.steps, M, C, end);
-    for (size_t level = 0; level < levels.size(); ++level)
+    for (size_t level = 0; level < levels.size(); ++level) {
+      const std::vector<int> one = levels[level].shared();
+      const int first = one.empty() ? 0 : slot_of(code, one.front());
+      const std::string where = one.empty()       ? fmt::format("{}_above_{}_slot", s.name, level + 1)
+                                : one.size() == 1 ? fmt::format("{}, 0", first)
+                                                  : fmt::format("{}, {}", first, slot_of(code, one[1]) - first);
       text += fmt::format(
           "  constexpr dalembert::LimbTable above_{3}{{{0}_above_{3}_row, {0}_above_{3}_length, 0}};\n"
-          "  dalembert::cross_blocks<dalembert::Elements::{1}, {2}, {8}, {4}, Scalar>(panels, limbs, {0}_above_{3}_slot, "
-          "above_{3}, {5}, {6}, {7});\n",
-          s.name, elements, s.width, level + 1, levels[level].steps, M, C, end, s.steps);
+          "  dalembert::{9}cross_blocks<dalembert::Elements::{1}, {2}, {8}, {4}, Scalar>(panels, limbs, {10}, above_{3}, {5}, "
+          "{6}, "
+          "{7});\n",
+          s.name, elements, s.width, level + 1, levels[level].steps, M, C, end, s.steps, one.empty() ? "" : "shared_", where);
+    }
   } else {
     const int row = base_rows(code) + s.bodies[0].front();
     text += fmt::format("  dalembert::run_block<dalembert::Elements::{}, Scalar>(panels, {}, {}, {}, {}, {}, {});\n", elements,

@@ -130,26 +130,44 @@ DALEMBERT_INLINE void load_all(Lanes<T, n>* to, const T* from, int count, int st
   for (int j = 0; j < count; ++j) to[j] = load<n, T>(from + j * stride);
 }
 
-template <int n, class T>
-DALEMBERT_INLINE Lanes<T, n> dot3(const Lanes<T, n>* a, const T* b, int stride) {
-  return a[0] * load<n, T>(b) + a[1] * load<n, T>(b + stride) + a[2] * load<n, T>(b + 2 * stride);
-}
-
-// sum + a·b as one chain of multiply-adds: adding the product up first would take an addition more.
-template <int n, class T>
-DALEMBERT_INLINE Lanes<T, n> add_dot3(Lanes<T, n> sum, const Lanes<T, n>* a, const T* b, int stride) {
-  for (int j = 0; j < 3; ++j) sum += a[j] * load<n, T>(b + j * stride);
-  return sum;
-}
-
 constexpr int least(int a, int b) { return a < b ? a : b; }
 
-// What a joint of the upper limb needs: J and J̇, `width` lanes each.
+// J and J̇ of the joints above, a row per component; J̇ null without C.
 template <class T>
 struct Upper {
   const T *linear, *angular, *rate;
-  int stride;
+  int stride;  // from component to component
+  int step;    // from joint to joint
+
+  Upper from(int joint) const {
+    return {linear + joint * step, angular + joint * step, rate == nullptr ? nullptr : rate + joint * step, stride, step};
+  }
 };
+
+// How they stand there: a limb above every lane, or one limb above all of them.
+enum class Above { each, one };
+
+template <Above above, int n, class T>
+DALEMBERT_INLINE Lanes<T, n> read_above(const T* from) {
+  if constexpr (above == Above::each) {
+    return load<n, T>(from);
+  } else {
+    return broadcast<n, T>(*from);
+  }
+}
+
+template <Above above, int n, class T>
+DALEMBERT_INLINE Lanes<T, n> dot3(const Lanes<T, n>* a, const T* b, int stride) {
+  return a[0] * read_above<above, n, T>(b) + a[1] * read_above<above, n, T>(b + stride) +
+         a[2] * read_above<above, n, T>(b + 2 * stride);
+}
+
+// sum + a·b as one chain of multiply-adds: adding the product up first would take an addition more.
+template <Above above, int n, class T>
+DALEMBERT_INLINE Lanes<T, n> add_dot3(Lanes<T, n> sum, const Lanes<T, n>* a, const T* b, int stride) {
+  for (int j = 0; j < 3; ++j) sum += a[j] * read_above<above, n, T>(b + j * stride);
+  return sum;
+}
 
 // One tile of four steps above by four below, for `width` limbs at once.
 template <int width, class T>
@@ -160,7 +178,7 @@ struct Tile {
   V lower[4][4];  // C_ki
 };
 
-template <Elements elements, int width, bool diagonal, bool out, class T>
+template <Elements elements, Above kind, int width, bool diagonal, bool out, class T>
 DALEMBERT_INLINE void fill(Tile<width, T>& tile, const Upper<T>& up, int above, const Panels<T>& p, int below) {
   using V = Lanes<T, width>;
   repeat<out, 4>(
@@ -173,28 +191,31 @@ DALEMBERT_INLINE void fill(Tile<width, T>& tile, const Upper<T>& up, int above, 
         }
         repeat<out, 4>(
             diagonal ? c + 1 : above, [&](int r) __attribute__((always_inline)) {
-              const T *v = up.linear + r * width, *w = up.angular + r * width;
+              const T *v = up.linear + r * up.step, *w = up.angular + r * up.step;
               if constexpr (has_mass(elements)) {
-                const V m = add_dot3<width, T>(dot3<width, T>(f, v, up.stride), f + 3, w, up.stride);
+                const V m = add_dot3<kind, width, T>(dot3<kind, width, T>(f, v, up.stride), f + 3, w, up.stride);
                 tile.mass[r][c] = m;
                 if (diagonal) tile.mass[c][r] = m;
               }
               if constexpr (has_coriolis(elements)) {
-                const V above_diagonal = add_dot3<width, T>(dot3<width, T>(g, v, up.stride), g + 3, w, up.stride);
+                const V above_diagonal = add_dot3<kind, width, T>(dot3<kind, width, T>(g, v, up.stride), g + 3, w, up.stride);
                 tile.upper[r][c] = above_diagonal;
                 if (diagonal && r == c) return;
-                const T* d = up.rate + r * width;
-                const V forced = add_dot3<width, T>(dot3<width, T>(f, d, up.stride), f + 3, d + 3 * up.stride, up.stride);
-                const V below_diagonal = add_dot3<width, T>(forced, h, w, up.stride);
+                const T* d = up.rate + r * up.step;
+                const V forced =
+                    add_dot3<kind, width, T>(dot3<kind, width, T>(f, d, up.stride), f + 3, d + 3 * up.stride, up.stride);
+                const V below_diagonal = add_dot3<kind, width, T>(forced, h, w, up.stride);
                 (diagonal ? tile.upper[c][r] : tile.lower[r][c]) = below_diagonal;
               }
             });
       });
 }
 
-// A column of each lane's block: values of up to four consecutive rows, from to[lane] on.
+// A column of each lane's block: values of up to four consecutive rows, from to[lane] on. Where a lane is joined to the next,
+// the next lane's rows follow its own: what is stored beyond its last row is overwritten.
 template <int width, class T>
-DALEMBERT_INLINE void put_column(T* const* to, const Lanes<T, width>* values, const int* count, int along) {
+DALEMBERT_INLINE void put_column(T* const* to, const Lanes<T, width>* values, const int* count, int along,
+                                 const bool* joined = nullptr) {
   if (along == 1) {
     lanes<width>([&](int l) __attribute__((always_inline)) {
       if (count[l] > 0) *to[l] = values[0][l];
@@ -212,7 +233,10 @@ DALEMBERT_INLINE void put_column(T* const* to, const Lanes<T, width>* values, co
   } else {
     Lanes<T, 4> turned[width];
     transpose<T>(values, turned);
-    lanes<width>([&](int l) __attribute__((always_inline)) { store_count<T>(to[l], turned[l], count[l]); });
+    lanes<width>([&](int l) __attribute__((always_inline)) {
+      const bool whole = joined != nullptr && joined[l] && count[l] == 3 && count[l + 1] > 0;
+      store_count<T>(to[l], turned[l], whole ? 4 : count[l]);
+    });
   }
 }
 
@@ -233,7 +257,11 @@ DALEMBERT_INLINE void put(T* matrix, int leading, const Lanes<T, width> (*values
   const int* column = by_upper ? at.row_above : at.row_below;
   const int* left = by_upper ? at.left_below : at.left_above;
   const int* across = by_upper ? at.left_above : at.left_below;
-  lanes<width>([&](int l) __attribute__((always_inline)) { to[l] = matrix + column[l] * leading + row[l]; });
+  bool joined[width];
+  lanes<width>([&](int l) __attribute__((always_inline)) {
+    to[l] = matrix + column[l] * leading + row[l];
+    joined[l] = l + 1 < width && column[l + 1] == column[l] && row[l + 1] == row[l] + along;
+  });
   repeat<out, 4>(
       by_upper ? above : below, [&](int i) __attribute__((always_inline)) {
         Lanes<T, width> line[4] = {};
@@ -245,16 +273,16 @@ DALEMBERT_INLINE void put(T* matrix, int leading, const Lanes<T, width> (*values
           here[l] = to[l] + i * leading;
           count[l] = i < across[l] ? least(left[l], along) : 0;
         });
-        put_column<width, T>(here, line, count, along);
+        put_column<width, T>(here, line, count, along, joined);
       });
 }
 
 // Both triangles of an off-diagonal tile, or the whole of a diagonal one.
-template <Elements elements, int width, bool diagonal, bool out, class T>
+template <Elements elements, Above kind, int width, bool diagonal, bool out, class T>
 DALEMBERT_INLINE void tile_into(const Panels<T>& p, const Upper<T>& up, int above, int below, const Place<width>& at, T* M,
                                 T* C, int leading) {
   Tile<width, T> tile;
-  fill<elements, width, diagonal, out, T>(tile, up, above, p, below);
+  fill<elements, kind, width, diagonal, out, T>(tile, up, above, p, below);
   if constexpr (has_mass(elements)) {
     put<false, out, width, T>(M, leading, tile.mass, above, below, at);
     if (!diagonal) put<true, out, width, T>(M, leading, tile.mass, above, below, at);
@@ -272,6 +300,36 @@ DALEMBERT_INLINE Panels<T> moved(Panels<T> p, int slots, bool coriolis) {
   return p;
 }
 
+// The joints of a limb that stands in the panels, from slot `first` on.
+template <Elements elements, class T>
+DALEMBERT_INLINE Upper<T> limb_above(const Panels<T>& p, int first, int step) {
+  return {p.joint_linear + first, p.joint_angular + first, has_coriolis(elements) ? p.joint_rate + first : nullptr, p.stride,
+          step};
+}
+
+// The tiles between the limbs of a segment and the joints above them; columns [begin, end).
+template <Elements elements, Above kind, int width, int steps, int above_steps, class T>
+DALEMBERT_INLINE void cross_tiles(const Panels<T>& panels, const LimbTable& limbs, const Upper<T>& up, const LimbTable& above,
+                                  T* M, T* C, int leading, int begin, int end) {
+  constexpr bool out = steps <= short_limb && above_steps <= (has_coriolis(elements) ? 4 : short_limb);
+  constexpr int tiles = (steps + 3) / 4, above_tiles = (above_steps + 3) / 4;
+  const auto column = [&](int tile) __attribute__((always_inline)) {
+    const int c0 = begin + 4 * tile, below = least(4, steps - c0);
+    const Panels<T> p = moved(panels, limbs.first_slot + c0 * width, has_coriolis(elements));
+    repeat<out, above_tiles>(
+        above_tiles, [&](int row) __attribute__((always_inline)) {
+          const int r0 = 4 * row, rows = least(4, above_steps - r0);
+          Place<width> at;
+          lanes<width>([&](int l) __attribute__((always_inline)) {
+            at.row_above[l] = above.first_row[l] + r0, at.left_above[l] = above.length[l] - r0;
+            at.row_below[l] = limbs.first_row[l] + c0, at.left_below[l] = above.length[l] > 0 ? limbs.length[l] - c0 : 0;
+          });
+          tile_into<elements, kind, width, false, out, T>(p, up.from(r0), rows, below, at, M, C, leading);
+        });
+  };
+  repeat<out, tiles>((end - begin + 3) / 4, column);
+}
+
 }  // namespace detail
 
 // The block of every limb of a segment with itself, `width` limbs side by side.
@@ -281,23 +339,24 @@ DALEMBERT_INLINE void limb_blocks(const Panels<T>& panels, const LimbTable& limb
                                   int end) {
   constexpr bool out = steps <= detail::short_limb;
   constexpr int tiles = (steps + 3) / 4;
+  const detail::Upper<T> limb = detail::limb_above<elements, T>(panels, limbs.first_slot, width);
   const auto column = [&](int tile) __attribute__((always_inline)) {
     const int c0 = begin + 4 * tile, below = detail::least(4, steps - c0);
     const Panels<T> p = detail::moved(panels, limbs.first_slot + c0 * width, has_coriolis(elements));
     detail::repeat<out, tiles>(
         c0 / 4 + 1, [&](int row) __attribute__((always_inline)) {
-          const int r0 = 4 * row, from = limbs.first_slot + r0 * width;
-          const detail::Upper<T> up{panels.joint_linear + from, panels.joint_angular + from,
-                                    has_coriolis(elements) ? panels.joint_rate + from : nullptr, panels.stride};
+          const int r0 = 4 * row;
+          const detail::Upper<T> up = limb.from(r0);
           detail::Place<width> at;
           detail::lanes<width>([&](int l) __attribute__((always_inline)) {
             at.row_above[l] = limbs.first_row[l] + r0, at.left_above[l] = limbs.length[l] - r0;
             at.row_below[l] = limbs.first_row[l] + c0, at.left_below[l] = limbs.length[l] - c0;
           });
+          constexpr auto each = detail::Above::each;
           if (r0 == c0) {
-            detail::tile_into<elements, width, true, out, T>(p, up, below, below, at, M, C, leading);
+            detail::tile_into<elements, each, width, true, out, T>(p, up, below, below, at, M, C, leading);
           } else {
-            detail::tile_into<elements, width, false, out, T>(p, up, 4, below, at, M, C, leading);
+            detail::tile_into<elements, each, width, false, out, T>(p, up, 4, below, at, M, C, leading);
           }
         });
   };
@@ -309,8 +368,7 @@ DALEMBERT_INLINE void limb_blocks(const Panels<T>& panels, const LimbTable& limb
 template <Elements elements, int width, int steps, int above_steps, class T>
 DALEMBERT_INLINE void cross_blocks(const Panels<T>& panels, const LimbTable& limbs, const int* above_slot,
                                    const LimbTable& above, T* M, T* C, int leading, int begin, int end) {
-  constexpr bool out = steps <= detail::short_limb && above_steps <= 4;
-  constexpr int stride = above_steps * width, tiles = (steps + 3) / 4, above_tiles = (above_steps + 3) / 4;
+  constexpr int stride = above_steps * width;
   T gathered[12 * stride];
   const T* sources[4] = {panels.joint_linear, panels.joint_angular, panels.joint_rate,
                          has_coriolis(elements) ? panels.joint_rate + 3 * panels.stride : nullptr};
@@ -319,23 +377,17 @@ DALEMBERT_INLINE void cross_blocks(const Panels<T>& panels, const LimbTable& lim
       for (int i = 0; i < above_steps; ++i)
         store<width, T>(gathered + (3 * part + j) * stride + i * width,
                         gather<width, T>(sources[part] + j * panels.stride, above_slot + i * width));
-  const auto column = [&](int tile) __attribute__((always_inline)) {
-    const int c0 = begin + 4 * tile, below = detail::least(4, steps - c0);
-    const Panels<T> p = detail::moved(panels, limbs.first_slot + c0 * width, has_coriolis(elements));
-    detail::repeat<out, above_tiles>(
-        above_tiles, [&](int row) __attribute__((always_inline)) {
-          const int r0 = 4 * row, rows = detail::least(4, above_steps - r0);
-          const T* from = gathered + r0 * width;
-          const detail::Upper<T> up{from, from + 3 * stride, from + 6 * stride, stride};
-          detail::Place<width> at;
-          detail::lanes<width>([&](int l) __attribute__((always_inline)) {
-            at.row_above[l] = above.first_row[l] + r0, at.left_above[l] = above.length[l] - r0;
-            at.row_below[l] = limbs.first_row[l] + c0, at.left_below[l] = above.length[l] > 0 ? limbs.length[l] - c0 : 0;
-          });
-          detail::tile_into<elements, width, false, out, T>(p, up, rows, below, at, M, C, leading);
-        });
-  };
-  detail::repeat<out, tiles>((end - begin + 3) / 4, column);
+  const detail::Upper<T> up{gathered, gathered + 3 * stride, gathered + 6 * stride, stride, width};
+  detail::cross_tiles<elements, detail::Above::each, width, steps, above_steps, T>(panels, limbs, up, above, M, C, leading,
+                                                                                   begin, end);
+}
+
+// The same where one limb is above all lanes that have one: its joints stand in slots first, first + step, ….
+template <Elements elements, int width, int steps, int above_steps, class T>
+DALEMBERT_INLINE void shared_cross_blocks(const Panels<T>& panels, const LimbTable& limbs, int first, int step,
+                                          const LimbTable& above, T* M, T* C, int leading, int begin, int end) {
+  detail::cross_tiles<elements, detail::Above::one, width, steps, above_steps, T>(
+      panels, limbs, detail::limb_above<elements, T>(panels, first, step), above, M, C, leading, begin, end);
 }
 
 // Rows and columns of a floating base for the limbs of a segment: columns M_BJ = F, C_BJ = G; rows M_JB = Fᵀ, C_JB = Xᵀ.
@@ -369,6 +421,7 @@ DALEMBERT_INLINE void base_rows(const T* force, int stride, const LimbTable& lim
               Lanes<T, width> f[4] = {};
               T* to[width];
               int count[width];
+              bool joined[width];
               detail::write_out(
                   std::make_integer_sequence<int, 4>{}, rows, [&](int i) __attribute__((always_inline)) {
                     f[i] = load<width, T>(force + j * stride + limbs.first_slot + (r0 + i) * width);
@@ -376,8 +429,9 @@ DALEMBERT_INLINE void base_rows(const T* force, int stride, const LimbTable& lim
               detail::lanes<width>([&](int l) __attribute__((always_inline)) {
                 to[l] = matrix + j * leading + limbs.first_row[l] + r0;
                 count[l] = detail::least(rows, limbs.length[l] - r0);
+                joined[l] = l + 1 < width && limbs.first_row[l + 1] == limbs.first_row[l] + rows;
               });
-              detail::put_column<width, T>(to, f, count, rows);
+              detail::put_column<width, T>(to, f, count, rows, joined);
             });
       });
 }

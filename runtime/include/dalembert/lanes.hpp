@@ -64,7 +64,7 @@ DALEMBERT_INLINE void store_first(T* to, const Lanes<T, n>& x) {
 
 template <int n, class T>
 DALEMBERT_INLINE Lanes<T, n> broadcast(T x) {
-  return Lanes<T, n>{} + x;
+  return x - Lanes<T, n>{};  // not a sum: 0 + x is another number than x = -0
 }
 
 // One value per lane: f(0), f(1), … Built in registers: writing lanes one by one would go through memory.

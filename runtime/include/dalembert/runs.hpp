@@ -79,7 +79,7 @@ DALEMBERT_INLINE void column_below(const Panels<T>& p, int first, int rows, cons
 template <Elements elements, class T>
 DALEMBERT_INLINE void run_block(const Panels<T>& p, int first_slot, int first_row, int steps, T* M, T* C, int leading,
                                 int begin, int end) {
-  const detail::Upper<T> up{p.joint_linear + first_slot, p.joint_angular + first_slot, p.joint_rate + first_slot, p.stride};
+  const detail::Upper<T> up{p.joint_linear + first_slot, p.joint_angular + first_slot, p.joint_rate + first_slot, p.stride, 1};
   for (int k = begin; k < end; ++k) {
     T *m = M + (first_row + k) * leading + first_row, *c = C + (first_row + k) * leading + first_row;
     detail::column_above<elements, T>(p, first_slot + k, up, k + 1, m, c);
@@ -97,7 +97,7 @@ DALEMBERT_INLINE void run_cross_block(const Panels<T>& p, int first_slot, int fi
   for (int part = 0; part < (has_coriolis(elements) ? 4 : 2); ++part)
     for (int j = 0; j < 3; ++j)
       for (int i = 0; i < above_steps; ++i) gathered[(3 * part + j) * stride + i] = sources[part][j * p.stride + above_slot[i]];
-  const detail::Upper<T> up{gathered, gathered + 3 * stride, gathered + 6 * stride, stride};
+  const detail::Upper<T> up{gathered, gathered + 3 * stride, gathered + 6 * stride, stride, 1};
   for (int k = begin; k < end; ++k) {
     const int at = (first_row + k) * leading + above_row;
     detail::column_above<elements, T>(p, first_slot + k, up, above_steps, M + at, C + at);
