@@ -11,7 +11,9 @@ Vec3 placed_origin(const BodyConstants& body, const JointPosition& q) {
 // Columns x and y turned about z.
 Mat3 turned(const Mat3& m, const JointPosition& q) {
   const Vec3 x = column(m, 0), y = column(m, 1);
-  return from_columns(q.cosine * x + q.sine * y, q.cosine * y - q.sine * x, column(m, 2));
+  const Vec3 back = q.sine * x, ahead = q.cosine * y, turned_y = ahead - back;
+  const Vec3 over = q.sine * y, turned_x = q.cosine * x + over;
+  return from_columns(turned_x, turned_y, column(m, 2));
 }
 
 // (tr(S) 1 − S) v
@@ -24,12 +26,16 @@ Vec3 apply_rotational(const Sym6& s, const Vec3& v) {
 
 Pose pose(const Pose& parent, const BodyConstants& body, const JointPosition& q) {
   const Mat3 placed = parent.rotation * body.rotation;
-  return {turned(placed, q), parent.position + parent.rotation * body.translation + q.displacement * column(placed, 2)};
+  const Mat3 rotation = turned(placed, q);
+  const Vec3 slide = q.displacement * column(placed, 2);
+  return {rotation, parent.position + parent.rotation * body.translation + slide};
 }
 
 Twist joint_twist(const Pose& pose, const BodyConstants& body) {
   const Vec3 z = column(pose.rotation, 2);
-  return {body.revolute * cross(pose.position, z) + body.prismatic * z, body.revolute * z};
+  const Vec3 sliding = body.prismatic * z;
+  const Vec3 linear = body.revolute * cross(pose.position, z) + sliding;
+  return {linear, body.revolute * z};
 }
 
 Twist body_twist(const Twist& parent, const Twist& joint, Sym rate) {
@@ -37,29 +43,37 @@ Twist body_twist(const Twist& parent, const Twist& joint, Sym rate) {
 }
 
 Twist joint_twist_rate(const Twist& body, const Twist& joint) {
-  return {cross(body.angular, joint.linear) + cross(body.linear, joint.angular), cross(body.angular, joint.angular)};
+  const Vec3 moved = cross(body.linear, joint.angular);
+  const Vec3 linear = cross(body.angular, joint.linear) + moved;
+  return {linear, cross(body.angular, joint.angular)};
 }
 
 Sums moments(const Pose& pose, const BodyConstants& body) {
   const Mat3& r = pose.rotation;
   const Vec3& p = pose.position;
   Sums sums;
-  sums.first = r * body.first + body.mass * p;
-  const Mat3 half =
-      full(body.second) * transpose(r) + Mat3{body.first[0] * p, body.first[1] * p, body.first[2] * p};  // Σ m x_k xᵀ
+  const Vec3 moved = body.mass * p;
+  sums.first = r * body.first + moved;
+  const Mat3 outer{body.first[0] * p, body.first[1] * p, body.first[2] * p};
+  const Mat3 half = full(body.second) * transpose(r) + outer;  // Σ m x_k xᵀ
   for (std::size_t i = 0; i < 3; ++i)
-    for (std::size_t j = i; j < 3; ++j) sums.second[sym6_index[i][j]] = dot(r[i], column(half, j)) + p[i] * sums.first[j];
+    for (std::size_t j = i; j < 3; ++j) {
+      const Sym shift = p[i] * sums.first[j];
+      sums.second[sym6_index[i][j]] = dot(r[i], column(half, j)) + shift;
+    }
   return sums;
 }
 
 void add_velocity(Sums& sums, const Twist& twist, Sym mass, Sym half_trace) {
   const Vec3 &u = twist.linear, &w = twist.angular, &x = sums.first;
-  sums.momentum = mass * u + cross(w, x);
+  const Vec3 turning = cross(w, x);
+  sums.momentum = mass * u + turning;
   Sym6 s = sums.second;
   for (std::size_t i : {0u, 3u, 5u}) s[i] = s[i] + half_trace;
   const Mat3 m = full(s);
   const Sym xu = dot(x, u);
-  Mat3 wm = from_columns(cross(w, column(m, 0)), cross(w, column(m, 1)), cross(w, column(m, 2)));
+  const Vec3 wz = cross(w, column(m, 2)), wy = cross(w, column(m, 1)), wx = cross(w, column(m, 0));
+  const Mat3 wm = from_columns(wx, wy, wz);
   for (std::size_t i = 0; i < 3; ++i)
     for (std::size_t j = 0; j < 3; ++j) {
       const Sym sum = wm[i][j] + u[i] * x[j];
@@ -77,8 +91,9 @@ Sums operator+(const Sums& a, const Sums& b) {
 }
 
 Twist apply_inertia(Sym mass, const Sums& sums, const Twist& twist) {
-  return {mass * twist.linear + cross(twist.angular, sums.first),
-          cross(sums.first, twist.linear) + apply_rotational(sums.second, twist.angular)};
+  const Vec3 turning = cross(twist.angular, sums.first), force = mass * twist.linear + turning;
+  const Vec3 rotational = apply_rotational(sums.second, twist.angular);
+  return {force, cross(sums.first, twist.linear) + rotational};
 }
 
 Twist apply_bias(const Sums& sums, const Twist& twist) {
@@ -86,24 +101,27 @@ Twist apply_bias(const Sums& sums, const Twist& twist) {
 }
 
 Vec3 apply_bias_transposed(const Sums& sums, const Twist& joint) {
-  return cross(sums.momentum, joint.linear) + transpose(sums.bias) * joint.angular;
+  const Vec3 turning = transpose(sums.bias) * joint.angular;
+  return cross(sums.momentum, joint.linear) + turning;
 }
 
 Sym element(const Twist& wrench, const Twist& twist) {
-  return dot(wrench.linear, twist.linear) + dot(wrench.angular, twist.angular);
+  const Sym angular = dot(wrench.angular, twist.angular);
+  return dot(wrench.linear, twist.linear) + angular;
 }
 
 Sym element_below(const JointForces& forces, const Twist& joint, const Twist& joint_rate) {
-  return element(forces.inertia, joint_rate) + dot(forces.transposed, joint.angular);
+  const Sym transposed = dot(forces.transposed, joint.angular);
+  return element(forces.inertia, joint_rate) + transposed;
 }
 
 Vec3 to_child(const BodyConstants& body, const JointPosition& q, const Vec3& v) {
   const Vec3 x = transpose(body.rotation) * v;
-  return {q.cosine * x[0] + q.sine * x[1], q.cosine * x[1] - q.sine * x[0], x[2]};
+  return {sum_of_products(q.cosine, x[0], q.sine, x[1]), difference_of_products(q.cosine, x[1], q.sine, x[0]), x[2]};
 }
 
 Vec3 to_parent(const BodyConstants& body, const JointPosition& q, const Vec3& f) {
-  const Vec3 x{q.cosine * f[0] - q.sine * f[1], q.sine * f[0] + q.cosine * f[1], f[2]};
+  const Vec3 x{difference_of_products(q.cosine, f[0], q.sine, f[1]), sum_of_products(q.sine, f[0], q.cosine, f[1]), f[2]};
   return body.rotation * x;
 }
 
@@ -115,11 +133,13 @@ Motion propagate(const Motion& parent, const BodyConstants& body, const JointPos
   const Vec3 slide{zero, zero, body.prismatic * rate};  // its linear rate
 
   // The origin's acceleration: a_p + α × p + w × (w × p), and twice w × ḋ where the joint slides.
-  const Vec3 origin = parent.acceleration + cross(a, p) + cross(w, cross(w, p));
+  const Vec3 centripetal = cross(w, cross(w, p));
+  const Vec3 origin = parent.acceleration + cross(a, p) + centripetal;
   Motion motion;
   const Vec3 carried = to_child(body, q, w);
   motion.angular = carried + z;
-  motion.angular_acceleration = to_child(body, q, a) + cross(carried, z);
+  const Vec3 gyroscopic = cross(carried, z);
+  motion.angular_acceleration = to_child(body, q, a) + gyroscopic;
   const Vec3 coriolis = cross(carried, slide);
   motion.acceleration = to_child(body, q, origin) + coriolis + coriolis;
   return motion;
@@ -128,8 +148,10 @@ Motion propagate(const Motion& parent, const BodyConstants& body, const JointPos
 Force body_force(const Motion& motion, const BodyConstants& body) {
   const Vec3 &w = motion.angular, &a = motion.angular_acceleration, &h = body.first;
   Force f;
-  f.force = body.mass * motion.acceleration + cross(a, h) + cross(w, cross(w, h));
-  f.torque = cross(h, motion.acceleration) + apply_rotational(body.second, a) + cross(w, apply_rotational(body.second, w));
+  const Vec3 centripetal = cross(w, cross(w, h)), tangential = cross(a, h);
+  f.force = body.mass * motion.acceleration + tangential + centripetal;
+  const Vec3 gyroscopic = cross(w, apply_rotational(body.second, w)), angular = apply_rotational(body.second, a);
+  f.torque = cross(h, motion.acceleration) + angular + gyroscopic;
   return f;
 }
 

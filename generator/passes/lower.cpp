@@ -137,12 +137,14 @@ class Lowering {
       tag(2, static_cast<int>(k));
       const BodyState& b = bodies_[k];
       name(first[k], static_cast<int>(k), "h_");
-      const Sym moment = first[k][0] * down[k][1] - first[k][1] * down[k][0];
-      put(array, row_of(k), 0, scaled(k, -(b.constants.revolute * moment + b.constants.prismatic * (mass[k] * down[k][2]))));
+      const Sym moment = difference_of_products(first[k][0], down[k][1], first[k][1], down[k][0]);
+      const Sym weight = mass[k] * down[k][2];
+      put(array, row_of(k), 0, scaled(k, -sum_of_products(b.constants.revolute, moment, b.constants.prismatic, weight)));
       Vec3& h = parent(k) < 0 ? base_first : first[static_cast<size_t>(parent(k))];
       Sym& m = parent(k) < 0 ? base_mass : mass[static_cast<size_t>(parent(k))];
       const Vec3 origin = b.constants.translation + b.position.displacement * column(b.constants.rotation, 2);
-      h = h + to_parent(b.constants, b.position, first[k]) + mass[k] * origin;
+      const Vec3 moved = mass[k] * origin;
+      h = h + to_parent(b.constants, b.position, first[k]) + moved;
       m = m + mass[k];
     }
     if (!tree_.floating_base) return;
@@ -159,7 +161,8 @@ class Lowering {
     const int array = this->array("bias");
     tag(1, -1);
     const Twist v = in_.base_twist();
-    const Motion root{v.angular, in_.zero(), cross(v.angular, v.linear) - in_.gravity_in_base()};
+    const Vec3 gravity = in_.gravity_in_base();
+    const Motion root{v.angular, in_.zero(), cross(v.angular, v.linear) - gravity};
     std::vector<Motion> motion(bodies_.size());
     std::vector<Force> force(bodies_.size());
     Force base;
@@ -182,19 +185,22 @@ class Lowering {
       tag(2, static_cast<int>(k));
       name(force[k].force, static_cast<int>(k), "f_");
       name(force[k].torque, static_cast<int>(k), "n_");
-      Sym torque = b.constants.revolute * force[k].torque[2] + b.constants.prismatic * force[k].force[2];
+      Sym torque = sum_of_products(b.constants.revolute, force[k].torque[2], b.constants.prismatic, force[k].force[2]);
       torque = scaled(k, torque);
       if (!joint.driven()) {
         torque = torque + in_.constant(joint.damping) * b.rate;
-        if (joint.friction != 0)
-          torque = torque + in_.constant(joint.friction) * Sym{&program_.graph, program_.graph.sign(b.rate.id)};
+        if (joint.friction != 0) {
+          const Sym sign{&program_.graph, program_.graph.sign(b.rate.id)};
+          torque = torque + in_.constant(joint.friction) * sign;
+        }
       }
       put(array, row_of(k), 0, torque);
       if (parent(k) < 0 && !tree_.floating_base) continue;
       Force& to = parent(k) < 0 ? base : force[static_cast<size_t>(parent(k))];
       const Vec3 origin = b.constants.translation + b.position.displacement * column(b.constants.rotation, 2);
       const Vec3 f = to_parent(b.constants, b.position, force[k].force);
-      to.torque = to.torque + to_parent(b.constants, b.position, force[k].torque) + cross(origin, f);
+      const Vec3 lever = cross(origin, f);
+      to.torque = to.torque + to_parent(b.constants, b.position, force[k].torque) + lever;
       to.force = to.force + f;
     }
     if (!tree_.floating_base) return;
@@ -294,8 +300,8 @@ class Lowering {
   void base_elements(size_t k, const JointForces& forces, const Twist& v) {
     const int mass = array("mass_matrix"), coriolis = array("coriolis_matrix"), row = row_of(k);
     const Vec3 below_linear = cross(forces.inertia.linear, v.angular);
-    const Vec3 below_angular =
-        cross(forces.inertia.linear, v.linear) + cross(forces.inertia.angular, v.angular) + forces.transposed;
+    const Vec3 turning = cross(forces.inertia.angular, v.angular);
+    const Vec3 below_angular = cross(forces.inertia.linear, v.linear) + turning + forces.transposed;
     for (size_t i = 0; i < 3; ++i) {
       const int linear = static_cast<int>(i), angular = linear + 3;
       for (const auto& [r, f, g, h] :

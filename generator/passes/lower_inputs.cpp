@@ -18,7 +18,10 @@ Sym LowerInputs::input(InputKind kind, int index, int component) const {
 JointPosition LowerInputs::position(size_t k) const {
   const ir::Body& body = tree_.bodies[k];
   Sym q = input(InputKind::position, (tree_.floating_base ? 7 : 0) + coordinates_[k]);
-  if (body.driven()) q = constant(body.multiplier) * q + constant(body.offset);
+  if (body.driven()) {
+    const Sym offset = constant(body.offset);
+    q = constant(body.multiplier) * q + offset;
+  }
   if (body.prismatic()) return {constant(0), constant(1), q};
   return {{&graph_, graph_.sine(q.id)}, {&graph_, graph_.cosine(q.id)}, constant(0)};
 }
@@ -50,9 +53,12 @@ Vec3 LowerInputs::gravity_in_base() const {
   const Sym x = input(InputKind::position, 3), y = input(InputKind::position, 4), z = input(InputKind::position, 5),
             w = input(InputKind::position, 6);
   const Sym one = constant(1), two = constant(2);
-  const Mat3 r{Vec3{one - two * (y * y + z * z), two * (x * y - z * w), two * (x * z + y * w)},
-               Vec3{two * (x * y + z * w), one - two * (x * x + z * z), two * (y * z - x * w)},
-               Vec3{two * (x * z - y * w), two * (y * z + x * w), one - two * (x * x + y * y)}};
+  const auto diagonal = [&](Sym a, Sym b) { return one - two * sum_of_products(a, a, b, b); };
+  const auto sum = [&](Sym a, Sym b, Sym c, Sym d) { return two * sum_of_products(a, b, c, d); };
+  const auto difference = [&](Sym a, Sym b, Sym c, Sym d) { return two * difference_of_products(a, b, c, d); };
+  const Mat3 r{Vec3{diagonal(y, z), difference(x, y, z, w), sum(x, z, y, w)},
+               Vec3{sum(x, y, z, w), diagonal(x, z), difference(y, z, x, w)},
+               Vec3{difference(x, z, y, w), sum(y, z, x, w), diagonal(x, y)}};
   return transpose(r) * g;
 }
 
@@ -102,15 +108,19 @@ void LowerInputs::add_payloads(BodyConstants& c, int body, const ir::Moments& ow
       const Sym m = value(0), half = constant(0.5);
       const Sym6 inertia{value(4), value(5), value(6), value(7), value(8), value(9)};
       const Sym half_trace = half * (inertia[0] + inertia[3] + inertia[5]);
-      const Vec3 x = r * Vec3{value(1), value(2), value(3)} + p;
+      const Vec3 com{value(1), value(2), value(3)}, x = r * com + p;
       Sym6 central = inertia;
       for (size_t j = 0; j < 6; ++j) central[j] = -central[j];
       for (size_t j : {0u, 3u, 5u}) central[j] = half_trace + central[j];
       const Mat3 rotated = r * full(central) * transpose(r);
       const Vec3 h = m * x;
       for (size_t a = 0; a < 3; ++a) {
-        for (size_t b = a; b < 3; ++b) c.second[sym6_index[a][b]] = c.second[sym6_index[a][b]] + rotated[a][b] + h[a] * x[b];
-        trace = trace + rotated[a][a] + h[a] * x[a];
+        for (size_t b = a; b < 3; ++b) {
+          const Sym shift = h[a] * x[b];
+          c.second[sym6_index[a][b]] = c.second[sym6_index[a][b]] + rotated[a][b] + shift;
+        }
+        const Sym shift = h[a] * x[a];
+        trace = trace + rotated[a][a] + shift;
       }
       c.first = c.first + h;
       c.mass = c.mass + m;

@@ -156,7 +156,8 @@ class SegmentLowering {
 
   Twist joint() { return {state3(joint_linear), program_.all_revolute ? state3(rotation, 6) : state3(joint_angular)}; }
   Mat3 rotation_matrix(const std::function<Vec3(int, int)>& source) {
-    return from_columns(source(rotation, 0), source(rotation, 3), source(rotation, 6));
+    const Vec3 z = source(rotation, 6), y = source(rotation, 3), x = source(rotation, 0);
+    return from_columns(x, y, z);
   }
   Sums sums(const std::function<Sym(int, int)>& source) {
     Sums s;
@@ -190,7 +191,7 @@ class SegmentLowering {
   void gravity() {
     begin("gravity_outwards", "down = (Rk Rz(q))' down_p", Direction::outwards);
     const BodyConstants c = body_constants(false);
-    const Vec3 here = to_child(c, joint_position(false), carried3(down));
+    const Vec3 above = carried3(down), here = to_child(c, joint_position(false), above);
     store(down, here);
     carry(down, here);
     store(gravity_first, c.first);
@@ -200,10 +201,12 @@ class SegmentLowering {
     const BodyConstants k = body_constants(false);
     const JointPosition q = joint_position(false);
     const Sym mass = composite_mass();
-    const Vec3 d = state3(down), h = state3(gravity_first) + carried3(gravity_first);
-    store(gravity_torque, 0, -(k.revolute * (h[0] * d[1] - h[1] * d[0]) + k.prismatic * (mass * d[2])));
+    const Vec3 d = state3(down), below = carried3(gravity_first), h = state3(gravity_first) + below;
+    const Sym weight = mass * d[2], moment = difference_of_products(h[0], d[1], h[1], d[0]);
+    store(gravity_torque, 0, -sum_of_products(k.revolute, moment, k.prismatic, weight));
     const Vec3 origin = k.translation + q.displacement * column(k.rotation, 2);
-    carry(gravity_first, to_parent(k, q, h) + mass * origin);
+    const Vec3 moved = mass * origin;
+    carry(gravity_first, to_parent(k, q, h) + moved);
   }
 
   void bias() {
@@ -212,7 +215,8 @@ class SegmentLowering {
           Direction::outwards);
     const BodyConstants c = body_constants(false);
     const Motion parent{carried3(motion, 0), carried3(motion, 3), carried3(motion, 6)};
-    const Motion here = propagate(parent, c, joint_position(false), state(rate));
+    const Sym speed = state(rate);
+    const Motion here = propagate(parent, c, joint_position(false), speed);
     const Force f = body_force(here, c);
     const Vec3* parts[] = {&here.angular, &here.angular_acceleration, &here.acceleration};
     for (int i = 0; i < 3; ++i) store(motion, *parts[i], 3 * i), carry(motion, *parts[i], 3 * i);
@@ -222,11 +226,13 @@ class SegmentLowering {
     begin("bias_inwards", "C v + g = n_z (revolute), f_z (prismatic); f_p += R f, n_p += R n + p x R f", Direction::inwards);
     const BodyConstants k = body_constants(false);
     const JointPosition q = joint_position(false);
-    const Vec3 total = state3(force, 0) + carried3(force, 0), torque = state3(force, 3) + carried3(force, 3);
-    store(bias_torque, 0, k.revolute * torque[2] + k.prismatic * total[2]);
+    const Vec3 force_below = carried3(force, 0), total = state3(force, 0) + force_below;
+    const Vec3 torque_below = carried3(force, 3), torque = state3(force, 3) + torque_below;
+    store(bias_torque, 0, sum_of_products(k.revolute, torque[2], k.prismatic, total[2]));
     const Vec3 origin = k.translation + q.displacement * column(k.rotation, 2), moved = to_parent(k, q, total);
     carry(force, moved, 0);
-    carry(force, to_parent(k, q, torque) + cross(origin, moved), 3);
+    const Vec3 lever = cross(origin, moved);
+    carry(force, to_parent(k, q, torque) + lever, 3);
   }
 
  private:
@@ -244,7 +250,8 @@ class SegmentLowering {
     const Pose parent{rotation_matrix([this](int r, int i) { return carried3(r, i); }), carried3(position)};
     const Pose here = pose(parent, c, joint_position(true));
     const Twist j = joint_twist(here, c);
-    const Twist v = body_twist({carried3(body_linear), carried3(body_angular)}, j, state(rate));
+    const Sym speed = state(rate);
+    const Twist v = body_twist({carried3(body_linear), carried3(body_angular)}, j, speed);
     for (int i = 0; i < 3; ++i) {
       const Vec3 axis = column(here.rotation, static_cast<size_t>(i));
       store(rotation, axis, 3 * i), carry(rotation, axis, 3 * i);
@@ -273,8 +280,8 @@ class SegmentLowering {
 
   void accumulate() {
     begin("accumulate", "Phase II: sums over the subtree (eq. 29, 30)", Direction::inwards);
-    const Sums total =
-        sums([this](int role, int i) { return state(role, i); }) + sums([this](int role, int i) { return carried(role, i); });
+    const Sums below = sums([this](int role, int i) { return carried(role, i); });
+    const Sums total = sums([this](int role, int i) { return state(role, i); }) + below;
     each(total, [this](int role, int i, Sym x) { store(role, i, x), carry(role, i, x); });
   }
 
@@ -291,7 +298,8 @@ class SegmentLowering {
     const Vec3 u{input(InputKind::velocity, 0), input(InputKind::velocity, 1), input(InputKind::velocity, 2)};
     const Vec3 w{input(InputKind::velocity, 3), input(InputKind::velocity, 4), input(InputKind::velocity, 5)};
     store(below_force, cross(f.linear, w), 0);
-    store(below_force, cross(f.linear, u) + cross(f.angular, w) + h, 3);
+    const Vec3 turning = cross(f.angular, w);
+    store(below_force, cross(f.linear, u) + turning + h, 3);
   }
 
   const ir::KinematicTree& tree_;
