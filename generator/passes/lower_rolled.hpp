@@ -9,39 +9,7 @@
 
 namespace dalembert::passes {
 
-// Values kept per slot.
-enum RoleId : int {
-  sine,
-  cosine,
-  slide,
-  rate,  // of the joint
-  pose_sine,
-  pose_cosine,
-  pose_slide,  // the same for the poses of Phase I: at rest where the joint carries the reference frame
-  rotation,    // R, column by column; its third column is the joint's axis
-  position,
-  joint_linear,
-  joint_angular,
-  joint_rate,
-  body_linear,
-  body_angular,
-  first,
-  second,
-  momentum,
-  bias_block,
-  inertia_force,
-  bias_force,
-  transposed,
-  below_force,
-  down,
-  gravity_first,
-  gravity_torque,
-  motion,
-  force,
-  bias_torque,
-  role_count
-};
-
+// The plan's segments become code in the plan's order; what no wanted quantity reads is left out (see prune_rolled.hpp).
 ir::RolledProgram lower_rolled(const ir::KinematicTree& tree, const ir::NormalTree& normal, const ir::Scene& scene,
                                const ir::Plan& plan, const ir::Graph::Options& options);
 
