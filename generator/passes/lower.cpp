@@ -318,20 +318,12 @@ class Lowering {
   // M_BB = A*_0, C_BB = A*_0 ad(V) + B*_0, column by column.
   void base_block(const BodyState& base, const Twist& v) {
     tag(3, -1);
-    const Sym zero = in_.constant(0), one = in_.constant(1);
     for (size_t j = 0; j < 6; ++j) {
-      Twist unit{{zero, zero, zero}, {zero, zero, zero}};
-      (j < 3 ? unit.linear : unit.angular)[j % 3] = one;
-      const Twist unit_rate = joint_twist_rate(v, unit);
-      const Twist f = apply_inertia(base.composite_mass, base.sums, unit);
-      const Twist g = apply_inertia(base.composite_mass, base.sums, unit_rate);
-      const Twist b = apply_bias(base.sums, unit);
+      const BaseColumn c = base_column(base.composite_mass, base.sums, v, j);
       for (size_t i = 0; i < 6; ++i) {
-        const bool linear = i < 3;
-        const size_t at = i % 3;
-        put(array("mass_matrix"), static_cast<int>(i), static_cast<int>(j), linear ? f.linear[at] : f.angular[at]);
-        put(array("coriolis_matrix"), static_cast<int>(i), static_cast<int>(j),
-            linear ? g.linear[at] + b.linear[at] : g.angular[at] + b.angular[at]);
+        const int row = static_cast<int>(i), column = static_cast<int>(j);
+        put(array("mass_matrix"), row, column, i < 3 ? c.inertia.linear[i] : c.inertia.angular[i - 3]);
+        put(array("coriolis_matrix"), row, column, i < 3 ? c.coriolis.linear[i] : c.coriolis.angular[i - 3]);
       }
     }
   }

@@ -112,14 +112,11 @@ class RolledLowering {
       const Twist v = in.base_twist();
       const Sym mass = in.constant(total_mass_);
       for (size_t j = 0; j < 6; ++j) {
-        Twist unit{in.zero(), in.zero()};
-        (j < 3 ? unit.linear : unit.angular)[j % 3] = in.constant(1);
-        const Twist f = apply_inertia(mass, s, unit), a = apply_inertia(mass, s, joint_twist_rate(v, unit)),
-                    b = apply_bias(s, unit);
+        const BaseColumn c = base_column(mass, s, v, j);
         for (size_t i = 0; i < 6; ++i) {
           const int row = static_cast<int>(i), column = static_cast<int>(j);
-          element("mass_matrix", row, column, i < 3 ? f.linear[i] : f.angular[i - 3]);
-          element("coriolis_matrix", row, column, i < 3 ? a.linear[i] + b.linear[i] : a.angular[i - 3] + b.angular[i - 3]);
+          element("mass_matrix", row, column, i < 3 ? c.inertia.linear[i] : c.inertia.angular[i - 3]);
+          element("coriolis_matrix", row, column, i < 3 ? c.coriolis.linear[i] : c.coriolis.angular[i - 3]);
         }
       }
     }
