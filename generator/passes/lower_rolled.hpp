@@ -9,6 +9,7 @@
 
 namespace dalembert::passes {
 
+// The same equations as lower(), as paragraphs over the slots of `plan`, which must be of the rolled form and of this tree.
 // The plan's segments become code in the plan's order; what no wanted quantity reads is left out (see prune_rolled.hpp).
 ir::RolledProgram lower_rolled(const ir::KinematicTree& tree, const ir::NormalTree& normal, const ir::Scene& scene,
                                const ir::Plan& plan, const ir::Graph::Options& options);

@@ -8,7 +8,8 @@
 
 namespace dalembert::passes {
 
-// `straight` are the operations of the straight form.
+// The form (straight or rolled), tasks or none, and for the rolled form the segments, lanes and slots of all bodies.
+// `straight`: operations of the straight form, by which the choice is made where the options leave it open.
 ir::Plan plan(const ir::KinematicTree& tree, const ir::Scene& scene, const ir::Operations& straight,
               const ir::CompileOptions& options);
 
