@@ -94,7 +94,7 @@ class Prepare {
   explicit Prepare(const CodeInput& code) : code_(code) {
     for (const ir::Body& b : code.tree.bodies) (b.prismatic() ? sliding_ : turning_)++;
     for (int k = 0; k < code.tree.joints(); ++k)
-      if (code.tree.bodies[static_cast<size_t>(k)].parent < 0 && !code.tree.floating_base) held_.push_back(k);
+      if (code.tree.carries_reference(static_cast<size_t>(k))) held_.push_back(k);
   }
 
   std::string body() const {

@@ -69,6 +69,17 @@ struct KinematicTree {
   int independent_joints() const {
     return static_cast<int>(std::count_if(bodies.begin(), bodies.end(), [](const Body& b) { return !b.driven(); }));
   }
+  // Whether M, C and W do not depend on the joint's position: on a fixed base the first joint of every branch carries the frame
+  // of reference, and slides with nothing but slides before them only shift it.
+  bool carries_reference(size_t body) const {
+    if (floating_base) return false;
+    bool slides = bodies[body].prismatic();
+    int above = bodies[body].parent;
+    if (above < 0) return true;
+    for (; slides && above >= 0; above = bodies[static_cast<size_t>(above)].parent)
+      slides = bodies[static_cast<size_t>(above)].prismatic();
+    return slides;
+  }
   int nq() const { return independent_joints() + (floating_base ? 7 : 0); }
   int nv() const { return independent_joints() + (floating_base ? 6 : 0); }
 };

@@ -52,6 +52,7 @@ class Lowering {
  private:
   int parent(size_t k) const { return tree_.bodies[k].parent; }
   bool is_reference(size_t k) const { return parent(k) < 0 && !tree_.floating_base; }
+  JointPosition at_rest() { return {in_.constant(0), in_.constant(1), in_.constant(0)}; }
   int base_rows() const { return tree_.floating_base ? 6 : 0; }
   // About the nodes of Phase III, a few dozen for every joint and joint above it: they are most of a long chain's.
   void reserve() {
@@ -221,7 +222,8 @@ class Lowering {
       const bool top = parent(k) < 0;
       const BodyState* above = top ? nullptr : &bodies_[static_cast<size_t>(parent(k))];
       // On a fixed base the first body's frame is the reference: what is before it cannot change M and C.
-      b.pose = is_reference(k) ? origin : pose(top ? origin : above->pose, b.constants, b.position);
+      const JointPosition position = tree_.carries_reference(k) ? at_rest() : b.position;
+      b.pose = is_reference(k) ? origin : pose(top ? origin : above->pose, b.constants, position);
       b.joint = joint_twist(b.pose, b.constants);
       b.twist = body_twist(top ? base : above->twist, b.joint, b.rate);
       b.joint_rate = joint_twist_rate(top ? base : above->twist, b.joint);

@@ -201,6 +201,16 @@ def joint_types():
         robot.add(f"link_{i + 1}", f"link_{i}" if i else "base", "prismatic", rpy=[0, 0, 0], axis=axis)
     robot.write()
 
+    robot = Robot("gantry_arms", "Two arms on carriages of one bridge: no slide's position changes M or C with a fixed base.")
+    robot.add("bridge", "base", "prismatic")
+    for side in "ab":
+        robot.add(f"{side}_carriage", "bridge", "prismatic")
+        robot.add(f"{side}_lift", f"{side}_carriage", "prismatic")
+        for i in range(3):
+            robot.add(f"{side}_arm_{i + 1}", f"{side}_arm_{i}" if i else f"{side}_lift", "revolute")
+    robot.add("a_tool", "a_arm_3", "prismatic")
+    robot.write()
+
     robot = Robot("continuous_joints", "A cart with wheels: continuous joints, and an arm of one on top.")
     for i, place in enumerate(([0.3, 0.2, -0.1], [0.3, -0.2, -0.1], [-0.3, 0.2, -0.1])):
         robot.add(f"wheel_{i + 1}", "base", "continuous", xyz=place)

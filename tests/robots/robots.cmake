@@ -7,7 +7,7 @@
 set(DALEMBERT_TEST_ROBOTS
     pendulum double_pendulum chain_7 planar_chain_10 skew_chain_10 skew_axes
     two_branches_at_base three_branches_at_base branch_below_base two_levels_of_branching unequal_limbs
-    prismatic_mix gantry continuous_joints
+    prismatic_mix gantry gantry_arms continuous_joints
     rotated_fixed_links offset_inertias frames_without_inertia massless_intermediate
     mirror_pair quadruped hexapod humanoid hand
     chain_50 tree_5x20)

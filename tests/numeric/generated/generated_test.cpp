@@ -179,10 +179,15 @@ TEST_P(Generated, ReadsNothingItDoesNotNeed) {
       expect_unread(spoilt, "the base's pose");
     }
   } else if (!g && !bias && !W) {
-    // M and C of a limb on the ground do not depend on where its first joint stands.
+    // M and C of a limb on the ground do not depend on where its first joint stands, nor on slides with only slides before
+    // them.
     spoilt = state;
-    for (size_t k = 0; k < model.tree.bodies.size(); ++k)
-      if (model.tree.bodies[k].parent < 0) spoilt.q[static_cast<Eigen::Index>(k)] = nan;
+    std::vector<bool> only_slides;
+    for (size_t k = 0; k < model.tree.bodies.size(); ++k) {
+      const int parent = model.tree.bodies[k].parent;
+      only_slides.push_back(model.tree.bodies[k].prismatic() && (parent < 0 || only_slides[static_cast<size_t>(parent)]));
+      if (parent < 0 || only_slides[k]) spoilt.q[static_cast<Eigen::Index>(k)] = nan;
+    }
     expect_unread(spoilt, "the first joints' positions");
   }
 }
