@@ -136,7 +136,7 @@ made to be read, not to be fast. No peer computes C.
 ## Against MuJoCo
 
 Medians of times and of their ratios; largest errors relative to the largest element, against 100 digits. From run to run on a shared
-machine the ratios move by 2 to 3 %.
+machine the ratios move by a few per cent, by ten when others keep it busy.
 
 {goal_table(results)}
 ## Times
