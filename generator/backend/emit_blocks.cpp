@@ -135,8 +135,7 @@ std::string elements_stage(const CodeInput& code, size_t segment) {
       text += fmt::format(
           "  constexpr dalembert::LimbTable above_{3}{{{0}_above_{3}_row, {0}_above_{3}_length, 0}};\n"
           "  dalembert::{9}cross_blocks<dalembert::Elements::{1}, {2}, {8}, {4}, Scalar>(panels, limbs, {10}, above_{3}, {5}, "
-          "{6}, "
-          "{7});\n",
+          "{6}, {7});\n",
           s.name, elements, s.width, level + 1, levels[level].steps, M, C, end, s.steps, one.empty() ? "" : "shared_", where);
     }
   } else {

@@ -58,11 +58,11 @@ class Graph {
   Graph() = default;
   explicit Graph(Options options) : options_(options) {}
 
-  // The node of that value: one there is already or a new one. Angles in rad; sign(x) is −1, 0 or 1. Operands are nodes of
-  // this graph.
   // Makes room for about so many nodes: growing to millions of them step by step takes as long as making them.
   void reserve(std::size_t nodes);
 
+  // The node of that value: one there is already or a new one. Angles in rad; sign(x) is −1, 0 or 1. Operands are nodes of
+  // this graph.
   NodeId constant(double value);
   NodeId input(Input input);
   NodeId sine(NodeId a) { return unary(Op::sine, a); }

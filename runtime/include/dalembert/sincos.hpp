@@ -1,7 +1,7 @@
 // Sines and cosines of many angles together.
 //
 // Error at most 2 ulp for |x| ≤ 1e5: reduction by three parts of π/2, then the minimax polynomials of fdlibm, S1…S6 and
-// C1…C6, on ±π/4, in as short a chain as they can be. Where larger angles may be among them, all are handed to the standard
+// C1…C6, on ±π/4, in as short a chain as they can be. Where larger angles are among them, all are handed to the standard
 // library one by one: as accurate as that is, slower. Infinities and NaN give NaN. Neither allocates nor locks.
 #pragma once
 
