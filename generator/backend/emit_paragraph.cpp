@@ -27,7 +27,7 @@ class ParagraphWriter {
 
   std::string run() const {
     std::string text = fmt::format("  // {}\n  {{\n    using V [[maybe_unused]] = dalembert::Lanes<Scalar, {}>;\n",
-                                   paragraph_.equation, width_);
+                                   fmt::join(paragraph_.equations, "\n  // "), width_);
     if (paragraph_.direction != Direction::anywhere) text += carried_from_outside();
     text += loop_head();
     text += print(paragraph_.graph, sinks(), style());

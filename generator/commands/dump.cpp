@@ -1,6 +1,7 @@
 #include "commands/dump.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "compile.hpp"
 #include "costs.hpp"
@@ -119,7 +120,7 @@ std::string paragraph_text(const ir::Segment& segment, const ir::Paragraph& para
   const ir::Operations per_slot = ir::count(paragraph.graph, ir::uses(paragraph.graph, roots));
   return fmt::format("    {} ({}): values kept: {}, carried: {}; slots: {}, each {}\n      {}\n", paragraph.name,
                      directions[static_cast<size_t>(paragraph.direction)], paragraph.stores.size(), paragraph.carried.size(),
-                     segment.slots(), text_of(per_slot), paragraph.equation);
+                     segment.slots(), text_of(per_slot), fmt::join(paragraph.equations, ". "));
 }
 
 std::string rolled_text(const ir::Plan& plan, const ir::RolledProgram& rolled) {

@@ -36,7 +36,7 @@ struct StateStore {
 // One phase of the bodies of one segment.
 struct Paragraph {
   std::string name;      // "kinematics"
-  std::string equation;  // what it computes, for reading
+  std::vector<std::string> equations;  // what it computes, for reading
   Direction direction = Direction::anywhere;
   Graph graph;
   std::vector<StateStore> stores;   // to this slot
@@ -46,7 +46,7 @@ struct Paragraph {
 struct SegmentCode {
   std::vector<Column> columns;
   std::vector<Paragraph> paragraphs;  // in the order of Stage
-  bool has_children = false;
+  std::vector<int> parents;           // segments that hold its first bodies' parents, -1: the root
 };
 
 // The values at the root and what depends on them alone, without lanes.

@@ -1,6 +1,7 @@
 #include "passes/lower_rolled.hpp"
 
 #include <algorithm>
+#include <set>
 #include <string_view>
 
 #include "passes/equations.hpp"
@@ -52,11 +53,18 @@ class RolledLowering {
   void lower_segment(const ir::Segment& segment) {
     program_.segments.emplace_back();
     passes::lower_segment(tree_, normal_, segment, program_, composite_mass_, options_, program_.segments.back());
-    for (const ir::Segment& other : plan_.segments)
-      for (int parent : other.parents)
-        for (const auto& lane : segment.bodies)
-          if (parent >= 0 && std::find(lane.begin(), lane.end(), parent) != lane.end())
-            program_.segments.back().has_children = true;
+    std::set<int> parents;
+    for (size_t lane = 0; lane < segment.parents.size(); ++lane)
+      if (segment.bodies[lane].front() >= 0) parents.insert(segment_of(segment.parents[lane]));
+    program_.segments.back().parents.assign(parents.begin(), parents.end());
+  }
+
+  // -1: the root.
+  int segment_of(int body) const {
+    for (size_t s = 0; s < plan_.segments.size(); ++s)
+      for (const auto& lane : plan_.segments[s].bodies)
+        if (body >= 0 && std::find(lane.begin(), lane.end(), body) != lane.end()) return static_cast<int>(s);
+    return -1;
   }
 
   void root_store(int role, int component, Sym x) { program_.root.stores.push_back({role, component, x.id}); }

@@ -28,7 +28,7 @@ class SegmentLowering {
         code_(code) {}
 
   Paragraph& begin(const std::string& name, const std::string& equation, Direction direction) {
-    code_.paragraphs.push_back({name, equation, direction, ir::Graph(options_), {}, {}});
+    code_.paragraphs.push_back({name, {equation}, direction, ir::Graph(options_), {}, {}});
     paragraph_ = &code_.paragraphs.back();
     return *paragraph_;
   }
@@ -132,11 +132,29 @@ class SegmentLowering {
     for (int i = 0; i < 6; ++i) s.second[static_cast<size_t>(i)] = source(second, i);
     return s;
   }
+  // Phases I and II as few loops as pay. A limb on its own has its steps in consecutive slots: what does not run along it is
+  // computed for several steps at once, in a loop of its own. So it is where the values would not fit into registers together.
   void matrices() {
-    kinematics();
-    moments_of_bodies();
-    accumulate();
-    forces();
+    const bool alone = segment_.width == 1 && segment_.steps > 1;
+    const MovingBody body = kinematics();
+    if (alone || program_.coriolis) {
+      begin("moments", moments_equation, Direction::anywhere);
+      moments_of({{rotation_matrix([this](int r, int i) { return state3(r, i); }), state3(position)},
+                  joint(),
+                  {state3(body_linear), state3(body_angular)}});
+    } else {
+      paragraph_->equations.push_back(moments_equation);
+      moments_of(body);
+    }
+    const Sums total = accumulate();
+    if (alone) {
+      each_sum(total, [this](int role, int i, Sym x) { store(role, i, x); });
+      begin("forces", forces_equation, Direction::anywhere);
+      forces(sums([this](int role, int i) { return state(role, i); }));
+    } else {
+      paragraph_->equations.push_back(forces_equation);
+      forces(total);
+    }
   }
 
   void gravity() {
@@ -195,7 +213,15 @@ class SegmentLowering {
         if (const int b = body(lane, step); b >= 0) f(static_cast<size_t>(b));
   }
 
-  void kinematics() {
+  struct MovingBody {
+    Pose pose;
+    Twist joint, velocity;
+  };
+  static constexpr const char* moments_equation =
+      "Phase II: h = R hk + m p, S = R (Sk R' + hk p') + p h', P = m u + w x h, D = -[w](S + t 1) - u h' + (h.u) 1; dJ = ad(V) J";
+  static constexpr const char* forces_equation = "Phase III: F = A* J, G = A* dJ + B* J, H = P x Jv + D' Jw";
+
+  MovingBody kinematics() {
     begin("kinematics", "Phase I: R = Rp Rk Rz(q), p = pp + Rp pk, J = [p x z; z], V = Vp + J dq", Direction::outwards);
     const BodyConstants c = body_constants(true);
     const Pose parent{rotation_matrix([this](int r, int i) { return carried3(r, i); }), carried3(position)};
@@ -212,33 +238,27 @@ class SegmentLowering {
     if (!program_.all_revolute) store(joint_angular, j.angular);
     store(body_linear, v.linear), carry(body_linear, v.linear);
     store(body_angular, v.angular), carry(body_angular, v.angular);
+    return {here, j, v};
   }
 
-  void moments_of_bodies() {
-    begin("moments",
-          "Phase II: h = R hk + m p, S = R (Sk R' + hk p') + p h', P = m u + w x h, D = -[w](S + t 1) - u h' + (h.u) 1; dJ = "
-          "ad(V) J",
-          Direction::anywhere);
+  void moments_of(const MovingBody& body) {
     const BodyConstants c = body_constants(true);
-    const Pose here{rotation_matrix([this](int r, int i) { return state3(r, i); }), state3(position)};
-    const Twist v{state3(body_linear), state3(body_angular)};
-    const Twist rate = joint_twist_rate(v, joint());
+    const Twist rate = joint_twist_rate(body.velocity, body.joint);
     store(joint_rate, rate.linear, 0), store(joint_rate, rate.angular, 3);
-    Sums s = moments(here, c);
-    add_velocity(s, v, c.mass, c.half_trace);
+    Sums s = moments(body.pose, c);
+    add_velocity(s, body.velocity, c.mass, c.half_trace);
     each_sum(s, [this](int role, int i, Sym x) { store(role, i, x); });
   }
 
-  void accumulate() {
+  Sums accumulate() {
     begin("accumulate", "Phase II: sums over the subtree (eq. 29, 30)", Direction::inwards);
     const Sums below = sums([this](int role, int i) { return carried(role, i); });
     const Sums total = sums([this](int role, int i) { return state(role, i); }) + below;
-    each_sum(total, [this](int role, int i, Sym x) { store(role, i, x), carry(role, i, x); });
+    each_sum(total, [this](int role, int i, Sym x) { carry(role, i, x); });
+    return total;
   }
 
-  void forces() {
-    begin("forces", "Phase III: F = A* J, G = A* dJ + B* J, H = P x Jv + D' Jw", Direction::anywhere);
-    const Sums s = sums([this](int role, int i) { return state(role, i); });
+  void forces(const Sums& s) {
     const Sym mass = composite_mass();
     const Twist j = joint(), rate{state3(joint_rate, 0), state3(joint_rate, 3)};
     const Twist f = apply_inertia(mass, s, j), g = apply_inertia(mass, s, rate), b = apply_bias(s, j);

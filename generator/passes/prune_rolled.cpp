@@ -17,47 +17,60 @@ using ir::Paragraph;
 
 using Values = std::set<std::pair<int, int>>;  // (role, component)
 
-// What later paragraphs read, from the slots' own values and across the start of a segment from its parents' slots.
-struct Needed {
-  Values read, gathered;
-  bool operator==(const Needed&) const = default;
+// What is read of the slots of a segment, or of the root's.
+struct Slots {
+  Values read;      // by the segment itself, by Phase III and by the results
+  Values gathered;  // by the children, at their start
+  bool operator==(const Slots&) const = default;
+
+  bool keep(const ir::StateStore& s) const {
+    const std::pair<int, int> value{s.role, s.component};
+    return read.contains(value) || gathered.contains(value);
+  }
 };
 
-bool keeps(const ir::StateStore& s, const Needed& needed, bool has_children) {
-  const std::pair<int, int> value{s.role, s.component};
-  return needed.read.contains(value) || (has_children && needed.gathered.contains(value));
-}
-
-bool carries(const ir::StateStore& c, const Paragraph& p, const Needed& needed, const Values& live) {
+// A component is carried when the paragraph itself needs it, or, inwards, when a parent reads it.
+bool carries(const ir::StateStore& c, const Paragraph& p, const std::vector<Slots*>& parents, const Values& live) {
   const std::pair<int, int> value{c.role, c.component};
-  return live.contains(value) || (p.direction == Direction::inwards && needed.read.contains(value));
+  return live.contains(value) ||
+         (p.direction == Direction::inwards &&
+          std::any_of(parents.begin(), parents.end(), [&](const Slots* s) { return s->read.contains(value); }));
 }
 
-// The carried values a paragraph needs for what it keeps; adds what it reads to `needed`.
-Values follow(const Paragraph& p, Needed& needed, bool has_children) {
+// The carried values a paragraph needs for what it keeps; adds what it reads to `own` and to its parents.
+Values follow(const Paragraph& p, Slots& own, const std::vector<Slots*>& parents, Values& root) {
   Values live;
   while (true) {
     std::vector<NodeId> roots;
     for (const auto& s : p.stores)
-      if (keeps(s, needed, has_children)) roots.push_back(s.node);
+      if (own.keep(s)) roots.push_back(s.node);
     for (const auto& c : p.carried)
-      if (carries(c, p, needed, live)) roots.push_back(c.node);
+      if (carries(c, p, parents, live)) roots.push_back(c.node);
     const auto uses = ir::uses(p.graph, roots);
     const Values before = live;
     for (NodeId id = 0; id < p.graph.size(); ++id) {
       const ir::Node& n = p.graph[id];
       if (uses[static_cast<size_t>(id)] == 0 || n.op != ir::Op::input) continue;
-      if (n.input.kind == InputKind::carried) live.insert({n.input.index, n.input.component});
-      if (n.input.kind == InputKind::state) needed.read.insert({n.input.index, n.input.component});
+      const int at = n.input.index;
+      if (n.input.kind == InputKind::carried) live.insert({at, n.input.component});
+      if (n.input.kind == InputKind::state) own.read.insert({at, n.input.component});
+      if (n.input.kind == InputKind::velocity) root.insert({at < 3 ? body_linear : body_angular, at % 3});
     }
     if (live == before) break;
   }
-  if (p.direction == Direction::outwards) needed.gathered.insert(live.begin(), live.end());
+  for (Slots* parent : parents) {
+    if (p.direction == Direction::outwards) parent->gathered.insert(live.begin(), live.end());
+    // What one parent reads is added to all of them.
+    if (p.direction != Direction::inwards) continue;
+    for (const auto& c : p.carried)
+      if (carries(c, p, parents, live)) parent->read.insert({c.role, c.component});
+  }
   return live;
 }
 
-// What Phase III's blocks, the base's rows and the final results read.
-void read_by_results(const ir::RolledProgram& program, bool floating_base, Values& read) {
+// What Phase III's blocks and the final results read of every body.
+Values read_by_results(const ir::RolledProgram& program, bool floating_base) {
+  Values read;
   const auto need = [&](int role) {
     for (int i = 0; i < program.roles[static_cast<size_t>(role)].components; ++i) read.insert({role, i});
   };
@@ -75,6 +88,12 @@ void read_by_results(const ir::RolledProgram& program, bool floating_base, Value
   if (program.wrench) need(rotation), need(position);
   if (program.gravity) need(gravity_torque);
   if (program.bias) need(bias_torque);
+  return read;
+}
+
+// What the base's own rows read.
+Values read_by_base(const ir::RolledProgram& program) {
+  Values read;
   std::vector<NodeId> roots;
   for (const auto& e : program.base_elements) roots.push_back(e.node);
   const auto uses = ir::uses(program.base_graph, roots);
@@ -83,33 +102,43 @@ void read_by_results(const ir::RolledProgram& program, bool floating_base, Value
     if (uses[static_cast<size_t>(id)] > 0 && n.op == ir::Op::input && n.input.kind == InputKind::state)
       read.insert({n.input.index, n.input.component});
   }
+  return read;
 }
 
 }  // namespace
 
 void prune_rolled(ir::RolledProgram& program, bool floating_base) {
-  Needed needed;
-  read_by_results(program, floating_base, needed.read);
+  Slots root{read_by_base(program), {}};
+  std::vector<Slots> slots(program.segments.size(), Slots{read_by_results(program, floating_base), {}});
+  std::vector<std::vector<Slots*>> parents;
+  for (const ir::SegmentCode& s : program.segments) {
+    parents.emplace_back();
+    for (int parent : s.parents) parents.back().push_back(parent < 0 ? &root : &slots[static_cast<size_t>(parent)]);
+  }
   // Segments exchange values at branches: follow what is read until nothing new turns up, then drop the rest.
-  for (Needed before; before != needed;) {
-    before = needed;
-    for (ir::SegmentCode& s : program.segments)
-      for (size_t p = s.paragraphs.size(); p-- > 0;) follow(s.paragraphs[p], needed, s.has_children);
+  const auto all = [&] { return std::pair(root, slots); };
+  for (auto before = all();; before = all()) {
+    for (size_t i = 0; i < slots.size(); ++i)
+      for (size_t p = program.segments[i].paragraphs.size(); p-- > 0;)
+        follow(program.segments[i].paragraphs[p], slots[i], parents[i], root.read);
+    if (all() == before) break;
   }
   std::set<int> used;
   const auto use = [&](const ir::StateStore& s) { used.insert(s.role); };
-  for (ir::SegmentCode& s : program.segments) {
+  for (size_t i = 0; i < slots.size(); ++i) {
+    ir::SegmentCode& s = program.segments[i];
     for (Paragraph& p : s.paragraphs) {
-      const Values live = follow(p, needed, s.has_children);
-      std::erase_if(p.stores, [&](const ir::StateStore& x) { return !keeps(x, needed, s.has_children); });
-      std::erase_if(p.carried, [&](const ir::StateStore& x) { return !carries(x, p, needed, live); });
+      const Values live = follow(p, slots[i], parents[i], root.read);
+      std::erase_if(p.stores, [&](const ir::StateStore& x) { return !slots[i].keep(x); });
+      std::erase_if(p.carried, [&](const ir::StateStore& x) { return !carries(x, p, parents[i], live); });
       std::for_each(p.stores.begin(), p.stores.end(), use);
     }
-    std::erase_if(s.paragraphs, [](const Paragraph& p) { return p.stores.empty(); });
+    std::erase_if(s.paragraphs, [](const Paragraph& p) { return p.stores.empty() && p.carried.empty(); });
+    for (const auto& [role, component] : slots[i].read) used.insert(role);
   }
-  std::erase_if(program.root.stores, [&](const ir::StateStore& s) { return !keeps(s, needed, true); });
+  std::erase_if(program.root.stores, [&](const ir::StateStore& s) { return !root.keep(s); });
   std::for_each(program.root.stores.begin(), program.root.stores.end(), use);
-  for (const auto& [role, component] : needed.read) used.insert(role);
+  for (const auto& [role, component] : root.read) used.insert(role);
   for (int role = 0; role < role_count; ++role)
     if (!used.contains(role)) program.roles[static_cast<size_t>(role)].name.clear();
 }

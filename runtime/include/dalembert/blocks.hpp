@@ -41,22 +41,18 @@ template <Elements elements, Above kind, int width, int steps, int above_steps, 
 DALEMBERT_INLINE void cross_tiles(const Panels<T>& panels, const LimbTable& limbs, const Upper<T>& up, const LimbTable& above,
                                   T* M, T* C, int leading, int begin, int end) {
   constexpr bool out = steps <= short_limb && above_steps <= (has_coriolis(elements) ? 4 : short_limb);
-  constexpr int tiles = (steps + 3) / 4, above_tiles = (above_steps + 3) / 4;
-  const auto column = [&](int tile) __attribute__((always_inline)) {
-    const int c0 = begin + 4 * tile, below = least(4, steps - c0);
+  each_tile<out, steps>(begin, end, [&](int c0, auto below) __attribute__((always_inline)) {
     const Panels<T> p = moved(panels, limbs.first_slot + c0 * width, has_coriolis(elements));
-    repeat<out, above_tiles>(
-        above_tiles, [&](int row) __attribute__((always_inline)) {
-          const int r0 = 4 * row, rows = least(4, above_steps - r0);
-          Place<width> at;
-          lanes<width>([&](int l) __attribute__((always_inline)) {
-            at.row_above[l] = above.first_row[l] + r0, at.left_above[l] = above.length[l] - r0;
-            at.row_below[l] = limbs.first_row[l] + c0, at.left_below[l] = above.length[l] > 0 ? limbs.length[l] - c0 : 0;
-          });
-          tile_into<elements, kind, width, false, out, T>(p, up.from(r0), rows, below, at, M, C, leading);
-        });
-  };
-  repeat<out, tiles>((end - begin + 3) / 4, column);
+    each_tile<out, above_steps>(0, above_steps, [&](int r0, auto rows) __attribute__((always_inline)) {
+      Place<width> at;
+      lanes<width>([&](int l) __attribute__((always_inline)) {
+        at.row_above[l] = above.first_row[l] + r0, at.left_above[l] = above.length[l] - r0;
+        at.row_below[l] = limbs.first_row[l] + c0, at.left_below[l] = above.length[l] > 0 ? limbs.length[l] - c0 : 0;
+      });
+      tile_into<elements, kind, width, decltype(rows)::value, decltype(below)::value, false, T>(p, up.from(r0), at, M, C,
+                                                                                                leading);
+    });
+  });
 }
 
 }  // namespace detail
@@ -67,29 +63,23 @@ template <Elements elements, int width, int steps, class T>
 DALEMBERT_INLINE void limb_blocks(const Panels<T>& panels, const LimbTable& limbs, T* M, T* C, int leading, int begin,
                                   int end) {
   constexpr bool out = steps <= detail::short_limb;
-  constexpr int tiles = (steps + 3) / 4;
   const detail::Upper<T> limb = detail::limb_above<elements, T>(panels, limbs.first_slot, width);
-  const auto column = [&](int tile) __attribute__((always_inline)) {
-    const int c0 = begin + 4 * tile, below = detail::least(4, steps - c0);
+  detail::each_tile<out, steps>(begin, end, [&](int c0, auto below) __attribute__((always_inline)) {
     const Panels<T> p = detail::moved(panels, limbs.first_slot + c0 * width, has_coriolis(elements));
-    detail::repeat<out, tiles>(
-        c0 / 4 + 1, [&](int row) __attribute__((always_inline)) {
-          const int r0 = 4 * row;
-          const detail::Upper<T> up = limb.from(r0);
-          detail::Place<width> at;
-          detail::lanes<width>([&](int l) __attribute__((always_inline)) {
-            at.row_above[l] = limbs.first_row[l] + r0, at.left_above[l] = limbs.length[l] - r0;
-            at.row_below[l] = limbs.first_row[l] + c0, at.left_below[l] = limbs.length[l] - c0;
-          });
-          constexpr auto each = detail::Above::each;
-          if (r0 == c0) {
-            detail::tile_into<elements, each, width, true, out, T>(p, up, below, below, at, M, C, leading);
-          } else {
-            detail::tile_into<elements, each, width, false, out, T>(p, up, 4, below, at, M, C, leading);
-          }
-        });
-  };
-  detail::repeat<out, tiles>((end - begin + 3) / 4, column);
+    const auto tile = [&](int r0, auto rows, auto diagonal) __attribute__((always_inline)) {
+      detail::Place<width> at;
+      detail::lanes<width>([&](int l) __attribute__((always_inline)) {
+        at.row_above[l] = limbs.first_row[l] + r0, at.left_above[l] = limbs.length[l] - r0;
+        at.row_below[l] = limbs.first_row[l] + c0, at.left_below[l] = limbs.length[l] - c0;
+      });
+      detail::tile_into<elements, detail::Above::each, width, decltype(rows)::value, decltype(below)::value,
+                        decltype(diagonal)::value, T>(p, limb.from(r0), at, M, C, leading);
+    };
+    detail::repeat<out, (steps - 1) / 4>(c0 / 4, [&](int row) __attribute__((always_inline)) {
+      tile(4 * row, std::integral_constant<int, 4>{}, std::false_type{});
+    });
+    tile(c0, below, std::true_type{});
+  });
 }
 
 // The blocks between the limbs of a segment and a limb above each of them, which may be another one for every lane.

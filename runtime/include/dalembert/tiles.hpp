@@ -5,6 +5,7 @@
 #pragma once
 
 #include <initializer_list>
+#include <type_traits>
 #include <utility>
 
 #include "dalembert/lanes.hpp"
@@ -45,6 +46,17 @@ DALEMBERT_INLINE void repeat(int count, const F& f) {
   } else {
     for (int i = 0; i < count; ++i) f(i);
   }
+}
+
+// f(first, size) for tiles of four steps from begin to end, the last of them smaller where `steps` ends; written out when `out`
+// says so (begin and end are then known to the compiler).
+template <bool out, int steps, class F>
+DALEMBERT_INLINE void each_tile(int begin, int end, const F& f) {
+  repeat<out, steps / 4>(
+      (end - begin) / 4,
+      [&](int i) __attribute__((always_inline)) { f(begin + 4 * i, std::integral_constant<int, 4>{}); });
+  if constexpr (steps % 4 != 0)
+    if (end == steps) f(steps / 4 * 4, std::integral_constant<int, steps % 4>{});
 }
 
 // f(0), …, f(width − 1), never a loop: what depends on the limbs' tables alone is then worked out by the compiler.
@@ -144,59 +156,33 @@ DALEMBERT_INLINE Lanes<T, n> read_above(const T* from) {
   }
 }
 
-template <Above above, int n, class T>
-DALEMBERT_INLINE Lanes<T, n> dot3(const Lanes<T, n>* a, const T* b, int stride) {
-  return a[0] * read_above<above, n, T>(b) + a[1] * read_above<above, n, T>(b + stride) +
-         a[2] * read_above<above, n, T>(b + 2 * stride);
-}
-
-// sum + a·b as one chain of multiply-adds: adding the product up first would take an addition more.
-template <Above above, int n, class T>
-DALEMBERT_INLINE Lanes<T, n> add_dot3(Lanes<T, n> sum, const Lanes<T, n>* a, const T* b, int stride) {
-  for (int j = 0; j < 3; ++j) sum += a[j] * read_above<above, n, T>(b + j * stride);
-  return sum;
-}
-
-// One tile of four steps above by four below, for `width` limbs at once.
+// Four joints above by four below, for `width` limbs at once: [above][below].
 template <int width, class T>
-struct Tile {
-  using V = Lanes<T, width>;
-  V mass[4][4];   // [above][below]
-  V upper[4][4];  // C_ik
-  V lower[4][4];  // C_ki
-};
+using Tile = Lanes<T, width>[4][4];
 
-template <Elements elements, Above kind, int width, bool diagonal, bool out, class T>
-DALEMBERT_INLINE void fill(Tile<width, T>& tile, const Upper<T>& up, int above, const Panels<T>& p, int below) {
-  using V = Lanes<T, width>;
-  repeat<out, 4>(
-      below, [&](int c) __attribute__((always_inline)) {
-        V f[6], g[6], h[3];
-        load_all<width, T>(f, p.inertia_force + c * width, 6, p.stride);
-        if constexpr (has_coriolis(elements)) {
-          load_all<width, T>(g, p.bias_force + c * width, 6, p.stride);
-          load_all<width, T>(h, p.transposed + c * width, 3, p.stride);
-        }
-        repeat<out, 4>(
-            diagonal ? c + 1 : above, [&](int r) __attribute__((always_inline)) {
-              const T *v = up.linear + r * up.step, *w = up.angular + r * up.step;
-              if constexpr (has_mass(elements)) {
-                const V m = add_dot3<kind, width, T>(dot3<kind, width, T>(f, v, up.stride), f + 3, w, up.stride);
-                tile.mass[r][c] = m;
-                if (diagonal) tile.mass[c][r] = m;
-              }
-              if constexpr (has_coriolis(elements)) {
-                const V above_diagonal = add_dot3<kind, width, T>(dot3<kind, width, T>(g, v, up.stride), g + 3, w, up.stride);
-                tile.upper[r][c] = above_diagonal;
-                if (diagonal && r == c) return;
-                const T* d = up.rate + r * up.step;
-                const V forced =
-                    add_dot3<kind, width, T>(dot3<kind, width, T>(f, d, up.stride), f + 3, d + 3 * up.stride, up.stride);
-                const V below_diagonal = add_dot3<kind, width, T>(forced, h, w, up.stride);
-                (diagonal ? tile.upper[c][r] : tile.lower[r][c]) = below_diagonal;
-              }
-            });
+// What is wanted of a tile: all of it, or its upper triangle, with the diagonal or without.
+enum class Part { all, upper, strictly_upper };
+constexpr bool wanted(Part part, int r, int c) {
+  return part == Part::all || r < c || (part == Part::upper && r == c);
+}
+
+// sum[r][c] += Σ_j below[j][c] · above[j][r] over three components, component by component: every value is read once and the
+// tile stays in registers. `first`: the sums start here.
+template <bool first, Part part, Above kind, int width, int rows, int columns, class T>
+DALEMBERT_INLINE void add_products(Tile<width, T>& sum, const T* below, int below_stride, const T* above, int step,
+                                   int above_stride) {
+  lanes<3>([&](int j) __attribute__((always_inline)) {
+    Lanes<T, width> b[4];
+    lanes<columns>([&](int c) __attribute__((always_inline)) { b[c] = load<width, T>(below + j * below_stride + c * width); });
+    lanes<rows>([&](int r) __attribute__((always_inline)) {
+      const Lanes<T, width> a = read_above<kind, width, T>(above + r * step + j * above_stride);
+      lanes<columns>([&](int c) __attribute__((always_inline)) {
+        if (!wanted(part, r, c)) return;
+        if (first && j == 0) sum[r][c] = b[c] * a;
+        else sum[r][c] += b[c] * a;
       });
+    });
+  });
 }
 
 // A column of each lane's block: values of up to four consecutive rows, from to[lane] on. Where a lane is joined to the next,
@@ -234,11 +220,10 @@ struct Place {
   int row_above[width], left_above[width], row_below[width], left_below[width];
 };
 
-// Stores values[above][below] as columns of the lower limb's joints (rows run over `above`), or of the upper limb's.
-template <bool by_upper, bool out, int width, class T>
-DALEMBERT_INLINE void put(T* matrix, int leading, const Lanes<T, width> (*values)[4], int above, int below,
-                          const Place<width>& at) {
-  const int along = by_upper ? below : above;
+// Stores tile[above][below] as columns of the lower limb's joints (rows run over `above`), or of the upper limb's.
+template <bool by_upper, int rows, int columns, int width, class T>
+DALEMBERT_INLINE void put(T* matrix, int leading, const Tile<width, T>& tile, const Place<width>& at) {
+  constexpr int along = by_upper ? columns : rows;
   T* to[width];
   int count[width];
   const int* row = by_upper ? at.row_below : at.row_above;
@@ -250,34 +235,56 @@ DALEMBERT_INLINE void put(T* matrix, int leading, const Lanes<T, width> (*values
     to[l] = matrix + column[l] * leading + row[l];
     joined[l] = l + 1 < width && column[l + 1] == column[l] && row[l + 1] == row[l] + along;
   });
-  repeat<out, 4>(
-      by_upper ? above : below, [&](int i) __attribute__((always_inline)) {
-        Lanes<T, width> line[4] = {};
-        T* here[width];
-        write_out(
-            std::make_integer_sequence<int, 4>{},
-            along, [&](int j) __attribute__((always_inline)) { line[j] = by_upper ? values[i][j] : values[j][i]; });
-        detail::lanes<width>([&](int l) __attribute__((always_inline)) {
-          here[l] = to[l] + i * leading;
-          count[l] = i < across[l] ? least(left[l], along) : 0;
-        });
-        put_column<width, T>(here, line, count, along, joined);
-      });
+  lanes<(by_upper ? rows : columns)>([&](int i) __attribute__((always_inline)) {
+    Lanes<T, width> line[4] = {};
+    T* here[width];
+    lanes<along>([&](int j) __attribute__((always_inline)) { line[j] = by_upper ? tile[i][j] : tile[j][i]; });
+    lanes<width>([&](int l) __attribute__((always_inline)) {
+      here[l] = to[l] + i * leading;
+      count[l] = i < across[l] ? least(left[l], along) : 0;
+    });
+    put_column<width, T>(here, line, count, along, joined);
+  });
 }
 
-// Both triangles of an off-diagonal tile, or the whole of a diagonal one.
-template <Elements elements, Above kind, int width, bool diagonal, bool out, class T>
-DALEMBERT_INLINE void tile_into(const Panels<T>& p, const Upper<T>& up, int above, int below, const Place<width>& at, T* M,
-                                T* C, int leading) {
-  Tile<width, T> tile;
-  fill<elements, kind, width, diagonal, out, T>(tile, up, above, p, below);
+// Both triangles of an off-diagonal tile of `rows` joints above by `columns` below, or the whole of a diagonal one.
+template <Elements elements, Above kind, int width, int rows, int columns, bool diagonal, class T>
+DALEMBERT_INLINE void tile_into(const Panels<T>& p, const Upper<T>& up, const Place<width>& at, T* M, T* C, int leading) {
+  constexpr Part part = diagonal ? Part::upper : Part::all, rest = diagonal ? Part::strictly_upper : Part::all;
+  const auto mirror = [](Tile<width, T>& to, const Tile<width, T>& from) __attribute__((always_inline)) {
+    lanes<rows>([&](int r) __attribute__((always_inline)) {
+      lanes<columns>([&](int c) __attribute__((always_inline)) {
+        if (r < c) to[c][r] = from[r][c];
+      });
+    });
+  };
+  const T *v = up.linear, *w = up.angular, *d = up.rate;
   if constexpr (has_mass(elements)) {
-    put<false, out, width, T>(M, leading, tile.mass, above, below, at);
-    if (!diagonal) put<true, out, width, T>(M, leading, tile.mass, above, below, at);
+    Tile<width, T> m;
+    add_products<true, part, kind, width, rows, columns, T>(m, p.inertia_force, p.stride, v, up.step, up.stride);
+    add_products<false, part, kind, width, rows, columns, T>(m, p.inertia_force + 3 * p.stride, p.stride, w, up.step,
+                                                             up.stride);
+    if constexpr (diagonal) mirror(m, m);
+    put<false, rows, columns, width, T>(M, leading, m, at);
+    if constexpr (!diagonal) put<true, rows, columns, width, T>(M, leading, m, at);
   }
   if constexpr (has_coriolis(elements)) {
-    put<false, out, width, T>(C, leading, tile.upper, above, below, at);
-    if (!diagonal) put<true, out, width, T>(C, leading, tile.lower, above, below, at);
+    Tile<width, T> above;  // C_ik
+    add_products<true, part, kind, width, rows, columns, T>(above, p.bias_force, p.stride, v, up.step, up.stride);
+    add_products<false, part, kind, width, rows, columns, T>(above, p.bias_force + 3 * p.stride, p.stride, w, up.step,
+                                                             up.stride);
+    if constexpr (!diagonal) put<false, rows, columns, width, T>(C, leading, above, at);
+    Tile<width, T> below;  // C_ki
+    add_products<true, rest, kind, width, rows, columns, T>(below, p.inertia_force, p.stride, d, up.step, up.stride);
+    add_products<false, rest, kind, width, rows, columns, T>(below, p.inertia_force + 3 * p.stride, p.stride,
+                                                             d + 3 * up.stride, up.step, up.stride);
+    add_products<false, rest, kind, width, rows, columns, T>(below, p.transposed, p.stride, w, up.step, up.stride);
+    if constexpr (diagonal) {
+      mirror(above, below);
+      put<false, rows, columns, width, T>(C, leading, above, at);
+    } else {
+      put<true, rows, columns, width, T>(C, leading, below, at);
+    }
   }
 }
 
