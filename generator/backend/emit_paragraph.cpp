@@ -23,7 +23,9 @@ class ParagraphWriter {
         segment_(code.plan.segments[segment]),
         table_(code.rolled.segments[segment]),
         paragraph_(paragraph),
-        width_(paragraph.direction == Direction::anywhere ? "dalembert::native_lanes" : std::to_string(segment_.width)) {}
+        width_(paragraph.direction != Direction::anywhere ? std::to_string(segment_.width)
+               : segment_.is_short()                      ? "dalembert::short_lanes"
+                                                          : "dalembert::native_lanes") {}
 
   std::string run() const {
     std::string text = fmt::format("  // {}\n  {{\n    using V [[maybe_unused]] = dalembert::Lanes<Scalar, {}>;\n",
@@ -47,8 +49,8 @@ class ParagraphWriter {
   std::string loop_head() const {
     switch (paragraph_.direction) {
       case Direction::anywhere:
-        return fmt::format("    for (int i = 0; i < {}; i += dalembert::native_lanes) {{\n      const int slot = {} + i;\n",
-                           segment_.slots(), segment_.first_slot);
+        return fmt::format("    for (int i = 0; i < {}; i += {}) {{\n      const int slot = {} + i;\n", segment_.slots(), width_,
+                           segment_.first_slot);
       case Direction::outwards:
         return fmt::format("    for (int i = 0; i < {}; i += {}) {{\n      const int slot = {} + i;\n", segment_.slots(),
                            segment_.width, segment_.first_slot);
@@ -78,9 +80,7 @@ class ParagraphWriter {
         return fmt::format("dalembert::load<{}>({}_{} + i)", width_, segment_.name,
                            table_.columns[static_cast<size_t>(in.index)].name);
       case InputKind::velocity:  // of the base
-        return fmt::format("dalembert::broadcast<{}>({}[{}])", width_,
-                           kept(code_, root_role(in.index < 3 ? "body_linear" : "body_angular"), in.index % 3),
-                           slot_of(code_, -1));
+        return fmt::format("dalembert::broadcast<{}>({}[{}])", width_, kept(code_, "velocity", in.index), slot_of(code_, -1));
       default: return "";
     }
   }
@@ -95,12 +95,6 @@ class ParagraphWriter {
       default: return fmt::format("base_velocity_{}", in.index);
     }
   }
-  int root_role(const std::string& name) const {
-    const auto& roles = code_.rolled.roles;
-    return static_cast<int>(std::find_if(roles.begin(), roles.end(), [&](const ir::Role& r) { return r.name == name; }) -
-                            roles.begin());
-  }
-
   std::vector<Sink> sinks() const {
     std::vector<Sink> sinks;
     for (const ir::StateStore& s : paragraph_.stores) {
@@ -168,11 +162,19 @@ class ParagraphWriter {
 }  // namespace
 
 std::string kept(const CodeInput& code, int role, int component) {
-  return fmt::format("kept.{}[{}]", code.rolled.roles[static_cast<size_t>(role)].name, component);
+  const ir::Role& r = code.rolled.roles[static_cast<size_t>(role)];
+  const bool own = r.place.role < 0;
+  return fmt::format("kept.{}{}{}{}", r.name, own ? '[' : '(', component, own ? ']' : ')');
+}
+
+std::string kept(const CodeInput& code, std::string_view role, int component) {
+  const auto& roles = code.rolled.roles;
+  const auto at = std::find_if(roles.begin(), roles.end(), [&](const ir::Role& r) { return r.name == role; });
+  return at == roles.end() ? "" : kept(code, static_cast<int>(at - roles.begin()), component);
 }
 
 int slot_of(const CodeInput& code, int body) {
-  return body < 0 ? code.plan.slots : code.plan.slot_of[static_cast<size_t>(body)];
+  return body < 0 ? code.plan.root_slot : code.plan.slot_of[static_cast<size_t>(body)];
 }
 
 std::string paragraph_text(const CodeInput& code, size_t segment, const ir::Paragraph& paragraph) {

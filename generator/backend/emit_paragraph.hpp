@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 #include "backend/emit.hpp"
 
@@ -13,8 +14,9 @@ std::string paragraph_text(const CodeInput& code, size_t segment, const ir::Para
 // The tables of constants the segment's paragraphs read.
 std::string segment_tables(const CodeInput& code, size_t segment);
 
-// `kept.role[component]`: one value per slot.
+// `kept.role[component]`, or `kept.role(component)` where another role's place is used: one value per slot.
 std::string kept(const CodeInput& code, int role, int component);
+std::string kept(const CodeInput& code, std::string_view role, int component);
 
 // The slot of a body, or of the root (-1).
 int slot_of(const CodeInput& code, int body);

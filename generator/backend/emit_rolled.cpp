@@ -20,7 +20,7 @@ using ir::Direction;
 
 const char* const open_stage = "  Kept& kept = workspace.kept;\n";
 
-int stride(const CodeInput& code) { return code.plan.slots + 8; }  // the root's slot comes last, with room to read past it
+int stride(const CodeInput& code) { return code.plan.slots + 8; }  // with room for the root's slot and to read past the last
 
 bool kept_role(const CodeInput& code, std::string_view name) {
   return std::any_of(code.rolled.roles.begin(), code.rolled.roles.end(), [&](const ir::Role& r) { return r.name == name; });
@@ -207,7 +207,7 @@ std::string base_stage(const CodeInput& code) {
   style.input = [&](const ir::Input& in) {
     if (in.kind == ir::InputKind::state) return fmt::format("{}[{}]", kept(code, in.index, in.component), slot_of(code, -1));
     if (in.kind == ir::InputKind::velocity)
-      return fmt::format("kept.{}[{}][{}]", in.index < 3 ? "body_linear" : "body_angular", in.index % 3, slot_of(code, -1));
+      return fmt::format("{}[{}]", kept(code, "velocity", in.index), slot_of(code, -1));
     return input_text(code, in);
   };
   return "  // Phase III: M_BB = A*, C_BB = A* ad(V) + B*; the base's gravity and bias.\n" +
@@ -286,16 +286,21 @@ std::vector<KeptArray> kept_arrays(const CodeInput& code) {
   std::vector<KeptArray> arrays;
   if (Prepare(code).needs_angles()) arrays.push_back({"angle", 1, stride(code), "q of turning joints, rad"});
   for (const ir::Role& r : code.rolled.roles)
-    if (!r.name.empty()) arrays.push_back({r.name, r.components, stride(code), r.meaning});
+    if (!r.name.empty() && r.place.role < 0) arrays.push_back({r.name, r.components, stride(code), r.meaning});
   return arrays;
 }
 
 std::string rolled_workspace(const CodeInput& code) {
   std::string text = fmt::format(
       "// Room to work in: one value per slot, a slot per body of a limb and lane; the root's slot is {}.\nstruct Kept {{\n",
-      code.plan.slots);
+      code.plan.root_slot);
   for (const KeptArray& a : kept_arrays(code))
     text += fmt::format("  alignas(64) Scalar {}[{}][{}] = {{}};  // {}\n", a.name, a.components, a.slots, a.meaning);
+  for (const ir::Role& r : code.rolled.roles)
+    if (!r.name.empty() && r.place.role >= 0)
+      text += fmt::format("  Scalar* {}(int i) noexcept {{ return {}[{} + i]; }}  // {}; where nobody reads {} any more\n", r.name,
+                          code.rolled.roles[static_cast<size_t>(r.place.role)].name, r.place.component, r.meaning,
+                          code.rolled.roles[static_cast<size_t>(r.place.role)].name);
   return text + "};\n";
 }
 

@@ -57,15 +57,6 @@ std::vector<std::pair<int, int>> column_ranges(const CodeInput& code, const ir::
   return ranges;
 }
 
-// The segment that holds a body.
-const ir::Segment* segment_of(const CodeInput& code, int body) {
-  for (const ir::Segment& s : code.plan.segments)
-    for (const auto& lane : s.bodies)
-      for (int b : lane)
-        if (b == body && body >= 0) return &s;
-  return nullptr;
-}
-
 Tasks tasks_of(const CodeInput& code) {
   Tasks t;
   if (code.plan.form != ir::Form::rolled) {  // one piece of code, one task
@@ -96,9 +87,10 @@ Tasks tasks_of(const CodeInput& code) {
     t.edge("inwards_" + s.name, "base");
     t.edge("inwards_" + s.name, "results");
     for (int parent : s.parents)
-      if (const ir::Segment* above = segment_of(code, parent)) {
-        t.edge("outwards_" + above->name, "outwards_" + s.name);
-        t.edge("inwards_" + s.name, "inwards_" + above->name);
+      if (const int at = code.plan.segment_of(parent); at >= 0) {
+        const std::string& above = segments[static_cast<size_t>(at)].name;
+        t.edge("outwards_" + above, "outwards_" + s.name);
+        t.edge("inwards_" + s.name, "inwards_" + above);
       }
     for (const auto& [begin, end] : column_ranges(code, s)) {
       t.edge("inwards_" + s.name, fmt::format("elements_{}_{}", s.name, begin));

@@ -20,14 +20,25 @@ struct Segment {
   std::vector<int> parents;              // per lane: the body the limb is attached to, -1: the base
 
   int slots() const { return steps * width; }
+  bool is_short() const { return slots() <= 4; }  // takes half of the eight slots to which segments are padded
 };
 
 struct Plan {
   Form form = Form::straight;
   bool tasks = false;
   std::vector<Segment> segments;  // parents before children; empty for the straight form
-  int slots = 0;                  // including padding between segments
+  int slots = 0;                  // of bodies, including padding between segments
+  int root_slot = 0;              // beside a short segment, where there is one, else after the last
   std::vector<int> slot_of;       // per body
+
+  // The segment that holds a body; -1 for the base.
+  int segment_of(int body) const {
+    for (std::size_t s = 0; s < segments.size(); ++s)
+      for (const auto& lane : segments[s].bodies)
+        for (int b : lane)
+          if (b == body && body >= 0) return static_cast<int>(s);
+    return -1;
+  }
 };
 
 }  // namespace dalembert::ir

@@ -46,6 +46,7 @@ class RolledLowering {
     for (const ir::Segment& segment : plan_.segments) lower_segment(segment);
     base();
     prune_rolled(program_, tree_.floating_base);
+    share_places(program_);
     return std::move(program_);
   }
 
@@ -55,16 +56,8 @@ class RolledLowering {
     passes::lower_segment(tree_, normal_, segment, program_, composite_mass_, options_, program_.segments.back());
     std::set<int> parents;
     for (size_t lane = 0; lane < segment.parents.size(); ++lane)
-      if (segment.bodies[lane].front() >= 0) parents.insert(segment_of(segment.parents[lane]));
+      if (segment.bodies[lane].front() >= 0) parents.insert(plan_.segment_of(segment.parents[lane]));
     program_.segments.back().parents.assign(parents.begin(), parents.end());
-  }
-
-  // -1: the root.
-  int segment_of(int body) const {
-    for (size_t s = 0; s < plan_.segments.size(); ++s)
-      for (const auto& lane : plan_.segments[s].bodies)
-        if (body >= 0 && std::find(lane.begin(), lane.end(), body) != lane.end()) return static_cast<int>(s);
-    return -1;
   }
 
   void root_store(int role, int component, Sym x) { program_.root.stores.push_back({role, component, x.id}); }
@@ -85,8 +78,8 @@ class RolledLowering {
     const Vec3 gravity = in.gravity_in_base();
     for (int i = 0; i < 9; ++i) root_store(rotation, i, in.constant(i % 4 == 0 ? 1 : 0));
     root_store(position, in.zero());
-    root_store(body_linear, v.linear);
-    root_store(body_angular, v.angular);
+    root_store(velocity, v.linear, 0);
+    root_store(velocity, v.angular, 3);
     root_store(down, gravity);
     const Motion root{v.angular, in.zero(), cross(v.angular, v.linear) - gravity};
     root_store(motion, root.angular, 0);

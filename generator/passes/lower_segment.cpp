@@ -141,7 +141,7 @@ class SegmentLowering {
       begin("moments", moments_equation, Direction::anywhere);
       moments_of({{rotation_matrix([this](int r, int i) { return state3(r, i); }), state3(position)},
                   joint(),
-                  {state3(body_linear), state3(body_angular)}});
+                  {state3(velocity, 0), state3(velocity, 3)}});
     } else {
       paragraph_->equations.push_back(moments_equation);
       moments_of(body);
@@ -228,7 +228,7 @@ class SegmentLowering {
     const Pose here = pose(parent, c, joint_position(true));
     const Twist j = joint_twist(here, c);
     const Sym speed = state(rate);
-    const Twist v = body_twist({carried3(body_linear), carried3(body_angular)}, j, speed);
+    const Twist v = body_twist({carried3(velocity, 0), carried3(velocity, 3)}, j, speed);
     for (int i = 0; i < 3; ++i) {
       const Vec3 axis = column(here.rotation, static_cast<size_t>(i));
       store(rotation, axis, 3 * i), carry(rotation, axis, 3 * i);
@@ -236,8 +236,8 @@ class SegmentLowering {
     store(position, here.position), carry(position, here.position);
     store(joint_linear, j.linear);
     if (!program_.all_revolute) store(joint_angular, j.angular);
-    store(body_linear, v.linear), carry(body_linear, v.linear);
-    store(body_angular, v.angular), carry(body_angular, v.angular);
+    store(velocity, v.linear, 0), carry(velocity, v.linear, 0);
+    store(velocity, v.angular, 3), carry(velocity, v.angular, 3);
     return {here, j, v};
   }
 

@@ -112,11 +112,13 @@ class Grouping {
 void lay_out(const ir::KinematicTree& tree, size_t widest, ir::Plan& plan) {
   const std::vector<Limb> limbs = limbs_of(tree);
   plan.slot_of.assign(tree.bodies.size(), 0);
+  int half = -1;  // free beside a short segment
   for (const std::vector<int>& group : Grouping(tree, limbs).run(widest)) {
     ir::Segment s;
     s.width = group.size() > 2 ? 4 : static_cast<int>(group.size());
     for (int l : group) s.steps = std::max(s.steps, static_cast<int>(limbs[static_cast<size_t>(l)].size()));
-    s.first_slot = plan.slots;
+    const bool fits = s.is_short() && half >= 0;
+    s.first_slot = fits ? half : plan.slots;
     s.name = ir::identifier(tree.bodies[static_cast<size_t>(limbs[static_cast<size_t>(group.front())].front())].joint);
     if (s.width > 1) s.name += "_x" + std::to_string(group.size());
     for (int lane = 0; lane < s.width; ++lane) {
@@ -128,9 +130,11 @@ void lay_out(const ir::KinematicTree& tree, size_t widest, ir::Plan& plan) {
       bodies.resize(static_cast<size_t>(s.steps), -1);
       s.bodies.push_back(std::move(bodies));
     }
-    plan.slots += (s.slots() + 7) / 8 * 8;
+    if (s.is_short()) half = fits ? -1 : plan.slots + 4;
+    if (!fits) plan.slots += (s.slots() + 7) / 8 * 8;
     plan.segments.push_back(std::move(s));
   }
+  plan.root_slot = half >= 0 ? half : plan.slots;
 }
 
 }  // namespace

@@ -54,7 +54,7 @@ Values follow(const Paragraph& p, Slots& own, const std::vector<Slots*>& parents
       const int at = n.input.index;
       if (n.input.kind == InputKind::carried) live.insert({at, n.input.component});
       if (n.input.kind == InputKind::state) own.read.insert({at, n.input.component});
-      if (n.input.kind == InputKind::velocity) root.insert({at < 3 ? body_linear : body_angular, at % 3});
+      if (n.input.kind == InputKind::velocity) root.insert({velocity, at});
     }
     if (live == before) break;
   }

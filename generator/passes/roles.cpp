@@ -16,8 +16,7 @@ std::vector<ir::Role> make_roles() {
   r[joint_linear] = {"joint_linear", "J, linear part", 3};
   r[joint_angular] = {"joint_angular", "J, angular part", 3};
   r[joint_rate] = {"joint_rate", "dJ", 6};
-  r[body_linear] = {"body_linear", "u", 3};
-  r[body_angular] = {"body_angular", "w", 3};
+  r[velocity] = {"velocity", "u, w", 6};
   r[first] = {"first", "h, of the body, then of its subtree", 3};
   r[second] = {"second", "S: xx xy xz yy yz zz", 6};
   r[momentum] = {"momentum", "P", 3};
@@ -33,6 +32,14 @@ std::vector<ir::Role> make_roles() {
   r[force] = {"force", "f, n of the subtree in the body's axes", 6};
   r[bias_torque] = {"bias_torque", "C v + g", 1};
   return r;
+}
+
+void share_places(ir::RolledProgram& program) {
+  // Without C all of it fits in the cache anyway, and stores to what was just read cost more than they save.
+  if (!program.coriolis || program.wrench) return;
+  program.roles[inertia_force].place = {rotation, 0};  // the axis, columns 6 to 8, stays
+  program.roles[bias_force].place = {velocity, 0};
+  program.roles[transposed].place = {position, 0};
 }
 
 }  // namespace dalembert::passes

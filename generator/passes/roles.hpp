@@ -22,8 +22,7 @@ enum RoleId : int {
   joint_linear,
   joint_angular,
   joint_rate,
-  body_linear,
-  body_angular,
+  velocity,
   first,
   second,
   momentum,
@@ -43,6 +42,9 @@ enum RoleId : int {
 
 // Names and meanings, by RoleId.
 std::vector<ir::Role> make_roles();
+
+// Lets the forces take the place of poses and velocities, which nobody reads once their own segment runs inwards.
+void share_places(ir::RolledProgram& program);
 
 // Calls put(role, component, value) for every component of Phase II's sums.
 template <class Put>

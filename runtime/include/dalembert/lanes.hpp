@@ -41,6 +41,9 @@ inline constexpr int native_lanes = 2;
 inline constexpr int native_lanes = 1;
 #endif
 
+// The same where no more than four slots are to be written.
+inline constexpr int short_lanes = native_lanes < 4 ? native_lanes : 4;
+
 // Arrays over bodies are padded to this many elements, so that whole lanes can be read and written at their end.
 constexpr int padded(int n) { return (n + 7) / 8 * 8; }
 
