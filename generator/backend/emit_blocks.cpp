@@ -116,10 +116,9 @@ std::string elements_stage(const CodeInput& code, size_t segment) {
   const std::string angular = code.rolled.all_revolute ? "kept.rotation[6]" : "kept.joint_angular[0]";
   const auto if_coriolis = [&](const char* role) { return coriolis ? kept(code, role, 0) : "nullptr"; };
   std::string text = "  // Phase III: M_ik = F_k.J_i, C_ik = G_k.J_i, C_ki = F_k.dJ_i + H_k.J_i\n";
-  text += fmt::format(
-      "  const dalembert::Panels<Scalar> panels{{kept.joint_linear[0], {}, {}, {}, {}, {}, {}}};\n", angular,
-      if_coriolis("joint_rate"), kept(code, "inertia_force", 0), if_coriolis("bias_force"), if_coriolis("transposed"),
-      code.plan.slots + 8);
+  text += fmt::format("  const dalembert::Panels<Scalar> panels{{kept.joint_linear[0], {}, {}, {}, {}, {}, {}}};\n", angular,
+                      if_coriolis("joint_rate"), kept(code, "inertia_force", 0), if_coriolis("bias_force"),
+                      if_coriolis("transposed"), code.plan.slots + 8);
   const std::vector<Above> levels = all_above(code, s);
   const std::string end = elements_split(s) ? "nv, begin, end" : fmt::format("nv, 0, {}", s.steps);
   if (s.width > 1) {
@@ -151,10 +150,11 @@ std::string elements_stage(const CodeInput& code, size_t segment) {
   }
   if (!floating) return text;
   const auto base = [&](const char* what, const char* force, const std::string& matrix) {
-    return s.width > 1 ? fmt::format("  dalembert::base_{}<{}, {}, Scalar>({}, panels.stride, limbs, {}, nv);\n", what,
-                                     s.width, s.steps, kept(code, force, 0), matrix)
-                       : fmt::format("  dalembert::run_base_{}<Scalar>({}, panels.stride, {}, {}, {}, {}, nv);\n", what,
-                                     kept(code, force, 0), s.first_slot, base_rows(code) + s.bodies[0].front(), s.steps, matrix);
+    return s.width > 1
+               ? fmt::format("  dalembert::base_{}<{}, {}, Scalar>({}, panels.stride, limbs, {}, nv);\n", what, s.width,
+                             s.steps, kept(code, force, 0), matrix)
+               : fmt::format("  dalembert::run_base_{}<Scalar>({}, panels.stride, {}, {}, {}, {}, nv);\n", what,
+                             kept(code, force, 0), s.first_slot, base_rows(code) + s.bodies[0].front(), s.steps, matrix);
   };
   text += "  // The base's rows and columns.\n";
   if (elements_split(s)) text += "  if (begin > 0) return;\n";

@@ -49,8 +49,8 @@ class ParagraphWriter {
   std::string loop_head() const {
     switch (paragraph_.direction) {
       case Direction::anywhere:
-        return fmt::format("    for (int i = 0; i < {}; i += {}) {{\n      const int slot = {} + i;\n", segment_.slots(), width_,
-                           segment_.first_slot);
+        return fmt::format("    for (int i = 0; i < {}; i += {}) {{\n      const int slot = {} + i;\n", segment_.slots(),
+                           width_, segment_.first_slot);
       case Direction::outwards:
         return fmt::format("    for (int i = 0; i < {}; i += {}) {{\n      const int slot = {} + i;\n", segment_.slots(),
                            segment_.width, segment_.first_slot);

@@ -206,8 +206,7 @@ std::string base_stage(const CodeInput& code) {
   style.scalar = code.scene.scalar;
   style.input = [&](const ir::Input& in) {
     if (in.kind == ir::InputKind::state) return fmt::format("{}[{}]", kept(code, in.index, in.component), slot_of(code, -1));
-    if (in.kind == ir::InputKind::velocity)
-      return fmt::format("{}[{}]", kept(code, "velocity", in.index), slot_of(code, -1));
+    if (in.kind == ir::InputKind::velocity) return fmt::format("{}[{}]", kept(code, "velocity", in.index), slot_of(code, -1));
     return input_text(code, in);
   };
   return "  // Phase III: M_BB = A*, C_BB = A* ad(V) + B*; the base's gravity and bias.\n" +
@@ -298,8 +297,8 @@ std::string rolled_workspace(const CodeInput& code) {
     text += fmt::format("  alignas(64) Scalar {}[{}][{}] = {{}};  // {}\n", a.name, a.components, a.slots, a.meaning);
   for (const ir::Role& r : code.rolled.roles)
     if (!r.name.empty() && r.place.role >= 0)
-      text += fmt::format("  Scalar* {}(int i) noexcept {{ return {}[{} + i]; }}  // {}; where nobody reads {} any more\n", r.name,
-                          code.rolled.roles[static_cast<size_t>(r.place.role)].name, r.place.component, r.meaning,
+      text += fmt::format("  Scalar* {}(int i) noexcept {{ return {}[{} + i]; }}  // {}; where nobody reads {} any more\n",
+                          r.name, code.rolled.roles[static_cast<size_t>(r.place.role)].name, r.place.component, r.meaning,
                           code.rolled.roles[static_cast<size_t>(r.place.role)].name);
   return text + "};\n";
 }

@@ -80,7 +80,8 @@ std::string heading(const CodeInput& code, const ir::Tag& tag) {
   static const std::map<int, std::string> equations = {
       {1, "R = Rp Rk Rz(q), p = pp + Rp pk, J = [p x z; z], V = Vp + J dq, dJ = ad(Vp) J"},
       {2,
-       "h = R hk + m p, S = R (Sk R' + hk p') + p h', P = m u + w x h, D = -[w](S + t 1) - u h' + (h.u) 1; sums over children"},
+       "h = R hk + m p, S = R Sk R' + R hk p' + p (R hk)' + m p p', P = m u + w x h;\n  // "
+       "D = -[w](S + t 1) - u h' + (h.u) 1; sums over children"},
       {3, "F = A* J, G = A* dJ + B* J, H = P x Jv + D' Jw; M_ik = F.J_i, C_ik = G.J_i, C_ki = F.dJ_i + H.J_i"},
   };
   const std::string who = tag.body < 0 ? "base " + code.tree.base_link

@@ -38,7 +38,7 @@ struct StateStore {
 
 // One phase of the bodies of one segment.
 struct Paragraph {
-  std::string name;      // "kinematics"
+  std::string name;                    // "kinematics"
   std::vector<std::string> equations;  // what it computes, for reading
   Direction direction = Direction::anywhere;
   Graph graph;

@@ -54,12 +54,20 @@ Sums moments(const Pose& pose, const BodyConstants& body) {
   Sums sums;
   const Vec3 moved = body.mass * p;
   sums.first = r * body.first + moved;
-  const Mat3 outer{body.first[0] * p, body.first[1] * p, body.first[2] * p};
-  const Mat3 half = full(body.second) * transpose(r) + outer;  // Σ m x_k xᵀ
+  // S as a sum of a bᵀ + b aᵀ over the body's axes a: half the multiplications of R (S_k Rᵀ).
+  const Vec3 x = column(r, 0), y = column(r, 1), z = column(r, 2);
+  const Sym6& s = body.second;
+  const Vec3 xz = s[2] * z, xy = s[1] * y, along_x = body.first[0] * p + body.half_second[0] * x + xy + xz;
+  const Vec3 yz = s[4] * z, along_y = body.first[1] * p + body.half_second[1] * y + yz;
+  const Vec3 along_z = body.first[2] * p + body.half_second[2] * z;
   for (std::size_t i = 0; i < 3; ++i)
     for (std::size_t j = i; j < 3; ++j) {
-      const Sym shift = p[i] * sums.first[j];
-      sums.second[sym6_index[i][j]] = dot(r[i], column(half, j)) + shift;
+      const auto half = [&](std::size_t a, std::size_t b) {
+        const Sym third = z[a] * along_z[b];
+        return sum_of_products(x[a], along_x[b], y[a], along_y[b]) + third;
+      };
+      const Sym shift = moved[i] * p[j], sum = half(i, j), other = i == j ? sum : half(j, i);
+      sums.second[sym6_index[i][j]] = sum + other + shift;
     }
   return sums;
 }

@@ -75,6 +75,8 @@ BodyConstants LowerInputs::constants(const ir::NormalBody& n, int body) const {
       c.second[sym6_index[i][j]] = constant(n.moments.second(static_cast<int>(i), static_cast<int>(j)));
   c.half_trace = constant(n.moments.half_trace);
   add_payloads(c, body, n.own, n.link_rotation, n.link_translation);
+  const Sym half = constant(0.5);
+  c.half_second = {half * c.second[0], half * c.second[3], half * c.second[5]};
   return c;
 }
 

@@ -97,6 +97,9 @@ class SegmentLowering {
         c.second[sym6_index[at][static_cast<size_t>(j)]] =
             table(std::string("second_") + "xyz"[i] + "xyz"[j], true, [=](size_t b) { return n(b).moments.second(i, j); });
     }
+    for (int i = 0; i < 3; ++i)
+      c.half_second[static_cast<size_t>(i)] = table(std::string("half_second_") + "xyz"[i] + "xyz"[i], true,
+                                                    [=](size_t b) { return 0.5 * n(b).moments.second(i, i); });
     c.revolute = table("revolute", false, [=](size_t b) { return n(b).prismatic ? 0 : 1; });
     c.prismatic = table("prismatic", false, [=](size_t b) { return n(b).prismatic ? 1 : 0; });
     c.mass = table("mass", true, [=](size_t b) { return n(b).moments.mass; });
@@ -132,13 +135,15 @@ class SegmentLowering {
     for (int i = 0; i < 6; ++i) s.second[static_cast<size_t>(i)] = source(second, i);
     return s;
   }
-  // Phases I and II as few loops as pay. A limb on its own has its steps in consecutive slots: what does not run along it is
-  // computed for several steps at once, in a loop of its own. So it is where the values would not fit into registers together.
+  // Phases I to III in as few loops as pay. A longer limb on its own has its steps in consecutive slots: what does not run
+  // along it is computed for several steps at once, in a loop of its own. So are the moments where C wants so many values
+  // that they would not fit into the registers together with the poses.
   void matrices() {
-    const bool alone = segment_.width == 1 && segment_.steps > 1;
+    const bool alone = segment_.width == 1 && segment_.steps > (program_.coriolis ? 1 : 4);
     const MovingBody body = kinematics();
     if (alone || program_.coriolis) {
       begin("moments", moments_equation, Direction::anywhere);
+      if (program_.coriolis) paragraph_->equations.push_back(rates_equation);
       moments_of({{rotation_matrix([this](int r, int i) { return state3(r, i); }), state3(position)},
                   joint(),
                   {state3(velocity, 0), state3(velocity, 3)}});
@@ -217,9 +222,9 @@ class SegmentLowering {
     Pose pose;
     Twist joint, velocity;
   };
-  static constexpr const char* moments_equation =
-      "Phase II: h = R hk + m p, S = R (Sk R' + hk p') + p h', P = m u + w x h, D = -[w](S + t 1) - u h' + (h.u) 1; dJ = ad(V) J";
-  static constexpr const char* forces_equation = "Phase III: F = A* J, G = A* dJ + B* J, H = P x Jv + D' Jw";
+  static constexpr const char *moments_equation = "Phase II: h = R hk + m p, S = R Sk R' + R hk p' + p (R hk)' + m p p'",
+                              *rates_equation = "Phase II: P = m u + w x h, D = -[w](S + t 1) - u h' + (h.u) 1; dJ = ad(V) J",
+                              *forces_equation = "Phase III: F = A* J, G = A* dJ + B* J, H = P x Jv + D' Jw";
 
   MovingBody kinematics() {
     begin("kinematics", "Phase I: R = Rp Rk Rz(q), p = pp + Rp pk, J = [p x z; z], V = Vp + J dq", Direction::outwards);

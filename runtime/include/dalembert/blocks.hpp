@@ -41,18 +41,20 @@ template <Elements elements, Above kind, int width, int steps, int above_steps, 
 DALEMBERT_INLINE void cross_tiles(const Panels<T>& panels, const LimbTable& limbs, const Upper<T>& up, const LimbTable& above,
                                   T* M, T* C, int leading, int begin, int end) {
   constexpr bool out = steps <= short_limb && above_steps <= (has_coriolis(elements) ? 4 : short_limb);
-  each_tile<out, steps>(begin, end, [&](int c0, auto below) __attribute__((always_inline)) {
-    const Panels<T> p = moved(panels, limbs.first_slot + c0 * width, has_coriolis(elements));
-    each_tile<out, above_steps>(0, above_steps, [&](int r0, auto rows) __attribute__((always_inline)) {
-      Place<width> at;
-      lanes<width>([&](int l) __attribute__((always_inline)) {
-        at.row_above[l] = above.first_row[l] + r0, at.left_above[l] = above.length[l] - r0;
-        at.row_below[l] = limbs.first_row[l] + c0, at.left_below[l] = above.length[l] > 0 ? limbs.length[l] - c0 : 0;
+  each_tile<out, steps>(
+      begin, end, [&](int c0, auto below) __attribute__((always_inline)) {
+        const Panels<T> p = moved(panels, limbs.first_slot + c0 * width, has_coriolis(elements));
+        each_tile<out, above_steps>(
+            0, above_steps, [&](int r0, auto rows) __attribute__((always_inline)) {
+              Place<width> at;
+              lanes<width>([&](int l) __attribute__((always_inline)) {
+                at.row_above[l] = above.first_row[l] + r0, at.left_above[l] = above.length[l] - r0;
+                at.row_below[l] = limbs.first_row[l] + c0, at.left_below[l] = above.length[l] > 0 ? limbs.length[l] - c0 : 0;
+              });
+              tile_into<elements, kind, width, decltype(rows)::value, decltype(below)::value, false, T>(p, up.from(r0), at, M,
+                                                                                                        C, leading);
+            });
       });
-      tile_into<elements, kind, width, decltype(rows)::value, decltype(below)::value, false, T>(p, up.from(r0), at, M, C,
-                                                                                                leading);
-    });
-  });
 }
 
 }  // namespace detail
@@ -64,22 +66,23 @@ DALEMBERT_INLINE void limb_blocks(const Panels<T>& panels, const LimbTable& limb
                                   int end) {
   constexpr bool out = steps <= detail::short_limb;
   const detail::Upper<T> limb = detail::limb_above<elements, T>(panels, limbs.first_slot, width);
-  detail::each_tile<out, steps>(begin, end, [&](int c0, auto below) __attribute__((always_inline)) {
-    const Panels<T> p = detail::moved(panels, limbs.first_slot + c0 * width, has_coriolis(elements));
-    const auto tile = [&](int r0, auto rows, auto diagonal) __attribute__((always_inline)) {
-      detail::Place<width> at;
-      detail::lanes<width>([&](int l) __attribute__((always_inline)) {
-        at.row_above[l] = limbs.first_row[l] + r0, at.left_above[l] = limbs.length[l] - r0;
-        at.row_below[l] = limbs.first_row[l] + c0, at.left_below[l] = limbs.length[l] - c0;
+  detail::each_tile<out, steps>(
+      begin, end, [&](int c0, auto below) __attribute__((always_inline)) {
+        const Panels<T> p = detail::moved(panels, limbs.first_slot + c0 * width, has_coriolis(elements));
+        const auto tile = [&](int r0, auto rows, auto diagonal) __attribute__((always_inline)) {
+          detail::Place<width> at;
+          detail::lanes<width>([&](int l) __attribute__((always_inline)) {
+            at.row_above[l] = limbs.first_row[l] + r0, at.left_above[l] = limbs.length[l] - r0;
+            at.row_below[l] = limbs.first_row[l] + c0, at.left_below[l] = limbs.length[l] - c0;
+          });
+          detail::tile_into<elements, detail::Above::each, width, decltype(rows)::value, decltype(below)::value,
+                            decltype(diagonal)::value, T>(p, limb.from(r0), at, M, C, leading);
+        };
+        detail::repeat<out, (steps - 1) / 4>(
+            c0 / 4, [&](int row)
+                        __attribute__((always_inline)) { tile(4 * row, std::integral_constant<int, 4>{}, std::false_type{}); });
+        tile(c0, below, std::true_type{});
       });
-      detail::tile_into<elements, detail::Above::each, width, decltype(rows)::value, decltype(below)::value,
-                        decltype(diagonal)::value, T>(p, limb.from(r0), at, M, C, leading);
-    };
-    detail::repeat<out, (steps - 1) / 4>(c0 / 4, [&](int row) __attribute__((always_inline)) {
-      tile(4 * row, std::integral_constant<int, 4>{}, std::false_type{});
-    });
-    tile(c0, below, std::true_type{});
-  });
 }
 
 // The blocks between the limbs of a segment and a limb above each of them, which may be another one for every lane.

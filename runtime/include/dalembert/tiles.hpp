@@ -53,8 +53,7 @@ DALEMBERT_INLINE void repeat(int count, const F& f) {
 template <bool out, int steps, class F>
 DALEMBERT_INLINE void each_tile(int begin, int end, const F& f) {
   repeat<out, steps / 4>(
-      (end - begin) / 4,
-      [&](int i) __attribute__((always_inline)) { f(begin + 4 * i, std::integral_constant<int, 4>{}); });
+      (end - begin) / 4, [&](int i) __attribute__((always_inline)) { f(begin + 4 * i, std::integral_constant<int, 4>{}); });
   if constexpr (steps % 4 != 0)
     if (end == steps) f(steps / 4 * 4, std::integral_constant<int, steps % 4>{});
 }
@@ -162,25 +161,44 @@ using Tile = Lanes<T, width>[4][4];
 
 // What is wanted of a tile: all of it, or its upper triangle, with the diagonal or without.
 enum class Part { all, upper, strictly_upper };
-constexpr bool wanted(Part part, int r, int c) {
-  return part == Part::all || r < c || (part == Part::upper && r == c);
-}
+constexpr bool wanted(Part part, int r, int c) { return part == Part::all || r < c || (part == Part::upper && r == c); }
 
-// sum[r][c] += Σ_j below[j][c] · above[j][r] over three components, component by component: every value is read once and the
-// tile stays in registers. `first`: the sums start here.
-template <bool first, Part part, Above kind, int width, int rows, int columns, class T>
-DALEMBERT_INLINE void add_products(Tile<width, T>& sum, const T* below, int below_stride, const T* above, int step,
-                                   int above_stride) {
-  lanes<3>([&](int j) __attribute__((always_inline)) {
-    Lanes<T, width> b[4];
-    lanes<columns>([&](int c) __attribute__((always_inline)) { b[c] = load<width, T>(below + j * below_stride + c * width); });
-    lanes<rows>([&](int r) __attribute__((always_inline)) {
-      const Lanes<T, width> a = read_above<kind, width, T>(above + r * step + j * above_stride);
-      lanes<columns>([&](int c) __attribute__((always_inline)) {
-        if (!wanted(part, r, c)) return;
-        if (first && j == 0) sum[r][c] = b[c] * a;
-        else sum[r][c] += b[c] * a;
+// Products of `rows` joints above with `columns` below. They run component by component, three at a time: every value is read
+// once, and the tile stays in registers.
+template <Part part, Above kind, int width, int rows, int columns, class T>
+struct Products {
+  int below_stride, above_step, above_stride;
+
+  // tile[r][c] = Σ_j below[j][c] · above[j][r]
+  DALEMBERT_INLINE void start(Tile<width, T>& tile, const T* below, const T* above) const { sum<true>(tile, below, above); }
+  // tile[r][c] += Σ_j below[j][c] · above[j][r]
+  DALEMBERT_INLINE void add(Tile<width, T>& tile, const T* below, const T* above) const { sum<false>(tile, below, above); }
+
+ private:
+  template <bool from_zero>
+  DALEMBERT_INLINE void sum(Tile<width, T>& tile, const T* below, const T* above) const {
+    lanes<3>([&](int j) __attribute__((always_inline)) {
+      Lanes<T, width> b[4];
+      lanes<columns>([&](int c)
+                         __attribute__((always_inline)) { b[c] = load<width, T>(below + j * below_stride + c * width); });
+      lanes<rows>([&](int r) __attribute__((always_inline)) {
+        const Lanes<T, width> a = read_above<kind, width, T>(above + j * above_stride + r * above_step);
+        lanes<columns>([&](int c) __attribute__((always_inline)) {
+          if (!wanted(part, r, c)) return;
+          if (from_zero && j == 0) tile[r][c] = b[c] * a;
+          else tile[r][c] += b[c] * a;
+        });
       });
+    });
+  }
+};
+
+// Copies what is above the diagonal to below it.
+template <int size, int width, class T>
+DALEMBERT_INLINE void mirror(Tile<width, T>& to, const Tile<width, T>& from) {
+  lanes<size>([&](int r) __attribute__((always_inline)) {
+    lanes<size>([&](int c) __attribute__((always_inline)) {
+      if (r < c) to[c][r] = from[r][c];
     });
   });
 }
@@ -250,40 +268,32 @@ DALEMBERT_INLINE void put(T* matrix, int leading, const Tile<width, T>& tile, co
 // Both triangles of an off-diagonal tile of `rows` joints above by `columns` below, or the whole of a diagonal one.
 template <Elements elements, Above kind, int width, int rows, int columns, bool diagonal, class T>
 DALEMBERT_INLINE void tile_into(const Panels<T>& p, const Upper<T>& up, const Place<width>& at, T* M, T* C, int leading) {
-  constexpr Part part = diagonal ? Part::upper : Part::all, rest = diagonal ? Part::strictly_upper : Part::all;
-  const auto mirror = [](Tile<width, T>& to, const Tile<width, T>& from) __attribute__((always_inline)) {
-    lanes<rows>([&](int r) __attribute__((always_inline)) {
-      lanes<columns>([&](int c) __attribute__((always_inline)) {
-        if (r < c) to[c][r] = from[r][c];
-      });
-    });
-  };
+  const Products<diagonal ? Part::upper : Part::all, kind, width, rows, columns, T> above{p.stride, up.step, up.stride};
+  const Products<diagonal ? Part::strictly_upper : Part::all, kind, width, rows, columns, T> below{p.stride, up.step,
+                                                                                                   up.stride};
   const T *v = up.linear, *w = up.angular, *d = up.rate;
   if constexpr (has_mass(elements)) {
     Tile<width, T> m;
-    add_products<true, part, kind, width, rows, columns, T>(m, p.inertia_force, p.stride, v, up.step, up.stride);
-    add_products<false, part, kind, width, rows, columns, T>(m, p.inertia_force + 3 * p.stride, p.stride, w, up.step,
-                                                             up.stride);
-    if constexpr (diagonal) mirror(m, m);
+    above.start(m, p.inertia_force, v);
+    above.add(m, p.inertia_force + 3 * p.stride, w);
+    if constexpr (diagonal) mirror<rows, width, T>(m, m);
     put<false, rows, columns, width, T>(M, leading, m, at);
     if constexpr (!diagonal) put<true, rows, columns, width, T>(M, leading, m, at);
   }
   if constexpr (has_coriolis(elements)) {
-    Tile<width, T> above;  // C_ik
-    add_products<true, part, kind, width, rows, columns, T>(above, p.bias_force, p.stride, v, up.step, up.stride);
-    add_products<false, part, kind, width, rows, columns, T>(above, p.bias_force + 3 * p.stride, p.stride, w, up.step,
-                                                             up.stride);
-    if constexpr (!diagonal) put<false, rows, columns, width, T>(C, leading, above, at);
-    Tile<width, T> below;  // C_ki
-    add_products<true, rest, kind, width, rows, columns, T>(below, p.inertia_force, p.stride, d, up.step, up.stride);
-    add_products<false, rest, kind, width, rows, columns, T>(below, p.inertia_force + 3 * p.stride, p.stride,
-                                                             d + 3 * up.stride, up.step, up.stride);
-    add_products<false, rest, kind, width, rows, columns, T>(below, p.transposed, p.stride, w, up.step, up.stride);
+    Tile<width, T> c_above;  // C_ik
+    above.start(c_above, p.bias_force, v);
+    above.add(c_above, p.bias_force + 3 * p.stride, w);
+    if constexpr (!diagonal) put<false, rows, columns, width, T>(C, leading, c_above, at);
+    Tile<width, T> c_below;  // C_ki
+    below.start(c_below, p.inertia_force, d);
+    below.add(c_below, p.inertia_force + 3 * p.stride, d + 3 * up.stride);
+    below.add(c_below, p.transposed, w);
     if constexpr (diagonal) {
-      mirror(above, below);
-      put<false, rows, columns, width, T>(C, leading, above, at);
+      mirror<rows, width, T>(c_above, c_below);
+      put<false, rows, columns, width, T>(C, leading, c_above, at);
     } else {
-      put<true, rows, columns, width, T>(C, leading, below, at);
+      put<true, rows, columns, width, T>(C, leading, c_below, at);
     }
   }
 }
