@@ -6,17 +6,17 @@
 // (--without fold,share,move_parameters), with the default outputs and those asked for. Here: what is left.
 //                                 multiply             add         sin/cos          divide
 //                           before    here  before    here  before    here  before    here
-// all together               14972    6896   12586    5790      25      25       0       0
-//   I   bodies outwards       4503    1414    3242     912      25      25       0       0
-//   II  sums inwards          5762    2353    5281    2153       0       0       0       0
+// all together               15050    6892   12664    5870      25      25       0       0
+//   I   bodies outwards       4578    1414    3242     912      25      25       0       0
+//   II  sums inwards          5765    2349    5359    2233       0       0       0       0
 //   III elements              4707    3129    4063    2725       0       0       0       0
-// mass_matrix                 4848    1894    3840    1432      25      25       0       0
-//   I   bodies outwards       1650     370    1050     183      25      25       0       0
-//   II  sums inwards          1872     728    1654     577       0       0       0       0
+// mass_matrix                 4926    1890    3918    1512      25      25       0       0
+//   I   bodies outwards       1725     370    1050     183      25      25       0       0
+//   II  sums inwards          1875     724    1732     657       0       0       0       0
 //   III elements              1326     796    1136     672       0       0       0       0
-// coriolis_matrix             9108    4977    7735    4412      25      25       0       0
-//   I   bodies outwards       2250     846    1500     544      25      25       0       0
-//   II  sums inwards          2886    1373    2786    1448       0       0       0       0
+// coriolis_matrix             9186    4973    7813    4492      25      25       0       0
+//   I   bodies outwards       2325     846    1500     544      25      25       0       0
+//   II  sums inwards          2889    1369    2864    1528       0       0       0       0
 //   III elements              3972    2758    3449    2420       0       0       0       0
 // gravity                      970     255     721     145      25      25       0       0
 //   I   bodies outwards        361     108     218      52      25      25       0       0
@@ -30,7 +30,7 @@
 // Not read by coriolis_matrix: base pose
 // Not read by gravity: base position, velocities
 // The code is in rolled form: its loops compute padding and constants that this count does not have.
-// Workspace: 46400 bytes
+// Workspace: 41600 bytes
 #pragma once
 
 #include <Eigen/Core>
@@ -103,7 +103,7 @@ inline constexpr const char* body_names[] = {
 using VectorQ = Eigen::Matrix<Scalar, nq, 1>;
 using VectorV = Eigen::Matrix<Scalar, nv, 1>;
 
-// Room to work in: one value per slot, a slot per body of a limb and lane; the root's slot is 32.
+// Room to work in: one value per slot, a slot per body of a limb and lane; the root's slot is 4.
 struct Kept {
   alignas(64) Scalar sine[1][40] = {};  // sin q
   alignas(64) Scalar cosine[1][40] = {};  // cos q
@@ -112,15 +112,11 @@ struct Kept {
   alignas(64) Scalar position[3][40] = {};  // p
   alignas(64) Scalar joint_linear[3][40] = {};  // J, linear part
   alignas(64) Scalar joint_rate[6][40] = {};  // dJ
-  alignas(64) Scalar body_linear[3][40] = {};  // u
-  alignas(64) Scalar body_angular[3][40] = {};  // w
-  alignas(64) Scalar first[3][40] = {};  // h, of the body, then of its subtree
+  alignas(64) Scalar velocity[6][40] = {};  // u, w
+  alignas(64) Scalar first[3][40] = {};  // h, of the body and of the limbs attached to it
   alignas(64) Scalar second[6][40] = {};  // S: xx xy xz yy yz zz
   alignas(64) Scalar momentum[3][40] = {};  // P
   alignas(64) Scalar bias_block[9][40] = {};  // D, row by row
-  alignas(64) Scalar inertia_force[6][40] = {};  // F = A* J
-  alignas(64) Scalar bias_force[6][40] = {};  // G = A* dJ + B* J
-  alignas(64) Scalar transposed[3][40] = {};  // H
   alignas(64) Scalar below_force[6][40] = {};  // ad(V)' F + H, for the base's columns
   alignas(64) Scalar down[3][40] = {};  // gravity along the body's axes
   alignas(64) Scalar gravity_first[3][40] = {};  // h of the subtree in the body's axes
@@ -128,6 +124,9 @@ struct Kept {
   alignas(64) Scalar motion[9][40] = {};  // w, dw, a in the body's axes
   alignas(64) Scalar force[6][40] = {};  // f, n of the subtree in the body's axes
   alignas(64) Scalar bias_torque[1][40] = {};  // C v + g
+  Scalar* inertia_force(int i) noexcept { return rotation[i]; }  // F = A* J; where nobody reads rotation any more
+  Scalar* bias_force(int i) noexcept { return velocity[i]; }  // G = A* dJ + B* J; where nobody reads velocity any more
+  Scalar* transposed(int i) noexcept { return position[i]; }  // H; where nobody reads position any more
 };
 
 // Results, run-time inputs and room to work in. Matrices stand column by column. A new workspace is zero: the structural zeros of

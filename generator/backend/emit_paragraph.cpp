@@ -163,7 +163,7 @@ class ParagraphWriter {
 
 std::string kept(const CodeInput& code, int role, int component) {
   const ir::Role& r = code.rolled.roles[static_cast<size_t>(role)];
-  const bool own = r.place.role < 0;
+  const bool own = r.place < 0;
   return fmt::format("kept.{}{}{}{}", r.name, own ? '[' : '(', component, own ? ']' : ')');
 }
 

@@ -285,7 +285,7 @@ std::vector<KeptArray> kept_arrays(const CodeInput& code) {
   std::vector<KeptArray> arrays;
   if (Prepare(code).needs_angles()) arrays.push_back({"angle", 1, stride(code), "q of turning joints, rad"});
   for (const ir::Role& r : code.rolled.roles)
-    if (!r.name.empty() && r.place.role < 0) arrays.push_back({r.name, r.components, stride(code), r.meaning});
+    if (!r.name.empty() && r.place < 0) arrays.push_back({r.name, r.components, stride(code), r.meaning});
   return arrays;
 }
 
@@ -295,11 +295,11 @@ std::string rolled_workspace(const CodeInput& code) {
       code.plan.root_slot);
   for (const KeptArray& a : kept_arrays(code))
     text += fmt::format("  alignas(64) Scalar {}[{}][{}] = {{}};  // {}\n", a.name, a.components, a.slots, a.meaning);
-  for (const ir::Role& r : code.rolled.roles)
-    if (!r.name.empty() && r.place.role >= 0)
-      text += fmt::format("  Scalar* {}(int i) noexcept {{ return {}[{} + i]; }}  // {}; where nobody reads {} any more\n",
-                          r.name, code.rolled.roles[static_cast<size_t>(r.place.role)].name, r.place.component, r.meaning,
-                          code.rolled.roles[static_cast<size_t>(r.place.role)].name);
+  for (const ir::Role& r : code.rolled.roles) {
+    if (r.name.empty() || r.place < 0) continue;
+    text += fmt::format("  Scalar* {0}(int i) noexcept {{ return {1}[i]; }}  // {2}; where nobody reads {1} any more\n", r.name,
+                        code.rolled.roles[static_cast<size_t>(r.place)].name, r.meaning);
+  }
   return text + "};\n";
 }
 

@@ -13,9 +13,7 @@ struct Role {
   std::string name;
   std::string meaning;
   int components = 0;
-  struct Place {
-    int role = -1, component = 0;
-  } place{};  // in another role's array, from a component on; -1: in its own
+  int place = -1;  // the role in whose array it is kept; -1: in its own
 };
 
 // A column of constants of one segment: one value per slot.

@@ -17,7 +17,7 @@ std::vector<ir::Role> make_roles() {
   r[joint_angular] = {"joint_angular", "J, angular part", 3};
   r[joint_rate] = {"joint_rate", "dJ", 6};
   r[velocity] = {"velocity", "u, w", 6};
-  r[first] = {"first", "h, of the body, then of its subtree", 3};
+  r[first] = {"first", "h, of the body and of the limbs attached to it", 3};
   r[second] = {"second", "S: xx xy xz yy yz zz", 6};
   r[momentum] = {"momentum", "P", 3};
   r[bias_block] = {"bias_block", "D, row by row", 9};
@@ -37,9 +37,9 @@ std::vector<ir::Role> make_roles() {
 void share_places(ir::RolledProgram& program) {
   // Without C all of it fits in the cache anyway, and stores to what was just read cost more than they save.
   if (!program.coriolis || program.wrench) return;
-  program.roles[inertia_force].place = {rotation, 0};  // the axis, columns 6 to 8, stays
-  program.roles[bias_force].place = {velocity, 0};
-  program.roles[transposed].place = {position, 0};
+  program.roles[inertia_force].place = rotation;  // the axis, columns 6 to 8, stays
+  program.roles[bias_force].place = velocity;
+  program.roles[transposed].place = position;
 }
 
 }  // namespace dalembert::passes
