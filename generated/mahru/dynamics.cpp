@@ -54,14 +54,14 @@ alignas(64) constexpr Scalar left_hip_yaw_x4_pose_translation_x[24] = {
     0.0, 0.0, 0.0, 0.0,
     0.0, 0.0, 0.0, 0.0,
     -0.3, -0.3, 0.0, 0.0,
-    -0.3, -0.3, -0.2, -0.2,
+    -0.3, -0.3, -0.24000000000000002, -0.24000000000000002,
     0.0, 0.0, 0.0, 0.0,
 };
 alignas(64) constexpr Scalar left_hip_yaw_x4_first_x[24] = {
     -0.06, -0.06, 0.0, 0.0,
     0.045, -0.045, 0.0, 0.0,
     -2.175, -2.175, 0.0, 0.0,
-    -1.0499999999999998, -1.0499999999999998, -0.364, -0.364,
+    -1.0499999999999998, -1.0499999999999998, -0.3640000000000001, -0.3640000000000001,
     0.0, 0.0, 0.0, 0.0,
     0.013999999999999999, -0.013999999999999999, -0.055999999999999994, -0.055999999999999994,
 };
@@ -69,7 +69,7 @@ alignas(64) constexpr Scalar left_hip_yaw_x4_second_xx[24] = {
     0.004533332, 0.004533332, 0.0004266665000000001, 0.0004266665000000001,
     0.007448750000000001, 0.007448750000000001, 0.00020999949999999995, 0.00020999949999999995,
     0.57285, 0.57285, 0.0005200000000000001, 0.0005200000000000001,
-    0.26189995, 0.26189995, 0.07223999850000001, 0.07223999850000001,
+    0.26189995, 0.26189995, 0.07223999850000003, 0.07223999850000003,
     0.00017999999999999998, 0.00017999999999999998, 8.33335e-05, 8.33335e-05,
     0.0018199999999999991, 0.0018199999999999991, 0.005623333499999999, 0.005623333499999999,
 };
@@ -90,9 +90,9 @@ alignas(64) constexpr Scalar left_hip_yaw_x4_second_xz[24] = {
     0.00041999999999999996, -0.00041999999999999996, 0.0, 0.0,
 };
 alignas(64) constexpr Scalar left_hip_yaw_x4_pose_translation_y[24] = {
-    0.09, -0.09, 0.17, -0.17,
+    0.09, -0.09, 0.22000000000000003, -0.22000000000000003,
     0.0, 0.0, 0.0, 0.0,
-    0.0, 0.0, -0.06, -0.06,
+    0.0, 0.0, -0.26, -0.26,
     0.0, 0.0, 0.0, 0.0,
     0.0, 0.0, 0.0, 0.0,
     0.0, 0.0, 0.0, 0.0,
@@ -107,7 +107,7 @@ alignas(64) constexpr Scalar left_hip_yaw_x4_first_y[24] = {
 };
 alignas(64) constexpr Scalar left_hip_yaw_x4_second_yy[24] = {
     0.000833335, 0.000833335, 0.0007125, 0.0007125,
-    0.0004499999999999999, 0.0004499999999999999, 0.18533916350000004, 0.18533916350000004,
+    0.0004499999999999999, 0.0004499999999999999, 0.18533916350000001, 0.18533916350000001,
     0.0040500000000000015, 0.0040500000000000015, 0.000856875, 0.000856875,
     0.0018187499999999992, 0.0018187499999999992, 0.00044687499999999995, 0.00044687499999999995,
     0.008159999999999999, 0.008159999999999999, 0.00013582999999999992, 0.00013582999999999992,
@@ -121,25 +121,17 @@ alignas(64) constexpr Scalar left_hip_yaw_x4_second_yz[24] = {
     0.0, 0.0, 0.0, 0.0,
     -0.0033599999999999997, -0.0033599999999999997, 0.0, 0.0,
 };
-alignas(64) constexpr Scalar left_hip_yaw_x4_pose_translation_z[24] = {
-    0.0, 0.0, 0.29, 0.29,
-    0.0, 0.0, 0.05, -0.05,
-    0.0, 0.0, 0.0, 0.0,
-    0.0, 0.0, -0.2, -0.2,
-    0.0, 0.0, 0.0, 0.0,
-    0.0, 0.0, -0.04, -0.04,
-};
 alignas(64) constexpr Scalar left_hip_yaw_x4_half_second_xx[24] = {
     0.002266666, 0.002266666, 0.00021333325000000004, 0.00021333325000000004,
     0.0037243750000000007, 0.0037243750000000007, 0.00010499974999999997, 0.00010499974999999997,
     0.286425, 0.286425, 0.00026000000000000003, 0.00026000000000000003,
-    0.130949975, 0.130949975, 0.03611999925000001, 0.03611999925000001,
+    0.130949975, 0.130949975, 0.036119999250000014, 0.036119999250000014,
     8.999999999999999e-05, 8.999999999999999e-05, 4.166675e-05, 4.166675e-05,
     0.0009099999999999996, 0.0009099999999999996, 0.0028116667499999996, 0.0028116667499999996,
 };
 alignas(64) constexpr Scalar left_hip_yaw_x4_half_second_yy[24] = {
     0.0004166675, 0.0004166675, 0.00035625, 0.00035625,
-    0.00022499999999999994, 0.00022499999999999994, 0.09266958175000002, 0.09266958175000002,
+    0.00022499999999999994, 0.00022499999999999994, 0.09266958175000001, 0.09266958175000001,
     0.0020250000000000008, 0.0020250000000000008, 0.0004284375, 0.0004284375,
     0.0009093749999999996, 0.0009093749999999996, 0.00022343749999999998, 0.00022343749999999998,
     0.004079999999999999, 0.004079999999999999, 6.791499999999996e-05, 6.791499999999996e-05,
@@ -217,7 +209,7 @@ void prepare(const Scalar* q, const Scalar* v, Workspace& workspace) noexcept {
   kept.gravity_first[2][4] = 12.11;
   kept.second[0][4] = 0.024299999999999995;
   kept.second[3][4] = 0.2376;
-  kept.second[5][4] = 4.66986017;
+  kept.second[5][4] = 4.669860169999999;
   const Scalar t7 = 12.11 * v[4];
   const Scalar t8 = 12.11 * v[3];
   kept.momentum[2][4] = 65.0 * v[2];
@@ -228,15 +220,15 @@ void prepare(const Scalar* q, const Scalar* v, Workspace& workspace) noexcept {
   kept.bias_block[4][4] = t9;
   kept.bias_block[1][4] = 0.3159 * v[5];
   kept.bias_block[6][4] = 0.1026 * v[4];
-  kept.bias_block[2][4] = -(4.748160169999999 * v[4] + 12.11 * v[0]);
+  kept.bias_block[2][4] = -(4.7481601699999985 * v[4] + 12.11 * v[0]);
   kept.bias_block[3][4] = -(0.1026 * v[5]);
-  kept.bias_block[5][4] = -(12.11 * v[1] - 4.748160169999999 * v[3]);
+  kept.bias_block[5][4] = -(12.11 * v[1] - 4.7481601699999985 * v[3]);
   kept.bias_block[7][4] = -(0.3159 * v[3]);
   kept.force[0][4] = v[5] * t8 + 65.0 * t4;
   kept.force[1][4] = v[5] * t7 + 65.0 * t5;
   kept.force[2][4] = 65.0 * t6 - (v[4] * t7 + v[3] * t8);
-  const Scalar t10 = 4.907460169999999 * v[3];
-  const Scalar t11 = 4.69416017 * v[4];
+  const Scalar t10 = 4.9074601699999985 * v[3];
+  const Scalar t11 = 4.694160169999999 * v[4];
   const Scalar t12 = 0.2619 * v[5];
   kept.force[5][4] = v[3] * t11 - v[4] * t10;
   kept.force[3][4] = v[4] * t12 - v[5] * t11 - 12.11 * t5;
@@ -294,13 +286,13 @@ void outwards_waist(Workspace& workspace) noexcept {
       const V t6 = carried_rotation_5 * sine + carried_rotation_2 * cosine;
       dalembert::store<1, Scalar>(kept.rotation[2] + slot, t6);
       const V next_carried_rotation_2 = t6;
-      const V t7 = carried_position_0 + 0.12 * carried_rotation_6;
+      const V t7 = carried_position_0 + 0.41 * carried_rotation_6;
       dalembert::store<1, Scalar>(kept.position[0] + slot, t7);
       const V next_carried_position_0 = t7;
-      const V t8 = carried_position_1 + 0.12 * carried_rotation_7;
+      const V t8 = carried_position_1 + 0.41 * carried_rotation_7;
       dalembert::store<1, Scalar>(kept.position[1] + slot, t8);
       const V next_carried_position_1 = t8;
-      const V t9 = carried_position_2 + 0.12 * carried_rotation_8;
+      const V t9 = carried_position_2 + 0.41 * carried_rotation_8;
       dalembert::store<1, Scalar>(kept.position[2] + slot, t9);
       const V next_carried_position_2 = t9;
       const V t10 = carried_rotation_8 * t8 - carried_rotation_7 * t9;
@@ -384,12 +376,12 @@ void outwards_waist(Workspace& workspace) noexcept {
       dalembert::store<dalembert::short_lanes, Scalar>(kept.first[1] + slot, t2);
       const V t3 = 0.03 * rotation_2;
       dalembert::store<dalembert::short_lanes, Scalar>(kept.first[2] + slot, t3);
-      const V t4 = 0.014099999999999998 * rotation_6 + 0.03544675 * rotation_0 + 0.03 * dalembert::load<dalembert::short_lanes>(kept.position[0] + slot);
-      const V t5 = 0.014099999999999998 * rotation_7 + 0.03544675 * rotation_1 + 0.03 * dalembert::load<dalembert::short_lanes>(kept.position[1] + slot);
-      const V t6 = 0.014099999999999998 * rotation_8 + 0.03544675 * rotation_2 + 0.03 * dalembert::load<dalembert::short_lanes>(kept.position[2] + slot);
-      const V t7 = 0.3012167505 * rotation_3;
-      const V t8 = 0.3012167505 * rotation_4;
-      const V t9 = 0.3012167505 * rotation_5;
+      const V t4 = 0.0053999999999999986 * rotation_6 + 0.03544675 * rotation_0 + 0.03 * dalembert::load<dalembert::short_lanes>(kept.position[0] + slot);
+      const V t5 = 0.0053999999999999986 * rotation_7 + 0.03544675 * rotation_1 + 0.03 * dalembert::load<dalembert::short_lanes>(kept.position[1] + slot);
+      const V t6 = 0.0053999999999999986 * rotation_8 + 0.03544675 * rotation_2 + 0.03 * dalembert::load<dalembert::short_lanes>(kept.position[2] + slot);
+      const V t7 = 0.3012167505000001 * rotation_3;
+      const V t8 = 0.3012167505000001 * rotation_4;
+      const V t9 = 0.3012167505000001 * rotation_5;
       const V t10 = rotation_3 * t7 + rotation_0 * t4;
       const V t11 = t10 + t10;
       dalembert::store<dalembert::short_lanes, Scalar>(kept.second[0] + slot, t11);
@@ -474,10 +466,10 @@ void outwards_waist(Workspace& workspace) noexcept {
       const V rate = dalembert::load<1>(kept.rate[0] + slot);
       const V sine = dalembert::load<1>(kept.sine[0] + slot);
       const V cosine = dalembert::load<1>(kept.cosine[0] + slot);
-      const V t1 = 0.12 * carried_motion_1;
-      const V t2 = 0.12 * carried_motion_0;
-      const V t3 = carried_motion_6 + carried_motion_2 * t2 + 0.12 * carried_motion_4;
-      const V t4 = carried_motion_7 + carried_motion_2 * t1 - 0.12 * carried_motion_3;
+      const V t1 = 0.41 * carried_motion_1;
+      const V t2 = 0.41 * carried_motion_0;
+      const V t3 = carried_motion_6 + carried_motion_2 * t2 + 0.41 * carried_motion_4;
+      const V t4 = carried_motion_7 + carried_motion_2 * t1 - 0.41 * carried_motion_3;
       const V t5 = carried_motion_8 - carried_motion_1 * t1 - carried_motion_0 * t2;
       dalembert::store<1, Scalar>(kept.motion[8] + slot, t5);
       const V next_carried_motion_8 = t5;
@@ -507,12 +499,12 @@ void outwards_waist(Workspace& workspace) noexcept {
       dalembert::store<1, Scalar>(kept.force[0] + slot, -(t8 * t13 + t7 * t14));
       dalembert::store<1, Scalar>(kept.force[1] + slot, t6 * t14 + 0.03 * carried_motion_5);
       dalembert::store<1, Scalar>(kept.force[2] + slot, t6 * t13 - 0.03 * t10);
-      const V t15 = 0.602433501 * t6 - 0.014099999999999998 * t8;
+      const V t15 = 0.6024335010000001 * t6 - 0.0053999999999999986 * t8;
       const V t16 = 0.0708935 * t7;
-      const V t17 = 0.6733270010000001 * t8 - 0.014099999999999998 * t6;
-      dalembert::store<1, Scalar>(kept.force[3] + slot, t7 * t17 + 0.602433501 * t9 - t8 * t16 - 0.014099999999999998 * carried_motion_5);
+      const V t17 = 0.6733270010000001 * t8 - 0.0053999999999999986 * t6;
+      dalembert::store<1, Scalar>(kept.force[3] + slot, t7 * t17 + 0.6024335010000001 * t9 - t8 * t16 - 0.0053999999999999986 * carried_motion_5);
       dalembert::store<1, Scalar>(kept.force[4] + slot, t8 * t15 + 0.0708935 * t10 - t6 * t17 - 0.03 * t5);
-      dalembert::store<1, Scalar>(kept.force[5] + slot, t6 * t16 + 0.6733270010000001 * carried_motion_5 + 0.03 * t12 - t7 * t15 - 0.014099999999999998 * t9);
+      dalembert::store<1, Scalar>(kept.force[5] + slot, t6 * t16 + 0.6733270010000001 * carried_motion_5 + 0.03 * t12 - t7 * t15 - 0.0053999999999999986 * t9);
       carried_motion_0 = next_carried_motion_0;
       carried_motion_1 = next_carried_motion_1;
       carried_motion_2 = next_carried_motion_2;
@@ -557,7 +549,6 @@ void outwards_left_hip_yaw_x4(Workspace& workspace) noexcept {
       const V pose_rotation_xz_k = dalembert::load<4>(left_hip_yaw_x4_pose_rotation_xz + i);
       const V pose_translation_x_k = dalembert::load<4>(left_hip_yaw_x4_pose_translation_x + i);
       const V pose_translation_y_k = dalembert::load<4>(left_hip_yaw_x4_pose_translation_y + i);
-      const V pose_translation_z_k = dalembert::load<4>(left_hip_yaw_x4_pose_translation_z + i);
       const V sine = dalembert::load<4>(kept.sine[0] + slot);
       const V cosine = dalembert::load<4>(kept.cosine[0] + slot);
       const V t1 = pose_rotation_xx_k * carried_rotation_6 + pose_rotation_xy_k * carried_rotation_3 + pose_rotation_xz_k * carried_rotation_0;
@@ -593,13 +584,13 @@ void outwards_left_hip_yaw_x4(Workspace& workspace) noexcept {
       const V t15 = sine * t6 + cosine * t9;
       dalembert::store<4, Scalar>(kept.rotation[2] + slot, t15);
       const V next_carried_rotation_2 = t15;
-      const V t16 = carried_position_0 + pose_translation_z_k * carried_rotation_6 + pose_translation_y_k * carried_rotation_3 + pose_translation_x_k * carried_rotation_0;
+      const V t16 = carried_position_0 + pose_translation_y_k * carried_rotation_3 + pose_translation_x_k * carried_rotation_0;
       dalembert::store<4, Scalar>(kept.position[0] + slot, t16);
       const V next_carried_position_0 = t16;
-      const V t17 = carried_position_1 + pose_translation_z_k * carried_rotation_7 + pose_translation_y_k * carried_rotation_4 + pose_translation_x_k * carried_rotation_1;
+      const V t17 = carried_position_1 + pose_translation_y_k * carried_rotation_4 + pose_translation_x_k * carried_rotation_1;
       dalembert::store<4, Scalar>(kept.position[1] + slot, t17);
       const V next_carried_position_1 = t17;
-      const V t18 = carried_position_2 + pose_translation_z_k * carried_rotation_8 + pose_translation_y_k * carried_rotation_5 + pose_translation_x_k * carried_rotation_2;
+      const V t18 = carried_position_2 + pose_translation_y_k * carried_rotation_5 + pose_translation_x_k * carried_rotation_2;
       dalembert::store<4, Scalar>(kept.position[2] + slot, t18);
       const V next_carried_position_2 = t18;
       const V t19 = t3 * t17 - t2 * t18;
@@ -797,16 +788,15 @@ void outwards_left_hip_yaw_x4(Workspace& workspace) noexcept {
       const V first_y_k = dalembert::load<4>(left_hip_yaw_x4_first_y + i);
       const V second_yy_k = dalembert::load<4>(left_hip_yaw_x4_second_yy + i);
       const V second_yz_k = dalembert::load<4>(left_hip_yaw_x4_second_yz + i);
-      const V pose_translation_z_k = dalembert::load<4>(left_hip_yaw_x4_pose_translation_z + i);
       const V rate = dalembert::load<4>(kept.rate[0] + slot);
       const V sine = dalembert::load<4>(kept.sine[0] + slot);
       const V cosine = dalembert::load<4>(kept.cosine[0] + slot);
-      const V t1 = pose_translation_z_k * carried_motion_1 - pose_translation_y_k * carried_motion_2;
-      const V t2 = pose_translation_x_k * carried_motion_2 - pose_translation_z_k * carried_motion_0;
+      const V t1 = pose_translation_y_k * carried_motion_2;
+      const V t2 = pose_translation_x_k * carried_motion_2;
       const V t3 = pose_translation_y_k * carried_motion_0 - pose_translation_x_k * carried_motion_1;
-      const V t4 = carried_motion_6 + carried_motion_1 * t3 + pose_translation_z_k * carried_motion_4 - carried_motion_2 * t2 - pose_translation_y_k * carried_motion_5;
-      const V t5 = carried_motion_7 + carried_motion_2 * t1 + pose_translation_x_k * carried_motion_5 - carried_motion_0 * t3 - pose_translation_z_k * carried_motion_3;
-      const V t6 = carried_motion_8 + carried_motion_0 * t2 + pose_translation_y_k * carried_motion_3 - carried_motion_1 * t1 - pose_translation_x_k * carried_motion_4;
+      const V t4 = carried_motion_6 + carried_motion_1 * t3 - carried_motion_2 * t2 - pose_translation_y_k * carried_motion_5;
+      const V t5 = carried_motion_7 + pose_translation_x_k * carried_motion_5 - carried_motion_0 * t3 - carried_motion_2 * t1;
+      const V t6 = carried_motion_8 + carried_motion_1 * t1 + carried_motion_0 * t2 + pose_translation_y_k * carried_motion_3 - pose_translation_x_k * carried_motion_4;
       const V t7 = pose_rotation_xy_k * carried_motion_2 + pose_rotation_xz_k * carried_motion_1 + pose_rotation_xx_k * carried_motion_0;
       const V t8 = pose_rotation_xz_k * carried_motion_2 + pose_rotation_xx_k * carried_motion_1 + pose_rotation_xy_k * carried_motion_0;
       const V t9 = sine * t8 + cosine * t7;
@@ -1096,7 +1086,6 @@ void inwards_left_hip_yaw_x4(Workspace& workspace) noexcept {
       const V pose_rotation_xz_k = dalembert::load<4>(left_hip_yaw_x4_pose_rotation_xz + i);
       const V pose_translation_x_k = dalembert::load<4>(left_hip_yaw_x4_pose_translation_x + i);
       const V pose_translation_y_k = dalembert::load<4>(left_hip_yaw_x4_pose_translation_y + i);
-      const V pose_translation_z_k = dalembert::load<4>(left_hip_yaw_x4_pose_translation_z + i);
       const V sine = dalembert::load<4>(kept.sine[0] + slot);
       const V cosine = dalembert::load<4>(kept.cosine[0] + slot);
       const V t1 = carried_force_0 + dalembert::load<4>(kept.force[0] + slot);
@@ -1116,8 +1105,8 @@ void inwards_left_hip_yaw_x4(Workspace& workspace) noexcept {
       const V next_carried_force_2 = t11;
       const V t12 = cosine * t4 - sine * t5;
       const V t13 = cosine * t5 + sine * t4;
-      const V next_carried_force_3 = pose_translation_y_k * t11 + pose_rotation_xz_k * t6 + pose_rotation_xy_k * t13 + pose_rotation_xx_k * t12 - pose_translation_z_k * t10;
-      const V next_carried_force_4 = pose_translation_z_k * t9 + pose_rotation_xy_k * t6 + pose_rotation_xx_k * t13 + pose_rotation_xz_k * t12 - pose_translation_x_k * t11;
+      const V next_carried_force_3 = pose_translation_y_k * t11 + pose_rotation_xz_k * t6 + pose_rotation_xy_k * t13 + pose_rotation_xx_k * t12;
+      const V next_carried_force_4 = pose_rotation_xy_k * t6 + pose_rotation_xx_k * t13 + pose_rotation_xz_k * t12 - pose_translation_x_k * t11;
       const V next_carried_force_5 = pose_translation_x_k * t10 + pose_rotation_xx_k * t6 + pose_rotation_xz_k * t13 + pose_rotation_xy_k * t12 - pose_translation_y_k * t9;
       carried_force_0 = next_carried_force_0;
       carried_force_1 = next_carried_force_1;
@@ -1359,8 +1348,8 @@ void inwards_waist(Workspace& workspace) noexcept {
       const V next_carried_force_0 = t6;
       const V t7 = cosine * t2 + sine * t1;
       const V next_carried_force_1 = t7;
-      const V next_carried_force_3 = cosine * t3 - sine * t4 - 0.12 * t7;
-      const V next_carried_force_4 = 0.12 * t6 + cosine * t4 + sine * t3;
+      const V next_carried_force_3 = cosine * t3 - sine * t4 - 0.41 * t7;
+      const V next_carried_force_4 = 0.41 * t6 + cosine * t4 + sine * t3;
       carried_force_0 = next_carried_force_0;
       carried_force_1 = next_carried_force_1;
       carried_force_2 = next_carried_force_2;

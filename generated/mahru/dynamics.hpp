@@ -6,25 +6,25 @@
 // (--without fold,share,move_parameters), with the default outputs and those asked for. Here: what is left.
 //                                 multiply             add         sin/cos          divide
 //                           before    here  before    here  before    here  before    here
-// all together               15050    6892   12664    5870      25      25       0       0
-//   I   bodies outwards       4578    1414    3242     912      25      25       0       0
-//   II  sums inwards          5765    2349    5359    2233       0       0       0       0
+// all together               15050    6808   12664    5795      25      25       0       0
+//   I   bodies outwards       4578    1346    3242     853      25      25       0       0
+//   II  sums inwards          5765    2333    5359    2217       0       0       0       0
 //   III elements              4707    3129    4063    2725       0       0       0       0
-// mass_matrix                 4926    1890    3918    1512      25      25       0       0
-//   I   bodies outwards       1725     370    1050     183      25      25       0       0
+// mass_matrix                 4926    1876    3918    1498      25      25       0       0
+//   I   bodies outwards       1725     356    1050     169      25      25       0       0
 //   II  sums inwards          1875     724    1732     657       0       0       0       0
 //   III elements              1326     796    1136     672       0       0       0       0
-// coriolis_matrix             9186    4973    7813    4492      25      25       0       0
-//   I   bodies outwards       2325     846    1500     544      25      25       0       0
+// coriolis_matrix             9186    4959    7813    4478      25      25       0       0
+//   I   bodies outwards       2325     832    1500     530      25      25       0       0
 //   II  sums inwards          2889    1369    2864    1528       0       0       0       0
 //   III elements              3972    2758    3449    2420       0       0       0       0
 // gravity                      970     255     721     145      25      25       0       0
 //   I   bodies outwards        361     108     218      52      25      25       0       0
 //   II  sums inwards           600     138     500      90       0       0       0       0
 //   III elements                 9       9       3       3       0       0       0       0
-// bias                        4168    1323    3519     941      25      25       0       0
-//   I   bodies outwards       1892     479    1524     326      25      25       0       0
-//   II  sums inwards          2276     844    1995     615       0       0       0       0
+// bias                        4168    1253    3519     880      25      25       0       0
+//   I   bodies outwards       1892     425    1524     281      25      25       0       0
+//   II  sums inwards          2276     828    1995     599       0       0       0       0
 // Not read at all: base position
 // Not read by mass_matrix: base pose, velocities
 // Not read by coriolis_matrix: base pose
