@@ -36,7 +36,8 @@ backend::CodeInput code_input(const Model& model, const Lowered& lowered) {
 }  // namespace
 
 Lowered lower(const Model& model) {
-  Lowered lowered{passes::normalise(model.tree, {model.options.move_parameters}), {}, {}, {}};
+  Lowered lowered{
+      passes::normalise(model.tree, passes::normalise_options(model.scene, model.options.move_parameters)), {}, {}, {}};
   const bool names = model.tree.joints() < 200;  // nobody reads a straight line of a million statements
   lowered.program = passes::lower(model.tree, lowered.normal, model.scene, {{model.options.fold, model.options.share}, names});
   const ir::Program& program = lowered.program;

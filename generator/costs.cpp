@@ -12,7 +12,8 @@ namespace dalembert {
 namespace {
 
 ir::Program program_of(const Model& model) {
-  const ir::NormalTree normal = passes::normalise(model.tree, {model.options.move_parameters});
+  const ir::NormalTree normal =
+      passes::normalise(model.tree, passes::normalise_options(model.scene, model.options.move_parameters));
   return passes::lower(model.tree, normal, model.scene, {{model.options.fold, model.options.share}, false});
 }
 

@@ -1,6 +1,7 @@
 #include "passes/normalise.hpp"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -107,6 +108,11 @@ void slide_origins(ir::NormalTree& tree) {
 
 }  // namespace
 
+NormaliseOptions normalise_options(const ir::Scene& scene, bool move_parameters) {
+  const auto matrix = [](ir::Quantity q) { return q == ir::Quantity::mass_matrix || q == ir::Quantity::coriolis_matrix; };
+  return {move_parameters, std::any_of(scene.outputs.begin(), scene.outputs.end(), matrix)};
+}
+
 ir::NormalTree normalise(const ir::KinematicTree& tree, const NormaliseOptions& options) {
   ir::NormalTree normal;
   normal.floating_base = tree.floating_base;
@@ -125,7 +131,7 @@ ir::NormalTree normalise(const ir::KinematicTree& tree, const NormaliseOptions& 
     n.link_rotation = frame.transpose();
     n.own = n.moments = moments_of(body.inertia, frame);
   }
-  slide_origins(normal);
+  if (options.slide_origins) slide_origins(normal);
   if (!options.move_parameters) return normal;
   for (size_t k = normal.bodies.size(); k-- > 0;) {
     ir::NormalBody& n = normal.bodies[k];

@@ -3,12 +3,17 @@
 
 #include "ir/kinematic_tree.hpp"
 #include "ir/normal_tree.hpp"
+#include "ir/scene.hpp"
 
 namespace dalembert::passes {
 
 struct NormaliseOptions {
   bool move_parameters = true;
+  bool slide_origins = true;  // along the joints' axes, where it saves operations; M and C also get more exact, g and bias not
 };
+
+// What these outputs ask for: frames slide where M or C is among them.
+NormaliseOptions normalise_options(const ir::Scene& scene, bool move_parameters);
 
 // Nothing changes in the results: a rotation of frames is a renaming, and mass on a revolute joint's axis, like the rotational
 // inertia behind a prismatic joint, has the same motion on either side of the joint.
