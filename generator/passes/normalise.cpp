@@ -82,7 +82,7 @@ void shift_origin(ir::Moments& m, double by) {
 int nonzeros(const Vector3d& v) { return static_cast<int>((v.array() != 0).count()); }
 
 // The origin of a revolute joint's frame may be anywhere on its axis: level with the next joint's, where that makes more
-// components of translations zero. Levers get shorter and sums smaller, which saves operations and rounding.
+// components of translations zero: fewer operations, and as a rule shorter levers and less rounding.
 void slide_origins(ir::NormalTree& tree) {
   for (size_t k = tree.bodies.size(); k-- > 0;) {
     ir::NormalBody& n = tree.bodies[k];

@@ -1,4 +1,4 @@
-// Turns frames so that every joint axis is z, and moves inertial parameters towards the base.
+// Turns frames so that every joint axis is z, slides them along it, and moves inertial parameters towards the base.
 #pragma once
 
 #include "ir/kinematic_tree.hpp"
@@ -15,8 +15,8 @@ struct NormaliseOptions {
 // What these outputs ask for: frames slide where M or C is among them.
 NormaliseOptions normalise_options(const ir::Scene& scene, bool move_parameters);
 
-// Nothing changes in the results: a rotation of frames is a renaming, and mass on a revolute joint's axis, like the rotational
-// inertia behind a prismatic joint, has the same motion on either side of the joint.
+// Nothing changes in the results: another frame of a body is a renaming, and mass on a revolute joint's axis, like the
+// rotational inertia behind a prismatic joint, has the same motion on either side of the joint.
 ir::NormalTree normalise(const ir::KinematicTree& tree, const NormaliseOptions& options = {});
 
 }  // namespace dalembert::passes
