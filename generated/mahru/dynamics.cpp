@@ -429,9 +429,6 @@ void outwards_waist(Workspace& workspace) noexcept {
     V carried_down_2 = dalembert::broadcast<1>(kept.down[2][4]);
     for (int i = 0; i < 1; i += 1) {
       const int slot = 0 + i;
-      dalembert::store<1, Scalar>(kept.gravity_first[1] + slot, dalembert::broadcast<1, Scalar>(0.0));
-      dalembert::store<1, Scalar>(kept.gravity_first[2] + slot, dalembert::broadcast<1, Scalar>(0.0));
-      dalembert::store<1, Scalar>(kept.gravity_first[0] + slot, dalembert::broadcast<1, Scalar>(0.03));
       dalembert::store<1, Scalar>(kept.down[2] + slot, carried_down_2);
       const V next_carried_down_2 = carried_down_2;
       const V sine = dalembert::load<1>(kept.sine[0] + slot);
@@ -742,9 +739,6 @@ void outwards_left_hip_yaw_x4(Workspace& workspace) noexcept {
       const V pose_rotation_xx_k = dalembert::load<4>(left_hip_yaw_x4_pose_rotation_xx + i);
       const V pose_rotation_xy_k = dalembert::load<4>(left_hip_yaw_x4_pose_rotation_xy + i);
       const V pose_rotation_xz_k = dalembert::load<4>(left_hip_yaw_x4_pose_rotation_xz + i);
-      dalembert::store<4, Scalar>(kept.gravity_first[0] + slot, dalembert::load<4>(left_hip_yaw_x4_first_x + i));
-      dalembert::store<4, Scalar>(kept.gravity_first[1] + slot, dalembert::load<4>(left_hip_yaw_x4_first_y + i));
-      dalembert::store<4, Scalar>(kept.gravity_first[2] + slot, dalembert::broadcast<4, Scalar>(0.0));
       const V sine = dalembert::load<4>(kept.sine[0] + slot);
       const V cosine = dalembert::load<4>(kept.cosine[0] + slot);
       const V t1 = pose_rotation_xy_k * carried_down_2 + pose_rotation_xz_k * carried_down_1 + pose_rotation_xx_k * carried_down_0;
@@ -1050,25 +1044,24 @@ void inwards_left_hip_yaw_x4(Workspace& workspace) noexcept {
       const V pose_rotation_xz_k = dalembert::load<4>(left_hip_yaw_x4_pose_rotation_xz + i);
       const V sine = dalembert::load<4>(kept.sine[0] + slot);
       const V cosine = dalembert::load<4>(kept.cosine[0] + slot);
-      const V t1 = carried_gravity_first_0 + dalembert::load<4>(kept.gravity_first[0] + slot);
-      const V t2 = carried_gravity_first_1 + dalembert::load<4>(kept.gravity_first[1] + slot);
-      const V t3 = carried_gravity_first_2 + dalembert::load<4>(kept.gravity_first[2] + slot);
+      const V t1 = dalembert::load<4>(left_hip_yaw_x4_first_x + i) + carried_gravity_first_0;
+      const V t2 = dalembert::load<4>(left_hip_yaw_x4_first_y + i) + carried_gravity_first_1;
       dalembert::store<4, Scalar>(kept.gravity_torque[0] + slot, -(dalembert::load<4>(kept.down[1] + slot) * t1 - dalembert::load<4>(kept.down[0] + slot) * t2));
-      const V t4 = cosine * t1 - sine * t2;
-      const V t5 = cosine * t2 + sine * t1;
-      const V next_carried_gravity_first_0 = pose_rotation_xz_k * t3 + pose_rotation_xy_k * t5 + pose_rotation_xx_k * t4;
-      const V next_carried_gravity_first_1 = pose_rotation_xy_k * t3 + pose_rotation_xx_k * t5 + pose_rotation_xz_k * t4;
-      const V next_carried_gravity_first_2 = pose_rotation_xx_k * t3 + pose_rotation_xz_k * t5 + pose_rotation_xy_k * t4;
+      const V t3 = cosine * t1 - sine * t2;
+      const V t4 = cosine * t2 + sine * t1;
+      const V next_carried_gravity_first_0 = pose_rotation_xz_k * carried_gravity_first_2 + pose_rotation_xy_k * t4 + pose_rotation_xx_k * t3;
+      const V next_carried_gravity_first_1 = pose_rotation_xy_k * carried_gravity_first_2 + pose_rotation_xx_k * t4 + pose_rotation_xz_k * t3;
+      const V next_carried_gravity_first_2 = pose_rotation_xx_k * carried_gravity_first_2 + pose_rotation_xz_k * t4 + pose_rotation_xy_k * t3;
       carried_gravity_first_0 = next_carried_gravity_first_0;
       carried_gravity_first_1 = next_carried_gravity_first_1;
       carried_gravity_first_2 = next_carried_gravity_first_2;
     }
     kept.gravity_first[0][4] += dalembert::lane<4, Scalar>(carried_gravity_first_0, 0) + dalembert::lane<4, Scalar>(carried_gravity_first_0, 1);
-    kept.gravity_first[0][0] += dalembert::lane<4, Scalar>(carried_gravity_first_0, 2) + dalembert::lane<4, Scalar>(carried_gravity_first_0, 3);
+    kept.gravity_first[0][0] = dalembert::lane<4, Scalar>(carried_gravity_first_0, 2) + dalembert::lane<4, Scalar>(carried_gravity_first_0, 3);
     kept.gravity_first[1][4] += dalembert::lane<4, Scalar>(carried_gravity_first_1, 0) + dalembert::lane<4, Scalar>(carried_gravity_first_1, 1);
-    kept.gravity_first[1][0] += dalembert::lane<4, Scalar>(carried_gravity_first_1, 2) + dalembert::lane<4, Scalar>(carried_gravity_first_1, 3);
+    kept.gravity_first[1][0] = dalembert::lane<4, Scalar>(carried_gravity_first_1, 2) + dalembert::lane<4, Scalar>(carried_gravity_first_1, 3);
     kept.gravity_first[2][4] += dalembert::lane<4, Scalar>(carried_gravity_first_2, 0) + dalembert::lane<4, Scalar>(carried_gravity_first_2, 1);
-    kept.gravity_first[2][0] += dalembert::lane<4, Scalar>(carried_gravity_first_2, 2) + dalembert::lane<4, Scalar>(carried_gravity_first_2, 3);
+    kept.gravity_first[2][0] = dalembert::lane<4, Scalar>(carried_gravity_first_2, 2) + dalembert::lane<4, Scalar>(carried_gravity_first_2, 3);
   }
   // C v + g = n_z (revolute), f_z (prismatic); f_p += R f, n_p += R n + p x R f
   {
@@ -1309,7 +1302,7 @@ void inwards_waist(Workspace& workspace) noexcept {
       const int slot = 0 + i;
       const V sine = dalembert::load<1>(kept.sine[0] + slot);
       const V cosine = dalembert::load<1>(kept.cosine[0] + slot);
-      const V t1 = carried_gravity_first_0 + dalembert::load<1>(kept.gravity_first[0] + slot);
+      const V t1 = carried_gravity_first_0 + 0.03 + dalembert::load<1>(kept.gravity_first[0] + slot);
       const V t2 = carried_gravity_first_1 + dalembert::load<1>(kept.gravity_first[1] + slot);
       const V next_carried_gravity_first_2 = carried_gravity_first_2 + dalembert::load<1>(kept.gravity_first[2] + slot);
       dalembert::store<1, Scalar>(kept.gravity_torque[0] + slot, -(dalembert::load<1>(kept.down[1] + slot) * t1 - dalembert::load<1>(kept.down[0] + slot) * t2));

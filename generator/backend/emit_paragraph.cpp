@@ -20,6 +20,7 @@ class ParagraphWriter {
  public:
   ParagraphWriter(const CodeInput& code, size_t segment, const ir::Paragraph& paragraph)
       : code_(code),
+        index_(segment),
         segment_(code.plan.segments[segment]),
         table_(code.rolled.segments[segment]),
         paragraph_(paragraph),
@@ -146,13 +147,27 @@ class ParagraphWriter {
         std::vector<std::string> terms;
         for (size_t lane : lanes)
           terms.push_back(fmt::format("dalembert::lane<{}, Scalar>({}, {})", width_, variable(c.role, c.component), lane));
-        text += fmt::format("    {}[{}] += {};\n", kept(code_, c.role, c.component), slot_of(code_, parent),
-                            fmt::join(terms, " + "));
+        text += fmt::format("    {}[{}] {} {};\n", kept(code_, c.role, c.component), slot_of(code_, parent),
+                            arrives_first(parent, c) ? "=" : "+=", fmt::join(terms, " + "));
       }
     return text;
   }
 
+  // Whether nothing was kept in the parent's slot before: no share of its own, and no other limb's. Last segments come first.
+  bool arrives_first(int parent, const ir::StateStore& c) const {
+    if (parent < 0) return false;  // the root stores its own share
+    const auto& received = code_.rolled.segments[static_cast<size_t>(code_.plan.segment_of(parent))].received;
+    if (std::find(received.begin(), received.end(), ir::StateValue{c.role, c.component}) == received.end()) return false;
+    for (size_t s = index_ + 1; s < code_.plan.segments.size(); ++s) {
+      const ir::Segment& other = code_.plan.segments[s];
+      for (size_t lane = 0; lane < other.parents.size(); ++lane)
+        if (other.bodies[lane].front() >= 0 && other.parents[lane] == parent) return false;
+    }
+    return true;
+  }
+
   const CodeInput& code_;
+  size_t index_;
   const ir::Segment& segment_;
   const ir::SegmentCode& table_;
   const ir::Paragraph& paragraph_;

@@ -44,10 +44,20 @@ struct Paragraph {
   std::vector<StateStore> carried;  // to the next step (outwards: values of this body; inwards: in the parent's terms)
 };
 
+// A component of a role.
+struct StateValue {
+  int role = 0;
+  int component = 0;
+  bool operator==(const StateValue&) const = default;
+};
+
 struct SegmentCode {
   std::vector<Column> columns;
   std::vector<Paragraph> paragraphs;  // in the order of Stage
   std::vector<int> parents;           // segments that hold its first bodies' parents, -1: the root
+  // Sums whose own share is a constant of the body: no paragraph stores it, whoever reads the sum adds it from the table. Kept
+  // is what attached limbs bring: the first to arrive assigns, later ones add; slots without limbs stay zero.
+  std::vector<StateValue> received;
 };
 
 // The values at the root and what depends on them alone, without lanes.

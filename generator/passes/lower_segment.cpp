@@ -1,7 +1,11 @@
 #include "passes/lower_segment.hpp"
 
 #include <functional>
+#include <map>
+#include <set>
+#include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "passes/equations.hpp"
 #include "passes/roles.hpp"
@@ -36,11 +40,30 @@ class SegmentLowering {
   ir::Graph& graph() { return paragraph_->graph; }
   Sym constant(double value) { return {&graph(), graph().constant(value)}; }
   Sym input(InputKind kind, int index, int component = 0) { return {&graph(), graph().input({kind, index, component})}; }
-  Sym state(int role, int component = 0) { return input(InputKind::state, role, component); }
+  Sym state(int role, int component = 0) {
+    const auto own = own_.find({role, component});
+    if (own == own_.end()) return input(InputKind::state, role, component);
+    const Sym share =
+        own->second.op == ir::Op::constant ? constant(own->second.value) : input(InputKind::table, own->second.input.index);
+    return limbs_attached() ? share + input(InputKind::state, role, component) : share;
+  }
   Vec3 state3(int role, int from = 0) { return {state(role, from), state(role, from + 1), state(role, from + 2)}; }
   Sym carried(int role, int component) { return input(InputKind::carried, role, component); }
   Vec3 carried3(int role, int from = 0) { return {carried(role, from), carried(role, from + 1), carried(role, from + 2)}; }
-  void store(int role, int component, Sym x) { paragraph_->stores.push_back({role, component, x.id}); }
+  // A body's own share of a sum that is a constant of the body is not stored but read from the table where the sum is. That is
+  // less work, and a loop that stores nothing but a table is taken for a memcpy of constants, which g++ 12.2 expands wrongly
+  // for targets with AVX-512: it writes 32 bytes {a, a, 0, 0} as {a, a, a, a}.
+  void store(int role, int component, Sym x) {
+    const ir::Node& n = graph()[x.id];
+    const bool constant_of_body = n.op == ir::Op::constant || (n.op == ir::Op::input && n.input.kind == InputKind::table);
+    if (own_.contains({role, component})) throw std::logic_error("a sum is stored over what its slot has received");
+    if (is_sum(role) && constant_of_body) {
+      own_.insert({{role, component}, n});
+      code_.received.push_back({role, component});
+    } else {
+      paragraph_->stores.push_back({role, component, x.id});
+    }
+  }
   void store(int role, const Vec3& x, int from = 0) {
     for (int i = 0; i < 3; ++i) store(role, from + i, x[static_cast<size_t>(i)]);
   }
@@ -218,6 +241,14 @@ class SegmentLowering {
         if (const int b = body(lane, step); b >= 0) f(static_cast<size_t>(b));
   }
 
+  bool limbs_attached() const {
+    std::set<int> mine;
+    for_each_body([&](size_t b) { mine.insert(static_cast<int>(b)); });
+    for (size_t k = 0; k < normal_.bodies.size(); ++k)
+      if (mine.contains(normal_.bodies[k].parent) && !mine.contains(static_cast<int>(k))) return true;
+    return false;
+  }
+
   struct MovingBody {
     Pose pose;
     Twist joint, velocity;
@@ -286,6 +317,7 @@ class SegmentLowering {
   const ir::Graph::Options options_;
   ir::SegmentCode& code_;
   Paragraph* paragraph_ = nullptr;
+  std::map<std::pair<int, int>, ir::Node> own_;  // by role and component: own shares that are constants
 };
 
 }  // namespace

@@ -34,6 +34,18 @@ std::vector<ir::Role> make_roles() {
   return r;
 }
 
+bool is_sum(int role) {
+  switch (role) {
+    case first:
+    case second:
+    case momentum:
+    case bias_block:
+    case gravity_first:
+    case force: return true;
+    default: return false;
+  }
+}
+
 void share_places(ir::RolledProgram& program) {
   // Without C all of it fits in the cache anyway, and stores to what was just read cost more than they save.
   if (!program.coriolis || program.wrench) return;

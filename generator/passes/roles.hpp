@@ -43,6 +43,9 @@ enum RoleId : int {
 // Names and meanings, by RoleId.
 std::vector<ir::Role> make_roles();
 
+// Whether attached limbs add to the role: a sum over the subtree.
+bool is_sum(int role);
+
 // Lets the forces take the place of poses and velocities, which nobody reads once their own segment runs inwards.
 void share_places(ir::RolledProgram& program);
 

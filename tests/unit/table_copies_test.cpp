@@ -1,0 +1,65 @@
+// No emitted loop stores a bare table of constants: it would become a memcpy of constants, which g++ 12.2 expands wrongly for
+// targets with AVX-512. tests/matrix/table_copies.py reads the same from what the compiler makes of the code.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <regex>
+#include <robots.hpp>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "compile.hpp"
+#include "pipeline.hpp"
+
+namespace dalembert {
+namespace {
+
+// The stores of `code` whose value is what was just loaded from a table.
+std::vector<std::string> stored_tables(const std::string& code) {
+  static const std::regex load(R"(const V (\w+) = dalembert::load<[^(]*\((?!kept)[^;]*\);)"),
+      store(R"(dalembert::store<[^(]*\(kept[^,]*, (\w+|dalembert::load<[^(]*\((?!kept)[^()]*\))\);)");
+  std::vector<std::string> found, names;
+  std::istringstream lines(code);
+  for (std::string line; std::getline(lines, line);) {
+    std::smatch match;
+    if (line.find("for (") != std::string::npos) names.clear();
+    if (std::regex_search(line, match, load)) names.push_back(match[1]);
+    if (!std::regex_search(line, match, store)) continue;
+    const std::string value = match[1];
+    if (value.starts_with("dalembert::load") || std::find(names.begin(), names.end(), value) != names.end())
+      found.push_back(line);
+  }
+  return found;
+}
+
+TEST(TableCopies, AreFoundInText) {
+  EXPECT_EQ(stored_tables("dalembert::store<4, Scalar>(kept.first[0] + slot, dalembert::load<4>(arm_first_x + i));").size(), 1);
+  EXPECT_EQ(stored_tables("const V first_x_k = dalembert::load<4>(arm_first_x + i);\n"
+                          "dalembert::store<4, Scalar>(kept.first[0] + slot, first_x_k);")
+                .size(),
+            1);
+  EXPECT_TRUE(stored_tables("const V sine = dalembert::load<4>(kept.sine[0] + slot);\n"
+                            "dalembert::store<4, Scalar>(kept.first[0] + slot, sine);\n"
+                            "dalembert::store<4, Scalar>(kept.first[0] + slot, 2.0 * dalembert::load<4>(arm_first_x + i));")
+                  .empty());
+}
+
+class EmittedCode : public ::testing::TestWithParam<TestRobot> {};
+
+TEST_P(EmittedCode, StoresNoTable) {
+  for (const char* base : {"fixed", "floating"}) {
+    Diagnostics warnings;
+    const Model model = read_model(
+        {GetParam().urdf, "", {{"base", base}, {"outputs", "mass_matrix,coriolis_matrix,gravity,bias"}}, "rolled", {}, ""},
+        warnings);
+    for (const backend::OutputFile& file : compile(model))
+      for (const std::string& line : stored_tables(file.text)) ADD_FAILURE() << base << ", " << file.name << ": " << line;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Robots, EmittedCode, ::testing::ValuesIn(test_robots),
+                         [](const auto& robot) { return robot.param.name; });
+
+}  // namespace
+}  // namespace dalembert
