@@ -11,5 +11,5 @@ configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/dalembert-config.cmake.i
   ${PROJECT_BINARY_DIR}/dalembert-config.cmake INSTALL_DESTINATION ${package_dir})
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/dalembert-config-version.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/dalembert-config.cmake ${PROJECT_BINARY_DIR}/dalembert-config-version.cmake
-              ${CMAKE_CURRENT_LIST_DIR}/dalembert_add_robot.cmake
+              ${CMAKE_CURRENT_LIST_DIR}/dalembert_add_robot.cmake ${CMAKE_CURRENT_LIST_DIR}/dalembert_check_compiler.cmake
         DESTINATION ${package_dir})
