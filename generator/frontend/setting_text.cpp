@@ -23,31 +23,26 @@ std::vector<std::string> split(std::string_view text) {
   }
 }
 
-YAML::Node list(const std::vector<std::string>& pieces) {
-  YAML::Node node(YAML::NodeType::Sequence);
-  for (const std::string& piece : pieces) node.push_back(piece);
-  return node;
-}
-
 }  // namespace
 
-YAML::Node node_of(const std::string& text) {
+YamlNode node_of(const std::string& text) {
   const std::string value = trimmed(text);
-  if (value.starts_with('[') || value.starts_with('{')) return YAML::Load(value);
-  if (value.empty()) return YAML::Node(YAML::NodeType::Sequence);
+  if (value.starts_with('[') || value.starts_with('{')) return read_yaml(value).value_or(YamlNode());
+  if (value.empty()) return sequence_node({});
   const std::vector<std::string> pieces = split(value);
-  if (value.find('=') == value.npos) return pieces.size() == 1 ? YAML::Node(value) : list(pieces);
+  if (value.find('=') == value.npos) return pieces.size() == 1 ? scalar_node(value) : sequence_node(pieces);
   // A piece without '=' continues the value before it.
   std::vector<std::pair<std::string, std::vector<std::string>>> entries;
   for (const std::string& piece : pieces) {
     const size_t equals = piece.find('=');
     if (equals != piece.npos) entries.push_back({trimmed(piece.substr(0, equals)), {trimmed(piece.substr(equals + 1))}});
-    else if (entries.empty()) return list(pieces);
+    else if (entries.empty()) return sequence_node(pieces);
     else entries.back().second.push_back(piece);
   }
-  YAML::Node map(YAML::NodeType::Map);
+  YamlNode map;
+  map.kind = YamlNode::Kind::map;
   for (const auto& [key, values] : entries)
-    map.force_insert(key, values.size() == 1 ? YAML::Node(values.front()) : list(values));  // keeps a key given twice
+    map.entries.emplace_back(scalar_node(key), values.size() == 1 ? scalar_node(values.front()) : sequence_node(values));
   return map;
 }
 
