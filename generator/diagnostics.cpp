@@ -30,4 +30,14 @@ InputError::InputError(Diagnostic diagnostic) : InputError(Diagnostics{std::move
 
 InputError::InputError(Diagnostics diagnostics) : std::runtime_error(join(diagnostics)), diagnostics_(std::move(diagnostics)) {}
 
+void add_error(Diagnostics& errors, Diagnostic error) {
+  constexpr size_t most = 100;
+  errors.push_back(std::move(error));
+  if (errors.size() < most) return;
+  const std::string file = errors.back().file;
+  errors.push_back(
+      {Severity::error, file, "", fmt::format("these are the first {} errors", most), "correct them to see others"});
+  throw InputError(std::move(errors));
+}
+
 }  // namespace dalembert

@@ -37,4 +37,8 @@ class InputError : public std::runtime_error {
   Diagnostics diagnostics_;
 };
 
+// Appends the error. The hundredth is the last: throws InputError with all of them, so that a file in ruins is refused without
+// looking for the remedy of each.
+void add_error(Diagnostics& errors, Diagnostic error);
+
 }  // namespace dalembert

@@ -71,6 +71,13 @@ ir::CompileOptions compile_options(const Request& request) {
   return options;
 }
 
+void check_size(const ir::RobotDescription& robot, const ir::KinematicTree& tree) {
+  if (tree.joints() > most_moving_joints)
+    throw InputError({Severity::error, robot.file, fmt::format("robot '{}'", robot.name),
+                      fmt::format("{} joints move; no more than {} are supported", tree.joints(), most_moving_joints),
+                      "make joints fixed, or lock or cut them in the scene"});
+}
+
 }  // namespace
 
 Model read_model(const Request& request, Diagnostics& warnings) {
@@ -82,6 +89,7 @@ Model read_model(const Request& request, Diagnostics& warnings) {
   model.command_line = command_line(request, model.name);
   model.scene = frontend::check_scene(document, model.description, warnings);
   model.tree = passes::build_tree(model.description, model.scene, warnings);
+  check_size(model.description, model.tree);
   return model;
 }
 

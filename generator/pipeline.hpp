@@ -34,6 +34,9 @@ struct Model {
   std::string command_line;  // the command that remakes the generated code, with file names but without folders
 };
 
+// Memory and time grow with the square: two thousand joints take a minute and 6 GB.
+inline constexpr int most_moving_joints = 2000;
+
 // Reads and checks the URDF and the scene, and builds the tree. Throws InputError; appends to `warnings`.
 Model read_model(const Request& request, Diagnostics& warnings);
 

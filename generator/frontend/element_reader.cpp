@@ -24,8 +24,8 @@ std::string number_remedy(std::string_view text) {
 }  // namespace
 
 void ElementReader::error(const TiXmlElement& at, std::string message, std::string remedy) {
-  errors_.push_back(
-      {Severity::error, file_, fmt::format("{} (line {})", owner_, at.Row()), std::move(message), std::move(remedy)});
+  add_error(errors_,
+            {Severity::error, file_, fmt::format("{} (line {})", owner_, at.Row()), std::move(message), std::move(remedy)});
 }
 
 void ElementReader::warning(const TiXmlElement& at, std::string message, std::string remedy) {

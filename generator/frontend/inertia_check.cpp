@@ -20,8 +20,8 @@ void check_inertia(const std::string& file, const std::string& element, const ir
       fmt::format("principal moments {:.6g}, {:.6g}, {:.6g} kg m²", moments[0], moments[1], moments[2]);
   const double rounding = 1e-12 * moments.cwiseAbs().maxCoeff();
   if (moments[0] < -rounding) {
-    errors.push_back({Severity::error, file, element, fmt::format("the inertia is not positive definite ({})", principal),
-                      "correct <inertia>: its matrix about the centre of mass has no negative principal moment"});
+    add_error(errors, {Severity::error, file, element, fmt::format("the inertia is not positive definite ({})", principal),
+                       "correct <inertia>: its matrix about the centre of mass has no negative principal moment"});
     return;
   }
   const double excess = moments[2] - moments[0] - moments[1];

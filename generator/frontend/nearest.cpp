@@ -29,11 +29,18 @@ size_t edit_distance(std::string_view a, std::string_view b) {
 
 std::string suggestion(std::string_view name, const std::vector<std::string>& names) {
   if (names.empty()) return "there is none to choose from";
-  const auto nearest = std::min_element(names.begin(), names.end(), [&](const auto& a, const auto& b) {
-    return edit_distance(name, a) < edit_distance(name, b);
-  });
-  if (edit_distance(name, *nearest) <= std::max<size_t>(1, (name.size() + 1) / 3))
-    return fmt::format("did you mean '{}'?", *nearest);
+  // Names that are long, or far longer or shorter than this one, need not be compared.
+  size_t least = std::max<size_t>(1, (name.size() + 1) / 3) + 1;
+  const std::string* nearest = nullptr;
+  for (const std::string& other : names) {
+    const size_t longer = std::max(name.size(), other.size());
+    if (longer > 200 || longer - std::min(name.size(), other.size()) >= least) continue;
+    const size_t distance = edit_distance(name, other);
+    if (distance >= least) continue;
+    least = distance;
+    nearest = &other;
+  }
+  if (nearest) return fmt::format("did you mean '{}'?", *nearest);
   constexpr size_t shown = 12;
   if (names.size() <= shown) return fmt::format("choose from {}", fmt::join(names, ", "));
   return fmt::format("choose from {} and {} more", fmt::join(names.begin(), names.begin() + shown, ", "), names.size() - shown);

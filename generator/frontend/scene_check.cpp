@@ -138,7 +138,7 @@ class SceneCheck {
     auto found = document_.places.find(where);
     if (found == document_.places.end()) found = document_.places.find(where.substr(0, where.find('/')));
     if (found != document_.places.end()) place = found->second;
-    errors_.push_back({Severity::error, place.file, place.element, std::move(message), std::move(remedy)});
+    add_error(errors_, {Severity::error, place.file, place.element, std::move(message), std::move(remedy)});
   }
 
   void warn_of_mimic() {

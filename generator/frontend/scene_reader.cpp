@@ -276,7 +276,7 @@ const std::vector<std::string>& scene_keys() {
 }
 
 SceneDocument read_scene(const std::string& file, const std::vector<Setting>& settings) {
-  return read_scene_text(file, file.empty() ? "" : read_text_file(file, "scene"), settings);
+  return read_scene_text(file, file.empty() ? "" : read_text_file(file, "scene", yaml_bytes), settings);
 }
 
 SceneDocument read_scene_text(const std::string& file, const std::string& text, const std::vector<Setting>& settings) {

@@ -1,11 +1,14 @@
 // A file as text, or a diagnostic that says why not.
 #pragma once
 
+#include <cstddef>
+#include <limits>
 #include <string>
 
 namespace dalembert::frontend {
 
-// Throws InputError when the file is missing, a directory, or cannot be read. `kind` names what was expected: "URDF".
-std::string read_text_file(const std::string& path, const std::string& kind);
+// Throws InputError when the file is missing, a directory, cannot be read, or has more than `limit` bytes (a device may never
+// end). `kind` names what was expected: "URDF".
+std::string read_text_file(const std::string& path, const std::string& kind, size_t limit = std::numeric_limits<size_t>::max());
 
 }  // namespace dalembert::frontend

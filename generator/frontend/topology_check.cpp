@@ -21,6 +21,7 @@ class TopologyCheck {
   }
 
   void run() {
+    check_count();
     for (size_t j = 0; j < outline_.joints.size(); ++j) check_joint(static_cast<int>(j));
     stop_on_errors();
     check_cycles();
@@ -30,6 +31,17 @@ class TopologyCheck {
   }
 
  private:
+  void check_count() const {
+    const auto refuse = [&](const char* kind, size_t count) -> void {
+      if (count > most_links)
+        throw InputError({Severity::error, file_, fmt::format("robot '{}'", outline_.robot),
+                          fmt::format("there are {} {}; no more than {} are allowed", count, kind, most_links),
+                          "leave out links that neither move nor have a mass"});
+    };
+    refuse("links", outline_.links.size());
+    refuse("joints", outline_.joints.size());
+  }
+
   void check_joint(int j) {
     const JointOutline& joint = outline_.joints[static_cast<size_t>(j)];
     const bool parent_known = check_link(joint, "parent", joint.parent);
@@ -94,7 +106,7 @@ class TopologyCheck {
   }
 
   void error(std::string element, std::string message, std::string remedy) {
-    errors_.push_back({Severity::error, file_, std::move(element), std::move(message), std::move(remedy)});
+    add_error(errors_, {Severity::error, file_, std::move(element), std::move(message), std::move(remedy)});
   }
   void stop_on_errors() const {
     if (!errors_.empty()) throw InputError(errors_);

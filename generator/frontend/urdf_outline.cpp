@@ -7,6 +7,7 @@
 #include <unordered_map>
 
 #include "frontend/element_reader.hpp"
+#include "frontend/xml_document.hpp"
 
 namespace dalembert::frontend {
 
@@ -46,7 +47,7 @@ class OutlineReader {
   // The <robot> element of a document that is XML.
   TiXmlElement& root(TiXmlDocument& document, const std::string& text) {
     if (text.find_first_not_of(" \t\r\n") == text.npos) refuse(file_, "", "the file is empty", "name a URDF file");
-    document.Parse(text.c_str(), nullptr, TIXML_ENCODING_UTF8);
+    parse_xml(document, file_, text);
     if (document.Error() && !document.RootElement())
       refuse(file_, "", "this is not XML", "a URDF is an XML file whose root is <robot>");
     if (document.Error())

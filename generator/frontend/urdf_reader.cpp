@@ -11,6 +11,7 @@
 #include "frontend/text_file.hpp"
 #include "frontend/topology_check.hpp"
 #include "frontend/urdf_outline.hpp"
+#include "frontend/xml_document.hpp"
 #include "ir/rotation.hpp"
 
 namespace dalembert::frontend {
@@ -84,7 +85,7 @@ ir::Joint joint(const urdf::Joint& from, const Eigen::Vector3d& rpy) {
 }  // namespace
 
 ir::RobotDescription read_urdf(const std::string& path, Diagnostics& warnings) {
-  return read_urdf_text(path, read_text_file(path, "URDF"), warnings);
+  return read_urdf_text(path, read_text_file(path, "URDF", xml_bytes), warnings);
 }
 
 ir::RobotDescription read_urdf_text(const std::string& file, const std::string& text, Diagnostics& warnings) {

@@ -190,7 +190,7 @@ class TreeBuilder {
   }
 
   void error(std::string element, std::string message, std::string remedy) {
-    errors_.push_back({Severity::error, robot_.file, std::move(element), std::move(message), std::move(remedy)});
+    add_error(errors_, {Severity::error, robot_.file, std::move(element), std::move(message), std::move(remedy)});
   }
 
   const ir::RobotDescription& robot_;
