@@ -23,7 +23,7 @@ struct LimbTable {
 namespace detail {
 
 template <class T>
-DALEMBERT_INLINE Panels<T> moved(Panels<T> p, int slots, bool coriolis) {
+DALEMBERT_BLOCK Panels<T> moved(Panels<T> p, int slots, bool coriolis) {
   p.inertia_force += slots;
   if (coriolis) p.bias_force += slots, p.transposed += slots;
   return p;
@@ -31,30 +31,28 @@ DALEMBERT_INLINE Panels<T> moved(Panels<T> p, int slots, bool coriolis) {
 
 // The joints of a limb that stands in the panels, from slot `first` on.
 template <Elements elements, class T>
-DALEMBERT_INLINE Upper<T> limb_above(const Panels<T>& p, int first, int step) {
+DALEMBERT_BLOCK Upper<T> limb_above(const Panels<T>& p, int first, int step) {
   return {p.joint_linear + first, p.joint_angular + first, has_coriolis(elements) ? p.joint_rate + first : nullptr, p.stride,
           step};
 }
 
 // The tiles between the limbs of a segment and the joints above them; columns [begin, end).
 template <Elements elements, Above kind, int width, int steps, int above_steps, class T>
-DALEMBERT_INLINE void cross_tiles(const Panels<T>& panels, const LimbTable& limbs, const Upper<T>& up, const LimbTable& above,
-                                  T* M, T* C, int leading, int begin, int end) {
+DALEMBERT_BLOCK void cross_tiles(const Panels<T>& panels, const LimbTable& limbs, const Upper<T>& up, const LimbTable& above,
+                                 T* M, T* C, int leading, int begin, int end) {
   constexpr bool out = steps <= short_limb && above_steps <= (has_coriolis(elements) ? 4 : short_limb);
-  each_tile<out, steps>(
-      begin, end, [&](int c0, auto below) __attribute__((always_inline)) {
-        const Panels<T> p = moved(panels, limbs.first_slot + c0 * width, has_coriolis(elements));
-        each_tile<out, above_steps>(
-            0, above_steps, [&](int r0, auto rows) __attribute__((always_inline)) {
-              Place<width> at;
-              lanes<width>([&](int l) __attribute__((always_inline)) {
-                at.row_above[l] = above.first_row[l] + r0, at.left_above[l] = above.length[l] - r0;
-                at.row_below[l] = limbs.first_row[l] + c0, at.left_below[l] = above.length[l] > 0 ? limbs.length[l] - c0 : 0;
-              });
-              tile_into<elements, kind, width, decltype(rows)::value, decltype(below)::value, false, T>(p, up.from(r0), at, M,
-                                                                                                        C, leading);
-            });
+  each_tile<out, steps>(begin, end, [&](int c0, auto below) DALEMBERT_IN_BLOCK {
+    const Panels<T> p = moved(panels, limbs.first_slot + c0 * width, has_coriolis(elements));
+    each_tile<out, above_steps>(0, above_steps, [&](int r0, auto rows) DALEMBERT_IN_BLOCK {
+      Place<width> at;
+      lanes<width>([&](int l) DALEMBERT_IN_BLOCK {
+        at.row_above[l] = above.first_row[l] + r0, at.left_above[l] = above.length[l] - r0;
+        at.row_below[l] = limbs.first_row[l] + c0, at.left_below[l] = above.length[l] > 0 ? limbs.length[l] - c0 : 0;
       });
+      tile_into<elements, kind, width, decltype(rows)::value, decltype(below)::value, false, T>(p, up.from(r0), at, M, C,
+                                                                                                leading);
+    });
+  });
 }
 
 }  // namespace detail
@@ -62,34 +60,31 @@ DALEMBERT_INLINE void cross_tiles(const Panels<T>& panels, const LimbTable& limb
 // The block of every limb of a segment with itself, `width` limbs side by side.
 // M, C: nv × nv, column by column; the columns of steps [begin, end), begin a multiple of four.
 template <Elements elements, int width, int steps, class T>
-DALEMBERT_INLINE void limb_blocks(const Panels<T>& panels, const LimbTable& limbs, T* M, T* C, int leading, int begin,
-                                  int end) {
+DALEMBERT_BLOCK void limb_blocks(const Panels<T>& panels, const LimbTable& limbs, T* M, T* C, int leading, int begin, int end) {
   constexpr bool out = steps <= detail::short_limb;
   const detail::Upper<T> limb = detail::limb_above<elements, T>(panels, limbs.first_slot, width);
-  detail::each_tile<out, steps>(
-      begin, end, [&](int c0, auto below) __attribute__((always_inline)) {
-        const Panels<T> p = detail::moved(panels, limbs.first_slot + c0 * width, has_coriolis(elements));
-        const auto tile = [&](int r0, auto rows, auto diagonal) __attribute__((always_inline)) {
-          detail::Place<width> at;
-          detail::lanes<width>([&](int l) __attribute__((always_inline)) {
-            at.row_above[l] = limbs.first_row[l] + r0, at.left_above[l] = limbs.length[l] - r0;
-            at.row_below[l] = limbs.first_row[l] + c0, at.left_below[l] = limbs.length[l] - c0;
-          });
-          detail::tile_into<elements, detail::Above::each, width, decltype(rows)::value, decltype(below)::value,
-                            decltype(diagonal)::value, T>(p, limb.from(r0), at, M, C, leading);
-        };
-        detail::repeat<out, (steps - 1) / 4>(
-            c0 / 4, [&](int row)
-                        __attribute__((always_inline)) { tile(4 * row, std::integral_constant<int, 4>{}, std::false_type{}); });
-        tile(c0, below, std::true_type{});
+  detail::each_tile<out, steps>(begin, end, [&](int c0, auto below) DALEMBERT_IN_BLOCK {
+    const Panels<T> p = detail::moved(panels, limbs.first_slot + c0 * width, has_coriolis(elements));
+    const auto tile = [&](int r0, auto rows, auto diagonal) DALEMBERT_IN_BLOCK {
+      detail::Place<width> at;
+      detail::lanes<width>([&](int l) DALEMBERT_IN_BLOCK {
+        at.row_above[l] = limbs.first_row[l] + r0, at.left_above[l] = limbs.length[l] - r0;
+        at.row_below[l] = limbs.first_row[l] + c0, at.left_below[l] = limbs.length[l] - c0;
       });
+      detail::tile_into<elements, detail::Above::each, width, decltype(rows)::value, decltype(below)::value,
+                        decltype(diagonal)::value, T>(p, limb.from(r0), at, M, C, leading);
+    };
+    detail::repeat<out, (steps - 1) / 4>(
+        c0 / 4, [&](int row) DALEMBERT_IN_BLOCK { tile(4 * row, std::integral_constant<int, 4>{}, std::false_type{}); });
+    tile(c0, below, std::true_type{});
+  });
 }
 
 // The blocks between the limbs of a segment and a limb above each of them, which may be another one for every lane.
 // above_slot: [step][lane], the slots of the limbs above (any slot where a lane has none); above: their rows and lengths.
 template <Elements elements, int width, int steps, int above_steps, class T>
-DALEMBERT_INLINE void cross_blocks(const Panels<T>& panels, const LimbTable& limbs, const int* above_slot,
-                                   const LimbTable& above, T* M, T* C, int leading, int begin, int end) {
+DALEMBERT_BLOCK void cross_blocks(const Panels<T>& panels, const LimbTable& limbs, const int* above_slot,
+                                  const LimbTable& above, T* M, T* C, int leading, int begin, int end) {
   constexpr int stride = above_steps * width;
   T gathered[12 * stride];
   const T* sources[4] = {panels.joint_linear, panels.joint_angular, panels.joint_rate,
@@ -106,8 +101,8 @@ DALEMBERT_INLINE void cross_blocks(const Panels<T>& panels, const LimbTable& lim
 
 // The same where one limb is above all lanes that have one: its joints stand in slots first, first + step, ….
 template <Elements elements, int width, int steps, int above_steps, class T>
-DALEMBERT_INLINE void shared_cross_blocks(const Panels<T>& panels, const LimbTable& limbs, int first, int step,
-                                          const LimbTable& above, T* M, T* C, int leading, int begin, int end) {
+DALEMBERT_BLOCK void shared_cross_blocks(const Panels<T>& panels, const LimbTable& limbs, int first, int step,
+                                         const LimbTable& above, T* M, T* C, int leading, int begin, int end) {
   detail::cross_tiles<elements, detail::Above::one, width, steps, above_steps, T>(
       panels, limbs, detail::limb_above<elements, T>(panels, first, step), above, M, C, leading, begin, end);
 }
@@ -115,47 +110,43 @@ DALEMBERT_INLINE void shared_cross_blocks(const Panels<T>& panels, const LimbTab
 // Rows and columns of a floating base for the limbs of a segment: columns M_BJ = F, C_BJ = G; rows M_JB = Fᵀ, C_JB = Xᵀ.
 // force: six components per slot. The base's six rows come first.
 template <int width, int steps, class T>
-DALEMBERT_INLINE void base_columns(const T* force, int stride, const LimbTable& limbs, T* matrix, int leading) {
+DALEMBERT_BLOCK void base_columns(const T* force, int stride, const LimbTable& limbs, T* matrix, int leading) {
   constexpr bool out = steps <= detail::short_limb;
-  detail::repeat<out, steps>(
-      steps, [&](int c) __attribute__((always_inline)) {
-        Lanes<T, width> f[6];
-        detail::load_all<width, T>(f, force + limbs.first_slot + c * width, 6, stride);
-        T *upper[width], *lower[width];
-        int four[width], two[width];
-        detail::lanes<width>([&](int l) __attribute__((always_inline)) {
-          upper[l] = matrix + (limbs.first_row[l] + c) * leading, lower[l] = upper[l] + 4;
-          four[l] = c < limbs.length[l] ? 4 : 0, two[l] = four[l] / 2;
-        });
-        detail::put_column<width, T>(upper, f, four, 4);
-        detail::put_column<width, T>(lower, f + 4, two, 2);
-      });
+  detail::repeat<out, steps>(steps, [&](int c) DALEMBERT_IN_BLOCK {
+    Lanes<T, width> f[6];
+    detail::load_all<width, T>(f, force + limbs.first_slot + c * width, 6, stride);
+    T *upper[width], *lower[width];
+    int four[width], two[width];
+    detail::lanes<width>([&](int l) DALEMBERT_IN_BLOCK {
+      upper[l] = matrix + (limbs.first_row[l] + c) * leading, lower[l] = upper[l] + 4;
+      four[l] = c < limbs.length[l] ? 4 : 0, two[l] = four[l] / 2;
+    });
+    detail::put_column<width, T>(upper, f, four, 4);
+    detail::put_column<width, T>(lower, f + 4, two, 2);
+  });
 }
 template <int width, int steps, class T>
-DALEMBERT_INLINE void base_rows(const T* force, int stride, const LimbTable& limbs, T* matrix, int leading) {
+DALEMBERT_BLOCK void base_rows(const T* force, int stride, const LimbTable& limbs, T* matrix, int leading) {
   constexpr bool out = steps <= detail::short_limb;
   constexpr int tiles = (steps + 3) / 4;
-  detail::repeat<out, tiles>(
-      tiles, [&](int tile) __attribute__((always_inline)) {
-        const int r0 = 4 * tile, rows = detail::least(4, steps - r0);
-        detail::repeat<out, 6>(
-            6, [&](int j) __attribute__((always_inline)) {
-              Lanes<T, width> f[4] = {};
-              T* to[width];
-              int count[width];
-              bool joined[width];
-              detail::write_out(
-                  std::make_integer_sequence<int, 4>{}, rows, [&](int i) __attribute__((always_inline)) {
-                    f[i] = load<width, T>(force + j * stride + limbs.first_slot + (r0 + i) * width);
-                  });
-              detail::lanes<width>([&](int l) __attribute__((always_inline)) {
-                to[l] = matrix + j * leading + limbs.first_row[l] + r0;
-                count[l] = detail::least(rows, limbs.length[l] - r0);
-                joined[l] = l + 1 < width && limbs.first_row[l + 1] == limbs.first_row[l] + rows;
-              });
-              detail::put_column<width, T>(to, f, count, rows, joined);
-            });
+  detail::repeat<out, tiles>(tiles, [&](int tile) DALEMBERT_IN_BLOCK {
+    const int r0 = 4 * tile, rows = detail::least(4, steps - r0);
+    detail::repeat<out, 6>(6, [&](int j) DALEMBERT_IN_BLOCK {
+      Lanes<T, width> f[4] = {};
+      T* to[width];
+      int count[width];
+      bool joined[width];
+      detail::write_out(std::make_integer_sequence<int, 4>{}, rows, [&](int i) DALEMBERT_IN_BLOCK {
+        f[i] = load<width, T>(force + j * stride + limbs.first_slot + (r0 + i) * width);
       });
+      detail::lanes<width>([&](int l) DALEMBERT_IN_BLOCK {
+        to[l] = matrix + j * leading + limbs.first_row[l] + r0;
+        count[l] = detail::least(rows, limbs.length[l] - r0);
+        joined[l] = l + 1 < width && limbs.first_row[l + 1] == limbs.first_row[l] + rows;
+      });
+      detail::put_column<width, T>(to, f, count, rows, joined);
+    });
+  });
 }
 
 }  // namespace dalembert

@@ -12,7 +12,26 @@
 #pragma GCC diagnostic ignored "-Wpsabi"  // lanes never cross a call: everything here is inlined
 #endif
 
-#define DALEMBERT_INLINE inline __attribute__((always_inline))
+#define DALEMBERT_ALWAYS __attribute__((always_inline))
+#define DALEMBERT_INLINE inline DALEMBERT_ALWAYS
+
+// Blocks are large functions, made of many small ones, that lanes do not enter or leave by value. Optimised code has them
+// inlined, since their sizes are constants; elsewhere that would take a debug build minutes and a sanitized one hours. They
+// have internal linkage: files that are compiled for different targets must not share one.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define DALEMBERT_SANITIZED 1
+#elif defined(__has_feature)
+#define DALEMBERT_SANITIZED \
+  (__has_feature(address_sanitizer) || __has_feature(thread_sanitizer) || __has_feature(undefined_behavior_sanitizer))
+#else
+#define DALEMBERT_SANITIZED 0
+#endif
+#if defined(__OPTIMIZE__) && !DALEMBERT_SANITIZED
+#define DALEMBERT_IN_BLOCK DALEMBERT_ALWAYS  // of a block's lambdas
+#else
+#define DALEMBERT_IN_BLOCK
+#endif
+#define DALEMBERT_BLOCK static inline DALEMBERT_IN_BLOCK
 
 namespace dalembert {
 

@@ -56,7 +56,7 @@ DALEMBERT_INLINE void sincos_reduced(const Lanes<double, n>& x, Lanes<double, n>
 }
 
 template <class T>
-__attribute__((noinline, cold)) void sincos_large(const T* angle, T* sine, T* cosine, int n) {
+__attribute__((noinline, cold)) static void sincos_large(const T* angle, T* sine, T* cosine, int n) {
   for (int i = 0; i < n; ++i) {
     const double x = static_cast<double>(angle[i]);
     sine[i] = static_cast<T>(std::sin(x));
@@ -66,7 +66,7 @@ __attribute__((noinline, cold)) void sincos_large(const T* angle, T* sine, T* co
 
 // Blocks of n angles, each read by read(i), a register at a time.
 template <int n, class T, class Read>
-DALEMBERT_INLINE void sincos_each(const Read& read, T* sine, T* cosine) {
+DALEMBERT_BLOCK void sincos_each(const Read& read, T* sine, T* cosine) {
   constexpr int w = native_lanes < 2 ? 2 : n % native_lanes == 0 ? native_lanes : 4;
   using V = Lanes<double, w>;
   V largest{}, smallest{};  // NaN is neither: one that nobody needs changes nothing else
@@ -93,13 +93,13 @@ DALEMBERT_INLINE void sincos_each(const Read& read, T* sine, T* cosine) {
 
 // angle (rad), sine, cosine: arrays of padded(n) elements that do not overlap; angle's padding must hold numbers (zeros).
 template <int n, class T>
-DALEMBERT_INLINE void sincos(const T* angle, T* sine, T* cosine) {
+DALEMBERT_BLOCK void sincos(const T* angle, T* sine, T* cosine) {
   detail::sincos_each<n, T>([angle](int i) { return angle[i]; }, sine, cosine);
 }
 
 // Of angle[at[0]], …, angle[at[n − 1]]; n is a multiple of four, and sine and cosine have room for padded(n).
 template <int n, class T>
-DALEMBERT_INLINE void sincos_at(const T* angle, const int* at, T* sine, T* cosine) {
+DALEMBERT_BLOCK void sincos_at(const T* angle, const int* at, T* sine, T* cosine) {
   detail::sincos_each<n, T>([angle, at](int i) { return angle[at[i]]; }, sine, cosine);
 }
 

@@ -34,13 +34,13 @@ namespace detail {
 inline constexpr int short_limb = 8;
 
 template <class F, int... i>
-DALEMBERT_INLINE void write_out(std::integer_sequence<int, i...>, int count, const F& f) {
+DALEMBERT_BLOCK void write_out(std::integer_sequence<int, i...>, int count, const F& f) {
   (void)std::initializer_list<int>{(i < count ? (f(i), 0) : 0)...};
 }
 
 // f(0), …, f(count − 1), written out when `out` says so (count is then at most `most`, and known to the compiler).
 template <bool out, int most, class F>
-DALEMBERT_INLINE void repeat(int count, const F& f) {
+DALEMBERT_BLOCK void repeat(int count, const F& f) {
   if constexpr (out) {
     write_out(std::make_integer_sequence<int, most>{}, count, f);
   } else {
@@ -51,16 +51,16 @@ DALEMBERT_INLINE void repeat(int count, const F& f) {
 // f(first, size) for tiles of four steps from begin to end, the last of them smaller where `steps` ends; written out when `out`
 // says so (begin and end are then known to the compiler).
 template <bool out, int steps, class F>
-DALEMBERT_INLINE void each_tile(int begin, int end, const F& f) {
-  repeat<out, steps / 4>(
-      (end - begin) / 4, [&](int i) __attribute__((always_inline)) { f(begin + 4 * i, std::integral_constant<int, 4>{}); });
+DALEMBERT_BLOCK void each_tile(int begin, int end, const F& f) {
+  repeat<out, steps / 4>((end - begin) / 4,
+                         [&](int i) DALEMBERT_IN_BLOCK { f(begin + 4 * i, std::integral_constant<int, 4>{}); });
   if constexpr (steps % 4 != 0)
     if (end == steps) f(steps / 4 * 4, std::integral_constant<int, steps % 4>{});
 }
 
 // f(0), …, f(width − 1), never a loop: what depends on the limbs' tables alone is then worked out by the compiler.
 template <int width, class F>
-DALEMBERT_INLINE void lanes(const F& f) {
+DALEMBERT_BLOCK void lanes(const F& f) {
   write_out(std::make_integer_sequence<int, width>{}, width, f);
 }
 
@@ -163,41 +163,43 @@ using Tile = Lanes<T, width>[4][4];
 enum class Part { all, upper, strictly_upper };
 constexpr bool wanted(Part part, int r, int c) { return part == Part::all || r < c || (part == Part::upper && r == c); }
 
-// Products of `rows` joints above with `columns` below. They run component by component, three at a time: every value is read
-// once, and the tile stays in registers.
+// tile[r][c] = or += Σ_j below[j][c] · above[j][r]. It runs component by component, three of them: every value is read once,
+// and the tile stays in registers.
+template <bool from_zero, Part part, Above kind, int width, int rows, int columns, class T>
+DALEMBERT_BLOCK void products(Tile<width, T>& tile, const T* below, int below_stride, const T* above, int above_step,
+                              int above_stride) {
+  lanes<3>([&](int j) DALEMBERT_IN_BLOCK {
+    Lanes<T, width> b[4];
+    lanes<columns>([&](int c) DALEMBERT_IN_BLOCK { b[c] = load<width, T>(below + j * below_stride + c * width); });
+    lanes<rows>([&](int r) DALEMBERT_IN_BLOCK {
+      const Lanes<T, width> a = read_above<kind, width, T>(above + j * above_stride + r * above_step);
+      lanes<columns>([&](int c) DALEMBERT_IN_BLOCK {
+        if (!wanted(part, r, c)) return;
+        if (from_zero && j == 0) tile[r][c] = b[c] * a;
+        else tile[r][c] += b[c] * a;
+      });
+    });
+  });
+}
+
+// Products of `rows` joints above with `columns` below.
 template <Part part, Above kind, int width, int rows, int columns, class T>
 struct Products {
   int below_stride, above_step, above_stride;
 
-  // tile[r][c] = Σ_j below[j][c] · above[j][r]
-  DALEMBERT_INLINE void start(Tile<width, T>& tile, const T* below, const T* above) const { sum<true>(tile, below, above); }
-  // tile[r][c] += Σ_j below[j][c] · above[j][r]
-  DALEMBERT_INLINE void add(Tile<width, T>& tile, const T* below, const T* above) const { sum<false>(tile, below, above); }
-
- private:
-  template <bool from_zero>
-  DALEMBERT_INLINE void sum(Tile<width, T>& tile, const T* below, const T* above) const {
-    lanes<3>([&](int j) __attribute__((always_inline)) {
-      Lanes<T, width> b[4];
-      lanes<columns>([&](int c)
-                         __attribute__((always_inline)) { b[c] = load<width, T>(below + j * below_stride + c * width); });
-      lanes<rows>([&](int r) __attribute__((always_inline)) {
-        const Lanes<T, width> a = read_above<kind, width, T>(above + j * above_stride + r * above_step);
-        lanes<columns>([&](int c) __attribute__((always_inline)) {
-          if (!wanted(part, r, c)) return;
-          if (from_zero && j == 0) tile[r][c] = b[c] * a;
-          else tile[r][c] += b[c] * a;
-        });
-      });
-    });
+  DALEMBERT_INLINE void start(Tile<width, T>& tile, const T* below, const T* above) const {
+    products<true, part, kind, width, rows, columns, T>(tile, below, below_stride, above, above_step, above_stride);
+  }
+  DALEMBERT_INLINE void add(Tile<width, T>& tile, const T* below, const T* above) const {
+    products<false, part, kind, width, rows, columns, T>(tile, below, below_stride, above, above_step, above_stride);
   }
 };
 
 // Copies what is above the diagonal to below it.
 template <int size, int width, class T>
-DALEMBERT_INLINE void mirror(Tile<width, T>& to, const Tile<width, T>& from) {
-  lanes<size>([&](int r) __attribute__((always_inline)) {
-    lanes<size>([&](int c) __attribute__((always_inline)) {
+DALEMBERT_BLOCK void mirror(Tile<width, T>& to, const Tile<width, T>& from) {
+  lanes<size>([&](int r) DALEMBERT_IN_BLOCK {
+    lanes<size>([&](int c) DALEMBERT_IN_BLOCK {
       if (r < c) to[c][r] = from[r][c];
     });
   });
@@ -206,16 +208,16 @@ DALEMBERT_INLINE void mirror(Tile<width, T>& to, const Tile<width, T>& from) {
 // A column of each lane's block: values of up to four consecutive rows, from to[lane] on. Where a lane is joined to the next,
 // the next lane's rows follow its own: what is stored beyond its last row is overwritten.
 template <int width, class T>
-DALEMBERT_INLINE void put_column(T* const* to, const Lanes<T, width>* values, const int* count, int along,
-                                 const bool* joined = nullptr) {
+DALEMBERT_BLOCK void put_column(T* const* to, const Lanes<T, width>* values, const int* count, int along,
+                                const bool* joined = nullptr) {
   if (along == 1) {
-    lanes<width>([&](int l) __attribute__((always_inline)) {
+    lanes<width>([&](int l) DALEMBERT_IN_BLOCK {
       if (count[l] > 0) *to[l] = values[0][l];
     });
   } else if (along == 2) {
     Lanes<T, 2> turned[width];
     transpose_pair<T>(values, turned);
-    lanes<width>([&](int l) __attribute__((always_inline)) {
+    lanes<width>([&](int l) DALEMBERT_IN_BLOCK {
       if (count[l] > 1) {
         store<2, T>(to[l], turned[l]);
       } else if (count[l] == 1) {
@@ -225,7 +227,7 @@ DALEMBERT_INLINE void put_column(T* const* to, const Lanes<T, width>* values, co
   } else {
     Lanes<T, 4> turned[width];
     transpose<T>(values, turned);
-    lanes<width>([&](int l) __attribute__((always_inline)) {
+    lanes<width>([&](int l) DALEMBERT_IN_BLOCK {
       const bool whole = joined != nullptr && joined[l] && count[l] == 3 && count[l + 1] > 0;
       store_count<T>(to[l], turned[l], whole ? 4 : count[l]);
     });
@@ -240,7 +242,7 @@ struct Place {
 
 // Stores tile[above][below] as columns of the lower limb's joints (rows run over `above`), or of the upper limb's.
 template <bool by_upper, int rows, int columns, int width, class T>
-DALEMBERT_INLINE void put(T* matrix, int leading, const Tile<width, T>& tile, const Place<width>& at) {
+DALEMBERT_BLOCK void put(T* matrix, int leading, const Tile<width, T>& tile, const Place<width>& at) {
   constexpr int along = by_upper ? columns : rows;
   T* to[width];
   int count[width];
@@ -249,15 +251,15 @@ DALEMBERT_INLINE void put(T* matrix, int leading, const Tile<width, T>& tile, co
   const int* left = by_upper ? at.left_below : at.left_above;
   const int* across = by_upper ? at.left_above : at.left_below;
   bool joined[width];
-  lanes<width>([&](int l) __attribute__((always_inline)) {
+  lanes<width>([&](int l) DALEMBERT_IN_BLOCK {
     to[l] = matrix + column[l] * leading + row[l];
     joined[l] = l + 1 < width && column[l + 1] == column[l] && row[l + 1] == row[l] + along;
   });
-  lanes<(by_upper ? rows : columns)>([&](int i) __attribute__((always_inline)) {
+  lanes<(by_upper ? rows : columns)>([&](int i) DALEMBERT_IN_BLOCK {
     Lanes<T, width> line[4] = {};
     T* here[width];
-    lanes<along>([&](int j) __attribute__((always_inline)) { line[j] = by_upper ? tile[i][j] : tile[j][i]; });
-    lanes<width>([&](int l) __attribute__((always_inline)) {
+    lanes<along>([&](int j) DALEMBERT_IN_BLOCK { line[j] = by_upper ? tile[i][j] : tile[j][i]; });
+    lanes<width>([&](int l) DALEMBERT_IN_BLOCK {
       here[l] = to[l] + i * leading;
       count[l] = i < across[l] ? least(left[l], along) : 0;
     });
@@ -267,7 +269,7 @@ DALEMBERT_INLINE void put(T* matrix, int leading, const Tile<width, T>& tile, co
 
 // Both triangles of an off-diagonal tile of `rows` joints above by `columns` below, or the whole of a diagonal one.
 template <Elements elements, Above kind, int width, int rows, int columns, bool diagonal, class T>
-DALEMBERT_INLINE void tile_into(const Panels<T>& p, const Upper<T>& up, const Place<width>& at, T* M, T* C, int leading) {
+DALEMBERT_BLOCK void tile_into(const Panels<T>& p, const Upper<T>& up, const Place<width>& at, T* M, T* C, int leading) {
   const Products<diagonal ? Part::upper : Part::all, kind, width, rows, columns, T> above{p.stride, up.step, up.stride};
   const Products<diagonal ? Part::strictly_upper : Part::all, kind, width, rows, columns, T> below{p.stride, up.step,
                                                                                                    up.stride};
