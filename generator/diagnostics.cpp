@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <map>
 #include <utility>
 
 namespace dalembert {
@@ -13,6 +14,23 @@ std::string to_string(const Diagnostic& d) {
   text += fmt::format("{}: {}", d.severity == Severity::error ? "error" : "warning", d.message);
   if (!d.remedy.empty()) text += "; " + d.remedy;
   return text;
+}
+
+std::vector<std::string> lines(const Diagnostics& diagnostics, bool verbose) {
+  const auto kind = [](const Diagnostic& d) { return std::pair(d.file, d.kind.empty() ? d.message : d.kind); };
+  std::map<std::pair<std::string, std::string>, int> count;
+  for (const Diagnostic& d : diagnostics)
+    if (d.severity == Severity::warning) ++count[kind(d)];
+  std::vector<std::string> lines;
+  for (const Diagnostic& d : diagnostics) {
+    lines.push_back(to_string(d));
+    if (verbose || d.severity == Severity::error) continue;
+    int& alike = count[kind(d)];
+    if (alike == 0) lines.pop_back();  // told with the first
+    if (alike > 1) lines.back() += fmt::format(" (the first of {} such warnings; --verbose shows all)", alike);
+    alike = 0;
+  }
+  return lines;
 }
 
 namespace {

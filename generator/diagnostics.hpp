@@ -15,16 +15,21 @@ enum class Severity { warning, error };
 
 struct Diagnostic {
   Severity severity = Severity::error;
-  std::string file;     // the file as the user named it; empty when the command line is at fault
-  std::string element;  // the user's element, such as "joint 'l_knee'" or "line 3, column 5: key 'bas'"
-  std::string message;  // what is wrong with it
-  std::string remedy;   // what to do about it
+  std::string file;       // the file as the user named it; empty when the command line is at fault
+  std::string element;    // the user's element, such as "joint 'l_knee'" or "line 3, column 5: key 'bas'"
+  std::string message;    // what is wrong with it
+  std::string remedy;     // what to do about it
+  std::string kind = {};  // what it has in common with others that are told as one; empty: the message
 };
 
 // `file: element: severity: message; remedy`, one line, without the final newline.
 std::string to_string(const Diagnostic& diagnostic);
 
 using Diagnostics = std::vector<Diagnostic>;
+
+// One line each, as they come. Of warnings of one kind in one file only the first, with their number; all of them when
+// `verbose`. Errors are never left out.
+std::vector<std::string> lines(const Diagnostics& diagnostics, bool verbose);
 
 // Bad input or usage: exit status 2. Holds at least one diagnostic of severity error (and any warnings met before it).
 class InputError : public std::runtime_error {

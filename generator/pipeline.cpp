@@ -5,32 +5,44 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "frontend/inertia_check.hpp"
 #include "frontend/scene_check.hpp"
 #include "frontend/urdf_reader.hpp"
 #include "ir/identifier.hpp"
 #include "ir/library_names.hpp"
 #include "passes/build_tree.hpp"
+#include "passes/joints_without_mass.hpp"
 
 namespace dalembert {
 
 namespace {
 
-// The namespace of the generated code.
-std::string code_name(const Request& request, const ir::RobotDescription& robot) {
-  const std::string name = request.name.empty() ? ir::identifier(robot.name) : request.name;
-  const auto refuse = [&](std::string message) {
-    const bool given = !request.name.empty();
-    throw InputError({Severity::error, given ? "" : robot.file, given ? "option --name" : fmt::format("robot '{}'", robot.name),
-                      std::move(message), "give another with --name: letters, digits and '_', not starting with a digit"});
-  };
-  if (name != ir::identifier(name)) refuse(fmt::format("'{}' cannot be the name of a C++ namespace", name));
-  if (ir::is_cpp_keyword(name)) refuse(fmt::format("'{}' is a keyword of C++", name));
+// Why the name cannot be the namespace of the generated code; empty when it can.
+std::string fault_of(const std::string& name) {
+  if (name != ir::identifier(name)) return fmt::format("'{}' cannot be the name of a C++ namespace", name);
+  if (ir::is_cpp_keyword(name)) return fmt::format("'{}' is a keyword of C++", name);
   if (ir::is_library_macro(name) || ir::is_library_function(name))
-    refuse(fmt::format("'{}' is a name of the C++ library", name));
+    return fmt::format("'{}' is a name of the C++ library", name);
   // The last ones by their C functions: pthread_create, sem_destroy.
   for (const char* taken : {"dalembert", "std", "Eigen", "tbb", "main", "pthread", "timer", "thrd", "tss", "sem", "mtx", "cnd"})
-    if (name == taken) refuse(fmt::format("'{}' is the name of a library the generated code uses", name));
-  return name;
+    if (name == taken) return fmt::format("'{}' is the name of a library the generated code uses", name);
+  return "";
+}
+
+// The namespace of the generated code: what the user says, or what the robot is called.
+std::string code_name(const Request& request, const ir::RobotDescription& robot, Diagnostics& warnings) {
+  if (!request.name.empty()) {
+    if (const std::string fault = fault_of(request.name); !fault.empty())
+      throw InputError({Severity::error, "", "option --name", fault,
+                        "give another with --name: letters, digits and '_', not starting with a digit"});
+    return request.name;
+  }
+  const std::string name = ir::identifier(robot.name);
+  const std::string fault = fault_of(name);
+  if (fault.empty()) return name;
+  warnings.push_back({Severity::warning, robot.file, fmt::format("robot '{}'", robot.name), fault,
+                      fmt::format("its namespace is '{}_'; give another with --name", name)});
+  return name + "_";
 }
 
 std::string file_name(const std::string& path) { return std::filesystem::path(path).filename().string(); }
@@ -84,13 +96,24 @@ Model read_model(const Request& request, Diagnostics& warnings) {
   const frontend::SceneDocument document = frontend::read_scene(request.scene_file, request.settings);
   Model model;
   model.description = frontend::read_urdf(request.robot, warnings);
-  model.name = code_name(request, model.description);
+  model.name = code_name(request, model.description, warnings);
   model.options = compile_options(request);
   model.command_line = command_line(request, model.name);
-  model.scene = frontend::check_scene(document, model.description, warnings);
-  model.tree = passes::build_tree(model.description, model.scene, warnings);
+  apply_scene(model, document, warnings);
   check_size(model.description, model.tree);
+  if (!request.for_one_output) passes::check_mass(model.description, model.tree, model.scene);
   return model;
+}
+
+void apply_scene(Model& model, const frontend::SceneDocument& document, Diagnostics& warnings) {
+  model.scene = frontend::check_scene(document, model.description, warnings);
+  frontend::check_inertias(model.description, model.scene, warnings);
+  model.tree = passes::build_tree(model.description, model.scene, warnings);
+  if (model.scene.lock_massless) {
+    model.scene = passes::with_massless_locked(model.description, model.tree, model.scene, warnings);
+    Diagnostics same_again;
+    model.tree = passes::build_tree(model.description, model.scene, same_again);
+  }
 }
 
 }  // namespace dalembert

@@ -22,6 +22,7 @@ struct Request {
   std::string form;                         // auto, straight or rolled; empty: auto
   std::vector<std::string> without;         // passes to leave out
   std::string name;                         // of the generated code; empty: the robot's, as an identifier
+  bool for_one_output = false;              // who asks computes one output, and passes over the scene's
 };
 
 // What the compiler works on.
@@ -37,8 +38,13 @@ struct Model {
 // Memory and time grow with the square: two thousand joints take a minute and 6 GB.
 inline constexpr int most_moving_joints = 2000;
 
-// Reads and checks the URDF and the scene, and builds the tree. Throws InputError; appends to `warnings`.
+// Reads and checks the URDF and the scene, and builds the tree. Throws InputError, also when the scene's outputs need a mass
+// and the robot has none; appends to `warnings`.
 Model read_model(const Request& request, Diagnostics& warnings);
+
+// The part of it that knows the scene: from the model's description as the URDF has it to its scene and tree. Inertias of the
+// description become what the scene makes of them.
+void apply_scene(Model& model, const frontend::SceneDocument& document, Diagnostics& warnings);
 
 // The model's generated code. Throws InputError when the model cannot be compiled.
 std::vector<backend::OutputFile> compile(const Model& model);

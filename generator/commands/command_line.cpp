@@ -23,8 +23,8 @@ namespace {
 
 constexpr int good = 0, check_failed = 1, bad_input = 2;
 
-void print(const Diagnostics& diagnostics) {
-  for (const Diagnostic& d : diagnostics) fmt::print(stderr, "{}\n", to_string(d));
+void print(const Diagnostics& diagnostics, bool verbose = false) {
+  for (const std::string& line : lines(diagnostics, verbose)) fmt::print(stderr, "{}\n", line);
 }
 
 // Results whole or not at all: a full disk or a closed pipe is not success.
@@ -85,7 +85,9 @@ void add_eval(Command& command) {
       ->check(CLI::IsMember({"generic", "generated"}))
       ->type_name("generic|generated");
   command.run = [&command, options](Diagnostics& warnings) {
-    const Model model = read_model(command.shared.request(), warnings);
+    Request request = command.shared.request();
+    request.for_one_output = true;
+    const Model model = read_model(request, warnings);
     const Engine engine = options->engine == "generic" ? Engine::generic : Engine::generated;
     return print_result(evaluate(model, options->state, options->output, engine, warnings));
   };
@@ -99,7 +101,7 @@ void add_check(Command& command) {
   };
 }
 
-int parse_and_run(int argc, const char* const* argv, Diagnostics& warnings) {
+int parse_and_run(int argc, const char* const* argv, Diagnostics& warnings, bool& verbose) {
   CLI::App app{"A dynamics compiler: URDF in, C++ for that one robot out.", "dalembert"};
   app.require_subcommand(1);
   app.footer("Exit status: 0 good, 1 a check failed, 2 bad input or usage.");
@@ -120,7 +122,10 @@ int parse_and_run(int argc, const char* const* argv, Diagnostics& warnings) {
     throw InputError({Severity::error, "", "command line", error.what(), "run 'dalembert --help', or a command with --help"});
   }
   for (const Command* command : {&generate, &info, &eval, &check})
-    if (command->parser.parsed()) return command->run(warnings);
+    if (command->parser.parsed()) {
+      verbose = command->shared.verbose();
+      return command->run(warnings);
+    }
   return bad_input;
 }
 
@@ -129,14 +134,15 @@ int parse_and_run(int argc, const char* const* argv, Diagnostics& warnings) {
 int run(int argc, const char* const* argv) {
   Diagnostics warnings, errors;
   int status = bad_input;
+  bool verbose = false;
   try {
-    status = parse_and_run(argc, argv, warnings);
+    status = parse_and_run(argc, argv, warnings, verbose);
   } catch (const InputError& error) {
     errors = error.diagnostics();
   } catch (const std::exception& error) {
     errors = {{Severity::error, "", "dalembert", error.what(), "this is a defect of dalembert: please report it"}};
   }
-  print(warnings);
+  print(warnings, verbose);
   print(errors);
   return status;
 }

@@ -22,6 +22,8 @@ constexpr Help scene_help[] = {
     {"armature", "JOINT=VALUE,...", "rotor inertia at the joint, kg m² or kg"},
     {"damping", "urdf|JOINT=VALUE,...", "viscous damping, N m s/rad or N s/m"},
     {"friction", "urdf|JOINT=VALUE,...", "Coulomb friction, N m or N"},
+    {"massless", "keep|lock", "joints that move no mass: kept, with a warning (default), or locked"},
+    {"inertia", "refuse|accept|repair", "inertias that no body has: refused (default), used as given, or made the nearest one"},
     {"rates_zero", "true|false", "statics: all velocities are zero"},
     {"scalar", "double|float", "number type of the generated code, default double"},
     {"parallel", "serial|tasks|auto", "whether a task graph is generated beside the serial code, default auto"},
@@ -41,6 +43,7 @@ SharedOptions::SharedOptions(CLI::App& command) {
       ->check(CLI::IsMember({"fold", "share", "move_parameters", "pack"}))
       ->delimiter(',')
       ->type_name("PASS,...");
+  command.add_flag("--verbose", verbose_, "every warning, not only the first of each kind");
   for (const Help& help : scene_help)
     options_[help.key] = command.add_option(std::string("--") + help.key, texts_[help.key], help.text)->type_name(help.value);
 }

@@ -16,9 +16,11 @@ class SharedOptions {
 
   // What the user asked for, once the command line is parsed.
   Request request() const;
+  bool verbose() const { return verbose_; }
 
  private:
   Request request_;
+  bool verbose_ = false;
   std::map<std::string, std::string> texts_;  // per scene key
   std::map<std::string, CLI::Option*> options_;
 };

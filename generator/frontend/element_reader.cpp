@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <set>
 #include <vector>
 
@@ -17,9 +18,12 @@ bool is_in(std::string_view name, std::initializer_list<std::string_view> names)
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-std::string number_remedy(std::string_view text) {
-  return text.find("${") != text.npos ? "expand the file with xacro first"
-                                      : "write finite decimal numbers such as 0.25 or 1e-3";
+bool is_xacro_expression(std::string_view text) { return text.find("${") != text.npos || text.find("$(") != text.npos; }
+
+constexpr const char* number_remedy = "write finite decimal numbers such as 0.25 or 1e-3";
+
+bool all_finite(const std::vector<double>& values) {
+  return std::all_of(values.begin(), values.end(), [](double x) { return std::isfinite(x); });
 }
 }  // namespace
 
@@ -28,15 +32,16 @@ void ElementReader::error(const TiXmlElement& at, std::string message, std::stri
             {Severity::error, file_, fmt::format("{} (line {})", owner_, at.Row()), std::move(message), std::move(remedy)});
 }
 
-void ElementReader::warning(const TiXmlElement& at, std::string message, std::string remedy) {
-  warnings_.push_back(
-      {Severity::warning, file_, fmt::format("{} (line {})", owner_, at.Row()), std::move(message), std::move(remedy)});
+void ElementReader::warning(const TiXmlElement& at, std::string message, std::string remedy, std::string kind) {
+  warnings_.push_back({Severity::warning, file_, fmt::format("{} (line {})", owner_, at.Row()), std::move(message),
+                       std::move(remedy), std::move(kind)});
 }
 
 std::optional<std::string> ElementReader::required(const TiXmlElement& element, const char* attribute,
                                                    const std::string& remedy) {
   const char* text = element.Attribute(attribute);
-  if (text && std::string_view(text).find_first_not_of(" \t\r\n") != std::string_view::npos) return text;
+  if (text && is_xacro_expression(text)) note_xacro(element, fmt::format("<{} {}=\"{}\">", element.Value(), attribute, text));
+  if (text && !trimmed(text).empty()) return std::string(trimmed(text));
   error(element, fmt::format("<{}> has no {}", element.Value(), attribute), remedy);
   return std::nullopt;
 }
@@ -46,9 +51,9 @@ std::optional<double> ElementReader::number(const TiXmlElement& element, const c
   if (!text) return std::nullopt;
   const std::optional<double> value = parse_number(text);
   if (value && std::isfinite(*value)) return value;
-  error(element,
-        fmt::format("<{} {}=\"{}\"> is not a {}", element.Value(), attribute, text, value ? "finite number" : "number"),
-        number_remedy(text));
+  const std::string written = fmt::format("<{} {}=\"{}\">", element.Value(), attribute, text);
+  if (is_xacro_expression(text)) note_xacro(element, written);
+  else error(element, fmt::format("{} is not a {}", written, value ? "finite number" : "number"), number_remedy);
   return std::nullopt;
 }
 
@@ -56,11 +61,22 @@ std::optional<Eigen::Vector3d> ElementReader::vector(const TiXmlElement& element
   const char* text = element.Attribute(attribute);
   if (!text) return std::nullopt;
   const std::optional<std::vector<double>> values = parse_numbers(text);
-  if (values && values->size() == 3 && std::all_of(values->begin(), values->end(), [](double x) { return std::isfinite(x); }))
-    return Eigen::Vector3d((*values)[0], (*values)[1], (*values)[2]);
-  error(element, fmt::format("<{} {}=\"{}\"> is not three finite numbers", element.Value(), attribute, text),
-        number_remedy(text));
+  if (values && values->size() == 3 && all_finite(*values)) return Eigen::Vector3d((*values)[0], (*values)[1], (*values)[2]);
+  const std::string written = fmt::format("<{} {}=\"{}\">", element.Value(), attribute, text);
+  if (is_xacro_expression(text)) note_xacro(element, written);
+  else
+    error(element, fmt::format("{} is not three finite numbers", written),
+          "write three finite decimal numbers with blanks between them");
   return std::nullopt;
+}
+
+std::optional<double> ElementReader::optional_number(const TiXmlElement& element, const char* attribute) {
+  const char* text = element.Attribute(attribute);
+  if (!text) return std::nullopt;
+  if (const std::optional<double> value = parse_number(text); value && !std::isnan(*value)) return value;
+  warning(element, fmt::format("<{} {}=\"{}\"> is not a number: it is not used", element.Value(), attribute, text),
+          number_remedy, fmt::format("number {} {}", element.Value(), attribute));
+  return std::numeric_limits<double>::quiet_NaN();
 }
 
 void ElementReader::only_attributes(const TiXmlElement& element, std::initializer_list<std::string_view> known) {
@@ -77,13 +93,31 @@ void ElementReader::only_children(const TiXmlElement& element, std::initializer_
   std::set<std::string_view> seen;
   for (const TiXmlElement* child = element.FirstChildElement(); child; child = child->NextSiblingElement()) {
     const std::string_view tag = child->Value();
-    if (is_in(tag, any_number) || tag.find(':') != tag.npos) continue;  // a prefix: somebody else's extension
-    if (!is_in(tag, once))
+    if (is_in(tag, any_number)) continue;
+    if (tag.starts_with("xacro:")) {
+      if (!is_in(tag, {"xacro:property", "xacro:arg", "xacro:macro"})) note_xacro(*child, fmt::format("<{}>", tag));
+    } else if (tag.find(':') != tag.npos) {  // a prefix: somebody else's extension
+    } else if (!is_in(tag, once)) {
       warning(*child, fmt::format("unknown element <{}> in <{}> is ignored", tag, element.Value()),
               fmt::format("the known ones are {}", fmt::join(known, ", ")));
-    else if (!seen.insert(tag).second)
+    } else if (!seen.insert(tag).second) {
       warning(*child, fmt::format("a second <{}> in <{}> is ignored", tag, element.Value()), "keep one of them");
+    }
   }
+}
+
+void ElementReader::note_xacro(const TiXmlElement& at, std::string what) {
+  if (xacros_++ > 0) return;
+  first_xacro_ = fmt::format("{} (line {})", owner_, at.Row());
+  what_xacro_ = std::move(what);
+}
+
+std::optional<Diagnostic> ElementReader::unexpanded_xacro() const {
+  if (xacros_ == 0) return std::nullopt;
+  const std::string more = xacros_ > 1 ? fmt::format(", as in {} more place{}", xacros_ - 1, xacros_ > 2 ? "s" : "") : "";
+  return Diagnostic{Severity::error, file_, first_xacro_,
+                    fmt::format("{} is left for xacro to expand{}: the file does not yet describe a robot", what_xacro_, more),
+                    fmt::format("expand it with ROS's xacro: xacro {} > expanded.urdf, and name that", file_)};
 }
 
 }  // namespace dalembert::frontend

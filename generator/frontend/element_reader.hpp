@@ -23,24 +23,35 @@ class ElementReader {
   void enter(std::string owner) { owner_ = std::move(owner); }
 
   void error(const TiXmlElement& at, std::string message, std::string remedy);
-  void warning(const TiXmlElement& at, std::string message, std::string remedy);
+  // `kind`: as in Diagnostic.
+  void warning(const TiXmlElement& at, std::string message, std::string remedy, std::string kind = "");
 
-  // The attribute's text; an error when it is missing or blank.
+  // The attribute's text without the blanks around it; an error when it is missing or blank.
   std::optional<std::string> required(const TiXmlElement& element, const char* attribute, const std::string& remedy);
   // The attribute as a finite number, or three of them; nothing (and an error, if it is there but malformed) otherwise.
   std::optional<double> number(const TiXmlElement& element, const char* attribute);
   std::optional<Eigen::Vector3d> vector(const TiXmlElement& element, const char* attribute);
+  // A number that the dynamics need not read, such as a limit: a warning instead, and NaN.
+  std::optional<double> optional_number(const TiXmlElement& element, const char* attribute);
 
   // Warns about attributes and children that are not in the lists, and about a second child of the same `once` name.
   void only_attributes(const TiXmlElement& element, std::initializer_list<std::string_view> known);
   void only_children(const TiXmlElement& element, std::initializer_list<std::string_view> once,
                      std::initializer_list<std::string_view> any_number);
 
+  // What xacro has not expanded: places where the robot is not what the file says. Definitions alone do not count.
+  void note_xacro(const TiXmlElement& at, std::string what);
+  // One error that stands for all of them, if there are any.
+  std::optional<Diagnostic> unexpanded_xacro() const;
+
  private:
   std::string file_;
   Diagnostics& errors_;
   Diagnostics& warnings_;
   std::string owner_;
+  std::string first_xacro_;  // its place
+  std::string what_xacro_;
+  int xacros_ = 0;
 };
 
 }  // namespace dalembert::frontend

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 #include <unordered_map>
 
 #include "frontend/nearest.hpp"
@@ -32,6 +33,8 @@ class SceneCheck {
     for (const auto& [joint, value] : scene_.armature) free_joint("armature", joint);
     for (const auto& [joint, value] : scene_.damping) free_joint("damping", joint);
     for (const auto& [joint, value] : scene_.friction) free_joint("friction", joint);
+    if (scene_.urdf_damping) urdf_values("damping", &ir::Joint::damping);
+    if (scene_.urdf_friction) urdf_values("friction", &ir::Joint::friction);
     if (!errors_.empty()) throw InputError(errors_);
     warn_of_mimic();
     warn_of_losses("damping", scene_.urdf_damping || document_.given.count("damping"), &ir::Joint::damping);
@@ -71,6 +74,19 @@ class SceneCheck {
     }
   }
 
+  // What <dynamics> says of joints that move, asked for by the scene.
+  void urdf_values(const char* kind, double ir::Joint::*value) {
+    for (const ir::Joint& joint : robot_.joints)
+      if (joint.type != ir::JointType::fixed && !is_cut(joint) && !scene_.locked.count(joint.name) &&
+          !(joint.*value >= 0 && std::isfinite(joint.*value)))
+        error(kind, fmt::format("the URDF's {} of joint '{}' is {}", kind, joint.name, not_usable(joint.*value)),
+              fmt::format("correct it in the URDF, or give values: {}: {{joint: value}}", kind));
+  }
+
+  static std::string not_usable(double value) {
+    return std::isfinite(value) ? fmt::format("negative ({})", value) : "no finite number";
+  }
+
   void mimic() {
     if (document_.urdf_mimic)
       for (const ir::Joint& joint : robot_.joints)
@@ -78,11 +94,19 @@ class SceneCheck {
     for (const auto& [name, relation] : scene_.mimic) {
       const std::string key = document_.urdf_mimic ? "mimic" : "mimic/" + name;
       const std::string of = document_.urdf_mimic ? key : key + "/of";
+      if (relation.of.empty()) {
+        error(key, fmt::format("the URDF's <mimic> of joint '{}' names no joint", name),
+              "correct it in the URDF, or write the relations in the scene");
+        continue;
+      }
       if (!free_joint(key, name) || !free_joint(of, relation.of)) continue;
       if (relation.of == name) error(key, fmt::format("joint '{}' drives itself", name), "name another joint as its driver");
       else if (scene_.mimic.count(relation.of))
         error(key, fmt::format("joint '{}' is driven by '{}', which is driven itself", name, relation.of),
               "name the joint at the end of the chain as the driver, which has a coordinate of its own");
+      if (!std::isfinite(relation.multiplier) || !std::isfinite(relation.offset))
+        error(key, fmt::format("the URDF's <mimic> of joint '{}' has no finite multiplier and offset", name),
+              "correct it in the URDF, or write the relations in the scene");
       if (relation.multiplier == 0)
         error(key, fmt::format("the multiplier of joint '{}' is zero: it would not move", name),
               fmt::format("lock it at its offset instead: locked: {{{}: {}}}", name, relation.offset));
@@ -142,12 +166,20 @@ class SceneCheck {
   }
 
   void warn_of_mimic() {
+    std::vector<std::string> joints;
     for (const ir::Joint& joint : robot_.joints)
       if (joint.mimic && joint.type != ir::JointType::fixed && !is_cut(joint) && !scene_.locked.count(joint.name) &&
           !scene_.mimic.count(joint.name))
-        warnings_.push_back({Severity::warning, robot_.file, fmt::format("joint '{}'", joint.name),
-                             fmt::format("its <mimic> of '{}' is left out: it is a joint of its own", joint.mimic->of),
-                             "ask for it with mimic: urdf in the scene"});
+        joints.push_back("'" + joint.name + "'");
+    if (!joints.empty())
+      warnings_.push_back({Severity::warning, robot_.file, named(joints),
+                           joints.size() > 1 ? "their <mimic> is left out: they are joints of their own"
+                                             : "its <mimic> is left out: it is a joint of its own",
+                           "ask for it with mimic: urdf in the scene"});
+  }
+
+  static std::string named(const std::vector<std::string>& joints) {
+    return fmt::format("joint{} {}", joints.size() > 1 ? "s" : "", fmt::join(joints, ", "));
   }
 
   void warn_of_losses(const char* kind, bool asked, double ir::Joint::*value) {
@@ -157,9 +189,8 @@ class SceneCheck {
       if (joint.*value != 0 && joint.type != ir::JointType::fixed && !is_cut(joint) && !scene_.locked.count(joint.name))
         joints.push_back("'" + joint.name + "'");
     if (!joints.empty())
-      warnings_.push_back(
-          {Severity::warning, robot_.file, fmt::format("joint{} {}", joints.size() > 1 ? "s" : "", fmt::join(joints, ", ")),
-           fmt::format("<dynamics {}> is left out", kind), fmt::format("ask for it with {}: urdf in the scene", kind)});
+      warnings_.push_back({Severity::warning, robot_.file, named(joints), fmt::format("<dynamics {}> is left out", kind),
+                           fmt::format("ask for it with {}: urdf in the scene", kind)});
   }
 
   const SceneDocument& document_;
@@ -174,6 +205,7 @@ class SceneCheck {
 }  // namespace
 
 ir::Base default_base(const ir::RobotDescription& robot) {
+  if (robot.floating_root) return ir::Base::floating;
   if (robot.links[static_cast<size_t>(robot.root)].name == "world") return ir::Base::fixed;
   std::vector<int> welded{robot.root};
   for (size_t i = 0; i < welded.size(); ++i) {

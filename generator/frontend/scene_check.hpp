@@ -8,8 +8,8 @@
 
 namespace dalembert::frontend {
 
-// What `base` means when the user does not say: fixed when the root link is named "world", or when neither it nor a link
-// welded to it has an inertia; floating otherwise.
+// What `base` means when the user does not say: floating when the file hangs its root on a floating joint; fixed when the root
+// link is named "world", or when neither it nor a link welded to it has an inertia; floating otherwise.
 ir::Base default_base(const ir::RobotDescription& robot);
 
 // The scene, complete. Throws InputError with every unknown name and contradiction, each with its place and a remedy. Warns

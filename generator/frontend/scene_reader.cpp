@@ -25,12 +25,22 @@ class SceneReader {
     Handler read;
   };
   static const std::vector<Key>& keys() {
-    static const std::vector<Key> keys = {
-        {"base", &SceneReader::base},           {"gravity", &SceneReader::gravity},   {"outputs", &SceneReader::outputs},
-        {"locked", &SceneReader::locked},       {"cut", &SceneReader::cut},           {"mimic", &SceneReader::mimic},
-        {"jacobians", &SceneReader::jacobians}, {"payloads", &SceneReader::payloads}, {"armature", &SceneReader::armature},
-        {"damping", &SceneReader::damping},     {"friction", &SceneReader::friction}, {"rates_zero", &SceneReader::rates_zero},
-        {"scalar", &SceneReader::scalar},       {"parallel", &SceneReader::parallel}};
+    static const std::vector<Key> keys = {{"base", &SceneReader::base},
+                                          {"gravity", &SceneReader::gravity},
+                                          {"outputs", &SceneReader::outputs},
+                                          {"locked", &SceneReader::locked},
+                                          {"cut", &SceneReader::cut},
+                                          {"mimic", &SceneReader::mimic},
+                                          {"jacobians", &SceneReader::jacobians},
+                                          {"payloads", &SceneReader::payloads},
+                                          {"armature", &SceneReader::armature},
+                                          {"damping", &SceneReader::damping},
+                                          {"friction", &SceneReader::friction},
+                                          {"massless", &SceneReader::massless},
+                                          {"inertia", &SceneReader::inertia},
+                                          {"rates_zero", &SceneReader::rates_zero},
+                                          {"scalar", &SceneReader::scalar},
+                                          {"parallel", &SceneReader::parallel}};
     return keys;
   }
 
@@ -69,6 +79,12 @@ class SceneReader {
   void parallel(const YamlNode& node) {
     scene_.parallel = choice<ir::Parallel>(
         node, {{"serial", ir::Parallel::serial}, {"tasks", ir::Parallel::tasks}, {"auto", ir::Parallel::automatic}});
+  }
+  void massless(const YamlNode& node) { scene_.lock_massless = choice<bool>(node, {{"keep", false}, {"lock", true}}); }
+  void inertia(const YamlNode& node) {
+    scene_.inertia = choice<ir::InertiaPolicy>(
+        node,
+        {{"refuse", ir::InertiaPolicy::refuse}, {"accept", ir::InertiaPolicy::accept}, {"repair", ir::InertiaPolicy::repair}});
   }
   void rates_zero(const YamlNode& node) { scene_.rates_zero = choice<bool>(node, {{"true", true}, {"false", false}}); }
 

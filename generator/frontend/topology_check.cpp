@@ -6,8 +6,6 @@
 #include <unordered_map>
 
 #include "frontend/nearest.hpp"
-#include "ir/identifier.hpp"
-#include "ir/library_names.hpp"
 
 namespace dalembert::frontend {
 
@@ -119,35 +117,8 @@ class TopologyCheck {
   Diagnostics errors_;
 };
 
-template <class Outline>
-void check_identifiers(const std::string& file, const std::vector<Outline>& elements, Diagnostics& errors) {
-  std::unordered_map<std::string, const Outline*> taken;
-  for (const Outline& element : elements) {
-    const std::string name = ir::identifier(element.name);
-    if (ir::is_cpp_keyword(name))
-      errors.push_back(
-          {Severity::error, file, place(element), "the name is a keyword of C++", "rename it, for example '" + name + "_'"});
-    const auto [first, is_new] = taken.emplace(name, &element);
-    if (!is_new)
-      errors.push_back({Severity::error, file, place(element),
-                        fmt::format("the name becomes '{}' in C++, as does that of {}", name, place(*first->second)),
-                        "rename one of them"});
-  }
-}
-
 }  // namespace
 
 void check_topology(const std::string& file, const UrdfOutline& outline) { TopologyCheck(file, outline).run(); }
-
-void check_names(const std::string& file, const UrdfOutline& outline) {
-  Diagnostics errors;
-  check_identifiers(file, outline.links, errors);
-  check_identifiers(file, outline.joints, errors);
-  for (const JointOutline& joint : outline.joints)  // enumerators bear their names bare
-    if (ir::is_library_macro(ir::identifier(joint.name)))
-      errors.push_back({Severity::error, file, place(joint), "the name is a macro of the C++ library",
-                        "rename it, for example '" + joint.name + "_'"});
-  if (!errors.empty()) throw InputError(errors);
-}
 
 }  // namespace dalembert::frontend

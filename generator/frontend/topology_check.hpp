@@ -1,4 +1,4 @@
-// Whether links and joints make one tree, and whether their names can stand in C++.
+// Whether links and joints make one tree.
 #pragma once
 
 #include <string>
@@ -15,8 +15,5 @@ inline constexpr size_t most_links = 100'000;
 // joins a link to itself, or whose child already has a parent; then every cycle; then two roots. Takes time in proportion to
 // the file.
 void check_topology(const std::string& file, const UrdfOutline& outline);
-
-// Throws InputError naming links and joints that are C++ keywords, or that become equal as identifiers.
-void check_names(const std::string& file, const UrdfOutline& outline);
 
 }  // namespace dalembert::frontend

@@ -1,42 +1,60 @@
-// The URDF as text with places: what can be checked before a model exists, said with line numbers.
+// The URDF as text with places: everything the robot is made from, each number read once and here.
 //
-// urdfdom reports most defects on its console without a place, drops some without a word (unknown tags, a child of two
-// joints, a cycle beside the tree) and insists on things the dynamics never reads (limits, geometry). So the XML is checked
-// here first, element by element, and handed on without the parts that are not ours.
+// urdfdom reports most defects on its console without a place, drops some without a word (a mass with a blank behind it,
+// unknown tags, a child of two joints, a cycle beside the tree) and insists on things the dynamics never reads (limits,
+// geometry). So the XML is read here, element by element; urdfdom is handed the bare tree only.
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "diagnostics.hpp"
+#include "ir/robot_description.hpp"
 
 namespace dalembert::frontend {
+
+struct Frame {
+  Eigen::Vector3d xyz = Eigen::Vector3d::Zero();  // m
+  Eigen::Vector3d rpy = Eigen::Vector3d::Zero();  // rad
+};
+
+// <inertial> as written: what is missing is zero. The inertia's axes are those of `origin`.
+struct InertialOutline {
+  Frame origin;
+  double mass = 0;                                    // kg
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  // kg m², about the centre of mass
+};
 
 struct LinkOutline {
   std::string name;
   int line = 0;
-  Eigen::Vector3d inertial_rpy = Eigen::Vector3d::Zero();  // <inertial><origin rpy>, rad
+  std::optional<InertialOutline> inertial;
 };
 
 struct JointOutline {
   std::string name;
   int line = 0;
-  std::string type;
+  std::string type;    // revolute, continuous, prismatic, fixed or floating
   std::string parent;  // link names
   std::string child;
-  Eigen::Vector3d origin_rpy = Eigen::Vector3d::Zero();  // rad
+  Frame origin;
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitX();  // of any length but zero
+  double damping = 0, friction = 0;                 // NaN where the text is no number: refused by those who read it
+  std::optional<ir::Mimic> mimic;                   // likewise; `of` may be empty
 };
 
 struct UrdfOutline {
   std::string robot;
   std::vector<LinkOutline> links;    // in the file's order
   std::vector<JointOutline> joints;  // in the file's order
-  std::string reduced;               // the same URDF without geometry, limits and other parts the dynamics does not read
+  bool floating_root = false;        // the root hung on a floating joint
 };
 
-// Reads the text of a URDF. `file` is for the diagnostics. Throws InputError with every defect of the XML itself: syntax,
-// missing elements, attributes and names, malformed or non-finite numbers, joint types, zero axes.
+// Reads the text of a URDF. `file` is for the diagnostics, and for the name of a robot without one. Throws InputError with
+// every defect of the XML itself: syntax, missing elements, attributes and names, malformed or non-finite numbers, joint types,
+// zero axes; or with one that says how to go on when the file is an unexpanded xacro.
 UrdfOutline read_outline(const std::string& file, const std::string& text, Diagnostics& warnings);
 
 // "link 'pelvis' (line 12)", the way elements are named in diagnostics.

@@ -2,12 +2,15 @@
 
 #include <console_bridge/console.h>
 #include <fmt/format.h>
+#include <tinyxml.h>
 #include <urdf_parser/urdf_parser.h>
 
 #include <algorithm>
 #include <unordered_map>
+#include <vector>
 
-#include "frontend/inertia_check.hpp"
+#include "frontend/cpp_names.hpp"
+#include "frontend/floating_root.hpp"
 #include "frontend/text_file.hpp"
 #include "frontend/topology_check.hpp"
 #include "frontend/urdf_outline.hpp"
@@ -18,7 +21,7 @@ namespace dalembert::frontend {
 
 namespace {
 
-// Keeps urdfdom's console messages from the user; the last one is our evidence when it refuses a file that we let pass.
+// Keeps urdfdom's console messages from the user: they become diagnostics.
 class SilencedConsole : public console_bridge::OutputHandler {
  public:
   SilencedConsole() { console_bridge::useOutputHandler(this); }
@@ -27,18 +30,61 @@ class SilencedConsole : public console_bridge::OutputHandler {
   SilencedConsole& operator=(const SilencedConsole&) = delete;
 
   void log(const std::string& text, console_bridge::LogLevel level, const char*, int) override {
-    if (level == console_bridge::CONSOLE_BRIDGE_LOG_ERROR) last_error = text;
+    if (level >= console_bridge::CONSOLE_BRIDGE_LOG_WARN) messages.push_back(text);
   }
 
-  std::string last_error;
+  std::vector<std::string> messages;
 };
 
-urdf::ModelInterfaceSharedPtr parse(const std::string& file, const std::string& text) {
+// The bare tree as a URDF: links, joints, and which hangs on which. No number that urdfdom could read otherwise than we did,
+// and nothing it could drop.
+std::string bare_tree(const UrdfOutline& outline) {
+  TiXmlDocument document;
+  TiXmlElement robot("robot");
+  robot.SetAttribute("name", outline.robot);
+  for (const LinkOutline& from : outline.links) {
+    TiXmlElement link("link");
+    link.SetAttribute("name", from.name);
+    robot.InsertEndChild(link);
+  }
+  for (const JointOutline& from : outline.joints) {
+    TiXmlElement joint("joint");
+    joint.SetAttribute("name", from.name);
+    joint.SetAttribute("type", "fixed");
+    for (const auto& [tag, link] : {std::pair{"parent", &from.parent}, {"child", &from.child}}) {
+      TiXmlElement end(tag);
+      end.SetAttribute("link", *link);
+      joint.InsertEndChild(end);
+    }
+    robot.InsertEndChild(joint);
+  }
+  document.InsertEndChild(robot);
+  TiXmlPrinter printer;
+  document.Accept(&printer);
+  return printer.Str();
+}
+
+// urdfdom's tree of the robot. Whatever it says about it is an error or a warning.
+urdf::ModelInterfaceSharedPtr parse(const std::string& file, const UrdfOutline& outline, Diagnostics& warnings) {
   SilencedConsole console;
-  urdf::ModelInterfaceSharedPtr model = urdf::parseURDF(text);
+  urdf::ModelInterfaceSharedPtr model = urdf::parseURDF(bare_tree(outline));
+  const std::string robot = fmt::format("robot '{}'", outline.robot);
   if (!model)
-    throw InputError(
-        {Severity::error, file, "", "urdfdom cannot read this robot: " + console.last_error, "correct the element it names"});
+    throw InputError({Severity::error, file, robot,
+                      "urdfdom cannot read it: " + (console.messages.empty() ? "" : console.messages.back()),
+                      "correct the element it names"});
+  for (const std::string& message : console.messages)
+    warnings.push_back({Severity::warning, file, robot, "urdfdom says: " + message, "correct the element it names"});
+  Diagnostics errors;
+  const auto lost = [&](std::string element) {
+    errors.push_back({Severity::error, file, std::move(element), "urdfdom does not find it by its name",
+                      "give it a name of letters, digits and '_'"});
+  };
+  for (const LinkOutline& link : outline.links)
+    if (!model->links_.count(link.name)) lost(place(link));
+  for (const JointOutline& joint : outline.joints)
+    if (!model->joints_.count(joint.name)) lost(place(joint));
+  if (!errors.empty()) throw InputError(errors);
   // The links own each other from the root down: released one by one, a long chain does not exhaust the stack.
   for (auto& [name, link] : model->links_) {
     link->child_links.clear();
@@ -47,38 +93,31 @@ urdf::ModelInterfaceSharedPtr parse(const std::string& file, const std::string& 
   return model;
 }
 
-Eigen::Vector3d vector(const urdf::Vector3& v) { return {v.x, v.y, v.z}; }
-
-// `rpy` comes from the file: by way of urdfdom's quaternion the exact zeros of axis-aligned frames would be lost.
-ir::Inertia inertia(const urdf::Inertial& inertial, const Eigen::Vector3d& rpy) {
-  Eigen::Matrix3d about_com;
-  about_com << inertial.ixx, inertial.ixy, inertial.ixz,  //
-      inertial.ixy, inertial.iyy, inertial.iyz,           //
-      inertial.ixz, inertial.iyz, inertial.izz;
-  return {inertial.mass, vector(inertial.origin.position), ir::rotated(about_com, ir::rotation_from_rpy(rpy))};
+ir::JointType type(const std::string& name) {
+  if (name == "revolute") return ir::JointType::revolute;
+  if (name == "continuous") return ir::JointType::continuous;
+  if (name == "prismatic") return ir::JointType::prismatic;
+  return ir::JointType::fixed;  // the outline refused every other type
 }
 
-ir::JointType type(const urdf::Joint& joint) {
-  switch (joint.type) {
-    case urdf::Joint::REVOLUTE: return ir::JointType::revolute;
-    case urdf::Joint::CONTINUOUS: return ir::JointType::continuous;
-    case urdf::Joint::PRISMATIC: return ir::JointType::prismatic;
-    default: return ir::JointType::fixed;  // the outline refused every other type
-  }
+ir::Link link(const LinkOutline& from) {
+  ir::Link link{.name = from.name, .line = from.line};
+  if (from.inertial && (from.inertial->mass != 0 || !from.inertial->inertia.isZero(0)))  // a frame otherwise
+    link.inertia = ir::Inertia{from.inertial->mass, from.inertial->origin.xyz,
+                               ir::rotated(from.inertial->inertia, ir::rotation_from_rpy(from.inertial->origin.rpy))};
+  return link;
 }
 
-ir::Joint joint(const urdf::Joint& from, const Eigen::Vector3d& rpy) {
+ir::Joint joint(const JointOutline& from) {
   ir::Joint joint;
   joint.name = from.name;
-  joint.type = type(from);
-  joint.origin.linear() = ir::rotation_from_rpy(rpy);
-  joint.origin.translation() = vector(from.parent_to_joint_origin_transform.position);
-  if (joint.type != ir::JointType::fixed) joint.axis = vector(from.axis).normalized();
-  if (from.dynamics) {
-    joint.damping = from.dynamics->damping;
-    joint.friction = from.dynamics->friction;
-  }
-  if (from.mimic) joint.mimic = ir::Mimic{from.mimic->joint_name, from.mimic->multiplier, from.mimic->offset};
+  joint.type = type(from.type);
+  joint.origin.linear() = ir::rotation_from_rpy(from.origin.rpy);
+  joint.origin.translation() = from.origin.xyz;
+  if (joint.type != ir::JointType::fixed) joint.axis = from.axis.stableNormalized();
+  joint.damping = from.damping;
+  joint.friction = from.friction;
+  joint.mimic = from.mimic;
   return joint;
 }
 
@@ -89,34 +128,27 @@ ir::RobotDescription read_urdf(const std::string& path, Diagnostics& warnings) {
 }
 
 ir::RobotDescription read_urdf_text(const std::string& file, const std::string& text, Diagnostics& warnings) {
-  const UrdfOutline outline = read_outline(file, text, warnings);
+  UrdfOutline outline = read_outline(file, text, warnings);
   check_topology(file, outline);
-  check_names(file, outline);
-  const urdf::ModelInterfaceSharedPtr model = parse(file, outline.reduced);
+  take_floating_root(file, outline, warnings);
+  make_names_distinct(file, outline, warnings);
+  const urdf::ModelInterfaceSharedPtr model = parse(file, outline, warnings);
 
   ir::RobotDescription robot;
   robot.file = file;
   robot.name = outline.robot;
+  robot.floating_root = outline.floating_root;
   std::unordered_map<std::string, int> index;
-  Diagnostics errors;
   for (const LinkOutline& from : outline.links) {
-    ir::Link link{from.name, std::nullopt};
-    if (const urdf::InertialSharedPtr inertial = model->links_.at(from.name)->inertial) {
-      link.inertia = inertia(*inertial, from.inertial_rpy);
-      check_inertia(file, place(from), *link.inertia, errors, warnings);
-      if (link.inertia->mass == 0 && link.inertia->inertia.isZero(0)) link.inertia.reset();  // a frame
-    }
-    index.emplace(link.name, static_cast<int>(robot.links.size()));
-    robot.links.push_back(std::move(link));
+    index.emplace(from.name, static_cast<int>(robot.links.size()));
+    robot.links.push_back(link(from));
   }
-  if (!errors.empty()) throw InputError(errors);
-
-  std::unordered_map<std::string, Eigen::Vector3d> rpy;
-  for (const JointOutline& from : outline.joints) rpy.emplace(from.name, from.origin_rpy);
+  std::unordered_map<std::string, const JointOutline*> outlines;
+  for (const JointOutline& from : outline.joints) outlines.emplace(from.name, &from);
   robot.children.resize(robot.links.size());
   std::vector<bool> is_child(robot.links.size(), false);
   for (const auto& [name, from] : model->joints_) {  // a sorted map: alphabetical
-    ir::Joint joint = frontend::joint(*from, rpy.at(name));
+    ir::Joint joint = frontend::joint(*outlines.at(name));
     joint.parent = index.at(from->parent_link_name);
     joint.child = index.at(from->child_link_name);
     robot.children[static_cast<size_t>(joint.parent)].push_back(static_cast<int>(robot.joints.size()));

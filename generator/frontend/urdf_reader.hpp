@@ -1,4 +1,5 @@
-// URDF file → RobotDescription. urdfdom reads the model; nothing of it, nor of its messages, is seen outside this reader.
+// URDF file → RobotDescription. The outline reads every number; urdfdom reads the bare tree, and nothing of it is seen outside
+// this reader.
 #pragma once
 
 #include <string>
@@ -8,8 +9,9 @@
 
 namespace dalembert::frontend {
 
-// The robot of the file, checked: one tree of known links, finite numbers, unit axes, inertias a body can have, names that
-// can stand in C++. Throws InputError with every defect found; appends to `warnings` what is ignored or doubtful.
+// The robot of the file, checked: one tree of known links, finite numbers, unit axes, names that can stand in C++. Inertias are
+// as the file has them: check_inertias knows what the scene makes of them. Damping, friction and mimic may be NaN, as
+// check_scene knows. Throws InputError with every defect found; appends to `warnings` what is ignored or doubtful.
 ir::RobotDescription read_urdf(const std::string& path, Diagnostics& warnings);
 
 // The same for a text; `file` is for the diagnostics.

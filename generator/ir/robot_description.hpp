@@ -29,7 +29,8 @@ struct Mimic {
 
 struct Link {
   std::string name;
-  std::optional<Inertia> inertia;  // absent: a frame without inertia
+  std::optional<Inertia> inertia = {};  // absent: a frame without inertia
+  int line = 0;                         // of the file
 };
 
 struct Joint {
@@ -39,8 +40,8 @@ struct Joint {
   int child = -1;
   Eigen::Isometry3d origin = Eigen::Isometry3d::Identity();  // child link's frame in the parent link's frame at q = 0
   Eigen::Vector3d axis = Eigen::Vector3d::UnitX();           // unit, in the child link's frame
-  double damping = 0;                                        // <dynamics damping>, N m s/rad or N s/m
-  double friction = 0;                                       // <dynamics friction>, N m or N
+  double damping = 0;                                        // <dynamics damping>, N m s/rad or N s/m; NaN: no number
+  double friction = 0;                                       // <dynamics friction>, N m or N; NaN: no number
   std::optional<Mimic> mimic;
 };
 
@@ -52,6 +53,7 @@ struct RobotDescription {
   int root = -1;              // index into links
   // Per link: the joints whose parent it is, in urdfdom's order.
   std::vector<std::vector<int>> children;
+  bool floating_root = false;  // the file hangs the root on a floating joint
 };
 
 }  // namespace dalembert::ir

@@ -16,6 +16,7 @@ enum class Base { fixed, floating };
 enum class GravityKind { constant, none, run_time };
 enum class ScalarType { float64, float32 };
 enum class Parallel { serial, tasks, automatic };
+enum class InertiaPolicy { refuse, accept, repair };  // what becomes of an inertia that no body has
 
 struct Scene {
   Base base = Base::floating;
@@ -35,6 +36,8 @@ struct Scene {
   std::map<std::string, double> friction;  // joint → Coulomb friction
   bool urdf_damping = false;               // take <dynamics damping> from the URDF
   bool urdf_friction = false;              // take <dynamics friction> from the URDF
+  bool lock_massless = false;              // lock every joint that moves no mass
+  InertiaPolicy inertia = InertiaPolicy::refuse;
 };
 
 }  // namespace dalembert::ir

@@ -1,6 +1,7 @@
 #include "passes/build_tree.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -8,6 +9,7 @@
 
 #include "ir/rotation.hpp"
 #include "passes/combine_inertia.hpp"
+#include "passes/joints_without_mass.hpp"
 
 namespace dalembert::passes {
 
@@ -33,7 +35,7 @@ class TreeBuilder {
         tree_.bodies[at(parent)].subtree_size += tree_.bodies[k].subtree_size;
     drive();
     check_something_moves();
-    check_inertia();
+    warn_of_massless_joints();
     check_links();
     if (!errors_.empty()) throw InputError(errors_);
     return std::move(tree_);
@@ -127,47 +129,36 @@ class TreeBuilder {
                         "no joint is left to move and the base is fixed", "unlock a joint, or ask for --base floating"});
   }
 
-  // A joint that moves neither mass nor inertia, nor has an armature, makes M singular.
-  void check_inertia() {
-    std::vector<double> mass(tree_.bodies.size() + 1), moment(mass.size());  // per subtree, the base's first
-    for (size_t k = mass.size(); k-- > 0;) {
-      const ir::Inertia& own = k == 0 ? tree_.base : tree_.bodies[k - 1].inertia;
-      mass[k] += own.mass;
-      moment[k] += own.inertia.trace();
-      if (k > 0) {
-        mass[at(tree_.bodies[k - 1].parent + 1)] += mass[k];
-        moment[at(tree_.bodies[k - 1].parent + 1)] += moment[k];
-      }
-    }
-    for (const ir::LinkPlacement& link : tree_.links)  // a payload given at run time counts
-      for (int k = link.body; is_payload(link.link); k = tree_.bodies[at(k)].parent) {
-        mass[at(k + 1)] += 1;
-        if (k < 0) break;
-      }
-    std::vector<bool> carries(tree_.bodies.size());
-    for (size_t k = 0; k < carries.size(); ++k) {
-      const ir::Body& body = tree_.bodies[k];
-      const bool own = mass[k + 1] > 0 || (!body.prismatic() && moment[k + 1] > 0) || body.armature > 0;
-      if (own) carries[body.driven() ? at(body.driven_by) : k] = true;
-    }
-    for (size_t k = 0; k < carries.size(); ++k)
-      if (const ir::Body& body = tree_.bodies[k]; !body.driven() && !carries[k])
-        error(fmt::format("joint '{}'", body.joint),
-              fmt::format("it moves link '{}' and what is beyond it without any mass: M would be singular", body.name),
-              "give a link beyond it an <inertial>, make the joint fixed, or lock or cut it in the scene");
-      else if (no_inertia_about_axis(body))
+  // Where M is singular.
+  void warn_of_massless_joints() {
+    if (moves_no_mass(tree_, scene_)) return;  // check_mass says it once
+    const std::vector<int> massless = joints_without_mass(tree_, scene_);
+    std::vector<std::string> names;
+    for (int k : massless) names.push_back("'" + tree_.bodies[at(k)].joint + "'");
+    if (!names.empty() && !scene_.lock_massless)
+      warnings_.push_back({Severity::warning, robot_.file,
+                           fmt::format("joint{} {}", names.size() > 1 ? "s" : "", fmt::join(names, ", ")),
+                           "nothing that moves there has a mass: M is singular",
+                           "lock such joints with massless: lock in the scene, give the links <inertial>, or the joints an "
+                           "armature in the scene"});
+    for (size_t k = 0; k < tree_.bodies.size(); ++k)
+      if (const ir::Body& body = tree_.bodies[k]; no_inertia_about_axis(body) && !carries_payload(static_cast<int>(k)) &&
+                                                  !std::binary_search(massless.begin(), massless.end(), static_cast<int>(k)))
         warnings_.push_back({Severity::warning, robot_.file, fmt::format("joint '{}'", body.joint),
                              fmt::format("link '{}' has no inertia about the joint's axis: M is singular", body.name),
-                             "give the link a rotational inertia, or the joint an armature in the scene"});
-    if (tree_.floating_base && mass[0] == 0)
-      error(fmt::format("robot '{}'", robot_.name), "no link has a mass: a floating base would have no inertia",
-            "give the links <inertial>, or ask for --base fixed");
+                             "give the link a rotational inertia, or the joint an armature in the scene",
+                             "no inertia about axis"});
   }
 
   bool no_inertia_about_axis(const ir::Body& body) const {
     if (body.prismatic() || body.driven() || body.subtree_size > 1 || body.armature > 0) return false;
     const Eigen::Vector3d lever = body.axis.cross(body.inertia.com);
     return body.axis.dot(body.inertia.inertia * body.axis) + body.inertia.mass * lever.squaredNorm() == 0;
+  }
+
+  bool carries_payload(int body) const {
+    return std::any_of(tree_.links.begin(), tree_.links.end(),
+                       [&](const ir::LinkPlacement& link) { return link.body == body && is_payload(link.link); });
   }
 
   bool is_payload(const std::string& link) const {

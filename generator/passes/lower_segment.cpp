@@ -57,7 +57,10 @@ class SegmentLowering {
     const ir::Node& n = graph()[x.id];
     const bool constant_of_body = n.op == ir::Op::constant || (n.op == ir::Op::input && n.input.kind == InputKind::table);
     if (own_.contains({role, component})) throw std::logic_error("a sum is stored over what its slot has received");
-    if (is_sum(role) && constant_of_body) {
+    // What totals are stored over later is stored like any other share: only joints that move no mass have constant ones there,
+    // the same zero for all.
+    const bool replaced = totals_follow_ && n.op == ir::Op::constant;
+    if (is_sum(role) && constant_of_body && !replaced) {
       own_.insert({{role, component}, n});
       code_.received.push_back({role, component});
     } else {
@@ -164,6 +167,7 @@ class SegmentLowering {
   void matrices() {
     const bool alone = segment_.width == 1 && segment_.steps > (program_.coriolis ? 1 : 4);
     const MovingBody body = kinematics();
+    totals_follow_ = alone;
     if (alone || program_.coriolis) {
       begin("moments", moments_equation, Direction::anywhere);
       if (program_.coriolis) paragraph_->equations.push_back(rates_equation);
@@ -174,6 +178,7 @@ class SegmentLowering {
       paragraph_->equations.push_back(moments_equation);
       moments_of(body);
     }
+    totals_follow_ = false;
     const Sums total = accumulate();
     if (alone) {
       each_sum(total, [this](int role, int i, Sym x) { store(role, i, x); });
@@ -317,6 +322,7 @@ class SegmentLowering {
   const ir::Graph::Options options_;
   ir::SegmentCode& code_;
   Paragraph* paragraph_ = nullptr;
+  bool totals_follow_ = false;                   // sums are stored once more, as totals
   std::map<std::pair<int, int>, ir::Node> own_;  // by role and component: own shares that are constants
 };
 

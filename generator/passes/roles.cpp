@@ -49,9 +49,12 @@ bool is_sum(int role) {
 void share_places(ir::RolledProgram& program) {
   // Without C all of it fits in the cache anyway, and stores to what was just read cost more than they save.
   if (!program.coriolis || program.wrench) return;
-  program.roles[inertia_force].place = rotation;  // the axis, columns 6 to 8, stays
-  program.roles[bias_force].place = velocity;
-  program.roles[transposed].place = position;
+  const auto share = [&](int role, int place) {  // a place that nobody needs is none: joints that move no mass
+    if (!program.roles[static_cast<size_t>(place)].name.empty()) program.roles[static_cast<size_t>(role)].place = place;
+  };
+  share(inertia_force, rotation);  // the axis, columns 6 to 8, stays
+  share(bias_force, velocity);
+  share(transposed, position);
 }
 
 }  // namespace dalembert::passes

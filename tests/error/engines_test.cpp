@@ -128,6 +128,44 @@ TEST(Check, PassesOnTurntablesOnALoneBaseAndOnDrivenJoints) {
   unsetenv("CXX");
 }
 
+// Joints that move no mass: rows of zeros in M, nothing divided by them, in either form.
+TEST(Check, PassesWhereJointsMoveNoMass) {
+  struct Case {
+    const char *robot, *form, *output;
+  };
+  for (const Case& c : {Case{"massless_subtree", "straight", "coriolis_matrix"},
+                        {"massless_subtree", "rolled", "coriolis_matrix"},
+                        {"inertia_but_no_mass_on_a_slide", "rolled", "coriolis_matrix"},
+                        {"massless_subtree", "rolled", "bias"}}) {
+    SCOPED_TRACE(std::string(c.robot) + ' ' + c.form);
+    const Outcome outcome = run_dalembert({"check", std::string(ERROR_ROBOTS "/") + c.robot + ".urdf", "--base", "floating",
+                                           "--form", c.form, "--outputs", c.output},
+                                          ".");
+    EXPECT_EQ(outcome.status, 0) << outcome.err << outcome.out;
+  }
+}
+
+// A robot without any mass has Jacobians, and no dynamics.
+TEST(Eval, NeedsAMassForDynamicsOnly) {
+  const std::string robot = ERROR_ROBOTS "/no_mass_at_all.urdf";
+  for (const char* engine : {"generic", "generated"}) {
+    const Outcome outcome = run_dalembert(
+        {"eval", robot, "--base", "fixed", "--state", "-", "--output", "jacobian_b", "--engine", engine}, ".", "0.3 0\n");
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_EQ(outcome.out, "0\n0\n0\n0\n0\n1\n");
+  }
+  const Outcome outcome = run_dalembert({"eval", robot, "--state", "-", "--output", "mass_matrix"}, ".", "0.3 0\n");
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_NE(outcome.err.find("nothing that moves has a mass: there are no dynamics"), std::string::npos) << outcome.err;
+}
+
+// An inertia that no body has is computed with all the same.
+TEST(Check, PassesOnInertiasAccepted) {
+  const Outcome outcome =
+      run_dalembert({"check", ERROR_ROBOTS "/negative_inertia.urdf", "--inertia", "accept", "--outputs", "bias"}, ".");
+  EXPECT_EQ(outcome.status, 0) << outcome.err << outcome.out;
+}
+
 // A compiler that first turns an addition of the generated code into a subtraction.
 TEST(Check, FindsAWrongLine) {
   const TemporaryFolder folder;

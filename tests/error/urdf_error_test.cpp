@@ -1,7 +1,9 @@
 // One URDF per defect in this folder, each with what the user reads about it, word for word.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <sstream>
 
 #include "run_dalembert.hpp"
 
@@ -13,7 +15,18 @@ struct Case {
   const char* messages;  // lines of stderr, without the file's name in front
 };
 
+// The same in a scene.
+struct Use {
+  const char* name;
+  const char* robot;
+  std::vector<std::string> options;
+  int status;
+  const char* messages;
+  const char* output;  // what `info` says then
+};
+
 void PrintTo(const Case& c, std::ostream* os) { *os << c.robot; }
+void PrintTo(const Use& use, std::ostream* os) { *os << use.name; }
 std::string name_of(const testing::TestParamInfo<Case>& info) { return info.param.robot; }
 
 // Every line of the messages with the file's name in front.
@@ -28,10 +41,10 @@ std::string expected(const Case& c) {
 const Case defects[] = {
     {"axis_without_xyz",
      "joint 'j' (line 17): error: <axis> has no xyz; write <axis xyz=\"0 0 1\"/> or another direction"},
-    {"colliding_joints",
-     "joint 'hip-yaw' (line 25): error: the name becomes 'hip_yaw' in C++, as does that of joint 'hip/yaw' (line 20); rename one of them"},
-    {"colliding_links",
-     "link 'b.1' (line 14): error: the name becomes 'b_1' in C++, as does that of link 'b 1' (line 8); rename one of them"},
+    {"blank_mass",
+     "link 'b' (line 10): error: <mass value=\" \"> is not a number; write finite decimal numbers such as 0.25 or 1e-3"},
+    {"commas_between_numbers",
+     "joint 'j' (line 17): error: <axis xyz=\"0, 0, 1\"> is not three finite numbers; write three finite decimal numbers with blanks between them"},
     {"cycle_beside_tree",
      "joint 'l' (line 36): error: the joints form a cycle: each link's parent is the next of c, d, c; remove one joint of the cycle, so that one root link remains"},
     {"cycle_without_root",
@@ -42,79 +55,59 @@ const Case defects[] = {
      "link 'b' (line 14): error: the name is already taken by the link of line 8; rename one of them"},
     {"empty",
      "error: the file is empty; name a URDF file"},
-    {"floating_joint",
-     "joint 'j' (line 14): error: joints of type 'floating' are not supported; remove the joint and the link above it, and ask for --base floating"},
-    {"incomplete_inertia",
-     "link 'b' (line 11): error: <inertia> has no iyz; give all of ixx, ixy, ixz, iyy, iyz, izz in kg m²"},
+    {"float_suffix",
+     "link 'b' (line 10): error: <mass value=\"1e-3f\"> is not a number; write finite decimal numbers such as 0.25 or 1e-3"},
+    {"floating_beside_moving",
+     "joint 'j' (line 14): error: it moves in the world, beside the robot below the floating joint 'free'; keep one of the two in this file"},
+    {"floating_leaf",
+     "joint 'free' (line 20): error: joints of type 'floating' are supported only at the root; replace it by three prismatic and three revolute joints, or make it fixed"},
+    {"four_numbers",
+     "joint 'j' (line 17): error: <origin xyz=\"0 0 1 0\"> is not three finite numbers; write three finite decimal numbers with blanks between them"},
+    {"hexadecimal_mass",
+     "link 'b' (line 10): error: <mass value=\"0x10\"> is not a number; write finite decimal numbers such as 0.25 or 1e-3"},
     {"indefinite_inertia",
-     "link 'b' (line 8): error: the inertia is not positive definite (principal moments -1, 1, 3 kg m²); correct <inertia>: its matrix about the centre of mass has no negative principal moment"},
-    {"inertia_but_no_mass_on_a_slide",
-     "joint 'j': error: it moves link 'b' and what is beyond it without any mass: M would be singular; give a link beyond it an <inertial>, make the joint fixed, or lock or cut it in the scene"},
+     "link 'b' (line 8): error: the inertia is not positive definite (principal moments -1, 1, 3 kg m²); correct <inertia>: its matrix about the centre of mass has no negative principal moment; or go on knowingly with inertia: accept or inertia: repair in the scene"},
     {"infinite_mass",
      "link 'b' (line 10): error: <mass value=\"inf\"> is not a finite number; write finite decimal numbers such as 0.25 or 1e-3"},
     {"infinite_rpy",
-     "joint 'j' (line 18): error: <origin rpy=\"0 0 -inf\"> is not three finite numbers; write finite decimal numbers such as 0.25 or 1e-3"},
+     "joint 'j' (line 18): error: <origin rpy=\"0 0 -inf\"> is not three finite numbers; write three finite decimal numbers with blanks between them"},
     {"joint_to_itself",
      "joint 'k' (line 19): error: the joint connects link 'b' to itself; name two different links"},
-    {"keyword_joint",
-     "joint 'xor' (line 14): error: the name is a keyword of C++; rename it, for example 'xor_'"},
-    {"keyword_link",
-     "link 'class' (line 8): error: the name is a keyword of C++; rename it, for example 'class_'"},
-    {"keyword_robot",
-     "robot 'double': error: 'double' is a keyword of C++; give another with --name: letters, digits and '_', not starting with a digit"},
-    {"library_robot",
-     "robot 'std': error: 'std' is the name of a library the generated code uses; give another with --name: letters, digits and '_', not starting with a digit"},
-    {"macro_joint",
-     "joint 'NAN' (line 14): error: the name is a macro of the C++ library; rename it, for example 'NAN_'"},
-    {"function_robot",
-     "robot 'index': error: 'index' is a name of the C++ library; give another with --name: letters, digits and '_', not starting with a digit"},
     {"malformed_axis",
-     "joint 'j' (line 17): error: <axis xyz=\"0 1\"> is not three finite numbers; write finite decimal numbers such as 0.25 or 1e-3"},
+     "joint 'j' (line 17): error: <axis xyz=\"0 1\"> is not three finite numbers; write three finite decimal numbers with blanks between them"},
     {"malformed_mass",
      "link 'b' (line 10): error: <mass value=\"1,5\"> is not a number; write finite decimal numbers such as 0.25 or 1e-3"},
     {"malformed_xml",
      "line 3, column 1: error: this is not well-formed XML: Error reading end tag.; close the tag or quote opened there"},
-    {"massless_leaf",
-     "joint 'k': error: it moves link 'c' and what is beyond it without any mass: M would be singular; give a link beyond it an <inertial>, make the joint fixed, or lock or cut it in the scene"},
-    {"massless_subtree",
-     "joint 'k': error: it moves link 'c' and what is beyond it without any mass: M would be singular; give a link beyond it an <inertial>, make the joint fixed, or lock or cut it in the scene\n"
-     "joint 'l': error: it moves link 'd' and what is beyond it without any mass: M would be singular; give a link beyond it an <inertial>, make the joint fixed, or lock or cut it in the scene"},
-    {"mimic_without_joint",
-     "joint 'j' (line 18): error: <mimic> has no joint; name the joint that drives this one, or remove <mimic>"},
+    {"mass_between_tags",
+     "link 'b' (line 10): error: <mass> has its number 1 between tags; write <mass value=\"...\"/> in kg"},
     {"nan_axis",
-     "joint 'j' (line 17): error: <axis xyz=\"0 nan 1\"> is not three finite numbers; write finite decimal numbers such as 0.25 or 1e-3"},
+     "joint 'j' (line 17): error: <axis xyz=\"0 nan 1\"> is not three finite numbers; write three finite decimal numbers with blanks between them"},
     {"nan_inertia",
      "link 'b' (line 11): error: <inertia iyy=\"nan\"> is not a finite number; write finite decimal numbers such as 0.25 or 1e-3"},
     {"nan_origin",
-     "link 'b' (line 10): error: <origin xyz=\"nan 0 0\"> is not three finite numbers; write finite decimal numbers such as 0.25 or 1e-3"},
-    {"negative_damping",
-     "joint 'j' (line 18): error: the damping is negative (-1); give a value of zero or more"},
+     "link 'b' (line 10): error: <origin xyz=\"nan 0 0\"> is not three finite numbers; write three finite decimal numbers with blanks between them"},
     {"negative_inertia",
-     "link 'b' (line 8): error: the inertia is not positive definite (principal moments -1, 1, 1 kg m²); correct <inertia>: its matrix about the centre of mass has no negative principal moment"},
+     "link 'b' (line 8): error: the inertia is not positive definite (principal moments -1, 1, 1 kg m²); correct <inertia>: its matrix about the centre of mass has no negative principal moment; or go on knowingly with inertia: accept or inertia: repair in the scene"},
     {"negative_mass",
-     "link 'b' (line 10): error: the mass is negative (-1 kg); give the link a mass of zero or more"},
+     "link 'b' (line 8): error: the mass is negative (-1 kg); give the link a mass of zero or more, or go on knowingly with inertia: accept in the scene"},
     {"no_child",
      "joint 'j' (line 14): error: the joint has no <child>; add <child link=\"...\"/>"},
-    {"no_inertia",
-     "link 'b' (line 9): error: <inertial> has no <inertia>; add <inertia ixx=... ixy=... ixz=... iyy=... iyz=... izz=.../>"},
     {"no_joint_type",
      "joint 'j' (line 14): error: <joint> has no type; write type=\"revolute\", continuous, prismatic or fixed"},
     {"no_link_name",
      "link number 2 (line 8): error: <link> has no name; write <link name=\"...\">"},
     {"no_links",
      "robot 'r': error: there are no links; add at least one <link>"},
-    {"no_mass",
-     "link 'b' (line 9): error: <inertial> has no <mass>; add <mass value=\"...\"/>, or remove <inertial>"},
-    {"no_mass_value",
-     "link 'b' (line 10): error: <mass> has no value; write <mass value=\"...\"/> in kg"},
+    {"no_mass_at_all",
+     "link 'a' (line 3): warning: <inertial> has no <inertia>: zeros are taken; add <inertia ixx=... ixy=... ixz=... iyy=... iyz=... izz=.../> in kg m² (the first of 2 such warnings; --verbose shows all)\n"
+     "robot 'r': error: nothing that moves has a mass: there are no dynamics; give the links <inertial>, or ask for what needs none: --outputs wrench_influence, or --outputs '' --jacobians LINK"},
     {"no_parent",
      "joint 'j' (line 14): error: the joint has no <parent>; add <parent link=\"...\"/>"},
     {"no_parent_link",
      "joint 'j' (line 15): error: <parent> has no link; add <parent link=\"...\"/>"},
     {"no_robot",
      "<sdf> (line 1): error: there is no <robot> element; a URDF's root is <robot>; convert other formats such as SDF or MJCF to URDF first"},
-    {"no_robot_name",
-     "robot '' (line 1): error: <robot> has no name; write <robot name=\"...\">"},
     {"not_xml",
      "error: this is not XML; a URDF is an XML file whose root is <robot>"},
     {"nothing_moves",
@@ -125,6 +118,9 @@ const Case defects[] = {
      "joint 'j' (line 14): error: joints of type 'planar' are not supported; write it as two prismatic joints and a revolute one"},
     {"quaternion_origin",
      "joint 'j' (line 18): error: <origin quat_xyzw> is not supported; write the rotation as rpy"},
+    {"two_floating_roots",
+     "joint 'j' (line 14): error: there is more than one floating joint at the root: more than one robot; keep one of the robots in this file\n"
+     "joint 'k' (line 19): error: there is more than one floating joint at the root: more than one robot; keep one of the robots in this file"},
     {"two_parents",
      "joint 'l' (line 30): error: link 'c' is already the child of joint 'k' (line 25); a link has one parent: remove one of the two joints (closed loops are not supported)"},
     {"two_roots",
@@ -135,20 +131,82 @@ const Case defects[] = {
      "joint 'j' (line 14): error: joints of type 'spherical' are not supported; use revolute, continuous, prismatic or fixed"},
     {"unknown_parent",
      "joint 'j' (line 14): error: its parent link 'base_lnk' does not exist; add the link, or did you mean 'base_link'?"},
+    {"xacro_definitions_only",
+     "robot 'r' (line 2): error: <xacro:macro> is left for xacro to expand: the file does not yet describe a robot; expand it with ROS's xacro: xacro xacro_definitions_only.urdf > expanded.urdf, and name that"},
+    {"xacro_find",
+     "joint 'j' (line 16): error: <child link=\"$(arg prefix)b\"> is left for xacro to expand: the file does not yet describe a robot; expand it with ROS's xacro: xacro xacro_find.urdf > expanded.urdf, and name that"},
+    {"xacro_include",
+     "robot 'r' (line 3): error: <xacro:include> is left for xacro to expand, as in 1 more place: the file does not yet describe a robot; expand it with ROS's xacro: xacro xacro_include.urdf > expanded.urdf, and name that"},
     {"xacro_mass",
-     "link 'b' (line 10): error: <mass value=\"${m}\"> is not a number; expand the file with xacro first"},
+     "link 'b' (line 10): error: <mass value=\"${m}\"> is left for xacro to expand: the file does not yet describe a robot; expand it with ROS's xacro: xacro xacro_mass.urdf > expanded.urdf, and name that"},
     {"zero_axis",
      "joint 'j' (line 17): error: the axis has zero length; give the direction the joint turns about or slides along"},
 };
 
 const Case doubts[] = {
+    {"colliding_joints",
+     "joint 'hip-yaw' (line 25): warning: the name becomes 'hip_yaw' in C++, as does that of joint 'hip/yaw' (line 20); it is called 'hip-yaw_' here"},
+    {"colliding_links",
+     "link 'b.1' (line 14): warning: the name becomes 'b_1' in C++, as does that of link 'b 1' (line 8); it is called 'b.1_' here"},
     {"damping_and_friction",
      "joints 'j', 'k': warning: <dynamics damping> is left out; ask for it with damping: urdf in the scene\n"
      "joint 'j': warning: <dynamics friction> is left out; ask for it with friction: urdf in the scene"},
+    {"floating_root_with_inertia",
+     "joint 'j' (line 14): warning: the inertia of link 'a' above this floating joint is not used: what is above it is the world and does not move; give it to the link below the joint\n"
+     "joint 'j' (line 14): warning: the <origin> of this floating joint is not used; q gives the pose of its child in the world"},
+    {"function_robot",
+     "robot 'index': warning: 'index' is a name of the C++ library; its namespace is 'index_'; give another with --name"},
+    {"implicit_world",
+     "joint 'stand' (line 14): warning: its parent link 'world' does not exist; it is added; write <link name=\"world\"/>"},
+    {"incomplete_inertia",
+     "link 'b' (line 11): warning: <inertia> has no iyz: zero is taken; give all of ixx, ixy, ixz, iyy, iyz, izz in kg m²"},
+    {"inertia_but_no_mass_on_a_slide",
+     "joint 'j': warning: nothing that moves there has a mass: M is singular; lock such joints with massless: lock in the scene, give the links <inertial>, or the joints an armature in the scene"},
+    {"keyword_joint",
+     "joint 'xor' (line 14): warning: the name is a keyword of C++; it is called 'xor_' here"},
+    {"keyword_link",
+     "link 'class' (line 8): warning: the name is a keyword of C++; it is called 'class_' here"},
+    {"keyword_robot",
+     "robot 'double': warning: 'double' is a keyword of C++; its namespace is 'double_'; give another with --name"},
+    {"library_robot",
+     "robot 'std': warning: 'std' is the name of a library the generated code uses; its namespace is 'std_'; give another with --name"},
+    {"macro_joint",
+     "joint 'NAN' (line 14): warning: the name is a macro of the C++ library; it is called 'NAN_' here"},
+    {"malformed_damping",
+     "joint 'j' (line 18): warning: <dynamics damping=\"0.1 Nms\"> is not a number: it is not used; write finite decimal numbers such as 0.25 or 1e-3\n"
+     "joint 'j': warning: <dynamics damping> is left out; ask for it with damping: urdf in the scene\n"
+     "joint 'j': warning: <dynamics friction> is left out; ask for it with friction: urdf in the scene"},
+    {"malformed_limit",
+     "joint 'j' (line 18): warning: <limit upper=\"1.5rad\"> is not a number: it is not used; write finite decimal numbers such as 0.25 or 1e-3\n"
+     "joint 'j' (line 18): warning: <limit effort=\"\"> is not a number: it is not used; write finite decimal numbers such as 0.25 or 1e-3\n"
+     "joint 'j' (line 19): warning: <safety_controller k_velocity=\"fast\"> is not a number: it is not used; write finite decimal numbers such as 0.25 or 1e-3"},
+    {"malformed_mimic",
+     "joint 'k' (line 29): warning: <mimic multiplier=\"twice\"> is not a number: it is not used; write finite decimal numbers such as 0.25 or 1e-3\n"
+     "joint 'k': warning: its <mimic> is left out: it is a joint of its own; ask for it with mimic: urdf in the scene"},
+    {"massless_leaf",
+     "joint 'k': warning: nothing that moves there has a mass: M is singular; lock such joints with massless: lock in the scene, give the links <inertial>, or the joints an armature in the scene"},
+    {"massless_subtree",
+     "joints 'k', 'l': warning: nothing that moves there has a mass: M is singular; lock such joints with massless: lock in the scene, give the links <inertial>, or the joints an armature in the scene"},
     {"mimic",
-     "joint 'k': warning: its <mimic> of 'j' is left out: it is a joint of its own; ask for it with mimic: urdf in the scene"},
+     "joint 'k': warning: its <mimic> is left out: it is a joint of its own; ask for it with mimic: urdf in the scene"},
+    {"mimic_without_joint",
+     "joint 'j': warning: its <mimic> is left out: it is a joint of its own; ask for it with mimic: urdf in the scene"},
+    {"negative_by_rounding",
+     "link 'b' (line 8): warning: a principal moment is negative by rounding (principal moments -2e-06, 1, 1 kg m²); it is used as given; write <inertia> with more digits"},
+    {"negative_damping",
+     "joint 'j': warning: <dynamics damping> is left out; ask for it with damping: urdf in the scene"},
     {"no_axis",
      "joint 'j' (line 14): warning: the joint has no <axis>; 1 0 0 is taken; write <axis xyz=\"1 0 0\"/>"},
+    {"no_inertia",
+     "link 'b' (line 9): warning: <inertial> has no <inertia>: zeros are taken; add <inertia ixx=... ixy=... ixz=... iyy=... iyz=... izz=.../> in kg m²\n"
+     "link 'b' (line 8): warning: the link has a mass but no rotational inertia: a point mass; give <inertia> if it has an extent\n"
+     "joint 'j': warning: link 'b' has no inertia about the joint's axis: M is singular; give the link a rotational inertia, or the joint an armature in the scene"},
+    {"no_mass",
+     "link 'b' (line 9): warning: <inertial> has no <mass>: zero is taken; write <mass value=\"...\"/> in kg"},
+    {"no_mass_value",
+     "link 'b' (line 10): warning: <mass> has no value: zero is taken; write <mass value=\"...\"/> in kg"},
+    {"no_robot_name",
+     "robot 'no_robot_name' (line 1): warning: <robot> has no name; the file's is taken; write <robot name=\"...\">"},
     {"point_mass",
      "link 'b' (line 8): warning: the link has a mass but no rotational inertia: a point mass; give <inertia> if it has an extent"},
     {"point_mass_on_axis",
@@ -160,15 +218,89 @@ const Case doubts[] = {
      "joint 'j' (line 17): warning: a second <axis> in <joint> is ignored; keep one of them"},
     {"unknown_attribute",
      "joint 'j' (line 18): warning: unknown attribute 'xzy' of <origin> is ignored; the known ones are xyz, rpy"},
+    {"unknown_tag_many_times",
+     "joint 'j' (line 17): warning: unknown element <gear> in <joint> is ignored; the known ones are origin, parent, child, axis, limit, dynamics, mimic, calibration, safety_controller, gazebo, sensor, hardwareInterface (the first of 4 such warnings; --verbose shows all)"},
     {"unknown_tags",
      "robot 'r' (line 20): warning: unknown element <loop> in <robot> is ignored; the known ones are link, joint, material, transmission, gazebo, sensor, mujoco, plugin\n"
      "link 'b' (line 10): warning: unknown element <density> in <inertial> is ignored; the known ones are origin, mass, inertia\n"
      "joint 'j' (line 18): warning: unknown element <gear> in <joint> is ignored; the known ones are origin, parent, child, axis, limit, dynamics, mimic, calibration, safety_controller, gazebo, sensor, hardwareInterface"},
 };
+
+// Read without a word; in place of messages what `info` says then.
+const Case sound[] = {
+    {"blank_behind_mass", "-> b, 5 kg"},
+    {"byte_order_mark", "robot r (r)"},
+    {"doctype", "robot r (r)"},
+    {"floating_root", "floating base 'a', 1 moving joints, 2 links"},
+    {"latin1", "-> b\u00e9, 1 kg"},
+    {"mirrored_products", "robot r (r)"},
+    {"newline_in_inertia", "robot r (r)"},
+    {"odd_but_sound_numbers", "j: revolute, 0 -1 0 -> b, 5 kg"},
+    {"plus_signs", "-> b, 5 kg"},
+    {"sound", "robot r (r)"},  // all the others are made from it
+    {"tabs_in_axis", "j: revolute, 0 -1 0 -> b"},
+    {"utf16", "-> b\u00e9, 1 kg"},
+    {"xacro_leftovers", "robot r (r)"},
+};
+
+const Use uses[] = {
+    {"massless_locked", "massless_subtree", {"--massless", "lock"}, 0,
+     "joints 'k', 'l': warning: what moves no mass is locked, as the scene says; lock it by name to choose where",
+     "1 moving joints, 4 links"},
+    {"massless_with_armature", "massless_subtree", {"--armature", "k=0.1,l=0.2"}, 0, "", "3 moving joints"},
+    {"massless_with_payload", "massless_subtree", {"--payloads", "d"}, 0, "", "3 moving joints"},
+    {"massless_driven_by_one_with_mass", "massless_leaf", {"--mimic", "{k: {of: j}}"}, 0, "", "nq = 8, nv = 7"},
+    {"massless_driver_and_driven_locked", "massless_subtree", {"--mimic", "{l: {of: k, offset: 1}}", "--massless", "lock"}, 0,
+     "joint 'k': warning: what moves no mass is locked, as the scene says; lock it by name to choose where", "1 moving joints"},
+    {"nothing_to_lock", "sound", {"--massless", "lock"}, 0, "", "1 moving joints"},
+    {"no_mass_kinematics", "no_mass_at_all", {"--outputs", "wrench_influence", "--jacobians", "b", "--verbose"}, 0,
+     "link 'a' (line 3): warning: <inertial> has no <inertia>: zeros are taken; add <inertia ixx=... ixy=... ixz=... iyy=... iyz=... izz=.../> in kg m²\n"
+     "link 'b' (line 9): warning: <inertial> has no <inertia>: zeros are taken; add <inertia ixx=... ixy=... ixz=... iyy=... iyz=... izz=.../> in kg m²",
+     "jacobian_b"},
+    {"no_mass_floating", "no_mass_at_all", {"--base", "floating", "--outputs", "gravity,wrench_influence", "--verbose"}, 2,
+     "link 'a' (line 3): warning: <inertial> has no <inertia>: zeros are taken; add <inertia ixx=... ixy=... ixz=... iyy=... iyz=... izz=.../> in kg m²\n"
+     "link 'b' (line 9): warning: <inertial> has no <inertia>: zeros are taken; add <inertia ixx=... ixy=... ixz=... iyy=... iyz=... izz=.../> in kg m²\n"
+     "robot 'r': error: nothing that moves has a mass: there are no dynamics; give the links <inertial>, or ask for what needs none: --outputs wrench_influence, or --outputs '' --jacobians LINK", ""},
+    {"negative_accepted", "negative_inertia", {"--inertia", "accept"}, 0,
+     "link 'b' (line 8): warning: the inertia is not positive definite (principal moments -1, 1, 1 kg m²) and used as given, as the scene says; correct <inertia>",
+     "1 moving joints"},
+    {"negative_repaired", "negative_inertia", {"--inertia", "repair"}, 0,
+     "link 'b' (line 8): warning: the inertia is no body's (principal moments -1, 1, 1 kg m²) and repaired, as the scene says (principal moments 0, 1.5, 1.5 kg m²); correct <inertia>",
+     "1 moving joints"},
+    {"triangle_repaired", "triangle_inequality", {"--inertia", "repair"}, 0,
+     "link 'b' (line 8): warning: the inertia is no body's (principal moments 1, 1, 2.5 kg m²) and repaired, as the scene says (principal moments 1.25, 1.25, 2.5 kg m²); correct <inertia>",
+     "1 moving joints"},
+    {"sound_repaired", "sound", {"--inertia", "repair"}, 0, "", "1 moving joints"},
+    {"negative_mass_accepted", "negative_mass", {"--inertia", "accept"}, 0,
+     "link 'b' (line 8): warning: the mass is negative (-1 kg) and used as given, as the scene says", "1 moving joints"},
+    {"negative_mass_not_repaired", "negative_mass", {"--inertia", "repair"}, 2,
+     "link 'b' (line 8): error: the mass is negative (-1 kg); give the link a mass of zero or more, or go on knowingly with inertia: accept in the scene", ""},
+    {"negative_cut_off", "negative_inertia", {"--cut", "b"}, 0, "", "0 moving joints"},
+    {"negative_locked_to_a_fixed_base", "all_attributes", {"--base", "fixed", "--locked", "k", "--damping", "urdf", "--friction", "urdf"}, 0, "", "2 moving joints"},
+    {"negative_damping_asked_for", "negative_damping", {"--damping", "urdf"}, 2,
+     "option --damping: error: the URDF's damping of joint 'j' is negative (-1); correct it in the URDF, or give values: damping: {joint: value}", ""},
+    {"malformed_damping_asked_for", "malformed_damping", {"--damping", "urdf", "--friction", "urdf"}, 2,
+     "joint 'j' (line 18): warning: <dynamics damping=\"0.1 Nms\"> is not a number: it is not used; write finite decimal numbers such as 0.25 or 1e-3\n"
+     "option --damping: error: the URDF's damping of joint 'j' is no finite number; correct it in the URDF, or give values: damping: {joint: value}", ""},
+    {"malformed_mimic_asked_for", "malformed_mimic", {"--mimic", "urdf"}, 2,
+     "joint 'k' (line 29): warning: <mimic multiplier=\"twice\"> is not a number: it is not used; write finite decimal numbers such as 0.25 or 1e-3\n"
+     "option --mimic: error: the URDF's <mimic> of joint 'k' has no finite multiplier and offset; correct it in the URDF, or write the relations in the scene", ""},
+    {"mimic_of_nobody_asked_for", "mimic_without_joint", {"--mimic", "urdf"}, 2,
+     "option --mimic: error: the URDF's <mimic> of joint 'j' names no joint; correct it in the URDF, or write the relations in the scene", ""},
+    {"world_floats", "implicit_world", {"--base", "floating"}, 0,
+     "joint 'stand' (line 14): warning: its parent link 'world' does not exist; it is added; write <link name=\"world\"/>",
+     "floating base 'world'"},
+    {"floating_root_fixed", "floating_root", {"--base", "fixed"}, 0, "", "nq = 1, nv = 1"},
+    {"renamed_joint_in_the_scene", "colliding_joints", {"--locked", "hip-yaw_"}, 0,
+     "joint 'hip-yaw' (line 25): warning: the name becomes 'hip_yaw' in C++, as does that of joint 'hip/yaw' (line 20); it is called 'hip-yaw_' here",
+     "1 moving joints"},
+};
 // clang-format on
 
 class Defect : public testing::TestWithParam<Case> {};
 class Doubt : public testing::TestWithParam<Case> {};
+class Sound : public testing::TestWithParam<Case> {};
+class InScene : public testing::TestWithParam<Use> {};
 
 TEST_P(Defect, IsRefusedWithElementAndRemedyAndNothingIsWritten) {
   const TemporaryFolder folder;
@@ -188,24 +320,113 @@ TEST_P(Doubt, IsWarnedAboutAndTheRobotIsRead) {
   const Outcome run = run_dalembert({"info", std::string(GetParam().robot) + ".urdf"}, ERROR_ROBOTS);
   EXPECT_EQ(run.status, 0);
   EXPECT_EQ(run.err, expected(GetParam()));
-  EXPECT_NE(run.out.find("robot r (r)"), std::string::npos);
+  EXPECT_TRUE(run.out.starts_with("robot ")) << run.out;
+}
+
+TEST_P(Sound, IsReadInSilence) {
+  const Outcome run = run_dalembert({"info", std::string(GetParam().robot) + ".urdf"}, ERROR_ROBOTS);
+  EXPECT_EQ(run.status, 0);
+  EXPECT_EQ(run.err, "");
+  EXPECT_NE(run.out.find(GetParam().messages), std::string::npos) << run.out;
+}
+
+TEST_P(InScene, HasTheOutcomePromised) {
+  const Use& use = GetParam();
+  std::vector<std::string> arguments{"info", std::string(use.robot) + ".urdf"};
+  arguments.insert(arguments.end(), use.options.begin(), use.options.end());
+  const Outcome run = run_dalembert(arguments, ERROR_ROBOTS);
+  EXPECT_EQ(run.status, use.status);
+  std::string messages;
+  std::istringstream lines(run.err);
+  const std::string prefix = std::string(use.robot) + ".urdf: ";
+  for (std::string line; std::getline(lines, line);)
+    messages += (messages.empty() ? "" : "\n") + (line.starts_with(prefix) ? line.substr(prefix.size()) : line);
+  EXPECT_EQ(messages, use.messages);
+  EXPECT_NE(run.out.find(use.output), std::string::npos) << run.out;
 }
 
 INSTANTIATE_TEST_SUITE_P(Urdf, Defect, testing::ValuesIn(defects), name_of);
 INSTANTIATE_TEST_SUITE_P(Urdf, Doubt, testing::ValuesIn(doubts), name_of);
-
-// The robot all the others are made from, by one defect each, is read without a word.
-TEST(Urdf, SoundRobotIsReadInSilence) {
-  const Outcome run = run_dalembert({"info", "sound.urdf"}, ERROR_ROBOTS);
-  EXPECT_EQ(run.status, 0);
-  EXPECT_EQ(run.err, "");
-}
+INSTANTIATE_TEST_SUITE_P(Urdf, Sound, testing::ValuesIn(sound), name_of);
+INSTANTIATE_TEST_SUITE_P(Urdf, InScene, testing::ValuesIn(uses), [](const auto& info) { return std::string(info.param.name); });
 
 // Every file here is in one of the tables.
 TEST(Urdf, EveryFileIsTested) {
   size_t files = 0;
   for (const auto& entry : std::filesystem::directory_iterator(ERROR_ROBOTS)) files += entry.path().extension() == ".urdf";
-  EXPECT_EQ(files, std::size(defects) + std::size(doubts) + 1);
+  EXPECT_EQ(files, std::size(defects) + std::size(doubts) + std::size(sound) + 1);  // and all_attributes
+}
+
+TEST(Urdf, VerboseTellsEveryWarning) {
+  const Outcome run = run_dalembert({"info", "unknown_tag_many_times.urdf", "--verbose"}, ERROR_ROBOTS);
+  EXPECT_EQ(run.status, 0);
+  EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 4);
+  for (const char* joint : {"'j'", "'k0'", "'k1'", "'k2'"}) EXPECT_NE(run.err.find(joint), std::string::npos) << run.err;
+  EXPECT_EQ(run.err.find("--verbose"), std::string::npos) << run.err;
+}
+
+// The text with blanks, line ends and tabs at both ends of every attribute and between its numbers.
+std::string strewn(const std::string& text) {
+  std::string result;
+  bool inside = false;
+  for (char c : text) {
+    if (c == '"' && inside) result += "\t\n ";
+    if (c == ' ' && inside) result += "\t\r\n ";
+    result += c;
+    if (c != '"') continue;
+    inside = !inside;
+    if (inside) result += " \n\t";
+  }
+  return result;
+}
+
+// The emitted files one after the other, but for the banner's lines with the URDF's hash.
+std::string code_of(const std::string& urdf, const std::vector<std::string>& options) {
+  const TemporaryFolder folder;
+  write_text(folder.path() + "/r.urdf", urdf);
+  std::vector<std::string> arguments{"generate", "r.urdf", "-o", "out"};
+  arguments.insert(arguments.end(), options.begin(), options.end());
+  const Outcome run = run_dalembert(arguments, folder.path());
+  EXPECT_EQ(run.status, 0) << run.err;
+  EXPECT_EQ(run.err, "");
+  std::string code;
+  for (const char* name : {"dynamics.hpp", "dynamics.cpp"}) {
+    std::istringstream lines(text_of(folder.path() + "/out/" + name));
+    for (std::string line; std::getline(lines, line);)
+      if (line.find("r.urdf (") == line.npos) code += line + "\n";
+  }
+  return code;
+}
+
+TEST(Urdf, BlanksLineEndsAndTabsInAttributesChangeNothing) {
+  const std::string urdf = text_of(ERROR_ROBOTS "/all_attributes.urdf");
+  for (const std::vector<std::string>& options :
+       std::vector<std::vector<std::string>>{{"--mimic", "urdf", "--damping", "urdf", "--friction", "urdf"},
+                                             {"--mimic", "{}", "--damping", "urdf", "--friction", "urdf", "--locked", "k"}}) {
+    const std::string code = code_of(urdf, options);
+    EXPECT_GT(code.size(), 5000u);
+    EXPECT_EQ(code_of(strewn(urdf), options), code);
+  }
+}
+
+// Every number of the file reaches the code: change a digit anywhere, and another robot comes out.
+TEST(Urdf, EveryNumberThatMattersIsRead) {
+  const std::string urdf = text_of(ERROR_ROBOTS "/all_attributes.urdf");
+  const std::vector<std::string> options{"--mimic", "urdf", "--damping", "urdf", "--friction", "urdf"};
+  const std::string code = code_of(urdf, options);
+  int changed = 0;
+  for (size_t at = 0; at < urdf.size(); ++at) {
+    const size_t tag = urdf.rfind('<', at);
+    const std::string element = urdf.substr(tag, urdf.find_first_of(" />", tag + 1) - tag);
+    if (element == "<limit" || element == "<calibration" || element == "<safety_controller" || urdf[at] < '1' || urdf[at] > '8')
+      continue;
+    std::string other = urdf;
+    ++other[at];
+    EXPECT_NE(code_of(other, options), code)
+        << urdf.substr(tag, urdf.find('>', at) - tag + 1) << " at its character " << at - tag;
+    ++changed;
+  }
+  EXPECT_GT(changed, 60);
 }
 
 TEST(Urdf, MissingFilesAndFoldersAreRefused) {

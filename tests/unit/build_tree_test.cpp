@@ -11,6 +11,7 @@
 #include "frontend/urdf_reader.hpp"
 #include "ir/rotation.hpp"
 #include "passes/combine_inertia.hpp"
+#include "passes/joints_without_mass.hpp"
 
 namespace dalembert {
 namespace {
@@ -128,11 +129,7 @@ TEST_P(EveryRobot, CuttingIsAUrdfWithoutTheSubtree) {
     std::erase(shorter.children[static_cast<size_t>(parent)], static_cast<int>(j));  // nothing leads there any more
     ir::Scene scene;
     scene.cut.insert(robot.links[static_cast<size_t>(child)].name);
-    try {
-      expect_same_bits(build(robot, scene), build(shorter, {}));
-    } catch (const InputError& error) {
-      EXPECT_NE(std::string(error.what()).find(" mass"), std::string::npos) << error.what();  // what is left carries nothing
-    }
+    expect_same_bits(build(robot, scene), build(shorter, {}));
   }
 }
 
@@ -202,6 +199,35 @@ TEST(BuildTree, DrivenJointsHaveNoCoordinateAndTheirExtrasAreTheirDrivers) {
   EXPECT_EQ(tree.bodies[0].damping, 4 * 3);
   EXPECT_EQ(tree.bodies[0].friction, 2 * 3);
   EXPECT_EQ(tree.bodies[1].armature, 0);
+}
+
+TEST(JointsWithoutMass, AreThoseThatMoveNeitherMassNorInertiaNorArmature) {
+  ir::RobotDescription robot = two("revolute", "0 0 0", "0 0 1");
+  const auto massless = [&](const ir::Scene& scene) { return passes::joints_without_mass(build(robot, scene), scene); };
+  ir::Scene scene;
+  scene.base = ir::Base::fixed;
+  EXPECT_EQ(massless(scene), std::vector<int>{});
+  robot.links[2].inertia->mass = 0;  // a slide does not move its rotational inertia, the joint before it does
+  robot.links[1].inertia.reset();
+  EXPECT_EQ(massless(scene), std::vector<int>{1});
+  robot.links[2].inertia.reset();
+  EXPECT_EQ(massless(scene), (std::vector<int>{0, 1}));
+  EXPECT_TRUE(passes::moves_no_mass(build(robot, scene), scene));  // the base's mass does not move
+  scene.base = ir::Base::floating;
+  EXPECT_FALSE(passes::moves_no_mass(build(robot, scene), scene));
+  scene.payloads = {"b"};
+  EXPECT_EQ(massless(scene), std::vector<int>{1});
+  scene.armature = {{"k", 0.1}};
+  EXPECT_EQ(massless(scene), std::vector<int>{});
+  scene.armature = {};
+  scene.mimic["k"] = {"j", 1, 0.5};
+  EXPECT_EQ(massless(scene), std::vector<int>{});  // k has no coordinate
+  scene.payloads = {};
+  EXPECT_EQ(massless(scene), std::vector<int>{0});
+  Diagnostics warnings;
+  const ir::Scene locked = passes::with_massless_locked(robot, build(robot, scene), scene, warnings);
+  EXPECT_EQ(locked.locked, (std::map<std::string, double>{{"j", 0}, {"k", 0.5}}));
+  EXPECT_TRUE(locked.mimic.empty());
 }
 
 TEST(Rotation, ZerosAndOnesAreExact) {

@@ -1,12 +1,16 @@
 // The front end's small parts, and reading in a locale whose decimal point is a comma.
 #include <gtest/gtest.h>
 
+#include <Eigen/Eigenvalues>
 #include <cmath>
+#include <cstdlib>
 #include <locale>
 
+#include "frontend/inertia_check.hpp"
 #include "frontend/nearest.hpp"
 #include "frontend/numbers.hpp"
 #include "frontend/scene_check.hpp"
+#include "frontend/text_encoding.hpp"
 #include "frontend/urdf_reader.hpp"
 #include "ir/identifier.hpp"
 
@@ -16,10 +20,21 @@ namespace {
 TEST(Numbers, AreReadWholeOrNotAtAll) {
   EXPECT_EQ(frontend::parse_number(" -1.5e-3\n"), -1.5e-3);
   EXPECT_EQ(frontend::parse_number("+2"), 2);
-  EXPECT_EQ(frontend::parse_number("1e-999"), 0);
+  EXPECT_EQ(frontend::parse_number(".5"), 0.5);
+  EXPECT_EQ(frontend::parse_number("5."), 5);
+  EXPECT_EQ(frontend::parse_number("\t1E+2\r\n"), 100);
+  EXPECT_EQ(frontend::parse_number("5e-324"), 5e-324);
+  const std::string zeros(400, '0');
+  for (const std::string& tiny : std::vector<std::string>{"1e-999", "-0.0001e-400", "0." + zeros + "1", "1" + zeros + "e-9999",
+                                                          "0." + zeros + "1e10", "1e-99999999999999999999"})
+    EXPECT_EQ(frontend::parse_number(tiny), 0) << tiny;
+  for (const std::string& huge : std::vector<std::string>{"1e999", "1" + zeros, "-1e999", "0.001e999", "1" + zeros + "e-10",
+                                                          "0." + zeros + "1e9999", "1e99999999999999999999", "1e999e-999"})
+    EXPECT_EQ(frontend::parse_number(huge), std::nullopt) << huge;
   EXPECT_TRUE(std::isnan(*frontend::parse_number("nan")));
   EXPECT_TRUE(std::isinf(*frontend::parse_number("-inf")));
-  for (const char* text : {"", " ", "1,5", "1.5kg", "0x10", "1e999", "1 2", "--1", "+-1", "1e", "."})
+  for (const char* text :
+       {"", " ", "1,5", "1.5kg", "0x10", "1e-3f", "1 2", "--1", "+-1", "1e", ".", "1e-999f", "e5", "1_0", "0b1"})
     EXPECT_EQ(frontend::parse_number(text), std::nullopt) << text;
   EXPECT_EQ(frontend::parse_numbers("1\t2  3"), (std::vector<double>{1, 2, 3}));
   EXPECT_EQ(frontend::parse_numbers(""), std::vector<double>{});
@@ -62,6 +77,95 @@ TEST(Identifier, KeepsWhatItCan) {
   for (const char* name : {"", "Class", "integer", "hip", "zzz"}) EXPECT_FALSE(ir::is_cpp_keyword(name)) << name;
 }
 
+TEST(Text, IsMadeUtf8) {
+  EXPECT_EQ(frontend::as_utf8("gauch\xc3\xa9"), "gauch\xc3\xa9");
+  EXPECT_EQ(frontend::as_utf8("gauch\xe9"), "gauch\xc3\xa9");                  // ISO 8859-1
+  EXPECT_EQ(frontend::as_utf8("\xef\xbb\xbfgauch\xc3\xa9"), "gauch\xc3\xa9");  // marked
+  const std::string little("\xff\xfe<\0\xe9\0\x3d\xd8\x00\xde", 10), big("\xfe\xff\0<\0\xe9\xd8\x3d\xde\x00", 10);
+  EXPECT_EQ(frontend::as_utf8(little), "<\xc3\xa9\xf0\x9f\x98\x80");
+  EXPECT_EQ(frontend::as_utf8(big), "<\xc3\xa9\xf0\x9f\x98\x80");
+  EXPECT_EQ(frontend::as_utf8(std::string("\xff\xfe<", 3)), "");
+}
+
+// Of all matrices without negative second moments the repaired one is the nearest: no step from it toward the given one, nor
+// any other small step, stays among them and comes nearer.
+TEST(InertiaCheck, RepairsToTheNearestBody) {
+  Eigen::Matrix3d given;
+  given << 1, 0.3, -0.2, 0.3, 0.4, 0.1, -0.2, 0.1, 2.5;
+  ir::RobotDescription robot;
+  robot.links = {{"a", ir::Inertia{2, {0.1, 0.2, 0.3}, given}}};
+  robot.root = 0;
+  robot.children.resize(1);
+  ir::Scene scene;
+  scene.inertia = ir::InertiaPolicy::repair;
+  Diagnostics warnings;
+  frontend::check_inertias(robot, scene, warnings);
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_EQ(robot.links[0].inertia->mass, 2);
+  EXPECT_EQ(robot.links[0].inertia->com, Eigen::Vector3d(0.1, 0.2, 0.3));
+  const auto second = [](const Eigen::Matrix3d& inertia) -> Eigen::Matrix3d {
+    return 0.5 * inertia.trace() * Eigen::Matrix3d::Identity() - inertia;
+  };
+  const auto least = [&](const Eigen::Matrix3d& s) {
+    return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(s, Eigen::EigenvaluesOnly).eigenvalues()[0];
+  };
+  const Eigen::Matrix3d before = second(given), after = second(robot.links[0].inertia->inertia);
+  EXPECT_LT(least(before), -0.1);
+  EXPECT_NEAR(least(after), 0, 1e-14);
+  std::srand(7);
+  for (int i = 0; i < 1000; ++i) {
+    const Eigen::Matrix3d root = Eigen::Matrix3d::Random();
+    const Eigen::Matrix3d other = 0.99 * after + 0.01 * root * root.transpose();  // some other body's
+    EXPECT_GE((other - before).norm(), (after - before).norm() - 1e-15);
+  }
+  warnings.clear();
+  frontend::check_inertias(robot, scene, warnings);  // and once it is one, it stays
+  EXPECT_TRUE(warnings.empty());
+}
+
+TEST(InertiaCheck, ToleratesRoundingRelativeToTheLinkAndToTheRobot) {
+  const auto outcome = [](double moment, double others, double robot_s) {
+    ir::RobotDescription robot;
+    for (const double m : {others, robot_s})
+      robot.links.push_back({"l", ir::Inertia{1, {0, 0, 0}, Eigen::Vector3d(m, m, m).asDiagonal()}});
+    robot.links[0].inertia->inertia(2, 2) = moment;
+    robot.root = 0;
+    robot.children = {{0}, {}};
+    ir::Joint joint;
+    joint.parent = 0;
+    joint.child = 1;
+    robot.joints = {joint};
+    Diagnostics warnings;
+    try {
+      frontend::check_inertias(robot, {}, warnings);
+    } catch (const InputError&) {
+      return std::string("refused");
+    }
+    return std::string(warnings.empty() ? "silent" : "warned");
+  };
+  EXPECT_EQ(outcome(-2e-6, 1, 1), "warned");
+  EXPECT_EQ(outcome(-2e-5, 1, 1), "refused");
+  EXPECT_EQ(outcome(-1.8e-22, 1e-22, 0.1), "warned");  // negligible in the robot
+  EXPECT_EQ(outcome(-1.8e-22, 1e-22, 1e-15), "refused");
+  EXPECT_EQ(outcome(-6e-8, 1e-7, 0.5), "refused");
+  EXPECT_EQ(outcome(-1e-14, 1, 1), "silent");
+}
+
+TEST(Diagnostics, WarningsOfAKindAreToldOnceAndErrorsNeverLeftOut) {
+  const auto diagnostic = [](Severity severity, const char* element, const char* message, const char* kind) {
+    return Diagnostic{severity, "f", element, message, "", kind};
+  };
+  const Diagnostics all{diagnostic(Severity::warning, "a", "odd", ""),  diagnostic(Severity::warning, "b", "by 1", "k"),
+                        diagnostic(Severity::error, "c", "odd", ""),    diagnostic(Severity::error, "d", "odd", ""),
+                        diagnostic(Severity::warning, "e", "odd", ""),  diagnostic(Severity::warning, "g", "by 2", "k"),
+                        diagnostic(Severity::warning, "h", "other", "")};
+  EXPECT_EQ(lines(all, false),
+            (std::vector<std::string>{"f: a: warning: odd (the first of 2 such warnings; --verbose shows all)",
+                                      "f: b: warning: by 1 (the first of 2 such warnings; --verbose shows all)",
+                                      "f: c: error: odd", "f: d: error: odd", "f: h: warning: other"}));
+  EXPECT_EQ(lines(all, true).size(), all.size());
+}
+
 ir::Base default_base(const std::string& links_and_joints) {
   Diagnostics warnings;
   return frontend::default_base(
@@ -80,6 +184,9 @@ TEST(DefaultBase, FloatsUnlessTheRootIsTheWorldOrWithoutInertia) {
   EXPECT_EQ(default_base(link("world")), ir::Base::fixed);
   EXPECT_EQ(default_base("<link name='root'/>" + link("b") + joint("revolute")), ir::Base::fixed);
   EXPECT_EQ(default_base("<link name='root'/>" + link("b") + joint("fixed")), ir::Base::floating);
+  EXPECT_EQ(default_base("<link name='root'/><link name='b'/>" + joint("floating")), ir::Base::floating);
+  EXPECT_EQ(default_base(link("b") + "<joint name='j' type='fixed'><parent link='world'/><child link='b'/></joint>"),
+            ir::Base::fixed);
 }
 
 TEST(UrdfReader, PassesOverGeometryAndMissingLimits) {

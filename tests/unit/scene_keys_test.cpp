@@ -33,19 +33,24 @@ const Example examples[] = {
     {"armature", "{a: 0.5, c: 0.25}", "a=0.5,c=0.25"},
     {"damping", "urdf", "urdf"},
     {"friction", "{a: 2}", "a=2"},
+    {"massless", "lock", "lock"},
+    {"inertia", "repair", "repair"},
     {"rates_zero", "true", "true"},
     {"scalar", "float", "float"},
     {"parallel", "tasks", "tasks"},
 };
 
-// Three joints in a row, with damping.
+// Three joints in a row, with damping; then one that moves no mass. The second link's inertia is no body's.
 std::string robot_text() {
-  std::string text = "<robot name='r'>";
+  std::string text =
+      "<robot name='r'><link name='tip'/><joint type='continuous' name='d'><parent link='l3'/><child link='tip'/>"
+      "<axis xyz='0 1 0'/></joint>";
   for (int i = 0; i < 4; ++i) {
     const std::string n = std::to_string(i);
     text += "<link name='l" + n +
             "'><inertial><origin xyz='0.1 0.02 0.3'/><mass value='2'/>"
-            "<inertia ixx='0.1' ixy='0.01' ixz='0.02' iyy='0.12' iyz='0.03' izz='0.14'/></inertial></link>";
+            "<inertia ixx='0.1' ixy='0.01' ixz='0.02' iyy='0.12' iyz='0.03' izz='" +
+            (i == 1 ? "0.3" : "0.14") + "'/></inertial></link>";
     if (i > 0)
       text += std::string("<joint type='continuous' name='") + "abc"[i - 1] + "'><origin xyz='0 0.1 0.4'/><parent link='l" +
               std::to_string(i - 1) + "'/><child link='l" + n + "'/><axis xyz='0 1 0'/><dynamics damping='0.3'/></joint>";
@@ -59,8 +64,7 @@ std::vector<backend::OutputFile> code_of(const frontend::SceneDocument& document
   Model model;
   model.description = frontend::read_urdf_text("r.urdf", robot_text(), warnings);
   model.name = "r";
-  model.scene = frontend::check_scene(document, model.description, warnings);
-  model.tree = passes::build_tree(model.description, model.scene, warnings);
+  apply_scene(model, document, warnings);
   return compile(model);
 }
 

@@ -1,0 +1,76 @@
+#include "frontend/text_encoding.hpp"
+
+#include <cstdint>
+#include <string_view>
+
+namespace dalembert::frontend {
+
+namespace {
+
+void append(std::string& utf8, std::uint32_t code) {
+  const auto tail = [&](int shift) { utf8 += static_cast<char>(0x80 | ((code >> shift) & 0x3f)); };
+  if (code < 0x80) {
+    utf8 += static_cast<char>(code);
+  } else if (code < 0x800) {
+    utf8 += static_cast<char>(0xc0 | (code >> 6));
+    tail(0);
+  } else if (code < 0x10000) {
+    utf8 += static_cast<char>(0xe0 | (code >> 12));
+    tail(6);
+    tail(0);
+  } else {
+    utf8 += static_cast<char>(0xf0 | (code >> 18));
+    tail(12);
+    tail(6);
+    tail(0);
+  }
+}
+
+// Behind the mark; half of a pair without the other is kept as it is.
+std::string from_utf16(std::string_view text, bool big_endian) {
+  std::string utf8;
+  const auto unit = [&](size_t at) -> std::uint32_t {
+    const auto byte = [&](size_t i) { return static_cast<std::uint32_t>(static_cast<unsigned char>(text[i])); };
+    return big_endian ? byte(at) << 8 | byte(at + 1) : byte(at + 1) << 8 | byte(at);
+  };
+  for (size_t at = 0; at + 1 < text.size(); at += 2) {
+    std::uint32_t code = unit(at);
+    if (code >= 0xd800 && code < 0xdc00 && at + 3 < text.size()) {
+      const std::uint32_t low = unit(at + 2);
+      if (low >= 0xdc00 && low < 0xe000) {
+        code = 0x10000 + ((code - 0xd800) << 10) + (low - 0xdc00);
+        at += 2;
+      }
+    }
+    append(utf8, code);
+  }
+  return utf8;
+}
+
+bool is_utf8(std::string_view text) {
+  int tail = 0;
+  for (char c : text) {
+    const unsigned char byte = static_cast<unsigned char>(c);
+    const bool continues = byte >= 0x80 && byte < 0xc0;
+    if (continues != (tail > 0)) return false;
+    if (continues) --tail;
+    else if (byte >= 0xf8) return false;
+    else tail = byte < 0x80 ? 0 : byte < 0xe0 ? 1 : byte < 0xf0 ? 2 : 3;
+  }
+  return tail == 0;
+}
+
+}  // namespace
+
+std::string as_utf8(const std::string& text) {
+  const std::string_view view = text;
+  if (view.starts_with("\xef\xbb\xbf")) return text.substr(3);
+  if (view.starts_with("\xff\xfe")) return from_utf16(view.substr(2), false);
+  if (view.starts_with("\xfe\xff")) return from_utf16(view.substr(2), true);
+  if (is_utf8(view)) return text;
+  std::string utf8;
+  for (char c : text) append(utf8, static_cast<unsigned char>(c));
+  return utf8;
+}
+
+}  // namespace dalembert::frontend

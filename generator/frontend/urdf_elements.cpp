@@ -1,0 +1,149 @@
+#include "frontend/urdf_elements.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <string_view>
+#include <vector>
+
+#include "frontend/numbers.hpp"
+
+namespace dalembert::frontend {
+
+namespace {
+
+Frame frame(ElementReader& read, const TiXmlElement& owner) {
+  Frame frame;
+  const TiXmlElement* origin = owner.FirstChildElement("origin");
+  if (!origin) return frame;
+  if (origin->Attribute("quat_xyzw")) read.error(*origin, "<origin quat_xyzw> is not supported", "write the rotation as rpy");
+  else read.only_attributes(*origin, {"xyz", "rpy"});
+  frame.xyz = read.vector(*origin, "xyz").value_or(frame.xyz);
+  frame.rpy = read.vector(*origin, "rpy").value_or(frame.rpy);
+  return frame;
+}
+
+double mass(ElementReader& read, const TiXmlElement& inertial) {
+  const TiXmlElement* mass = inertial.FirstChildElement("mass");
+  if (!mass) {
+    read.warning(inertial, "<inertial> has no <mass>: zero is taken", "write <mass value=\"...\"/> in kg");
+    return 0;
+  }
+  read.only_attributes(*mass, {"value"});
+  if (mass->Attribute("value")) return read.number(*mass, "value").value_or(0);
+  if (mass->GetText())
+    read.error(*mass, fmt::format("<mass> has its number {} between tags", trimmed(mass->GetText())),
+               "write <mass value=\"...\"/> in kg");
+  else read.warning(*mass, "<mass> has no value: zero is taken", "write <mass value=\"...\"/> in kg");
+  return 0;
+}
+
+Eigen::Matrix3d inertia(ElementReader& read, const TiXmlElement& inertial) {
+  Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();
+  const TiXmlElement* inertia = inertial.FirstChildElement("inertia");
+  if (!inertia) {
+    read.warning(inertial, "<inertial> has no <inertia>: zeros are taken",
+                 "add <inertia ixx=... ixy=... ixz=... iyy=... iyz=... izz=.../> in kg m²");
+    return moments;
+  }
+  read.only_attributes(*inertia, {"ixx", "ixy", "ixz", "iyy", "iyz", "izz", "iyx", "izx", "izy"});
+  struct Component {
+    const char *name, *mirrored;
+    int row, column;
+  };
+  std::vector<std::string_view> missing;
+  for (const Component& c : {Component{"ixx", "ixx", 0, 0}, Component{"ixy", "iyx", 0, 1}, Component{"ixz", "izx", 0, 2},
+                             Component{"iyy", "iyy", 1, 1}, Component{"iyz", "izy", 1, 2}, Component{"izz", "izz", 2, 2}}) {
+    const char* name = inertia->Attribute(c.name) ? c.name : c.mirrored;
+    if (inertia->Attribute(name)) moments(c.row, c.column) = moments(c.column, c.row) = read.number(*inertia, name).value_or(0);
+    else missing.push_back(c.name);
+  }
+  if (!missing.empty())
+    read.warning(*inertia, fmt::format("<inertia> has no {}: zero is taken", fmt::join(missing, ", ")),
+                 "give all of ixx, ixy, ixz, iyy, iyz, izz in kg m²");
+  return moments;
+}
+
+std::string joint_type(ElementReader& read, const TiXmlElement& element) {
+  const std::string type =
+      read.required(element, "type", "write type=\"revolute\", continuous, prismatic or fixed").value_or("");
+  if (type == "planar")
+    read.error(element, "joints of type 'planar' are not supported", "write it as two prismatic joints and a revolute one");
+  else if (!type.empty() && type != "revolute" && type != "continuous" && type != "prismatic" && type != "fixed" &&
+           type != "floating")
+    read.error(element, fmt::format("joints of type '{}' are not supported", type),
+               "use revolute, continuous, prismatic or fixed");
+  return type;
+}
+
+// <parent link> or <child link>
+std::string end(ElementReader& read, const TiXmlElement& element, const char* tag) {
+  const std::string remedy = fmt::format("add <{} link=\"...\"/>", tag);
+  if (const TiXmlElement* found = element.FirstChildElement(tag)) return read.required(*found, "link", remedy).value_or("");
+  read.error(element, fmt::format("the joint has no <{}>", tag), remedy);
+  return "";
+}
+
+Eigen::Vector3d axis(ElementReader& read, const TiXmlElement& element) {
+  const Eigen::Vector3d otherwise = Eigen::Vector3d::UnitX();
+  const TiXmlElement* axis = element.FirstChildElement("axis");
+  if (!axis) {
+    read.warning(element, "the joint has no <axis>; 1 0 0 is taken", "write <axis xyz=\"1 0 0\"/>");
+    return otherwise;
+  }
+  read.only_attributes(*axis, {"xyz"});
+  if (!read.required(*axis, "xyz", "write <axis xyz=\"0 0 1\"/> or another direction")) return otherwise;
+  const std::optional<Eigen::Vector3d> direction = read.vector(*axis, "xyz");
+  if (direction && direction->stableNorm() < 1e-9)
+    read.error(*axis, "the axis has zero length", "give the direction the joint turns about or slides along");
+  return direction.value_or(otherwise);
+}
+
+}  // namespace
+
+LinkOutline read_link(ElementReader& read, const TiXmlElement& element, const std::string& name) {
+  LinkOutline outline{name, element.Row(), std::nullopt};
+  read.only_children(element, {"inertial"}, {"visual", "collision", "self_collision_checking", "contact", "sensor", "gazebo"});
+  const TiXmlElement* inertial = element.FirstChildElement("inertial");
+  if (!inertial) return outline;
+  read.only_children(*inertial, {"origin", "mass", "inertia"}, {});
+  outline.inertial = InertialOutline{frame(read, *inertial), mass(read, *inertial), inertia(read, *inertial)};
+  return outline;
+}
+
+JointOutline read_joint(ElementReader& read, const TiXmlElement& element, const std::string& name) {
+  JointOutline outline;
+  outline.name = name;
+  outline.line = element.Row();
+  read.only_children(element,
+                     {"origin", "parent", "child", "axis", "limit", "dynamics", "mimic", "calibration", "safety_controller"},
+                     {"gazebo", "sensor", "hardwareInterface"});
+  outline.type = joint_type(read, element);
+  outline.parent = end(read, element, "parent");
+  outline.child = end(read, element, "child");
+  outline.origin = frame(read, element);
+  if (outline.type == "revolute" || outline.type == "continuous" || outline.type == "prismatic")
+    outline.axis = axis(read, element);
+  if (const TiXmlElement* dynamics = element.FirstChildElement("dynamics")) {
+    outline.damping = read.optional_number(*dynamics, "damping").value_or(0);
+    outline.friction = read.optional_number(*dynamics, "friction").value_or(0);
+  }
+  if (const TiXmlElement* mimic = element.FirstChildElement("mimic")) {
+    read.only_attributes(*mimic, {"joint", "multiplier", "offset"});
+    const char* of = mimic->Attribute("joint");
+    outline.mimic = ir::Mimic{std::string(trimmed(of ? of : "")), read.optional_number(*mimic, "multiplier").value_or(1),
+                              read.optional_number(*mimic, "offset").value_or(0)};
+  }
+  struct Unread {
+    const char* element;
+    std::vector<const char*> attributes;
+  };
+  for (const Unread& unread :
+       {Unread{"limit", {"lower", "upper", "effort", "velocity"}}, Unread{"calibration", {"rising", "falling"}},
+        Unread{"safety_controller", {"soft_lower_limit", "soft_upper_limit", "k_position", "k_velocity"}}})
+    if (const TiXmlElement* found = element.FirstChildElement(unread.element))
+      for (const char* attribute : unread.attributes) read.optional_number(*found, attribute);
+  return outline;
+}
+
+}  // namespace dalembert::frontend

@@ -1,0 +1,94 @@
+#include "passes/joints_without_mass.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <string>
+
+namespace dalembert::passes {
+
+namespace {
+
+size_t at(int index) { return static_cast<size_t>(index); }
+
+// What each body's joint moves, and first of all what the base does.
+struct Moved {
+  std::vector<bool> mass, inertia;
+};
+
+Moved moved(const ir::KinematicTree& tree, const ir::Scene& scene) {
+  Moved moved{std::vector<bool>(tree.bodies.size() + 1, false), std::vector<bool>(tree.bodies.size() + 1, false)};
+  for (const ir::LinkPlacement& link : tree.links)
+    if (std::find(scene.payloads.begin(), scene.payloads.end(), link.link) != scene.payloads.end())
+      moved.mass[at(link.body + 1)] = true;
+  for (size_t k = tree.bodies.size() + 1; k-- > 0;) {
+    const ir::Inertia& own = k == 0 ? tree.base : tree.bodies[k - 1].inertia;
+    if (own.mass != 0) moved.mass[k] = true;
+    if (!own.inertia.isZero(0)) moved.inertia[k] = true;
+    if (k == 0) break;
+    const size_t parent = at(tree.bodies[k - 1].parent + 1);
+    if (moved.mass[k]) moved.mass[parent] = true;
+    if (moved.inertia[k]) moved.inertia[parent] = true;
+  }
+  return moved;
+}
+
+}  // namespace
+
+std::vector<int> joints_without_mass(const ir::KinematicTree& tree, const ir::Scene& scene) {
+  const Moved moved = passes::moved(tree, scene);
+  std::vector<bool> carries(tree.bodies.size(), false);
+  for (size_t k = 0; k < carries.size(); ++k) {
+    const ir::Body& body = tree.bodies[k];
+    if (moved.mass[k + 1] || (!body.prismatic() && moved.inertia[k + 1]) || body.armature > 0)
+      carries[body.driven() ? at(body.driven_by) : k] = true;
+  }
+  std::vector<int> joints;
+  for (size_t k = 0; k < carries.size(); ++k)
+    if (!tree.bodies[k].driven() && !carries[k]) joints.push_back(static_cast<int>(k));
+  return joints;
+}
+
+bool moves_no_mass(const ir::KinematicTree& tree, const ir::Scene& scene) {
+  if (tree.floating_base) {
+    const Moved moved = passes::moved(tree, scene);
+    if (moved.mass.front() || moved.inertia.front()) return false;
+  }
+  return static_cast<int>(joints_without_mass(tree, scene).size()) == tree.independent_joints();
+}
+
+ir::Scene with_massless_locked(const ir::RobotDescription& robot, const ir::KinematicTree& tree, ir::Scene scene,
+                               Diagnostics& warnings) {
+  const std::vector<int> joints = joints_without_mass(tree, scene);
+  const auto lock = [&](const std::string& joint, double position) {
+    scene.locked[joint] = position;
+    scene.mimic.erase(joint);
+    scene.damping.erase(joint);
+    scene.friction.erase(joint);
+    scene.armature.erase(joint);  // of zero
+  };
+  std::vector<std::string> names;
+  for (int k : joints) {
+    lock(tree.bodies[at(k)].joint, 0);
+    names.push_back("'" + tree.bodies[at(k)].joint + "'");
+    for (const ir::Body& driven : tree.bodies)
+      if (driven.driven_by == k) lock(driven.joint, driven.offset);
+  }
+  if (!names.empty())
+    warnings.push_back({Severity::warning, robot.file,
+                        fmt::format("joint{} {}", names.size() > 1 ? "s" : "", fmt::join(names, ", ")),
+                        "what moves no mass is locked, as the scene says", "lock it by name to choose where"});
+  return scene;
+}
+
+void check_mass(const ir::RobotDescription& robot, const ir::KinematicTree& tree, const ir::Scene& scene) {
+  const auto needs_mass = [](ir::Quantity quantity) { return quantity != ir::Quantity::wrench_influence; };
+  if (std::none_of(scene.outputs.begin(), scene.outputs.end(), needs_mass) || !moves_no_mass(tree, scene)) return;
+  throw InputError({Severity::error, robot.file, fmt::format("robot '{}'", robot.name),
+                    "nothing that moves has a mass: there are no dynamics",
+                    "give the links <inertial>, or ask for what needs none: --outputs wrench_influence, or --outputs '' "
+                    "--jacobians LINK"});
+}
+
+}  // namespace dalembert::passes
