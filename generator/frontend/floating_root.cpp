@@ -33,7 +33,7 @@ std::unordered_set<std::string> in_the_world(const Children& children, const std
 [[noreturn]] void refuse(const std::string& file, const std::vector<const JointOutline*>& joints, const std::string& message,
                          const std::string& remedy) {
   Diagnostics errors;
-  for (const JointOutline* joint : joints) errors.push_back({Severity::error, file, place(*joint), message, remedy});
+  for (const JointOutline* joint : joints) add_error(errors, {Severity::error, file, place(*joint), message, remedy});
   throw InputError(errors);
 }
 

@@ -77,8 +77,8 @@ urdf::ModelInterfaceSharedPtr parse(const std::string& file, const UrdfOutline& 
     warnings.push_back({Severity::warning, file, robot, "urdfdom says: " + message, "correct the element it names"});
   Diagnostics errors;
   const auto lost = [&](std::string element) {
-    errors.push_back({Severity::error, file, std::move(element), "urdfdom does not find it by its name",
-                      "give it a name of letters, digits and '_'"});
+    add_error(errors, {Severity::error, file, std::move(element), "urdfdom does not find it by its name",
+                       "give it a name of letters, digits and '_'"});
   };
   for (const LinkOutline& link : outline.links)
     if (!model->links_.count(link.name)) lost(place(link));
