@@ -94,7 +94,7 @@ void ElementReader::only_children(const TiXmlElement& element, std::initializer_
   for (const TiXmlElement* child = element.FirstChildElement(); child; child = child->NextSiblingElement()) {
     const std::string_view tag = child->Value();
     if (is_in(tag, any_number)) continue;
-    if (tag.starts_with("xacro:")) {
+    if (tag.starts_with("xacro:") || tag == "include") {  // old files include without a prefix
       if (!is_in(tag, {"xacro:property", "xacro:arg", "xacro:macro"})) note_xacro(*child, fmt::format("<{}>", tag));
     } else if (tag.find(':') != tag.npos) {  // a prefix: somebody else's extension
     } else if (!is_in(tag, once)) {

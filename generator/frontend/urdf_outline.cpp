@@ -31,7 +31,8 @@ class OutlineReader {
     UrdfOutline outline;
     outline.robot = robot_name(robot);
     read_.enter(fmt::format("robot '{}'", outline.robot));
-    read_.only_children(robot, {}, {"link", "joint", "material", "transmission", "gazebo", "sensor", "mujoco", "plugin"});
+    read_.only_children(robot, {},
+                        {"link", "joint", "material", "transmission", "gazebo", "sensor", "mujoco", "plugin", "ros2_control"});
 
     std::unordered_map<std::string, int> lines;
     for (const TiXmlElement* e = robot.FirstChildElement("link"); e; e = e->NextSiblingElement("link"))

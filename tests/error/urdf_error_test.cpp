@@ -137,6 +137,8 @@ const Case defects[] = {
      "joint 'j' (line 16): error: <child link=\"$(arg prefix)b\"> is left for xacro to expand: the file does not yet describe a robot; expand it with ROS's xacro: xacro xacro_find.urdf > expanded.urdf, and name that"},
     {"xacro_include",
      "robot 'r' (line 3): error: <xacro:include> is left for xacro to expand, as in 1 more place: the file does not yet describe a robot; expand it with ROS's xacro: xacro xacro_include.urdf > expanded.urdf, and name that"},
+    {"xacro_old_include",
+     "robot 'r' (line 2): error: <include> is left for xacro to expand: the file does not yet describe a robot; expand it with ROS's xacro: xacro xacro_old_include.urdf > expanded.urdf, and name that"},
     {"xacro_mass",
      "link 'b' (line 10): error: <mass value=\"${m}\"> is left for xacro to expand: the file does not yet describe a robot; expand it with ROS's xacro: xacro xacro_mass.urdf > expanded.urdf, and name that"},
     {"zero_axis",
@@ -221,7 +223,7 @@ const Case doubts[] = {
     {"unknown_tag_many_times",
      "joint 'j' (line 17): warning: unknown element <gear> in <joint> is ignored; the known ones are origin, parent, child, axis, limit, dynamics, mimic, calibration, safety_controller, gazebo, sensor, hardwareInterface (the first of 4 such warnings; --verbose shows all)"},
     {"unknown_tags",
-     "robot 'r' (line 20): warning: unknown element <loop> in <robot> is ignored; the known ones are link, joint, material, transmission, gazebo, sensor, mujoco, plugin\n"
+     "robot 'r' (line 20): warning: unknown element <loop> in <robot> is ignored; the known ones are link, joint, material, transmission, gazebo, sensor, mujoco, plugin, ros2_control\n"
      "link 'b' (line 10): warning: unknown element <density> in <inertial> is ignored; the known ones are origin, mass, inertia\n"
      "joint 'j' (line 18): warning: unknown element <gear> in <joint> is ignored; the known ones are origin, parent, child, axis, limit, dynamics, mimic, calibration, safety_controller, gazebo, sensor, hardwareInterface"},
 };
