@@ -4,12 +4,14 @@
 #   build     the generator and the libraries its code needs
 #   example   the controller's plant (MuJoCo) and its picture (gnuplot)
 #   test      test framework, second compiler, and the programs that results are compared with
+#   fuzz      the compiler with a fuzzer in it
 set -eu
 
 build="g++ cmake ninja-build pkg-config libeigen3-dev liburdfdom-dev libtinyxml-dev libfmt-dev libyaml-cpp-dev libcli11-dev libtbb-dev libboost-dev"
 example="libmujoco-dev gnuplot-nox"
 test="libgtest-dev clang g++-aarch64-linux-gnu make python3 libmujoco-dev libdart-dev libdart-utils-dev libdart-utils-urdf-dev
       libdart-external-ikfast-dev libassimp-dev libtinyxml2-dev dart-doc liborocos-kdl-dev libbenchmark-dev"
+fuzz="clang libclang-rt-dev"
 
 wanted=""
 for group in "$@"; do
@@ -17,7 +19,8 @@ for group in "$@"; do
     build) wanted="$wanted $build" ;;
     example) wanted="$wanted $example" ;;
     test) wanted="$wanted $test" ;;
-    *) echo "setup.sh: no group '$group'; there are build, example and test" >&2; exit 2 ;;
+    fuzz) wanted="$wanted $fuzz" ;;
+    *) echo "setup.sh: no group '$group'; there are build, example, test and fuzz" >&2; exit 2 ;;
   esac
 done
 

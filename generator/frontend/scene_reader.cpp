@@ -9,6 +9,7 @@
 #include "frontend/nearest.hpp"
 #include "frontend/numbers.hpp"
 #include "frontend/setting_text.hpp"
+#include "frontend/text_encoding.hpp"
 #include "frontend/text_file.hpp"
 #include "frontend/yaml_text.hpp"
 
@@ -100,10 +101,10 @@ class SceneReader {
       scene_.gravity.setZero();
     } else if (node.is_scalar() && node.scalar == "run_time") {
       scene_.gravity_kind = ir::GravityKind::run_time;
-    } else if (node.is_map() && node.entries.size() == 1 && node.entries[0].first.is_scalar() &&
-               node.entries[0].first.scalar == "run_time") {
+    } else if (node.is_map() && node.entries.size() == 1 && node.entries[0].key.is_scalar() &&
+               node.entries[0].key.scalar == "run_time") {
       scene_.gravity_kind = ir::GravityKind::run_time;
-      scene_.gravity = vector(node.entries[0].second, remedy);
+      scene_.gravity = vector(node.entries[0].value, remedy);
     } else {
       refuse(node, "the value is no gravity", remedy);
     }
@@ -155,20 +156,20 @@ class SceneReader {
         "write {joint: {of: other_joint, multiplier: 1, offset: 0}}, or urdf to take the URDF's relations";
     if (!node.is_map()) refuse(node, "the value is no map of mimic relations", remedy);
     for (const auto& entry : node.entries) {
-      const std::string joint = entry_name(entry.first);
-      if (!entry.second.is_map()) refuse(entry.second, fmt::format("the relation of '{}' is not a map", joint), remedy);
+      const std::string joint = entry_name(entry.key);
+      if (!entry.value.is_map()) refuse(entry.value, fmt::format("the relation of '{}' is not a map", joint), remedy);
       ir::Mimic relation;
-      for (const auto& part : entry.second.entries) {
-        const std::string name = entry_name(part.first, joint);
-        if (name == "of" && part.second.is_scalar()) relation.of = part.second.scalar;
-        else if (name == "multiplier") relation.multiplier = number(part.second);
-        else if (name == "offset") relation.offset = number(part.second);
+      for (const auto& part : entry.value.entries) {
+        const std::string name = entry_name(part.key, joint);
+        if (name == "of" && part.value.is_scalar()) relation.of = part.value.scalar;
+        else if (name == "multiplier") relation.multiplier = number(part.value);
+        else if (name == "offset") relation.offset = number(part.value);
         else
-          refuse(part.first, fmt::format("'{}' is no part of a mimic relation", name),
+          refuse(part.key, fmt::format("'{}' is no part of a mimic relation", name),
                  suggestion(name, {"of", "multiplier", "offset"}));
       }
       if (relation.of.empty())
-        refuse(entry.first, fmt::format("the relation of '{}' does not say which joint drives it", joint), remedy);
+        refuse(entry.key, fmt::format("the relation of '{}' does not say which joint drives it", joint), remedy);
       scene_.mimic[joint] = relation;
     }
   }
@@ -222,16 +223,16 @@ class SceneReader {
     forget_entries();
     std::map<std::string, double> values;
     for (const auto& entry : node.entries) {
-      const std::string joint = entry_name(entry.first);
-      values[joint] = number(entry.second);
+      const std::string joint = entry_name(entry.key);
+      values[joint] = number(entry.value);
     }
     return values;
   }
   std::map<std::string, double> positive_values(const YamlNode& node, bool in_urdf) {
     std::map<std::string, double> values = this->values(node, in_urdf ? ", or urdf to take the URDF's values" : "");
     for (const auto& entry : node.entries)
-      if (const std::string& joint = entry.first.scalar; values.at(joint) < 0)
-        refuse(entry.second, fmt::format("the {} of joint '{}' is negative", key_, joint), "give a value of zero or more");
+      if (const std::string& joint = entry.key.scalar; values.at(joint) < 0)
+        refuse(entry.value, fmt::format("the {} of joint '{}' is negative", key_, joint), "give a value of zero or more");
     return values;
   }
 
@@ -260,7 +261,7 @@ class SceneReader {
 void read_file(SceneDocument& document, const std::string& file, const std::string& text) {
   std::optional<YamlNode> root;
   try {
-    root = read_yaml(text);
+    root = read_yaml(as_utf8(text));
   } catch (const YamlError& error) {
     const bool is_yaml = !error.remedy.empty();
     throw InputError({Severity::error, file, fmt::format("line {}, column {}", error.line, error.column),
@@ -273,10 +274,10 @@ void read_file(SceneDocument& document, const std::string& file, const std::stri
     throw InputError({Severity::error, file, fmt::format("line {}, column {}", root->line, root->column),
                       "a scene is a map of keys to values", "write lines such as 'base: fixed'"});
   for (const auto& entry : root->entries) {
-    const std::string key = entry.first.is_scalar() ? entry.first.scalar : "";
+    const std::string key = entry.key.is_scalar() ? entry.key.scalar : "";
     const bool twice = document.given.count(key) > 0;
-    reader.read(key, entry.first, entry.second);
-    if (twice) reader.refuse(entry.first, "the key is given twice", "keep one of them");
+    reader.read(key, entry.key, entry.value);
+    if (twice) reader.refuse(entry.key, "the key is given twice", "keep one of them");
   }
 }
 

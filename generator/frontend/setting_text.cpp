@@ -42,7 +42,7 @@ YamlNode node_of(const std::string& text) {
   YamlNode map;
   map.kind = YamlNode::Kind::map;
   for (const auto& [key, values] : entries)
-    map.entries.emplace_back(scalar_node(key), values.size() == 1 ? scalar_node(values.front()) : sequence_node(values));
+    map.entries.push_back({scalar_node(key), values.size() == 1 ? scalar_node(values.front()) : sequence_node(values)});
   return map;
 }
 

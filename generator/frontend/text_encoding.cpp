@@ -63,13 +63,13 @@ bool is_utf8(std::string_view text) {
 }  // namespace
 
 std::string as_utf8(const std::string& text) {
-  const std::string_view view = text;
-  if (view.starts_with("\xef\xbb\xbf")) return text.substr(3);
+  std::string_view view = text;
+  if (view.starts_with("\xef\xbb\xbf")) view.remove_prefix(3);
   if (view.starts_with("\xff\xfe")) return from_utf16(view.substr(2), false);
   if (view.starts_with("\xfe\xff")) return from_utf16(view.substr(2), true);
-  if (is_utf8(view)) return text;
+  if (is_utf8(view)) return std::string(view);
   std::string utf8;
-  for (char c : text) append(utf8, static_cast<unsigned char>(c));
+  for (char c : view) append(utf8, static_cast<unsigned char>(c));
   return utf8;
 }
 

@@ -7,6 +7,7 @@
 
 #include <map>
 #include <sstream>
+#include <utility>
 
 namespace dalembert::frontend {
 
@@ -94,7 +95,7 @@ class TreeBuilder : public YAML::EventHandler {
     if (open_.empty()) root = std::move(node);
     else if (Open& above = open_.back(); above.node.is_sequence()) above.node.items.push_back(std::move(node));
     else if (!above.key) above.key = std::move(node);
-    else above.node.entries.emplace_back(std::move(*std::exchange(above.key, std::nullopt)), std::move(node));
+    else above.node.entries.push_back({std::move(*std::exchange(above.key, std::nullopt)), std::move(node)});
   }
 
   // In values; a long text counts as several, since an alias copies it.

@@ -10,6 +10,7 @@
 #include "ir/rotation.hpp"
 #include "passes/combine_inertia.hpp"
 #include "passes/joints_without_mass.hpp"
+#include "passes/magnitudes.hpp"
 
 namespace dalembert::passes {
 
@@ -38,6 +39,7 @@ class TreeBuilder {
     warn_of_massless_joints();
     check_links();
     if (!errors_.empty()) throw InputError(errors_);
+    check_magnitudes(tree_, robot_.file);
     return std::move(tree_);
   }
 

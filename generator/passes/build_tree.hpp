@@ -11,9 +11,10 @@
 
 namespace dalembert::passes {
 
-// The scene's names must be known to the robot (frontend/scene_check). Throws InputError when nothing is left to move, and when
-// the scene asks for something at a link that is welded to the ground. Warns where M is singular: of joints that move no mass,
-// unless no joint moves any, and of a last body whose inertia about its joint's axis is zero, as a point mass on the axis has.
+// The scene's names must be known to the robot (frontend/scene_check). Throws InputError when nothing is left to move, when the
+// scene asks for something at a link that is welded to the ground, and when a number is too large to compute with
+// (magnitudes.hpp). Warns where M is singular: of joints that move no mass, unless no joint moves any, and of a last body whose
+// inertia about its joint's axis is zero, as a point mass on the axis has.
 ir::KinematicTree build_tree(const ir::RobotDescription& robot, const ir::Scene& scene, Diagnostics& warnings);
 
 }  // namespace dalembert::passes

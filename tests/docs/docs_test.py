@@ -23,6 +23,8 @@ RUN_ELSEWHERE = {
     "cmake --preset release": "tests/run.sh",
     "cmake --build --preset release": "tests/run.sh",
     "cmake --build --preset release --target regenerate": "writes what the tests golden.mahru and docs compare",
+    "sh tests/fuzz/run.sh": "builds everything with another compiler and runs for minutes; ctest -R fuzz_corpus replays what it has found",
+    "sh tests/fuzz/run.sh scene 10000000": "the same",
     "sh cmake/format.sh": "changes the sources",
 }
 

@@ -277,5 +277,36 @@ TEST(BuildTree, LongChainsTakeLinearTimeAndNoStack) {
   EXPECT_EQ(tree.bodies.front().subtree_size, links - 1);
 }
 
+// Each number alone can be written; sums and products of them cannot.
+TEST(BuildTree, NumbersTooLargeToComputeWithAreRefused) {
+  const auto refusal = [](const std::string& mass, const std::string& xyz, const ir::Scene& scene) -> std::string {
+    std::string text = "<robot name='r'>";
+    for (const char* link : {"a", "b", "c"})
+      text += "<link name='" + std::string(link) + "'><inertial><mass value='" + mass +
+              "'/><inertia ixx='1' ixy='0' ixz='0' iyy='1' iyz='0' izz='1'/></inertial></link>";
+    text += "<joint name='j' type='continuous'><origin xyz='" + xyz +
+            "'/><parent link='a'/><child link='b'/><axis xyz='0 0 1'/></joint>"
+            "<joint name='k' type='fixed'><parent link='b'/><child link='c'/></joint></robot>";
+    Diagnostics warnings;
+    try {
+      passes::build_tree(frontend::read_urdf_text("r.urdf", text, warnings), scene, warnings);
+      return "";
+    } catch (const InputError& error) {
+      return error.what();
+    }
+  };
+  const std::string message =
+      ": error: a length, mass or other number is larger than 1e+60; check the numbers of the URDF and the scene: lengths are "
+      "m, "
+      "masses kg";
+  EXPECT_EQ(refusal("1e59", "1e59 0 0", {}), "");
+  EXPECT_EQ(refusal("6e59", "0 0 0", {}), "r.urdf: joint 'j' and link 'b'" + message);
+  EXPECT_EQ(refusal("1e308", "0 0 0", {}), "r.urdf: link 'a'" + message + "\nr.urdf: joint 'j' and link 'b'" + message);
+  EXPECT_EQ(refusal("1", "1e300 0 0", {}), "r.urdf: joint 'j' and link 'b'" + message);
+  ir::Scene scene;
+  scene.armature["j"] = 1e100;
+  EXPECT_EQ(refusal("1", "0 0 0", scene), "r.urdf: joint 'j' and link 'b'" + message);
+}
+
 }  // namespace
 }  // namespace dalembert

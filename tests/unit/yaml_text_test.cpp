@@ -77,7 +77,7 @@ TEST(YamlText, ValuesAreCountedWithWhatAliasesRepeat) {
 
 TEST(YamlText, AnAliasRepeatsAValueThatIsComplete) {
   const YamlNode root = read_yaml("a: &x {b: [1, 2]}\nc: *x\n").value();
-  EXPECT_EQ(root.entries.at(1).second.entries.at(0).second.items.at(1).scalar, "2");
+  EXPECT_EQ(root.entries.at(1).value.entries.at(0).value.items.at(1).scalar, "2");
   EXPECT_EQ(refusal("&a [b, *a]"), "1:8: the alias stands inside the value it repeats; write the value out");
 }
 

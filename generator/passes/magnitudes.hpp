@@ -1,0 +1,17 @@
+// Whether a tree's numbers leave room for what is computed from them.
+#pragma once
+
+#include <string>
+
+#include "ir/kinematic_tree.hpp"
+
+namespace dalembert::passes {
+
+// Beyond this, products such as mass · length² · rate² come near the end of double's range; no robot is near it.
+inline constexpr double largest_number = 1e60;
+
+// Throws InputError naming the joints (or the base) whose placement, inertia, losses or mimic relation holds a larger number,
+// or none at all because a sum has overflowed. `file`: the URDF, for the diagnostics.
+void check_magnitudes(const ir::KinematicTree& tree, const std::string& file);
+
+}  // namespace dalembert::passes
