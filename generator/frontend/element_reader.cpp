@@ -75,7 +75,8 @@ std::optional<double> ElementReader::optional_number(const TiXmlElement& element
   if (!text) return std::nullopt;
   if (const std::optional<double> value = parse_number(text); value && !std::isnan(*value)) return value;
   warning(element, fmt::format("<{} {}=\"{}\"> is not a number: it is not used", element.Value(), attribute, text),
-          number_remedy, fmt::format("number {} {}", element.Value(), attribute));
+          is_xacro_expression(text) ? "expand the file with ROS's xacro" : number_remedy,
+          fmt::format("number {} {}", element.Value(), attribute));
   return std::numeric_limits<double>::quiet_NaN();
 }
 

@@ -226,6 +226,9 @@ const Case doubts[] = {
      "robot 'r' (line 20): warning: unknown element <loop> in <robot> is ignored; the known ones are link, joint, material, transmission, gazebo, sensor, mujoco, plugin, ros2_control\n"
      "link 'b' (line 10): warning: unknown element <density> in <inertial> is ignored; the known ones are origin, mass, inertia\n"
      "joint 'j' (line 18): warning: unknown element <gear> in <joint> is ignored; the known ones are origin, parent, child, axis, limit, dynamics, mimic, calibration, safety_controller, gazebo, sensor, hardwareInterface"},
+    {"xacro_limit",
+     "joint 'j' (line 18): warning: <limit lower=\"${-pi}\"> is not a number: it is not used; expand the file with ROS's xacro\n"
+     "joint 'j' (line 18): warning: <limit upper=\"$(arg upper)\"> is not a number: it is not used; expand the file with ROS's xacro"},
 };
 
 // Read without a word; in place of messages what `info` says then.
@@ -278,7 +281,6 @@ const Use uses[] = {
     {"negative_mass_not_repaired", "negative_mass", {"--inertia", "repair"}, 2,
      "link 'b' (line 8): error: the mass is negative (-1 kg); give the link a mass of zero or more, or go on knowingly with inertia: accept in the scene", ""},
     {"negative_cut_off", "negative_inertia", {"--cut", "b"}, 0, "", "0 moving joints"},
-    {"negative_locked_to_a_fixed_base", "all_attributes", {"--base", "fixed", "--locked", "k", "--damping", "urdf", "--friction", "urdf"}, 0, "", "2 moving joints"},
     {"negative_damping_asked_for", "negative_damping", {"--damping", "urdf"}, 2,
      "option --damping: error: the URDF's damping of joint 'j' is negative (-1); correct it in the URDF, or give values: damping: {joint: value}", ""},
     {"malformed_damping_asked_for", "malformed_damping", {"--damping", "urdf", "--friction", "urdf"}, 2,

@@ -124,7 +124,7 @@ TEST(InertiaCheck, RepairsToTheNearestBody) {
 }
 
 TEST(InertiaCheck, ToleratesRoundingRelativeToTheLinkAndToTheRobot) {
-  const auto outcome = [](double moment, double others, double robot_s) {
+  const auto outcome = [](double moment, double others, double robot_s, ir::Base base = ir::Base::floating) {
     ir::RobotDescription robot;
     for (const double m : {others, robot_s})
       robot.links.push_back({"l", ir::Inertia{1, {0, 0, 0}, Eigen::Vector3d(m, m, m).asDiagonal()}});
@@ -135,9 +135,11 @@ TEST(InertiaCheck, ToleratesRoundingRelativeToTheLinkAndToTheRobot) {
     joint.parent = 0;
     joint.child = 1;
     robot.joints = {joint};
+    ir::Scene scene;
+    scene.base = base;
     Diagnostics warnings;
     try {
-      frontend::check_inertias(robot, {}, warnings);
+      frontend::check_inertias(robot, scene, warnings);
     } catch (const InputError&) {
       return std::string("refused");
     }
@@ -149,6 +151,7 @@ TEST(InertiaCheck, ToleratesRoundingRelativeToTheLinkAndToTheRobot) {
   EXPECT_EQ(outcome(-1.8e-22, 1e-22, 1e-15), "refused");
   EXPECT_EQ(outcome(-6e-8, 1e-7, 0.5), "refused");
   EXPECT_EQ(outcome(-1e-14, 1, 1), "silent");
+  EXPECT_EQ(outcome(-1, 1, 1, ir::Base::fixed), "silent");  // it does not move
 }
 
 TEST(Diagnostics, WarningsOfAKindAreToldOnceAndErrorsNeverLeftOut) {
