@@ -81,6 +81,7 @@ TEST(Text, IsMadeUtf8) {
   EXPECT_EQ(frontend::as_utf8("gauch\xc3\xa9"), "gauch\xc3\xa9");
   EXPECT_EQ(frontend::as_utf8("gauch\xe9"), "gauch\xc3\xa9");                  // ISO 8859-1
   EXPECT_EQ(frontend::as_utf8("\xef\xbb\xbfgauch\xc3\xa9"), "gauch\xc3\xa9");  // marked
+  EXPECT_EQ(frontend::as_utf8("\xef\xbb\xbfgauch\xe9"), "gauch\xc3\xa9");      // wrongly
   const std::string little("\xff\xfe<\0\xe9\0\x3d\xd8\x00\xde", 10), big("\xfe\xff\0<\0\xe9\xd8\x3d\xde\x00", 10);
   EXPECT_EQ(frontend::as_utf8(little), "<\xc3\xa9\xf0\x9f\x98\x80");
   EXPECT_EQ(frontend::as_utf8(big), "<\xc3\xa9\xf0\x9f\x98\x80");
