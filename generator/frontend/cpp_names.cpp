@@ -28,6 +28,7 @@ std::unordered_map<std::string, std::string> rename(const std::string& file, std
   std::unordered_set<std::string> names;
   for (const Outline& element : elements) names.insert(ir::identifier(element.name));
   std::unordered_map<std::string, std::string> taken, renamed;  // identifier → place; name → name
+  std::unordered_map<std::string, int> tried;                   // identifier → endings, so that none is tried twice
   for (Outline& element : elements) {
     const std::string identifier = ir::identifier(element.name);
     std::string fault = reserved(identifier, are_joints);
@@ -38,7 +39,8 @@ std::unordered_map<std::string, std::string> rename(const std::string& file, std
       continue;
     }
     const std::string was = place(element), old = element.name;
-    do element.name += '_';
+    int& ending = tried[identifier];
+    do element.name = ++ending == 1 ? old + '_' : fmt::format("{}_{}", old, ending);
     while (names.count(ir::identifier(element.name)) || !reserved(ir::identifier(element.name), are_joints).empty());
     names.insert(ir::identifier(element.name));
     renamed.emplace(old, element.name);

@@ -152,6 +152,23 @@ TEST(Robot, TheHundredthErrorIsTheLast) {
   EXPECT_NE(errors.find("error: these are the first 100 errors; correct them to see others"), std::string::npos);
 }
 
+// a_b, a-b, a.b, … : 2^14 links that become the same identifier.
+TEST(Robot, NamesThatBecomeEqualInCppAreToldApartInLinearTime) {
+  std::string text = "<robot name='r'>", first;
+  for (int i = 0; i < 1 << 14; ++i) {
+    std::string name;
+    for (int k = 0; k < 14; ++k) name += std::string(1, static_cast<char>('a' + k)) + ((i >> k) & 1 ? "-" : "_");
+    text += "<link name='" + name + "'/>";
+    if (first.empty()) first = name;
+    else text += joint("j" + std::to_string(i), "fixed", first, name);
+  }
+  Diagnostics warnings;
+  const ir::RobotDescription robot = read_urdf_text("r.urdf", text + "</robot>", warnings);
+  EXPECT_EQ(robot.links[1].name, "a-b_c_d_e_f_g_h_i_j_k_l_m_n__");
+  EXPECT_EQ(robot.links[2].name, "a_b-c_d_e_f_g_h_i_j_k_l_m_n__2");
+  EXPECT_EQ(robot.links.back().name, "a-b-c-d-e-f-g-h-i-j-k-l-m-n-_16383");
+}
+
 TEST(Robot, MovingJointsAreLimited) {
   const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "moving_joints.urdf";
   const auto model_of = [&](int joints) {
