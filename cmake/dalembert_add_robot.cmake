@@ -49,7 +49,7 @@ function(dalembert_add_robot target)
     list(APPEND command --scene "${SCENE}")
   endif()
 
-  set(files dynamics.hpp dynamics.cpp c_api.h c_api.cpp)
+  set(files dynamics.hpp dynamics.cpp c_api.h c_api.cpp self_test.hpp self_test.cpp)
   if(ARG_TASKS)
     find_package(TBB REQUIRED)
     list(APPEND files tasks.hpp tasks.cpp)

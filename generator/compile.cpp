@@ -12,6 +12,7 @@
 #include "passes/lower_rolled.hpp"
 #include "passes/normalise.hpp"
 #include "passes/plan.hpp"
+#include "reference/self_test.hpp"
 #include "report.hpp"
 
 namespace dalembert {
@@ -26,11 +27,20 @@ std::string hash_of_file(const std::string& path) {
   return fmt::format("{:016x}", hash);
 }
 
-// All but the URDF's hash and the report.
+// All but the URDF's hash, the report and the self-test.
 backend::CodeInput code_input(const Model& model, const Lowered& lowered) {
   return {model.tree,   lowered.normal,     model.scene, lowered.program,
           lowered.plan, lowered.rolled,     model.name,  std::filesystem::path(model.description.file).filename().string(),
-          "",           model.command_line, {}};
+          "",           model.command_line, {},          {}};
+}
+
+std::vector<backend::OutputFile> emit(const Model& model, std::optional<ir::SelfTest> self_test) {
+  const Lowered lowered = lower(model);
+  backend::CodeInput code = code_input(model, lowered);
+  code.source_hash = hash_of_file(model.description.file);
+  code.report = report(model, lowered);
+  code.self_test = std::move(self_test);
+  return backend::emit(code);
 }
 
 }  // namespace
@@ -54,11 +64,9 @@ std::size_t workspace_bytes(const Model& model, const Lowered& lowered) {
 }
 
 std::vector<backend::OutputFile> compile(const Model& model) {
-  const Lowered lowered = lower(model);
-  backend::CodeInput code = code_input(model, lowered);
-  code.source_hash = hash_of_file(model.description.file);
-  code.report = report(model, lowered);
-  return backend::emit(code);
+  return emit(model, reference::self_test(model.tree, model.scene));
 }
+
+std::vector<backend::OutputFile> compile_without_self_test(const Model& model) { return emit(model, std::nullopt); }
 
 }  // namespace dalembert

@@ -49,4 +49,7 @@ void apply_scene(Model& model, const frontend::SceneDocument& document, Diagnost
 // The model's generated code. Throws InputError when the model cannot be compiled.
 std::vector<backend::OutputFile> compile(const Model& model);
 
+// The same without self_test.hpp and self_test.cpp: for a use of the code that compares more itself.
+std::vector<backend::OutputFile> compile_without_self_test(const Model& model);
+
 }  // namespace dalembert

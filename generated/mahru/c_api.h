@@ -34,6 +34,18 @@ const double* mahru_gravity(const mahru_workspace* workspace);
 // 31 x 1
 const double* mahru_bias(const mahru_workspace* workspace);
 
+// The element of the self-test that is worst, relative to what it is allowed; rows and columns are counted from 0, column -1
+// stands for the weighted sum over a row.
+typedef struct mahru_self_test_report {
+  const char* output;
+  int state, row, column;
+  double expected, obtained;
+  double error, tolerance;  // relative to the output's largest element
+} mahru_self_test_report;
+
+// 1 when the code computes what it should on this machine, else 0; see self_test.hpp. `report` may be NULL.
+int mahru_self_test(mahru_self_test_report* report);
+
 #ifdef __cplusplus
 }
 #endif

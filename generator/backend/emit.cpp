@@ -8,6 +8,7 @@
 
 #include "backend/code_text.hpp"
 #include "backend/emit_rolled.hpp"
+#include "backend/emit_self_test.hpp"
 #include "backend/emit_straight.hpp"
 #include "backend/emit_tasks.hpp"
 #include "backend/literals.hpp"
@@ -197,6 +198,8 @@ std::vector<OutputFile> emit(const CodeInput& code) {
     files.push_back({"tasks.hpp", tasks_header(code, top)});
     files.push_back({"tasks.cpp", tasks_source(code, top)});
   }
+  if (code.self_test)
+    for (OutputFile& file : self_test_files(code, *code.self_test, top)) files.push_back(std::move(file));
   return files;
 }
 

@@ -1,6 +1,7 @@
 // From lowered code to the text of the emitted files.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,7 @@
 #include "ir/program.hpp"
 #include "ir/rolled.hpp"
 #include "ir/scene.hpp"
+#include "ir/self_test.hpp"
 
 namespace dalembert::backend {
 
@@ -26,9 +28,11 @@ struct CodeInput {
   std::string source_hash;
   std::string command_line;         // that remakes the files
   std::vector<std::string> report;  // lines about operations and what was left out
+  std::optional<ir::SelfTest> self_test;
 };
 
-// Every file of the robot's folder. Needs no input but its argument: the same code gives the same bytes anywhere.
+// Every file of the robot's folder; without a self-test its files are left out. Needs no input but its argument: the same code
+// gives the same bytes anywhere.
 std::vector<OutputFile> emit(const CodeInput& code);
 
 }  // namespace dalembert::backend

@@ -9,33 +9,11 @@
 #include "commands/generated_engine.hpp"
 #include "commands/generic_engine.hpp"
 #include "commands/random_states.hpp"
+#include "reference/engine.hpp"
 
 namespace dalembert {
 
 namespace {
-
-// What an output's elements are measured against at least. Where a robot makes a quantity vanish (C of a turntable, gravity of
-// whatever moves in a horizontal plane), its largest element is rounding noise of larger terms that cancel. So C counts as at
-// least a thousandth of |M| |v|, gravity as a thousandth of what it is in other directions, and the bias as both.
-double least_scale(const Model& model, const Output& output, const State& state) {
-  const auto largest = [&](const Model& m, ir::Quantity quantity) {
-    return evaluate_generic(m, {.name = "", .quantity = quantity, .link = ""}, state).cwiseAbs().maxCoeff();
-  };
-  const bool bias = output.quantity == ir::Quantity::bias, coriolis = output.quantity == ir::Quantity::coriolis_matrix;
-  double scale = 0;
-  if (bias || coriolis) {
-    const double rate = state.v.cwiseAbs().maxCoeff();
-    scale = largest(model, ir::Quantity::mass_matrix) * rate * (bias ? rate : 1);
-  }
-  if (bias || output.quantity == ir::Quantity::gravity) {
-    Model turned = model;
-    for (int i = 0; i < 3; ++i) {
-      turned.scene.gravity = model.scene.gravity.norm() * Eigen::Vector3d::Unit(i);
-      scale = std::max(scale, largest(turned, ir::Quantity::gravity));
-    }
-  }
-  return scale / 1000;
-}
 
 // The largest difference relative to the largest element of the reference, over states. NaN counts as infinite.
 class RelativeError {
@@ -62,14 +40,16 @@ References references(const Model& model, const Output& output, const std::vecto
   for (const State& state : states) {
     references.generic.push_back(evaluate_generic(model, output, state));
     references.multiprecision.push_back(evaluate_multiprecision(model, output, state));
-    references.least_scale = std::max(references.least_scale, least_scale(model, output, state));
+    references.least_scale =
+        std::max(references.least_scale,
+                 reference::LeastScale(model.tree, model.scene, state.q, state.v).of({output.quantity, output.link}));
   }
   return references;
 }
 
 }  // namespace
 
-CheckReport check(const Model& model) {
+CheckReport check(const Model& model, const CompilerOptions& options) {
   const double tolerance = model.scene.scalar == ir::ScalarType::float32 ? 1e-5 : 1e-12;
   const std::vector<Output> outputs = outputs_of(model);
   const std::vector<State> states = random_states(model.tree, 20);
@@ -91,17 +71,28 @@ CheckReport check(const Model& model) {
                                to_multiprecision.value(), time, good ? "" : "  DIFFERS");
   };
 
+  std::string command;
+  const auto run_self_test = [&](const GeneratedEngine& engine) {
+    const std::string wrong = engine.self_test();
+    report.passed = report.passed && wrong.empty();
+    report.text += fmt::format("  {:<24}{}\n", "self-test", wrong.empty() ? "passes" : "FAILS: " + wrong);
+    command = engine.command();
+  };
+
   std::vector<References> expected;
   for (const Output& output : outputs) {
     expected.push_back(references(model, output, states));
-    GeneratedEngine alone(model, {output}, "-O2");
+    GeneratedEngine alone(model, {output}, options, outputs.size() == 1);
     compare(alone, output, expected.back(), fmt::format("{:.0f}", alone.time_per_call(states)));
+    if (outputs.size() == 1) run_self_test(alone);
   }
   if (outputs.size() > 1) {
-    GeneratedEngine together(model, outputs, "-O2");
+    GeneratedEngine together(model, outputs, options, true);
     report.text += fmt::format("  {:<24}{:>16}{:>16}{:>14.0f}\n", "all together", "", "", together.time_per_call(states));
     for (size_t i = 0; i < outputs.size(); ++i) compare(together, outputs[i], expected[i], "");
+    run_self_test(together);
   }
+  report.text += fmt::format("  compiled by {}\n", command);
   return report;
 }
 

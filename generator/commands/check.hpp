@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "commands/compiler.hpp"
 #include "pipeline.hpp"
 
 namespace dalembert {
@@ -14,7 +15,7 @@ struct CheckReport {
 
 // Generates and compiles each of the scene's outputs alone and all together, and compares them at random states, the same
 // ones in every run. Errors are relative to the output's largest element over all states. Passes when none exceeds 1e-12
-// (1e-5 for float).
-CheckReport check(const Model& model);
+// (1e-5 for float) and the emitted self-test passes.
+CheckReport check(const Model& model, const CompilerOptions& options);
 
 }  // namespace dalembert

@@ -43,6 +43,20 @@ struct Command {
   std::function<int(Diagnostics& warnings)> run;
 };
 
+// How the commands that compile generated code do it.
+std::shared_ptr<CompilerOptions> add_compiler_options(CLI::App& parser) {
+  const auto options = std::make_shared<CompilerOptions>();
+  parser.add_option("--compiler", options->compiler, "C++ compiler of the generated code, default $CXX or c++")
+      ->type_name("COMMAND");
+  parser.add_option("--flags", options->flags, "all of the compiler's flags")->capture_default_str()->type_name("FLAGS");
+  parser
+      .add_option("--lanes", options->lanes,
+                  "numbers side by side in loops over limbs; default: what the target's registers hold")
+      ->check(CLI::IsMember({1, 2, 4, 8}))
+      ->type_name("1|2|4|8");
+  return options;
+}
+
 void add_generate(Command& command) {
   const auto folder = std::make_shared<std::string>();
   command.parser.add_option("-o,--out", *folder, "folder for the generated files; made when missing")
@@ -84,18 +98,20 @@ void add_eval(Command& command) {
   command.parser.add_option("--engine", options->engine, "who computes; default generated, which needs a C++ compiler")
       ->check(CLI::IsMember({"generic", "generated"}))
       ->type_name("generic|generated");
-  command.run = [&command, options](Diagnostics& warnings) {
+  const auto compiler = add_compiler_options(command.parser);
+  command.run = [&command, options, compiler](Diagnostics& warnings) {
     Request request = command.shared.request();
     request.for_one_output = true;
     const Model model = read_model(request, warnings);
     const Engine engine = options->engine == "generic" ? Engine::generic : Engine::generated;
-    return print_result(evaluate(model, options->state, options->output, engine, warnings));
+    return print_result(evaluate(model, options->state, options->output, engine, *compiler, warnings));
   };
 }
 
 void add_check(Command& command) {
-  command.run = [&command](Diagnostics& warnings) {
-    const CheckReport report = check(read_model(command.shared.request(), warnings));
+  const auto compiler = add_compiler_options(command.parser);
+  command.run = [&command, compiler](Diagnostics& warnings) {
+    const CheckReport report = check(read_model(command.shared.request(), warnings), *compiler);
     const int printed = print_result(report.text);
     return printed != good || report.passed ? printed : check_failed;
   };

@@ -3,6 +3,7 @@
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <spawn.h>
 #include <stdlib.h>
 #include <sys/wait.h>
@@ -62,9 +63,10 @@ std::string environment(const char* name) {
   return value ? value : "";
 }
 
-std::vector<std::string> compiler_words() {
-  const std::vector<std::string> words = split(environment("CXX"), ' ');
-  return words.empty() ? std::vector<std::string>{"c++"} : words;
+std::vector<std::string> compiler_words(const CompilerOptions& options) {
+  for (const std::string& given : {options.compiler, environment("CXX")})
+    if (const std::vector<std::string> words = split(given, ' '); !words.empty()) return words;
+  return {"c++"};
 }
 
 // The runtime's headers stand beside an installed executable, or in the source folder of a built one.
@@ -108,15 +110,16 @@ std::string said(const fs::path& log) {
 
 }  // namespace
 
-LoadedCode::LoadedCode(const std::string& name, const std::vector<backend::OutputFile>& files,
-                       const std::vector<std::string>& flags) {
+LoadedCode::LoadedCode(const std::string& name, const std::vector<backend::OutputFile>& files, const CompilerOptions& options) {
   const TemporaryFolder folder;
   const fs::path sources = folder.path() / name, object = folder.path() / "code.so", log = folder.path() / "log";
   backend::write_files(sources.string(), files);
-  const std::vector<std::string> compiler = compiler_words();
+  const std::vector<std::string> compiler = compiler_words(options), flags = split(options.flags, ' ');
   std::vector<std::string> command = compiler;
-  for (const char* word : {"-std=c++17", "-shared", "-fPIC"}) command.push_back(word);
   command.insert(command.end(), flags.begin(), flags.end());
+  if (options.lanes > 0) command.push_back(fmt::format("-DDALEMBERT_LANES={}", options.lanes));
+  command_ = fmt::format("{}", fmt::join(command, " "));
+  for (const char* word : {"-shared", "-fPIC"}) command.push_back(word);
   command.push_back("-I" + folder.path().string());
   for (const std::string& include : include_folders()) {
     command.push_back("-isystem");
@@ -130,10 +133,12 @@ LoadedCode::LoadedCode(const std::string& name, const std::vector<backend::Outpu
   const int status = run(command, log);
   if (status == -1 || status == 127)
     refuse(fmt::format("'{}' cannot be run", compiler.front()),
-           "install g++ or set CXX to a C++17 compiler, or use --engine generic, which needs none");
+           "install g++, or name a C++17 compiler with --compiler or CXX; eval needs none with --engine generic");
   if (status != 0)
-    refuse(fmt::format("'{}' does not compile the generated code:{}", compiler.front(), said(log)),
-           "set CXX to a C++17 compiler, and DALEMBERT_INCLUDE to the folders of dalembert's and Eigen's headers");
+    refuse(
+        fmt::format("'{}' does not compile the generated code:{}", compiler.front(), said(log)),
+        "name a C++17 compiler with --compiler or CXX, flags it knows with --flags, and the folders of dalembert's and Eigen's "
+        "headers with DALEMBERT_INCLUDE");
   library_ = dlopen(object.c_str(), RTLD_NOW | RTLD_LOCAL);
   if (!library_) throw std::runtime_error(std::string("the compiled code cannot be loaded: ") + dlerror());
 }

@@ -8,16 +8,26 @@
 
 namespace dalembert {
 
+// How generated code is compiled: by default as the documentation tells users to.
+struct CompilerOptions {
+  std::string compiler;  // words of a command line; empty: $CXX, or c++
+  std::string flags = "-O3 -march=native -std=c++17";
+  int lanes = 0;  // numbers side by side, 1, 2, 4 or 8; 0: as many as the target's registers hold
+};
+
 // Generated code compiled and loaded into this process. The files live in a temporary folder until the end of the constructor.
 class LoadedCode {
  public:
-  // `name`: the folder under which the files include each other. `flags`: such as "-O1". The compiler is $CXX, or c++; the
-  // folders of headers are those in $DALEMBERT_INCLUDE (separated by ':'), or those dalembert was built or installed with.
-  // Throws InputError when there is no compiler or it refuses the code.
-  LoadedCode(const std::string& name, const std::vector<backend::OutputFile>& files, const std::vector<std::string>& flags);
+  // `name`: the folder under which the files include each other. The folders of headers are those in $DALEMBERT_INCLUDE
+  // (separated by ':'), or those dalembert was built or installed with. Throws InputError when there is no compiler or it
+  // refuses the code.
+  LoadedCode(const std::string& name, const std::vector<backend::OutputFile>& files, const CompilerOptions& options);
   ~LoadedCode();
   LoadedCode(const LoadedCode&) = delete;
   LoadedCode& operator=(const LoadedCode&) = delete;
+
+  // The command that compiled, up to the flags: "c++ -O3 -march=native -std=c++17".
+  const std::string& command() const { return command_; }
 
   // The address of a C function; throws std::runtime_error when there is none such.
   template <class Function>
@@ -28,6 +38,7 @@ class LoadedCode {
  private:
   void* address(const std::string& name) const;
 
+  std::string command_;
   void* library_ = nullptr;
 };
 

@@ -26,12 +26,12 @@ void append_rows(std::string& text, const Eigen::MatrixXd& matrix) {
 }  // namespace
 
 std::string evaluate(const Model& model, const std::string& state_file, const std::string& output, Engine engine,
-                     Diagnostics& warnings) {
+                     const CompilerOptions& options, Diagnostics& warnings) {
   const Output wanted = output_named(model, output);
   passes::check_mass(model.description, model.tree, with_outputs(model, {wanted}).scene);
   const std::vector<State> states = read_states(state_file, model.tree, warnings);
   std::unique_ptr<GeneratedEngine> generated;
-  if (engine == Engine::generated) generated = std::make_unique<GeneratedEngine>(model, std::vector{wanted}, "-O1");
+  if (engine == Engine::generated) generated = std::make_unique<GeneratedEngine>(model, std::vector{wanted}, options);
 
   std::string text;
   for (const State& state : states) {

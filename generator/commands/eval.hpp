@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "commands/compiler.hpp"
 #include "diagnostics.hpp"
 #include "pipeline.hpp"
 
@@ -13,6 +14,6 @@ enum class Engine { generic, generated };
 // The output at every state of the file, as text: row by row, numbers with 17 digits separated by blanks, states separated by
 // an empty line. Warns about states whose result is not finite.
 std::string evaluate(const Model& model, const std::string& state_file, const std::string& output, Engine engine,
-                     Diagnostics& warnings);
+                     const CompilerOptions& options, Diagnostics& warnings);
 
 }  // namespace dalembert

@@ -2,15 +2,23 @@
 
 #include <algorithm>
 #include <chrono>
+#include <dalembert/self_test.hpp>
 #include <new>
 #include <type_traits>
 
 namespace dalembert {
 
-GeneratedEngine::GeneratedEngine(const Model& model, const std::vector<Output>& outputs, const std::string& optimisation)
+namespace {
+std::vector<backend::OutputFile> files_of(const Model& model, bool self_test) {
+  return self_test ? compile(model) : compile_without_self_test(model);
+}
+}  // namespace
+
+GeneratedEngine::GeneratedEngine(const Model& model, const std::vector<Output>& outputs, const CompilerOptions& options,
+                                 bool self_test)
     : name_(model.name),
       single_precision_(model.scene.scalar == ir::ScalarType::float32),
-      code_(name_, compile(with_outputs(model, outputs)), {optimisation}),
+      code_(name_, files_of(with_outputs(model, outputs), self_test), options),
       evaluate_(reinterpret_cast<void*>(code_.function<void()>(name_ + "_evaluate"))),
       workspace_(code_.function<Workspace*()>(name_ + "_create")(), code_.function<void(Workspace*)>(name_ + "_destroy")) {
   if (!workspace_) throw std::bad_alloc();
@@ -39,18 +47,50 @@ Eigen::MatrixXd GeneratedEngine::result(const Output& output) const {
   return single_precision_ ? read<float>(output) : read<double>(output);
 }
 
-double GeneratedEngine::time_per_call(const std::vector<State>& states) {
+template <class Scalar>
+double GeneratedEngine::time_calls(const std::vector<State>& states) {
   using Clock = std::chrono::steady_clock;
-  constexpr int repetitions = 5;  // the best of them: the least disturbed
-  constexpr int calls = 2000;
-  double best = 0;
-  for (int r = 0; r < repetitions; ++r) {
-    const Clock::time_point start = Clock::now();
-    for (int i = 0; i < calls; ++i) evaluate(states[static_cast<size_t>(i) % states.size()]);
-    const double time = std::chrono::duration<double, std::nano>(Clock::now() - start).count() / calls;
-    best = r == 0 ? time : std::min(best, time);
+  const auto function = reinterpret_cast<void (*)(const Scalar*, const Scalar*, Workspace*)>(evaluate_);
+  std::vector<Eigen::VectorX<Scalar>> q, v;
+  for (const State& state : states) {
+    q.push_back(state.q.cast<Scalar>());
+    v.push_back(state.v.cast<Scalar>());
   }
-  return best;
+  const auto round = [&](int rounds) {
+    const Clock::time_point start = Clock::now();
+    for (int r = 0; r < rounds; ++r)
+      for (size_t s = 0; s < states.size(); ++s) function(q[s].data(), v[s].data(), workspace_.get());
+    return std::chrono::duration<double, std::nano>(Clock::now() - start).count() / rounds / static_cast<double>(states.size());
+  };
+  constexpr int means = 201;
+  constexpr double warm_up = 2e7, mean_time = 1e5;  // ns; the clock's own cost is lost in the latter
+  const Clock::time_point start = Clock::now();
+  double estimate = round(1);
+  while (std::chrono::duration<double, std::nano>(Clock::now() - start).count() < warm_up) estimate = round(1);
+  const int rounds = 1 + static_cast<int>(mean_time / (estimate * static_cast<double>(states.size()) + 1));
+  std::vector<double> times;
+  for (int m = 0; m < means; ++m) times.push_back(round(rounds));
+  std::nth_element(times.begin(), times.begin() + means / 2, times.end());
+  return times[means / 2];
+}
+
+double GeneratedEngine::time_per_call(const std::vector<State>& states) {
+  return single_precision_ ? time_calls<float>(states) : time_calls<double>(states);
+}
+
+std::string GeneratedEngine::self_test() const {
+  // NAME_self_test_report of c_api.h.
+  struct Report {
+    const char* output;
+    int state, row, column;
+    double expected, obtained, error, tolerance;
+  } report;
+  if (code_.function<int(Report*)>(name_ + "_self_test")(&report)) return "";
+  char text[512];
+  describe({report.output, report.state, report.row, report.column, report.expected, report.obtained, report.error,
+            report.tolerance},
+           text, sizeof text);
+  return text;
 }
 
 }  // namespace dalembert

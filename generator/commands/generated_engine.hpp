@@ -15,8 +15,9 @@ namespace dalembert {
 
 class GeneratedEngine {
  public:
-  // Generates the model with these outputs, compiles it (`optimisation`: "-O1") and makes a workspace.
-  GeneratedEngine(const Model& model, const std::vector<Output>& outputs, const std::string& optimisation);
+  // Generates the model with these outputs, compiles it and makes a workspace. `self_test`: with the emitted one, too.
+  GeneratedEngine(const Model& model, const std::vector<Output>& outputs, const CompilerOptions& options,
+                  bool self_test = false);
 
   // Evaluates all outputs at the state.
   void evaluate(const State& state);
@@ -24,8 +25,16 @@ class GeneratedEngine {
   // An output at the state last evaluated, rows × columns.
   Eigen::MatrixXd result(const Output& output) const;
 
-  // The mean time of a call of the evaluation, ns, state to result, over the states in turn.
+  // The time of a call of the evaluation, ns, state to result: the median of some hundred means, each over the states in turn.
+  // Takes some hundredths of a second.
   double time_per_call(const std::vector<State>& states);
+
+  // Runs the emitted self-test, which the constructor was to leave in: the empty string when it passes, else which element is
+  // wrong and by how much.
+  std::string self_test() const;
+
+  // The command that compiled the code, up to the flags.
+  const std::string& command() const { return code_.command(); }
 
  private:
   using Workspace = void;
@@ -35,6 +44,8 @@ class GeneratedEngine {
   void call(const State& state);
   template <class Scalar>
   Eigen::MatrixXd read(const Output& output) const;
+  template <class Scalar>
+  double time_calls(const std::vector<State>& states);
 
   std::string name_;
   bool single_precision_;

@@ -20,10 +20,10 @@
 #include <vector>
 
 #include "benchmark_robots.hpp"
-#include "commands/generic_model.hpp"
 #include "generated_robot.hpp"
 #include "generated_table.hpp"
 #include "load_robot.hpp"
+#include "reference/generic_model.hpp"
 
 namespace dalembert::benchmarks {
 namespace {

@@ -6,9 +6,9 @@
 #include <limits>
 #include <utility>
 
-#include "commands/generic_model.hpp"
 #include "load_robot.hpp"
 #include "multiprecision.hpp"
+#include "reference/generic_model.hpp"
 
 namespace dalembert::benchmarks {
 namespace {

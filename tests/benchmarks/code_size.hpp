@@ -10,7 +10,8 @@ struct CodeSize {
   long tables = 0;  // sections .rodata*
 };
 
-// Of all members but the C API's thin shell. Throws std::runtime_error when `size` cannot be run.
+// Of all members but the C API's thin shell and the self-test, which is linked only where it is called. Throws
+// std::runtime_error when `size` cannot be run.
 CodeSize code_size(const std::string& archive);
 
 }  // namespace dalembert::benchmarks

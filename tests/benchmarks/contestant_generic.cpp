@@ -1,8 +1,8 @@
 // The generic engine: the paper's recursion as printed, on any tree.
 #include <dalembert/generic/dynamics.hpp>
 
-#include "commands/generic_model.hpp"
 #include "contestants.hpp"
+#include "reference/generic_model.hpp"
 
 namespace dalembert::benchmarks {
 

@@ -19,9 +19,9 @@
 #include <vector>
 
 #include "benchmark_robots.hpp"
-#include "commands/generic_model.hpp"
 #include "generated_robot.hpp"
 #include "load_robot.hpp"
+#include "reference/generic_model.hpp"
 
 namespace dalembert::benchmarks {
 namespace {

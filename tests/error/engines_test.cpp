@@ -13,6 +13,7 @@ namespace dalembert::test {
 namespace {
 
 const std::string arm = ERROR_ROBOTS "/scenes/arm.urdf";
+const std::string quickly[] = {"--flags", "-std=c++17 -O1"};
 
 // Rows of numbers; an empty row between states.
 std::vector<std::vector<double>> rows(const std::string& text) {
@@ -50,8 +51,8 @@ TEST(Eval, EnginesAgreeAndShapesAreThoseOfTheQuantity) {
     }
     Outcome outcomes[2];
     for (int e = 0; e < 2; ++e) {
-      std::vector<std::string> arguments{"eval",     arm,        "--state",  "-",
-                                         "--output", use.output, "--engine", e ? "generated" : "generic"};
+      std::vector<std::string> arguments{
+          "eval", arm, "--state", "-", "--output", use.output, "--engine", e ? "generated" : "generic", quickly[0], quickly[1]};
       arguments.insert(arguments.end(), use.options.begin(), use.options.end());
       outcomes[e] = run_dalembert(arguments, ".", states);
       ASSERT_EQ(outcomes[e].status, 0) << outcomes[e].err;
@@ -91,7 +92,7 @@ TEST(Eval, DoesNotReadWhatTheQuantityDoesNotDependOn) {
              no_pose + q + no_twist + nans},
         Case{{"--base", "fixed", "--rates_zero", "true", "--outputs", "bias"}, "bias", q + zeros, q + nans}}) {
     SCOPED_TRACE(c.output);
-    std::vector<std::string> arguments{"eval", arm, "--state", "-", "--output", c.output};
+    std::vector<std::string> arguments{"eval", arm, "--state", "-", "--output", c.output, quickly[0], quickly[1]};
     arguments.insert(arguments.end(), c.options.begin(), c.options.end());
     const Outcome plain = run_dalembert(arguments, ".", c.state + "\n"),
                   poisoned = run_dalembert(arguments, ".", c.same + "\n");
@@ -104,9 +105,35 @@ TEST(Eval, DoesNotReadWhatTheQuantityDoesNotDependOn) {
 
 TEST(Check, PassesInDoubleAndFloat) {
   for (const char* scalar : {"double", "float"}) {
-    const Outcome outcome = run_dalembert({"check", arm, "--scalar", scalar, "--outputs", "gravity"}, ".");
+    const Outcome outcome =
+        run_dalembert({"check", arm, "--scalar", scalar, "--outputs", "gravity", quickly[0], quickly[1]}, ".");
     EXPECT_EQ(outcome.status, 0) << outcome.err << outcome.out;
     EXPECT_EQ(outcome.out.find("DIFFERS"), std::string::npos);
+  }
+}
+
+// What users are told to build with is what is tested, and times are its; another compiler, flags and lanes can be had. Scripts
+// in place of the compiler show with what they are called.
+TEST(Check, CompilesAsUsersDoUnlessToldOtherwise) {
+  const Outcome usual = run_dalembert({"check", arm, "--outputs", "gravity"}, ".");
+  EXPECT_EQ(usual.status, 0) << usual.err << usual.out;
+  EXPECT_NE(usual.out.find("compiled by c++ -O3 -march=native -std=c++17\n"), std::string::npos) << usual.out;
+  EXPECT_NE(usual.out.find("self-test               passes"), std::string::npos) << usual.out;
+
+  const TemporaryFolder folder;
+  const std::string compiler = folder.path() + "/compiler";
+  write_text(compiler, "#!/bin/sh\necho \"$@\" >> '" + folder.path() + "/called'\nexec c++ \"$@\"\n");
+  chmod(compiler.c_str(), 0700);
+  for (const std::string command : {"check", "eval"}) {
+    std::vector<std::string> arguments{command,  arm,       "--base",         "fixed",   "--compiler",
+                                       compiler, "--flags", "-std=c++20 -Os", "--lanes", "2"};
+    if (command == "check") arguments.insert(arguments.end(), {"--outputs", "gravity"});
+    else arguments.insert(arguments.end(), {"--output", "gravity", "--state", "-"});
+    const Outcome outcome = run_dalembert(arguments, ".", "0.1 0.2 0.3 0.4 0 0 0 0\n");
+    EXPECT_EQ(outcome.status, 0) << outcome.err << outcome.out;
+    const std::string called = text_of(folder.path() + "/called");
+    EXPECT_EQ(called.rfind("-std=c++20 -Os -DDALEMBERT_LANES=2 ", 0), 0u) << called;
+    std::remove((folder.path() + "/called").c_str());
   }
 }
 
@@ -120,7 +147,7 @@ TEST(Check, PassesOnTurntablesOnALoneBaseAndOnDrivenJoints) {
            {branches, "--base", "floating", "--cut", "a_01,b_01", "--payloads", "base", "--outputs", "gravity"},
            {arm, "--base", "fixed", "--outputs", "mass_matrix", "--mimic",
             "{elbow: {of: shoulder, multiplier: 0.3}, wrist: {of: shoulder, multiplier: 0.3, offset: 1}}"}}) {
-    std::vector<std::string> command{"check"};
+    std::vector<std::string> command{"check", quickly[0], quickly[1]};
     command.insert(command.end(), arguments.begin(), arguments.end());
     const Outcome outcome = run_dalembert(command, ".");
     EXPECT_EQ(outcome.status, 0) << outcome.err << outcome.out;
@@ -175,10 +202,11 @@ TEST(Check, FindsAWrongLine) {
              "  sed -i '0,/\\(Scalar .* = .*\\) + /s//\\1 - /' \"$file\";;\nesac; done\nexec c++ \"$@\"\n");
   chmod(compiler.c_str(), 0700);
   setenv("CXX", compiler.c_str(), 1);
-  const Outcome outcome = run_dalembert({"check", arm, "--outputs", "mass_matrix"}, ".");
+  const Outcome outcome = run_dalembert({"check", arm, "--outputs", "mass_matrix", quickly[0], quickly[1]}, ".");
   unsetenv("CXX");
   EXPECT_EQ(outcome.status, 1) << outcome.err << outcome.out;
   EXPECT_NE(outcome.out.find("DIFFERS"), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.out.find("FAILS: mass_matrix("), std::string::npos) << outcome.out;
 }
 
 }  // namespace

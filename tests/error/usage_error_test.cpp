@@ -104,7 +104,7 @@ TEST(Compiler, ItsAbsenceHasARemedy) {
   setenv("CXX", "/no/such/compiler", 1);
   const Outcome run = run_dalembert({"eval", sound, "--state", "-", "--output", "bias", "--base", "fixed"}, ".", "0 0\n");
   unsetenv("CXX");
-  expect_refused(run, "C++ compiler: error: '/no/such/compiler' cannot be run; install g++ or set CXX");
+  expect_refused(run, "C++ compiler: error: '/no/such/compiler' cannot be run; install g++, or name a C++17 compiler");
 }
 
 TEST(Output, AFileInTheWayIsRefused) {

@@ -1,8 +1,8 @@
 // The generic engine's interface: closed forms, effects of joints, driven joints, Jacobians of links, wrong arguments.
 #include <gtest/gtest.h>
 
-#include "commands/generic_model.hpp"
 #include "load_robot.hpp"
+#include "reference/generic_model.hpp"
 #include "scale.hpp"
 #include "states.hpp"
 

@@ -2,7 +2,7 @@
 
 #include <Eigen/Geometry>
 
-#include "commands/generic_model.hpp"
+#include "reference/generic_model.hpp"
 
 namespace dalembert::generic {
 template Dynamics<testing::Multi> evaluate(const MultiModel&, const MultiVector&, const MultiVector&);

@@ -1,9 +1,9 @@
 // Rounding errors of the generic engine: float, double and long double against 100 digits, on moderate and extreme states.
 #include <gtest/gtest.h>
 
-#include "commands/generic_model.hpp"
 #include "load_robot.hpp"
 #include "multiprecision.hpp"
+#include "reference/generic_model.hpp"
 #include "scale.hpp"
 #include "states.hpp"
 

@@ -7,9 +7,9 @@
 #include <memory>
 #include <stdexcept>
 
-#include "commands/generic_model.hpp"
 #include "generated_robot.hpp"
 #include "load_robot.hpp"
+#include "reference/generic_model.hpp"
 
 namespace dalembert::oracle {
 namespace {

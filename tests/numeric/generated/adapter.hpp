@@ -13,6 +13,7 @@ template <class Scalar>
 struct Layout {
   int nq, nv;
   std::vector<std::string> joint_names, body_names;
+  bool (*self_test)(SelfTestReport*) noexcept;
 };
 
 // Stands in where no task graph was generated.
@@ -53,6 +54,8 @@ class Adapter final : public GeneratedRobot {
     parallel_ = std::make_unique<Workspace>();
     if constexpr (!std::is_same_v<TaskGraph, NoTaskGraph>) graph_ = std::make_unique<TaskGraph>(*parallel_);
   }
+
+  bool self_test(SelfTestReport& report) const override { return layout_.self_test(&report); }
 
   generic::Dynamics<double> result(Variant variant) const override {
     generic::Dynamics<double> all;

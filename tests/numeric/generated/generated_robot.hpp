@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <dalembert/generic/dynamics.hpp>
+#include <dalembert/self_test.hpp>
 #include <memory>
 #include <string>
 #include <vector>
@@ -30,6 +31,9 @@ class GeneratedRobot {
   virtual void evaluate(Variant variant) = 0;
   // A new workspace for each variant.
   virtual void renew_workspaces() = 0;
+
+  // The emitted self-test.
+  virtual bool self_test(SelfTestReport& report) const = 0;
 
   // Quantities that were not generated are of size zero.
   virtual generic::Dynamics<double> result(Variant variant) const = 0;

@@ -6,10 +6,10 @@
 #include <cstdlib>
 #include <limits>
 
-#include "commands/generic_model.hpp"
 #include "generated_robot.hpp"
 #include "heap_count.hpp"
 #include "pipeline.hpp"
+#include "reference/generic_model.hpp"
 #include "scale.hpp"
 #include "states.hpp"
 
@@ -126,6 +126,19 @@ TEST_P(Generated, TaskGraphGivesTheSameBitsAsSerial) {
       evaluate(state, Variant::tasks);
       ASSERT_EQ(robot->bits(Variant::tasks), robot->bits(Variant::serial)) << state.name;
     }
+}
+
+// Right code passes, on every robot and in float, and with room to spare: what is allowed is many times the worst error.
+TEST_P(Generated, PassesItsSelfTest) {
+  SelfTestReport report;
+  const std::uint64_t before = heap_allocations();
+  const bool passed = robot->self_test(report);
+  EXPECT_EQ(heap_allocations() - before, 0u);
+  char text[512];
+  describe(report, text, sizeof text);
+  EXPECT_TRUE(passed) << text;
+  EXPECT_LE(8 * report.error, report.tolerance) << text;
+  std::printf("%s\n", text);
 }
 
 TEST_P(Generated, SerialEvaluationNeverAllocates) {

@@ -1,0 +1,127 @@
+#include "backend/emit_self_test.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "backend/literals.hpp"
+#include "backend/templates.hpp"
+#include "ir/identifier.hpp"
+
+namespace dalembert::backend {
+namespace {
+
+using Kind = ir::Expectation::Kind;
+
+class SelfTestText {
+ public:
+  SelfTestText(const CodeInput& code, const ir::SelfTest& test) : code_(code), test_(test) {}
+
+  std::string tables() const {
+    std::string text;
+    for (size_t s = 0; s < test_.states.size(); ++s) {
+      const ir::SelfTest::State& state = test_.states[s];
+      text += table(fmt::format("q_{}", s), {state.q.begin(), state.q.end()});
+      text += table(fmt::format("v_{}", s), {state.v.begin(), state.v.end()});
+    }
+    for (const ir::Expectation& e : test_.expectations) {
+      if (!e.complete) {
+        std::vector<std::string> items;
+        for (const int column : e.columns) items.push_back(std::to_string(column));
+        text += fmt::format("constexpr int {}_columns[] = {{{}}};\n", table_name(e), fmt::join(items, ", "));
+      }
+      text += table(table_name(e), e.values);
+    }
+    return text;
+  }
+
+  // Run-time inputs have values of their own.
+  std::string inputs() const {
+    std::string text;
+    const auto set = [&](const std::string& what, double value) {
+      text += fmt::format("  workspace.{} = {};\n", what, literal(value, code_.scene.scalar));
+    };
+    if (code_.scene.gravity_kind == ir::GravityKind::run_time)
+      for (int i = 0; i < 3; ++i) set(fmt::format("gravity_vector[{}]", i), test_.gravity[i]);
+    for (size_t p = 0; p < test_.payloads.size(); ++p) {
+      const ir::Inertia& payload = test_.payloads[p];
+      const std::string name = "payload_" + ir::identifier(code_.scene.payloads[p]);
+      set(name + ".mass", payload.mass);
+      for (int i = 0; i < 3; ++i) set(fmt::format("{}.com[{}]", name, i), payload.com[i]);
+      for (int i = 0, k = 0; i < 3; ++i)
+        for (int j = i; j < 3; ++j) set(fmt::format("{}.inertia[{}]", name, k++), payload.inertia(i, j));
+    }
+    return text;
+  }
+
+  std::string comparisons() const {
+    std::string text;
+    for (size_t s = 0; s < test_.states.size(); ++s) {
+      text += fmt::format("  run(q_{0}, v_{0}, workspace);\n", s);
+      for (const ir::Expectation& e : test_.expectations)
+        if (e.state == static_cast<int>(s)) text += comparison(e);
+    }
+    return text;
+  }
+
+  // For the reader: a line per output.
+  std::string compared() const {
+    std::string text;
+    for (size_t a = 0; a < code_.program.arrays.size(); ++a)
+      text += fmt::format("//   {:<24} {}\n", array(static_cast<int>(a)).name, coverage(static_cast<int>(a)));
+    return text;
+  }
+
+ private:
+  const ir::OutputArray& array(int index) const { return code_.program.arrays[static_cast<size_t>(index)]; }
+
+  std::string table_name(const ir::Expectation& e) const {
+    return fmt::format("{}_{}{}", array(e.array).name, e.kind == Kind::products ? "rows_" : "", e.state);
+  }
+
+  std::string table(const std::string& name, const std::vector<double>& values) const {
+    std::vector<std::string> items;
+    for (const double x : values) items.push_back(x == 0 ? "0" : literal(x, code_.scene.scalar));
+    if (items.empty()) items.push_back("0");  // C++ has no empty arrays
+    return fmt::format("constexpr Scalar {}[] = {{\n    {}}};\n", name, wrapped(items, 4));
+  }
+
+  std::string comparison(const ir::Expectation& e) const {
+    const ir::OutputArray& a = array(e.array);
+    const std::string what = fmt::format("{{\"{}\", {}, {}, {}}}, workspace.{}, {}", a.name, e.state, e.scale, e.tolerance,
+                                         a.name, a.rows),
+                      name = table_name(e);
+    if (e.kind == Kind::products) return fmt::format("  test.products({}, {}, {});\n", what, a.columns, name);
+    return fmt::format("  test.{}({}, {}, {}, {});\n", e.kind == Kind::elements ? "elements" : "symmetric_elements", what,
+                       e.complete ? "nullptr" : name + "_columns", e.columns.size(), name);
+  }
+
+  std::string coverage(int index) const {
+    for (const ir::Expectation& e : test_.expectations) {
+      if (e.array != index) continue;
+      if (array(index).columns == 1) return "every element at every state";
+      const std::string rows = "; at every state each row's weighted sum";
+      if (e.complete) return "every element at state 0" + rows;
+      return fmt::format("{} of {} columns at state 0{}", e.columns.size(), array(index).columns, rows);
+    }
+    return fmt::format("nothing: {} cannot hold its values at these states", scalar_name(code_.scene.scalar));
+  }
+
+  const CodeInput& code_;
+  const ir::SelfTest& test_;
+};
+
+}  // namespace
+
+std::vector<OutputFile> self_test_files(const CodeInput& code, const ir::SelfTest& test, const std::string& banner) {
+  const SelfTestText text(code, test);
+  return {{"self_test.hpp",
+           render("self_test.hpp",
+                  {{"banner", banner}, {"name", code.name}, {"precision", test.precision}, {"compared", text.compared()}})},
+          {"self_test.cpp", render("self_test.cpp", {{"banner", banner},
+                                                     {"name", code.name},
+                                                     {"tables", text.tables()},
+                                                     {"inputs", text.inputs()},
+                                                     {"comparisons", text.comparisons()}})}};
+}
+
+}  // namespace dalembert::backend

@@ -1,0 +1,120 @@
+#include "reference/engine.hpp"
+
+#include <algorithm>
+#include <boost/multiprecision/cpp_bin_float.hpp>
+#include <boost/multiprecision/eigen.hpp>
+#include <dalembert/generic/dynamics.hpp>
+
+#include "reference/generic_model.hpp"
+
+namespace dalembert::reference {
+
+namespace {
+
+// Phases I and II once, then each result from them.
+template <class S>
+class Evaluation {
+ public:
+  Evaluation(const ir::KinematicTree& tree, const ir::Scene& scene, const std::vector<Wanted>& wanted, const Eigen::VectorXd& q,
+             const Eigen::VectorXd& v)
+      : tree_(tree), robot_(to_generic<S>(tree, scene.gravity)), reduction_(robot_) {
+    generic::check_size<double>(q, robot_.nq(), "q");
+    generic::check_size<double>(v, robot_.nv(), "v");
+    q_ = reduction_.expand_position(q.cast<S>());
+    v_ = reduction_.expand_velocity(scene.rates_zero ? VectorX<S>(VectorX<S>::Zero(v.size())) : VectorX<S>(v.cast<S>()));
+    kinematics_ = generic::phase1<S>(robot_, q_, v_);
+    const bool matrices = std::any_of(wanted.begin(), wanted.end(), [](const Wanted& w) {
+      return w.quantity == ir::Quantity::mass_matrix || w.quantity == ir::Quantity::coriolis_matrix;
+    });
+    if (matrices) composites_ = generic::phase2<S>(robot_, kinematics_);
+  }
+
+  MatrixX<S> result(const Wanted& wanted) const {
+    if (!wanted.quantity) return jacobian(wanted.link);
+    switch (*wanted.quantity) {
+      case ir::Quantity::mass_matrix:
+        return reduction_.reduce_matrix(generic::phase3_mass_matrix<S>(robot_, kinematics_, composites_));
+      case ir::Quantity::coriolis_matrix:
+        return reduction_.reduce_matrix(generic::phase3_coriolis_matrix<S>(robot_, kinematics_, composites_));
+      case ir::Quantity::gravity: return reduction_.reduce_rows(generic::expanded_gravity<S>(robot_, kinematics_, q_));
+      case ir::Quantity::bias: {
+        const VectorX<S> rest = VectorX<S>::Zero(v_.size());
+        return reduction_.reduce_rows(generic::expanded_newton_euler<S>(robot_, kinematics_, q_, v_, rest));
+      }
+      case ir::Quantity::wrench_influence:
+        return reduction_.reduce_rows(generic::expanded_wrench_influence<S>(robot_, kinematics_));
+    }
+    return {};
+  }
+
+ private:
+  MatrixX<S> jacobian(const std::string& link) const {
+    const auto placed =
+        std::find_if(tree_.links.begin(), tree_.links.end(), [&](const ir::LinkPlacement& p) { return p.link == link; });
+    const Transform<S> frame{placed->placement.linear().template cast<S>(), placed->placement.translation().template cast<S>()};
+    return reduction_.reduce_columns(generic::expanded_jacobian<S>(robot_, kinematics_, placed->body, frame));
+  }
+
+  const ir::KinematicTree& tree_;
+  const generic::Model<S> robot_;
+  const generic::Reduction<S> reduction_;
+  VectorX<S> q_, v_;  // of every joint
+  generic::Kinematics<S> kinematics_;
+  generic::Composites<S> composites_;
+};
+
+template <class S>
+std::vector<Eigen::MatrixXd> evaluate_in(const ir::KinematicTree& tree, const ir::Scene& scene,
+                                         const std::vector<Wanted>& wanted, const Eigen::VectorXd& q,
+                                         const Eigen::VectorXd& v) {
+  const Evaluation<S> evaluation(tree, scene, wanted, q, v);
+  std::vector<Eigen::MatrixXd> results;
+  for (const Wanted& w : wanted) results.push_back(evaluation.result(w).template cast<double>());
+  return results;
+}
+
+}  // namespace
+
+std::vector<Eigen::MatrixXd> evaluate(const ir::KinematicTree& tree, const ir::Scene& scene, const std::vector<Wanted>& wanted,
+                                      const Eigen::VectorXd& q, const Eigen::VectorXd& v, Precision precision) {
+  using Digits50 = boost::multiprecision::number<boost::multiprecision::cpp_bin_float<50>, boost::multiprecision::et_off>;
+  switch (precision) {
+    case Precision::float32: return evaluate_in<float>(tree, scene, wanted, q, v);
+    case Precision::float64: return evaluate_in<double>(tree, scene, wanted, q, v);
+    case Precision::extended: return evaluate_in<long double>(tree, scene, wanted, q, v);
+    case Precision::digits_50: return evaluate_in<Digits50>(tree, scene, wanted, q, v);
+  }
+  return {};
+}
+
+double LeastScale::largest_mass() {
+  if (!mass_)
+    mass_ =
+        evaluate(tree_, scene_, {{ir::Quantity::mass_matrix, ""}}, q_, v_, Precision::float64).front().cwiseAbs().maxCoeff();
+  return *mass_;
+}
+
+double LeastScale::largest_gravity() {
+  if (gravity_) return *gravity_;
+  gravity_ = 0;
+  ir::Scene turned = scene_;
+  for (int i = 0; i < 3; ++i) {
+    turned.gravity = scene_.gravity.norm() * Eigen::Vector3d::Unit(i);
+    const auto g = evaluate(tree_, turned, {{ir::Quantity::gravity, ""}}, q_, v_, Precision::float64).front();
+    gravity_ = std::max(*gravity_, g.cwiseAbs().maxCoeff());
+  }
+  return *gravity_;
+}
+
+double LeastScale::of(const Wanted& wanted) {
+  const bool bias = wanted.quantity == ir::Quantity::bias, coriolis = wanted.quantity == ir::Quantity::coriolis_matrix;
+  double scale = 0;
+  if (bias || coriolis) {
+    const double rate = v_.cwiseAbs().maxCoeff();
+    scale = largest_mass() * rate * (bias ? rate : 1);
+  }
+  if (bias || wanted.quantity == ir::Quantity::gravity) scale = std::max(scale, largest_gravity());
+  return scale / 1000;
+}
+
+}  // namespace dalembert::reference

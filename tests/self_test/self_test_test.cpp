@@ -1,0 +1,153 @@
+// What the emitted self-test expects of whom, and that code passes it which is right but ill-conditioned, driven or loaded.
+#include "reference/self_test.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "commands/generated_engine.hpp"
+#include "pipeline.hpp"
+#include "reference/engine.hpp"
+#include "robots.hpp"
+
+namespace dalembert {
+namespace {
+
+using Kind = ir::Expectation::Kind;
+using Settings = std::vector<frontend::Setting>;
+
+Model read(const std::string& robot, const Settings& settings) {
+  Request request;
+  for (const TestRobot& known : test_robots)
+    if (known.name == robot) request.robot = known.urdf;
+  request.settings = settings;
+  Diagnostics warnings;
+  return read_model(request, warnings);
+}
+
+// Empty when the emitted self-test passes.
+std::string run(const Model& model) {
+  return GeneratedEngine(model, outputs_of(model), {.compiler = "", .flags = "-std=c++17 -O0"}, true).self_test();
+}
+
+TEST(SelfTest, InputsAreDistinctAndNoneIsNearZero) {
+  for (const char* scalar : {"double", "float"}) {
+    const Model model = read("gantry_arms", {{"base", "floating"}, {"gravity", "run_time"}, {"scalar", scalar}});
+    const ir::SelfTest test = reference::self_test(model.tree, model.scene);
+    ASSERT_EQ(test.states.size(), 3u);
+    std::set<double> seen;
+    for (const ir::SelfTest::State& state : test.states) {
+      for (const Eigen::VectorXd& inputs : {state.q, state.v})
+        for (const double x : inputs) {
+          EXPECT_GE(std::abs(x), 0.1);
+          EXPECT_TRUE(seen.insert(x).second) << x;
+          EXPECT_TRUE(scalar == std::string("double") || x == static_cast<float>(x)) << x;
+        }
+      EXPECT_NEAR((state.q.segment<4>(3).norm()), 1, 1e-7);
+    }
+    EXPECT_GT(test.gravity.cwiseAbs().minCoeff(), 1);
+  }
+}
+
+TEST(SelfTest, SmallMatricesAreComparedWholeAndLargeOnesInColumnsAndByRow) {
+  for (const char* robot : {"chain_7", "tree_5x20"}) {
+    const Model model = read(robot, {{"base", "fixed"}, {"outputs", "mass_matrix,coriolis_matrix,gravity"}});
+    const ir::SelfTest test = reference::self_test(model.tree, model.scene);
+    const bool small = model.tree.nv() == 7;
+    EXPECT_EQ(test.precision, small ? "50 digits" : "long double");
+    EXPECT_TRUE(test.left_out.empty());
+    int elements = 0, products = 0;
+    for (const ir::Expectation& e : test.expectations) {
+      const size_t nv = static_cast<size_t>(model.tree.nv());
+      if (e.kind == Kind::products) {
+        ++products;
+        EXPECT_EQ(e.values.size(), nv);
+      } else {
+        ++elements;
+        EXPECT_TRUE(e.complete || !small);
+        EXPECT_TRUE(!small || e.array != 0 || e.values.size() == nv * (nv + 1) / 2) << e.values.size();
+      }
+      EXPECT_TRUE(std::any_of(e.values.begin(), e.values.end(), [](double x) { return x != 0; }));
+      EXPECT_GE(e.tolerance, 512 * 0x1p-52);
+      EXPECT_LE(e.tolerance, 1e-11);
+    }
+    EXPECT_EQ(elements, 2 + 3);
+    EXPECT_EQ(products, 2 * 3);
+  }
+}
+
+// Long double stands in for 50 digits where those take too long: it is near enough.
+TEST(SelfTest, BothPrecisionsAgree) {
+  const Model model = read("chain_50", {{"base", "fixed"}});
+  const ir::SelfTest test = reference::self_test(model.tree, model.scene);
+  const ir::SelfTest::State& state = test.states[2];
+  for (const ir::Quantity quantity : model.scene.outputs) {
+    const auto by = [&](reference::Precision precision) {
+      return reference::evaluate(model.tree, model.scene, {{quantity, ""}}, state.q, state.v, precision).front();
+    };
+    const Eigen::MatrixXd exact = by(reference::Precision::digits_50);
+    EXPECT_LE((by(reference::Precision::extended) - exact).cwiseAbs().maxCoeff(), 0x1p-52 * exact.cwiseAbs().maxCoeff());
+  }
+}
+
+// What the scalar cannot hold is not compared: right code overflows too.
+TEST(SelfTest, LeavesOutWhatOverflows) {
+  Model model = read("pendulum", {{"base", "fixed"}, {"scalar", "float"}, {"outputs", "mass_matrix,gravity,coriolis_matrix"}});
+  model.tree.bodies[0].inertia = {1e37, {10, 20, 30}, Eigen::Matrix3d::Identity()};
+  const ir::SelfTest test = reference::self_test(model.tree, model.scene);
+  EXPECT_EQ(test.left_out, (std::vector<int>{0, 1}));
+  EXPECT_FALSE(test.expectations.empty());
+  for (const ir::Expectation& e : test.expectations) EXPECT_EQ(e.array, 2);
+}
+
+struct Case {
+  const char *name, *robot;
+  Settings settings;
+};
+
+class RightCode : public testing::TestWithParam<Case> {};
+
+TEST_P(RightCode, PassesItsSelfTest) { EXPECT_EQ(run(read(GetParam().robot, GetParam().settings)), ""); }
+
+INSTANTIATE_TEST_SUITE_P(
+    Scenes, RightCode,
+    testing::Values(
+        Case{"run_time_inputs",
+             "prismatic_mix",
+             {{"base", "floating"},
+              {"gravity", "run_time"},
+              {"payloads", "base,link_4"},
+              {"jacobians", "link_5"},
+              {"outputs", "mass_matrix,coriolis_matrix,gravity,bias,wrench_influence"}}},
+        Case{"driven_joints_with_friction",
+             "prismatic_mix",
+             {{"base", "fixed"},
+              {"mimic", "{link_4_joint: {of: link_2_joint, multiplier: -1.5, offset: 0.1}}"},
+              {"armature", "link_1_joint=0.2"},
+              {"damping", "link_4_joint=0.3"},
+              {"friction", "link_5_joint=0.4"}}},
+        Case{"statics", "quadruped", {{"rates_zero", "true"}, {"outputs", "gravity,bias"}}},
+        Case{"no_gravity", "quadruped", {{"gravity", "none"}, {"outputs", "gravity,bias"}}},
+        Case{"turntables", "two_branches_at_base", {{"base", "fixed"}, {"cut", "a_02,b_02"}, {"outputs", "coriolis_matrix"}}},
+        Case{"lone_base",
+             "two_branches_at_base",
+             {{"base", "floating"}, {"cut", "a_01,b_01"}, {"payloads", "base"}, {"outputs", "gravity,mass_matrix"}}}),
+    [](const auto& info) { return info.param.name; });
+
+// A chain whose last link is heavier or lighter, longer or shorter than the others by many powers of ten, in double and float.
+TEST(RightCodeOf, ExtremeRobotsPasses) {
+  for (const char* scalar : {"double", "float"})
+    for (const auto& [mass, length] : {std::pair{1e9, 1.0}, {1e-9, 1.0}, {1.0, 1e6}, {1.0, 1e-6}}) {
+      Model model = read("skew_chain_10", {{"base", "fixed"}, {"scalar", scalar}});
+      ir::Body& tip = model.tree.bodies.back();
+      tip.inertia.mass *= mass;
+      tip.inertia.com *= length;
+      tip.inertia.inertia *= mass * length * length;
+      EXPECT_EQ(run(model), "") << scalar << ": mass " << mass << ", length " << length;
+    }
+}
+
+}  // namespace
+}  // namespace dalembert
