@@ -1,4 +1,4 @@
-# dalembert_add_robot(TARGET URDF file [SCENE file] [NAME name] [TASKS] [NATIVE] [OPTIONS option...])
+# dalembert_add_robot(TARGET URDF file [SCENE file] [NAME name] [TASKS] [NATIVE] [NO_SELF_TEST] [OPTIONS option...])
 #
 # Adds the static library TARGET: the dynamics of one robot in one use, generated while building and again whenever the URDF, the
 # scene or the generator changes (and compiled again only when the generated code itself does). Link it like any other library:
@@ -13,6 +13,10 @@
 #   NATIVE   optimise the code for the processor that compiles it, whatever the build type: -O3 -march=native. With AVX and FMA
 #            it is about two and a half times as fast as plain x86-64 code; it runs on no older processor. The interface to it
 #            stays the same.
+#   NO_SELF_TEST  don't run the code's self-test (NAME/self_test.hpp) after building it. By default a small program does, as
+#            part of the build and before anything that links TARGET: a compiler or flags that spoil the code stop the build,
+#            with the element that is wrong. Not run when cross-compiling without CMAKE_CROSSCOMPILING_EMULATOR; to be left out
+#            as well where flags choose a processor newer than the one that builds.
 #   OPTIONS  further options of `dalembert generate`, such as --base fixed --outputs mass_matrix,gravity
 #
 # Works the same inside this project's own tree and after find_package(dalembert).
@@ -21,7 +25,7 @@ include(CheckCXXCompilerFlag)
 include("${CMAKE_CURRENT_LIST_DIR}/dalembert_check_compiler.cmake")
 
 function(dalembert_add_robot target)
-  cmake_parse_arguments(PARSE_ARGV 1 ARG "TASKS;NATIVE" "URDF;SCENE;NAME" "OPTIONS")
+  cmake_parse_arguments(PARSE_ARGV 1 ARG "TASKS;NATIVE;NO_SELF_TEST" "URDF;SCENE;NAME" "OPTIONS")
   if(ARG_UNPARSED_ARGUMENTS)
     message(FATAL_ERROR "dalembert_add_robot(${target}): unknown argument '${ARG_UNPARSED_ARGUMENTS}'; "
                         "options of the generator go behind OPTIONS")
@@ -86,4 +90,48 @@ function(dalembert_add_robot target)
   if(ARG_TASKS)
     target_link_libraries(${target} PUBLIC TBB::tbb)
   endif()
+  if(NOT ARG_NO_SELF_TEST AND (NOT CMAKE_CROSSCOMPILING OR CMAKE_CROSSCOMPILING_EMULATOR))
+    _dalembert_run_self_test(${target} ${ARG_NAME} "${include_dir}")
+  endif()
+endfunction()
+
+# Adds the program TARGET_self_test, which is run as soon as it is linked. Whatever links TARGET waits for that through the
+# empty library TARGET_tested. The program itself takes TARGET as a file, or it would wait for itself.
+function(_dalembert_run_self_test target name include_dir)
+  set(code "// Written by dalembert_add_robot().
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+
+#include \"${name}/self_test.hpp\"
+
+int main() {
+  std::signal(SIGILL, [](int) {
+    std::fputs(\"${name}: this processor does not know all instructions the code was compiled to; \"
+               \"where that is meant, add NO_SELF_TEST to dalembert_add_robot(${target})\\n\", stderr);
+    std::_Exit(3);
+  });
+  dalembert::SelfTestReport report;
+  if (${name}::self_test(&report)) return 0;
+  char text[512];
+  dalembert::describe(report, text, sizeof text);
+  std::fprintf(stderr, \"${name}: the self-test fails: %s\\n\"
+               \"The compiler has made wrong code: try another version of it, another -march, less optimisation, and no \"
+               \"-ffast-math.\\n\", text);
+  return 1;
+}
+")
+  file(CONFIGURE OUTPUT "${include_dir}/run_self_test.cpp" CONTENT "${code}" @ONLY)
+  add_executable(${target}_self_test "${include_dir}/run_self_test.cpp")
+  set_target_properties(${target}_self_test PROPERTIES
+    RUNTIME_OUTPUT_DIRECTORY "${include_dir}" LINK_DEPENDS "$<TARGET_FILE:${target}>")
+  target_include_directories(${target}_self_test PRIVATE "${include_dir}")
+  target_link_libraries(${target}_self_test PRIVATE "$<TARGET_FILE:${target}>" dalembert::runtime)
+  target_link_options(${target}_self_test PRIVATE "$<TARGET_PROPERTY:${target},INTERFACE_LINK_OPTIONS>")
+  add_dependencies(${target}_self_test ${target})
+  add_custom_command(TARGET ${target}_self_test POST_BUILD COMMAND ${target}_self_test
+                     COMMENT "Testing the dynamics of ${name}" VERBATIM)
+  add_library(${target}_tested INTERFACE)
+  add_dependencies(${target}_tested ${target}_self_test)
+  target_link_libraries(${target} INTERFACE $<BUILD_INTERFACE:${target}_tested>)
 endfunction()

@@ -1,5 +1,6 @@
 # Installs BUILD, then builds a copy of PROJECT with find_package(dalembert) and runs it. Then changes the robot, and expects the
-# build to generate, compile and link again, and the program to notice. All paths contain a space.
+# build to generate, compile and link again, and the program to notice. Last with a compiler that makes wrong code, which the
+# robots' self-tests must notice before the program is linked. All paths contain a space.
 file(REMOVE_RECURSE "${WORK}")
 
 function(run what)
@@ -23,6 +24,23 @@ run_well("configure" ${CMAKE_COMMAND} -S "${WORK}/project" -B "${WORK}/build" -G
 run_well("build" ${CMAKE_COMMAND} --build "${WORK}/build")
 run_well("run" "${WORK}/build/two_robots")
 
+# The self-test has run, and nothing of it is in a program that does not call it.
+file(GLOB_RECURSE tests "${WORK}/build/*_self_test")
+list(FILTER tests EXCLUDE REGEX "CMakeFiles")
+list(LENGTH tests count)
+if(NOT count EQUAL 2)
+  message(FATAL_ERROR "the self-tests of two robots should be there: ${tests}")
+endif()
+run_well("symbols of the program" nm -C "${WORK}/build/two_robots")
+if(NOT output MATCHES "arm::evaluate" OR output MATCHES "self_test|SelfTest")
+  message(FATAL_ERROR "the program should have evaluate() and nothing of the self-test")
+endif()
+list(GET tests 0 first)
+run_well("symbols of a self-test" nm -C "${first}")
+if(NOT output MATCHES "::self_test")
+  message(FATAL_ERROR "${first} should have the self-test")
+endif()
+
 run_well("build again" ${CMAKE_COMMAND} --build "${WORK}/build")
 if(output MATCHES "Generating|Building")
   message(FATAL_ERROR "nothing changed, and yet something was built again")
@@ -35,4 +53,36 @@ run_well("build with a heavier cart" ${CMAKE_COMMAND} --build "${WORK}/build")
 run("run with a heavier cart" "${WORK}/build/two_robots")
 if(result EQUAL 0 OR NOT output MATCHES "mass on the rail 5 kg")
   message(FATAL_ERROR "the URDF changed and the program did not")
+endif()
+
+# A compiler that turns a sum of the arm's dynamics into a difference.
+file(WRITE "${WORK}/compiler" "#!/bin/sh
+case \"$*\" in */arm/dynamics.cpp*)
+  sed -i '0,/\\(Scalar .* = .*\\) + /s//\\1 - /' '${WORK}/wrong/dalembert/arm/arm/dynamics.cpp';;
+esac
+exec \"$@\"
+")
+file(CHMOD "${WORK}/compiler" PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE)
+set(build "${WORK}/wrong")
+function(configure_wrong)
+  run_well("configure with a compiler that makes wrong code" ${CMAKE_COMMAND} -S "${WORK}/project" -B "${build}" -G "${GENERATOR}"
+           "-DCMAKE_CXX_FLAGS=${CXX_FLAGS}" "-DCMAKE_PREFIX_PATH=${WORK}/prefix" -DCMAKE_BUILD_TYPE=Debug
+           "-DCMAKE_CXX_COMPILER_LAUNCHER=${WORK}/compiler")
+endfunction()
+configure_wrong()
+run("build with it" ${CMAKE_COMMAND} --build "${build}" --target two_robots)
+if(result EQUAL 0 OR NOT output MATCHES "arm: the self-test fails: [a-z_]+\\([0-9]+, [0-9]+\\) at state")
+  message(FATAL_ERROR "the compiler makes wrong code, and the build does not say so")
+endif()
+if(EXISTS "${build}/two_robots")
+  message(FATAL_ERROR "the self-test failed, and yet the program was linked")
+endif()
+
+file(READ "${WORK}/project/CMakeLists.txt" lists)
+string(REPLACE "arm.urdf NATIVE" "arm.urdf NATIVE NO_SELF_TEST" lists "${lists}")
+file(WRITE "${WORK}/project/CMakeLists.txt" "${lists}")
+configure_wrong()
+run("build with it, unnoticed" ${CMAKE_COMMAND} --build "${build}" --target two_robots)
+if(NOT result EQUAL 0)
+  message(FATAL_ERROR "NO_SELF_TEST, and yet it was run")
 endif()
