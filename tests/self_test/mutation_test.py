@@ -64,6 +64,9 @@ class Robot:
         self.outputs = re.findall(r"^inline auto (\w+)\(const Workspace", header, re.MULTILINE)
         prints = "".join(f'    for (const Scalar x : workspace->{o}) std::printf("{o} %.17g\\n", double(x));\n' for o in self.outputs)
         (WORK / f"{name}_main.cpp").write_text(MAIN % {"name": name, "print": prints})
+        # Eigen is read once, not by each mutant. (Other flags than -O0 leave the compiled header aside.)
+        header = self.folder / "dynamics.hpp"
+        subprocess.run([COMPILER, *INCLUDE, "-O0", "-w", "-x", "c++-header", header, "-o", f"{header}.gch"], check=True)
         self.objects = []
         for source in (WORK / f"{name}_main.cpp", self.folder / "self_test.cpp"):
             self.objects.append(WORK / f"{name}_{source.stem}.o")

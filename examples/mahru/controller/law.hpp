@@ -10,7 +10,9 @@
 #include <Eigen/Cholesky>
 
 #include "mahru_fixed/dynamics.hpp"
+#include "mahru_fixed/self_test.hpp"
 #include "mahru_floating/dynamics.hpp"
+#include "mahru_floating/self_test.hpp"
 #include "types.hpp"
 
 namespace controller {
@@ -30,6 +32,7 @@ class FixedBaseLaw {
  public:
   static constexpr Base base = Base::fixed;
   static constexpr auto& joint_names = mahru_fixed::joint_names;
+  static constexpr auto& self_test = mahru_fixed::self_test;
 
   // As last evaluated. (Stands first because its type is deduced.)
   auto mass_matrix() const noexcept { return mahru_fixed::mass_matrix(workspace_); }
@@ -62,6 +65,7 @@ class FloatingBaseLaw {
  public:
   static constexpr Base base = Base::floating;
   static constexpr auto& joint_names = mahru_floating::joint_names;
+  static constexpr auto& self_test = mahru_floating::self_test;
 
   // As last evaluated. (Stands first because its type is deduced.)
   auto mass_matrix() const noexcept { return mahru_floating::mass_matrix(workspace_); }

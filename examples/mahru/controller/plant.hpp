@@ -20,7 +20,6 @@ class Plant {
   // model.
   Plant(const std::string& urdf_file, Base base, const char* const* joint_names);
 
-  int nv() const { return nv_; }
   const VectorJ& lower() const { return lower_; }  // joint limits, rad
   const VectorJ& upper() const { return upper_; }
 

@@ -14,7 +14,7 @@ Percentiles percentiles(const std::vector<Tick>& ticks, std::int64_t Tick::*memb
   const auto at = [&](double p) {
     return 1e-3 * values[std::min(values.size() - 1, static_cast<std::size_t>(p * values.size()))];
   };
-  return {at(0.5), at(0.99), at(0.999), at(1)};
+  return {at(0.5), at(0.99), at(0.999), at(0.9999), at(1)};
 }
 
 void track(const std::vector<Tick>& ticks, Summary& summary) {

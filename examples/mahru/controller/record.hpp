@@ -26,12 +26,13 @@ struct Tick {
 };
 
 struct Percentiles {
-  double p50, p99, p999, max;  // µs
+  double p50, p99, p999, p9999, max;  // µs
 };
 
 struct Summary {
   Percentiles woken, rehearsal, begun, dynamics, law, plant;
   int ticks = 0;
+  double self_test = 0;         // µs, before the loop
   long heap_allocations = 0;    // during the loop, plant included
   int missed_by_computing = 0;  // the tick's work took more processor time than a period has
   int missed_by_system = 0;     // late for any other reason: begun late, or other programs or the hypervisor had the processor
