@@ -28,8 +28,8 @@ class SceneCheck {
     cut();
     for (const auto& [joint, value] : scene_.locked) moving_joint("locked", joint);
     mimic();
-    for (const std::string& link : scene_.jacobians) kept_link("jacobians", link);
-    for (const std::string& link : scene_.payloads) kept_link("payloads", link);
+    links_asked("jacobians", scene_.jacobians);
+    links_asked("payloads", scene_.payloads);
     for (const auto& [joint, value] : scene_.armature) free_joint("armature", joint);
     for (const auto& [joint, value] : scene_.damping) free_joint("damping", joint);
     for (const auto& [joint, value] : scene_.friction) free_joint("friction", joint);
@@ -142,6 +142,13 @@ class SceneCheck {
     if (!scene_.locked.count(name)) return true;
     error(locate(key, name), fmt::format("joint '{}' is locked", name), "remove it here, or from 'locked'");
     return false;
+  }
+
+  void links_asked(const std::string& key, const std::vector<std::string>& links) {
+    if (links.size() > most_links_asked)
+      return error(key, fmt::format("there are {} links; no more than {} are supported", links.size(), most_links_asked),
+                   "name fewer of them");
+    for (const std::string& link : links) kept_link(key, link);
   }
 
   void kept_link(const std::string& key, const std::string& name) {

@@ -12,6 +12,9 @@ namespace dalembert::frontend {
 // link is named "world", or when neither it nor a link welded to it has an inertia; floating otherwise.
 ir::Base default_base(const ir::RobotDescription& robot);
 
+// Links that carry a payload, and links whose Jacobian is asked for.
+inline constexpr size_t most_links_asked = 1000;
+
 // The scene, complete. Throws InputError with every unknown name and contradiction, each with its place and a remedy. Warns
 // about what the URDF says and the scene leaves out: mimic relations, damping, friction.
 ir::Scene check_scene(const SceneDocument& document, const ir::RobotDescription& robot, Diagnostics& warnings);

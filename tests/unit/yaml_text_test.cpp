@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "frontend/scene_check.hpp"
 #include "frontend/scene_reader.hpp"
 
 namespace dalembert::frontend {
@@ -88,6 +89,28 @@ TEST(YamlText, ASceneOfAThousandJointsIsFarFromTheLimits) {
   const std::string text = "locked: " + map + "armature: " + map + "damping: " + map + "friction: " + map;
   EXPECT_LT(10 * text.size(), yaml_bytes);
   EXPECT_EQ(read_scene_text("scene.yaml", text, {}).scene.friction.size(), 1000u);
+}
+
+TEST(YamlText, LinksAskedForAreLimited) {
+  for (const std::string key : {"jacobians", "payloads"}) {
+    std::string text = key + ": [";
+    ir::RobotDescription robot;
+    robot.root = 0;
+    robot.children.resize(1001);
+    for (int i = 0; i <= 1000; ++i) {
+      text += "l" + std::to_string(i) + ", ";
+      robot.links.push_back({.name = "l" + std::to_string(i)});
+    }
+    Diagnostics warnings;
+    EXPECT_NO_THROW(check_scene(read_scene_text("s.yaml", text.substr(0, text.rfind("l1000")) + "]", {}), robot, warnings));
+    try {
+      check_scene(read_scene_text("s.yaml", text + "]", {}), robot, warnings);
+      ADD_FAILURE() << key;
+    } catch (const InputError& error) {
+      EXPECT_EQ(error.what(), "s.yaml: line 1, column 1: key '" + key +
+                                  "': error: there are 1001 links; no more than 1000 are supported; name fewer of them");
+    }
+  }
 }
 
 }  // namespace
