@@ -5,6 +5,7 @@
 #   example   the controller's plant (MuJoCo) and its picture (gnuplot)
 #   test      test framework, second compiler, and the programs that results are compared with
 #   fuzz      the compiler with a fuzzer in it
+#   matrix    further compilers and an emulator, for tests/matrix/run.py alone
 set -eu
 
 build="g++ cmake ninja-build pkg-config libeigen3-dev liburdfdom-dev libtinyxml-dev libfmt-dev libyaml-cpp-dev libcli11-dev libtbb-dev libboost-dev"
@@ -12,6 +13,7 @@ example="libmujoco-dev gnuplot-nox"
 test="libgtest-dev clang g++-aarch64-linux-gnu make python3 libmujoco-dev libdart-dev libdart-utils-dev libdart-utils-urdf-dev
       libdart-external-ikfast-dev libassimp-dev libtinyxml2-dev dart-doc liborocos-kdl-dev libbenchmark-dev"
 fuzz="clang libclang-rt-dev"
+matrix="g++-11 g++-12 clang-14 clang-16 clang-19 g++-aarch64-linux-gnu qemu-user"
 
 wanted=""
 for group in "$@"; do
@@ -20,7 +22,8 @@ for group in "$@"; do
     example) wanted="$wanted $example" ;;
     test) wanted="$wanted $test" ;;
     fuzz) wanted="$wanted $fuzz" ;;
-    *) echo "setup.sh: no group '$group'; there are build, example, test and fuzz" >&2; exit 2 ;;
+    matrix) wanted="$wanted $matrix" ;;
+    *) echo "setup.sh: no group '$group'; there are build, example, test, fuzz and matrix" >&2; exit 2 ;;
   esac
 done
 

@@ -26,6 +26,10 @@ RUN_ELSEWHERE = {
     "sh tests/fuzz/run.sh": "builds everything with another compiler and runs for minutes; ctest -R fuzz_corpus replays what it has found",
     "sh tests/fuzz/run.sh scene 10000000": "the same",
     "sh cmake/format.sh": "changes the sources",
+    "cmake --workflow --preset dev": "builds everything again, with sanitizers",
+    "cmake --workflow --preset tsan": "builds everything again, with sanitizers",
+    "sh cmake/setup.sh build test matrix": "installs compilers that nothing else needs",
+    "python3 tests/matrix/run.py": "an hour; a slice of it is the test matrix.slice",
 }
 
 project, build = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2])

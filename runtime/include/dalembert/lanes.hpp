@@ -120,4 +120,15 @@ DALEMBERT_INLINE T lane(const Lanes<T, n>& x, int i) {
   }
 }
 
+// Chosen lanes of a and b, counted through both: a's first. g++ 11 has no builtin for it.
+template <class T, int... at, class V>
+DALEMBERT_INLINE Lanes<T, sizeof...(at)> shuffled(const V& a, const V& b) {
+#if defined(__clang__) || __GNUC__ >= 12
+  return __builtin_shufflevector(a, b, at...);
+#else
+  constexpr int n = sizeof(V) / sizeof(T);
+  return Lanes<T, sizeof...(at)>{(at < n ? a[at % n] : b[at % n])...};
+#endif
+}
+
 }  // namespace dalembert

@@ -69,46 +69,44 @@ template <class T>
 DALEMBERT_INLINE void transpose(const Lanes<T, 4>* rows, Lanes<T, 4>* out) {
 #if defined(__AVX512F__) && defined(__clang__)  // GCC 12 joins registers by way of memory
   using W = Lanes<T, 8>;                        // two permutations of registers twice as wide
-  const W upper = __builtin_shufflevector(rows[0], rows[1], 0, 1, 2, 3, 4, 5, 6, 7);
-  const W lower = __builtin_shufflevector(rows[2], rows[3], 0, 1, 2, 3, 4, 5, 6, 7);
-  const W first = __builtin_shufflevector(upper, lower, 0, 4, 8, 12, 1, 5, 9, 13);
-  const W last = __builtin_shufflevector(upper, lower, 2, 6, 10, 14, 3, 7, 11, 15);
-  out[0] = __builtin_shufflevector(first, first, 0, 1, 2, 3);
-  out[1] = __builtin_shufflevector(first, first, 4, 5, 6, 7);
-  out[2] = __builtin_shufflevector(last, last, 0, 1, 2, 3);
-  out[3] = __builtin_shufflevector(last, last, 4, 5, 6, 7);
+  const W upper = shuffled<T, 0, 1, 2, 3, 4, 5, 6, 7>(rows[0], rows[1]);
+  const W lower = shuffled<T, 0, 1, 2, 3, 4, 5, 6, 7>(rows[2], rows[3]);
+  const W first = shuffled<T, 0, 4, 8, 12, 1, 5, 9, 13>(upper, lower);
+  const W last = shuffled<T, 2, 6, 10, 14, 3, 7, 11, 15>(upper, lower);
+  out[0] = shuffled<T, 0, 1, 2, 3>(first, first);
+  out[1] = shuffled<T, 4, 5, 6, 7>(first, first);
+  out[2] = shuffled<T, 0, 1, 2, 3>(last, last);
+  out[3] = shuffled<T, 4, 5, 6, 7>(last, last);
 #else
   using V = Lanes<T, 4>;
-  const V a = __builtin_shufflevector(rows[0], rows[1], 0, 4, 2, 6), b = __builtin_shufflevector(rows[0], rows[1], 1, 5, 3, 7);
-  const V c = __builtin_shufflevector(rows[2], rows[3], 0, 4, 2, 6), d = __builtin_shufflevector(rows[2], rows[3], 1, 5, 3, 7);
-  out[0] = __builtin_shufflevector(a, c, 0, 1, 4, 5);
-  out[1] = __builtin_shufflevector(b, d, 0, 1, 4, 5);
-  out[2] = __builtin_shufflevector(a, c, 2, 3, 6, 7);
-  out[3] = __builtin_shufflevector(b, d, 2, 3, 6, 7);
+  const V a = shuffled<T, 0, 4, 2, 6>(rows[0], rows[1]), b = shuffled<T, 1, 5, 3, 7>(rows[0], rows[1]);
+  const V c = shuffled<T, 0, 4, 2, 6>(rows[2], rows[3]), d = shuffled<T, 1, 5, 3, 7>(rows[2], rows[3]);
+  out[0] = shuffled<T, 0, 1, 4, 5>(a, c);
+  out[1] = shuffled<T, 0, 1, 4, 5>(b, d);
+  out[2] = shuffled<T, 2, 3, 6, 7>(a, c);
+  out[3] = shuffled<T, 2, 3, 6, 7>(b, d);
 #endif
 }
 template <class T>
 DALEMBERT_INLINE void transpose(const Lanes<T, 2>* rows, Lanes<T, 4>* out) {
-  const Lanes<T, 4> a = __builtin_shufflevector(rows[0], rows[1], 0, 2, 1, 3),
-                    b = __builtin_shufflevector(rows[2], rows[3], 0, 2, 1, 3);
-  out[0] = __builtin_shufflevector(a, b, 0, 1, 4, 5);
-  out[1] = __builtin_shufflevector(a, b, 2, 3, 6, 7);
+  const Lanes<T, 4> a = shuffled<T, 0, 2, 1, 3>(rows[0], rows[1]), b = shuffled<T, 0, 2, 1, 3>(rows[2], rows[3]);
+  out[0] = shuffled<T, 0, 1, 4, 5>(a, b);
+  out[1] = shuffled<T, 2, 3, 6, 7>(a, b);
 }
 
 // The same for two rows.
 template <class T>
 DALEMBERT_INLINE void transpose_pair(const Lanes<T, 4>* rows, Lanes<T, 2>* out) {
-  const Lanes<T, 4> a = __builtin_shufflevector(rows[0], rows[1], 0, 4, 2, 6),
-                    b = __builtin_shufflevector(rows[0], rows[1], 1, 5, 3, 7);
-  out[0] = __builtin_shufflevector(a, a, 0, 1);
-  out[1] = __builtin_shufflevector(b, b, 0, 1);
-  out[2] = __builtin_shufflevector(a, a, 2, 3);
-  out[3] = __builtin_shufflevector(b, b, 2, 3);
+  const Lanes<T, 4> a = shuffled<T, 0, 4, 2, 6>(rows[0], rows[1]), b = shuffled<T, 1, 5, 3, 7>(rows[0], rows[1]);
+  out[0] = shuffled<T, 0, 1>(a, a);
+  out[1] = shuffled<T, 0, 1>(b, b);
+  out[2] = shuffled<T, 2, 3>(a, a);
+  out[3] = shuffled<T, 2, 3>(b, b);
 }
 template <class T>
 DALEMBERT_INLINE void transpose_pair(const Lanes<T, 2>* rows, Lanes<T, 2>* out) {
-  out[0] = __builtin_shufflevector(rows[0], rows[1], 0, 2);
-  out[1] = __builtin_shufflevector(rows[0], rows[1], 1, 3);
+  out[0] = shuffled<T, 0, 2>(rows[0], rows[1]);
+  out[1] = shuffled<T, 1, 3>(rows[0], rows[1]);
 }
 
 template <class T>

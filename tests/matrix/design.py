@@ -1,0 +1,75 @@
+"""Which cells of the matrix are visited: programs (robot, form, outputs) against toolchains (compiler, level, target, lanes)."""
+import collections
+import itertools
+
+ALL = "mass_matrix,coriolis_matrix,gravity,bias,wrench_influence"
+SINGLE = ["gravity", "mass_matrix", "bias", "mass_matrix,coriolis_matrix"]
+
+# One robot of each topology, fixed and floating, revolute and prismatic, and two whole humanoids, the second from Debian's
+# dart-doc if it is installed.
+ROBOTS = {
+    "mahru": "examples/mahru/mahru.urdf", "drchubo": "/usr/share/doc/dart/data/urdf/drchubo/drchubo.urdf",
+    "pendulum": "tests/robots/pendulum.urdf", "chain_7": "tests/robots/chain_7.urdf",
+    "skew_axes": "tests/robots/skew_axes.urdf", "unequal_limbs": "tests/robots/unequal_limbs.urdf",
+    "two_levels_of_branching": "tests/robots/two_levels_of_branching.urdf",
+    "prismatic_mix": "tests/robots/prismatic_mix.urdf", "gantry_arms": "tests/robots/gantry_arms.urdf",
+    "quadruped": "tests/robots/quadruped.urdf", "hand": "tests/robots/hand.urdf", "tree_5x20": "tests/robots/tree_5x20.urdf",
+}
+URDFS = ROBOTS | {"humanoid": "tests/robots/humanoid.urdf"}
+FORMS = ["rolled", "straight"]
+COMPILERS = ["g++-11", "g++-12", "clang++-14", "clang++-16", "clang++-19"]
+LEVELS = ["-O0", "-O1", "-O2", "-O3"]
+TARGETS = ["x86-64", "x86-64-v2", "x86-64-v3", "x86-64-v4", "skylake-avx512", "icelake-server", "rocketlake", "sapphirerapids",
+           "znver2", "znver3", "native"]
+LANES = [1, 2, 4, 8]
+AARCH64 = "aarch64-linux-gnu-g++"
+# Where g++ 12.2 copies constants wrongly.
+WITH_DEFECT = ["x86-64-v4", "skylake-avx512", "icelake-server", "rocketlake", "sapphirerapids", "native"]
+
+
+def programs(robots):
+    """Every robot in both forms, with all outputs together and some alone. Straight lines of a hundred joints: what is short."""
+    return [program for program in itertools.product(robots, FORMS, [*SINGLE, ALL])
+            if not (program[1] == "straight" and program[0] in ("tree_5x20", "drchubo") and program[2] not in SINGLE[:3])]
+
+
+def parts(program):
+    """What is to meet every compiler, level, target and lane width: a robot in one form, and outputs in one form."""
+    return [program[:2], program[1:]]
+
+
+def whole(robots):
+    """Three parts, see docs/matrix.md: the defect's neighbourhood in full, aarch64, and every toolchain on programs that take
+    turns."""
+    cells = [(program, tools)
+             for program in itertools.product(["mahru", "gantry_arms", "hand"], ["rolled"], ["gravity"])
+             for tools in itertools.product(["g++-12"], ["-O2", "-O3"], WITH_DEFECT, LANES)]
+    every = programs(robots)
+    for i, (level, lanes) in enumerate(itertools.product(LEVELS, LANES)):
+        cells += [(every[(7 * i + step) % len(every)], (AARCH64, level, "aarch64", lanes)) for step in (0, 37)]
+    met, uses = set(), collections.Counter()
+    toolchains = list(itertools.product(COMPILERS, LEVELS, TARGETS, LANES))
+    # In an order that has met a bit of everything at any time, in case the run is cut short.
+    for i in range(len(toolchains)):
+        tools = toolchains[i * 367 % len(toolchains)]
+        best = min(every, key=lambda p: (sum((part, value) in met for part in parts(p) for value in tools), uses[p]))
+        met.update((part, value) for part in parts(best) for value in tools)
+        uses[best] += 1
+        cells.append((best, tools))
+    return list(dict.fromkeys(cells))
+
+
+def ci(_):
+    """What fits into a minute with the compilers that cmake/setup.sh's group `test` installs: the defect of g++ 12.2, both forms,
+    other lanes, a debug build, clang."""
+    gravity = [((robot, "rolled", "gravity"), ("g++", "-O2", target, 4))
+               for target in ("native", "skylake-avx512") for robot in ("mahru", "humanoid")]
+    return gravity + [
+        (("mahru", "rolled", "gravity"), ("g++", "-O2", "x86-64-v4", 2)),
+        (("mahru", "rolled", "gravity"), ("g++", "-O3", "native", 1)),
+        (("mahru", "rolled", "gravity"), ("g++", "-O3", "sapphirerapids", 8)),
+        (("mahru", "rolled", ALL), ("g++", "-O3", "native", 4)),
+        (("quadruped", "rolled", ALL), ("g++", "-O0", "x86-64", 4)),
+        (("unequal_limbs", "rolled", ALL), ("clang++", "-O2", "native", 8)),
+        (("gantry_arms", "straight", ALL), ("g++", "-O3", "skylake-avx512", 4)),
+    ]

@@ -1,0 +1,169 @@
+#!/usr/bin/env python3
+"""Compiles generated code in many ways, runs its self-test, and tabulates what is right and what is not.
+
+    python3 tests/matrix/run.py                  the whole matrix (about an hour on two cores), and docs/matrix.md's table anew
+    python3 tests/matrix/run.py --slice ci       what `sh tests/run.sh` runs: a minute
+
+The self-test compares with results that the generator computed in 50 digits. It is compiled once by the machine's own g++; a cell
+of the matrix is one way to compile the code under test. Cells that were run before with the same code and compiler are not run
+again. Needs the compilers of `sh cmake/setup.sh build test matrix`. Exit status: 0 good, 1 a cell is wrong, 77 nothing could run.
+"""
+import argparse
+import concurrent.futures
+import hashlib
+import json
+import pathlib
+import re
+import subprocess
+import sys
+import threading
+import time
+
+import design
+import table
+import toolchain
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+MAIN = """
+#include <cstdio>
+#include "robot/self_test.hpp"
+int main() {
+  robot::SelfTestReport report;
+  const bool good = robot::self_test(&report);
+  char text[512];
+  dalembert::describe(report, text, sizeof text);
+  std::printf("%s", text);
+  return good ? 0 : 1;
+}
+"""
+
+
+def run(command, **more):
+    """Exit status and output. A negative status is a signal's."""
+    done = subprocess.run([str(c) for c in command], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace",
+                          **more)
+    return done.returncode, done.stdout
+
+
+def digest(code):
+    """Of the code under test and the runtime headers it includes."""
+    seen, todo = {}, [code, code.parent / "dynamics.hpp"]
+    while todo:
+        file = todo.pop()
+        if file not in seen:
+            seen[file] = file.read_bytes()
+            names = re.findall(r'#include [<"]dalembert/(\w+\.hpp)[>"]', seen[file].decode())
+            todo += [ROOT / "runtime/include/dalembert" / name for name in names]
+    return hashlib.sha256(b"".join(seen[file] for file in sorted(seen))).hexdigest()
+
+
+class Matrix:
+    def __init__(self, options):
+        self.options = options
+        self.work = pathlib.Path(options.work)
+        self.work.mkdir(parents=True, exist_ok=True)
+        self.include = ["-std=c++17", "-I", ROOT / "runtime/include", "-isystem", options.eigen]
+        self.lock, self.locks, self.generated = threading.Lock(), {}, set()
+        self.kept = self.work / "results.json"
+        self.results = json.loads(self.kept.read_text()) if self.kept.exists() else {}
+
+    def once(self, name):
+        with self.lock:
+            return self.locks.setdefault(name, threading.Lock())
+
+    def program(self, program, host):
+        """The code under test, and its self-test compiled by `host`."""
+        robot, form, outputs = program
+        folder = self.work / "_".join([robot, form, outputs.replace(",", "+") if outputs != design.ALL else "all"])
+        with self.once(folder):
+            code, test = folder / "robot", folder / f"{host}.o"
+            if folder not in self.generated:
+                status, text = run([self.options.dalembert, "generate", ROOT / design.URDFS[robot], "-o", code, "--name", "robot",
+                                    "--form", form, "--parallel", "serial", "--outputs", outputs])
+                if status != 0:
+                    raise RuntimeError(f"{robot}: {text}")
+                (folder / "main.cpp").write_text(f'#include "robot/self_test.cpp"\n{MAIN}')
+                self.generated.add(folder)
+            newest = max(f.stat().st_mtime for f in [*code.iterdir(), ROOT / "runtime/include/dalembert/self_test.hpp"])
+            if not test.exists() or test.stat().st_mtime < newest:
+                status, text = run([host, "-O1", *self.include, "-I", folder, "-c", folder / "main.cpp", "-o", test])
+                if status != 0:
+                    raise RuntimeError(text)
+        return code / "dynamics.cpp", test
+
+    def cell(self, cell):
+        """(verdict, details): right, wrong, compiled (and not run), or absent (no such compiler or target)."""
+        program, (compiler, level, target, lanes) = cell
+        if not toolchain.there(compiler) or toolchain.macros(compiler, target) is None:
+            return "absent", ""
+        host = design.AARCH64 if target == "aarch64" else "g++"
+        code, test = self.program(program, host)
+        key = json.dumps([cell, toolchain.version(compiler), digest(code)])
+        if key in self.results:
+            return self.results[key]
+        name = hashlib.sha256(key.encode()).hexdigest()[:16]
+        made, binary = self.work / f"{name}.o", self.work / name
+        status, text = run([compiler, level, *toolchain.flags(target), f"-DDALEMBERT_LANES={lanes}", *self.include, "-c", code, "-o", made])
+        result = ("wrong", "does not compile: " + text[-400:]) if status != 0 else ("compiled", "")
+        launch = toolchain.runner(compiler, target)
+        if status == 0 and launch is not None:
+            status, text = run([host, made, test, "-o", binary])
+            if status == 0:
+                status, text = run([*launch, binary], timeout=100)
+            result = ("right" if status == 0 else "wrong", text if status >= 0 else f"signal {-status}")
+        for file in (made, binary):
+            file.unlink(missing_ok=True)
+        with self.lock:
+            self.results[key] = result
+        return result
+
+    def run(self, cells):
+        verdicts = {}
+        until = time.monotonic() + 60 * self.options.minutes if self.options.minutes else float("inf")
+        with concurrent.futures.ThreadPoolExecutor(self.options.jobs) as pool:
+            pending = {pool.submit(lambda c: self.cell(c) if time.monotonic() < until else ("not visited", ""), cell): cell
+                       for cell in cells}
+            for n, job in enumerate(concurrent.futures.as_completed(pending), 1):
+                cell = pending[job]
+                verdict, details = verdicts[cell] = job.result()
+                program, tools = cell
+                if verdict == "not visited":
+                    continue
+                if verdict == "wrong" or not sys.stdout.isatty() or n % 10 == 0 or n == len(cells):
+                    print(f"[{n}/{len(cells)}] {verdict:8} {' '.join(map(str, tools))}: {' '.join(program)}"
+                          f"{' | ' + details if verdict == 'wrong' else ''}", flush=True)
+                if n % 20 == 0:
+                    self.keep()
+        self.keep()
+        return verdicts
+
+    def keep(self):
+        with self.lock:
+            self.kept.write_text(json.dumps(self.results))
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--slice", choices=["whole", "ci"], default="whole")
+    parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--minutes", type=float, help="stop after so long")
+    parser.add_argument("--dalembert", default=ROOT / "build/release/bin/dalembert")
+    parser.add_argument("--eigen", default="/usr/include/eigen3")
+    parser.add_argument("--work", default=ROOT / "build/matrix")
+    parser.add_argument("--page", help="the page whose table is written; default: docs/matrix.md for the whole matrix, else none")
+    options = parser.parse_args()
+
+    robots = [name for name, path in design.ROBOTS.items() if (ROOT / path).exists()]
+    cells = getattr(design, options.slice)(robots)
+    verdicts = Matrix(options).run(cells)
+    text = table.written(verdicts)
+    page = options.page or (ROOT / "docs/matrix.md" if options.slice == "whole" else None)
+    if page:
+        table.insert(pathlib.Path(page), text)
+    print(text)
+    seen = {verdict for verdict, _ in verdicts.values()}
+    return 1 if "wrong" in seen else 0 if "right" in seen else 77
+
+
+if __name__ == "__main__":
+    sys.exit(main())
