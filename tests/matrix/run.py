@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
 """Compiles generated code in many ways, runs its self-test, and tabulates what is right and what is not.
 
-    python3 tests/matrix/run.py                  the whole matrix (about an hour on two cores), and docs/matrix.md's table anew
+    python3 tests/matrix/run.py                  the whole matrix (half an hour on two idle cores), and docs/matrix.md's table anew
     python3 tests/matrix/run.py --slice ci       what `sh tests/run.sh` runs: a minute
 
-The self-test compares with results that the generator computed in 50 digits. It is compiled once by the machine's own g++; a cell
-of the matrix is one way to compile the code under test. Cells that were run before with the same code and compiler are not run
-again. Needs the compilers of `sh cmake/setup.sh build test matrix`. Exit status: 0 good, 1 a cell is wrong, 77 nothing could run.
+The self-test compares with results that the generator computed in 50 digits. It is compiled once by the machine's own g++; a
+cell of the matrix is one way to compile the code under test. Cells that were run before with the same code and compiler are not
+run again. Needs the compilers of `sh cmake/setup.sh build test matrix`. Exit status: 0 good, 1 a cell is wrong, 77 nothing could
+run.
 """
 import argparse
 import concurrent.futures
@@ -103,7 +104,8 @@ class Matrix:
             return self.results[key]
         name = hashlib.sha256(key.encode()).hexdigest()[:16]
         made, binary = self.work / f"{name}.o", self.work / name
-        status, text = run([compiler, level, *toolchain.flags(target), f"-DDALEMBERT_LANES={lanes}", *self.include, "-c", code, "-o", made])
+        status, text = run([compiler, level, *toolchain.flags(target), f"-DDALEMBERT_LANES={lanes}", *self.include, "-c", code,
+                            "-o", made])
         result = ("wrong", "does not compile: " + text[-400:]) if status != 0 else ("compiled", "")
         launch = toolchain.runner(compiler, target)
         if status == 0 and launch is not None:

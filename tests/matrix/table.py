@@ -50,7 +50,8 @@ def written(verdicts):
     total = collections.Counter(verdict for verdict, _ in verdicts.values())
     used = sorted({tools[0] for (_, tools), (verdict, _) in verdicts.items() if verdict in ("right", "wrong", "compiled")}, key=order)
     short = {c: c for c in design.COMPILERS} | {design.AARCH64: "aarch64"}
-    commit = subprocess.run(["git", "-C", pathlib.Path(__file__).parent, "describe", "--always", "--dirty"], capture_output=True, text=True).stdout.strip()
+    commit = subprocess.run(["git", "-C", pathlib.Path(__file__).parent, "rev-parse", "--short=7", "HEAD"], capture_output=True,
+                            text=True).stdout.strip()
     lines = [
         f"{len(verdicts)} cells: {total['right']} right, {total['wrong']} wrong, {total['compiled']} compiled and not run, "
         f"{total['absent']} left out for want of the compiler"
