@@ -21,7 +21,6 @@ class TreeBuilder : public YAML::EventHandler {
   void OnDocumentStart(const YAML::Mark& mark) override {
     if (mark.pos <= document_at_) fail(mark, "a value was expected", "");  // the last document has read nothing
     document_at_ = mark.pos;
-    anchors_.clear();
   }
   void OnDocumentEnd() override {}
 

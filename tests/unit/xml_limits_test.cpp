@@ -97,7 +97,7 @@ TEST(Xml, MalformedReferencesHideNothing) {
   const std::string message =
       "error: a character reference is malformed; write it like &#38; or &#x26;, and '&' itself as &amp;";
   EXPECT_EQ(refusal("<a>\n&#x</a>x41;</a>"), "r.urdf: line 2: " + message);
-  for (const char* text : {"<a b='&#x</a>x41;'/>", "<a>&#</a>#1;", "<a>&#;", "<a>&#x;", "<a>&#12", "<a>&#"})
+  for (const char* text : {"<a b='&#x</a>x41;'/>", "<a>&#</a>#1;", "<a>&#1</a>#1;", "<a>&#;", "<a>&#x;", "<a>&#12", "<a>&#"})
     EXPECT_EQ(refusal(text), "r.urdf: line 1: " + message) << text;
   EXPECT_EQ(refusal("<a b='&#38;'>&#x26; &amp; & &x;</a>"), "");
 }
