@@ -7,11 +7,11 @@
 #include <iterator>
 
 #include "backend/emit.hpp"
-#include "backend/workspace_size.hpp"
-#include "passes/lower.hpp"
-#include "passes/lower_rolled.hpp"
 #include "passes/normalise.hpp"
 #include "passes/plan.hpp"
+#include "passes/quantities/quantities.hpp"
+#include "passes/roll.hpp"
+#include "passes/unroll.hpp"
 #include "reference/self_test.hpp"
 #include "report.hpp"
 
@@ -29,9 +29,19 @@ std::string hash_of_file(const std::string& path) {
 
 // All but the URDF's hash, the report and the self-test.
 backend::CodeInput code_input(const Model& model, const Lowered& lowered) {
-  return {model.tree,   lowered.normal,     model.scene, lowered.program,
-          lowered.plan, lowered.rolled,     model.name,  std::filesystem::path(model.description.file).filename().string(),
-          "",           model.command_line, {},          {}};
+  return {model.tree,
+          lowered.normal,
+          model.scene,
+          lowered.algorithm,
+          lowered.program,
+          lowered.plan,
+          lowered.rolled,
+          model.name,
+          std::filesystem::path(model.description.file).filename().string(),
+          "",
+          model.command_line,
+          {},
+          {}};
 }
 
 std::vector<backend::OutputFile> emit(const Model& model, std::optional<ir::SelfTest> self_test) {
@@ -46,16 +56,18 @@ std::vector<backend::OutputFile> emit(const Model& model, std::optional<ir::Self
 }  // namespace
 
 Lowered lower(const Model& model) {
-  Lowered lowered{
-      passes::normalise(model.tree, passes::normalise_options(model.scene, model.options.move_parameters)), {}, {}, {}};
+  const ir::Graph::Options options{model.options.fold, model.options.share};
+  Lowered lowered;
+  lowered.normal = passes::normalise(model.tree, passes::normalise_options(model.scene, model.options.move_parameters));
+  lowered.algorithm = passes::describe(model.tree, lowered.normal, model.scene, options);
   const bool names = model.tree.joints() < 200;  // nobody reads a straight line of a million statements
-  lowered.program = passes::lower(model.tree, lowered.normal, model.scene, {{model.options.fold, model.options.share}, names});
-  const ir::Program& program = lowered.program;
+  passes::Unroll unroll(lowered.algorithm, model.tree, lowered.normal, model.scene, {options, names});
+  const ir::Program& program = unroll.program();
   const ir::Operations operations = ir::count(program.graph, ir::uses(program.graph, program.roots()));
   lowered.plan = passes::plan(model.tree, model.scene, operations, model.options);
   if (lowered.plan.form == ir::Form::rolled)
-    lowered.rolled =
-        passes::lower_rolled(model.tree, lowered.normal, model.scene, lowered.plan, {model.options.fold, model.options.share});
+    lowered.rolled = passes::roll(lowered.algorithm, unroll, model.tree, model.scene, lowered.plan, options);
+  lowered.program = unroll.take_program();
   return lowered;
 }
 

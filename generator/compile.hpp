@@ -1,8 +1,9 @@
-// The back half of the compiler: a Model becomes a scalar program, a plan for its shape, and text.
+// The back half of the compiler: a Model becomes an algorithm, a scalar program, a plan for its shape, and text.
 #pragma once
 
 #include <cstddef>
 
+#include "ir/algorithm.hpp"
 #include "ir/normal_tree.hpp"
 #include "ir/plan.hpp"
 #include "ir/program.hpp"
@@ -14,7 +15,8 @@ namespace dalembert {
 // A model on its way to text.
 struct Lowered {
   ir::NormalTree normal;
-  ir::Program program;
+  ir::Algorithm algorithm;
+  ir::Program program;  // unrolled
   ir::Plan plan;
   ir::RolledProgram rolled;  // empty for the straight form
 };

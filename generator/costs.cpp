@@ -5,22 +5,20 @@
 
 #include "frontend/scene_check.hpp"
 #include "passes/build_tree.hpp"
-#include "passes/lower.hpp"
+#include "passes/levels.hpp"
 #include "passes/normalise.hpp"
+#include "passes/quantities/quantities.hpp"
+#include "passes/unroll.hpp"
 
 namespace dalembert {
 namespace {
 
-ir::Program program_of(const Model& model) {
-  const ir::NormalTree normal =
-      passes::normalise(model.tree, passes::normalise_options(model.scene, model.options.move_parameters));
-  return passes::lower(model.tree, normal, model.scene, {{model.options.fold, model.options.share}, false});
-}
-
-// The needed nodes of one phase; phase 0: of all.
-ir::Operations count(const ir::Graph& graph, std::vector<std::int32_t> uses, int phase) {
-  for (ir::NodeId id = 0; phase > 0 && id < graph.size(); ++id)
-    if (graph[id].tag.phase != phase) uses[static_cast<size_t>(id)] = 0;
+// The needed nodes of one phase. What belongs to no sweep is a payload's moments.
+ir::Operations count(const ir::Graph& graph, std::vector<std::int32_t> uses, const std::vector<int>& phases, int phase) {
+  for (ir::NodeId id = 0; id < graph.size(); ++id) {
+    const int sweep = graph[id].tag.sweep;
+    if ((sweep < 0 ? 2 : phases[static_cast<size_t>(sweep)]) != phase) uses[static_cast<size_t>(id)] = 0;
+  }
   return ir::count(graph, uses);
 }
 
@@ -32,15 +30,16 @@ std::vector<int> missing(const std::set<int>& read, int size) {
 }
 
 // The cost of one result of the program, or of all (-1).
-OperationCost cost_of(const ir::Program& program, const ir::KinematicTree& tree, int array) {
+OperationCost cost_of(const ir::Program& program, const std::vector<int>& phases, const ir::KinematicTree& tree, int array) {
   std::vector<ir::NodeId> roots;
   for (const ir::OutputElement& e : program.elements)
     if (array < 0 || e.array == array) roots.push_back(e.node);
   const std::vector<std::int32_t> uses = ir::uses(program.graph, roots);
   OperationCost cost;
   cost.name = array < 0 ? "all" : program.arrays[static_cast<size_t>(array)].name;
-  cost.operations = count(program.graph, uses, 0);
-  for (int phase = 1; phase <= 3; ++phase) cost.phases[static_cast<size_t>(phase - 1)] = count(program.graph, uses, phase);
+  cost.operations = ir::count(program.graph, uses);
+  for (int phase = 1; phase <= 3; ++phase)
+    cost.phases[static_cast<size_t>(phase - 1)] = count(program.graph, uses, phases, phase);
   const ir::InputsRead read = ir::inputs_read(program, uses);
   cost.reads_base_pose = read.base_pose();
   cost.reads_position = read.joint_positions();
@@ -73,13 +72,22 @@ Model as_written(Model model) {
 
 }  // namespace
 
-std::vector<OperationCost> operation_costs(const ir::Program& program, const ir::KinematicTree& tree) {
-  std::vector<OperationCost> costs{cost_of(program, tree, -1)};
-  for (size_t a = 0; a < program.arrays.size(); ++a) costs.push_back(cost_of(program, tree, static_cast<int>(a)));
+std::vector<OperationCost> operation_costs(const ir::Algorithm& algorithm, const ir::Program& program,
+                                           const ir::KinematicTree& tree) {
+  const std::vector<int> phases = passes::phases(algorithm);
+  std::vector<OperationCost> costs{cost_of(program, phases, tree, -1)};
+  for (size_t a = 0; a < program.arrays.size(); ++a) costs.push_back(cost_of(program, phases, tree, static_cast<int>(a)));
   return costs;
 }
 
-std::vector<OperationCost> operation_costs(const Model& model) { return operation_costs(program_of(model), model.tree); }
+std::vector<OperationCost> operation_costs(const Model& model) {
+  const ir::NormalTree normal =
+      passes::normalise(model.tree, passes::normalise_options(model.scene, model.options.move_parameters));
+  const ir::Graph::Options options{model.options.fold, model.options.share};
+  const ir::Algorithm algorithm = passes::describe(model.tree, normal, model.scene, options);
+  return operation_costs(algorithm, passes::Unroll(algorithm, model.tree, normal, model.scene, {options, false}).program(),
+                         model.tree);
+}
 
 std::vector<OperationCost> costs_before(const Model& model) {
   try {

@@ -24,7 +24,8 @@ struct OperationCost {
 
 // Scalar operations of the scene's outputs together ("all", first) and of each alone.
 std::vector<OperationCost> operation_costs(const Model& model);
-std::vector<OperationCost> operation_costs(const ir::Program& program, const ir::KinematicTree& tree);
+std::vector<OperationCost> operation_costs(const ir::Algorithm& algorithm, const ir::Program& program,
+                                           const ir::KinematicTree& tree);
 
 // What there was to leave out: the same URDF without a scene, asked for the default outputs and those of the model, with every
 // product and sum that the equations write out (--without fold,share,move_parameters). The base floats where the model's does;

@@ -66,7 +66,7 @@ std::string not_read(const OperationCost& cost, const ir::KinematicTree& tree) {
 }
 
 std::vector<std::string> report(const Model& model, const Lowered& lowered) {
-  const std::vector<OperationCost> after = operation_costs(lowered.program, model.tree);
+  const std::vector<OperationCost> after = operation_costs(lowered.algorithm, lowered.program, model.tree);
   const bool huge = too_large_to_compare(lowered.program);
   const std::vector<OperationCost> before = huge ? std::vector<OperationCost>{} : costs_before(model);
   std::vector<std::string> lines;

@@ -11,6 +11,7 @@
 #include "backend/emit_self_test.hpp"
 #include "backend/emit_straight.hpp"
 #include "backend/emit_tasks.hpp"
+#include "backend/kept.hpp"
 #include "backend/literals.hpp"
 #include "backend/templates.hpp"
 #include "dalembert/version.hpp"
@@ -104,7 +105,7 @@ std::string unread(const CodeInput& code) {
 // The functions that evaluate() calls in this order, for the task graph.
 std::string stage_declarations(const CodeInput& code) {
   std::string text = "// What evaluate() is made of, for the task graph.\nnamespace stages {\n\n";
-  for (const Stage& s : rolled_stages(code)) text += fmt::format("void {}({}) noexcept;\n", s.name, s.arguments);
+  for (const Stage& s : rolled_stages(code)) text += fmt::format("void {}({}) noexcept;\n", s.name, arguments_of(code, s));
   return text + "\n}  // namespace stages\n\n";
 }
 
@@ -137,7 +138,7 @@ OutputFile header(const CodeInput& code) {
                   {"joint_names", joint_names.empty() ? "nullptr" : wrapped(joint_names, 4)},
                   {"body_names", wrapped(body_names, 4)},
                   {"link_table", link_table(code)},
-                  {"types", payload_type(code) + (rolled ? rolled_workspace(code) + "\n" : "")},
+                  {"types", payload_type(code) + (rolled ? kept_definition(code) + "\n" : "")},
                   {"results", results(code)},
                   {"run_time_inputs", run_time_inputs(code)},
                   {"scratch", rolled ? "\n  Kept kept;\n" : ""},
@@ -176,6 +177,22 @@ void c_functions(const CodeInput& code, std::string& declarations, std::string& 
 }
 
 }  // namespace
+
+std::size_t workspace_bytes(const CodeInput& code) {
+  const std::size_t scalar = code.scene.scalar == ir::ScalarType::float32 ? 4 : 8;
+  std::size_t bytes = 0;
+  const auto align = [&] { bytes = (bytes + 63) / 64 * 64; };
+  for (const ir::OutputArray& a : code.program.arrays) {
+    align();
+    bytes += scalar * static_cast<std::size_t>(a.rows) * static_cast<std::size_t>(a.columns);
+  }
+  if (code.scene.gravity_kind == ir::GravityKind::run_time) bytes += 3 * scalar;
+  bytes += code.scene.payloads.size() * 10 * scalar;  // mass, centre of mass, inertia
+  align();
+  if (code.plan.form == ir::Form::rolled) bytes += kept_bytes(code);
+  align();
+  return bytes;
+}
 
 std::vector<OutputFile> emit(const CodeInput& code) {
   std::vector<OutputFile> files{header(code)};

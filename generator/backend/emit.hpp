@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "backend/output_files.hpp"
+#include "ir/algorithm.hpp"
 #include "ir/kinematic_tree.hpp"
 #include "ir/normal_tree.hpp"
 #include "ir/plan.hpp"
@@ -20,7 +21,8 @@ struct CodeInput {
   const ir::KinematicTree& tree;
   const ir::NormalTree& normal;
   const ir::Scene& scene;
-  const ir::Program& program;
+  const ir::Algorithm& algorithm;
+  const ir::Program& program;  // unrolled
   const ir::Plan& plan;
   const ir::RolledProgram& rolled;  // empty for the straight form
   std::string name;                 // namespace, folder and prefix; an identifier
@@ -30,6 +32,9 @@ struct CodeInput {
   std::vector<std::string> report;  // lines about operations and what was left out
   std::optional<ir::SelfTest> self_test;
 };
+
+// sizeof(Workspace) of the emitted code: results, run-time inputs and room to work in, each array at a multiple of 64 bytes.
+std::size_t workspace_bytes(const CodeInput& code);
 
 // Every file of the robot's folder; without a self-test its files are left out. Needs no input but its argument: the same code
 // gives the same bytes anywhere.

@@ -6,9 +6,12 @@
 #include <algorithm>
 #include <map>
 #include <set>
+#include <stdexcept>
 
 #include "backend/graph_printer.hpp"
+#include "backend/kept.hpp"
 #include "backend/literals.hpp"
+#include "backend/target.hpp"
 
 namespace dalembert::backend {
 namespace {
@@ -16,50 +19,69 @@ namespace {
 using ir::Direction;
 using ir::InputKind;
 
+// All its names in one: first_x_y for first_x and first_y.
+std::string column_name(const ir::Column& column) {
+  std::string name = column.names.front();
+  const std::string prefix = name.substr(0, name.rfind('_') + 1);
+  for (size_t i = 1; i < column.names.size(); ++i) {
+    const std::string& next = column.names[i];
+    name += next.starts_with(prefix) ? "_" + next.substr(prefix.size()) : "_and_" + next;
+  }
+  return name;
+}
+
 class ParagraphWriter {
  public:
-  ParagraphWriter(const CodeInput& code, size_t segment, const ir::Paragraph& paragraph)
+  ParagraphWriter(const CodeInput& code, size_t segment, int level, const ir::Paragraph& paragraph)
       : code_(code),
-        index_(segment),
         segment_(code.plan.segments[segment]),
-        table_(code.rolled.segments[segment]),
+        rolled_(code.rolled.segments[segment]),
+        level_(level),
         paragraph_(paragraph),
-        width_(paragraph.direction != Direction::anywhere ? std::to_string(segment_.width)
-               : segment_.is_short()                      ? "dalembert::short_lanes"
-                                                          : "dalembert::native_lanes") {}
+        target_(paragraph.direction != Direction::anywhere ? std::to_string(segment_.width)
+                : segment_.is_short()                      ? "dalembert::short_lanes"
+                                                           : "dalembert::native_lanes") {
+    for (const ir::Carried& c : paragraph.carried) carried_[c.role].push_back(&c);
+  }
 
   std::string run() const {
-    std::string text = fmt::format("  // {}\n  {{\n    using V [[maybe_unused]] = dalembert::Lanes<Scalar, {}>;\n",
-                                   fmt::join(paragraph_.equations, "\n  // "), width_);
-    if (paragraph_.direction != Direction::anywhere) text += carried_from_outside();
-    text += loop_head();
+    std::string text = fmt::format("  // {}\n  {{\n    using V [[maybe_unused]] = {};\n",
+                                   fmt::join(paragraph_.equations, "\n  // "), target_.type());
+    text += carried_from_outside() + loop_head();
+    for (const auto& [role, components] : carried_)
+      text += fmt::format("      V next_{}[{}];\n", name(role), components.size());
     text += print(paragraph_.graph, sinks(), style());
-    for (const ir::StateStore& c : paragraph_.carried)
-      text += fmt::format("      {0} = next_{0};\n", variable(c.role, c.component));
+    for (const auto& [role, components] : carried_) text += fmt::format("      dalembert::carry({0}, next_{0});\n", name(role));
     text += "    }\n";
-    if (paragraph_.direction == Direction::inwards) text += carried_to_parents();
+    if (paragraph_.direction == Direction::inwards) text += handed_on();
     return text + "  }\n";
   }
 
  private:
-  std::string variable(int role, int component) const {
-    const ir::Role& r = code_.rolled.roles[static_cast<size_t>(role)];
-    return r.components == 1 ? "carried_" + r.name : fmt::format("carried_{}_{}", r.name, component);
+  std::string name(int role) const {
+    const bool inwards = paragraph_.direction == Direction::inwards;
+    return (inwards ? "below_" : "above_") + code_.rolled.roles[static_cast<size_t>(role)].name;
   }
+  // Where among the carried components of a role this one is.
+  size_t place(int role, int component) const {
+    const auto& components = carried_.at(role);
+    const auto at =
+        std::find_if(components.begin(), components.end(), [&](const auto* c) { return c->component == component; });
+    if (at == components.end()) throw std::logic_error("a value is read of the step before that is not carried");
+    return static_cast<size_t>(at - components.begin());
+  }
+  std::string variable(int role, int component) const { return fmt::format("{}[{}]", name(role), place(role, component)); }
 
   std::string loop_head() const {
+    const char* line = "    for (int i = {}; i {} {}; i {} {}) {{\n      const int slot = {} + i;\n";
     switch (paragraph_.direction) {
-      case Direction::anywhere:
-        return fmt::format("    for (int i = 0; i < {}; i += {}) {{\n      const int slot = {} + i;\n", segment_.slots(),
-                           width_, segment_.first_slot);
-      case Direction::outwards:
-        return fmt::format("    for (int i = 0; i < {}; i += {}) {{\n      const int slot = {} + i;\n", segment_.slots(),
-                           segment_.width, segment_.first_slot);
       case Direction::inwards:
-        return fmt::format("    for (int i = {}; i >= 0; i -= {}) {{\n      const int slot = {} + i;\n",
-                           segment_.slots() - segment_.width, segment_.width, segment_.first_slot);
+        return fmt::format(fmt::runtime(line), segment_.slots() - segment_.width, ">=", 0, "-=", segment_.width,
+                           segment_.first_slot);
+      case Direction::outwards:
+        return fmt::format(fmt::runtime(line), 0, "<", segment_.slots(), "+=", segment_.width, segment_.first_slot);
+      default: return fmt::format(fmt::runtime(line), 0, "<", segment_.slots(), "+=", target_.width(), segment_.first_slot);
     }
-    return "";
   }
 
   PrintStyle style() const {
@@ -76,39 +98,42 @@ class ParagraphWriter {
   std::string input(const ir::Input& in) const {
     switch (in.kind) {
       case InputKind::carried: return variable(in.index, in.component);
-      case InputKind::state: return fmt::format("dalembert::load<{}>({} + slot)", width_, kept(code_, in.index, in.component));
+      case InputKind::state: return target_.load(kept(code_, in.index, in.component) + " + slot");
+      case InputKind::received: return target_.load(received(code_, in.index, in.component) + " + slot");
       case InputKind::table:
-        return fmt::format("dalembert::load<{}>({}_{} + i)", width_, segment_.name,
-                           table_.columns[static_cast<size_t>(in.index)].name);
-      case InputKind::velocity:  // of the base
-        return fmt::format("dalembert::broadcast<{}>({}[{}])", width_, kept(code_, "velocity", in.index), slot_of(code_, -1));
-      default: return "";
+        return target_.load(
+            fmt::format("{}_{} + i", segment_.name, column_name(rolled_.columns[static_cast<size_t>(in.index)])));
+      case InputKind::of_body:
+        return target_.broadcast(fmt::format("{}[{}]", kept(code_, in.index, in.component), slot_of(code_, in.body)));
+      default: throw std::logic_error("an input of the function is read by a body");
     }
   }
   std::string input_name(const ir::Input& in) const {
-    switch (in.kind) {
-      case InputKind::carried: return variable(in.index, in.component);
-      case InputKind::state: {
-        const ir::Role& r = code_.rolled.roles[static_cast<size_t>(in.index)];
-        return r.components == 1 ? r.name : fmt::format("{}_{}", r.name, in.component);
-      }
-      case InputKind::table: return table_.columns[static_cast<size_t>(in.index)].name + "_k";
-      default: return fmt::format("base_velocity_{}", in.index);
-    }
+    if (in.kind == InputKind::carried) return variable(in.index, in.component);
+    if (in.kind == InputKind::table) return column_name(rolled_.columns[static_cast<size_t>(in.index)]) + "_k";
+    const ir::Role& r = code_.rolled.roles[static_cast<size_t>(in.index)];
+    const std::string suffix = ir::component_suffix(r.shape, in.component);
+    const std::string whose = in.kind == InputKind::of_body    ? (in.body < 0 ? "base_" : fmt::format("body_{}_", in.body))
+                              : in.kind == InputKind::received ? "received_"
+                                                               : "";
+    return whose + r.name + (suffix.empty() ? "" : "_" + suffix);
   }
+
   std::vector<Sink> sinks() const {
     std::vector<Sink> sinks;
-    for (const ir::StateStore& s : paragraph_.stores) {
-      const std::string to = fmt::format("dalembert::store<{}, Scalar>({} + slot, ", width_, kept(code_, s.role, s.component));
-      if (paragraph_.graph.is_constant(s.node))
-        sinks.push_back({s.node, to + fmt::format("dalembert::broadcast<{}, Scalar>(", width_), "));"});
-      else sinks.push_back({s.node, to, ");"});
+    for (const ir::Value& s : paragraph_.stores) {
+      const std::string to = kept(code_, s.role, s.component) + " + slot";
+      const ir::Node& n = paragraph_.graph[s.node];
+      if (n.op == ir::Op::constant) sinks.push_back({s.node, target_.store_constant(to), "));"});
+      else if (n.op == ir::Op::input && n.input.kind == InputKind::table)
+        sinks.push_back({s.node, target_.store_column(to), "));"});
+      else sinks.push_back({s.node, target_.store(to), ");"});
     }
-    for (const ir::StateStore& c : paragraph_.carried) {
-      const bool constant = paragraph_.graph.is_constant(c.node);
-      sinks.push_back(
-          {c.node, fmt::format("const V next_{} = {}", variable(c.role, c.component), constant ? "V{} + " : ""), ";"});
-    }
+    for (const auto& [role, components] : carried_)
+      for (size_t i = 0; i < components.size(); ++i) {
+        const bool constant = paragraph_.graph.is_constant(components[i]->node);
+        sinks.push_back({components[i]->node, fmt::format("next_{}[{}] = {}", name(role), i, constant ? "V{} + " : ""), ";"});
+      }
     return sinks;
   }
 
@@ -121,98 +146,99 @@ class ParagraphWriter {
       slots.push_back(slot_of(code_, segment_.parents[lane]));
       if (segment_.bodies[lane].front() >= 0) parents.insert(segment_.parents[lane]);
     }
-    const bool together = parents.size() == 1;
-    const bool outwards = paragraph_.direction == Direction::outwards;
-    if (outwards && !together && !paragraph_.carried.empty())
-      text += fmt::format("    static constexpr int parents[] = {{{}}};\n", fmt::join(slots, ", "));
-    for (const ir::StateStore& c : paragraph_.carried) {
-      std::string from = "V{}";
-      if (outwards)
-        from = together ? fmt::format("dalembert::broadcast<{}>({}[{}])", width_, kept(code_, c.role, c.component),
-                                      slot_of(code_, *parents.begin()))
-                        : fmt::format("dalembert::gather<{}>({}, parents)", width_, kept(code_, c.role, c.component));
-      text += fmt::format("    V {} = {};\n", variable(c.role, c.component), from);
-    }
-    return text;
-  }
-
-  std::string carried_to_parents() const {
-    std::string text;
-    std::map<int, std::vector<size_t>> lanes_of;  // by parent
-    for (size_t lane = 0; lane < segment_.parents.size(); ++lane)
-      if (segment_.bodies[lane].front() >= 0 && (segment_.parents[lane] >= 0 || code_.tree.floating_base))
-        lanes_of[segment_.parents[lane]].push_back(lane);
-    for (const ir::StateStore& c : paragraph_.carried)
-      for (const auto& [parent, lanes] : lanes_of) {
-        std::vector<std::string> terms;
-        for (size_t lane : lanes)
-          terms.push_back(fmt::format("dalembert::lane<{}, Scalar>({}, {})", width_, variable(c.role, c.component), lane));
-        text += fmt::format("    {}[{}] {} {};\n", kept(code_, c.role, c.component), slot_of(code_, parent),
-                            arrives_first(parent, c) ? "=" : "+=", fmt::join(terms, " + "));
+    bool gathers = false;
+    for (const auto& [role, components] : carried_) {
+      std::vector<std::string> values;
+      for (const ir::Carried* c : components) {
+        if (paragraph_.direction == Direction::inwards) continue;
+        std::vector<std::string> numbers;
+        for (const auto& x : c->initial) numbers.push_back(literal(x.value_or(0), code_.scene.scalar));
+        if (c->known()) {
+          values.push_back(target_.numbers(numbers));
+        } else if (parents.size() == 1) {
+          values.push_back(
+              target_.broadcast(fmt::format("{}[{}]", kept(code_, role, c->component), slot_of(code_, *parents.begin()))));
+        } else {
+          values.push_back(target_.gather(kept(code_, role, c->component), "parents"));
+          gathers = true;
+        }
       }
-    return text;
+      text += fmt::format("    V {}[{}] = {{{}}};\n", name(role), components.size(), fmt::join(values, ",\n        "));
+    }
+    return (gathers ? fmt::format("    static constexpr int parents[] = {{{}}};\n", fmt::join(slots, ", ")) : "") + text;
   }
 
-  // Whether nothing was kept in the parent's slot before: no share of its own, and no other limb's. Last segments come first.
-  bool arrives_first(int parent, const ir::StateStore& c) const {
-    if (parent < 0) return false;  // the root stores its own share
-    const auto& received = code_.rolled.segments[static_cast<size_t>(code_.plan.segment_of(parent))].received;
-    if (std::find(received.begin(), received.end(), ir::StateValue{c.role, c.component}) == received.end()) return false;
-    for (size_t s = index_ + 1; s < code_.plan.segments.size(); ++s) {
-      const ir::Segment& other = code_.plan.segments[s];
-      for (size_t lane = 0; lane < other.parents.size(); ++lane)
-        if (other.bodies[lane].front() >= 0 && other.parents[lane] == parent) return false;
+  // Runs of components of a role that go to one body in the same way are one call.
+  std::string handed_on() const {
+    std::string text;
+    const auto& handed = rolled_.handed;
+    for (size_t i = 0; i < handed.size();) {
+      const ir::HandedOn& h = handed[i];
+      if (h.level != level_ || !carried_.contains(h.role)) {
+        ++i;
+        continue;
+      }
+      std::vector<const ir::HandedOn*> run;
+      for (const ir::HandedOn& next : handed)
+        if (next.level == h.level && next.role == h.role && next.parent == h.parent && next.received == h.received &&
+            next.first == h.first)
+          run.push_back(&next);
+      if (run.front() != &h) {  // printed with an earlier one
+        ++i;
+        continue;
+      }
+      for (size_t from = 0; from < run.size();) {
+        size_t to = from + 1;
+        const size_t first = place(h.role, run[from]->component);
+        while (to < run.size() && run[to]->component == run[to - 1]->component + 1 &&
+               place(h.role, run[to]->component) == first + (to - from))
+          ++to;
+        const std::string target =
+            h.received ? received(code_, h.role, run[from]->component) : kept(code_, h.role, run[from]->component);
+        text += fmt::format("    dalembert::{}_lanes<{}>({}, {}, {} + {}, {});\n", h.first ? "set" : "add",
+                            target_.sum_lanes(to - from, h.lanes), name(h.role), first, target, slot_of(code_, h.parent),
+                            stride(code_));
+        from = to;
+      }
+      ++i;
     }
-    return true;
+    return text;
   }
 
   const CodeInput& code_;
-  size_t index_;
   const ir::Segment& segment_;
-  const ir::SegmentCode& table_;
+  const ir::SegmentCode& rolled_;
+  const int level_;
   const ir::Paragraph& paragraph_;
-  std::string width_;
+  const Target target_;
+  std::map<int, std::vector<const ir::Carried*>> carried_;  // by role
 };
 
 }  // namespace
 
-std::string kept(const CodeInput& code, int role, int component) {
-  const ir::Role& r = code.rolled.roles[static_cast<size_t>(role)];
-  const bool own = r.place < 0;
-  return fmt::format("kept.{}{}{}{}", r.name, own ? '[' : '(', component, own ? ']' : ')');
-}
-
-std::string kept(const CodeInput& code, std::string_view role, int component) {
-  const auto& roles = code.rolled.roles;
-  const auto at = std::find_if(roles.begin(), roles.end(), [&](const ir::Role& r) { return r.name == role; });
-  return at == roles.end() ? "" : kept(code, static_cast<int>(at - roles.begin()), component);
-}
-
-int slot_of(const CodeInput& code, int body) {
-  return body < 0 ? code.plan.root_slot : code.plan.slot_of[static_cast<size_t>(body)];
-}
-
-std::string paragraph_text(const CodeInput& code, size_t segment, const ir::Paragraph& paragraph) {
-  return ParagraphWriter(code, segment, paragraph).run();
+std::string paragraph_text(const CodeInput& code, size_t segment, int level, const ir::Paragraph& paragraph) {
+  return ParagraphWriter(code, segment, level, paragraph).run();
 }
 
 std::string segment_tables(const CodeInput& code, size_t segment) {
   const ir::Segment& s = code.plan.segments[segment];
   const ir::SegmentCode& c = code.rolled.segments[segment];
   std::set<int> read;
-  for (const ir::Paragraph& p : c.paragraphs) {
-    std::vector<ir::NodeId> roots;
-    for (const auto& x : p.stores) roots.push_back(x.node);
-    for (const auto& x : p.carried) roots.push_back(x.node);
-    const auto uses = ir::uses(p.graph, roots);
-    for (ir::NodeId id = 0; id < p.graph.size(); ++id)
-      if (uses[static_cast<size_t>(id)] > 0 && p.graph[id].op == ir::Op::input && p.graph[id].input.kind == InputKind::table)
-        read.insert(p.graph[id].input.index);
-  }
+  for (const ir::SegmentStage& stage : c.stages)
+    for (const ir::Paragraph& p : stage.paragraphs) {
+      std::vector<ir::NodeId> roots;
+      for (const auto& x : p.stores) roots.push_back(x.node);
+      for (const auto& x : p.carried) roots.push_back(x.node);
+      const auto uses = ir::uses(p.graph, roots);
+      for (ir::NodeId id = 0; id < p.graph.size(); ++id)
+        if (uses[static_cast<size_t>(id)] > 0 && p.graph[id].op == ir::Op::input && p.graph[id].input.kind == InputKind::table)
+          read.insert(p.graph[id].input.index);
+    }
   std::string text;
   for (int column : read) {
     const ir::Column& values = c.columns[static_cast<size_t>(column)];
-    text += fmt::format("alignas(64) constexpr Scalar {}_{}[{}] = {{\n", s.name, values.name, (s.slots() + 7) / 8 * 8);
+    text += fmt::format("alignas(64) constexpr Scalar {}_{}[{}] = {{{}\n", s.name, column_name(values), (s.slots() + 7) / 8 * 8,
+                        values.unit.empty() ? "" : "  // " + values.unit);
     for (int step = 0; step < s.steps; ++step) {
       std::string row;
       for (int lane = 0; lane < s.width; ++lane)

@@ -1,7 +1,8 @@
-// The rolled form: limbs side by side in lanes, loops over their steps, Phase III in blocks.
+// The rolled form: limbs side by side in lanes, loops over their steps, matrices in blocks.
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "backend/emit.hpp"
 
@@ -10,24 +11,19 @@ namespace dalembert::backend {
 // The text of dynamics.cpp.
 std::string rolled_source(const CodeInput& code, const std::string& banner);
 
-// The arrays of struct Kept: Scalar name[components][slots], each at a multiple of 64 bytes.
-struct KeptArray {
-  std::string name;
-  int components = 0;
-  int slots = 0;
-  std::string meaning;
-};
-std::vector<KeptArray> kept_arrays(const CodeInput& code);
-
-// What the workspace keeps per slot: the definition of struct Kept.
-std::string rolled_workspace(const CodeInput& code);
-
-// The functions the evaluation is made of.
+// One of the functions that the evaluation calls one after another.
 struct Stage {
-  std::string name;       // prepare, outwards_<segment>, inwards_<segment>, base, elements_<segment>, results
-  std::string arguments;  // of its declaration
-  std::string call;       // its arguments in evaluate()
+  enum class Kind { base, segment, elements, results };
+  Kind kind = Kind::base;
+  int level = 0;             // base, segment
+  int segment = -1;          // segment, elements
+  std::string name;          // prepare, outwards_<segment>, inwards_<segment>, base, elements_<segment>, results
+  bool reads_state = false;  // q and v are its first arguments
+  std::string body;
 };
 std::vector<Stage> rolled_stages(const CodeInput& code);
+// Of the function's declaration, and of its call in evaluate().
+std::string arguments_of(const CodeInput& code, const Stage& stage);
+std::string call_of(const CodeInput& code, const Stage& stage);
 
 }  // namespace dalembert::backend

@@ -67,27 +67,19 @@ class Angles {
   std::map<ir::NodeId, int> index_;
 };
 
-const char* phase_title(int phase) {
-  switch (phase) {
-    case 1: return "Phase I";
-    case 2: return "Phase II";
-    case 3: return "Phase III";
-    default: return "";
-  }
-}
-
+// What is computed, by the equation of the sweep, and for whom.
 std::string heading(const CodeInput& code, const ir::Tag& tag) {
-  static const std::map<int, std::string> equations = {
-      {1, "R = Rp Rk Rz(q), p = pp + Rp pk, J = [p x z; z], V = Vp + J dq, dJ = ad(Vp) J"},
-      {2,
-       "h = R hk + m p, S = R Sk R' + R hk p' + p (R hk)' + m p p', P = m u + w x h;\n  // "
-       "D = -[w](S + t 1) - u h' + (h.u) 1; sums over children"},
-      {3, "F = A* J, G = A* dJ + B* J, H = P x Jv + D' Jw; M_ik = F.J_i, C_ik = G.J_i, C_ki = F.dJ_i + H.J_i"},
-  };
+  const ir::Algorithm& a = code.algorithm;
   const std::string who = tag.body < 0 ? "base " + code.tree.base_link
                                        : code.tree.bodies[static_cast<size_t>(tag.body)].joint + " -> " +
                                              code.tree.bodies[static_cast<size_t>(tag.body)].name;
-  return fmt::format("\n  // {}: {}\n  // {}\n", phase_title(tag.phase), comment_text(who), equations.at(tag.phase));
+  const auto at = static_cast<size_t>(tag.sweep);
+  const std::string equation = tag.sweep < 0          ? "moments of the payloads"
+                               : at < a.sweeps.size() ? a.sweeps[at].equation
+                               : at < a.sweeps.size() + a.pairs.size()
+                                   ? a.pairs[at - a.sweeps.size()].equation
+                                   : a.projections[at - a.sweeps.size() - a.pairs.size()].equation;
+  return fmt::format("\n  // {}: {}\n", comment_text(who), equation);
 }
 
 }  // namespace
@@ -119,7 +111,7 @@ std::string straight_statements(const CodeInput& code, const ir::Program& progra
 
 std::string straight_source(const CodeInput& code, const std::string& banner) {
   const std::string body = straight_statements(code, code.program);
-  const bool angles = body.find("dalembert::sincos") != std::string::npos;
+  const bool angles = Angles(code.program).count() > 0;
   return render("straight.cpp", {{"banner", banner},
                                  {"name", code.name},
                                  {"includes", angles ? "#include <dalembert/sincos.hpp>\n" : ""},

@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <map>
+#include <set>
 
-#include "backend/emit_blocks.hpp"
+#include "backend/emit_pairs.hpp"
 #include "backend/emit_rolled.hpp"
 #include "backend/templates.hpp"
 
@@ -15,24 +15,15 @@ namespace {
 struct Task {
   std::string name;
   std::string call;
+  bool reads_state = false;
 };
 
 struct Tasks {
   std::vector<Task> tasks;
   std::vector<std::pair<int, int>> edges;
-
-  int find(const std::string& name) const {
-    for (size_t i = 0; i < tasks.size(); ++i)
-      if (tasks[i].name == name) return static_cast<int>(i);
-    return -1;
-  }
-  void edge(const std::string& before, const std::string& after) {
-    const std::pair<int, int> e{find(before), find(after)};
-    if (e.first >= 0 && e.second >= 0 && std::find(edges.begin(), edges.end(), e) == edges.end()) edges.push_back(e);
-  }
 };
 
-// Multiply-adds of Phase III that make a task worth its hand-over: a few microseconds.
+// Multiply-adds of matrices of pairs that make a task worth its hand-over: a few microseconds.
 constexpr int pairs_per_task = 600;
 
 // Splits a segment's columns so that each part has about the same number of elements.
@@ -57,58 +48,130 @@ std::vector<std::pair<int, int>> column_ranges(const CodeInput& code, const ir::
   return ranges;
 }
 
+// The graph's edges follow from what the stages are: of which segment, at which level.
+class Edges {
+ public:
+  Edges(const CodeInput& code, const std::vector<Stage>& stages) : code_(code), stages_(stages) {}
+
+  // Stages that must have run before stage `of`, by their numbers.
+  std::set<size_t> before(size_t of) const {
+    const Stage& s = stages_[of];
+    std::set<size_t> all;
+    const auto add = [&](const auto& wanted) {
+      for (size_t i = 0; i < of; ++i)
+        if (wanted(stages_[i])) all.insert(i);
+    };
+    switch (s.kind) {
+      case Stage::Kind::base:
+        add([&](const Stage& t) { return t.kind == Stage::Kind::segment || t.kind == Stage::Kind::base; });
+        break;
+      case Stage::Kind::segment: segment(s, add); break;
+      case Stage::Kind::elements:
+        // Its own factors, and those of the limbs above it.
+        add([&](const Stage& t) { return t.kind == Stage::Kind::segment && is_above(t.segment, s.segment); });
+        add([&](const Stage& t) { return t.kind == Stage::Kind::base && t.level == 0; });
+        break;
+      case Stage::Kind::results: add([](const Stage&) { return true; }); break;
+    }
+    return all;
+  }
+
+ private:
+  template <class Add>
+  void segment(const Stage& s, const Add& add) const {
+    add([&](const Stage& t) { return t.kind == Stage::Kind::base && t.level <= s.level; });
+    add([&](const Stage& t) { return t.kind == Stage::Kind::segment && t.segment == s.segment; });
+    const bool outwards = s.level % 2 == 0;
+    add([&](const Stage& t) {
+      if (t.kind != Stage::Kind::segment || t.segment == s.segment) return false;
+      if (outwards) return hangs_on(s.segment, t.segment);
+      // What hangs on it; and, so that sums are the same however tasks run, whatever adds to the same bodies before.
+      return t.level == s.level && (hangs_on(t.segment, s.segment) || share_parent(s.segment, t.segment));
+    });
+    for (const ir::SegmentStage& stage : code_.rolled.segments[static_cast<size_t>(s.segment)].stages)
+      for (const ir::Paragraph& p : stage.paragraphs)
+        for (ir::NodeId id = 0; id < p.graph.size() && stage.level == s.level; ++id) {
+          const ir::Node& n = p.graph[id];
+          if (n.op != ir::Op::input || n.input.kind != ir::InputKind::of_body || n.input.body < 0) continue;
+          const int other = code_.plan.segment_of(n.input.body);
+          add([&](const Stage& t) { return t.kind == Stage::Kind::segment && t.segment == other && t.level < s.level; });
+        }
+  }
+
+  const ir::Segment& at(int segment) const { return code_.plan.segments[static_cast<size_t>(segment)]; }
+  std::set<int> parents(int segment) const {
+    std::set<int> bodies;
+    for (size_t lane = 0; lane < at(segment).parents.size(); ++lane)
+      if (at(segment).bodies[lane].front() >= 0) bodies.insert(at(segment).parents[lane]);
+    return bodies;
+  }
+  bool hangs_on(int segment, int other) const {
+    for (int parent : parents(segment))
+      if (parent >= 0 && code_.plan.segment_of(parent) == other) return true;
+    return false;
+  }
+  bool share_parent(int a, int b) const {
+    const std::set<int> of_b = parents(b);
+    for (int parent : parents(a))
+      if (of_b.contains(parent)) return true;
+    return false;
+  }
+  bool is_above(int segment, int below) const {
+    if (segment == below) return true;
+    for (int parent : parents(below))
+      if (parent >= 0 && is_above(segment, code_.plan.segment_of(parent))) return true;
+    return false;
+  }
+
+  const CodeInput& code_;
+  const std::vector<Stage>& stages_;
+};
+
+// Without what follows from others.
+std::vector<std::set<size_t>> reduced(std::vector<std::set<size_t>> before) {
+  std::vector<std::set<size_t>> closure = before;
+  for (size_t i = 0; i < before.size(); ++i)
+    for (size_t j : std::set<size_t>(before[i])) closure[i].insert(closure[j].begin(), closure[j].end());
+  for (auto& direct : before) {
+    const std::set<size_t> all = direct;
+    for (size_t j : all)
+      for (size_t k : all)
+        if (j != k && closure[k].contains(j)) direct.erase(j);
+  }
+  return before;
+}
+
 Tasks tasks_of(const CodeInput& code) {
   Tasks t;
   if (code.plan.form != ir::Form::rolled) {  // one piece of code, one task
-    t.tasks.push_back({"evaluate", fmt::format("{}::evaluate(q_, v_, *w)", code.name)});
+    t.tasks.push_back({"evaluate", fmt::format("{}::evaluate(q_, v_, *w)", code.name), true});
     return t;
   }
-  const auto& segments = code.plan.segments;
-  for (const Stage& stage : rolled_stages(code)) {
-    const bool elements = stage.name.starts_with("elements_");
-    if (!elements) {
-      std::string arguments = stage.call == "q, v, workspace" ? "q_, v_, *w" : stage.call == "v, workspace" ? "v_, *w" : "*w";
-      t.tasks.push_back({stage.name, fmt::format("stages::{}({})", stage.name, arguments)});
+  const std::vector<Stage> stages = rolled_stages(code);
+  std::vector<std::vector<int>> tasks_of_stage;
+  for (const Stage& s : stages) {
+    tasks_of_stage.emplace_back();
+    const std::string first = s.reads_state ? "q_, v_, *w" : "*w";
+    const auto add = [&](const std::string& name, const std::string& arguments) {
+      tasks_of_stage.back().push_back(static_cast<int>(t.tasks.size()));
+      t.tasks.push_back({name, fmt::format("stages::{}({}{})", s.name, first, arguments), s.reads_state});
+    };
+    if (s.kind != Stage::Kind::elements) {
+      add(s.name, "");
       continue;
     }
-    for (const ir::Segment& s : segments) {
-      if (stage.name != "elements_" + s.name) continue;
-      for (const auto& [begin, end] : column_ranges(code, s))
-        t.tasks.push_back({fmt::format("{}_{}", stage.name, begin),
-                           elements_split(s) ? fmt::format("stages::{}(*w, {}, {})", stage.name, begin, end)
-                                             : fmt::format("stages::{}(*w)", stage.name)});
-    }
+    const ir::Segment& segment = code.plan.segments[static_cast<size_t>(s.segment)];
+    for (const auto& [begin, end] : column_ranges(code, segment))
+      add(fmt::format("{}_{}", s.name, begin), elements_split(segment) ? fmt::format(", {}, {}", begin, end) : "");
   }
-
-  std::map<int, std::string> last_into;  // body (-1: base) → the last task that adds to its sums
-  for (const ir::Segment& s : segments) {
-    t.edge("prepare", "outwards_" + s.name);
-    t.edge("outwards_" + s.name, "inwards_" + s.name);
-    t.edge("inwards_" + s.name, "base");
-    t.edge("inwards_" + s.name, "results");
-    for (int parent : s.parents)
-      if (const int at = code.plan.segment_of(parent); at >= 0) {
-        const std::string& above = segments[static_cast<size_t>(at)].name;
-        t.edge("outwards_" + above, "outwards_" + s.name);
-        t.edge("inwards_" + s.name, "inwards_" + above);
-      }
-    for (const auto& [begin, end] : column_ranges(code, s)) {
-      t.edge("inwards_" + s.name, fmt::format("elements_{}_{}", s.name, begin));
-      t.edge(fmt::format("elements_{}_{}", s.name, begin), "results");
-    }
-  }
-  // Segments that add to the same sums do so one after another, as in the serial order: last segments first.
-  for (size_t i = segments.size(); i-- > 0;) {
-    std::map<int, std::string> mine;
-    for (size_t lane = 0; lane < segments[i].parents.size(); ++lane)
-      if (segments[i].bodies[lane].front() >= 0) mine[segments[i].parents[lane]] = "inwards_" + segments[i].name;
-    for (const auto& [parent, task] : mine) {
-      if (last_into.contains(parent)) t.edge(last_into[parent], task);
-      last_into[parent] = task;
-    }
-  }
-  t.edge("prepare", "results");
-  t.edge("prepare", "base");
+  std::vector<std::set<size_t>> before;
+  const Edges edges(code, stages);
+  for (size_t i = 0; i < stages.size(); ++i) before.push_back(edges.before(i));
+  before = reduced(std::move(before));
+  for (size_t i = 0; i < stages.size(); ++i)
+    for (size_t j : before[i])
+      for (int from : tasks_of_stage[j])
+        for (int to : tasks_of_stage[i]) t.edges.emplace_back(from, to);
   return t;
 }
 
@@ -122,8 +185,8 @@ std::string tasks_source(const CodeInput& code, const std::string& banner) {
   const Tasks t = tasks_of(code);
   std::string nodes, edges;
   for (const Task& task : t.tasks) {
-    const bool state = task.call.find("q_") != std::string::npos || task.call.find("v_") != std::string::npos;
-    nodes += fmt::format("  const int {} = graph_.add([{}w] {{ {}; }});\n", task.name, state ? "this, " : "", task.call);
+    nodes +=
+        fmt::format("  const int {} = graph_.add([{}w] {{ {}; }});\n", task.name, task.reads_state ? "this, " : "", task.call);
   }
   for (const auto& [before, after] : t.edges)
     edges += fmt::format("  graph_.edge({}, {});\n", t.tasks[static_cast<size_t>(before)].name,

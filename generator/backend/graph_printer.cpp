@@ -78,7 +78,7 @@ class Printer {
   }
 
   void head(const ir::Tag& tag) {
-    if (!style_.heading || (tag.phase == last_.phase && tag.body == last_.body)) return;
+    if (!style_.heading || (tag.sweep == last_.sweep && tag.body == last_.body)) return;
     last_ = tag;
     out_ += style_.heading(tag);
   }

@@ -5,6 +5,7 @@
 
 #include "compile.hpp"
 #include "costs.hpp"
+#include "passes/levels.hpp"
 
 namespace dalembert {
 namespace {
@@ -69,7 +70,9 @@ std::string input_text(const ir::KinematicTree& tree, const ir::Scene& scene, co
 }
 
 // One node a line: `%12 = multiply %3 %7  ; name`.
-std::string program_text(const ir::KinematicTree& tree, const ir::Scene& scene, const ir::Program& program) {
+std::string program_text(const ir::KinematicTree& tree, const ir::Scene& scene, const ir::Algorithm& algorithm,
+                         const ir::Program& program) {
+  const std::vector<int> phases = passes::phases(algorithm);
   constexpr const char* op_names[] = {"constant", "input", "sine",     "cosine",   "sign",
                                       "negate",   "add",   "subtract", "multiply", "divide"};
   const std::vector<std::int32_t> uses = ir::uses(program.graph, program.roots());
@@ -83,7 +86,8 @@ std::string program_text(const ir::KinematicTree& tree, const ir::Scene& scene, 
     if (n.a != ir::no_node) text += fmt::format(" %{}", n.a);
     if (n.b != ir::no_node) text += fmt::format(" %{}", n.b);
     if (n.op != ir::Op::constant && n.op != ir::Op::input)
-      text += fmt::format("  ; phase {}, {}", n.tag.phase, joint_name(tree, n.tag.body));
+      text += fmt::format("  ; phase {}, {}", n.tag.sweep < 0 ? 2 : phases[static_cast<size_t>(n.tag.sweep)],
+                          joint_name(tree, n.tag.body));
     if (!program.names.empty() && !program.names[static_cast<size_t>(id)].empty())
       text += ", " + program.names[static_cast<size_t>(id)];
     text += "\n";
@@ -112,26 +116,30 @@ std::string text_of(const ir::Operations& o) {
   return fmt::format("{} multiply, {} add, {} sin/cos, {} divide", o.multiply, o.add, o.sincos, o.divide);
 }
 
-std::string paragraph_text(const ir::Segment& segment, const ir::Paragraph& paragraph) {
-  constexpr const char* directions[] = {"outwards", "inwards", "anywhere"};
+std::string paragraph_text(const ir::Segment& segment, int level, const ir::Paragraph& paragraph) {
+  constexpr const char* directions[] = {"root", "outwards", "inwards", "anywhere"};
   std::vector<ir::NodeId> roots;
-  for (const auto& stores : {paragraph.stores, paragraph.carried})
-    for (const ir::StateStore& store : stores) roots.push_back(store.node);
+  for (const ir::Value& v : paragraph.stores) roots.push_back(v.node);
+  for (const ir::Carried& c : paragraph.carried) roots.push_back(c.node);
   const ir::Operations per_slot = ir::count(paragraph.graph, ir::uses(paragraph.graph, roots));
-  return fmt::format("    {} ({}): values kept: {}, carried: {}; slots: {}, each {}\n      {}\n", paragraph.name,
+  return fmt::format("    level {}, {}: values kept: {}, carried: {}; slots: {}, each {}\n      {}\n", level,
                      directions[static_cast<size_t>(paragraph.direction)], paragraph.stores.size(), paragraph.carried.size(),
                      segment.slots(), text_of(per_slot), fmt::join(paragraph.equations, ". "));
 }
 
-std::string rolled_text(const ir::Plan& plan, const ir::RolledProgram& rolled) {
+std::string rolled_text(const ir::Algorithm& algorithm, const ir::Plan& plan, const ir::RolledProgram& rolled) {
   if (plan.form == ir::Form::straight) return "straight form: no loops\n";
   std::string text;
   for (size_t s = 0; s < rolled.segments.size(); ++s) {
     const ir::SegmentCode& code = rolled.segments[s];
     text += fmt::format("segment {}: {} constants per slot\n", plan.segments[s].name, code.columns.size());
-    for (const ir::Paragraph& paragraph : code.paragraphs) text += paragraph_text(plan.segments[s], paragraph);
+    for (const ir::SegmentStage& stage : code.stages)
+      for (const ir::Paragraph& paragraph : stage.paragraphs) text += paragraph_text(plan.segments[s], stage.level, paragraph);
   }
-  return text + "elements of M and C between two limbs: block products of the runtime\n";
+  for (const ir::Pairs& p : algorithm.pairs)
+    text += fmt::format("{} between two limbs: block products of the runtime, {}\n",
+                        algorithm.arrays[static_cast<size_t>(p.array)].name, p.equation);
+  return text;
 }
 
 std::string pass_table(const Model& model) {
@@ -147,9 +155,9 @@ std::string stage_text(const Model& model, const Lowered& lowered, Stage stage) 
   switch (stage) {
     case Stage::tree: return tree_text(model.tree);
     case Stage::normal_tree: return normal_tree_text(model.tree, lowered.normal);
-    case Stage::program: return program_text(model.tree, model.scene, lowered.program);
+    case Stage::program: return program_text(model.tree, model.scene, lowered.algorithm, lowered.program);
     case Stage::plan: return plan_text(model.tree, lowered.plan);
-    case Stage::rolled: return rolled_text(lowered.plan, lowered.rolled);
+    case Stage::rolled: return rolled_text(lowered.algorithm, lowered.plan, lowered.rolled);
   }
   return "";
 }

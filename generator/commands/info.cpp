@@ -136,7 +136,7 @@ std::string describe_json(const Model& model) {
       "  \"bodies\": {},\n  \"workspace_bytes\": {},\n  \"quantities\": {{{}\n  }},\n  \"without_scene\": {{{}\n  }}\n}}\n",
       json_string(tree.robot), json_string(model.name), tree.floating_base ? "floating" : "fixed", tree.nq(), tree.nv(),
       json_array(joints), json_array(bodies), workspace_bytes(model, lowered),
-      quantities_json(operation_costs(lowered.program, tree)), quantities_json(before));
+      quantities_json(operation_costs(lowered.algorithm, lowered.program, tree)), quantities_json(before));
 }
 
 }  // namespace dalembert

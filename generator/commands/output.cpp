@@ -12,16 +12,8 @@ namespace {
 constexpr std::string_view jacobian_prefix = "jacobian_";
 
 Output output_of(const Model& model, ir::Quantity quantity) {
-  const int nv = model.tree.nv();
-  Output output{std::string(name_of(quantity)), quantity, "", nv, 1};
-  switch (quantity) {
-    case ir::Quantity::mass_matrix:
-    case ir::Quantity::coriolis_matrix: output.columns = nv; break;
-    case ir::Quantity::gravity:
-    case ir::Quantity::bias: break;
-    case ir::Quantity::wrench_influence: output.columns = 6 * (model.tree.joints() + (model.tree.floating_base ? 1 : 0)); break;
-  }
-  return output;
+  const ir::QuantityRow& row = ir::row_of(quantity);
+  return {row.name, quantity, "", ir::extent(row.rows, model.tree), ir::extent(row.columns, model.tree)};
 }
 
 Output jacobian_of(const Model& model, const std::string& link) {
@@ -53,7 +45,7 @@ Output output_named(const Model& model, const std::string& name) {
     refuse(fmt::format("there is no link '{}'", link), frontend::suggestion(link, links));
   }
   std::vector<std::string> names;
-  for (ir::Quantity quantity : ir::all_quantities) names.emplace_back(name_of(quantity));
+  for (const ir::QuantityRow& row : ir::quantities()) names.emplace_back(row.name);
   names.push_back("jacobian_LINK");
   refuse(fmt::format("the quantity '{}' is unknown", name), frontend::suggestion(name, names));
   return {};

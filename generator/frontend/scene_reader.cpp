@@ -112,7 +112,7 @@ class SceneReader {
 
   void outputs(const YamlNode& node) {
     std::vector<std::string> known;
-    for (ir::Quantity quantity : ir::all_quantities) known.emplace_back(name_of(quantity));
+    for (const ir::QuantityRow& row : ir::quantities()) known.emplace_back(row.name);
     scene_.outputs.clear();
     for (const YamlNode& item : list(node, "a list of quantities")) {
       const std::optional<ir::Quantity> quantity = ir::quantity_named(item.scalar);

@@ -21,7 +21,10 @@ std::uint64_t pair(std::int32_t a, std::int32_t b) {
 Key key_of(const Node& n) {
   const auto op = static_cast<std::uint64_t>(n.op);
   if (n.op == Op::constant) return {op, std::bit_cast<std::uint64_t>(n.value)};
-  if (n.op == Op::input) return {op | static_cast<std::uint64_t>(n.input.kind) << 8, pair(n.input.index, n.input.component)};
+  if (n.op == Op::input)
+    return {op | static_cast<std::uint64_t>(n.input.kind) << 8 |
+                static_cast<std::uint64_t>(static_cast<std::uint32_t>(n.input.body)) << 16,
+            pair(n.input.index, n.input.component)};
   return {op, pair(n.a, n.b)};
 }
 
@@ -92,6 +95,11 @@ NodeId Graph::add(NodeId a, NodeId b) {
     if (is_constant(a) && is_constant(b)) return constant((*this)[a].value + (*this)[b].value);
     if (is_constant(a, 0)) return b;
     if (is_constant(b, 0)) return a;
+    if (is_constant(b)) std::swap(a, b);
+    if (const Node n = (*this)[b]; is_constant(a) && n.op == Op::add && is_constant(n.a))  // constants of a sum are one
+      return add(constant((*this)[a].value + (*this)[n.a].value), n.b);
+    else if (is_constant(a) && n.op == Op::add && is_constant(n.b))
+      return add(constant((*this)[a].value + (*this)[n.b].value), n.a);
   }
   const bool na = (*this)[a].op == Op::negate, nb = (*this)[b].op == Op::negate;
   if (na && nb) return negate(add((*this)[a].a, (*this)[b].a));
@@ -136,6 +144,22 @@ NodeId Graph::multiply(NodeId a, NodeId b) {
 NodeId Graph::divide(NodeId a, NodeId b) {
   if (options_.fold && is_constant(b, 1)) return a;
   return intern({Op::divide, a, b, 0, {}, {}});
+}
+
+NodeId Graph::make(Op op, NodeId a, NodeId b, double value) {
+  switch (op) {
+    case Op::constant: return constant(value);
+    case Op::input: break;
+    case Op::sine: return sine(a);
+    case Op::cosine: return cosine(a);
+    case Op::sign: return sign(a);
+    case Op::negate: return negate(a);
+    case Op::add: return add(a, b);
+    case Op::subtract: return subtract(a, b);
+    case Op::multiply: return multiply(a, b);
+    case Op::divide: return divide(a, b);
+  }
+  return no_node;
 }
 
 std::vector<std::int32_t> uses(const Graph& graph, const std::vector<NodeId>& roots) {

@@ -17,25 +17,30 @@ enum class Op : std::uint8_t { constant, input, sine, cosine, sign, negate, add,
 
 // Where a value enters. `index` and `component` say which one, in the terms of `kind`.
 enum class InputKind : std::uint8_t {
-  position,  // index: position in q
-  velocity,  // index: position in v
-  gravity,   // component 0…2 of the gravity vector given at run time
-  payload,   // index: payload number; component: mass, com (3), inertia xx xy xz yy yz zz
-  table,     // index: column of the table of constants (one value per slot)
-  state,     // index: role of a value kept in the workspace (one value per slot); component within the role
-  carried,   // index, component: as state, but of the step before (towards the root or the leaves, as the loop runs)
+  position,   // index: position in q
+  velocity,   // index: position in v
+  gravity,    // component 0…2 of the gravity vector given at run time
+  payload,    // index: payload number; component: mass, com (3), inertia xx xy xz yy yz zz
+  parameter,  // index: one of the body's parameters (passes/parameters.hpp)
+  state,      // index, component: a role of the body
+  carried,    // index, component: a role of the parent (outwards), or what the children hand on, summed (inwards)
+  of_body,    // index, component: a role of body `body` (−1: the base)
+  received,   // index, component: what limbs attached to the body have handed on, kept per slot
+  table,      // index: column of a segment's table of constants, one value per slot
 };
 
 struct Input {
   InputKind kind;
   std::int32_t index = 0;
   std::int32_t component = 0;
+  std::int32_t body = -1;
   bool operator==(const Input&) const = default;
 };
 
-// Which paragraph a node was first made in: phase I…III and the body (−1: base), for reading and counting.
+// What a node was first made for: a sweep of the algorithm (or, counted on from there, pairs and projections) and the body (−1:
+// the base).
 struct Tag {
-  std::int16_t phase = 0;
+  std::int16_t sweep = -1;
   std::int32_t body = -1;
 };
 
@@ -73,6 +78,8 @@ class Graph {
   NodeId subtract(NodeId a, NodeId b);
   NodeId multiply(NodeId a, NodeId b);
   NodeId divide(NodeId a, NodeId b);
+  // Any of them but an input; what an operation has no use for is ignored.
+  NodeId make(Op op, NodeId a, NodeId b, double value);
 
   const Node& operator[](NodeId id) const { return nodes_[static_cast<std::size_t>(id)]; }
   NodeId size() const { return static_cast<NodeId>(nodes_.size()); }
@@ -98,8 +105,71 @@ class Graph {
   Tag tag_{};
 };
 
+// The nodes of another graph once more, with other inputs; made one by one as they are asked for.
+class Copy {
+ public:
+  Copy(const Graph& from, Graph& to) : from_(from), to_(to), made_(static_cast<std::size_t>(from.size()), no_node) {}
+
+  // `input`: Input → node of the graph copied to.
+  template <class InputNode>
+  NodeId node(NodeId id, const InputNode& input) {
+    return node_until(
+        id, [](NodeId) { return no_node; }, input);
+  }
+  // All that some nodes need, in the order of the original, which is the order of the code.
+  template <class InputNode>
+  void nodes(const std::vector<NodeId>& wanted, const InputNode& input);
+  // The same as node(), but that nodes for which `known` has one already stand for themselves: NodeId → node copied to, or
+  // no_node.
+  template <class Known, class InputNode>
+  NodeId node_until(NodeId id, const Known& known, const InputNode& input);
+
+ private:
+  const Graph& from_;
+  Graph& to_;
+  std::vector<NodeId> made_, todo_;
+};
+
 // Marks every node that the roots need; result[id] is the number of uses (roots count as uses, operands of used nodes too).
 std::vector<std::int32_t> uses(const Graph& graph, const std::vector<NodeId>& roots);
+
+template <class InputNode>
+void Copy::nodes(const std::vector<NodeId>& wanted, const InputNode& input) {
+  const std::vector<std::int32_t> used = uses(from_, wanted);
+  for (NodeId id = 0; id < from_.size(); ++id)
+    if (used[static_cast<std::size_t>(id)] > 0) node(id, input);
+}
+
+template <class Known, class InputNode>
+NodeId Copy::node_until(NodeId id, const Known& known, const InputNode& input) {
+  const auto at = [this](NodeId n) -> NodeId& { return made_[static_cast<std::size_t>(n)]; };
+  todo_.push_back(id);
+  while (!todo_.empty()) {
+    const NodeId next = todo_.back();
+    if (at(next) != no_node) {
+      todo_.pop_back();
+      continue;
+    }
+    if (const NodeId there = known(next); there != no_node) {
+      at(next) = there;
+      continue;
+    }
+    const Node n = from_[next];
+    // The operand made first in the original is made first here: the order of nodes is the order of the code.
+    const NodeId first = n.b == no_node || n.a < n.b ? n.a : n.b, second = first == n.a ? n.b : n.a;
+    if (first != no_node && at(first) == no_node) {
+      todo_.push_back(first);
+    } else if (second != no_node && at(second) == no_node) {
+      todo_.push_back(second);
+    } else {
+      todo_.pop_back();
+      const NodeId a = n.a == no_node ? no_node : at(n.a), b = n.b == no_node ? no_node : at(n.b);
+      const NodeId made = n.op == Op::input ? input(n.input) : to_.make(n.op, a, b, n.value);
+      at(next) = made;
+    }
+  }
+  return at(id);
+}
 
 // Scalar operations. A sine and a cosine of the same angle count as one pair.
 struct Operations {

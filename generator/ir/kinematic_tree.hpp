@@ -80,6 +80,11 @@ struct KinematicTree {
       slides = bodies[static_cast<size_t>(above)].prismatic();
     return slides;
   }
+  // Whether a body is `below`, or above it; -1, the base, is above all.
+  bool is_above(int body, int below) const {
+    while (below > body) below = bodies[static_cast<size_t>(below)].parent;
+    return below == body;
+  }
   int nq() const { return independent_joints() + (floating_base ? 7 : 0); }
   int nv() const { return independent_joints() + (floating_base ? 6 : 0); }
 };

@@ -5,17 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "ir/graph.hpp"
-#include "ir/quantity.hpp"
+#include "ir/algorithm.hpp"
 
 namespace dalembert::ir {
-
-// A matrix or vector the emitted code offers.
-struct OutputArray {
-  std::string name;  // mass_matrix, …, jacobian_<link>
-  int rows = 0;
-  int columns = 1;
-};
 
 struct OutputElement {
   int array = 0;  // index into Program::arrays

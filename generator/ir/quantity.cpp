@@ -1,21 +1,44 @@
 #include "ir/quantity.hpp"
 
+#include "ir/kinematic_tree.hpp"
+
 namespace dalembert::ir {
 
-std::string_view name_of(Quantity quantity) {
-  switch (quantity) {
-    case Quantity::mass_matrix: return "mass_matrix";
-    case Quantity::coriolis_matrix: return "coriolis_matrix";
-    case Quantity::gravity: return "gravity";
-    case Quantity::bias: return "bias";
-    case Quantity::wrench_influence: return "wrench_influence";
-  }
-  return "";
+const std::vector<QuantityRow>& quantities() {
+  static const std::vector<QuantityRow> rows{
+#define DALEMBERT_QUANTITY(name, symbol, rows, columns, unit, by_default, scale, help) \
+  {Quantity::name, #name, symbol, Extent::rows, Extent::columns, unit, by_default, Scale::scale, help},
+#include "ir/quantities.def"
+#undef DALEMBERT_QUANTITY
+  };
+  return rows;
 }
 
+const QuantityRow& row_of(Quantity quantity) { return quantities()[static_cast<std::size_t>(quantity)]; }
+
+std::vector<Quantity> default_quantities() {
+  std::vector<Quantity> list;
+  for (const QuantityRow& row : quantities())
+    if (row.by_default) list.push_back(row.quantity);
+  return list;
+}
+
+int extent(Extent extent, const KinematicTree& tree) {
+  switch (extent) {
+    case Extent::one: return 1;
+    case Extent::three: return 3;
+    case Extent::six: return 6;
+    case Extent::nv: return tree.nv();
+    case Extent::six_per_body: return 6 * (tree.joints() + (tree.floating_base ? 1 : 0));
+  }
+  return 0;
+}
+
+std::string_view name_of(Quantity quantity) { return row_of(quantity).name; }
+
 std::optional<Quantity> quantity_named(std::string_view name) {
-  for (Quantity quantity : all_quantities)
-    if (name_of(quantity) == name) return quantity;
+  for (const QuantityRow& row : quantities())
+    if (row.name == name) return row.quantity;
   return std::nullopt;
 }
 

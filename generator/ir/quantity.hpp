@@ -8,15 +8,35 @@
 namespace dalembert::ir {
 
 enum class Quantity {
-  mass_matrix,       // M, nv × nv
-  coriolis_matrix,   // C, nv × nv
-  gravity,           // g, nv
-  bias,              // C v + g, nv (Newton-Euler, O(n))
-  wrench_influence,  // W, nv × 6·(number of bodies): transposed body Jacobians, base first when it floats
+#define DALEMBERT_QUANTITY(name, ...) name,
+#include "ir/quantities.def"
+#undef DALEMBERT_QUANTITY
 };
 
-inline constexpr Quantity all_quantities[] = {Quantity::mass_matrix, Quantity::coriolis_matrix, Quantity::gravity,
-                                              Quantity::bias, Quantity::wrench_influence};
+// How many rows or columns: a number, or one per velocity coordinate, or six per body that moves, the base included.
+enum class Extent { one, three, six, nv, six_per_body };
+
+// What errors are measured against at least where a quantity vanishes by cancellation (see check): nothing but its own largest
+// element; |M| |v|; gravity in other directions; |M| |v|² and gravity.
+enum class Scale { own, momentum, weight, force };
+
+struct QuantityRow {
+  Quantity quantity;
+  const char *name, *symbol;
+  Extent rows, columns;
+  const char* unit;
+  bool by_default;
+  Scale scale;
+  const char* help;
+};
+
+// In the order of quantities.def.
+const std::vector<QuantityRow>& quantities();
+const QuantityRow& row_of(Quantity quantity);
+std::vector<Quantity> default_quantities();
+
+struct KinematicTree;
+int extent(Extent extent, const KinematicTree& tree);
 
 // "mass_matrix" and so on, and back; nothing for a name that is none.
 std::string_view name_of(Quantity quantity);

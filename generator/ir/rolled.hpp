@@ -1,69 +1,84 @@
-// The rolled form: paragraphs of scalar program that are run over the slots of a segment, in lanes, with tables of constants.
+// The rolled form: paragraphs of scalar program that run over the slots of a segment, in lanes, with tables of constants.
+//
+// Every body has a slot, and so has the base. A value that one stage leaves for another is kept there.
 #pragma once
 
+#include <algorithm>
+#include <map>
+#include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
-#include "ir/graph.hpp"
+#include "ir/algorithm.hpp"
 
 namespace dalembert::ir {
 
-// A value kept per slot between paragraphs, `components` numbers of it.
-struct Role {
-  std::string name;
-  std::string meaning;
+// Where a role is kept: from a component of an array on. Roles whose values are not needed at the same time, or are the same,
+// share an array.
+struct Place {
+  int array = -1;  // −1: nowhere
+  int from = 0;
+};
+struct KeptArray {
+  std::string name, meaning;
   int components = 0;
-  int place = -1;  // the role in whose array it is kept; -1: in its own
+  bool operator==(const KeptArray&) const = default;
 };
 
-// A column of constants of one segment: one value per slot.
+// A column of constants of one segment: one value per slot. Constants that are equal at every body share one, and all their
+// names.
 struct Column {
-  std::string name;
+  std::vector<std::string> names;
+  std::string unit;
   std::vector<double> values;
+
+  void add_name(const std::string& name) {
+    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+  }
 };
 
-enum class Direction {
-  outwards,  // step by step from the root, carrying values along; lanes are limbs
-  inwards,   // step by step towards the root; what is carried over the last step is added to the parents' slots
-  anywhere,  // slots in any order, as many at once as the target's registers hold
+// What a step of a loop takes over from the one before, and where the first step has it from.
+struct Carried {
+  int role = 0, component = 0;
+  NodeId node = no_node;                       // outwards: this body's value; inwards: what it hands on
+  std::vector<std::optional<double>> initial;  // outwards, per lane: the parent's value where it is constant
+
+  // Whether all lanes begin with constants; else the parents' values are kept.
+  bool known() const {
+    return std::all_of(initial.begin(), initial.end(), [](const std::optional<double>& x) { return x.has_value(); });
+  }
 };
 
-struct StateStore {
-  int role = 0;
-  int component = 0;
-  NodeId node = no_node;
-};
-
-// One phase of the bodies of one segment.
+// Some sweeps on the bodies of one segment.
 struct Paragraph {
-  std::string name;                    // "kinematics"
-  std::vector<std::string> equations;  // what it computes, for reading
+  std::vector<std::string> equations;
   Direction direction = Direction::anywhere;
   Graph graph;
-  std::vector<StateStore> stores;   // to this slot
-  std::vector<StateStore> carried;  // to the next step (outwards: values of this body; inwards: in the parent's terms)
+  std::vector<Value> stores;  // to this slot
+  std::vector<Carried> carried;
 };
 
-// A component of a role.
-struct StateValue {
-  int role = 0;
-  int component = 0;
-  bool operator==(const StateValue&) const = default;
+// The paragraphs of one level of one segment.
+struct SegmentStage {
+  int level = 0;
+  std::vector<Paragraph> paragraphs;
+};
+
+// What a segment hands on to a body: summed over the lanes that hang on it.
+struct HandedOn {
+  int role = 0, component = 0;
+  int level = 0;
+  int parent = -1;  // the body; −1: the base
+  std::vector<int> lanes;
+  bool received = false;  // to a place of its own, else to what is kept of the role already
+  bool first = false;     // the first to come: it sets the place instead of adding to it
 };
 
 struct SegmentCode {
   std::vector<Column> columns;
-  std::vector<Paragraph> paragraphs;  // in the order of Stage
-  std::vector<int> parents;           // segments that hold its first bodies' parents, -1: the root
-  // Sums whose own share is a constant of the body: no paragraph stores it, whoever reads the sum adds it from the table. Kept
-  // is what attached limbs bring: the first to arrive assigns, later ones add; slots without limbs stay zero.
-  std::vector<StateValue> received;
-};
-
-// The values at the root and what depends on them alone, without lanes.
-struct RootCode {
-  Graph graph;
-  std::vector<StateStore> stores;  // to the root's slot
+  std::vector<SegmentStage> stages;
+  std::vector<HandedOn> handed;
 };
 
 struct BlockElement {
@@ -71,14 +86,43 @@ struct BlockElement {
   NodeId node = no_node;
 };
 
+// A value that belongs to one body, such as what a payload adds to it.
+struct BodyStore {
+  int role = 0, component = 0, body = 0;
+  NodeId node = no_node;
+};
+
+// The base at one level, without lanes. Level 0 comes before all segments.
+struct BaseStage {
+  int level = 0;
+  std::vector<std::string> equations;
+  Graph graph;
+  std::vector<Value> stores;  // to the base's slot
+  std::vector<BodyStore> body_stores;
+  std::vector<BlockElement> elements;
+};
+
+// A matrix of pairs between joints; the base's rows and columns are kept per joint.
+struct RolledPairs {
+  int columns = -1;  // role, six components: elements (0…5, k); −1: no floating base
+  int rows = -1;     // role, six components: elements (k, 0…5)
+};
+
+// A constant added to an element: armature.
+struct AddedConstant {
+  int array = 0, row = 0, column = 0;
+  double value = 0;
+};
+
 struct RolledProgram {
-  std::vector<Role> roles;            // empty name: unused
+  std::vector<Role> roles;              // the algorithm's, then those that the rolled form adds
+  std::vector<Place> places, received;  // per role: of its values, of what limbs hand on
+  std::vector<KeptArray> arrays;
   std::vector<SegmentCode> segments;  // parallel to Plan::segments
-  RootCode root;                      // before the segments
-  Graph base_graph;                   // after them: the base's own block and rows
-  std::vector<BlockElement> base_elements;
-  bool mass = false, coriolis = false, gravity = false, bias = false, wrench = false;
-  bool all_revolute = true;
+  std::vector<BaseStage> base;
+  std::vector<RolledPairs> pairs;  // parallel to Algorithm::pairs
+  std::vector<AddedConstant> added;
+  std::map<std::tuple<int, int, int>, double> base_coordinates;  // role, component, coordinate: what projections read of them
 };
 
 }  // namespace dalembert::ir

@@ -22,7 +22,7 @@ struct Scene {
   Base base = Base::floating;
   GravityKind gravity_kind = GravityKind::constant;
   Eigen::Vector3d gravity{0, 0, -9.81};  // m/s², world axes; when given at run time: the value a new workspace starts with
-  std::vector<Quantity> outputs{Quantity::mass_matrix, Quantity::coriolis_matrix, Quantity::gravity, Quantity::bias};
+  std::vector<Quantity> outputs = default_quantities();
   std::map<std::string, double> locked;  // joint name → value (rad or m)
   std::set<std::string> cut;             // link names: each and everything beyond it is removed
   std::map<std::string, Mimic> mimic;    // driven joint → relation (no coordinate of its own)

@@ -33,9 +33,9 @@ Pose pose(const Pose& parent, const BodyConstants& body, const JointPosition& q)
 
 Twist joint_twist(const Pose& pose, const BodyConstants& body) {
   const Vec3 z = column(pose.rotation, 2);
-  const Vec3 sliding = body.prismatic * z;
-  const Vec3 linear = body.revolute * cross(pose.position, z) + sliding;
-  return {linear, body.revolute * z};
+  const Vec3 sliding = body.sliding * z;
+  const Vec3 linear = body.turning * cross(pose.position, z) + sliding;
+  return {linear, body.turning * z};
 }
 
 Twist body_twist(const Twist& parent, const Twist& joint, Sym rate) {
@@ -146,8 +146,8 @@ Motion propagate(const Motion& parent, const BodyConstants& body, const JointPos
   const Vec3 &w = parent.angular, &a = parent.angular_acceleration;
   const Vec3 p = placed_origin(body, q);
   const Sym zero{rate.graph, rate.graph->constant(0)};
-  const Vec3 z{zero, zero, body.revolute * rate};       // the joint's angular rate, in the body's axes
-  const Vec3 slide{zero, zero, body.prismatic * rate};  // its linear rate
+  const Vec3 z{zero, zero, body.turning * rate};      // the joint's angular rate, in the body's axes
+  const Vec3 slide{zero, zero, body.sliding * rate};  // its linear rate
 
   // The origin's acceleration: a_p + α × p + w × (w × p), and twice w × ḋ where the joint slides.
   const Vec3 centripetal = cross(w, cross(w, p));

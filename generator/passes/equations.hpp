@@ -16,7 +16,7 @@ namespace dalembert::passes {
 struct BodyConstants {
   Mat3 rotation;  // in the parent's frame at q = 0
   Vec3 translation;
-  Sym revolute, prismatic;  // one of them 1, the other 0
+  Sym turning, sliding;  // the joint's twist per unit of its coordinate, about z and along z
   Sym mass;
   Vec3 first;
   Sym6 second;

@@ -143,11 +143,6 @@ ir::Plan plan(const ir::KinematicTree& tree, const ir::Scene& scene, const ir::O
               const ir::CompileOptions& options) {
   ir::Plan plan;
   plan.tasks = scene.parallel == ir::Parallel::tasks;
-  // A driven joint's row is a sum of rows, a payload's moments are inputs, the bias at rest is gravity's: only the straight
-  // form knows any of them. And a base alone has nothing to roll.
-  const bool bias = std::find(scene.outputs.begin(), scene.outputs.end(), ir::Quantity::bias) != scene.outputs.end();
-  bool straight_only = tree.bodies.empty() || !scene.payloads.empty() || (scene.rates_zero && bias);
-  for (const ir::Body& b : tree.bodies) straight_only = straight_only || b.driven();
   ir::Form form = options.form;
   lay_out(tree, options.pack ? 4 : 1, plan);
   if (form == ir::Form::automatic) {
@@ -156,7 +151,7 @@ ir::Plan plan(const ir::KinematicTree& tree, const ir::Scene& scene, const ir::O
         std::any_of(plan.segments.begin(), plan.segments.end(), [](const ir::Segment& s) { return s.width > 1; });
     form = straight.total() <= (lanes ? 2000 : 3500) && !plan.tasks ? ir::Form::straight : ir::Form::rolled;
   }
-  plan.form = straight_only ? ir::Form::straight : form;
+  plan.form = tree.bodies.empty() ? ir::Form::straight : form;  // a base alone has nothing to roll
   // Measured on two cores: a graph of tasks pays from about 30 µs of serial work on.
   constexpr long work_for_tasks = 500000;
   if (scene.parallel == ir::Parallel::automatic)

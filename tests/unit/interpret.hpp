@@ -1,10 +1,19 @@
-// Runs a scalar program on numbers: what the emitted code must compute, without emitting it.
+// Runs what the compiler makes of an algorithm on numbers, in either form: what the emitted code must compute, without emitting
+// it and without a compiler.
 #pragma once
 
+#include <Eigen/Core>
 #include <cmath>
+#include <functional>
+#include <map>
+#include <string>
 #include <vector>
 
+#include "ir/kinematic_tree.hpp"
+#include "ir/plan.hpp"
 #include "ir/program.hpp"
+#include "ir/rolled.hpp"
+#include "passes/joints.hpp"
 
 namespace dalembert::ir {
 
@@ -33,5 +42,212 @@ std::vector<Scalar> interpret(const Graph& graph, const InputValue& input) {
   }
   return value;
 }
+
+using FunctionInput = std::function<double(const Input&)>;  // position, velocity, gravity, payload
+using Arrays = std::map<std::string, Eigen::MatrixXd>;      // by name
+
+// The straight form.
+inline Arrays run(const Program& program, const FunctionInput& input) {
+  Arrays arrays;
+  for (const OutputArray& a : program.arrays) arrays[a.name] = Eigen::MatrixXd::Zero(a.rows, a.columns);
+  const std::vector<double> values = interpret<double>(program.graph, input);
+  for (const OutputElement& e : program.elements)
+    arrays[program.arrays[static_cast<std::size_t>(e.array)].name](e.row, e.column) = values[static_cast<std::size_t>(e.node)];
+  return arrays;
+}
+
+// The rolled form, stage by stage as the emitted code runs it. What is kept is spoilt beforehand: nothing of an earlier
+// evaluation may be read, but for what a new workspace has as zero.
+class RolledRun {
+ public:
+  RolledRun(const Algorithm& algorithm, const RolledProgram& program, const Plan& plan, const KinematicTree& tree,
+            bool rates_zero, FunctionInput input)
+      : algorithm_(algorithm),
+        program_(program),
+        plan_(plan),
+        tree_(tree),
+        rates_zero_(rates_zero),
+        input_(std::move(input)),
+        coordinates_(tree.coordinates()) {
+    for (const KeptArray& a : program.arrays) kept_.push_back(Eigen::MatrixXd::Zero(a.components, plan.slots + 8));
+  }
+
+  Arrays run() {
+    for (const OutputArray& a : algorithm_.arrays) arrays_[a.name] = Eigen::MatrixXd::Zero(a.rows, a.columns);
+    joints();
+    int levels = 0;
+    for (const SegmentCode& s : program_.segments)
+      for (const SegmentStage& stage : s.stages) levels = std::max(levels, stage.level);
+    for (const BaseStage& b : program_.base) levels = std::max(levels, b.level);
+    const int segments = static_cast<int>(plan_.segments.size());
+    for (int level = 0; level <= levels; ++level) {
+      for (const BaseStage& b : program_.base)
+        if (b.level == level) base(b);
+      for (int i = 0; i < segments; ++i) segment(level % 2 == 0 ? i : segments - 1 - i, level);
+    }
+    results();
+    return arrays_;
+  }
+
+ private:
+  // What has no place nobody may need: not a number.
+  double& place(const Place& p, int component, int slot) {
+    if (p.array < 0) return nowhere_ = std::nan("");
+    return kept_[static_cast<std::size_t>(p.array)](p.from + component, slot);
+  }
+  double& kept(int role, int component, int slot) {
+    return place(program_.places.at(static_cast<std::size_t>(role)), component, slot);
+  }
+  double& received(int role, int component, int slot) {
+    return place(program_.received.at(static_cast<std::size_t>(role)), component, slot);
+  }
+  int slot(int body) const { return body < 0 ? plan_.root_slot : plan_.slot_of[static_cast<std::size_t>(body)]; }
+  int row(int body) const { return passes::root_joint(tree_).nv + coordinates_[static_cast<std::size_t>(body)]; }
+
+  void joints() {
+    for (std::size_t r = 0; r < program_.roles.size(); ++r) {
+      if (program_.roles[r].source == Source::sweep || program_.places[r].array < 0) continue;
+      for (int k = 0; k < tree_.joints(); ++k) {
+        Graph graph;
+        const NodeId node = passes::coordinate_node(graph, program_.roles[r], tree_, coordinates_, rates_zero_, k);
+        kept(static_cast<int>(r), 0, slot(k)) = interpret<double>(graph, input_)[static_cast<std::size_t>(node)];
+      }
+    }
+  }
+
+  void base(const BaseStage& b) {
+    const std::vector<double> values = interpret<double>(b.graph, [&](const Input& in) {
+      if (in.kind == InputKind::of_body) return kept(in.index, in.component, slot(in.body));
+      if (in.kind == InputKind::received) return received(in.index, in.component, slot(-1));
+      return input_(in);
+    });
+    for (const Value& v : b.stores) kept(v.role, v.component, slot(-1)) = values[static_cast<std::size_t>(v.node)];
+    for (const BodyStore& v : b.body_stores) kept(v.role, v.component, slot(v.body)) = values[static_cast<std::size_t>(v.node)];
+    for (const BlockElement& e : b.elements)
+      arrays_[algorithm_.arrays[static_cast<std::size_t>(e.array)].name](e.row, e.column) =
+          values[static_cast<std::size_t>(e.node)];
+  }
+
+  void segment(int number, int level) {
+    const Segment& s = plan_.segments[static_cast<std::size_t>(number)];
+    const SegmentCode& code = program_.segments[static_cast<std::size_t>(number)];
+    for (const SegmentStage& stage : code.stages)
+      for (const Paragraph& p : stage.paragraphs) {
+        if (stage.level != level) continue;
+        std::map<std::pair<int, int>, std::vector<double>> carried;  // per lane
+        for (const Carried& c : p.carried)
+          for (int lane = 0; lane < s.width; ++lane) {
+            const auto at = static_cast<std::size_t>(lane);
+            const double start = p.direction == Direction::inwards ? 0
+                                 : c.known()                       ? *c.initial[at]
+                                                                   : kept(c.role, c.component, slot(s.parents[at]));
+            carried[{c.role, c.component}].push_back(start);
+          }
+        for (int i = 0; i < s.steps; ++i) {
+          const int step = p.direction == Direction::inwards ? s.steps - 1 - i : i;
+          std::vector<std::vector<double>> values;
+          for (int lane = 0; lane < s.width; ++lane) {
+            const int here = s.first_slot + step * s.width + lane;
+            values.push_back(interpret<double>(p.graph, [&](const Input& in) {
+              switch (in.kind) {
+                case InputKind::table:
+                  return code.columns[static_cast<std::size_t>(in.index)]
+                      .values[static_cast<std::size_t>(step * s.width + lane)];
+                case InputKind::state: return kept(in.index, in.component, here);
+                case InputKind::received: return received(in.index, in.component, here);
+                case InputKind::of_body: return kept(in.index, in.component, slot(in.body));
+                case InputKind::carried: {
+                  const auto at = carried.find({in.index, in.component});
+                  return at == carried.end() ? std::nan("") : at->second[static_cast<std::size_t>(lane)];
+                }
+                default: return input_(in);
+              }
+            }));
+          }
+          for (int lane = 0; lane < s.width; ++lane) {
+            const auto at = static_cast<std::size_t>(lane);
+            for (const Value& v : p.stores)
+              kept(v.role, v.component, s.first_slot + step * s.width + lane) = values[at][static_cast<std::size_t>(v.node)];
+            for (const Carried& c : p.carried)
+              carried[{c.role, c.component}][at] = values[at][static_cast<std::size_t>(c.node)];
+          }
+        }
+        if (p.direction != Direction::inwards) continue;
+        for (const HandedOn& h : code.handed) {
+          const auto from = carried.find({h.role, h.component});
+          if (h.level != level || from == carried.end()) continue;
+          double sum = 0;
+          for (int lane : h.lanes) sum += from->second[static_cast<std::size_t>(lane)];
+          double& to = h.received ? received(h.role, h.component, slot(h.parent)) : kept(h.role, h.component, slot(h.parent));
+          to = h.first ? sum : to + sum;
+        }
+      }
+  }
+
+  double dot(const std::vector<PairTerm>& terms, int lower, int upper) {
+    double sum = 0;
+    for (const PairTerm& t : terms)
+      for (int i = 0; i < 3; ++i)
+        sum += kept(t.lower, t.lower_from + i, slot(lower)) * kept(t.upper, t.upper_from + i, slot(upper));
+    return sum;
+  }
+
+  void results() {
+    for (std::size_t n = 0; n < algorithm_.pairs.size(); ++n) {
+      const Pairs& p = algorithm_.pairs[n];
+      Eigen::MatrixXd& m = arrays_[algorithm_.arrays[static_cast<std::size_t>(p.array)].name];
+      for (int k = 0; k < tree_.joints(); ++k) {
+        for (int i = k; i >= 0; i = tree_.bodies[static_cast<std::size_t>(i)].parent) {
+          const double above = dot(p.above, k, i);
+          m(row(i), row(k)) += above;
+          if (i == k) continue;
+          if (p.symmetric) m(row(k), row(i)) += above;
+          if (!p.below.empty()) m(row(k), row(i)) += dot(p.below, k, i);
+        }
+        for (int j = 0; j < 6 && program_.pairs[n].columns >= 0; ++j) {
+          m(j, row(k)) += kept(program_.pairs[n].columns, j, slot(k));
+          if (program_.pairs[n].rows >= 0) m(row(k), j) += kept(program_.pairs[n].rows, j, slot(k));
+        }
+      }
+    }
+    for (const AddedConstant& a : program_.added)
+      arrays_[algorithm_.arrays[static_cast<std::size_t>(a.array)].name](a.row, a.column) += a.value;
+    for (const Projection& p : algorithm_.projections)
+      for (int body = 0; body < tree_.joints(); ++body) {
+        const int columns = static_cast<int>(p.columns.size()), first = columns * (body + (tree_.floating_base ? 1 : 0));
+        const auto project = [&](int at, const std::function<double(const Input&)>& upper) {
+          const std::vector<double> values = interpret<double>(p.graph, [&](const Input& in) {
+            return in.kind == InputKind::state ? kept(in.index, in.component, slot(body)) : upper(in);
+          });
+          for (int c = 0; c < columns; ++c)
+            arrays_[algorithm_.arrays[static_cast<std::size_t>(p.array)].name](at, first + c) +=
+                values[static_cast<std::size_t>(p.columns[static_cast<std::size_t>(c)])];
+        };
+        for (int i = body; i >= 0; i = tree_.bodies[static_cast<std::size_t>(i)].parent)
+          project(row(i), [&](const Input& in) { return kept(in.index, in.component, slot(i)); });
+        for (int j = 0; j < passes::root_joint(tree_).nv; ++j)
+          project(j, [&](const Input& in) { return program_.base_coordinates.at({in.index, in.component, j}); });
+      }
+    for (const Result& r : algorithm_.results)
+      for (int k = 0; k < tree_.joints() && r.layout != Layout::base; ++k)
+        for (int i = 0; i < program_.roles[static_cast<std::size_t>(r.role)].components(); ++i) {
+          if (r.only_above != all_bodies && !tree_.is_above(k, r.only_above)) continue;
+          Eigen::MatrixXd& m = arrays_[algorithm_.arrays[static_cast<std::size_t>(r.array)].name];
+          if (r.layout == Layout::columns) m(r.from + i, row(k)) += kept(r.role, i, slot(k));
+          else m(row(k), 0) += kept(r.role, i, slot(k));
+        }
+  }
+
+  const Algorithm& algorithm_;
+  const RolledProgram& program_;
+  const Plan& plan_;
+  const KinematicTree& tree_;
+  const bool rates_zero_;
+  const FunctionInput input_;
+  const std::vector<int> coordinates_;
+  std::vector<Eigen::MatrixXd> kept_;  // component, slot
+  double nowhere_ = 0;
+  Arrays arrays_;
+};
 
 }  // namespace dalembert::ir

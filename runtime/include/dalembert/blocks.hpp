@@ -1,12 +1,14 @@
-// Phase III: the elements of M and C between the joints of limbs, in blocks of fixed size (Shin, Park and Park 2016, eq.
-// 31-39).
+// Matrices of pairs: the elements between the joints of limbs, in blocks of fixed size (Shin, Park and Park 2016, eq. 31-39).
 //
-//   M_ik = F_k·J_i    C_ik = G_k·J_i    C_ki = F_k·J̇_i + H_k·J_i     (i above k, or k itself; H has an angular part alone)
+// An element between joint k and a joint i above it, or k itself, is a sum of products of a factor of k and one of i. For M and
+// C:
 //
-// A limb is a run of bodies without branches: its rows and columns are consecutive in M and C. Limbs of equal length stand side
-// by side in lanes, slot = first + step·width + lane, and tiles of four steps by four are turned into columns when stored. A
-// limb on its own (width 1) has its steps in consecutive slots, and lanes run along them. Nothing is allocated, every loop has
-// a length known when the code was generated.
+//   M_ik = F_k·J_i    C_ik = G_k·J_i    C_ki = F_k·J̇_i + H_k·J_i     (H has an angular part alone)
+//
+// A limb is a run of bodies without branches: its rows and columns are consecutive in the matrices. Limbs of equal length stand
+// side by side in lanes, slot = first + step·width + lane, and tiles of four steps by four are turned into columns when stored.
+// A limb on its own (width 1) has its steps in consecutive slots, and lanes run along them. Nothing is allocated, every loop
+// has a length known when the code was generated.
 #pragma once
 
 #include "dalembert/tiles.hpp"
@@ -22,35 +24,35 @@ struct LimbTable {
 
 namespace detail {
 
-template <class T>
-DALEMBERT_BLOCK Panels<T> moved(Panels<T> p, int slots, bool coriolis) {
-  p.inertia_force += slots;
-  if (coriolis) p.bias_force += slots, p.transposed += slots;
+template <class T, int n>
+DALEMBERT_BLOCK Factors<T, n> moved(Factors<T, n> p, int slots) {
+  for (int f = 0; f < n; ++f) p.at[f] += slots;
   return p;
 }
 
-// The joints of a limb that stands in the panels, from slot `first` on.
-template <Elements elements, class T>
-DALEMBERT_BLOCK Upper<T> limb_above(const Panels<T>& p, int first, int step) {
-  return {p.joint_linear + first, p.joint_angular + first, has_coriolis(elements) ? p.joint_rate + first : nullptr, p.stride,
-          step};
+// The joints of a limb that stands among the factors, from slot `first` on.
+template <class T, int n>
+DALEMBERT_BLOCK Upper<T, n> limb_above(const Factors<T, n>& p, int first, int step) {
+  Upper<T, n> up{{}, p.stride, step};
+  for (int f = 0; f < n; ++f) up.at[f] = p.at[f] + first;
+  return up;
 }
 
 // The tiles between the limbs of a segment and the joints above them; columns [begin, end).
-template <Elements elements, Above kind, int width, int steps, int above_steps, class T>
-DALEMBERT_BLOCK void cross_tiles(const Panels<T>& panels, const LimbTable& limbs, const Upper<T>& up, const LimbTable& above,
-                                 T* M, T* C, int leading, int begin, int end) {
-  constexpr bool out = steps <= short_limb && above_steps <= (has_coriolis(elements) ? 4 : short_limb);
+template <class Kinds, Above kind, int width, int steps, int above_steps, class T, int nl, int nu>
+DALEMBERT_BLOCK void cross_tiles(const Factors<T, nl>& lower, const LimbTable& limbs, const Upper<T, nu>& up,
+                                 const LimbTable& above, T* const* matrices, int leading, int begin, int end) {
+  constexpr bool out = steps <= short_limb && above_steps <= (nl > 2 ? 4 : short_limb);
   each_tile<out, steps>(begin, end, [&](int c0, auto below) DALEMBERT_IN_BLOCK {
-    const Panels<T> p = moved(panels, limbs.first_slot + c0 * width, has_coriolis(elements));
+    const Factors<T, nl> p = moved(lower, limbs.first_slot + c0 * width);
     each_tile<out, above_steps>(0, above_steps, [&](int r0, auto rows) DALEMBERT_IN_BLOCK {
       Place<width> at;
       lanes<width>([&](int l) DALEMBERT_IN_BLOCK {
         at.row_above[l] = above.first_row[l] + r0, at.left_above[l] = above.length[l] - r0;
         at.row_below[l] = limbs.first_row[l] + c0, at.left_below[l] = above.length[l] > 0 ? limbs.length[l] - c0 : 0;
       });
-      tile_into<elements, kind, width, decltype(rows)::value, decltype(below)::value, false, T>(p, up.from(r0), at, M, C,
-                                                                                                leading);
+      tiles_of<kind, width, decltype(rows)::value, decltype(below)::value, false, T>(Kinds{}, p, up.from(r0), at, matrices,
+                                                                                     leading);
     });
   });
 }
@@ -58,21 +60,22 @@ DALEMBERT_BLOCK void cross_tiles(const Panels<T>& panels, const LimbTable& limbs
 }  // namespace detail
 
 // The block of every limb of a segment with itself, `width` limbs side by side.
-// M, C: nv × nv, column by column; the columns of steps [begin, end), begin a multiple of four.
-template <Elements elements, int width, int steps, class T>
-DALEMBERT_BLOCK void limb_blocks(const Panels<T>& panels, const LimbTable& limbs, T* M, T* C, int leading, int begin, int end) {
+// matrices: column by column, `leading` apart; the columns of steps [begin, end), begin a multiple of four.
+template <class Kinds, int width, int steps, class T, int nl, int nu>
+DALEMBERT_BLOCK void limb_blocks(const Factors<T, nl>& lower, const Factors<T, nu>& upper, const LimbTable& limbs,
+                                 T* const* matrices, int leading, int begin, int end) {
   constexpr bool out = steps <= detail::short_limb;
-  const detail::Upper<T> limb = detail::limb_above<elements, T>(panels, limbs.first_slot, width);
+  const detail::Upper<T, nu> limb = detail::limb_above(upper, limbs.first_slot, width);
   detail::each_tile<out, steps>(begin, end, [&](int c0, auto below) DALEMBERT_IN_BLOCK {
-    const Panels<T> p = detail::moved(panels, limbs.first_slot + c0 * width, has_coriolis(elements));
+    const Factors<T, nl> p = detail::moved(lower, limbs.first_slot + c0 * width);
     const auto tile = [&](int r0, auto rows, auto diagonal) DALEMBERT_IN_BLOCK {
       detail::Place<width> at;
       detail::lanes<width>([&](int l) DALEMBERT_IN_BLOCK {
         at.row_above[l] = limbs.first_row[l] + r0, at.left_above[l] = limbs.length[l] - r0;
         at.row_below[l] = limbs.first_row[l] + c0, at.left_below[l] = limbs.length[l] - c0;
       });
-      detail::tile_into<elements, detail::Above::each, width, decltype(rows)::value, decltype(below)::value,
-                        decltype(diagonal)::value, T>(p, limb.from(r0), at, M, C, leading);
+      detail::tiles_of<detail::Above::each, width, decltype(rows)::value, decltype(below)::value, decltype(diagonal)::value, T>(
+          Kinds{}, p, limb.from(r0), at, matrices, leading);
     };
     detail::repeat<out, (steps - 1) / 4>(
         c0 / 4, [&](int row) DALEMBERT_IN_BLOCK { tile(4 * row, std::integral_constant<int, 4>{}, std::false_type{}); });
@@ -82,33 +85,35 @@ DALEMBERT_BLOCK void limb_blocks(const Panels<T>& panels, const LimbTable& limbs
 
 // The blocks between the limbs of a segment and a limb above each of them, which may be another one for every lane.
 // above_slot: [step][lane], the slots of the limbs above (any slot where a lane has none); above: their rows and lengths.
-template <Elements elements, int width, int steps, int above_steps, class T>
-DALEMBERT_BLOCK void cross_blocks(const Panels<T>& panels, const LimbTable& limbs, const int* above_slot,
-                                  const LimbTable& above, T* M, T* C, int leading, int begin, int end) {
+template <class Kinds, int width, int steps, int above_steps, class T, int nl, int nu>
+DALEMBERT_BLOCK void cross_blocks(const Factors<T, nl>& lower, const Factors<T, nu>& upper, const LimbTable& limbs,
+                                  const int* above_slot, const LimbTable& above, T* const* matrices, int leading, int begin,
+                                  int end) {
   constexpr int stride = above_steps * width;
-  T gathered[12 * stride];
-  const T* sources[4] = {panels.joint_linear, panels.joint_angular, panels.joint_rate,
-                         has_coriolis(elements) ? panels.joint_rate + 3 * panels.stride : nullptr};
-  for (int part = 0; part < (has_coriolis(elements) ? 4 : 2); ++part)
+  T gathered[3 * nu * stride];
+  detail::Upper<T, nu> up{{}, stride, width};
+  for (int f = 0; f < nu; ++f) {
+    up.at[f] = gathered + 3 * f * stride;
     for (int j = 0; j < 3; ++j)
       for (int i = 0; i < above_steps; ++i)
-        store<width, T>(gathered + (3 * part + j) * stride + i * width,
-                        gather<width, T>(sources[part] + j * panels.stride, above_slot + i * width));
-  const detail::Upper<T> up{gathered, gathered + 3 * stride, gathered + 6 * stride, stride, width};
-  detail::cross_tiles<elements, detail::Above::each, width, steps, above_steps, T>(panels, limbs, up, above, M, C, leading,
-                                                                                   begin, end);
+        store<width, T>(gathered + (3 * f + j) * stride + i * width,
+                        gather<width, T>(upper.at[f] + j * upper.stride, above_slot + i * width));
+  }
+  detail::cross_tiles<Kinds, detail::Above::each, width, steps, above_steps, T>(lower, limbs, up, above, matrices, leading,
+                                                                                begin, end);
 }
 
 // The same where one limb is above all lanes that have one: its joints stand in slots first, first + step, ….
-template <Elements elements, int width, int steps, int above_steps, class T>
-DALEMBERT_BLOCK void shared_cross_blocks(const Panels<T>& panels, const LimbTable& limbs, int first, int step,
-                                         const LimbTable& above, T* M, T* C, int leading, int begin, int end) {
-  detail::cross_tiles<elements, detail::Above::one, width, steps, above_steps, T>(
-      panels, limbs, detail::limb_above<elements, T>(panels, first, step), above, M, C, leading, begin, end);
+template <class Kinds, int width, int steps, int above_steps, class T, int nl, int nu>
+DALEMBERT_BLOCK void shared_cross_blocks(const Factors<T, nl>& lower, const Factors<T, nu>& upper, const LimbTable& limbs,
+                                         int first, int step, const LimbTable& above, T* const* matrices, int leading,
+                                         int begin, int end) {
+  detail::cross_tiles<Kinds, detail::Above::one, width, steps, above_steps, T>(
+      lower, limbs, detail::limb_above(upper, first, step), above, matrices, leading, begin, end);
 }
 
-// Rows and columns of a floating base for the limbs of a segment: columns M_BJ = F, C_BJ = G; rows M_JB = Fᵀ, C_JB = Xᵀ.
-// force: six components per slot. The base's six rows come first.
+// Rows and columns of a floating base for the limbs of a segment. force: the six elements per slot. The base's six rows come
+// first.
 template <int width, int steps, class T>
 DALEMBERT_BLOCK void base_columns(const T* force, int stride, const LimbTable& limbs, T* matrix, int leading) {
   constexpr bool out = steps <= detail::short_limb;

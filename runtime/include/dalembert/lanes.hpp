@@ -7,6 +7,8 @@
 
 #include <cstdint>
 #include <cstring>
+#include <initializer_list>
+#include <utility>
 
 #if defined(__GNUC__)
 #pragma GCC diagnostic ignored "-Wpsabi"  // lanes never cross a call: everything here is inlined
@@ -129,6 +131,58 @@ DALEMBERT_INLINE Lanes<T, sizeof...(at)> shuffled(const V& a, const V& b) {
   constexpr int n = sizeof(V) / sizeof(T);
   return Lanes<T, sizeof...(at)>{(at < n ? a[at % n] : b[at % n])...};
 #endif
+}
+
+// The value, as if it had been computed. A loop that stores nothing but a table is taken for a memcpy of constants, which g++
+// 12.2 expands wrongly for targets with AVX-512: it writes 32 bytes {a, a, 0, 0} as {a, a, a, a}.
+template <class V>
+DALEMBERT_INLINE V computed(V x) {
+  __asm__("" : "+m"(x));
+  return x;
+}
+
+// What a loop hands from step to step, and what it hands on at its end. Written out, not loops: arrays that only constants
+// index stay in registers.
+namespace detail {
+
+template <class V, int n, int... i>
+DALEMBERT_INLINE void carry_each(V (&to)[n], const V (&from)[n], std::integer_sequence<int, i...>) {
+  (void)std::initializer_list<int>{(to[i] = from[i], 0)...};
+}
+
+template <class T, int n, int first, int... more>
+DALEMBERT_INLINE T sum_of_lanes(const Lanes<T, n>& x) {
+  T sum = lane<n, T>(x, first);
+  (void)std::initializer_list<int>{0, (sum += lane<n, T>(x, more), 0)...};
+  return sum;
+}
+
+template <bool set, class T>
+DALEMBERT_INLINE T plus(const T& before, T sum) {
+  return set ? sum : before + sum;
+}
+
+template <bool set, int n, int... which, int... i, class V, class T>
+DALEMBERT_INLINE void hand_on(std::integer_sequence<int, i...>, const V& values, int from, T* to, int stride) {
+  (void)std::initializer_list<int>{
+      (to[i * stride] = plus<set>(to[i * stride], sum_of_lanes<T, n, which...>(values[from + i])), 0)...};
+}
+
+}  // namespace detail
+
+template <class V, int n>
+DALEMBERT_INLINE void carry(V (&to)[n], const V (&from)[n]) {
+  detail::carry_each(to, from, std::make_integer_sequence<int, n>{});
+}
+
+// The sum of some lanes of values[from], values[from + 1], …, `count` of them: added to, or set as, to[0], to[stride], …
+template <int n, int count, int... which, class V, class T>
+DALEMBERT_INLINE void add_lanes(const V& values, int from, T* to, int stride) {
+  detail::hand_on<false, n, which...>(std::make_integer_sequence<int, count>{}, values, from, to, stride);
+}
+template <int n, int count, int... which, class V, class T>
+DALEMBERT_INLINE void set_lanes(const V& values, int from, T* to, int stride) {
+  detail::hand_on<true, n, which...>(std::make_integer_sequence<int, count>{}, values, from, to, stride);
 }
 
 }  // namespace dalembert

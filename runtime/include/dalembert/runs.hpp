@@ -26,88 +26,109 @@ DALEMBERT_BLOCK void along(T* to, int count, const Value& value) {
 }
 
 // Σ_j a[j] · b[j][s…], the vectors b taken along slots.
+template <class T>
+DALEMBERT_INLINE Lanes<T, run_lanes> dot_along(const T (&a)[3], const T* b, int stride, int s) {
+  return a[0] * load<run_lanes, T>(b + s) + a[1] * load<run_lanes, T>(b + stride + s) +
+         a[2] * load<run_lanes, T>(b + 2 * stride + s);
+}
+
+// Three components at one slot of every factor.
 template <class T, int n>
-DALEMBERT_INLINE Lanes<T, run_lanes> dot_along(const T (&a)[n], const T* b, int stride, int s) {
-  Lanes<T, run_lanes> sum = a[0] * load<run_lanes, T>(b + s);
-  for (int j = 1; j < n; ++j) sum += a[j] * load<run_lanes, T>(b + j * stride + s);
-  return sum;
+struct Single {
+  T at[n][3];
+
+  Single(const T* const (&factors)[n], int stride, int slot) {
+    for (int f = 0; f < n; ++f)
+      for (int j = 0; j < 3; ++j) at[f][j] = factors[f][j * stride + slot];
+  }
+};
+
+// Column k of the lower limb: the sum of terms with the lower factors of one joint, along the joints above.
+template <class T, int nl, int nu, int lower, int upper>
+DALEMBERT_INLINE Lanes<T, run_lanes> along_above(const Single<T, nl>& k, const Upper<T, nu>& up, int s,
+                                                 Sum<Term<lower, upper>>) {
+  return dot_along<T>(k.at[lower], up.at[upper], up.stride, s);
+}
+template <class T, int nl, int nu, int lower, int upper, class Next, class... Rest>
+DALEMBERT_INLINE Lanes<T, run_lanes> along_above(const Single<T, nl>& k, const Upper<T, nu>& up, int s,
+                                                 Sum<Term<lower, upper>, Next, Rest...>) {
+  return dot_along<T>(k.at[lower], up.at[upper], up.stride, s) + along_above(k, up, s, Sum<Next, Rest...>{});
 }
 
-template <int n, class T>
-DALEMBERT_BLOCK void take(T (&to)[n], const T* from, int stride) {
-  for (int j = 0; j < n; ++j) to[j] = from[j * stride];
+// Column i of the upper limb: the sum of terms with the upper factors of one joint, along the joints below.
+template <class T, int nl, int nu, int lower, int upper>
+DALEMBERT_INLINE Lanes<T, run_lanes> along_below(const Single<T, nu>& i, const Factors<T, nl>& p, int s,
+                                                 Sum<Term<lower, upper>>) {
+  return dot_along<T>(i.at[upper], p.at[lower], p.stride, s);
+}
+template <class T, int nl, int nu, int lower, int upper, class Next, class... Rest>
+DALEMBERT_INLINE Lanes<T, run_lanes> along_below(const Single<T, nu>& i, const Factors<T, nl>& p, int s,
+                                                 Sum<Term<lower, upper>, Next, Rest...>) {
+  return dot_along<T>(i.at[upper], p.at[lower], p.stride, s) + along_below(i, p, s, Sum<Next, Rest...>{});
 }
 
-// Column k of the lower limb over `rows` joints above it that stand in consecutive slots: M_ik and C_ik.
-template <Elements elements, class T>
-DALEMBERT_BLOCK void column_above(const Panels<T>& p, int k, const Upper<T>& up, int rows, T* M, T* C) {
-  T f[6], g[6];
-  if constexpr (has_mass(elements)) {
-    take<6, T>(f, p.inertia_force + k, p.stride);
-    const T fv[3] = {f[0], f[1], f[2]}, fw[3] = {f[3], f[4], f[5]};
-    along<T>(M, rows, [&](int s) DALEMBERT_ALWAYS {
-      return dot_along<T, 3>(fv, up.linear, up.stride, s) + dot_along<T, 3>(fw, up.angular, up.stride, s);
-    });
-  }
-  if constexpr (has_coriolis(elements)) {
-    take<6, T>(g, p.bias_force + k, p.stride);
-    const T gv[3] = {g[0], g[1], g[2]}, gw[3] = {g[3], g[4], g[5]};
-    along<T>(C, rows, [&](int s) DALEMBERT_ALWAYS {
-      return dot_along<T, 3>(gv, up.linear, up.stride, s) + dot_along<T, 3>(gw, up.angular, up.stride, s);
-    });
-  }
+template <class AboveSum>
+AboveSum below_of(Symmetric<AboveSum>);
+template <class AboveSum, class BelowSum>
+BelowSum below_of(Square<AboveSum, BelowSum>);
+
+// Column k of the lower limb over `rows` joints above it that stand in consecutive slots.
+template <class T, int nl, int nu, class... Kinds>
+DALEMBERT_BLOCK void column_above(Matrices<Kinds...>, const Factors<T, nl>& p, int k, const Upper<T, nu>& up, int rows,
+                                  T* const* matrices, int at) {
+  const Single<T, nl> single(p.at, p.stride, k);
+  int m = 0;
+  (void)std::initializer_list<int>{
+      (along<T>(matrices[m++] + at, rows,
+                [&](int s) DALEMBERT_IN_BLOCK { return along_above(single, up, s, typename Kinds::Above{}); }),
+       0)...};
 }
 
-// Column i of the upper limb over `rows` joints below it, from slot `first` on: M_ki and C_ki.
-template <Elements elements, class T>
-DALEMBERT_BLOCK void column_below(const Panels<T>& p, int first, int rows, const Upper<T>& up, int i, T* M, T* C) {
-  T v[3], w[3], d[6];
-  take<3, T>(v, up.linear + i, up.stride);
-  take<3, T>(w, up.angular + i, up.stride);
-  const T *f = p.inertia_force + first, *fw = f + 3 * p.stride, *h = p.transposed + first;
-  if constexpr (has_mass(elements))
-    along<T>(M, rows,
-             [&](int s) DALEMBERT_ALWAYS { return dot_along<T, 3>(v, f, p.stride, s) + dot_along<T, 3>(w, fw, p.stride, s); });
-  if constexpr (has_coriolis(elements)) {
-    take<6, T>(d, up.rate + i, up.stride);
-    along<T>(C, rows,
-             [&](int s) DALEMBERT_ALWAYS { return dot_along<T, 6>(d, f, p.stride, s) + dot_along<T, 3>(w, h, p.stride, s); });
-  }
+// Column i of the upper limb over `rows` joints below it, from slot `first` on.
+template <class T, int nl, int nu, class... Kinds>
+DALEMBERT_BLOCK void column_below(Matrices<Kinds...>, const Factors<T, nl>& p, int first, int rows, const Upper<T, nu>& up,
+                                  int i, T* const* matrices, int at) {
+  const Single<T, nu> single(up.at, up.stride, i * up.step);
+  const Factors<T, nl> from = moved(p, first);
+  int m = 0;
+  (void)std::initializer_list<int>{
+      (along<T>(matrices[m++] + at, rows,
+                [&](int s) DALEMBERT_IN_BLOCK { return along_below(single, from, s, decltype(below_of(Kinds{})){}); }),
+       0)...};
 }
 
 }  // namespace detail
 
 // The block of the limb with itself; columns [begin, end).
-template <Elements elements, class T>
-DALEMBERT_BLOCK void run_block(const Panels<T>& p, int first_slot, int first_row, int steps, T* M, T* C, int leading, int begin,
-                               int end) {
-  const detail::Upper<T> up{p.joint_linear + first_slot, p.joint_angular + first_slot, p.joint_rate + first_slot, p.stride, 1};
+template <class Kinds, class T, int nl, int nu>
+DALEMBERT_BLOCK void run_block(const Factors<T, nl>& lower, const Factors<T, nu>& upper, int first_slot, int first_row,
+                               int steps, T* const* matrices, int leading, int begin, int end) {
+  const detail::Upper<T, nu> up = detail::limb_above(upper, first_slot, 1);
   for (int k = begin; k < end; ++k) {
-    T *m = M + (first_row + k) * leading + first_row, *c = C + (first_row + k) * leading + first_row;
-    detail::column_above<elements, T>(p, first_slot + k, up, k + 1, m, c);
-    detail::column_below<elements, T>(p, first_slot + k + 1, steps - k - 1, up, k, m + k + 1, c + k + 1);
+    const int at = (first_row + k) * leading + first_row;
+    detail::column_above<T>(Kinds{}, lower, first_slot + k, up, k + 1, matrices, at);
+    detail::column_below<T>(Kinds{}, lower, first_slot + k + 1, steps - k - 1, up, k, matrices, at + k + 1);
   }
 }
 
 // The block between the limb and a limb above it, whose steps have slots above_slot[0…]; columns [begin, end) of the limb.
-template <Elements elements, int above_steps, class T>
-DALEMBERT_BLOCK void run_cross_block(const Panels<T>& p, int first_slot, int first_row, const int* above_slot, int above_row,
-                                     T* M, T* C, int leading, int begin, int end) {
+template <class Kinds, int above_steps, class T, int nl, int nu>
+DALEMBERT_BLOCK void run_cross_block(const Factors<T, nl>& lower, const Factors<T, nu>& upper, int first_slot, int first_row,
+                                     const int* above_slot, int above_row, T* const* matrices, int leading, int begin,
+                                     int end) {
   constexpr int stride = padded(above_steps);
-  T gathered[12 * stride] = {};
-  const T* sources[4] = {p.joint_linear, p.joint_angular, p.joint_rate, p.joint_rate + 3 * p.stride};
-  for (int part = 0; part < (has_coriolis(elements) ? 4 : 2); ++part)
+  T gathered[3 * nu * stride] = {};
+  detail::Upper<T, nu> up{{}, stride, 1};
+  for (int f = 0; f < nu; ++f) {
+    up.at[f] = gathered + 3 * f * stride;
     for (int j = 0; j < 3; ++j)
-      for (int i = 0; i < above_steps; ++i) gathered[(3 * part + j) * stride + i] = sources[part][j * p.stride + above_slot[i]];
-  const detail::Upper<T> up{gathered, gathered + 3 * stride, gathered + 6 * stride, stride, 1};
-  for (int k = begin; k < end; ++k) {
-    const int at = (first_row + k) * leading + above_row;
-    detail::column_above<elements, T>(p, first_slot + k, up, above_steps, M + at, C + at);
+      for (int i = 0; i < above_steps; ++i) gathered[(3 * f + j) * stride + i] = upper.at[f][j * upper.stride + above_slot[i]];
   }
-  for (int i = 0; i < above_steps; ++i) {
-    const int at = (above_row + i) * leading + first_row + begin;
-    detail::column_below<elements, T>(p, first_slot + begin, end - begin, up, i, M + at, C + at);
-  }
+  for (int k = begin; k < end; ++k)
+    detail::column_above<T>(Kinds{}, lower, first_slot + k, up, above_steps, matrices, (first_row + k) * leading + above_row);
+  for (int i = 0; i < above_steps; ++i)
+    detail::column_below<T>(Kinds{}, lower, first_slot + begin, end - begin, up, i, matrices,
+                            (above_row + i) * leading + first_row + begin);
 }
 
 // Rows and columns of a floating base.

@@ -1,5 +1,5 @@
-// Tiles of M and C: four joints by four, for as many limbs at once as there are lanes, filled from twists and wrenches and
-// stored as columns (Shin, Park and Park 2016, eq. 31-39; the equations stand in blocks.hpp).
+// Tiles of matrices of pairs: four joints by four, for as many limbs at once as there are lanes, filled with products of
+// factors of the lower and of the upper joints and stored as columns (Shin, Park and Park 2016, eq. 31-39; see blocks.hpp).
 //
 // Every function is inlined into a block of blocks.hpp, whose sizes are constants: what depends on them alone costs nothing.
 #pragma once
@@ -12,21 +12,36 @@
 
 namespace dalembert {
 
-// Twists and wrenches of all slots, component by component: component j of slot s at [j * stride + s]. Linear parts first.
-template <class T>
-struct Panels {
-  const T* joint_linear;   // J, 3
-  const T* joint_angular;  // J, 3
-  const T* joint_rate;     // J̇, 6
-  const T* inertia_force;  // F, 6
-  const T* bias_force;     // G, 6
-  const T* transposed;     // H, 3
+// What the elements are made of: three components of a value of the joints, for all slots; component j of slot s stands at
+// at[factor][j * stride + s].
+template <class T, int n>
+struct Factors {
+  const T* at[n];
   int stride;
 };
 
-enum class Elements { mass = 1, coriolis = 2, both = 3 };
-constexpr bool has_mass(Elements e) { return (static_cast<int>(e) & 1) != 0; }
-constexpr bool has_coriolis(Elements e) { return (static_cast<int>(e) & 2) != 0; }
+// Elements as sums of products of a lower factor and an upper one, by their numbers.
+template <int lower, int upper>
+struct Term {};
+template <class... Terms>
+struct Sum {};
+
+// A matrix with the element (i, k) = Above and (k, i) = Below, i above k; the diagonal is Above's.
+template <class AboveSum, class BelowSum>
+struct Square {
+  using Above = AboveSum;
+  using Below = BelowSum;
+};
+// … with the element (k, i) = (i, k).
+template <class AboveSum>
+struct Symmetric {
+  using Above = AboveSum;
+};
+// All that are filled together.
+template <class... Kinds>
+struct Matrices {
+  static constexpr int count = sizeof...(Kinds);
+};
 
 namespace detail {
 
@@ -129,15 +144,17 @@ DALEMBERT_INLINE void load_all(Lanes<T, n>* to, const T* from, int count, int st
 
 constexpr int least(int a, int b) { return a < b ? a : b; }
 
-// J and J̇ of the joints above, a row per component; J̇ null without C.
-template <class T>
+// The factors of the joints above, from one of them on.
+template <class T, int n>
 struct Upper {
-  const T *linear, *angular, *rate;
+  const T* at[n];
   int stride;  // from component to component
   int step;    // from joint to joint
 
   Upper from(int joint) const {
-    return {linear + joint * step, angular + joint * step, rate == nullptr ? nullptr : rate + joint * step, stride, step};
+    Upper moved = *this;
+    for (int f = 0; f < n; ++f) moved.at[f] += joint * step;
+    return moved;
   }
 };
 
@@ -185,11 +202,27 @@ template <Part part, Above kind, int width, int rows, int columns, class T>
 struct Products {
   int below_stride, above_step, above_stride;
 
-  DALEMBERT_INLINE void start(Tile<width, T>& tile, const T* below, const T* above) const {
-    products<true, part, kind, width, rows, columns, T>(tile, below, below_stride, above, above_step, above_stride);
+  // The sum of the terms, factor by factor.
+  template <int nl, int nu, int lower, int upper, class... Rest>
+  DALEMBERT_INLINE void fill(Tile<width, T>& tile, const Factors<T, nl>& below, const Upper<T, nu>& above,
+                            Sum<Term<lower, upper>, Rest...>) const {
+    sum<true>(tile, below.at[lower], above.at[upper]);
+    add(tile, below, above, Sum<Rest...>{});
   }
-  DALEMBERT_INLINE void add(Tile<width, T>& tile, const T* below, const T* above) const {
-    products<false, part, kind, width, rows, columns, T>(tile, below, below_stride, above, above_step, above_stride);
+
+ private:
+  template <int nl, int nu>
+  DALEMBERT_INLINE void add(Tile<width, T>&, const Factors<T, nl>&, const Upper<T, nu>&, Sum<>) const {}
+  template <int nl, int nu, int lower, int upper, class... Rest>
+  DALEMBERT_INLINE void add(Tile<width, T>& tile, const Factors<T, nl>& below, const Upper<T, nu>& above,
+                           Sum<Term<lower, upper>, Rest...>) const {
+    sum<false>(tile, below.at[lower], above.at[upper]);
+    add(tile, below, above, Sum<Rest...>{});
+  }
+
+  template <bool from_zero>
+  DALEMBERT_INLINE void sum(Tile<width, T>& tile, const T* below, const T* above) const {
+    products<from_zero, part, kind, width, rows, columns, T>(tile, below, below_stride, above, above_step, above_stride);
   }
 };
 
@@ -266,36 +299,42 @@ DALEMBERT_BLOCK void put(T* matrix, int leading, const Tile<width, T>& tile, con
 }
 
 // Both triangles of an off-diagonal tile of `rows` joints above by `columns` below, or the whole of a diagonal one.
-template <Elements elements, Above kind, int width, int rows, int columns, bool diagonal, class T>
-DALEMBERT_BLOCK void tile_into(const Panels<T>& p, const Upper<T>& up, const Place<width>& at, T* M, T* C, int leading) {
-  const Products<diagonal ? Part::upper : Part::all, kind, width, rows, columns, T> above{p.stride, up.step, up.stride};
-  const Products<diagonal ? Part::strictly_upper : Part::all, kind, width, rows, columns, T> below{p.stride, up.step,
-                                                                                                   up.stride};
-  const T *v = up.linear, *w = up.angular, *d = up.rate;
-  if constexpr (has_mass(elements)) {
-    Tile<width, T> m;
-    above.start(m, p.inertia_force, v);
-    above.add(m, p.inertia_force + 3 * p.stride, w);
-    if constexpr (diagonal) mirror<rows, width, T>(m, m);
-    put<false, rows, columns, width, T>(M, leading, m, at);
-    if constexpr (!diagonal) put<true, rows, columns, width, T>(M, leading, m, at);
+template <Above kind, int width, int rows, int columns, bool diagonal, class T, int nl, int nu, class AboveSum>
+DALEMBERT_BLOCK void tile_of(Symmetric<AboveSum>, const Factors<T, nl>& lower, const Upper<T, nu>& up, const Place<width>& at,
+                             T* matrix, int leading) {
+  const Products<diagonal ? Part::upper : Part::all, kind, width, rows, columns, T> products{lower.stride, up.step, up.stride};
+  Tile<width, T> m;
+  products.fill(m, lower, up, AboveSum{});
+  if constexpr (diagonal) mirror<rows, width, T>(m, m);
+  put<false, rows, columns, width, T>(matrix, leading, m, at);
+  if constexpr (!diagonal) put<true, rows, columns, width, T>(matrix, leading, m, at);
+}
+template <Above kind, int width, int rows, int columns, bool diagonal, class T, int nl, int nu, class AboveSum, class BelowSum>
+DALEMBERT_BLOCK void tile_of(Square<AboveSum, BelowSum>, const Factors<T, nl>& lower, const Upper<T, nu>& up,
+                             const Place<width>& at, T* matrix, int leading) {
+  const Products<diagonal ? Part::upper : Part::all, kind, width, rows, columns, T> products{lower.stride, up.step, up.stride};
+  const Products<diagonal ? Part::strictly_upper : Part::all, kind, width, rows, columns, T> others{lower.stride, up.step,
+                                                                                                    up.stride};
+  Tile<width, T> above;  // element (i, k)
+  products.fill(above, lower, up, AboveSum{});
+  if constexpr (!diagonal) put<false, rows, columns, width, T>(matrix, leading, above, at);
+  Tile<width, T> below;  // element (k, i)
+  others.fill(below, lower, up, BelowSum{});
+  if constexpr (diagonal) {
+    mirror<rows, width, T>(above, below);
+    put<false, rows, columns, width, T>(matrix, leading, above, at);
+  } else {
+    put<true, rows, columns, width, T>(matrix, leading, below, at);
   }
-  if constexpr (has_coriolis(elements)) {
-    Tile<width, T> c_above;  // C_ik
-    above.start(c_above, p.bias_force, v);
-    above.add(c_above, p.bias_force + 3 * p.stride, w);
-    if constexpr (!diagonal) put<false, rows, columns, width, T>(C, leading, c_above, at);
-    Tile<width, T> c_below;  // C_ki
-    below.start(c_below, p.inertia_force, d);
-    below.add(c_below, p.inertia_force + 3 * p.stride, d + 3 * up.stride);
-    below.add(c_below, p.transposed, w);
-    if constexpr (diagonal) {
-      mirror<rows, width, T>(c_above, c_below);
-      put<false, rows, columns, width, T>(C, leading, c_above, at);
-    } else {
-      put<true, rows, columns, width, T>(C, leading, c_below, at);
-    }
-  }
+}
+
+// The same tile of every matrix.
+template <Above kind, int width, int rows, int columns, bool diagonal, class T, int nl, int nu, class... Kinds>
+DALEMBERT_BLOCK void tiles_of(Matrices<Kinds...>, const Factors<T, nl>& lower, const Upper<T, nu>& up, const Place<width>& at,
+                              T* const* matrices, int leading) {
+  int m = 0;
+  (void)std::initializer_list<int>{
+      (tile_of<kind, width, rows, columns, diagonal, T>(Kinds{}, lower, up, at, matrices[m++], leading), 0)...};
 }
 
 }  // namespace detail

@@ -1,0 +1,266 @@
+#include "backend/emit_pairs.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "backend/graph_printer.hpp"
+#include "backend/kept.hpp"
+#include "backend/literals.hpp"
+
+namespace dalembert::backend {
+namespace {
+
+// The limb that holds a body: its bodies, and the body it hangs on.
+std::pair<std::vector<int>, int> limb_of(const CodeInput& code, int body) {
+  for (const ir::Segment& s : code.plan.segments)
+    for (size_t lane = 0; lane < s.bodies.size(); ++lane) {
+      if (std::find(s.bodies[lane].begin(), s.bodies[lane].end(), body) == s.bodies[lane].end()) continue;
+      std::vector<int> limb = s.bodies[lane];
+      std::erase(limb, -1);
+      return {limb, s.parents[lane]};
+    }
+  return {{}, -1};
+}
+
+// The limbs above a limb that hangs on `parent`, as bodies, the one nearest the base first.
+std::vector<std::vector<int>> limbs_above(const CodeInput& code, int parent) {
+  std::vector<std::vector<int>> above;
+  while (parent >= 0) {
+    auto [limb, next] = limb_of(code, parent);
+    above.insert(above.begin(), std::move(limb));
+    parent = next;
+  }
+  return above;
+}
+
+// The limbs at one level above a segment, lane by lane; empty where a lane has none there. Levels count from the base: that
+// is where most lanes have the same limb above them.
+struct Above {
+  std::vector<std::vector<int>> limbs;
+  size_t steps = 0;
+
+  // The one limb that is above all lanes that have a limb above them; empty where there are several.
+  std::vector<int> shared() const {
+    std::vector<int> one;
+    for (const auto& limb : limbs) {
+      if (!one.empty() && !limb.empty() && limb != one) return {};
+      if (!limb.empty()) one = limb;
+    }
+    return one;
+  }
+};
+
+std::vector<Above> all_above(const CodeInput& code, const ir::Segment& segment) {
+  std::vector<Above> levels;
+  for (size_t lane = 0; lane < segment.parents.size(); ++lane) {
+    auto limbs = limbs_above(code, segment.parents[lane]);
+    if (limbs.size() > levels.size()) levels.resize(limbs.size(), {std::vector<std::vector<int>>(segment.parents.size()), 0});
+    for (size_t level = 0; level < limbs.size(); ++level) {
+      levels[level].steps = std::max(levels[level].steps, limbs[level].size());
+      levels[level].limbs[lane] = std::move(limbs[level]);
+    }
+  }
+  return levels;
+}
+
+std::string ints(const std::string& name, const std::vector<int>& values) {
+  std::vector<std::string> texts;
+  for (int x : values) texts.push_back(std::to_string(x));
+  return fmt::format("constexpr int {}[] = {{{}{}}};\n", name, texts.size() > 16 ? "\n    " : "", wrapped(texts, 4));
+}
+
+// First row and length of each lane's limb.
+void rows_of(const CodeInput& code, const std::vector<std::vector<int>>& limbs, std::vector<int>& first,
+             std::vector<int>& length) {
+  for (const auto& limb : limbs) {
+    const int real = static_cast<int>(std::count_if(limb.begin(), limb.end(), [](int b) { return b >= 0; }));
+    first.push_back(real > 0 ? base_rows(code) + limb.front() : 0);
+    length.push_back(real);
+  }
+}
+
+// Three components of a role, as a factor of elements.
+using Factor = std::pair<int, int>;  // role, first component
+
+int number_of(std::vector<Factor>& factors, const Factor& factor) {
+  const auto at = std::find(factors.begin(), factors.end(), factor);
+  if (at != factors.end()) return static_cast<int>(at - factors.begin());
+  factors.push_back(factor);
+  return static_cast<int>(factors.size()) - 1;
+}
+
+// The factors of all matrices, each once, and the type that says how elements are made of them.
+struct Products {
+  std::vector<Factor> lower, upper;
+  std::string type;
+
+  explicit Products(const CodeInput& code) {
+    std::vector<std::string> kinds;
+    for (const ir::Pairs& p : code.algorithm.pairs)
+      kinds.push_back(p.symmetric ? fmt::format("dalembert::Symmetric<{}>", sum(p.above))
+                                  : fmt::format("dalembert::Square<{}, {}>", sum(p.above), sum(p.below)));
+    type = fmt::format("dalembert::Matrices<{}>", fmt::join(kinds, ",\n                                   "));
+  }
+  std::string sum(const std::vector<ir::PairTerm>& terms) {
+    std::vector<std::string> texts;
+    for (const ir::PairTerm& t : terms)
+      texts.push_back(fmt::format("dalembert::Term<{}, {}>", number_of(lower, {t.lower, t.lower_from}),
+                                  number_of(upper, {t.upper, t.upper_from})));
+    return fmt::format("dalembert::Sum<{}>", fmt::join(texts, ", "));
+  }
+};
+
+std::string factors_text(const CodeInput& code, const std::string& name, const std::vector<Factor>& factors) {
+  std::vector<std::string> texts;
+  for (const auto& [role, component] : factors) texts.push_back(kept(code, role, component));
+  return fmt::format("  const dalembert::Factors<Scalar, {}> {}{{{{{}}}, {}}};\n", factors.size(), name, fmt::join(texts, ", "),
+                     stride(code));
+}
+
+std::string matrix_of(const CodeInput& code, const ir::Pairs& p) {
+  const std::string& name = code.algorithm.arrays[static_cast<size_t>(p.array)].name;
+  return has_driven(code) ? fmt::format("kept.expanded_{}[0]", name) : "workspace." + name;
+}
+
+}  // namespace
+
+bool elements_split(const ir::Segment& segment) { return segment.steps > 8; }
+
+std::string pairs_types(const CodeInput& code) {
+  if (code.algorithm.pairs.empty()) return "";
+  std::string text;
+  for (const ir::Pairs& p : code.algorithm.pairs)
+    text += fmt::format("// {}: {}\n", code.algorithm.arrays[static_cast<size_t>(p.array)].name, p.equation);
+  return "\n" + text + fmt::format("using Elements = {};\n", Products(code).type);
+}
+
+std::string limb_tables(const CodeInput& code, size_t segment) {
+  if (code.algorithm.pairs.empty()) return "";
+  const ir::Segment& s = code.plan.segments[segment];
+  std::string text;
+  std::vector<int> first, length;
+  rows_of(code, s.bodies, first, length);
+  if (s.width > 1) text += ints(s.name + "_row", first) + ints(s.name + "_length", length);
+  const std::vector<Above> levels = all_above(code, s);
+  for (size_t level = 0; level < levels.size(); ++level) {
+    const Above& a = levels[level];
+    std::vector<int> above_first, above_length, slots;
+    rows_of(code, a.limbs, above_first, above_length);
+    for (size_t step = 0; step < a.steps; ++step)
+      for (const auto& limb : a.limbs) slots.push_back(step < limb.size() ? slot_of(code, limb[step]) : slot_of(code, -1));
+    const std::string prefix = fmt::format("{}_above_{}", s.name, level + 1);
+    if (s.width == 1 || a.shared().empty()) text += ints(prefix + "_slot", slots);
+    if (s.width > 1) text += ints(prefix + "_row", above_first) + ints(prefix + "_length", above_length);
+  }
+  return text;
+}
+
+std::string elements_stage(const CodeInput& code, size_t segment) {
+  const ir::Segment& s = code.plan.segments[segment];
+  const Products products(code);
+  std::vector<std::string> matrices, equations;
+  for (const ir::Pairs& p : code.algorithm.pairs) {
+    matrices.push_back(matrix_of(code, p));
+    equations.push_back(p.equation);
+  }
+  const std::string rows = has_driven(code) ? std::to_string(expanded_rows(code)) : "nv";
+  std::string text = fmt::format("  // {}\n", fmt::join(equations, ". "));
+  text += factors_text(code, "lower", products.lower) + factors_text(code, "upper", products.upper);
+  text += fmt::format("  Scalar* const matrices[] = {{{}}};\n", fmt::join(matrices, ", "));
+  const std::vector<Above> levels = all_above(code, s);
+  const std::string end = rows + (elements_split(s) ? ", begin, end" : fmt::format(", 0, {}", s.steps));
+  const int row = s.width > 1 ? 0 : base_rows(code) + s.bodies[0].front();
+  if (s.width > 1) {
+    text += fmt::format("  constexpr dalembert::LimbTable limbs{{{0}_row, {0}_length, {1}}};\n", s.name, s.first_slot);
+    text += fmt::format("  dalembert::limb_blocks<Elements, {}, {}, Scalar>(lower, upper, limbs, matrices, {});\n", s.width,
+                        s.steps, end);
+    for (size_t level = 0; level < levels.size(); ++level) {
+      const std::vector<int> one = levels[level].shared();
+      const int first = one.empty() ? 0 : slot_of(code, one.front());
+      const std::string slots = one.empty()
+                                    ? fmt::format("limbs, {}_above_{}_slot", s.name, level + 1)
+                                    : fmt::format("limbs, {}, {}", first, one.size() == 1 ? 0 : slot_of(code, one[1]) - first);
+      text += fmt::format(
+          "  constexpr dalembert::LimbTable above_{1}{{{0}_above_{1}_row, {0}_above_{1}_length, 0}};\n"
+          "  dalembert::{2}cross_blocks<Elements, {3}, {4}, {5}, Scalar>(lower, upper, {6}, above_{1}, matrices, {7});\n",
+          s.name, level + 1, one.empty() ? "" : "shared_", s.width, s.steps, levels[level].steps, slots, end);
+    }
+  } else {
+    text += fmt::format("  dalembert::run_block<Elements, Scalar>(lower, upper, {}, {}, {}, matrices, {});\n", s.first_slot,
+                        row, s.steps, end);
+    for (size_t level = 0; level < levels.size(); ++level)
+      text += fmt::format(
+          "  dalembert::run_cross_block<Elements, {}, Scalar>(lower, upper, {}, {}, {}_above_{}_slot, {}, matrices, {});\n",
+          levels[level].steps, s.first_slot, row, s.name, level + 1, base_rows(code) + levels[level].limbs[0].front(), end);
+  }
+  if (!code.tree.floating_base) return text;
+  const auto base = [&](const char* what, int role, const std::string& matrix) {
+    return s.width > 1 ? fmt::format("  dalembert::base_{}<{}, {}, Scalar>({}, {}, limbs, {}, {});\n", what, s.width, s.steps,
+                                     kept(code, role, 0), stride(code), matrix, rows)
+                       : fmt::format("  dalembert::run_base_{}<Scalar>({}, {}, {}, {}, {}, {}, {});\n", what,
+                                     kept(code, role, 0), stride(code), s.first_slot, row, s.steps, matrix, rows);
+  };
+  text += "  // The base's rows and columns.\n";
+  if (elements_split(s)) text += "  if (begin > 0) return;\n";
+  for (size_t p = 0; p < matrices.size(); ++p) {
+    text += base("columns", code.rolled.pairs[p].columns, matrices[p]);
+    if (code.rolled.pairs[p].rows >= 0) text += base("rows", code.rolled.pairs[p].rows, matrices[p]);
+  }
+  return text;
+}
+
+std::string projection_tables(const CodeInput& code) {
+  if (code.algorithm.projections.empty()) return "";
+  std::vector<int> slots, parents, rows;
+  const std::vector<int> coordinates = code.tree.coordinates();
+  for (int k = 0; k < code.tree.joints(); ++k) {
+    slots.push_back(slot_of(code, k));
+    parents.push_back(code.tree.bodies[static_cast<size_t>(k)].parent);
+    rows.push_back(base_rows(code) + coordinates[static_cast<size_t>(k)]);
+  }
+  return ints("body_slot", slots) + ints("body_parent", parents) + (has_driven(code) ? ints("body_row", rows) : "");
+}
+
+std::string projection_statements(const CodeInput& code) {
+  std::string text;
+  for (const ir::Projection& p : code.algorithm.projections) {
+    const ir::OutputArray& array = code.algorithm.arrays[static_cast<size_t>(p.array)];
+    const int columns = static_cast<int>(p.columns.size()), bases = code.tree.floating_base ? 1 : 0;
+    const auto elements = [&](const std::string& row, const std::string& indent, const auto& upper) {
+      PrintStyle style;
+      style.type = "Scalar";
+      style.scalar = code.scene.scalar;
+      style.indent = indent;
+      style.input = [&](const ir::Input& in) {
+        return in.kind == ir::InputKind::state ? fmt::format("{}[s]", kept(code, in.index, in.component)) : upper(in);
+      };
+      std::vector<Sink> sinks;
+      for (int c = 0; c < columns; ++c)
+        sinks.push_back({p.columns[static_cast<size_t>(c)],
+                         fmt::format("to[{} + {} * {}] {}= ", row, array.rows, c, has_driven(code) ? "+" : ""), ";"});
+      return print(p.graph, sinks, style);
+    };
+    text += fmt::format("  // {}\n  for (int body = 0; body < {}; ++body) {{\n    const int s = body_slot[body];\n", p.equation,
+                        code.tree.joints());
+    text += fmt::format("    Scalar* const to = workspace.{} + {} * (body + {});\n", array.name, array.rows * columns, bases);
+    if (has_driven(code)) text += fmt::format("    for (int i = 0; i < {}; ++i) to[i] = 0;\n", array.rows * columns);
+    text += "    for (int joint = body; joint >= 0; joint = body_parent[joint]) {\n      const int i = body_slot[joint];\n";
+    text += elements(has_driven(code) ? "body_row[joint]" : fmt::format("{} + joint", base_rows(code)), "      ",
+                     [&](const ir::Input& in) { return fmt::format("{}[i]", kept(code, in.index, in.component)); });
+    text += "    }\n";
+    for (int j = 0; j < base_rows(code); ++j)
+      text += "    {\n" +
+              elements(std::to_string(j), "      ",
+                       [&](const ir::Input& in) {
+                         return fmt::format("Scalar({})", literal(code.rolled.base_coordinates.at({in.index, in.component, j}),
+                                                                  code.scene.scalar));
+                       }) +
+              "    }\n";
+    text += "  }\n";
+  }
+  return text;
+}
+
+}  // namespace dalembert::backend

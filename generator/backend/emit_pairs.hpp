@@ -1,0 +1,27 @@
+// Matrices of pairs and projections in the rolled form: calls of the runtime's block products with the robot's own sizes and
+// tables (runtime/include/dalembert/blocks.hpp).
+#pragma once
+
+#include <string>
+
+#include "backend/emit.hpp"
+
+namespace dalembert::backend {
+
+// How the elements of all matrices are made of their factors, as a type.
+std::string pairs_types(const CodeInput& code);
+
+// Rows, lengths and slots of the segment's limbs and of the limbs above them.
+std::string limb_tables(const CodeInput& code, size_t segment);
+
+// Whether the segment's elements can be computed a range of columns at a time: long limbs, whose blocks are loops.
+bool elements_split(const ir::Segment& segment);
+
+// Statements for the elements in the columns of steps [begin, end) of the segment.
+std::string elements_stage(const CodeInput& code, size_t segment);
+
+// Tables and statements of the projections; empty where there is none.
+std::string projection_tables(const CodeInput& code);
+std::string projection_statements(const CodeInput& code);
+
+}  // namespace dalembert::backend

@@ -1,0 +1,173 @@
+#include "backend/emit_prepare.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "backend/kept.hpp"
+#include "backend/literals.hpp"
+
+namespace dalembert::backend {
+namespace {
+
+using ir::Source;
+
+// Kept roles of one source; −1 where there is none.
+int role_of(const CodeInput& code, Source source, bool held) {
+  for (size_t r = 0; r < code.rolled.roles.size(); ++r)
+    if (code.rolled.roles[r].source == source && code.rolled.roles[r].held == held && is_kept(code, static_cast<int>(r)))
+      return static_cast<int>(r);
+  return -1;
+}
+
+struct Joints {
+  std::vector<int> turning, sliding;
+  explicit Joints(const CodeInput& code) {
+    for (int k = 0; k < code.tree.joints(); ++k)
+      (code.tree.bodies[static_cast<size_t>(k)].prismatic() ? sliding : turning).push_back(k);
+  }
+};
+
+bool sines(const CodeInput& code, bool held) {
+  return role_of(code, Source::sine, held) >= 0 || role_of(code, Source::cosine, held) >= 0;
+}
+
+// All joints turn, and each by a coordinate of its own.
+bool plain(const CodeInput& code) { return Joints(code).sliding.empty() && !has_driven(code); }
+
+// The coordinate of every slot's joint; where a lane has no body left, its last joint's.
+std::vector<int> coordinates_of_slots(const CodeInput& code) {
+  const std::vector<int> coordinates = code.tree.coordinates();
+  std::vector<int> of(static_cast<size_t>(code.plan.slots), 0);
+  for (const ir::Segment& s : code.plan.segments)
+    for (int lane = 0; lane < s.width; ++lane) {
+      int last = 0;
+      for (int step = 0; step < s.steps; ++step) {
+        const int body = s.bodies[static_cast<size_t>(lane)][static_cast<size_t>(step)];
+        if (body >= 0) last = coordinates[static_cast<size_t>(body)];
+        of[static_cast<size_t>(s.first_slot + step * s.width + lane)] = last;
+      }
+    }
+  return of;
+}
+
+// The position of a joint as a number of q.
+std::string position(const CodeInput& code, int body) {
+  const ir::Body& joint = code.tree.bodies[static_cast<size_t>(body)];
+  const std::string q = fmt::format("q[{}]", base_positions(code) + code.tree.coordinates()[static_cast<size_t>(body)]);
+  if (!joint.driven()) return q;
+  return fmt::format("{} * {} + {}", literal(joint.multiplier, code.scene.scalar), q, literal(joint.offset, code.scene.scalar));
+}
+
+std::string int_table(const std::string& name, const std::vector<int>& values) {
+  std::vector<std::string> texts;
+  for (int x : values) texts.push_back(std::to_string(x));
+  return fmt::format("constexpr int {}[] = {{\n    {}}};\n", name, wrapped(texts, 4));
+}
+
+// The positions of the joints of one kind, to an array with a place per slot; joints that are held are left out.
+std::string spread(const CodeInput& code, const std::string& array, const std::string& kind, const std::vector<int>& joints,
+                   bool held) {
+  std::vector<std::string> apart;
+  std::string skip, text;
+  for (int k : joints) {
+    const ir::Body& joint = code.tree.bodies[static_cast<size_t>(k)];
+    const bool rests = held && code.tree.carries_reference(static_cast<size_t>(k));
+    if (rests) apart.push_back(fmt::format("k == {}", &k - joints.data()));
+    if (joint.driven() && !rests)
+      text += fmt::format("  {}[{}] = {};  // driven\n", array, slot_of(code, k), position(code, k));
+  }
+  if (!apart.empty()) skip = fmt::format("if (!({})) ", fmt::join(apart, " || "));
+  // Driven joints are set after the loop, which takes their drivers' positions for them.
+  return fmt::format("  for (int k = 0; k < {0}; ++k) {1}{2}[{3}_slot[k]] = q[{4} + {3}_joint[k]];\n{5}", joints.size(), skip,
+                     array, kind, base_positions(code), text);
+}
+
+std::string at_rest(const CodeInput& code, int sine, int cosine) {
+  std::string text;
+  for (int k = 0; k < code.tree.joints(); ++k) {
+    if (!code.tree.carries_reference(static_cast<size_t>(k))) continue;
+    if (sine >= 0) text += fmt::format("  {}[{}] = 0;\n", kept(code, sine, 0), slot_of(code, k));
+    if (cosine >= 0) text += fmt::format("  {}[{}] = 1;\n", kept(code, cosine, 0), slot_of(code, k));
+  }
+  return text;
+}
+
+std::string sines_text(const CodeInput& code, bool held) {
+  const Joints joints(code);
+  if (joints.turning.empty()) return "";
+  const int sine = role_of(code, Source::sine, held), cosine = role_of(code, Source::cosine, held);
+  const std::string s = kept(code, sine, 0), c = kept(code, cosine, 0);
+  if (!plain(code))
+    return "  // Sines and cosines of all angles together; slots without a turning joint stay at zero.\n" +
+           spread(code, "kept.angle[0]", "turning", joints.turning, held) +
+           fmt::format("  dalembert::sincos<{}>(kept.angle[0], {}, {});\n", code.plan.slots, s, c);
+  std::string text = "  // Sines and cosines of all angles together.\n";
+  for (const ir::Segment& segment : code.plan.segments)
+    text += fmt::format("  dalembert::sincos_at<{0}>(q + {1}, slot_joint + {2}, {3} + {2}, {4} + {2});\n",
+                        (segment.slots() + 3) / 4 * 4, base_positions(code), segment.first_slot, s, c);
+  return text;
+}
+
+}  // namespace
+
+bool needs_angles(const CodeInput& code) {
+  return !plain(code) && !Joints(code).turning.empty() && (sines(code, false) || sines(code, true));
+}
+
+bool prepare_reads_q(const CodeInput& code) {
+  const Joints joints(code);
+  const bool slides = role_of(code, Source::slide, false) >= 0 || role_of(code, Source::slide, true) >= 0;
+  return (!joints.turning.empty() && (sines(code, false) || sines(code, true))) || (!joints.sliding.empty() && slides);
+}
+
+bool prepare_reads_v(const CodeInput& code) { return role_of(code, Source::rate, false) >= 0; }
+
+std::string prepare_statements(const CodeInput& code) {
+  const Joints joints(code);
+  std::string text;
+  const bool own = sines(code, false), held = sines(code, true);
+  if (own) text += sines_text(code, false);
+  if (held) {
+    const int sine = role_of(code, Source::sine, true), cosine = role_of(code, Source::cosine, true);
+    if (own) {
+      text += fmt::format(
+          "  // The joints that carry the frame of reference stand at zero in Phase I: nothing made of poses depends on them.\n"
+          "  for (int i = 0; i < {}; ++i) {{\n    {}[i] = {}[i];\n    {}[i] = {}[i];\n  }}\n",
+          code.plan.slots, kept(code, sine, 0), kept(code, role_of(code, Source::sine, false), 0), kept(code, cosine, 0),
+          kept(code, role_of(code, Source::cosine, false), 0));
+    } else {
+      text += sines_text(code, true);
+    }
+    text += at_rest(code, sine, cosine);
+  }
+  for (const bool rest : {false, true})
+    if (const int slide = role_of(code, Source::slide, rest); slide >= 0 && !joints.sliding.empty())
+      text += spread(code, kept(code, slide, 0), "sliding", joints.sliding, rest);
+  if (const int rate = role_of(code, Source::rate, false); rate >= 0)
+    text += fmt::format(
+        "  for (int i = 0; i < {}; i += 4) dalembert::store<4, Scalar>({} + i, dalembert::gather<4>(v + {}, slot_joint + "
+        "i));\n",
+        code.plan.slots, kept(code, rate, 0), base_rows(code));
+  return text;
+}
+
+std::string prepare_tables(const CodeInput& code) {
+  const Joints joints(code);
+  const std::vector<int> coordinates = code.tree.coordinates();
+  std::string text;
+  const auto tables = [&](const std::string& kind, const std::vector<int>& of) {
+    std::vector<int> slots, from;
+    for (int k : of) slots.push_back(slot_of(code, k)), from.push_back(coordinates[static_cast<size_t>(k)]);
+    text += int_table(kind + "_slot", slots) + int_table(kind + "_joint", from);
+  };
+  const bool any_sines = sines(code, false) || sines(code, true);
+  if (prepare_reads_v(code) || (plain(code) && any_sines)) text += int_table("slot_joint", coordinates_of_slots(code));
+  if (needs_angles(code)) tables("turning", joints.turning);
+  const bool slides = role_of(code, Source::slide, false) >= 0 || role_of(code, Source::slide, true) >= 0;
+  if (slides && !joints.sliding.empty()) tables("sliding", joints.sliding);
+  return text;
+}
+
+}  // namespace dalembert::backend

@@ -1,0 +1,93 @@
+#include "backend/kept.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "backend/emit_prepare.hpp"
+
+namespace dalembert::backend {
+namespace {
+
+std::string at(const CodeInput& code, const ir::Place& place, const std::string& own, int component) {
+  const std::string& array = code.rolled.arrays.at(static_cast<size_t>(place.array)).name;
+  return array == own ? fmt::format("kept.{}[{}]", array, place.from + component) : fmt::format("kept.{}({})", own, component);
+}
+
+std::string type_of(const CodeInput& code) { return code.scene.scalar == ir::ScalarType::float32 ? "float" : "double"; }
+
+struct Array {
+  std::string name;
+  int components, slots;
+  std::string meaning;
+};
+
+std::vector<Array> arrays(const CodeInput& code) {
+  std::vector<Array> all;
+  if (needs_angles(code)) all.push_back({"angle", 1, stride(code), "q of turning joints, rad"});
+  for (const ir::KeptArray& a : code.rolled.arrays) all.push_back({a.name, a.components, stride(code), a.meaning});
+  const int rows = expanded_rows(code);
+  for (const ir::Pairs& p : code.algorithm.pairs)
+    if (has_driven(code))
+      all.push_back({"expanded_" + code.algorithm.arrays[static_cast<size_t>(p.array)].name, rows, rows,
+                     "as if no joint were driven by another"});
+  return all;
+}
+
+}  // namespace
+
+std::string kept(const CodeInput& code, int role, int component) {
+  return at(code, code.rolled.places.at(static_cast<size_t>(role)), code.rolled.roles.at(static_cast<size_t>(role)).name,
+            component);
+}
+
+std::string received(const CodeInput& code, int role, int component) {
+  return at(code, code.rolled.received.at(static_cast<size_t>(role)),
+            "received_" + code.rolled.roles.at(static_cast<size_t>(role)).name, component);
+}
+
+bool is_kept(const CodeInput& code, int role) { return code.rolled.places.at(static_cast<size_t>(role)).array >= 0; }
+
+int slot_of(const CodeInput& code, int body) {
+  return body < 0 ? code.plan.root_slot : code.plan.slot_of[static_cast<size_t>(body)];
+}
+
+int stride(const CodeInput& code) { return code.plan.slots + 8; }
+
+int base_rows(const CodeInput& code) { return code.tree.nv() - code.tree.independent_joints(); }
+int base_positions(const CodeInput& code) { return code.tree.nq() - code.tree.independent_joints(); }
+
+bool has_driven(const CodeInput& code) { return code.tree.independent_joints() < code.tree.joints(); }
+
+int expanded_rows(const CodeInput& code) { return base_rows(code) + code.tree.joints(); }
+
+std::string kept_definition(const CodeInput& code) {
+  std::string text = fmt::format(
+      "// Room to work in: one value per slot, a slot per body of a limb and lane; the base's slot is {}.\nstruct Kept {{\n",
+      code.plan.root_slot);
+  for (const Array& a : arrays(code))
+    text += fmt::format("  alignas(64) Scalar {}[{}][{}] = {{}};  // {}\n", a.name, a.components, a.slots, a.meaning);
+  for (size_t r = 0; r < code.rolled.roles.size(); ++r) {
+    const ir::Place& place = code.rolled.places[r];
+    const ir::Role& role = code.rolled.roles[r];
+    if (place.array < 0) continue;
+    const std::string& array = code.rolled.arrays[static_cast<size_t>(place.array)].name;
+    if (array == role.name) continue;
+    text += fmt::format("  Scalar* {}(int i) noexcept {{ return {}[{}i]; }}  // {}{}\n", role.name, array,
+                        place.from > 0 ? fmt::format("{} + ", place.from) : "", role.meaning,
+                        role.unit.empty() ? "" : ", " + role.unit);
+  }
+  return text + "};\n";
+}
+
+std::size_t kept_bytes(const CodeInput& code) {
+  const std::size_t scalar = type_of(code) == "float" ? 4 : 8;
+  std::size_t bytes = 0;
+  for (const Array& a : arrays(code)) {
+    bytes = (bytes + 63) / 64 * 64;
+    bytes += scalar * static_cast<std::size_t>(a.components) * static_cast<std::size_t>(a.slots);
+  }
+  return bytes;
+}
+
+}  // namespace dalembert::backend

@@ -1,0 +1,33 @@
+// Where the rolled form keeps values: names of arrays and places in them.
+#pragma once
+
+#include <string>
+
+#include "backend/emit.hpp"
+
+namespace dalembert::backend {
+
+// `kept.role[component]`, or `kept.role(component)` where another role's array is used: one value per slot.
+std::string kept(const CodeInput& code, int role, int component);
+// The same of what limbs hand on.
+std::string received(const CodeInput& code, int role, int component);
+// Whether the role is kept at all.
+bool is_kept(const CodeInput& code, int role);
+
+// The slot of a body, or of the base (−1).
+int slot_of(const CodeInput& code, int body);
+// From one component of an array to the next, with room for the base's slot and to read past the last.
+int stride(const CodeInput& code);
+
+int base_rows(const CodeInput& code);       // 6 or 0
+int base_positions(const CodeInput& code);  // 7 or 0
+// Whether a joint is driven by another: rows of bodies and rows of results are then two things.
+bool has_driven(const CodeInput& code);
+// Rows of matrices before driven joints are added to their drivers.
+int expanded_rows(const CodeInput& code);
+
+// The definition of struct Kept, and its arrays' size in bytes.
+std::string kept_definition(const CodeInput& code);
+std::size_t kept_bytes(const CodeInput& code);
+
+}  // namespace dalembert::backend

@@ -1,0 +1,40 @@
+#include "backend/target.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+namespace dalembert::backend {
+
+std::string Target::type() const { return fmt::format("dalembert::Lanes<Scalar, {}>", width_); }
+
+std::string Target::load(const std::string& from) const { return fmt::format("dalembert::load<{}>({})", width_, from); }
+
+std::string Target::store(const std::string& to) const { return fmt::format("dalembert::store<{}, Scalar>({}, ", width_, to); }
+
+std::string Target::store_constant(const std::string& to) const {
+  return store(to) + fmt::format("dalembert::broadcast<{}, Scalar>(", width_);
+}
+
+std::string Target::store_column(const std::string& to) const { return store(to) + "dalembert::computed("; }
+
+std::string Target::broadcast(const std::string& value) const {
+  return fmt::format("dalembert::broadcast<{}, Scalar>({})", width_, value);
+}
+
+std::string Target::gather(const std::string& from, const std::string& at) const {
+  return fmt::format("dalembert::gather<{}>({}, {})", width_, from, at);
+}
+
+std::string Target::numbers(const std::vector<std::string>& literals) const {
+  const bool equal = std::all_of(literals.begin(), literals.end(), [&](const std::string& x) { return x == literals.front(); });
+  if (equal) return broadcast(literals.front());
+  return fmt::format("{}{{{}}}", type(), fmt::join(literals, ", "));
+}
+
+std::string Target::sum_lanes(std::size_t count, const std::vector<int>& lanes) const {
+  return fmt::format("{}, {}, {}", width_, count, fmt::join(lanes, ", "));
+}
+
+}  // namespace dalembert::backend

@@ -1,0 +1,41 @@
+#include "ir/algorithm.hpp"
+
+namespace dalembert::ir {
+
+int components(Shape shape) {
+  switch (shape) {
+    case Shape::scalar: return 1;
+    case Shape::vector: return 3;
+    case Shape::symmetric:
+    case Shape::wrench: return 6;
+    case Shape::matrix: return 9;
+  }
+  return 0;
+}
+
+std::string component_suffix(Shape shape, int component) {
+  constexpr const char* symmetric[] = {"xx", "xy", "xz", "yy", "yz", "zz"};
+  constexpr const char* wrench[] = {"vx", "vy", "vz", "wx", "wy", "wz"};
+  const auto at = static_cast<std::size_t>(component);
+  switch (shape) {
+    case Shape::scalar: return "";
+    case Shape::vector: return std::string(1, "xyz"[at]);
+    case Shape::symmetric: return symmetric[at];
+    case Shape::wrench: return wrench[at];
+    case Shape::matrix: return {"xyz"[at / 3], "xyz"[at % 3]};
+  }
+  return "";
+}
+
+std::vector<int> Algorithm::offsets() const {
+  std::vector<int> first;
+  int next = 0;
+  for (const Role& role : roles) {
+    first.push_back(next);
+    next += role.components();
+  }
+  first.push_back(next);
+  return first;
+}
+
+}  // namespace dalembert::ir

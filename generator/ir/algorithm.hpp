@@ -1,0 +1,128 @@
+// An algorithm on a tree of bodies, written once: what one body does, and in which order bodies do it.
+//
+// A role is a value kept per body. A sweep is one body's share of a recursion: a graph of scalar operations whose inputs are
+// the body's parameters, roles of the body itself, of its parent (outwards) or summed over its children (inwards), and roles of
+// one given body. Pairs fill a matrix with products of a role of a body and a role of its ancestors. Results say which role
+// goes to which array. Both forms of the emitted code, and every count, are made from this and from nothing else
+// (passes/unroll.hpp, passes/roll.hpp).
+//
+// The base is a body like the others (−1) with up to six coordinates of its own: the sweeps of direction `root` give its roles,
+// and those of its coordinates.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "ir/graph.hpp"
+#include "ir/quantity.hpp"
+
+namespace dalembert::ir {
+
+enum class Shape { scalar, vector, symmetric, matrix, wrench };  // 1, 3, 6 (xx xy xz yy yz zz), 9 and 6 (linear first) numbers
+
+int components(Shape shape);
+// "", "x", "xy", "vx": which component of a value it is.
+std::string component_suffix(Shape shape, int component);
+
+// Where the values of a role come from: a sweep stores them, or they are the joint's coordinate, before any sweep.
+enum class Source { sweep, sine, cosine, slide, rate };
+
+struct Role {
+  std::string name;     // "joint_linear"
+  std::string symbol;   // "J"; begins the names of values
+  std::string meaning;  // "J, linear part"
+  std::string unit;     // "m"; empty for a number
+  Shape shape = Shape::scalar;
+  int over = -1;  // the role whose place it may take, body by body: each component is the last to read the other's
+  Source source = Source::sweep;
+  bool held = false;  // of a joint's coordinate: at rest where the joint carries the frame of reference
+
+  int components() const { return ir::components(shape); }
+};
+
+enum class Direction {
+  root,      // once, at the base
+  outwards,  // from the base to the leaves; a body reads its parent's roles
+  inwards,   // from the leaves to the base; a body reads what its children hand on, summed
+  anywhere,  // in any order
+};
+
+struct Value {
+  int role = 0;
+  int component = 0;
+  NodeId node = no_node;
+  int coordinate = -1;  // root sweeps: which of the base's coordinates it belongs to; −1: to the base itself
+};
+
+inline constexpr int all_bodies = -2;
+
+struct Sweep {
+  std::string name;      // "poses"
+  std::string equation;  // what it computes, for the reader
+  Direction direction = Direction::anywhere;
+  Graph graph;
+  std::vector<Value> stores;    // roles of the body
+  std::vector<Value> carries;   // inwards: what is handed on to the parent, in the parent's terms
+  int only_above = all_bodies;  // else: of this body and those above it alone, zero elsewhere
+};
+
+// Three components of a role of the lower body times three of a role of the upper one.
+struct PairTerm {
+  int lower = 0, lower_from = 0;
+  int upper = 0, upper_from = 0;
+};
+
+// A matrix whose element (i, k) is a sum of products of roles of k and i, i being an ancestor of k or k itself; zero elsewhere.
+struct Pairs {
+  int array = 0;
+  std::string equation;
+  std::vector<PairTerm> above;  // element (i, k)
+  std::vector<PairTerm> below;  // element (k, i); empty: none
+  bool symmetric = false;       // element (k, i) is element (i, k)
+  int diagonal = -1;            // parameter added to element (k, k)
+};
+
+// A matrix with some columns per body and a row per coordinate: what the body sees of every joint above it, itself included.
+struct Projection {
+  int array = 0;
+  std::string equation;
+  Graph graph;                  // inputs of kind state: roles of the body; of kind carried: of the joint above it
+  std::vector<NodeId> columns;  // the elements of the joint's row, the body's columns from left to right
+};
+
+// How a role becomes an array.
+enum class Layout {
+  per_coordinate,  // nv × 1, from a scalar role of every coordinate
+  columns,         // components × nv, a column per coordinate
+  base,            // components × 1, a role of the base
+};
+struct Result {
+  int array = 0;
+  Layout layout = Layout::per_coordinate;
+  int role = 0;
+  int from = 0;                 // columns: first row
+  int only_above = all_bodies;  // as of the sweep that stores the role
+};
+
+// A matrix or vector the emitted code offers.
+struct OutputArray {
+  std::string name;  // mass_matrix, …, jacobian_<link>
+  int rows = 0;
+  int columns = 1;
+};
+
+// One function of the emitted code: inputs in, arrays out.
+struct Algorithm {
+  std::string name;  // evaluate
+  std::vector<OutputArray> arrays;
+  std::vector<Role> roles;
+  std::vector<Sweep> sweeps;  // in an order in which every sweep finds what it reads
+  std::vector<Pairs> pairs;
+  std::vector<Projection> projections;
+  std::vector<Result> results;
+
+  // First of a role's components among all of them.
+  std::vector<int> offsets() const;
+};
+
+}  // namespace dalembert::ir

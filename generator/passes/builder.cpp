@@ -1,0 +1,117 @@
+#include "passes/builder.hpp"
+
+#include <algorithm>
+
+#include "passes/joints.hpp"
+
+namespace dalembert::passes {
+
+using ir::InputKind;
+
+ir::Sweep& SweepBuilder::sweep() { return builder_.algorithm_.sweeps[sweep_]; }
+
+Sym SweepBuilder::constant(double value) { return {&sweep().graph, sweep().graph.constant(value)}; }
+
+Mat3 SweepBuilder::constant(const Eigen::Matrix3d& m) {
+  return {constant(Eigen::Vector3d(m.row(0))), constant(Eigen::Vector3d(m.row(1))), constant(Eigen::Vector3d(m.row(2)))};
+}
+
+Sym SweepBuilder::input(InputKind kind, int index, int component, int body) {
+  return {&sweep().graph, sweep().graph.input({kind, index, component, body})};
+}
+
+Vec3 SweepBuilder::three(InputKind kind, int role, int from, int body) {
+  return {input(kind, role, from, body), input(kind, role, from + 1, body), input(kind, role, from + 2, body)};
+}
+
+BodyConstants SweepBuilder::body(bool reference) {
+  BodyConstants c;
+  c.rotation = parameter9(reference ? pose_rotation_p : rotation_p);
+  c.translation = parameter3(reference ? pose_translation_p : translation_p);
+  c.turning = parameter(turning_p);
+  c.sliding = parameter(sliding_p);
+  c.mass = parameter(mass_p);
+  c.first = parameter3(first_p);
+  for (int i = 0; i < 6; ++i) c.second[static_cast<std::size_t>(i)] = parameter(second_p + i);
+  c.half_second = parameter3(half_second_p);
+  c.half_trace = parameter(half_trace_p);
+  return c;
+}
+
+JointPosition SweepBuilder::position(bool reference) {
+  const JointRoles roles = joint_roles(builder_, reference);
+  return {own(roles.sine), own(roles.cosine), own(roles.slide)};
+}
+
+Sym SweepBuilder::rate() { return own(joint_rate_role(builder_)); }
+
+Twist SweepBuilder::base_twist() {
+  if (!builder_.floating() || builder_.scene().rates_zero) return {zero(), zero()};
+  Twist v;
+  for (int i = 0; i < 3; ++i) {
+    v.linear[static_cast<std::size_t>(i)] = input(InputKind::velocity, i);
+    v.angular[static_cast<std::size_t>(i)] = input(InputKind::velocity, 3 + i);
+  }
+  return v;
+}
+
+Vec3 SweepBuilder::gravity_in_world() {
+  switch (builder_.scene().gravity_kind) {
+    case ir::GravityKind::none: break;
+    case ir::GravityKind::constant: return constant(builder_.scene().gravity);
+    case ir::GravityKind::run_time:
+      return {input(InputKind::gravity, 0, 0), input(InputKind::gravity, 0, 1), input(InputKind::gravity, 0, 2)};
+  }
+  return zero();
+}
+
+Vec3 SweepBuilder::gravity_in_base() {
+  const Vec3 g = gravity_in_world();
+  if (!builder_.floating()) return g;
+  return transpose(base_rotation([this](int i) { return input(InputKind::position, 3 + i); },
+                                 [this](double value) { return constant(value); })) *
+         g;
+}
+
+void SweepBuilder::store(int role, int component, Sym x, int coordinate) {
+  sweep().stores.push_back({role, component, x.id, coordinate});
+}
+
+void SweepBuilder::store(int role, const Vec3& x, int from, int coordinate) {
+  for (int i = 0; i < 3; ++i) store(role, from + i, x[static_cast<std::size_t>(i)], coordinate);
+}
+
+void SweepBuilder::store(int role, const Twist& x, int coordinate) {
+  store(role, x.linear, 0, coordinate);
+  store(role, x.angular, 3, coordinate);
+}
+
+void SweepBuilder::hand_on(int role, int component, Sym x) { sweep().carries.push_back({role, component, x.id}); }
+
+void SweepBuilder::hand_on(int role, const Vec3& x, int from) {
+  for (int i = 0; i < 3; ++i) hand_on(role, from + i, x[static_cast<std::size_t>(i)]);
+}
+
+int Builder::role(const ir::Role& role) {
+  auto& roles = algorithm_.roles;
+  const auto at = std::find_if(roles.begin(), roles.end(), [&](const ir::Role& r) { return r.name == role.name; });
+  if (at != roles.end()) return static_cast<int>(at - roles.begin());
+  roles.push_back(role);
+  return static_cast<int>(roles.size()) - 1;
+}
+
+bool Builder::has(const std::string& sweep) const {
+  return std::any_of(algorithm_.sweeps.begin(), algorithm_.sweeps.end(), [&](const ir::Sweep& s) { return s.name == sweep; });
+}
+
+SweepBuilder Builder::sweep(const std::string& name, const std::string& equation, ir::Direction direction) {
+  algorithm_.sweeps.push_back({name, equation, direction, ir::Graph(options_), {}, {}, ir::all_bodies});
+  return {*this, algorithm_.sweeps.size() - 1};
+}
+
+int Builder::array(const std::string& name, int rows, int columns) {
+  algorithm_.arrays.push_back({name, rows, columns});
+  return static_cast<int>(algorithm_.arrays.size()) - 1;
+}
+
+}  // namespace dalembert::passes

@@ -1,0 +1,107 @@
+// Writes algorithms: what the files of passes/quantities/ say their sweeps, pairs and results with.
+//
+//   Builder& b = …;
+//   const int down = b.role({"down", "down", "gravity along the body's axes", "m/s^2", ir::Shape::vector});
+//   SweepBuilder s = b.sweep("falling", "down = (Rk Rz(q))' down_p", ir::Direction::outwards);
+//   s.store(down, to_child(s.body(), s.position(), s.carried3(down)));
+//
+// Roles and sweeps are known by their names: what two quantities share they ask for by the same name, and it is there once.
+#pragma once
+
+#include <string>
+
+#include "ir/algorithm.hpp"
+#include "ir/kinematic_tree.hpp"
+#include "ir/scene.hpp"
+#include "passes/equations.hpp"
+#include "passes/parameters.hpp"
+
+namespace dalembert::passes {
+
+class Builder;
+
+// The graph of one sweep while it is written. Inputs are the body's; see ir::Input for where they come from.
+class SweepBuilder {
+ public:
+  SweepBuilder(Builder& builder, std::size_t sweep) : builder_(builder), sweep_(sweep) {}
+
+  Sym constant(double value);
+  Vec3 constant(const Eigen::Vector3d& v) { return {constant(v[0]), constant(v[1]), constant(v[2])}; }
+  Mat3 constant(const Eigen::Matrix3d& m);
+  Vec3 zero() { return constant(Eigen::Vector3d(Eigen::Vector3d::Zero())); }
+
+  Sym parameter(int parameter) { return input(ir::InputKind::parameter, parameter); }
+  Vec3 parameter3(int first) { return {parameter(first), parameter(first + 1), parameter(first + 2)}; }
+  Mat3 parameter9(int first) { return {parameter3(first), parameter3(first + 3), parameter3(first + 6)}; }
+  BodyConstants body(bool reference = false);  // `reference`: with the frames that poses are made of
+  JointPosition position(bool reference = false);
+  Sym rate();
+
+  // A role of the body; of a root sweep: of the base.
+  Sym own(int role, int component = 0) { return input(ir::InputKind::state, role, component); }
+  Vec3 own3(int role, int from = 0) { return three(ir::InputKind::state, role, from, -1); }
+  Mat3 own9(int role) { return {own3(role, 0), own3(role, 3), own3(role, 6)}; }
+  // Of the parent (outwards), or what the children hand on, summed (inwards).
+  Sym carried(int role, int component = 0) { return input(ir::InputKind::carried, role, component); }
+  Vec3 carried3(int role, int from = 0) { return three(ir::InputKind::carried, role, from, -1); }
+  // Of a given body (−1: the base).
+  Vec3 of3(int body, int role, int from = 0) { return three(ir::InputKind::of_body, role, from, body); }
+
+  Twist base_twist();      // floating base: v's first six; fixed, and in statics: zero
+  Vec3 gravity_in_base();  // along the base's axes: the world's on a fixed base
+  Vec3 gravity_in_world();
+
+  // `coordinate`: of a root sweep, for a role of one of the base's coordinates.
+  void store(int role, int component, Sym x, int coordinate = -1);
+  void store(int role, Sym x) { store(role, 0, x); }
+  void store(int role, const Vec3& x, int from = 0, int coordinate = -1);
+  void store(int role, const Twist& x, int coordinate = -1);
+  void hand_on(int role, int component, Sym x);
+  void hand_on(int role, const Vec3& x, int from = 0);
+  // The sweep is for this body and those above it alone.
+  void only_above(int body) { sweep().only_above = body; }
+
+ private:
+  ir::Sweep& sweep();
+  Sym input(ir::InputKind kind, int index, int component = 0, int body = -1);
+  Vec3 three(ir::InputKind kind, int role, int from, int body);
+
+  Builder& builder_;
+  std::size_t sweep_;
+};
+
+class Builder {
+ public:
+  // `name`: of the function. References the tree and the scene.
+  Builder(std::string name, const ir::KinematicTree& tree, const ir::Scene& scene, const ir::Graph::Options& options)
+      : tree_(tree), scene_(scene), options_(options) {
+    algorithm_.name = std::move(name);
+  }
+
+  const ir::KinematicTree& tree() const { return tree_; }
+  const ir::Scene& scene() const { return scene_; }
+  bool floating() const { return tree_.floating_base; }
+  int base_coordinates() const { return floating() ? 6 : 0; }
+
+  // The role of that name; made from `role` where there is none yet.
+  int role(const ir::Role& role);
+  // Whether there is a sweep of that name.
+  bool has(const std::string& sweep) const;
+  SweepBuilder sweep(const std::string& name, const std::string& equation, ir::Direction direction);
+  int array(const std::string& name, int rows, int columns);
+  void pairs(const ir::Pairs& pairs) { algorithm_.pairs.push_back(pairs); }
+  void projection(const ir::Projection& projection) { algorithm_.projections.push_back(projection); }
+  ir::Graph new_graph() const { return ir::Graph(options_); }
+  void result(const ir::Result& result) { algorithm_.results.push_back(result); }
+
+  ir::Algorithm take() { return std::move(algorithm_); }
+
+ private:
+  friend class SweepBuilder;
+  const ir::KinematicTree& tree_;
+  const ir::Scene& scene_;
+  const ir::Graph::Options options_;
+  ir::Algorithm algorithm_;
+};
+
+}  // namespace dalembert::passes

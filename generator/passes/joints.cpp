@@ -1,0 +1,49 @@
+#include "passes/joints.hpp"
+
+#include "passes/builder.hpp"
+
+namespace dalembert::passes {
+
+using ir::InputKind;
+using ir::Shape;
+using ir::Source;
+
+JointRoles joint_roles(Builder& builder, bool reference) {
+  if (!reference || builder.floating())
+    return {builder.role({"sine", "sin", "sin q", "", Shape::scalar, -1, Source::sine}),
+            builder.role({"cosine", "cos", "cos q", "", Shape::scalar, -1, Source::cosine}),
+            builder.role({"slide", "slide", "q of prismatic joints", "m", Shape::scalar, -1, Source::slide})};
+  const char* held = ", at rest where the joint carries the frame of reference";
+  return {builder.role({"pose_sine", "sin", std::string("sin q") + held, "", Shape::scalar, -1, Source::sine, true}),
+          builder.role({"pose_cosine", "cos", std::string("cos q") + held, "", Shape::scalar, -1, Source::cosine, true}),
+          builder.role({"pose_slide", "slide", std::string("q of prismatic joints") + held, "m", Shape::scalar, -1,
+                        Source::slide, true})};
+}
+
+int joint_rate_role(Builder& builder) {
+  return builder.role({"rate", "dq", "dq", "rad/s or m/s", Shape::scalar, -1, Source::rate});
+}
+
+ir::NodeId coordinate_node(ir::Graph& graph, const ir::Role& role, const ir::KinematicTree& tree,
+                           const std::vector<int>& coordinates, bool rates_zero, int body) {
+  const ir::Body& joint = tree.bodies[static_cast<std::size_t>(body)];
+  const JointModel root = root_joint(tree);
+  const int coordinate = coordinates[static_cast<std::size_t>(body)];
+  if (role.source == Source::rate)
+    return rates_zero ? graph.constant(0) : graph.input({InputKind::velocity, root.nv + coordinate, 0});
+  const bool at_rest = role.held && tree.carries_reference(static_cast<std::size_t>(body));
+  const bool moves = joint.prismatic() == (role.source == Source::slide) && !at_rest;
+  if (!moves) return graph.constant(role.source == Source::cosine ? 1 : 0);
+  ir::NodeId q = graph.input({InputKind::position, root.nq + coordinate, 0});
+  if (joint.driven()) {
+    const ir::NodeId offset = graph.constant(joint.offset), scaled = graph.multiply(graph.constant(joint.multiplier), q);
+    q = graph.add(scaled, offset);
+  }
+  switch (role.source) {
+    case Source::sine: return graph.sine(q);
+    case Source::cosine: return graph.cosine(q);
+    default: return q;
+  }
+}
+
+}  // namespace dalembert::passes

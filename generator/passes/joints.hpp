@@ -1,0 +1,49 @@
+// Joints as data: how many coordinates each has, what of them the equations read, and its motion.
+//
+// A revolute or prismatic joint has one coordinate and moves about or along the z axis of its body's frame; its motion column
+// is [sliding z; turning z], from the parameters. The floating base is the joint of the root: its coordinates are a position
+// and a quaternion (7) and a twist in the base's axes (6), its motion columns the identity.
+#pragma once
+
+#include "ir/algorithm.hpp"
+#include "ir/kinematic_tree.hpp"
+#include "passes/symbolic.hpp"
+
+namespace dalembert::passes {
+
+class Builder;
+
+struct JointModel {
+  int nq = 0, nv = 0;
+};
+inline constexpr JointModel one_axis{1, 1}, free_flyer{7, 6}, welded{0, 0};
+// Of the root's joint.
+inline JointModel root_joint(const ir::KinematicTree& tree) { return tree.floating_base ? free_flyer : welded; }
+
+// The roles in which a joint's position enters the equations; `reference`: those of poses, at rest where the joint carries the
+// frame of reference.
+struct JointRoles {
+  int sine = 0, cosine = 0, slide = 0;
+};
+JointRoles joint_roles(Builder& builder, bool reference);
+int joint_rate_role(Builder& builder);
+
+// A role that is the joint's coordinate, as a node: of the sources sine, cosine, slide and rate. A driven joint's position is
+// its driver's, scaled; its rate is its driver's own, the scale being in its motion column.
+ir::NodeId coordinate_node(ir::Graph& graph, const ir::Role& role, const ir::KinematicTree& tree,
+                           const std::vector<int>& coordinates, bool rates_zero, int body);
+
+// The base's axes in the world, from the quaternion x y z w of unit length; component(i) is its i-th number.
+template <class Component, class Constant>
+Mat3 base_rotation(const Component& component, const Constant& constant) {
+  const Sym x = component(0), y = component(1), z = component(2), w = component(3);
+  const Sym one = constant(1), two = constant(2);
+  const auto diagonal = [&](Sym a, Sym b) { return one - two * sum_of_products(a, a, b, b); };
+  const auto sum = [&](Sym a, Sym b, Sym c, Sym d) { return two * sum_of_products(a, b, c, d); };
+  const auto difference = [&](Sym a, Sym b, Sym c, Sym d) { return two * difference_of_products(a, b, c, d); };
+  return {Vec3{diagonal(y, z), difference(x, y, z, w), sum(x, z, y, w)},
+          Vec3{sum(x, y, z, w), diagonal(x, z), difference(y, z, x, w)},
+          Vec3{difference(x, z, y, w), sum(y, z, x, w), diagonal(x, y)}};
+}
+
+}  // namespace dalembert::passes

@@ -1,0 +1,96 @@
+#include "passes/parameters.hpp"
+
+#include "ir/algorithm.hpp"
+
+namespace dalembert::passes {
+namespace {
+
+struct Group {
+  int first;
+  ir::Shape shape;
+  const char *name, *unit;
+  bool inertial;
+};
+
+constexpr Group groups[] = {
+    {rotation_p, ir::Shape::matrix, "rotation", "", false},
+    {translation_p, ir::Shape::vector, "translation", "m", false},
+    {pose_rotation_p, ir::Shape::matrix, "pose_rotation", "", false},
+    {pose_translation_p, ir::Shape::vector, "pose_translation", "m", false},
+    {turning_p, ir::Shape::scalar, "turning", "rad per unit of the coordinate", false},
+    {sliding_p, ir::Shape::scalar, "sliding", "m per unit of the coordinate", false},
+    {mass_p, ir::Shape::scalar, "mass", "kg", true},
+    {first_p, ir::Shape::vector, "first", "kg m", true},
+    {second_p, ir::Shape::symmetric, "second", "kg m^2", true},
+    {half_second_p, ir::Shape::vector, "half_second", "kg m^2", true},
+    {half_trace_p, ir::Shape::scalar, "half_trace", "kg m^2", true},
+    {armature_p, ir::Shape::scalar, "armature", "kg m^2 or kg", true},
+    {damping_p, ir::Shape::scalar, "damping", "N m s/rad or N s/m", true},
+    {friction_p, ir::Shape::scalar, "friction", "N m or N", true},
+    {link_rotation_p, ir::Shape::matrix, "link_rotation", "", false},
+    {link_translation_p, ir::Shape::vector, "link_translation", "m", false},
+};
+
+const Group& group_of(int parameter) {
+  const Group* found = groups;
+  for (const Group& g : groups)
+    if (g.first <= parameter) found = &g;
+  return *found;
+}
+
+double moment_value(int parameter, const ir::Moments& m) {
+  constexpr int row[] = {0, 0, 0, 1, 1, 2}, column[] = {0, 1, 2, 1, 2, 2};
+  if (parameter == mass_p) return m.mass;
+  if (parameter == half_trace_p) return m.half_trace;
+  if (parameter >= half_second_p) return 0.5 * m.second(parameter - half_second_p, parameter - half_second_p);
+  if (parameter >= second_p) return m.second(row[parameter - second_p], column[parameter - second_p]);
+  return m.first[parameter - first_p];
+}
+
+double entry(const Eigen::Matrix3d& m, int i) { return m(i / 3, i % 3); }
+
+}  // namespace
+
+std::string parameter_name(int parameter) {
+  const Group& g = group_of(parameter);
+  const int i = parameter - g.first;
+  const std::string suffix =
+      g.first == half_second_p ? ir::component_suffix(ir::Shape::matrix, 4 * i) : ir::component_suffix(g.shape, i);
+  return suffix.empty() ? g.name : std::string(g.name) + "_" + suffix;
+}
+
+std::string parameter_unit(int parameter) { return group_of(parameter).unit; }
+
+bool is_inertial(int parameter) { return group_of(parameter).inertial; }
+
+double parameter_value(int parameter, const ir::KinematicTree& tree, const ir::NormalTree& normal, int body) {
+  const bool of_moments = parameter >= mass_p && parameter <= half_trace_p;
+  if (body < 0) {  // the base's link is the frame of reference
+    if (of_moments) return moment_value(parameter, normal.base);
+    return parameter >= link_rotation_p && parameter < link_translation_p
+               ? entry(Eigen::Matrix3d::Identity(), parameter - link_rotation_p)
+               : 0;
+  }
+  const ir::NormalBody& n = normal.bodies[static_cast<size_t>(body)];
+  const ir::Body& joint = tree.bodies[static_cast<size_t>(body)];
+  if (of_moments) return moment_value(parameter, n.moments);
+  const bool reference = !tree.floating_base && n.parent < 0;
+  const double per_unit = joint.driven() ? joint.multiplier : 1;
+  switch (parameter) {
+    case turning_p: return n.prismatic ? 0 : per_unit;
+    case sliding_p: return n.prismatic ? per_unit : 0;
+    case armature_p: return joint.driven() ? 0 : joint.armature;  // a driven joint's are counted at its driver
+    case damping_p: return joint.driven() ? 0 : joint.damping;
+    case friction_p: return joint.driven() ? 0 : joint.friction;
+    default: break;
+  }
+  if (parameter >= link_translation_p) return n.link_translation[parameter - link_translation_p];
+  if (parameter >= link_rotation_p) return entry(n.link_rotation, parameter - link_rotation_p);
+  if (parameter >= pose_translation_p) return reference ? 0 : n.translation[parameter - pose_translation_p];
+  if (parameter >= pose_rotation_p)
+    return entry(reference ? Eigen::Matrix3d(Eigen::Matrix3d::Identity()) : n.rotation, parameter - pose_rotation_p);
+  if (parameter >= translation_p) return n.translation[parameter - translation_p];
+  return entry(n.rotation, parameter - rotation_p);
+}
+
+}  // namespace dalembert::passes

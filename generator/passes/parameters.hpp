@@ -1,0 +1,41 @@
+// What is constant about a body and the joint above it: the numbers a sweep's graph takes as inputs of kind `parameter`.
+#pragma once
+
+#include <string>
+
+#include "ir/kinematic_tree.hpp"
+#include "ir/normal_tree.hpp"
+
+namespace dalembert::passes {
+
+// Frames and moments are those of the normal tree (ir/normal_tree.hpp): kg, m, rad.
+enum Parameter : int {
+  rotation_p = 0,                            // 9, row by row: the body's frame in the parent's at q = 0
+  translation_p = rotation_p + 9,            // 3
+  pose_rotation_p = translation_p + 3,       // 9: the same, but that a fixed base's first bodies are frames of reference
+  pose_translation_p = pose_rotation_p + 9,  // 3
+  turning_p = pose_translation_p + 3,        // the joint's twist per unit of its coordinate: about z …
+  sliding_p,                                 // … and along z
+  mass_p,
+  first_p,                       // 3
+  second_p = first_p + 3,        // 6
+  half_second_p = second_p + 6,  // 3: half of its diagonal
+  half_trace_p = half_second_p + 3,
+  armature_p,
+  damping_p,
+  friction_p,
+  link_rotation_p,                           // 9: the link's axes in the body's frame
+  link_translation_p = link_rotation_p + 9,  // 3: the link's origin
+  parameter_count = link_translation_p + 3
+};
+
+// "rotation_xy", as tables are called, and "kg m^2", empty for a number.
+std::string parameter_name(int parameter);
+std::string parameter_unit(int parameter);
+// Whether a place that no body takes must have it zero, for nothing to come from there; anything will do for the others.
+bool is_inertial(int parameter);
+
+// Of a body, or of the base (−1). A driven joint's twist is per unit of its driver's coordinate.
+double parameter_value(int parameter, const ir::KinematicTree& tree, const ir::NormalTree& normal, int body);
+
+}  // namespace dalembert::passes

@@ -1,0 +1,255 @@
+#include <algorithm>
+#include <limits>
+
+#include "passes/roll_state.hpp"
+
+namespace dalembert::passes {
+namespace {
+
+using ir::InputKind;
+
+constexpr int always = std::numeric_limits<int>::max();
+
+class Placing {
+ public:
+  explicit Placing(RollState& state) : state_(state), program_(state.program) {
+    const std::size_t roles = program_.roles.size();
+    program_.places.resize(roles);
+    program_.received.resize(roles);
+    used_.resize(roles, false);
+    at_base_.resize(roles, false);
+    read_.resize(roles);
+    written_.resize(roles);
+    for (std::size_t r = 0; r < roles; ++r) {
+      read_[r].assign(static_cast<std::size_t>(program_.roles[r].components()), -1);
+      written_[r] = read_[r];
+    }
+  }
+
+  void run() {
+    collect();
+    keep_sines_in_pairs();
+    share_equal_values();
+    const bool large = components_used() > small_enough;
+    for (std::size_t r = 0; r < program_.roles.size(); ++r)
+      if (used_[r] && program_.places[r].array < 0 && equal_to_[r].first < 0) give_place(static_cast<int>(r), large);
+    for (std::size_t r = 0; r < program_.roles.size(); ++r)
+      if (used_[r] && equal_to_[r].first >= 0) {
+        const ir::Place& at = program_.places[static_cast<std::size_t>(equal_to_[r].first)];
+        program_.places[r] = {at.array, at.from + equal_to_[r].second};
+      }
+    for (const ir::SegmentCode& code : program_.segments)
+      for (const ir::HandedOn& h : code.handed) {
+        ir::Place& to = program_.received[static_cast<std::size_t>(h.role)];
+        if (!h.received || to.array >= 0) continue;
+        const ir::Role& r = program_.roles[static_cast<std::size_t>(h.role)];
+        to = new_array("received_" + r.name, r.meaning + ", as attached limbs hand it on", r.components());
+      }
+  }
+
+ private:
+  // Below this the whole workspace fits the first-level cache as it is, and a store to what was just read costs more than the
+  // room it saves.
+  static constexpr int small_enough = 60;
+
+  void note_read(int role, int component, int level) {
+    int& last = read_[static_cast<std::size_t>(role)][static_cast<std::size_t>(component)];
+    last = std::max(last, level);
+    used_[static_cast<std::size_t>(role)] = true;
+  }
+  void note_write(int role, int component, int level) {
+    int& last = written_[static_cast<std::size_t>(role)][static_cast<std::size_t>(component)];
+    last = last < 0 ? level : std::max(last, level);
+    used_[static_cast<std::size_t>(role)] = true;
+  }
+
+  void collect() {
+    first_written_.assign(program_.roles.size(), always);
+    for (const ir::SegmentCode& code : program_.segments) {
+      for (const ir::SegmentStage& stage : code.stages)
+        for (const ir::Paragraph& p : stage.paragraphs) {
+          std::vector<ir::NodeId> roots;
+          for (const ir::Value& v : p.stores) {
+            roots.push_back(v.node);
+            note_write(v.role, v.component, stage.level);
+            int& first = first_written_[static_cast<std::size_t>(v.role)];
+            first = std::min(first, stage.level);
+          }
+          for (const ir::Carried& c : p.carried) {
+            roots.push_back(c.node);
+            if (p.direction == ir::Direction::outwards && !c.known()) note_read(c.role, c.component, stage.level);
+          }
+          each_input(p.graph, roots, [&](const ir::Input& in) {
+            if (in.kind == InputKind::state || in.kind == InputKind::of_body) note_read(in.index, in.component, stage.level);
+          });
+        }
+      for (const ir::HandedOn& h : code.handed)
+        if (!h.received) note_read(h.role, h.component, h.level), note_write(h.role, h.component, h.level);
+    }
+    for (const ir::BaseStage& stage : program_.base) {
+      std::vector<ir::NodeId> roots;
+      for (const ir::Value& v : stage.stores) {
+        roots.push_back(v.node);
+        note_write(v.role, v.component, stage.level);
+        at_base_[static_cast<std::size_t>(v.role)] = true;
+      }
+      for (const ir::BodyStore& v : stage.body_stores) {
+        note_write(v.role, v.component, stage.level);
+        at_base_[static_cast<std::size_t>(v.role)] = true;
+      }
+      for (const ir::BlockElement& e : stage.elements) roots.push_back(e.node);
+      each_input(stage.graph, roots, [&](const ir::Input& in) {
+        // The base's own slot is nobody else's.
+        if (in.kind == InputKind::of_body && in.body >= 0) note_read(in.index, in.component, stage.level);
+        if (in.kind == InputKind::of_body) used_[static_cast<std::size_t>(in.index)] = true;
+      });
+    }
+    const ir::Algorithm& a = state_.algorithm;
+    for (std::size_t p = 0; p < a.pairs.size(); ++p) {
+      for (const auto* terms : {&a.pairs[p].above, &a.pairs[p].below})
+        for (const ir::PairTerm& t : *terms)
+          for (int i = 0; i < 3; ++i)
+            note_read(t.lower, t.lower_from + i, always), note_read(t.upper, t.upper_from + i, always);
+      for (const int role : {program_.pairs[p].columns, program_.pairs[p].rows})
+        for (int i = 0; i < 6 && role >= 0; ++i) note_read(role, i, always);
+    }
+    for (const ir::Projection& p : a.projections)
+      each_input(p.graph, p.columns, [&](const ir::Input& in) { note_read(in.index, in.component, always); });
+    for (const ir::Result& r : a.results)
+      for (int i = 0; i < a.roles[static_cast<std::size_t>(r.role)].components() && r.layout != ir::Layout::base; ++i)
+        note_read(r.role, i, always);
+  }
+
+  // A sine comes with its cosine.
+  void keep_sines_in_pairs() {
+    for (std::size_t a = 0; a < used_.size(); ++a)
+      for (std::size_t b = 0; b < used_.size(); ++b) {
+        const ir::Role &sine = program_.roles[a], &cosine = program_.roles[b];
+        if (sine.source == ir::Source::sine && cosine.source == ir::Source::cosine && sine.held == cosine.held &&
+            (used_[a] || used_[b]))
+          used_[a] = used_[b] = true;
+      }
+  }
+
+  // Where a role is, in every paragraph that stores it, what some components of another are, it is kept there.
+  void share_equal_values() {
+    equal_to_.assign(program_.roles.size(), {-1, 0});
+    for (int r = 0; r < static_cast<int>(program_.roles.size()); ++r) {
+      const auto at = static_cast<std::size_t>(r);
+      if (!used_[at] || at_base_[at]) continue;
+      for (int other = 0; other < static_cast<int>(program_.roles.size()); ++other) {
+        const int spare = program_.roles[static_cast<std::size_t>(other)].components() - program_.roles[at].components();
+        for (int from = 0; other != r && from <= spare && equal_to_[at].first < 0; ++from)
+          if (used_[static_cast<std::size_t>(other)] && equal_to_[static_cast<std::size_t>(other)].first < 0 &&
+              equal(r, other, from))
+            equal_to_[at] = {other, from};
+        if (equal_to_[at].first >= 0) break;
+      }
+      if (equal_to_[at].first < 0) continue;
+      const auto [other, from] = equal_to_[at];
+      for (int i = 0; i < program_.roles[at].components(); ++i) {  // what is read of one is read of the other
+        int& last = read_[static_cast<std::size_t>(other)][static_cast<std::size_t>(from + i)];
+        last = std::max(last, read_[at][static_cast<std::size_t>(i)]);
+      }
+      drop_equal_stores(r, other, from);
+    }
+  }
+  static const ir::Value* stored(const ir::Paragraph& p, int role, int component) {
+    for (const ir::Value& v : p.stores)
+      if (v.role == role && v.component == component) return &v;
+    return nullptr;
+  }
+  bool equal(int role, int other, int from) const {
+    bool somewhere = false;
+    for (const ir::SegmentCode& code : program_.segments)
+      for (const ir::SegmentStage& stage : code.stages)
+        for (const ir::Paragraph& p : stage.paragraphs)
+          for (int i = 0; i < program_.roles[static_cast<std::size_t>(role)].components(); ++i) {
+            const ir::Value *a = stored(p, role, i), *b = stored(p, other, from + i);
+            if (!a && b && stores_any(p, role)) return false;
+            if (!a) continue;
+            if (b ? b->node != a->node : stored_elsewhere(code, p, other, from + i)) return false;
+            somewhere = somewhere || b;
+          }
+    return somewhere;
+  }
+  static bool stores_any(const ir::Paragraph& p, int role) {
+    return std::any_of(p.stores.begin(), p.stores.end(), [&](const ir::Value& v) { return v.role == role; });
+  }
+  // By another paragraph of the segment.
+  static bool stored_elsewhere(const ir::SegmentCode& code, const ir::Paragraph& own, int role, int component) {
+    for (const ir::SegmentStage& stage : code.stages)
+      for (const ir::Paragraph& p : stage.paragraphs)
+        if (&p != &own && stored(p, role, component)) return true;
+    return false;
+  }
+  void drop_equal_stores(int role, int other, int from) {
+    for (ir::SegmentCode& code : program_.segments)
+      for (ir::SegmentStage& stage : code.stages)
+        for (ir::Paragraph& p : stage.paragraphs) {
+          const ir::Paragraph before = p;
+          std::erase_if(p.stores,
+                        [&](const ir::Value& v) { return v.role == role && stored(before, other, from + v.component); });
+        }
+  }
+
+  int components_used() const {
+    int total = 0;
+    for (std::size_t r = 0; r < used_.size(); ++r)
+      if (used_[r] && equal_to_[r].first < 0) total += program_.roles[r].components();
+    return total;
+  }
+
+  ir::Place new_array(const std::string& name, const std::string& meaning, int components) {
+    program_.arrays.push_back({name, meaning, components});
+    return {static_cast<int>(program_.arrays.size()) - 1, 0};
+  }
+
+  void give_place(int role, bool share) {
+    const auto at = static_cast<std::size_t>(role);
+    const ir::Role& r = program_.roles[at];
+    ir::Place& place = program_.places[at];
+    if (r.over >= 0 && used_[static_cast<std::size_t>(r.over)] && program_.places[static_cast<std::size_t>(r.over)].array >= 0)
+      place = program_.places[static_cast<std::size_t>(r.over)];
+    else if (share && r.source == ir::Source::sweep && !at_base_[at]) place = free_place(role);
+    if (place.array < 0) place = new_array(r.name, r.meaning + (r.unit.empty() ? "" : ", " + r.unit), r.components());
+    occupants_.push_back(role);
+  }
+
+  // Components in a row that nobody reads or writes any more when the role is first written.
+  ir::Place free_place(int role) const {
+    const int components = program_.roles[static_cast<std::size_t>(role)].components();
+    const int first = first_written_[static_cast<std::size_t>(role)];
+    if (first == always) return {};
+    for (int array = 0; array < static_cast<int>(program_.arrays.size()); ++array)
+      for (int from = 0; from + components <= program_.arrays[static_cast<std::size_t>(array)].components; ++from) {
+        bool free = true;
+        for (const int other : occupants_) {
+          const auto o = static_cast<std::size_t>(other);
+          const ir::Place& place = program_.places[o];
+          if (place.array != array) continue;
+          for (int i = 0; i < program_.roles[o].components(); ++i) {
+            const bool touched = place.from + i >= from && place.from + i < from + components;
+            const int last = std::max(read_[o][static_cast<std::size_t>(i)], written_[o][static_cast<std::size_t>(i)]);
+            free = free && !(touched && (last >= first || program_.roles[o].source != ir::Source::sweep));
+          }
+        }
+        if (free) return {array, from};
+      }
+    return {};
+  }
+
+  RollState& state_;
+  ir::RolledProgram& program_;
+  std::vector<bool> used_, at_base_;              // per role; at_base_: stored for the base, or for single bodies
+  std::vector<std::vector<int>> read_, written_;  // per role and component: the last level that does, −1: none
+  std::vector<int> first_written_;                // per role
+  std::vector<std::pair<int, int>> equal_to_;     // per role: the role, and the component from which on, that it equals
+  std::vector<int> occupants_;                    // roles that have a place, in order
+};
+
+}  // namespace
+
+void place(RollState& state) { Placing(state).run(); }
+
+}  // namespace dalembert::passes

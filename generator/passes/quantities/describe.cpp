@@ -1,0 +1,45 @@
+#include "ir/identifier.hpp"
+#include "passes/quantities/quantities.hpp"
+
+namespace dalembert::passes {
+namespace {
+
+LinkFrame frame_of(const std::string& link, const ir::KinematicTree& tree, const ir::NormalTree& normal) {
+  LinkFrame frame{ir::identifier(link)};
+  for (const ir::LinkPlacement& at : tree.links) {
+    if (at.link != link) continue;
+    frame.body = at.body;
+    frame.rotation = at.placement.linear();
+    frame.translation = at.placement.translation();
+  }
+  if (frame.body < 0) return frame;
+  const ir::NormalBody& n = normal.bodies[static_cast<std::size_t>(frame.body)];
+  frame.translation = n.link_rotation * frame.translation + n.link_translation;
+  frame.rotation = n.link_rotation * frame.rotation;
+  return frame;
+}
+
+void describe(Builder& b, ir::Quantity quantity) {
+  const ir::QuantityRow& row = ir::row_of(quantity);
+  const int array = b.array(row.name, ir::extent(row.rows, b.tree()), ir::extent(row.columns, b.tree()));
+  switch (quantity) {
+#define DALEMBERT_QUANTITY(name, ...) \
+  case ir::Quantity::name:            \
+    return describe_##name(b, array);
+#include "ir/quantities.def"
+#undef DALEMBERT_QUANTITY
+  }
+}
+
+}  // namespace
+
+ir::Algorithm describe(const ir::KinematicTree& tree, const ir::NormalTree& normal, const ir::Scene& scene,
+                       const ir::Graph::Options& options) {
+  Builder b("evaluate", tree, scene, options);
+  for (ir::Quantity quantity : scene.outputs) describe(b, quantity);
+  for (const std::string& link : scene.jacobians)
+    describe_link_jacobian(b, frame_of(link, tree, normal), b.array("jacobian_" + ir::identifier(link), 6, tree.nv()));
+  return b.take();
+}
+
+}  // namespace dalembert::passes

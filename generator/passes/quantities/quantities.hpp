@@ -1,0 +1,33 @@
+// The quantities a user can ask for, each in a file of its own; the rows of ir/quantities.def name these functions.
+//
+// Each adds to the algorithm what its quantity needs and says how `array`, which is there already with the shape of its row, is
+// filled. Units and frames are those of the row.
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+
+#include "ir/algorithm.hpp"
+#include "ir/normal_tree.hpp"
+#include "passes/builder.hpp"
+
+namespace dalembert::passes {
+
+#define DALEMBERT_QUANTITY(name, ...) void describe_##name(Builder& builder, int array);
+#include "ir/quantities.def"
+#undef DALEMBERT_QUANTITY
+
+// A frame fixed to a body (−1: the base), in the frame of the normal tree.
+struct LinkFrame {
+  std::string name;  // an identifier
+  int body = -1;
+  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
+  Eigen::Vector3d translation = Eigen::Vector3d::Zero();
+};
+void describe_link_jacobian(Builder& builder, const LinkFrame& link, int array);
+
+// The function evaluate(q, v): every output of the scene, in the scene's order, then the Jacobians.
+ir::Algorithm describe(const ir::KinematicTree& tree, const ir::NormalTree& normal, const ir::Scene& scene,
+                       const ir::Graph::Options& options);
+
+}  // namespace dalembert::passes

@@ -1,0 +1,188 @@
+#include "passes/quantities/shared.hpp"
+
+namespace dalembert::passes {
+
+using ir::Direction;
+using ir::Shape;
+
+namespace {
+
+Mat3 rotation_from(const Vec3& x, const Vec3& y, const Vec3& z) { return from_columns(x, y, z); }
+
+Twist unit_twist(SweepBuilder& s, int coordinate) {
+  Twist unit{s.zero(), s.zero()};
+  (coordinate < 3 ? unit.linear : unit.angular)[static_cast<std::size_t>(coordinate % 3)] = s.constant(1);
+  return unit;
+}
+
+}  // namespace
+
+Poses poses(Builder& b) {
+  // The axes one after another: the third is the joint's.
+  const Poses r{b.role({"rotation", "R", "R, column by column", "", Shape::matrix}),
+                b.role({"position", "p", "p, the origin", "m", Shape::vector}),
+                b.role({"joint_linear", "J", "J, linear part", "m", Shape::vector}),
+                b.role({"joint_angular", "Jw", "J, angular part", "", Shape::vector}),
+                b.role({"velocity", "V", "V = [u; w]", "m/s, rad/s", Shape::wrench}),
+                b.role({"joint_rate", "dJ", "dJ", "m/s, rad/s", Shape::wrench})};
+  if (b.has("poses")) return r;
+  SweepBuilder base = b.sweep("base_pose", "R = 1, p = 0, V; J = 1, dJ = ad(V) J", Direction::root);
+  const Twist v = base.base_twist();
+  for (int i = 0; i < 9; ++i) base.store(r.rotation, i, base.constant(i % 4 == 0 ? 1 : 0));
+  base.store(r.position, base.zero());
+  base.store(r.velocity, v);
+  for (int j = 0; j < b.base_coordinates(); ++j) {
+    const Twist unit = unit_twist(base, j);
+    base.store(r.joint_linear, unit.linear, 0, j);
+    base.store(r.joint_angular, unit.angular, 0, j);
+    base.store(r.joint_rate, joint_twist_rate(v, unit), j);
+  }
+
+  SweepBuilder s =
+      b.sweep("poses", "R = Rp Rk Rz(q), p = pp + Rp pk, J = [p x z; z], V = Vp + J dq, dJ = ad(Vp) J", Direction::outwards);
+  const Vec3 pz = s.carried3(r.rotation, 6), py = s.carried3(r.rotation, 3), px = s.carried3(r.rotation, 0);
+  const Pose parent{rotation_from(px, py, pz), s.carried3(r.position)};
+  const BodyConstants c = s.body(true);
+  const Pose here = pose(parent, c, s.position(true));
+  const Twist joint = joint_twist(here, c);
+  const Twist above{s.carried3(r.velocity, 0), s.carried3(r.velocity, 3)};
+  const Twist velocity = body_twist(above, joint, s.rate());
+  for (int i = 0; i < 3; ++i) s.store(r.rotation, column(here.rotation, static_cast<std::size_t>(i)), 3 * i);
+  s.store(r.position, here.position);
+  s.store(r.joint_linear, joint.linear);
+  s.store(r.joint_angular, joint.angular);
+  s.store(r.velocity, velocity);
+  s.store(r.joint_rate, joint_twist_rate(above, joint));
+  return r;
+}
+
+Pose pose_of(SweepBuilder& s, const Poses& r) {
+  const Vec3 z = s.own3(r.rotation, 6), y = s.own3(r.rotation, 3), x = s.own3(r.rotation, 0);
+  return {rotation_from(x, y, z), s.own3(r.position)};
+}
+
+Twist joint_of(SweepBuilder& s, const Poses& r) { return {s.own3(r.joint_linear), s.own3(r.joint_angular)}; }
+
+Twist velocity_of(SweepBuilder& s, const Poses& r) { return {s.own3(r.velocity, 0), s.own3(r.velocity, 3)}; }
+
+int composite_mass(Builder& b) {
+  const int mass = b.role({"composite_mass", "m", "mass of the subtree", "kg", Shape::scalar});
+  if (b.has("masses")) return mass;
+  SweepBuilder s = b.sweep("masses", "m of the subtree", Direction::inwards);
+  const Sym below = s.carried(mass), total = s.parameter(mass_p) + below;
+  s.store(mass, total);
+  s.hand_on(mass, 0, total);
+  return mass;
+}
+
+SumRoles subtree_sums(Builder& b) {
+  const Poses p = poses(b);
+  const SumRoles own{b.role({"first", "hk", "h of the body", "kg m", Shape::vector}),
+                     b.role({"second", "Sk", "S of the body: xx xy xz yy yz zz", "kg m^2", Shape::symmetric}),
+                     b.role({"momentum", "Pk", "P of the body", "kg m/s", Shape::vector}),
+                     b.role({"bias_block", "Dk", "D of the body, row by row", "kg m^2/s", Shape::matrix})};
+  const SumRoles total{b.role({"subtree_first", "h", "h", "kg m", Shape::vector, own.first}),
+                       b.role({"subtree_second", "S", "S: xx xy xz yy yz zz", "kg m^2", Shape::symmetric, own.second}),
+                       b.role({"subtree_momentum", "P", "P", "kg m/s", Shape::vector, own.momentum}),
+                       b.role({"subtree_bias_block", "D", "D, row by row", "kg m^2/s", Shape::matrix, own.bias})};
+  if (b.has("moments")) return total;
+  SweepBuilder m = b.sweep("moments", "h = R hk + m p, S = R Sk R' + R hk p' + p (R hk)' + m p p'", Direction::anywhere);
+  const BodyConstants c = m.body();
+  Sums s = moments(pose_of(m, p), c);
+  add_velocity(s, velocity_of(m, p), c.mass, c.half_trace);
+  m.store(own.first, s.first);
+  for (int i = 0; i < 6; ++i) m.store(own.second, i, s.second[static_cast<std::size_t>(i)]);
+  m.store(own.momentum, s.momentum);
+  for (int i = 0; i < 3; ++i) m.store(own.bias, s.bias[static_cast<std::size_t>(i)], 3 * i);
+
+  SweepBuilder a = b.sweep("accumulate", "h, S, P, D summed over the subtree", Direction::inwards);
+  const auto add = [&](int from, int to) {
+    const Shape shape = from == own.first || from == own.momentum ? Shape::vector
+                        : from == own.second                      ? Shape::symmetric
+                                                                  : Shape::matrix;
+    for (int i = 0; i < ir::components(shape); ++i) {
+      const Sym below = a.carried(from, i), sum = a.own(from, i) + below;
+      a.store(to, i, sum);
+      a.hand_on(from, i, sum);
+    }
+  };
+  add(own.first, total.first);
+  add(own.second, total.second);
+  add(own.momentum, total.momentum);
+  add(own.bias, total.bias);
+  return total;
+}
+
+Sums sums_of(SweepBuilder& s, const SumRoles& r) {
+  Sums sums;
+  sums.first = s.own3(r.first);
+  sums.momentum = s.own3(r.momentum);
+  sums.bias = s.own9(r.bias);
+  for (int i = 0; i < 6; ++i) sums.second[static_cast<std::size_t>(i)] = s.own(r.second, i);
+  return sums;
+}
+
+ForceRoles forces(Builder& b) {
+  const Poses p = poses(b);
+  const int mass = composite_mass(b);
+  const SumRoles sums = subtree_sums(b);
+  const ForceRoles r{b.role({"inertia_force", "F", "F = A* J", "kg m, kg m^2 per unit of the coordinate", Shape::wrench}),
+                     b.role({"bias_force", "G", "G = A* dJ + B* J", "kg m/s, kg m^2/s", Shape::wrench}),
+                     b.role({"transposed", "H", "H = P x Jv + D' Jw", "kg m^2/s", Shape::vector})};
+  if (b.has("forces")) return r;
+  const auto add = [&](SweepBuilder& s, const Twist& joint, const Twist& joint_rate, int coordinate) {
+    const Sym m = s.own(mass);
+    const Sums subtree = sums_of(s, sums);
+    const Twist f = apply_inertia(m, subtree, joint), g = apply_inertia(m, subtree, joint_rate), h = apply_bias(subtree, joint);
+    s.store(r.inertia, f, coordinate);
+    s.store(r.bias, Twist{g.linear + h.linear, g.angular + h.angular}, coordinate);
+    if (coordinate < 0) s.store(r.transposed, apply_bias_transposed(subtree, joint));
+  };
+  SweepBuilder s = b.sweep("forces", "F = A* J, G = A* dJ + B* J, H = P x Jv + D' Jw", Direction::anywhere);
+  add(s, joint_of(s, p), {s.own3(p.joint_rate, 0), s.own3(p.joint_rate, 3)}, -1);
+  if (!b.floating()) return r;
+  SweepBuilder base = b.sweep("base_forces", "M_BB = A*, C_BB = A* ad(V) + B*", Direction::root);
+  for (int j = 0; j < b.base_coordinates(); ++j) {
+    const Twist unit = unit_twist(base, j);
+    add(base, unit, joint_twist_rate(velocity_of(base, p), unit), j);
+  }
+  return r;
+}
+
+int gravity_torques(Builder& b) {
+  const int mass = composite_mass(b);
+  const int down = b.role({"down", "down", "gravity along the body's axes", "m/s^2", Shape::vector});
+  const int first = b.role({"gravity_first", "h", "h of the subtree along the body's axes", "kg m", Shape::vector});
+  const int torque = b.role({"gravity_torque", "g", "g", "N m or N", Shape::scalar});
+  if (b.has("falling")) return torque;
+  SweepBuilder root = b.sweep("base_falling", "gravity along the base's axes", Direction::root);
+  root.store(down, root.gravity_in_base());
+
+  SweepBuilder out = b.sweep("falling", "down = (Rk Rz(q))' down_p", Direction::outwards);
+  out.store(down, to_child(out.body(), out.position(), out.carried3(down)));
+
+  SweepBuilder in =
+      b.sweep("weights", "g = -(h x down)_z (revolute), -m down_z (prismatic); h_p += Rk Rz(q) h + m p", Direction::inwards);
+  const BodyConstants k = in.body();
+  const JointPosition q = in.position();
+  const Sym m = in.own(mass);
+  const Vec3 d = in.own3(down), below = in.carried3(first), h = in.parameter3(first_p) + below;
+  in.store(first, h);
+  const Sym weight = m * d[2], moment = difference_of_products(h[0], d[1], h[1], d[0]);
+  in.store(torque, -sum_of_products(k.turning, moment, k.sliding, weight));
+  const Vec3 origin = k.translation + q.displacement * column(k.rotation, 2);
+  const Vec3 moved = m * origin;
+  in.hand_on(first, to_parent(k, q, h) + moved);
+  if (!b.floating()) return torque;
+
+  SweepBuilder base = b.sweep("base_weight", "g = -[m down; h x down]", Direction::root);
+  const Vec3 g = base.own3(down), turning = cross(base.own3(first), g);
+  for (int j = 0; j < 3; ++j) {
+    const auto at = static_cast<std::size_t>(j);
+    base.store(torque, 0, -(base.own(mass) * g[at]), j);
+    base.store(torque, 0, -turning[at], j + 3);
+  }
+  return torque;
+}
+
+}  // namespace dalembert::passes

@@ -1,0 +1,34 @@
+// Sweeps that several quantities are made of. Each function adds what it names to the algorithm, once, and tells the roles.
+#pragma once
+
+#include "passes/builder.hpp"
+
+namespace dalembert::passes {
+
+// Phase I (Shin, Park and Park 2016, eq. 20), along the base's axes and about its origin (on a fixed base: the first body's).
+struct Poses {
+  int rotation, position, joint_linear, joint_angular, velocity, joint_rate;
+};
+Poses poses(Builder& builder);
+Pose pose_of(SweepBuilder& s, const Poses& roles);
+Twist joint_of(SweepBuilder& s, const Poses& roles);
+Twist velocity_of(SweepBuilder& s, const Poses& roles);
+
+// Phase II (eq. 12, 13, 29, 30): sums over the subtree.
+int composite_mass(Builder& builder);
+struct SumRoles {
+  int first, second, momentum, bias;
+};
+SumRoles subtree_sums(Builder& builder);
+Sums sums_of(SweepBuilder& s, const SumRoles& roles);
+
+// Phase III: F = A* J, G = A* J̇ + B* J, H = B*ᵀ J of every coordinate.
+struct ForceRoles {
+  int inertia, bias, transposed;
+};
+ForceRoles forces(Builder& builder);
+
+// g_i of every coordinate; also what the bias is at rest.
+int gravity_torques(Builder& builder);
+
+}  // namespace dalembert::passes

@@ -1,0 +1,314 @@
+#include "passes/unroll.hpp"
+
+#include <algorithm>
+
+#include "ir/identifier.hpp"
+#include "passes/joints.hpp"
+#include "passes/parameters.hpp"
+#include "passes/payload.hpp"
+
+namespace dalembert::passes {
+
+using ir::Direction;
+using ir::InputKind;
+using ir::no_node;
+using ir::NodeId;
+
+Unroll::Unroll(const ir::Algorithm& algorithm, const ir::KinematicTree& tree, const ir::NormalTree& normal,
+               const ir::Scene& scene, const UnrollOptions& options)
+    : algorithm_(algorithm),
+      tree_(tree),
+      normal_(normal),
+      scene_(scene),
+      options_(options),
+      live_(passes::live(algorithm, tree.floating_base)),
+      coordinates_(tree.coordinates()),
+      base_rows_(root_joint(tree).nv),
+      producer_(algorithm.roles.size(), -1),
+      base_producer_(algorithm.roles.size(), -1),
+      values_((tree.bodies.size() + 7) * static_cast<std::size_t>(live_.offset.back()), no_node),
+      handed_((tree.bodies.size() + 1) * static_cast<std::size_t>(live_.offset.back()), no_node),
+      done_(algorithm.sweeps.size(), std::vector<bool>(tree.bodies.size() + 1, false)) {
+  program_.graph = ir::Graph(options.graph);
+  program_.base_positions = root_joint(tree).nq;
+  program_.arrays = algorithm.arrays;
+  std::size_t pairs = 0;  // the elements are most of a long chain's nodes
+  std::vector<std::size_t> depth(tree.bodies.size(), 1);
+  for (std::size_t k = 0; k < tree.bodies.size(); ++k) {
+    if (tree.bodies[k].parent >= 0) depth[k] += depth[static_cast<std::size_t>(tree.bodies[k].parent)];
+    pairs += depth[k];
+  }
+  std::size_t per_pair = 0;
+  for (const ir::Pairs& p : algorithm.pairs) per_pair += 6 * (p.above.size() + p.below.size());
+  program_.graph.reserve(pairs * per_pair);
+  for (std::size_t s = 0; s < algorithm.sweeps.size(); ++s)
+    for (const ir::Value& v : algorithm.sweeps[s].stores)
+      (algorithm.sweeps[s].direction == Direction::root ? base_producer_ : producer_)[static_cast<std::size_t>(v.role)] =
+          static_cast<int>(s);
+  for (int body = -1; body < tree.joints(); ++body)
+    payload_.push_back(payload_parameters(program_.graph, tree, normal, scene, body));
+  for (const Loop& loop : loops()) run_loop(loop);
+  collect_results();
+}
+
+// Directional sweeps in their order. Pairs follow, body by body, the inwards sweep that their factors wait for: an element is
+// computed when its factors are there and not after everything else. Whatever runs anywhere runs where it is asked for first.
+std::vector<Unroll::Loop> Unroll::loops() const {
+  std::vector<Loop> all;
+  std::vector<int> loop_of(algorithm_.sweeps.size(), -1);
+  for (std::size_t s = 0; s < algorithm_.sweeps.size(); ++s) {
+    const Direction d = algorithm_.sweeps[s].direction;
+    if (d != Direction::outwards && d != Direction::inwards) continue;
+    loop_of[s] = static_cast<int>(all.size());
+    all.push_back({static_cast<int>(s), {}});
+  }
+  std::vector<int> known(algorithm_.roles.size(), -2);
+  Loop rest;
+  const bool projections = !algorithm_.projections.empty();
+  for (std::size_t p = 0; p < algorithm_.pairs.size(); ++p) {
+    int last = -1;
+    for (const auto* terms : {&algorithm_.pairs[p].above, &algorithm_.pairs[p].below})
+      for (const ir::PairTerm& t : *terms) last = std::max({last, last_inwards(t.lower, known), last_inwards(t.upper, known)});
+    (last < 0 ? rest : all[static_cast<std::size_t>(loop_of[static_cast<std::size_t>(last)])])
+        .pairs.push_back(static_cast<int>(p));
+  }
+  if (!rest.pairs.empty() || projections) all.push_back(rest);
+  return all;
+}
+
+// The last inwards sweep that the role waits for, directly or not; −1: none.
+int Unroll::last_inwards(int role, std::vector<int>& known) const {
+  int& last = known[static_cast<std::size_t>(role)];
+  if (last != -2) return last;
+  last = -1;
+  const int s = producer_[static_cast<std::size_t>(role)];
+  if (s < 0) return last;
+  const ir::Sweep& sweep = algorithm_.sweeps[static_cast<std::size_t>(s)];
+  int found = sweep.direction == Direction::inwards ? s : -1;
+  for (NodeId id = 0; id < sweep.graph.size(); ++id) {
+    const ir::Node& n = sweep.graph[id];
+    if (n.op == ir::Op::input && (n.input.kind == InputKind::state || n.input.kind == InputKind::of_body))
+      found = std::max(found, last_inwards(n.input.index, known));
+  }
+  return known[static_cast<std::size_t>(role)] = found;
+}
+
+void Unroll::run_loop(const Loop& loop) {
+  const bool inwards =
+      loop.sweep < 0 || algorithm_.sweeps[static_cast<std::size_t>(loop.sweep)].direction == Direction::inwards;
+  const int bodies = tree_.joints();
+  for (int i = 0; i < bodies; ++i) {
+    const int body = inwards ? bodies - 1 - i : i;
+    if (loop.sweep >= 0) run_sweep(loop.sweep, body);
+    for (int p : loop.pairs) run_pairs(p, body);
+  }
+  if (loop.sweep >= 0 && inwards) run_sweep(loop.sweep, -1);
+  for (int p : loop.pairs) run_pairs(p, -1);
+  for (std::size_t p = 0; p < algorithm_.projections.size() && loop.sweep < 0; ++p)
+    for (int body = tree_.floating_base ? -1 : 0; body < bodies; ++body) run_projection(static_cast<int>(p), body);
+}
+
+void Unroll::run_sweep(int sweep, int body) {
+  const auto s = static_cast<std::size_t>(sweep);
+  if (done_[s][place(body, -1)]) return;
+  done_[s][place(body, -1)] = true;
+  const ir::Sweep& from = algorithm_.sweeps[s];
+  if (from.only_above != ir::all_bodies && !tree_.is_above(body, from.only_above)) return;
+  const ir::Tag outer = tag_;
+  const auto set_tag = [&] { program_.graph.set_tag(tag_ = {static_cast<std::int16_t>(sweep), body}); };
+  set_tag();
+  ir::Copy copy(from.graph, program_.graph);
+  const auto of_input = [&](const ir::Input& in) {
+    const NodeId id = input(from, in, body);
+    set_tag();  // what was asked for may have run other sweeps
+    return id;
+  };
+  const auto copied = [&](NodeId node) { return copy.node(node, of_input); };
+  const auto wanted = [&](const ir::Value& v) {
+    const std::size_t at = live_.at(v.role, v.component);
+    return body >= 0 ? live_.body[at] : v.coordinate < 0 ? live_.base[at] : live_.coordinate[at];
+  };
+  const int parent = body < 0 ? -1 : tree_.bodies[static_cast<std::size_t>(body)].parent;
+  const auto handed_on = [&](const ir::Value& v) {
+    return body >= 0 && (parent < 0 ? live_.handed_base : live_.handed)[live_.at(v.role, v.component)];
+  };
+  std::vector<NodeId> all;
+  for (const ir::Value& v : from.stores)
+    if (wanted(v)) all.push_back(v.node);
+  for (const ir::Value& v : from.carries)
+    if (handed_on(v)) all.push_back(v.node);
+  copy.nodes(all, of_input);
+  for (const ir::Value& v : from.stores) {
+    if (!wanted(v)) continue;
+    const NodeId node = copied(v.node);
+    values_[index(place(body, v.coordinate), v.role, v.component)] = node;
+    name(node, algorithm_.roles[static_cast<std::size_t>(v.role)], v.component, body);
+  }
+  for (const ir::Value& v : from.carries) {
+    if (!handed_on(v)) continue;
+    const NodeId node = copied(v.node);
+    NodeId& sum = handed_[index(place(parent, -1), v.role, v.component)];
+    sum = sum == no_node ? node : program_.graph.add(sum, node);
+  }
+  program_.graph.set_tag(tag_ = outer);
+}
+
+NodeId Unroll::input(const ir::Sweep& sweep, const ir::Input& in, int body) {
+  switch (in.kind) {
+    case InputKind::parameter: return parameter(in.index, body);
+    case InputKind::state: return value(in.index, in.component, body);
+    case InputKind::of_body: return value(in.index, in.component, in.body);
+    case InputKind::carried: {
+      if (sweep.direction == Direction::outwards)
+        return value(in.index, in.component, tree_.bodies[static_cast<std::size_t>(body)].parent);
+      const NodeId sum = handed_[index(place(body, -1), in.index, in.component)];
+      return sum == no_node ? program_.graph.constant(0) : sum;
+    }
+    default: return program_.graph.input(in);
+  }
+}
+
+NodeId Unroll::value(int role, int component, int body, int coordinate) {
+  const std::size_t at = index(place(body, coordinate), role, component);
+  if (values_[at] != no_node) return values_[at];
+  const ir::Role& r = algorithm_.roles[static_cast<std::size_t>(role)];
+  if (r.source != ir::Source::sweep && body >= 0) {
+    const NodeId node = coordinate_node(program_.graph, r, tree_, coordinates_, scene_.rates_zero, body);
+    name(node, r, component, body);
+    return values_[at] = node;
+  }
+  const int own = producer_[static_cast<std::size_t>(role)], base = base_producer_[static_cast<std::size_t>(role)];
+  if (body < 0 && base >= 0) run_sweep(base, -1);
+  if (values_[at] == no_node && own >= 0 && coordinate < 0) run_sweep(own, body);
+  if (values_[at] == no_node) values_[at] = program_.graph.constant(0);
+  return values_[at];
+}
+
+NodeId Unroll::kept(int role, int component, int body) {
+  const bool coordinate = algorithm_.roles[static_cast<std::size_t>(role)].source != ir::Source::sweep;
+  return coordinate && body >= 0 ? value(role, component, body) : this->role(role, component, body);
+}
+
+NodeId Unroll::plain_parameter(int parameter, int body) {
+  return program_.graph.constant(parameter_value(parameter, tree_, normal_, body));
+}
+
+NodeId Unroll::parameter(int parameter, int body) {
+  const NodeId constant = plain_parameter(parameter, body);
+  const NodeId added = added_parameter(parameter, body);
+  return added == no_node ? constant : program_.graph.add(constant, added);
+}
+
+NodeId Unroll::added_parameter(int parameter, int body) const {
+  const auto& added = payload_[place(body, -1)];
+  const auto at = added.find(parameter);
+  return at == added.end() ? no_node : at->second;
+}
+
+NodeId Unroll::dot(const std::vector<ir::PairTerm>& terms, std::size_t lower, std::size_t upper) {
+  ir::Graph& g = program_.graph;
+  const auto of = [&](std::size_t place, int role, int component) {
+    const int body = static_cast<int>(place) - 1, bodies = tree_.joints();
+    return body < bodies ? value(role, component, body) : value(role, component, -1, body - bodies);
+  };
+  NodeId sum = no_node;
+  for (const ir::PairTerm& t : terms) {
+    NodeId three[3];
+    for (int i : {2, 1, 0}) {
+      const NodeId a = of(lower, t.lower, t.lower_from + i), b = of(upper, t.upper, t.upper_from + i);
+      g.set_tag(tag_);
+      three[i] = g.multiply(a, b);
+    }
+    const NodeId part = g.add(g.add(three[0], three[1]), three[2]);
+    sum = sum == no_node ? part : g.add(sum, part);
+  }
+  return sum;
+}
+
+// Body k with itself, with the bodies above it, and with the base's coordinates.
+void Unroll::run_pairs(int pairs, int body) {
+  const ir::Pairs& p = algorithm_.pairs[static_cast<std::size_t>(pairs)];
+  program_.graph.set_tag(tag_ = {static_cast<std::int16_t>(algorithm_.sweeps.size() + static_cast<std::size_t>(pairs)), body});
+  if (body < 0) {  // the base with itself: every element by its column
+    for (int k = 0; k < base_rows_; ++k)
+      for (int i = 0; i < base_rows_; ++i) put(p.array, i, k, dot(p.above, place(-1, k), place(-1, i)));
+    return;
+  }
+  const std::size_t lower = place(body, -1);
+  for (int i = body; i >= 0; i = tree_.bodies[static_cast<std::size_t>(i)].parent) {
+    NodeId above = dot(p.above, lower, place(i, -1));
+    if (i == body && p.diagonal >= 0) above = program_.graph.add(above, parameter(p.diagonal, body));
+    put(p.array, row_of(i), row_of(body), above);
+    if (i == body) continue;
+    if (p.symmetric) put(p.array, row_of(body), row_of(i), above);
+    if (!p.below.empty()) put(p.array, row_of(body), row_of(i), dot(p.below, lower, place(i, -1)));
+  }
+  for (int j = 0; j < base_rows_; ++j) {
+    const NodeId above = dot(p.above, lower, place(-1, j));
+    put(p.array, j, row_of(body), above);
+    if (p.symmetric) put(p.array, row_of(body), j, above);
+    if (!p.below.empty()) put(p.array, row_of(body), j, dot(p.below, lower, place(-1, j)));
+  }
+}
+
+void Unroll::run_projection(int projection, int body) {
+  const ir::Projection& p = algorithm_.projections[static_cast<std::size_t>(projection)];
+  const std::size_t number = algorithm_.sweeps.size() + algorithm_.pairs.size() + static_cast<std::size_t>(projection);
+  const int columns = static_cast<int>(p.columns.size()), first = columns * (body + (tree_.floating_base ? 1 : 0));
+  const auto project = [&](int row, int above, int coordinate) {
+    tag_ = {static_cast<std::int16_t>(number), body};
+    ir::Copy copy(p.graph, program_.graph);
+    for (int c = 0; c < columns; ++c) {
+      const NodeId node = copy.node(p.columns[static_cast<std::size_t>(c)], [&](const ir::Input& in) {
+        const NodeId id = in.kind == InputKind::state ? value(in.index, in.component, body)
+                                                      : value(in.index, in.component, above, coordinate);
+        program_.graph.set_tag(tag_);
+        return id;
+      });
+      put(p.array, row, first + c, node);
+    }
+  };
+  for (int i = body; i >= 0; i = tree_.bodies[static_cast<std::size_t>(i)].parent) project(row_of(i), i, -1);
+  for (int j = 0; j < base_rows_; ++j) project(j, -1, j);
+}
+
+// Adds to an element: a driven joint's share falls on its driver's row and column.
+void Unroll::put(int array, int row, int column, NodeId node) {
+  const auto [at, made] = elements_.try_emplace({array, column, row}, node);
+  if (!made) at->second = program_.graph.add(at->second, node);
+}
+
+void Unroll::collect_results() {
+  for (const ir::Result& r : algorithm_.results) {
+    const int count = algorithm_.roles[static_cast<std::size_t>(r.role)].components();
+    for (int i = 0; i < count; ++i) {
+      if (r.layout == ir::Layout::base) {
+        put(r.array, r.from + i, 0, value(r.role, i, -1));
+        continue;
+      }
+      const bool columns = r.layout == ir::Layout::columns;
+      for (int k = 0; k < tree_.joints(); ++k)
+        put(r.array, columns ? r.from + i : row_of(k), columns ? row_of(k) : 0, value(r.role, i, k));
+      for (int j = 0; j < base_rows_; ++j) put(r.array, columns ? r.from + i : j, columns ? j : 0, value(r.role, i, -1, j));
+    }
+  }
+  for (const auto& [key, node] : elements_)
+    if (!program_.graph.is_constant(node, 0))
+      program_.elements.push_back({std::get<0>(key), std::get<2>(key), std::get<1>(key), node});
+  elements_.clear();
+  if (options_.names) program_.names.resize(static_cast<std::size_t>(program_.graph.size()));
+}
+
+void Unroll::name(NodeId node, const ir::Role& role, int component, int body) {
+  if (!options_.names) return;
+  const ir::Op op = program_.graph[node].op;
+  if (op == ir::Op::constant || op == ir::Op::input) return;
+  const auto at = static_cast<std::size_t>(node);
+  if (program_.names.size() <= at) program_.names.resize(at + 64);
+  if (!program_.names[at].empty()) return;
+  const std::string suffix = ir::component_suffix(role.shape, component);
+  program_.names[at] = role.symbol + (suffix.empty() ? "" : "_" + suffix) + "_" +
+                       (body < 0 ? "base" : ir::identifier(tree_.bodies[static_cast<std::size_t>(body)].joint));
+}
+
+}  // namespace dalembert::passes

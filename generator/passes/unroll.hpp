@@ -1,0 +1,99 @@
+// Unrolling: an algorithm on one tree as a single scalar program.
+//
+// Every sweep's graph is copied for every body, with parameters replaced by constants, and roles by the nodes they are; the
+// graph folds and shares as it is made, so the robot's zeros and ones disappear. What no result needs is not copied
+// (passes/live.hpp).
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "ir/algorithm.hpp"
+#include "ir/kinematic_tree.hpp"
+#include "ir/normal_tree.hpp"
+#include "ir/program.hpp"
+#include "ir/scene.hpp"
+#include "passes/live.hpp"
+
+namespace dalembert::passes {
+
+struct UnrollOptions {
+  ir::Graph::Options graph{};
+  bool names = true;  // keep names for reading
+};
+
+class Unroll {
+ public:
+  // References all but the options.
+  Unroll(const ir::Algorithm& algorithm, const ir::KinematicTree& tree, const ir::NormalTree& normal, const ir::Scene& scene,
+         const UnrollOptions& options = {});
+
+  // The program of all results. Elements that are zero for every state are left out; they stand in the order of arrays and,
+  // within one, column by column.
+  const ir::Program& program() const { return program_; }
+  ir::Program take_program() { return std::move(program_); }
+
+  // The node of a role of a body (−1: the base); no_node where nothing needed it.
+  ir::NodeId role(int role, int component, int body) const { return values_[index(place(body, -1), role, component)]; }
+  // Of a coordinate of the base.
+  ir::NodeId coordinate_role(int role, int component, int coordinate) const {
+    return values_[index(place(-1, coordinate), role, component)];
+  }
+  // The same, or the joint's coordinate where the role is one.
+  ir::NodeId kept(int role, int component, int body);
+  ir::NodeId input_node(const ir::Input& input) { return program_.graph.input(input); }
+  // What the children of the body hand on, summed; no_node where they hand nothing on.
+  ir::NodeId handed(int role, int component, int body) const { return handed_[index(place(body, -1), role, component)]; }
+  ir::NodeId parameter(int parameter, int body);
+  ir::NodeId plain_parameter(int parameter, int body);  // without what payloads add
+  // What the scene's payloads add to it; no_node: nothing.
+  ir::NodeId added_parameter(int parameter, int body) const;
+
+  const Live& live() const { return live_; }
+
+ private:
+  struct Loop {
+    int sweep = -1;          // −1: pairs alone
+    std::vector<int> pairs;  // after the sweep, body by body
+  };
+
+  std::size_t place(int body, int coordinate) const {
+    return static_cast<std::size_t>(coordinate < 0 ? body + 1 : static_cast<int>(tree_.bodies.size()) + 1 + coordinate);
+  }
+  std::size_t index(std::size_t place, int role, int component) const {
+    return place * static_cast<std::size_t>(live_.offset.back()) + live_.at(role, component);
+  }
+  std::vector<Loop> loops() const;
+  int last_inwards(int role, std::vector<int>& known) const;
+  void run_loop(const Loop& loop);
+  void run_sweep(int sweep, int body);
+  void run_pairs(int pairs, int body);
+  void run_projection(int projection, int body);
+  ir::NodeId dot(const std::vector<ir::PairTerm>& terms, std::size_t lower, std::size_t upper);
+  ir::NodeId value(int role, int component, int body, int coordinate = -1);
+  ir::NodeId input(const ir::Sweep& sweep, const ir::Input& input, int body);
+  void collect_results();
+  void put(int array, int row, int column, ir::NodeId node);
+  int row_of(int body) const { return base_rows_ + coordinates_[static_cast<std::size_t>(body)]; }
+  void name(ir::NodeId node, const ir::Role& role, int component, int body);
+
+  const ir::Algorithm& algorithm_;
+  const ir::KinematicTree& tree_;
+  const ir::NormalTree& normal_;
+  const ir::Scene& scene_;
+  const UnrollOptions options_;
+  const Live live_;
+  const std::vector<int> coordinates_;
+  const int base_rows_;
+  std::vector<int> producer_;                       // per role: the sweep that stores it for bodies, −1: none
+  std::vector<int> base_producer_;                  // … for the base or its coordinates, by a root sweep
+  std::vector<std::map<int, ir::NodeId>> payload_;  // per body + 1
+  std::vector<ir::NodeId> values_, handed_;
+  std::vector<std::vector<bool>> done_;                       // per sweep and body + 1
+  std::map<std::tuple<int, int, int>, ir::NodeId> elements_;  // array, column, row
+  ir::Program program_;
+  ir::Tag tag_;
+};
+
+}  // namespace dalembert::passes
