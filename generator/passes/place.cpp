@@ -30,7 +30,7 @@ class Placing {
     collect();
     keep_sines_in_pairs();
     share_equal_values();
-    const bool large = components_used() > small_enough;
+    const bool large = lower_factors() > few_factors;
     for (std::size_t r = 0; r < program_.roles.size(); ++r)
       if (used_[r] && program_.places[r].array < 0 && equal_to_[r].first < 0) give_place(static_cast<int>(r), large);
     for (std::size_t r = 0; r < program_.roles.size(); ++r)
@@ -48,9 +48,17 @@ class Placing {
   }
 
  private:
-  // Below this the whole workspace fits the first-level cache as it is, and a store to what was just read costs more than the
-  // room it saves.
-  static constexpr int small_enough = 60;
+  // With so few factors of matrices the whole workspace fits the first-level cache as it is, and a store to what was just read
+  // costs more than the room it saves.
+  static constexpr std::size_t few_factors = 2;
+
+  std::size_t lower_factors() const {
+    std::set<RoleComponent> factors;
+    for (const ir::Pairs& p : state_.algorithm.pairs)
+      for (const auto* terms : {&p.above, &p.below})
+        for (const ir::PairTerm& t : *terms) factors.insert({t.lower, t.lower_from});
+    return factors.size();
+  }
 
   void note_read(int role, int component, int level) {
     int& last = read_[static_cast<std::size_t>(role)][static_cast<std::size_t>(component)];
@@ -191,13 +199,6 @@ class Placing {
           std::erase_if(p.stores,
                         [&](const ir::Value& v) { return v.role == role && stored(before, other, from + v.component); });
         }
-  }
-
-  int components_used() const {
-    int total = 0;
-    for (std::size_t r = 0; r < used_.size(); ++r)
-      if (used_[r] && equal_to_[r].first < 0) total += program_.roles[r].components();
-    return total;
   }
 
   ir::Place new_array(const std::string& name, const std::string& meaning, int components) {

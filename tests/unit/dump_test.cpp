@@ -48,8 +48,8 @@ TEST(Dump, ShowsWhatEachStageIsMadeOf) {
   expect_in_order(dump(rolled, Stage::normal_tree), {"rotation [", "half trace", "second ["});
   expect_in_order(dump(rolled, Stage::program), {"= input q[", "phase 1", "mass_matrix(0, 0) = %"});
   expect_in_order(dump(rolled, Stage::plan), {"rolled form, serial", "segment ", "lane 0 on base"});
-  expect_in_order(dump(rolled, Stage::rolled), {"segment ", "constants per slot", "kinematics (outwards)",
-                                                "Phase I: ", "accumulate (inwards)", "block products"});
+  expect_in_order(dump(rolled, Stage::rolled), {"segment ", "constants per slot", "level 0, outwards", "R = Rp Rk Rz(q)",
+                                                "level 1, inwards", "block products"});
   expect_in_order(dump(straight, Stage::plan), {"straight form"});
   expect_in_order(dump(straight, Stage::rolled), {"straight form: no loops"});
 }

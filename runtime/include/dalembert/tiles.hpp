@@ -205,7 +205,7 @@ struct Products {
   // The sum of the terms, factor by factor.
   template <int nl, int nu, int lower, int upper, class... Rest>
   DALEMBERT_INLINE void fill(Tile<width, T>& tile, const Factors<T, nl>& below, const Upper<T, nu>& above,
-                            Sum<Term<lower, upper>, Rest...>) const {
+                             Sum<Term<lower, upper>, Rest...>) const {
     sum<true>(tile, below.at[lower], above.at[upper]);
     add(tile, below, above, Sum<Rest...>{});
   }
@@ -215,7 +215,7 @@ struct Products {
   DALEMBERT_INLINE void add(Tile<width, T>&, const Factors<T, nl>&, const Upper<T, nu>&, Sum<>) const {}
   template <int nl, int nu, int lower, int upper, class... Rest>
   DALEMBERT_INLINE void add(Tile<width, T>& tile, const Factors<T, nl>& below, const Upper<T, nu>& above,
-                           Sum<Term<lower, upper>, Rest...>) const {
+                            Sum<Term<lower, upper>, Rest...>) const {
     sum<false>(tile, below.at[lower], above.at[upper]);
     add(tile, below, above, Sum<Rest...>{});
   }
