@@ -17,15 +17,16 @@ namespace {
 //     lane 1: right_hip_yaw to right_ankle_roll
 //     lane 2: left_shoulder_pitch to left_wrist_pitch
 //     lane 3: right_shoulder_pitch to right_wrist_pitch
-constexpr int joint_slot[] = {
-    8, 12, 16, 20, 24, 28, 9, 13, 17, 21, 25, 29, 0, 10, 14, 18, 22, 26, 30, 11, 15, 19, 23, 27, 31};
+//   base pelvis: slot 4
 constexpr int slot_joint[] = {
     12, 0, 0, 0, 0, 0, 0, 0, 0, 6, 13, 19, 1, 7, 14, 20, 2, 8, 15, 21, 3, 9, 16, 22, 4, 10, 17, 23, 5, 11, 18, 24};
+constexpr int joint_slot[] = {
+    8, 12, 16, 20, 24, 28, 9, 13, 17, 21, 25, 29, 0, 10, 14, 18, 22, 26, 30, 11, 15, 19, 23, 27, 31};
 
 // waist, a row per step, a column per lane
 
 // left_hip_yaw_x4, a row per step, a column per lane
-alignas(64) constexpr Scalar left_hip_yaw_x4_pose_rotation_xx[24] = {
+alignas(64) constexpr Scalar left_hip_yaw_x4_pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz[24] = {
     1.0, 1.0, 0.0, 0.0,
     0.0, 0.0, 0.0, 0.0,
     0.0, 0.0, 0.0, 0.0,
@@ -33,7 +34,7 @@ alignas(64) constexpr Scalar left_hip_yaw_x4_pose_rotation_xx[24] = {
     1.0, 1.0, 0.0, 0.0,
     0.0, 0.0, 0.0, 0.0,
 };
-alignas(64) constexpr Scalar left_hip_yaw_x4_pose_rotation_xy[24] = {
+alignas(64) constexpr Scalar left_hip_yaw_x4_pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx[24] = {
     0.0, 0.0, 1.0, 1.0,
     0.0, 0.0, 1.0, 1.0,
     0.0, 0.0, 1.0, 1.0,
@@ -41,7 +42,7 @@ alignas(64) constexpr Scalar left_hip_yaw_x4_pose_rotation_xy[24] = {
     0.0, 0.0, 0.0, 0.0,
     1.0, 1.0, 1.0, 1.0,
 };
-alignas(64) constexpr Scalar left_hip_yaw_x4_pose_rotation_xz[24] = {
+alignas(64) constexpr Scalar left_hip_yaw_x4_pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy[24] = {
     0.0, 0.0, 0.0, 0.0,
     1.0, 1.0, 0.0, 0.0,
     1.0, 1.0, 0.0, 0.0,
@@ -49,7 +50,7 @@ alignas(64) constexpr Scalar left_hip_yaw_x4_pose_rotation_xz[24] = {
     0.0, 0.0, 1.0, 1.0,
     0.0, 0.0, 0.0, 0.0,
 };
-alignas(64) constexpr Scalar left_hip_yaw_x4_pose_translation_x[24] = {
+alignas(64) constexpr Scalar left_hip_yaw_x4_pose_translation_x_and_translation_x[24] = {  // m
     0.0, 0.0, 0.0, 0.0,
     0.0, 0.0, 0.0, 0.0,
     0.0, 0.0, 0.0, 0.0,
@@ -57,39 +58,7 @@ alignas(64) constexpr Scalar left_hip_yaw_x4_pose_translation_x[24] = {
     -0.3, -0.3, -0.24000000000000002, -0.24000000000000002,
     0.0, 0.0, 0.0, 0.0,
 };
-alignas(64) constexpr Scalar left_hip_yaw_x4_first_x[24] = {
-    -0.06, -0.06, 0.0, 0.0,
-    0.045, -0.045, 0.0, 0.0,
-    -2.175, -2.175, 0.0, 0.0,
-    -1.0499999999999998, -1.0499999999999998, -0.3640000000000001, -0.3640000000000001,
-    0.0, 0.0, 0.0, 0.0,
-    0.013999999999999999, -0.013999999999999999, -0.055999999999999994, -0.055999999999999994,
-};
-alignas(64) constexpr Scalar left_hip_yaw_x4_second_xx[24] = {
-    0.004533332, 0.004533332, 0.0004266665000000001, 0.0004266665000000001,
-    0.007448750000000001, 0.007448750000000001, 0.00020999949999999995, 0.00020999949999999995,
-    0.57285, 0.57285, 0.0005200000000000001, 0.0005200000000000001,
-    0.26189995, 0.26189995, 0.07223999850000003, 0.07223999850000003,
-    0.00017999999999999998, 0.00017999999999999998, 8.33335e-05, 8.33335e-05,
-    0.0018199999999999991, 0.0018199999999999991, 0.005623333499999999, 0.005623333499999999,
-};
-alignas(64) constexpr Scalar left_hip_yaw_x4_second_xy[24] = {
-    0.0, 0.0, 0.0, 0.0,
-    0.0, 0.0, 0.0, 0.0,
-    0.0, 0.0, 0.0, 0.0,
-    -0.0045, -0.0045, -0.0011, -0.0011,
-    0.0, 0.0, 0.0, 0.0,
-    -0.00112, 0.00112, 0.0, 0.0,
-};
-alignas(64) constexpr Scalar left_hip_yaw_x4_second_xz[24] = {
-    0.0, 0.0, 0.0, 0.0,
-    0.0, 0.0, 0.0, 0.0,
-    -0.006749999999999999, 0.006749999999999999, 0.0, 0.0,
-    0.0, 0.0, 0.0, 0.0,
-    0.0, 0.0, 0.0, 0.0,
-    0.00041999999999999996, -0.00041999999999999996, 0.0, 0.0,
-};
-alignas(64) constexpr Scalar left_hip_yaw_x4_pose_translation_y[24] = {
+alignas(64) constexpr Scalar left_hip_yaw_x4_pose_translation_y_and_translation_y[24] = {  // m
     0.09, -0.09, 0.22000000000000003, -0.22000000000000003,
     0.0, 0.0, 0.0, 0.0,
     0.0, 0.0, -0.26, -0.26,
@@ -97,7 +66,15 @@ alignas(64) constexpr Scalar left_hip_yaw_x4_pose_translation_y[24] = {
     0.0, 0.0, 0.0, 0.0,
     0.0, 0.0, 0.0, 0.0,
 };
-alignas(64) constexpr Scalar left_hip_yaw_x4_first_y[24] = {
+alignas(64) constexpr Scalar left_hip_yaw_x4_first_x[24] = {  // kg m
+    -0.06, -0.06, 0.0, 0.0,
+    0.045, -0.045, 0.0, 0.0,
+    -2.175, -2.175, 0.0, 0.0,
+    -1.0499999999999998, -1.0499999999999998, -0.3640000000000001, -0.3640000000000001,
+    0.0, 0.0, 0.0, 0.0,
+    0.013999999999999999, -0.013999999999999999, -0.055999999999999994, -0.055999999999999994,
+};
+alignas(64) constexpr Scalar left_hip_yaw_x4_first_y[24] = {  // kg m
     0.0, 0.0, 0.0, 0.0,
     0.0, 0.0, -0.794, -0.794,
     0.0, 0.0, 0.0, 0.0,
@@ -105,15 +82,23 @@ alignas(64) constexpr Scalar left_hip_yaw_x4_first_y[24] = {
     0.041999999999999996, 0.041999999999999996, 0.0, 0.0,
     -0.11199999999999999, -0.11199999999999999, 0.0, 0.0,
 };
-alignas(64) constexpr Scalar left_hip_yaw_x4_second_yy[24] = {
-    0.000833335, 0.000833335, 0.0007125, 0.0007125,
-    0.0004499999999999999, 0.0004499999999999999, 0.18533916350000001, 0.18533916350000001,
-    0.0040500000000000015, 0.0040500000000000015, 0.000856875, 0.000856875,
-    0.0018187499999999992, 0.0018187499999999992, 0.00044687499999999995, 0.00044687499999999995,
-    0.008159999999999999, 0.008159999999999999, 0.00013582999999999992, 0.00013582999999999992,
-    0.009146669999999999, 0.009146669999999999, 0.00014583650000000005, 0.00014583650000000005,
+alignas(64) constexpr Scalar left_hip_yaw_x4_second_xy[24] = {  // kg m^2
+    0.0, 0.0, 0.0, 0.0,
+    0.0, 0.0, 0.0, 0.0,
+    0.0, 0.0, 0.0, 0.0,
+    -0.0045, -0.0045, -0.0011, -0.0011,
+    0.0, 0.0, 0.0, 0.0,
+    -0.00112, 0.00112, 0.0, 0.0,
 };
-alignas(64) constexpr Scalar left_hip_yaw_x4_second_yz[24] = {
+alignas(64) constexpr Scalar left_hip_yaw_x4_second_xz[24] = {  // kg m^2
+    0.0, 0.0, 0.0, 0.0,
+    0.0, 0.0, 0.0, 0.0,
+    -0.006749999999999999, 0.006749999999999999, 0.0, 0.0,
+    0.0, 0.0, 0.0, 0.0,
+    0.0, 0.0, 0.0, 0.0,
+    0.00041999999999999996, -0.00041999999999999996, 0.0, 0.0,
+};
+alignas(64) constexpr Scalar left_hip_yaw_x4_second_yz[24] = {  // kg m^2
     0.0, 0.0, 0.0, 0.0,
     0.0, 0.0, 0.0, 0.0,
     0.0, 0.0, 0.0, 0.0,
@@ -121,7 +106,7 @@ alignas(64) constexpr Scalar left_hip_yaw_x4_second_yz[24] = {
     0.0, 0.0, 0.0, 0.0,
     -0.0033599999999999997, -0.0033599999999999997, 0.0, 0.0,
 };
-alignas(64) constexpr Scalar left_hip_yaw_x4_half_second_xx[24] = {
+alignas(64) constexpr Scalar left_hip_yaw_x4_half_second_xx[24] = {  // kg m^2
     0.002266666, 0.002266666, 0.00021333325000000004, 0.00021333325000000004,
     0.0037243750000000007, 0.0037243750000000007, 0.00010499974999999997, 0.00010499974999999997,
     0.286425, 0.286425, 0.00026000000000000003, 0.00026000000000000003,
@@ -129,7 +114,7 @@ alignas(64) constexpr Scalar left_hip_yaw_x4_half_second_xx[24] = {
     8.999999999999999e-05, 8.999999999999999e-05, 4.166675e-05, 4.166675e-05,
     0.0009099999999999996, 0.0009099999999999996, 0.0028116667499999996, 0.0028116667499999996,
 };
-alignas(64) constexpr Scalar left_hip_yaw_x4_half_second_yy[24] = {
+alignas(64) constexpr Scalar left_hip_yaw_x4_half_second_yy[24] = {  // kg m^2
     0.0004166675, 0.0004166675, 0.00035625, 0.00035625,
     0.00022499999999999994, 0.00022499999999999994, 0.09266958175000001, 0.09266958175000001,
     0.0020250000000000008, 0.0020250000000000008, 0.0004284375, 0.0004284375,
@@ -137,7 +122,7 @@ alignas(64) constexpr Scalar left_hip_yaw_x4_half_second_yy[24] = {
     0.004079999999999999, 0.004079999999999999, 6.791499999999996e-05, 6.791499999999996e-05,
     0.0045733349999999996, 0.0045733349999999996, 7.291825000000003e-05, 7.291825000000003e-05,
 };
-alignas(64) constexpr Scalar left_hip_yaw_x4_half_trace[24] = {
+alignas(64) constexpr Scalar left_hip_yaw_x4_half_trace[24] = {  // kg m^2
     0.001500002, 0.001500002, 0.0010933335, 0.0010933335,
     0.0025, 0.0025, 0.0007816664999999999, 0.0007816664999999999,
     0.0297, 0.0297, 0.00381333, 0.00381333,
@@ -145,451 +130,367 @@ alignas(64) constexpr Scalar left_hip_yaw_x4_half_trace[24] = {
     0.00054, 0.00054, 0.0002500005, 0.0002500005,
     0.00858667, 0.00858667, 0.0013416665, 0.0013416665,
 };
+alignas(64) constexpr Scalar left_hip_yaw_x4_second_xx[24] = {  // kg m^2
+    0.004533332, 0.004533332, 0.0004266665000000001, 0.0004266665000000001,
+    0.007448750000000001, 0.007448750000000001, 0.00020999949999999995, 0.00020999949999999995,
+    0.57285, 0.57285, 0.0005200000000000001, 0.0005200000000000001,
+    0.26189995, 0.26189995, 0.07223999850000003, 0.07223999850000003,
+    0.00017999999999999998, 0.00017999999999999998, 8.33335e-05, 8.33335e-05,
+    0.0018199999999999991, 0.0018199999999999991, 0.005623333499999999, 0.005623333499999999,
+};
+alignas(64) constexpr Scalar left_hip_yaw_x4_second_yy[24] = {  // kg m^2
+    0.000833335, 0.000833335, 0.0007125, 0.0007125,
+    0.0004499999999999999, 0.0004499999999999999, 0.18533916350000001, 0.18533916350000001,
+    0.0040500000000000015, 0.0040500000000000015, 0.000856875, 0.000856875,
+    0.0018187499999999992, 0.0018187499999999992, 0.00044687499999999995, 0.00044687499999999995,
+    0.008159999999999999, 0.008159999999999999, 0.00013582999999999992, 0.00013582999999999992,
+    0.009146669999999999, 0.009146669999999999, 0.00014583650000000005, 0.00014583650000000005,
+};
 constexpr int left_hip_yaw_x4_row[] = {6, 12, 19, 25};
 constexpr int left_hip_yaw_x4_length[] = {6, 6, 6, 6};
 constexpr int left_hip_yaw_x4_above_1_row[] = {0, 0, 18, 18};
 constexpr int left_hip_yaw_x4_above_1_length[] = {0, 0, 1, 1};
+
+// mass_matrix: M_ik = F_k.J_i
+// coriolis_matrix: C_ik = G_k.J_i, C_ki = F_k.dJ_i + H_k.J_i
+using Elements = dalembert::Matrices<dalembert::Symmetric<dalembert::Sum<dalembert::Term<0, 0>, dalembert::Term<1, 1>>>,
+                                   dalembert::Square<dalembert::Sum<dalembert::Term<3, 0>, dalembert::Term<4, 1>>, dalembert::Sum<dalembert::Term<0, 2>, dalembert::Term<1, 3>, dalembert::Term<2, 1>>>>;
 }  // namespace
 
 namespace stages {
 
 void prepare(const Scalar* q, const Scalar* v, Workspace& workspace) noexcept {
+  static_cast<void>(q), static_cast<void>(v);
   Kept& kept = workspace.kept;
+  static_cast<void>(kept);
   // Sines and cosines of all angles together.
   dalembert::sincos_at<4>(q + 7, slot_joint + 0, kept.sine[0] + 0, kept.cosine[0] + 0);
   dalembert::sincos_at<24>(q + 7, slot_joint + 8, kept.sine[0] + 8, kept.cosine[0] + 8);
-  for (int i = 0; i < 32; i += 4)
-    dalembert::store<4, Scalar>(kept.rate[0] + i, dalembert::gather<4>(v + 6, slot_joint + i));
-  // The root.
-  kept.velocity[0][4] = v[0];
-  kept.velocity[3][4] = v[3];
-  kept.motion[0][4] = v[3];
-  kept.velocity[1][4] = v[1];
-  kept.velocity[4][4] = v[4];
-  kept.motion[1][4] = v[4];
-  kept.velocity[2][4] = v[2];
-  kept.velocity[5][4] = v[5];
-  kept.motion[2][4] = v[5];
-  kept.rotation[1][4] = 0.0;
-  kept.rotation[2][4] = 0.0;
-  kept.rotation[3][4] = 0.0;
-  kept.rotation[5][4] = 0.0;
-  kept.rotation[6][4] = 0.0;
-  kept.rotation[7][4] = 0.0;
-  kept.position[0][4] = 0.0;
-  kept.position[1][4] = 0.0;
-  kept.position[2][4] = 0.0;
-  kept.motion[3][4] = 0.0;
-  kept.motion[4][4] = 0.0;
-  kept.motion[5][4] = 0.0;
-  kept.first[0][4] = 0.0;
-  kept.first[1][4] = 0.0;
-  kept.bias_block[8][4] = 0.0;
-  kept.second[1][4] = 0.0;
-  kept.second[2][4] = 0.0;
-  kept.second[4][4] = 0.0;
-  kept.gravity_first[0][4] = 0.0;
-  kept.gravity_first[1][4] = 0.0;
+  for (int i = 0; i < 32; i += 4) dalembert::store<4, Scalar>(kept.rate[0] + i, dalembert::gather<4>(v + 6, slot_joint + i));
+  // The base: R = 1, p = 0, V; J = 1, dJ = ad(V) J
+  // h = R hk + m p, S = R Sk R' + R hk p' + p (R hk)' + m p p'
+  // gravity along the base's axes
+  // w, dw = 0, a = w x u - gravity
+  // f = m a + dw x h + w x (w x h), n = h x a + I dw + w x I w
   kept.rotation[0][4] = 1.0;
   kept.rotation[4][4] = 1.0;
-  kept.rotation[8][4] = 1.0;
-  const Scalar t1 = 9.81 * (2.0 * (q[3] * q[5] - q[4] * q[6]));
-  kept.down[0][4] = -t1;
-  const Scalar t2 = 9.81 * (2.0 * (q[3] * q[6] + q[4] * q[5]));
-  kept.down[1][4] = -t2;
-  const Scalar t3 = 9.81 * (1.0 - 2.0 * (q[4] * q[4] + q[3] * q[3]));
-  kept.down[2][4] = -t3;
-  const Scalar t4 = t1 + (v[4] * v[2] - v[1] * v[5]);
-  kept.motion[6][4] = t4;
-  const Scalar t5 = t2 + (v[0] * v[5] - v[3] * v[2]);
-  kept.motion[7][4] = t5;
-  const Scalar t6 = t3 + (v[3] * v[1] - v[0] * v[4]);
-  kept.motion[8][4] = t6;
-  kept.first[2][4] = 12.11;
-  kept.gravity_first[2][4] = 12.11;
-  kept.second[0][4] = 0.024299999999999995;
-  kept.second[3][4] = 0.2376;
-  kept.second[5][4] = 4.669860169999999;
-  const Scalar t7 = 12.11 * v[4];
-  const Scalar t8 = 12.11 * v[3];
+  kept.rotation[1][4] = 0.0;
+  kept.rotation[3][4] = 0.0;
+  kept.angular_acceleration[0][4] = 0.0;
+  kept.angular_acceleration[1][4] = 0.0;
+  kept.velocity[0][4] = v[0];
+  kept.velocity[1][4] = v[1];
+  kept.velocity[2][4] = v[2];
+  kept.velocity[3][4] = v[3];
+  kept.angular[0][4] = v[3];
+  kept.velocity[4][4] = v[4];
+  kept.angular[1][4] = v[4];
+  kept.velocity[5][4] = v[5];
+  kept.angular[2][4] = v[5];
+  const Scalar t1 = 12.11 * v[4];
+  kept.momentum[0][4] = t1 + 65.0 * v[0];
+  const Scalar t2 = 12.11 * v[3];
+  kept.momentum[1][4] = 65.0 * v[1] - t2;
   kept.momentum[2][4] = 65.0 * v[2];
-  kept.momentum[0][4] = t7 + 65.0 * v[0];
-  kept.momentum[1][4] = 65.0 * v[1] - t8;
-  const Scalar t9 = 12.11 * v[2];
-  kept.bias_block[0][4] = t9;
-  kept.bias_block[4][4] = t9;
+  const Scalar t3 = 12.11 * v[2];
+  kept.bias_block[0][4] = t3;
+  kept.bias_block[4][4] = t3;
   kept.bias_block[1][4] = 0.3159 * v[5];
-  kept.bias_block[6][4] = 0.1026 * v[4];
   kept.bias_block[2][4] = -(4.7481601699999985 * v[4] + 12.11 * v[0]);
   kept.bias_block[3][4] = -(0.1026 * v[5]);
   kept.bias_block[5][4] = -(12.11 * v[1] - 4.7481601699999985 * v[3]);
+  kept.bias_block[6][4] = 0.1026 * v[4];
   kept.bias_block[7][4] = -(0.3159 * v[3]);
-  kept.force[0][4] = v[5] * t8 + 65.0 * t4;
-  kept.force[1][4] = v[5] * t7 + 65.0 * t5;
-  kept.force[2][4] = 65.0 * t6 - (v[4] * t7 + v[3] * t8);
-  const Scalar t10 = 4.9074601699999985 * v[3];
-  const Scalar t11 = 4.694160169999999 * v[4];
-  const Scalar t12 = 0.2619 * v[5];
-  kept.force[5][4] = v[3] * t11 - v[4] * t10;
-  kept.force[3][4] = v[4] * t12 - v[5] * t11 - 12.11 * t5;
-  kept.force[4][4] = v[5] * t10 - v[3] * t12 + 12.11 * t4;
+  const Scalar t4 = 9.81 * (2.0 * (q[3] * q[5] - q[4] * q[6]));
+  kept.down[0][4] = -t4;
+  const Scalar t5 = 9.81 * (2.0 * (q[6] * q[3] + q[4] * q[5]));
+  kept.down[1][4] = -t5;
+  const Scalar t6 = 9.81 * (1.0 - 2.0 * (q[4] * q[4] + q[3] * q[3]));
+  kept.down[2][4] = -t6;
+  const Scalar t7 = t4 + (v[2] * v[4] - v[1] * v[5]);
+  kept.acceleration[0][4] = t7;
+  const Scalar t8 = t5 + (v[0] * v[5] - v[2] * v[3]);
+  kept.acceleration[1][4] = t8;
+  const Scalar t9 = t6 + (v[1] * v[3] - v[0] * v[4]);
+  kept.acceleration[2][4] = t9;
+  kept.wrench[0][4] = v[5] * t2 + 65.0 * t7;
+  kept.wrench[1][4] = v[5] * t1 + 65.0 * t8;
+  kept.wrench[2][4] = 65.0 * t9 - (v[4] * t1 + v[3] * t2);
+  const Scalar t10 = 4.694160169999999 * v[4];
+  const Scalar t11 = 0.2619 * v[5];
+  kept.wrench[3][4] = v[4] * t11 - v[5] * t10 - 12.11 * t8;
+  const Scalar t12 = 4.9074601699999985 * v[3];
+  kept.wrench[4][4] = v[5] * t12 - v[3] * t11 + 12.11 * t7;
+  kept.wrench[5][4] = v[3] * t10 - v[4] * t12;
 }
 
 void outwards_waist(Workspace& workspace) noexcept {
   Kept& kept = workspace.kept;
-  // Phase I: R = Rp Rk Rz(q), p = pp + Rp pk, J = [p x z; z], V = Vp + J dq
+  static_cast<void>(kept);
+  // R = Rp Rk Rz(q), p = pp + Rp pk, J = [p x z; z], V = Vp + J dq, dJ = ad(Vp) J
   {
     using V [[maybe_unused]] = dalembert::Lanes<Scalar, 1>;
-    V carried_rotation_0 = dalembert::broadcast<1>(kept.rotation[0][4]);
-    V carried_rotation_1 = dalembert::broadcast<1>(kept.rotation[1][4]);
-    V carried_rotation_2 = dalembert::broadcast<1>(kept.rotation[2][4]);
-    V carried_rotation_3 = dalembert::broadcast<1>(kept.rotation[3][4]);
-    V carried_rotation_4 = dalembert::broadcast<1>(kept.rotation[4][4]);
-    V carried_rotation_5 = dalembert::broadcast<1>(kept.rotation[5][4]);
-    V carried_rotation_6 = dalembert::broadcast<1>(kept.rotation[6][4]);
-    V carried_rotation_7 = dalembert::broadcast<1>(kept.rotation[7][4]);
-    V carried_rotation_8 = dalembert::broadcast<1>(kept.rotation[8][4]);
-    V carried_position_0 = dalembert::broadcast<1>(kept.position[0][4]);
-    V carried_position_1 = dalembert::broadcast<1>(kept.position[1][4]);
-    V carried_position_2 = dalembert::broadcast<1>(kept.position[2][4]);
-    V carried_velocity_0 = dalembert::broadcast<1>(kept.velocity[0][4]);
-    V carried_velocity_1 = dalembert::broadcast<1>(kept.velocity[1][4]);
-    V carried_velocity_2 = dalembert::broadcast<1>(kept.velocity[2][4]);
-    V carried_velocity_3 = dalembert::broadcast<1>(kept.velocity[3][4]);
-    V carried_velocity_4 = dalembert::broadcast<1>(kept.velocity[4][4]);
-    V carried_velocity_5 = dalembert::broadcast<1>(kept.velocity[5][4]);
+    V above_velocity[6] = {dalembert::broadcast<1, Scalar>(kept.velocity[0][4]),
+        dalembert::broadcast<1, Scalar>(kept.velocity[1][4]),
+        dalembert::broadcast<1, Scalar>(kept.velocity[2][4]),
+        dalembert::broadcast<1, Scalar>(kept.velocity[3][4]),
+        dalembert::broadcast<1, Scalar>(kept.velocity[4][4]),
+        dalembert::broadcast<1, Scalar>(kept.velocity[5][4])};
     for (int i = 0; i < 1; i += 1) {
       const int slot = 0 + i;
-      dalembert::store<1, Scalar>(kept.rotation[6] + slot, carried_rotation_6);
-      const V next_carried_rotation_6 = carried_rotation_6;
-      dalembert::store<1, Scalar>(kept.rotation[7] + slot, carried_rotation_7);
-      const V next_carried_rotation_7 = carried_rotation_7;
-      dalembert::store<1, Scalar>(kept.rotation[8] + slot, carried_rotation_8);
-      const V next_carried_rotation_8 = carried_rotation_8;
+      V next_above_velocity[6];
+      dalembert::store<1, Scalar>(kept.joint_linear[0] + slot, dalembert::broadcast<1, Scalar>(0.0));
+      dalembert::store<1, Scalar>(kept.joint_linear[1] + slot, dalembert::broadcast<1, Scalar>(0.0));
+      dalembert::store<1, Scalar>(kept.joint_linear[2] + slot, dalembert::broadcast<1, Scalar>(0.0));
+      dalembert::store<1, Scalar>(kept.joint_angular(0) + slot, dalembert::broadcast<1, Scalar>(0.0));
+      dalembert::store<1, Scalar>(kept.joint_angular(1) + slot, dalembert::broadcast<1, Scalar>(0.0));
+      dalembert::store<1, Scalar>(kept.joint_rate[2] + slot, dalembert::broadcast<1, Scalar>(0.0));
+      dalembert::store<1, Scalar>(kept.joint_rate[5] + slot, dalembert::broadcast<1, Scalar>(0.0));
+      dalembert::store<1, Scalar>(kept.joint_angular(2) + slot, dalembert::broadcast<1, Scalar>(1.0));
       const V sine = dalembert::load<1>(kept.sine[0] + slot);
+      dalembert::store<1, Scalar>(kept.rotation[1] + slot, sine);
       const V cosine = dalembert::load<1>(kept.cosine[0] + slot);
-      const V t1 = carried_rotation_3 * cosine - carried_rotation_0 * sine;
-      dalembert::store<1, Scalar>(kept.rotation[3] + slot, t1);
-      const V next_carried_rotation_3 = t1;
-      const V t2 = carried_rotation_4 * cosine - carried_rotation_1 * sine;
-      dalembert::store<1, Scalar>(kept.rotation[4] + slot, t2);
-      const V next_carried_rotation_4 = t2;
-      const V t3 = carried_rotation_5 * cosine - carried_rotation_2 * sine;
-      dalembert::store<1, Scalar>(kept.rotation[5] + slot, t3);
-      const V next_carried_rotation_5 = t3;
-      const V t4 = carried_rotation_3 * sine + carried_rotation_0 * cosine;
-      dalembert::store<1, Scalar>(kept.rotation[0] + slot, t4);
-      const V next_carried_rotation_0 = t4;
-      const V t5 = carried_rotation_4 * sine + carried_rotation_1 * cosine;
-      dalembert::store<1, Scalar>(kept.rotation[1] + slot, t5);
-      const V next_carried_rotation_1 = t5;
-      const V t6 = carried_rotation_5 * sine + carried_rotation_2 * cosine;
-      dalembert::store<1, Scalar>(kept.rotation[2] + slot, t6);
-      const V next_carried_rotation_2 = t6;
-      const V t7 = carried_position_0 + 0.41 * carried_rotation_6;
-      dalembert::store<1, Scalar>(kept.position[0] + slot, t7);
-      const V next_carried_position_0 = t7;
-      const V t8 = carried_position_1 + 0.41 * carried_rotation_7;
-      dalembert::store<1, Scalar>(kept.position[1] + slot, t8);
-      const V next_carried_position_1 = t8;
-      const V t9 = carried_position_2 + 0.41 * carried_rotation_8;
-      dalembert::store<1, Scalar>(kept.position[2] + slot, t9);
-      const V next_carried_position_2 = t9;
-      const V t10 = carried_rotation_8 * t8 - carried_rotation_7 * t9;
-      dalembert::store<1, Scalar>(kept.joint_linear[0] + slot, t10);
-      const V t11 = carried_rotation_6 * t9 - carried_rotation_8 * t7;
-      dalembert::store<1, Scalar>(kept.joint_linear[1] + slot, t11);
-      const V t12 = carried_rotation_7 * t7 - carried_rotation_6 * t8;
-      dalembert::store<1, Scalar>(kept.joint_linear[2] + slot, t12);
-      const V rate = dalembert::load<1>(kept.rate[0] + slot);
-      const V t13 = carried_velocity_0 + t10 * rate;
-      dalembert::store<1, Scalar>(kept.velocity[0] + slot, t13);
-      const V next_carried_velocity_0 = t13;
-      const V t14 = carried_velocity_1 + t11 * rate;
-      dalembert::store<1, Scalar>(kept.velocity[1] + slot, t14);
-      const V next_carried_velocity_1 = t14;
-      const V t15 = carried_velocity_2 + t12 * rate;
-      dalembert::store<1, Scalar>(kept.velocity[2] + slot, t15);
-      const V next_carried_velocity_2 = t15;
-      const V t16 = carried_velocity_3 + carried_rotation_6 * rate;
-      dalembert::store<1, Scalar>(kept.velocity[3] + slot, t16);
-      const V next_carried_velocity_3 = t16;
-      const V t17 = carried_velocity_4 + carried_rotation_7 * rate;
-      dalembert::store<1, Scalar>(kept.velocity[4] + slot, t17);
-      const V next_carried_velocity_4 = t17;
-      const V t18 = carried_velocity_5 + carried_rotation_8 * rate;
-      dalembert::store<1, Scalar>(kept.velocity[5] + slot, t18);
-      const V next_carried_velocity_5 = t18;
-      carried_rotation_0 = next_carried_rotation_0;
-      carried_rotation_1 = next_carried_rotation_1;
-      carried_rotation_2 = next_carried_rotation_2;
-      carried_rotation_3 = next_carried_rotation_3;
-      carried_rotation_4 = next_carried_rotation_4;
-      carried_rotation_5 = next_carried_rotation_5;
-      carried_rotation_6 = next_carried_rotation_6;
-      carried_rotation_7 = next_carried_rotation_7;
-      carried_rotation_8 = next_carried_rotation_8;
-      carried_position_0 = next_carried_position_0;
-      carried_position_1 = next_carried_position_1;
-      carried_position_2 = next_carried_position_2;
-      carried_velocity_0 = next_carried_velocity_0;
-      carried_velocity_1 = next_carried_velocity_1;
-      carried_velocity_2 = next_carried_velocity_2;
-      carried_velocity_3 = next_carried_velocity_3;
-      carried_velocity_4 = next_carried_velocity_4;
-      carried_velocity_5 = next_carried_velocity_5;
+      dalembert::store<1, Scalar>(kept.rotation[0] + slot, cosine);
+      dalembert::store<1, Scalar>(kept.rotation[4] + slot, cosine);
+      dalembert::store<1, Scalar>(kept.rotation[3] + slot, -sine);
+      dalembert::store<1, Scalar>(kept.velocity[0] + slot, above_velocity[0]);
+      next_above_velocity[0] = above_velocity[0];
+      dalembert::store<1, Scalar>(kept.velocity[1] + slot, above_velocity[1]);
+      dalembert::store<1, Scalar>(kept.joint_rate[0] + slot, above_velocity[1]);
+      next_above_velocity[1] = above_velocity[1];
+      dalembert::store<1, Scalar>(kept.velocity[2] + slot, above_velocity[2]);
+      next_above_velocity[2] = above_velocity[2];
+      dalembert::store<1, Scalar>(kept.velocity[3] + slot, above_velocity[3]);
+      next_above_velocity[3] = above_velocity[3];
+      dalembert::store<1, Scalar>(kept.velocity[4] + slot, above_velocity[4]);
+      dalembert::store<1, Scalar>(kept.joint_rate[3] + slot, above_velocity[4]);
+      next_above_velocity[4] = above_velocity[4];
+      const V t1 = above_velocity[5] + dalembert::load<1>(kept.rate[0] + slot);
+      dalembert::store<1, Scalar>(kept.velocity[5] + slot, t1);
+      next_above_velocity[5] = t1;
+      dalembert::store<1, Scalar>(kept.joint_rate[1] + slot, -above_velocity[0]);
+      dalembert::store<1, Scalar>(kept.joint_rate[4] + slot, -above_velocity[3]);
+      dalembert::carry(above_velocity, next_above_velocity);
     }
   }
-  // Phase II: h = R hk + m p, S = R Sk R' + R hk p' + p (R hk)' + m p p'
-  // Phase II: P = m u + w x h, D = -[w](S + t 1) - u h' + (h.u) 1; dJ = ad(V) J
+  // h = R hk + m p, S = R Sk R' + R hk p' + p (R hk)' + m p p'
   {
     using V [[maybe_unused]] = dalembert::Lanes<Scalar, dalembert::short_lanes>;
     for (int i = 0; i < 1; i += dalembert::short_lanes) {
       const int slot = 0 + i;
-      const V rotation_6 = dalembert::load<dalembert::short_lanes>(kept.rotation[6] + slot);
-      const V rotation_7 = dalembert::load<dalembert::short_lanes>(kept.rotation[7] + slot);
-      const V rotation_8 = dalembert::load<dalembert::short_lanes>(kept.rotation[8] + slot);
-      const V rotation_3 = dalembert::load<dalembert::short_lanes>(kept.rotation[3] + slot);
-      const V rotation_4 = dalembert::load<dalembert::short_lanes>(kept.rotation[4] + slot);
-      const V rotation_5 = dalembert::load<dalembert::short_lanes>(kept.rotation[5] + slot);
-      const V rotation_0 = dalembert::load<dalembert::short_lanes>(kept.rotation[0] + slot);
-      const V rotation_1 = dalembert::load<dalembert::short_lanes>(kept.rotation[1] + slot);
-      const V rotation_2 = dalembert::load<dalembert::short_lanes>(kept.rotation[2] + slot);
-      const V joint_linear_0 = dalembert::load<dalembert::short_lanes>(kept.joint_linear[0] + slot);
-      const V joint_linear_1 = dalembert::load<dalembert::short_lanes>(kept.joint_linear[1] + slot);
-      const V joint_linear_2 = dalembert::load<dalembert::short_lanes>(kept.joint_linear[2] + slot);
-      const V velocity_0 = dalembert::load<dalembert::short_lanes>(kept.velocity[0] + slot);
-      const V velocity_1 = dalembert::load<dalembert::short_lanes>(kept.velocity[1] + slot);
-      const V velocity_2 = dalembert::load<dalembert::short_lanes>(kept.velocity[2] + slot);
-      const V velocity_3 = dalembert::load<dalembert::short_lanes>(kept.velocity[3] + slot);
-      const V velocity_4 = dalembert::load<dalembert::short_lanes>(kept.velocity[4] + slot);
-      const V velocity_5 = dalembert::load<dalembert::short_lanes>(kept.velocity[5] + slot);
-      dalembert::store<dalembert::short_lanes, Scalar>(kept.joint_rate[0] + slot, rotation_8 * velocity_1 + joint_linear_2 * velocity_4 - rotation_7 * velocity_2 - joint_linear_1 * velocity_5);
-      dalembert::store<dalembert::short_lanes, Scalar>(kept.joint_rate[1] + slot, rotation_6 * velocity_2 + joint_linear_0 * velocity_5 - rotation_8 * velocity_0 - joint_linear_2 * velocity_3);
-      dalembert::store<dalembert::short_lanes, Scalar>(kept.joint_rate[2] + slot, rotation_7 * velocity_0 + joint_linear_1 * velocity_3 - rotation_6 * velocity_1 - joint_linear_0 * velocity_4);
-      dalembert::store<dalembert::short_lanes, Scalar>(kept.joint_rate[3] + slot, rotation_8 * velocity_4 - rotation_7 * velocity_5);
-      dalembert::store<dalembert::short_lanes, Scalar>(kept.joint_rate[4] + slot, rotation_6 * velocity_5 - rotation_8 * velocity_3);
-      dalembert::store<dalembert::short_lanes, Scalar>(kept.joint_rate[5] + slot, rotation_7 * velocity_3 - rotation_6 * velocity_4);
-      const V t1 = 0.03 * rotation_0;
+      const V rotation_yx = dalembert::load<dalembert::short_lanes>(kept.rotation[3] + slot);
+      const V rotation_yy = dalembert::load<dalembert::short_lanes>(kept.rotation[4] + slot);
+      const V rotation_xx = dalembert::load<dalembert::short_lanes>(kept.rotation[0] + slot);
+      const V rotation_xy = dalembert::load<dalembert::short_lanes>(kept.rotation[1] + slot);
+      const V t1 = 0.03 * rotation_xx;
       dalembert::store<dalembert::short_lanes, Scalar>(kept.first[0] + slot, t1);
-      const V t2 = 0.03 * rotation_1;
+      const V t2 = 0.03 * rotation_xy;
       dalembert::store<dalembert::short_lanes, Scalar>(kept.first[1] + slot, t2);
-      const V t3 = 0.03 * rotation_2;
-      dalembert::store<dalembert::short_lanes, Scalar>(kept.first[2] + slot, t3);
-      const V t4 = 0.0053999999999999986 * rotation_6 + 0.03544675 * rotation_0 + 0.03 * dalembert::load<dalembert::short_lanes>(kept.position[0] + slot);
-      const V t5 = 0.0053999999999999986 * rotation_7 + 0.03544675 * rotation_1 + 0.03 * dalembert::load<dalembert::short_lanes>(kept.position[1] + slot);
-      const V t6 = 0.0053999999999999986 * rotation_8 + 0.03544675 * rotation_2 + 0.03 * dalembert::load<dalembert::short_lanes>(kept.position[2] + slot);
-      const V t7 = 0.3012167505000001 * rotation_3;
-      const V t8 = 0.3012167505000001 * rotation_4;
-      const V t9 = 0.3012167505000001 * rotation_5;
-      const V t10 = rotation_3 * t7 + rotation_0 * t4;
-      const V t11 = t10 + t10;
-      dalembert::store<dalembert::short_lanes, Scalar>(kept.second[0] + slot, t11);
-      const V t12 = rotation_3 * t8 + rotation_0 * t5 + rotation_4 * t7 + rotation_1 * t4;
-      dalembert::store<dalembert::short_lanes, Scalar>(kept.second[1] + slot, t12);
-      const V t13 = rotation_3 * t9 + rotation_0 * t6 + rotation_5 * t7 + rotation_2 * t4;
-      dalembert::store<dalembert::short_lanes, Scalar>(kept.second[2] + slot, t13);
-      const V t14 = rotation_4 * t8 + rotation_1 * t5;
-      const V t15 = t14 + t14;
-      dalembert::store<dalembert::short_lanes, Scalar>(kept.second[3] + slot, t15);
-      const V t16 = rotation_4 * t9 + rotation_1 * t6 + rotation_5 * t8 + rotation_2 * t5;
-      dalembert::store<dalembert::short_lanes, Scalar>(kept.second[4] + slot, t16);
-      const V t17 = rotation_5 * t9 + rotation_2 * t6;
-      const V t18 = t17 + t17;
-      dalembert::store<dalembert::short_lanes, Scalar>(kept.second[5] + slot, t18);
-      dalembert::store<dalembert::short_lanes, Scalar>(kept.momentum[0] + slot, velocity_4 * t3 - velocity_5 * t2);
-      dalembert::store<dalembert::short_lanes, Scalar>(kept.momentum[1] + slot, velocity_5 * t1 - velocity_3 * t3);
-      dalembert::store<dalembert::short_lanes, Scalar>(kept.momentum[2] + slot, velocity_3 * t2 - velocity_4 * t1);
-      const V t19 = 0.6104350454545454 + t11;
-      const V t20 = 0.6104350454545454 + t15;
-      const V t21 = 0.6104350454545454 + t18;
-      const V t22 = velocity_2 * t3;
-      const V t23 = velocity_1 * t2;
-      const V t24 = velocity_0 * t1;
-      const V t25 = t22 + t23 + t24;
-      const V t26 = velocity_4 * t13;
-      const V t27 = velocity_3 * t16;
-      const V t28 = velocity_5 * t12;
-      dalembert::store<dalembert::short_lanes, Scalar>(kept.bias_block[0] + slot, t25 + t28 - t24 - t26);
-      dalembert::store<dalembert::short_lanes, Scalar>(kept.bias_block[1] + slot, -(velocity_4 * t16 + velocity_0 * t2 - velocity_5 * t20));
-      dalembert::store<dalembert::short_lanes, Scalar>(kept.bias_block[2] + slot, -(velocity_4 * t21 + velocity_0 * t3 - velocity_5 * t16));
-      dalembert::store<dalembert::short_lanes, Scalar>(kept.bias_block[3] + slot, -(velocity_5 * t19 + velocity_1 * t1 - velocity_3 * t13));
-      dalembert::store<dalembert::short_lanes, Scalar>(kept.bias_block[4] + slot, t25 + t27 - t23 - t28);
-      dalembert::store<dalembert::short_lanes, Scalar>(kept.bias_block[5] + slot, -(velocity_5 * t13 + velocity_1 * t3 - velocity_3 * t21));
-      dalembert::store<dalembert::short_lanes, Scalar>(kept.bias_block[6] + slot, -(velocity_3 * t12 + velocity_2 * t1 - velocity_4 * t19));
-      dalembert::store<dalembert::short_lanes, Scalar>(kept.bias_block[7] + slot, -(velocity_3 * t20 + velocity_2 * t2 - velocity_4 * t12));
-      dalembert::store<dalembert::short_lanes, Scalar>(kept.bias_block[8] + slot, t25 + t26 - t22 - t27);
+      const V t3 = 0.03544675 * rotation_xx;
+      const V t4 = 0.03544675 * rotation_xy;
+      const V t5 = 0.3012167505000001 * rotation_yx;
+      const V t6 = 0.3012167505000001 * rotation_yy;
+      const V t7 = rotation_yx * t5 + rotation_xx * t3;
+      const V t8 = t7 + t7;
+      dalembert::store<dalembert::short_lanes, Scalar>(kept.second[0] + slot, t8);
+      const V t9 = rotation_yx * t6 + rotation_xx * t4 + rotation_yy * t5 + rotation_xy * t3;
+      dalembert::store<dalembert::short_lanes, Scalar>(kept.second[1] + slot, t9);
+      const V t10 = 0.017699999999999997 * rotation_xx;
+      dalembert::store<dalembert::short_lanes, Scalar>(kept.second[2] + slot, t10);
+      const V t11 = rotation_yy * t6 + rotation_xy * t4;
+      const V t12 = t11 + t11;
+      dalembert::store<dalembert::short_lanes, Scalar>(kept.second[3] + slot, t12);
+      const V t13 = 0.017699999999999997 * rotation_xy;
+      dalembert::store<dalembert::short_lanes, Scalar>(kept.second[4] + slot, t13);
+      const V velocity_vx = dalembert::load<dalembert::short_lanes>(kept.velocity[0] + slot);
+      const V velocity_vy = dalembert::load<dalembert::short_lanes>(kept.velocity[1] + slot);
+      const V velocity_vz = dalembert::load<dalembert::short_lanes>(kept.velocity[2] + slot);
+      const V velocity_wx = dalembert::load<dalembert::short_lanes>(kept.velocity[3] + slot);
+      const V velocity_wy = dalembert::load<dalembert::short_lanes>(kept.velocity[4] + slot);
+      const V velocity_wz = dalembert::load<dalembert::short_lanes>(kept.velocity[5] + slot);
+      dalembert::store<dalembert::short_lanes, Scalar>(kept.momentum[0] + slot, -(t2 * velocity_wz));
+      dalembert::store<dalembert::short_lanes, Scalar>(kept.momentum[1] + slot, t1 * velocity_wz);
+      dalembert::store<dalembert::short_lanes, Scalar>(kept.momentum[2] + slot, t2 * velocity_wx - t1 * velocity_wy);
+      const V t14 = 0.6104350454545454 + t8;
+      const V t15 = 0.6104350454545454 + t12;
+      const V t16 = t2 * velocity_vy;
+      const V t17 = t1 * velocity_vx;
+      const V t18 = t16 + t17;
+      const V t19 = t10 * velocity_wy;
+      const V t20 = t13 * velocity_wx;
+      const V t21 = t9 * velocity_wz;
+      dalembert::store<dalembert::short_lanes, Scalar>(kept.bias_block[0] + slot, t18 + t21 - t17 - t19);
+      dalembert::store<dalembert::short_lanes, Scalar>(kept.bias_block[1] + slot, -(t13 * velocity_wy + t2 * velocity_vx - velocity_wz * t15));
+      dalembert::store<dalembert::short_lanes, Scalar>(kept.bias_block[2] + slot, -(0.6104350454545454 * velocity_wy - t13 * velocity_wz));
+      dalembert::store<dalembert::short_lanes, Scalar>(kept.bias_block[3] + slot, -(velocity_wz * t14 + t1 * velocity_vy - t10 * velocity_wx));
+      dalembert::store<dalembert::short_lanes, Scalar>(kept.bias_block[4] + slot, t18 + t20 - t16 - t21);
+      dalembert::store<dalembert::short_lanes, Scalar>(kept.bias_block[5] + slot, -(t10 * velocity_wz - 0.6104350454545454 * velocity_wx));
+      dalembert::store<dalembert::short_lanes, Scalar>(kept.bias_block[6] + slot, -(t9 * velocity_wx + t1 * velocity_vz - velocity_wy * t14));
+      dalembert::store<dalembert::short_lanes, Scalar>(kept.bias_block[7] + slot, -(velocity_wx * t15 + t2 * velocity_vz - t9 * velocity_wy));
+      dalembert::store<dalembert::short_lanes, Scalar>(kept.bias_block[8] + slot, t18 + t19 - t20);
     }
   }
   // down = (Rk Rz(q))' down_p
   {
     using V [[maybe_unused]] = dalembert::Lanes<Scalar, 1>;
-    V carried_down_0 = dalembert::broadcast<1>(kept.down[0][4]);
-    V carried_down_1 = dalembert::broadcast<1>(kept.down[1][4]);
-    V carried_down_2 = dalembert::broadcast<1>(kept.down[2][4]);
+    V above_down[3] = {dalembert::broadcast<1, Scalar>(kept.down[0][4]),
+        dalembert::broadcast<1, Scalar>(kept.down[1][4]),
+        dalembert::broadcast<1, Scalar>(kept.down[2][4])};
     for (int i = 0; i < 1; i += 1) {
       const int slot = 0 + i;
-      dalembert::store<1, Scalar>(kept.down[2] + slot, carried_down_2);
-      const V next_carried_down_2 = carried_down_2;
+      V next_above_down[3];
+      dalembert::store<1, Scalar>(kept.down[2] + slot, above_down[2]);
+      next_above_down[2] = above_down[2];
       const V sine = dalembert::load<1>(kept.sine[0] + slot);
       const V cosine = dalembert::load<1>(kept.cosine[0] + slot);
-      const V t1 = carried_down_1 * sine + carried_down_0 * cosine;
+      const V t1 = above_down[1] * sine + above_down[0] * cosine;
       dalembert::store<1, Scalar>(kept.down[0] + slot, t1);
-      const V next_carried_down_0 = t1;
-      const V t2 = carried_down_1 * cosine - carried_down_0 * sine;
+      next_above_down[0] = t1;
+      const V t2 = above_down[1] * cosine - above_down[0] * sine;
       dalembert::store<1, Scalar>(kept.down[1] + slot, t2);
-      const V next_carried_down_1 = t2;
-      carried_down_0 = next_carried_down_0;
-      carried_down_1 = next_carried_down_1;
-      carried_down_2 = next_carried_down_2;
+      next_above_down[1] = t2;
+      dalembert::carry(above_down, next_above_down);
     }
   }
-  // Newton-Euler in body axes: w, dw, a of the body and f = m a + dw x h + w x (w x h), n = h x a + I dw + w x I w
+  // w, dw and a of the body along its own axes
+  // f = m a + dw x h + w x (w x h), n = h x a + I dw + w x I w
   {
     using V [[maybe_unused]] = dalembert::Lanes<Scalar, 1>;
-    V carried_motion_0 = dalembert::broadcast<1>(kept.motion[0][4]);
-    V carried_motion_1 = dalembert::broadcast<1>(kept.motion[1][4]);
-    V carried_motion_2 = dalembert::broadcast<1>(kept.motion[2][4]);
-    V carried_motion_3 = dalembert::broadcast<1>(kept.motion[3][4]);
-    V carried_motion_4 = dalembert::broadcast<1>(kept.motion[4][4]);
-    V carried_motion_5 = dalembert::broadcast<1>(kept.motion[5][4]);
-    V carried_motion_6 = dalembert::broadcast<1>(kept.motion[6][4]);
-    V carried_motion_7 = dalembert::broadcast<1>(kept.motion[7][4]);
-    V carried_motion_8 = dalembert::broadcast<1>(kept.motion[8][4]);
+    V above_angular[3] = {dalembert::broadcast<1, Scalar>(kept.angular[0][4]),
+        dalembert::broadcast<1, Scalar>(kept.angular[1][4]),
+        dalembert::broadcast<1, Scalar>(kept.angular[2][4])};
+    V above_acceleration[3] = {dalembert::broadcast<1, Scalar>(kept.acceleration[0][4]),
+        dalembert::broadcast<1, Scalar>(kept.acceleration[1][4]),
+        dalembert::broadcast<1, Scalar>(kept.acceleration[2][4])};
     for (int i = 0; i < 1; i += 1) {
       const int slot = 0 + i;
-      dalembert::store<1, Scalar>(kept.motion[5] + slot, carried_motion_5);
-      const V next_carried_motion_5 = carried_motion_5;
+      V next_above_angular[3];
+      V next_above_acceleration[3];
       const V rate = dalembert::load<1>(kept.rate[0] + slot);
       const V sine = dalembert::load<1>(kept.sine[0] + slot);
       const V cosine = dalembert::load<1>(kept.cosine[0] + slot);
-      const V t1 = 0.41 * carried_motion_1;
-      const V t2 = 0.41 * carried_motion_0;
-      const V t3 = carried_motion_6 + carried_motion_2 * t2 + 0.41 * carried_motion_4;
-      const V t4 = carried_motion_7 + carried_motion_2 * t1 - 0.41 * carried_motion_3;
-      const V t5 = carried_motion_8 - carried_motion_1 * t1 - carried_motion_0 * t2;
-      dalembert::store<1, Scalar>(kept.motion[8] + slot, t5);
-      const V next_carried_motion_8 = t5;
-      const V t6 = carried_motion_1 * sine + carried_motion_0 * cosine;
-      dalembert::store<1, Scalar>(kept.motion[0] + slot, t6);
-      const V next_carried_motion_0 = t6;
-      const V t7 = carried_motion_1 * cosine - carried_motion_0 * sine;
-      dalembert::store<1, Scalar>(kept.motion[1] + slot, t7);
-      const V next_carried_motion_1 = t7;
-      const V t8 = carried_motion_2 + rate;
-      dalembert::store<1, Scalar>(kept.motion[2] + slot, t8);
-      const V next_carried_motion_2 = t8;
-      const V t9 = rate * t7 + carried_motion_4 * sine + carried_motion_3 * cosine;
-      dalembert::store<1, Scalar>(kept.motion[3] + slot, t9);
-      const V next_carried_motion_3 = t9;
-      const V t10 = carried_motion_4 * cosine - carried_motion_3 * sine - rate * t6;
-      dalembert::store<1, Scalar>(kept.motion[4] + slot, t10);
-      const V next_carried_motion_4 = t10;
+      const V t1 = 0.41 * above_angular[1];
+      const V t2 = 0.41 * above_angular[0];
+      const V t3 = above_acceleration[0] + above_angular[2] * t2;
+      const V t4 = above_acceleration[1] + above_angular[2] * t1;
+      const V t5 = above_acceleration[2] - above_angular[1] * t1 - above_angular[0] * t2;
+      dalembert::store<1, Scalar>(kept.acceleration[2] + slot, t5);
+      next_above_acceleration[2] = t5;
+      const V t6 = above_angular[1] * sine + above_angular[0] * cosine;
+      dalembert::store<1, Scalar>(kept.angular[0] + slot, t6);
+      next_above_angular[0] = t6;
+      const V t7 = above_angular[1] * cosine - above_angular[0] * sine;
+      dalembert::store<1, Scalar>(kept.angular[1] + slot, t7);
+      next_above_angular[1] = t7;
+      const V t8 = above_angular[2] + rate;
+      dalembert::store<1, Scalar>(kept.angular[2] + slot, t8);
+      next_above_angular[2] = t8;
+      const V t9 = rate * t7;
+      dalembert::store<1, Scalar>(kept.angular_acceleration[0] + slot, t9);
+      const V t10 = rate * t6;
+      dalembert::store<1, Scalar>(kept.angular_acceleration[1] + slot, -t10);
       const V t11 = sine * t4 + cosine * t3;
-      dalembert::store<1, Scalar>(kept.motion[6] + slot, t11);
-      const V next_carried_motion_6 = t11;
+      dalembert::store<1, Scalar>(kept.acceleration[0] + slot, t11);
+      next_above_acceleration[0] = t11;
       const V t12 = cosine * t4 - sine * t3;
-      dalembert::store<1, Scalar>(kept.motion[7] + slot, t12);
-      const V next_carried_motion_7 = t12;
+      dalembert::store<1, Scalar>(kept.acceleration[1] + slot, t12);
+      next_above_acceleration[1] = t12;
       const V t13 = 0.03 * t8;
       const V t14 = 0.03 * t7;
-      dalembert::store<1, Scalar>(kept.force[0] + slot, -(t8 * t13 + t7 * t14));
-      dalembert::store<1, Scalar>(kept.force[1] + slot, t6 * t14 + 0.03 * carried_motion_5);
-      dalembert::store<1, Scalar>(kept.force[2] + slot, t6 * t13 - 0.03 * t10);
+      dalembert::store<1, Scalar>(kept.wrench[0] + slot, -(t8 * t13 + t7 * t14));
+      dalembert::store<1, Scalar>(kept.wrench[1] + slot, t6 * t14);
+      dalembert::store<1, Scalar>(kept.wrench[2] + slot, t6 * t13 + 0.03 * t10);
       const V t15 = 0.6024335010000001 * t6 - 0.0053999999999999986 * t8;
       const V t16 = 0.0708935 * t7;
       const V t17 = 0.6733270010000001 * t8 - 0.0053999999999999986 * t6;
-      dalembert::store<1, Scalar>(kept.force[3] + slot, t7 * t17 + 0.6024335010000001 * t9 - t8 * t16 - 0.0053999999999999986 * carried_motion_5);
-      dalembert::store<1, Scalar>(kept.force[4] + slot, t8 * t15 + 0.0708935 * t10 - t6 * t17 - 0.03 * t5);
-      dalembert::store<1, Scalar>(kept.force[5] + slot, t6 * t16 + 0.6733270010000001 * carried_motion_5 + 0.03 * t12 - t7 * t15 - 0.0053999999999999986 * t9);
-      carried_motion_0 = next_carried_motion_0;
-      carried_motion_1 = next_carried_motion_1;
-      carried_motion_2 = next_carried_motion_2;
-      carried_motion_3 = next_carried_motion_3;
-      carried_motion_4 = next_carried_motion_4;
-      carried_motion_5 = next_carried_motion_5;
-      carried_motion_6 = next_carried_motion_6;
-      carried_motion_7 = next_carried_motion_7;
-      carried_motion_8 = next_carried_motion_8;
+      dalembert::store<1, Scalar>(kept.wrench[3] + slot, t7 * t17 + 0.6024335010000001 * t9 - t8 * t16);
+      dalembert::store<1, Scalar>(kept.wrench[4] + slot, t8 * t15 - t6 * t17 - 0.0708935 * t10 - 0.03 * t5);
+      dalembert::store<1, Scalar>(kept.wrench[5] + slot, t6 * t16 + 0.03 * t12 - t7 * t15 - 0.0053999999999999986 * t9);
+      dalembert::carry(above_angular, next_above_angular);
+      dalembert::carry(above_acceleration, next_above_acceleration);
     }
   }
 }
 
 void outwards_left_hip_yaw_x4(Workspace& workspace) noexcept {
   Kept& kept = workspace.kept;
-  // Phase I: R = Rp Rk Rz(q), p = pp + Rp pk, J = [p x z; z], V = Vp + J dq
+  static_cast<void>(kept);
+  // R = Rp Rk Rz(q), p = pp + Rp pk, J = [p x z; z], V = Vp + J dq, dJ = ad(Vp) J
   {
     using V [[maybe_unused]] = dalembert::Lanes<Scalar, 4>;
     static constexpr int parents[] = {4, 4, 0, 0};
-    V carried_rotation_0 = dalembert::gather<4>(kept.rotation[0], parents);
-    V carried_rotation_1 = dalembert::gather<4>(kept.rotation[1], parents);
-    V carried_rotation_2 = dalembert::gather<4>(kept.rotation[2], parents);
-    V carried_rotation_3 = dalembert::gather<4>(kept.rotation[3], parents);
-    V carried_rotation_4 = dalembert::gather<4>(kept.rotation[4], parents);
-    V carried_rotation_5 = dalembert::gather<4>(kept.rotation[5], parents);
-    V carried_rotation_6 = dalembert::gather<4>(kept.rotation[6], parents);
-    V carried_rotation_7 = dalembert::gather<4>(kept.rotation[7], parents);
-    V carried_rotation_8 = dalembert::gather<4>(kept.rotation[8], parents);
-    V carried_position_0 = dalembert::gather<4>(kept.position[0], parents);
-    V carried_position_1 = dalembert::gather<4>(kept.position[1], parents);
-    V carried_position_2 = dalembert::gather<4>(kept.position[2], parents);
-    V carried_velocity_0 = dalembert::gather<4>(kept.velocity[0], parents);
-    V carried_velocity_1 = dalembert::gather<4>(kept.velocity[1], parents);
-    V carried_velocity_2 = dalembert::gather<4>(kept.velocity[2], parents);
-    V carried_velocity_3 = dalembert::gather<4>(kept.velocity[3], parents);
-    V carried_velocity_4 = dalembert::gather<4>(kept.velocity[4], parents);
-    V carried_velocity_5 = dalembert::gather<4>(kept.velocity[5], parents);
+    V above_rotation[9] = {dalembert::gather<4>(kept.rotation[0], parents),
+        dalembert::gather<4>(kept.rotation[1], parents),
+        dalembert::broadcast<4, Scalar>(0.0),
+        dalembert::gather<4>(kept.rotation[3], parents),
+        dalembert::gather<4>(kept.rotation[4], parents),
+        dalembert::broadcast<4, Scalar>(0.0),
+        dalembert::broadcast<4, Scalar>(0.0),
+        dalembert::broadcast<4, Scalar>(0.0),
+        dalembert::broadcast<4, Scalar>(1.0)};
+    V above_position[3] = {dalembert::broadcast<4, Scalar>(0.0),
+        dalembert::broadcast<4, Scalar>(0.0),
+        dalembert::Lanes<Scalar, 4>{0.0, 0.0, 0.41, 0.41}};
+    V above_velocity[6] = {dalembert::gather<4>(kept.velocity[0], parents),
+        dalembert::gather<4>(kept.velocity[1], parents),
+        dalembert::gather<4>(kept.velocity[2], parents),
+        dalembert::gather<4>(kept.velocity[3], parents),
+        dalembert::gather<4>(kept.velocity[4], parents),
+        dalembert::gather<4>(kept.velocity[5], parents)};
     for (int i = 0; i < 24; i += 4) {
       const int slot = 8 + i;
-      const V pose_rotation_xx_k = dalembert::load<4>(left_hip_yaw_x4_pose_rotation_xx + i);
-      const V pose_rotation_xy_k = dalembert::load<4>(left_hip_yaw_x4_pose_rotation_xy + i);
-      const V pose_rotation_xz_k = dalembert::load<4>(left_hip_yaw_x4_pose_rotation_xz + i);
-      const V pose_translation_x_k = dalembert::load<4>(left_hip_yaw_x4_pose_translation_x + i);
-      const V pose_translation_y_k = dalembert::load<4>(left_hip_yaw_x4_pose_translation_y + i);
+      V next_above_rotation[9];
+      V next_above_position[3];
+      V next_above_velocity[6];
+      const V pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz_k = dalembert::load<4>(left_hip_yaw_x4_pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz + i);
+      const V pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx_k = dalembert::load<4>(left_hip_yaw_x4_pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx + i);
+      const V pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy_k = dalembert::load<4>(left_hip_yaw_x4_pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy + i);
+      const V pose_translation_x_and_translation_x_k = dalembert::load<4>(left_hip_yaw_x4_pose_translation_x_and_translation_x + i);
+      const V pose_translation_y_and_translation_y_k = dalembert::load<4>(left_hip_yaw_x4_pose_translation_y_and_translation_y + i);
       const V sine = dalembert::load<4>(kept.sine[0] + slot);
       const V cosine = dalembert::load<4>(kept.cosine[0] + slot);
-      const V t1 = pose_rotation_xx_k * carried_rotation_6 + pose_rotation_xy_k * carried_rotation_3 + pose_rotation_xz_k * carried_rotation_0;
+      const V t1 = above_rotation[6] * pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz_k + above_rotation[3] * pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx_k + above_rotation[0] * pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy_k;
       dalembert::store<4, Scalar>(kept.rotation[6] + slot, t1);
-      const V next_carried_rotation_6 = t1;
-      const V t2 = pose_rotation_xx_k * carried_rotation_7 + pose_rotation_xy_k * carried_rotation_4 + pose_rotation_xz_k * carried_rotation_1;
+      next_above_rotation[6] = t1;
+      const V t2 = above_rotation[7] * pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz_k + above_rotation[4] * pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx_k + above_rotation[1] * pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy_k;
       dalembert::store<4, Scalar>(kept.rotation[7] + slot, t2);
-      const V next_carried_rotation_7 = t2;
-      const V t3 = pose_rotation_xx_k * carried_rotation_8 + pose_rotation_xy_k * carried_rotation_5 + pose_rotation_xz_k * carried_rotation_2;
+      next_above_rotation[7] = t2;
+      const V t3 = above_rotation[8] * pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz_k + above_rotation[5] * pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx_k + above_rotation[2] * pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy_k;
       dalembert::store<4, Scalar>(kept.rotation[8] + slot, t3);
-      const V next_carried_rotation_8 = t3;
-      const V t4 = pose_rotation_xz_k * carried_rotation_6 + pose_rotation_xx_k * carried_rotation_3 + pose_rotation_xy_k * carried_rotation_0;
-      const V t5 = pose_rotation_xz_k * carried_rotation_7 + pose_rotation_xx_k * carried_rotation_4 + pose_rotation_xy_k * carried_rotation_1;
-      const V t6 = pose_rotation_xz_k * carried_rotation_8 + pose_rotation_xx_k * carried_rotation_5 + pose_rotation_xy_k * carried_rotation_2;
-      const V t7 = pose_rotation_xy_k * carried_rotation_6 + pose_rotation_xz_k * carried_rotation_3 + pose_rotation_xx_k * carried_rotation_0;
-      const V t8 = pose_rotation_xy_k * carried_rotation_7 + pose_rotation_xz_k * carried_rotation_4 + pose_rotation_xx_k * carried_rotation_1;
-      const V t9 = pose_rotation_xy_k * carried_rotation_8 + pose_rotation_xz_k * carried_rotation_5 + pose_rotation_xx_k * carried_rotation_2;
+      next_above_rotation[8] = t3;
+      const V t4 = above_rotation[6] * pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy_k + above_rotation[3] * pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz_k + above_rotation[0] * pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx_k;
+      const V t5 = above_rotation[7] * pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy_k + above_rotation[4] * pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz_k + above_rotation[1] * pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx_k;
+      const V t6 = above_rotation[8] * pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy_k + above_rotation[5] * pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz_k + above_rotation[2] * pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx_k;
+      const V t7 = above_rotation[6] * pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx_k + above_rotation[3] * pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy_k + above_rotation[0] * pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz_k;
+      const V t8 = above_rotation[7] * pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx_k + above_rotation[4] * pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy_k + above_rotation[1] * pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz_k;
+      const V t9 = above_rotation[8] * pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx_k + above_rotation[5] * pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy_k + above_rotation[2] * pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz_k;
       const V t10 = cosine * t4 - sine * t7;
       dalembert::store<4, Scalar>(kept.rotation[3] + slot, t10);
-      const V next_carried_rotation_3 = t10;
+      next_above_rotation[3] = t10;
       const V t11 = cosine * t5 - sine * t8;
       dalembert::store<4, Scalar>(kept.rotation[4] + slot, t11);
-      const V next_carried_rotation_4 = t11;
+      next_above_rotation[4] = t11;
       const V t12 = cosine * t6 - sine * t9;
       dalembert::store<4, Scalar>(kept.rotation[5] + slot, t12);
-      const V next_carried_rotation_5 = t12;
+      next_above_rotation[5] = t12;
       const V t13 = sine * t4 + cosine * t7;
       dalembert::store<4, Scalar>(kept.rotation[0] + slot, t13);
-      const V next_carried_rotation_0 = t13;
+      next_above_rotation[0] = t13;
       const V t14 = sine * t5 + cosine * t8;
       dalembert::store<4, Scalar>(kept.rotation[1] + slot, t14);
-      const V next_carried_rotation_1 = t14;
+      next_above_rotation[1] = t14;
       const V t15 = sine * t6 + cosine * t9;
       dalembert::store<4, Scalar>(kept.rotation[2] + slot, t15);
-      const V next_carried_rotation_2 = t15;
-      const V t16 = carried_position_0 + pose_translation_y_k * carried_rotation_3 + pose_translation_x_k * carried_rotation_0;
+      next_above_rotation[2] = t15;
+      const V t16 = above_position[0] + above_rotation[3] * pose_translation_y_and_translation_y_k + above_rotation[0] * pose_translation_x_and_translation_x_k;
       dalembert::store<4, Scalar>(kept.position[0] + slot, t16);
-      const V next_carried_position_0 = t16;
-      const V t17 = carried_position_1 + pose_translation_y_k * carried_rotation_4 + pose_translation_x_k * carried_rotation_1;
+      next_above_position[0] = t16;
+      const V t17 = above_position[1] + above_rotation[4] * pose_translation_y_and_translation_y_k + above_rotation[1] * pose_translation_x_and_translation_x_k;
       dalembert::store<4, Scalar>(kept.position[1] + slot, t17);
-      const V next_carried_position_1 = t17;
-      const V t18 = carried_position_2 + pose_translation_y_k * carried_rotation_5 + pose_translation_x_k * carried_rotation_2;
+      next_above_position[1] = t17;
+      const V t18 = above_position[2] + above_rotation[5] * pose_translation_y_and_translation_y_k + above_rotation[2] * pose_translation_x_and_translation_x_k;
       dalembert::store<4, Scalar>(kept.position[2] + slot, t18);
-      const V next_carried_position_2 = t18;
+      next_above_position[2] = t18;
       const V t19 = t3 * t17 - t2 * t18;
       dalembert::store<4, Scalar>(kept.joint_linear[0] + slot, t19);
       const V t20 = t1 * t18 - t3 * t16;
@@ -597,133 +498,114 @@ void outwards_left_hip_yaw_x4(Workspace& workspace) noexcept {
       const V t21 = t2 * t16 - t1 * t17;
       dalembert::store<4, Scalar>(kept.joint_linear[2] + slot, t21);
       const V rate = dalembert::load<4>(kept.rate[0] + slot);
-      const V t22 = carried_velocity_0 + t19 * rate;
+      const V t22 = above_velocity[0] + t19 * rate;
       dalembert::store<4, Scalar>(kept.velocity[0] + slot, t22);
-      const V next_carried_velocity_0 = t22;
-      const V t23 = carried_velocity_1 + t20 * rate;
+      next_above_velocity[0] = t22;
+      const V t23 = above_velocity[1] + t20 * rate;
       dalembert::store<4, Scalar>(kept.velocity[1] + slot, t23);
-      const V next_carried_velocity_1 = t23;
-      const V t24 = carried_velocity_2 + t21 * rate;
+      next_above_velocity[1] = t23;
+      const V t24 = above_velocity[2] + t21 * rate;
       dalembert::store<4, Scalar>(kept.velocity[2] + slot, t24);
-      const V next_carried_velocity_2 = t24;
-      const V t25 = carried_velocity_3 + t1 * rate;
+      next_above_velocity[2] = t24;
+      const V t25 = above_velocity[3] + t1 * rate;
       dalembert::store<4, Scalar>(kept.velocity[3] + slot, t25);
-      const V next_carried_velocity_3 = t25;
-      const V t26 = carried_velocity_4 + t2 * rate;
+      next_above_velocity[3] = t25;
+      const V t26 = above_velocity[4] + t2 * rate;
       dalembert::store<4, Scalar>(kept.velocity[4] + slot, t26);
-      const V next_carried_velocity_4 = t26;
-      const V t27 = carried_velocity_5 + t3 * rate;
+      next_above_velocity[4] = t26;
+      const V t27 = above_velocity[5] + t3 * rate;
       dalembert::store<4, Scalar>(kept.velocity[5] + slot, t27);
-      const V next_carried_velocity_5 = t27;
-      carried_rotation_0 = next_carried_rotation_0;
-      carried_rotation_1 = next_carried_rotation_1;
-      carried_rotation_2 = next_carried_rotation_2;
-      carried_rotation_3 = next_carried_rotation_3;
-      carried_rotation_4 = next_carried_rotation_4;
-      carried_rotation_5 = next_carried_rotation_5;
-      carried_rotation_6 = next_carried_rotation_6;
-      carried_rotation_7 = next_carried_rotation_7;
-      carried_rotation_8 = next_carried_rotation_8;
-      carried_position_0 = next_carried_position_0;
-      carried_position_1 = next_carried_position_1;
-      carried_position_2 = next_carried_position_2;
-      carried_velocity_0 = next_carried_velocity_0;
-      carried_velocity_1 = next_carried_velocity_1;
-      carried_velocity_2 = next_carried_velocity_2;
-      carried_velocity_3 = next_carried_velocity_3;
-      carried_velocity_4 = next_carried_velocity_4;
-      carried_velocity_5 = next_carried_velocity_5;
+      next_above_velocity[5] = t27;
+      dalembert::store<4, Scalar>(kept.joint_rate[0] + slot, t3 * above_velocity[1] + t21 * above_velocity[4] - t2 * above_velocity[2] - t20 * above_velocity[5]);
+      dalembert::store<4, Scalar>(kept.joint_rate[1] + slot, t1 * above_velocity[2] + t19 * above_velocity[5] - t3 * above_velocity[0] - t21 * above_velocity[3]);
+      dalembert::store<4, Scalar>(kept.joint_rate[2] + slot, t2 * above_velocity[0] + t20 * above_velocity[3] - t1 * above_velocity[1] - t19 * above_velocity[4]);
+      dalembert::store<4, Scalar>(kept.joint_rate[3] + slot, t3 * above_velocity[4] - t2 * above_velocity[5]);
+      dalembert::store<4, Scalar>(kept.joint_rate[4] + slot, t1 * above_velocity[5] - t3 * above_velocity[3]);
+      dalembert::store<4, Scalar>(kept.joint_rate[5] + slot, t2 * above_velocity[3] - t1 * above_velocity[4]);
+      dalembert::carry(above_rotation, next_above_rotation);
+      dalembert::carry(above_position, next_above_position);
+      dalembert::carry(above_velocity, next_above_velocity);
     }
   }
-  // Phase II: h = R hk + m p, S = R Sk R' + R hk p' + p (R hk)' + m p p'
-  // Phase II: P = m u + w x h, D = -[w](S + t 1) - u h' + (h.u) 1; dJ = ad(V) J
+  // h = R hk + m p, S = R Sk R' + R hk p' + p (R hk)' + m p p'
   {
     using V [[maybe_unused]] = dalembert::Lanes<Scalar, dalembert::native_lanes>;
     for (int i = 0; i < 24; i += dalembert::native_lanes) {
       const int slot = 8 + i;
-      const V rotation_6 = dalembert::load<dalembert::native_lanes>(kept.rotation[6] + slot);
-      const V rotation_7 = dalembert::load<dalembert::native_lanes>(kept.rotation[7] + slot);
-      const V rotation_8 = dalembert::load<dalembert::native_lanes>(kept.rotation[8] + slot);
-      const V rotation_3 = dalembert::load<dalembert::native_lanes>(kept.rotation[3] + slot);
-      const V rotation_4 = dalembert::load<dalembert::native_lanes>(kept.rotation[4] + slot);
-      const V rotation_5 = dalembert::load<dalembert::native_lanes>(kept.rotation[5] + slot);
-      const V rotation_0 = dalembert::load<dalembert::native_lanes>(kept.rotation[0] + slot);
-      const V rotation_1 = dalembert::load<dalembert::native_lanes>(kept.rotation[1] + slot);
-      const V rotation_2 = dalembert::load<dalembert::native_lanes>(kept.rotation[2] + slot);
-      const V position_0 = dalembert::load<dalembert::native_lanes>(kept.position[0] + slot);
-      const V position_1 = dalembert::load<dalembert::native_lanes>(kept.position[1] + slot);
-      const V position_2 = dalembert::load<dalembert::native_lanes>(kept.position[2] + slot);
-      const V joint_linear_0 = dalembert::load<dalembert::native_lanes>(kept.joint_linear[0] + slot);
-      const V joint_linear_1 = dalembert::load<dalembert::native_lanes>(kept.joint_linear[1] + slot);
-      const V joint_linear_2 = dalembert::load<dalembert::native_lanes>(kept.joint_linear[2] + slot);
-      const V velocity_0 = dalembert::load<dalembert::native_lanes>(kept.velocity[0] + slot);
-      const V velocity_1 = dalembert::load<dalembert::native_lanes>(kept.velocity[1] + slot);
-      const V velocity_2 = dalembert::load<dalembert::native_lanes>(kept.velocity[2] + slot);
-      const V velocity_3 = dalembert::load<dalembert::native_lanes>(kept.velocity[3] + slot);
-      const V velocity_4 = dalembert::load<dalembert::native_lanes>(kept.velocity[4] + slot);
-      const V velocity_5 = dalembert::load<dalembert::native_lanes>(kept.velocity[5] + slot);
       const V first_x_k = dalembert::load<dalembert::native_lanes>(left_hip_yaw_x4_first_x + i);
+      const V first_y_k = dalembert::load<dalembert::native_lanes>(left_hip_yaw_x4_first_y + i);
       const V second_xy_k = dalembert::load<dalembert::native_lanes>(left_hip_yaw_x4_second_xy + i);
       const V second_xz_k = dalembert::load<dalembert::native_lanes>(left_hip_yaw_x4_second_xz + i);
-      const V first_y_k = dalembert::load<dalembert::native_lanes>(left_hip_yaw_x4_first_y + i);
       const V second_yz_k = dalembert::load<dalembert::native_lanes>(left_hip_yaw_x4_second_yz + i);
       const V half_second_xx_k = dalembert::load<dalembert::native_lanes>(left_hip_yaw_x4_half_second_xx + i);
       const V half_second_yy_k = dalembert::load<dalembert::native_lanes>(left_hip_yaw_x4_half_second_yy + i);
       const V half_trace_k = dalembert::load<dalembert::native_lanes>(left_hip_yaw_x4_half_trace + i);
-      dalembert::store<dalembert::native_lanes, Scalar>(kept.joint_rate[0] + slot, rotation_8 * velocity_1 + joint_linear_2 * velocity_4 - rotation_7 * velocity_2 - joint_linear_1 * velocity_5);
-      dalembert::store<dalembert::native_lanes, Scalar>(kept.joint_rate[1] + slot, rotation_6 * velocity_2 + joint_linear_0 * velocity_5 - rotation_8 * velocity_0 - joint_linear_2 * velocity_3);
-      dalembert::store<dalembert::native_lanes, Scalar>(kept.joint_rate[2] + slot, rotation_7 * velocity_0 + joint_linear_1 * velocity_3 - rotation_6 * velocity_1 - joint_linear_0 * velocity_4);
-      dalembert::store<dalembert::native_lanes, Scalar>(kept.joint_rate[3] + slot, rotation_8 * velocity_4 - rotation_7 * velocity_5);
-      dalembert::store<dalembert::native_lanes, Scalar>(kept.joint_rate[4] + slot, rotation_6 * velocity_5 - rotation_8 * velocity_3);
-      dalembert::store<dalembert::native_lanes, Scalar>(kept.joint_rate[5] + slot, rotation_7 * velocity_3 - rotation_6 * velocity_4);
-      const V t1 = rotation_3 * first_y_k + rotation_0 * first_x_k;
+      const V rotation_zx = dalembert::load<dalembert::native_lanes>(kept.rotation[6] + slot);
+      const V rotation_zy = dalembert::load<dalembert::native_lanes>(kept.rotation[7] + slot);
+      const V rotation_zz = dalembert::load<dalembert::native_lanes>(kept.rotation[8] + slot);
+      const V rotation_yx = dalembert::load<dalembert::native_lanes>(kept.rotation[3] + slot);
+      const V rotation_yy = dalembert::load<dalembert::native_lanes>(kept.rotation[4] + slot);
+      const V rotation_yz = dalembert::load<dalembert::native_lanes>(kept.rotation[5] + slot);
+      const V rotation_xx = dalembert::load<dalembert::native_lanes>(kept.rotation[0] + slot);
+      const V rotation_xy = dalembert::load<dalembert::native_lanes>(kept.rotation[1] + slot);
+      const V rotation_xz = dalembert::load<dalembert::native_lanes>(kept.rotation[2] + slot);
+      const V position_x = dalembert::load<dalembert::native_lanes>(kept.position[0] + slot);
+      const V position_y = dalembert::load<dalembert::native_lanes>(kept.position[1] + slot);
+      const V position_z = dalembert::load<dalembert::native_lanes>(kept.position[2] + slot);
+      const V t1 = first_y_k * rotation_yx + first_x_k * rotation_xx;
       dalembert::store<dalembert::native_lanes, Scalar>(kept.first[0] + slot, t1);
-      const V t2 = rotation_4 * first_y_k + rotation_1 * first_x_k;
+      const V t2 = first_y_k * rotation_yy + first_x_k * rotation_xy;
       dalembert::store<dalembert::native_lanes, Scalar>(kept.first[1] + slot, t2);
-      const V t3 = rotation_5 * first_y_k + rotation_2 * first_x_k;
+      const V t3 = first_y_k * rotation_yz + first_x_k * rotation_xz;
       dalembert::store<dalembert::native_lanes, Scalar>(kept.first[2] + slot, t3);
-      const V t4 = rotation_6 * second_xz_k + rotation_3 * second_xy_k + rotation_0 * half_second_xx_k + position_0 * first_x_k;
-      const V t5 = rotation_7 * second_xz_k + rotation_4 * second_xy_k + rotation_1 * half_second_xx_k + position_1 * first_x_k;
-      const V t6 = rotation_8 * second_xz_k + rotation_5 * second_xy_k + rotation_2 * half_second_xx_k + position_2 * first_x_k;
-      const V t7 = rotation_6 * second_yz_k + rotation_3 * half_second_yy_k + position_0 * first_y_k;
-      const V t8 = rotation_7 * second_yz_k + rotation_4 * half_second_yy_k + position_1 * first_y_k;
-      const V t9 = rotation_8 * second_yz_k + rotation_5 * half_second_yy_k + position_2 * first_y_k;
-      const V t10 = rotation_3 * t7 + rotation_0 * t4;
+      const V t4 = second_xz_k * rotation_zx + second_xy_k * rotation_yx + half_second_xx_k * rotation_xx + first_x_k * position_x;
+      const V t5 = second_xz_k * rotation_zy + second_xy_k * rotation_yy + half_second_xx_k * rotation_xy + first_x_k * position_y;
+      const V t6 = second_xz_k * rotation_zz + second_xy_k * rotation_yz + half_second_xx_k * rotation_xz + first_x_k * position_z;
+      const V t7 = second_yz_k * rotation_zx + half_second_yy_k * rotation_yx + first_y_k * position_x;
+      const V t8 = second_yz_k * rotation_zy + half_second_yy_k * rotation_yy + first_y_k * position_y;
+      const V t9 = second_yz_k * rotation_zz + half_second_yy_k * rotation_yz + first_y_k * position_z;
+      const V t10 = rotation_yx * t7 + rotation_xx * t4;
       const V t11 = t10 + t10;
       dalembert::store<dalembert::native_lanes, Scalar>(kept.second[0] + slot, t11);
-      const V t12 = rotation_3 * t8 + rotation_0 * t5 + rotation_4 * t7 + rotation_1 * t4;
+      const V t12 = rotation_yx * t8 + rotation_xx * t5 + rotation_yy * t7 + rotation_xy * t4;
       dalembert::store<dalembert::native_lanes, Scalar>(kept.second[1] + slot, t12);
-      const V t13 = rotation_3 * t9 + rotation_0 * t6 + rotation_5 * t7 + rotation_2 * t4;
+      const V t13 = rotation_yx * t9 + rotation_xx * t6 + rotation_yz * t7 + rotation_xz * t4;
       dalembert::store<dalembert::native_lanes, Scalar>(kept.second[2] + slot, t13);
-      const V t14 = rotation_4 * t8 + rotation_1 * t5;
+      const V t14 = rotation_yy * t8 + rotation_xy * t5;
       const V t15 = t14 + t14;
       dalembert::store<dalembert::native_lanes, Scalar>(kept.second[3] + slot, t15);
-      const V t16 = rotation_4 * t9 + rotation_1 * t6 + rotation_5 * t8 + rotation_2 * t5;
+      const V t16 = rotation_yy * t9 + rotation_xy * t6 + rotation_yz * t8 + rotation_xz * t5;
       dalembert::store<dalembert::native_lanes, Scalar>(kept.second[4] + slot, t16);
-      const V t17 = rotation_5 * t9 + rotation_2 * t6;
+      const V t17 = rotation_yz * t9 + rotation_xz * t6;
       const V t18 = t17 + t17;
       dalembert::store<dalembert::native_lanes, Scalar>(kept.second[5] + slot, t18);
-      dalembert::store<dalembert::native_lanes, Scalar>(kept.momentum[0] + slot, velocity_4 * t3 - velocity_5 * t2);
-      dalembert::store<dalembert::native_lanes, Scalar>(kept.momentum[1] + slot, velocity_5 * t1 - velocity_3 * t3);
-      dalembert::store<dalembert::native_lanes, Scalar>(kept.momentum[2] + slot, velocity_3 * t2 - velocity_4 * t1);
+      const V velocity_vx = dalembert::load<dalembert::native_lanes>(kept.velocity[0] + slot);
+      const V velocity_vy = dalembert::load<dalembert::native_lanes>(kept.velocity[1] + slot);
+      const V velocity_vz = dalembert::load<dalembert::native_lanes>(kept.velocity[2] + slot);
+      const V velocity_wx = dalembert::load<dalembert::native_lanes>(kept.velocity[3] + slot);
+      const V velocity_wy = dalembert::load<dalembert::native_lanes>(kept.velocity[4] + slot);
+      const V velocity_wz = dalembert::load<dalembert::native_lanes>(kept.velocity[5] + slot);
+      dalembert::store<dalembert::native_lanes, Scalar>(kept.momentum[0] + slot, t3 * velocity_wy - t2 * velocity_wz);
+      dalembert::store<dalembert::native_lanes, Scalar>(kept.momentum[1] + slot, t1 * velocity_wz - t3 * velocity_wx);
+      dalembert::store<dalembert::native_lanes, Scalar>(kept.momentum[2] + slot, t2 * velocity_wx - t1 * velocity_wy);
       const V t19 = half_trace_k + t11;
       const V t20 = half_trace_k + t15;
       const V t21 = half_trace_k + t18;
-      const V t22 = velocity_2 * t3;
-      const V t23 = velocity_1 * t2;
-      const V t24 = velocity_0 * t1;
+      const V t22 = t3 * velocity_vz;
+      const V t23 = t2 * velocity_vy;
+      const V t24 = t1 * velocity_vx;
       const V t25 = t22 + t23 + t24;
-      const V t26 = velocity_4 * t13;
-      const V t27 = velocity_3 * t16;
-      const V t28 = velocity_5 * t12;
+      const V t26 = t13 * velocity_wy;
+      const V t27 = t16 * velocity_wx;
+      const V t28 = t12 * velocity_wz;
       dalembert::store<dalembert::native_lanes, Scalar>(kept.bias_block[0] + slot, t25 + t28 - t24 - t26);
-      dalembert::store<dalembert::native_lanes, Scalar>(kept.bias_block[1] + slot, -(velocity_4 * t16 + velocity_0 * t2 - velocity_5 * t20));
-      dalembert::store<dalembert::native_lanes, Scalar>(kept.bias_block[2] + slot, -(velocity_4 * t21 + velocity_0 * t3 - velocity_5 * t16));
-      dalembert::store<dalembert::native_lanes, Scalar>(kept.bias_block[3] + slot, -(velocity_5 * t19 + velocity_1 * t1 - velocity_3 * t13));
+      dalembert::store<dalembert::native_lanes, Scalar>(kept.bias_block[1] + slot, -(t16 * velocity_wy + t2 * velocity_vx - velocity_wz * t20));
+      dalembert::store<dalembert::native_lanes, Scalar>(kept.bias_block[2] + slot, -(velocity_wy * t21 + t3 * velocity_vx - t16 * velocity_wz));
+      dalembert::store<dalembert::native_lanes, Scalar>(kept.bias_block[3] + slot, -(velocity_wz * t19 + t1 * velocity_vy - t13 * velocity_wx));
       dalembert::store<dalembert::native_lanes, Scalar>(kept.bias_block[4] + slot, t25 + t27 - t23 - t28);
-      dalembert::store<dalembert::native_lanes, Scalar>(kept.bias_block[5] + slot, -(velocity_5 * t13 + velocity_1 * t3 - velocity_3 * t21));
-      dalembert::store<dalembert::native_lanes, Scalar>(kept.bias_block[6] + slot, -(velocity_3 * t12 + velocity_2 * t1 - velocity_4 * t19));
-      dalembert::store<dalembert::native_lanes, Scalar>(kept.bias_block[7] + slot, -(velocity_3 * t20 + velocity_2 * t2 - velocity_4 * t12));
+      dalembert::store<dalembert::native_lanes, Scalar>(kept.bias_block[5] + slot, -(t13 * velocity_wz + t3 * velocity_vy - velocity_wx * t21));
+      dalembert::store<dalembert::native_lanes, Scalar>(kept.bias_block[6] + slot, -(t12 * velocity_wx + t1 * velocity_vz - velocity_wy * t19));
+      dalembert::store<dalembert::native_lanes, Scalar>(kept.bias_block[7] + slot, -(velocity_wx * t20 + t2 * velocity_vz - t12 * velocity_wy));
       dalembert::store<dalembert::native_lanes, Scalar>(kept.bias_block[8] + slot, t25 + t26 - t22 - t27);
     }
   }
@@ -731,767 +613,605 @@ void outwards_left_hip_yaw_x4(Workspace& workspace) noexcept {
   {
     using V [[maybe_unused]] = dalembert::Lanes<Scalar, 4>;
     static constexpr int parents[] = {4, 4, 0, 0};
-    V carried_down_0 = dalembert::gather<4>(kept.down[0], parents);
-    V carried_down_1 = dalembert::gather<4>(kept.down[1], parents);
-    V carried_down_2 = dalembert::gather<4>(kept.down[2], parents);
+    V above_down[3] = {dalembert::gather<4>(kept.down[0], parents),
+        dalembert::gather<4>(kept.down[1], parents),
+        dalembert::gather<4>(kept.down[2], parents)};
     for (int i = 0; i < 24; i += 4) {
       const int slot = 8 + i;
-      const V pose_rotation_xx_k = dalembert::load<4>(left_hip_yaw_x4_pose_rotation_xx + i);
-      const V pose_rotation_xy_k = dalembert::load<4>(left_hip_yaw_x4_pose_rotation_xy + i);
-      const V pose_rotation_xz_k = dalembert::load<4>(left_hip_yaw_x4_pose_rotation_xz + i);
+      V next_above_down[3];
       const V sine = dalembert::load<4>(kept.sine[0] + slot);
       const V cosine = dalembert::load<4>(kept.cosine[0] + slot);
-      const V t1 = pose_rotation_xy_k * carried_down_2 + pose_rotation_xz_k * carried_down_1 + pose_rotation_xx_k * carried_down_0;
-      const V t2 = pose_rotation_xz_k * carried_down_2 + pose_rotation_xx_k * carried_down_1 + pose_rotation_xy_k * carried_down_0;
-      const V next_carried_down_2 = pose_rotation_xx_k * carried_down_2 + pose_rotation_xy_k * carried_down_1 + pose_rotation_xz_k * carried_down_0;
+      const V pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz_k = dalembert::load<4>(left_hip_yaw_x4_pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz + i);
+      const V pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx_k = dalembert::load<4>(left_hip_yaw_x4_pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx + i);
+      const V pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy_k = dalembert::load<4>(left_hip_yaw_x4_pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy + i);
+      const V t1 = above_down[2] * pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx_k + above_down[1] * pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy_k + above_down[0] * pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz_k;
+      const V t2 = above_down[2] * pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy_k + above_down[1] * pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz_k + above_down[0] * pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx_k;
+      next_above_down[2] = above_down[2] * pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz_k + above_down[1] * pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx_k + above_down[0] * pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy_k;
       const V t3 = sine * t2 + cosine * t1;
       dalembert::store<4, Scalar>(kept.down[0] + slot, t3);
-      const V next_carried_down_0 = t3;
+      next_above_down[0] = t3;
       const V t4 = cosine * t2 - sine * t1;
       dalembert::store<4, Scalar>(kept.down[1] + slot, t4);
-      const V next_carried_down_1 = t4;
-      carried_down_0 = next_carried_down_0;
-      carried_down_1 = next_carried_down_1;
-      carried_down_2 = next_carried_down_2;
+      next_above_down[1] = t4;
+      dalembert::carry(above_down, next_above_down);
     }
   }
-  // Newton-Euler in body axes: w, dw, a of the body and f = m a + dw x h + w x (w x h), n = h x a + I dw + w x I w
+  // w, dw and a of the body along its own axes
+  // f = m a + dw x h + w x (w x h), n = h x a + I dw + w x I w
   {
     using V [[maybe_unused]] = dalembert::Lanes<Scalar, 4>;
     static constexpr int parents[] = {4, 4, 0, 0};
-    V carried_motion_0 = dalembert::gather<4>(kept.motion[0], parents);
-    V carried_motion_1 = dalembert::gather<4>(kept.motion[1], parents);
-    V carried_motion_2 = dalembert::gather<4>(kept.motion[2], parents);
-    V carried_motion_3 = dalembert::gather<4>(kept.motion[3], parents);
-    V carried_motion_4 = dalembert::gather<4>(kept.motion[4], parents);
-    V carried_motion_5 = dalembert::gather<4>(kept.motion[5], parents);
-    V carried_motion_6 = dalembert::gather<4>(kept.motion[6], parents);
-    V carried_motion_7 = dalembert::gather<4>(kept.motion[7], parents);
-    V carried_motion_8 = dalembert::gather<4>(kept.motion[8], parents);
+    V above_angular[3] = {dalembert::gather<4>(kept.angular[0], parents),
+        dalembert::gather<4>(kept.angular[1], parents),
+        dalembert::gather<4>(kept.angular[2], parents)};
+    V above_angular_acceleration[3] = {dalembert::gather<4>(kept.angular_acceleration[0], parents),
+        dalembert::gather<4>(kept.angular_acceleration[1], parents),
+        dalembert::broadcast<4, Scalar>(0.0)};
+    V above_acceleration[3] = {dalembert::gather<4>(kept.acceleration[0], parents),
+        dalembert::gather<4>(kept.acceleration[1], parents),
+        dalembert::gather<4>(kept.acceleration[2], parents)};
     for (int i = 0; i < 24; i += 4) {
       const int slot = 8 + i;
-      const V pose_rotation_xx_k = dalembert::load<4>(left_hip_yaw_x4_pose_rotation_xx + i);
-      const V pose_rotation_xy_k = dalembert::load<4>(left_hip_yaw_x4_pose_rotation_xy + i);
-      const V pose_rotation_xz_k = dalembert::load<4>(left_hip_yaw_x4_pose_rotation_xz + i);
-      const V pose_translation_x_k = dalembert::load<4>(left_hip_yaw_x4_pose_translation_x + i);
-      const V first_x_k = dalembert::load<4>(left_hip_yaw_x4_first_x + i);
-      const V second_xx_k = dalembert::load<4>(left_hip_yaw_x4_second_xx + i);
-      const V second_xy_k = dalembert::load<4>(left_hip_yaw_x4_second_xy + i);
-      const V second_xz_k = dalembert::load<4>(left_hip_yaw_x4_second_xz + i);
-      const V pose_translation_y_k = dalembert::load<4>(left_hip_yaw_x4_pose_translation_y + i);
-      const V first_y_k = dalembert::load<4>(left_hip_yaw_x4_first_y + i);
-      const V second_yy_k = dalembert::load<4>(left_hip_yaw_x4_second_yy + i);
-      const V second_yz_k = dalembert::load<4>(left_hip_yaw_x4_second_yz + i);
+      V next_above_angular[3];
+      V next_above_angular_acceleration[3];
+      V next_above_acceleration[3];
       const V rate = dalembert::load<4>(kept.rate[0] + slot);
       const V sine = dalembert::load<4>(kept.sine[0] + slot);
       const V cosine = dalembert::load<4>(kept.cosine[0] + slot);
-      const V t1 = pose_translation_y_k * carried_motion_2;
-      const V t2 = pose_translation_x_k * carried_motion_2;
-      const V t3 = pose_translation_y_k * carried_motion_0 - pose_translation_x_k * carried_motion_1;
-      const V t4 = carried_motion_6 + carried_motion_1 * t3 - carried_motion_2 * t2 - pose_translation_y_k * carried_motion_5;
-      const V t5 = carried_motion_7 + pose_translation_x_k * carried_motion_5 - carried_motion_0 * t3 - carried_motion_2 * t1;
-      const V t6 = carried_motion_8 + carried_motion_1 * t1 + carried_motion_0 * t2 + pose_translation_y_k * carried_motion_3 - pose_translation_x_k * carried_motion_4;
-      const V t7 = pose_rotation_xy_k * carried_motion_2 + pose_rotation_xz_k * carried_motion_1 + pose_rotation_xx_k * carried_motion_0;
-      const V t8 = pose_rotation_xz_k * carried_motion_2 + pose_rotation_xx_k * carried_motion_1 + pose_rotation_xy_k * carried_motion_0;
+      const V pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz_k = dalembert::load<4>(left_hip_yaw_x4_pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz + i);
+      const V pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx_k = dalembert::load<4>(left_hip_yaw_x4_pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx + i);
+      const V pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy_k = dalembert::load<4>(left_hip_yaw_x4_pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy + i);
+      const V pose_translation_x_and_translation_x_k = dalembert::load<4>(left_hip_yaw_x4_pose_translation_x_and_translation_x + i);
+      const V pose_translation_y_and_translation_y_k = dalembert::load<4>(left_hip_yaw_x4_pose_translation_y_and_translation_y + i);
+      const V t1 = above_angular[2] * pose_translation_y_and_translation_y_k;
+      const V t2 = above_angular[2] * pose_translation_x_and_translation_x_k;
+      const V t3 = above_angular[0] * pose_translation_y_and_translation_y_k - above_angular[1] * pose_translation_x_and_translation_x_k;
+      const V t4 = above_acceleration[0] + above_angular[1] * t3 - above_angular[2] * t2 - above_angular_acceleration[2] * pose_translation_y_and_translation_y_k;
+      const V t5 = above_acceleration[1] + above_angular_acceleration[2] * pose_translation_x_and_translation_x_k - above_angular[0] * t3 - above_angular[2] * t1;
+      const V t6 = above_acceleration[2] + above_angular[1] * t1 + above_angular[0] * t2 + above_angular_acceleration[0] * pose_translation_y_and_translation_y_k - above_angular_acceleration[1] * pose_translation_x_and_translation_x_k;
+      const V t7 = above_angular[2] * pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx_k + above_angular[1] * pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy_k + above_angular[0] * pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz_k;
+      const V t8 = above_angular[2] * pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy_k + above_angular[1] * pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz_k + above_angular[0] * pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx_k;
       const V t9 = sine * t8 + cosine * t7;
-      const V next_carried_motion_0 = t9;
+      next_above_angular[0] = t9;
       const V t10 = cosine * t8 - sine * t7;
-      const V next_carried_motion_1 = t10;
-      const V t11 = rate + pose_rotation_xx_k * carried_motion_2 + pose_rotation_xy_k * carried_motion_1 + pose_rotation_xz_k * carried_motion_0;
-      const V next_carried_motion_2 = t11;
-      const V t12 = pose_rotation_xy_k * carried_motion_5 + pose_rotation_xz_k * carried_motion_4 + pose_rotation_xx_k * carried_motion_3;
-      const V t13 = pose_rotation_xz_k * carried_motion_5 + pose_rotation_xx_k * carried_motion_4 + pose_rotation_xy_k * carried_motion_3;
-      const V t14 = pose_rotation_xx_k * carried_motion_5 + pose_rotation_xy_k * carried_motion_4 + pose_rotation_xz_k * carried_motion_3;
-      const V next_carried_motion_5 = t14;
+      next_above_angular[1] = t10;
+      const V t11 = rate + above_angular[2] * pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz_k + above_angular[1] * pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx_k + above_angular[0] * pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy_k;
+      next_above_angular[2] = t11;
+      const V t12 = above_angular_acceleration[2] * pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx_k + above_angular_acceleration[1] * pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy_k + above_angular_acceleration[0] * pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz_k;
+      const V t13 = above_angular_acceleration[2] * pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy_k + above_angular_acceleration[1] * pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz_k + above_angular_acceleration[0] * pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx_k;
+      const V t14 = above_angular_acceleration[2] * pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz_k + above_angular_acceleration[1] * pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx_k + above_angular_acceleration[0] * pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy_k;
+      next_above_angular_acceleration[2] = t14;
       const V t15 = rate * t10 + sine * t13 + cosine * t12;
-      const V next_carried_motion_3 = t15;
+      next_above_angular_acceleration[0] = t15;
       const V t16 = cosine * t13 - sine * t12 - rate * t9;
-      const V next_carried_motion_4 = t16;
-      const V t17 = pose_rotation_xy_k * t6 + pose_rotation_xz_k * t5 + pose_rotation_xx_k * t4;
-      const V t18 = pose_rotation_xz_k * t6 + pose_rotation_xx_k * t5 + pose_rotation_xy_k * t4;
-      const V t19 = pose_rotation_xx_k * t6 + pose_rotation_xy_k * t5 + pose_rotation_xz_k * t4;
-      const V next_carried_motion_8 = t19;
+      next_above_angular_acceleration[1] = t16;
+      const V t17 = pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx_k * t6 + pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy_k * t5 + pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz_k * t4;
+      const V t18 = pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy_k * t6 + pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz_k * t5 + pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx_k * t4;
+      const V t19 = pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz_k * t6 + pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx_k * t5 + pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy_k * t4;
+      next_above_acceleration[2] = t19;
       const V t20 = sine * t18 + cosine * t17;
-      const V next_carried_motion_6 = t20;
+      next_above_acceleration[0] = t20;
       const V t21 = cosine * t18 - sine * t17;
-      const V next_carried_motion_7 = t21;
-      const V t22 = first_y_k * t11;
-      const V t23 = first_x_k * t11;
-      const V t24 = first_y_k * t9 - first_x_k * t10;
-      dalembert::store<4, Scalar>(kept.force[0] + slot, t10 * t24 - t11 * t23 - first_y_k * t14);
-      dalembert::store<4, Scalar>(kept.force[1] + slot, first_x_k * t14 - t9 * t24 - t11 * t22);
-      dalembert::store<4, Scalar>(kept.force[2] + slot, t10 * t22 + t9 * t23 + first_y_k * t15 - first_x_k * t16);
+      next_above_acceleration[1] = t21;
+      const V first_x_k = dalembert::load<4>(left_hip_yaw_x4_first_x + i);
+      const V first_y_k = dalembert::load<4>(left_hip_yaw_x4_first_y + i);
+      const V second_xx_k = dalembert::load<4>(left_hip_yaw_x4_second_xx + i);
+      const V second_xy_k = dalembert::load<4>(left_hip_yaw_x4_second_xy + i);
+      const V second_xz_k = dalembert::load<4>(left_hip_yaw_x4_second_xz + i);
+      const V second_yy_k = dalembert::load<4>(left_hip_yaw_x4_second_yy + i);
+      const V second_yz_k = dalembert::load<4>(left_hip_yaw_x4_second_yz + i);
+      const V t22 = t11 * first_y_k;
+      const V t23 = t11 * first_x_k;
+      const V t24 = t9 * first_y_k - t10 * first_x_k;
+      dalembert::store<4, Scalar>(kept.wrench[0] + slot, t10 * t24 - t11 * t23 - t14 * first_y_k);
+      dalembert::store<4, Scalar>(kept.wrench[1] + slot, t14 * first_x_k - t9 * t24 - t11 * t22);
+      dalembert::store<4, Scalar>(kept.wrench[2] + slot, t10 * t22 + t9 * t23 + t15 * first_y_k - t16 * first_x_k);
       const V t25 = second_xx_k + second_yy_k;
-      const V t26 = second_yy_k * t9 - second_xy_k * t10 - second_xz_k * t11;
-      const V t27 = second_xx_k * t10 - second_xy_k * t9 - second_yz_k * t11;
-      const V t28 = t11 * t25 - second_yz_k * t10 - second_xz_k * t9;
-      dalembert::store<4, Scalar>(kept.force[3] + slot, t10 * t28 + second_yy_k * t15 + first_y_k * t19 - t11 * t27 - second_xy_k * t16 - second_xz_k * t14);
-      dalembert::store<4, Scalar>(kept.force[4] + slot, t11 * t26 + second_xx_k * t16 - t9 * t28 - second_xy_k * t15 - second_yz_k * t14 - first_x_k * t19);
-      dalembert::store<4, Scalar>(kept.force[5] + slot, t9 * t27 + t14 * t25 + first_x_k * t21 - t10 * t26 - second_yz_k * t16 - second_xz_k * t15 - first_y_k * t20);
-      carried_motion_0 = next_carried_motion_0;
-      carried_motion_1 = next_carried_motion_1;
-      carried_motion_2 = next_carried_motion_2;
-      carried_motion_3 = next_carried_motion_3;
-      carried_motion_4 = next_carried_motion_4;
-      carried_motion_5 = next_carried_motion_5;
-      carried_motion_6 = next_carried_motion_6;
-      carried_motion_7 = next_carried_motion_7;
-      carried_motion_8 = next_carried_motion_8;
+      const V t26 = t9 * second_yy_k - t10 * second_xy_k - t11 * second_xz_k;
+      const V t27 = t10 * second_xx_k - t9 * second_xy_k - t11 * second_yz_k;
+      const V t28 = t11 * t25 - t10 * second_yz_k - t9 * second_xz_k;
+      dalembert::store<4, Scalar>(kept.wrench[3] + slot, t10 * t28 + t15 * second_yy_k + t19 * first_y_k - t11 * t27 - t16 * second_xy_k - t14 * second_xz_k);
+      dalembert::store<4, Scalar>(kept.wrench[4] + slot, t11 * t26 + t16 * second_xx_k - t9 * t28 - t15 * second_xy_k - t14 * second_yz_k - t19 * first_x_k);
+      dalembert::store<4, Scalar>(kept.wrench[5] + slot, t9 * t27 + t14 * t25 + t21 * first_x_k - t10 * t26 - t16 * second_yz_k - t15 * second_xz_k - t20 * first_y_k);
+      dalembert::carry(above_angular, next_above_angular);
+      dalembert::carry(above_angular_acceleration, next_above_angular_acceleration);
+      dalembert::carry(above_acceleration, next_above_acceleration);
     }
   }
 }
 
 void inwards_left_hip_yaw_x4(Workspace& workspace) noexcept {
   Kept& kept = workspace.kept;
-  // Phase II: sums over the subtree (eq. 29, 30)
-  // Phase III: F = A* J, G = A* dJ + B* J, H = P x Jv + D' Jw
+  static_cast<void>(kept);
+  // m of the subtree
+  // h, S, P, D summed over the subtree
+  // F = A* J, G = A* dJ + B* J, H = P x Jv + D' Jw
   {
     using V [[maybe_unused]] = dalembert::Lanes<Scalar, 4>;
-    V carried_first_0 = V{};
-    V carried_momentum_0 = V{};
-    V carried_bias_block_0 = V{};
-    V carried_bias_block_1 = V{};
-    V carried_bias_block_2 = V{};
-    V carried_first_1 = V{};
-    V carried_momentum_1 = V{};
-    V carried_bias_block_3 = V{};
-    V carried_bias_block_4 = V{};
-    V carried_bias_block_5 = V{};
-    V carried_first_2 = V{};
-    V carried_momentum_2 = V{};
-    V carried_bias_block_6 = V{};
-    V carried_bias_block_7 = V{};
-    V carried_bias_block_8 = V{};
-    V carried_second_0 = V{};
-    V carried_second_1 = V{};
-    V carried_second_2 = V{};
-    V carried_second_3 = V{};
-    V carried_second_4 = V{};
-    V carried_second_5 = V{};
+    V below_first[3] = {};
+    V below_second[6] = {};
+    V below_momentum[3] = {};
+    V below_bias_block[9] = {};
     for (int i = 20; i >= 0; i -= 4) {
       const int slot = 8 + i;
-      const V t1 = carried_first_0 + dalembert::load<4>(kept.first[0] + slot);
-      const V next_carried_first_0 = t1;
-      const V t2 = carried_first_1 + dalembert::load<4>(kept.first[1] + slot);
-      const V next_carried_first_1 = t2;
-      const V t3 = carried_first_2 + dalembert::load<4>(kept.first[2] + slot);
-      const V next_carried_first_2 = t3;
-      const V t4 = carried_second_0 + dalembert::load<4>(kept.second[0] + slot);
-      const V next_carried_second_0 = t4;
-      const V t5 = carried_second_1 + dalembert::load<4>(kept.second[1] + slot);
-      const V next_carried_second_1 = t5;
-      const V t6 = carried_second_2 + dalembert::load<4>(kept.second[2] + slot);
-      const V next_carried_second_2 = t6;
-      const V t7 = carried_second_3 + dalembert::load<4>(kept.second[3] + slot);
-      const V next_carried_second_3 = t7;
-      const V t8 = carried_second_4 + dalembert::load<4>(kept.second[4] + slot);
-      const V next_carried_second_4 = t8;
-      const V t9 = carried_second_5 + dalembert::load<4>(kept.second[5] + slot);
-      const V next_carried_second_5 = t9;
-      const V t10 = carried_momentum_0 + dalembert::load<4>(kept.momentum[0] + slot);
-      const V next_carried_momentum_0 = t10;
-      const V t11 = carried_momentum_1 + dalembert::load<4>(kept.momentum[1] + slot);
-      const V next_carried_momentum_1 = t11;
-      const V t12 = carried_momentum_2 + dalembert::load<4>(kept.momentum[2] + slot);
-      const V next_carried_momentum_2 = t12;
-      const V t13 = carried_bias_block_0 + dalembert::load<4>(kept.bias_block[0] + slot);
-      const V next_carried_bias_block_0 = t13;
-      const V t14 = carried_bias_block_1 + dalembert::load<4>(kept.bias_block[1] + slot);
-      const V next_carried_bias_block_1 = t14;
-      const V t15 = carried_bias_block_2 + dalembert::load<4>(kept.bias_block[2] + slot);
-      const V next_carried_bias_block_2 = t15;
-      const V t16 = carried_bias_block_3 + dalembert::load<4>(kept.bias_block[3] + slot);
-      const V next_carried_bias_block_3 = t16;
-      const V t17 = carried_bias_block_4 + dalembert::load<4>(kept.bias_block[4] + slot);
-      const V next_carried_bias_block_4 = t17;
-      const V t18 = carried_bias_block_5 + dalembert::load<4>(kept.bias_block[5] + slot);
-      const V next_carried_bias_block_5 = t18;
-      const V t19 = carried_bias_block_6 + dalembert::load<4>(kept.bias_block[6] + slot);
-      const V next_carried_bias_block_6 = t19;
-      const V t20 = carried_bias_block_7 + dalembert::load<4>(kept.bias_block[7] + slot);
-      const V next_carried_bias_block_7 = t20;
-      const V t21 = carried_bias_block_8 + dalembert::load<4>(kept.bias_block[8] + slot);
-      const V next_carried_bias_block_8 = t21;
-      const V joint_linear_0 = dalembert::load<4>(kept.joint_linear[0] + slot);
-      const V joint_linear_1 = dalembert::load<4>(kept.joint_linear[1] + slot);
-      const V joint_linear_2 = dalembert::load<4>(kept.joint_linear[2] + slot);
-      const V rotation_6 = dalembert::load<4>(kept.rotation[6] + slot);
-      const V rotation_7 = dalembert::load<4>(kept.rotation[7] + slot);
-      const V rotation_8 = dalembert::load<4>(kept.rotation[8] + slot);
-      const V joint_rate_0 = dalembert::load<4>(kept.joint_rate[0] + slot);
-      const V joint_rate_1 = dalembert::load<4>(kept.joint_rate[1] + slot);
-      const V joint_rate_2 = dalembert::load<4>(kept.joint_rate[2] + slot);
-      const V joint_rate_3 = dalembert::load<4>(kept.joint_rate[3] + slot);
-      const V joint_rate_4 = dalembert::load<4>(kept.joint_rate[4] + slot);
-      const V joint_rate_5 = dalembert::load<4>(kept.joint_rate[5] + slot);
-      const V t22 = t3 * rotation_7 - t2 * rotation_8;
-      dalembert::store<4, Scalar>(kept.inertia_force(0) + slot, t22);
-      const V t23 = t1 * rotation_8 - t3 * rotation_6;
-      dalembert::store<4, Scalar>(kept.inertia_force(1) + slot, t23);
-      const V t24 = t2 * rotation_6 - t1 * rotation_7;
-      dalembert::store<4, Scalar>(kept.inertia_force(2) + slot, t24);
+      V next_below_first[3];
+      V next_below_second[6];
+      V next_below_momentum[3];
+      V next_below_bias_block[9];
+      const V t1 = below_first[0] + dalembert::load<4>(kept.first[0] + slot);
+      next_below_first[0] = t1;
+      const V t2 = below_first[1] + dalembert::load<4>(kept.first[1] + slot);
+      next_below_first[1] = t2;
+      const V t3 = below_first[2] + dalembert::load<4>(kept.first[2] + slot);
+      next_below_first[2] = t3;
+      const V t4 = below_second[0] + dalembert::load<4>(kept.second[0] + slot);
+      next_below_second[0] = t4;
+      const V t5 = below_second[1] + dalembert::load<4>(kept.second[1] + slot);
+      next_below_second[1] = t5;
+      const V t6 = below_second[2] + dalembert::load<4>(kept.second[2] + slot);
+      next_below_second[2] = t6;
+      const V t7 = below_second[3] + dalembert::load<4>(kept.second[3] + slot);
+      next_below_second[3] = t7;
+      const V t8 = below_second[4] + dalembert::load<4>(kept.second[4] + slot);
+      next_below_second[4] = t8;
+      const V t9 = below_second[5] + dalembert::load<4>(kept.second[5] + slot);
+      next_below_second[5] = t9;
+      const V t10 = below_momentum[0] + dalembert::load<4>(kept.momentum[0] + slot);
+      next_below_momentum[0] = t10;
+      const V t11 = below_momentum[1] + dalembert::load<4>(kept.momentum[1] + slot);
+      next_below_momentum[1] = t11;
+      const V t12 = below_momentum[2] + dalembert::load<4>(kept.momentum[2] + slot);
+      next_below_momentum[2] = t12;
+      const V t13 = below_bias_block[0] + dalembert::load<4>(kept.bias_block[0] + slot);
+      next_below_bias_block[0] = t13;
+      const V t14 = below_bias_block[1] + dalembert::load<4>(kept.bias_block[1] + slot);
+      next_below_bias_block[1] = t14;
+      const V t15 = below_bias_block[2] + dalembert::load<4>(kept.bias_block[2] + slot);
+      next_below_bias_block[2] = t15;
+      const V t16 = below_bias_block[3] + dalembert::load<4>(kept.bias_block[3] + slot);
+      next_below_bias_block[3] = t16;
+      const V t17 = below_bias_block[4] + dalembert::load<4>(kept.bias_block[4] + slot);
+      next_below_bias_block[4] = t17;
+      const V t18 = below_bias_block[5] + dalembert::load<4>(kept.bias_block[5] + slot);
+      next_below_bias_block[5] = t18;
+      const V t19 = below_bias_block[6] + dalembert::load<4>(kept.bias_block[6] + slot);
+      next_below_bias_block[6] = t19;
+      const V t20 = below_bias_block[7] + dalembert::load<4>(kept.bias_block[7] + slot);
+      next_below_bias_block[7] = t20;
+      const V t21 = below_bias_block[8] + dalembert::load<4>(kept.bias_block[8] + slot);
+      next_below_bias_block[8] = t21;
+      const V joint_rate_vx = dalembert::load<4>(kept.joint_rate[0] + slot);
+      const V joint_rate_vy = dalembert::load<4>(kept.joint_rate[1] + slot);
+      const V joint_rate_vz = dalembert::load<4>(kept.joint_rate[2] + slot);
+      const V joint_rate_wx = dalembert::load<4>(kept.joint_rate[3] + slot);
+      const V joint_rate_wy = dalembert::load<4>(kept.joint_rate[4] + slot);
+      const V joint_rate_wz = dalembert::load<4>(kept.joint_rate[5] + slot);
+      const V joint_linear_x = dalembert::load<4>(kept.joint_linear[0] + slot);
+      const V joint_linear_y = dalembert::load<4>(kept.joint_linear[1] + slot);
+      const V joint_linear_z = dalembert::load<4>(kept.joint_linear[2] + slot);
+      const V joint_angular_x = dalembert::load<4>(kept.joint_angular(0) + slot);
+      const V joint_angular_y = dalembert::load<4>(kept.joint_angular(1) + slot);
+      const V joint_angular_z = dalembert::load<4>(kept.joint_angular(2) + slot);
+      const V t22 = t3 * joint_angular_y - t2 * joint_angular_z;
+      dalembert::store<4, Scalar>(kept.mass_matrix_columns[0] + slot, t22);
+      const V t23 = t1 * joint_angular_z - t3 * joint_angular_x;
+      dalembert::store<4, Scalar>(kept.mass_matrix_columns[1] + slot, t23);
+      const V t24 = t2 * joint_angular_x - t1 * joint_angular_y;
+      dalembert::store<4, Scalar>(kept.mass_matrix_columns[2] + slot, t24);
       const V t25 = t7 + t9;
       const V t26 = t4 + t9;
       const V t27 = t4 + t7;
-      const V t28 = rotation_6 * t25 + t2 * joint_linear_2 - t5 * rotation_7 - t6 * rotation_8 - t3 * joint_linear_1;
-      dalembert::store<4, Scalar>(kept.inertia_force(3) + slot, t28);
-      const V t29 = rotation_7 * t26 + t3 * joint_linear_0 - t5 * rotation_6 - t8 * rotation_8 - t1 * joint_linear_2;
-      dalembert::store<4, Scalar>(kept.inertia_force(4) + slot, t29);
-      const V t30 = rotation_8 * t27 + t1 * joint_linear_1 - t8 * rotation_7 - t6 * rotation_6 - t2 * joint_linear_0;
-      dalembert::store<4, Scalar>(kept.inertia_force(5) + slot, t30);
-      const V t31 = t13 * rotation_6;
-      const V t32 = t17 * rotation_7;
-      const V t33 = t21 * rotation_8;
-      const V t34 = t31 + t19 * rotation_8 + t16 * rotation_7 + t11 * joint_linear_2 - t12 * joint_linear_1;
+      const V t28 = joint_angular_x * t25 + t2 * joint_linear_z - t5 * joint_angular_y - t6 * joint_angular_z - t3 * joint_linear_y;
+      dalembert::store<4, Scalar>(kept.mass_matrix_columns[3] + slot, t28);
+      const V t29 = joint_angular_y * t26 + t3 * joint_linear_x - t5 * joint_angular_x - t8 * joint_angular_z - t1 * joint_linear_z;
+      dalembert::store<4, Scalar>(kept.mass_matrix_columns[4] + slot, t29);
+      const V t30 = joint_angular_z * t27 + t1 * joint_linear_y - t8 * joint_angular_y - t6 * joint_angular_x - t2 * joint_linear_x;
+      dalembert::store<4, Scalar>(kept.mass_matrix_columns[5] + slot, t30);
+      const V t31 = t13 * joint_angular_x;
+      const V t32 = t17 * joint_angular_y;
+      const V t33 = t21 * joint_angular_z;
+      dalembert::store<4, Scalar>(kept.coriolis_matrix_columns[0] + slot, t3 * joint_rate_wy + t12 * joint_angular_y - t2 * joint_rate_wz - t11 * joint_angular_z);
+      dalembert::store<4, Scalar>(kept.coriolis_matrix_columns[1] + slot, t1 * joint_rate_wz + t10 * joint_angular_z - t3 * joint_rate_wx - t12 * joint_angular_x);
+      dalembert::store<4, Scalar>(kept.coriolis_matrix_columns[2] + slot, t2 * joint_rate_wx + t11 * joint_angular_x - t1 * joint_rate_wy - t10 * joint_angular_y);
+      dalembert::store<4, Scalar>(kept.coriolis_matrix_columns[3] + slot, t31 + joint_rate_wx * t25 + t2 * joint_rate_vz + t15 * joint_angular_z + t14 * joint_angular_y - t5 * joint_rate_wy - t6 * joint_rate_wz - t3 * joint_rate_vy);
+      dalembert::store<4, Scalar>(kept.coriolis_matrix_columns[4] + slot, t32 + joint_rate_wy * t26 + t3 * joint_rate_vx + t18 * joint_angular_z + t16 * joint_angular_x - t5 * joint_rate_wx - t8 * joint_rate_wz - t1 * joint_rate_vz);
+      dalembert::store<4, Scalar>(kept.coriolis_matrix_columns[5] + slot, t33 + joint_rate_wz * t27 + t1 * joint_rate_vy + t20 * joint_angular_y + t19 * joint_angular_x - t8 * joint_rate_wy - t6 * joint_rate_wx - t2 * joint_rate_vx);
+      const V t34 = t31 + t19 * joint_angular_z + t16 * joint_angular_y + t11 * joint_linear_z - t12 * joint_linear_y;
       dalembert::store<4, Scalar>(kept.transposed(0) + slot, t34);
-      const V t35 = t32 + t20 * rotation_8 + t14 * rotation_6 + t12 * joint_linear_0 - t10 * joint_linear_2;
+      const V t35 = t32 + t20 * joint_angular_z + t14 * joint_angular_x + t12 * joint_linear_x - t10 * joint_linear_z;
       dalembert::store<4, Scalar>(kept.transposed(1) + slot, t35);
-      const V t36 = t33 + t18 * rotation_7 + t15 * rotation_6 + t10 * joint_linear_1 - t11 * joint_linear_0;
+      const V t36 = t33 + t18 * joint_angular_y + t15 * joint_angular_x + t10 * joint_linear_y - t11 * joint_linear_x;
       dalembert::store<4, Scalar>(kept.transposed(2) + slot, t36);
-      dalembert::store<4, Scalar>(kept.bias_force(0) + slot, t3 * joint_rate_4 + t12 * rotation_7 - t2 * joint_rate_5 - t11 * rotation_8);
-      dalembert::store<4, Scalar>(kept.bias_force(1) + slot, t1 * joint_rate_5 + t10 * rotation_8 - t3 * joint_rate_3 - t12 * rotation_6);
-      dalembert::store<4, Scalar>(kept.bias_force(2) + slot, t2 * joint_rate_3 + t11 * rotation_6 - t1 * joint_rate_4 - t10 * rotation_7);
-      dalembert::store<4, Scalar>(kept.bias_force(3) + slot, t31 + joint_rate_3 * t25 + t2 * joint_rate_2 + t15 * rotation_8 + t14 * rotation_7 - t5 * joint_rate_4 - t6 * joint_rate_5 - t3 * joint_rate_1);
-      dalembert::store<4, Scalar>(kept.bias_force(4) + slot, t32 + joint_rate_4 * t26 + t3 * joint_rate_0 + t18 * rotation_8 + t16 * rotation_6 - t5 * joint_rate_3 - t8 * joint_rate_5 - t1 * joint_rate_2);
-      dalembert::store<4, Scalar>(kept.bias_force(5) + slot, t33 + joint_rate_5 * t27 + t1 * joint_rate_1 + t20 * rotation_7 + t19 * rotation_6 - t8 * joint_rate_4 - t6 * joint_rate_3 - t2 * joint_rate_0);
-      const V base_velocity_0 = dalembert::broadcast<4>(kept.velocity[0][4]);
-      const V base_velocity_1 = dalembert::broadcast<4>(kept.velocity[1][4]);
-      const V base_velocity_2 = dalembert::broadcast<4>(kept.velocity[2][4]);
-      const V base_velocity_3 = dalembert::broadcast<4>(kept.velocity[3][4]);
-      const V base_velocity_4 = dalembert::broadcast<4>(kept.velocity[4][4]);
-      const V base_velocity_5 = dalembert::broadcast<4>(kept.velocity[5][4]);
-      dalembert::store<4, Scalar>(kept.below_force[0] + slot, t23 * base_velocity_5 - t24 * base_velocity_4);
-      dalembert::store<4, Scalar>(kept.below_force[1] + slot, t24 * base_velocity_3 - t22 * base_velocity_5);
-      dalembert::store<4, Scalar>(kept.below_force[2] + slot, t22 * base_velocity_4 - t23 * base_velocity_3);
-      dalembert::store<4, Scalar>(kept.below_force[3] + slot, t34 + t29 * base_velocity_5 + t23 * base_velocity_2 - t30 * base_velocity_4 - t24 * base_velocity_1);
-      dalembert::store<4, Scalar>(kept.below_force[4] + slot, t35 + t30 * base_velocity_3 + t24 * base_velocity_0 - t28 * base_velocity_5 - t22 * base_velocity_2);
-      dalembert::store<4, Scalar>(kept.below_force[5] + slot, t36 + t28 * base_velocity_4 + t22 * base_velocity_1 - t29 * base_velocity_3 - t23 * base_velocity_0);
-      carried_first_0 = next_carried_first_0;
-      carried_momentum_0 = next_carried_momentum_0;
-      carried_bias_block_0 = next_carried_bias_block_0;
-      carried_bias_block_1 = next_carried_bias_block_1;
-      carried_bias_block_2 = next_carried_bias_block_2;
-      carried_first_1 = next_carried_first_1;
-      carried_momentum_1 = next_carried_momentum_1;
-      carried_bias_block_3 = next_carried_bias_block_3;
-      carried_bias_block_4 = next_carried_bias_block_4;
-      carried_bias_block_5 = next_carried_bias_block_5;
-      carried_first_2 = next_carried_first_2;
-      carried_momentum_2 = next_carried_momentum_2;
-      carried_bias_block_6 = next_carried_bias_block_6;
-      carried_bias_block_7 = next_carried_bias_block_7;
-      carried_bias_block_8 = next_carried_bias_block_8;
-      carried_second_0 = next_carried_second_0;
-      carried_second_1 = next_carried_second_1;
-      carried_second_2 = next_carried_second_2;
-      carried_second_3 = next_carried_second_3;
-      carried_second_4 = next_carried_second_4;
-      carried_second_5 = next_carried_second_5;
+      const V base_velocity_wz = dalembert::broadcast<4, Scalar>(kept.velocity[5][4]);
+      const V base_velocity_wy = dalembert::broadcast<4, Scalar>(kept.velocity[4][4]);
+      dalembert::store<4, Scalar>(kept.coriolis_matrix_rows[0] + slot, t23 * base_velocity_wz - t24 * base_velocity_wy);
+      const V base_velocity_wx = dalembert::broadcast<4, Scalar>(kept.velocity[3][4]);
+      dalembert::store<4, Scalar>(kept.coriolis_matrix_rows[1] + slot, t24 * base_velocity_wx - t22 * base_velocity_wz);
+      dalembert::store<4, Scalar>(kept.coriolis_matrix_rows[2] + slot, t22 * base_velocity_wy - t23 * base_velocity_wx);
+      const V base_velocity_vz = dalembert::broadcast<4, Scalar>(kept.velocity[2][4]);
+      const V base_velocity_vy = dalembert::broadcast<4, Scalar>(kept.velocity[1][4]);
+      dalembert::store<4, Scalar>(kept.coriolis_matrix_rows[3] + slot, t34 + t23 * base_velocity_vz + t29 * base_velocity_wz - t24 * base_velocity_vy - t30 * base_velocity_wy);
+      const V base_velocity_vx = dalembert::broadcast<4, Scalar>(kept.velocity[0][4]);
+      dalembert::store<4, Scalar>(kept.coriolis_matrix_rows[4] + slot, t35 + t24 * base_velocity_vx + t30 * base_velocity_wx - t22 * base_velocity_vz - t28 * base_velocity_wz);
+      dalembert::store<4, Scalar>(kept.coriolis_matrix_rows[5] + slot, t36 + t22 * base_velocity_vy + t28 * base_velocity_wy - t23 * base_velocity_vx - t29 * base_velocity_wx);
+      dalembert::carry(below_first, next_below_first);
+      dalembert::carry(below_second, next_below_second);
+      dalembert::carry(below_momentum, next_below_momentum);
+      dalembert::carry(below_bias_block, next_below_bias_block);
     }
-    kept.first[0][4] += dalembert::lane<4, Scalar>(carried_first_0, 0) + dalembert::lane<4, Scalar>(carried_first_0, 1);
-    kept.first[0][0] += dalembert::lane<4, Scalar>(carried_first_0, 2) + dalembert::lane<4, Scalar>(carried_first_0, 3);
-    kept.momentum[0][4] += dalembert::lane<4, Scalar>(carried_momentum_0, 0) + dalembert::lane<4, Scalar>(carried_momentum_0, 1);
-    kept.momentum[0][0] += dalembert::lane<4, Scalar>(carried_momentum_0, 2) + dalembert::lane<4, Scalar>(carried_momentum_0, 3);
-    kept.bias_block[0][4] += dalembert::lane<4, Scalar>(carried_bias_block_0, 0) + dalembert::lane<4, Scalar>(carried_bias_block_0, 1);
-    kept.bias_block[0][0] += dalembert::lane<4, Scalar>(carried_bias_block_0, 2) + dalembert::lane<4, Scalar>(carried_bias_block_0, 3);
-    kept.bias_block[1][4] += dalembert::lane<4, Scalar>(carried_bias_block_1, 0) + dalembert::lane<4, Scalar>(carried_bias_block_1, 1);
-    kept.bias_block[1][0] += dalembert::lane<4, Scalar>(carried_bias_block_1, 2) + dalembert::lane<4, Scalar>(carried_bias_block_1, 3);
-    kept.bias_block[2][4] += dalembert::lane<4, Scalar>(carried_bias_block_2, 0) + dalembert::lane<4, Scalar>(carried_bias_block_2, 1);
-    kept.bias_block[2][0] += dalembert::lane<4, Scalar>(carried_bias_block_2, 2) + dalembert::lane<4, Scalar>(carried_bias_block_2, 3);
-    kept.first[1][4] += dalembert::lane<4, Scalar>(carried_first_1, 0) + dalembert::lane<4, Scalar>(carried_first_1, 1);
-    kept.first[1][0] += dalembert::lane<4, Scalar>(carried_first_1, 2) + dalembert::lane<4, Scalar>(carried_first_1, 3);
-    kept.momentum[1][4] += dalembert::lane<4, Scalar>(carried_momentum_1, 0) + dalembert::lane<4, Scalar>(carried_momentum_1, 1);
-    kept.momentum[1][0] += dalembert::lane<4, Scalar>(carried_momentum_1, 2) + dalembert::lane<4, Scalar>(carried_momentum_1, 3);
-    kept.bias_block[3][4] += dalembert::lane<4, Scalar>(carried_bias_block_3, 0) + dalembert::lane<4, Scalar>(carried_bias_block_3, 1);
-    kept.bias_block[3][0] += dalembert::lane<4, Scalar>(carried_bias_block_3, 2) + dalembert::lane<4, Scalar>(carried_bias_block_3, 3);
-    kept.bias_block[4][4] += dalembert::lane<4, Scalar>(carried_bias_block_4, 0) + dalembert::lane<4, Scalar>(carried_bias_block_4, 1);
-    kept.bias_block[4][0] += dalembert::lane<4, Scalar>(carried_bias_block_4, 2) + dalembert::lane<4, Scalar>(carried_bias_block_4, 3);
-    kept.bias_block[5][4] += dalembert::lane<4, Scalar>(carried_bias_block_5, 0) + dalembert::lane<4, Scalar>(carried_bias_block_5, 1);
-    kept.bias_block[5][0] += dalembert::lane<4, Scalar>(carried_bias_block_5, 2) + dalembert::lane<4, Scalar>(carried_bias_block_5, 3);
-    kept.first[2][4] += dalembert::lane<4, Scalar>(carried_first_2, 0) + dalembert::lane<4, Scalar>(carried_first_2, 1);
-    kept.first[2][0] += dalembert::lane<4, Scalar>(carried_first_2, 2) + dalembert::lane<4, Scalar>(carried_first_2, 3);
-    kept.momentum[2][4] += dalembert::lane<4, Scalar>(carried_momentum_2, 0) + dalembert::lane<4, Scalar>(carried_momentum_2, 1);
-    kept.momentum[2][0] += dalembert::lane<4, Scalar>(carried_momentum_2, 2) + dalembert::lane<4, Scalar>(carried_momentum_2, 3);
-    kept.bias_block[6][4] += dalembert::lane<4, Scalar>(carried_bias_block_6, 0) + dalembert::lane<4, Scalar>(carried_bias_block_6, 1);
-    kept.bias_block[6][0] += dalembert::lane<4, Scalar>(carried_bias_block_6, 2) + dalembert::lane<4, Scalar>(carried_bias_block_6, 3);
-    kept.bias_block[7][4] += dalembert::lane<4, Scalar>(carried_bias_block_7, 0) + dalembert::lane<4, Scalar>(carried_bias_block_7, 1);
-    kept.bias_block[7][0] += dalembert::lane<4, Scalar>(carried_bias_block_7, 2) + dalembert::lane<4, Scalar>(carried_bias_block_7, 3);
-    kept.bias_block[8][4] += dalembert::lane<4, Scalar>(carried_bias_block_8, 0) + dalembert::lane<4, Scalar>(carried_bias_block_8, 1);
-    kept.bias_block[8][0] += dalembert::lane<4, Scalar>(carried_bias_block_8, 2) + dalembert::lane<4, Scalar>(carried_bias_block_8, 3);
-    kept.second[0][4] += dalembert::lane<4, Scalar>(carried_second_0, 0) + dalembert::lane<4, Scalar>(carried_second_0, 1);
-    kept.second[0][0] += dalembert::lane<4, Scalar>(carried_second_0, 2) + dalembert::lane<4, Scalar>(carried_second_0, 3);
-    kept.second[1][4] += dalembert::lane<4, Scalar>(carried_second_1, 0) + dalembert::lane<4, Scalar>(carried_second_1, 1);
-    kept.second[1][0] += dalembert::lane<4, Scalar>(carried_second_1, 2) + dalembert::lane<4, Scalar>(carried_second_1, 3);
-    kept.second[2][4] += dalembert::lane<4, Scalar>(carried_second_2, 0) + dalembert::lane<4, Scalar>(carried_second_2, 1);
-    kept.second[2][0] += dalembert::lane<4, Scalar>(carried_second_2, 2) + dalembert::lane<4, Scalar>(carried_second_2, 3);
-    kept.second[3][4] += dalembert::lane<4, Scalar>(carried_second_3, 0) + dalembert::lane<4, Scalar>(carried_second_3, 1);
-    kept.second[3][0] += dalembert::lane<4, Scalar>(carried_second_3, 2) + dalembert::lane<4, Scalar>(carried_second_3, 3);
-    kept.second[4][4] += dalembert::lane<4, Scalar>(carried_second_4, 0) + dalembert::lane<4, Scalar>(carried_second_4, 1);
-    kept.second[4][0] += dalembert::lane<4, Scalar>(carried_second_4, 2) + dalembert::lane<4, Scalar>(carried_second_4, 3);
-    kept.second[5][4] += dalembert::lane<4, Scalar>(carried_second_5, 0) + dalembert::lane<4, Scalar>(carried_second_5, 1);
-    kept.second[5][0] += dalembert::lane<4, Scalar>(carried_second_5, 2) + dalembert::lane<4, Scalar>(carried_second_5, 3);
+    dalembert::set_lanes<4, 3, 0, 1>(below_first, 0, kept.received_first[0] + 4, 40);
+    dalembert::add_lanes<4, 2, 2, 3>(below_first, 0, kept.first[0] + 0, 40);
+    dalembert::set_lanes<4, 1, 2, 3>(below_first, 2, kept.received_first[2] + 0, 40);
+    dalembert::set_lanes<4, 6, 0, 1>(below_second, 0, kept.received_second[0] + 4, 40);
+    dalembert::add_lanes<4, 5, 2, 3>(below_second, 0, kept.second[0] + 0, 40);
+    dalembert::set_lanes<4, 1, 2, 3>(below_second, 5, kept.received_second[5] + 0, 40);
+    dalembert::add_lanes<4, 3, 0, 1>(below_momentum, 0, kept.momentum[0] + 4, 40);
+    dalembert::add_lanes<4, 3, 2, 3>(below_momentum, 0, kept.momentum[0] + 0, 40);
+    dalembert::add_lanes<4, 8, 0, 1>(below_bias_block, 0, kept.bias_block[0] + 4, 40);
+    dalembert::add_lanes<4, 9, 2, 3>(below_bias_block, 0, kept.bias_block[0] + 0, 40);
+    dalembert::set_lanes<4, 1, 0, 1>(below_bias_block, 8, kept.received_bias_block[8] + 4, 40);
   }
   // g = -(h x down)_z (revolute), -m down_z (prismatic); h_p += Rk Rz(q) h + m p
   {
     using V [[maybe_unused]] = dalembert::Lanes<Scalar, 4>;
-    V carried_gravity_first_0 = V{};
-    V carried_gravity_first_1 = V{};
-    V carried_gravity_first_2 = V{};
+    V below_gravity_first[3] = {};
     for (int i = 20; i >= 0; i -= 4) {
       const int slot = 8 + i;
-      const V pose_rotation_xx_k = dalembert::load<4>(left_hip_yaw_x4_pose_rotation_xx + i);
-      const V pose_rotation_xy_k = dalembert::load<4>(left_hip_yaw_x4_pose_rotation_xy + i);
-      const V pose_rotation_xz_k = dalembert::load<4>(left_hip_yaw_x4_pose_rotation_xz + i);
+      V next_below_gravity_first[3];
+      const V pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz_k = dalembert::load<4>(left_hip_yaw_x4_pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz + i);
+      const V pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx_k = dalembert::load<4>(left_hip_yaw_x4_pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx + i);
+      const V pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy_k = dalembert::load<4>(left_hip_yaw_x4_pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy + i);
       const V sine = dalembert::load<4>(kept.sine[0] + slot);
       const V cosine = dalembert::load<4>(kept.cosine[0] + slot);
-      const V t1 = dalembert::load<4>(left_hip_yaw_x4_first_x + i) + carried_gravity_first_0;
-      const V t2 = dalembert::load<4>(left_hip_yaw_x4_first_y + i) + carried_gravity_first_1;
-      dalembert::store<4, Scalar>(kept.gravity_torque[0] + slot, -(dalembert::load<4>(kept.down[1] + slot) * t1 - dalembert::load<4>(kept.down[0] + slot) * t2));
+      const V t1 = dalembert::load<4>(left_hip_yaw_x4_first_x + i) + below_gravity_first[0];
+      const V t2 = dalembert::load<4>(left_hip_yaw_x4_first_y + i) + below_gravity_first[1];
+      dalembert::store<4, Scalar>(kept.gravity_torque(0) + slot, -(dalembert::load<4>(kept.down[1] + slot) * t1 - dalembert::load<4>(kept.down[0] + slot) * t2));
       const V t3 = cosine * t1 - sine * t2;
       const V t4 = cosine * t2 + sine * t1;
-      const V next_carried_gravity_first_0 = pose_rotation_xz_k * carried_gravity_first_2 + pose_rotation_xy_k * t4 + pose_rotation_xx_k * t3;
-      const V next_carried_gravity_first_1 = pose_rotation_xy_k * carried_gravity_first_2 + pose_rotation_xx_k * t4 + pose_rotation_xz_k * t3;
-      const V next_carried_gravity_first_2 = pose_rotation_xx_k * carried_gravity_first_2 + pose_rotation_xz_k * t4 + pose_rotation_xy_k * t3;
-      carried_gravity_first_0 = next_carried_gravity_first_0;
-      carried_gravity_first_1 = next_carried_gravity_first_1;
-      carried_gravity_first_2 = next_carried_gravity_first_2;
+      next_below_gravity_first[0] = pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy_k * below_gravity_first[2] + pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx_k * t4 + pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz_k * t3;
+      next_below_gravity_first[1] = pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx_k * below_gravity_first[2] + pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz_k * t4 + pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy_k * t3;
+      next_below_gravity_first[2] = pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz_k * below_gravity_first[2] + pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy_k * t4 + pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx_k * t3;
+      dalembert::carry(below_gravity_first, next_below_gravity_first);
     }
-    kept.gravity_first[0][4] += dalembert::lane<4, Scalar>(carried_gravity_first_0, 0) + dalembert::lane<4, Scalar>(carried_gravity_first_0, 1);
-    kept.gravity_first[0][0] = dalembert::lane<4, Scalar>(carried_gravity_first_0, 2) + dalembert::lane<4, Scalar>(carried_gravity_first_0, 3);
-    kept.gravity_first[1][4] += dalembert::lane<4, Scalar>(carried_gravity_first_1, 0) + dalembert::lane<4, Scalar>(carried_gravity_first_1, 1);
-    kept.gravity_first[1][0] = dalembert::lane<4, Scalar>(carried_gravity_first_1, 2) + dalembert::lane<4, Scalar>(carried_gravity_first_1, 3);
-    kept.gravity_first[2][4] += dalembert::lane<4, Scalar>(carried_gravity_first_2, 0) + dalembert::lane<4, Scalar>(carried_gravity_first_2, 1);
-    kept.gravity_first[2][0] = dalembert::lane<4, Scalar>(carried_gravity_first_2, 2) + dalembert::lane<4, Scalar>(carried_gravity_first_2, 3);
+    dalembert::set_lanes<4, 3, 0, 1>(below_gravity_first, 0, kept.received_gravity_first[0] + 4, 40);
+    dalembert::set_lanes<4, 3, 2, 3>(below_gravity_first, 0, kept.received_gravity_first[0] + 0, 40);
   }
   // C v + g = n_z (revolute), f_z (prismatic); f_p += R f, n_p += R n + p x R f
   {
     using V [[maybe_unused]] = dalembert::Lanes<Scalar, 4>;
-    V carried_force_0 = V{};
-    V carried_force_1 = V{};
-    V carried_force_2 = V{};
-    V carried_force_3 = V{};
-    V carried_force_4 = V{};
-    V carried_force_5 = V{};
+    V below_wrench[6] = {};
     for (int i = 20; i >= 0; i -= 4) {
       const int slot = 8 + i;
-      const V pose_rotation_xx_k = dalembert::load<4>(left_hip_yaw_x4_pose_rotation_xx + i);
-      const V pose_rotation_xy_k = dalembert::load<4>(left_hip_yaw_x4_pose_rotation_xy + i);
-      const V pose_rotation_xz_k = dalembert::load<4>(left_hip_yaw_x4_pose_rotation_xz + i);
-      const V pose_translation_x_k = dalembert::load<4>(left_hip_yaw_x4_pose_translation_x + i);
-      const V pose_translation_y_k = dalembert::load<4>(left_hip_yaw_x4_pose_translation_y + i);
+      V next_below_wrench[6];
+      const V pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz_k = dalembert::load<4>(left_hip_yaw_x4_pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz + i);
+      const V pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx_k = dalembert::load<4>(left_hip_yaw_x4_pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx + i);
+      const V pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy_k = dalembert::load<4>(left_hip_yaw_x4_pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy + i);
+      const V pose_translation_x_and_translation_x_k = dalembert::load<4>(left_hip_yaw_x4_pose_translation_x_and_translation_x + i);
+      const V pose_translation_y_and_translation_y_k = dalembert::load<4>(left_hip_yaw_x4_pose_translation_y_and_translation_y + i);
       const V sine = dalembert::load<4>(kept.sine[0] + slot);
       const V cosine = dalembert::load<4>(kept.cosine[0] + slot);
-      const V t1 = carried_force_0 + dalembert::load<4>(kept.force[0] + slot);
-      const V t2 = carried_force_1 + dalembert::load<4>(kept.force[1] + slot);
-      const V t3 = carried_force_2 + dalembert::load<4>(kept.force[2] + slot);
-      const V t4 = carried_force_3 + dalembert::load<4>(kept.force[3] + slot);
-      const V t5 = carried_force_4 + dalembert::load<4>(kept.force[4] + slot);
-      const V t6 = carried_force_5 + dalembert::load<4>(kept.force[5] + slot);
-      dalembert::store<4, Scalar>(kept.bias_torque[0] + slot, t6);
+      const V t1 = below_wrench[0] + dalembert::load<4>(kept.wrench[0] + slot);
+      const V t2 = below_wrench[1] + dalembert::load<4>(kept.wrench[1] + slot);
+      const V t3 = below_wrench[2] + dalembert::load<4>(kept.wrench[2] + slot);
+      const V t4 = below_wrench[3] + dalembert::load<4>(kept.wrench[3] + slot);
+      const V t5 = below_wrench[4] + dalembert::load<4>(kept.wrench[4] + slot);
+      const V t6 = below_wrench[5] + dalembert::load<4>(kept.wrench[5] + slot);
+      dalembert::store<4, Scalar>(kept.bias_torque(0) + slot, t6);
       const V t7 = cosine * t1 - sine * t2;
       const V t8 = cosine * t2 + sine * t1;
-      const V t9 = pose_rotation_xz_k * t3 + pose_rotation_xy_k * t8 + pose_rotation_xx_k * t7;
-      const V next_carried_force_0 = t9;
-      const V t10 = pose_rotation_xy_k * t3 + pose_rotation_xx_k * t8 + pose_rotation_xz_k * t7;
-      const V next_carried_force_1 = t10;
-      const V t11 = pose_rotation_xx_k * t3 + pose_rotation_xz_k * t8 + pose_rotation_xy_k * t7;
-      const V next_carried_force_2 = t11;
+      const V t9 = pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy_k * t3 + pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx_k * t8 + pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz_k * t7;
+      next_below_wrench[0] = t9;
+      const V t10 = pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx_k * t3 + pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz_k * t8 + pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy_k * t7;
+      next_below_wrench[1] = t10;
+      const V t11 = pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz_k * t3 + pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy_k * t8 + pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx_k * t7;
+      next_below_wrench[2] = t11;
       const V t12 = cosine * t4 - sine * t5;
       const V t13 = cosine * t5 + sine * t4;
-      const V next_carried_force_3 = pose_translation_y_k * t11 + pose_rotation_xz_k * t6 + pose_rotation_xy_k * t13 + pose_rotation_xx_k * t12;
-      const V next_carried_force_4 = pose_rotation_xy_k * t6 + pose_rotation_xx_k * t13 + pose_rotation_xz_k * t12 - pose_translation_x_k * t11;
-      const V next_carried_force_5 = pose_translation_x_k * t10 + pose_rotation_xx_k * t6 + pose_rotation_xz_k * t13 + pose_rotation_xy_k * t12 - pose_translation_y_k * t9;
-      carried_force_0 = next_carried_force_0;
-      carried_force_1 = next_carried_force_1;
-      carried_force_2 = next_carried_force_2;
-      carried_force_3 = next_carried_force_3;
-      carried_force_4 = next_carried_force_4;
-      carried_force_5 = next_carried_force_5;
+      next_below_wrench[3] = pose_translation_y_and_translation_y_k * t11 + pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy_k * t6 + pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx_k * t13 + pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz_k * t12;
+      next_below_wrench[4] = pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx_k * t6 + pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz_k * t13 + pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy_k * t12 - pose_translation_x_and_translation_x_k * t11;
+      next_below_wrench[5] = pose_translation_x_and_translation_x_k * t10 + pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz_k * t6 + pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy_k * t13 + pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx_k * t12 - pose_translation_y_and_translation_y_k * t9;
+      dalembert::carry(below_wrench, next_below_wrench);
     }
-    kept.force[0][4] += dalembert::lane<4, Scalar>(carried_force_0, 0) + dalembert::lane<4, Scalar>(carried_force_0, 1);
-    kept.force[0][0] += dalembert::lane<4, Scalar>(carried_force_0, 2) + dalembert::lane<4, Scalar>(carried_force_0, 3);
-    kept.force[1][4] += dalembert::lane<4, Scalar>(carried_force_1, 0) + dalembert::lane<4, Scalar>(carried_force_1, 1);
-    kept.force[1][0] += dalembert::lane<4, Scalar>(carried_force_1, 2) + dalembert::lane<4, Scalar>(carried_force_1, 3);
-    kept.force[2][4] += dalembert::lane<4, Scalar>(carried_force_2, 0) + dalembert::lane<4, Scalar>(carried_force_2, 1);
-    kept.force[2][0] += dalembert::lane<4, Scalar>(carried_force_2, 2) + dalembert::lane<4, Scalar>(carried_force_2, 3);
-    kept.force[3][4] += dalembert::lane<4, Scalar>(carried_force_3, 0) + dalembert::lane<4, Scalar>(carried_force_3, 1);
-    kept.force[3][0] += dalembert::lane<4, Scalar>(carried_force_3, 2) + dalembert::lane<4, Scalar>(carried_force_3, 3);
-    kept.force[4][4] += dalembert::lane<4, Scalar>(carried_force_4, 0) + dalembert::lane<4, Scalar>(carried_force_4, 1);
-    kept.force[4][0] += dalembert::lane<4, Scalar>(carried_force_4, 2) + dalembert::lane<4, Scalar>(carried_force_4, 3);
-    kept.force[5][4] += dalembert::lane<4, Scalar>(carried_force_5, 0) + dalembert::lane<4, Scalar>(carried_force_5, 1);
-    kept.force[5][0] += dalembert::lane<4, Scalar>(carried_force_5, 2) + dalembert::lane<4, Scalar>(carried_force_5, 3);
+    dalembert::add_lanes<4, 6, 0, 1>(below_wrench, 0, kept.wrench[0] + 4, 40);
+    dalembert::add_lanes<4, 6, 2, 3>(below_wrench, 0, kept.wrench[0] + 0, 40);
   }
 }
 
 void inwards_waist(Workspace& workspace) noexcept {
   Kept& kept = workspace.kept;
-  // Phase II: sums over the subtree (eq. 29, 30)
-  // Phase III: F = A* J, G = A* dJ + B* J, H = P x Jv + D' Jw
+  static_cast<void>(kept);
+  // m of the subtree
+  // h, S, P, D summed over the subtree
+  // F = A* J, G = A* dJ + B* J, H = P x Jv + D' Jw
   {
     using V [[maybe_unused]] = dalembert::Lanes<Scalar, 1>;
-    V carried_first_0 = V{};
-    V carried_momentum_0 = V{};
-    V carried_bias_block_0 = V{};
-    V carried_bias_block_1 = V{};
-    V carried_bias_block_2 = V{};
-    V carried_first_1 = V{};
-    V carried_momentum_1 = V{};
-    V carried_bias_block_3 = V{};
-    V carried_bias_block_4 = V{};
-    V carried_bias_block_5 = V{};
-    V carried_first_2 = V{};
-    V carried_momentum_2 = V{};
-    V carried_bias_block_6 = V{};
-    V carried_bias_block_7 = V{};
-    V carried_bias_block_8 = V{};
-    V carried_second_0 = V{};
-    V carried_second_1 = V{};
-    V carried_second_2 = V{};
-    V carried_second_3 = V{};
-    V carried_second_4 = V{};
-    V carried_second_5 = V{};
+    V below_first[3] = {};
+    V below_second[6] = {};
+    V below_momentum[3] = {};
+    V below_bias_block[9] = {};
     for (int i = 0; i >= 0; i -= 1) {
       const int slot = 0 + i;
-      const V t1 = carried_first_0 + dalembert::load<1>(kept.first[0] + slot);
-      const V next_carried_first_0 = t1;
-      const V t2 = carried_first_1 + dalembert::load<1>(kept.first[1] + slot);
-      const V next_carried_first_1 = t2;
-      const V t3 = carried_first_2 + dalembert::load<1>(kept.first[2] + slot);
-      const V next_carried_first_2 = t3;
-      const V t4 = carried_second_0 + dalembert::load<1>(kept.second[0] + slot);
-      const V next_carried_second_0 = t4;
-      const V t5 = carried_second_1 + dalembert::load<1>(kept.second[1] + slot);
-      const V next_carried_second_1 = t5;
-      const V t6 = carried_second_2 + dalembert::load<1>(kept.second[2] + slot);
-      const V next_carried_second_2 = t6;
-      const V t7 = carried_second_3 + dalembert::load<1>(kept.second[3] + slot);
-      const V next_carried_second_3 = t7;
-      const V t8 = carried_second_4 + dalembert::load<1>(kept.second[4] + slot);
-      const V next_carried_second_4 = t8;
-      const V t9 = carried_second_5 + dalembert::load<1>(kept.second[5] + slot);
-      const V next_carried_second_5 = t9;
-      const V t10 = carried_momentum_0 + dalembert::load<1>(kept.momentum[0] + slot);
-      const V next_carried_momentum_0 = t10;
-      const V t11 = carried_momentum_1 + dalembert::load<1>(kept.momentum[1] + slot);
-      const V next_carried_momentum_1 = t11;
-      const V t12 = carried_momentum_2 + dalembert::load<1>(kept.momentum[2] + slot);
-      const V next_carried_momentum_2 = t12;
-      const V t13 = carried_bias_block_0 + dalembert::load<1>(kept.bias_block[0] + slot);
-      const V next_carried_bias_block_0 = t13;
-      const V t14 = carried_bias_block_1 + dalembert::load<1>(kept.bias_block[1] + slot);
-      const V next_carried_bias_block_1 = t14;
-      const V t15 = carried_bias_block_2 + dalembert::load<1>(kept.bias_block[2] + slot);
-      const V next_carried_bias_block_2 = t15;
-      const V t16 = carried_bias_block_3 + dalembert::load<1>(kept.bias_block[3] + slot);
-      const V next_carried_bias_block_3 = t16;
-      const V t17 = carried_bias_block_4 + dalembert::load<1>(kept.bias_block[4] + slot);
-      const V next_carried_bias_block_4 = t17;
-      const V t18 = carried_bias_block_5 + dalembert::load<1>(kept.bias_block[5] + slot);
-      const V next_carried_bias_block_5 = t18;
-      const V t19 = carried_bias_block_6 + dalembert::load<1>(kept.bias_block[6] + slot);
-      const V next_carried_bias_block_6 = t19;
-      const V t20 = carried_bias_block_7 + dalembert::load<1>(kept.bias_block[7] + slot);
-      const V next_carried_bias_block_7 = t20;
-      const V t21 = carried_bias_block_8 + dalembert::load<1>(kept.bias_block[8] + slot);
-      const V next_carried_bias_block_8 = t21;
-      const V joint_linear_0 = dalembert::load<1>(kept.joint_linear[0] + slot);
-      const V joint_linear_1 = dalembert::load<1>(kept.joint_linear[1] + slot);
-      const V joint_linear_2 = dalembert::load<1>(kept.joint_linear[2] + slot);
-      const V rotation_6 = dalembert::load<1>(kept.rotation[6] + slot);
-      const V rotation_7 = dalembert::load<1>(kept.rotation[7] + slot);
-      const V rotation_8 = dalembert::load<1>(kept.rotation[8] + slot);
-      const V joint_rate_0 = dalembert::load<1>(kept.joint_rate[0] + slot);
-      const V joint_rate_1 = dalembert::load<1>(kept.joint_rate[1] + slot);
-      const V joint_rate_2 = dalembert::load<1>(kept.joint_rate[2] + slot);
-      const V joint_rate_3 = dalembert::load<1>(kept.joint_rate[3] + slot);
-      const V joint_rate_4 = dalembert::load<1>(kept.joint_rate[4] + slot);
-      const V joint_rate_5 = dalembert::load<1>(kept.joint_rate[5] + slot);
-      const V t22 = t3 * rotation_7 - t2 * rotation_8;
-      dalembert::store<1, Scalar>(kept.inertia_force(0) + slot, t22);
-      const V t23 = t1 * rotation_8 - t3 * rotation_6;
-      dalembert::store<1, Scalar>(kept.inertia_force(1) + slot, t23);
-      const V t24 = t2 * rotation_6 - t1 * rotation_7;
-      dalembert::store<1, Scalar>(kept.inertia_force(2) + slot, t24);
-      const V t25 = t7 + t9;
-      const V t26 = t4 + t9;
-      const V t27 = t4 + t7;
-      const V t28 = rotation_6 * t25 + t2 * joint_linear_2 - t5 * rotation_7 - t6 * rotation_8 - t3 * joint_linear_1;
-      dalembert::store<1, Scalar>(kept.inertia_force(3) + slot, t28);
-      const V t29 = rotation_7 * t26 + t3 * joint_linear_0 - t5 * rotation_6 - t8 * rotation_8 - t1 * joint_linear_2;
-      dalembert::store<1, Scalar>(kept.inertia_force(4) + slot, t29);
-      const V t30 = rotation_8 * t27 + t1 * joint_linear_1 - t8 * rotation_7 - t6 * rotation_6 - t2 * joint_linear_0;
-      dalembert::store<1, Scalar>(kept.inertia_force(5) + slot, t30);
-      const V t31 = t13 * rotation_6;
-      const V t32 = t17 * rotation_7;
-      const V t33 = t21 * rotation_8;
-      const V t34 = t31 + t19 * rotation_8 + t16 * rotation_7 + t11 * joint_linear_2 - t12 * joint_linear_1;
-      dalembert::store<1, Scalar>(kept.transposed(0) + slot, t34);
-      const V t35 = t32 + t20 * rotation_8 + t14 * rotation_6 + t12 * joint_linear_0 - t10 * joint_linear_2;
-      dalembert::store<1, Scalar>(kept.transposed(1) + slot, t35);
-      const V t36 = t33 + t18 * rotation_7 + t15 * rotation_6 + t10 * joint_linear_1 - t11 * joint_linear_0;
-      dalembert::store<1, Scalar>(kept.transposed(2) + slot, t36);
-      dalembert::store<1, Scalar>(kept.bias_force(0) + slot, t3 * joint_rate_4 + t12 * rotation_7 - t2 * joint_rate_5 - t11 * rotation_8);
-      dalembert::store<1, Scalar>(kept.bias_force(1) + slot, t1 * joint_rate_5 + t10 * rotation_8 - t3 * joint_rate_3 - t12 * rotation_6);
-      dalembert::store<1, Scalar>(kept.bias_force(2) + slot, t2 * joint_rate_3 + t11 * rotation_6 - t1 * joint_rate_4 - t10 * rotation_7);
-      dalembert::store<1, Scalar>(kept.bias_force(3) + slot, t31 + joint_rate_3 * t25 + t2 * joint_rate_2 + t15 * rotation_8 + t14 * rotation_7 - t5 * joint_rate_4 - t6 * joint_rate_5 - t3 * joint_rate_1);
-      dalembert::store<1, Scalar>(kept.bias_force(4) + slot, t32 + joint_rate_4 * t26 + t3 * joint_rate_0 + t18 * rotation_8 + t16 * rotation_6 - t5 * joint_rate_3 - t8 * joint_rate_5 - t1 * joint_rate_2);
-      dalembert::store<1, Scalar>(kept.bias_force(5) + slot, t33 + joint_rate_5 * t27 + t1 * joint_rate_1 + t20 * rotation_7 + t19 * rotation_6 - t8 * joint_rate_4 - t6 * joint_rate_3 - t2 * joint_rate_0);
-      const V base_velocity_0 = dalembert::broadcast<1>(kept.velocity[0][4]);
-      const V base_velocity_1 = dalembert::broadcast<1>(kept.velocity[1][4]);
-      const V base_velocity_2 = dalembert::broadcast<1>(kept.velocity[2][4]);
-      const V base_velocity_3 = dalembert::broadcast<1>(kept.velocity[3][4]);
-      const V base_velocity_4 = dalembert::broadcast<1>(kept.velocity[4][4]);
-      const V base_velocity_5 = dalembert::broadcast<1>(kept.velocity[5][4]);
-      dalembert::store<1, Scalar>(kept.below_force[0] + slot, t23 * base_velocity_5 - t24 * base_velocity_4);
-      dalembert::store<1, Scalar>(kept.below_force[1] + slot, t24 * base_velocity_3 - t22 * base_velocity_5);
-      dalembert::store<1, Scalar>(kept.below_force[2] + slot, t22 * base_velocity_4 - t23 * base_velocity_3);
-      dalembert::store<1, Scalar>(kept.below_force[3] + slot, t34 + t29 * base_velocity_5 + t23 * base_velocity_2 - t30 * base_velocity_4 - t24 * base_velocity_1);
-      dalembert::store<1, Scalar>(kept.below_force[4] + slot, t35 + t30 * base_velocity_3 + t24 * base_velocity_0 - t28 * base_velocity_5 - t22 * base_velocity_2);
-      dalembert::store<1, Scalar>(kept.below_force[5] + slot, t36 + t28 * base_velocity_4 + t22 * base_velocity_1 - t29 * base_velocity_3 - t23 * base_velocity_0);
-      carried_first_0 = next_carried_first_0;
-      carried_momentum_0 = next_carried_momentum_0;
-      carried_bias_block_0 = next_carried_bias_block_0;
-      carried_bias_block_1 = next_carried_bias_block_1;
-      carried_bias_block_2 = next_carried_bias_block_2;
-      carried_first_1 = next_carried_first_1;
-      carried_momentum_1 = next_carried_momentum_1;
-      carried_bias_block_3 = next_carried_bias_block_3;
-      carried_bias_block_4 = next_carried_bias_block_4;
-      carried_bias_block_5 = next_carried_bias_block_5;
-      carried_first_2 = next_carried_first_2;
-      carried_momentum_2 = next_carried_momentum_2;
-      carried_bias_block_6 = next_carried_bias_block_6;
-      carried_bias_block_7 = next_carried_bias_block_7;
-      carried_bias_block_8 = next_carried_bias_block_8;
-      carried_second_0 = next_carried_second_0;
-      carried_second_1 = next_carried_second_1;
-      carried_second_2 = next_carried_second_2;
-      carried_second_3 = next_carried_second_3;
-      carried_second_4 = next_carried_second_4;
-      carried_second_5 = next_carried_second_5;
+      V next_below_first[3];
+      V next_below_second[6];
+      V next_below_momentum[3];
+      V next_below_bias_block[9];
+      dalembert::store<1, Scalar>(kept.mass_matrix_columns[2] + slot, dalembert::broadcast<1, Scalar>(0.0));
+      const V t1 = below_first[0] + dalembert::load<1>(kept.first[0] + slot);
+      dalembert::store<1, Scalar>(kept.mass_matrix_columns[1] + slot, t1);
+      next_below_first[0] = t1;
+      const V t2 = below_first[1] + dalembert::load<1>(kept.first[1] + slot);
+      next_below_first[1] = t2;
+      const V t3 = below_first[2] + dalembert::load<1>(kept.received_first[2] + slot);
+      next_below_first[2] = t3;
+      const V t4 = below_second[0] + dalembert::load<1>(kept.second[0] + slot);
+      next_below_second[0] = t4;
+      const V t5 = below_second[1] + dalembert::load<1>(kept.second[1] + slot);
+      next_below_second[1] = t5;
+      const V t6 = below_second[2] + dalembert::load<1>(kept.second[2] + slot);
+      next_below_second[2] = t6;
+      const V t7 = below_second[3] + dalembert::load<1>(kept.second[3] + slot);
+      next_below_second[3] = t7;
+      const V t8 = below_second[4] + dalembert::load<1>(kept.second[4] + slot);
+      next_below_second[4] = t8;
+      const V t9 = below_second[5] + dalembert::load<1>(kept.received_second[5] + slot);
+      next_below_second[5] = t9;
+      const V t10 = below_momentum[0] + dalembert::load<1>(kept.momentum[0] + slot);
+      next_below_momentum[0] = t10;
+      const V t11 = below_momentum[1] + dalembert::load<1>(kept.momentum[1] + slot);
+      next_below_momentum[1] = t11;
+      next_below_momentum[2] = below_momentum[2] + dalembert::load<1>(kept.momentum[2] + slot);
+      next_below_bias_block[0] = below_bias_block[0] + dalembert::load<1>(kept.bias_block[0] + slot);
+      next_below_bias_block[1] = below_bias_block[1] + dalembert::load<1>(kept.bias_block[1] + slot);
+      const V t12 = below_bias_block[2] + dalembert::load<1>(kept.bias_block[2] + slot);
+      next_below_bias_block[2] = t12;
+      next_below_bias_block[3] = below_bias_block[3] + dalembert::load<1>(kept.bias_block[3] + slot);
+      next_below_bias_block[4] = below_bias_block[4] + dalembert::load<1>(kept.bias_block[4] + slot);
+      const V t13 = below_bias_block[5] + dalembert::load<1>(kept.bias_block[5] + slot);
+      next_below_bias_block[5] = t13;
+      const V t14 = below_bias_block[6] + dalembert::load<1>(kept.bias_block[6] + slot);
+      dalembert::store<1, Scalar>(kept.transposed(0) + slot, t14);
+      next_below_bias_block[6] = t14;
+      const V t15 = below_bias_block[7] + dalembert::load<1>(kept.bias_block[7] + slot);
+      dalembert::store<1, Scalar>(kept.transposed(1) + slot, t15);
+      next_below_bias_block[7] = t15;
+      const V t16 = below_bias_block[8] + dalembert::load<1>(kept.bias_block[8] + slot);
+      dalembert::store<1, Scalar>(kept.transposed(2) + slot, t16);
+      next_below_bias_block[8] = t16;
+      const V joint_rate_vx = dalembert::load<1>(kept.joint_rate[0] + slot);
+      const V joint_rate_vy = dalembert::load<1>(kept.joint_rate[1] + slot);
+      const V joint_rate_wx = dalembert::load<1>(kept.joint_rate[3] + slot);
+      const V joint_rate_wy = dalembert::load<1>(kept.joint_rate[4] + slot);
+      dalembert::store<1, Scalar>(kept.mass_matrix_columns[0] + slot, -t2);
+      const V t17 = t4 + t7;
+      dalembert::store<1, Scalar>(kept.mass_matrix_columns[5] + slot, t17);
+      dalembert::store<1, Scalar>(kept.mass_matrix_columns[3] + slot, -t6);
+      dalembert::store<1, Scalar>(kept.mass_matrix_columns[4] + slot, -t8);
+      dalembert::store<1, Scalar>(kept.coriolis_matrix_columns[2] + slot, t2 * joint_rate_wx - t1 * joint_rate_wy);
+      dalembert::store<1, Scalar>(kept.coriolis_matrix_columns[0] + slot, t3 * joint_rate_wy - t11);
+      dalembert::store<1, Scalar>(kept.coriolis_matrix_columns[1] + slot, t10 - t3 * joint_rate_wx);
+      dalembert::store<1, Scalar>(kept.coriolis_matrix_columns[3] + slot, t12 + joint_rate_wx * (t7 + t9) - t5 * joint_rate_wy - t3 * joint_rate_vy);
+      dalembert::store<1, Scalar>(kept.coriolis_matrix_columns[4] + slot, t13 + joint_rate_wy * (t4 + t9) + t3 * joint_rate_vx - t5 * joint_rate_wx);
+      dalembert::store<1, Scalar>(kept.coriolis_matrix_columns[5] + slot, t16 + t1 * joint_rate_vy - t2 * joint_rate_vx - t8 * joint_rate_wy - t6 * joint_rate_wx);
+      const V base_velocity_wz = dalembert::broadcast<1, Scalar>(kept.velocity[5][4]);
+      dalembert::store<1, Scalar>(kept.coriolis_matrix_rows[0] + slot, t1 * base_velocity_wz);
+      const V base_velocity_wy = dalembert::broadcast<1, Scalar>(kept.velocity[4][4]);
+      dalembert::store<1, Scalar>(kept.coriolis_matrix_rows[1] + slot, t2 * base_velocity_wz);
+      const V base_velocity_wx = dalembert::broadcast<1, Scalar>(kept.velocity[3][4]);
+      dalembert::store<1, Scalar>(kept.coriolis_matrix_rows[2] + slot, -(t2 * base_velocity_wy + t1 * base_velocity_wx));
+      const V base_velocity_vz = dalembert::broadcast<1, Scalar>(kept.velocity[2][4]);
+      dalembert::store<1, Scalar>(kept.coriolis_matrix_rows[3] + slot, t14 + t1 * base_velocity_vz - t8 * base_velocity_wz - t17 * base_velocity_wy);
+      dalembert::store<1, Scalar>(kept.coriolis_matrix_rows[4] + slot, t15 + t2 * base_velocity_vz + t6 * base_velocity_wz + t17 * base_velocity_wx);
+      dalembert::store<1, Scalar>(kept.coriolis_matrix_rows[5] + slot, t16 + t8 * base_velocity_wx - t6 * base_velocity_wy - t2 * dalembert::broadcast<1, Scalar>(kept.velocity[1][4]) - t1 * dalembert::broadcast<1, Scalar>(kept.velocity[0][4]));
+      dalembert::carry(below_first, next_below_first);
+      dalembert::carry(below_second, next_below_second);
+      dalembert::carry(below_momentum, next_below_momentum);
+      dalembert::carry(below_bias_block, next_below_bias_block);
     }
-    kept.first[0][4] += dalembert::lane<1, Scalar>(carried_first_0, 0);
-    kept.momentum[0][4] += dalembert::lane<1, Scalar>(carried_momentum_0, 0);
-    kept.bias_block[0][4] += dalembert::lane<1, Scalar>(carried_bias_block_0, 0);
-    kept.bias_block[1][4] += dalembert::lane<1, Scalar>(carried_bias_block_1, 0);
-    kept.bias_block[2][4] += dalembert::lane<1, Scalar>(carried_bias_block_2, 0);
-    kept.first[1][4] += dalembert::lane<1, Scalar>(carried_first_1, 0);
-    kept.momentum[1][4] += dalembert::lane<1, Scalar>(carried_momentum_1, 0);
-    kept.bias_block[3][4] += dalembert::lane<1, Scalar>(carried_bias_block_3, 0);
-    kept.bias_block[4][4] += dalembert::lane<1, Scalar>(carried_bias_block_4, 0);
-    kept.bias_block[5][4] += dalembert::lane<1, Scalar>(carried_bias_block_5, 0);
-    kept.first[2][4] += dalembert::lane<1, Scalar>(carried_first_2, 0);
-    kept.momentum[2][4] += dalembert::lane<1, Scalar>(carried_momentum_2, 0);
-    kept.bias_block[6][4] += dalembert::lane<1, Scalar>(carried_bias_block_6, 0);
-    kept.bias_block[7][4] += dalembert::lane<1, Scalar>(carried_bias_block_7, 0);
-    kept.bias_block[8][4] += dalembert::lane<1, Scalar>(carried_bias_block_8, 0);
-    kept.second[0][4] += dalembert::lane<1, Scalar>(carried_second_0, 0);
-    kept.second[1][4] += dalembert::lane<1, Scalar>(carried_second_1, 0);
-    kept.second[2][4] += dalembert::lane<1, Scalar>(carried_second_2, 0);
-    kept.second[3][4] += dalembert::lane<1, Scalar>(carried_second_3, 0);
-    kept.second[4][4] += dalembert::lane<1, Scalar>(carried_second_4, 0);
-    kept.second[5][4] += dalembert::lane<1, Scalar>(carried_second_5, 0);
+    dalembert::add_lanes<1, 3, 0>(below_first, 0, kept.received_first[0] + 4, 40);
+    dalembert::add_lanes<1, 6, 0>(below_second, 0, kept.received_second[0] + 4, 40);
+    dalembert::add_lanes<1, 3, 0>(below_momentum, 0, kept.momentum[0] + 4, 40);
+    dalembert::add_lanes<1, 8, 0>(below_bias_block, 0, kept.bias_block[0] + 4, 40);
+    dalembert::add_lanes<1, 1, 0>(below_bias_block, 8, kept.received_bias_block[8] + 4, 40);
   }
   // g = -(h x down)_z (revolute), -m down_z (prismatic); h_p += Rk Rz(q) h + m p
   {
     using V [[maybe_unused]] = dalembert::Lanes<Scalar, 1>;
-    V carried_gravity_first_0 = V{};
-    V carried_gravity_first_1 = V{};
-    V carried_gravity_first_2 = V{};
+    V below_gravity_first[3] = {};
     for (int i = 0; i >= 0; i -= 1) {
       const int slot = 0 + i;
+      V next_below_gravity_first[3];
       const V sine = dalembert::load<1>(kept.sine[0] + slot);
       const V cosine = dalembert::load<1>(kept.cosine[0] + slot);
-      const V t1 = carried_gravity_first_0 + 0.03 + dalembert::load<1>(kept.gravity_first[0] + slot);
-      const V t2 = carried_gravity_first_1 + dalembert::load<1>(kept.gravity_first[1] + slot);
-      const V next_carried_gravity_first_2 = carried_gravity_first_2 + dalembert::load<1>(kept.gravity_first[2] + slot);
-      dalembert::store<1, Scalar>(kept.gravity_torque[0] + slot, -(dalembert::load<1>(kept.down[1] + slot) * t1 - dalembert::load<1>(kept.down[0] + slot) * t2));
-      const V next_carried_gravity_first_0 = cosine * t1 - sine * t2;
-      const V next_carried_gravity_first_1 = cosine * t2 + sine * t1;
-      carried_gravity_first_0 = next_carried_gravity_first_0;
-      carried_gravity_first_1 = next_carried_gravity_first_1;
-      carried_gravity_first_2 = next_carried_gravity_first_2;
+      const V t1 = below_gravity_first[1] + dalembert::load<1>(kept.received_gravity_first[1] + slot);
+      next_below_gravity_first[2] = below_gravity_first[2] + dalembert::load<1>(kept.received_gravity_first[2] + slot);
+      const V t2 = 0.03 + below_gravity_first[0] + dalembert::load<1>(kept.received_gravity_first[0] + slot);
+      dalembert::store<1, Scalar>(kept.gravity_torque(0) + slot, -(dalembert::load<1>(kept.down[1] + slot) * t2 - dalembert::load<1>(kept.down[0] + slot) * t1));
+      next_below_gravity_first[0] = cosine * t2 - sine * t1;
+      next_below_gravity_first[1] = cosine * t1 + sine * t2;
+      dalembert::carry(below_gravity_first, next_below_gravity_first);
     }
-    kept.gravity_first[0][4] += dalembert::lane<1, Scalar>(carried_gravity_first_0, 0);
-    kept.gravity_first[1][4] += dalembert::lane<1, Scalar>(carried_gravity_first_1, 0);
-    kept.gravity_first[2][4] += dalembert::lane<1, Scalar>(carried_gravity_first_2, 0);
+    dalembert::add_lanes<1, 3, 0>(below_gravity_first, 0, kept.received_gravity_first[0] + 4, 40);
   }
   // C v + g = n_z (revolute), f_z (prismatic); f_p += R f, n_p += R n + p x R f
   {
     using V [[maybe_unused]] = dalembert::Lanes<Scalar, 1>;
-    V carried_force_0 = V{};
-    V carried_force_1 = V{};
-    V carried_force_2 = V{};
-    V carried_force_3 = V{};
-    V carried_force_4 = V{};
-    V carried_force_5 = V{};
+    V below_wrench[6] = {};
     for (int i = 0; i >= 0; i -= 1) {
       const int slot = 0 + i;
+      V next_below_wrench[6];
       const V sine = dalembert::load<1>(kept.sine[0] + slot);
       const V cosine = dalembert::load<1>(kept.cosine[0] + slot);
-      const V t1 = carried_force_0 + dalembert::load<1>(kept.force[0] + slot);
-      const V t2 = carried_force_1 + dalembert::load<1>(kept.force[1] + slot);
-      const V next_carried_force_2 = carried_force_2 + dalembert::load<1>(kept.force[2] + slot);
-      const V t3 = carried_force_3 + dalembert::load<1>(kept.force[3] + slot);
-      const V t4 = carried_force_4 + dalembert::load<1>(kept.force[4] + slot);
-      const V t5 = carried_force_5 + dalembert::load<1>(kept.force[5] + slot);
-      dalembert::store<1, Scalar>(kept.bias_torque[0] + slot, t5);
-      const V next_carried_force_5 = t5;
+      const V t1 = below_wrench[0] + dalembert::load<1>(kept.wrench[0] + slot);
+      const V t2 = below_wrench[1] + dalembert::load<1>(kept.wrench[1] + slot);
+      next_below_wrench[2] = below_wrench[2] + dalembert::load<1>(kept.wrench[2] + slot);
+      const V t3 = below_wrench[3] + dalembert::load<1>(kept.wrench[3] + slot);
+      const V t4 = below_wrench[4] + dalembert::load<1>(kept.wrench[4] + slot);
+      const V t5 = below_wrench[5] + dalembert::load<1>(kept.wrench[5] + slot);
+      dalembert::store<1, Scalar>(kept.bias_torque(0) + slot, t5);
+      next_below_wrench[5] = t5;
       const V t6 = cosine * t1 - sine * t2;
-      const V next_carried_force_0 = t6;
+      next_below_wrench[0] = t6;
       const V t7 = cosine * t2 + sine * t1;
-      const V next_carried_force_1 = t7;
-      const V next_carried_force_3 = cosine * t3 - sine * t4 - 0.41 * t7;
-      const V next_carried_force_4 = 0.41 * t6 + cosine * t4 + sine * t3;
-      carried_force_0 = next_carried_force_0;
-      carried_force_1 = next_carried_force_1;
-      carried_force_2 = next_carried_force_2;
-      carried_force_3 = next_carried_force_3;
-      carried_force_4 = next_carried_force_4;
-      carried_force_5 = next_carried_force_5;
+      next_below_wrench[1] = t7;
+      next_below_wrench[3] = cosine * t3 - sine * t4 - 0.41 * t7;
+      next_below_wrench[4] = 0.41 * t6 + cosine * t4 + sine * t3;
+      dalembert::carry(below_wrench, next_below_wrench);
     }
-    kept.force[0][4] += dalembert::lane<1, Scalar>(carried_force_0, 0);
-    kept.force[1][4] += dalembert::lane<1, Scalar>(carried_force_1, 0);
-    kept.force[2][4] += dalembert::lane<1, Scalar>(carried_force_2, 0);
-    kept.force[3][4] += dalembert::lane<1, Scalar>(carried_force_3, 0);
-    kept.force[4][4] += dalembert::lane<1, Scalar>(carried_force_4, 0);
-    kept.force[5][4] += dalembert::lane<1, Scalar>(carried_force_5, 0);
+    dalembert::add_lanes<1, 6, 0>(below_wrench, 0, kept.wrench[0] + 4, 40);
   }
 }
 
 void base(Workspace& workspace) noexcept {
   Kept& kept = workspace.kept;
-  // Phase III: M_BB = A*, C_BB = A* ad(V) + B*; the base's gravity and bias.
-  workspace.mass_matrix[36] = kept.first[0][4];
-  workspace.mass_matrix[156] = kept.first[0][4];
-  workspace.mass_matrix[65] = kept.first[1][4];
-  workspace.mass_matrix[95] = kept.first[1][4];
-  workspace.mass_matrix[4] = kept.first[2][4];
-  workspace.mass_matrix[124] = kept.first[2][4];
+  static_cast<void>(kept);
+  // The base: M_BB = A*, C_BB = A* ad(V) + B*
+  // h, S, P, D summed over the subtree
+  // g = -[m down; h x down]
+  // g = -(h x down)_z (revolute), -m down_z (prismatic); h_p += Rk Rz(q) h + m p
+  // C v + g = [f; n]
+  // C v + g = n_z (revolute), f_z (prismatic); f_p += R f, n_p += R n + p x R f
   workspace.mass_matrix[0] = 65.0;
   workspace.mass_matrix[32] = 65.0;
   workspace.mass_matrix[64] = 65.0;
-  const Scalar t1 = kept.second[3][4] + kept.second[5][4];
-  workspace.mass_matrix[96] = t1;
-  workspace.mass_matrix[97] = -kept.second[1][4];
-  workspace.mass_matrix[127] = -kept.second[1][4];
-  workspace.mass_matrix[98] = -kept.second[2][4];
-  workspace.mass_matrix[158] = -kept.second[2][4];
-  const Scalar t2 = kept.second[0][4] + kept.second[5][4];
-  workspace.mass_matrix[128] = t2;
-  workspace.mass_matrix[129] = -kept.second[4][4];
-  workspace.mass_matrix[159] = -kept.second[4][4];
-  const Scalar t3 = kept.second[0][4] + kept.second[3][4];
-  workspace.mass_matrix[160] = t3;
-  workspace.mass_matrix[5] = -kept.first[1][4];
-  workspace.mass_matrix[155] = -kept.first[1][4];
-  const Scalar t4 = 65.0 * kept.velocity[5][4];
-  workspace.coriolis_matrix[1] = t4;
-  const Scalar t5 = 65.0 * kept.velocity[4][4];
-  workspace.coriolis_matrix[62] = t5;
-  workspace.coriolis_matrix[2] = -t5;
-  const Scalar t6 = kept.first[2][4] * kept.velocity[5][4];
-  const Scalar t7 = kept.first[1][4] * kept.velocity[4][4];
-  const Scalar t8 = t6 + t7;
-  workspace.coriolis_matrix[93] = t8;
-  workspace.coriolis_matrix[3] = -t8;
-  const Scalar t9 = kept.first[0][4] * kept.velocity[4][4];
-  workspace.coriolis_matrix[4] = t9;
-  const Scalar t10 = kept.first[0][4] * kept.velocity[5][4];
-  workspace.coriolis_matrix[5] = t10;
-  workspace.mass_matrix[34] = -kept.first[2][4];
-  workspace.mass_matrix[94] = -kept.first[2][4];
-  workspace.coriolis_matrix[31] = -t4;
-  const Scalar t11 = 65.0 * kept.velocity[3][4];
-  workspace.coriolis_matrix[33] = t11;
-  const Scalar t12 = kept.first[1][4] * kept.velocity[3][4];
-  workspace.coriolis_matrix[34] = t12;
-  const Scalar t13 = kept.first[0][4] * kept.velocity[3][4];
-  const Scalar t14 = t6 + t13;
-  workspace.coriolis_matrix[125] = t14;
-  workspace.coriolis_matrix[35] = -t14;
-  const Scalar t15 = kept.first[1][4] * kept.velocity[5][4];
-  workspace.coriolis_matrix[36] = t15;
-  workspace.mass_matrix[66] = -kept.first[0][4];
-  workspace.mass_matrix[126] = -kept.first[0][4];
-  workspace.coriolis_matrix[63] = -t11;
-  const Scalar t16 = kept.first[2][4] * kept.velocity[3][4];
-  workspace.coriolis_matrix[65] = t16;
-  const Scalar t17 = kept.first[2][4] * kept.velocity[4][4];
-  workspace.coriolis_matrix[66] = t17;
-  const Scalar t18 = t7 + t13;
-  workspace.coriolis_matrix[157] = t18;
-  workspace.coriolis_matrix[67] = -t18;
-  const Scalar t19 = 65.0 * kept.velocity[2][4];
-  const Scalar t20 = 65.0 * kept.velocity[1][4];
-  const Scalar t21 = kept.second[2][4] * kept.velocity[4][4];
-  const Scalar t22 = kept.second[1][4] * kept.velocity[5][4];
-  const Scalar t23 = kept.first[2][4] * kept.velocity[2][4];
-  const Scalar t24 = kept.first[1][4] * kept.velocity[1][4];
-  workspace.coriolis_matrix[94] = t19 - t9 - kept.momentum[2][4];
-  workspace.coriolis_matrix[95] = kept.momentum[1][4] - (t10 + t20);
-  workspace.coriolis_matrix[96] = kept.bias_block[0][4] + (t21 - t22 - (t23 + t24));
-  workspace.coriolis_matrix[97] = kept.bias_block[3][4] + (kept.second[4][4] * kept.velocity[4][4] + kept.velocity[5][4] * t2 + kept.first[0][4] * kept.velocity[1][4]);
-  workspace.coriolis_matrix[98] = kept.bias_block[6][4] + (kept.first[0][4] * kept.velocity[2][4] - (kept.velocity[4][4] * t3 + kept.second[4][4] * kept.velocity[5][4]));
-  const Scalar t25 = 65.0 * kept.velocity[0][4];
-  const Scalar t26 = kept.second[4][4] * kept.velocity[3][4];
-  const Scalar t27 = kept.first[0][4] * kept.velocity[0][4];
-  workspace.coriolis_matrix[124] = kept.momentum[2][4] - (t12 + t19);
-  workspace.coriolis_matrix[126] = t25 - t15 - kept.momentum[0][4];
-  workspace.coriolis_matrix[127] = kept.bias_block[1][4] + (kept.first[1][4] * kept.velocity[0][4] - (kept.second[2][4] * kept.velocity[3][4] + kept.velocity[5][4] * t1));
-  workspace.coriolis_matrix[128] = kept.bias_block[4][4] + (t22 - t26 - (t23 + t27));
-  workspace.coriolis_matrix[129] = kept.bias_block[7][4] + (kept.velocity[3][4] * t3 + kept.second[2][4] * kept.velocity[5][4] + kept.first[1][4] * kept.velocity[2][4]);
-  workspace.coriolis_matrix[155] = t20 - t16 - kept.momentum[1][4];
-  workspace.coriolis_matrix[156] = kept.momentum[0][4] - (t17 + t25);
-  workspace.coriolis_matrix[158] = kept.bias_block[2][4] + (kept.second[1][4] * kept.velocity[3][4] + kept.velocity[4][4] * t1 + kept.first[2][4] * kept.velocity[0][4]);
-  workspace.coriolis_matrix[159] = kept.bias_block[5][4] + (kept.first[2][4] * kept.velocity[1][4] - (kept.velocity[3][4] * t2 + kept.second[1][4] * kept.velocity[4][4]));
-  workspace.coriolis_matrix[160] = kept.bias_block[8][4] + (t26 - t21 - (t24 + t27));
+  const Scalar t1 = kept.received_first[2][4] + 12.11;
+  workspace.mass_matrix[4] = t1;
+  workspace.mass_matrix[124] = t1;
+  workspace.mass_matrix[65] = kept.received_first[1][4];
+  workspace.mass_matrix[95] = kept.received_first[1][4];
+  workspace.mass_matrix[5] = -kept.received_first[1][4];
+  workspace.mass_matrix[155] = -kept.received_first[1][4];
+  const Scalar t2 = -t1;
+  workspace.mass_matrix[34] = t2;
+  workspace.mass_matrix[94] = t2;
+  workspace.mass_matrix[36] = kept.received_first[0][4];
+  workspace.mass_matrix[156] = kept.received_first[0][4];
+  workspace.mass_matrix[66] = -kept.received_first[0][4];
+  workspace.mass_matrix[126] = -kept.received_first[0][4];
+  const Scalar t3 = kept.received_second[3][4] + 0.2376;
+  const Scalar t4 = kept.received_second[5][4] + 4.669860169999999;
+  const Scalar t5 = t3 + t4;
+  workspace.mass_matrix[96] = t5;
+  workspace.mass_matrix[97] = -kept.received_second[1][4];
+  workspace.mass_matrix[127] = -kept.received_second[1][4];
+  workspace.mass_matrix[98] = -kept.received_second[2][4];
+  workspace.mass_matrix[158] = -kept.received_second[2][4];
+  const Scalar t6 = kept.received_second[0][4] + 0.024299999999999995;
+  const Scalar t7 = t4 + t6;
+  workspace.mass_matrix[128] = t7;
+  workspace.mass_matrix[129] = -kept.received_second[4][4];
+  workspace.mass_matrix[159] = -kept.received_second[4][4];
+  const Scalar t8 = t3 + t6;
+  workspace.mass_matrix[160] = t8;
+  const Scalar t9 = 65.0 * kept.velocity[5][4];
+  workspace.coriolis_matrix[1] = t9;
+  const Scalar t10 = 65.0 * kept.velocity[4][4];
+  workspace.coriolis_matrix[62] = t10;
+  workspace.coriolis_matrix[2] = -t10;
+  const Scalar t11 = t1 * kept.velocity[5][4];
+  const Scalar t12 = kept.received_first[1][4] * kept.velocity[4][4];
+  const Scalar t13 = t11 + t12;
+  workspace.coriolis_matrix[93] = t13;
+  workspace.coriolis_matrix[3] = -t13;
+  const Scalar t14 = kept.received_first[0][4] * kept.velocity[4][4];
+  workspace.coriolis_matrix[4] = t14;
+  const Scalar t15 = kept.received_first[0][4] * kept.velocity[5][4];
+  workspace.coriolis_matrix[5] = t15;
+  workspace.coriolis_matrix[31] = -t9;
+  const Scalar t16 = 65.0 * kept.velocity[3][4];
+  workspace.coriolis_matrix[33] = t16;
+  const Scalar t17 = kept.received_first[1][4] * kept.velocity[3][4];
+  workspace.coriolis_matrix[34] = t17;
+  const Scalar t18 = kept.received_first[0][4] * kept.velocity[3][4];
+  const Scalar t19 = t11 + t18;
+  workspace.coriolis_matrix[125] = t19;
+  workspace.coriolis_matrix[35] = -t19;
+  const Scalar t20 = kept.received_first[1][4] * kept.velocity[5][4];
+  workspace.coriolis_matrix[36] = t20;
+  workspace.coriolis_matrix[63] = -t16;
+  const Scalar t21 = t1 * kept.velocity[3][4];
+  workspace.coriolis_matrix[65] = t21;
+  const Scalar t22 = t1 * kept.velocity[4][4];
+  workspace.coriolis_matrix[66] = t22;
+  const Scalar t23 = t12 + t18;
+  workspace.coriolis_matrix[157] = t23;
+  workspace.coriolis_matrix[67] = -t23;
+  const Scalar t24 = 65.0 * kept.velocity[2][4];
+  workspace.coriolis_matrix[94] = t24 - t14 - kept.momentum[2][4];
+  const Scalar t25 = 65.0 * kept.velocity[1][4];
+  workspace.coriolis_matrix[95] = kept.momentum[1][4] - (t15 + t25);
+  const Scalar t26 = kept.received_second[2][4] * kept.velocity[4][4];
+  const Scalar t27 = kept.received_second[1][4] * kept.velocity[5][4];
+  const Scalar t28 = t1 * kept.velocity[2][4];
+  const Scalar t29 = kept.received_first[1][4] * kept.velocity[1][4];
+  workspace.coriolis_matrix[96] = kept.bias_block[0][4] + (t26 - t27 - (t28 + t29));
+  workspace.coriolis_matrix[97] = kept.bias_block[3][4] + (kept.received_second[4][4] * kept.velocity[4][4] + t7 * kept.velocity[5][4] + kept.received_first[0][4] * kept.velocity[1][4]);
+  workspace.coriolis_matrix[98] = kept.bias_block[6][4] + (kept.received_first[0][4] * kept.velocity[2][4] - (t8 * kept.velocity[4][4] + kept.received_second[4][4] * kept.velocity[5][4]));
+  workspace.coriolis_matrix[124] = kept.momentum[2][4] - (t17 + t24);
+  const Scalar t30 = 65.0 * kept.velocity[0][4];
+  workspace.coriolis_matrix[126] = t30 - t20 - kept.momentum[0][4];
+  workspace.coriolis_matrix[127] = kept.bias_block[1][4] + (kept.received_first[1][4] * kept.velocity[0][4] - (kept.received_second[2][4] * kept.velocity[3][4] + t5 * kept.velocity[5][4]));
+  const Scalar t31 = kept.received_second[4][4] * kept.velocity[3][4];
+  const Scalar t32 = kept.received_first[0][4] * kept.velocity[0][4];
+  workspace.coriolis_matrix[128] = kept.bias_block[4][4] + (t27 - t31 - (t28 + t32));
+  workspace.coriolis_matrix[129] = kept.bias_block[7][4] + (t8 * kept.velocity[3][4] + kept.received_second[2][4] * kept.velocity[5][4] + kept.received_first[1][4] * kept.velocity[2][4]);
+  workspace.coriolis_matrix[155] = t25 - t21 - kept.momentum[1][4];
+  workspace.coriolis_matrix[156] = kept.momentum[0][4] - (t22 + t30);
+  workspace.coriolis_matrix[158] = kept.bias_block[2][4] + (kept.received_second[1][4] * kept.velocity[3][4] + t5 * kept.velocity[4][4] + t1 * kept.velocity[0][4]);
+  workspace.coriolis_matrix[159] = kept.bias_block[5][4] + (t1 * kept.velocity[1][4] - (t7 * kept.velocity[3][4] + kept.received_second[1][4] * kept.velocity[4][4]));
+  workspace.coriolis_matrix[160] = kept.received_bias_block[8][4] + (t31 - t26 - (t29 + t32));
   workspace.gravity[0] = -(65.0 * kept.down[0][4]);
-  workspace.gravity[3] = -(kept.down[2][4] * kept.gravity_first[1][4] - kept.down[1][4] * kept.gravity_first[2][4]);
   workspace.gravity[1] = -(65.0 * kept.down[1][4]);
-  workspace.gravity[4] = -(kept.down[0][4] * kept.gravity_first[2][4] - kept.down[2][4] * kept.gravity_first[0][4]);
   workspace.gravity[2] = -(65.0 * kept.down[2][4]);
-  workspace.gravity[5] = -(kept.down[1][4] * kept.gravity_first[0][4] - kept.down[0][4] * kept.gravity_first[1][4]);
-  workspace.bias[0] = kept.force[0][4];
-  workspace.bias[1] = kept.force[1][4];
-  workspace.bias[2] = kept.force[2][4];
-  workspace.bias[3] = kept.force[3][4];
-  workspace.bias[4] = kept.force[4][4];
-  workspace.bias[5] = kept.force[5][4];
+  const Scalar t33 = 12.11 + kept.received_gravity_first[2][4];
+  workspace.gravity[3] = -(kept.down[2][4] * kept.received_gravity_first[1][4] - kept.down[1][4] * t33);
+  workspace.gravity[4] = -(kept.down[0][4] * t33 - kept.down[2][4] * kept.received_gravity_first[0][4]);
+  workspace.gravity[5] = -(kept.down[1][4] * kept.received_gravity_first[0][4] - kept.down[0][4] * kept.received_gravity_first[1][4]);
+  workspace.bias[0] = kept.wrench[0][4];
+  workspace.bias[1] = kept.wrench[1][4];
+  workspace.bias[2] = kept.wrench[2][4];
+  workspace.bias[3] = kept.wrench[3][4];
+  workspace.bias[4] = kept.wrench[4][4];
+  workspace.bias[5] = kept.wrench[5][4];
 }
 
 void elements_waist(Workspace& workspace) noexcept {
   Kept& kept = workspace.kept;
-  // Phase III: M_ik = F_k.J_i, C_ik = G_k.J_i, C_ki = F_k.dJ_i + H_k.J_i
-  const dalembert::Panels<Scalar> panels{kept.joint_linear[0], kept.rotation[6], kept.joint_rate[0], kept.inertia_force(0), kept.bias_force(0), kept.transposed(0), 40};
-  dalembert::run_block<dalembert::Elements::both, Scalar>(panels, 0, 18, 1, workspace.mass_matrix, workspace.coriolis_matrix, nv, 0, 1);
+  static_cast<void>(kept);
+  // M_ik = F_k.J_i. C_ik = G_k.J_i, C_ki = F_k.dJ_i + H_k.J_i
+  const dalembert::Factors<Scalar, 5> lower{{kept.inertia_force(0), kept.inertia_force(3), kept.transposed(0), kept.bias_force(0), kept.bias_force(3)}, 40};
+  const dalembert::Factors<Scalar, 4> upper{{kept.joint_linear[0], kept.joint_angular(0), kept.joint_rate[0], kept.joint_rate[3]}, 40};
+  Scalar* const matrices[] = {workspace.mass_matrix, workspace.coriolis_matrix};
+  dalembert::run_block<Elements, Scalar>(lower, upper, 0, 18, 1, matrices, nv, 0, 1);
   // The base's rows and columns.
-  dalembert::run_base_columns<Scalar>(kept.inertia_force(0), panels.stride, 0, 18, 1, workspace.mass_matrix, nv);
-  dalembert::run_base_rows<Scalar>(kept.inertia_force(0), panels.stride, 0, 18, 1, workspace.mass_matrix, nv);
-  dalembert::run_base_columns<Scalar>(kept.bias_force(0), panels.stride, 0, 18, 1, workspace.coriolis_matrix, nv);
-  dalembert::run_base_rows<Scalar>(kept.below_force[0], panels.stride, 0, 18, 1, workspace.coriolis_matrix, nv);
+  dalembert::run_base_columns<Scalar>(kept.mass_matrix_columns[0], 40, 0, 18, 1, workspace.mass_matrix, nv);
+  dalembert::run_base_rows<Scalar>(kept.mass_matrix_columns[0], 40, 0, 18, 1, workspace.mass_matrix, nv);
+  dalembert::run_base_columns<Scalar>(kept.coriolis_matrix_columns[0], 40, 0, 18, 1, workspace.coriolis_matrix, nv);
+  dalembert::run_base_rows<Scalar>(kept.coriolis_matrix_rows[0], 40, 0, 18, 1, workspace.coriolis_matrix, nv);
 }
 
 void elements_left_hip_yaw_x4(Workspace& workspace) noexcept {
   Kept& kept = workspace.kept;
-  // Phase III: M_ik = F_k.J_i, C_ik = G_k.J_i, C_ki = F_k.dJ_i + H_k.J_i
-  const dalembert::Panels<Scalar> panels{kept.joint_linear[0], kept.rotation[6], kept.joint_rate[0], kept.inertia_force(0), kept.bias_force(0), kept.transposed(0), 40};
+  static_cast<void>(kept);
+  // M_ik = F_k.J_i. C_ik = G_k.J_i, C_ki = F_k.dJ_i + H_k.J_i
+  const dalembert::Factors<Scalar, 5> lower{{kept.inertia_force(0), kept.inertia_force(3), kept.transposed(0), kept.bias_force(0), kept.bias_force(3)}, 40};
+  const dalembert::Factors<Scalar, 4> upper{{kept.joint_linear[0], kept.joint_angular(0), kept.joint_rate[0], kept.joint_rate[3]}, 40};
+  Scalar* const matrices[] = {workspace.mass_matrix, workspace.coriolis_matrix};
   constexpr dalembert::LimbTable limbs{left_hip_yaw_x4_row, left_hip_yaw_x4_length, 8};
-  dalembert::limb_blocks<dalembert::Elements::both, 4, 6, Scalar>(panels, limbs, workspace.mass_matrix, workspace.coriolis_matrix, nv, 0, 6);
+  dalembert::limb_blocks<Elements, 4, 6, Scalar>(lower, upper, limbs, matrices, nv, 0, 6);
   constexpr dalembert::LimbTable above_1{left_hip_yaw_x4_above_1_row, left_hip_yaw_x4_above_1_length, 0};
-  dalembert::shared_cross_blocks<dalembert::Elements::both, 4, 6, 1, Scalar>(panels, limbs, 0, 0, above_1, workspace.mass_matrix, workspace.coriolis_matrix, nv, 0, 6);
+  dalembert::shared_cross_blocks<Elements, 4, 6, 1, Scalar>(lower, upper, limbs, 0, 0, above_1, matrices, nv, 0, 6);
   // The base's rows and columns.
-  dalembert::base_columns<4, 6, Scalar>(kept.inertia_force(0), panels.stride, limbs, workspace.mass_matrix, nv);
-  dalembert::base_rows<4, 6, Scalar>(kept.inertia_force(0), panels.stride, limbs, workspace.mass_matrix, nv);
-  dalembert::base_columns<4, 6, Scalar>(kept.bias_force(0), panels.stride, limbs, workspace.coriolis_matrix, nv);
-  dalembert::base_rows<4, 6, Scalar>(kept.below_force[0], panels.stride, limbs, workspace.coriolis_matrix, nv);
+  dalembert::base_columns<4, 6, Scalar>(kept.mass_matrix_columns[0], 40, limbs, workspace.mass_matrix, nv);
+  dalembert::base_rows<4, 6, Scalar>(kept.mass_matrix_columns[0], 40, limbs, workspace.mass_matrix, nv);
+  dalembert::base_columns<4, 6, Scalar>(kept.coriolis_matrix_columns[0], 40, limbs, workspace.coriolis_matrix, nv);
+  dalembert::base_rows<4, 6, Scalar>(kept.coriolis_matrix_rows[0], 40, limbs, workspace.coriolis_matrix, nv);
 }
 
-void results(const Scalar* v, Workspace& workspace) noexcept {
+void results(Workspace& workspace) noexcept {
   Kept& kept = workspace.kept;
-  (void)v;
-  for (int k = 0; k < 25; ++k) workspace.gravity[6 + k] = kept.gravity_torque[0][joint_slot[k]];
-  for (int k = 0; k < 25; ++k) workspace.bias[6 + k] = kept.bias_torque[0][joint_slot[k]];
+  static_cast<void>(kept);
+  for (int k = 0; k < 25; ++k) workspace.gravity[6 + k] = kept.gravity_torque(0)[joint_slot[k]];
+  for (int k = 0; k < 25; ++k) workspace.bias[6 + k] = kept.bias_torque(0)[joint_slot[k]];
 }
 
 }  // namespace stages
@@ -1505,7 +1225,7 @@ void evaluate(const Scalar* q, const Scalar* v, Workspace& workspace) noexcept {
   stages::base(workspace);
   stages::elements_waist(workspace);
   stages::elements_left_hip_yaw_x4(workspace);
-  stages::results(v, workspace);
+  stages::results(workspace);
 }
 
 }  // namespace mahru

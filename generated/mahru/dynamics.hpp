@@ -6,31 +6,31 @@
 // (--without fold,share,move_parameters), with the default outputs and those asked for. Here: what is left.
 //                                 multiply             add         sin/cos          divide
 //                           before    here  before    here  before    here  before    here
-// all together               15050    6808   12664    5795      25      25       0       0
-//   I   bodies outwards       4578    1346    3242     853      25      25       0       0
-//   II  sums inwards          5765    2333    5359    2217       0       0       0       0
-//   III elements              4707    3129    4063    2725       0       0       0       0
-// mass_matrix                 4926    1876    3918    1498      25      25       0       0
-//   I   bodies outwards       1725     356    1050     169      25      25       0       0
-//   II  sums inwards          1875     724    1732     657       0       0       0       0
-//   III elements              1326     796    1136     672       0       0       0       0
-// coriolis_matrix             9186    4959    7813    4478      25      25       0       0
-//   I   bodies outwards       2325     832    1500     530      25      25       0       0
-//   II  sums inwards          2889    1369    2864    1528       0       0       0       0
-//   III elements              3972    2758    3449    2420       0       0       0       0
-// gravity                      970     255     721     145      25      25       0       0
+// all together               18237    6808   15570    5795      25      25       0       0
+//   I   bodies outwards       4611    1346    3314     853      25      25       0       0
+//   II  sums inwards          5787    2333    5483    2217       0       0       0       0
+//   III elements              7839    3129    6773    2725       0       0       0       0
+// mass_matrix                 5964    1876    4913    1498      25      25       0       0
+//   I   bodies outwards       1650     356    1050     169      25      25       0       0
+//   II  sums inwards          1872     724    1772     657       0       0       0       0
+//   III elements              2442     796    2091     672       0       0       0       0
+// coriolis_matrix            11232    4959    9728    4478      25      25       0       0
+//   I   bodies outwards       2358     832    1572     530      25      25       0       0
+//   II  sums inwards          2886    1369    2952    1528       0       0       0       0
+//   III elements              5988    2758    5204    2420       0       0       0       0
+// gravity                      970     255     737     145      25      25       0       0
 //   I   bodies outwards        361     108     218      52      25      25       0       0
-//   II  sums inwards           600     138     500      90       0       0       0       0
+//   II  sums inwards           600     138     516      90       0       0       0       0
 //   III elements                 9       9       3       3       0       0       0       0
-// bias                        4168    1253    3519     880      25      25       0       0
+// bias                        4193    1253    3568     880      25      25       0       0
 //   I   bodies outwards       1892     425    1524     281      25      25       0       0
-//   II  sums inwards          2276     828    1995     599       0       0       0       0
+//   II  sums inwards          2301     828    2044     599       0       0       0       0
 // Not read at all: base position
 // Not read by mass_matrix: base pose, velocities
 // Not read by coriolis_matrix: base pose
 // Not read by gravity: base position, velocities
 // The code is in rolled form: its loops compute padding and constants that this count does not have.
-// Workspace: 41600 bytes
+// Workspace: 50560 bytes
 #pragma once
 
 #include <Eigen/Core>
@@ -103,30 +103,38 @@ inline constexpr const char* body_names[] = {
 using VectorQ = Eigen::Matrix<Scalar, nq, 1>;
 using VectorV = Eigen::Matrix<Scalar, nv, 1>;
 
-// Room to work in: one value per slot, a slot per body of a limb and lane; the root's slot is 4.
+// Room to work in: one value per slot, a slot per body of a limb and lane; the base's slot is 4.
 struct Kept {
+  alignas(64) Scalar rotation[9][40] = {};  // R, column by column
+  alignas(64) Scalar position[3][40] = {};  // p, the origin, m
+  alignas(64) Scalar joint_linear[3][40] = {};  // J, linear part, m
+  alignas(64) Scalar velocity[6][40] = {};  // V = [u; w], m/s, rad/s
+  alignas(64) Scalar joint_rate[6][40] = {};  // dJ, m/s, rad/s
   alignas(64) Scalar sine[1][40] = {};  // sin q
   alignas(64) Scalar cosine[1][40] = {};  // cos q
-  alignas(64) Scalar rate[1][40] = {};  // dq
-  alignas(64) Scalar rotation[9][40] = {};  // R, column by column
-  alignas(64) Scalar position[3][40] = {};  // p
-  alignas(64) Scalar joint_linear[3][40] = {};  // J, linear part
-  alignas(64) Scalar joint_rate[6][40] = {};  // dJ
-  alignas(64) Scalar velocity[6][40] = {};  // u, w
-  alignas(64) Scalar first[3][40] = {};  // h, of the body and of the limbs attached to it
-  alignas(64) Scalar second[6][40] = {};  // S: xx xy xz yy yz zz
-  alignas(64) Scalar momentum[3][40] = {};  // P
-  alignas(64) Scalar bias_block[9][40] = {};  // D, row by row
-  alignas(64) Scalar below_force[6][40] = {};  // ad(V)' F + H, for the base's columns
-  alignas(64) Scalar down[3][40] = {};  // gravity along the body's axes
-  alignas(64) Scalar gravity_first[3][40] = {};  // h of the subtree in the body's axes
-  alignas(64) Scalar gravity_torque[1][40] = {};  // g
-  alignas(64) Scalar motion[9][40] = {};  // w, dw, a in the body's axes
-  alignas(64) Scalar force[6][40] = {};  // f, n of the subtree in the body's axes
-  alignas(64) Scalar bias_torque[1][40] = {};  // C v + g
-  Scalar* inertia_force(int i) noexcept { return rotation[i]; }  // F = A* J; where nobody reads rotation any more
-  Scalar* bias_force(int i) noexcept { return velocity[i]; }  // G = A* dJ + B* J; where nobody reads velocity any more
-  Scalar* transposed(int i) noexcept { return position[i]; }  // H; where nobody reads position any more
+  alignas(64) Scalar rate[1][40] = {};  // dq, rad/s or m/s
+  alignas(64) Scalar first[3][40] = {};  // h of the body, kg m
+  alignas(64) Scalar second[6][40] = {};  // S of the body: xx xy xz yy yz zz, kg m^2
+  alignas(64) Scalar momentum[3][40] = {};  // P of the body, kg m/s
+  alignas(64) Scalar bias_block[9][40] = {};  // D of the body, row by row, kg m^2/s
+  alignas(64) Scalar down[3][40] = {};  // gravity along the body's axes, m/s^2
+  alignas(64) Scalar angular[3][40] = {};  // w along the body's axes, rad/s
+  alignas(64) Scalar angular_acceleration[3][40] = {};  // dw along the body's axes, rad/s^2
+  alignas(64) Scalar acceleration[3][40] = {};  // the origin's acceleration less gravity, along the body's axes, m/s^2
+  alignas(64) Scalar wrench[6][40] = {};  // f, n of the body along its axes, N, N m
+  alignas(64) Scalar mass_matrix_columns[6][40] = {};  // the base's rows of the joint's column of mass_matrix
+  alignas(64) Scalar coriolis_matrix_columns[6][40] = {};  // the base's rows of the joint's column of coriolis_matrix
+  alignas(64) Scalar coriolis_matrix_rows[6][40] = {};  // the base's columns of the joint's row of coriolis_matrix
+  alignas(64) Scalar received_first[3][40] = {};  // h of the body, as attached limbs hand it on
+  alignas(64) Scalar received_second[6][40] = {};  // S of the body: xx xy xz yy yz zz, as attached limbs hand it on
+  alignas(64) Scalar received_bias_block[9][40] = {};  // D of the body, row by row, as attached limbs hand it on
+  alignas(64) Scalar received_gravity_first[3][40] = {};  // h of the subtree along the body's axes, as attached limbs hand it on
+  Scalar* joint_angular(int i) noexcept { return rotation[6 + i]; }  // J, angular part
+  Scalar* inertia_force(int i) noexcept { return mass_matrix_columns[i]; }  // F = A* J, kg m, kg m^2 per unit of the coordinate
+  Scalar* bias_force(int i) noexcept { return coriolis_matrix_columns[i]; }  // G = A* dJ + B* J, kg m/s, kg m^2/s
+  Scalar* transposed(int i) noexcept { return rotation[i]; }  // H = P x Jv + D' Jw, kg m^2/s
+  Scalar* gravity_torque(int i) noexcept { return rotation[3 + i]; }  // g, N m or N
+  Scalar* bias_torque(int i) noexcept { return rotation[4 + i]; }  // C v + g, N m or N
 };
 
 // Results, run-time inputs and room to work in. Matrices stand column by column. A new workspace is zero: the structural zeros of
@@ -173,7 +181,7 @@ void inwards_waist(Workspace& workspace) noexcept;
 void base(Workspace& workspace) noexcept;
 void elements_waist(Workspace& workspace) noexcept;
 void elements_left_hip_yaw_x4(Workspace& workspace) noexcept;
-void results(const Scalar* v, Workspace& workspace) noexcept;
+void results(Workspace& workspace) noexcept;
 
 }  // namespace stages
 

@@ -36,12 +36,15 @@ file(CONFIGURE OUTPUT "${CMAKE_CURRENT_BINARY_DIR}/robots/robots.hpp" CONTENT [[
 // Written by tests/robots/robots.cmake.
 #pragma once
 
+#include <ostream>
+
 namespace dalembert {
 
 struct TestRobot {
   const char* name;
   const char* urdf;
 };
+inline void PrintTo(const TestRobot& robot, std::ostream* out) { *out << robot.name; }
 
 inline constexpr TestRobot test_robots[] = {
 @table@};
