@@ -144,7 +144,8 @@ class Placing {
     equal_to_.assign(program_.roles.size(), {-1, 0});
     for (int r = 0; r < static_cast<int>(program_.roles.size()); ++r) {
       const auto at = static_cast<std::size_t>(r);
-      if (!used_[at] || at_base_[at]) continue;
+      const auto stands_for = [&](const std::pair<int, int>& equal) { return equal.first == r; };
+      if (!used_[at] || at_base_[at] || std::any_of(equal_to_.begin(), equal_to_.end(), stands_for)) continue;
       for (int other = 0; other < static_cast<int>(program_.roles.size()); ++other) {
         const int spare = program_.roles[static_cast<std::size_t>(other)].components() - program_.roles[at].components();
         for (int from = 0; other != r && from <= spare && equal_to_[at].first < 0; ++from)
