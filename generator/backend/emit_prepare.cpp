@@ -71,10 +71,11 @@ std::string spread(const CodeInput& code, const std::string& array, const std::s
                    bool held) {
   std::vector<std::string> apart;
   std::string skip, text;
-  for (int k : joints) {
+  for (size_t i = 0; i < joints.size(); ++i) {
+    const int k = joints[i];
     const ir::Body& joint = code.tree.bodies[static_cast<size_t>(k)];
     const bool rests = held && code.tree.carries_reference(static_cast<size_t>(k));
-    if (rests) apart.push_back(fmt::format("k == {}", &k - joints.data()));
+    if (rests) apart.push_back(fmt::format("k == {}", i));
     if (joint.driven() && !rests)
       text += fmt::format("  {}[{}] = {};  // driven\n", array, slot_of(code, k), position(code, k));
   }
