@@ -237,15 +237,14 @@ std::string segment_tables(const CodeInput& code, size_t segment) {
   std::string text;
   for (int column : read) {
     const ir::Column& values = c.columns[static_cast<size_t>(column)];
-    text += fmt::format("alignas(64) constexpr Scalar {}_{}[{}] = {{{}\n", s.name, column_name(values), (s.slots() + 7) / 8 * 8,
-                        values.unit.empty() ? "" : "  // " + values.unit);
+    text += fmt::format("alignas(64) constexpr Scalar {}_{}[{}] = {{\n", s.name, column_name(values), (s.slots() + 7) / 8 * 8);
     for (int step = 0; step < s.steps; ++step) {
       std::string row;
       for (int lane = 0; lane < s.width; ++lane)
         row += literal(values.values[static_cast<size_t>(step * s.width + lane)], code.scene.scalar) + ", ";
       text += fmt::format("    {}\n", row.substr(0, row.size() - 1));
     }
-    text += "};\n";
+    text += values.unit.empty() ? "};\n" : "};  // " + values.unit + "\n";
   }
   return text;
 }

@@ -1,5 +1,5 @@
-// Both forms of the algorithms interpreted in double, against the generic engine: on every robot, and where numbers are awkward.
-// No code is compiled.
+// Both forms of the algorithms interpreted in double, against the generic engine: on every robot, and where numbers are
+// awkward. No code is compiled.
 
 #include <gtest/gtest.h>
 
@@ -149,7 +149,8 @@ TEST_P(Algorithm, RunsInBothFormsAsTheGenericEngineDoes) {
         expect_generic_values(model);
         if (name != "all") continue;
         for (size_t l = 1; l < model.tree.links.size(); l += 3)
-          if (model.tree.links[l].body >= 0 || base == ir::Base::floating) model.scene.jacobians.push_back(model.tree.links[l].link);
+          if (model.tree.links[l].body >= 0 || base == ir::Base::floating)
+            model.scene.jacobians.push_back(model.tree.links[l].link);
         expect_generic_values(model);
         for (size_t l = 2; l < model.tree.links.size(); l += 5) {
           const int body = model.tree.links[l].body;

@@ -6,6 +6,7 @@
 #include <dalembert/generic/dynamics.hpp>
 #include <dalembert/self_test.hpp>
 #include <memory>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -48,6 +49,7 @@ struct GeneratedCase {
   std::vector<std::pair<const char*, const char*>> settings;  // scene keys and values, as on the command line
   std::unique_ptr<GeneratedRobot> (*make)();
 };
+inline void PrintTo(const GeneratedCase& generated, std::ostream* out) { *out << generated.name; }
 
 const std::vector<GeneratedCase>& generated_cases();
 

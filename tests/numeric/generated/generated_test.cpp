@@ -54,6 +54,9 @@ class Generated : public ::testing::TestWithParam<GeneratedCase> {
   const std::unique_ptr<GeneratedRobot> robot;
 };
 
+// The robots that have a task graph beside the serial code.
+class GeneratedTasks : public Generated {};
+
 // Largest error of any quantity that was generated; `compared` counts them.
 double largest_error(const generic::Dynamics<double>& generated, const generic::Dynamics<double>& reference,
                      const Eigen::VectorXd& v, int& compared) {
@@ -118,8 +121,7 @@ TEST_P(Generated, GivesTheSameBitsEveryTime) {
   EXPECT_EQ(robot->bits(Variant::serial), first) << "in another workspace";
 }
 
-TEST_P(Generated, TaskGraphGivesTheSameBitsAsSerial) {
-  if (!robot->has_tasks()) GTEST_SKIP() << "serial only";
+TEST_P(GeneratedTasks, GiveTheSameBitsAsSerial) {
   for (const State& state : states())
     for (int repetition = 0; repetition < 3; ++repetition) {
       evaluate(state, Variant::serial);
@@ -150,8 +152,7 @@ TEST_P(Generated, SerialEvaluationNeverAllocates) {
 }
 
 // Not a promise but a report: oneTBB owns its memory.
-TEST_P(Generated, TaskGraphsAllocationsAreReported) {
-  if (!robot->has_tasks()) GTEST_SKIP() << "serial only";
+TEST_P(GeneratedTasks, ReportTheirAllocations) {
   const State state = moderate_state(model.tree, 1);
   robot->set_state(state.q, state.v);
   const std::uint64_t start = heap_allocations();
@@ -205,8 +206,17 @@ TEST_P(Generated, ReadsNothingItDoesNotNeed) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Robots, Generated, ::testing::ValuesIn(generated_cases()),
-                         [](const auto& info) { return std::string(info.param.name); });
+std::string name_of(const testing::TestParamInfo<GeneratedCase>& info) { return info.param.name; }
+
+std::vector<GeneratedCase> cases_with_tasks() {
+  std::vector<GeneratedCase> cases;
+  for (const GeneratedCase& one : generated_cases())
+    if (one.make()->has_tasks()) cases.push_back(one);
+  return cases;
+}
+
+INSTANTIATE_TEST_SUITE_P(Robots, Generated, ::testing::ValuesIn(generated_cases()), name_of);
+INSTANTIATE_TEST_SUITE_P(Robots, GeneratedTasks, ::testing::ValuesIn(cases_with_tasks()), name_of);
 
 // The comparison can fail: an error of 1e-11 of the largest element, a missing row and a NaN are all seen.
 TEST(GeneratedChecks, SeeWrongResults) {
