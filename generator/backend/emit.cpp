@@ -148,7 +148,7 @@ OutputFile header(const CodeInput& code) {
                   {"stages", code.plan.tasks && rolled ? stage_declarations(code) : ""}})};
 }
 
-// get: `const T* NAME_mass_matrix(const NAME_workspace*)`; set: run-time inputs.
+// get: `const T* NAME_ARRAY(const NAME_workspace*)`; set: run-time inputs.
 void c_functions(const CodeInput& code, std::string& declarations, std::string& definitions) {
   const std::string n = code.name, s = scalar_name(code.scene.scalar);
   const auto add = [&](const std::string& comment, const std::string& signature, const std::string& body) {
