@@ -206,7 +206,7 @@ TEST_P(Generated, ReadsNothingItDoesNotNeed) {
   }
 }
 
-std::string name_of(const testing::TestParamInfo<GeneratedCase>& info) { return info.param.name; }
+std::string name_of(const ::testing::TestParamInfo<GeneratedCase>& info) { return info.param.name; }
 
 std::vector<GeneratedCase> cases_with_tasks() {
   std::vector<GeneratedCase> cases;
