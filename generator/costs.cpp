@@ -6,9 +6,6 @@
 #include "frontend/scene_check.hpp"
 #include "passes/build_tree.hpp"
 #include "passes/levels.hpp"
-#include "passes/normalise.hpp"
-#include "passes/quantities/quantities.hpp"
-#include "passes/unroll.hpp"
 
 namespace dalembert {
 namespace {
@@ -49,6 +46,21 @@ OperationCost cost_of(const ir::Program& program, const std::vector<int>& phases
   return cost;
 }
 
+// What two functions cost and read, one after the other.
+OperationCost sum(OperationCost a, const OperationCost& b) {
+  a.operations += b.operations;
+  for (size_t i = 0; i < a.phases.size(); ++i) a.phases[i] += b.phases[i];
+  a.reads_position = a.reads_position || b.reads_position;
+  a.reads_velocity = a.reads_velocity || b.reads_velocity;
+  a.reads_base_pose = a.reads_base_pose || b.reads_base_pose;
+  const auto in_both = [](std::vector<int>& list, const std::vector<int>& other) {
+    std::erase_if(list, [&](int i) { return std::find(other.begin(), other.end(), i) == other.end(); });
+  };
+  in_both(a.positions_not_read, b.positions_not_read);
+  in_both(a.velocities_not_read, b.velocities_not_read);
+  return a;
+}
+
 // The model without its scene, but for the outputs: the default ones and `model`'s own.
 Model whole_robot(const Model& model) {
   Model whole;
@@ -72,22 +84,18 @@ Model as_written(Model model) {
 
 }  // namespace
 
-std::vector<OperationCost> operation_costs(const ir::Algorithm& algorithm, const ir::Program& program,
-                                           const ir::KinematicTree& tree) {
-  const std::vector<int> phases = passes::phases(algorithm);
-  std::vector<OperationCost> costs{cost_of(program, phases, tree, -1)};
-  for (size_t a = 0; a < program.arrays.size(); ++a) costs.push_back(cost_of(program, phases, tree, static_cast<int>(a)));
+std::vector<OperationCost> operation_costs(const Lowered& lowered, const ir::KinematicTree& tree) {
+  std::vector<OperationCost> costs(1);
+  for (const LoweredFunction& f : lowered.functions) {
+    const std::vector<int> phases = passes::phases(f.algorithm);
+    const OperationCost all = cost_of(f.program, phases, tree, -1);
+    costs.front() = f.algorithm.function == lowered.functions.front().algorithm.function ? all : sum(costs.front(), all);
+    for (size_t a = 0; a < f.program.arrays.size(); ++a) costs.push_back(cost_of(f.program, phases, tree, static_cast<int>(a)));
+  }
   return costs;
 }
 
-std::vector<OperationCost> operation_costs(const Model& model) {
-  const ir::NormalTree normal =
-      passes::normalise(model.tree, passes::normalise_options(model.scene, model.options.move_parameters));
-  const ir::Graph::Options options{model.options.fold, model.options.share};
-  const ir::Algorithm algorithm = passes::describe(model.tree, normal, model.scene, options);
-  return operation_costs(algorithm, passes::Unroll(algorithm, model.tree, normal, model.scene, {options, false}).program(),
-                         model.tree);
-}
+std::vector<OperationCost> operation_costs(const Model& model) { return operation_costs(lower_to_programs(model), model.tree); }
 
 std::vector<OperationCost> costs_before(const Model& model) {
   try {
@@ -97,7 +105,11 @@ std::vector<OperationCost> costs_before(const Model& model) {
   }
 }
 
-bool too_large_to_compare(const ir::Program& program) { return program.graph.size() > 500'000; }
+bool too_large_to_compare(const Lowered& lowered) {
+  ir::NodeId nodes = 0;
+  for (const LoweredFunction& f : lowered.functions) nodes += f.program.graph.size();
+  return nodes > 500'000;
+}
 
 std::vector<PassCost> pass_costs(const Model& model) {
   std::vector<PassCost> list;

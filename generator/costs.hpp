@@ -7,6 +7,7 @@
 
 #include "ir/graph.hpp"
 #include "ir/program.hpp"
+#include "lower.hpp"
 #include "pipeline.hpp"
 
 namespace dalembert {
@@ -24,8 +25,7 @@ struct OperationCost {
 
 // Scalar operations of the scene's outputs together ("all", first) and of each alone.
 std::vector<OperationCost> operation_costs(const Model& model);
-std::vector<OperationCost> operation_costs(const ir::Algorithm& algorithm, const ir::Program& program,
-                                           const ir::KinematicTree& tree);
+std::vector<OperationCost> operation_costs(const Lowered& lowered, const ir::KinematicTree& tree);
 
 // What there was to leave out: the same URDF without a scene, asked for the default outputs and those of the model, with every
 // product and sum that the equations write out (--without fold,share,move_parameters). The base floats where the model's does;
@@ -33,8 +33,9 @@ std::vector<OperationCost> operation_costs(const ir::Algorithm& algorithm, const
 // that the scene locks or cuts).
 std::vector<OperationCost> costs_before(const Model& model);
 
-// Whether the program is so large that lowering its robot once more, for costs_before(), would take longer than all the rest.
-bool too_large_to_compare(const ir::Program& program);
+// Whether the programs are so large that lowering their robot once more, for costs_before(), would take longer than all the
+// rest.
+bool too_large_to_compare(const Lowered& lowered);
 
 // The effect of one pass, or of the scene.
 struct PassCost {

@@ -66,8 +66,8 @@ std::string not_read(const OperationCost& cost, const ir::KinematicTree& tree) {
 }
 
 std::vector<std::string> report(const Model& model, const Lowered& lowered) {
-  const std::vector<OperationCost> after = operation_costs(lowered.algorithm, lowered.program, model.tree);
-  const bool huge = too_large_to_compare(lowered.program);
+  const std::vector<OperationCost> after = operation_costs(lowered, model.tree);
+  const bool huge = too_large_to_compare(lowered);
   const std::vector<OperationCost> before = huge ? std::vector<OperationCost>{} : costs_before(model);
   std::vector<std::string> lines;
   if (huge) {
@@ -98,7 +98,9 @@ std::vector<std::string> report(const Model& model, const Lowered& lowered) {
     if (const std::string unread = not_read(cost, model.tree);
         !unread.empty() && (&cost == &after.front() || unread != unread_at_all))
       lines.push_back(fmt::format("Not read {}: {}", cost.name == "all" ? "at all" : "by " + cost.name, unread));
-  if (lowered.plan.form == ir::Form::rolled)
+  const bool rolled = std::any_of(lowered.functions.begin(), lowered.functions.end(),
+                                  [](const LoweredFunction& f) { return f.plan.form == ir::Form::rolled; });
+  if (rolled)
     lines.push_back("The code is in rolled form: its loops compute padding and constants that this count does not have.");
   lines.push_back(fmt::format("Workspace: {} bytes", workspace_bytes(model, lowered)));
   return lines;

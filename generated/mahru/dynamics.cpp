@@ -655,14 +655,14 @@ void outwards_left_hip_yaw_x4(Workspace& workspace) noexcept {
       V next_above_angular[3];
       V next_above_angular_acceleration[3];
       V next_above_acceleration[3];
-      const V rate = dalembert::load<4>(kept.rate[0] + slot);
-      const V sine = dalembert::load<4>(kept.sine[0] + slot);
-      const V cosine = dalembert::load<4>(kept.cosine[0] + slot);
       const V pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz_k = dalembert::load<4>(left_hip_yaw_x4_pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz + i);
       const V pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx_k = dalembert::load<4>(left_hip_yaw_x4_pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx + i);
       const V pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy_k = dalembert::load<4>(left_hip_yaw_x4_pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy + i);
       const V pose_translation_x_and_translation_x_k = dalembert::load<4>(left_hip_yaw_x4_pose_translation_x_and_translation_x + i);
       const V pose_translation_y_and_translation_y_k = dalembert::load<4>(left_hip_yaw_x4_pose_translation_y_and_translation_y + i);
+      const V rate = dalembert::load<4>(kept.rate[0] + slot);
+      const V sine = dalembert::load<4>(kept.sine[0] + slot);
+      const V cosine = dalembert::load<4>(kept.cosine[0] + slot);
       const V t1 = above_angular[2] * pose_translation_y_and_translation_y_k;
       const V t2 = above_angular[2] * pose_translation_x_and_translation_x_k;
       const V t3 = above_angular[0] * pose_translation_y_and_translation_y_k - above_angular[1] * pose_translation_x_and_translation_x_k;

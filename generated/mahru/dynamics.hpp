@@ -170,6 +170,7 @@ inline auto gravity(const Workspace& workspace) {
 inline auto bias(const Workspace& workspace) {
   return Eigen::Map<const Eigen::Matrix<Scalar, 31, 1>, Eigen::Aligned64>(workspace.bias);
 }
+
 // What evaluate() is made of, for the task graph.
 namespace stages {
 

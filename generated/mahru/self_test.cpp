@@ -333,10 +333,9 @@ constexpr Scalar bias_2[] = {
 alignas(Workspace) unsigned char memory[sizeof(Workspace)];
 std::atomic_flag taken = ATOMIC_FLAG_INIT;
 
-// Read anew at each call, so that not even a compiler that sees all of the program tests a copy of evaluate() made for these
+// Read anew at each call, so that not even a compiler that sees all of the program tests a copy of them made for these
 // very states.
 void (*volatile const run)(const Scalar*, const Scalar*, Workspace&) noexcept = evaluate;
-
 }  // namespace
 
 bool self_test(SelfTestReport* report) noexcept {

@@ -10,7 +10,7 @@ namespace mahru {
 
 using dalembert::SelfTestReport;
 
-// Whether evaluate() gives right results as it is compiled and on the processor it runs on. Call it before the first result
+// Whether the code gives right results as it is compiled and on the processor it runs on. Call it before the first result
 // is used: compilers have defects, and flags like -ffast-math a price. `report`, if there is one, is told the element that is
 // worst, relative to what it is allowed, whether the test passed or not; dalembert::describe() puts it in words.
 // Takes a few evaluations; does not allocate, throw or call the system. Threads that call it at once take turns.

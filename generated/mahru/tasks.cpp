@@ -42,5 +42,4 @@ void TaskGraph::evaluate(const Scalar* q, const Scalar* v) {
   v_ = v;
   graph_.run();
 }
-
 }  // namespace mahru

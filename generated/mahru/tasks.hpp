@@ -9,8 +9,9 @@
 
 namespace mahru {
 
-// Phases I to III as a graph of tasks, built once: 9 tasks. Runs the very functions that the serial evaluate() runs, in an
-// order that the graph allows, and gives the same bits. Pays where a task takes microseconds: on large trees.
+// What evaluate() is made of as a graph of tasks, built once: 9 tasks. Runs the very functions that the serial
+// evaluate() runs, in an order that the graph allows, and gives the same bits. Pays where a task takes microseconds: on large
+// trees.
 class TaskGraph {
  public:
   explicit TaskGraph(Workspace& workspace);
@@ -25,5 +26,4 @@ class TaskGraph {
   const Scalar* q_ = nullptr;
   const Scalar* v_ = nullptr;
 };
-
 }  // namespace mahru

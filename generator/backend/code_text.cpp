@@ -1,6 +1,7 @@
 #include "backend/code_text.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <stdexcept>
 
@@ -12,6 +13,8 @@ std::string input_text(const CodeInput& code, const ir::Input& input) {
   switch (input.kind) {
     case ir::InputKind::position: return fmt::format("q[{}]", input.index);
     case ir::InputKind::velocity: return fmt::format("v[{}]", input.index);
+    case ir::InputKind::acceleration:
+    case ir::InputKind::effort: return fmt::format("{}[{}]", function_of(code).input, input.index);
     case ir::InputKind::gravity: return fmt::format("workspace.gravity_vector[{}]", input.component);
     case ir::InputKind::payload: {
       const std::string payload =
@@ -23,6 +26,26 @@ std::string input_text(const CodeInput& code, const ir::Input& input) {
     default: throw std::logic_error("an input of a loop outside a loop");
   }
 }
+
+const ir::FunctionRow& function_of(const CodeInput& code) { return ir::row_of(code.algorithm.function); }
+
+std::string own_name(const CodeInput& code, const std::string& name) {
+  return code.algorithm.function == ir::Function::evaluate ? name : fmt::format("{}_{}", function_of(code).name, name);
+}
+
+std::string own_type(const CodeInput& code, const std::string& type) { return function_of(code).type + type; }
+
+std::vector<std::string> vectors_of(const CodeInput& code) {
+  std::vector<std::string> names{"q", "v"};
+  if (*function_of(code).input) names.emplace_back(function_of(code).input);
+  return names;
+}
+
+std::string parameters_of(const CodeInput& code, const std::string& pointer) {
+  return pointer + fmt::format("{}", fmt::join(vectors_of(code), ", " + pointer));
+}
+
+std::string arguments_of(const CodeInput& code) { return fmt::format("{}", fmt::join(vectors_of(code), ", ")); }
 
 int element_index(const ir::OutputArray& array, int row, int column) { return row + array.rows * column; }
 

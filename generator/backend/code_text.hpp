@@ -2,10 +2,21 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "backend/emit.hpp"
 
 namespace dalembert::backend {
+
+const ir::FunctionRow& function_of(const CodeInput& code);
+// The names of what is one function's own: a member or namespace, "kept" or "inverse_dynamics_kept", and a type, "Kept" or
+// "InverseDynamicsKept".
+std::string own_name(const CodeInput& code, const std::string& name);
+std::string own_type(const CodeInput& code, const std::string& type);
+// What it takes: q, v and what its row says. As parameters, each after `pointer`; and as arguments.
+std::vector<std::string> vectors_of(const CodeInput& code);
+std::string parameters_of(const CodeInput& code, const std::string& pointer = "const Scalar* ");
+std::string arguments_of(const CodeInput& code);
 
 // The text of an input on the evaluation path: q[7], v[6], workspace.gravity_vector[2], workspace.payload_hand.mass …
 std::string input_text(const CodeInput& code, const ir::Input& input);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <set>
 
 #include "backend/code_text.hpp"
 #include "backend/emit_rolled.hpp"
@@ -20,12 +21,12 @@
 namespace dalembert::backend {
 namespace {
 
-std::string banner(const CodeInput& code) {
+std::string banner(const Folder& folder) {
   return fmt::format(
       "// {} from {} (FNV-1a {}). Do not edit; remake with\n"
       "//   {}\n"
       "// This file is yours: no licence of the generator applies to it.",
-      banner_mark, comment_text(code.source), code.source_hash, comment_text(code.command_line));
+      banner_mark, comment_text(folder.source), folder.source_hash, comment_text(folder.command_line));
 }
 
 std::vector<const ir::Body*> own_coordinates(const CodeInput& code) {
@@ -41,9 +42,9 @@ std::string quantities(const CodeInput& code) {
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
-std::string results(const CodeInput& code) {
+std::string results(const Folder& folder) {
   std::string text;
-  for (const ir::OutputArray& a : code.program.arrays) {
+  for (const ir::OutputArray& a : folder.arrays()) {
     text += a.columns == 1 ? fmt::format("  alignas(64) Scalar {}[{}] = {{}};\n", a.name, a.rows)
                            : fmt::format("  alignas(64) Scalar {}[{} * {}] = {{}};\n", a.name, a.rows, a.columns);
   }
@@ -72,9 +73,9 @@ std::string payload_type(const CodeInput& code) {
          "};\n\n";
 }
 
-std::string views(const CodeInput& code) {
+std::string views(const Folder& folder) {
   std::string text = "// The results as Eigen matrices that look into the workspace.\n";
-  for (const ir::OutputArray& a : code.program.arrays) {
+  for (const ir::OutputArray& a : folder.arrays()) {
     text += fmt::format(
         "inline auto {0}(const Workspace& workspace) {{\n"
         "  return Eigen::Map<const Eigen::Matrix<Scalar, {1}, {2}>, Eigen::Aligned64>(workspace.{0});\n"
@@ -95,21 +96,63 @@ std::string link_table(const CodeInput& code) {
 
 std::string unread(const CodeInput& code) {
   const ir::InputsRead read = ir::inputs_read(code.program, ir::uses(code.program.graph, code.program.roots()));
+  const std::string input = function_of(code).input;
   std::vector<std::string> parts;
   if (!read.joint_positions()) parts.push_back("joint positions");
   if (code.tree.floating_base && !read.base_pose()) parts.push_back("the base's pose");
   if (read.velocities.empty()) parts.push_back("velocities");
+  if (!input.empty() && !read.input) parts.push_back(input);
   return parts.empty() ? "" : fmt::format(" (not read: {})", fmt::join(parts, ", "));
 }
 
-// The functions that evaluate() calls in this order, for the task graph.
+// The functions that the function calls in this order, for the task graph.
 std::string stage_declarations(const CodeInput& code) {
-  std::string text = "// What evaluate() is made of, for the task graph.\nnamespace stages {\n\n";
+  const std::string scope = own_name(code, "stages");
+  std::string text =
+      fmt::format("// What {}() is made of, for the task graph.\nnamespace {} {{\n\n", function_of(code).name, scope);
   for (const Stage& s : rolled_stages(code)) text += fmt::format("void {}({}) noexcept;\n", s.name, arguments_of(code, s));
-  return text + "\n}  // namespace stages\n\n";
+  return text + "\n}  // namespace " + scope + "\n\n";
 }
 
-OutputFile header(const CodeInput& code) {
+bool is_rolled(const CodeInput& code) { return code.plan.form == ir::Form::rolled; }
+
+// What a function takes besides q and v: for the comment above it.
+std::string input_meaning(const CodeInput& code) {
+  const ir::FunctionRow& row = function_of(code);
+  if (!*row.input) return "";
+  return fmt::format("// {}: nv {}.\n", row.input, row.meaning);
+}
+
+std::string function_declaration(const CodeInput& code) {
+  std::string calls;
+  for (const std::string& vector : vectors_of(code)) calls += vector + ".data(), ";
+  std::string eigen;
+  for (const std::string& vector : vectors_of(code))
+    eigen += fmt::format("const {}& {}, ", vector == "q" ? "VectorQ" : "VectorV", vector);
+  return render("function.hpp", {{"quantities", quantities(code)},
+                                 {"unread", unread(code)},
+                                 {"input", input_meaning(code)},
+                                 {"function", function_of(code).name},
+                                 {"parameters", parameters_of(code)},
+                                 {"eigen_parameters", eigen},
+                                 {"data", calls}});
+}
+
+// Text of each function, one after another.
+template <class Of>
+std::string of_functions(const Folder& folder, const Of& of) {
+  std::string text;
+  for (const CodeInput& code : folder.functions) text += of(code);
+  return text;
+}
+
+std::string kept_types(const CodeInput& code) { return is_rolled(code) ? kept_definition(code) + "\n" : ""; }
+std::string kept_member(const CodeInput& code) {
+  return is_rolled(code) ? fmt::format("\n  {} {};\n", own_type(code, "Kept"), own_name(code, "kept")) : "";
+}
+
+OutputFile header(const Folder& folder) {
+  const CodeInput& code = folder.common();
   std::vector<std::string> joints, joint_names, body_names;
   for (const ir::Body* b : own_coordinates(code)) {
     joints.push_back(ir::identifier(b->joint));
@@ -117,12 +160,12 @@ OutputFile header(const CodeInput& code) {
   }
   if (code.tree.floating_base) body_names.push_back(quoted(code.tree.base_link));
   for (const ir::Body& b : code.tree.bodies) body_names.push_back(quoted(b.name));
-  const bool floating = code.tree.floating_base, rolled = code.plan.form == ir::Form::rolled;
+  const bool floating = code.tree.floating_base;
   std::string report;
-  for (const std::string& line : code.report) report += "// " + comment_text(line) + "\n";
+  for (const std::string& line : folder.report) report += "// " + comment_text(line) + "\n";
   return {"dynamics.hpp",
           render("dynamics.hpp",
-                 {{"banner", banner(code)},
+                 {{"banner", banner(folder)},
                   {"report", report.empty() ? "" : "//\n" + report},
                   {"runtime_version", std::to_string(runtime_version)},
                   {"name", code.name},
@@ -138,26 +181,36 @@ OutputFile header(const CodeInput& code) {
                   {"joint_names", joint_names.empty() ? "nullptr" : wrapped(joint_names, 4)},
                   {"body_names", wrapped(body_names, 4)},
                   {"link_table", link_table(code)},
-                  {"types", payload_type(code) + (rolled ? kept_definition(code) + "\n" : "")},
-                  {"results", results(code)},
+                  {"types", payload_type(code) + of_functions(folder, kept_types)},
+                  {"results", results(folder)},
                   {"run_time_inputs", run_time_inputs(code)},
-                  {"scratch", rolled ? "\n  Kept kept;\n" : ""},
-                  {"quantities", quantities(code)},
-                  {"unread", unread(code)},
-                  {"views", views(code)},
-                  {"stages", code.plan.tasks && rolled ? stage_declarations(code) : ""}})};
+                  {"scratch", of_functions(folder, kept_member)},
+                  {"functions", of_functions(folder, function_declaration)},
+                  {"views", views(folder)},
+                  {"stages", of_functions(folder, [](const CodeInput& f) {
+                     return f.plan.tasks && is_rolled(f) ? stage_declarations(f) : std::string();
+                   })}})};
 }
 
 // get: `const T* NAME_ARRAY(const NAME_workspace*)`; set: run-time inputs.
-void c_functions(const CodeInput& code, std::string& declarations, std::string& definitions) {
+void c_functions(const Folder& folder, std::string& declarations, std::string& definitions) {
+  const CodeInput& code = folder.common();
   const std::string n = code.name, s = scalar_name(code.scene.scalar);
   const auto add = [&](const std::string& comment, const std::string& signature, const std::string& body) {
     declarations += fmt::format("// {}\n{};\n\n", comment, signature);
     definitions += fmt::format("{} {{\n{}}}\n\n", signature, body);
   };
-  for (const ir::OutputArray& a : code.program.arrays)
+  for (const CodeInput& f : folder.functions) {
+    const ir::FunctionRow& row = function_of(f);
+    const std::string input = *row.input ? fmt::format(", {}: {}_nv() {}", row.input, n, row.meaning) : "";
+    add(fmt::format("Computes {}.\n// q: {}_nq() positions, v: {}_nv() velocities{}. Does not allocate.", quantities(f), n, n,
+                    input),
+        fmt::format("void {}_{}({}, {}_workspace* workspace)", n, row.name, parameters_of(f, fmt::format("const {}* ", s)), n),
+        fmt::format("  {}::{}({}, *workspace);\n", n, row.name, arguments_of(f)));
+  }
+  for (const ir::OutputArray& a : folder.arrays())
     add(fmt::format("{} x {}", a.rows, a.columns),
-        fmt::format("const {}* {}_{}(const {}_workspace* workspace)", s, n, a.name, n),
+        fmt::format("const {}* {}_{}(const {}_workspace* workspace)", s, n, ir::c_accessor(a.name), n),
         fmt::format("  return workspace->{};\n", a.name));
   if (code.scene.gravity_kind == ir::GravityKind::run_time)
     add("gravity: 3 numbers, m/s^2, world axes",
@@ -176,47 +229,66 @@ void c_functions(const CodeInput& code, std::string& declarations, std::string& 
   }
 }
 
+std::string source(const Folder& folder, const std::string& banner) {
+  std::set<std::string> headers;
+  for (const CodeInput& f : folder.functions)
+    for (const std::string& header : is_rolled(f) ? rolled_includes(f) : straight_includes(f)) headers.insert(header);
+  std::string includes;
+  for (const std::string& header : headers) includes += fmt::format("#include <dalembert/{}.hpp>\n", header);
+  return render("dynamics.cpp", {{"banner", banner},
+                                 {"name", folder.common().name},
+                                 {"includes", includes},
+                                 {"functions", of_functions(folder, [](const CodeInput& f) {
+                                    return is_rolled(f) ? rolled_source(f) : straight_source(f);
+                                  })}});
+}
+
 }  // namespace
 
-std::size_t workspace_bytes(const CodeInput& code) {
-  const std::size_t scalar = code.scene.scalar == ir::ScalarType::float32 ? 4 : 8;
+std::vector<ir::OutputArray> Folder::arrays() const {
+  std::vector<ir::OutputArray> all;
+  for (const CodeInput& f : functions) all.insert(all.end(), f.program.arrays.begin(), f.program.arrays.end());
+  return all;
+}
+
+bool Folder::tasks() const {
+  return std::any_of(functions.begin(), functions.end(), [](const CodeInput& f) { return f.plan.tasks; });
+}
+
+std::size_t workspace_bytes(const Folder& folder) {
+  const ir::Scene& scene = folder.common().scene;
+  const std::size_t scalar = scene.scalar == ir::ScalarType::float32 ? 4 : 8;
   std::size_t bytes = 0;
   const auto align = [&] { bytes = (bytes + 63) / 64 * 64; };
-  for (const ir::OutputArray& a : code.program.arrays) {
+  for (const ir::OutputArray& a : folder.arrays()) {
     align();
     bytes += scalar * static_cast<std::size_t>(a.rows) * static_cast<std::size_t>(a.columns);
   }
-  if (code.scene.gravity_kind == ir::GravityKind::run_time) bytes += 3 * scalar;
-  bytes += code.scene.payloads.size() * 10 * scalar;  // mass, centre of mass, inertia
+  if (scene.gravity_kind == ir::GravityKind::run_time) bytes += 3 * scalar;
+  bytes += scene.payloads.size() * 10 * scalar;  // mass, centre of mass, inertia
   align();
-  if (code.plan.form == ir::Form::rolled) bytes += kept_bytes(code);
-  align();
+  for (const CodeInput& f : folder.functions) {
+    if (is_rolled(f)) bytes += kept_bytes(f);
+    align();
+  }
   return bytes;
 }
 
-std::vector<OutputFile> emit(const CodeInput& code) {
-  std::vector<OutputFile> files{header(code)};
-  const std::string top = banner(code);
-  files.push_back({"dynamics.cpp", code.plan.form == ir::Form::rolled ? rolled_source(code, top) : straight_source(code, top)});
-  std::string declarations, definitions, guard = code.name + "_C_API_H";
-  c_functions(code, declarations, definitions);
+std::vector<OutputFile> emit(const Folder& folder) {
+  const std::string &name = folder.common().name, top = banner(folder);
+  std::vector<OutputFile> files{header(folder), {"dynamics.cpp", source(folder, top)}};
+  std::string declarations, definitions, guard = name + "_C_API_H";
+  c_functions(folder, declarations, definitions);
   std::transform(guard.begin(), guard.end(), guard.begin(), [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
-  const std::string scalar = scalar_name(code.scene.scalar);
-  files.push_back({"c_api.h", render("c_api.h", {{"banner", top},
-                                                 {"guard", guard},
-                                                 {"name", code.name},
-                                                 {"scalar", scalar},
-                                                 {"quantities", quantities(code)},
-                                                 {"declarations", declarations}})});
   files.push_back(
-      {"c_api.cpp",
-       render("c_api.cpp", {{"banner", top}, {"name", code.name}, {"scalar", scalar}, {"definitions", definitions}})});
-  if (code.plan.tasks) {
-    files.push_back({"tasks.hpp", tasks_header(code, top)});
-    files.push_back({"tasks.cpp", tasks_source(code, top)});
+      {"c_api.h", render("c_api.h", {{"banner", top}, {"guard", guard}, {"name", name}, {"declarations", declarations}})});
+  files.push_back({"c_api.cpp", render("c_api.cpp", {{"banner", top}, {"name", name}, {"definitions", definitions}})});
+  if (folder.tasks()) {
+    files.push_back({"tasks.hpp", tasks_header(folder, top)});
+    files.push_back({"tasks.cpp", tasks_source(folder, top)});
   }
-  if (code.self_test)
-    for (OutputFile& file : self_test_files(code, *code.self_test, top)) files.push_back(std::move(file));
+  if (folder.self_test)
+    for (OutputFile& file : self_test_files(folder, *folder.self_test, top)) files.push_back(std::move(file));
   return files;
 }
 

@@ -17,6 +17,7 @@
 
 namespace dalembert::backend {
 
+// One function of a robot's code.
 struct CodeInput {
   const ir::KinematicTree& tree;
   const ir::NormalTree& normal;
@@ -26,18 +27,28 @@ struct CodeInput {
   const ir::Plan& plan;
   const ir::RolledProgram& rolled;  // empty for the straight form
   std::string name;                 // namespace, folder and prefix; an identifier
-  std::string source;               // the URDF's file name, without folders
+};
+
+// A robot's folder.
+struct Folder {
+  std::vector<CodeInput> functions;  // at least one; of one robot, scene and name
+  std::string source;                // the URDF's file name, without folders
   std::string source_hash;
   std::string command_line;         // that remakes the files
   std::vector<std::string> report;  // lines about operations and what was left out
   std::optional<ir::SelfTest> self_test;
+
+  const CodeInput& common() const { return functions.front(); }
+  // Of all functions, one after another.
+  std::vector<ir::OutputArray> arrays() const;
+  bool tasks() const;  // whether any function has a task graph
 };
 
 // sizeof(Workspace) of the emitted code: results, run-time inputs and room to work in, each array at a multiple of 64 bytes.
-std::size_t workspace_bytes(const CodeInput& code);
+std::size_t workspace_bytes(const Folder& folder);
 
 // Every file of the robot's folder; without a self-test its files are left out. Needs no input but its argument: the same code
 // gives the same bytes anywhere.
-std::vector<OutputFile> emit(const CodeInput& code);
+std::vector<OutputFile> emit(const Folder& folder);
 
 }  // namespace dalembert::backend

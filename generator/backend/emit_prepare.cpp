@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "backend/code_text.hpp"
 #include "backend/kept.hpp"
 #include "backend/literals.hpp"
 
@@ -111,6 +112,20 @@ std::string sines_text(const CodeInput& code, bool held) {
   return text;
 }
 
+// A kept role that is a joint's number of one of the function's vectors.
+struct Gathered {
+  int role;
+  std::string vector;
+};
+std::vector<Gathered> gathered(const CodeInput& code) {
+  std::vector<Gathered> all;
+  const std::vector<std::string> vectors = vectors_of(code);
+  if (const int rate = role_of(code, Source::rate, false); rate >= 0) all.push_back({rate, vectors[1]});
+  for (const Source source : {Source::acceleration, Source::effort})
+    if (const int role = role_of(code, source, false); role >= 0) all.push_back({role, vectors.back()});
+  return all;
+}
+
 }  // namespace
 
 bool needs_angles(const CodeInput& code) {
@@ -123,7 +138,7 @@ bool prepare_reads_q(const CodeInput& code) {
   return (!joints.turning.empty() && (sines(code, false) || sines(code, true))) || (!joints.sliding.empty() && slides);
 }
 
-bool prepare_reads_v(const CodeInput& code) { return role_of(code, Source::rate, false) >= 0; }
+bool prepare_reads_v(const CodeInput& code) { return !gathered(code).empty(); }
 
 std::string prepare_statements(const CodeInput& code) {
   const Joints joints(code);
@@ -146,11 +161,11 @@ std::string prepare_statements(const CodeInput& code) {
   for (const bool rest : {false, true})
     if (const int slide = role_of(code, Source::slide, rest); slide >= 0 && !joints.sliding.empty())
       text += spread(code, kept(code, slide, 0), "sliding", joints.sliding, rest);
-  if (const int rate = role_of(code, Source::rate, false); rate >= 0)
+  for (const Gathered& g : gathered(code))
     text += fmt::format(
-        "  for (int i = 0; i < {}; i += 4) dalembert::store<4, Scalar>({} + i, dalembert::gather<4>(v + {}, slot_joint + "
+        "  for (int i = 0; i < {}; i += 4) dalembert::store<4, Scalar>({} + i, dalembert::gather<4>({} + {}, slot_joint + "
         "i));\n",
-        code.plan.slots, kept(code, rate, 0), base_rows(code));
+        code.plan.slots, kept(code, g.role, 0), g.vector, base_rows(code));
   return text;
 }
 

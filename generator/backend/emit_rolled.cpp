@@ -69,6 +69,11 @@ std::string base_statements(const CodeInput& code, const ir::BaseStage& stage) {
   return text + "\n" + print(stage.graph, sinks, style);
 }
 
+bool is_of_state(InputKind kind) {
+  return kind == InputKind::position || kind == InputKind::velocity || kind == InputKind::acceleration ||
+         kind == InputKind::effort;
+}
+
 bool reads_state(const ir::BaseStage& stage) {
   std::vector<ir::NodeId> roots;
   for (const auto& v : stage.stores) roots.push_back(v.node);
@@ -76,8 +81,7 @@ bool reads_state(const ir::BaseStage& stage) {
   for (const auto& e : stage.elements) roots.push_back(e.node);
   const auto uses = ir::uses(stage.graph, roots);
   for (ir::NodeId id = 0; id < stage.graph.size(); ++id)
-    if (uses[static_cast<size_t>(id)] > 0 && stage.graph[id].op == ir::Op::input &&
-        (stage.graph[id].input.kind == InputKind::position || stage.graph[id].input.kind == InputKind::velocity))
+    if (uses[static_cast<size_t>(id)] > 0 && stage.graph[id].op == ir::Op::input && is_of_state(stage.graph[id].input.kind))
       return true;
   return false;
 }
@@ -167,22 +171,6 @@ std::string tables_text(const CodeInput& code) {
   return text + projection_tables(code) + pairs_types(code);
 }
 
-const char* const runtime_headers[] = {"blocks", "runs", "sincos"};
-
-std::string includes_of(const CodeInput& code) {
-  const bool lanes =
-      std::any_of(code.plan.segments.begin(), code.plan.segments.end(), [](const auto& s) { return s.width > 1; });
-  const bool alone =
-      std::any_of(code.plan.segments.begin(), code.plan.segments.end(), [](const auto& s) { return s.width == 1; });
-  const bool pairs = !code.algorithm.pairs.empty();
-  std::string text;
-  const bool wanted[] = {pairs && lanes, pairs && alone, prepare_reads_q(code)};
-  for (size_t i = 0; i < 3; ++i)
-    if (wanted[i]) text += fmt::format("#include <dalembert/{}.hpp>\n", runtime_headers[i]);
-  if (has_driven(code) && pairs) text += "#include <dalembert/reduce.hpp>\n";
-  return text.empty() ? "#include <dalembert/lanes.hpp>\n" : text;
-}
-
 }  // namespace
 
 std::vector<Stage> rolled_stages(const CodeInput& code) {
@@ -225,40 +213,61 @@ std::vector<Stage> rolled_stages(const CodeInput& code) {
   return all;
 }
 
+std::vector<std::string> rolled_includes(const CodeInput& code) {
+  const bool lanes =
+      std::any_of(code.plan.segments.begin(), code.plan.segments.end(), [](const auto& s) { return s.width > 1; });
+  const bool alone =
+      std::any_of(code.plan.segments.begin(), code.plan.segments.end(), [](const auto& s) { return s.width == 1; });
+  const bool pairs = !code.algorithm.pairs.empty();
+  std::vector<std::string> headers;
+  if (pairs && lanes) headers.emplace_back("blocks");
+  if (pairs && alone) headers.emplace_back("runs");
+  if (prepare_reads_q(code)) headers.emplace_back("sincos");
+  if (has_driven(code) && pairs) headers.emplace_back("reduce");
+  if (headers.empty()) headers.emplace_back("lanes");
+  return headers;
+}
+
 std::string arguments_of(const CodeInput& code, const Stage& stage) {
-  std::string text = stage.reads_state ? "const Scalar* q, const Scalar* v, Workspace& workspace" : "Workspace& workspace";
+  std::string text = stage.reads_state ? parameters_of(code) + ", Workspace& workspace" : "Workspace& workspace";
   if (stage.kind == Stage::Kind::elements && elements_split(code.plan.segments[static_cast<size_t>(stage.segment)]))
     text += ", int begin, int end";
   return text;
 }
 
 std::string call_of(const CodeInput& code, const Stage& stage) {
-  std::string text = stage.reads_state ? "q, v, workspace" : "workspace";
+  std::string text = stage.reads_state ? arguments_of(code) + ", workspace" : "workspace";
   if (stage.kind != Stage::Kind::elements) return text;
   const ir::Segment& s = code.plan.segments[static_cast<size_t>(stage.segment)];
   return elements_split(s) ? fmt::format("{}, 0, {}", text, s.steps) : text;
 }
 
-std::string rolled_source(const CodeInput& code, const std::string& banner) {
-  std::string text, calls;
+std::string rolled_source(const CodeInput& code) {
+  // The names of another function's tables and stages may be the same: evaluate() has its own where the reader looks first.
+  const bool first = code.algorithm.function == ir::Function::evaluate, scoped = code.plan.tasks || !first;
+  const std::string scope = own_name(code, "stages");
+  std::string unused, text, calls;
+  for (const std::string& vector : vectors_of(code))
+    unused += fmt::format("{}static_cast<void>({})", unused.empty() ? "  " : ", ", vector);
   bool state = false;
   for (const Stage& s : rolled_stages(code)) {
     // A stage's function has the same head whatever its body needs of it.
-    text += fmt::format("{}void {}({}) noexcept {{\n{}  Kept& kept = workspace.kept;\n  static_cast<void>(kept);\n{}}}\n\n",
-                        code.plan.tasks ? "" : "static ", s.name, arguments_of(code, s),
-                        s.reads_state ? "  static_cast<void>(q), static_cast<void>(v);\n" : "", s.body);
-    calls += fmt::format("  {}{}({});\n", code.plan.tasks ? "stages::" : "", s.name, call_of(code, s));
+    text += fmt::format("{}void {}({}) noexcept {{\n{}  {}& kept = workspace.{};\n  static_cast<void>(kept);\n{}}}\n\n",
+                        code.plan.tasks ? "" : "static ", s.name, arguments_of(code, s), s.reads_state ? unused + ";\n" : "",
+                        own_type(code, "Kept"), own_name(code, "kept"), s.body);
+    calls += fmt::format("  {}{}({});\n", scoped ? scope + "::" : "", s.name, call_of(code, s));
     state = state || s.reads_state;
   }
-  if (!state) calls = "  static_cast<void>(q), static_cast<void>(v);\n" + calls;
-  return render("rolled.cpp", {{"banner", banner},
-                               {"name", code.name},
-                               {"includes", includes_of(code)},
+  if (!state) calls = unused + ";\n" + calls;
+  const std::string open = "namespace " + scope + " {\n\n";
+  return render("rolled.cpp", {{"open", first ? "" : open},
+                               {"function", function_of(code).name},
+                               {"parameters", parameters_of(code)},
                                {"layout", layout(code)},
                                {"tables", tables_text(code)},
-                               {"stages_open", code.plan.tasks ? "namespace stages {\n\n" : ""},
+                               {"stages_open", scoped && first ? open : ""},
                                {"stages", text},
-                               {"stages_close", code.plan.tasks ? "}  // namespace stages\n\n" : ""},
+                               {"stages_close", scoped ? "}  // namespace " + scope + "\n\n" : ""},
                                {"calls", calls}});
 }
 

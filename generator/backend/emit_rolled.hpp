@@ -8,8 +8,9 @@
 
 namespace dalembert::backend {
 
-// The text of dynamics.cpp.
-std::string rolled_source(const CodeInput& code, const std::string& banner);
+// The function in dynamics.cpp, and the headers it includes.
+std::string rolled_source(const CodeInput& code);
+std::vector<std::string> rolled_includes(const CodeInput& code);
 
 // One of the functions that the evaluation calls one after another.
 struct Stage {
@@ -18,11 +19,11 @@ struct Stage {
   int level = 0;             // base, segment
   int segment = -1;          // segment, elements
   std::string name;          // prepare, outwards_<segment>, inwards_<segment>, base, elements_<segment>, results
-  bool reads_state = false;  // q and v are its first arguments
+  bool reads_state = false;  // q, v and so on are its first arguments
   std::string body;
 };
 std::vector<Stage> rolled_stages(const CodeInput& code);
-// Of the function's declaration, and of its call in evaluate().
+// Of the stage's declaration, and of its call.
 std::string arguments_of(const CodeInput& code, const Stage& stage);
 std::string call_of(const CodeInput& code, const Stage& stage);
 

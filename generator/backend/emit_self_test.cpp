@@ -3,6 +3,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
+
+#include "backend/code_text.hpp"
 #include "backend/literals.hpp"
 #include "backend/templates.hpp"
 #include "ir/identifier.hpp"
@@ -14,7 +17,8 @@ using Kind = ir::Expectation::Kind;
 
 class SelfTestText {
  public:
-  SelfTestText(const CodeInput& code, const ir::SelfTest& test) : code_(code), test_(test) {}
+  SelfTestText(const Folder& folder, const ir::SelfTest& test)
+      : folder_(folder), code_(folder.common()), arrays_(folder.arrays()), test_(test) {}
 
   std::string tables() const {
     std::string text;
@@ -22,6 +26,7 @@ class SelfTestText {
       const ir::SelfTest::State& state = test_.states[s];
       text += table(fmt::format("q_{}", s), {state.q.begin(), state.q.end()});
       text += table(fmt::format("v_{}", s), {state.v.begin(), state.v.end()});
+      if (takes_more()) text += table(fmt::format("input_{}", s), {state.input.begin(), state.input.end()});
     }
     for (const ir::Expectation& e : test_.expectations) {
       if (!e.complete) {
@@ -53,10 +58,22 @@ class SelfTestText {
     return text;
   }
 
+  // Pointers to the functions.
+  std::string runs() const {
+    std::string text;
+    for (const CodeInput& f : folder_.functions)
+      text +=
+          fmt::format("void (*volatile const {})({}, Workspace&) noexcept = {};\n", own_name(f, "run"),
+                      fmt::join(std::vector<std::string>(vectors_of(f).size(), "const Scalar*"), ", "), function_of(f).name);
+    return text;
+  }
+
   std::string comparisons() const {
     std::string text;
     for (size_t s = 0; s < test_.states.size(); ++s) {
-      text += fmt::format("  run(q_{0}, v_{0}, workspace);\n", s);
+      for (const CodeInput& f : folder_.functions)
+        text += fmt::format("  {0}(q_{1}, v_{1}{2}, workspace);\n", own_name(f, "run"), s,
+                            vectors_of(f).size() > 2 ? fmt::format(", input_{}", s) : "");
       for (const ir::Expectation& e : test_.expectations)
         if (e.state == static_cast<int>(s)) text += comparison(e);
     }
@@ -66,13 +83,13 @@ class SelfTestText {
   // For the reader: a line per output.
   std::string compared() const {
     std::string text;
-    for (size_t a = 0; a < code_.program.arrays.size(); ++a)
+    for (size_t a = 0; a < arrays_.size(); ++a)
       text += fmt::format("//   {:<24} {}\n", array(static_cast<int>(a)).name, coverage(static_cast<int>(a)));
     return text;
   }
 
  private:
-  const ir::OutputArray& array(int index) const { return code_.program.arrays[static_cast<size_t>(index)]; }
+  const ir::OutputArray& array(int index) const { return arrays_[static_cast<size_t>(index)]; }
 
   std::string table_name(const ir::Expectation& e) const {
     return fmt::format("{}_{}{}", array(e.array).name, e.kind == Kind::products ? "rows_" : "", e.state);
@@ -106,20 +123,29 @@ class SelfTestText {
     return fmt::format("nothing: {} cannot hold its values at these states", scalar_name(code_.scene.scalar));
   }
 
+  bool takes_more() const {
+    return std::any_of(folder_.functions.begin(), folder_.functions.end(),
+                       [](const CodeInput& f) { return vectors_of(f).size() > 2; });
+  }
+
+  const Folder& folder_;
   const CodeInput& code_;
+  const std::vector<ir::OutputArray> arrays_;
   const ir::SelfTest& test_;
 };
 
 }  // namespace
 
-std::vector<OutputFile> self_test_files(const CodeInput& code, const ir::SelfTest& test, const std::string& banner) {
-  const SelfTestText text(code, test);
+std::vector<OutputFile> self_test_files(const Folder& folder, const ir::SelfTest& test, const std::string& banner) {
+  const SelfTestText text(folder, test);
+  const std::string& name = folder.common().name;
   return {{"self_test.hpp",
            render("self_test.hpp",
-                  {{"banner", banner}, {"name", code.name}, {"precision", test.precision}, {"compared", text.compared()}})},
+                  {{"banner", banner}, {"name", name}, {"precision", test.precision}, {"compared", text.compared()}})},
           {"self_test.cpp", render("self_test.cpp", {{"banner", banner},
-                                                     {"name", code.name},
+                                                     {"name", name},
                                                      {"tables", text.tables()},
+                                                     {"runs", text.runs()},
                                                      {"inputs", text.inputs()},
                                                      {"comparisons", text.comparisons()}})}};
 }

@@ -8,7 +8,7 @@
 
 namespace dalembert::backend {
 
-// self_test.hpp and self_test.cpp. Needs code.self_test; of the rest no more than names, shapes and run-time inputs.
-std::vector<OutputFile> self_test_files(const CodeInput& code, const ir::SelfTest& test, const std::string& banner);
+// self_test.hpp and self_test.cpp. Needs of the folder no more than names, shapes and run-time inputs.
+std::vector<OutputFile> self_test_files(const Folder& folder, const ir::SelfTest& test, const std::string& banner);
 
 }  // namespace dalembert::backend

@@ -98,6 +98,7 @@ std::string straight_statements(const CodeInput& code, const ir::Program& progra
   const ir::InputsRead read = ir::inputs_read(program, ir::uses(program.graph, program.roots()));
   if (read.positions.empty()) body += "  (void)q;\n";
   if (read.velocities.empty()) body += "  (void)v;\n";
+  if (!read.input && *function_of(code).input) body += fmt::format("  (void){};\n", function_of(code).input);
   body += angles.prologue(style);
 
   std::vector<Sink> sinks;
@@ -109,13 +110,15 @@ std::string straight_statements(const CodeInput& code, const ir::Program& progra
   return body + print(program.graph, sinks, style);
 }
 
-std::string straight_source(const CodeInput& code, const std::string& banner) {
-  const std::string body = straight_statements(code, code.program);
-  const bool angles = Angles(code.program).count() > 0;
-  return render("straight.cpp", {{"banner", banner},
-                                 {"name", code.name},
-                                 {"includes", angles ? "#include <dalembert/sincos.hpp>\n" : ""},
-                                 {"body", body}});
+std::vector<std::string> straight_includes(const CodeInput& code) {
+  if (Angles(code.program).count() == 0) return {};
+  return {"sincos"};
+}
+
+std::string straight_source(const CodeInput& code) {
+  return render("straight.cpp", {{"function", function_of(code).name},
+                                 {"parameters", parameters_of(code, "const Scalar* __restrict ")},
+                                 {"body", straight_statements(code, code.program)}});
 }
 
 }  // namespace dalembert::backend

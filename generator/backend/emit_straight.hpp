@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "backend/emit.hpp"
 
@@ -10,7 +11,8 @@ namespace dalembert::backend {
 // Statements that compute a program's results from q, v and the workspace.
 std::string straight_statements(const CodeInput& code, const ir::Program& program);
 
-// The text of dynamics.cpp.
-std::string straight_source(const CodeInput& code, const std::string& banner);
+// The function in dynamics.cpp, and the headers it includes.
+std::string straight_source(const CodeInput& code);
+std::vector<std::string> straight_includes(const CodeInput& code);
 
 }  // namespace dalembert::backend

@@ -1,10 +1,12 @@
 #include "backend/emit_tasks.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <set>
 
+#include "backend/code_text.hpp"
 #include "backend/emit_pairs.hpp"
 #include "backend/emit_rolled.hpp"
 #include "backend/templates.hpp"
@@ -141,20 +143,24 @@ std::vector<std::set<size_t>> reduced(std::vector<std::set<size_t>> before) {
   return before;
 }
 
+// The vectors as the graph holds them between calls.
+std::string held_arguments(const CodeInput& code) { return fmt::format("{}_", fmt::join(vectors_of(code), "_, ")); }
+
 Tasks tasks_of(const CodeInput& code) {
   Tasks t;
   if (code.plan.form != ir::Form::rolled) {  // one piece of code, one task
-    t.tasks.push_back({"evaluate", fmt::format("{}::evaluate(q_, v_, *w)", code.name), true});
+    const std::string name = function_of(code).name;
+    t.tasks.push_back({name, fmt::format("{}::{}({}, *w)", code.name, name, held_arguments(code)), true});
     return t;
   }
   const std::vector<Stage> stages = rolled_stages(code);
   std::vector<std::vector<int>> tasks_of_stage;
   for (const Stage& s : stages) {
     tasks_of_stage.emplace_back();
-    const std::string first = s.reads_state ? "q_, v_, *w" : "*w";
+    const std::string first = s.reads_state ? held_arguments(code) + ", *w" : "*w";
     const auto add = [&](const std::string& name, const std::string& arguments) {
       tasks_of_stage.back().push_back(static_cast<int>(t.tasks.size()));
-      t.tasks.push_back({name, fmt::format("stages::{}({}{})", s.name, first, arguments), s.reads_state});
+      t.tasks.push_back({name, fmt::format("{}::{}({}{})", own_name(code, "stages"), s.name, first, arguments), s.reads_state});
     };
     if (s.kind != Stage::Kind::elements) {
       add(s.name, "");
@@ -177,22 +183,44 @@ Tasks tasks_of(const CodeInput& code) {
 
 }  // namespace
 
-std::string tasks_header(const CodeInput& code, const std::string& banner) {
-  return render("tasks.hpp", {{"banner", banner}, {"name", code.name}, {"tasks", std::to_string(tasks_of(code).tasks.size())}});
+std::string tasks_header(const Folder& folder, const std::string& banner) {
+  std::string classes;
+  for (const CodeInput& code : folder.functions) {
+    if (!code.plan.tasks) continue;
+    std::string members;
+    for (const std::string& vector : vectors_of(code)) members += fmt::format("  const Scalar* {}_ = nullptr;\n", vector);
+    classes += render("task_graph.hpp", {{"function", function_of(code).name},
+                                         {"type", own_type(code, "TaskGraph")},
+                                         {"tasks", std::to_string(tasks_of(code).tasks.size())},
+                                         {"parameters", parameters_of(code)},
+                                         {"arguments", arguments_of(code)},
+                                         {"members", members}});
+  }
+  return render("tasks.hpp", {{"banner", banner}, {"name", folder.common().name}, {"classes", classes}});
 }
 
-std::string tasks_source(const CodeInput& code, const std::string& banner) {
-  const Tasks t = tasks_of(code);
-  std::string nodes, edges;
-  for (const Task& task : t.tasks) {
-    nodes +=
-        fmt::format("  const int {} = graph_.add([{}w] {{ {}; }});\n", task.name, task.reads_state ? "this, " : "", task.call);
+std::string tasks_source(const Folder& folder, const std::string& banner) {
+  std::string classes;
+  for (const CodeInput& code : folder.functions) {
+    if (!code.plan.tasks) continue;
+    const Tasks t = tasks_of(code);
+    std::string nodes, edges, keep;
+    for (const Task& task : t.tasks)
+      nodes += fmt::format("  const int {} = graph_.add([{}w] {{ {}; }});\n", task.name, task.reads_state ? "this, " : "",
+                           task.call);
+    for (const auto& [before, after] : t.edges)
+      edges += fmt::format("  graph_.edge({}, {});\n", t.tasks[static_cast<size_t>(before)].name,
+                           t.tasks[static_cast<size_t>(after)].name);
+    for (const Task& task : t.tasks) edges += fmt::format("  static_cast<void>({});\n", task.name);
+    for (const std::string& vector : vectors_of(code)) keep += fmt::format("  {0}_ = {0};\n", vector);
+    classes += render("task_graph.cpp", {{"function", function_of(code).name},
+                                         {"type", own_type(code, "TaskGraph")},
+                                         {"parameters", parameters_of(code)},
+                                         {"nodes", nodes},
+                                         {"edges", edges},
+                                         {"keep", keep}});
   }
-  for (const auto& [before, after] : t.edges)
-    edges += fmt::format("  graph_.edge({}, {});\n", t.tasks[static_cast<size_t>(before)].name,
-                         t.tasks[static_cast<size_t>(after)].name);
-  for (const Task& task : t.tasks) edges += fmt::format("  static_cast<void>({});\n", task.name);
-  return render("tasks.cpp", {{"banner", banner}, {"name", code.name}, {"nodes", nodes}, {"edges", edges}});
+  return render("tasks.cpp", {{"banner", banner}, {"name", folder.common().name}, {"classes", classes}});
 }
 
 }  // namespace dalembert::backend

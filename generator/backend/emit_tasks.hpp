@@ -8,7 +8,7 @@
 namespace dalembert::backend {
 
 // The texts of tasks.hpp and tasks.cpp.
-std::string tasks_header(const CodeInput& code, const std::string& banner);
-std::string tasks_source(const CodeInput& code, const std::string& banner);
+std::string tasks_header(const Folder& folder, const std::string& banner);
+std::string tasks_source(const Folder& folder, const std::string& banner);
 
 }  // namespace dalembert::backend

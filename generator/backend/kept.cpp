@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "backend/code_text.hpp"
 #include "backend/emit_prepare.hpp"
 
 namespace dalembert::backend {
@@ -63,8 +64,8 @@ int expanded_rows(const CodeInput& code) { return base_rows(code) + code.tree.jo
 
 std::string kept_definition(const CodeInput& code) {
   std::string text = fmt::format(
-      "// Room to work in: one value per slot, a slot per body of a limb and lane; the base's slot is {}.\nstruct Kept {{\n",
-      code.plan.root_slot);
+      "// Room to work in: one value per slot, a slot per body of a limb and lane; the base's slot is {}.\nstruct {} {{\n",
+      code.plan.root_slot, own_type(code, "Kept"));
   for (const Array& a : arrays(code))
     text += fmt::format("  alignas(64) Scalar {}[{}][{}] = {{}};  // {}\n", a.name, a.components, a.slots, a.meaning);
   for (size_t r = 0; r < code.rolled.roles.size(); ++r) {

@@ -40,9 +40,9 @@ References references(const Model& model, const Output& output, const std::vecto
   for (const State& state : states) {
     references.generic.push_back(evaluate_generic(model, output, state));
     references.multiprecision.push_back(evaluate_multiprecision(model, output, state));
-    references.least_scale =
-        std::max(references.least_scale,
-                 reference::LeastScale(model.tree, model.scene, state.q, state.v).of({output.quantity, output.link}));
+    const reference::Inputs inputs{state.q, state.v, state.more};
+    references.least_scale = std::max(
+        references.least_scale, reference::LeastScale(model.tree, model.scene, inputs).of({output.quantity, output.link}));
   }
   return references;
 }

@@ -89,7 +89,10 @@ void add_eval(Command& command) {
   };
   const auto options = std::make_shared<Options>();
   command.parser
-      .add_option("--state", options->state, "states, one a line: q then v, separated by blanks; - for standard input")
+      .add_option(
+          "--state", options->state,
+          "states, one a line: q, v, then dv/dt for inverse dynamics, its derivatives and the regressor, or tau for forward "
+          "dynamics and its derivatives; numbers separated by blanks; - for standard input")
       ->required()
       ->type_name("FILE");
   command.parser.add_option("--output", options->output, "the quantity to print, or jacobian_LINK")

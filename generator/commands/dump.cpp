@@ -62,6 +62,8 @@ std::string input_text(const ir::KinematicTree& tree, const ir::Scene& scene, co
   switch (input.kind) {
     case ir::InputKind::position: return fmt::format("q[{}]", input.index);
     case ir::InputKind::velocity: return fmt::format("v[{}]", input.index);
+    case ir::InputKind::acceleration:
+    case ir::InputKind::effort: return fmt::format("{}[{}]", input.kind == ir::InputKind::effort ? "tau" : "a", input.index);
     case ir::InputKind::gravity: return fmt::format("gravity[{}]", input.component);
     case ir::InputKind::payload:
       return fmt::format("payload {}[{}]", scene.payloads.at(static_cast<size_t>(input.index)), input.component);
@@ -155,11 +157,16 @@ std::string stage_text(const Model& model, const Lowered& lowered, Stage stage) 
   switch (stage) {
     case Stage::tree: return tree_text(model.tree);
     case Stage::normal_tree: return normal_tree_text(model.tree, lowered.normal);
-    case Stage::program: return program_text(model.tree, model.scene, lowered.algorithm, lowered.program);
-    case Stage::plan: return plan_text(model.tree, lowered.plan);
-    case Stage::rolled: return rolled_text(lowered.algorithm, lowered.plan, lowered.rolled);
+    default: break;
   }
-  return "";
+  std::string text;
+  for (const LoweredFunction& f : lowered.functions) {
+    if (lowered.functions.size() > 1) text += fmt::format("function {}\n", ir::row_of(f.algorithm.function).name);
+    if (stage == Stage::program) text += program_text(model.tree, model.scene, f.algorithm, f.program);
+    if (stage == Stage::plan) text += plan_text(model.tree, f.plan);
+    if (stage == Stage::rolled) text += rolled_text(f.algorithm, f.plan, f.rolled);
+  }
+  return text;
 }
 
 }  // namespace

@@ -29,7 +29,7 @@ std::string evaluate(const Model& model, const std::string& state_file, const st
                      const CompilerOptions& options, Diagnostics& warnings) {
   const Output wanted = output_named(model, output);
   passes::check_mass(model.description, model.tree, with_outputs(model, {wanted}).scene);
-  const std::vector<State> states = read_states(state_file, model.tree, warnings);
+  const std::vector<State> states = read_states(state_file, model.tree, wanted.function(), warnings);
   std::unique_ptr<GeneratedEngine> generated;
   if (engine == Engine::generated) generated = std::make_unique<GeneratedEngine>(model, std::vector{wanted}, options);
 

@@ -4,7 +4,6 @@
 #include <chrono>
 #include <dalembert/self_test.hpp>
 #include <new>
-#include <type_traits>
 
 namespace dalembert {
 
@@ -19,25 +18,30 @@ GeneratedEngine::GeneratedEngine(const Model& model, const std::vector<Output>& 
     : name_(model.name),
       single_precision_(model.scene.scalar == ir::ScalarType::float32),
       code_(name_, files_of(with_outputs(model, outputs), self_test), options),
-      evaluate_(reinterpret_cast<void*>(code_.function<void()>(name_ + "_evaluate"))),
       workspace_(code_.function<Workspace*()>(name_ + "_create")(), code_.function<void(Workspace*)>(name_ + "_destroy")) {
   if (!workspace_) throw std::bad_alloc();
+  for (const ir::FunctionRow& row : ir::functions)
+    if (std::any_of(outputs.begin(), outputs.end(), [&](const Output& o) { return o.function() == row.function; }))
+      calls_.push_back({reinterpret_cast<void*>(code_.function<void()>(name_ + "_" + row.name)), *row.input != 0});
+}
+
+template <class Scalar>
+void GeneratedEngine::call(const Call& call, const Scalar* q, const Scalar* v, const Scalar* more) {
+  using V = const Scalar*;
+  if (call.takes_more) reinterpret_cast<void (*)(V, V, V, Workspace*)>(call.function)(q, v, more, workspace_.get());
+  else reinterpret_cast<void (*)(V, V, Workspace*)>(call.function)(q, v, workspace_.get());
 }
 
 template <class Scalar>
 void GeneratedEngine::call(const State& state) {
-  const auto function = reinterpret_cast<void (*)(const Scalar*, const Scalar*, Workspace*)>(evaluate_);
-  if constexpr (std::is_same_v<Scalar, double>) {
-    function(state.q.data(), state.v.data(), workspace_.get());
-  } else {
-    const Eigen::VectorX<Scalar> q = state.q.cast<Scalar>(), v = state.v.cast<Scalar>();
-    function(q.data(), v.data(), workspace_.get());
-  }
+  const Eigen::VectorX<Scalar> q = state.q.cast<Scalar>(), v = state.v.cast<Scalar>(), more = state.more.cast<Scalar>();
+  for (const Call& c : calls_) call<Scalar>(c, q.data(), v.data(), more.data());
 }
 
 template <class Scalar>
 Eigen::MatrixXd GeneratedEngine::read(const Output& output) const {
-  const Scalar* values = code_.function<const Scalar*(const Workspace*)>(name_ + "_" + output.name)(workspace_.get());
+  const Scalar* values =
+      code_.function<const Scalar*(const Workspace*)>(name_ + "_" + ir::c_accessor(output.name))(workspace_.get());
   return Eigen::Map<const Eigen::MatrixX<Scalar>>(values, output.rows, output.columns).template cast<double>();
 }
 
@@ -50,16 +54,17 @@ Eigen::MatrixXd GeneratedEngine::result(const Output& output) const {
 template <class Scalar>
 double GeneratedEngine::time_calls(const std::vector<State>& states) {
   using Clock = std::chrono::steady_clock;
-  const auto function = reinterpret_cast<void (*)(const Scalar*, const Scalar*, Workspace*)>(evaluate_);
-  std::vector<Eigen::VectorX<Scalar>> q, v;
+  std::vector<Eigen::VectorX<Scalar>> q, v, more;
   for (const State& state : states) {
     q.push_back(state.q.cast<Scalar>());
     v.push_back(state.v.cast<Scalar>());
+    more.push_back(state.more.cast<Scalar>());
   }
   const auto round = [&](int rounds) {
     const Clock::time_point start = Clock::now();
     for (int r = 0; r < rounds; ++r)
-      for (size_t s = 0; s < states.size(); ++s) function(q[s].data(), v[s].data(), workspace_.get());
+      for (size_t s = 0; s < states.size(); ++s)
+        for (const Call& c : calls_) call<Scalar>(c, q[s].data(), v[s].data(), more[s].data());
     return std::chrono::duration<double, std::nano>(Clock::now() - start).count() / rounds / static_cast<double>(states.size());
   };
   constexpr int means = 201;

@@ -25,7 +25,7 @@ class GeneratedEngine {
   // An output at the state last evaluated, rows × columns.
   Eigen::MatrixXd result(const Output& output) const;
 
-  // The time of a call of the evaluation, ns, state to result: the median of some hundred means, each over the states in turn.
+  // The time of computing all outputs, ns, state to result: the median of some hundred means, each over the states in turn.
   // Takes some hundredths of a second.
   double time_per_call(const std::vector<State>& states);
 
@@ -50,7 +50,15 @@ class GeneratedEngine {
   std::string name_;
   bool single_precision_;
   LoadedCode code_;
-  void* evaluate_;  // void(const Scalar* q, const Scalar* v, Workspace*)
+  // One of the generated functions the outputs need.
+  struct Call {
+    void* function;  // void(const Scalar* q, const Scalar* v[, const Scalar* more], Workspace*)
+    bool takes_more;
+  };
+  template <class Scalar>
+  void call(const Call& call, const Scalar* q, const Scalar* v, const Scalar* more);
+
+  std::vector<Call> calls_;
   std::unique_ptr<Workspace, void (*)(Workspace*)> workspace_;
 };
 

@@ -129,14 +129,13 @@ std::string describe_json(const Model& model) {
     bodies.push_back(body.name);
   }
   const Lowered lowered = lower(model);
-  const std::vector<OperationCost> before =
-      too_large_to_compare(lowered.program) ? std::vector<OperationCost>{} : costs_before(model);
+  const std::vector<OperationCost> before = too_large_to_compare(lowered) ? std::vector<OperationCost>{} : costs_before(model);
   return fmt::format(
       "{{\n  \"robot\": {},\n  \"name\": {},\n  \"base\": \"{}\",\n  \"nq\": {},\n  \"nv\": {},\n  \"joints\": {},\n"
       "  \"bodies\": {},\n  \"workspace_bytes\": {},\n  \"quantities\": {{{}\n  }},\n  \"without_scene\": {{{}\n  }}\n}}\n",
       json_string(tree.robot), json_string(model.name), tree.floating_base ? "floating" : "fixed", tree.nq(), tree.nv(),
-      json_array(joints), json_array(bodies), workspace_bytes(model, lowered),
-      quantities_json(operation_costs(lowered.algorithm, lowered.program, tree)), quantities_json(before));
+      json_array(joints), json_array(bodies), workspace_bytes(model, lowered), quantities_json(operation_costs(lowered, tree)),
+      quantities_json(before));
 }
 
 }  // namespace dalembert

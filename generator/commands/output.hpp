@@ -15,6 +15,9 @@ struct Output {
   std::string link;  // of a Jacobian
   int rows = 0;
   int columns = 1;
+
+  // The function that computes it.
+  ir::Function function() const { return quantity ? ir::row_of(*quantity).function : ir::Function::evaluate; }
 };
 
 // The output of that name: a quantity's, or "jacobian_" and a link's. Throws InputError when the model has none such.

@@ -30,17 +30,20 @@ void normalise_quaternion(State& state, const std::string& file, Diagnostics& wa
 
 }  // namespace
 
-std::vector<State> read_states(const std::string& path, const ir::KinematicTree& tree, Diagnostics& warnings) {
-  if (path != "-") return read_states_text(path, frontend::read_text_file(path, "state"), tree, warnings);
+std::vector<State> read_states(const std::string& path, const ir::KinematicTree& tree, ir::Function function,
+                               Diagnostics& warnings) {
+  if (path != "-") return read_states_text(path, frontend::read_text_file(path, "state"), tree, function, warnings);
   const std::string text(std::istreambuf_iterator<char>(std::cin), {});
-  return read_states_text("standard input", text, tree, warnings);
+  return read_states_text("standard input", text, tree, function, warnings);
 }
 
 std::vector<State> read_states_text(const std::string& file, const std::string& text, const ir::KinematicTree& tree,
-                                    Diagnostics& warnings) {
-  const Eigen::Index nq = tree.nq(), nv = tree.nv();
-  const std::string layout = fmt::format("a state of {} is {} numbers, q ({}) then v ({}), as 'dalembert info' lists them",
-                                         tree.robot, nq + nv, nq, nv);
+                                    ir::Function function, Diagnostics& warnings) {
+  const ir::FunctionRow& row = ir::row_of(function);
+  const Eigen::Index nq = tree.nq(), nv = tree.nv(), more = *row.input ? nv : 0, count = nq + nv + more;
+  const std::string last = more > 0 ? fmt::format(", then {} ({}), {}", row.input, nv, row.meaning) : "";
+  const std::string layout = fmt::format("a state of {} is {} numbers, q ({}) then v ({}), as 'dalembert info' lists them{}",
+                                         tree.robot, count, nq, nv, last);
   std::vector<State> states;
   std::istringstream lines(text);
   std::string line;
@@ -50,11 +53,11 @@ std::vector<State> read_states_text(const std::string& file, const std::string& 
     const std::string place = fmt::format("line {}", number);
     const std::optional<std::vector<double>> values = frontend::parse_numbers(line);
     if (!values) throw InputError({Severity::error, file, place, "something on it is not a number", layout});
-    if (static_cast<Eigen::Index>(values->size()) != nq + nv)
+    if (static_cast<Eigen::Index>(values->size()) != count)
       throw InputError(
-          {Severity::error, file, place, fmt::format("there are {} numbers instead of {}", values->size(), nq + nv), layout});
-    const Eigen::Map<const Eigen::VectorXd> all(values->data(), nq + nv);
-    State state{place, all.head(nq), all.tail(nv)};
+          {Severity::error, file, place, fmt::format("there are {} numbers instead of {}", values->size(), count), layout});
+    const Eigen::Map<const Eigen::VectorXd> all(values->data(), count);
+    State state{place, all.head(nq), all.segment(nq, nv), all.tail(more)};
     if (tree.floating_base) normalise_quaternion(state, file, warnings);
     states.push_back(std::move(state));
   }

@@ -1,4 +1,4 @@
-// Robot states from a text file, one a line: q then v, numbers separated by blanks.
+// Robot states from a text file, one a line: q, v, then what a function takes besides, numbers separated by blanks.
 #pragma once
 
 #include <Eigen/Core>
@@ -6,24 +6,27 @@
 #include <vector>
 
 #include "diagnostics.hpp"
+#include "ir/function.hpp"
 #include "ir/kinematic_tree.hpp"
 
 namespace dalembert {
 
 struct State {
-  std::string place;  // "line 3", for diagnostics
-  Eigen::VectorXd q;  // nq, layout as `info` prints it; a floating base's quaternion is of unit length
-  Eigen::VectorXd v;  // nv
+  std::string place;       // "line 3", for diagnostics
+  Eigen::VectorXd q;       // nq, layout as `info` prints it; a floating base's quaternion is of unit length
+  Eigen::VectorXd v;       // nv
+  Eigen::VectorXd more{};  // nv: what the function takes besides; empty where it takes nothing
 };
 
 // Reads the file, or standard input when its name is "-". '#' begins a comment; blank lines are skipped. "nan" is a number,
-// for inputs that a quantity does not read. Throws InputError for a line with another count of numbers than nq + nv, for what
-// is no number, for a quaternion of length zero, and for a file without states. A quaternion is normalised, with a warning
-// when its length is off by more than 1e-6; one that holds NaN is left as it is.
-std::vector<State> read_states(const std::string& path, const ir::KinematicTree& tree, Diagnostics& warnings);
+// for inputs that a quantity does not read. Throws InputError for a line with another count of numbers than the function takes,
+// for what is no number, for a quaternion of length zero, and for a file without states. A quaternion is normalised, with a
+// warning when its length is off by more than 1e-6; one that holds NaN is left as it is.
+std::vector<State> read_states(const std::string& path, const ir::KinematicTree& tree, ir::Function function,
+                               Diagnostics& warnings);
 
 // The same for a text; `file` is for the diagnostics.
 std::vector<State> read_states_text(const std::string& file, const std::string& text, const ir::KinematicTree& tree,
-                                    Diagnostics& warnings);
+                                    ir::Function function, Diagnostics& warnings);
 
 }  // namespace dalembert

@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "ir/function.hpp"
 #include "ir/graph.hpp"
 #include "ir/quantity.hpp"
 
@@ -25,7 +26,7 @@ int components(Shape shape);
 std::string component_suffix(Shape shape, int component);
 
 // Where the values of a role come from: a sweep stores them, or they are the joint's coordinate, before any sweep.
-enum class Source { sweep, sine, cosine, slide, rate };
+enum class Source { sweep, sine, cosine, slide, rate, acceleration, effort };
 
 struct Role {
   std::string name;     // "joint_linear"
@@ -113,7 +114,7 @@ struct OutputArray {
 
 // One function of the emitted code: inputs in, arrays out.
 struct Algorithm {
-  std::string name;  // evaluate
+  Function function = Function::evaluate;
   std::vector<OutputArray> arrays;
   std::vector<Role> roles;
   std::vector<Sweep> sweeps;  // in an order in which every sweep finds what it reads

@@ -17,16 +17,18 @@ enum class Op : std::uint8_t { constant, input, sine, cosine, sign, negate, add,
 
 // Where a value enters. `index` and `component` say which one, in the terms of `kind`.
 enum class InputKind : std::uint8_t {
-  position,   // index: position in q
-  velocity,   // index: position in v
-  gravity,    // component 0…2 of the gravity vector given at run time
-  payload,    // index: payload number; component: mass, com (3), inertia xx xy xz yy yz zz
-  parameter,  // index: one of the body's parameters (passes/parameters.hpp)
-  state,      // index, component: a role of the body
-  carried,    // index, component: a role of the parent (outwards), or what the children hand on, summed (inwards)
-  of_body,    // index, component: a role of body `body` (−1: the base)
-  received,   // index, component: what limbs attached to the body have handed on, kept per slot
-  table,      // index: column of a segment's table of constants, one value per slot
+  position,      // index: position in q
+  velocity,      // index: position in v
+  acceleration,  // index: position in dv/dt, as inverse dynamics takes it
+  effort,        // index: position in tau, as forward dynamics takes it
+  gravity,       // component 0…2 of the gravity vector given at run time
+  payload,       // index: payload number; component: mass, com (3), inertia xx xy xz yy yz zz
+  parameter,     // index: one of the body's parameters (passes/parameters.hpp)
+  state,         // index, component: a role of the body
+  carried,       // index, component: a role of the parent (outwards), or what the children hand on, summed (inwards)
+  of_body,       // index, component: a role of body `body` (−1: the base)
+  received,      // index, component: what limbs attached to the body have handed on, kept per slot
+  table,         // index: column of a segment's table of constants, one value per slot
 };
 
 struct Input {

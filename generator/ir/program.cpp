@@ -10,6 +10,7 @@ InputsRead inputs_read(const Program& program, const std::vector<std::int32_t>& 
     if (uses[static_cast<std::size_t>(id)] == 0 || n.op != Op::input) continue;
     if (n.input.kind == InputKind::position) read.positions.insert(n.input.index);
     if (n.input.kind == InputKind::velocity) read.velocities.insert(n.input.index);
+    read.input = read.input || n.input.kind == InputKind::acceleration || n.input.kind == InputKind::effort;
   }
   return read;
 }

@@ -34,6 +34,7 @@ struct Program {
 struct InputsRead {
   std::set<int> positions;   // indices into q
   std::set<int> velocities;  // indices into v
+  bool input = false;        // what the function takes besides q and v
   int base_positions = 0;    // as in Program
 
   // Of the floating base only the orientation is ever read.

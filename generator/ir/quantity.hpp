@@ -5,6 +5,8 @@
 #include <string_view>
 #include <vector>
 
+#include "ir/function.hpp"
+
 namespace dalembert::ir {
 
 enum class Quantity {
@@ -23,6 +25,7 @@ enum class Scale { own, momentum, weight, force };
 struct QuantityRow {
   Quantity quantity;
   const char *name, *symbol;
+  Function function;
   Extent rows, columns;
   const char* unit;
   bool by_default;

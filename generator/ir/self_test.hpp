@@ -15,7 +15,7 @@ namespace dalembert::ir {
 struct Expectation {
   enum class Kind { elements, symmetric_elements, products };
 
-  int array = 0;  // index into Program::arrays
+  int array = 0;  // index into the arrays of all functions, one after another
   int state = 0;  // index into SelfTest::states
   Kind kind = Kind::elements;
   std::vector<int> columns;  // those that are compared; of products: empty
@@ -28,12 +28,13 @@ struct Expectation {
 struct SelfTest {
   struct State {
     Eigen::VectorXd q, v;
+    Eigen::VectorXd input{};  // what a function takes besides
   };
   std::vector<State> states;
   Eigen::Vector3d gravity = Eigen::Vector3d::Zero();  // m/s², world axes: for a scene that gives it at run time
   std::vector<Inertia> payloads;                      // in the links' frames, in the scene's order
   std::vector<Expectation> expectations;
-  std::vector<int> left_out;  // indices into Program::arrays: outputs whose results the scalar cannot hold
+  std::vector<int> left_out;  // indices as above: outputs whose results the scalar cannot hold
   std::string precision;      // of the arithmetic behind the expectations, in words
 };
 

@@ -44,16 +44,26 @@ JointPosition SweepBuilder::position(bool reference) {
 }
 
 Sym SweepBuilder::rate() { return own(joint_rate_role(builder_)); }
+Sym SweepBuilder::acceleration() { return own(joint_acceleration_role(builder_)); }
+Sym SweepBuilder::effort() { return own(joint_effort_role(builder_)); }
 
-Twist SweepBuilder::base_twist() {
-  if (!builder_.floating() || builder_.scene().rates_zero) return {zero(), zero()};
+Twist SweepBuilder::first_six(InputKind kind) {
+  if (!builder_.floating()) return {zero(), zero()};
   Twist v;
   for (int i = 0; i < 3; ++i) {
-    v.linear[static_cast<std::size_t>(i)] = input(InputKind::velocity, i);
-    v.angular[static_cast<std::size_t>(i)] = input(InputKind::velocity, 3 + i);
+    v.linear[static_cast<std::size_t>(i)] = input(kind, i);
+    v.angular[static_cast<std::size_t>(i)] = input(kind, 3 + i);
   }
   return v;
 }
+
+Twist SweepBuilder::base_twist() {
+  if (builder_.scene().rates_zero) return {zero(), zero()};
+  return first_six(InputKind::velocity);
+}
+
+Twist SweepBuilder::base_acceleration() { return first_six(InputKind::acceleration); }
+Twist SweepBuilder::base_effort() { return first_six(InputKind::effort); }
 
 Vec3 SweepBuilder::gravity_in_world() {
   switch (builder_.scene().gravity_kind) {

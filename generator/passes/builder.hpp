@@ -36,6 +36,8 @@ class SweepBuilder {
   BodyConstants body(bool reference = false);  // `reference`: with the frames that poses are made of
   JointPosition position(bool reference = false);
   Sym rate();
+  Sym acceleration();  // of the joint, as inverse dynamics takes it
+  Sym effort();        // on the joint, as forward dynamics takes it
 
   // A role of the body; of a root sweep: of the base.
   Sym own(int role, int component = 0) { return input(ir::InputKind::state, role, component); }
@@ -47,8 +49,10 @@ class SweepBuilder {
   // Of a given body (−1: the base).
   Vec3 of3(int body, int role, int from = 0) { return three(ir::InputKind::of_body, role, from, body); }
 
-  Twist base_twist();      // floating base: v's first six; fixed, and in statics: zero
-  Vec3 gravity_in_base();  // along the base's axes: the world's on a fixed base
+  Twist base_twist();         // floating base: v's first six; fixed, and in statics: zero
+  Twist base_acceleration();  // floating base: the first six of dv/dt; fixed: zero
+  Twist base_effort();        // floating base: the first six of tau; fixed: zero
+  Vec3 gravity_in_base();     // along the base's axes: the world's on a fixed base
   Vec3 gravity_in_world();
 
   // `coordinate`: of a root sweep, for a role of one of the base's coordinates.
@@ -65,6 +69,7 @@ class SweepBuilder {
   ir::Sweep& sweep();
   Sym input(ir::InputKind kind, int index, int component = 0, int body = -1);
   Vec3 three(ir::InputKind kind, int role, int from, int body);
+  Twist first_six(ir::InputKind kind);
 
   Builder& builder_;
   std::size_t sweep_;
@@ -72,10 +77,10 @@ class SweepBuilder {
 
 class Builder {
  public:
-  // `name`: of the function. References the tree and the scene.
-  Builder(std::string name, const ir::KinematicTree& tree, const ir::Scene& scene, const ir::Graph::Options& options)
+  // References the tree and the scene.
+  Builder(ir::Function function, const ir::KinematicTree& tree, const ir::Scene& scene, const ir::Graph::Options& options)
       : tree_(tree), scene_(scene), options_(options) {
-    algorithm_.name = std::move(name);
+    algorithm_.function = function;
   }
 
   const ir::KinematicTree& tree() const { return tree_; }

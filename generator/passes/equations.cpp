@@ -162,6 +162,11 @@ Motion propagate(const Motion& parent, const BodyConstants& body, const JointPos
   return motion;
 }
 
+void accelerate(Motion& motion, const BodyConstants& body, Sym acceleration) {
+  motion.angular_acceleration[2] = motion.angular_acceleration[2] + body.turning * acceleration;
+  motion.acceleration[2] = motion.acceleration[2] + body.sliding * acceleration;
+}
+
 Force body_force(const Motion& motion, const BodyConstants& body) {
   const Vec3 &w = motion.angular, &a = motion.angular_acceleration, &h = body.first;
   Force f;

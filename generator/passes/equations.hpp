@@ -95,6 +95,8 @@ struct Force {
   Vec3 force, torque;  // on the body, torque about its frame's origin
 };
 Motion propagate(const Motion& parent, const BodyConstants& body, const JointPosition& q, Sym rate);
+// Adds the joint's own acceleration.
+void accelerate(Motion& motion, const BodyConstants& body, Sym acceleration);
 Force body_force(const Motion& motion, const BodyConstants& body);
 
 }  // namespace dalembert::passes

@@ -24,6 +24,14 @@ int joint_rate_role(Builder& builder) {
   return builder.role({"rate", "dq", "dq", "rad/s or m/s", Shape::scalar, -1, Source::rate});
 }
 
+int joint_acceleration_role(Builder& builder) {
+  return builder.role({"joint_acceleration", "ddq", "ddq", "rad/s^2 or m/s^2", Shape::scalar, -1, Source::acceleration});
+}
+
+int joint_effort_role(Builder& builder) {
+  return builder.role({"effort", "tau", "tau", "N m or N", Shape::scalar, -1, Source::effort});
+}
+
 ir::NodeId coordinate_node(ir::Graph& graph, const ir::Role& role, const ir::KinematicTree& tree,
                            const std::vector<int>& coordinates, bool rates_zero, int body) {
   const ir::Body& joint = tree.bodies[static_cast<std::size_t>(body)];
@@ -31,6 +39,8 @@ ir::NodeId coordinate_node(ir::Graph& graph, const ir::Role& role, const ir::Kin
   const int coordinate = coordinates[static_cast<std::size_t>(body)];
   if (role.source == Source::rate)
     return rates_zero ? graph.constant(0) : graph.input({InputKind::velocity, root.nv + coordinate, 0});
+  if (role.source == Source::acceleration) return graph.input({InputKind::acceleration, root.nv + coordinate, 0});
+  if (role.source == Source::effort) return graph.input({InputKind::effort, root.nv + coordinate, 0});
   const bool at_rest = role.held && tree.carries_reference(static_cast<std::size_t>(body));
   const bool moves = joint.prismatic() == (role.source == Source::slide) && !at_rest;
   if (!moves) return graph.constant(role.source == Source::cosine ? 1 : 0);

@@ -15,13 +15,14 @@ namespace {
 template <class S>
 class Evaluation {
  public:
-  Evaluation(const ir::KinematicTree& tree, const ir::Scene& scene, const std::vector<Wanted>& wanted, const Eigen::VectorXd& q,
-             const Eigen::VectorXd& v)
+  Evaluation(const ir::KinematicTree& tree, const ir::Scene& scene, const std::vector<Wanted>& wanted, const Inputs& inputs)
       : tree_(tree), robot_(to_generic<S>(tree, scene.gravity)), reduction_(robot_) {
-    generic::check_size<double>(q, robot_.nq(), "q");
-    generic::check_size<double>(v, robot_.nv(), "v");
-    q_ = reduction_.expand_position(q.cast<S>());
-    v_ = reduction_.expand_velocity(scene.rates_zero ? VectorX<S>(VectorX<S>::Zero(v.size())) : VectorX<S>(v.cast<S>()));
+    generic::check_size<double>(inputs.q, robot_.nq(), "q");
+    generic::check_size<double>(inputs.v, robot_.nv(), "v");
+    q_ = reduction_.expand_position(inputs.q.cast<S>());
+    v_ = reduction_.expand_velocity(scene.rates_zero ? VectorX<S>(VectorX<S>::Zero(inputs.v.size()))
+                                                     : VectorX<S>(inputs.v.cast<S>()));
+    more_ = inputs.more.cast<S>();
     kinematics_ = generic::phase1<S>(robot_, q_, v_);
     const bool matrices = std::any_of(wanted.begin(), wanted.end(), [](const Wanted& w) {
       return w.quantity == ir::Quantity::mass_matrix || w.quantity == ir::Quantity::coriolis_matrix;
@@ -41,6 +42,10 @@ class Evaluation {
         const VectorX<S> rest = VectorX<S>::Zero(v_.size());
         return reduction_.reduce_rows(generic::expanded_newton_euler<S>(robot_, kinematics_, q_, v_, rest));
       }
+      case ir::Quantity::inverse_dynamics:
+        generic::check_size<S>(more_, robot_.nv(), "a");
+        return reduction_.reduce_rows(
+            generic::expanded_newton_euler<S>(robot_, kinematics_, q_, v_, reduction_.expand_velocity(more_)));
       case ir::Quantity::wrench_influence:
         return reduction_.reduce_rows(generic::expanded_wrench_influence<S>(robot_, kinematics_));
     }
@@ -59,15 +64,15 @@ class Evaluation {
   const generic::Model<S> robot_;
   const generic::Reduction<S> reduction_;
   VectorX<S> q_, v_;  // of every joint
+  VectorX<S> more_;   // nv
   generic::Kinematics<S> kinematics_;
   generic::Composites<S> composites_;
 };
 
 template <class S>
 std::vector<Eigen::MatrixXd> evaluate_in(const ir::KinematicTree& tree, const ir::Scene& scene,
-                                         const std::vector<Wanted>& wanted, const Eigen::VectorXd& q,
-                                         const Eigen::VectorXd& v) {
-  const Evaluation<S> evaluation(tree, scene, wanted, q, v);
+                                         const std::vector<Wanted>& wanted, const Inputs& inputs) {
+  const Evaluation<S> evaluation(tree, scene, wanted, inputs);
   std::vector<Eigen::MatrixXd> results;
   for (const Wanted& w : wanted) results.push_back(evaluation.result(w).template cast<double>());
   return results;
@@ -76,13 +81,13 @@ std::vector<Eigen::MatrixXd> evaluate_in(const ir::KinematicTree& tree, const ir
 }  // namespace
 
 std::vector<Eigen::MatrixXd> evaluate(const ir::KinematicTree& tree, const ir::Scene& scene, const std::vector<Wanted>& wanted,
-                                      const Eigen::VectorXd& q, const Eigen::VectorXd& v, Precision precision) {
+                                      const Inputs& inputs, Precision precision) {
   using Digits50 = boost::multiprecision::number<boost::multiprecision::cpp_bin_float<50>, boost::multiprecision::et_off>;
   switch (precision) {
-    case Precision::float32: return evaluate_in<float>(tree, scene, wanted, q, v);
-    case Precision::float64: return evaluate_in<double>(tree, scene, wanted, q, v);
-    case Precision::extended: return evaluate_in<long double>(tree, scene, wanted, q, v);
-    case Precision::digits_50: return evaluate_in<Digits50>(tree, scene, wanted, q, v);
+    case Precision::float32: return evaluate_in<float>(tree, scene, wanted, inputs);
+    case Precision::float64: return evaluate_in<double>(tree, scene, wanted, inputs);
+    case Precision::extended: return evaluate_in<long double>(tree, scene, wanted, inputs);
+    case Precision::digits_50: return evaluate_in<Digits50>(tree, scene, wanted, inputs);
   }
   return {};
 }
@@ -90,7 +95,7 @@ std::vector<Eigen::MatrixXd> evaluate(const ir::KinematicTree& tree, const ir::S
 double LeastScale::largest_mass() {
   if (!mass_)
     mass_ =
-        evaluate(tree_, scene_, {{ir::Quantity::mass_matrix, ""}}, q_, v_, Precision::float64).front().cwiseAbs().maxCoeff();
+        evaluate(tree_, scene_, {{ir::Quantity::mass_matrix, ""}}, inputs_, Precision::float64).front().cwiseAbs().maxCoeff();
   return *mass_;
 }
 
@@ -100,20 +105,20 @@ double LeastScale::largest_gravity() {
   ir::Scene turned = scene_;
   for (int i = 0; i < 3; ++i) {
     turned.gravity = scene_.gravity.norm() * Eigen::Vector3d::Unit(i);
-    const auto g = evaluate(tree_, turned, {{ir::Quantity::gravity, ""}}, q_, v_, Precision::float64).front();
+    const auto g = evaluate(tree_, turned, {{ir::Quantity::gravity, ""}}, inputs_, Precision::float64).front();
     gravity_ = std::max(*gravity_, g.cwiseAbs().maxCoeff());
   }
   return *gravity_;
 }
 
 double LeastScale::of(const Wanted& wanted) {
-  const bool bias = wanted.quantity == ir::Quantity::bias, coriolis = wanted.quantity == ir::Quantity::coriolis_matrix;
+  const ir::Scale kind = wanted.quantity ? ir::row_of(*wanted.quantity).scale : ir::Scale::own;
   double scale = 0;
-  if (bias || coriolis) {
-    const double rate = v_.cwiseAbs().maxCoeff();
-    scale = largest_mass() * rate * (bias ? rate : 1);
+  if (kind == ir::Scale::force || kind == ir::Scale::momentum) {
+    const double rate = inputs_.v.cwiseAbs().maxCoeff();
+    scale = largest_mass() * rate * (kind == ir::Scale::force ? rate : 1);
   }
-  if (bias || wanted.quantity == ir::Quantity::gravity) scale = std::max(scale, largest_gravity());
+  if (kind == ir::Scale::force || kind == ir::Scale::weight) scale = std::max(scale, largest_gravity());
   return scale / 1000;
 }
 

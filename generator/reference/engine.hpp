@@ -17,21 +17,28 @@ struct Wanted {
   std::string link;
 };
 
+// What results depend on besides the robot and the scene.
+struct Inputs {
+  Eigen::VectorXd q, v;  // nq and nv, as `dalembert info` prints them
+  Eigen::VectorXd
+      more{};  // nv: what the function of the quantity takes besides (ir/function.hpp); empty where it takes nothing
+};
+
 enum class Precision { float32, float64, extended, digits_50 };  // extended: long double
 
-// The results at the state (q: nq, v: nv, as `dalembert info` prints them), each rows × columns, computed in the precision and
-// then rounded to double. Gravity is the scene's, whatever its kind; velocities count as zero where the scene says so.
+// The results, each rows × columns, computed in the precision and then rounded to double. Gravity is the scene's, whatever its
+// kind; velocities count as zero where the scene says so.
 std::vector<Eigen::MatrixXd> evaluate(const ir::KinematicTree& tree, const ir::Scene& scene, const std::vector<Wanted>& wanted,
-                                      const Eigen::VectorXd& q, const Eigen::VectorXd& v, Precision precision);
+                                      const Inputs& inputs, Precision precision);
 
 // What a quantity's elements are to be measured against at least. Where a robot makes a quantity vanish (C of a turntable,
 // gravity of whatever moves in a horizontal plane), its largest element is rounding noise of larger terms that cancel. So C
 // counts as at least a thousandth of |M| |v|, gravity as a thousandth of what it is in other directions, and the bias as both.
 class LeastScale {
  public:
-  // At the state. Keeps references to all four.
-  LeastScale(const ir::KinematicTree& tree, const ir::Scene& scene, const Eigen::VectorXd& q, const Eigen::VectorXd& v)
-      : tree_(tree), scene_(scene), q_(q), v_(v) {}
+  // Keeps references to all three.
+  LeastScale(const ir::KinematicTree& tree, const ir::Scene& scene, const Inputs& inputs)
+      : tree_(tree), scene_(scene), inputs_(inputs) {}
 
   double of(const Wanted& wanted);
 
@@ -41,7 +48,7 @@ class LeastScale {
 
   const ir::KinematicTree& tree_;
   const ir::Scene& scene_;
-  const Eigen::VectorXd &q_, &v_;
+  const Inputs& inputs_;
   std::optional<double> mass_, gravity_;  // once computed
 };
 

@@ -40,7 +40,7 @@ Eigen::VectorXd rounded(const Eigen::VectorXd& x, ir::ScalarType scalar) {
 
 // Angles keep off the axes by a tenth of a right angle; later states lie whole turns away.
 ir::SelfTest::State make_state(const ir::KinematicTree& tree, int turns, Uniform& uniform) {
-  ir::SelfTest::State state{Eigen::VectorXd(tree.nq()), Eigen::VectorXd(tree.nv())};
+  ir::SelfTest::State state{Eigen::VectorXd(tree.nq()), Eigen::VectorXd(tree.nv()), Eigen::VectorXd(tree.nv())};
   int coordinate = 0;
   if (tree.floating_base) {
     for (int i = 0; i < 7; ++i) state.q[i] = uniform.either_sign(0.3, 0.8);
@@ -54,6 +54,7 @@ ir::SelfTest::State make_state(const ir::KinematicTree& tree, int turns, Uniform
         body.prismatic() ? uniform.either_sign(0.1, 0.5) : angle + uniform.either_sign(turns, turns) * 2 * std::numbers::pi;
   }
   for (int i = 0; i < tree.nv(); ++i) state.v[i] = uniform.either_sign(1, 5);
+  state.input = state.v.reverse();
   return state;
 }
 
@@ -181,8 +182,12 @@ ir::SelfTest self_test(const ir::KinematicTree& original, const ir::Scene& origi
   ir::SelfTest test;
   set_inputs(test, tree, scene);
   std::vector<Wanted> wanted;
-  for (const ir::Quantity quantity : scene.outputs) wanted.push_back({quantity, ""});
-  for (const std::string& link : scene.jacobians) wanted.push_back({std::nullopt, link});
+  for (const ir::FunctionRow& function : ir::functions) {
+    for (const ir::Quantity quantity : scene.outputs)
+      if (ir::row_of(quantity).function == function.function) wanted.push_back({quantity, ""});
+    if (function.function == ir::Function::evaluate)
+      for (const std::string& link : scene.jacobians) wanted.push_back({std::nullopt, link});
+  }
 
   const Precision exactly = precision(tree);
   test.precision = exactly == Precision::digits_50 ? "50 digits" : "long double";
@@ -193,9 +198,11 @@ ir::SelfTest self_test(const ir::KinematicTree& original, const ir::Scene& origi
     ir::SelfTest::State state = make_state(tree, s, uniform);
     state.q = rounded(state.q, scene.scalar);
     state.v = rounded(state.v, scene.scalar);
-    const std::vector<Eigen::MatrixXd> exact = evaluate(tree, scene, wanted, state.q, state.v, exactly),
-                                       generic = evaluate(tree, scene, wanted, state.q, state.v, usual);
-    LeastScale least(tree, scene, state.q, state.v);
+    state.input = rounded(state.input, scene.scalar);
+    const Inputs inputs{state.q, state.v, state.input};
+    const std::vector<Eigen::MatrixXd> exact = evaluate(tree, scene, wanted, inputs, exactly),
+                                       generic = evaluate(tree, scene, wanted, inputs, usual);
+    LeastScale least(tree, scene, inputs);
     for (size_t a = 0; a < wanted.size(); ++a) {
       const Comparison comparison(static_cast<int>(a), s, exact[a], generic[a], least.of(wanted[a]), scene.scalar);
       const bool vector = exact[a].cols() == 1, symmetric = wanted[a].quantity == ir::Quantity::mass_matrix;

@@ -85,7 +85,7 @@ TEST(SelfTest, BothPrecisionsAgree) {
   const ir::SelfTest::State& state = test.states[2];
   for (const ir::Quantity quantity : model.scene.outputs) {
     const auto by = [&](reference::Precision precision) {
-      return reference::evaluate(model.tree, model.scene, {{quantity, ""}}, state.q, state.v, precision).front();
+      return reference::evaluate(model.tree, model.scene, {{quantity, ""}}, {state.q, state.v, state.input}, precision).front();
     };
     const Eigen::MatrixXd exact = by(reference::Precision::digits_50);
     EXPECT_LE((by(reference::Precision::extended) - exact).cwiseAbs().maxCoeff(), 0x1p-52 * exact.cwiseAbs().maxCoeff());

@@ -41,9 +41,10 @@ Model model_of(const ir::RobotDescription& description, const ir::Scene& scene) 
 }
 
 State some_state(const ir::KinematicTree& tree) {
-  State state{"", Eigen::VectorXd(tree.nq()), Eigen::VectorXd(tree.nv())};
+  State state{"", Eigen::VectorXd(tree.nq()), Eigen::VectorXd(tree.nv()), Eigen::VectorXd(tree.nv())};
   for (int i = 0; i < tree.nq(); ++i) state.q[i] = std::sin(1.0 + 1.7 * i);
   for (int i = 0; i < tree.nv(); ++i) state.v[i] = std::cos(2.0 + 1.3 * i);
+  for (int i = 0; i < tree.nv(); ++i) state.more[i] = std::cos(1.0 + 1.9 * i);
   if (tree.floating_base) state.q.segment<4>(3).normalize();
   return state;
 }
@@ -62,15 +63,17 @@ ir::KinematicTree welded(ir::KinematicTree tree, const std::string& link, const 
   return tree;
 }
 
-// The results of both forms.
-std::array<ir::Arrays, 2> run_both(const Model& model, const State& state, const Payload& payload) {
+// The results of one function in both forms.
+std::array<ir::Arrays, 2> run_function(ir::Function function, const Model& model, const State& state, const Payload& payload) {
   const ir::NormalTree normal = passes::normalise(model.tree, passes::normalise_options(model.scene, true));
-  const ir::Algorithm algorithm = passes::describe(model.tree, normal, model.scene, {});
+  const ir::Algorithm algorithm = passes::describe(function, model.tree, normal, model.scene, {});
   passes::Unroll unroll(algorithm, model.tree, normal, model.scene, {{}, false});
   const ir::FunctionInput input = [&](const ir::Input& in) {
     switch (in.kind) {
       case ir::InputKind::position: return state.q[in.index];
       case ir::InputKind::velocity: return state.v[in.index];
+      case ir::InputKind::acceleration:
+      case ir::InputKind::effort: return state.more[in.index];
       case ir::InputKind::gravity: return model.scene.gravity[in.component];
       case ir::InputKind::payload: return payload[static_cast<size_t>(in.component)];
       default: return std::nan("");
@@ -85,6 +88,16 @@ std::array<ir::Arrays, 2> run_both(const Model& model, const State& state, const
   ir::RolledRun run(algorithm, program, plan, model.tree, model.scene.rates_zero, input);
   run.run();
   return {straight, run.run()};  // the second evaluation: nothing may be left of the first
+}
+
+std::array<ir::Arrays, 2> run_both(const Model& model, const State& state, const Payload& payload) {
+  std::array<ir::Arrays, 2> results;
+  for (const ir::FunctionRow& row : ir::functions) {
+    if (!passes::has_outputs(model.scene, row.function)) continue;
+    std::array<ir::Arrays, 2> own = run_function(row.function, model, state, payload);
+    for (size_t form : {0u, 1u}) results[form].merge(own[form]);
+  }
+  return results;
 }
 
 // Every output of the scene, in both forms, with `payload` at each link that carries one.

@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "ir/identifier.hpp"
 #include "passes/quantities/quantities.hpp"
 
@@ -33,10 +35,18 @@ void describe(Builder& b, ir::Quantity quantity) {
 
 }  // namespace
 
-ir::Algorithm describe(const ir::KinematicTree& tree, const ir::NormalTree& normal, const ir::Scene& scene,
-                       const ir::Graph::Options& options) {
-  Builder b("evaluate", tree, scene, options);
-  for (ir::Quantity quantity : scene.outputs) describe(b, quantity);
+bool has_outputs(const ir::Scene& scene, ir::Function function) {
+  const auto own = [&](ir::Quantity quantity) { return ir::row_of(quantity).function == function; };
+  return std::any_of(scene.outputs.begin(), scene.outputs.end(), own) ||
+         (function == ir::Function::evaluate && !scene.jacobians.empty());
+}
+
+ir::Algorithm describe(ir::Function function, const ir::KinematicTree& tree, const ir::NormalTree& normal,
+                       const ir::Scene& scene, const ir::Graph::Options& options) {
+  Builder b(function, tree, scene, options);
+  for (ir::Quantity quantity : scene.outputs)
+    if (ir::row_of(quantity).function == function) describe(b, quantity);
+  if (function != ir::Function::evaluate) return b.take();
   for (const std::string& link : scene.jacobians)
     describe_link_jacobian(b, frame_of(link, tree, normal), b.array("jacobian_" + ir::identifier(link), 6, tree.nv()));
   return b.take();

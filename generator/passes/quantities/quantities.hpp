@@ -26,8 +26,11 @@ struct LinkFrame {
 };
 void describe_link_jacobian(Builder& builder, const LinkFrame& link, int array);
 
-// The function evaluate(q, v): every output of the scene, in the scene's order, then the Jacobians.
-ir::Algorithm describe(const ir::KinematicTree& tree, const ir::NormalTree& normal, const ir::Scene& scene,
-                       const ir::Graph::Options& options);
+// Whether the scene asks anything of the function.
+bool has_outputs(const ir::Scene& scene, ir::Function function);
+
+// One function: every output of the scene that is its own, in the scene's order; of evaluate(q, v), then the Jacobians.
+ir::Algorithm describe(ir::Function function, const ir::KinematicTree& tree, const ir::NormalTree& normal,
+                       const ir::Scene& scene, const ir::Graph::Options& options);
 
 }  // namespace dalembert::passes

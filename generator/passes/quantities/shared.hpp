@@ -31,4 +31,8 @@ ForceRoles forces(Builder& builder);
 // g_i of every coordinate; also what the bias is at rest.
 int gravity_torques(Builder& builder);
 
+// τ of every coordinate by recursive Newton-Euler, for the accelerations that the function is given, or for none (the bias).
+// With the scene's armature, damping and friction.
+int newton_euler(Builder& builder, bool accelerated);
+
 }  // namespace dalembert::passes

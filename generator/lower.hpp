@@ -1,0 +1,32 @@
+// The middle of the compiler: each function of a Model becomes an algorithm, a scalar program, and a plan for its shape.
+#pragma once
+
+#include <vector>
+
+#include "ir/algorithm.hpp"
+#include "ir/normal_tree.hpp"
+#include "ir/plan.hpp"
+#include "ir/program.hpp"
+#include "ir/rolled.hpp"
+#include "pipeline.hpp"
+
+namespace dalembert {
+
+// One function on its way to text.
+struct LoweredFunction {
+  ir::Algorithm algorithm;
+  ir::Program program;  // unrolled
+  ir::Plan plan;
+  ir::RolledProgram rolled;  // empty for the straight form
+};
+// A model on its way to text.
+struct Lowered {
+  ir::NormalTree normal;
+  std::vector<LoweredFunction> functions;  // those the scene asks something of
+};
+// Runs the passes, those that the model's options leave in.
+Lowered lower(const Model& model);
+// As far as the unrolled programs, which is all that counting needs, and without names in them.
+Lowered lower_to_programs(const Model& model);
+
+}  // namespace dalembert

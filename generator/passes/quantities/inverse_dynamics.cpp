@@ -1,0 +1,11 @@
+// M a + C v + g by recursive Newton-Euler, with the scene's armature, damping and friction.
+#include "passes/quantities/quantities.hpp"
+#include "passes/quantities/shared.hpp"
+
+namespace dalembert::passes {
+
+void describe_inverse_dynamics(Builder& b, int array) {
+  b.result({array, ir::Layout::per_coordinate, newton_euler(b, true)});
+}
+
+}  // namespace dalembert::passes

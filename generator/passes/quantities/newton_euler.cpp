@@ -1,0 +1,84 @@
+// Recursive Newton-Euler in body axes (Featherstone 2008, ch. 5).
+#include "passes/quantities/shared.hpp"
+
+namespace dalembert::passes {
+
+using ir::Direction;
+using ir::Shape;
+
+namespace {
+
+struct MotionRoles {
+  int angular, angular_acceleration, acceleration;
+};
+
+Motion motion_of(SweepBuilder& s, const MotionRoles& r) {
+  return {s.own3(r.angular), s.own3(r.angular_acceleration), s.own3(r.acceleration)};
+}
+
+void store(SweepBuilder& s, const MotionRoles& r, const Motion& m) {
+  s.store(r.angular, m.angular);
+  s.store(r.angular_acceleration, m.angular_acceleration);
+  s.store(r.acceleration, m.acceleration);
+}
+
+}  // namespace
+
+int newton_euler(Builder& b, bool accelerated) {
+  const MotionRoles motion{
+      b.role({"angular", "w", "w along the body's axes", "rad/s", Shape::vector}),
+      b.role({"angular_acceleration", "alpha", "dw along the body's axes", "rad/s^2", Shape::vector}),
+      b.role({"acceleration", "a", "the origin's acceleration less gravity, along the body's axes", "m/s^2", Shape::vector})};
+  const int wrench = b.role({"wrench", "fk", "f, n of the body along its axes", "N, N m", Shape::wrench});
+  const int total =
+      b.role({"subtree_wrench", "f", "f, n of the subtree along the body's axes", "N, N m", Shape::wrench, wrench});
+  const char* what = accelerated ? "M a + C v + g" : "C v + g";
+  const int torque = b.role({accelerated ? "torque" : "bias_torque", accelerated ? "tau" : "bias", what, "N m or N", Shape::scalar});
+
+  SweepBuilder root = b.sweep(
+      "base_motion", accelerated ? "w, dw, a = du + w x u - gravity" : "w, dw = 0, a = w x u - gravity", Direction::root);
+  const Twist v = root.base_twist(), dv = accelerated ? root.base_acceleration() : Twist{root.zero(), root.zero()};
+  const Vec3 gravity = root.gravity_in_base(), centripetal = cross(v.angular, v.linear);
+  store(root, motion, {v.angular, dv.angular, accelerated ? dv.linear + centripetal - gravity : centripetal - gravity});
+
+  SweepBuilder out = b.sweep("motion", "w, dw and a of the body along its own axes", Direction::outwards);
+  const Motion parent{out.carried3(motion.angular), out.carried3(motion.angular_acceleration),
+                      out.carried3(motion.acceleration)};
+  const BodyConstants body = out.body();
+  Motion state = propagate(parent, body, out.position(), out.rate());
+  if (accelerated) accelerate(state, body, out.acceleration());
+  store(out, motion, state);
+
+  SweepBuilder wrenches =
+      b.sweep("wrenches", "f = m a + dw x h + w x (w x h), n = h x a + I dw + w x I w", Direction::anywhere);
+  const Force f = body_force(motion_of(wrenches, motion), wrenches.body());
+  wrenches.store(wrench, f.force, 0);
+  wrenches.store(wrench, f.torque, 3);
+
+  SweepBuilder in =
+      b.sweep("torques", std::string(what) + " = n_z (revolute), f_z (prismatic); f_p += R f, n_p += R n + p x R f",
+              Direction::inwards);
+  const BodyConstants k = in.body();
+  const JointPosition q = in.position();
+  const Vec3 force_below = in.carried3(wrench, 0), force = in.own3(wrench, 0) + force_below;
+  const Vec3 torque_below = in.carried3(wrench, 3), turning = in.own3(wrench, 3) + torque_below;
+  in.store(total, force, 0);
+  in.store(total, turning, 3);
+  const Sym rate = in.rate(), friction = in.parameter(friction_p) * Sym{rate.graph, rate.graph->sign(rate.id)};
+  const Sym damping = in.parameter(damping_p) * rate;
+  Sym own = sum_of_products(k.turning, turning[2], k.sliding, force[2]) + damping + friction;
+  if (accelerated) own = own + in.parameter(armature_p) * in.acceleration();
+  in.store(torque, own);
+  const Vec3 origin = k.translation + q.displacement * column(k.rotation, 2), moved = to_parent(k, q, force);
+  in.hand_on(wrench, moved, 0);
+  const Vec3 lever = cross(origin, moved);
+  in.hand_on(wrench, to_parent(k, q, turning) + lever, 3);
+
+  if (b.floating()) {
+    SweepBuilder base = b.sweep("base_wrench", std::string(what) + " = [f; n]", Direction::root);
+    for (int j = 0; j < 6; ++j) base.store(torque, 0, base.own(total, j), j);
+  }
+  return torque;
+}
+
+}  // namespace dalembert::passes
