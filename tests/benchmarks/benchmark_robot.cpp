@@ -49,8 +49,8 @@ Results exact_results(const ir::KinematicTree& tree, const Eigen::Vector3d& grav
   Results results;
   results.mass_matrix = generic::mass_matrix<Multi>(model, q).cast<double>();
   results.coriolis_matrix = generic::coriolis_matrix<Multi>(model, q, v).cast<double>();
-  results.gravity = generic::newton_euler<Multi>(model, q, zero, zero).cast<double>();
-  results.bias = generic::newton_euler<Multi>(model, q, v, zero).cast<double>();
+  results.gravity = generic::inverse_dynamics<Multi>(model, q, zero, zero).cast<double>();
+  results.bias = generic::inverse_dynamics<Multi>(model, q, v, zero).cast<double>();
   return results;
 }
 

@@ -82,7 +82,7 @@ TEST(Generic, JointEffectsEnterWhereTheyBelong) {
   EXPECT_LE((after.bias - before.bias - extra).norm(), 1e-13);
   // Inverse dynamics counts all three.
   const VectorXd acceleration = VectorXd::LinSpaced(11, -1, 2);
-  const VectorXd tau = generic::newton_euler<double>(model, state.q, state.v, acceleration);
+  const VectorXd tau = generic::inverse_dynamics<double>(model, state.q, state.v, acceleration);
   EXPECT_LE((tau - after.mass_matrix * acceleration - after.bias).norm(), 1e-12 * tau.norm());
   // No friction at rest.
   EXPECT_EQ(generic::bias<double>(model, state.q, VectorXd::Zero(11)),
@@ -164,7 +164,7 @@ TEST(Generic, RefusesArgumentsOfWrongSize) {
   EXPECT_THROW(generic::evaluate<double>(model, v, v), std::invalid_argument);
   EXPECT_THROW(generic::evaluate<double>(model, q, q), std::invalid_argument);
   EXPECT_THROW(generic::mass_matrix<double>(model, v), std::invalid_argument);
-  EXPECT_THROW(generic::newton_euler<double>(model, q, v, q), std::invalid_argument);
+  EXPECT_THROW(generic::inverse_dynamics<double>(model, q, v, q), std::invalid_argument);
   EXPECT_THROW(generic::link_jacobian<double>(model, q, 7, Transform<double>()), std::invalid_argument);
   model.bodies[3].parent = 3;
   EXPECT_THROW(generic::evaluate<double>(model, q, v), std::invalid_argument);

@@ -128,7 +128,7 @@ double mass_rate_error(const Case& c, const Dynamics& result) {
 
 double bias_error(const Case& c, const Dynamics& result) {
   const Vector zero = Vector::Zero(c.v.size());
-  return relative(result.coriolis_matrix * c.v + result.gravity, generic::newton_euler<Multi>(c.model, c.q, c.v, zero)) +
+  return relative(result.coriolis_matrix * c.v + result.gravity, generic::inverse_dynamics<Multi>(c.model, c.q, c.v, zero)) +
          relative(result.coriolis_matrix * c.v + result.gravity, result.bias);
 }
 
@@ -138,7 +138,7 @@ double mass_column_error(const Case& c, const Dynamics& result) {
   const Vector zero = Vector::Zero(c.v.size());
   Matrix columns(c.v.size(), c.v.size());
   for (Eigen::Index i = 0; i < columns.cols(); ++i)
-    columns.col(i) = generic::newton_euler<Multi>(weightless, c.q, zero, Vector::Unit(columns.rows(), i));
+    columns.col(i) = generic::inverse_dynamics<Multi>(weightless, c.q, zero, Vector::Unit(columns.rows(), i));
   return relative(columns, result.mass_matrix);
 }
 

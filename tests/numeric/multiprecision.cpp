@@ -5,10 +5,16 @@
 #include "reference/generic_model.hpp"
 
 namespace dalembert::generic {
-template Dynamics<testing::Multi> evaluate(const MultiModel&, const MultiVector&, const MultiVector&);
-template MatrixX<testing::Multi> mass_matrix(const MultiModel&, const MultiVector&);
-template MatrixX<testing::Multi> coriolis_matrix(const MultiModel&, const MultiVector&, const MultiVector&);
-template MultiVector newton_euler(const MultiModel&, const MultiVector&, const MultiVector&, const MultiVector&);
+using testing::Multi;
+template Dynamics<Multi> evaluate(const MultiModel&, MultiIn, MultiIn);
+template MultiMatrix mass_matrix(const MultiModel&, MultiIn);
+template MultiMatrix coriolis_matrix(const MultiModel&, MultiIn, MultiIn);
+template MultiVector inverse_dynamics(const MultiModel&, MultiIn, MultiIn, MultiIn, MultiIn);
+template InverseDynamicsDerivatives<Multi> inverse_dynamics_derivatives(const MultiModel&, MultiIn, MultiIn, MultiIn, MultiIn);
+template MultiMatrix regressor(const MultiModel&, MultiIn, MultiIn, MultiIn);
+template Solution<MultiMatrix> inverse_mass_matrix(const MultiModel&, MultiIn);
+template Solution<MultiVector> forward_dynamics(const MultiModel&, MultiIn, MultiIn, MultiIn, MultiIn);
+template ForwardDynamicsDerivatives<Multi> forward_dynamics_derivatives(const MultiModel&, MultiIn, MultiIn, MultiIn, MultiIn);
 }  // namespace dalembert::generic
 
 namespace dalembert::testing {

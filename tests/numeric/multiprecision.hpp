@@ -21,9 +21,18 @@ VectorX<Multi> exact_position(const ir::KinematicTree& tree, const Eigen::Vector
 
 namespace dalembert::generic {
 using MultiVector = VectorX<dalembert::testing::Multi>;
+using MultiMatrix = MatrixX<dalembert::testing::Multi>;
 using MultiModel = Model<dalembert::testing::Multi>;
-extern template Dynamics<dalembert::testing::Multi> evaluate(const MultiModel&, const MultiVector&, const MultiVector&);
-extern template MatrixX<dalembert::testing::Multi> mass_matrix(const MultiModel&, const MultiVector&);
-extern template MatrixX<dalembert::testing::Multi> coriolis_matrix(const MultiModel&, const MultiVector&, const MultiVector&);
-extern template MultiVector newton_euler(const MultiModel&, const MultiVector&, const MultiVector&, const MultiVector&);
+using MultiIn = const MultiVector&;
+extern template Dynamics<dalembert::testing::Multi> evaluate(const MultiModel&, MultiIn, MultiIn);
+extern template MultiMatrix mass_matrix(const MultiModel&, MultiIn);
+extern template MultiMatrix coriolis_matrix(const MultiModel&, MultiIn, MultiIn);
+extern template MultiVector inverse_dynamics(const MultiModel&, MultiIn, MultiIn, MultiIn, MultiIn);
+extern template InverseDynamicsDerivatives<dalembert::testing::Multi> inverse_dynamics_derivatives(const MultiModel&, MultiIn,
+                                                                                                   MultiIn, MultiIn, MultiIn);
+extern template MultiMatrix regressor(const MultiModel&, MultiIn, MultiIn, MultiIn);
+extern template Solution<MultiMatrix> inverse_mass_matrix(const MultiModel&, MultiIn);
+extern template Solution<MultiVector> forward_dynamics(const MultiModel&, MultiIn, MultiIn, MultiIn, MultiIn);
+extern template ForwardDynamicsDerivatives<dalembert::testing::Multi> forward_dynamics_derivatives(const MultiModel&, MultiIn,
+                                                                                                   MultiIn, MultiIn, MultiIn);
 }  // namespace dalembert::generic

@@ -48,32 +48,60 @@ VectorX<S> expanded_gravity(const Model<S>& model, const Kinematics<S>& kinemati
   return joint_forces<S>(model, kinematics, weight(model.base, gravity), std::move(wrenches));
 }
 
-// τ = M v̇ + C v + g by recursive Newton-Euler: neither M nor C is formed, gravity is an upward acceleration of the base.
-// v_dot: as v. Armature, damping and friction are included.
+// Spatial accelerations in the bodies' own axes, gravity counted as an upward acceleration of the base.
 template <class S>
-VectorX<S> expanded_newton_euler(const Model<S>& model, const Kinematics<S>& kinematics, const VectorX<S>& q,
-                                 const VectorX<S>& v, const VectorX<S>& v_dot) {
-  const int base = model.base_rows();
-  Vector6<S> base_acceleration = Vector6<S>::Zero();
-  if (model.floating_base) base_acceleration = v_dot.template head<6>();
-  base_acceleration.template head<3>() -= gravity_in_base(model, q);
+struct Accelerations {
+  Vector6<S> base;
+  std::vector<Vector6<S>> bodies;
+};
 
-  // F = A V̇ − ad(V)ᵀ A V; V̇_k = (ᵖAd_k)⁻¹ V̇_p + E_k q̈_k + ad(V_k) E_k q̇_k
-  const auto body_wrench = [](const Inertia<S>& inertia, const Vector6<S>& twist, const Vector6<S>& acceleration) {
-    const Matrix6<S> A = inertia_matrix(inertia);
-    return Vector6<S>(A * acceleration - ad(twist).transpose() * (A * twist));
-  };
-  std::vector<Vector6<S>> accelerations(model.bodies.size()), wrenches(model.bodies.size());
+// V̇_k = (ᵖAd_k)⁻¹ V̇_p + E_k q̈_k + ad(V_k) E_k q̇_k. q, v, v_dot: of every joint, behind the base's.
+template <class S>
+Accelerations<S> accelerations(const Model<S>& model, const Kinematics<S>& kinematics, const VectorX<S>& q, const VectorX<S>& v,
+                               const VectorX<S>& v_dot) {
+  const int base = model.base_rows();
+  Accelerations<S> result{Vector6<S>::Zero(), std::vector<Vector6<S>>(model.bodies.size())};
+  if (model.floating_base) result.base = v_dot.template head<6>();
+  result.base.template head<3>() -= gravity_in_base(model, q);
   for (int k = 0; k < model.joints(); ++k) {
     const size_t at = static_cast<size_t>(k);
     const int parent = model.bodies[at].parent;
     const BodyKinematics<S>& at_k = kinematics.bodies[at];
-    accelerations[at] = at_k.Ad_inverse * (parent < 0 ? base_acceleration : accelerations[static_cast<size_t>(parent)]) +
+    result.bodies[at] = at_k.Ad_inverse * (parent < 0 ? result.base : result.bodies[static_cast<size_t>(parent)]) +
                         at_k.E * v_dot[base + k] + ad(at_k.V) * (at_k.E * v[base + k]);
-    wrenches[at] = body_wrench(model.bodies[at].inertia, at_k.V, accelerations[at]);
   }
-  VectorX<S> tau = joint_forces<S>(model, kinematics, body_wrench(model.base, kinematics.base_twist, base_acceleration),
-                                   std::move(wrenches));
+  return result;
+}
+
+// F = A V̇ − ad(V)ᵀ A V: what a body of inertia matrix A needs to move so (eq. 11).
+template <class S>
+Vector6<S> body_wrench(const Matrix6<S>& A, const Vector6<S>& twist, const Vector6<S>& acceleration) {
+  return A * acceleration - ad(twist).transpose() * (A * twist);
+}
+
+// The external wrench on a body (−1: the base), out of all of them, in the order of W's columns; empty: none anywhere.
+template <class S>
+Vector6<S> external_wrench(const Model<S>& model, const VectorX<S>& wrenches, int body) {
+  if (wrenches.size() == 0) return Vector6<S>::Zero();
+  return wrenches.template segment<6>(6 * (body + model.moving_bodies() - model.joints()));
+}
+
+// τ = M v̇ + C v + g − W F by recursive Newton-Euler: neither M nor C is formed, gravity is an upward acceleration of the
+// base. v_dot: as v. wrenches: F, 6·bodies, or empty. Armature, damping and friction are included.
+template <class S>
+VectorX<S> expanded_newton_euler(const Model<S>& model, const Kinematics<S>& kinematics, const VectorX<S>& q,
+                                 const VectorX<S>& v, const VectorX<S>& v_dot, const VectorX<S>& wrenches = VectorX<S>()) {
+  const int base = model.base_rows();
+  const Accelerations<S> moving = accelerations(model, kinematics, q, v, v_dot);
+  std::vector<Vector6<S>> needed;
+  for (size_t k = 0; k < model.bodies.size(); ++k)
+    needed.push_back(body_wrench<S>(inertia_matrix(model.bodies[k].inertia), kinematics.bodies[k].V, moving.bodies[k]) -
+                     external_wrench(model, wrenches, static_cast<int>(k)));
+  Vector6<S> base_needed = Vector6<S>::Zero();
+  if (model.floating_base)
+    base_needed =
+        body_wrench<S>(inertia_matrix(model.base), kinematics.base_twist, moving.base) - external_wrench(model, wrenches, -1);
+  VectorX<S> tau = joint_forces<S>(model, kinematics, base_needed, std::move(needed));
   for (int k = 0; k < model.joints(); ++k) {
     const Body<S>& body = model.bodies[static_cast<size_t>(k)];
     const S rate = v[base + k], sign = rate > S(0) ? S(1) : rate < S(0) ? S(-1) : S(0);

@@ -23,7 +23,7 @@ MatrixX<S> expanded_jacobian(const Model<S>& model, const Kinematics<S>& kinemat
 // The wrench influence matrix W, (base rows + joints) × 6·bodies; bodies are the base (when it floats), then model.bodies.
 template <class S>
 MatrixX<S> expanded_wrench_influence(const Model<S>& model, const Kinematics<S>& kinematics) {
-  const int first = model.floating_base ? -1 : 0, count = model.joints() - first;
+  const int count = model.moving_bodies(), first = model.joints() - count;
   MatrixX<S> W(model.base_rows() + model.joints(), 6 * count);
   for (int b = 0; b < count; ++b)
     W.template middleCols<6>(6 * b) = expanded_jacobian(model, kinematics, first + b, Transform<S>()).transpose();

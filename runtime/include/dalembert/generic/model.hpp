@@ -56,6 +56,8 @@ struct Model {
   int nq() const { return coordinate_count() + (floating_base ? 7 : 0); }
   int nv() const { return coordinate_count() + (floating_base ? 6 : 0); }
   int base_rows() const { return floating_base ? 6 : 0; }
+  // Bodies that can move, as W's columns count them: the base first when it floats.
+  int moving_bodies() const { return joints() + (floating_base ? 1 : 0); }
 };
 
 // Dimension errors are the caller's: std::invalid_argument says which argument and what was expected.

@@ -1,0 +1,70 @@
+// M = Lᵀ D L, L unit lower triangular: eliminating from the last coordinate to the first, leaves before roots, makes no fill-in
+// where M is zero because neither of two joints moves the other's body.
+//
+// Source: Featherstone, "Rigid Body Dynamics Algorithms" (2008), section 6.5. D_k, the pivot of coordinate k, is the inertia
+// that joint k feels when all later joints are free: that of the articulated body.
+#pragma once
+
+#include <dalembert/spatial.hpp>
+
+namespace dalembert::generic {
+
+// Whether M was positive definite; where not, the first coordinate (index in v) met, from the last, whose pivot is not.
+template <class S>
+struct FactorStatus {
+  int coordinate = -1;  // −1: positive definite
+  S pivot = S(0);  // D of that coordinate, kg or kg m²; near zero: the coordinate moves no mass; negative: M is indefinite
+
+  bool ok() const { return coordinate < 0; }
+};
+
+// What comes of solving with M: meaningful when status.ok(), of no elements otherwise.
+template <class Value>
+struct Solution {
+  Value value;
+  FactorStatus<typename Value::Scalar> status;
+};
+
+template <class S>
+class Factorisation {
+ public:
+  // M: symmetric, of which the lower triangle is read. A pivot counts as positive when it exceeds M's diagonal element by more
+  // than rounding may have left of it: n · epsilon · M_kk. Nothing may be solved unless status().ok().
+  explicit Factorisation(MatrixX<S> M) : factors_(std::move(M)) {
+    const Eigen::Index n = factors_.rows();
+    const VectorX<S> least = S(double(n)) * Eigen::NumTraits<S>::epsilon() * factors_.diagonal();
+    for (Eigen::Index k = n - 1; k >= 0; --k) {
+      const S pivot = factors_(k, k);
+      if (!(pivot > least[k] && pivot > S(0))) {
+        status_ = {static_cast<int>(k), pivot};
+        return;
+      }
+      for (Eigen::Index i = 0; i < k; ++i) {
+        if (factors_(k, i) == S(0)) continue;
+        const S l = factors_(k, i) / pivot;
+        for (Eigen::Index j = 0; j <= i; ++j) factors_(i, j) -= l * factors_(k, j);
+      }
+      factors_.row(k).head(k) /= pivot;
+    }
+  }
+
+  const FactorStatus<S>& status() const { return status_; }
+
+  // M⁻¹ b, b: n × any number of columns.
+  MatrixX<S> solve(MatrixX<S> b) const {
+    const Eigen::Index n = factors_.rows();
+    for (Eigen::Index k = n - 1; k >= 0; --k)
+      for (Eigen::Index i = 0; i < k; ++i) b.row(i) -= factors_(k, i) * b.row(k);
+    for (Eigen::Index k = 0; k < n; ++k) {
+      b.row(k) /= factors_(k, k);
+      for (Eigen::Index i = 0; i < k; ++i) b.row(k) -= factors_(k, i) * b.row(i);
+    }
+    return b;
+  }
+
+ private:
+  MatrixX<S> factors_;  // D on the diagonal, L below it
+  FactorStatus<S> status_;
+};
+
+}  // namespace dalembert::generic
