@@ -16,6 +16,7 @@ namespace {
 
 // Largest difference over max(largest element of the reference, floor).
 double relative_error(const Eigen::MatrixXd& ours, const Eigen::MatrixXd& reference, double floor) {
+  if (ours.size() != reference.size()) return std::numeric_limits<double>::infinity();  // no inverse
   if (!ours.allFinite() || !reference.allFinite()) return std::numeric_limits<double>::infinity();
   const double scale = std::max(reference.cwiseAbs().maxCoeff(), floor);
   const double difference = (ours - reference).cwiseAbs().maxCoeff();
@@ -83,6 +84,28 @@ std::vector<Error> compare(const Dynamics& ours, const Dynamics& oracle, const E
           {"momentum", relative_error(ours.momentum, oracle.momentum, inertia * v.norm())}};
 }
 
+Responder generic_responder(const ir::KinematicTree& tree, const Eigen::Vector3d& gravity) {
+  return [model = to_generic<double>(tree, gravity)](const Question& at) {
+    return Response{generic::inverse_dynamics<double>(model, at.q, at.v, at.v_dot),
+                    generic::forward_dynamics<double>(model, at.q, at.v, at.tau).value,
+                    generic::inverse_mass_matrix<double>(model, at.q).value};
+  };
+}
+
+Question question_at(const testing::State& state, std::uint64_t seed) {
+  testing::Random random(seed);
+  Question result{state.q, state.v, state.v, state.v};
+  for (Eigen::VectorXd* vector : {&result.v_dot, &result.tau})
+    for (double& x : *vector) x = random.uniform(-2, 2);
+  return result;
+}
+
+std::vector<Error> compare(const Response& ours, const Response& oracle) {
+  return {{"inverse dynamics", relative_error(ours.inverse_dynamics, oracle.inverse_dynamics, 0)},
+          {"forward dynamics", relative_error(ours.forward_dynamics, oracle.forward_dynamics, 0)},
+          {"inverse of M", relative_error(ours.inverse_mass_matrix, oracle.inverse_mass_matrix, 0)}};
+}
+
 double error_in(const std::vector<Error>& errors, const std::string& quantity) {
   for (const Error& error : errors) {
     if (quantity == error.quantity) return error.value;
@@ -98,32 +121,34 @@ Case mutated_case(Base base) {
 }
 
 std::vector<Mutation> mutations(Base base) {
-  std::vector<Mutation> result{
-      {"a mass larger by 1e-6",
-       [](ir::KinematicTree& t) { t.bodies.back().inertia.mass *= 1 + 1e-6; },
-       {"M", "C v", "g", "bias"}},
-      {"an inertia larger by 1e-6",
-       [](ir::KinematicTree& t) { t.bodies.back().inertia.inertia *= 1 + 1e-6; },
-       {"M", "C v", "bias"}},
-      {"a product of inertia of the other sign",
-       [](ir::KinematicTree& t) {
-         auto& inertia = t.bodies.back().inertia.inertia;
-         inertia(0, 1) = inertia(1, 0) = -inertia(0, 1);
-       },
-       {"M", "C v", "bias"}},
-      {"a centre of mass off by a micrometre",
-       [](ir::KinematicTree& t) { t.bodies.back().inertia.com[1] += 1e-6; },
-       {"M", "g"}},
-      {"a joint off by a micrometre",
-       [](ir::KinematicTree& t) { t.bodies.back().placement.translation()[0] += 1e-6; },
-       {"M", "bias"}},
-      {"an axis reversed", [](ir::KinematicTree& t) { t.bodies.back().axis *= -1; }, {"M", "C v", "g", "bias"}},
-      {"a body on the wrong parent",
-       [](ir::KinematicTree& t) { t.bodies.back().parent = t.bodies[t.bodies.size() - 2].parent; },
-       {"M", "C v", "bias"}}};
+  std::vector<Mutation> result{{"a mass larger by 1e-6",
+                                [](ir::KinematicTree& t) { t.bodies.back().inertia.mass *= 1 + 1e-6; },
+                                {"M", "C v", "g", "bias", "inverse dynamics", "forward dynamics", "inverse of M"}},
+                               {"an inertia larger by 1e-6",
+                                [](ir::KinematicTree& t) { t.bodies.back().inertia.inertia *= 1 + 1e-6; },
+                                {"M", "C v", "bias", "inverse dynamics", "forward dynamics", "inverse of M"}},
+                               {"a product of inertia of the other sign",
+                                [](ir::KinematicTree& t) {
+                                  auto& inertia = t.bodies.back().inertia.inertia;
+                                  inertia(0, 1) = inertia(1, 0) = -inertia(0, 1);
+                                },
+                                {"M", "C v", "bias", "inverse dynamics", "forward dynamics", "inverse of M"}},
+                               {"a centre of mass off by a micrometre",
+                                [](ir::KinematicTree& t) { t.bodies.back().inertia.com[1] += 1e-6; },
+                                {"M", "g", "inverse dynamics", "forward dynamics", "inverse of M"}},
+                               {"a joint off by a micrometre",
+                                [](ir::KinematicTree& t) { t.bodies.back().placement.translation()[0] += 1e-6; },
+                                {"M", "bias", "inverse dynamics", "forward dynamics", "inverse of M"}},
+                               {"an axis reversed",
+                                [](ir::KinematicTree& t) { t.bodies.back().axis *= -1; },
+                                {"M", "C v", "g", "bias", "inverse dynamics", "forward dynamics", "inverse of M"}},
+                               {"a body on the wrong parent",
+                                [](ir::KinematicTree& t) { t.bodies.back().parent = t.bodies[t.bodies.size() - 2].parent; },
+                                {"M", "C v", "bias", "inverse dynamics", "forward dynamics", "inverse of M"}}};
   if (base == Base::floating) {
-    result.push_back(
-        {"a base heavier by 1e-6", [](ir::KinematicTree& t) { t.base.mass *= 1 + 1e-6; }, {"M", "g", "bias", "momentum"}});
+    result.push_back({"a base heavier by 1e-6",
+                      [](ir::KinematicTree& t) { t.base.mass *= 1 + 1e-6; },
+                      {"M", "g", "bias", "momentum", "inverse dynamics", "forward dynamics", "inverse of M"}});
   }
   return result;
 }

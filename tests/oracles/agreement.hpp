@@ -8,6 +8,7 @@
 #include "ir/kinematic_tree.hpp"
 #include "oracle.hpp"
 #include "robots.hpp"
+#include "states.hpp"
 
 namespace dalembert::oracle {
 
@@ -29,14 +30,20 @@ Engine generic_engine(const ir::KinematicTree& tree, const Eigen::Vector3d& grav
 // graph gives the same bits, as generated_test shows.
 Engine generated_engine(const Case& c);
 
+// The generic engine's answers (double).
+using Responder = std::function<Response(const Question&)>;
+Responder generic_responder(const ir::KinematicTree& tree, const Eigen::Vector3d& gravity);
+Question question_at(const testing::State& state, std::uint64_t seed);  // accelerations and efforts within ±2
+
 struct Error {
-  const char* quantity;  // "M", "C v", "g", "bias", "momentum"
+  const char* quantity;  // "M", "C v", "g", "bias", "momentum"; "inverse dynamics", "forward dynamics", "inverse of M"
   double value;          // largest difference, relative to the oracle's largest element
 };
 // A vector of nothing but rounding (g of a joint parallel to gravity) is measured against what a thousandth of the robot's
 // inertia would need, so that rounding is not divided by rounding. Infinite when a number of ours is not finite.
 std::vector<Error> compare(const Dynamics& ours, const Dynamics& oracle, const Eigen::Vector3d& gravity,
                            const Eigen::VectorXd& v);
+std::vector<Error> compare(const Response& ours, const Response& oracle);
 double error_in(const std::vector<Error>& errors, const std::string& quantity);
 
 // A slip such as a front end or an engine could make, small or only of sign.

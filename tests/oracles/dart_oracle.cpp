@@ -37,6 +37,16 @@ struct DartOracle::Impl {
     for (int i = 0; i < result.size(); ++i) result[i] = theirs[dof[static_cast<size_t>(i)]];
     return result;
   }
+  Eigen::VectorXd theirs(const Eigen::VectorXd& ours) const {
+    Eigen::VectorXd result(ours.size());
+    for (int i = 0; i < result.size(); ++i) result[dof[static_cast<size_t>(i)]] = ours[i];
+    return result;
+  }
+  Eigen::MatrixXd ours(const Eigen::MatrixXd& theirs) const {
+    Eigen::MatrixXd result(theirs.rows(), theirs.cols());
+    for (int i = 0; i < result.cols(); ++i) result.col(i) = ours(Eigen::VectorXd(theirs.col(dof[static_cast<size_t>(i)])));
+    return result;
+  }
 };
 
 namespace {
@@ -96,15 +106,8 @@ const Eigen::VectorXd& DartOracle::own_bias() { return impl_->skeleton->getCorio
 
 Dynamics DartOracle::evaluate(const Eigen::VectorXd& q, const Eigen::VectorXd& v) {
   set_state(own_coordinates(q, v));
-  const int nv = static_cast<int>(impl_->dof.size());
-  const Eigen::MatrixXd& own_mass = impl_->skeleton->getMassMatrix();
   Dynamics result;
-  result.mass_matrix.resize(nv, nv);
-  for (int i = 0; i < nv; ++i) {
-    for (int j = 0; j < nv; ++j) {
-      result.mass_matrix(i, j) = own_mass(impl_->dof[static_cast<size_t>(i)], impl_->dof[static_cast<size_t>(j)]);
-    }
-  }
+  result.mass_matrix = impl_->ours(impl_->skeleton->getMassMatrix());
   result.coriolis = impl_->ours(impl_->skeleton->getCoriolisForces());
   result.gravity = impl_->ours(impl_->skeleton->getGravityForces());
   result.bias = impl_->ours(impl_->skeleton->getCoriolisAndGravityForces());
@@ -121,6 +124,33 @@ Dynamics DartOracle::evaluate(const Eigen::VectorXd& q, const Eigen::VectorXd& v
       result.momentum.tail<3>() += pose.linear() * own.head<3>() + pose.translation().cross(linear);
     }
   }
+  return result;
+}
+
+Response DartOracle::respond(const Question& question) {
+  dart::dynamics::Skeleton& skeleton = *impl_->skeleton;
+  set_state(own_coordinates(question.q, question.v));
+  Response result;
+  skeleton.setAccelerations(impl_->theirs(question.v_dot));
+  skeleton.computeInverseDynamics();
+  result.inverse_dynamics = impl_->ours(skeleton.getForces());
+  skeleton.setForces(impl_->theirs(question.tau));
+  skeleton.computeForwardDynamics();
+  result.forward_dynamics = impl_->ours(skeleton.getAccelerations());
+
+  // Column by column, by articulated bodies at rest without gravity: getInvMassMatrix() of DART 6.12 forgets what hangs on a
+  // welded link.
+  const Eigen::Index nv = question.v.size();
+  const Eigen::Vector3d gravity = skeleton.getGravity();
+  skeleton.setGravity(Eigen::Vector3d::Zero());
+  skeleton.setVelocities(Eigen::VectorXd::Zero(nv));
+  result.inverse_mass_matrix.resize(nv, nv);
+  for (Eigen::Index i = 0; i < nv; ++i) {
+    skeleton.setForces(impl_->theirs(Eigen::VectorXd::Unit(nv, i)));
+    skeleton.computeForwardDynamics();
+    result.inverse_mass_matrix.col(i) = impl_->ours(skeleton.getAccelerations());
+  }
+  skeleton.setGravity(gravity);
   return result;
 }
 

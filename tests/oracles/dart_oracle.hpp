@@ -18,6 +18,7 @@ class DartOracle {
   DartOracle(DartOracle&&) noexcept;
 
   Dynamics evaluate(const Eigen::VectorXd& q, const Eigen::VectorXd& v);
+  Response respond(const Question& question);  // by DART's recursions: Newton-Euler and articulated bodies
 
   // For benchmarks: DART's own coordinates of a state of ours, and what it computes in them.
   struct Coordinates {

@@ -28,6 +28,10 @@ mjModel* load(const Request& request, Inertias inertias) {
   return model;
 }
 
+Eigen::Matrix3d base_rotation(const Eigen::VectorXd& q) {
+  return Eigen::Quaterniond(q[6], q[3], q[4], q[5]).toRotationMatrix();  // w x y z
+}
+
 }  // namespace
 
 MujocoOracle::MujocoOracle(const Request& request, Inertias inertias)
@@ -127,37 +131,70 @@ Eigen::Matrix<double, 6, 1> MujocoOracle::own_momentum(const Eigen::Matrix3d& ba
   return result;
 }
 
-Dynamics MujocoOracle::evaluate(const Eigen::VectorXd& q, const Eigen::VectorXd& v) {
-  const int nv = model_->nv;
-  set_state(q, v);
+MujocoOracle::Change MujocoOracle::change_of_coordinates(const Eigen::VectorXd& q, const Eigen::VectorXd& v) const {
+  const int nv = model_->nv, base_dofs = floating_ ? 6 : 0;
+  Change result{Eigen::MatrixXd::Zero(nv, nv), Eigen::VectorXd::Zero(nv)};
+  for (size_t i = 0; i < dof_.size(); ++i) result.transform(dof_[i], base_dofs + static_cast<int>(i)) = 1;
+  if (floating_) {
+    const Eigen::Matrix3d rotation = base_rotation(q);
+    result.transform.block<3, 3>(base_dof_, 0) = rotation;
+    result.transform.block<3, 3>(base_dof_ + 3, 3).setIdentity();
+    result.drift.segment<3>(base_dof_) = rotation * v.segment<3>(3).cross(v.head<3>());
+  }
+  return result;
+}
+
+void MujocoOracle::compute_mass_matrix() {
   mj_kinematics(model_.get(), data_.get());
   mj_comPos(model_.get(), data_.get());
   mj_crb(model_.get(), data_.get());
+}
+
+Dynamics MujocoOracle::evaluate(const Eigen::VectorXd& q, const Eigen::VectorXd& v) {
+  const int nv = model_->nv;
+  set_state(q, v);
+  compute_mass_matrix();
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> own_mass(nv, nv);
   mj_fullM(model_.get(), own_mass.data(), data_->qM);
 
   Dynamics result;
   result.momentum.setZero();
-  // qvel = T v; hence M = Tᵀ M' T and, with qacc = T v̇ + Ṫ v, C v = Tᵀ (c' + M' Ṫ v). T is a permutation but for the
-  // rotation R of the base's linear velocity, for which Ṫ v = R (ω × v).
-  Eigen::MatrixXd transform = Eigen::MatrixXd::Zero(nv, nv);
-  Eigen::VectorXd drift = Eigen::VectorXd::Zero(nv);
-  const int base_dofs = floating_ ? 6 : 0;
-  for (size_t i = 0; i < dof_.size(); ++i) transform(dof_[i], base_dofs + static_cast<int>(i)) = 1;
-
+  // M = Tᵀ M' T and C v = Tᵀ (c' + M' Ṫ v).
+  const auto [transform, drift] = change_of_coordinates(q, v);
   const Eigen::VectorXd velocity_terms = own_bias(Eigen::Vector3d::Zero());
-  if (floating_) {
-    const Eigen::Matrix3d rotation = Eigen::Quaterniond(q[6], q[3], q[4], q[5]).toRotationMatrix();
-    transform.block<3, 3>(base_dof_, 0) = rotation;
-    transform.block<3, 3>(base_dof_ + 3, 3).setIdentity();
-    drift.segment<3>(base_dof_) = rotation * v.segment<3>(3).cross(v.head<3>());
-    result.momentum = own_momentum(rotation);
-  }
+  if (floating_) result.momentum = own_momentum(base_rotation(q));
   result.mass_matrix = transform.transpose() * own_mass * transform;
   result.coriolis = transform.transpose() * (velocity_terms + own_mass * drift);
   result.bias = transform.transpose() * (own_bias(Eigen::Map<Eigen::Vector3d>(model_->opt.gravity)) + own_mass * drift);
   set_state(q, Eigen::VectorXd::Zero(nv));
   result.gravity = transform.transpose() * own_bias(Eigen::Map<Eigen::Vector3d>(model_->opt.gravity));
+  return result;
+}
+
+Response MujocoOracle::respond(const Question& question) {
+  const int nv = model_->nv;
+  set_state(question.q, question.v);
+  compute_mass_matrix();
+  mj_factorM(model_.get(), data_.get());
+  mj_comVel(model_.get(), data_.get());
+  const auto [transform, drift] = change_of_coordinates(question.q, question.v);  // T is orthogonal
+  const auto rne = [&](const Eigen::VectorXd& qacc) {
+    Eigen::Map<Eigen::VectorXd>(data_->qacc, nv) = qacc;
+    Eigen::VectorXd result(nv);
+    mj_rne(model_.get(), data_.get(), 1, result.data());
+    return result;
+  };
+  const auto solve = [&](const Eigen::VectorXd& right) {
+    Eigen::VectorXd result(nv);
+    mj_solveM(model_.get(), data_.get(), result.data(), right.data(), 1);
+    return result;
+  };
+  Response result;
+  result.inverse_dynamics = transform.transpose() * rne(transform * question.v_dot + drift);
+  const Eigen::VectorXd moving = transform * question.tau - rne(Eigen::VectorXd::Zero(nv));
+  result.forward_dynamics = transform.transpose() * (solve(moving) - drift);
+  result.inverse_mass_matrix.resize(nv, nv);
+  for (int i = 0; i < nv; ++i) result.inverse_mass_matrix.col(i) = transform.transpose() * solve(transform.col(i));
   return result;
 }
 

@@ -28,6 +28,7 @@ class MujocoOracle {
 
   void set_gravity(const Eigen::Vector3d& gravity);  // m/s², world axes
   Dynamics evaluate(const Eigen::VectorXd& q, const Eigen::VectorXd& v);
+  Response respond(const Question& question);  // by mj_rne with accelerations, and by MuJoCo's factors of M
 
   // For benchmarks and simulation: MuJoCo's own model, data and coordinates.
   const mjModel* model() const { return model_.get(); }
@@ -40,7 +41,14 @@ class MujocoOracle {
     void operator()(mjModel* model) const { mj_deleteModel(model); }
     void operator()(mjData* data) const { mj_deleteData(data); }
   };
+  // qvel = T v; qacc = T v̇ + Ṫ v.
+  struct Change {
+    Eigen::MatrixXd transform;  // T: a permutation but for the rotation R of the base's linear velocity
+    Eigen::VectorXd drift;      // Ṫ v: R (ω × v) of the base
+  };
+  Change change_of_coordinates(const Eigen::VectorXd& q, const Eigen::VectorXd& v) const;
   void set_inertia(int body, const ir::Inertia& inertia);
+  void compute_mass_matrix();                                // at the state set: mj_fullM and mj_factorM have what they need
   Eigen::VectorXd own_bias(const Eigen::Vector3d& gravity);  // mj_rne in MuJoCo's coordinates, at the state set
   Eigen::Matrix<double, 6, 1> own_momentum(const Eigen::Matrix3d& base_rotation);
 

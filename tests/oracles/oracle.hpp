@@ -21,6 +21,18 @@ struct Dynamics {
   Eigen::Matrix<double, 6, 1> momentum;  // whole robot's, base axes, about the base's origin; zero when the base is fixed
 };
 
+// What follows from a state and an acceleration or effort, nv each: solved by ways of the oracle's own.
+struct Response {
+  Eigen::VectorXd inverse_dynamics;     // τ(q, v, v̇), nv
+  Eigen::VectorXd forward_dynamics;     // v̇(q, v, τ), nv
+  Eigen::MatrixXd inverse_mass_matrix;  // M⁻¹, nv × nv
+};
+
+// A state and what is to be answered for it: v as in v̇ = rates of its entries, τ its dual.
+struct Question {
+  Eigen::VectorXd q, v, v_dot, tau;
+};
+
 struct Request {
   std::string urdf;  // path of the file
   Base base = Base::floating;

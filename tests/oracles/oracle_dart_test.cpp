@@ -15,6 +15,12 @@ TEST_P(Dart, AgreesWithTheGenericEngine) {
   expect_agreement(oracle, tree, generic_engine(tree, testing::test_gravity));
 }
 
+TEST_P(Dart, AgreesWithTheGenericEngineSolvedForEffortsAndAccelerations) {
+  const ir::KinematicTree tree = tree_of(GetParam());
+  DartOracle oracle = dart(GetParam(), tree);
+  expect_agreement(oracle, tree, generic_responder(tree, testing::test_gravity));
+}
+
 TEST_P(Dart, AgreesWithGeneratedCode) {
   const ir::KinematicTree tree = tree_of(GetParam());
   DartOracle oracle = dart(GetParam(), tree);

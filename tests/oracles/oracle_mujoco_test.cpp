@@ -19,6 +19,12 @@ TEST_P(Mujoco, AgreesWithTheGenericEngine) {
   expect_agreement(oracle, tree, generic_engine(tree, testing::test_gravity));
 }
 
+TEST_P(Mujoco, AgreesWithTheGenericEngineSolvedForEffortsAndAccelerations) {
+  const ir::KinematicTree tree = tree_of(GetParam());
+  MujocoOracle oracle = with_our_inertias(GetParam(), tree);
+  expect_agreement(oracle, tree, generic_responder(tree, testing::test_gravity));
+}
+
 TEST_P(Mujoco, AgreesWithGeneratedCode) {
   const ir::KinematicTree tree = tree_of(GetParam());
   MujocoOracle oracle = with_our_inertias(GetParam(), tree);

@@ -24,6 +24,17 @@ void expect_agreement(Oracle& oracle, const ir::KinematicTree& tree, const Engin
   }
 }
 
+template <class Oracle>
+void expect_agreement(Oracle& oracle, const ir::KinematicTree& tree, const Responder& respond, double limit = tolerance) {
+  for (int seed = 1; seed <= states_per_case; ++seed) {
+    const auto number = static_cast<std::uint64_t>(seed);
+    const Question question = question_at(testing::moderate_state(tree, number), number);
+    for (const Error& error : compare(respond(question), oracle.respond(question))) {
+      EXPECT_LE(error.value, limit) << error.quantity << ", state " << seed;
+    }
+  }
+}
+
 // The comparison can fail: every mutation is noticed where it should be.
 template <class Make>
 void expect_mutations_noticed(const Make& make) {
@@ -36,8 +47,11 @@ void expect_mutations_noticed(const Make& make) {
     for (const Mutation& mutation : mutations(base)) {
       ir::KinematicTree wrong = tree;
       mutation.spoil(wrong);
-      const auto errors =
+      auto errors =
           compare(generic_engine(wrong, testing::test_gravity)(state.q, state.v), right, testing::test_gravity, state.v);
+      const Question question = question_at(state, 1);
+      const auto more = compare(generic_responder(wrong, testing::test_gravity)(question), oracle.respond(question));
+      errors.insert(errors.end(), more.begin(), more.end());
       for (const char* quantity : mutation.noticed_in) {
         EXPECT_GT(error_in(errors, quantity), tolerance)
             << mutation.name << " is not noticed in " << quantity << ", " << name_of(c);
