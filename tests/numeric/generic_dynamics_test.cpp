@@ -87,10 +87,10 @@ Matrix difference_along_v(const Setting<Multi>& s, const Function& function) {
   return result;
 }
 
-using RobotBaseAndEffects = std::tuple<const char*, bool, bool>;
+using RobotBaseAndEffects = std::tuple<std::string, bool, bool>;
 std::string robot_base_and_effects(const ::testing::TestParamInfo<RobotBaseAndEffects>& info) {
   const auto [robot, floating, complicated] = info.param;
-  return std::string(robot) + (floating ? "_floating" : "_fixed") + (complicated ? "_with_effects" : "");
+  return robot + (floating ? "_floating" : "_fixed") + (complicated ? "_with_effects" : "");
 }
 
 class In100Digits : public ::testing::TestWithParam<RobotBaseAndEffects> {
@@ -201,6 +201,47 @@ INSTANTIATE_TEST_SUITE_P(Robots, InDouble, ::testing::Combine(::testing::ValuesI
                            return std::string(std::get<0>(info.param).name) +
                                   (std::get<1>(info.param) ? "_floating" : "_fixed");
                          });
+
+// Rounding alone separates double from 100 digits.
+TEST(GenericDynamics, DoubleIsTheExactRounded) {
+  for (const char* robot : {"mahru", "quadruped", "gantry_arms", "skew_axes"}) {
+    for (const bool floating : {false, true}) {
+      const ir::KinematicTree tree = tree_named(robot, floating);
+      const Setting<double> s = setting(to_generic<double>(tree, test_gravity), true, 11);
+      generic::Model<Multi> model = to_generic<Multi>(tree, test_gravity);
+      complicate(model);
+      const auto exactly = [](const Eigen::VectorXd& x) { return Vector(x.cast<Multi>()); };
+      const Vector q = exactly(s.q), v = exactly(s.v), v_dot = exactly(s.v_dot), tau = exactly(s.tau), F = exactly(s.wrenches);
+      const auto error = [](const auto& rounded, const Matrix& exact) {
+        return relative<Multi>(rounded.template cast<Multi>(), exact);
+      };
+      const auto did = generic::inverse_dynamics_derivatives<double>(s.model, s.q, s.v, s.v_dot, s.wrenches);
+      const auto exact_did = generic::inverse_dynamics_derivatives<Multi>(model, q, v, v_dot, F);
+      EXPECT_LE(error(did.dq, exact_did.dq), 1e-14) << robot;
+      EXPECT_LE(error(did.dv, exact_did.dv), 1e-14) << robot;
+      EXPECT_LE(error(generic::inverse_dynamics<double>(s.model, s.q, s.v, s.v_dot, s.wrenches),
+                      generic::inverse_dynamics<Multi>(model, q, v, v_dot, F)),
+                1e-14)
+          << robot;
+      EXPECT_LE(error(generic::regressor<double>(s.model, s.q, s.v, s.v_dot), generic::regressor<Multi>(model, q, v, v_dot)),
+                1e-14)
+          << robot;
+
+      const auto inverse = generic::inverse_mass_matrix<Multi>(model, q);
+      const double condition = static_cast<double>(largest(generic::mass_matrix<Multi>(model, q)) * largest(inverse.value)),
+                   limit = 1e-15 * condition;
+      EXPECT_LE(error(generic::inverse_mass_matrix<double>(s.model, s.q).value, inverse.value), limit) << robot;
+      EXPECT_LE(error(generic::forward_dynamics<double>(s.model, s.q, s.v, s.tau, s.wrenches).value,
+                      generic::forward_dynamics<Multi>(model, q, v, tau, F).value),
+                limit)
+          << robot;
+      const auto dfd = generic::forward_dynamics_derivatives<double>(s.model, s.q, s.v, s.tau, s.wrenches);
+      const auto exact_dfd = generic::forward_dynamics_derivatives<Multi>(model, q, v, tau, F);
+      EXPECT_LE(error(dfd.dq, exact_dfd.dq), limit) << robot;
+      EXPECT_LE(error(dfd.dv, exact_dfd.dv), limit) << robot;
+    }
+  }
+}
 
 // A free body pushed off its centre: v̇ by Newton's and Euler's laws.
 TEST(GenericForwardDynamics, FreeBodyMatchesNewtonAndEuler) {
