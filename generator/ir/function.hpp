@@ -25,8 +25,8 @@ inline constexpr std::array<FunctionRow, 3> functions{
 
 inline constexpr const FunctionRow& row_of(Function function) { return functions[static_cast<std::size_t>(function)]; }
 
-// What the C function that gives a result is called, after the robot's name: C has no overloading, and a result may be called like
-// the function that computes it.
+// What the C function that gives a result is called, after the robot's name: C has no overloading, and a result may be called
+// like the function that computes it.
 inline std::string c_accessor(const std::string& result) {
   for (const FunctionRow& row : functions)
     if (result == row.name) return result + "_result";

@@ -25,6 +25,7 @@ Vec3 SweepBuilder::three(InputKind kind, int role, int from, int body) {
 }
 
 BodyConstants SweepBuilder::body(bool reference) {
+  reference = reference && builder_.moves_reference();
   BodyConstants c;
   c.rotation = parameter9(reference ? pose_rotation_p : rotation_p);
   c.translation = parameter3(reference ? pose_translation_p : translation_p);

@@ -86,6 +86,11 @@ class Builder {
   const ir::KinematicTree& tree() const { return tree_; }
   const ir::Scene& scene() const { return scene_; }
   bool floating() const { return tree_.floating_base; }
+  // On a fixed base, whether the first joints carry the frame of reference: what does not change with their angles is cheaper
+  // so, and only evaluate() has nothing else.
+  bool moves_reference() const { return !floating() && algorithm_.function == ir::Function::evaluate; }
+  // Whether D has the half traces of the paper's C; derivatives are made of the D of Christoffel symbols.
+  bool half_traces() const { return algorithm_.function == ir::Function::evaluate; }
   int base_coordinates() const { return floating() ? 6 : 0; }
 
   // The role of that name; made from `role` where there is none yet.

@@ -9,7 +9,7 @@ using ir::Shape;
 using ir::Source;
 
 JointRoles joint_roles(Builder& builder, bool reference) {
-  if (!reference || builder.floating())
+  if (!reference || !builder.moves_reference())
     return {builder.role({"sine", "sin", "sin q", "", Shape::scalar, -1, Source::sine}),
             builder.role({"cosine", "cos", "cos q", "", Shape::scalar, -1, Source::cosine}),
             builder.role({"slide", "slide", "q of prismatic joints", "m", Shape::scalar, -1, Source::slide})};

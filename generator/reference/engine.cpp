@@ -19,10 +19,12 @@ class Evaluation {
       : tree_(tree), robot_(to_generic<S>(tree, scene.gravity)), reduction_(robot_) {
     generic::check_size<double>(inputs.q, robot_.nq(), "q");
     generic::check_size<double>(inputs.v, robot_.nv(), "v");
-    q_ = reduction_.expand_position(inputs.q.cast<S>());
-    v_ = reduction_.expand_velocity(scene.rates_zero ? VectorX<S>(VectorX<S>::Zero(inputs.v.size()))
-                                                     : VectorX<S>(inputs.v.cast<S>()));
+    own_q_ = inputs.q.cast<S>();
+    own_v_ = inputs.v.cast<S>();
     more_ = inputs.more.cast<S>();
+    if (scene.rates_zero) own_v_.setZero();
+    q_ = reduction_.expand_position(own_q_);
+    v_ = reduction_.expand_velocity(own_v_);
     kinematics_ = generic::phase1<S>(robot_, q_, v_);
     const bool matrices = std::any_of(wanted.begin(), wanted.end(), [](const Wanted& w) {
       return w.quantity == ir::Quantity::mass_matrix || w.quantity == ir::Quantity::coriolis_matrix;
@@ -42,10 +44,9 @@ class Evaluation {
         const VectorX<S> rest = VectorX<S>::Zero(v_.size());
         return reduction_.reduce_rows(generic::expanded_newton_euler<S>(robot_, kinematics_, q_, v_, rest));
       }
-      case ir::Quantity::inverse_dynamics:
-        generic::check_size<S>(more_, robot_.nv(), "a");
-        return reduction_.reduce_rows(
-            generic::expanded_newton_euler<S>(robot_, kinematics_, q_, v_, reduction_.expand_velocity(more_)));
+      case ir::Quantity::inverse_dynamics: return generic::inverse_dynamics<S>(robot_, own_q_, own_v_, more_);
+      case ir::Quantity::inverse_dynamics_dq: return generic::inverse_dynamics_dq<S>(robot_, own_q_, own_v_, more_);
+      case ir::Quantity::inverse_dynamics_dv: return generic::inverse_dynamics_dv<S>(robot_, own_q_, own_v_, more_);
       case ir::Quantity::wrench_influence:
         return reduction_.reduce_rows(generic::expanded_wrench_influence<S>(robot_, kinematics_));
     }
@@ -63,8 +64,8 @@ class Evaluation {
   const ir::KinematicTree& tree_;
   const generic::Model<S> robot_;
   const generic::Reduction<S> reduction_;
-  VectorX<S> q_, v_;  // of every joint
-  VectorX<S> more_;   // nv
+  VectorX<S> q_, v_;                 // of every joint
+  VectorX<S> own_q_, own_v_, more_;  // as given
   generic::Kinematics<S> kinematics_;
   generic::Composites<S> composites_;
 };

@@ -4,8 +4,6 @@
 
 namespace dalembert::passes {
 
-void describe_inverse_dynamics(Builder& b, int array) {
-  b.result({array, ir::Layout::per_coordinate, newton_euler(b, true)});
-}
+void describe_inverse_dynamics(Builder& b, int array) { b.result({array, ir::Layout::per_coordinate, newton_euler(b, true)}); }
 
 }  // namespace dalembert::passes

@@ -33,10 +33,11 @@ int newton_euler(Builder& b, bool accelerated) {
   const int total =
       b.role({"subtree_wrench", "f", "f, n of the subtree along the body's axes", "N, N m", Shape::wrench, wrench});
   const char* what = accelerated ? "M a + C v + g" : "C v + g";
-  const int torque = b.role({accelerated ? "torque" : "bias_torque", accelerated ? "tau" : "bias", what, "N m or N", Shape::scalar});
+  const int torque =
+      b.role({accelerated ? "torque" : "bias_torque", accelerated ? "tau" : "bias", what, "N m or N", Shape::scalar});
 
-  SweepBuilder root = b.sweep(
-      "base_motion", accelerated ? "w, dw, a = du + w x u - gravity" : "w, dw = 0, a = w x u - gravity", Direction::root);
+  SweepBuilder root = b.sweep("base_motion", accelerated ? "w, dw, a = du + w x u - gravity" : "w, dw = 0, a = w x u - gravity",
+                              Direction::root);
   const Twist v = root.base_twist(), dv = accelerated ? root.base_acceleration() : Twist{root.zero(), root.zero()};
   const Vec3 gravity = root.gravity_in_base(), centripetal = cross(v.angular, v.linear);
   store(root, motion, {v.angular, dv.angular, accelerated ? dv.linear + centripetal - gravity : centripetal - gravity});

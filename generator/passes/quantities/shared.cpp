@@ -9,13 +9,13 @@ namespace {
 
 Mat3 rotation_from(const Vec3& x, const Vec3& y, const Vec3& z) { return from_columns(x, y, z); }
 
+}  // namespace
+
 Twist unit_twist(SweepBuilder& s, int coordinate) {
   Twist unit{s.zero(), s.zero()};
   (coordinate < 3 ? unit.linear : unit.angular)[static_cast<std::size_t>(coordinate % 3)] = s.constant(1);
   return unit;
 }
-
-}  // namespace
 
 Poses poses(Builder& b) {
   // The axes one after another: the third is the joint's.
@@ -75,7 +75,7 @@ int composite_mass(Builder& b) {
   return mass;
 }
 
-SumRoles subtree_sums(Builder& b) {
+BodyAndSubtree body_and_subtree_sums(Builder& b) {
   const Poses p = poses(b);
   const SumRoles own{b.role({"first", "hk", "h of the body", "kg m", Shape::vector}),
                      b.role({"second", "Sk", "S of the body: xx xy xz yy yz zz", "kg m^2", Shape::symmetric}),
@@ -85,11 +85,11 @@ SumRoles subtree_sums(Builder& b) {
                        b.role({"subtree_second", "S", "S: xx xy xz yy yz zz", "kg m^2", Shape::symmetric, own.second}),
                        b.role({"subtree_momentum", "P", "P", "kg m/s", Shape::vector, own.momentum}),
                        b.role({"subtree_bias_block", "D", "D, row by row", "kg m^2/s", Shape::matrix, own.bias})};
-  if (b.has("moments")) return total;
+  if (b.has("moments")) return {own, total};
   SweepBuilder m = b.sweep("moments", "h = R hk + m p, S = R Sk R' + R hk p' + p (R hk)' + m p p'", Direction::anywhere);
   const BodyConstants c = m.body();
   Sums s = moments(pose_of(m, p), c);
-  add_velocity(s, velocity_of(m, p), c.mass, c.half_trace);
+  add_velocity(s, velocity_of(m, p), c.mass, b.half_traces() ? c.half_trace : m.constant(0));
   m.store(own.first, s.first);
   for (int i = 0; i < 6; ++i) m.store(own.second, i, s.second[static_cast<std::size_t>(i)]);
   m.store(own.momentum, s.momentum);
@@ -110,8 +110,10 @@ SumRoles subtree_sums(Builder& b) {
   add(own.second, total.second);
   add(own.momentum, total.momentum);
   add(own.bias, total.bias);
-  return total;
+  return {own, total};
 }
+
+SumRoles subtree_sums(Builder& b) { return body_and_subtree_sums(b).subtree; }
 
 Sums sums_of(SweepBuilder& s, const SumRoles& r) {
   Sums sums;

@@ -13,12 +13,23 @@ Poses poses(Builder& builder);
 Pose pose_of(SweepBuilder& s, const Poses& roles);
 Twist joint_of(SweepBuilder& s, const Poses& roles);
 Twist velocity_of(SweepBuilder& s, const Poses& roles);
+// One along a coordinate of the base, zero along the others.
+Twist unit_twist(SweepBuilder& s, int coordinate);
+
+// A: how the twist changes, gravity taken off, in the base's axes about its origin; for the accelerations the function is
+// given.
+int accelerations(Builder& builder);
+Twist acceleration_of(SweepBuilder& s, int role);
 
 // Phase II (eq. 12, 13, 29, 30): sums over the subtree.
 int composite_mass(Builder& builder);
 struct SumRoles {
   int first, second, momentum, bias;
 };
+struct BodyAndSubtree {
+  SumRoles body, subtree;
+};
+BodyAndSubtree body_and_subtree_sums(Builder& builder);
 SumRoles subtree_sums(Builder& builder);
 Sums sums_of(SweepBuilder& s, const SumRoles& roles);
 

@@ -1,0 +1,25 @@
+#include "passes/quantities/shared.hpp"
+
+namespace dalembert::passes {
+
+using ir::Direction;
+using ir::Shape;
+
+int accelerations(Builder& b) {
+  const Poses p = poses(b);
+  const int a = b.role({"acceleration_twist", "A", "A = dV less gravity", "m/s^2, rad/s^2", Shape::wrench});
+  if (b.has("accelerations")) return a;
+  SweepBuilder base = b.sweep("base_acceleration", "A = dv - gravity", Direction::root);
+  const Twist dv = base.base_acceleration();
+  base.store(a, Twist{dv.linear - base.gravity_in_base(), dv.angular});
+
+  SweepBuilder s = b.sweep("accelerations", "A = Ap + J ddq + dJ dq", Direction::outwards);
+  const Twist joint = joint_of(s, p), above{s.carried3(a, 0), s.carried3(a, 3)};
+  const Twist moved = body_twist(above, joint, s.acceleration());
+  s.store(a, body_twist(moved, {s.own3(p.joint_rate, 0), s.own3(p.joint_rate, 3)}, s.rate()));
+  return a;
+}
+
+Twist acceleration_of(SweepBuilder& s, int role) { return {s.own3(role, 0), s.own3(role, 3)}; }
+
+}  // namespace dalembert::passes
