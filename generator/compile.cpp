@@ -7,8 +7,8 @@
 #include <iterator>
 
 #include "backend/emit.hpp"
+#include "left_out.hpp"
 #include "reference/self_test.hpp"
-#include "report.hpp"
 
 namespace dalembert {
 namespace {
@@ -35,7 +35,7 @@ std::vector<backend::OutputFile> emit(const Model& model, std::optional<ir::Self
   const Lowered lowered = lower(model);
   backend::Folder code = folder(model, lowered);
   code.source_hash = hash_of_file(model.description.file);
-  code.report = report(model, lowered);
+  code.report = left_out(model, lowered);
   code.self_test = std::move(self_test);
   return backend::emit(code);
 }

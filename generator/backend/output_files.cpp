@@ -70,7 +70,7 @@ bool is_ours(const fs::path& path) {
 
 }  // namespace
 
-void write_files(const std::string& folder, const std::vector<OutputFile>& files) {
+void add_files(const std::string& folder, const std::vector<OutputFile>& files) {
   std::error_code error;
   fs::create_directories(folder, error);
   if (!fs::is_directory(folder)) refuse(folder, "the folder cannot be made");
@@ -78,6 +78,11 @@ void write_files(const std::string& folder, const std::vector<OutputFile>& files
   for (const OutputFile& file : files)
     if (const fs::path path = fs::path(folder) / file.name; !holds(path, file.text)) staged.add(path, file.text);
   staged.rename();
+}
+
+void write_files(const std::string& folder, const std::vector<OutputFile>& files) {
+  add_files(folder, files);
+  std::error_code error;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
     const bool produced =
         std::any_of(files.begin(), files.end(), [&](const OutputFile& f) { return entry.path().filename() == f.name; });

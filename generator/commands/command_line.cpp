@@ -16,6 +16,7 @@
 #include "commands/generate.hpp"
 #include "commands/info.hpp"
 #include "commands/options.hpp"
+#include "commands/report.hpp"
 
 namespace dalembert {
 
@@ -120,6 +121,20 @@ void add_check(Command& command) {
   };
 }
 
+void add_report(Command& command) {
+  const auto options = std::make_shared<ReportOptions>();
+  command.parser.add_option("-o,--out", options->folder, "folder for index.html and report.csv; made when missing")
+      ->required()
+      ->type_name("DIR");
+  command.parser.add_flag("--quick", options->quick, "fewer variants and states: under a minute for most robots");
+  const auto compiler = add_compiler_options(command.parser);
+  command.run = [&command, options, compiler](Diagnostics& warnings) {
+    const ReportSummary summary = write_report(read_model(command.shared.request(), warnings), *compiler, *options);
+    const int printed = print_result(summary.text);
+    return printed != good || summary.passed ? printed : check_failed;
+  };
+}
+
 int parse_and_run(int argc, const char* const* argv, Diagnostics& warnings, bool& verbose) {
   CLI::App app{"A dynamics compiler: URDF in, C++ for that one robot out.", "dalembert"};
   app.require_subcommand(1);
@@ -129,10 +144,12 @@ int parse_and_run(int argc, const char* const* argv, Diagnostics& warnings, bool
   Command info(app, "info", "Show the robot as the compiler sees it: tree, coordinates, links, sparsity, operation counts");
   Command eval(app, "eval", "Print a quantity at given states");
   Command check(app, "check", "Compare generated code with the generic engine, in double and in 50 digits, and time it");
+  Command report(app, "report", "Measure error against time, extreme cases and forms, as a page and a table");
   add_generate(generate);
   add_info(info);
   add_eval(eval);
   add_check(check);
+  add_report(report);
 
   try {
     app.parse(argc, argv);
@@ -140,7 +157,7 @@ int parse_and_run(int argc, const char* const* argv, Diagnostics& warnings, bool
     if (error.get_exit_code() == 0) return app.exit(error);  // --help
     throw InputError({Severity::error, "", "command line", error.what(), "run 'dalembert --help', or a command with --help"});
   }
-  for (const Command* command : {&generate, &info, &eval, &check})
+  for (const Command* command : {&generate, &info, &eval, &check, &report})
     if (command->parser.parsed()) {
       verbose = command->shared.verbose();
       return command->run(warnings);

@@ -1,7 +1,5 @@
 #include "commands/generated_engine.hpp"
 
-#include <algorithm>
-#include <chrono>
 #include <dalembert/self_test.hpp>
 #include <new>
 
@@ -52,35 +50,20 @@ Eigen::MatrixXd GeneratedEngine::result(const Output& output) const {
 }
 
 template <class Scalar>
-double GeneratedEngine::time_calls(const std::vector<State>& states) {
-  using Clock = std::chrono::steady_clock;
+CallTime GeneratedEngine::time_in(const std::vector<State>& states) {
   std::vector<Eigen::VectorX<Scalar>> q, v, more;
   for (const State& state : states) {
     q.push_back(state.q.cast<Scalar>());
     v.push_back(state.v.cast<Scalar>());
     more.push_back(state.more.cast<Scalar>());
   }
-  const auto round = [&](int rounds) {
-    const Clock::time_point start = Clock::now();
-    for (int r = 0; r < rounds; ++r)
-      for (size_t s = 0; s < states.size(); ++s)
-        for (const Call& c : calls_) call<Scalar>(c, q[s].data(), v[s].data(), more[s].data());
-    return std::chrono::duration<double, std::nano>(Clock::now() - start).count() / rounds / static_cast<double>(states.size());
-  };
-  constexpr int means = 201;
-  constexpr double warm_up = 2e7, mean_time = 1e5;  // ns; the clock's own cost is lost in the latter
-  const Clock::time_point start = Clock::now();
-  double estimate = round(1);
-  while (std::chrono::duration<double, std::nano>(Clock::now() - start).count() < warm_up) estimate = round(1);
-  const int rounds = 1 + static_cast<int>(mean_time / (estimate * static_cast<double>(states.size()) + 1));
-  std::vector<double> times;
-  for (int m = 0; m < means; ++m) times.push_back(round(rounds));
-  std::nth_element(times.begin(), times.begin() + means / 2, times.end());
-  return times[means / 2];
+  return time_calls(states.size(), [&](size_t s) {
+    for (const Call& c : calls_) call<Scalar>(c, q[s].data(), v[s].data(), more[s].data());
+  });
 }
 
-double GeneratedEngine::time_per_call(const std::vector<State>& states) {
-  return single_precision_ ? time_calls<float>(states) : time_calls<double>(states);
+CallTime GeneratedEngine::time_per_call(const std::vector<State>& states) {
+  return single_precision_ ? time_in<float>(states) : time_in<double>(states);
 }
 
 std::string GeneratedEngine::self_test() const {

@@ -9,6 +9,7 @@
 #include "commands/compiler.hpp"
 #include "commands/output.hpp"
 #include "commands/state_file.hpp"
+#include "commands/timing.hpp"
 #include "pipeline.hpp"
 
 namespace dalembert {
@@ -25,9 +26,8 @@ class GeneratedEngine {
   // An output at the state last evaluated, rows × columns.
   Eigen::MatrixXd result(const Output& output) const;
 
-  // The time of computing all outputs, ns, state to result: the median of some hundred means, each over the states in turn.
-  // Takes some hundredths of a second.
-  double time_per_call(const std::vector<State>& states);
+  // The time of computing all outputs, state to result, over the states in turn. Takes some hundredths of a second.
+  CallTime time_per_call(const std::vector<State>& states);
 
   // Runs the emitted self-test, which the constructor was to leave in: the empty string when it passes, else which element is
   // wrong and by how much.
@@ -45,7 +45,7 @@ class GeneratedEngine {
   template <class Scalar>
   Eigen::MatrixXd read(const Output& output) const;
   template <class Scalar>
-  double time_calls(const std::vector<State>& states);
+  CallTime time_in(const std::vector<State>& states);
 
   std::string name_;
   bool single_precision_;

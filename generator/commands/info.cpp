@@ -6,7 +6,7 @@
 
 #include "commands/json.hpp"
 #include "compile.hpp"
-#include "report.hpp"
+#include "left_out.hpp"
 
 namespace dalembert {
 
@@ -116,7 +116,7 @@ std::string quantities_json(const std::vector<OperationCost>& costs) {
 std::string describe(const Model& model) {
   std::string text =
       summary(model) + coordinates(model.tree) + bodies(model.tree) + links(model.tree) + sparsity(model.tree) + "\n";
-  for (const std::string& line : report(model, lower(model))) text += line + "\n";
+  for (const std::string& line : left_out(model, lower(model))) text += line + "\n";
   return text;
 }
 

@@ -25,6 +25,8 @@ RUN_ELSEWHERE = {
     "cmake --build --preset release --target regenerate": "writes what the tests golden.mahru and docs compare",
     "sh tests/fuzz/run.sh": "builds everything with another compiler and runs for minutes; ctest -R fuzz_corpus replays what it has found",
     "sh tests/fuzz/run.sh scene 10000000": "the same",
+    "build/release/bin/dalembert report examples/mahru/mahru.urdf -o build/try/report":
+        "minutes of compiling; the test report makes one of a smaller robot",
     "sh cmake/format.sh": "changes the sources",
     "cmake --workflow --preset dev": "builds everything again, with sanitizers",
     "cmake --workflow --preset tsan": "builds everything again, with sanitizers",

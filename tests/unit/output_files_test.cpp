@@ -36,6 +36,14 @@ class OutputFiles : public testing::Test {
 
 const std::string ours = std::string("// ") + backend::banner_mark + " from r.urdf\n";
 
+TEST_F(OutputFiles, AreAddedBesideOnesOfAnEarlierRun) {
+  write({{"a.hpp", ours}});
+  backend::add_files((root_ / "out").string(), {{"b.csv", "1"}});
+  EXPECT_EQ(count(), 2u);
+  EXPECT_EQ(text("a.hpp"), ours);
+  EXPECT_EQ(text("b.csv"), "1");
+}
+
 TEST_F(OutputFiles, AreWrittenAndNothingElseIs) {
   write({{"a.hpp", ours + "1"}, {"b.cpp", std::string("x\0y\n", 4)}});
   EXPECT_EQ(text("a.hpp"), ours + "1");

@@ -11,7 +11,7 @@ namespace dalembert {
 
 // Per quantity and phase: operations before and after. Then what was not asked for, the inputs not read and the bytes of the
 // workspace. One string per line.
-std::vector<std::string> report(const Model& model, const Lowered& lowered);
+std::vector<std::string> left_out(const Model& model, const Lowered& lowered);
 
 // The inputs the quantity does not depend on, by name: "velocities, base pose, position of waist"; empty when there is none.
 std::string not_read(const OperationCost& cost, const ir::KinematicTree& tree);

@@ -1,4 +1,4 @@
-#include "report.hpp"
+#include "left_out.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -65,7 +65,7 @@ std::string not_read(const OperationCost& cost, const ir::KinematicTree& tree) {
   return fmt::format("{}", fmt::join(parts, ", "));
 }
 
-std::vector<std::string> report(const Model& model, const Lowered& lowered) {
+std::vector<std::string> left_out(const Model& model, const Lowered& lowered) {
   const std::vector<OperationCost> after = operation_costs(lowered, model.tree);
   const bool huge = too_large_to_compare(lowered);
   const std::vector<OperationCost> before = huge ? std::vector<OperationCost>{} : costs_before(model);

@@ -1,0 +1,34 @@
+#include "commands/report.hpp"
+
+#include <fmt/format.h>
+
+#include "backend/output_files.hpp"
+#include "commands/report/forms.hpp"
+#include "commands/report/heading.hpp"
+#include "commands/report/page.hpp"
+#include "commands/report/rounding.hpp"
+#include "commands/report/stability.hpp"
+#include "commands/report/verdict.hpp"
+
+namespace dalembert {
+
+ReportSummary write_report(const Model& model, const CompilerOptions& compiler, const ReportOptions& options) {
+  using namespace reporting;
+  backend::add_files(options.folder, {});  // where it cannot be made, says so now and not in minutes
+  const Subject subject{model, outputs_of(model), compiler, options.quick};
+  Rows rows;
+  add_heading(subject, rows);
+  add_forms(subject, rows);
+  add_rounding(subject, rows);
+  add_stability(subject, rows);
+  ReportSummary summary;
+  summary.passed = add_verdict(rows);
+  const std::string csv = rows.csv();
+  backend::add_files(options.folder, {{"report.csv", csv}, {"index.html", page(model.tree.robot, csv)}});
+  for (const Row& row : rows.all())
+    if (row.section == "verdict") summary.text += row.value + "\n";
+  summary.text += fmt::format("{0}/index.html shows it, {0}/report.csv holds it\n", options.folder);
+  return summary;
+}
+
+}  // namespace dalembert

@@ -1,0 +1,43 @@
+#include "commands/report/extreme_states.hpp"
+
+#include <limits>
+#include <numbers>
+
+namespace dalembert::reporting {
+namespace {
+
+// Angles uniform up to `largest`, as the state's are up to π; slides stay.
+void scale_angles(const ir::KinematicTree& tree, State& state, double largest) {
+  Eigen::Index at = first_joint(tree);
+  for (const ir::Body& body : tree.bodies) {
+    if (body.driven()) continue;
+    if (!body.prismatic()) state.q[at] *= largest / std::numbers::pi;
+    ++at;
+  }
+}
+
+void scale_speeds(State& state, double largest) { state.v *= largest / 2; }
+
+}  // namespace
+
+const std::vector<ExtremeCase>& extreme_cases() {
+  using Tree = ir::KinematicTree;
+  static const std::vector<ExtremeCase> cases = {
+      {"random states", [](const Tree&, State&) {}},
+      {"all joints at zero", [](const Tree& tree, State& s) { s.q.tail(s.q.size() - first_joint(tree)).setZero(); }},
+      {"statics: all speeds zero", [](const Tree&, State& s) { s.v.setZero(); }},
+      {"angles to 1e6 rad", [](const Tree& tree, State& s) { scale_angles(tree, s, 1e6); }},
+      {"angles to 1e15 rad", [](const Tree& tree, State& s) { scale_angles(tree, s, 1e15); }},
+      {"speeds to 1e3", [](const Tree&, State& s) { scale_speeds(s, 1e3); }},
+      {"speeds to 1e8", [](const Tree&, State& s) { scale_speeds(s, 1e8); }},
+      {"speeds to 1e-9", [](const Tree&, State& s) { scale_speeds(s, 1e-9); }},
+      {"joints and speeds denormal",
+       [](const Tree& tree, State& s) {
+         s.q.tail(s.q.size() - first_joint(tree)).setConstant(std::numeric_limits<double>::denorm_min());
+         s.v.setConstant(std::numeric_limits<double>::denorm_min());
+       }},
+  };
+  return cases;
+}
+
+}  // namespace dalembert::reporting

@@ -1,0 +1,142 @@
+#include "commands/report/rounding.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <memory>
+
+#include "commands/random_states.hpp"
+#include "commands/report/errors.hpp"
+#include "commands/report/parallel.hpp"
+#include "commands/report/progress.hpp"
+#include "commands/report/variants.hpp"
+#include "commands/timing.hpp"
+#include "lower.hpp"
+
+namespace dalembert::reporting {
+namespace {
+
+// One point of the diagram of one output; the generic engine's is the first.
+struct Point {
+  std::string variant;
+  ir::ScalarType scalar = ir::ScalarType::float64;
+  GeneratedEngine* engine = nullptr;  // none: the generic engine
+  CallTime time;
+  std::vector<Error> errors;  // per state
+};
+
+// As many states as 50 digits get through in about a minute and a half of one core; at least fifty.
+std::vector<State> states_of(const Subject& subject) {
+  if (subject.quick) return random_states(subject.model.tree, 50);
+  const std::vector<State> first = random_states(subject.model.tree, 3);
+  const auto start = std::chrono::steady_clock::now();
+  for (const State& state : first) exact_at(subject.model, subject.outputs, state);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() / 3;
+  return random_states(subject.model.tree, std::clamp(static_cast<int>(90 / seconds), 50, 10000));
+}
+
+// Engines write into their own workspaces: each is used by one thread. `points` per output.
+void measure_errors(const Subject& subject, const std::vector<State>& given, ir::ScalarType scalar,
+                    std::vector<std::vector<Point>>& points) {
+  const bool single = scalar == ir::ScalarType::float32;
+  std::vector<State> states;
+  for (const State& state : given) states.push_back(single ? rounded_to_float(state) : state);
+  Progress progress(single ? "exact results for float" : "exact results", states.size());
+  constexpr size_t at_once = 100;  // states whose exact results are held in memory
+  for (size_t from = 0; from < states.size(); from += at_once) {
+    const size_t count = std::min(at_once, states.size() - from);
+    std::vector<Exact> exact(count);
+    each_in_parallel(count, [&](size_t s) {
+      exact[s] = exact_at(subject.model, subject.outputs, states[from + s]);
+      progress.step();
+    });
+    for (size_t o = 0; o < subject.outputs.size(); ++o)
+      for (Point& point : points[o]) {
+        if (point.scalar != scalar) continue;
+        for (size_t s = 0; s < count; ++s) {
+          const State& state = states[from + s];
+          if (point.engine) point.engine->evaluate(state);
+          const Eigen::MatrixXd result = point.engine ? point.engine->result(subject.outputs[o])
+                                                      : generic_at(subject.model, {subject.outputs[o]}, state).front();
+          point.errors.push_back(error_of(result, exact[s].results[o], exact[s].least_scales[o], scalar));
+        }
+      }
+  }
+}
+
+Spread of(const std::vector<Error>& errors, double Error::*kind) {
+  std::vector<double> values;
+  for (const Error& error : errors) values.push_back(error.*kind);
+  return spread(std::move(values));
+}
+
+void add_rows(const std::string& quantity, const std::vector<Point>& points, Rows& rows) {
+  const auto worst = [](const Point& p) { return of(p.errors, &Error::norm).worst; };
+  for (const Point& point : points) {
+    const auto add = [&](const char* metric, double value, const char* unit) {
+      rows.number("rounding", random_case, quantity, point.variant, metric, value, unit);
+    };
+    add("time_median", point.time.median, "ns");
+    add("time_lower_quartile", point.time.lower_quartile, "ns");
+    add("time_upper_quartile", point.time.upper_quartile, "ns");
+    add("times_faster", points.front().time.median / point.time.median, "times");
+    const Spread norm = of(point.errors, &Error::norm), ulp = of(point.errors, &Error::ulp),
+                 component = of(point.errors, &Error::component);
+    add("norm_lower_quartile", norm.lower_quartile, "1");
+    add("norm_median", norm.median, "1");
+    add("norm_upper_quartile", norm.upper_quartile, "1");
+    add("norm_worst", norm.worst, "1");
+    add("ulp_median", ulp.median, "ulp");
+    add("ulp_worst", ulp.worst, "ulp");
+    add("component_median", component.median, "1");
+    add("component_worst", component.worst, "1");
+    add("states", static_cast<double>(point.errors.size()), "states");
+    const bool beaten = std::any_of(points.begin(), points.end(), [&](const Point& other) {
+      return other.time.median <= point.time.median && worst(other) <= worst(point) &&
+             (other.time.median < point.time.median || worst(other) < worst(point));
+    });
+    add("pareto", beaten ? 0 : 1, "1");
+  }
+}
+
+}  // namespace
+
+void add_rounding(const Subject& subject, Rows& rows) {
+  std::vector<Order> orders;
+  std::vector<std::vector<Variant>> ways;
+  for (const Output& output : subject.outputs) {
+    const ir::Form chosen = lower(with_outputs(subject.model, {output})).functions.front().plan.form;
+    ways.push_back(variants(chosen, subject.quick));
+    if (subject.model.tree.bodies.empty())
+      std::erase_if(ways.back(), [](const Variant& v) { return v.form == ir::Form::rolled; });
+    for (const Variant& way : ways.back())
+      orders.push_back({model_of(subject.model, way), {output}, options_of(subject.compiler, way)});
+    rows.text("rounding", random_case, output.name, plain(ways.back(), chosen, ir::ScalarType::float64).name, "chosen", "yes");
+  }
+  const std::vector<std::unique_ptr<GeneratedEngine>> engines = make_engines(orders);
+
+  std::vector<std::vector<Point>> points(subject.outputs.size());
+  for (size_t o = 0, next = 0; o < subject.outputs.size(); ++o) {
+    points[o].push_back({generic_variant, ir::ScalarType::float64, nullptr, {}, {}});
+    for (const Variant& way : ways[o]) points[o].push_back({way.name, way.scalar, engines[next++].get(), {}, {}});
+  }
+  const std::vector<State> states = states_of(subject);
+  measure_errors(subject, states, ir::ScalarType::float64, points);
+  measure_errors(subject, {states.begin(), states.begin() + static_cast<std::ptrdiff_t>(std::min<size_t>(states.size(), 1000))},
+                 ir::ScalarType::float32, points);
+
+  const std::vector<State> timed(states.begin(), states.begin() + 20);
+  Progress progress("timing", engines.size());
+  for (size_t o = 0; o < points.size(); ++o) {
+    for (Point& point : points[o]) {
+      if (point.engine) {
+        point.time = point.engine->time_per_call(timed);
+        progress.step();
+      } else {
+        point.time = time_calls(timed.size(), [&](size_t s) { generic_at(subject.model, {subject.outputs[o]}, timed[s]); });
+      }
+    }
+    add_rows(subject.outputs[o].name, points[o], rows);
+  }
+}
+
+}  // namespace dalembert::reporting

@@ -1,0 +1,210 @@
+#include "commands/report/stability.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <utility>
+
+#include "commands/random_states.hpp"
+#include "commands/report/errors.hpp"
+#include "commands/report/extreme_states.hpp"
+#include "commands/report/parallel.hpp"
+#include "commands/report/rounding.hpp"
+#include "commands/report/variants.hpp"
+#include "costs.hpp"
+
+namespace dalembert::reporting {
+namespace {
+
+constexpr double good_ulp = 32, weak_ulp = 4096;
+constexpr double heavy = 1e4;  // payload over the robot's own mass
+
+const char* verdict_of(double ulp) { return ulp <= good_ulp ? good : ulp <= weak_ulp ? weak : bad; }
+
+// All outputs by the code users get, in one scalar.
+struct Code {
+  const char* name;
+  ir::ScalarType scalar;
+  GeneratedEngine* engine;
+
+  std::vector<Eigen::MatrixXd> results(const std::vector<Output>& outputs, const State& state) const {
+    engine->evaluate(state);
+    std::vector<Eigen::MatrixXd> list;
+    for (const Output& output : outputs) list.push_back(engine->result(output));
+    return list;
+  }
+  State given(const State& state) const { return scalar == ir::ScalarType::float32 ? rounded_to_float(state) : state; }
+};
+
+// Elements that are not the same number, bit by bit but for the sign of zero and for NaN.
+double different(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
+  double count = 0;
+  for (Eigen::Index i = 0; i < a.size(); ++i) count += a(i) != b(i) && !(std::isnan(a(i)) && std::isnan(b(i)));
+  return count;
+}
+
+class Stability {
+ public:
+  Stability(const Subject& subject, Rows& rows)
+      : subject_(subject), rows_(rows), states_(random_states(subject.model.tree, subject.quick ? 5 : 50)) {
+    for (const OperationCost& cost : operation_costs(subject.model)) costs_.push_back(cost);
+  }
+
+  void measured(const std::string& name, const Model& model, const std::vector<State>& states, const Code& code) {
+    std::vector<Exact> exact(states.size());
+    each_in_parallel(states.size(), [&](size_t s) { exact[s] = exact_at(model, outputs(), code.given(states[s])); });
+    std::vector<double> worst(outputs().size(), 0);
+    bool defined = false;
+    for (size_t s = 0; s < states.size(); ++s) {
+      const std::vector<Eigen::MatrixXd> results = code.results(outputs(), states[s]);
+      for (size_t o = 0; o < results.size(); ++o) {
+        const double ulp = error_of(results[o], exact[s].results[o], exact[s].least_scales[o], code.scalar).ulp;
+        if (std::isnan(ulp)) continue;
+        defined = true;
+        worst[o] = std::max(worst[o], ulp);
+      }
+    }
+    for (size_t o = 0; defined && o < worst.size(); ++o)
+      judge(name, outputs()[o].name, code, "ulp_worst", worst[o], "ulp", verdict_of(worst[o]));
+  }
+
+  void extremes(const Code& code) {
+    for (const ExtremeCase& extreme : extreme_cases()) {
+      std::vector<State> states = states_;
+      for (State& state : states) extreme.change(subject_.model.tree, state);
+      measured(extreme.name, subject_.model, states, code);
+    }
+  }
+
+  // Nothing depends on where a floating base is: not one bit.
+  void base_far_away(const Code& code) {
+    compare("base at 1e12 m", code, "elements_changed", [](State& here, State& there) {
+      here.q.head<3>().setZero();
+      there.q.head<3>().setConstant(1e12);
+    });
+  }
+
+  // A quaternion that is not of unit length is taken as it is: results are finite, and where they do not read it unchanged.
+  void quaternion(const std::string& name, double length, const Code& code) {
+    State state = states_.front();
+    const std::vector<Eigen::MatrixXd> unit = code.results(outputs(), state);
+    state.q.segment<4>(3) *= length;
+    const std::vector<Eigen::MatrixXd> results = code.results(outputs(), state);
+    for (size_t o = 0; o < results.size(); ++o) {
+      const double change = (results[o] - unit[o]).cwiseAbs().maxCoeff() / unit[o].cwiseAbs().maxCoeff();
+      const bool reads = cost_of(outputs()[o].name).reads_base_pose;
+      judge(name, outputs()[o].name, code, "change", std::isnan(change) && !reads ? 0 : change, "1",
+            results[o].allFinite() && (reads || different(results[o], unit[o]) == 0) ? good : bad);
+    }
+  }
+
+  // A number that is none comes out of every output that reads it, and of no other.
+  void poisoned(const std::string& name, double poison, bool of_position, const Code& code) {
+    State state = states_.front();
+    const std::vector<Eigen::MatrixXd> before = code.results(outputs(), state);
+    Eigen::VectorXd& inputs = of_position ? state.q : state.v;
+    const int last = static_cast<int>(inputs.size()) - 1;
+    inputs[last] = poison;
+    const std::vector<Eigen::MatrixXd> results = code.results(outputs(), state);
+    for (size_t o = 0; o < results.size(); ++o) {
+      const OperationCost& cost = cost_of(outputs()[o].name);
+      const std::vector<int>& unread = of_position ? cost.positions_not_read : cost.velocities_not_read;
+      const bool reads = std::find(unread.begin(), unread.end(), last) == unread.end();
+      const double lost = static_cast<double>((!results[o].array().isFinite()).count());
+      judge(name, outputs()[o].name, code, "elements_not_finite", lost, "elements",
+            reads ? (lost > 0 ? good : bad) : (different(results[o], before[o]) == 0 ? good : bad));
+    }
+  }
+
+  const std::vector<State>& states() const { return states_; }
+
+ private:
+  const std::vector<Output>& outputs() const { return subject_.outputs; }
+  const OperationCost& cost_of(const std::string& name) const {
+    return *std::find_if(costs_.begin(), costs_.end(), [&](const OperationCost& c) { return c.name == name; });
+  }
+
+  template <class Change>
+  void compare(const std::string& name, const Code& code, const char* metric, const Change& change) {
+    std::vector<double> changed(outputs().size(), 0);
+    for (const State& state : states_) {
+      State here = state, there = state;
+      change(here, there);
+      const std::vector<Eigen::MatrixXd> at_home = code.results(outputs(), here), away = code.results(outputs(), there);
+      for (size_t o = 0; o < changed.size(); ++o) changed[o] += different(at_home[o], away[o]);
+    }
+    for (size_t o = 0; o < changed.size(); ++o)
+      judge(name, outputs()[o].name, code, metric, changed[o], "elements", changed[o] == 0 ? good : bad);
+  }
+
+  void judge(const std::string& name, const std::string& output, const Code& code, const char* metric, double value,
+             const char* unit, const char* verdict) {
+    rows_.number("stability", name, output, code.name, metric, value, unit);
+    rows_.text("stability", name, output, code.name, "verdict", verdict);
+  }
+
+  const Subject& subject_;
+  Rows& rows_;
+  const std::vector<State> states_;
+  std::vector<OperationCost> costs_;
+};
+
+// A payload of many times the robot's mass in the centre of mass of the body that most joints carry.
+Model with_payload(Model model) {
+  ir::KinematicTree& tree = model.tree;
+  double mass = tree.base.mass;
+  for (const ir::Body& body : tree.bodies) mass += body.inertia.mass;
+  std::vector<int> depth(tree.bodies.size(), 0);
+  size_t tip = 0;
+  for (size_t k = 0; k < tree.bodies.size(); ++k) {
+    if (tree.bodies[k].parent >= 0) depth[k] = depth[static_cast<size_t>(tree.bodies[k].parent)] + 1;
+    if (depth[k] >= depth[tip]) tip = k;
+  }
+  tree.bodies[tip].inertia.mass += heavy * mass;
+  return model;
+}
+
+}  // namespace
+
+void add_stability(const Subject& subject, Rows& rows) {
+  using enum ir::ScalarType;
+  const auto order = [&](Model model, ir::ScalarType scalar) {
+    model.scene.scalar = scalar;
+    return Order{std::move(model), subject.outputs, subject.compiler};
+  };
+  std::vector<Order> orders = {order(subject.model, float64), order(subject.model, float32)};
+  const bool moves = !subject.model.tree.bodies.empty();
+  const Model loaded = moves ? with_payload(subject.model) : subject.model;
+  if (moves) {
+    orders.push_back(order(loaded, float64));
+    orders.push_back(order(loaded, float32));
+  }
+  const std::vector<std::unique_ptr<GeneratedEngine>> engines = make_engines(orders);
+
+  Stability stability(subject, rows);
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
+  for (size_t i : {0, 1}) {
+    const Code code{i == 0 ? "generated double" : "generated float", i == 0 ? float64 : float32, engines[i].get()};
+    const CallTime time = engines[i]->time_per_call(stability.states());
+    rows.number("rounding", random_case, "all", code.name, "time_median", time.median, "ns");
+    rows.number("rounding", random_case, "all", code.name, "time_lower_quartile", time.lower_quartile, "ns");
+    rows.number("rounding", random_case, "all", code.name, "time_upper_quartile", time.upper_quartile, "ns");
+    if (i == 0) rows.text("rounding", random_case, "all", code.name, "chosen", "yes");
+    stability.extremes(code);
+    if (subject.model.tree.floating_base) {
+      stability.base_far_away(code);
+      stability.quaternion("quaternion of length 1.001", 1.001, code);
+      stability.quaternion("quaternion of length 0", 0, code);
+    }
+    if (!moves) continue;
+    const Code loaded_code{code.name, code.scalar, engines[i + 2].get()};
+    stability.measured("payload 1e4 times the robot", loaded, stability.states(), loaded_code);
+    stability.poisoned("last joint's position NaN", nan, true, code);
+    stability.poisoned("last joint's position infinite", infinity, true, code);
+    stability.poisoned("last joint's speed NaN", nan, false, code);
+    stability.poisoned("last joint's speed infinite", infinity, false, code);
+  }
+}
+
+}  // namespace dalembert::reporting

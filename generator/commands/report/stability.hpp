@@ -1,0 +1,20 @@
+// What becomes of the scene's results in states, and with loads, that tests seldom see.
+#pragma once
+
+#include "commands/report/rows.hpp"
+#include "commands/report/subject.hpp"
+
+namespace dalembert::reporting {
+
+// Verdicts of section `stability`, metric `verdict`. Of cases that are measured against exact results: good up to 32 ulp of the
+// largest exact element, weak up to 4096, else bad. Of the others: good when what the case promises (docs/report.md) is what
+// happens, else bad. Bad is also whatever is not finite where the exact result is.
+inline constexpr const char* good = "good";
+inline constexpr const char* weak = "weak";
+inline constexpr const char* bad = "bad";
+
+// Rows of section `stability`: per case, output and scalar what was measured, and its verdict. Adds to section `rounding` the
+// time of all outputs together.
+void add_stability(const Subject& subject, Rows& rows);
+
+}  // namespace dalembert::reporting

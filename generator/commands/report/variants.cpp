@@ -1,0 +1,68 @@
+#include "commands/report/variants.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "commands/report/parallel.hpp"
+#include "commands/report/progress.hpp"
+
+namespace dalembert::reporting {
+namespace {
+
+Variant variant(ir::Form form, ir::ScalarType scalar, int lanes, bool fused) {
+  std::string name = form == ir::Form::rolled ? "rolled" : "straight";
+  name += scalar == ir::ScalarType::float32 ? " float" : " double";
+  if (lanes > 0) name += lanes == 1 ? ", 1 lane" : fmt::format(", {} lanes", lanes);
+  if (!fused) name += ", not fused";
+  return {name, form, scalar, lanes, fused};
+}
+
+}  // namespace
+
+std::vector<Variant> variants(ir::Form chosen, bool quick) {
+  using enum ir::ScalarType;
+  std::vector<Variant> list;
+  for (ir::Form form : {ir::Form::straight, ir::Form::rolled})
+    for (ir::ScalarType scalar : {float64, float32})
+      if (!quick || scalar == float64 || form == chosen) list.push_back(variant(form, scalar, 0, true));
+  if (!quick)
+    for (ir::ScalarType scalar : {float64, float32})
+      for (int lanes : {1, 2, 4, 8}) list.push_back(variant(ir::Form::rolled, scalar, lanes, true));
+  for (ir::ScalarType scalar : {float64, float32})
+    if (!quick || scalar == float64) list.push_back(variant(chosen, scalar, 0, false));
+  return list;
+}
+
+const Variant& plain(const std::vector<Variant>& variants, ir::Form chosen, ir::ScalarType scalar) {
+  const auto at = std::find_if(variants.begin(), variants.end(), [&](const Variant& v) {
+    return v.form == chosen && v.scalar == scalar && v.lanes == 0 && v.fused;
+  });
+  if (at == variants.end()) throw std::logic_error("no plain variant");
+  return *at;
+}
+
+Model model_of(Model model, const Variant& variant) {
+  model.options.form = variant.form;
+  model.scene.scalar = variant.scalar;
+  return model;
+}
+
+CompilerOptions options_of(CompilerOptions options, const Variant& variant) {
+  options.lanes = variant.lanes;
+  if (!variant.fused) options.flags += " -ffp-contract=off";
+  return options;
+}
+
+std::vector<std::unique_ptr<GeneratedEngine>> make_engines(const std::vector<Order>& orders) {
+  std::vector<std::unique_ptr<GeneratedEngine>> engines(orders.size());
+  Progress progress("compiling", orders.size());
+  each_in_parallel(orders.size(), [&](size_t i) {
+    engines[i] = std::make_unique<GeneratedEngine>(orders[i].model, orders[i].outputs, orders[i].options);
+    progress.step();
+  });
+  return engines;
+}
+
+}  // namespace dalembert::reporting

@@ -1,0 +1,43 @@
+// The ways a model can be generated and compiled that a report sets side by side.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "commands/compiler.hpp"
+#include "commands/generated_engine.hpp"
+#include "pipeline.hpp"
+
+namespace dalembert::reporting {
+
+struct Variant {
+  std::string name;  // "rolled double, 4 lanes"
+  ir::Form form = ir::Form::automatic;
+  ir::ScalarType scalar = ir::ScalarType::float64;
+  int lanes = 0;      // 0: as many as the target's registers hold
+  bool fused = true;  // products and sums may be fused (fma)
+};
+
+// `chosen`: the form the compiler takes of its own accord. All: both forms in double and float, loops in 1 to 8 lanes, and the
+// chosen form without fused operations. Quick: both forms in double; the chosen one in float, and without fused operations.
+std::vector<Variant> variants(ir::Form chosen, bool quick);
+
+// The chosen form in the scalar, otherwise as users get it: a variant of the list above.
+const Variant& plain(const std::vector<Variant>& variants, ir::Form chosen, ir::ScalarType scalar);
+
+// The model in the variant's form and scalar, and how it is compiled.
+Model model_of(Model model, const Variant& variant);
+CompilerOptions options_of(CompilerOptions options, const Variant& variant);
+
+// Engines to be made: several at a time, since compiling takes nearly all of a report's time.
+struct Order {
+  Model model;
+  std::vector<Output> outputs;
+  CompilerOptions options;
+};
+
+// In the orders' order; says on stderr how far it is.
+std::vector<std::unique_ptr<GeneratedEngine>> make_engines(const std::vector<Order>& orders);
+
+}  // namespace dalembert::reporting

@@ -1,0 +1,277 @@
+"use strict";
+
+// The page is made of the rows of report.csv and of nothing else. Whatever shows a figure carries data-row, the number of its row
+// (the first below the header is 0).
+const rows = d3.csv.parse(report_csv);
+rows.forEach((row, i) => { row.index = i; });
+
+const pick = (wanted) => rows.filter((row) => Object.keys(wanted).every((key) => row[key] === wanted[key]));
+const one = (wanted) => pick(wanted)[0];
+const unique = (list) => [...new Set(list)];
+const symbols = {};
+pick({section: "form", metric: "symbol"}).forEach((row) => { symbols[row.quantity] = row.value; });
+const spoken = (name) => (name === "all" ? "all together" : name.replace(/_/g, " "));
+const short = (name) => symbols[name] || spoken(name);
+
+// Three digits at most; whole numbers below a million whole.
+function rounded(text) {
+  const x = Number(text);
+  if (!Number.isFinite(x)) return text === "inf" ? "∞" : text;
+  if (Number.isInteger(x) && Math.abs(x) < 1e6) return String(x);
+  if (Math.abs(x) >= 1e6 || Math.abs(x) < 1e-3) return x.toExponential(1);
+  return String(Number(x.toPrecision(3)));
+}
+
+function figure(parent, row, unit = row.unit) {
+  const span = parent.append("span").attr("class", "figure").attr("data-row", row.index).text(rounded(row.value));
+  if (unit && unit !== "1") parent.append("span").text(" " + unit);
+  return span;
+}
+const word = (parent, row) => parent.append("span").attr("data-row", row.index).text(row.value);
+
+function heading() {
+  const about = {};
+  pick({section: "robot"}).forEach((row) => { about[row.metric] = row; });
+  d3.select("h1").append("span").attr("data-row", about.base.index).text(about.base.case);
+  pick({section: "verdict"}).forEach((row) => word(d3.select("#verdict").append("p"), row));
+  const p = d3.select("#about");
+  word(p, about.base);
+  p.append("span").text(" base, ");
+  figure(p, about.joints);
+  p.append("span").text(", ");
+  figure(p, about.mass);
+  p.append("span").text(". Compared with ");
+  word(p, about.compared_with);
+  p.append("span").text(". ");
+  word(p, about.processor);
+  p.append("span").text(", ");
+  figure(p, about.cores);
+  p.append("span").text("; flags ");
+  word(p, about.flags);
+  p.append("span").text("; code made by ");
+  word(p.append("code"), about.command);
+  p.append("span").text("; ");
+  word(p, about.date);
+  p.append("span").text(", ");
+  word(p, about.mode);
+  p.append("span").text(" report.");
+}
+
+// A diagram with two logarithmic axes. Points: {x, y: rows; x_bar, y_bar: rows of the ends of their bars; mark, classes, name;
+// number where there is one}. Lines: {points, classes}. Values of zero stand on the lower edge.
+function log_plot(parent, id, x_label, y_label, points, lines) {
+  const width = 360, height = 290, margin = {left: 46, right: 14, top: 24, bottom: 36};
+  const value = (row) => Number(row.value);
+  const extent = (lists) => d3.extent(d3.merge(lists).map(value).filter((v) => v > 0 && Number.isFinite(v)));
+  const [x_low, x_high] = extent(points.map((p) => [p.x, ...p.x_bar]));
+  const [y_low, y_high] = extent(points.map((p) => [p.y, ...p.y_bar]));
+  const domain = {x: [x_low / 1.3, x_high * 1.3], y: y_low ? [y_low / 4, y_high * 3] : [1e-17, 1e-15]};
+  const x = d3.scale.log().domain(domain.x).range([margin.left, width - margin.right]);
+  const y = d3.scale.log().domain(domain.y).range([height - margin.bottom, margin.top]).clamp(true);
+  const at_y = (row) => y(Math.max(value(row), domain.y[0]));
+  const svg = parent.append("svg").attr("viewBox", `0 0 ${width} ${height}`).attr("class", "plot").attr("role", "img")
+    .attr("aria-label", id).attr("data-plot", id).attr("data-x", x.domain().concat(x.range()).join(" "))
+    .attr("data-y", y.domain().concat(y.range()).join(" "));
+
+  const decades = (scale, most) => {
+    const [low, high] = scale.domain().map(Math.log10);
+    const step = Math.max(1, Math.ceil((high - low) / most));
+    const ticks = d3.range(Math.ceil(low), Math.floor(high) + 1, step).map((k) => Number(`1e${k}`));
+    return ticks.length > 1 ? ticks : scale.ticks().filter((v, i, all) => i % Math.ceil(all.length / 4) === 0);
+  };
+  const tick = (v) => (Math.log10(v) % 1 === 0 && (v >= 1e4 || v < 1e-2) ? "1e" + Math.log10(v) : String(v));
+  const axis = (scale, orient, most) =>
+    d3.svg.axis().scale(scale).orient(orient).tickValues(decades(scale, most)).tickFormat(tick).outerTickSize(0);
+  svg.append("g").attr("class", "axis").attr("transform", `translate(0,${height - margin.bottom})`).call(axis(x, "bottom", 6));
+  svg.append("g").attr("class", "axis").attr("transform", `translate(${margin.left},0)`).call(axis(y, "left", 7));
+  svg.append("text").attr("x", width - margin.right).attr("y", height - 4).attr("text-anchor", "end").text(x_label);
+  svg.append("text").attr("x", 4).attr("y", 8).attr("dy", "0.3em").text(y_label);
+
+  const path = d3.svg.line().x((p) => x(value(p.x))).y((p) => at_y(p.y));
+  lines.forEach((line) => svg.append("path").attr("class", line.classes).attr("d", path(line.points)));
+  points.forEach((p) => {
+    const g = svg.append("g").attr("class", "point " + p.classes).attr("data-x-row", p.x.index).attr("data-y-row", p.y.index);
+    const px = x(value(p.x)), py = at_y(p.y);
+    g.append("title").text(`${p.name}: ${rounded(p.x.value)} ${p.x.unit}, ${rounded(p.y.value)}`);
+    if (p.x_bar.length) {
+      const [from, to] = p.x_bar.map((row) => x(value(row)));
+      g.append("line").attr("class", "bar").attr("x1", from).attr("x2", to).attr("y1", py).attr("y2", py);
+    }
+    if (p.y_bar.length) {
+      const [from, to] = d3.extent(p.y_bar.map(at_y));
+      g.append("line").attr("class", "bar").attr("x1", px).attr("x2", px).attr("y1", from).attr("y2", to);
+    }
+    g.append("path").attr("d", d3.svg.symbol().type(p.mark).size(38)()).attr("transform", `translate(${px},${py})`);
+    if (p.number) g.append("text").attr("class", "number").attr("x", px + 6).attr("y", py - 6).text(p.number);
+  });
+}
+
+function table(parent, titles) {
+  const t = parent.append("table");
+  const head = t.append("thead").append("tr");
+  titles.forEach((title, i) => head.append("th").attr("class", i ? "number" : "").text(title));
+  return t.append("tbody");
+}
+
+function rounding() {
+  const all = pick({section: "rounding"});
+  const by_quantity = d3.nest().key((r) => r.quantity).map(all);
+  const together = pick({section: "rounding", quantity: "all", metric: "time_median"});
+  Object.keys(by_quantity).filter((quantity) => quantity !== "all").forEach((quantity) => {
+    const by_variant = d3.nest().key((r) => r.variant).map(by_quantity[quantity].filter((r) => r.metric !== "chosen"));
+    const points = Object.keys(by_variant).map((variant) => {
+      const of = {};
+      by_variant[variant].forEach((row) => { of[row.metric] = row; });
+      const generic = variant.startsWith("generic");
+      return {
+        x: of.time_median, x_bar: [of.time_lower_quartile, of.time_upper_quartile], y: of.norm_worst,
+        y_bar: [of.norm_median, of.norm_worst], name: variant, of,
+        mark: generic ? "diamond" : variant.startsWith("rolled") ? "square" : "circle",
+        classes: (generic ? "generic" : variant.includes("float") ? "float" : "double") +
+          (variant.includes("not fused") ? " hollow" : ""),
+      };
+    });
+    const front = points.filter((p) => p.of.pareto.value === "1").sort((a, b) => a.x.value - b.x.value);
+    front.forEach((p, i) => { p.number = i + 1; });
+    const box = d3.select("#rounding .plots").append("figure");
+    box.append("h3").text(`${spoken(quantity)} ${symbols[quantity] || ""}`);
+    log_plot(box, `rounding ${quantity}`, "time of a call, ns", "relative error, worst", points,
+      [{points: front, classes: "front"}]);
+    const caption = box.append("figcaption").append("ol").attr("class", "pareto");
+    front.forEach((p) => {
+      const item = caption.append("li");
+      item.append("span").attr("data-row", p.of.pareto.index).text(p.name);
+      item.append("span").text(": ");
+      figure(item, p.x);
+      item.append("span").text(", ");
+      figure(item, p.of.ulp_worst);
+    });
+    const details = box.append("details");
+    details.append("summary").text("all figures");
+    const body = table(details, ["variant", "ns", "ulp, worst", "ulp, median", "by element"]);
+    points.forEach((p) => {
+      const tr = body.append("tr");
+      tr.append("td").attr("data-row", p.x.index).text(p.name);
+      [p.x, p.of.ulp_worst, p.of.ulp_median, p.of.component_worst].forEach((row) =>
+        figure(tr.append("td").attr("class", "number"), row, ""));
+    });
+  });
+  if (together.length) {
+    const box = d3.select("#rounding .plots").append("figure");
+    box.append("h3").text("all together");
+    const body = table(box, ["variant", "ns"]);
+    together.forEach((row) => {
+      const tr = body.append("tr");
+      tr.append("td").attr("data-row", row.index).text(row.variant);
+      figure(tr.append("td").attr("class", "number"), row, "");
+    });
+  }
+}
+
+function stability() {
+  const all = pick({section: "stability"});
+  unique(all.map((r) => r.case)).forEach((name) => {
+    const box = d3.select("#stability .cases").append("div").attr("class", "case");
+    const here = all.filter((r) => r.case === name);
+    box.append("h3").attr("data-row", here[0].index).text(name);
+    unique(here.map((r) => r.variant)).forEach((variant) => {
+      const line = box.append("p");
+      const measured = here.filter((r) => r.variant === variant && r.metric !== "verdict");
+      line.append("span").attr("data-row", measured[0].index).text(variant);
+      line.append("span").text(measured[0].unit === "ulp" || measured[0].metric === "change" ? " " :
+        ` (${measured[0].metric.replace(/_/g, " ")}) `);
+      measured.forEach((row) => {
+        const verdict = here.find((r) => r.variant === variant && r.metric === "verdict" && r.quantity === row.quantity);
+        const chip = line.append("span").attr("class", "chip " + verdict.value).attr("data-verdict-row", verdict.index);
+        chip.append("span").text(short(row.quantity) + " ");
+        figure(chip, row, row.unit === "ulp" ? "ulp" : "");
+      });
+    });
+  });
+}
+
+function facts() {
+  const box = d3.select("#forms .facts");
+  const p = box.append("p");
+  pick({section: "form", quantity: "all", metric: "form"}).forEach((row) => {
+    p.append("span").attr("data-row", row.index).text(row.case);
+    p.append("span").text(": ");
+    word(p, row);
+    p.append("span").text("; ");
+  });
+  p.append("span").text("workspace ");
+  figure(p, one({section: "form", metric: "workspace"}));
+  p.append("span").text(".");
+  const limbs = pick({section: "form", metric: "limbs"});
+  if (limbs.length) {
+    const body = table(box, ["segment", "limbs side by side", "steps"]);
+    limbs.forEach((row) => {
+      const tr = body.append("tr");
+      tr.append("td").attr("data-row", row.index).text(row.case);
+      figure(tr.append("td").attr("class", "number"), row, "");
+      figure(tr.append("td").attr("class", "number"), one({section: "form", case: row.case, metric: "steps"}), "");
+    });
+  }
+  const alone = pick({section: "form", case: "alone", metric: "form"});
+  const list = box.append("ul");
+  alone.forEach((row) => {
+    const item = list.append("li");
+    item.append("span").text(`${spoken(row.quantity)} by itself: `);
+    word(item, row);
+  });
+  pick({section: "left_out"}).forEach((row) => {
+    const item = list.append("li");
+    if (row.metric === "not_asked_for") {
+      item.append("span").attr("data-row", row.index).text(row.quantity);
+      item.append("span").text(" is not asked for");
+    } else {
+      item.append("span").text(row.quantity === "all" ? "not read at all: " : `not read by ${spoken(row.quantity)}: `);
+      word(item, row);
+    }
+  });
+}
+
+function operations() {
+  const all = pick({section: "operations"});
+  const metrics = ["multiply", "add", "sincos", "divide"].filter((metric) => all.some((r) => r.metric === metric && r.value !== "0"));
+  const body = table(d3.select("#forms .operations"), ["", ...metrics]);
+  unique(all.map((r) => r.quantity)).forEach((quantity) => ["before", "here"].forEach((variant) => {
+    const here = all.filter((r) => r.quantity === quantity && r.variant === variant);
+    if (!here.length) return;
+    const tr = body.append("tr");
+    tr.append("td").text(`${short(quantity)}, ${variant}`);
+    metrics.forEach((metric) => figure(tr.append("td").attr("class", "number"), here.find((r) => r.metric === metric), ""));
+  }));
+}
+
+function sparsity() {
+  unique(pick({section: "sparsity"}).map((r) => r.quantity)).forEach((quantity) => {
+    const pattern = pick({section: "sparsity", quantity, metric: "pattern"});
+    const n = pattern.length;
+    const box = d3.select("#forms .plots").append("figure").attr("class", "sparsity");
+    box.append("h3").text(`${spoken(quantity)} ${symbols[quantity] || ""}`);
+    const svg = box.append("svg").attr("viewBox", `0 0 ${n} ${n}`).attr("class", "plot").attr("role", "img")
+      .attr("aria-label", `sparsity ${quantity}`).attr("data-plot", `sparsity ${quantity}`);
+    pattern.forEach((row, i) => ["x", "c"].forEach((kind) => {
+      let d = "";
+      for (const run of row.value.matchAll(new RegExp(`${kind}+`, "g"))) d += `M${run.index} ${i}h${run[0].length}v1h-${run[0].length}z`;
+      if (d) svg.append("path").attr("class", kind).attr("data-row", row.index).attr("d", d);
+    }));
+    svg.append("rect").attr("class", "edge").attr("width", n).attr("height", n).attr("stroke-width", n / 200);
+    const caption = box.append("figcaption");
+    figure(caption, one({section: "sparsity", quantity, metric: "not_zero"}), "");
+    caption.append("span").text(" of ");
+    figure(caption, one({section: "sparsity", quantity, metric: "elements"}));
+    caption.append("span").text(" are not zero, ");
+    figure(caption, one({section: "sparsity", quantity, metric: "constant"}), "");
+    caption.append("span").text(" of them constant");
+  });
+}
+
+heading();
+rounding();
+stability();
+facts();
+operations();
+sparsity();
+document.body.setAttribute("data-drawn", "yes");

@@ -1,0 +1,215 @@
+#!/usr/bin/env python3
+"""report_test.py DALEMBERT BROWSER ROBOT WORK
+
+Makes a quick report, looks at its page in the browser at the width of a phone and of a desk, in light and in dark, and compares
+what stands there with report.csv. Then spoils the page in several ways and sees that the comparison finds each.
+"""
+import csv
+import html
+import io
+import json
+import math
+import os
+import pathlib
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import time
+
+dalembert, browser, robot, work = sys.argv[1], sys.argv[2], sys.argv[3], pathlib.Path(sys.argv[4])
+probe_script = (pathlib.Path(__file__).parent / "probe.js").read_text()
+columns = ["section", "case", "quantity", "variant", "metric", "value", "unit"]
+quantities = ["coriolis_matrix", "gravity"]
+command = [dalembert, "report", robot, "--base", "floating", "--outputs", ",".join(quantities), "--quick",
+           "--flags", "-O1 -march=native -std=c++17", "-o", str(work / "out")]
+
+
+class Wrong(Exception):
+    pass
+
+
+def demand(condition, message):
+    if not condition:
+        raise Wrong(message)
+
+
+def rounded(text):
+    """As the page's script rounds."""
+    x = float(text)
+    if not math.isfinite(x):
+        return "∞" if text == "inf" else text
+    if x == int(x) and abs(x) < 1e6:
+        return str(int(x))
+    if abs(x) >= 1e6 or abs(x) < 1e-3:
+        mantissa, exponent = f"{x:.1e}".split("e")
+        return f"{mantissa}e{int(exponent):+d}"
+    return re.sub(r"\.0$", "", str(float(f"{x:.3g}")))
+
+
+def look(page, width, scheme):
+    """What the probe sees of the page."""
+    probed = work / "probed.html"
+    probed.write_text(page.replace("</body>", f"<script>{probe_script}</script></body>"))
+    run = subprocess.run(
+        [browser, "--headless", "--no-sandbox", "--disable-gpu", f"--user-data-dir={work / 'profile'}",
+         f"--window-size={width},900", f"--blink-settings=preferredColorScheme={1 if scheme == 'light' else 0}", "--dump-dom",
+         probed.as_uri()], capture_output=True, text=True, timeout=120, check=True)
+    found = re.search(r'<pre id="probe">(.*?)</pre>', run.stdout, re.DOTALL)
+    demand(found, f"the browser shows no page: {run.stderr[-2000:]}")
+    return json.loads(html.unescape(found.group(1)))
+
+
+def read_rows(text):
+    lines = list(csv.reader(io.StringIO(text)))
+    demand(lines[0] == columns, f"the columns are {lines[0]}")
+    for line in lines[1:]:
+        demand(len(line) == len(columns), f"not {len(columns)} cells: {line}")
+    return [dict(zip(columns, line)) for line in lines[1:]]
+
+
+def check_rows(rows):
+    sections = {row["section"] for row in rows}
+    for wanted in ["robot", "form", "left_out", "operations", "sparsity", "rounding", "stability", "verdict"]:
+        demand(wanted in sections, f"there is no section {wanted}")
+    for row in rows:
+        if row["unit"]:
+            demand(row["value"] in ("inf", "nan") or math.isfinite(float(row["value"])), f"no number: {row}")
+    for quantity in quantities:
+        here = [row for row in rows if row["section"] == "rounding" and row["quantity"] == quantity]
+        variants = {row["variant"] for row in here}
+        demand({"generic double", "straight double", "straight float", "rolled double", "straight double, not fused"} == variants,
+               f"{quantity} has {variants}")
+        for variant in variants:
+            value = {row["metric"]: float(row["value"]) for row in here if row["variant"] == variant and row["unit"]}
+            demand(0 < value["time_lower_quartile"] <= value["time_median"] <= value["time_upper_quartile"], f"times: {value}")
+            demand(0 <= value["norm_median"] <= value["norm_worst"] < (1e-5 if "float" in variant else 1e-13), f"errors: {value}")
+            demand(0 <= value["ulp_worst"] < 100, f"ulp: {value}")
+        demand(any(row["metric"] == "pareto" and row["value"] == "1" for row in here), f"{quantity} has no Pareto front")
+        demand(any(row["section"] == "stability" and row["quantity"] == quantity and row["case"] == "base at 1e12 m" and
+                   row["metric"] == "elements_changed" and row["value"] == "0" for row in rows),
+               f"{quantity} changes with the base's position")
+    verdicts = {row["value"] for row in rows if row["section"] == "stability" and row["metric"] == "verdict"}
+    demand(verdicts <= {"good", "weak", "bad"} and "good" in verdicts, f"verdicts {verdicts}")
+    numbers = {f"{float(row['value']):{form}}" for row in rows if row["unit"] for form in (".2g", ".3g", "g")}
+    for row in rows:
+        if row["section"] == "verdict":
+            cases = {r["case"] for r in rows if r["section"] == "stability"}
+            text = row["value"]
+            for case in cases:
+                text = text.replace(case, "")
+            for number in re.findall(r"(?<![\w.])\d[\d.]*(?:e[+-]\d+)?", text):
+                demand(number.rstrip(".") in numbers, f"{number} of '{row['value']}' is no figure of the table")
+
+
+def check_page(page, rows, seen):
+    demand(len(page) < 5e6, "the page is larger than 5 MB")
+    demand(not re.search(r"<(?:script|link|img)[^>]*(?:src|href)=", page), "the page loads something")
+    demand(seen["drawn"] == "yes", "the page's script does not reach its end")
+    demand(seen["scroll_width"] <= seen["client_width"], f"the page is {seen['scroll_width']} wide in {seen['client_width']}")
+
+    demand(len(seen["figures"]) > 100, "there are few figures")
+    for figure in seen["figures"]:
+        demand(figure["text"] == rounded(rows[int(figure["row"])]["value"]), f"{figure} is not of {rows[int(figure['row'])]}")
+        left, top, right, bottom = figure["box"]
+        demand(right > left and bottom > top, f"{figure} is not to be seen")
+    for words in seen["words"]:
+        demand(words["text"] in rows[int(words["row"])].values(), f"{words} is not of {rows[int(words['row'])]}")
+    names = set(quantities) | {name.replace("_", " ") for name in quantities}
+    units = {row["unit"] for row in rows}
+    for text in seen["loose"]:  # the frame's own sentences stand in the page word by word
+        demand(html.escape(text, quote=False) in page or text in names or text in units, f"'{text}' comes from nowhere")
+
+    plots = {plot["id"]: plot for plot in seen["plots"]}
+    wanted = {f"rounding {q}" for q in quantities} | {"sparsity coriolis_matrix"}
+    demand(set(plots) == wanted, f"the plots are {set(plots)}")
+    for plot in plots.values():
+        left, top, right, bottom = plot["box"]
+        demand(right - left > 200 and bottom - top > 100 and right <= seen["client_width"], f"{plot['id']} stands at {plot['box']}")
+    for quantity in quantities:
+        check_points(plots[f"rounding {quantity}"], rows, 5)
+    for path in plots["sparsity coriolis_matrix"]["paths"]:
+        drawn = sum(int(n) for n in re.findall(r"h(\d+)v1", path["d"]))
+        pattern = rows[int(path["row"])]["value"]
+        demand(drawn in (pattern.count("x"), pattern.count("c")), f"{path} draws {drawn} of {pattern}")
+    demand(len(seen["fronts"]) >= len(quantities), "a Pareto front is not named")
+    chips = [row for row in rows if row["section"] == "stability" and row["metric"] == "verdict"]
+    demand(len(seen["chips"]) == len(chips), "a verdict is missing")
+    for chip in seen["chips"]:
+        demand(chip["classes"] == "chip " + rows[int(chip["row"])]["value"], f"{chip} is not of {rows[int(chip['row'])]}")
+        demand(chip["colour"] not in ("rgba(0, 0, 0, 0)", seen["paper"]), f"{chip} has no colour")
+
+
+def check_points(plot, rows, count):
+    """Every point stands where its two values put it, inside the plot, with its bars."""
+    demand(len(plot["points"]) == count, f"{plot['id']} has {len(plot['points'])} points")
+    x, y = ([float(v) for v in plot[axis].split()] for axis in "xy")
+
+    def place(value, low, high, start, end):
+        value = min(max(value, low), high)
+        return start + (end - start) * math.log(value / low) / math.log(high / low)
+
+    for point in plot["points"]:
+        at = [float(v) for v in re.findall(r"-?[\d.]+", point["at"])]
+        expected = [place(float(rows[int(point["x_row"])]["value"]), *x), place(float(rows[int(point["y_row"])]["value"]), *y)]
+        demand(math.dist(at, expected) < 0.5, f"{plot['id']}: a point at {at} for {expected}")
+        demand(point["bars"] == 2, f"{plot['id']}: a point without its bars")
+        left, top, right, bottom = point["box"]
+        demand(plot["box"][0] <= left and right <= plot["box"][2] and plot["box"][1] <= top and bottom <= plot["box"][3],
+               f"{plot['id']}: a point outside")
+
+
+def must_find(page, rows, spoil, what):
+    spoiled = spoil(page)
+    demand(spoiled != page, f"nothing to spoil: {what}")
+    try:
+        check_page(spoiled, rows, look(spoiled, 360, "light"))
+    except Wrong:
+        return
+    raise Wrong(f"the test does not see that {what}")
+
+
+def interrupt():
+    """An interrupted run leaves what was there."""
+    before = {path.name: path.read_bytes() for path in (work / "out").iterdir()}
+    with subprocess.Popen(command, stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL, start_new_session=True,
+                          env=os.environ | {"TMPDIR": str(work)}) as run:
+        time.sleep(1)
+        os.killpg(run.pid, signal.SIGINT)
+        demand(run.wait(60) != 0, "the run is over before it can be interrupted")
+    after = {path.name: path.read_bytes() for path in (work / "out").iterdir()}
+    demand(before == after, "an interrupted run leaves something behind")
+
+
+def main():
+    shutil.rmtree(work, ignore_errors=True)
+    work.mkdir(parents=True)
+    run = subprocess.run(command, capture_output=True, text=True, timeout=500)
+    demand(run.returncode == 0, f"exit status {run.returncode}: {run.stdout}{run.stderr}")
+    demand(run.stderr.count("report: ") > 10, "no progress on stderr")
+    demand({path.name for path in (work / "out").iterdir()} == {"report.csv", "index.html"}, "other files than two")
+    table, page = (work / "out" / "report.csv").read_text(), (work / "out" / "index.html").read_text()
+    rows = read_rows(table)
+    check_rows(rows)
+    papers = set()
+    for width, scheme in [(360, "light"), (360, "dark"), (1200, "light")]:
+        seen = look(page, width, scheme)
+        demand(seen["window_width"] == width, f"the browser's window is {seen['window_width']} wide")
+        check_page(page, rows, seen)
+        papers.add(seen["paper"])
+    demand(len(papers) == 2, f"light and dark have the papers {papers}")
+    time_row = next(row for row in rows if row["metric"] == "time_median")
+    must_find(page, rows, lambda p: p.replace(f"time_median,{time_row['value']},", "time_median,12345.5,", 1), "a figure is another")
+    must_find(page, rows, lambda p: p.replace("\nsparsity();", ""), "a plot is missing")
+    must_find(page, rows, lambda p: p.replace("translate(${px},", "translate(${px + 9},"), "points stand elsewhere")
+    must_find(page, rows, lambda p: p.replace("main { max-width", "main { min-width: 500px; max-width"), "the page is too wide")
+    must_find(page, rows, lambda p: p.replace('"chip " + verdict.value', '"chip weak"'), "a verdict is another")
+    interrupt()
+    print(f"{len(rows)} rows, {len(seen['figures'])} figures, {len(seen['plots'])} plots")
+
+
+try:
+    main()
+except Wrong as wrong:
+    sys.exit(f"report_test: {wrong}")
