@@ -1,0 +1,75 @@
+#include "reference/trajectory.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+#include <boost/numeric/odeint.hpp>
+#include <dalembert/generic/dynamics.hpp>
+#include <vector>
+
+#include "reference/engine.hpp"
+#include "reference/generic_model.hpp"
+
+namespace dalembert::reference {
+namespace {
+
+using Long = long double;
+using Flat = std::vector<Long>;  // q, then v
+
+class FreeMotion {
+ public:
+  FreeMotion(const ir::KinematicTree& tree, const ir::Scene& scene)
+      : robot_(to_generic<Long>(tree, scene.gravity)), nq_(tree.nq()), nv_(tree.nv()) {}
+
+  void operator()(const Flat& state, Flat& rate, Long) const {
+    const VectorX<Long> q = Eigen::Map<const VectorX<Long>>(state.data(), nq_);
+    const VectorX<Long> v = Eigen::Map<const VectorX<Long>>(state.data() + nq_, nv_);
+    Eigen::Map<VectorX<Long>> q_rate(rate.data(), nq_), v_rate(rate.data() + nq_, nv_);
+    const Eigen::Index base = robot_.floating_base ? 6 : 0;
+    if (base) {
+      const Eigen::Quaternion<Long> turned(q[6], q[3], q[4], q[5]), turning(0, v[3], v[4], v[5]);
+      q_rate.head<3>() = rotation_of_quaternion<Long>(q[3], q[4], q[5], q[6]) * v.head<3>();
+      q_rate.segment<4>(3) = (turned * turning).coeffs() / 2;
+    }
+    q_rate.tail(nv_ - base) = v.tail(nv_ - base);
+    v_rate = -generic::mass_matrix<Long>(robot_, q).ldlt().solve(generic::bias<Long>(robot_, q, v));
+  }
+
+ private:
+  generic::Model<Long> robot_;
+  Eigen::Index nq_, nv_;
+};
+
+}  // namespace
+
+Motion trajectory(const ir::KinematicTree& tree, const ir::Scene& scene, const Motion& start, double seconds) {
+  namespace odeint = boost::numeric::odeint;
+  Flat state(start.q.data(), start.q.data() + start.q.size());
+  state.insert(state.end(), start.v.data(), start.v.data() + start.v.size());
+  const auto stepper = odeint::make_controlled<odeint::runge_kutta_fehlberg78<Flat, Long>>(Long(1e-16), Long(1e-16));
+  odeint::integrate_adaptive(stepper, FreeMotion(tree, scene), state, Long(0), Long(seconds), Long(1e-3));
+  const Eigen::Map<const VectorX<Long>> end(state.data(), static_cast<Eigen::Index>(state.size()));
+  return {end.head(start.q.size()).cast<double>(), end.tail(start.v.size()).cast<double>()};
+}
+
+double kinetic_energy(const ir::KinematicTree& tree, const ir::Scene& scene, const Motion& at) {
+  const Eigen::MatrixXd M = evaluate(tree, scene, {{ir::Quantity::mass_matrix, ""}}, {at.q, at.v}, Precision::float64).front();
+  return at.v.dot(M * at.v) / 2;
+}
+
+double potential_energy(const ir::KinematicTree& tree, const ir::Scene& scene, const Motion& at) {
+  const generic::Model<double> robot = to_generic<double>(tree, scene.gravity);
+  const generic::Reduction<double> reduction(robot);
+  const generic::Kinematics<double> kinematics = generic::phase1<double>(
+      robot, reduction.expand_position(at.q), reduction.expand_velocity(Eigen::VectorXd::Zero(at.v.size())));
+  Transform<double> base{Eigen::Matrix3d::Identity(), Eigen::Vector3d::Zero()};
+  if (tree.floating_base) base = {rotation_of_quaternion<double>(at.q[3], at.q[4], at.q[5], at.q[6]), at.q.head<3>()};
+  const auto energy = [&](const Inertia<double>& body, const Transform<double>& in_base) {
+    const Transform<double> pose = base * in_base;
+    return -body.mass * robot.gravity.dot(pose.rotation * body.com + pose.translation);
+  };
+  double sum = tree.floating_base ? energy(robot.base, {Eigen::Matrix3d::Identity(), Eigen::Vector3d::Zero()}) : 0;
+  for (size_t k = 0; k < robot.bodies.size(); ++k) sum += energy(robot.bodies[k].inertia, kinematics.bodies[k].in_base);
+  return sum;
+}
+
+}  // namespace dalembert::reference
