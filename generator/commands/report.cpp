@@ -5,6 +5,7 @@
 #include "backend/output_files.hpp"
 #include "commands/report/forms.hpp"
 #include "commands/report/heading.hpp"
+#include "commands/report/integration.hpp"
 #include "commands/report/page.hpp"
 #include "commands/report/rounding.hpp"
 #include "commands/report/stability.hpp"
@@ -21,6 +22,7 @@ ReportSummary write_report(const Model& model, const CompilerOptions& compiler, 
   add_forms(subject, rows);
   add_rounding(subject, rows);
   add_stability(subject, rows);
+  add_integration(subject, rows);
   ReportSummary summary;
   summary.passed = add_verdict(rows);
   const std::string csv = rows.csv();

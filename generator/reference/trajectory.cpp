@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <boost/numeric/odeint.hpp>
 #include <dalembert/generic/dynamics.hpp>
+#include <memory>
 #include <vector>
 
 #include "reference/engine.hpp"
@@ -21,6 +22,7 @@ class FreeMotion {
       : robot_(to_generic<Long>(tree, scene.gravity)), nq_(tree.nq()), nv_(tree.nv()) {}
 
   void operator()(const Flat& state, Flat& rate, Long) const {
+    if (++*evaluations_ > 100'000) throw NoTrajectory("the motion from a random state is too fast to be followed");
     const VectorX<Long> q = Eigen::Map<const VectorX<Long>>(state.data(), nq_);
     const VectorX<Long> v = Eigen::Map<const VectorX<Long>>(state.data() + nq_, nv_);
     Eigen::Map<VectorX<Long>> q_rate(rate.data(), nq_), v_rate(rate.data() + nq_, nv_);
@@ -32,11 +34,13 @@ class FreeMotion {
     }
     q_rate.tail(nv_ - base) = v.tail(nv_ - base);
     v_rate = -generic::mass_matrix<Long>(robot_, q).ldlt().solve(generic::bias<Long>(robot_, q, v));
+    if (!v_rate.allFinite()) throw NoTrajectory("the mass matrix is singular");
   }
 
  private:
   generic::Model<Long> robot_;
   Eigen::Index nq_, nv_;
+  std::shared_ptr<int> evaluations_ = std::make_shared<int>(0);  // the integrator copies us
 };
 
 }  // namespace
@@ -46,7 +50,11 @@ Motion trajectory(const ir::KinematicTree& tree, const ir::Scene& scene, const M
   Flat state(start.q.data(), start.q.data() + start.q.size());
   state.insert(state.end(), start.v.data(), start.v.data() + start.v.size());
   const auto stepper = odeint::make_controlled<odeint::runge_kutta_fehlberg78<Flat, Long>>(Long(1e-16), Long(1e-16));
-  odeint::integrate_adaptive(stepper, FreeMotion(tree, scene), state, Long(0), Long(seconds), Long(1e-3));
+  try {
+    odeint::integrate_adaptive(stepper, FreeMotion(tree, scene), state, Long(0), Long(seconds), Long(1e-3));
+  } catch (const odeint::step_adjustment_error&) {
+    throw NoTrajectory("the motion from a random state is too uneven to be followed");
+  }
   const Eigen::Map<const VectorX<Long>> end(state.data(), static_cast<Eigen::Index>(state.size()));
   return {end.head(start.q.size()).cast<double>(), end.tail(start.v.size()).cast<double>()};
 }

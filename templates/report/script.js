@@ -190,6 +190,61 @@ function stability() {
   });
 }
 
+function integration() {
+  const all = pick({section: "integration"});
+  const none = all.find((r) => r.metric === "not_simulated");
+  const section = d3.select("#integration");
+  if (none) {
+    section.selectAll("p, h3, div").remove();
+    const p = section.append("p");
+    p.append("span").text("Not simulated: ");
+    word(p, none);
+    return;
+  }
+  const looks = {"semi-implicit Euler": ["euler", "circle"], "RK4": ["rk4", "square"], "implicit midpoint": ["midpoint", "diamond"],
+    "linearly implicit": ["linear", "triangle-up"]};
+  const points = all.filter((r) => r.metric === "error" && Number.isFinite(Number(r.value))).map((row) => ({
+    x: all.find((r) => r.metric === "time" && r.case === row.case && r.variant === row.variant), x_bar: [], y: row, y_bar: [],
+    name: `${row.variant}, ${row.case}`, variant: row.variant, mark: looks[row.variant][1], classes: looks[row.variant][0]}));
+  const box = section.select(".plots").append("figure");
+  box.append("h3").text("state, free motion");
+  log_plot(box, "integration", "s of computing per s of motion", "error of q and v", points, Object.keys(looks).map((variant) => (
+    {points: points.filter((p) => p.variant === variant), classes: "curve " + looks[variant][0]})));
+  const details = box.append("details");
+  details.append("summary").text("all figures");
+  const body = table(details, ["integrator and step", "error", "s per s", "energy drift"]);
+  points.forEach((p) => {
+    const tr = body.append("tr");
+    const name = tr.append("td");
+    name.append("span").attr("data-row", p.y.index).text(p.variant);
+    name.append("span").text(", ");
+    name.append("span").attr("data-row", p.y.index).text(p.y.case);
+    const drift = all.find((r) => r.metric === "energy_drift" && r.case === p.y.case && r.variant === p.variant);
+    [p.y, p.x, drift].forEach((row) => figure(tr.append("td").attr("class", "number"), row, ""));
+  });
+  const orders = section.select(".orders");
+  orders.append("span").text("Orders seen:");
+  all.filter((r) => r.metric === "order").forEach((row) => {
+    orders.append("span").text(" ");
+    word(orders, {index: row.index, value: row.variant});
+    orders.append("span").text(" ");
+    figure(orders, row, "");
+    orders.append("span").text(";");
+  });
+  unique(all.filter((r) => r.metric === "largest_speed").map((r) => r.case)).forEach((name) => {
+    const line = section.select(".springs").append("p");
+    line.append("span").attr("data-row", all.find((r) => r.case === name).index).text(name);
+    line.append("span").text(" ");
+    all.filter((r) => r.case === name && r.metric === "largest_speed").forEach((row) => {
+      const verdict = all.find((r) => r.case === name && r.variant === row.variant && r.metric === "verdict");
+      const chip = line.append("span").attr("class", "chip " + verdict.value).attr("data-verdict-row", verdict.index);
+      chip.append("span").attr("data-row", row.index).text(row.variant);
+      chip.append("span").text(" ");
+      figure(chip, row, "");
+    });
+  });
+}
+
 function facts() {
   const box = d3.select("#forms .facts");
   const p = box.append("p");
@@ -271,6 +326,7 @@ function sparsity() {
 heading();
 rounding();
 stability();
+integration();
 facts();
 operations();
 sparsity();

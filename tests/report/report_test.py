@@ -71,7 +71,7 @@ def read_rows(text):
 
 def check_rows(rows):
     sections = {row["section"] for row in rows}
-    for wanted in ["robot", "form", "left_out", "operations", "sparsity", "rounding", "stability", "verdict"]:
+    for wanted in ["robot", "form", "left_out", "operations", "sparsity", "rounding", "stability", "integration", "verdict"]:
         demand(wanted in sections, f"there is no section {wanted}")
     for row in rows:
         if row["unit"]:
@@ -92,6 +92,11 @@ def check_rows(rows):
                f"{quantity} changes with the base's position")
     verdicts = {row["value"] for row in rows if row["section"] == "stability" and row["metric"] == "verdict"}
     demand(verdicts <= {"good", "weak", "bad"} and "good" in verdicts, f"verdicts {verdicts}")
+    orders = {row["variant"]: float(row["value"]) for row in rows if row["metric"] == "order"}
+    for integrator, order in {"semi-implicit Euler": 1, "RK4": 4, "implicit midpoint": 2, "linearly implicit": 1}.items():
+        demand(abs(orders.get(integrator, 0) - order) < 0.5, f"orders {orders}")
+    stiff = {(row["case"], row["variant"]): row["value"] for row in rows if row["section"] == "integration" and row["metric"] == "verdict"}
+    demand(stiff["springs of 1e+09", "linearly implicit"] == "good" and stiff["springs of 1e+09", "RK4"] == "bad", f"{stiff}")
     numbers = {f"{float(row['value']):{form}}" for row in rows if row["unit"] for form in (".2g", ".3g", "g")}
     for row in rows:
         if row["section"] == "verdict":
@@ -122,26 +127,27 @@ def check_page(page, rows, seen):
         demand(html.escape(text, quote=False) in page or text in names or text in units, f"'{text}' comes from nowhere")
 
     plots = {plot["id"]: plot for plot in seen["plots"]}
-    wanted = {f"rounding {q}" for q in quantities} | {"sparsity coriolis_matrix"}
+    wanted = {f"rounding {q}" for q in quantities} | {"sparsity coriolis_matrix", "integration"}
     demand(set(plots) == wanted, f"the plots are {set(plots)}")
     for plot in plots.values():
         left, top, right, bottom = plot["box"]
         demand(right - left > 200 and bottom - top > 100 and right <= seen["client_width"], f"{plot['id']} stands at {plot['box']}")
     for quantity in quantities:
-        check_points(plots[f"rounding {quantity}"], rows, 5)
+        check_points(plots[f"rounding {quantity}"], rows, 5, 2)
+    check_points(plots["integration"], rows, 16, 0)
     for path in plots["sparsity coriolis_matrix"]["paths"]:
         drawn = sum(int(n) for n in re.findall(r"h(\d+)v1", path["d"]))
         pattern = rows[int(path["row"])]["value"]
         demand(drawn in (pattern.count("x"), pattern.count("c")), f"{path} draws {drawn} of {pattern}")
     demand(len(seen["fronts"]) >= len(quantities), "a Pareto front is not named")
-    chips = [row for row in rows if row["section"] == "stability" and row["metric"] == "verdict"]
+    chips = [row for row in rows if row["section"] in ("stability", "integration") and row["metric"] == "verdict"]
     demand(len(seen["chips"]) == len(chips), "a verdict is missing")
     for chip in seen["chips"]:
         demand(chip["classes"] == "chip " + rows[int(chip["row"])]["value"], f"{chip} is not of {rows[int(chip['row'])]}")
         demand(chip["colour"] not in ("rgba(0, 0, 0, 0)", seen["paper"]), f"{chip} has no colour")
 
 
-def check_points(plot, rows, count):
+def check_points(plot, rows, count, bars):
     """Every point stands where its two values put it, inside the plot, with its bars."""
     demand(len(plot["points"]) == count, f"{plot['id']} has {len(plot['points'])} points")
     x, y = ([float(v) for v in plot[axis].split()] for axis in "xy")
@@ -154,7 +160,7 @@ def check_points(plot, rows, count):
         at = [float(v) for v in re.findall(r"-?[\d.]+", point["at"])]
         expected = [place(float(rows[int(point["x_row"])]["value"]), *x), place(float(rows[int(point["y_row"])]["value"]), *y)]
         demand(math.dist(at, expected) < 0.5, f"{plot['id']}: a point at {at} for {expected}")
-        demand(point["bars"] == 2, f"{plot['id']}: a point without its bars")
+        demand(point["bars"] == bars, f"{plot['id']}: a point without its bars")
         left, top, right, bottom = point["box"]
         demand(plot["box"][0] <= left and right <= plot["box"][2] and plot["box"][1] <= top and bottom <= plot["box"][3],
                f"{plot['id']}: a point outside")

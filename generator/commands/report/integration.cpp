@@ -1,0 +1,190 @@
+#include "commands/report/integration.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <dalembert/integrators/implicit_midpoint.hpp>
+#include <dalembert/integrators/linearly_implicit.hpp>
+#include <dalembert/integrators/rk4.hpp>
+#include <dalembert/integrators/semi_implicit_euler.hpp>
+#include <limits>
+
+#include "commands/generated_engine.hpp"
+#include "commands/random_states.hpp"
+#include "commands/report/progress.hpp"
+#include "reference/trajectory.hpp"
+
+namespace dalembert::reporting {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using reference::Motion;
+
+constexpr double seconds = 0.2, stiff_seconds = 1, stiff_step = 1e-3;
+constexpr int largest_robot = 100;  // coordinates; beyond, the reference takes longer than all the rest
+
+// The robot's dynamics as the integrators want them, with springs towards a position in every joint.
+class Simulated {
+ public:
+  Simulated(const Model& model, const CompilerOptions& compiler)
+      : tree_(model.tree),
+        outputs_(outputs_of(with_quantities(model))),
+        engine_(with_quantities(model), outputs_, compiler),
+        damping_(VectorXd::Zero(tree_.nv())),
+        rest_(VectorXd::Zero(tree_.nq())) {
+    const std::vector<int> coordinates = tree_.coordinates();
+    for (size_t k = 0; k < tree_.bodies.size(); ++k)
+      if (!tree_.bodies[k].driven()) damping_[base() + coordinates[k]] = tree_.bodies[k].damping;
+  }
+
+  void set_springs(double stiffness, const VectorXd& rest) {
+    stiffness_ = stiffness;
+    rest_ = rest;
+  }
+
+  VectorXd acceleration(const VectorXd& q, const VectorXd& v) {
+    engine_.evaluate({"", q, v});
+    return engine_.result(outputs_[0]).ldlt().solve(force(q));
+  }
+
+  integrators::Linearised<double, Eigen::Dynamic> linearised(const VectorXd& q, const VectorXd& v) {
+    engine_.evaluate({"", q, v});
+    MatrixXd damping = engine_.result(outputs_[1]), springs = MatrixXd::Zero(v.size(), v.size());
+    damping.diagonal() += damping_;
+    springs.diagonal().tail(v.size() - base()).setConstant(stiffness_);
+    return {engine_.result(outputs_[0]), damping, springs, force(q)};
+  }
+
+ private:
+  static Model with_quantities(Model model) {
+    model.scene.outputs = {ir::Quantity::mass_matrix, ir::Quantity::coriolis_matrix, ir::Quantity::bias};
+    model.scene.jacobians.clear();
+    model.scene.scalar = ir::ScalarType::float64;
+    return model;
+  }
+  Eigen::Index base() const { return tree_.floating_base ? 6 : 0; }
+  VectorXd force(const VectorXd& q) const {
+    VectorXd f = -engine_.result(outputs_[2]);
+    const Eigen::Index joints = f.size() - base();
+    f.tail(joints) -= stiffness_ * (q - rest_).tail(joints);
+    return f;
+  }
+
+  const ir::KinematicTree& tree_;
+  std::vector<Output> outputs_;
+  GeneratedEngine engine_;
+  VectorXd damping_, rest_;  // of v's and of q's layout
+  double stiffness_ = 0;
+};
+
+struct Integrator {
+  const char* name;
+  bool (*step)(Simulated&, double h, VectorXd& q, VectorXd& v);  // false: it gives up
+};
+
+constexpr Integrator all_integrators[] = {
+    {"semi-implicit Euler",
+     [](Simulated& s, double h, VectorXd& q, VectorXd& v) { return integrators::semi_implicit_euler(s, h, q, v), true; }},
+    {"RK4", [](Simulated& s, double h, VectorXd& q, VectorXd& v) { return integrators::rk4(s, h, q, v), true; }},
+    {"implicit midpoint",
+     [](Simulated& s, double h, VectorXd& q, VectorXd& v) { return integrators::implicit_midpoint(s, h, q, v); }},
+    {"linearly implicit",
+     [](Simulated& s, double h, VectorXd& q, VectorXd& v) { return integrators::linearly_implicit(s, h, q, v), true; }},
+};
+
+double difference(const Motion& a, const Motion& b) {
+  const double largest =
+      std::max((a.q - b.q).cwiseAbs().maxCoeff<Eigen::PropagateNaN>(), (a.v - b.v).cwiseAbs().maxCoeff<Eigen::PropagateNaN>());
+  return std::isnan(largest) ? std::numeric_limits<double>::infinity() : largest;
+}
+
+void add_free_motion(const Subject& subject, Simulated& simulated, const Motion& start, Rows& rows) {
+  const Model& model = subject.model;
+  const Motion exact = reference::trajectory(model.tree, model.scene, start, seconds);
+  const auto energy = [&](const Motion& at) {
+    return reference::kinetic_energy(model.tree, model.scene, at) + reference::potential_energy(model.tree, model.scene, at);
+  };
+  const double before = energy(start), moving = reference::kinetic_energy(model.tree, model.scene, start);
+  std::vector<double> steps = {8e-3, 4e-3, 2e-3, 1e-3};
+  if (!subject.quick) steps.insert(steps.end(), {5e-4, 2.5e-4, 1.25e-4});
+  for (const Integrator& integrator : all_integrators) {
+    double order = std::numeric_limits<double>::quiet_NaN(), error_before = 0;
+    for (double h : steps) {
+      Motion at;
+      bool good = true;
+      std::array<double, 3> times;
+      for (double& time : times) {
+        at = start;
+        const auto begin = std::chrono::steady_clock::now();
+        for (int i = 0, count = static_cast<int>(std::lround(seconds / h)); good && i < count; ++i)
+          good = integrator.step(simulated, h, at.q, at.v);
+        time = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+      }
+      std::sort(times.begin(), times.end());
+      const double error = good ? difference(at, exact) : std::numeric_limits<double>::infinity();
+      const auto add = [&](const char* metric, double value, const char* unit) {
+        rows.number("integration", fmt::format("free motion, step {} ms", h * 1e3), "state", integrator.name, metric, value,
+                    unit);
+      };
+      add("error", error, "m, rad, m/s, rad/s");
+      add("time", times[1] / seconds, "s per s");
+      if (std::isfinite(error)) add("energy_drift", (energy(at) - before) / moving, "of kinetic energy");
+      // Errors between chaos and rounding tell the order.
+      if (error_before < 0.1 && error > 1e-10) order = std::log2(error_before / error);
+      error_before = error;
+    }
+    if (std::isfinite(order)) rows.number("integration", "free motion", "state", integrator.name, "order", order, "1");
+  }
+}
+
+void add_springs(Simulated& simulated, const Motion& start, Rows& rows) {
+  for (double stiffness : {1e3, 1e6, 1e9}) {
+    const std::string name = fmt::format("springs of {:.0e}", stiffness);
+    simulated.set_springs(stiffness, start.q);
+    for (const Integrator& integrator : all_integrators) {
+      Motion at = start;
+      at.v *= 0.1;
+      double largest = 0;
+      bool good = true;
+      for (int i = 0; good && i < std::lround(stiff_seconds / stiff_step); ++i) {
+        good = integrator.step(simulated, stiff_step, at.q, at.v) && at.v.allFinite() && at.v.cwiseAbs().maxCoeff() < 1e6;
+        if (good) largest = std::max(largest, at.v.cwiseAbs().maxCoeff());
+      }
+      const double speed = good ? largest : std::numeric_limits<double>::infinity();
+      rows.number("integration", name, "state", integrator.name, "largest_speed", speed, "m/s, rad/s");
+      rows.text("integration", name, "state", integrator.name, "verdict", good ? "good" : "bad");
+    }
+  }
+}
+
+// Why there is nothing to simulate; empty when there is.
+std::string obstacle(const Model& model) {
+  if (model.tree.nv() == 0) return "nothing moves";
+  if (model.tree.nv() > largest_robot) return fmt::format("more than {} coordinates", largest_robot);
+  if (model.scene.rates_zero) return "the scene is of statics";
+  for (const ir::Body& body : model.tree.bodies)
+    if (body.friction != 0) return "Coulomb friction makes the motion uneven";
+  return "";
+}
+
+}  // namespace
+
+void add_integration(const Subject& subject, Rows& rows) {
+  std::string why = obstacle(subject.model);
+  if (why.empty()) try {
+      Simulated simulated(subject.model, subject.compiler);
+      const State state = random_states(subject.model.tree, 1).front();
+      add_free_motion(subject, simulated, {state.q, state.v}, rows);
+      add_springs(simulated, {state.q, state.v}, rows);
+    } catch (const reference::NoTrajectory& none) {
+      why = none.what();
+    }
+  if (!why.empty()) rows.text("integration", "", "", "", "not_simulated", why);
+}
+
+}  // namespace dalembert::reporting
