@@ -90,7 +90,8 @@ std::vector<OperationCost> operation_costs(const Lowered& lowered, const ir::Kin
     const std::vector<int> phases = passes::phases(f.algorithm);
     const OperationCost all = cost_of(f.program, phases, tree, -1);
     costs.front() = f.algorithm.function == lowered.functions.front().algorithm.function ? all : sum(costs.front(), all);
-    for (size_t a = 0; a < f.program.arrays.size(); ++a) costs.push_back(cost_of(f.program, phases, tree, static_cast<int>(a)));
+    for (size_t a = 0; a < f.program.arrays.size(); ++a)
+      if (!f.program.arrays[a].internal) costs.push_back(cost_of(f.program, phases, tree, static_cast<int>(a)));
   }
   return costs;
 }

@@ -29,9 +29,7 @@ std::string input_text(const CodeInput& code, const ir::Input& input) {
 
 const ir::FunctionRow& function_of(const CodeInput& code) { return ir::row_of(code.algorithm.function); }
 
-std::string own_name(const CodeInput& code, const std::string& name) {
-  return code.algorithm.function == ir::Function::evaluate ? name : fmt::format("{}_{}", function_of(code).name, name);
-}
+std::string own_name(const CodeInput& code, const std::string& name) { return ir::own_name(code.algorithm.function, name); }
 
 std::string own_type(const CodeInput& code, const std::string& type) { return function_of(code).type + type; }
 
@@ -46,6 +44,19 @@ std::string parameters_of(const CodeInput& code, const std::string& pointer) {
 }
 
 std::string arguments_of(const CodeInput& code) { return fmt::format("{}", fmt::join(vectors_of(code), ", ")); }
+
+std::string guard_statements(const CodeInput& code) {
+  const std::optional<ir::Guard>& guard = code.algorithm.guard;
+  if (!guard) return "";
+  const auto array = [&](int index) -> const ir::OutputArray& { return code.algorithm.arrays[static_cast<size_t>(index)]; };
+  const std::string status = own_name(code, "status");
+  std::string text = fmt::format("  workspace.{} = dalembert::factor_status<{}>(workspace.{}, workspace.{});\n", status,
+                                 array(guard->pivots).rows, array(guard->pivots).name, array(guard->diagonal).name);
+  for (const int index : guard->arrays)
+    text += fmt::format("  dalembert::clear_unless_ok<{}>(workspace.{}, workspace.{});\n",
+                        array(index).rows * array(index).columns, status, array(index).name);
+  return text;
+}
 
 int element_index(const ir::OutputArray& array, int row, int column) { return row + array.rows * column; }
 

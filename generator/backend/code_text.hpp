@@ -21,6 +21,9 @@ std::string arguments_of(const CodeInput& code);
 // The text of an input on the evaluation path: q[7], v[6], workspace.gravity_vector[2], workspace.payload_hand.mass …
 std::string input_text(const CodeInput& code, const ir::Input& input);
 
+// Statements behind the results: whether they mean something.
+std::string guard_statements(const CodeInput& code);
+
 // `row + nv * column` worked out.
 int element_index(const ir::OutputArray& array, int row, int column);
 

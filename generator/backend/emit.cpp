@@ -38,15 +38,26 @@ std::vector<const ir::Body*> own_coordinates(const CodeInput& code) {
 
 std::string quantities(const CodeInput& code) {
   std::vector<std::string> names;
-  for (const ir::OutputArray& a : code.program.arrays) names.push_back(a.name);
+  for (const ir::OutputArray& a : code.program.arrays)
+    if (!a.internal) names.push_back(a.name);
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
 std::string results(const Folder& folder) {
   std::string text;
-  for (const ir::OutputArray& a : folder.arrays()) {
-    text += a.columns == 1 ? fmt::format("  alignas(64) Scalar {}[{}] = {{}};\n", a.name, a.rows)
-                           : fmt::format("  alignas(64) Scalar {}[{} * {}] = {{}};\n", a.name, a.rows, a.columns);
+  for (const CodeInput& code : folder.functions) {
+    for (const ir::OutputArray& a : code.program.arrays) {
+      const std::string size = a.columns == 1 ? std::to_string(a.rows) : fmt::format("{} * {}", a.rows, a.columns);
+      text += fmt::format("  alignas(64) Scalar {}[{}] = {{}};{}\n", a.name, size, a.internal ? "  // between" : "");
+    }
+    if (const std::optional<ir::Guard>& guard = code.algorithm.guard) {
+      std::vector<std::string> names;
+      for (const int array : guard->arrays) names.push_back(code.program.arrays[static_cast<size_t>(array)].name);
+      text += fmt::format(
+          "  // Whether the mass matrix is positive definite, to rounding; where it is not, {} {} zero.\n"
+          "  dalembert::FactorStatus<Scalar> {};\n",
+          fmt::join(names, ", "), names.size() == 1 ? "is" : "are", own_name(code, "status"));
+    }
   }
   return text;
 }
@@ -151,6 +162,11 @@ std::string kept_member(const CodeInput& code) {
   return is_rolled(code) ? fmt::format("\n  {} {};\n", own_type(code, "Kept"), own_name(code, "kept")) : "";
 }
 
+bool any_guard(const Folder& folder) {
+  return std::any_of(folder.functions.begin(), folder.functions.end(),
+                     [](const CodeInput& f) { return f.algorithm.guard.has_value(); });
+}
+
 OutputFile header(const Folder& folder) {
   const CodeInput& code = folder.common();
   std::vector<std::string> joints, joint_names, body_names;
@@ -167,6 +183,7 @@ OutputFile header(const Folder& folder) {
           render("dynamics.hpp",
                  {{"banner", banner(folder)},
                   {"report", report.empty() ? "" : "//\n" + report},
+                  {"includes", any_guard(folder) ? "#include <dalembert/factor.hpp>\n" : ""},
                   {"runtime_version", std::to_string(runtime_version)},
                   {"name", code.name},
                   {"scalar", scalar_name(code.scene.scalar)},
@@ -208,6 +225,14 @@ void c_functions(const Folder& folder, std::string& declarations, std::string& d
         fmt::format("void {}_{}({}, {}_workspace* workspace)", n, row.name, parameters_of(f, fmt::format("const {}* ", s)), n),
         fmt::format("  {}::{}({}, *workspace);\n", n, row.name, arguments_of(f)));
   }
+  for (const CodeInput& f : folder.functions) {
+    if (!f.algorithm.guard) continue;
+    const std::string status = own_name(f, "status");
+    add(fmt::format(
+            "The coordinate whose pivot shows that the mass matrix is not positive definite, as of the last call; -1: it is"),
+        fmt::format("int {}_{}(const {}_workspace* workspace)", n, status, n),
+        fmt::format("  return workspace->{}.coordinate;\n", status));
+  }
   for (const ir::OutputArray& a : folder.arrays())
     add(fmt::format("{} x {}", a.rows, a.columns),
         fmt::format("const {}* {}_{}(const {}_workspace* workspace)", s, n, ir::c_accessor(a.name), n),
@@ -247,7 +272,9 @@ std::string source(const Folder& folder, const std::string& banner) {
 
 std::vector<ir::OutputArray> Folder::arrays() const {
   std::vector<ir::OutputArray> all;
-  for (const CodeInput& f : functions) all.insert(all.end(), f.program.arrays.begin(), f.program.arrays.end());
+  for (const CodeInput& f : functions)
+    for (const ir::OutputArray& a : f.program.arrays)
+      if (!a.internal) all.push_back(a);
   return all;
 }
 
@@ -260,9 +287,12 @@ std::size_t workspace_bytes(const Folder& folder) {
   const std::size_t scalar = scene.scalar == ir::ScalarType::float32 ? 4 : 8;
   std::size_t bytes = 0;
   const auto align = [&] { bytes = (bytes + 63) / 64 * 64; };
-  for (const ir::OutputArray& a : folder.arrays()) {
-    align();
-    bytes += scalar * static_cast<std::size_t>(a.rows) * static_cast<std::size_t>(a.columns);
+  for (const CodeInput& f : folder.functions) {
+    for (const ir::OutputArray& a : f.program.arrays) {
+      align();
+      bytes += scalar * static_cast<std::size_t>(a.rows) * static_cast<std::size_t>(a.columns);
+    }
+    if (f.algorithm.guard) bytes = (bytes + scalar - 1) / scalar * scalar + 2 * scalar;
   }
   if (scene.gravity_kind == ir::GravityKind::run_time) bytes += 3 * scalar;
   bytes += scene.payloads.size() * 10 * scalar;  // mass, centre of mass, inertia

@@ -39,7 +39,7 @@ struct Folder {
   std::optional<ir::SelfTest> self_test;
 
   const CodeInput& common() const { return functions.front(); }
-  // Of all functions, one after another.
+  // The outputs of all functions, one after another.
   std::vector<ir::OutputArray> arrays() const;
   bool tasks() const;  // whether any function has a task graph
 };

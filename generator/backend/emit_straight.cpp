@@ -107,7 +107,7 @@ std::string straight_statements(const CodeInput& code, const ir::Program& progra
     sinks.push_back({e.node, fmt::format("workspace.{}[{}] = ", array.name, element_index(array, e.row, e.column)), ";"});
   }
   if (sinks.empty()) body += "  (void)workspace;\n";
-  return body + print(program.graph, sinks, style);
+  return body + print(program.graph, sinks, style) + guard_statements(code);
 }
 
 std::vector<std::string> straight_includes(const CodeInput& code) {

@@ -10,6 +10,7 @@
 // and those of its coordinates.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -110,6 +111,14 @@ struct OutputArray {
   std::string name;  // mass_matrix, …, jacobian_<link>
   int rows = 0;
   int columns = 1;
+  bool internal = false;  // a step between, which users do not ask for
+};
+
+// Arrays that mean something only where the mass matrix is positive definite: where a pivot of its factorisation is not above
+// what rounding leaves of M's diagonal they are zero, and the function's status says which.
+struct Guard {
+  int pivots = 0, diagonal = 0;  // arrays, nv × 1
+  std::vector<int> arrays;
 };
 
 // One function of the emitted code: inputs in, arrays out.
@@ -121,6 +130,7 @@ struct Algorithm {
   std::vector<Pairs> pairs;
   std::vector<Projection> projections;
   std::vector<Result> results;
+  std::optional<Guard> guard;
 
   // First of a role's components among all of them.
   std::vector<int> offsets() const;

@@ -25,6 +25,11 @@ inline constexpr std::array<FunctionRow, 3> functions{
 
 inline constexpr const FunctionRow& row_of(Function function) { return functions[static_cast<std::size_t>(function)]; }
 
+// The name of what is one function's own in a robot's workspace or namespace: "kept", "inverse_dynamics_kept".
+inline std::string own_name(Function function, const std::string& name) {
+  return function == Function::evaluate ? name : row_of(function).name + ("_" + name);
+}
+
 // What the C function that gives a result is called, after the robot's name: C has no overloading, and a result may be called
 // like the function that computes it.
 inline std::string c_accessor(const std::string& result) {

@@ -121,8 +121,14 @@ SweepBuilder Builder::sweep(const std::string& name, const std::string& equation
 }
 
 int Builder::array(const std::string& name, int rows, int columns) {
-  algorithm_.arrays.push_back({name, rows, columns});
+  algorithm_.arrays.push_back({name, rows, columns, false});
   return static_cast<int>(algorithm_.arrays.size()) - 1;
+}
+
+int Builder::internal_array(const std::string& name, int rows, int columns) {
+  const int index = array(name, rows, columns);
+  algorithm_.arrays.back().internal = true;
+  return index;
 }
 
 }  // namespace dalembert::passes

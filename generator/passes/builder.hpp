@@ -85,6 +85,8 @@ class Builder {
 
   const ir::KinematicTree& tree() const { return tree_; }
   const ir::Scene& scene() const { return scene_; }
+  // Of an array that is no output.
+  std::string own_name(const std::string& name) const { return ir::own_name(algorithm_.function, name); }
   bool floating() const { return tree_.floating_base; }
   // On a fixed base, whether the first joints carry the frame of reference: what does not change with their angles is cheaper
   // so, and only evaluate() has nothing else.
@@ -99,6 +101,9 @@ class Builder {
   bool has(const std::string& sweep) const;
   SweepBuilder sweep(const std::string& name, const std::string& equation, ir::Direction direction);
   int array(const std::string& name, int rows, int columns);
+  // One that is no output.
+  int internal_array(const std::string& name, int rows, int columns);
+  std::optional<ir::Guard>& guard() { return algorithm_.guard; }
   void pairs(const ir::Pairs& pairs) { algorithm_.pairs.push_back(pairs); }
   void projection(const ir::Projection& projection) { algorithm_.projections.push_back(projection); }
   ir::Graph new_graph() const { return ir::Graph(options_); }

@@ -63,6 +63,11 @@ std::string parameter_unit(int parameter) { return group_of(parameter).unit; }
 
 bool is_inertial(int parameter) { return group_of(parameter).inertial; }
 
+std::optional<double> value_elsewhere(int parameter) {
+  if (parameter == armature_p) return 1;  // a pivot of nothing else
+  return is_inertial(parameter) ? std::optional(0.0) : std::nullopt;
+}
+
 double parameter_value(int parameter, const ir::KinematicTree& tree, const ir::NormalTree& normal, int body) {
   const bool of_moments = parameter >= mass_p && parameter <= half_trace_p;
   if (body < 0) {  // the base's link is the frame of reference

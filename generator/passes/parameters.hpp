@@ -1,6 +1,7 @@
 // What is constant about a body and the joint above it: the numbers a sweep's graph takes as inputs of kind `parameter`.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "ir/kinematic_tree.hpp"
@@ -32,8 +33,10 @@ enum Parameter : int {
 // "rotation_xy", as tables are called, and "kg m^2", empty for a number.
 std::string parameter_name(int parameter);
 std::string parameter_unit(int parameter);
-// Whether a place that no body takes must have it zero, for nothing to come from there; anything will do for the others.
+// Whether it is of inertia: nothing may come from a place that no body takes.
 bool is_inertial(int parameter);
+// What such a place must have: of inertia, zero; of the armature, something that can be divided by; nullopt: anything will do.
+std::optional<double> value_elsewhere(int parameter);
 
 // Of a body, or of the base (−1). A driven joint's twist is per unit of its driver's coordinate.
 double parameter_value(int parameter, const ir::KinematicTree& tree, const ir::NormalTree& normal, int body);

@@ -90,9 +90,13 @@ class SegmentRoll {
 
   int body(int lane, int step) const { return segment_.bodies[static_cast<std::size_t>(lane)][static_cast<std::size_t>(step)]; }
 
-  // A number, or a column, where the value is constant at all bodies.
+  static std::optional<double> zero_if(bool zero) { return zero ? std::optional(0.0) : std::nullopt; }
+
+  // A number, or a column, where the value is constant at all bodies; `elsewhere`: what places without a body have, if not what
+  // is at hand.
   template <class Of>
-  std::optional<NodeId> constant(const std::string& name, const std::string& unit, bool zero_elsewhere, const Of& of) {
+  std::optional<NodeId> constant(const std::string& name, const std::string& unit, std::optional<double> elsewhere,
+                                 const Of& of) {
     std::vector<double> values(static_cast<std::size_t>(segment_.slots()), 0);
     std::optional<double> common;
     bool uniform = true;
@@ -108,8 +112,8 @@ class SegmentRoll {
       for (int lane = 0; lane < segment_.width; ++lane) {
         const int b = body(lane, step);
         double& x = values[static_cast<std::size_t>(step * segment_.width + lane)];
-        x = b >= 0 ? state_.value(of(b)) : zero_elsewhere ? 0 : spare;
-        if (b < 0 && !zero_elsewhere) continue;
+        x = b >= 0 ? state_.value(of(b)) : elsewhere.value_or(spare);
+        if (b < 0 && !elsewhere) continue;
         if (!common) common = x;
         uniform = uniform && x == *common;
       }
@@ -128,7 +132,7 @@ class SegmentRoll {
   // A parameter, with what payloads add to it.
   NodeId parameter(int p) {
     bool added = false;
-    const auto plain = constant(parameter_name(p), parameter_unit(p), is_inertial(p), [&](int b) {
+    const auto plain = constant(parameter_name(p), parameter_unit(p), value_elsewhere(p), [&](int b) {
       added = added || state_.unroll.added_parameter(p, b) != no_node;
       return state_.unroll.program().graph.is_constant(state_.unroll.parameter(p, b)) ? state_.unroll.parameter(p, b)
                                                                                       : state_.unroll.plain_parameter(p, b);
@@ -152,18 +156,18 @@ class SegmentRoll {
       case InputKind::state: {
         if (const auto made = made_.find(value); made != made_.end()) return made->second;
         const auto fixed = constant(column_name(in.index, in.component), state_.role(in.index).unit,
-                                    state_.inertial[static_cast<std::size_t>(in.index)],
+                                    zero_if(state_.inertial[static_cast<std::size_t>(in.index)]),
                                     [&](int b) { return u.kept(in.index, in.component, b); });
         return fixed ? *fixed : g.input(in);
       }
       case InputKind::carried: {
         if (sweep.direction == Direction::outwards) {
           const auto fixed = constant(
-              "parent_" + column_name(in.index, in.component), state_.role(in.index).unit, false,
+              "parent_" + column_name(in.index, in.component), state_.role(in.index).unit, std::nullopt,
               [&](int b) { return u.kept(in.index, in.component, state_.tree.bodies[static_cast<std::size_t>(b)].parent); });
           return fixed ? *fixed : g.input(in);
         }
-        const auto fixed = constant("below_" + column_name(in.index, in.component), state_.role(in.index).unit, true,
+        const auto fixed = constant("below_" + column_name(in.index, in.component), state_.role(in.index).unit, 0.0,
                                     [&](int b) { return u.handed(in.index, in.component, b); });
         if (fixed) return *fixed;
         const NodeId along = g.input(in);

@@ -47,6 +47,8 @@ class Evaluation {
       case ir::Quantity::inverse_dynamics: return generic::inverse_dynamics<S>(robot_, own_q_, own_v_, more_);
       case ir::Quantity::inverse_dynamics_dq: return generic::inverse_dynamics_dq<S>(robot_, own_q_, own_v_, more_);
       case ir::Quantity::inverse_dynamics_dv: return generic::inverse_dynamics_dv<S>(robot_, own_q_, own_v_, more_);
+      case ir::Quantity::forward_dynamics:
+        return solved(generic::forward_dynamics<S>(robot_, own_q_, own_v_, more_), robot_.nv(), 1);
       case ir::Quantity::wrench_influence:
         return reduction_.reduce_rows(generic::expanded_wrench_influence<S>(robot_, kinematics_));
     }
@@ -54,6 +56,13 @@ class Evaluation {
   }
 
  private:
+  // Zero where the mass matrix is singular, as the emitted code has it.
+  template <class Value>
+  static MatrixX<S> solved(const generic::Solution<Value>& solution, Eigen::Index rows, Eigen::Index columns) {
+    if (!solution.status.ok()) return MatrixX<S>::Zero(rows, columns);
+    return solution.value;
+  }
+
   MatrixX<S> jacobian(const std::string& link) const {
     const auto placed =
         std::find_if(tree_.links.begin(), tree_.links.end(), [&](const ir::LinkPlacement& p) { return p.link == link; });

@@ -116,6 +116,9 @@ void expect_generic_values(const Model& model, const Payload& payload = {}) {
   }
 }
 
+// What is solved for by articulated bodies.
+bool needs_independent_joints(ir::Quantity quantity) { return ir::row_of(quantity).function == ir::Function::forward_dynamics; }
+
 class Algorithm : public testing::TestWithParam<TestRobot> {};
 
 // Everything the compiler knows, on every topology: each quantity alone, all together, statics, gravity at run time, Jacobians,
@@ -153,6 +156,7 @@ TEST_P(Algorithm, RunsInBothFormsAsTheGenericEngineDoes) {
       ir::Scene driven = all;
       driven.mimic[moving[1]] = {moving[0], -0.5, 0.2};
       driven.mimic[moving.back()] = {moving[0], 1.5, 0};
+      std::erase_if(driven.outputs, needs_independent_joints);
       scenes["driven joints"] = driven;
     }
     try {

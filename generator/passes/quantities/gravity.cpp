@@ -6,7 +6,7 @@ namespace dalembert::passes {
 
 void describe_gravity(Builder& b, int array) {
   if (b.scene().gravity_kind == ir::GravityKind::none) return;  // a new workspace has it: zero
-  b.result({array, ir::Layout::per_coordinate, gravity_torques(b)});
+  b.result({array, ir::Layout::per_coordinate, gravity_torques(b).torque});
 }
 
 }  // namespace dalembert::passes

@@ -4,6 +4,8 @@
 
 namespace dalembert::passes {
 
-void describe_inverse_dynamics(Builder& b, int array) { b.result({array, ir::Layout::per_coordinate, newton_euler(b, true)}); }
+void describe_inverse_dynamics(Builder& b, int array) {
+  b.result({array, ir::Layout::per_coordinate, newton_euler(b, true).torque});
+}
 
 }  // namespace dalembert::passes

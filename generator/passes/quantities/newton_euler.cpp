@@ -24,7 +24,7 @@ void store(SweepBuilder& s, const MotionRoles& r, const Motion& m) {
 
 }  // namespace
 
-int newton_euler(Builder& b, bool accelerated) {
+NewtonEuler newton_euler(Builder& b, bool accelerated) {
   const MotionRoles motion{
       b.role({"angular", "w", "w along the body's axes", "rad/s", Shape::vector}),
       b.role({"angular_acceleration", "alpha", "dw along the body's axes", "rad/s^2", Shape::vector}),
@@ -36,6 +36,7 @@ int newton_euler(Builder& b, bool accelerated) {
   const int torque =
       b.role({accelerated ? "torque" : "bias_torque", accelerated ? "tau" : "bias", what, "N m or N", Shape::scalar});
 
+  if (b.has("base_motion")) return {torque, total};
   SweepBuilder root = b.sweep("base_motion", accelerated ? "w, dw, a = du + w x u - gravity" : "w, dw = 0, a = w x u - gravity",
                               Direction::root);
   const Twist v = root.base_twist(), dv = accelerated ? root.base_acceleration() : Twist{root.zero(), root.zero()};
@@ -79,7 +80,7 @@ int newton_euler(Builder& b, bool accelerated) {
     SweepBuilder base = b.sweep("base_wrench", std::string(what) + " = [f; n]", Direction::root);
     for (int j = 0; j < 6; ++j) base.store(torque, 0, base.own(total, j), j);
   }
-  return torque;
+  return {torque, total};
 }
 
 }  // namespace dalembert::passes

@@ -151,12 +151,13 @@ ForceRoles forces(Builder& b) {
   return r;
 }
 
-int gravity_torques(Builder& b) {
+GravityRoles gravity_torques(Builder& b) {
   const int mass = composite_mass(b);
   const int down = b.role({"down", "down", "gravity along the body's axes", "m/s^2", Shape::vector});
   const int first = b.role({"gravity_first", "h", "h of the subtree along the body's axes", "kg m", Shape::vector});
   const int torque = b.role({"gravity_torque", "g", "g", "N m or N", Shape::scalar});
-  if (b.has("falling")) return torque;
+  const GravityRoles r{torque, mass, first, down};
+  if (b.has("falling")) return r;
   SweepBuilder root = b.sweep("base_falling", "gravity along the base's axes", Direction::root);
   root.store(down, root.gravity_in_base());
 
@@ -175,7 +176,7 @@ int gravity_torques(Builder& b) {
   const Vec3 origin = k.translation + q.displacement * column(k.rotation, 2);
   const Vec3 moved = m * origin;
   in.hand_on(first, to_parent(k, q, h) + moved);
-  if (!b.floating()) return torque;
+  if (!b.floating()) return r;
 
   SweepBuilder base = b.sweep("base_weight", "g = -[m down; h x down]", Direction::root);
   const Vec3 g = base.own3(down), turning = cross(base.own3(first), g);
@@ -184,7 +185,7 @@ int gravity_torques(Builder& b) {
     base.store(torque, 0, -(base.own(mass) * g[at]), j);
     base.store(torque, 0, -turning[at], j + 3);
   }
-  return torque;
+  return r;
 }
 
 }  // namespace dalembert::passes

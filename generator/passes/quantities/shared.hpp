@@ -40,10 +40,30 @@ struct ForceRoles {
 ForceRoles forces(Builder& builder);
 
 // g_i of every coordinate; also what the bias is at rest.
-int gravity_torques(Builder& builder);
+struct GravityRoles {
+  int torque, mass, first, down;  // the last two along the body's axes
+};
+GravityRoles gravity_torques(Builder& builder);
 
 // τ of every coordinate by recursive Newton-Euler, for the accelerations that the function is given, or for none (the bias).
 // With the scene's armature, damping and friction.
-int newton_euler(Builder& builder, bool accelerated);
+struct NewtonEuler {
+  int torque, subtree_wrench;  // the latter along the body's axes: the base's is its share of the bias
+};
+NewtonEuler newton_euler(Builder& builder, bool accelerated);
+
+// The factorisation M = Lᵀ D L along the tree: L_ki = V_k·J_i for i above k, D the pivots; M_kk to measure them against. Of the
+// floating base's coordinates too, which stand before all joints.
+struct Articulated {
+  int gain;  // V
+  int inverse_pivot, pivot, diagonal;
+};
+Articulated articulated_bodies(Builder& builder);
+
+// The array is zero where M is not positive definite, and the function's status says so.
+void guard(Builder& builder, int array);
+
+// v̇ of every coordinate for the forces that the function is given.
+int solved_accelerations(Builder& builder);
 
 }  // namespace dalembert::passes
