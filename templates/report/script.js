@@ -178,7 +178,7 @@ function stability() {
       const line = box.append("p");
       const measured = here.filter((r) => r.variant === variant && r.metric !== "verdict");
       line.append("span").attr("data-row", measured[0].index).text(variant);
-      line.append("span").text(measured[0].unit === "ulp" || measured[0].metric === "change" ? " " :
+      line.append("span").text(measured[0].unit === "ulp" ? " " :
         ` (${measured[0].metric.replace(/_/g, " ")}) `);
       measured.forEach((row) => {
         const verdict = here.find((r) => r.variant === variant && r.metric === "verdict" && r.quantity === row.quantity);
