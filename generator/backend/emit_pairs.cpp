@@ -65,12 +65,6 @@ std::vector<Above> all_above(const CodeInput& code, const ir::Segment& segment) 
   return levels;
 }
 
-std::string ints(const std::string& name, const std::vector<int>& values) {
-  std::vector<std::string> texts;
-  for (int x : values) texts.push_back(std::to_string(x));
-  return fmt::format("constexpr int {}[] = {{{}{}}};\n", name, texts.size() > 16 ? "\n    " : "", wrapped(texts, 4));
-}
-
 // First row and length of each lane's limb.
 void rows_of(const CodeInput& code, const std::vector<std::vector<int>>& limbs, std::vector<int>& first,
              std::vector<int>& length) {
@@ -119,9 +113,12 @@ std::string factors_text(const CodeInput& code, const std::string& name, const s
                      stride(code));
 }
 
+// Where the elements of a matrix go: to the result, and beside it what is driven joints'.
 std::string matrix_of(const CodeInput& code, const ir::Pairs& p) {
   const std::string& name = code.algorithm.arrays[static_cast<size_t>(p.array)].name;
-  return has_driven(code) ? fmt::format("kept.expanded_{}[0]", name) : "workspace." + name;
+  return has_driven(code) ? fmt::format("{{workspace.{0}, kept.driven_{0}[0], coordinate, {1}, {2}}}", name,
+                                        expanded_rows(code), driven_joints(code))
+                          : "workspace." + name;
 }
 
 }  // namespace
@@ -142,7 +139,7 @@ std::string limb_tables(const CodeInput& code, size_t segment) {
   std::string text;
   std::vector<int> first, length;
   rows_of(code, s.bodies, first, length);
-  if (s.width > 1) text += ints(s.name + "_row", first) + ints(s.name + "_length", length);
+  if (s.width > 1) text += int_table(s.name + "_row", first) + int_table(s.name + "_length", length);
   const std::vector<Above> levels = all_above(code, s);
   for (size_t level = 0; level < levels.size(); ++level) {
     const Above& a = levels[level];
@@ -151,8 +148,8 @@ std::string limb_tables(const CodeInput& code, size_t segment) {
     for (size_t step = 0; step < a.steps; ++step)
       for (const auto& limb : a.limbs) slots.push_back(step < limb.size() ? slot_of(code, limb[step]) : slot_of(code, -1));
     const std::string prefix = fmt::format("{}_above_{}", s.name, level + 1);
-    if (s.width == 1 || a.shared().empty()) text += ints(prefix + "_slot", slots);
-    if (s.width > 1) text += ints(prefix + "_row", above_first) + ints(prefix + "_length", above_length);
+    if (s.width == 1 || a.shared().empty()) text += int_table(prefix + "_slot", slots);
+    if (s.width > 1) text += int_table(prefix + "_row", above_first) + int_table(prefix + "_length", above_length);
   }
   return text;
 }
@@ -165,12 +162,12 @@ std::string elements_stage(const CodeInput& code, size_t segment) {
     matrices.push_back(matrix_of(code, p));
     equations.push_back(p.equation);
   }
-  const std::string rows = has_driven(code) ? std::to_string(expanded_rows(code)) : "nv";
   std::string text = fmt::format("  // {}\n", fmt::join(equations, ". "));
   text += factors_text(code, "lower", products.lower) + factors_text(code, "upper", products.upper);
-  text += fmt::format("  Scalar* const matrices[] = {{{}}};\n", fmt::join(matrices, ", "));
+  text += fmt::format("  {} matrices[] = {{{}}};\n", has_driven(code) ? "const dalembert::Reduced<Scalar>" : "Scalar* const",
+                      fmt::join(matrices, ", "));
   const std::vector<Above> levels = all_above(code, s);
-  const std::string end = rows + (elements_split(s) ? ", begin, end" : fmt::format(", 0, {}", s.steps));
+  const std::string end = elements_split(s) ? "nv, begin, end" : fmt::format("nv, 0, {}", s.steps);
   const int row = s.width > 1 ? 0 : base_rows(code) + s.bodies[0].front();
   if (s.width > 1) {
     text += fmt::format("  constexpr dalembert::LimbTable limbs{{{0}_row, {0}_length, {1}}};\n", s.name, s.first_slot);
@@ -197,16 +194,17 @@ std::string elements_stage(const CodeInput& code, size_t segment) {
   }
   if (!code.tree.floating_base) return text;
   const auto base = [&](const char* what, int role, const std::string& matrix) {
-    return s.width > 1 ? fmt::format("  dalembert::base_{}<{}, {}, Scalar>({}, {}, limbs, {}, {});\n", what, s.width, s.steps,
-                                     kept(code, role, 0), stride(code), matrix, rows)
-                       : fmt::format("  dalembert::run_base_{}<Scalar>({}, {}, {}, {}, {}, {}, {});\n", what,
-                                     kept(code, role, 0), stride(code), s.first_slot, row, s.steps, matrix, rows);
+    return s.width > 1 ? fmt::format("  dalembert::base_{}<{}, {}, Scalar>({}, {}, limbs, {}, nv);\n", what, s.width, s.steps,
+                                     kept(code, role, 0), stride(code), matrix)
+                       : fmt::format("  dalembert::run_base_{}<Scalar>({}, {}, {}, {}, {}, {}, nv);\n", what,
+                                     kept(code, role, 0), stride(code), s.first_slot, row, s.steps, matrix);
   };
   text += "  // The base's rows and columns.\n";
   if (elements_split(s)) text += "  if (begin > 0) return;\n";
   for (size_t p = 0; p < matrices.size(); ++p) {
-    text += base("columns", code.rolled.pairs[p].columns, matrices[p]);
-    if (code.rolled.pairs[p].rows >= 0) text += base("rows", code.rolled.pairs[p].rows, matrices[p]);
+    const std::string matrix = has_driven(code) ? fmt::format("matrices[{}]", p) : matrices[p];
+    text += base("columns", code.rolled.pairs[p].columns, matrix);
+    if (code.rolled.pairs[p].rows >= 0) text += base("rows", code.rolled.pairs[p].rows, matrix);
   }
   return text;
 }
@@ -220,7 +218,8 @@ std::string projection_tables(const CodeInput& code) {
     parents.push_back(code.tree.bodies[static_cast<size_t>(k)].parent);
     rows.push_back(base_rows(code) + coordinates[static_cast<size_t>(k)]);
   }
-  return ints("body_slot", slots) + ints("body_parent", parents) + (has_driven(code) ? ints("body_row", rows) : "");
+  return int_table("body_slot", slots) + int_table("body_parent", parents) +
+         (has_driven(code) ? int_table("body_row", rows) : "");
 }
 
 std::string projection_statements(const CodeInput& code) {

@@ -61,12 +61,6 @@ std::string position(const CodeInput& code, int body) {
   return fmt::format("{} * {} + {}", literal(joint.multiplier, code.scene.scalar), q, literal(joint.offset, code.scene.scalar));
 }
 
-std::string int_table(const std::string& name, const std::vector<int>& values) {
-  std::vector<std::string> texts;
-  for (int x : values) texts.push_back(std::to_string(x));
-  return fmt::format("constexpr int {}[] = {{\n    {}}};\n", name, wrapped(texts, 4));
-}
-
 // The positions of the joints of one kind, to an array with a place per slot; joints that are held are left out.
 std::string spread(const CodeInput& code, const std::string& array, const std::string& kind, const std::vector<int>& joints,
                    bool held) {

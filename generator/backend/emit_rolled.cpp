@@ -8,6 +8,7 @@
 #include <set>
 
 #include "backend/code_text.hpp"
+#include "backend/emit_driven.hpp"
 #include "backend/emit_pairs.hpp"
 #include "backend/emit_paragraph.hpp"
 #include "backend/emit_prepare.hpp"
@@ -37,12 +38,6 @@ std::string layout(const CodeInput& code) {
     }
   }
   return text + fmt::format("//   base {}: slot {}\n", comment_text(code.tree.base_link), code.plan.root_slot);
-}
-
-std::string int_table(const std::string& name, const std::vector<int>& values) {
-  std::vector<std::string> texts;
-  for (int x : values) texts.push_back(std::to_string(x));
-  return fmt::format("constexpr int {}[] = {{\n    {}}};\n", name, wrapped(texts, 4));
 }
 
 // What the base computes at one of its stages.
@@ -136,16 +131,7 @@ bool joint_loops(const CodeInput& code) {
 }
 
 std::string results_statements(const CodeInput& code) {
-  std::string text;
-  if (has_driven(code))
-    for (const ir::Pairs& p : code.algorithm.pairs) {
-      const std::string& name = code.algorithm.arrays[static_cast<size_t>(p.array)].name;
-      text += fmt::format(
-          "  // {0}: rows and columns of driven joints are added to their drivers'.\n"
-          "  dalembert::reduce<{1}, nv>(kept.expanded_{0}[0], coordinate, {2}, workspace.{0});\n",
-          name, expanded_rows(code), base_rows(code));
-    }
-  text += joint_results(code);
+  std::string text = driven_statements(code) + joint_results(code);
   for (const ir::AddedConstant& a : code.rolled.added) {
     const ir::OutputArray& array = code.algorithm.arrays[static_cast<size_t>(a.array)];
     text += fmt::format("  workspace.{}[{}] += {};  // added on the diagonal\n", array.name,
@@ -156,15 +142,10 @@ std::string results_statements(const CodeInput& code) {
 
 std::string tables_text(const CodeInput& code) {
   std::string text = prepare_tables(code);
-  std::vector<int> slots, rows;
-  const std::vector<int> coordinates = code.tree.coordinates();
-  for (int j = 0; j < base_rows(code); ++j) rows.push_back(j);
-  for (int k = 0; k < code.tree.joints(); ++k) {
-    slots.push_back(slot_of(code, k));
-    rows.push_back(base_rows(code) + coordinates[static_cast<size_t>(k)]);
-  }
+  std::vector<int> slots;
+  for (int k = 0; k < code.tree.joints(); ++k) slots.push_back(slot_of(code, k));
   if (joint_loops(code)) text += int_table("joint_slot", slots);
-  if (has_driven(code) && !code.algorithm.pairs.empty()) text += int_table("coordinate", rows);
+  text += driven_tables(code);
   for (size_t s = 0; s < code.plan.segments.size(); ++s)
     text += "\n// " + code.plan.segments[s].name + ", a row per step, a column per lane\n" + segment_tables(code, s) +
             limb_tables(code, s);
@@ -223,7 +204,6 @@ std::vector<std::string> rolled_includes(const CodeInput& code) {
   if (pairs && lanes) headers.emplace_back("blocks");
   if (pairs && alone) headers.emplace_back("runs");
   if (prepare_reads_q(code)) headers.emplace_back("sincos");
-  if (has_driven(code) && pairs) headers.emplace_back("reduce");
   if (headers.empty()) headers.emplace_back("lanes");
   return headers;
 }

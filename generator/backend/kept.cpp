@@ -27,11 +27,10 @@ std::vector<Array> arrays(const CodeInput& code) {
   std::vector<Array> all;
   if (needs_angles(code)) all.push_back({"angle", 1, stride(code), "q of turning joints, rad"});
   for (const ir::KeptArray& a : code.rolled.arrays) all.push_back({a.name, a.components, stride(code), a.meaning});
-  const int rows = expanded_rows(code);
   for (const ir::Pairs& p : code.algorithm.pairs)
     if (has_driven(code))
-      all.push_back({"expanded_" + code.algorithm.arrays[static_cast<size_t>(p.array)].name, rows, rows,
-                     "as if no joint were driven by another"});
+      all.push_back({"driven_" + code.algorithm.arrays[static_cast<size_t>(p.array)].name, 2 * driven_joints(code),
+                     expanded_rows(code), "columns of driven joints, then their rows"});
   return all;
 }
 
@@ -58,7 +57,8 @@ int stride(const CodeInput& code) { return code.plan.slots + 8; }
 int base_rows(const CodeInput& code) { return code.tree.nv() - code.tree.independent_joints(); }
 int base_positions(const CodeInput& code) { return code.tree.nq() - code.tree.independent_joints(); }
 
-bool has_driven(const CodeInput& code) { return code.tree.independent_joints() < code.tree.joints(); }
+int driven_joints(const CodeInput& code) { return code.tree.joints() - code.tree.independent_joints(); }
+bool has_driven(const CodeInput& code) { return driven_joints(code) > 0; }
 
 int expanded_rows(const CodeInput& code) { return base_rows(code) + code.tree.joints(); }
 

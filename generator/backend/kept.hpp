@@ -22,8 +22,9 @@ int stride(const CodeInput& code);
 int base_rows(const CodeInput& code);       // 6 or 0
 int base_positions(const CodeInput& code);  // 7 or 0
 // Whether a joint is driven by another: rows of bodies and rows of results are then two things.
+int driven_joints(const CodeInput& code);
 bool has_driven(const CodeInput& code);
-// Rows of matrices before driven joints are added to their drivers.
+// Rows of matrices if driven joints had rows of their own.
 int expanded_rows(const CodeInput& code);
 
 // The definition of struct Kept, and its arrays' size in bytes.

@@ -31,6 +31,12 @@ std::string wrapped(const std::vector<std::string>& items, int indent, int width
   return text;
 }
 
+std::string int_table(const std::string& name, const std::vector<int>& values) {
+  std::vector<std::string> texts;
+  for (int x : values) texts.push_back(std::to_string(x));
+  return fmt::format("constexpr int {}[] = {{{}{}}};\n", name, texts.size() > 16 ? "\n    " : "", wrapped(texts, 4));
+}
+
 std::string quoted(std::string_view text) {
   std::string out = "\"";
   for (const char c : text) {

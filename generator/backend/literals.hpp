@@ -18,6 +18,9 @@ std::string scalar_name(ir::ScalarType scalar);
 // Items joined by ", " and broken into lines of at most `width` characters, each but the first indented by `indent` blanks.
 std::string wrapped(const std::vector<std::string>& items, int indent, int width = 118);
 
+// The definition of a constant table.
+std::string int_table(const std::string& name, const std::vector<int>& values);
+
 // A C string literal, quotes included.
 std::string quoted(std::string_view text);
 

@@ -39,9 +39,9 @@ DALEMBERT_BLOCK Upper<T, n> limb_above(const Factors<T, n>& p, int first, int st
 }
 
 // The tiles between the limbs of a segment and the joints above them; columns [begin, end).
-template <class Kinds, Above kind, int width, int steps, int above_steps, class T, int nl, int nu>
+template <class Kinds, Above kind, int width, int steps, int above_steps, class T, int nl, int nu, class To>
 DALEMBERT_BLOCK void cross_tiles(const Factors<T, nl>& lower, const LimbTable& limbs, const Upper<T, nu>& up,
-                                 const LimbTable& above, T* const* matrices, int leading, int begin, int end) {
+                                 const LimbTable& above, const To* matrices, int leading, int begin, int end) {
   constexpr bool out = steps <= short_limb && above_steps <= (nl > 2 ? 4 : short_limb);
   each_tile<out, steps>(begin, end, [&](int c0, auto below) DALEMBERT_IN_BLOCK {
     const Factors<T, nl> p = moved(lower, limbs.first_slot + c0 * width);
@@ -61,9 +61,9 @@ DALEMBERT_BLOCK void cross_tiles(const Factors<T, nl>& lower, const LimbTable& l
 
 // The block of every limb of a segment with itself, `width` limbs side by side.
 // matrices: column by column, `leading` apart; the columns of steps [begin, end), begin a multiple of four.
-template <class Kinds, int width, int steps, class T, int nl, int nu>
+template <class Kinds, int width, int steps, class T, int nl, int nu, class To>
 DALEMBERT_BLOCK void limb_blocks(const Factors<T, nl>& lower, const Factors<T, nu>& upper, const LimbTable& limbs,
-                                 T* const* matrices, int leading, int begin, int end) {
+                                 const To* matrices, int leading, int begin, int end) {
   constexpr bool out = steps <= detail::short_limb;
   const detail::Upper<T, nu> limb = detail::limb_above(upper, limbs.first_slot, width);
   detail::each_tile<out, steps>(begin, end, [&](int c0, auto below) DALEMBERT_IN_BLOCK {
@@ -85,9 +85,9 @@ DALEMBERT_BLOCK void limb_blocks(const Factors<T, nl>& lower, const Factors<T, n
 
 // The blocks between the limbs of a segment and a limb above each of them, which may be another one for every lane.
 // above_slot: [step][lane], the slots of the limbs above (any slot where a lane has none); above: their rows and lengths.
-template <class Kinds, int width, int steps, int above_steps, class T, int nl, int nu>
+template <class Kinds, int width, int steps, int above_steps, class T, int nl, int nu, class To>
 DALEMBERT_BLOCK void cross_blocks(const Factors<T, nl>& lower, const Factors<T, nu>& upper, const LimbTable& limbs,
-                                  const int* above_slot, const LimbTable& above, T* const* matrices, int leading, int begin,
+                                  const int* above_slot, const LimbTable& above, const To* matrices, int leading, int begin,
                                   int end) {
   constexpr int stride = above_steps * width;
   T gathered[3 * nu * stride];
@@ -104,9 +104,9 @@ DALEMBERT_BLOCK void cross_blocks(const Factors<T, nl>& lower, const Factors<T, 
 }
 
 // The same where one limb is above all lanes that have one: its joints stand in slots first, first + step, ….
-template <class Kinds, int width, int steps, int above_steps, class T, int nl, int nu>
+template <class Kinds, int width, int steps, int above_steps, class T, int nl, int nu, class To>
 DALEMBERT_BLOCK void shared_cross_blocks(const Factors<T, nl>& lower, const Factors<T, nu>& upper, const LimbTable& limbs,
-                                         int first, int step, const LimbTable& above, T* const* matrices, int leading,
+                                         int first, int step, const LimbTable& above, const To* matrices, int leading,
                                          int begin, int end) {
   detail::cross_tiles<Kinds, detail::Above::one, width, steps, above_steps, T>(
       lower, limbs, detail::limb_above(upper, first, step), above, matrices, leading, begin, end);
@@ -114,42 +114,39 @@ DALEMBERT_BLOCK void shared_cross_blocks(const Factors<T, nl>& lower, const Fact
 
 // Rows and columns of a floating base for the limbs of a segment. force: the six elements per slot. The base's six rows come
 // first.
-template <int width, int steps, class T>
-DALEMBERT_BLOCK void base_columns(const T* force, int stride, const LimbTable& limbs, T* matrix, int leading) {
+template <int width, int steps, class T, class To>
+DALEMBERT_BLOCK void base_columns(const T* force, int stride, const LimbTable& limbs, To matrix, int leading) {
   constexpr bool out = steps <= detail::short_limb;
   detail::repeat<out, steps>(steps, [&](int c) DALEMBERT_IN_BLOCK {
     Lanes<T, width> f[6];
     detail::load_all<width, T>(f, force + limbs.first_slot + c * width, 6, stride);
-    T *upper[width], *lower[width];
-    int four[width], two[width];
+    detail::Line<width> four, two;
     detail::lanes<width>([&](int l) DALEMBERT_IN_BLOCK {
-      upper[l] = matrix + (limbs.first_row[l] + c) * leading, lower[l] = upper[l] + 4;
-      four[l] = c < limbs.length[l] ? 4 : 0, two[l] = four[l] / 2;
+      four.column[l] = two.column[l] = limbs.first_row[l] + c;
+      four.row[l] = 0, two.row[l] = 4;
+      four.count[l] = c < limbs.length[l] ? 4 : 0, two.count[l] = four.count[l] / 2;
     });
-    detail::put_column<width, T>(upper, f, four, 4);
-    detail::put_column<width, T>(lower, f + 4, two, 2);
+    detail::put_line<width, T>(matrix, leading, four, f, 4);
+    detail::put_line<width, T>(matrix, leading, two, f + 4, 2);
   });
 }
-template <int width, int steps, class T>
-DALEMBERT_BLOCK void base_rows(const T* force, int stride, const LimbTable& limbs, T* matrix, int leading) {
+template <int width, int steps, class T, class To>
+DALEMBERT_BLOCK void base_rows(const T* force, int stride, const LimbTable& limbs, To matrix, int leading) {
   constexpr bool out = steps <= detail::short_limb;
   constexpr int tiles = (steps + 3) / 4;
   detail::repeat<out, tiles>(tiles, [&](int tile) DALEMBERT_IN_BLOCK {
     const int r0 = 4 * tile, rows = detail::least(4, steps - r0);
     detail::repeat<out, 6>(6, [&](int j) DALEMBERT_IN_BLOCK {
       Lanes<T, width> f[4] = {};
-      T* to[width];
-      int count[width];
-      bool joined[width];
       detail::write_out(std::make_integer_sequence<int, 4>{}, rows, [&](int i) DALEMBERT_IN_BLOCK {
         f[i] = load<width, T>(force + j * stride + limbs.first_slot + (r0 + i) * width);
       });
+      detail::Line<width> where;
       detail::lanes<width>([&](int l) DALEMBERT_IN_BLOCK {
-        to[l] = matrix + j * leading + limbs.first_row[l] + r0;
-        count[l] = detail::least(rows, limbs.length[l] - r0);
-        joined[l] = l + 1 < width && limbs.first_row[l + 1] == limbs.first_row[l] + rows;
+        where.column[l] = j, where.row[l] = limbs.first_row[l] + r0;
+        where.count[l] = detail::least(rows, limbs.length[l] - r0);
       });
-      detail::put_column<width, T>(to, f, count, rows, joined);
+      detail::put_line<width, T>(matrix, leading, where, f, rows);
     });
   });
 }

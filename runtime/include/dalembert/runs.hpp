@@ -25,6 +25,33 @@ DALEMBERT_BLOCK void along(T* to, int count, const Value& value) {
   for (int i = 0; s + i < count; ++i) to[s + i] = x[i];
 }
 
+// The rows from `row` on of one column of a matrix.
+template <class T, class Value>
+DALEMBERT_BLOCK void put_along(T* matrix, int leading, int column, int row, int count, const Value& value) {
+  along<T>(matrix + column * leading + row, count, value);
+}
+
+// Where joints are driven by others: run by run of those that are not.
+template <class T, class Value>
+DALEMBERT_BLOCK void put_along(const Reduced<T>& matrix, int leading, int column, int row, int count, const Value& value) {
+  if (matrix.coordinate[column] < 0) {
+    along<T>(matrix.driven_column(column) + row, count, value);
+    return;
+  }
+  T* const to = matrix.matrix + matrix.coordinate[column] * leading;
+  for (int s = 0; s < count;) {
+    if (matrix.coordinate[row + s] < 0) {
+      matrix.driven_row(row + s)[column] = value(s)[0];
+      ++s;
+      continue;
+    }
+    int end = s + 1;
+    while (end < count && matrix.coordinate[row + end] >= 0) ++end;
+    along<T>(to + matrix.coordinate[row + s], end - s, [&](int i) DALEMBERT_IN_BLOCK { return value(s + i); });
+    s = end;
+  }
+}
+
 // Σ_j a[j] · b[j][s…], the vectors b taken along slots.
 template <class T>
 DALEMBERT_INLINE Lanes<T, run_lanes> dot_along(const T (&a)[3], const T* b, int stride, int s) {
@@ -73,48 +100,48 @@ template <class AboveSum, class BelowSum>
 BelowSum below_of(Square<AboveSum, BelowSum>);
 
 // Column k of the lower limb over `rows` joints above it that stand in consecutive slots.
-template <class T, int nl, int nu, class... Kinds>
+template <class T, int nl, int nu, class To, class... Kinds>
 DALEMBERT_BLOCK void column_above(Matrices<Kinds...>, const Factors<T, nl>& p, int k, const Upper<T, nu>& up, int rows,
-                                  T* const* matrices, int at) {
+                                  const To* matrices, int leading, int column, int row) {
   const Single<T, nl> single(p.at, p.stride, k);
   int m = 0;
   (void)std::initializer_list<int>{
-      (along<T>(matrices[m++] + at, rows,
-                [&](int s) DALEMBERT_IN_BLOCK { return along_above(single, up, s, typename Kinds::Above{}); }),
+      (put_along(matrices[m++], leading, column, row, rows,
+                 [&](int s) DALEMBERT_IN_BLOCK { return along_above(single, up, s, typename Kinds::Above{}); }),
        0)...};
 }
 
 // Column i of the upper limb over `rows` joints below it, from slot `first` on.
-template <class T, int nl, int nu, class... Kinds>
+template <class T, int nl, int nu, class To, class... Kinds>
 DALEMBERT_BLOCK void column_below(Matrices<Kinds...>, const Factors<T, nl>& p, int first, int rows, const Upper<T, nu>& up,
-                                  int i, T* const* matrices, int at) {
+                                  int i, const To* matrices, int leading, int column, int row) {
   const Single<T, nu> single(up.at, up.stride, i * up.step);
   const Factors<T, nl> from = moved(p, first);
   int m = 0;
   (void)std::initializer_list<int>{
-      (along<T>(matrices[m++] + at, rows,
-                [&](int s) DALEMBERT_IN_BLOCK { return along_below(single, from, s, decltype(below_of(Kinds{})){}); }),
+      (put_along(matrices[m++], leading, column, row, rows,
+                 [&](int s) DALEMBERT_IN_BLOCK { return along_below(single, from, s, decltype(below_of(Kinds{})){}); }),
        0)...};
 }
 
 }  // namespace detail
 
 // The block of the limb with itself; columns [begin, end).
-template <class Kinds, class T, int nl, int nu>
+template <class Kinds, class T, int nl, int nu, class To>
 DALEMBERT_BLOCK void run_block(const Factors<T, nl>& lower, const Factors<T, nu>& upper, int first_slot, int first_row,
-                               int steps, T* const* matrices, int leading, int begin, int end) {
+                               int steps, const To* matrices, int leading, int begin, int end) {
   const detail::Upper<T, nu> up = detail::limb_above(upper, first_slot, 1);
   for (int k = begin; k < end; ++k) {
-    const int at = (first_row + k) * leading + first_row;
-    detail::column_above<T>(Kinds{}, lower, first_slot + k, up, k + 1, matrices, at);
-    detail::column_below<T>(Kinds{}, lower, first_slot + k + 1, steps - k - 1, up, k, matrices, at + k + 1);
+    const int column = first_row + k;
+    detail::column_above<T>(Kinds{}, lower, first_slot + k, up, k + 1, matrices, leading, column, first_row);
+    detail::column_below<T>(Kinds{}, lower, first_slot + k + 1, steps - k - 1, up, k, matrices, leading, column, column + 1);
   }
 }
 
 // The block between the limb and a limb above it, whose steps have slots above_slot[0…]; columns [begin, end) of the limb.
-template <class Kinds, int above_steps, class T, int nl, int nu>
+template <class Kinds, int above_steps, class T, int nl, int nu, class To>
 DALEMBERT_BLOCK void run_cross_block(const Factors<T, nl>& lower, const Factors<T, nu>& upper, int first_slot, int first_row,
-                                     const int* above_slot, int above_row, T* const* matrices, int leading, int begin,
+                                     const int* above_slot, int above_row, const To* matrices, int leading, int begin,
                                      int end) {
   constexpr int stride = padded(above_steps);
   T gathered[3 * nu * stride] = {};
@@ -125,10 +152,10 @@ DALEMBERT_BLOCK void run_cross_block(const Factors<T, nl>& lower, const Factors<
       for (int i = 0; i < above_steps; ++i) gathered[(3 * f + j) * stride + i] = upper.at[f][j * upper.stride + above_slot[i]];
   }
   for (int k = begin; k < end; ++k)
-    detail::column_above<T>(Kinds{}, lower, first_slot + k, up, above_steps, matrices, (first_row + k) * leading + above_row);
+    detail::column_above<T>(Kinds{}, lower, first_slot + k, up, above_steps, matrices, leading, first_row + k, above_row);
   for (int i = 0; i < above_steps; ++i)
-    detail::column_below<T>(Kinds{}, lower, first_slot + begin, end - begin, up, i, matrices,
-                            (above_row + i) * leading + first_row + begin);
+    detail::column_below<T>(Kinds{}, lower, first_slot + begin, end - begin, up, i, matrices, leading, above_row + i,
+                            first_row + begin);
 }
 
 // Rows and columns of a floating base.
@@ -143,6 +170,18 @@ DALEMBERT_BLOCK void run_base_rows(const T* force, int stride, int first_slot, i
                                    int leading) {
   for (int j = 0; j < 6; ++j)
     for (int k = 0; k < steps; ++k) matrix[j * leading + first_row + k] = force[j * stride + first_slot + k];
+}
+template <class T>
+DALEMBERT_BLOCK void run_base_columns(const T* force, int stride, int first_slot, int first_row, int steps,
+                                      const Reduced<T>& matrix, int leading) {
+  for (int k = 0; k < steps; ++k)
+    for (int j = 0; j < 6; ++j) *matrix.at(j, first_row + k, leading) = force[j * stride + first_slot + k];
+}
+template <class T>
+DALEMBERT_BLOCK void run_base_rows(const T* force, int stride, int first_slot, int first_row, int steps,
+                                   const Reduced<T>& matrix, int leading) {
+  for (int j = 0; j < 6; ++j)
+    for (int k = 0; k < steps; ++k) *matrix.at(first_row + k, j, leading) = force[j * stride + first_slot + k];
 }
 
 }  // namespace dalembert

@@ -8,7 +8,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "dalembert/lanes.hpp"
+#include "dalembert/columns.hpp"
 
 namespace dalembert {
 
@@ -48,11 +48,6 @@ namespace detail {
 // Limbs up to this length have their blocks written out; longer ones run through loops, which keeps the code in the cache.
 inline constexpr int short_limb = 8;
 
-template <class F, int... i>
-DALEMBERT_BLOCK void write_out(std::integer_sequence<int, i...>, int count, const F& f) {
-  (void)std::initializer_list<int>{(i < count ? (f(i), 0) : 0)...};
-}
-
 // f(0), …, f(count − 1), written out when `out` says so (count is then at most `most`, and known to the compiler).
 template <bool out, int most, class F>
 DALEMBERT_BLOCK void repeat(int count, const F& f) {
@@ -73,76 +68,10 @@ DALEMBERT_BLOCK void each_tile(int begin, int end, const F& f) {
     if (end == steps) f(steps / 4 * 4, std::integral_constant<int, steps % 4>{});
 }
 
-// f(0), …, f(width − 1), never a loop: what depends on the limbs' tables alone is then worked out by the compiler.
-template <int width, class F>
-DALEMBERT_BLOCK void lanes(const F& f) {
-  write_out(std::make_integer_sequence<int, width>{}, width, f);
-}
-
-// Column l of four rows of `width` lanes: out[l] = (rows[0][l], rows[1][l], rows[2][l], rows[3][l]).
-template <class T>
-DALEMBERT_INLINE void transpose(const Lanes<T, 4>* rows, Lanes<T, 4>* out) {
-#if defined(__AVX512F__) && defined(__clang__)  // GCC 12 joins registers by way of memory
-  using W = Lanes<T, 8>;                        // two permutations of registers twice as wide
-  const W upper = shuffled<T, 0, 1, 2, 3, 4, 5, 6, 7>(rows[0], rows[1]);
-  const W lower = shuffled<T, 0, 1, 2, 3, 4, 5, 6, 7>(rows[2], rows[3]);
-  const W first = shuffled<T, 0, 4, 8, 12, 1, 5, 9, 13>(upper, lower);
-  const W last = shuffled<T, 2, 6, 10, 14, 3, 7, 11, 15>(upper, lower);
-  out[0] = shuffled<T, 0, 1, 2, 3>(first, first);
-  out[1] = shuffled<T, 4, 5, 6, 7>(first, first);
-  out[2] = shuffled<T, 0, 1, 2, 3>(last, last);
-  out[3] = shuffled<T, 4, 5, 6, 7>(last, last);
-#else
-  using V = Lanes<T, 4>;
-  const V a = shuffled<T, 0, 4, 2, 6>(rows[0], rows[1]), b = shuffled<T, 1, 5, 3, 7>(rows[0], rows[1]);
-  const V c = shuffled<T, 0, 4, 2, 6>(rows[2], rows[3]), d = shuffled<T, 1, 5, 3, 7>(rows[2], rows[3]);
-  out[0] = shuffled<T, 0, 1, 4, 5>(a, c);
-  out[1] = shuffled<T, 0, 1, 4, 5>(b, d);
-  out[2] = shuffled<T, 2, 3, 6, 7>(a, c);
-  out[3] = shuffled<T, 2, 3, 6, 7>(b, d);
-#endif
-}
-template <class T>
-DALEMBERT_INLINE void transpose(const Lanes<T, 2>* rows, Lanes<T, 4>* out) {
-  const Lanes<T, 4> a = shuffled<T, 0, 2, 1, 3>(rows[0], rows[1]), b = shuffled<T, 0, 2, 1, 3>(rows[2], rows[3]);
-  out[0] = shuffled<T, 0, 1, 4, 5>(a, b);
-  out[1] = shuffled<T, 2, 3, 6, 7>(a, b);
-}
-
-// The same for two rows.
-template <class T>
-DALEMBERT_INLINE void transpose_pair(const Lanes<T, 4>* rows, Lanes<T, 2>* out) {
-  const Lanes<T, 4> a = shuffled<T, 0, 4, 2, 6>(rows[0], rows[1]), b = shuffled<T, 1, 5, 3, 7>(rows[0], rows[1]);
-  out[0] = shuffled<T, 0, 1>(a, a);
-  out[1] = shuffled<T, 0, 1>(b, b);
-  out[2] = shuffled<T, 2, 3>(a, a);
-  out[3] = shuffled<T, 2, 3>(b, b);
-}
-template <class T>
-DALEMBERT_INLINE void transpose_pair(const Lanes<T, 2>* rows, Lanes<T, 2>* out) {
-  out[0] = shuffled<T, 0, 2>(rows[0], rows[1]);
-  out[1] = shuffled<T, 1, 3>(rows[0], rows[1]);
-}
-
-template <class T>
-DALEMBERT_INLINE void store_count(T* to, const Lanes<T, 4>& x, int count) {
-  if (count >= 4) {
-    store<4, T>(to, x);
-  } else if (count == 3) {
-    store_first<3, 4, T>(to, x);
-  } else if (count == 2) {
-    store_first<2, 4, T>(to, x);
-  } else if (count == 1) {
-    *to = x[0];
-  }
-}
-
 template <int n, class T>
 DALEMBERT_INLINE void load_all(Lanes<T, n>* to, const T* from, int count, int stride) {
   for (int j = 0; j < count; ++j) to[j] = load<n, T>(from + j * stride);
 }
-
-constexpr int least(int a, int b) { return a < b ? a : b; }
 
 // The factors of the joints above, from one of them on.
 template <class T, int n>
@@ -236,35 +165,6 @@ DALEMBERT_BLOCK void mirror(Tile<width, T>& to, const Tile<width, T>& from) {
   });
 }
 
-// A column of each lane's block: values of up to four consecutive rows, from to[lane] on. Where a lane is joined to the next,
-// the next lane's rows follow its own: what is stored beyond its last row is overwritten.
-template <int width, class T>
-DALEMBERT_BLOCK void put_column(T* const* to, const Lanes<T, width>* values, const int* count, int along,
-                                const bool* joined = nullptr) {
-  if (along == 1) {
-    lanes<width>([&](int l) DALEMBERT_IN_BLOCK {
-      if (count[l] > 0) *to[l] = values[0][l];
-    });
-  } else if (along == 2) {
-    Lanes<T, 2> turned[width];
-    transpose_pair<T>(values, turned);
-    lanes<width>([&](int l) DALEMBERT_IN_BLOCK {
-      if (count[l] > 1) {
-        store<2, T>(to[l], turned[l]);
-      } else if (count[l] == 1) {
-        *to[l] = turned[l][0];
-      }
-    });
-  } else {
-    Lanes<T, 4> turned[width];
-    transpose<T>(values, turned);
-    lanes<width>([&](int l) DALEMBERT_IN_BLOCK {
-      const bool whole = joined != nullptr && joined[l] && count[l] == 3 && count[l + 1] > 0;
-      store_count<T>(to[l], turned[l], whole ? 4 : count[l]);
-    });
-  }
-}
-
 // A tile's place in M or C, lane by lane: first rows, and how many real steps there are from there on.
 template <int width>
 struct Place {
@@ -272,36 +172,29 @@ struct Place {
 };
 
 // Stores tile[above][below] as columns of the lower limb's joints (rows run over `above`), or of the upper limb's.
-template <bool by_upper, int rows, int columns, int width, class T>
-DALEMBERT_BLOCK void put(T* matrix, int leading, const Tile<width, T>& tile, const Place<width>& at) {
+template <bool by_upper, int rows, int columns, int width, class T, class To>
+DALEMBERT_BLOCK void put(const To& matrix, int leading, const Tile<width, T>& tile, const Place<width>& at) {
   constexpr int along = by_upper ? columns : rows;
-  T* to[width];
-  int count[width];
   const int* row = by_upper ? at.row_below : at.row_above;
   const int* column = by_upper ? at.row_above : at.row_below;
   const int* left = by_upper ? at.left_below : at.left_above;
   const int* across = by_upper ? at.left_above : at.left_below;
-  bool joined[width];
-  lanes<width>([&](int l) DALEMBERT_IN_BLOCK {
-    to[l] = matrix + column[l] * leading + row[l];
-    joined[l] = l + 1 < width && column[l + 1] == column[l] && row[l + 1] == row[l] + along;
-  });
   lanes<(by_upper ? rows : columns)>([&](int i) DALEMBERT_IN_BLOCK {
     Lanes<T, width> line[4] = {};
-    T* here[width];
     lanes<along>([&](int j) DALEMBERT_IN_BLOCK { line[j] = by_upper ? tile[i][j] : tile[j][i]; });
+    Line<width> where;
     lanes<width>([&](int l) DALEMBERT_IN_BLOCK {
-      here[l] = to[l] + i * leading;
-      count[l] = i < across[l] ? least(left[l], along) : 0;
+      where.column[l] = column[l] + i, where.row[l] = row[l];
+      where.count[l] = i < across[l] ? least(left[l], along) : 0;
     });
-    put_column<width, T>(here, line, count, along, joined);
+    put_line<width, T>(matrix, leading, where, line, along);
   });
 }
 
 // Both triangles of an off-diagonal tile of `rows` joints above by `columns` below, or the whole of a diagonal one.
-template <Above kind, int width, int rows, int columns, bool diagonal, class T, int nl, int nu, class AboveSum>
+template <Above kind, int width, int rows, int columns, bool diagonal, class T, int nl, int nu, class AboveSum, class To>
 DALEMBERT_BLOCK void tile_of(Symmetric<AboveSum>, const Factors<T, nl>& lower, const Upper<T, nu>& up, const Place<width>& at,
-                             T* matrix, int leading) {
+                             const To& matrix, int leading) {
   const Products<diagonal ? Part::upper : Part::all, kind, width, rows, columns, T> products{lower.stride, up.step, up.stride};
   Tile<width, T> m;
   products.fill(m, lower, up, AboveSum{});
@@ -309,9 +202,10 @@ DALEMBERT_BLOCK void tile_of(Symmetric<AboveSum>, const Factors<T, nl>& lower, c
   put<false, rows, columns, width, T>(matrix, leading, m, at);
   if constexpr (!diagonal) put<true, rows, columns, width, T>(matrix, leading, m, at);
 }
-template <Above kind, int width, int rows, int columns, bool diagonal, class T, int nl, int nu, class AboveSum, class BelowSum>
+template <Above kind, int width, int rows, int columns, bool diagonal, class T, int nl, int nu, class AboveSum, class BelowSum,
+          class To>
 DALEMBERT_BLOCK void tile_of(Square<AboveSum, BelowSum>, const Factors<T, nl>& lower, const Upper<T, nu>& up,
-                             const Place<width>& at, T* matrix, int leading) {
+                             const Place<width>& at, const To& matrix, int leading) {
   const Products<diagonal ? Part::upper : Part::all, kind, width, rows, columns, T> products{lower.stride, up.step, up.stride};
   const Products<diagonal ? Part::strictly_upper : Part::all, kind, width, rows, columns, T> others{lower.stride, up.step,
                                                                                                     up.stride};
@@ -329,9 +223,9 @@ DALEMBERT_BLOCK void tile_of(Square<AboveSum, BelowSum>, const Factors<T, nl>& l
 }
 
 // The same tile of every matrix.
-template <Above kind, int width, int rows, int columns, bool diagonal, class T, int nl, int nu, class... Kinds>
+template <Above kind, int width, int rows, int columns, bool diagonal, class T, int nl, int nu, class To, class... Kinds>
 DALEMBERT_BLOCK void tiles_of(Matrices<Kinds...>, const Factors<T, nl>& lower, const Upper<T, nu>& up, const Place<width>& at,
-                              T* const* matrices, int leading) {
+                              const To* matrices, int leading) {
   int m = 0;
   (void)std::initializer_list<int>{
       (tile_of<kind, width, rows, columns, diagonal, T>(Kinds{}, lower, up, at, matrices[m++], leading), 0)...};
