@@ -90,6 +90,15 @@ void check_size(const ir::RobotDescription& robot, const ir::KinematicTree& tree
                       "make joints fixed, or lock or cut them in the scene"});
 }
 
+// Loops run over limbs.
+void check_form(const ir::RobotDescription& robot, const ir::KinematicTree& tree, const ir::CompileOptions& options) {
+  if (options.form == ir::Form::rolled && tree.bodies.empty())
+    throw InputError(
+        {Severity::error, robot.file, "option --form",
+         fmt::format("robot '{}' has no joint that moves, and the rolled form's loops run over joints", robot.name),
+         "leave the option out, or ask for straight"});
+}
+
 }  // namespace
 
 Model read_model(const Request& request, Diagnostics& warnings) {
@@ -101,6 +110,7 @@ Model read_model(const Request& request, Diagnostics& warnings) {
   model.command_line = command_line(request, model.name);
   apply_scene(model, document, warnings);
   check_size(model.description, model.tree);
+  check_form(model.description, model.tree, model.options);
   if (!request.for_one_output) passes::check_mass(model.description, model.tree, model.scene);
   return model;
 }

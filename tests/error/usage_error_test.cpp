@@ -31,6 +31,21 @@ TEST(Usage, BadCommandLinesAreRefused) {
   expect_refused(run_dalembert({"info", sound, "--name", "class"}, "."), "option --name: error: 'class' is a keyword of C++");
 }
 
+TEST(Usage, TheRolledFormIsObeyedOrRefused) {
+  const std::string alone = ERROR_ROBOTS "/nothing_moves.urdf";
+  expect_refused(
+      run_dalembert({"info", alone, "--base", "floating", "--form", "rolled"}, "."),
+      "option --form: error: robot 'r' has no joint that moves, and the rolled form's loops run over joints; leave the "
+      "option out, or ask for straight");
+  expect_refused(run_dalembert({"info", sound, "--base", "floating", "--locked", "j=0", "--form", "rolled"}, "."),
+                 "option --form");
+  for (const char* form : {"auto", "straight"})
+    EXPECT_EQ(run_dalembert({"info", alone, "--base", "floating", "--form", form}, ".").status, 0) << form;
+  const Outcome run = run_dalembert({"info", sound, "--form", "rolled"}, ".");
+  EXPECT_EQ(run.status, 0);
+  EXPECT_NE(run.out.find("rolled"), std::string::npos);
+}
+
 TEST(Usage, HelpIsAResult) {
   for (const std::vector<std::string>& words :
        std::vector<std::vector<std::string>>{{}, {"generate"}, {"info"}, {"eval"}, {"check"}}) {
