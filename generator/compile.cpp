@@ -7,6 +7,7 @@
 #include <iterator>
 
 #include "backend/emit.hpp"
+#include "backend/executed.hpp"
 #include "left_out.hpp"
 #include "reference/self_test.hpp"
 
@@ -44,6 +45,13 @@ std::vector<backend::OutputFile> emit(const Model& model, std::optional<ir::Self
 
 std::size_t workspace_bytes(const Model& model, const Lowered& lowered) {
   return backend::workspace_bytes(folder(model, lowered));
+}
+
+std::vector<std::pair<std::string, ir::Operations>> executed_operations(const Model& model, const Lowered& lowered) {
+  std::vector<std::pair<std::string, ir::Operations>> all;
+  for (const backend::CodeInput& code : folder(model, lowered).functions)
+    all.emplace_back(ir::row_of(code.algorithm.function).name, backend::executed_operations(code));
+  return all;
 }
 
 std::vector<backend::OutputFile> compile(const Model& model) {

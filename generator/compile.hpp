@@ -2,6 +2,9 @@
 #pragma once
 
 #include <cstddef>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "lower.hpp"
 
@@ -9,5 +12,8 @@ namespace dalembert {
 
 // sizeof(Workspace) of the generated code, in bytes.
 std::size_t workspace_bytes(const Model& model, const Lowered& lowered);
+
+// Operations that one call of each generated function executes, padding included (backend/executed.hpp).
+std::vector<std::pair<std::string, ir::Operations>> executed_operations(const Model& model, const Lowered& lowered);
 
 }  // namespace dalembert

@@ -14,6 +14,7 @@
 #include "backend/emit_tasks.hpp"
 #include "backend/kept.hpp"
 #include "backend/literals.hpp"
+#include "backend/moved_parameters.hpp"
 #include "backend/templates.hpp"
 #include "dalembert/version.hpp"
 #include "ir/identifier.hpp"
@@ -197,7 +198,7 @@ OutputFile header(const Folder& folder) {
                   {"joint_enum", wrapped(joints, 2)},
                   {"joint_names", joint_names.empty() ? "nullptr" : wrapped(joint_names, 4)},
                   {"body_names", wrapped(body_names, 4)},
-                  {"link_table", link_table(code)},
+                  {"link_table", link_table(code) + moved_parameters(code)},
                   {"types", payload_type(code) + of_functions(folder, kept_types)},
                   {"results", results(folder)},
                   {"run_time_inputs", run_time_inputs(code)},

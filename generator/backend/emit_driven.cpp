@@ -79,4 +79,10 @@ std::string driven_statements(const CodeInput& code) {
   return text;
 }
 
+long driven_additions(const CodeInput& code) {
+  if (!has_driven(code) || code.algorithm.pairs.empty()) return 0;
+  const DrivenElements elements(code);
+  return static_cast<long>(code.algorithm.pairs.size() * (elements.to.size() - elements.set));
+}
+
 }  // namespace dalembert::backend

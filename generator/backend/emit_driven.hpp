@@ -12,4 +12,7 @@ namespace dalembert::backend {
 std::string driven_tables(const CodeInput& code);
 std::string driven_statements(const CodeInput& code);
 
+// Additions that the statements execute.
+long driven_additions(const CodeInput& code);
+
 }  // namespace dalembert::backend

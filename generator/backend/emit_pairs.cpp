@@ -209,6 +209,51 @@ std::string elements_stage(const CodeInput& code, size_t segment) {
   return text;
 }
 
+ElementCounts element_counts(const CodeInput& code, size_t segment, const ir::Pairs& pairs, int lanes) {
+  const ir::Segment& s = code.plan.segments[segment];
+  const std::vector<Above> levels = all_above(code, s);
+  const long steps = s.steps;
+  ElementCounts counts;
+  if (s.width > 1) {  // tiles: both triangles of a symmetric matrix are one
+    counts.above = steps * (steps + 1) / 2;
+    counts.below = steps * (steps - 1) / 2;
+    for (const Above& a : levels) {
+      counts.above += steps * static_cast<long>(a.steps);
+      counts.below += steps * static_cast<long>(a.steps);
+    }
+    counts.above *= s.width;
+    counts.below *= pairs.symmetric ? 0 : s.width;
+    return counts;
+  }
+  const auto driven = [&](int body) { return code.tree.bodies[static_cast<size_t>(body)].driven(); };
+  // Some rows of a joint's column, run by run between driven joints.
+  const auto rows = [&](int column, const int* first, const int* last) {
+    long total = 0, run = 0;
+    const auto end_run = [&] { total += (run + lanes - 1) / lanes * lanes, run = 0; };
+    for (; first != last; ++first) {
+      ++run;
+      if (!driven(*first) || driven(column)) continue;
+      --run;
+      end_run();
+      total += lanes;
+    }
+    end_run();
+    return total;
+  };
+  const std::vector<int>& limb = s.bodies[0];
+  const int *begin = limb.data(), *end = begin + limb.size();
+  for (const int* k = begin; k != end; ++k) {
+    counts.above += rows(*k, begin, k + 1);
+    counts.below += rows(*k, k + 1, end);
+  }
+  for (const Above& a : levels) {
+    const std::vector<int>& above = a.limbs[0];
+    for (const int k : limb) counts.above += rows(k, above.data(), above.data() + above.size());
+    for (const int i : above) counts.below += rows(i, begin, end);
+  }
+  return counts;
+}
+
 std::string projection_tables(const CodeInput& code) {
   if (code.algorithm.projections.empty()) return "";
   std::vector<int> slots, parents, rows;

@@ -20,6 +20,13 @@ bool elements_split(const ir::Segment& segment);
 // Statements for the elements in the columns of steps [begin, end) of the segment.
 std::string elements_stage(const CodeInput& code, size_t segment);
 
+// Elements of one matrix that the statements compute for a segment, with those that padding adds: above the diagonal with it,
+// and below. Limbs alone run along rows, `lanes` at a time.
+struct ElementCounts {
+  long above = 0, below = 0;
+};
+ElementCounts element_counts(const CodeInput& code, size_t segment, const ir::Pairs& pairs, int lanes);
+
 // Tables and statements of the projections; empty where there is none.
 std::string projection_tables(const CodeInput& code);
 std::string projection_statements(const CodeInput& code);

@@ -104,7 +104,7 @@ class ParagraphWriter {
         return target_.load(
             fmt::format("{}_{} + i", segment_.name, column_name(rolled_.columns[static_cast<size_t>(in.index)])));
       case InputKind::of_body:
-        return target_.broadcast(fmt::format("{}[{}]", kept(code_, in.index, in.component), slot_of(code_, in.body)));
+        return target_.broadcast(fmt::format("{}[{}]", kept(code_, in.index, in.component), slot_text(code_, in.body)));
       default: throw std::logic_error("an input of the function is read by a body");
     }
   }
@@ -131,8 +131,10 @@ class ParagraphWriter {
     }
     for (const auto& [role, components] : carried_)
       for (size_t i = 0; i < components.size(); ++i) {
-        const bool constant = paragraph_.graph.is_constant(components[i]->node);
-        sinks.push_back({components[i]->node, fmt::format("next_{}[{}] = {}", name(role), i, constant ? "V{} + " : ""), ";"});
+        const std::string to = fmt::format("next_{}[{}] = ", name(role), i);
+        if (paragraph_.graph.is_constant(components[i]->node))
+          sinks.push_back({components[i]->node, to + target_.constant(), ");"});
+        else sinks.push_back({components[i]->node, to, ";"});
       }
     return sinks;
   }
@@ -141,9 +143,9 @@ class ParagraphWriter {
   std::string carried_from_outside() const {
     std::string text;
     std::set<int> parents;
-    std::vector<int> slots;
+    std::vector<std::string> slots;
     for (size_t lane = 0; lane < segment_.parents.size(); ++lane) {
-      slots.push_back(slot_of(code_, segment_.parents[lane]));
+      slots.push_back(slot_text(code_, segment_.parents[lane]));
       if (segment_.bodies[lane].front() >= 0) parents.insert(segment_.parents[lane]);
     }
     bool gathers = false;
@@ -157,7 +159,7 @@ class ParagraphWriter {
           values.push_back(target_.numbers(numbers));
         } else if (parents.size() == 1) {
           values.push_back(
-              target_.broadcast(fmt::format("{}[{}]", kept(code_, role, c->component), slot_of(code_, *parents.begin()))));
+              target_.broadcast(fmt::format("{}[{}]", kept(code_, role, c->component), slot_text(code_, *parents.begin()))));
         } else {
           values.push_back(target_.gather(kept(code_, role, c->component), "parents"));
           gathers = true;
@@ -196,7 +198,7 @@ class ParagraphWriter {
         const std::string target =
             h.received ? received(code_, h.role, run[from]->component) : kept(code_, h.role, run[from]->component);
         text += fmt::format("    dalembert::{}_lanes<{}>({}, {}, {} + {}, {});\n", h.first ? "set" : "add",
-                            target_.sum_lanes(to - from, h.lanes), name(h.role), first, target, slot_of(code_, h.parent),
+                            target_.sum_lanes(to - from, h.lanes), name(h.role), first, target, slot_text(code_, h.parent),
                             stride(code_));
         from = to;
       }

@@ -180,4 +180,24 @@ std::string prepare_tables(const CodeInput& code) {
   return text;
 }
 
+ir::Operations prepare_operations(const CodeInput& code) {
+  const Joints joints(code);
+  ir::Operations sum;
+  // A multiplier and an offset each.
+  const auto positions = [&](const std::vector<int>& of, bool held) {
+    for (const int k : of)
+      if (code.tree.bodies[static_cast<size_t>(k)].driven() && !(held && code.tree.carries_reference(static_cast<size_t>(k))))
+        ++sum.multiply, ++sum.add;
+  };
+  const bool own = sines(code, false), held = sines(code, true);
+  if ((own || held) && !joints.turning.empty()) {
+    if (!plain(code)) positions(joints.turning, !own);
+    for (const ir::Segment& s : code.plan.segments) sum.sincos += plain(code) ? (s.slots() + 3) / 4 * 4 : 0;
+    if (!plain(code)) sum.sincos = (code.plan.slots + 3) / 4 * 4;
+  }
+  for (const bool rest : {false, true})
+    if (role_of(code, Source::slide, rest) >= 0) positions(joints.sliding, rest);
+  return sum;
+}
+
 }  // namespace dalembert::backend

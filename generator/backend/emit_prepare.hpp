@@ -17,4 +17,7 @@ bool needs_angles(const CodeInput& code);
 bool prepare_reads_q(const CodeInput& code);
 bool prepare_reads_v(const CodeInput& code);
 
+// What the statements execute, sines of padding included.
+ir::Operations prepare_operations(const CodeInput& code);
+
 }  // namespace dalembert::backend

@@ -37,16 +37,17 @@ std::string layout(const CodeInput& code) {
               "\n";
     }
   }
-  return text + fmt::format("//   base {}: slot {}\n", comment_text(code.tree.base_link), code.plan.root_slot);
+  return text + fmt::format("[[maybe_unused]] constexpr int base_slot = {};  // of {}\n", code.plan.root_slot,
+                            comment_text(code.tree.base_link));
 }
 
 // What the base computes at one of its stages.
 std::string base_statements(const CodeInput& code, const ir::BaseStage& stage) {
   std::vector<Sink> sinks;
   for (const ir::Value& v : stage.stores)
-    sinks.push_back({v.node, fmt::format("{}[{}] = ", kept(code, v.role, v.component), slot_of(code, -1)), ";"});
+    sinks.push_back({v.node, fmt::format("{}[{}] = ", kept(code, v.role, v.component), slot_text(code, -1)), ";"});
   for (const ir::BodyStore& v : stage.body_stores)
-    sinks.push_back({v.node, fmt::format("{}[{}] = ", kept(code, v.role, v.component), slot_of(code, v.body)), ";"});
+    sinks.push_back({v.node, fmt::format("{}[{}] = ", kept(code, v.role, v.component), slot_text(code, v.body)), ";"});
   for (const ir::BlockElement& e : stage.elements) {
     const ir::OutputArray& a = code.algorithm.arrays[static_cast<size_t>(e.array)];
     sinks.push_back({e.node, fmt::format("workspace.{}[{}] = ", a.name, element_index(a, e.row, e.column)), ";"});
@@ -55,8 +56,10 @@ std::string base_statements(const CodeInput& code, const ir::BaseStage& stage) {
   style.type = "Scalar";
   style.scalar = code.scene.scalar;
   style.input = [&](const ir::Input& in) {
-    if (in.kind == InputKind::of_body) return fmt::format("{}[{}]", kept(code, in.index, in.component), slot_of(code, in.body));
-    if (in.kind == InputKind::received) return fmt::format("{}[{}]", received(code, in.index, in.component), slot_of(code, -1));
+    if (in.kind == InputKind::of_body)
+      return fmt::format("{}[{}]", kept(code, in.index, in.component), slot_text(code, in.body));
+    if (in.kind == InputKind::received)
+      return fmt::format("{}[{}]", received(code, in.index, in.component), slot_text(code, -1));
     return input_text(code, in);
   };
   std::string text = "  // The base";

@@ -110,6 +110,12 @@ std::string straight_statements(const CodeInput& code, const ir::Program& progra
   return body + print(program.graph, sinks, style) + guard_statements(code);
 }
 
+ir::Operations straight_operations(const CodeInput& code) {
+  ir::Operations sum = ir::count(code.program.graph, ir::uses(code.program.graph, code.program.roots()));
+  sum.sincos = (Angles(code.program).count() + 3) / 4 * 4;
+  return sum;
+}
+
 std::vector<std::string> straight_includes(const CodeInput& code) {
   if (Angles(code.program).count() == 0) return {};
   return {"sincos"};

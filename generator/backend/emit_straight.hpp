@@ -11,6 +11,9 @@ namespace dalembert::backend {
 // Statements that compute a program's results from q, v and the workspace.
 std::string straight_statements(const CodeInput& code, const ir::Program& program);
 
+// What the statements execute: the program's operations, and sines for whole registers of angles.
+ir::Operations straight_operations(const CodeInput& code);
+
 // The function in dynamics.cpp, and the headers it includes.
 std::string straight_source(const CodeInput& code);
 std::vector<std::string> straight_includes(const CodeInput& code);

@@ -52,6 +52,8 @@ int slot_of(const CodeInput& code, int body) {
   return body < 0 ? code.plan.root_slot : code.plan.slot_of[static_cast<size_t>(body)];
 }
 
+std::string slot_text(const CodeInput& code, int body) { return body < 0 ? "base_slot" : std::to_string(slot_of(code, body)); }
+
 int stride(const CodeInput& code) { return code.plan.slots + 8; }
 
 int base_rows(const CodeInput& code) { return code.tree.nv() - code.tree.independent_joints(); }
@@ -64,8 +66,8 @@ int expanded_rows(const CodeInput& code) { return base_rows(code) + code.tree.jo
 
 std::string kept_definition(const CodeInput& code) {
   std::string text = fmt::format(
-      "// Room to work in: one value per slot, a slot per body of a limb and lane; the base's slot is {}.\nstruct {} {{\n",
-      code.plan.root_slot, own_type(code, "Kept"));
+      "// Room to work in: one value per slot, a slot per body of a limb and lane, and one of the base.\nstruct {} {{\n",
+      own_type(code, "Kept"));
   for (const Array& a : arrays(code))
     text += fmt::format("  alignas(64) Scalar {}[{}][{}] = {{}};  // {}\n", a.name, a.components, a.slots, a.meaning);
   for (size_t r = 0; r < code.rolled.roles.size(); ++r) {

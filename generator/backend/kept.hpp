@@ -16,6 +16,8 @@ bool is_kept(const CodeInput& code, int role);
 
 // The slot of a body, or of the base (−1).
 int slot_of(const CodeInput& code, int body);
+// The same as the text has it: the base's by name.
+std::string slot_text(const CodeInput& code, int body);
 // From one component of an array to the next, with room for the base's slot and to read past the last.
 int stride(const CodeInput& code);
 

@@ -111,6 +111,14 @@ std::string quantities_json(const std::vector<OperationCost>& costs) {
   return text;
 }
 
+// One object per function.
+std::string executed_json(const std::vector<std::pair<std::string, ir::Operations>>& functions) {
+  std::string text;
+  for (const auto& [name, operations] : functions)
+    text += fmt::format("{}\n    {}: {{{}}}", text.empty() ? "" : ",", json_string(name), operations_json(operations));
+  return text;
+}
+
 }  // namespace
 
 std::string describe(const Model& model) {
@@ -132,10 +140,11 @@ std::string describe_json(const Model& model) {
   const std::vector<OperationCost> before = too_large_to_compare(lowered) ? std::vector<OperationCost>{} : costs_before(model);
   return fmt::format(
       "{{\n  \"robot\": {},\n  \"name\": {},\n  \"base\": \"{}\",\n  \"nq\": {},\n  \"nv\": {},\n  \"joints\": {},\n"
-      "  \"bodies\": {},\n  \"workspace_bytes\": {},\n  \"quantities\": {{{}\n  }},\n  \"without_scene\": {{{}\n  }}\n}}\n",
+      "  \"bodies\": {},\n  \"workspace_bytes\": {},\n  \"quantities\": {{{}\n  }},\n  \"without_scene\": {{{}\n  }},\n"
+      "  \"executed\": {{{}\n  }}\n}}\n",
       json_string(tree.robot), json_string(model.name), tree.floating_base ? "floating" : "fixed", tree.nq(), tree.nv(),
       json_array(joints), json_array(bodies), workspace_bytes(model, lowered), quantities_json(operation_costs(lowered, tree)),
-      quantities_json(before));
+      quantities_json(before), executed_json(executed_operations(model, lowered)));
 }
 
 }  // namespace dalembert

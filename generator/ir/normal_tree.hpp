@@ -26,6 +26,7 @@ struct NormalBody {
   Eigen::Vector3d translation = Eigen::Vector3d::Zero();
   Moments moments;                                              // after moving
   Moments own;                                                  // before moving: the body as it is
+  Moments moved;                                                // of these, and of what children gave, what the parent got
   Eigen::Matrix3d link_rotation = Eigen::Matrix3d::Identity();  // the URDF link's axes in this frame
   Eigen::Vector3d link_translation = Eigen::Vector3d::Zero();   // the URDF link's origin in this frame
 };

@@ -137,10 +137,10 @@ ir::NormalTree normalise(const ir::KinematicTree& tree, const NormaliseOptions& 
     ir::NormalBody& n = normal.bodies[k];
     // A link without inertia, as in a joint of several axes, costs nothing as long as nothing moves there.
     if (n.parent >= 0 && !has_inertia(normal.bodies[static_cast<size_t>(n.parent)].own)) continue;
-    const ir::Moments moved = take_movable(n.moments, n.prismatic);
+    n.moved = take_movable(n.moments, n.prismatic);
     // A prismatic joint displaces along z, which changes nothing in what moves: no mass, no first moment.
     ir::Moments& parent = n.parent < 0 ? normal.base : normal.bodies[static_cast<size_t>(n.parent)].moments;
-    add_to_parent(parent, moved, n.rotation, n.translation);
+    add_to_parent(parent, n.moved, n.rotation, n.translation);
   }
   return normal;
 }

@@ -1,0 +1,106 @@
+#include "backend/executed.hpp"
+
+#include <set>
+#include <vector>
+
+#include "backend/emit_driven.hpp"
+#include "backend/emit_pairs.hpp"
+#include "backend/emit_prepare.hpp"
+#include "backend/emit_straight.hpp"
+#include "backend/kept.hpp"
+
+namespace dalembert::backend {
+namespace {
+
+int whole_registers(int count) { return (count + counted_lanes - 1) / counted_lanes * counted_lanes; }
+
+ir::Operations of(const ir::Graph& graph, const std::vector<ir::NodeId>& roots, long times = 1) {
+  ir::Operations o = ir::count(graph, ir::uses(graph, roots));
+  o.add *= times, o.multiply *= times, o.divide *= times;
+  o.sincos = 0;
+  return o;
+}
+
+ir::Operations paragraph(const ir::Segment& s, const ir::Paragraph& p) {
+  std::vector<ir::NodeId> roots;
+  for (const ir::Value& v : p.stores) roots.push_back(v.node);
+  for (const ir::Carried& c : p.carried) roots.push_back(c.node);
+  return of(p.graph, roots, p.direction == ir::Direction::anywhere ? whole_registers(s.slots()) : s.slots());
+}
+
+// Sums over lanes, and what they are added to.
+long handed_on(const ir::SegmentCode& code) {
+  long additions = 0;
+  for (const ir::HandedOn& h : code.handed) additions += static_cast<long>(h.lanes.size()) - (h.first ? 1 : 0);
+  return additions;
+}
+
+ir::Operations base(const ir::BaseStage& stage) {
+  std::vector<ir::NodeId> roots;
+  for (const auto& v : stage.stores) roots.push_back(v.node);
+  for (const auto& v : stage.body_stores) roots.push_back(v.node);
+  for (const auto& e : stage.elements) roots.push_back(e.node);
+  return of(stage.graph, roots);
+}
+
+void add_elements(const CodeInput& code, ir::Operations& sum) {
+  for (size_t segment = 0; segment < code.plan.segments.size(); ++segment)
+    for (const ir::Pairs& p : code.algorithm.pairs) {
+      const ElementCounts computed = element_counts(code, segment, p, counted_lanes);
+      const auto add = [&](const std::vector<ir::PairTerm>& terms, long elements) {
+        const long products = 3 * static_cast<long>(terms.size());
+        if (products == 0) return;
+        sum.multiply += products * elements;
+        sum.add += (products - 1) * elements;
+      };
+      add(p.above, computed.above);
+      add(p.symmetric ? p.above : p.below, computed.below);
+    }
+}
+
+void add_projections(const CodeInput& code, ir::Operations& sum) {
+  long pairs = 0;  // of a body and a coordinate above it
+  for (int k = 0; k < code.tree.joints(); ++k) {
+    pairs += base_rows(code);
+    for (int above = k; above >= 0; above = code.tree.bodies[static_cast<size_t>(above)].parent) ++pairs;
+  }
+  for (const ir::Projection& p : code.algorithm.projections) {
+    sum += of(p.graph, p.columns, pairs);
+    if (has_driven(code)) sum.add += pairs * static_cast<long>(p.columns.size());
+  }
+}
+
+// Of driven joints' results, added to their drivers': all but the first of each row.
+long driven_results(const CodeInput& code) {
+  if (!has_driven(code)) return 0;
+  const std::vector<int> coordinates = code.tree.coordinates();
+  long additions = driven_additions(code);
+  for (const ir::Result& r : code.algorithm.results) {
+    if (r.layout == ir::Layout::base || !is_kept(code, r.role)) continue;
+    std::set<int> rows;
+    for (int k = 0; k < code.tree.joints(); ++k)
+      if ((r.only_above == ir::all_bodies || code.tree.is_above(k, r.only_above)) &&
+          !rows.insert(coordinates[static_cast<size_t>(k)]).second)
+        additions += code.rolled.roles[static_cast<size_t>(r.role)].components();
+  }
+  return additions;
+}
+
+}  // namespace
+
+ir::Operations executed_operations(const CodeInput& code) {
+  if (code.plan.form != ir::Form::rolled) return straight_operations(code);
+  ir::Operations sum = prepare_operations(code);
+  for (const ir::BaseStage& stage : code.rolled.base) sum += base(stage);
+  for (size_t s = 0; s < code.plan.segments.size(); ++s) {
+    for (const ir::SegmentStage& stage : code.rolled.segments[s].stages)
+      for (const ir::Paragraph& p : stage.paragraphs) sum += paragraph(code.plan.segments[s], p);
+    sum.add += handed_on(code.rolled.segments[s]);
+  }
+  add_elements(code, sum);
+  add_projections(code, sum);
+  sum.add += driven_results(code) + static_cast<long>(code.rolled.added.size());
+  return sum;
+}
+
+}  // namespace dalembert::backend

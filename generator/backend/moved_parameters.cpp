@@ -1,0 +1,55 @@
+#include "backend/moved_parameters.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "backend/literals.hpp"
+
+namespace dalembert::backend {
+namespace {
+
+std::string list_of(const ir::Moments& moved, bool prismatic) {
+  std::vector<std::string> parts;
+  const auto add = [&](bool any, const char* name) {
+    if (any) parts.emplace_back(name);
+  };
+  add(moved.mass != 0, "m");
+  add(!moved.first.isZero(0), "h_z");
+  add(!moved.second.isZero(0), prismatic ? "S" : "S_zz");
+  add(moved.half_trace != 0, "t");
+  return fmt::format("{}", fmt::join(parts, ", "));
+}
+
+}  // namespace
+
+std::string moved_parameters(const CodeInput& code) {
+  std::string text;
+  const auto name_of = [&](int body) {
+    return comment_text(body < 0 ? code.tree.base_link : code.tree.bodies[static_cast<size_t>(body)].name);
+  };
+  bool weightless = code.scene.payloads.empty(), turns = false;
+  for (size_t k = 0; k < code.normal.bodies.size(); ++k) {
+    const ir::NormalBody& n = code.normal.bodies[k];
+    weightless = weightless && n.moments.mass == 0;
+    turns = turns || !n.prismatic;
+    if (const std::string list = list_of(n.moved, n.prismatic); !list.empty())
+      text += fmt::format("//   {:<32} {:<32} {}\n", name_of(static_cast<int>(k)), name_of(n.parent), list);
+  }
+  if (text.empty()) return "";
+  std::string head =
+      "\n// Inertial parameters that move in the same way with a body and with its parent count as the parent's: the results "
+      "do not\n"
+      "// change, and what is zero costs nothing. In a frame whose z is the joint's axis they are, of a body that turns, the "
+      "mass m,\n"
+      "// the first moment's h_z and the second moment's S_zz, a distribution of mass along the axis; of one that slides, S "
+      "and t,\n"
+      "// half the trace of its inertia.\n";
+  if (weightless && turns)
+    head += "// No body that moves has mass left, and no subtree: F = A* J and G = A* dJ + B* J have no term with m.\n";
+  return head + "// From, to, what (with what the body got from those behind it):\n" + text;
+}
+
+}  // namespace dalembert::backend
