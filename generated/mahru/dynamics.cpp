@@ -17,7 +17,7 @@ namespace {
 //     lane 1: right_hip_yaw to right_ankle_roll
 //     lane 2: left_shoulder_pitch to left_wrist_pitch
 //     lane 3: right_shoulder_pitch to right_wrist_pitch
-//   base pelvis: slot 4
+[[maybe_unused]] constexpr int base_slot = 4;  // of pelvis
 constexpr int slot_joint[] = {
     12, 0, 0, 0, 0, 0, 0, 0, 0, 6, 13, 19, 1, 7, 14, 20, 2, 8, 15, 21, 3, 9, 16, 22, 4, 10, 17, 23, 5, 11, 18, 24};
 constexpr int joint_slot[] = {
@@ -172,56 +172,56 @@ void prepare(const Scalar* q, const Scalar* v, Workspace& workspace) noexcept {
   // gravity along the base's axes
   // w, dw = 0, a = w x u - gravity
   // f = m a + dw x h + w x (w x h), n = h x a + I dw + w x I w
-  kept.rotation[0][4] = 1.0;
-  kept.rotation[4][4] = 1.0;
-  kept.rotation[1][4] = 0.0;
-  kept.rotation[3][4] = 0.0;
-  kept.angular_acceleration[0][4] = 0.0;
-  kept.angular_acceleration[1][4] = 0.0;
-  kept.velocity[0][4] = v[0];
-  kept.velocity[1][4] = v[1];
-  kept.velocity[2][4] = v[2];
-  kept.velocity[3][4] = v[3];
-  kept.angular[0][4] = v[3];
-  kept.velocity[4][4] = v[4];
-  kept.angular[1][4] = v[4];
-  kept.velocity[5][4] = v[5];
-  kept.angular[2][4] = v[5];
+  kept.rotation[0][base_slot] = 1.0;
+  kept.rotation[4][base_slot] = 1.0;
+  kept.rotation[1][base_slot] = 0.0;
+  kept.rotation[3][base_slot] = 0.0;
+  kept.angular_acceleration[0][base_slot] = 0.0;
+  kept.angular_acceleration[1][base_slot] = 0.0;
+  kept.velocity[0][base_slot] = v[0];
+  kept.velocity[1][base_slot] = v[1];
+  kept.velocity[2][base_slot] = v[2];
+  kept.velocity[3][base_slot] = v[3];
+  kept.angular[0][base_slot] = v[3];
+  kept.velocity[4][base_slot] = v[4];
+  kept.angular[1][base_slot] = v[4];
+  kept.velocity[5][base_slot] = v[5];
+  kept.angular[2][base_slot] = v[5];
   const Scalar t1 = 12.11 * v[4];
-  kept.momentum[0][4] = t1 + 65.0 * v[0];
+  kept.momentum[0][base_slot] = t1 + 65.0 * v[0];
   const Scalar t2 = 12.11 * v[3];
-  kept.momentum[1][4] = 65.0 * v[1] - t2;
-  kept.momentum[2][4] = 65.0 * v[2];
+  kept.momentum[1][base_slot] = 65.0 * v[1] - t2;
+  kept.momentum[2][base_slot] = 65.0 * v[2];
   const Scalar t3 = 12.11 * v[2];
-  kept.bias_block[0][4] = t3;
-  kept.bias_block[4][4] = t3;
-  kept.bias_block[1][4] = 0.3159 * v[5];
-  kept.bias_block[2][4] = -(4.7481601699999985 * v[4] + 12.11 * v[0]);
-  kept.bias_block[3][4] = -(0.1026 * v[5]);
-  kept.bias_block[5][4] = -(12.11 * v[1] - 4.7481601699999985 * v[3]);
-  kept.bias_block[6][4] = 0.1026 * v[4];
-  kept.bias_block[7][4] = -(0.3159 * v[3]);
+  kept.bias_block[0][base_slot] = t3;
+  kept.bias_block[4][base_slot] = t3;
+  kept.bias_block[1][base_slot] = 0.3159 * v[5];
+  kept.bias_block[2][base_slot] = -(4.7481601699999985 * v[4] + 12.11 * v[0]);
+  kept.bias_block[3][base_slot] = -(0.1026 * v[5]);
+  kept.bias_block[5][base_slot] = -(12.11 * v[1] - 4.7481601699999985 * v[3]);
+  kept.bias_block[6][base_slot] = 0.1026 * v[4];
+  kept.bias_block[7][base_slot] = -(0.3159 * v[3]);
   const Scalar t4 = 9.81 * (2.0 * (q[3] * q[5] - q[4] * q[6]));
-  kept.down[0][4] = -t4;
+  kept.down[0][base_slot] = -t4;
   const Scalar t5 = 9.81 * (2.0 * (q[6] * q[3] + q[4] * q[5]));
-  kept.down[1][4] = -t5;
+  kept.down[1][base_slot] = -t5;
   const Scalar t6 = 9.81 * (1.0 - 2.0 * (q[4] * q[4] + q[3] * q[3]));
-  kept.down[2][4] = -t6;
+  kept.down[2][base_slot] = -t6;
   const Scalar t7 = t4 + (v[2] * v[4] - v[1] * v[5]);
-  kept.acceleration[0][4] = t7;
+  kept.acceleration[0][base_slot] = t7;
   const Scalar t8 = t5 + (v[0] * v[5] - v[2] * v[3]);
-  kept.acceleration[1][4] = t8;
+  kept.acceleration[1][base_slot] = t8;
   const Scalar t9 = t6 + (v[1] * v[3] - v[0] * v[4]);
-  kept.acceleration[2][4] = t9;
-  kept.wrench[0][4] = v[5] * t2 + 65.0 * t7;
-  kept.wrench[1][4] = v[5] * t1 + 65.0 * t8;
-  kept.wrench[2][4] = 65.0 * t9 - (v[4] * t1 + v[3] * t2);
+  kept.acceleration[2][base_slot] = t9;
+  kept.wrench[0][base_slot] = v[5] * t2 + 65.0 * t7;
+  kept.wrench[1][base_slot] = v[5] * t1 + 65.0 * t8;
+  kept.wrench[2][base_slot] = 65.0 * t9 - (v[4] * t1 + v[3] * t2);
   const Scalar t10 = 4.694160169999999 * v[4];
   const Scalar t11 = 0.2619 * v[5];
-  kept.wrench[3][4] = v[4] * t11 - v[5] * t10 - 12.11 * t8;
+  kept.wrench[3][base_slot] = v[4] * t11 - v[5] * t10 - 12.11 * t8;
   const Scalar t12 = 4.9074601699999985 * v[3];
-  kept.wrench[4][4] = v[5] * t12 - v[3] * t11 + 12.11 * t7;
-  kept.wrench[5][4] = v[3] * t10 - v[4] * t12;
+  kept.wrench[4][base_slot] = v[5] * t12 - v[3] * t11 + 12.11 * t7;
+  kept.wrench[5][base_slot] = v[3] * t10 - v[4] * t12;
 }
 
 void outwards_waist(Workspace& workspace) noexcept {
@@ -230,12 +230,12 @@ void outwards_waist(Workspace& workspace) noexcept {
   // R = Rp Rk Rz(q), p = pp + Rp pk, J = [p x z; z], V = Vp + J dq, dJ = ad(Vp) J
   {
     using V [[maybe_unused]] = dalembert::Lanes<Scalar, 1>;
-    V above_velocity[6] = {dalembert::broadcast<1, Scalar>(kept.velocity[0][4]),
-        dalembert::broadcast<1, Scalar>(kept.velocity[1][4]),
-        dalembert::broadcast<1, Scalar>(kept.velocity[2][4]),
-        dalembert::broadcast<1, Scalar>(kept.velocity[3][4]),
-        dalembert::broadcast<1, Scalar>(kept.velocity[4][4]),
-        dalembert::broadcast<1, Scalar>(kept.velocity[5][4])};
+    V above_velocity[6] = {dalembert::broadcast<1, Scalar>(kept.velocity[0][base_slot]),
+        dalembert::broadcast<1, Scalar>(kept.velocity[1][base_slot]),
+        dalembert::broadcast<1, Scalar>(kept.velocity[2][base_slot]),
+        dalembert::broadcast<1, Scalar>(kept.velocity[3][base_slot]),
+        dalembert::broadcast<1, Scalar>(kept.velocity[4][base_slot]),
+        dalembert::broadcast<1, Scalar>(kept.velocity[5][base_slot])};
     for (int i = 0; i < 1; i += 1) {
       const int slot = 0 + i;
       V next_above_velocity[6];
@@ -333,9 +333,9 @@ void outwards_waist(Workspace& workspace) noexcept {
   // down = (Rk Rz(q))' down_p
   {
     using V [[maybe_unused]] = dalembert::Lanes<Scalar, 1>;
-    V above_down[3] = {dalembert::broadcast<1, Scalar>(kept.down[0][4]),
-        dalembert::broadcast<1, Scalar>(kept.down[1][4]),
-        dalembert::broadcast<1, Scalar>(kept.down[2][4])};
+    V above_down[3] = {dalembert::broadcast<1, Scalar>(kept.down[0][base_slot]),
+        dalembert::broadcast<1, Scalar>(kept.down[1][base_slot]),
+        dalembert::broadcast<1, Scalar>(kept.down[2][base_slot])};
     for (int i = 0; i < 1; i += 1) {
       const int slot = 0 + i;
       V next_above_down[3];
@@ -356,12 +356,12 @@ void outwards_waist(Workspace& workspace) noexcept {
   // f = m a + dw x h + w x (w x h), n = h x a + I dw + w x I w
   {
     using V [[maybe_unused]] = dalembert::Lanes<Scalar, 1>;
-    V above_angular[3] = {dalembert::broadcast<1, Scalar>(kept.angular[0][4]),
-        dalembert::broadcast<1, Scalar>(kept.angular[1][4]),
-        dalembert::broadcast<1, Scalar>(kept.angular[2][4])};
-    V above_acceleration[3] = {dalembert::broadcast<1, Scalar>(kept.acceleration[0][4]),
-        dalembert::broadcast<1, Scalar>(kept.acceleration[1][4]),
-        dalembert::broadcast<1, Scalar>(kept.acceleration[2][4])};
+    V above_angular[3] = {dalembert::broadcast<1, Scalar>(kept.angular[0][base_slot]),
+        dalembert::broadcast<1, Scalar>(kept.angular[1][base_slot]),
+        dalembert::broadcast<1, Scalar>(kept.angular[2][base_slot])};
+    V above_acceleration[3] = {dalembert::broadcast<1, Scalar>(kept.acceleration[0][base_slot]),
+        dalembert::broadcast<1, Scalar>(kept.acceleration[1][base_slot]),
+        dalembert::broadcast<1, Scalar>(kept.acceleration[2][base_slot])};
     for (int i = 0; i < 1; i += 1) {
       const int slot = 0 + i;
       V next_above_angular[3];
@@ -418,7 +418,7 @@ void outwards_left_hip_yaw_x4(Workspace& workspace) noexcept {
   // R = Rp Rk Rz(q), p = pp + Rp pk, J = [p x z; z], V = Vp + J dq, dJ = ad(Vp) J
   {
     using V [[maybe_unused]] = dalembert::Lanes<Scalar, 4>;
-    static constexpr int parents[] = {4, 4, 0, 0};
+    static constexpr int parents[] = {base_slot, base_slot, 0, 0};
     V above_rotation[9] = {dalembert::gather<4>(kept.rotation[0], parents),
         dalembert::gather<4>(kept.rotation[1], parents),
         dalembert::broadcast<4, Scalar>(0.0),
@@ -612,7 +612,7 @@ void outwards_left_hip_yaw_x4(Workspace& workspace) noexcept {
   // down = (Rk Rz(q))' down_p
   {
     using V [[maybe_unused]] = dalembert::Lanes<Scalar, 4>;
-    static constexpr int parents[] = {4, 4, 0, 0};
+    static constexpr int parents[] = {base_slot, base_slot, 0, 0};
     V above_down[3] = {dalembert::gather<4>(kept.down[0], parents),
         dalembert::gather<4>(kept.down[1], parents),
         dalembert::gather<4>(kept.down[2], parents)};
@@ -640,7 +640,7 @@ void outwards_left_hip_yaw_x4(Workspace& workspace) noexcept {
   // f = m a + dw x h + w x (w x h), n = h x a + I dw + w x I w
   {
     using V [[maybe_unused]] = dalembert::Lanes<Scalar, 4>;
-    static constexpr int parents[] = {4, 4, 0, 0};
+    static constexpr int parents[] = {base_slot, base_slot, 0, 0};
     V above_angular[3] = {dalembert::gather<4>(kept.angular[0], parents),
         dalembert::gather<4>(kept.angular[1], parents),
         dalembert::gather<4>(kept.angular[2], parents)};
@@ -822,16 +822,16 @@ void inwards_left_hip_yaw_x4(Workspace& workspace) noexcept {
       dalembert::store<4, Scalar>(kept.transposed(1) + slot, t35);
       const V t36 = t33 + t18 * joint_angular_y + t15 * joint_angular_x + t10 * joint_linear_y - t11 * joint_linear_x;
       dalembert::store<4, Scalar>(kept.transposed(2) + slot, t36);
-      const V base_velocity_wz = dalembert::broadcast<4, Scalar>(kept.velocity[5][4]);
-      const V base_velocity_wy = dalembert::broadcast<4, Scalar>(kept.velocity[4][4]);
+      const V base_velocity_wz = dalembert::broadcast<4, Scalar>(kept.velocity[5][base_slot]);
+      const V base_velocity_wy = dalembert::broadcast<4, Scalar>(kept.velocity[4][base_slot]);
       dalembert::store<4, Scalar>(kept.coriolis_matrix_rows[0] + slot, t23 * base_velocity_wz - t24 * base_velocity_wy);
-      const V base_velocity_wx = dalembert::broadcast<4, Scalar>(kept.velocity[3][4]);
+      const V base_velocity_wx = dalembert::broadcast<4, Scalar>(kept.velocity[3][base_slot]);
       dalembert::store<4, Scalar>(kept.coriolis_matrix_rows[1] + slot, t24 * base_velocity_wx - t22 * base_velocity_wz);
       dalembert::store<4, Scalar>(kept.coriolis_matrix_rows[2] + slot, t22 * base_velocity_wy - t23 * base_velocity_wx);
-      const V base_velocity_vz = dalembert::broadcast<4, Scalar>(kept.velocity[2][4]);
-      const V base_velocity_vy = dalembert::broadcast<4, Scalar>(kept.velocity[1][4]);
+      const V base_velocity_vz = dalembert::broadcast<4, Scalar>(kept.velocity[2][base_slot]);
+      const V base_velocity_vy = dalembert::broadcast<4, Scalar>(kept.velocity[1][base_slot]);
       dalembert::store<4, Scalar>(kept.coriolis_matrix_rows[3] + slot, t34 + t23 * base_velocity_vz + t29 * base_velocity_wz - t24 * base_velocity_vy - t30 * base_velocity_wy);
-      const V base_velocity_vx = dalembert::broadcast<4, Scalar>(kept.velocity[0][4]);
+      const V base_velocity_vx = dalembert::broadcast<4, Scalar>(kept.velocity[0][base_slot]);
       dalembert::store<4, Scalar>(kept.coriolis_matrix_rows[4] + slot, t35 + t24 * base_velocity_vx + t30 * base_velocity_wx - t22 * base_velocity_vz - t28 * base_velocity_wz);
       dalembert::store<4, Scalar>(kept.coriolis_matrix_rows[5] + slot, t36 + t22 * base_velocity_vy + t28 * base_velocity_wy - t23 * base_velocity_vx - t29 * base_velocity_wx);
       dalembert::carry(below_first, next_below_first);
@@ -839,17 +839,17 @@ void inwards_left_hip_yaw_x4(Workspace& workspace) noexcept {
       dalembert::carry(below_momentum, next_below_momentum);
       dalembert::carry(below_bias_block, next_below_bias_block);
     }
-    dalembert::set_lanes<4, 3, 0, 1>(below_first, 0, kept.received_first[0] + 4, 40);
+    dalembert::set_lanes<4, 3, 0, 1>(below_first, 0, kept.received_first[0] + base_slot, 40);
     dalembert::add_lanes<4, 2, 2, 3>(below_first, 0, kept.first[0] + 0, 40);
     dalembert::set_lanes<4, 1, 2, 3>(below_first, 2, kept.received_first[2] + 0, 40);
-    dalembert::set_lanes<4, 6, 0, 1>(below_second, 0, kept.received_second[0] + 4, 40);
+    dalembert::set_lanes<4, 6, 0, 1>(below_second, 0, kept.received_second[0] + base_slot, 40);
     dalembert::add_lanes<4, 5, 2, 3>(below_second, 0, kept.second[0] + 0, 40);
     dalembert::set_lanes<4, 1, 2, 3>(below_second, 5, kept.received_second[5] + 0, 40);
-    dalembert::add_lanes<4, 3, 0, 1>(below_momentum, 0, kept.momentum[0] + 4, 40);
+    dalembert::add_lanes<4, 3, 0, 1>(below_momentum, 0, kept.momentum[0] + base_slot, 40);
     dalembert::add_lanes<4, 3, 2, 3>(below_momentum, 0, kept.momentum[0] + 0, 40);
-    dalembert::add_lanes<4, 8, 0, 1>(below_bias_block, 0, kept.bias_block[0] + 4, 40);
+    dalembert::add_lanes<4, 8, 0, 1>(below_bias_block, 0, kept.bias_block[0] + base_slot, 40);
     dalembert::add_lanes<4, 9, 2, 3>(below_bias_block, 0, kept.bias_block[0] + 0, 40);
-    dalembert::set_lanes<4, 1, 0, 1>(below_bias_block, 8, kept.received_bias_block[8] + 4, 40);
+    dalembert::set_lanes<4, 1, 0, 1>(below_bias_block, 8, kept.received_bias_block[8] + base_slot, 40);
   }
   // g = -(h x down)_z (revolute), -m down_z (prismatic); h_p += Rk Rz(q) h + m p
   {
@@ -873,7 +873,7 @@ void inwards_left_hip_yaw_x4(Workspace& workspace) noexcept {
       next_below_gravity_first[2] = pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz_k * below_gravity_first[2] + pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy_k * t4 + pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx_k * t3;
       dalembert::carry(below_gravity_first, next_below_gravity_first);
     }
-    dalembert::set_lanes<4, 3, 0, 1>(below_gravity_first, 0, kept.received_gravity_first[0] + 4, 40);
+    dalembert::set_lanes<4, 3, 0, 1>(below_gravity_first, 0, kept.received_gravity_first[0] + base_slot, 40);
     dalembert::set_lanes<4, 3, 2, 3>(below_gravity_first, 0, kept.received_gravity_first[0] + 0, 40);
   }
   // C v + g = n_z (revolute), f_z (prismatic); f_p += R f, n_p += R n + p x R f
@@ -912,7 +912,7 @@ void inwards_left_hip_yaw_x4(Workspace& workspace) noexcept {
       next_below_wrench[5] = pose_translation_x_and_translation_x_k * t10 + pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz_k * t6 + pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy_k * t13 + pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx_k * t12 - pose_translation_y_and_translation_y_k * t9;
       dalembert::carry(below_wrench, next_below_wrench);
     }
-    dalembert::add_lanes<4, 6, 0, 1>(below_wrench, 0, kept.wrench[0] + 4, 40);
+    dalembert::add_lanes<4, 6, 0, 1>(below_wrench, 0, kept.wrench[0] + base_slot, 40);
     dalembert::add_lanes<4, 6, 2, 3>(below_wrench, 0, kept.wrench[0] + 0, 40);
   }
 }
@@ -992,26 +992,26 @@ void inwards_waist(Workspace& workspace) noexcept {
       dalembert::store<1, Scalar>(kept.coriolis_matrix_columns[3] + slot, t12 + joint_rate_wx * (t7 + t9) - t5 * joint_rate_wy - t3 * joint_rate_vy);
       dalembert::store<1, Scalar>(kept.coriolis_matrix_columns[4] + slot, t13 + joint_rate_wy * (t4 + t9) + t3 * joint_rate_vx - t5 * joint_rate_wx);
       dalembert::store<1, Scalar>(kept.coriolis_matrix_columns[5] + slot, t16 + t1 * joint_rate_vy - t2 * joint_rate_vx - t8 * joint_rate_wy - t6 * joint_rate_wx);
-      const V base_velocity_wz = dalembert::broadcast<1, Scalar>(kept.velocity[5][4]);
+      const V base_velocity_wz = dalembert::broadcast<1, Scalar>(kept.velocity[5][base_slot]);
       dalembert::store<1, Scalar>(kept.coriolis_matrix_rows[0] + slot, t1 * base_velocity_wz);
-      const V base_velocity_wy = dalembert::broadcast<1, Scalar>(kept.velocity[4][4]);
+      const V base_velocity_wy = dalembert::broadcast<1, Scalar>(kept.velocity[4][base_slot]);
       dalembert::store<1, Scalar>(kept.coriolis_matrix_rows[1] + slot, t2 * base_velocity_wz);
-      const V base_velocity_wx = dalembert::broadcast<1, Scalar>(kept.velocity[3][4]);
+      const V base_velocity_wx = dalembert::broadcast<1, Scalar>(kept.velocity[3][base_slot]);
       dalembert::store<1, Scalar>(kept.coriolis_matrix_rows[2] + slot, -(t2 * base_velocity_wy + t1 * base_velocity_wx));
-      const V base_velocity_vz = dalembert::broadcast<1, Scalar>(kept.velocity[2][4]);
+      const V base_velocity_vz = dalembert::broadcast<1, Scalar>(kept.velocity[2][base_slot]);
       dalembert::store<1, Scalar>(kept.coriolis_matrix_rows[3] + slot, t14 + t1 * base_velocity_vz - t8 * base_velocity_wz - t17 * base_velocity_wy);
       dalembert::store<1, Scalar>(kept.coriolis_matrix_rows[4] + slot, t15 + t2 * base_velocity_vz + t6 * base_velocity_wz + t17 * base_velocity_wx);
-      dalembert::store<1, Scalar>(kept.coriolis_matrix_rows[5] + slot, t16 + t8 * base_velocity_wx - t6 * base_velocity_wy - t2 * dalembert::broadcast<1, Scalar>(kept.velocity[1][4]) - t1 * dalembert::broadcast<1, Scalar>(kept.velocity[0][4]));
+      dalembert::store<1, Scalar>(kept.coriolis_matrix_rows[5] + slot, t16 + t8 * base_velocity_wx - t6 * base_velocity_wy - t2 * dalembert::broadcast<1, Scalar>(kept.velocity[1][base_slot]) - t1 * dalembert::broadcast<1, Scalar>(kept.velocity[0][base_slot]));
       dalembert::carry(below_first, next_below_first);
       dalembert::carry(below_second, next_below_second);
       dalembert::carry(below_momentum, next_below_momentum);
       dalembert::carry(below_bias_block, next_below_bias_block);
     }
-    dalembert::add_lanes<1, 3, 0>(below_first, 0, kept.received_first[0] + 4, 40);
-    dalembert::add_lanes<1, 6, 0>(below_second, 0, kept.received_second[0] + 4, 40);
-    dalembert::add_lanes<1, 3, 0>(below_momentum, 0, kept.momentum[0] + 4, 40);
-    dalembert::add_lanes<1, 8, 0>(below_bias_block, 0, kept.bias_block[0] + 4, 40);
-    dalembert::add_lanes<1, 1, 0>(below_bias_block, 8, kept.received_bias_block[8] + 4, 40);
+    dalembert::add_lanes<1, 3, 0>(below_first, 0, kept.received_first[0] + base_slot, 40);
+    dalembert::add_lanes<1, 6, 0>(below_second, 0, kept.received_second[0] + base_slot, 40);
+    dalembert::add_lanes<1, 3, 0>(below_momentum, 0, kept.momentum[0] + base_slot, 40);
+    dalembert::add_lanes<1, 8, 0>(below_bias_block, 0, kept.bias_block[0] + base_slot, 40);
+    dalembert::add_lanes<1, 1, 0>(below_bias_block, 8, kept.received_bias_block[8] + base_slot, 40);
   }
   // g = -(h x down)_z (revolute), -m down_z (prismatic); h_p += Rk Rz(q) h + m p
   {
@@ -1030,7 +1030,7 @@ void inwards_waist(Workspace& workspace) noexcept {
       next_below_gravity_first[1] = cosine * t1 + sine * t2;
       dalembert::carry(below_gravity_first, next_below_gravity_first);
     }
-    dalembert::add_lanes<1, 3, 0>(below_gravity_first, 0, kept.received_gravity_first[0] + 4, 40);
+    dalembert::add_lanes<1, 3, 0>(below_gravity_first, 0, kept.received_gravity_first[0] + base_slot, 40);
   }
   // C v + g = n_z (revolute), f_z (prismatic); f_p += R f, n_p += R n + p x R f
   {
@@ -1057,7 +1057,7 @@ void inwards_waist(Workspace& workspace) noexcept {
       next_below_wrench[4] = 0.41 * t6 + cosine * t4 + sine * t3;
       dalembert::carry(below_wrench, next_below_wrench);
     }
-    dalembert::add_lanes<1, 6, 0>(below_wrench, 0, kept.wrench[0] + 4, 40);
+    dalembert::add_lanes<1, 6, 0>(below_wrench, 0, kept.wrench[0] + base_slot, 40);
   }
 }
 
@@ -1073,105 +1073,105 @@ void base(Workspace& workspace) noexcept {
   workspace.mass_matrix[0] = 65.0;
   workspace.mass_matrix[32] = 65.0;
   workspace.mass_matrix[64] = 65.0;
-  const Scalar t1 = kept.received_first[2][4] + 12.11;
+  const Scalar t1 = kept.received_first[2][base_slot] + 12.11;
   workspace.mass_matrix[4] = t1;
   workspace.mass_matrix[124] = t1;
-  workspace.mass_matrix[65] = kept.received_first[1][4];
-  workspace.mass_matrix[95] = kept.received_first[1][4];
-  workspace.mass_matrix[5] = -kept.received_first[1][4];
-  workspace.mass_matrix[155] = -kept.received_first[1][4];
+  workspace.mass_matrix[65] = kept.received_first[1][base_slot];
+  workspace.mass_matrix[95] = kept.received_first[1][base_slot];
+  workspace.mass_matrix[5] = -kept.received_first[1][base_slot];
+  workspace.mass_matrix[155] = -kept.received_first[1][base_slot];
   const Scalar t2 = -t1;
   workspace.mass_matrix[34] = t2;
   workspace.mass_matrix[94] = t2;
-  workspace.mass_matrix[36] = kept.received_first[0][4];
-  workspace.mass_matrix[156] = kept.received_first[0][4];
-  workspace.mass_matrix[66] = -kept.received_first[0][4];
-  workspace.mass_matrix[126] = -kept.received_first[0][4];
-  const Scalar t3 = kept.received_second[3][4] + 0.2376;
-  const Scalar t4 = kept.received_second[5][4] + 4.669860169999999;
+  workspace.mass_matrix[36] = kept.received_first[0][base_slot];
+  workspace.mass_matrix[156] = kept.received_first[0][base_slot];
+  workspace.mass_matrix[66] = -kept.received_first[0][base_slot];
+  workspace.mass_matrix[126] = -kept.received_first[0][base_slot];
+  const Scalar t3 = kept.received_second[3][base_slot] + 0.2376;
+  const Scalar t4 = kept.received_second[5][base_slot] + 4.669860169999999;
   const Scalar t5 = t3 + t4;
   workspace.mass_matrix[96] = t5;
-  workspace.mass_matrix[97] = -kept.received_second[1][4];
-  workspace.mass_matrix[127] = -kept.received_second[1][4];
-  workspace.mass_matrix[98] = -kept.received_second[2][4];
-  workspace.mass_matrix[158] = -kept.received_second[2][4];
-  const Scalar t6 = kept.received_second[0][4] + 0.024299999999999995;
+  workspace.mass_matrix[97] = -kept.received_second[1][base_slot];
+  workspace.mass_matrix[127] = -kept.received_second[1][base_slot];
+  workspace.mass_matrix[98] = -kept.received_second[2][base_slot];
+  workspace.mass_matrix[158] = -kept.received_second[2][base_slot];
+  const Scalar t6 = kept.received_second[0][base_slot] + 0.024299999999999995;
   const Scalar t7 = t4 + t6;
   workspace.mass_matrix[128] = t7;
-  workspace.mass_matrix[129] = -kept.received_second[4][4];
-  workspace.mass_matrix[159] = -kept.received_second[4][4];
+  workspace.mass_matrix[129] = -kept.received_second[4][base_slot];
+  workspace.mass_matrix[159] = -kept.received_second[4][base_slot];
   const Scalar t8 = t3 + t6;
   workspace.mass_matrix[160] = t8;
-  const Scalar t9 = 65.0 * kept.velocity[5][4];
+  const Scalar t9 = 65.0 * kept.velocity[5][base_slot];
   workspace.coriolis_matrix[1] = t9;
-  const Scalar t10 = 65.0 * kept.velocity[4][4];
+  const Scalar t10 = 65.0 * kept.velocity[4][base_slot];
   workspace.coriolis_matrix[62] = t10;
   workspace.coriolis_matrix[2] = -t10;
-  const Scalar t11 = t1 * kept.velocity[5][4];
-  const Scalar t12 = kept.received_first[1][4] * kept.velocity[4][4];
+  const Scalar t11 = t1 * kept.velocity[5][base_slot];
+  const Scalar t12 = kept.received_first[1][base_slot] * kept.velocity[4][base_slot];
   const Scalar t13 = t11 + t12;
   workspace.coriolis_matrix[93] = t13;
   workspace.coriolis_matrix[3] = -t13;
-  const Scalar t14 = kept.received_first[0][4] * kept.velocity[4][4];
+  const Scalar t14 = kept.received_first[0][base_slot] * kept.velocity[4][base_slot];
   workspace.coriolis_matrix[4] = t14;
-  const Scalar t15 = kept.received_first[0][4] * kept.velocity[5][4];
+  const Scalar t15 = kept.received_first[0][base_slot] * kept.velocity[5][base_slot];
   workspace.coriolis_matrix[5] = t15;
   workspace.coriolis_matrix[31] = -t9;
-  const Scalar t16 = 65.0 * kept.velocity[3][4];
+  const Scalar t16 = 65.0 * kept.velocity[3][base_slot];
   workspace.coriolis_matrix[33] = t16;
-  const Scalar t17 = kept.received_first[1][4] * kept.velocity[3][4];
+  const Scalar t17 = kept.received_first[1][base_slot] * kept.velocity[3][base_slot];
   workspace.coriolis_matrix[34] = t17;
-  const Scalar t18 = kept.received_first[0][4] * kept.velocity[3][4];
+  const Scalar t18 = kept.received_first[0][base_slot] * kept.velocity[3][base_slot];
   const Scalar t19 = t11 + t18;
   workspace.coriolis_matrix[125] = t19;
   workspace.coriolis_matrix[35] = -t19;
-  const Scalar t20 = kept.received_first[1][4] * kept.velocity[5][4];
+  const Scalar t20 = kept.received_first[1][base_slot] * kept.velocity[5][base_slot];
   workspace.coriolis_matrix[36] = t20;
   workspace.coriolis_matrix[63] = -t16;
-  const Scalar t21 = t1 * kept.velocity[3][4];
+  const Scalar t21 = t1 * kept.velocity[3][base_slot];
   workspace.coriolis_matrix[65] = t21;
-  const Scalar t22 = t1 * kept.velocity[4][4];
+  const Scalar t22 = t1 * kept.velocity[4][base_slot];
   workspace.coriolis_matrix[66] = t22;
   const Scalar t23 = t12 + t18;
   workspace.coriolis_matrix[157] = t23;
   workspace.coriolis_matrix[67] = -t23;
-  const Scalar t24 = 65.0 * kept.velocity[2][4];
-  workspace.coriolis_matrix[94] = t24 - t14 - kept.momentum[2][4];
-  const Scalar t25 = 65.0 * kept.velocity[1][4];
-  workspace.coriolis_matrix[95] = kept.momentum[1][4] - (t15 + t25);
-  const Scalar t26 = kept.received_second[2][4] * kept.velocity[4][4];
-  const Scalar t27 = kept.received_second[1][4] * kept.velocity[5][4];
-  const Scalar t28 = t1 * kept.velocity[2][4];
-  const Scalar t29 = kept.received_first[1][4] * kept.velocity[1][4];
-  workspace.coriolis_matrix[96] = kept.bias_block[0][4] + (t26 - t27 - (t28 + t29));
-  workspace.coriolis_matrix[97] = kept.bias_block[3][4] + (kept.received_second[4][4] * kept.velocity[4][4] + t7 * kept.velocity[5][4] + kept.received_first[0][4] * kept.velocity[1][4]);
-  workspace.coriolis_matrix[98] = kept.bias_block[6][4] + (kept.received_first[0][4] * kept.velocity[2][4] - (t8 * kept.velocity[4][4] + kept.received_second[4][4] * kept.velocity[5][4]));
-  workspace.coriolis_matrix[124] = kept.momentum[2][4] - (t17 + t24);
-  const Scalar t30 = 65.0 * kept.velocity[0][4];
-  workspace.coriolis_matrix[126] = t30 - t20 - kept.momentum[0][4];
-  workspace.coriolis_matrix[127] = kept.bias_block[1][4] + (kept.received_first[1][4] * kept.velocity[0][4] - (kept.received_second[2][4] * kept.velocity[3][4] + t5 * kept.velocity[5][4]));
-  const Scalar t31 = kept.received_second[4][4] * kept.velocity[3][4];
-  const Scalar t32 = kept.received_first[0][4] * kept.velocity[0][4];
-  workspace.coriolis_matrix[128] = kept.bias_block[4][4] + (t27 - t31 - (t28 + t32));
-  workspace.coriolis_matrix[129] = kept.bias_block[7][4] + (t8 * kept.velocity[3][4] + kept.received_second[2][4] * kept.velocity[5][4] + kept.received_first[1][4] * kept.velocity[2][4]);
-  workspace.coriolis_matrix[155] = t25 - t21 - kept.momentum[1][4];
-  workspace.coriolis_matrix[156] = kept.momentum[0][4] - (t22 + t30);
-  workspace.coriolis_matrix[158] = kept.bias_block[2][4] + (kept.received_second[1][4] * kept.velocity[3][4] + t5 * kept.velocity[4][4] + t1 * kept.velocity[0][4]);
-  workspace.coriolis_matrix[159] = kept.bias_block[5][4] + (t1 * kept.velocity[1][4] - (t7 * kept.velocity[3][4] + kept.received_second[1][4] * kept.velocity[4][4]));
-  workspace.coriolis_matrix[160] = kept.received_bias_block[8][4] + (t31 - t26 - (t29 + t32));
-  workspace.gravity[0] = -(65.0 * kept.down[0][4]);
-  workspace.gravity[1] = -(65.0 * kept.down[1][4]);
-  workspace.gravity[2] = -(65.0 * kept.down[2][4]);
-  const Scalar t33 = 12.11 + kept.received_gravity_first[2][4];
-  workspace.gravity[3] = -(kept.down[2][4] * kept.received_gravity_first[1][4] - kept.down[1][4] * t33);
-  workspace.gravity[4] = -(kept.down[0][4] * t33 - kept.down[2][4] * kept.received_gravity_first[0][4]);
-  workspace.gravity[5] = -(kept.down[1][4] * kept.received_gravity_first[0][4] - kept.down[0][4] * kept.received_gravity_first[1][4]);
-  workspace.bias[0] = kept.wrench[0][4];
-  workspace.bias[1] = kept.wrench[1][4];
-  workspace.bias[2] = kept.wrench[2][4];
-  workspace.bias[3] = kept.wrench[3][4];
-  workspace.bias[4] = kept.wrench[4][4];
-  workspace.bias[5] = kept.wrench[5][4];
+  const Scalar t24 = 65.0 * kept.velocity[2][base_slot];
+  workspace.coriolis_matrix[94] = t24 - t14 - kept.momentum[2][base_slot];
+  const Scalar t25 = 65.0 * kept.velocity[1][base_slot];
+  workspace.coriolis_matrix[95] = kept.momentum[1][base_slot] - (t15 + t25);
+  const Scalar t26 = kept.received_second[2][base_slot] * kept.velocity[4][base_slot];
+  const Scalar t27 = kept.received_second[1][base_slot] * kept.velocity[5][base_slot];
+  const Scalar t28 = t1 * kept.velocity[2][base_slot];
+  const Scalar t29 = kept.received_first[1][base_slot] * kept.velocity[1][base_slot];
+  workspace.coriolis_matrix[96] = kept.bias_block[0][base_slot] + (t26 - t27 - (t28 + t29));
+  workspace.coriolis_matrix[97] = kept.bias_block[3][base_slot] + (kept.received_second[4][base_slot] * kept.velocity[4][base_slot] + t7 * kept.velocity[5][base_slot] + kept.received_first[0][base_slot] * kept.velocity[1][base_slot]);
+  workspace.coriolis_matrix[98] = kept.bias_block[6][base_slot] + (kept.received_first[0][base_slot] * kept.velocity[2][base_slot] - (t8 * kept.velocity[4][base_slot] + kept.received_second[4][base_slot] * kept.velocity[5][base_slot]));
+  workspace.coriolis_matrix[124] = kept.momentum[2][base_slot] - (t17 + t24);
+  const Scalar t30 = 65.0 * kept.velocity[0][base_slot];
+  workspace.coriolis_matrix[126] = t30 - t20 - kept.momentum[0][base_slot];
+  workspace.coriolis_matrix[127] = kept.bias_block[1][base_slot] + (kept.received_first[1][base_slot] * kept.velocity[0][base_slot] - (kept.received_second[2][base_slot] * kept.velocity[3][base_slot] + t5 * kept.velocity[5][base_slot]));
+  const Scalar t31 = kept.received_second[4][base_slot] * kept.velocity[3][base_slot];
+  const Scalar t32 = kept.received_first[0][base_slot] * kept.velocity[0][base_slot];
+  workspace.coriolis_matrix[128] = kept.bias_block[4][base_slot] + (t27 - t31 - (t28 + t32));
+  workspace.coriolis_matrix[129] = kept.bias_block[7][base_slot] + (t8 * kept.velocity[3][base_slot] + kept.received_second[2][base_slot] * kept.velocity[5][base_slot] + kept.received_first[1][base_slot] * kept.velocity[2][base_slot]);
+  workspace.coriolis_matrix[155] = t25 - t21 - kept.momentum[1][base_slot];
+  workspace.coriolis_matrix[156] = kept.momentum[0][base_slot] - (t22 + t30);
+  workspace.coriolis_matrix[158] = kept.bias_block[2][base_slot] + (kept.received_second[1][base_slot] * kept.velocity[3][base_slot] + t5 * kept.velocity[4][base_slot] + t1 * kept.velocity[0][base_slot]);
+  workspace.coriolis_matrix[159] = kept.bias_block[5][base_slot] + (t1 * kept.velocity[1][base_slot] - (t7 * kept.velocity[3][base_slot] + kept.received_second[1][base_slot] * kept.velocity[4][base_slot]));
+  workspace.coriolis_matrix[160] = kept.received_bias_block[8][base_slot] + (t31 - t26 - (t29 + t32));
+  workspace.gravity[0] = -(65.0 * kept.down[0][base_slot]);
+  workspace.gravity[1] = -(65.0 * kept.down[1][base_slot]);
+  workspace.gravity[2] = -(65.0 * kept.down[2][base_slot]);
+  const Scalar t33 = 12.11 + kept.received_gravity_first[2][base_slot];
+  workspace.gravity[3] = -(kept.down[2][base_slot] * kept.received_gravity_first[1][base_slot] - kept.down[1][base_slot] * t33);
+  workspace.gravity[4] = -(kept.down[0][base_slot] * t33 - kept.down[2][base_slot] * kept.received_gravity_first[0][base_slot]);
+  workspace.gravity[5] = -(kept.down[1][base_slot] * kept.received_gravity_first[0][base_slot] - kept.down[0][base_slot] * kept.received_gravity_first[1][base_slot]);
+  workspace.bias[0] = kept.wrench[0][base_slot];
+  workspace.bias[1] = kept.wrench[1][base_slot];
+  workspace.bias[2] = kept.wrench[2][base_slot];
+  workspace.bias[3] = kept.wrench[3][base_slot];
+  workspace.bias[4] = kept.wrench[4][base_slot];
+  workspace.bias[5] = kept.wrench[5][base_slot];
 }
 
 void elements_waist(Workspace& workspace) noexcept {

@@ -38,6 +38,7 @@ const Case cases[] = {
       {"armature", "left_knee=0.1,waist=0.2"},
       {"damping", "left_knee=0.1"},  // no friction: the sign it is multiplied with is a whole number, which does not count
       {"mimic", "{right_elbow: {of: left_elbow}, left_knee: {of: right_hip_yaw, multiplier: 0.5, offset: 0.1}}"}}},
+    {"inverse_dynamics", "mahru", "rolled", {{"outputs", "inverse_dynamics"}}},
     {"straight_arm", "chain_7", "straight", {{"outputs", everything}}},
     {"straight_arm_driven", "chain_7", "straight", {{"mimic", "{link_03_joint: {of: link_05_joint, multiplier: 2}}"}}},
     {"rolled_arm", "chain_7", "rolled", {{"outputs", everything}}},
@@ -75,7 +76,8 @@ std::array<long, 4> counted(const Model& model) {
     if (file.name.starts_with("dynamics.")) files.push_back(file);
   }
   files.push_back({"counting.hpp", text_of(COUNTING)});
-  files.push_back({"count.cpp", R"(
+  const std::string function = ir::row_of(lower(model).functions.front().algorithm.function).name;
+  files.push_back({"count.cpp", "#define CALL " + function + (function == "evaluate" ? "(q, v" : "(q, v, v") + R"(, workspace)
 #include "dynamics.hpp"
 
 extern "C" void count(long* counts) {
@@ -85,7 +87,7 @@ extern "C" void count(long* counts) {
   for (int i = 0; i < counting::nv; ++i) v[i] = 1 - 0.1 * i;
   using C = dalembert::Counted;
   const long before[] = {C::add, C::multiply, C::divide, C::sincos};
-  counting::evaluate(q, v, workspace);
+  counting::CALL;
   const long after[] = {C::add, C::multiply, C::divide, C::sincos};
   for (int i = 0; i < 4; ++i) counts[i] = after[i] - before[i];
 }
