@@ -102,8 +102,9 @@ std::vector<std::string> left_out(const Model& model, const Lowered& lowered) {
       lines.push_back(fmt::format("Not read {}: {}", cost.name == "all" ? "at all" : "by " + cost.name, unread));
   const bool rolled = std::any_of(lowered.functions.begin(), lowered.functions.end(),
                                   [](const LoweredFunction& f) { return f.plan.form == ir::Form::rolled; });
-  lines.push_back(rolled ? "Executed: by the rolled code, whose loops compute padding, to four lanes, and zeros and ones as well."
-                         : "Executed: by the code, which computes sines four at a time.");
+  lines.push_back(rolled
+                      ? "Executed: by the rolled code, whose loops compute padding, to four lanes, and zeros and ones as well."
+                      : "Executed: by the code, which computes sines four at a time.");
   lines.push_back(fmt::format("Workspace: {} bytes", workspace_bytes(model, lowered)));
   return lines;
 }
