@@ -26,7 +26,7 @@ constexpr int joint_slot[] = {
 // waist, a row per step, a column per lane
 
 // left_hip_yaw_x4, a row per step, a column per lane
-alignas(64) constexpr Scalar left_hip_yaw_x4_pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz[24] = {
+alignas(64) constexpr Scalar left_hip_yaw_x4_rotation_xx_yy_zz[24] = {
     1.0, 1.0, 0.0, 0.0,
     0.0, 0.0, 0.0, 0.0,
     0.0, 0.0, 0.0, 0.0,
@@ -34,7 +34,7 @@ alignas(64) constexpr Scalar left_hip_yaw_x4_pose_rotation_xx_yy_zz_and_rotation
     1.0, 1.0, 0.0, 0.0,
     0.0, 0.0, 0.0, 0.0,
 };
-alignas(64) constexpr Scalar left_hip_yaw_x4_pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx[24] = {
+alignas(64) constexpr Scalar left_hip_yaw_x4_rotation_xy_yz_zx[24] = {
     0.0, 0.0, 1.0, 1.0,
     0.0, 0.0, 1.0, 1.0,
     0.0, 0.0, 1.0, 1.0,
@@ -42,7 +42,7 @@ alignas(64) constexpr Scalar left_hip_yaw_x4_pose_rotation_xy_yz_zx_and_rotation
     0.0, 0.0, 0.0, 0.0,
     1.0, 1.0, 1.0, 1.0,
 };
-alignas(64) constexpr Scalar left_hip_yaw_x4_pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy[24] = {
+alignas(64) constexpr Scalar left_hip_yaw_x4_rotation_xz_yx_zy[24] = {
     0.0, 0.0, 0.0, 0.0,
     1.0, 1.0, 0.0, 0.0,
     1.0, 1.0, 0.0, 0.0,
@@ -50,7 +50,7 @@ alignas(64) constexpr Scalar left_hip_yaw_x4_pose_rotation_xz_yx_zy_and_rotation
     0.0, 0.0, 1.0, 1.0,
     0.0, 0.0, 0.0, 0.0,
 };
-alignas(64) constexpr Scalar left_hip_yaw_x4_pose_translation_x_and_translation_x[24] = {
+alignas(64) constexpr Scalar left_hip_yaw_x4_translation_x[24] = {
     0.0, 0.0, 0.0, 0.0,
     0.0, 0.0, 0.0, 0.0,
     0.0, 0.0, 0.0, 0.0,
@@ -58,7 +58,7 @@ alignas(64) constexpr Scalar left_hip_yaw_x4_pose_translation_x_and_translation_
     -0.3, -0.3, -0.24000000000000002, -0.24000000000000002,
     0.0, 0.0, 0.0, 0.0,
 };  // m
-alignas(64) constexpr Scalar left_hip_yaw_x4_pose_translation_y_and_translation_y[24] = {
+alignas(64) constexpr Scalar left_hip_yaw_x4_translation_y[24] = {
     0.09, -0.09, 0.22000000000000003, -0.22000000000000003,
     0.0, 0.0, 0.0, 0.0,
     0.0, 0.0, -0.26, -0.26,
@@ -442,28 +442,28 @@ void outwards_left_hip_yaw_x4(Workspace& workspace) noexcept {
       V next_above_rotation[9];
       V next_above_position[3];
       V next_above_velocity[6];
-      const V pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz_k = dalembert::load<4>(left_hip_yaw_x4_pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz + i);
-      const V pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx_k = dalembert::load<4>(left_hip_yaw_x4_pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx + i);
-      const V pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy_k = dalembert::load<4>(left_hip_yaw_x4_pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy + i);
-      const V pose_translation_x_and_translation_x_k = dalembert::load<4>(left_hip_yaw_x4_pose_translation_x_and_translation_x + i);
-      const V pose_translation_y_and_translation_y_k = dalembert::load<4>(left_hip_yaw_x4_pose_translation_y_and_translation_y + i);
+      const V rotation_xx_yy_zz_k = dalembert::load<4>(left_hip_yaw_x4_rotation_xx_yy_zz + i);
+      const V rotation_xy_yz_zx_k = dalembert::load<4>(left_hip_yaw_x4_rotation_xy_yz_zx + i);
+      const V rotation_xz_yx_zy_k = dalembert::load<4>(left_hip_yaw_x4_rotation_xz_yx_zy + i);
+      const V translation_x_k = dalembert::load<4>(left_hip_yaw_x4_translation_x + i);
+      const V translation_y_k = dalembert::load<4>(left_hip_yaw_x4_translation_y + i);
       const V sine = dalembert::load<4>(kept.sine[0] + slot);
       const V cosine = dalembert::load<4>(kept.cosine[0] + slot);
-      const V t1 = above_rotation[6] * pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz_k + above_rotation[3] * pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx_k + above_rotation[0] * pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy_k;
+      const V t1 = above_rotation[6] * rotation_xx_yy_zz_k + above_rotation[3] * rotation_xy_yz_zx_k + above_rotation[0] * rotation_xz_yx_zy_k;
       dalembert::store<4, Scalar>(kept.rotation[6] + slot, t1);
       next_above_rotation[6] = t1;
-      const V t2 = above_rotation[7] * pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz_k + above_rotation[4] * pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx_k + above_rotation[1] * pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy_k;
+      const V t2 = above_rotation[7] * rotation_xx_yy_zz_k + above_rotation[4] * rotation_xy_yz_zx_k + above_rotation[1] * rotation_xz_yx_zy_k;
       dalembert::store<4, Scalar>(kept.rotation[7] + slot, t2);
       next_above_rotation[7] = t2;
-      const V t3 = above_rotation[8] * pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz_k + above_rotation[5] * pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx_k + above_rotation[2] * pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy_k;
+      const V t3 = above_rotation[8] * rotation_xx_yy_zz_k + above_rotation[5] * rotation_xy_yz_zx_k + above_rotation[2] * rotation_xz_yx_zy_k;
       dalembert::store<4, Scalar>(kept.rotation[8] + slot, t3);
       next_above_rotation[8] = t3;
-      const V t4 = above_rotation[6] * pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy_k + above_rotation[3] * pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz_k + above_rotation[0] * pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx_k;
-      const V t5 = above_rotation[7] * pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy_k + above_rotation[4] * pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz_k + above_rotation[1] * pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx_k;
-      const V t6 = above_rotation[8] * pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy_k + above_rotation[5] * pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz_k + above_rotation[2] * pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx_k;
-      const V t7 = above_rotation[6] * pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx_k + above_rotation[3] * pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy_k + above_rotation[0] * pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz_k;
-      const V t8 = above_rotation[7] * pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx_k + above_rotation[4] * pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy_k + above_rotation[1] * pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz_k;
-      const V t9 = above_rotation[8] * pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx_k + above_rotation[5] * pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy_k + above_rotation[2] * pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz_k;
+      const V t4 = above_rotation[6] * rotation_xz_yx_zy_k + above_rotation[3] * rotation_xx_yy_zz_k + above_rotation[0] * rotation_xy_yz_zx_k;
+      const V t5 = above_rotation[7] * rotation_xz_yx_zy_k + above_rotation[4] * rotation_xx_yy_zz_k + above_rotation[1] * rotation_xy_yz_zx_k;
+      const V t6 = above_rotation[8] * rotation_xz_yx_zy_k + above_rotation[5] * rotation_xx_yy_zz_k + above_rotation[2] * rotation_xy_yz_zx_k;
+      const V t7 = above_rotation[6] * rotation_xy_yz_zx_k + above_rotation[3] * rotation_xz_yx_zy_k + above_rotation[0] * rotation_xx_yy_zz_k;
+      const V t8 = above_rotation[7] * rotation_xy_yz_zx_k + above_rotation[4] * rotation_xz_yx_zy_k + above_rotation[1] * rotation_xx_yy_zz_k;
+      const V t9 = above_rotation[8] * rotation_xy_yz_zx_k + above_rotation[5] * rotation_xz_yx_zy_k + above_rotation[2] * rotation_xx_yy_zz_k;
       const V t10 = cosine * t4 - sine * t7;
       dalembert::store<4, Scalar>(kept.rotation[3] + slot, t10);
       next_above_rotation[3] = t10;
@@ -482,13 +482,13 @@ void outwards_left_hip_yaw_x4(Workspace& workspace) noexcept {
       const V t15 = sine * t6 + cosine * t9;
       dalembert::store<4, Scalar>(kept.rotation[2] + slot, t15);
       next_above_rotation[2] = t15;
-      const V t16 = above_position[0] + above_rotation[3] * pose_translation_y_and_translation_y_k + above_rotation[0] * pose_translation_x_and_translation_x_k;
+      const V t16 = above_position[0] + above_rotation[3] * translation_y_k + above_rotation[0] * translation_x_k;
       dalembert::store<4, Scalar>(kept.position[0] + slot, t16);
       next_above_position[0] = t16;
-      const V t17 = above_position[1] + above_rotation[4] * pose_translation_y_and_translation_y_k + above_rotation[1] * pose_translation_x_and_translation_x_k;
+      const V t17 = above_position[1] + above_rotation[4] * translation_y_k + above_rotation[1] * translation_x_k;
       dalembert::store<4, Scalar>(kept.position[1] + slot, t17);
       next_above_position[1] = t17;
-      const V t18 = above_position[2] + above_rotation[5] * pose_translation_y_and_translation_y_k + above_rotation[2] * pose_translation_x_and_translation_x_k;
+      const V t18 = above_position[2] + above_rotation[5] * translation_y_k + above_rotation[2] * translation_x_k;
       dalembert::store<4, Scalar>(kept.position[2] + slot, t18);
       next_above_position[2] = t18;
       const V t19 = t3 * t17 - t2 * t18;
@@ -621,12 +621,12 @@ void outwards_left_hip_yaw_x4(Workspace& workspace) noexcept {
       V next_above_down[3];
       const V sine = dalembert::load<4>(kept.sine[0] + slot);
       const V cosine = dalembert::load<4>(kept.cosine[0] + slot);
-      const V pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz_k = dalembert::load<4>(left_hip_yaw_x4_pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz + i);
-      const V pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx_k = dalembert::load<4>(left_hip_yaw_x4_pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx + i);
-      const V pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy_k = dalembert::load<4>(left_hip_yaw_x4_pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy + i);
-      const V t1 = above_down[2] * pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx_k + above_down[1] * pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy_k + above_down[0] * pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz_k;
-      const V t2 = above_down[2] * pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy_k + above_down[1] * pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz_k + above_down[0] * pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx_k;
-      next_above_down[2] = above_down[2] * pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz_k + above_down[1] * pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx_k + above_down[0] * pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy_k;
+      const V rotation_xx_yy_zz_k = dalembert::load<4>(left_hip_yaw_x4_rotation_xx_yy_zz + i);
+      const V rotation_xy_yz_zx_k = dalembert::load<4>(left_hip_yaw_x4_rotation_xy_yz_zx + i);
+      const V rotation_xz_yx_zy_k = dalembert::load<4>(left_hip_yaw_x4_rotation_xz_yx_zy + i);
+      const V t1 = above_down[2] * rotation_xy_yz_zx_k + above_down[1] * rotation_xz_yx_zy_k + above_down[0] * rotation_xx_yy_zz_k;
+      const V t2 = above_down[2] * rotation_xz_yx_zy_k + above_down[1] * rotation_xx_yy_zz_k + above_down[0] * rotation_xy_yz_zx_k;
+      next_above_down[2] = above_down[2] * rotation_xx_yy_zz_k + above_down[1] * rotation_xy_yz_zx_k + above_down[0] * rotation_xz_yx_zy_k;
       const V t3 = sine * t2 + cosine * t1;
       dalembert::store<4, Scalar>(kept.down[0] + slot, t3);
       next_above_down[0] = t3;
@@ -655,39 +655,39 @@ void outwards_left_hip_yaw_x4(Workspace& workspace) noexcept {
       V next_above_angular[3];
       V next_above_angular_acceleration[3];
       V next_above_acceleration[3];
-      const V pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz_k = dalembert::load<4>(left_hip_yaw_x4_pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz + i);
-      const V pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx_k = dalembert::load<4>(left_hip_yaw_x4_pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx + i);
-      const V pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy_k = dalembert::load<4>(left_hip_yaw_x4_pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy + i);
-      const V pose_translation_x_and_translation_x_k = dalembert::load<4>(left_hip_yaw_x4_pose_translation_x_and_translation_x + i);
-      const V pose_translation_y_and_translation_y_k = dalembert::load<4>(left_hip_yaw_x4_pose_translation_y_and_translation_y + i);
+      const V rotation_xx_yy_zz_k = dalembert::load<4>(left_hip_yaw_x4_rotation_xx_yy_zz + i);
+      const V rotation_xy_yz_zx_k = dalembert::load<4>(left_hip_yaw_x4_rotation_xy_yz_zx + i);
+      const V rotation_xz_yx_zy_k = dalembert::load<4>(left_hip_yaw_x4_rotation_xz_yx_zy + i);
+      const V translation_x_k = dalembert::load<4>(left_hip_yaw_x4_translation_x + i);
+      const V translation_y_k = dalembert::load<4>(left_hip_yaw_x4_translation_y + i);
       const V rate = dalembert::load<4>(kept.rate[0] + slot);
       const V sine = dalembert::load<4>(kept.sine[0] + slot);
       const V cosine = dalembert::load<4>(kept.cosine[0] + slot);
-      const V t1 = above_angular[2] * pose_translation_y_and_translation_y_k;
-      const V t2 = above_angular[2] * pose_translation_x_and_translation_x_k;
-      const V t3 = above_angular[0] * pose_translation_y_and_translation_y_k - above_angular[1] * pose_translation_x_and_translation_x_k;
-      const V t4 = above_acceleration[0] + above_angular[1] * t3 - above_angular[2] * t2 - above_angular_acceleration[2] * pose_translation_y_and_translation_y_k;
-      const V t5 = above_acceleration[1] + above_angular_acceleration[2] * pose_translation_x_and_translation_x_k - above_angular[0] * t3 - above_angular[2] * t1;
-      const V t6 = above_acceleration[2] + above_angular[1] * t1 + above_angular[0] * t2 + above_angular_acceleration[0] * pose_translation_y_and_translation_y_k - above_angular_acceleration[1] * pose_translation_x_and_translation_x_k;
-      const V t7 = above_angular[2] * pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx_k + above_angular[1] * pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy_k + above_angular[0] * pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz_k;
-      const V t8 = above_angular[2] * pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy_k + above_angular[1] * pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz_k + above_angular[0] * pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx_k;
+      const V t1 = above_angular[2] * translation_y_k;
+      const V t2 = above_angular[2] * translation_x_k;
+      const V t3 = above_angular[0] * translation_y_k - above_angular[1] * translation_x_k;
+      const V t4 = above_acceleration[0] + above_angular[1] * t3 - above_angular[2] * t2 - above_angular_acceleration[2] * translation_y_k;
+      const V t5 = above_acceleration[1] + above_angular_acceleration[2] * translation_x_k - above_angular[0] * t3 - above_angular[2] * t1;
+      const V t6 = above_acceleration[2] + above_angular[1] * t1 + above_angular[0] * t2 + above_angular_acceleration[0] * translation_y_k - above_angular_acceleration[1] * translation_x_k;
+      const V t7 = above_angular[2] * rotation_xy_yz_zx_k + above_angular[1] * rotation_xz_yx_zy_k + above_angular[0] * rotation_xx_yy_zz_k;
+      const V t8 = above_angular[2] * rotation_xz_yx_zy_k + above_angular[1] * rotation_xx_yy_zz_k + above_angular[0] * rotation_xy_yz_zx_k;
       const V t9 = sine * t8 + cosine * t7;
       next_above_angular[0] = t9;
       const V t10 = cosine * t8 - sine * t7;
       next_above_angular[1] = t10;
-      const V t11 = rate + above_angular[2] * pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz_k + above_angular[1] * pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx_k + above_angular[0] * pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy_k;
+      const V t11 = rate + above_angular[2] * rotation_xx_yy_zz_k + above_angular[1] * rotation_xy_yz_zx_k + above_angular[0] * rotation_xz_yx_zy_k;
       next_above_angular[2] = t11;
-      const V t12 = above_angular_acceleration[2] * pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx_k + above_angular_acceleration[1] * pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy_k + above_angular_acceleration[0] * pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz_k;
-      const V t13 = above_angular_acceleration[2] * pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy_k + above_angular_acceleration[1] * pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz_k + above_angular_acceleration[0] * pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx_k;
-      const V t14 = above_angular_acceleration[2] * pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz_k + above_angular_acceleration[1] * pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx_k + above_angular_acceleration[0] * pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy_k;
+      const V t12 = above_angular_acceleration[2] * rotation_xy_yz_zx_k + above_angular_acceleration[1] * rotation_xz_yx_zy_k + above_angular_acceleration[0] * rotation_xx_yy_zz_k;
+      const V t13 = above_angular_acceleration[2] * rotation_xz_yx_zy_k + above_angular_acceleration[1] * rotation_xx_yy_zz_k + above_angular_acceleration[0] * rotation_xy_yz_zx_k;
+      const V t14 = above_angular_acceleration[2] * rotation_xx_yy_zz_k + above_angular_acceleration[1] * rotation_xy_yz_zx_k + above_angular_acceleration[0] * rotation_xz_yx_zy_k;
       next_above_angular_acceleration[2] = t14;
       const V t15 = rate * t10 + sine * t13 + cosine * t12;
       next_above_angular_acceleration[0] = t15;
       const V t16 = cosine * t13 - sine * t12 - rate * t9;
       next_above_angular_acceleration[1] = t16;
-      const V t17 = pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx_k * t6 + pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy_k * t5 + pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz_k * t4;
-      const V t18 = pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy_k * t6 + pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz_k * t5 + pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx_k * t4;
-      const V t19 = pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz_k * t6 + pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx_k * t5 + pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy_k * t4;
+      const V t17 = rotation_xy_yz_zx_k * t6 + rotation_xz_yx_zy_k * t5 + rotation_xx_yy_zz_k * t4;
+      const V t18 = rotation_xz_yx_zy_k * t6 + rotation_xx_yy_zz_k * t5 + rotation_xy_yz_zx_k * t4;
+      const V t19 = rotation_xx_yy_zz_k * t6 + rotation_xy_yz_zx_k * t5 + rotation_xz_yx_zy_k * t4;
       next_above_acceleration[2] = t19;
       const V t20 = sine * t18 + cosine * t17;
       next_above_acceleration[0] = t20;
@@ -858,9 +858,9 @@ void inwards_left_hip_yaw_x4(Workspace& workspace) noexcept {
     for (int i = 20; i >= 0; i -= 4) {
       const int slot = 8 + i;
       V next_below_gravity_first[3];
-      const V pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz_k = dalembert::load<4>(left_hip_yaw_x4_pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz + i);
-      const V pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx_k = dalembert::load<4>(left_hip_yaw_x4_pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx + i);
-      const V pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy_k = dalembert::load<4>(left_hip_yaw_x4_pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy + i);
+      const V rotation_xx_yy_zz_k = dalembert::load<4>(left_hip_yaw_x4_rotation_xx_yy_zz + i);
+      const V rotation_xy_yz_zx_k = dalembert::load<4>(left_hip_yaw_x4_rotation_xy_yz_zx + i);
+      const V rotation_xz_yx_zy_k = dalembert::load<4>(left_hip_yaw_x4_rotation_xz_yx_zy + i);
       const V sine = dalembert::load<4>(kept.sine[0] + slot);
       const V cosine = dalembert::load<4>(kept.cosine[0] + slot);
       const V t1 = dalembert::load<4>(left_hip_yaw_x4_first_x + i) + below_gravity_first[0];
@@ -868,9 +868,9 @@ void inwards_left_hip_yaw_x4(Workspace& workspace) noexcept {
       dalembert::store<4, Scalar>(kept.gravity_torque(0) + slot, -(dalembert::load<4>(kept.down[1] + slot) * t1 - dalembert::load<4>(kept.down[0] + slot) * t2));
       const V t3 = cosine * t1 - sine * t2;
       const V t4 = cosine * t2 + sine * t1;
-      next_below_gravity_first[0] = pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy_k * below_gravity_first[2] + pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx_k * t4 + pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz_k * t3;
-      next_below_gravity_first[1] = pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx_k * below_gravity_first[2] + pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz_k * t4 + pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy_k * t3;
-      next_below_gravity_first[2] = pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz_k * below_gravity_first[2] + pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy_k * t4 + pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx_k * t3;
+      next_below_gravity_first[0] = rotation_xz_yx_zy_k * below_gravity_first[2] + rotation_xy_yz_zx_k * t4 + rotation_xx_yy_zz_k * t3;
+      next_below_gravity_first[1] = rotation_xy_yz_zx_k * below_gravity_first[2] + rotation_xx_yy_zz_k * t4 + rotation_xz_yx_zy_k * t3;
+      next_below_gravity_first[2] = rotation_xx_yy_zz_k * below_gravity_first[2] + rotation_xz_yx_zy_k * t4 + rotation_xy_yz_zx_k * t3;
       dalembert::carry(below_gravity_first, next_below_gravity_first);
     }
     dalembert::set_lanes<4, 3, 0, 1>(below_gravity_first, 0, kept.received_gravity_first[0] + base_slot, 40);
@@ -883,11 +883,11 @@ void inwards_left_hip_yaw_x4(Workspace& workspace) noexcept {
     for (int i = 20; i >= 0; i -= 4) {
       const int slot = 8 + i;
       V next_below_wrench[6];
-      const V pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz_k = dalembert::load<4>(left_hip_yaw_x4_pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz + i);
-      const V pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx_k = dalembert::load<4>(left_hip_yaw_x4_pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx + i);
-      const V pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy_k = dalembert::load<4>(left_hip_yaw_x4_pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy + i);
-      const V pose_translation_x_and_translation_x_k = dalembert::load<4>(left_hip_yaw_x4_pose_translation_x_and_translation_x + i);
-      const V pose_translation_y_and_translation_y_k = dalembert::load<4>(left_hip_yaw_x4_pose_translation_y_and_translation_y + i);
+      const V rotation_xx_yy_zz_k = dalembert::load<4>(left_hip_yaw_x4_rotation_xx_yy_zz + i);
+      const V rotation_xy_yz_zx_k = dalembert::load<4>(left_hip_yaw_x4_rotation_xy_yz_zx + i);
+      const V rotation_xz_yx_zy_k = dalembert::load<4>(left_hip_yaw_x4_rotation_xz_yx_zy + i);
+      const V translation_x_k = dalembert::load<4>(left_hip_yaw_x4_translation_x + i);
+      const V translation_y_k = dalembert::load<4>(left_hip_yaw_x4_translation_y + i);
       const V sine = dalembert::load<4>(kept.sine[0] + slot);
       const V cosine = dalembert::load<4>(kept.cosine[0] + slot);
       const V t1 = below_wrench[0] + dalembert::load<4>(kept.wrench[0] + slot);
@@ -899,17 +899,17 @@ void inwards_left_hip_yaw_x4(Workspace& workspace) noexcept {
       dalembert::store<4, Scalar>(kept.bias_torque(0) + slot, t6);
       const V t7 = cosine * t1 - sine * t2;
       const V t8 = cosine * t2 + sine * t1;
-      const V t9 = pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy_k * t3 + pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx_k * t8 + pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz_k * t7;
+      const V t9 = rotation_xz_yx_zy_k * t3 + rotation_xy_yz_zx_k * t8 + rotation_xx_yy_zz_k * t7;
       next_below_wrench[0] = t9;
-      const V t10 = pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx_k * t3 + pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz_k * t8 + pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy_k * t7;
+      const V t10 = rotation_xy_yz_zx_k * t3 + rotation_xx_yy_zz_k * t8 + rotation_xz_yx_zy_k * t7;
       next_below_wrench[1] = t10;
-      const V t11 = pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz_k * t3 + pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy_k * t8 + pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx_k * t7;
+      const V t11 = rotation_xx_yy_zz_k * t3 + rotation_xz_yx_zy_k * t8 + rotation_xy_yz_zx_k * t7;
       next_below_wrench[2] = t11;
       const V t12 = cosine * t4 - sine * t5;
       const V t13 = cosine * t5 + sine * t4;
-      next_below_wrench[3] = pose_translation_y_and_translation_y_k * t11 + pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy_k * t6 + pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx_k * t13 + pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz_k * t12;
-      next_below_wrench[4] = pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx_k * t6 + pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz_k * t13 + pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy_k * t12 - pose_translation_x_and_translation_x_k * t11;
-      next_below_wrench[5] = pose_translation_x_and_translation_x_k * t10 + pose_rotation_xx_yy_zz_and_rotation_xx_and_rotation_yy_and_rotation_zz_k * t6 + pose_rotation_xz_yx_zy_and_rotation_xz_and_rotation_yx_and_rotation_zy_k * t13 + pose_rotation_xy_yz_zx_and_rotation_xy_and_rotation_yz_and_rotation_zx_k * t12 - pose_translation_y_and_translation_y_k * t9;
+      next_below_wrench[3] = translation_y_k * t11 + rotation_xz_yx_zy_k * t6 + rotation_xy_yz_zx_k * t13 + rotation_xx_yy_zz_k * t12;
+      next_below_wrench[4] = rotation_xy_yz_zx_k * t6 + rotation_xx_yy_zz_k * t13 + rotation_xz_yx_zy_k * t12 - translation_x_k * t11;
+      next_below_wrench[5] = translation_x_k * t10 + rotation_xx_yy_zz_k * t6 + rotation_xz_yx_zy_k * t13 + rotation_xy_yz_zx_k * t12 - translation_y_k * t9;
       dalembert::carry(below_wrench, next_below_wrench);
     }
     dalembert::add_lanes<4, 6, 0, 1>(below_wrench, 0, kept.wrench[0] + base_slot, 40);
