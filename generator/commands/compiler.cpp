@@ -147,6 +147,8 @@ LoadedCode::~LoadedCode() {
   if (library_) dlclose(library_);
 }
 
+bool LoadedCode::has(const std::string& name) const { return dlsym(library_, name.c_str()) != nullptr; }
+
 void* LoadedCode::address(const std::string& name) const {
   void* address = dlsym(library_, name.c_str());
   if (!address) throw std::runtime_error("the generated code has no function " + name);

@@ -29,6 +29,9 @@ class LoadedCode {
   // The command that compiled, up to the flags: "c++ -O3 -march=native -std=c++17".
   const std::string& command() const { return command_; }
 
+  // Whether there is such a C function.
+  bool has(const std::string& name) const;
+
   // The address of a C function; throws std::runtime_error when there is none such.
   template <class Function>
   Function* function(const std::string& name) const {

@@ -49,6 +49,11 @@ Eigen::MatrixXd GeneratedEngine::result(const Output& output) const {
   return single_precision_ ? read<float>(output) : read<double>(output);
 }
 
+int GeneratedEngine::status(const Output& output) const {
+  const std::string name = name_ + "_" + ir::row_of(output.function()).name + "_status";
+  return code_.has(name) ? code_.function<int(const Workspace*)>(name)(workspace_.get()) : -1;
+}
+
 template <class Scalar>
 CallTime GeneratedEngine::time_in(const std::vector<State>& states) {
   std::vector<Eigen::VectorX<Scalar>> q, v, more;

@@ -26,6 +26,10 @@ class GeneratedEngine {
   // An output at the state last evaluated, rows × columns.
   Eigen::MatrixXd result(const Output& output) const;
 
+  // What the function of the output reported at the state last evaluated: the coordinate at which M is not positive definite,
+  // so that its results are zero; −1 where it is, and of functions that do not ask.
+  int status(const Output& output) const;
+
   // The time of computing all outputs, state to result, over the states in turn. Takes some hundredths of a second.
   CallTime time_per_call(const std::vector<State>& states);
 

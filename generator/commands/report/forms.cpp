@@ -63,7 +63,7 @@ void add_costs(const Subject& subject, const Lowered& lowered, Rows& rows) {
 void add_sparsity(const ir::Program& program, Rows& rows) {
   for (size_t a = 0; a < program.arrays.size(); ++a) {
     const ir::OutputArray& array = program.arrays[a];
-    if (array.columns == 1 || array.rows != array.columns) continue;
+    if (array.internal || array.columns == 1 || array.rows != array.columns) continue;
     std::vector<std::string> pattern(static_cast<size_t>(array.rows), std::string(static_cast<size_t>(array.columns), '.'));
     double filled = 0, constant = 0;
     for (const ir::OutputElement& e : program.elements) {
