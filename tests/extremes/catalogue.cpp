@@ -91,10 +91,6 @@ std::vector<Robot> robots() {
     Robot robot{fmt::format("chain_{}", joints), fmt::format("{} joints, equal links", joints),
                 chain(joints, [](int) { return Link{}; })};
     robot.slow = joints > 30;
-    if (joints > 100) {
-      robot.ulp = joints;
-      robot.why = "errors add up along the chain";
-    }
     list.push_back(robot);
   }
   return list;

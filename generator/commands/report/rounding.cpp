@@ -10,10 +10,13 @@
 #include "commands/report/progress.hpp"
 #include "commands/report/variants.hpp"
 #include "commands/timing.hpp"
+#include "costs.hpp"
 #include "lower.hpp"
 
 namespace dalembert::reporting {
 namespace {
+
+constexpr long long_straight_line = 10000;  // operations
 
 // One point of the diagram of one output; the generic engine's is the first.
 struct Point {
@@ -104,10 +107,15 @@ void add_rounding(const Subject& subject, Rows& rows) {
   std::vector<Order> orders;
   std::vector<std::vector<Variant>> ways;
   for (const Output& output : subject.outputs) {
-    const ir::Form chosen = lower(with_outputs(subject.model, {output})).functions.front().plan.form;
+    const Lowered lowered = lower(with_outputs(subject.model, {output}));
+    const ir::Form chosen = lowered.functions.front().plan.form;
     ways.push_back(variants(chosen, subject.quick));
     if (subject.model.tree.bodies.empty())
       std::erase_if(ways.back(), [](const Variant& v) { return v.form == ir::Form::rolled; });
+    // A long straight line takes a compiler longer than all the rest of a quick report.
+    const long operations = operation_costs(lowered, subject.model.tree).front().operations.total();
+    if (subject.quick && operations > long_straight_line)
+      std::erase_if(ways.back(), [&](const Variant& v) { return v.form != chosen; });
     for (const Variant& way : ways.back())
       orders.push_back({model_of(subject.model, way), {output}, options_of(subject.compiler, way)});
     rows.text("rounding", random_case, output.name, plain(ways.back(), chosen, ir::ScalarType::float64).name, "chosen", "yes");
