@@ -1,9 +1,11 @@
 #include "reference/engine.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <boost/multiprecision/cpp_bin_float.hpp>
 #include <boost/multiprecision/eigen.hpp>
 #include <dalembert/generic/dynamics.hpp>
+#include <limits>
 
 #include "reference/generic_model.hpp"
 
@@ -100,6 +102,13 @@ std::vector<Eigen::MatrixXd> evaluate(const ir::KinematicTree& tree, const ir::S
     case Precision::digits_50: return evaluate_in<Digits50>(tree, scene, wanted, inputs);
   }
   return {};
+}
+
+double mass_condition(const ir::KinematicTree& tree, const ir::Scene& scene, const Inputs& inputs) {
+  const Eigen::MatrixXd M = evaluate(tree, scene, {{ir::Quantity::mass_matrix, ""}}, inputs, Precision::float64).front();
+  const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(M, Eigen::EigenvaluesOnly).eigenvalues();
+  const double least = values.minCoeff(), largest = values.maxCoeff();
+  return least > 0 ? largest / least : std::numeric_limits<double>::infinity();
 }
 
 double LeastScale::largest_mass() {

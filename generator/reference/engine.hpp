@@ -31,6 +31,10 @@ enum class Precision { float32, float64, extended, digits_50 };  // extended: lo
 std::vector<Eigen::MatrixXd> evaluate(const ir::KinematicTree& tree, const ir::Scene& scene, const std::vector<Wanted>& wanted,
                                       const Inputs& inputs, Precision precision);
 
+// The condition of M (the largest eigenvalue over the smallest): by how much solving with M may magnify rounding. Infinite
+// where M is singular to double precision.
+double mass_condition(const ir::KinematicTree& tree, const ir::Scene& scene, const Inputs& inputs);
+
 // What a quantity's elements are to be measured against at least. Where a robot makes a quantity vanish (C of a turntable,
 // gravity of whatever moves in a horizontal plane), its largest element is rounding noise of larger terms that cancel. So C
 // counts as at least a thousandth of |M| |v|, gravity as a thousandth of what it is in other directions, and the bias as both.

@@ -5,18 +5,10 @@
 // that joint k feels when all later joints are free: that of the articulated body.
 #pragma once
 
+#include <dalembert/factor.hpp>
 #include <dalembert/spatial.hpp>
 
 namespace dalembert::generic {
-
-// Whether M was positive definite; where not, the first coordinate (index in v) met, from the last, whose pivot is not.
-template <class S>
-struct FactorStatus {
-  int coordinate = -1;  // −1: positive definite
-  S pivot = S(0);  // D of that coordinate, kg or kg m²; near zero: the coordinate moves no mass; negative: M is indefinite
-
-  bool ok() const { return coordinate < 0; }
-};
 
 // What comes of solving with M: meaningful when status.ok(), of no elements otherwise.
 template <class Value>

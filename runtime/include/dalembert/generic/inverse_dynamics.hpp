@@ -2,7 +2,7 @@
 //
 // F, where a function takes it, are external wrenches: 6·bodies numbers in the order of W's columns (the base first when it
 // floats, then the model's bodies), each [force; moment] along the axes of the body's own frame and about its origin (N, N m).
-// None is the same as all zero. Every row W F is Σ Jᵀ f over the bodies, J a body's Jacobian.
+// None is the same as all zero. W F is Σ Jᵀ f over the bodies, J a body's Jacobian.
 #pragma once
 
 #include <dalembert/generic/arguments.hpp>
