@@ -8,6 +8,7 @@
 #include "backend/graph_printer.hpp"
 #include "backend/kept.hpp"
 #include "backend/literals.hpp"
+#include "dalembert/tile_shapes.hpp"
 
 namespace dalembert::backend {
 namespace {
@@ -209,20 +210,36 @@ std::string elements_stage(const CodeInput& code, size_t segment) {
   return text;
 }
 
+namespace {
+
+// Tiles of four steps by four, as blocks.hpp goes through them; both triangles of a symmetric matrix are one.
+void tile_counts(const ir::Segment& s, const std::vector<Above>& levels, int factors, bool symmetric, ElementCounts& counts) {
+  const auto tile = [&](bool written_out, int rows, int columns, bool diagonal) {
+    const long above = s.width * (diagonal ? rows * (rows + 1) / 2 : rows * columns);
+    const long below = symmetric ? 0 : s.width * (diagonal ? rows * (rows - 1) / 2 : rows * columns);
+    counts.above += above, counts.below += below;
+    if (products_loop(written_out, rows, columns, diagonal)) counts.added_to_zero += above + below;
+  };
+  for (int c = 0; c < s.steps; c += 4) {
+    const int columns = std::min(4, s.steps - c);
+    for (int r = 0; r < c; r += 4) tile(block_written_out(s.steps), 4, columns, false);
+    tile(block_written_out(s.steps), columns, columns, true);
+    for (const Above& a : levels) {
+      const int above = static_cast<int>(a.steps);
+      for (int r = 0; r < above; r += 4)
+        tile(block_written_out(s.steps, above, factors), std::min(4, above - r), columns, false);
+    }
+  }
+}
+
+}  // namespace
+
 ElementCounts element_counts(const CodeInput& code, size_t segment, const ir::Pairs& pairs, int lanes) {
   const ir::Segment& s = code.plan.segments[segment];
   const std::vector<Above> levels = all_above(code, s);
-  const long steps = s.steps;
   ElementCounts counts;
-  if (s.width > 1) {  // tiles: both triangles of a symmetric matrix are one
-    counts.above = steps * (steps + 1) / 2;
-    counts.below = steps * (steps - 1) / 2;
-    for (const Above& a : levels) {
-      counts.above += steps * static_cast<long>(a.steps);
-      counts.below += steps * static_cast<long>(a.steps);
-    }
-    counts.above *= s.width;
-    counts.below *= pairs.symmetric ? 0 : s.width;
+  if (s.width > 1) {
+    tile_counts(s, levels, static_cast<int>(Products(code).lower.size()), pairs.symmetric, counts);
     return counts;
   }
   const auto driven = [&](int body) { return code.tree.bodies[static_cast<size_t>(body)].driven(); };

@@ -24,6 +24,7 @@ std::string elements_stage(const CodeInput& code, size_t segment);
 // and below. Limbs alone run along rows, `lanes` at a time.
 struct ElementCounts {
   long above = 0, below = 0;
+  long added_to_zero = 0;  // of these: whose sum starts from zero instead of its first product
 };
 ElementCounts element_counts(const CodeInput& code, size_t segment, const ir::Pairs& pairs, int lanes);
 

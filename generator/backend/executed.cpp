@@ -55,6 +55,7 @@ void add_elements(const CodeInput& code, ir::Operations& sum) {
       };
       add(p.above, computed.above);
       add(p.symmetric ? p.above : p.below, computed.below);
+      sum.add += computed.added_to_zero;
     }
 }
 
@@ -86,11 +87,19 @@ long driven_results(const CodeInput& code) {
   return additions;
 }
 
+// Of the check whether M can be solved with: a product per pivot, and one for what rounding may leave.
+long guard_products(const CodeInput& code) {
+  const std::optional<ir::Guard>& guard = code.algorithm.guard;
+  return guard ? code.algorithm.arrays[static_cast<size_t>(guard->pivots)].rows + 1 : 0;
+}
+
 }  // namespace
 
 ir::Operations executed_operations(const CodeInput& code) {
-  if (code.plan.form != ir::Form::rolled) return straight_operations(code);
-  ir::Operations sum = prepare_operations(code);
+  ir::Operations sum;
+  sum.multiply = guard_products(code);
+  if (code.plan.form != ir::Form::rolled) return sum += straight_operations(code);
+  sum += prepare_operations(code);
   for (const ir::BaseStage& stage : code.rolled.base) sum += base(stage);
   for (size_t s = 0; s < code.plan.segments.size(); ++s) {
     for (const ir::SegmentStage& stage : code.rolled.segments[s].stages)

@@ -289,6 +289,8 @@ def limbs():
     robot.chain("y_neck", "waist", 2)
     robot.write()
 
+    humanoids()
+
     finger = Limb("finger", ("1_spread", "2_proximal", "3_middle", "4_distal"))
     thumb = Limb("thumb", ("1_base", "2_proximal", "3_distal"))
     robot = Robot("hand", "Five fingers of four, four, four, four and three joints, on a wrist of one.")
@@ -297,6 +299,46 @@ def limbs():
         finger.attach(robot, f"f{i + 1}_{name}", "a_palm", [0.1, round(0.04 - 0.025 * i, 4), 0.01 * i], (0.02 * i, 0, 0.1))
     thumb.attach(robot, "f5_thumb", "a_palm", [0.03, 0.05, -0.01], (0.4, 0.2, 0.9))
     robot.write()
+
+
+X, Y, Z = [1, 0, 0], [0, 1, 0], [0, 0, 1]
+
+
+def humanoids():
+    """As humanoids are built: axes along the links, right the mirror image of left; sizes to measure what size costs."""
+    legs = [("1_hip_yaw", 2.5, [0, 0.1, -0.08], Z), ("2_hip_roll", 3, [0, 0, 0], X), ("3_hip_pitch", 6, [0, 0.02, -0.1], Y),
+            ("4_knee", 4, [0, 0, -0.32], Y), ("5_ankle_pitch", 1.2, [0.01, 0, -0.33], Y), ("6_ankle_roll", 1.5, [0, 0, 0], X)]
+    arms = [("1_shoulder_pitch", 1.5, [0, 0.18, 0.35], Y), ("2_shoulder_roll", 1.2, [0, 0.06, 0], X),
+            ("3_shoulder_yaw", 1.6, [0, 0, -0.1], Z), ("4_elbow", 1.1, [0.02, 0, -0.18], Y), ("5_wrist_yaw", 0.8, [0, 0, -0.12], Z),
+            ("6_wrist_pitch", 0.4, [0, 0, -0.12], Y), ("7_wrist_roll", 0.5, [0, 0, 0], X)]
+    waist = [("waist_1_yaw", 2, [0, 0, 0.1], Z), ("waist_2_roll", 2, [0, 0, 0.05], X), ("waist_3_pitch", 15, [0, 0, 0.05], Y)]
+    finger = [("1_proximal", 0.05, [0, 0, -0.09], Y), ("2_middle", 0.03, [0, 0, -0.04], Y), ("3_distal", 0.02, [0, 0, -0.03], Y)]
+
+    def attach(robot, segments, prefix, parent, offset=(0, 0, 0), mirror=False):
+        for i, (segment, mass, xyz, axis) in enumerate(segments):
+            n = Numbers(f"humanoids {segment}")
+            length = 0.06 if mass < 0.1 else 0.25
+            inertial = Inertial.box(mass, [n(-0.1, 0.1) * length, n(-0.1, 0.1) * length, round(-length / 2, 4)],
+                                    (0.3 * length, 0.4 * length, length), n.vector(0.1))
+            xyz = [round(a + b, 4) for a, b in zip(xyz, offset)] if i == 0 else xyz
+            if mirror:
+                inertial, xyz, axis = inertial.mirrored(), mirrored_vector(xyz), mirrored_axis(axis)
+            parent = robot.add(f"{prefix}{segment}", parent, "revolute", inertial, xyz, [0, 0, 0], axis)
+        return parent
+
+    for joints, waists, neck, fingers in ((29, 3, 0, 0), (39, 1, 0, 2), (55, 3, 2, 4)):
+        robot = Robot(f"humanoid_{joints}", f"Legs of six joints, a waist of {waists}, arms of seven, a neck of {neck}, hands of "
+                      f"{fingers} fingers with three: {joints} joints.", Inertial.box(10, [0, 0, 0.02], (0.2, 0.3, 0.15)))
+        for side in ("left", "right"):
+            attach(robot, legs, f"leg_{side}_", "base", mirror=side == "right")
+        chest = attach(robot, waist[:1] if waists == 1 else waist, "", "base")
+        for side in ("left", "right"):
+            hand = attach(robot, arms, f"x_arm_{side}_", chest, mirror=side == "right")
+            for i in range(fingers):
+                attach(robot, finger, f"x_arm_{side}_8_finger_{i + 1}_", hand, [0.02, round(0.03 - 0.02 * i, 4), 0],
+                       mirror=side == "right")
+        attach(robot, [("1_yaw", 0.5, [0, 0, 0.4], Z), ("2_pitch", 3, [0, 0, 0.06], Y)][:neck], "y_neck_", chest)
+        robot.write()
 
 
 if __name__ == "__main__":

@@ -39,6 +39,10 @@ const Case cases[] = {
       {"damping", "left_knee=0.1"},  // no friction: the sign it is multiplied with is a whole number, which does not count
       {"mimic", "{right_elbow: {of: left_elbow}, left_knee: {of: right_hip_yaw, multiplier: 0.5, offset: 0.1}}"}}},
     {"inverse_dynamics", "mahru", "rolled", {{"outputs", "inverse_dynamics"}}},
+    {"forward_dynamics", "mahru", "rolled", {{"outputs", "forward_dynamics"}}},
+    {"straight_forward_dynamics", "chain_7", "straight", {{"outputs", "forward_dynamics"}}},
+    {"inverse_dynamics_dq", "mahru", "rolled", {{"outputs", "inverse_dynamics_dq"}}},
+    {"humanoid_55", "humanoid_55", "", {{"outputs", "mass_matrix,coriolis_matrix"}}},
     {"straight_arm", "chain_7", "straight", {{"outputs", everything}}},
     {"straight_arm_driven", "chain_7", "straight", {{"mimic", "{link_03_joint: {of: link_05_joint, multiplier: 2}}"}}},
     {"rolled_arm", "chain_7", "rolled", {{"outputs", everything}}},

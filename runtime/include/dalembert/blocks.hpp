@@ -42,7 +42,7 @@ DALEMBERT_BLOCK Upper<T, n> limb_above(const Factors<T, n>& p, int first, int st
 template <class Kinds, Above kind, int width, int steps, int above_steps, class T, int nl, int nu, class To>
 DALEMBERT_BLOCK void cross_tiles(const Factors<T, nl>& lower, const LimbTable& limbs, const Upper<T, nu>& up,
                                  const LimbTable& above, const To* matrices, int leading, int begin, int end) {
-  constexpr bool out = steps <= short_limb && above_steps <= (nl > 2 ? 4 : short_limb);
+  constexpr bool out = block_written_out(steps, above_steps, nl);
   each_tile<out, steps>(begin, end, [&](int c0, auto below) DALEMBERT_IN_BLOCK {
     const Factors<T, nl> p = moved(lower, limbs.first_slot + c0 * width);
     each_tile<out, above_steps>(0, above_steps, [&](int r0, auto rows) DALEMBERT_IN_BLOCK {
@@ -51,8 +51,8 @@ DALEMBERT_BLOCK void cross_tiles(const Factors<T, nl>& lower, const LimbTable& l
         at.row_above[l] = above.first_row[l] + r0, at.left_above[l] = above.length[l] - r0;
         at.row_below[l] = limbs.first_row[l] + c0, at.left_below[l] = above.length[l] > 0 ? limbs.length[l] - c0 : 0;
       });
-      tiles_of<kind, width, decltype(rows)::value, decltype(below)::value, false, T>(Kinds{}, p, up.from(r0), at, matrices,
-                                                                                     leading);
+      tiles_of<out, kind, width, decltype(rows)::value, decltype(below)::value, false, T>(Kinds{}, p, up.from(r0), at, matrices,
+                                                                                          leading);
     });
   });
 }
@@ -64,7 +64,7 @@ DALEMBERT_BLOCK void cross_tiles(const Factors<T, nl>& lower, const LimbTable& l
 template <class Kinds, int width, int steps, class T, int nl, int nu, class To>
 DALEMBERT_BLOCK void limb_blocks(const Factors<T, nl>& lower, const Factors<T, nu>& upper, const LimbTable& limbs,
                                  const To* matrices, int leading, int begin, int end) {
-  constexpr bool out = steps <= detail::short_limb;
+  constexpr bool out = block_written_out(steps);
   const detail::Upper<T, nu> limb = detail::limb_above(upper, limbs.first_slot, width);
   detail::each_tile<out, steps>(begin, end, [&](int c0, auto below) DALEMBERT_IN_BLOCK {
     const Factors<T, nl> p = detail::moved(lower, limbs.first_slot + c0 * width);
@@ -74,8 +74,8 @@ DALEMBERT_BLOCK void limb_blocks(const Factors<T, nl>& lower, const Factors<T, n
         at.row_above[l] = limbs.first_row[l] + r0, at.left_above[l] = limbs.length[l] - r0;
         at.row_below[l] = limbs.first_row[l] + c0, at.left_below[l] = limbs.length[l] - c0;
       });
-      detail::tiles_of<detail::Above::each, width, decltype(rows)::value, decltype(below)::value, decltype(diagonal)::value, T>(
-          Kinds{}, p, limb.from(r0), at, matrices, leading);
+      detail::tiles_of<out, detail::Above::each, width, decltype(rows)::value, decltype(below)::value,
+                       decltype(diagonal)::value, T>(Kinds{}, p, limb.from(r0), at, matrices, leading);
     };
     detail::repeat<out, (steps - 1) / 4>(
         c0 / 4, [&](int row) DALEMBERT_IN_BLOCK { tile(4 * row, std::integral_constant<int, 4>{}, std::false_type{}); });
@@ -116,7 +116,7 @@ DALEMBERT_BLOCK void shared_cross_blocks(const Factors<T, nl>& lower, const Fact
 // first.
 template <int width, int steps, class T, class To>
 DALEMBERT_BLOCK void base_columns(const T* force, int stride, const LimbTable& limbs, To matrix, int leading) {
-  constexpr bool out = steps <= detail::short_limb;
+  constexpr bool out = block_written_out(steps);
   detail::repeat<out, steps>(steps, [&](int c) DALEMBERT_IN_BLOCK {
     Lanes<T, width> f[6];
     detail::load_all<width, T>(f, force + limbs.first_slot + c * width, 6, stride);
@@ -132,7 +132,7 @@ DALEMBERT_BLOCK void base_columns(const T* force, int stride, const LimbTable& l
 }
 template <int width, int steps, class T, class To>
 DALEMBERT_BLOCK void base_rows(const T* force, int stride, const LimbTable& limbs, To matrix, int leading) {
-  constexpr bool out = steps <= detail::short_limb;
+  constexpr bool out = block_written_out(steps);
   constexpr int tiles = (steps + 3) / 4;
   detail::repeat<out, tiles>(tiles, [&](int tile) DALEMBERT_IN_BLOCK {
     const int r0 = 4 * tile, rows = detail::least(4, steps - r0);

@@ -35,6 +35,13 @@
 #endif
 #define DALEMBERT_BLOCK static inline DALEMBERT_IN_BLOCK
 
+// Before a loop that is to stay one.
+#if defined(__clang__)
+#define DALEMBERT_KEEP_LOOP _Pragma("clang loop unroll(disable)")
+#else
+#define DALEMBERT_KEEP_LOOP _Pragma("GCC unroll 1")
+#endif
+
 namespace dalembert {
 
 namespace detail {

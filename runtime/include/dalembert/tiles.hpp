@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "dalembert/columns.hpp"
+#include "dalembert/tile_shapes.hpp"
 
 namespace dalembert {
 
@@ -44,9 +45,6 @@ struct Matrices {
 };
 
 namespace detail {
-
-// Limbs up to this length have their blocks written out; longer ones run through loops, which keeps the code in the cache.
-inline constexpr int short_limb = 8;
 
 // f(0), …, f(count − 1), written out when `out` says so (count is then at most `most`, and known to the compiler).
 template <bool out, int most, class F>
@@ -107,27 +105,49 @@ using Tile = Lanes<T, width>[4][4];
 enum class Part { all, upper, strictly_upper };
 constexpr bool wanted(Part part, int r, int c) { return part == Part::all || r < c || (part == Part::upper && r == c); }
 
-// tile[r][c] = or += Σ_j below[j][c] · above[j][r]. It runs component by component, three of them: every value is read once,
-// and the tile stays in registers.
-template <bool from_zero, Part part, Above kind, int width, int rows, int columns, class T>
-DALEMBERT_BLOCK void products(Tile<width, T>& tile, const T* below, int below_stride, const T* above, int above_step,
-                              int above_stride) {
-  lanes<3>([&](int j) DALEMBERT_IN_BLOCK {
-    Lanes<T, width> b[4];
-    lanes<columns>([&](int c) DALEMBERT_IN_BLOCK { b[c] = load<width, T>(below + j * below_stride + c * width); });
-    lanes<rows>([&](int r) DALEMBERT_IN_BLOCK {
-      const Lanes<T, width> a = read_above<kind, width, T>(above + j * above_stride + r * above_step);
-      lanes<columns>([&](int c) DALEMBERT_IN_BLOCK {
-        if (!wanted(part, r, c)) return;
-        if (from_zero && j == 0) tile[r][c] = b[c] * a;
-        else tile[r][c] += b[c] * a;
-      });
+// One component's products: tile[r][c] = or += below[c] · above[r]. Every value is read once, and the tile stays in registers.
+template <bool set, Part part, Above kind, int width, int rows, int columns, class T>
+DALEMBERT_BLOCK void component(Tile<width, T>& tile, const T* below, const T* above, int above_step) {
+  Lanes<T, width> b[4];
+  lanes<columns>([&](int c) DALEMBERT_IN_BLOCK { b[c] = load<width, T>(below + c * width); });
+  lanes<rows>([&](int r) DALEMBERT_IN_BLOCK {
+    const Lanes<T, width> a = read_above<kind, width, T>(above + r * above_step);
+    lanes<columns>([&](int c) DALEMBERT_IN_BLOCK {
+      if (!wanted(part, r, c)) return;
+      if (set) tile[r][c] = b[c] * a;
+      else tile[r][c] += b[c] * a;
     });
   });
 }
 
+// tile[r][c] = or += Σ_j below[j][c] · above[j][r], component by component, three of them.
+template <bool from_zero, Part part, Above kind, int width, int rows, int columns, class T>
+DALEMBERT_BLOCK void products(Tile<width, T>& tile, const T* below, int below_stride, const T* above, int above_step,
+                              int above_stride) {
+  lanes<3>([&](int j) DALEMBERT_IN_BLOCK {
+    const T *from_below = below + j * below_stride, *from_above = above + j * above_stride;
+    if (from_zero && j == 0) component<true, part, kind, width, rows, columns, T>(tile, from_below, from_above, above_step);
+    else component<false, part, kind, width, rows, columns, T>(tile, from_below, from_above, above_step);
+  });
+}
+
+// The same as a loop that no compiler unrolls: less code. It starts from zeros.
+template <bool from_zero, Part part, Above kind, int width, int rows, int columns, class T>
+DALEMBERT_BLOCK void products_in_loop(Tile<width, T>& tile, const T* below, int below_stride, const T* above, int above_step,
+                                      int above_stride) {
+  if constexpr (from_zero)
+    lanes<rows>([&](int r) DALEMBERT_IN_BLOCK {
+      lanes<columns>([&](int c) DALEMBERT_IN_BLOCK {
+        if (wanted(part, r, c)) tile[r][c] = Lanes<T, width>{};
+      });
+    });
+  DALEMBERT_KEEP_LOOP
+  for (int j = 0; j < 3; ++j)
+    component<false, part, kind, width, rows, columns, T>(tile, below + j * below_stride, above + j * above_stride, above_step);
+}
+
 // Products of `rows` joints above with `columns` below.
-template <Part part, Above kind, int width, int rows, int columns, class T>
+template <bool loop, Part part, Above kind, int width, int rows, int columns, class T>
 struct Products {
   int below_stride, above_step, above_stride;
 
@@ -151,7 +171,10 @@ struct Products {
 
   template <bool from_zero>
   DALEMBERT_INLINE void sum(Tile<width, T>& tile, const T* below, const T* above) const {
-    products<from_zero, part, kind, width, rows, columns, T>(tile, below, below_stride, above, above_step, above_stride);
+    if constexpr (loop)
+      products_in_loop<from_zero, part, kind, width, rows, columns, T>(tile, below, below_stride, above, above_step,
+                                                                       above_stride);
+    else products<from_zero, part, kind, width, rows, columns, T>(tile, below, below_stride, above, above_step, above_stride);
   }
 };
 
@@ -192,23 +215,28 @@ DALEMBERT_BLOCK void put(const To& matrix, int leading, const Tile<width, T>& ti
 }
 
 // Both triangles of an off-diagonal tile of `rows` joints above by `columns` below, or the whole of a diagonal one.
-template <Above kind, int width, int rows, int columns, bool diagonal, class T, int nl, int nu, class AboveSum, class To>
+template <bool out, Above kind, int width, int rows, int columns, bool diagonal, class T, int nl, int nu, class AboveSum,
+          class To>
 DALEMBERT_BLOCK void tile_of(Symmetric<AboveSum>, const Factors<T, nl>& lower, const Upper<T, nu>& up, const Place<width>& at,
                              const To& matrix, int leading) {
-  const Products<diagonal ? Part::upper : Part::all, kind, width, rows, columns, T> products{lower.stride, up.step, up.stride};
+  constexpr bool loop = products_loop(out, rows, columns, diagonal);
+  const Products<loop, diagonal ? Part::upper : Part::all, kind, width, rows, columns, T> products{lower.stride, up.step,
+                                                                                                   up.stride};
   Tile<width, T> m;
   products.fill(m, lower, up, AboveSum{});
   if constexpr (diagonal) mirror<rows, width, T>(m, m);
   put<false, rows, columns, width, T>(matrix, leading, m, at);
   if constexpr (!diagonal) put<true, rows, columns, width, T>(matrix, leading, m, at);
 }
-template <Above kind, int width, int rows, int columns, bool diagonal, class T, int nl, int nu, class AboveSum, class BelowSum,
-          class To>
+template <bool out, Above kind, int width, int rows, int columns, bool diagonal, class T, int nl, int nu, class AboveSum,
+          class BelowSum, class To>
 DALEMBERT_BLOCK void tile_of(Square<AboveSum, BelowSum>, const Factors<T, nl>& lower, const Upper<T, nu>& up,
                              const Place<width>& at, const To& matrix, int leading) {
-  const Products<diagonal ? Part::upper : Part::all, kind, width, rows, columns, T> products{lower.stride, up.step, up.stride};
-  const Products<diagonal ? Part::strictly_upper : Part::all, kind, width, rows, columns, T> others{lower.stride, up.step,
-                                                                                                    up.stride};
+  constexpr bool loop = products_loop(out, rows, columns, diagonal);
+  const Products<loop, diagonal ? Part::upper : Part::all, kind, width, rows, columns, T> products{lower.stride, up.step,
+                                                                                                   up.stride};
+  const Products<loop, diagonal ? Part::strictly_upper : Part::all, kind, width, rows, columns, T> others{lower.stride, up.step,
+                                                                                                          up.stride};
   Tile<width, T> above;  // element (i, k)
   products.fill(above, lower, up, AboveSum{});
   if constexpr (!diagonal) put<false, rows, columns, width, T>(matrix, leading, above, at);
@@ -223,12 +251,13 @@ DALEMBERT_BLOCK void tile_of(Square<AboveSum, BelowSum>, const Factors<T, nl>& l
 }
 
 // The same tile of every matrix.
-template <Above kind, int width, int rows, int columns, bool diagonal, class T, int nl, int nu, class To, class... Kinds>
+template <bool out, Above kind, int width, int rows, int columns, bool diagonal, class T, int nl, int nu, class To,
+          class... Kinds>
 DALEMBERT_BLOCK void tiles_of(Matrices<Kinds...>, const Factors<T, nl>& lower, const Upper<T, nu>& up, const Place<width>& at,
                               const To* matrices, int leading) {
   int m = 0;
   (void)std::initializer_list<int>{
-      (tile_of<kind, width, rows, columns, diagonal, T>(Kinds{}, lower, up, at, matrices[m++], leading), 0)...};
+      (tile_of<out, kind, width, rows, columns, diagonal, T>(Kinds{}, lower, up, at, matrices[m++], leading), 0)...};
 }
 
 }  // namespace detail
