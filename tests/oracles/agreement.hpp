@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,7 @@ struct Case {
 };
 std::vector<Case> all_cases();
 std::string name_of(const Case& c);  // an identifier: "wam_fixed"
+inline void PrintTo(const Case& c, std::ostream* out) { *out << name_of(c); }
 
 ir::KinematicTree tree_of(const Case& c);
 Request request_of(const Case& c, const ir::KinematicTree& tree, const Eigen::Vector3d& gravity);
