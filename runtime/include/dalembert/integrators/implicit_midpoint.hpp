@@ -2,6 +2,8 @@
 #pragma once
 
 #include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
 #include <dalembert/integrators/linearised.hpp>
 #include <dalembert/integrators/motion.hpp>
 #include <limits>
@@ -22,13 +24,15 @@ bool implicit_midpoint(Dynamics& dynamics, typename Q::Scalar h, Q& q, V& v) {
   // Newton's first step from v₀: what the linearised equations say.
   V middle = v + solver.solve(V(h * (start.force - (h / 2) * (start.stiffness * v)))) / 2;
   Q at = q;
+  const Scalar start_speed = v.template lpNorm<Eigen::Infinity>();  // the middle one may vanish: stiff joints swing to and fro
   Scalar before = std::numeric_limits<Scalar>::infinity();
   for (int i = 0; i < 50; ++i) {
     move(q, V((h / 2) * middle), at);
     const auto near = dynamics.linearised(at, middle);
     const V correction = solver.solve(V((h / 2) * near.force - near.mass * (middle - v)));
     middle += correction;
-    const Scalar size = correction.template lpNorm<Eigen::Infinity>(), scale = middle.template lpNorm<Eigen::Infinity>();
+    const Scalar size = correction.template lpNorm<Eigen::Infinity>();
+    const Scalar scale = std::max(start_speed, middle.template lpNorm<Eigen::Infinity>());
     // Rounding is reached where corrections are tiny; where M is ill-conditioned, as soon as small ones no longer shrink.
     const Scalar epsilon = std::numeric_limits<Scalar>::epsilon();
     if (size <= 2 * epsilon * scale || (size >= before && size <= std::sqrt(epsilon) * scale)) {
