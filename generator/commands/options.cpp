@@ -1,5 +1,12 @@
 #include "commands/options.hpp"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <vector>
+
+#include "ir/quantity.hpp"
+
 namespace dalembert {
 
 namespace {
@@ -9,11 +16,12 @@ struct Help {
   const char* text;
 };
 
+// Without a text: what the registry says.
 constexpr Help scene_help[] = {
     {"base", "fixed|floating", "default: floating, unless the root link is called world or has no inertia"},
     {"gravity", "X,Y,Z|none|run_time",
      "m/s² along the world's axes, default 0,0,-9.81; run_time=X,Y,Z sets the value to start with"},
-    {"outputs", "A,B,...", "mass_matrix, coriolis_matrix, gravity, bias, wrench_influence; default: all but the last"},
+    {"outputs", "A,B,...", nullptr},
     {"locked", "JOINT=VALUE,...", "joints held at a value (rad or m)"},
     {"cut", "LINK,...", "links removed with everything beyond them"},
     {"mimic", "urdf|{JOINT: {of: JOINT, multiplier: 1, offset: 0}}", "joints driven by another"},
@@ -28,6 +36,17 @@ constexpr Help scene_help[] = {
     {"scalar", "double|float", "number type of the generated code, default double"},
     {"parallel", "serial|tasks|auto", "whether a task graph is generated beside the serial code, default auto"},
 };
+
+// Those of ir/quantities.def.
+std::string outputs_help() {
+  std::vector<std::string> all, usual;
+  for (const ir::QuantityRow& row : ir::quantities()) {
+    all.emplace_back(row.name);
+    if (row.by_default) usual.emplace_back(row.name);
+  }
+  return fmt::format("{}; default: {}", fmt::join(all, ", "), fmt::join(usual, ", "));
+}
+
 }  // namespace
 
 SharedOptions::SharedOptions(CLI::App& command) {
@@ -45,7 +64,9 @@ SharedOptions::SharedOptions(CLI::App& command) {
       ->type_name("PASS,...");
   command.add_flag("--verbose", verbose_, "every warning, not only the first of each kind");
   for (const Help& help : scene_help)
-    options_[help.key] = command.add_option(std::string("--") + help.key, texts_[help.key], help.text)->type_name(help.value);
+    options_[help.key] =
+        command.add_option(std::string("--") + help.key, texts_[help.key], help.text ? help.text : outputs_help())
+            ->type_name(help.value);
 }
 
 Request SharedOptions::request() const {

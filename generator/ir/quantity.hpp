@@ -19,9 +19,9 @@ enum class Quantity {
 enum class Extent { one, three, six, nv, six_per_body };
 
 // What errors are measured against at least where a quantity vanishes by cancellation (see check): nothing but its own largest
-// element; |M| |v|; gravity in other directions; |M| |v|² and gravity. Solved: its own, where errors grow by the condition of
-// M.
-enum class Scale { own, momentum, weight, force, solved };
+// element; |M| |v|; the quantity with gravity in other directions; |M| |v|²; that and the gravity term. Solved: its own, where
+// errors grow by the condition of M.
+enum class Scale { own, momentum, weight, centrifugal, force, solved };
 
 struct QuantityRow {
   Quantity quantity;

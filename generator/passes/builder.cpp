@@ -76,12 +76,20 @@ Vec3 SweepBuilder::gravity_in_world() {
   return zero();
 }
 
+Mat3 SweepBuilder::base_axes() {
+  if (!builder_.floating()) return constant(Eigen::Matrix3d(Eigen::Matrix3d::Identity()));
+  return base_rotation([this](int i) { return input(InputKind::position, 3 + i); },
+                       [this](double value) { return constant(value); });
+}
+
+Vec3 SweepBuilder::base_position() {
+  if (!builder_.floating()) return zero();
+  return {input(InputKind::position, 0), input(InputKind::position, 1), input(InputKind::position, 2)};
+}
+
 Vec3 SweepBuilder::gravity_in_base() {
   const Vec3 g = gravity_in_world();
-  if (!builder_.floating()) return g;
-  return transpose(base_rotation([this](int i) { return input(InputKind::position, 3 + i); },
-                                 [this](double value) { return constant(value); })) *
-         g;
+  return builder_.floating() ? transpose(base_axes()) * g : g;
 }
 
 void SweepBuilder::store(int role, int component, Sym x, int coordinate) {

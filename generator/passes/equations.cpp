@@ -8,14 +8,6 @@ Vec3 placed_origin(const BodyConstants& body, const JointPosition& q) {
   return body.translation + q.displacement * column(body.rotation, 2);
 }
 
-// Columns x and y turned about z.
-Mat3 turned(const Mat3& m, const JointPosition& q) {
-  const Vec3 x = column(m, 0), y = column(m, 1);
-  const Vec3 back = q.sine * x, ahead = q.cosine * y, turned_y = ahead - back;
-  const Vec3 over = q.sine * y, turned_x = q.cosine * x + over;
-  return from_columns(turned_x, turned_y, column(m, 2));
-}
-
 // (tr(S) 1 − S) v
 Vec3 apply_rotational(const Sym6& s, const Vec3& v) {
   const Sym6 inertia{s[3] + s[5], -s[1], -s[2], s[0] + s[5], -s[4], s[0] + s[3]};
@@ -23,6 +15,13 @@ Vec3 apply_rotational(const Sym6& s, const Vec3& v) {
 }
 
 }  // namespace
+
+Mat3 turned(const Mat3& m, const JointPosition& q) {
+  const Vec3 x = column(m, 0), y = column(m, 1);
+  const Vec3 back = q.sine * x, ahead = q.cosine * y, turned_y = ahead - back;
+  const Vec3 over = q.sine * y, turned_x = q.cosine * x + over;
+  return from_columns(turned_x, turned_y, column(m, 2));
+}
 
 Pose pose(const Pose& parent, const BodyConstants& body, const JointPosition& q) {
   const Mat3 placed = parent.rotation * body.rotation;
@@ -140,6 +139,15 @@ Vec3 to_child(const BodyConstants& body, const JointPosition& q, const Vec3& v) 
 Vec3 to_parent(const BodyConstants& body, const JointPosition& q, const Vec3& f) {
   const Vec3 x{difference_of_products(q.cosine, f[0], q.sine, f[1]), sum_of_products(q.sine, f[0], q.cosine, f[1]), f[2]};
   return body.rotation * x;
+}
+
+Twist body_velocity(const Twist& parent, const BodyConstants& body, const JointPosition& q, Sym rate) {
+  const Vec3 moved = cross(parent.angular, placed_origin(body, q)), origin = parent.linear + moved;
+  const Sym turning = body.turning * rate, sliding = body.sliding * rate;
+  Twist velocity{to_child(body, q, origin), to_child(body, q, parent.angular)};
+  velocity.linear[2] = velocity.linear[2] + sliding;
+  velocity.angular[2] = velocity.angular[2] + turning;
+  return velocity;
 }
 
 Motion propagate(const Motion& parent, const BodyConstants& body, const JointPosition& q, Sym rate) {

@@ -51,6 +51,8 @@ struct JointForces {
   Vec3 transposed;  // H = [0; P × Jv + Dᵀ Jw], its angular part
 };
 
+// Axes, turned about their z by the joint: R Rz(q).
+Mat3 turned(const Mat3& axes, const JointPosition& q);
 // Phase I (eq. 20): ⁰Ad_k. R = R_p R_k Rz(q), p = p_p + R_p p_k, slid along z by a prismatic joint.
 Pose pose(const Pose& parent, const BodyConstants& body, const JointPosition& q);
 // Phase I: J = ⁰Ad_k E_k = [p × z; z] (revolute), [z; 0] (prismatic).
@@ -94,6 +96,8 @@ struct Motion {
 struct Force {
   Vec3 force, torque;  // on the body, torque about its frame's origin
 };
+// u, w of the body's frame along its own axes.
+Twist body_velocity(const Twist& parent, const BodyConstants& body, const JointPosition& q, Sym rate);
 Motion propagate(const Motion& parent, const BodyConstants& body, const JointPosition& q, Sym rate);
 // Adds the joint's own acceleration.
 void accelerate(Motion& motion, const BodyConstants& body, Sym acceleration);

@@ -118,26 +118,30 @@ double LeastScale::largest_mass() {
   return *mass_;
 }
 
-double LeastScale::largest_gravity() {
-  if (gravity_) return *gravity_;
-  gravity_ = 0;
+double LeastScale::largest_weight(ir::Quantity quantity) {
+  if (const auto known = weight_.find(quantity); known != weight_.end()) return known->second;
+  double& largest = weight_[quantity] = 0;
   ir::Scene turned = scene_;
   for (int i = 0; i < 3; ++i) {
     turned.gravity = scene_.gravity.norm() * Eigen::Vector3d::Unit(i);
-    const auto g = evaluate(tree_, turned, {{ir::Quantity::gravity, ""}}, inputs_, Precision::float64).front();
-    gravity_ = std::max(*gravity_, g.cwiseAbs().maxCoeff());
+    const Eigen::MatrixXd result = evaluate(tree_, turned, {{quantity, ""}}, inputs_, Precision::float64).front();
+    largest = std::max(largest, result.cwiseAbs().maxCoeff());
   }
-  return *gravity_;
+  return largest;
 }
 
 double LeastScale::of(const Wanted& wanted) {
-  const ir::Scale kind = wanted.quantity ? ir::row_of(*wanted.quantity).scale : ir::Scale::own;
+  const double rate = inputs_.v.cwiseAbs().maxCoeff();
   double scale = 0;
-  if (kind == ir::Scale::force || kind == ir::Scale::momentum) {
-    const double rate = inputs_.v.cwiseAbs().maxCoeff();
-    scale = largest_mass() * rate * (kind == ir::Scale::force ? rate : 1);
+  if (!wanted.quantity) return 0;
+  switch (ir::row_of(*wanted.quantity).scale) {
+    case ir::Scale::own:
+    case ir::Scale::solved: break;
+    case ir::Scale::momentum: scale = largest_mass() * rate; break;
+    case ir::Scale::weight: scale = largest_weight(*wanted.quantity); break;
+    case ir::Scale::centrifugal: scale = largest_mass() * rate * rate; break;
+    case ir::Scale::force: scale = std::max(largest_mass() * rate * rate, largest_weight(ir::Quantity::gravity)); break;
   }
-  if (kind == ir::Scale::force || kind == ir::Scale::weight) scale = std::max(scale, largest_gravity());
   return scale / 1000;
 }
 

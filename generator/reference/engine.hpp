@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -36,8 +37,8 @@ std::vector<Eigen::MatrixXd> evaluate(const ir::KinematicTree& tree, const ir::S
 double mass_condition(const ir::KinematicTree& tree, const ir::Scene& scene, const Inputs& inputs);
 
 // What a quantity's elements are to be measured against at least. Where a robot makes a quantity vanish (C of a turntable,
-// gravity of whatever moves in a horizontal plane), its largest element is rounding noise of larger terms that cancel. So C
-// counts as at least a thousandth of |M| |v|, gravity as a thousandth of what it is in other directions, and the bias as both.
+// gravity of whatever moves in a horizontal plane), its largest element is rounding noise of larger terms that cancel. So every
+// quantity counts as at least a thousandth of the scale in its row (ir::Scale).
 class LeastScale {
  public:
   // Keeps references to all three.
@@ -48,12 +49,13 @@ class LeastScale {
 
  private:
   double largest_mass();
-  double largest_gravity();  // over directions
+  double largest_weight(ir::Quantity quantity);  // over directions of gravity
 
   const ir::KinematicTree& tree_;
   const ir::Scene& scene_;
   const Inputs& inputs_;
-  std::optional<double> mass_, gravity_;  // once computed
+  std::optional<double> mass_;  // once computed
+  std::map<ir::Quantity, double> weight_;
 };
 
 }  // namespace dalembert::reference

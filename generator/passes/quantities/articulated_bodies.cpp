@@ -1,6 +1,6 @@
-// Articulated bodies (Featherstone 2008, ch. 7) as a factorisation of M along the tree: M = L' D L, where D_k is the inertia that
-// joint k feels when all joints beyond it are free, and L_ki = V_k.J_i. With composite inertias at hand the articulated ones are
-// A* less a sum K over the subtree,
+// Articulated bodies (Featherstone 2008, ch. 7) as a factorisation of M along the tree: M = L' D L, where D_k is the inertia
+// that joint k feels when all joints beyond it are free, and L_ki = V_k.J_i. With composite inertias at hand the articulated
+// ones are A* less a sum K over the subtree,
 //
 //   U = F - K J, D = U.J, V = U / D, K_p += K + U V',
 //
@@ -64,7 +64,9 @@ void each(const Blocks& k, const BlockRoles& r, const Put& put) {
   for (int i = 0; i < 6; ++i) put(r.angular, i, k.angular[static_cast<std::size_t>(i)]);
 }
 
-Sym& entry(Twist& x, int i) { return i < 3 ? x.linear[static_cast<std::size_t>(i)] : x.angular[static_cast<std::size_t>(i - 3)]; }
+Sym& entry(Twist& x, int i) {
+  return i < 3 ? x.linear[static_cast<std::size_t>(i)] : x.angular[static_cast<std::size_t>(i - 3)];
+}
 
 Sym inverse(Sym x) { return {x.graph, x.graph->divide(x.graph->constant(1), x.id)}; }
 
@@ -100,7 +102,7 @@ BaseFactors base_factors(Sym mass, const Sums& sums, const Blocks& removed, Swee
 // C v + g of the floating base: force and moment in its axes.
 Twist base_bias(Builder& b, SweepBuilder& base) {
   if (!b.scene().rates_zero) {
-    const int wrench = newton_euler(b, false).subtree_wrench;
+    const int wrench = newton_euler(b, Driven::at_rest).subtree_wrench;
     return {base.own3(wrench, 0), base.own3(wrench, 3)};
   }
   const GravityRoles g = gravity_torques(b);
@@ -147,7 +149,8 @@ Articulated articulated_bodies(Builder& b) {
   const BaseFactors f = base_factors_of(b, base);
   for (int k = 0; k < 6; ++k) {
     const auto at = static_cast<std::size_t>(k);
-    for (int i = 0; i < 6; ++i) base.store(r.gain, i, i < k ? f.row[at][static_cast<std::size_t>(i)] : base.constant(i == k ? 1 : 0), k);
+    for (int i = 0; i < 6; ++i)
+      base.store(r.gain, i, i < k ? f.row[at][static_cast<std::size_t>(i)] : base.constant(i == k ? 1 : 0), k);
     base.store(r.inverse_pivot, 0, f.inverse_pivot[at], k);
     base.store(r.pivot, 0, f.pivot[at], k);
     base.store(r.diagonal, 0, f.diagonal[at], k);
@@ -158,7 +161,9 @@ Articulated articulated_bodies(Builder& b) {
 void guard(Builder& b, int array) {
   if (!b.guard()) {
     const Articulated a = articulated_bodies(b);
-    b.guard() = ir::Guard{b.internal_array(b.own_name("pivots"), b.tree().nv(), 1), b.internal_array(b.own_name("diagonal"), b.tree().nv(), 1), {}};
+    b.guard() = ir::Guard{b.internal_array(b.own_name("pivots"), b.tree().nv(), 1),
+                          b.internal_array(b.own_name("diagonal"), b.tree().nv(), 1),
+                          {}};
     b.result({b.guard()->pivots, ir::Layout::per_coordinate, a.pivot});
     b.result({b.guard()->diagonal, ir::Layout::per_coordinate, a.diagonal});
   }
@@ -168,14 +173,14 @@ void guard(Builder& b, int array) {
 int solved_accelerations(Builder& b) {
   const Poses p = poses(b);
   const Articulated a = articulated_bodies(b);
-  const int bias = b.scene().rates_zero ? gravity_torques(b).torque : newton_euler(b, false).torque;
+  const int bias = b.scene().rates_zero ? gravity_torques(b).torque : newton_euler(b, Driven::at_rest).torque;
   const int solved = b.role({"solved_acceleration", "ddq", "dv", "m/s^2 or rad/s^2", Shape::scalar});
   if (b.has("residuals")) return solved;
   const int handed = b.role({"reaction", "ph", "reaction of the limbs beyond", "N, N m", Shape::wrench});
   const int total = b.role({"reaction_below", "p", "reaction of the subtree", "N, N m", Shape::wrench});
   const int start = b.role({"free_acceleration", "ddq0", "dv with the parent at rest", "m/s^2 or rad/s^2", Shape::scalar});
-  const int motion = b.role({"solved_twist", "dV", "dV of the body, what velocities alone cause left out", "m/s^2, rad/s^2",
-                             Shape::wrench});
+  const int motion =
+      b.role({"solved_twist", "dV", "dV of the body, what velocities alone cause left out", "m/s^2, rad/s^2", Shape::wrench});
 
   SweepBuilder in = b.sweep("residuals", "e = tau - (C v + g) - p.J, ddq0 = e / D; p_p += p + V e", Direction::inwards);
   const Twist reaction{in.carried3(handed, 0), in.carried3(handed, 3)}, joint = joint_of(in, p);

@@ -6,7 +6,7 @@ namespace dalembert::passes {
 
 void describe_bias(Builder& b, int array) {
   if (b.scene().rates_zero) return describe_gravity(b, array);
-  b.result({array, ir::Layout::per_coordinate, newton_euler(b, false).torque});
+  b.result({array, ir::Layout::per_coordinate, newton_euler(b, Driven::at_rest).torque});
 }
 
 }  // namespace dalembert::passes

@@ -5,7 +5,7 @@
 namespace dalembert::passes {
 
 void describe_inverse_dynamics(Builder& b, int array) {
-  b.result({array, ir::Layout::per_coordinate, newton_euler(b, true).torque});
+  b.result({array, ir::Layout::per_coordinate, newton_euler(b, Driven::accelerated).torque});
 }
 
 }  // namespace dalembert::passes

@@ -24,26 +24,35 @@ void store(SweepBuilder& s, const MotionRoles& r, const Motion& m) {
 
 }  // namespace
 
-NewtonEuler newton_euler(Builder& b, bool accelerated) {
+NewtonEuler newton_euler(Builder& b, Driven driven) {
+  const bool accelerated = driven == Driven::accelerated;
+  const bool weightless = driven == Driven::weightless && b.scene().gravity_kind != ir::GravityKind::none;
+  const std::string motions = weightless ? "weightless_" : "";
   const MotionRoles motion{
-      b.role({"angular", "w", "w along the body's axes", "rad/s", Shape::vector}),
-      b.role({"angular_acceleration", "alpha", "dw along the body's axes", "rad/s^2", Shape::vector}),
-      b.role({"acceleration", "a", "the origin's acceleration less gravity, along the body's axes", "m/s^2", Shape::vector})};
-  const int wrench = b.role({"wrench", "fk", "f, n of the body along its axes", "N, N m", Shape::wrench});
+      b.role({motions + "angular", "w", "w along the body's axes", "rad/s", Shape::vector}),
+      b.role({motions + "angular_acceleration", "alpha", "dw along the body's axes", "rad/s^2", Shape::vector}),
+      b.role({motions + "acceleration", "a",
+              weightless ? "the origin's acceleration, along the body's axes"
+                         : "the origin's acceleration less gravity, along the body's axes",
+              "m/s^2", Shape::vector})};
+  const int wrench = b.role({motions + "wrench", "fk", "f, n of the body along its axes", "N, N m", Shape::wrench});
   const int total =
-      b.role({"subtree_wrench", "f", "f, n of the subtree along the body's axes", "N, N m", Shape::wrench, wrench});
-  const char* what = accelerated ? "M a + C v + g" : "C v + g";
-  const int torque =
-      b.role({accelerated ? "torque" : "bias_torque", accelerated ? "tau" : "bias", what, "N m or N", Shape::scalar});
+      b.role({motions + "subtree_wrench", "f", "f, n of the subtree along the body's axes", "N, N m", Shape::wrench, wrench});
+  const char* what = accelerated ? "M a + C v + g" : weightless ? "C v" : "C v + g";
+  const int torque = b.role(
+      {motions + (accelerated ? "torque" : "bias_torque"), accelerated ? "tau" : "bias", what, "N m or N", Shape::scalar});
 
-  if (b.has("base_motion")) return {torque, total};
-  SweepBuilder root = b.sweep("base_motion", accelerated ? "w, dw, a = du + w x u - gravity" : "w, dw = 0, a = w x u - gravity",
+  if (b.has(motions + "motion")) return {torque, total};
+  SweepBuilder root = b.sweep(motions + "base_motion",
+                              accelerated  ? "w, dw, a = du + w x u - gravity"
+                              : weightless ? "w, dw = 0, a = w x u"
+                                           : "w, dw = 0, a = w x u - gravity",
                               Direction::root);
   const Twist v = root.base_twist(), dv = accelerated ? root.base_acceleration() : Twist{root.zero(), root.zero()};
-  const Vec3 gravity = root.gravity_in_base(), centripetal = cross(v.angular, v.linear);
+  const Vec3 gravity = weightless ? root.zero() : root.gravity_in_base(), centripetal = cross(v.angular, v.linear);
   store(root, motion, {v.angular, dv.angular, accelerated ? dv.linear + centripetal - gravity : centripetal - gravity});
 
-  SweepBuilder out = b.sweep("motion", "w, dw and a of the body along its own axes", Direction::outwards);
+  SweepBuilder out = b.sweep(motions + "motion", "w, dw and a of the body along its own axes", Direction::outwards);
   const Motion parent{out.carried3(motion.angular), out.carried3(motion.angular_acceleration),
                       out.carried3(motion.acceleration)};
   const BodyConstants body = out.body();
@@ -52,13 +61,13 @@ NewtonEuler newton_euler(Builder& b, bool accelerated) {
   store(out, motion, state);
 
   SweepBuilder wrenches =
-      b.sweep("wrenches", "f = m a + dw x h + w x (w x h), n = h x a + I dw + w x I w", Direction::anywhere);
+      b.sweep(motions + "wrenches", "f = m a + dw x h + w x (w x h), n = h x a + I dw + w x I w", Direction::anywhere);
   const Force f = body_force(motion_of(wrenches, motion), wrenches.body());
   wrenches.store(wrench, f.force, 0);
   wrenches.store(wrench, f.torque, 3);
 
   SweepBuilder in =
-      b.sweep("torques", std::string(what) + " = n_z (revolute), f_z (prismatic); f_p += R f, n_p += R n + p x R f",
+      b.sweep(motions + "torques", std::string(what) + " = n_z (revolute), f_z (prismatic); f_p += R f, n_p += R n + p x R f",
               Direction::inwards);
   const BodyConstants k = in.body();
   const JointPosition q = in.position();
@@ -77,7 +86,7 @@ NewtonEuler newton_euler(Builder& b, bool accelerated) {
   in.hand_on(wrench, to_parent(k, q, turning) + lever, 3);
 
   if (b.floating()) {
-    SweepBuilder base = b.sweep("base_wrench", std::string(what) + " = [f; n]", Direction::root);
+    SweepBuilder base = b.sweep(motions + "base_wrench", std::string(what) + " = [f; n]", Direction::root);
     for (int j = 0; j < 6; ++j) base.store(torque, 0, base.own(total, j), j);
   }
   return {torque, total};

@@ -9,6 +9,9 @@ namespace {
 
 Mat3 rotation_from(const Vec3& x, const Vec3& y, const Vec3& z) { return from_columns(x, y, z); }
 
+// Begins the names of what a fixed base has beside the cheapest.
+std::string prefix(const Builder& b, Frame frame) { return frame == Frame::base && b.moves_reference() ? "ground_" : ""; }
+
 }  // namespace
 
 Twist unit_twist(SweepBuilder& s, int coordinate) {
@@ -17,16 +20,17 @@ Twist unit_twist(SweepBuilder& s, int coordinate) {
   return unit;
 }
 
-Poses poses(Builder& b) {
+Poses poses(Builder& b, Frame frame) {
+  const std::string in = prefix(b, frame);
   // The axes one after another: the third is the joint's.
-  const Poses r{b.role({"rotation", "R", "R, column by column", "", Shape::matrix}),
-                b.role({"position", "p", "p, the origin", "m", Shape::vector}),
-                b.role({"joint_linear", "J", "J, linear part", "m", Shape::vector}),
-                b.role({"joint_angular", "Jw", "J, angular part", "", Shape::vector}),
-                b.role({"velocity", "V", "V = [u; w]", "m/s, rad/s", Shape::wrench}),
-                b.role({"joint_rate", "dJ", "dJ", "m/s, rad/s", Shape::wrench})};
-  if (b.has("poses")) return r;
-  SweepBuilder base = b.sweep("base_pose", "R = 1, p = 0, V; J = 1, dJ = ad(V) J", Direction::root);
+  const Poses r{b.role({in + "rotation", "R", "R, column by column", "", Shape::matrix}),
+                b.role({in + "position", "p", "p, the origin", "m", Shape::vector}),
+                b.role({in + "joint_linear", "J", "J, linear part", "m", Shape::vector}),
+                b.role({in + "joint_angular", "Jw", "J, angular part", "", Shape::vector}),
+                b.role({in + "velocity", "V", "V = [u; w]", "m/s, rad/s", Shape::wrench}),
+                b.role({in + "joint_rate", "dJ", "dJ", "m/s, rad/s", Shape::wrench})};
+  if (b.has(in + "poses")) return r;
+  SweepBuilder base = b.sweep(in + "base_pose", "R = 1, p = 0, V; J = 1, dJ = ad(V) J", Direction::root);
   const Twist v = base.base_twist();
   for (int i = 0; i < 9; ++i) base.store(r.rotation, i, base.constant(i % 4 == 0 ? 1 : 0));
   base.store(r.position, base.zero());
@@ -38,12 +42,13 @@ Poses poses(Builder& b) {
     base.store(r.joint_rate, joint_twist_rate(v, unit), j);
   }
 
-  SweepBuilder s =
-      b.sweep("poses", "R = Rp Rk Rz(q), p = pp + Rp pk, J = [p x z; z], V = Vp + J dq, dJ = ad(Vp) J", Direction::outwards);
+  SweepBuilder s = b.sweep(in + "poses", "R = Rp Rk Rz(q), p = pp + Rp pk, J = [p x z; z], V = Vp + J dq, dJ = ad(Vp) J",
+                           Direction::outwards);
   const Vec3 pz = s.carried3(r.rotation, 6), py = s.carried3(r.rotation, 3), px = s.carried3(r.rotation, 0);
   const Pose parent{rotation_from(px, py, pz), s.carried3(r.position)};
-  const BodyConstants c = s.body(true);
-  const Pose here = pose(parent, c, s.position(true));
+  const bool reference = in.empty();
+  const BodyConstants c = s.body(reference);
+  const Pose here = pose(parent, c, s.position(reference));
   const Twist joint = joint_twist(here, c);
   const Twist above{s.carried3(r.velocity, 0), s.carried3(r.velocity, 3)};
   const Twist velocity = body_twist(above, joint, s.rate());
@@ -75,18 +80,19 @@ int composite_mass(Builder& b) {
   return mass;
 }
 
-BodyAndSubtree body_and_subtree_sums(Builder& b) {
-  const Poses p = poses(b);
-  const SumRoles own{b.role({"first", "hk", "h of the body", "kg m", Shape::vector}),
-                     b.role({"second", "Sk", "S of the body: xx xy xz yy yz zz", "kg m^2", Shape::symmetric}),
-                     b.role({"momentum", "Pk", "P of the body", "kg m/s", Shape::vector}),
-                     b.role({"bias_block", "Dk", "D of the body, row by row", "kg m^2/s", Shape::matrix})};
-  const SumRoles total{b.role({"subtree_first", "h", "h", "kg m", Shape::vector, own.first}),
-                       b.role({"subtree_second", "S", "S: xx xy xz yy yz zz", "kg m^2", Shape::symmetric, own.second}),
-                       b.role({"subtree_momentum", "P", "P", "kg m/s", Shape::vector, own.momentum}),
-                       b.role({"subtree_bias_block", "D", "D, row by row", "kg m^2/s", Shape::matrix, own.bias})};
-  if (b.has("moments")) return {own, total};
-  SweepBuilder m = b.sweep("moments", "h = R hk + m p, S = R Sk R' + R hk p' + p (R hk)' + m p p'", Direction::anywhere);
+BodyAndSubtree body_and_subtree_sums(Builder& b, Frame frame) {
+  const Poses p = poses(b, frame);
+  const std::string in = prefix(b, frame);
+  const SumRoles own{b.role({in + "first", "hk", "h of the body", "kg m", Shape::vector}),
+                     b.role({in + "second", "Sk", "S of the body: xx xy xz yy yz zz", "kg m^2", Shape::symmetric}),
+                     b.role({in + "momentum", "Pk", "P of the body", "kg m/s", Shape::vector}),
+                     b.role({in + "bias_block", "Dk", "D of the body, row by row", "kg m^2/s", Shape::matrix})};
+  const SumRoles total{b.role({in + "subtree_first", "h", "h", "kg m", Shape::vector, own.first}),
+                       b.role({in + "subtree_second", "S", "S: xx xy xz yy yz zz", "kg m^2", Shape::symmetric, own.second}),
+                       b.role({in + "subtree_momentum", "P", "P", "kg m/s", Shape::vector, own.momentum}),
+                       b.role({in + "subtree_bias_block", "D", "D, row by row", "kg m^2/s", Shape::matrix, own.bias})};
+  if (b.has(in + "moments")) return {own, total};
+  SweepBuilder m = b.sweep(in + "moments", "h = R hk + m p, S = R Sk R' + R hk p' + p (R hk)' + m p p'", Direction::anywhere);
   const BodyConstants c = m.body();
   Sums s = moments(pose_of(m, p), c);
   add_velocity(s, velocity_of(m, p), c.mass, b.half_traces() ? c.half_trace : m.constant(0));
@@ -95,7 +101,7 @@ BodyAndSubtree body_and_subtree_sums(Builder& b) {
   m.store(own.momentum, s.momentum);
   for (int i = 0; i < 3; ++i) m.store(own.bias, s.bias[static_cast<std::size_t>(i)], 3 * i);
 
-  SweepBuilder a = b.sweep("accumulate", "h, S, P, D summed over the subtree", Direction::inwards);
+  SweepBuilder a = b.sweep(in + "accumulate", "h, S, P, D summed over the subtree", Direction::inwards);
   const auto add = [&](int from, int to) {
     const Shape shape = from == own.first || from == own.momentum ? Shape::vector
                         : from == own.second                      ? Shape::symmetric
@@ -113,7 +119,7 @@ BodyAndSubtree body_and_subtree_sums(Builder& b) {
   return {own, total};
 }
 
-SumRoles subtree_sums(Builder& b) { return body_and_subtree_sums(b).subtree; }
+SumRoles subtree_sums(Builder& b, Frame frame) { return body_and_subtree_sums(b, frame).subtree; }
 
 Sums sums_of(SweepBuilder& s, const SumRoles& r) {
   Sums sums;
@@ -124,14 +130,15 @@ Sums sums_of(SweepBuilder& s, const SumRoles& r) {
   return sums;
 }
 
-ForceRoles forces(Builder& b) {
-  const Poses p = poses(b);
+ForceRoles forces(Builder& b, Frame frame) {
+  const Poses p = poses(b, frame);
+  const std::string in = prefix(b, frame);
   const int mass = composite_mass(b);
-  const SumRoles sums = subtree_sums(b);
-  const ForceRoles r{b.role({"inertia_force", "F", "F = A* J", "kg m, kg m^2 per unit of the coordinate", Shape::wrench}),
-                     b.role({"bias_force", "G", "G = A* dJ + B* J", "kg m/s, kg m^2/s", Shape::wrench}),
-                     b.role({"transposed", "H", "H = P x Jv + D' Jw", "kg m^2/s", Shape::vector})};
-  if (b.has("forces")) return r;
+  const SumRoles sums = subtree_sums(b, frame);
+  const ForceRoles r{b.role({in + "inertia_force", "F", "F = A* J", "kg m, kg m^2 per unit of the coordinate", Shape::wrench}),
+                     b.role({in + "bias_force", "G", "G = A* dJ + B* J", "kg m/s, kg m^2/s", Shape::wrench}),
+                     b.role({in + "transposed", "H", "H = P x Jv + D' Jw", "kg m^2/s", Shape::vector})};
+  if (b.has(in + "forces")) return r;
   const auto add = [&](SweepBuilder& s, const Twist& joint, const Twist& joint_rate, int coordinate) {
     const Sym m = s.own(mass);
     const Sums subtree = sums_of(s, sums);
@@ -140,10 +147,10 @@ ForceRoles forces(Builder& b) {
     s.store(r.bias, Twist{g.linear + h.linear, g.angular + h.angular}, coordinate);
     if (coordinate < 0) s.store(r.transposed, apply_bias_transposed(subtree, joint));
   };
-  SweepBuilder s = b.sweep("forces", "F = A* J, G = A* dJ + B* J, H = P x Jv + D' Jw", Direction::anywhere);
+  SweepBuilder s = b.sweep(in + "forces", "F = A* J, G = A* dJ + B* J, H = P x Jv + D' Jw", Direction::anywhere);
   add(s, joint_of(s, p), {s.own3(p.joint_rate, 0), s.own3(p.joint_rate, 3)}, -1);
   if (!b.floating()) return r;
-  SweepBuilder base = b.sweep("base_forces", "M_BB = A*, C_BB = A* ad(V) + B*", Direction::root);
+  SweepBuilder base = b.sweep(in + "base_forces", "M_BB = A*, C_BB = A* ad(V) + B*", Direction::root);
   for (int j = 0; j < b.base_coordinates(); ++j) {
     const Twist unit = unit_twist(base, j);
     add(base, unit, joint_twist_rate(velocity_of(base, p), unit), j);

@@ -5,11 +5,15 @@
 
 namespace dalembert::passes {
 
-// Phase I (Shin, Park and Park 2016, eq. 20), along the base's axes and about its origin (on a fixed base: the first body's).
+// Whose axes and origin Phases I to III go by. `cheapest`: the floating base's; on a fixed base the first body's of every
+// branch, which M and C do not tell from the base's. `base`: the base's in any case.
+enum class Frame { cheapest, base };
+
+// Phase I (Shin, Park and Park 2016, eq. 20).
 struct Poses {
   int rotation, position, joint_linear, joint_angular, velocity, joint_rate;
 };
-Poses poses(Builder& builder);
+Poses poses(Builder& builder, Frame frame = Frame::cheapest);
 Pose pose_of(SweepBuilder& s, const Poses& roles);
 Twist joint_of(SweepBuilder& s, const Poses& roles);
 Twist velocity_of(SweepBuilder& s, const Poses& roles);
@@ -29,15 +33,15 @@ struct SumRoles {
 struct BodyAndSubtree {
   SumRoles body, subtree;
 };
-BodyAndSubtree body_and_subtree_sums(Builder& builder);
-SumRoles subtree_sums(Builder& builder);
+BodyAndSubtree body_and_subtree_sums(Builder& builder, Frame frame = Frame::cheapest);
+SumRoles subtree_sums(Builder& builder, Frame frame = Frame::cheapest);
 Sums sums_of(SweepBuilder& s, const SumRoles& roles);
 
 // Phase III: F = A* J, G = A* J̇ + B* J, H = B*ᵀ J of every coordinate.
 struct ForceRoles {
   int inertia, bias, transposed;
 };
-ForceRoles forces(Builder& builder);
+ForceRoles forces(Builder& builder, Frame frame = Frame::cheapest);
 
 // g_i of every coordinate; also what the bias is at rest.
 struct GravityRoles {
@@ -45,12 +49,13 @@ struct GravityRoles {
 };
 GravityRoles gravity_torques(Builder& builder);
 
-// τ of every coordinate by recursive Newton-Euler, for the accelerations that the function is given, or for none (the bias).
-// With the scene's armature, damping and friction.
+// Recursive Newton-Euler: for no accelerations (the bias), for none without gravity, or for those that the function is given.
+enum class Driven { at_rest, weightless, accelerated };
 struct NewtonEuler {
-  int torque, subtree_wrench;  // the latter along the body's axes: the base's is its share of the bias
+  int torque;          // τ of every coordinate, with the scene's armature, damping and friction
+  int subtree_wrench;  // f, n of every subtree along its first body's axes; the base's: of the whole robot
 };
-NewtonEuler newton_euler(Builder& builder, bool accelerated);
+NewtonEuler newton_euler(Builder& builder, Driven driven);
 
 // The factorisation M = Lᵀ D L along the tree: L_ki = V_k·J_i for i above k, D the pivots; M_kk to measure them against. Of the
 // floating base's coordinates too, which stand before all joints.

@@ -57,39 +57,35 @@ class Adapter final : public GeneratedRobot {
 
   bool self_test(SelfTestReport& report) const override { return layout_.self_test(&report); }
 
-  generic::Dynamics<double> result(Variant variant) const override {
-    generic::Dynamics<double> all;
-    visit(
-        variant, [](auto& quantity, const auto& view) { quantity = view.template cast<double>(); }, all);
+  Results results(Variant variant) const override {
+    Results all;
+    visit(variant, [&](const char* name, const auto& view) { all[name] = view.template cast<double>(); });
     return all;
   }
   std::vector<std::byte> bits(Variant variant) const override {
     std::vector<std::byte> all;
-    generic::Dynamics<double> unused;
-    const auto append = [&](auto&, const auto& view) {
+    visit(variant, [&](const char*, const auto& view) {
       const size_t size = static_cast<size_t>(view.size()) * sizeof(Scalar), end = all.size();
       all.resize(end + size);
       if (size > 0) std::memcpy(all.data() + end, view.data(), size);
-    };
-    visit(variant, append, unused);
+    });
     return all;
   }
 
  private:
   template <class Action>
-  void visit(Variant variant, const Action& action, generic::Dynamics<double>& all) const {
+  void visit(Variant variant, const Action& action) const {
     const auto each = [&](const auto& ws) {
-      if constexpr (requires { mass_matrix(ws); }) action(all.mass_matrix, mass_matrix(ws));
-      if constexpr (requires { coriolis_matrix(ws); }) action(all.coriolis_matrix, coriolis_matrix(ws));
-      if constexpr (requires { gravity(ws); }) action(all.gravity, gravity(ws));
-      if constexpr (requires { bias(ws); }) action(all.bias, bias(ws));
-      if constexpr (requires { wrench_influence(ws); }) action(all.wrench_influence, wrench_influence(ws));
+#define DALEMBERT_QUANTITY(name, ...) \
+  if constexpr (requires { name(ws); }) action(#name, name(ws));
+#include "ir/quantities.def"
+#undef DALEMBERT_QUANTITY
     };
     each(variant == Variant::serial ? *serial_ : *parallel_);
   }
 
   Layout<Scalar> layout_;
-  VectorX<Scalar> q_, v_;
+  Eigen::VectorX<Scalar> q_, v_;
   std::unique_ptr<Workspace> serial_, parallel_;
   std::unique_ptr<TaskGraph> graph_;
 };

@@ -3,8 +3,8 @@
 
 #include <Eigen/Core>
 #include <cstddef>
-#include <dalembert/generic/dynamics.hpp>
 #include <dalembert/self_test.hpp>
+#include <map>
 #include <memory>
 #include <ostream>
 #include <string>
@@ -14,6 +14,9 @@ namespace dalembert::testing {
 
 // Two ways to evaluate, each with a workspace of its own.
 enum class Variant { serial, tasks };
+
+// By the names of ir/quantities.def: those that were generated.
+using Results = std::map<std::string, Eigen::MatrixXd>;
 
 class GeneratedRobot {
  public:
@@ -36,8 +39,7 @@ class GeneratedRobot {
   // The emitted self-test.
   virtual bool self_test(SelfTestReport& report) const = 0;
 
-  // Quantities that were not generated are of size zero.
-  virtual generic::Dynamics<double> result(Variant variant) const = 0;
+  virtual Results results(Variant variant) const = 0;
   // All results as they lie in memory.
   virtual std::vector<std::byte> bits(Variant variant) const = 0;
 };

@@ -5,18 +5,19 @@
 #include <cstdio>
 #include <cstdlib>
 #include <limits>
+#include <set>
 
 #include "generated_robot.hpp"
 #include "heap_count.hpp"
 #include "pipeline.hpp"
-#include "reference/generic_model.hpp"
+#include "reference/engine.hpp"
 #include "scale.hpp"
 #include "states.hpp"
 
 namespace dalembert::testing {
 namespace {
 
-// Relative to the largest element of each quantity (scale.hpp). In float, rounding of constants and of the computation adds
+// Relative to the largest element of each quantity. In float, rounding of constants and of the computation adds
 // up along a chain: the tolerance is a thousand times float's epsilon.
 constexpr double tolerance_double = 1e-12, tolerance_float = 1.2e-4;
 
@@ -57,38 +58,42 @@ class Generated : public ::testing::TestWithParam<GeneratedCase> {
 // The robots that have a task graph beside the serial code.
 class GeneratedTasks : public Generated {};
 
-// Largest error of any quantity that was generated; `compared` counts them.
-double largest_error(const generic::Dynamics<double>& generated, const generic::Dynamics<double>& reference,
-                     const Eigen::VectorXd& v, int& compared) {
-  const Scale<double> scale(reference, v);
+// Largest error of any quantity the scene asks for, relative to its largest element in `right` and to what it counts as at
+// least; infinite where one is missing or of another shape.
+double largest_error(const Results& ours, const Results& right, const Model& model, const State& state) {
+  const reference::Inputs inputs{state.q, state.v};
+  reference::LeastScale least(model.tree, model.scene, inputs);
   double worst = 0;
-  compared = 0;
-  const auto compare = [&](const auto& ours, const auto& theirs, double size) {
-    if (ours.size() == 0) return;
-    ++compared;
-    const bool same_shape = ours.rows() == theirs.rows() && ours.cols() == theirs.cols();
-    worst = std::max(worst, same_shape ? relative_error(ours, theirs, size) : std::numeric_limits<double>::infinity());
-  };
-  compare(generated.mass_matrix, reference.mass_matrix, scale.mass_matrix);
-  compare(generated.coriolis_matrix, reference.coriolis_matrix, scale.coriolis_matrix);
-  compare(generated.gravity, reference.gravity, scale.gravity);
-  compare(generated.bias, reference.bias, scale.bias);
-  compare(generated.wrench_influence, reference.wrench_influence, scale.wrench_influence);
+  for (const ir::Quantity quantity : model.scene.outputs) {
+    const auto generated = ours.find(ir::row_of(quantity).name);
+    const Eigen::MatrixXd& reference = right.at(ir::row_of(quantity).name);
+    const bool same_shape =
+        generated != ours.end() && generated->second.rows() == reference.rows() && generated->second.cols() == reference.cols();
+    const double scale = std::max(largest(reference), least.of({quantity, ""}));
+    worst = std::max(
+        worst, same_shape ? relative_error(generated->second, reference, scale) : std::numeric_limits<double>::infinity());
+  }
   return worst;
+}
+
+Results generic_results(const Model& model, const State& state) {
+  std::vector<reference::Wanted> wanted;
+  for (const ir::Quantity quantity : model.scene.outputs) wanted.push_back({quantity, ""});
+  const auto values = reference::evaluate(model.tree, model.scene, wanted, {state.q, state.v}, reference::Precision::float64);
+  Results results;
+  for (size_t i = 0; i < wanted.size(); ++i) results[ir::row_of(*wanted[i].quantity).name] = values[i];
+  return results;
 }
 
 TEST_P(Generated, MatchesTheGenericEngine) {
   ASSERT_EQ(robot->nq(), model.tree.nq());
   ASSERT_EQ(robot->nv(), model.tree.nv());
-  const generic::Model<double> reference = to_generic<double>(model.tree, model.scene.gravity);
   const double tolerance = robot->single_precision() ? tolerance_float : tolerance_double;
   double worst = 0;
   for (const State& state : states()) {
     evaluate(state, Variant::serial);
-    int compared = 0;
-    const double error = largest_error(robot->result(Variant::serial), generic::evaluate<double>(reference, state.q, state.v),
-                                       state.v, compared);
-    EXPECT_EQ(compared, static_cast<int>(model.scene.outputs.size()));
+    const double error = largest_error(robot->results(Variant::serial), generic_results(model, state), model, state);
+    EXPECT_EQ(robot->results(Variant::serial).size(), model.scene.outputs.size());
     EXPECT_LE(error, tolerance) << state.name;
     worst = std::max(worst, error);
   }
@@ -169,30 +174,37 @@ TEST_P(Generated, ReadsNothingItDoesNotNeed) {
   const State state = moderate_state(model.tree, 1);
   evaluate(state, Variant::serial);
   const auto expected = robot->bits(Variant::serial);
-  const auto asked = [&](ir::Quantity quantity) {
-    return std::find(model.scene.outputs.begin(), model.scene.outputs.end(), quantity) != model.scene.outputs.end();
+  const auto asked = [&](const std::set<std::string>& any) {
+    return std::any_of(model.scene.outputs.begin(), model.scene.outputs.end(),
+                       [&](ir::Quantity quantity) { return any.contains(ir::row_of(quantity).name); });
   };
-  const bool C = asked(ir::Quantity::coriolis_matrix), g = asked(ir::Quantity::gravity), bias = asked(ir::Quantity::bias),
-             W = asked(ir::Quantity::wrench_influence);
+  const bool rates = asked({"coriolis_matrix", "bias", "kinetic_energy", "momentum_bias"});
+  const bool base_position = asked({"potential_energy", "center_of_mass"});
+  const bool world = asked(
+      {"gravity", "bias", "potential_energy", "center_of_mass", "center_of_mass_jacobian", "momentum_matrix", "momentum_bias"});
+  const bool in_base = asked({"wrench_influence"});
   const auto expect_unread = [&](const State& spoilt, const char* what) {
     evaluate(spoilt, Variant::serial);
     EXPECT_EQ(robot->bits(Variant::serial), expected) << what;
   };
 
   State spoilt = state;
-  if (!C && !bias) {
+  if (!rates) {
     spoilt.v.setConstant(nan);
     expect_unread(spoilt, "the velocity");
   }
   if (floating()) {
-    spoilt = state;
-    spoilt.q.head<3>().setConstant(nan);
-    expect_unread(spoilt, "the base's position");
-    if (!g && !bias) {
+    if (!base_position) {
+      spoilt = state;
+      spoilt.q.head<3>().setConstant(nan);
+      expect_unread(spoilt, "the base's position");
+    }
+    if (!world) {
+      spoilt = state;
       spoilt.q.head<7>().setConstant(nan);
       expect_unread(spoilt, "the base's pose");
     }
-  } else if (!g && !bias && !W) {
+  } else if (!world && !in_base) {
     // M and C of a limb on the ground do not depend on where its first joint stands, nor on slides with only slides before
     // them.
     spoilt = state;
@@ -223,20 +235,19 @@ TEST(GeneratedChecks, SeeWrongResults) {
   const GeneratedCase& one = generated_cases().front();
   const Model model = read_case(one);
   const State state = moderate_state(model.tree, 1);
-  const auto right = generic::evaluate<double>(to_generic<double>(model.tree, model.scene.gravity), state.q, state.v);
-  int compared = 0;
-  EXPECT_EQ(largest_error(right, right, state.v, compared), 0);
-  EXPECT_EQ(compared, 5);
+  const Results right = generic_results(model, state);
+  EXPECT_EQ(largest_error(right, right, model, state), 0);
   const auto error = [&](auto spoil) {
-    generic::Dynamics<double> wrong = right;
+    Results wrong = right;
     spoil(wrong);
-    return largest_error(wrong, right, state.v, compared);
+    return largest_error(wrong, right, model, state);
   };
-  EXPECT_GT(error([](auto& d) { d.mass_matrix(0, 0) += 1e-11 * largest(d.mass_matrix); }), tolerance_double);
-  EXPECT_GT(error([](auto& d) { d.bias *= -1; }), tolerance_double);
-  EXPECT_GT(error([](auto& d) { d.gravity[0] = std::nan(""); }), tolerance_double);
-  EXPECT_GT(error([](auto& d) { d.wrench_influence(0, 0) = std::nan(""); }), tolerance_double);
-  EXPECT_GT(error([](auto& d) { d.coriolis_matrix.conservativeResize(d.coriolis_matrix.rows() + 1, Eigen::NoChange); }),
+  EXPECT_GT(error([](auto& d) { d["mass_matrix"](0, 0) += 1e-11 * largest(d["mass_matrix"]); }), tolerance_double);
+  EXPECT_GT(error([](auto& d) { d["bias"] *= -1; }), tolerance_double);
+  EXPECT_GT(error([](auto& d) { d["gravity"](0) = std::nan(""); }), tolerance_double);
+  EXPECT_GT(error([](auto& d) { d["wrench_influence"](0, 0) = std::nan(""); }), tolerance_double);
+  EXPECT_GT(error([](auto& d) { d.erase("kinetic_energy"); }), tolerance_double);
+  EXPECT_GT(error([](auto& d) { d["coriolis_matrix"].conservativeResize(d["coriolis_matrix"].rows() + 1, Eigen::NoChange); }),
             tolerance_double);
 }
 
