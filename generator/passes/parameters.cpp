@@ -27,6 +27,7 @@ constexpr Group groups[] = {
     {armature_p, ir::Shape::scalar, "armature", "kg m^2 or kg", true},
     {damping_p, ir::Shape::scalar, "damping", "N m s/rad or N s/m", true},
     {friction_p, ir::Shape::scalar, "friction", "N m or N", true},
+    {half_armature_p, ir::Shape::scalar, "half_armature", "kg m^2 or kg", true},
     {link_rotation_p, ir::Shape::matrix, "link_rotation", "", false},
     {link_translation_p, ir::Shape::vector, "link_translation", "m", false},
 };
@@ -85,6 +86,7 @@ double parameter_value(int parameter, const ir::KinematicTree& tree, const ir::N
     case turning_p: return n.prismatic ? 0 : per_unit;
     case sliding_p: return n.prismatic ? per_unit : 0;
     case armature_p: return joint.driven() ? 0 : joint.armature;  // a driven joint's are counted at its driver
+    case half_armature_p: return joint.driven() ? 0 : 0.5 * joint.armature;
     case damping_p: return joint.driven() ? 0 : joint.damping;
     case friction_p: return joint.driven() ? 0 : joint.friction;
     default: break;

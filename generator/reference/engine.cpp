@@ -5,6 +5,7 @@
 #include <boost/multiprecision/cpp_bin_float.hpp>
 #include <boost/multiprecision/eigen.hpp>
 #include <dalembert/generic/dynamics.hpp>
+#include <dalembert/generic/energy.hpp>
 #include <limits>
 
 #include "reference/generic_model.hpp"
@@ -53,6 +54,7 @@ class Evaluation {
         return solved(generic::forward_dynamics<S>(robot_, own_q_, own_v_, more_), robot_.nv(), 1);
       case ir::Quantity::wrench_influence:
         return reduction_.reduce_rows(generic::expanded_wrench_influence<S>(robot_, kinematics_));
+      case ir::Quantity::kinetic_energy: return scalar(generic::expanded_kinetic_energy<S>(robot_, kinematics_, v_));
     }
     return {};
   }
@@ -63,6 +65,14 @@ class Evaluation {
   static MatrixX<S> solved(const generic::Solution<Value>& solution, Eigen::Index rows, Eigen::Index columns) {
     if (!solution.status.ok()) return MatrixX<S>::Zero(rows, columns);
     return solution.value;
+  }
+
+  static MatrixX<S> scalar(const S& value) { return MatrixX<S>::Constant(1, 1, value); }
+  // Element by element: g++ 12 thinks that a register of four floats is read from a vector of three.
+  static MatrixX<S> column(const Vector3<S>& value) {
+    MatrixX<S> result(3, 1);
+    for (int i = 0; i < 3; ++i) result(i, 0) = value[i];
+    return result;
   }
 
   MatrixX<S> jacobian(const std::string& link) const {

@@ -107,6 +107,9 @@ class RolledRun {
   void joints() {
     for (std::size_t r = 0; r < program_.roles.size(); ++r) {
       if (program_.roles[r].source == Source::sweep || program_.places[r].array < 0) continue;
+      // Places without a body have some other joint's rate, as the emitted code gathers it.
+      if (program_.roles[r].source == Source::rate)
+        for (int s = 0; s < plan_.slots; ++s) kept(static_cast<int>(r), 0, s) = 0.7;
       for (int k = 0; k < tree_.joints(); ++k) {
         Graph graph;
         const NodeId node = passes::coordinate_node(graph, program_.roles[r], tree_, coordinates_, rates_zero_, k);
