@@ -55,6 +55,7 @@ class Evaluation {
       case ir::Quantity::wrench_influence:
         return reduction_.reduce_rows(generic::expanded_wrench_influence<S>(robot_, kinematics_));
       case ir::Quantity::kinetic_energy: return scalar(generic::expanded_kinetic_energy<S>(robot_, kinematics_, v_));
+      case ir::Quantity::potential_energy: return scalar(generic::potential_energy<S>(robot_, kinematics_, q_));
     }
     return {};
   }
