@@ -56,6 +56,7 @@ class Evaluation {
         return reduction_.reduce_rows(generic::expanded_wrench_influence<S>(robot_, kinematics_));
       case ir::Quantity::kinetic_energy: return scalar(generic::expanded_kinetic_energy<S>(robot_, kinematics_, v_));
       case ir::Quantity::potential_energy: return scalar(generic::potential_energy<S>(robot_, kinematics_, q_));
+      case ir::Quantity::center_of_mass: return column(generic::center_of_mass<S>(robot_, kinematics_, q_));
     }
     return {};
   }
