@@ -57,6 +57,8 @@ class Evaluation {
       case ir::Quantity::kinetic_energy: return scalar(generic::expanded_kinetic_energy<S>(robot_, kinematics_, v_));
       case ir::Quantity::potential_energy: return scalar(generic::potential_energy<S>(robot_, kinematics_, q_));
       case ir::Quantity::center_of_mass: return column(generic::center_of_mass<S>(robot_, kinematics_, q_));
+      case ir::Quantity::center_of_mass_jacobian:
+        return reduction_.reduce_columns(generic::expanded_center_of_mass_jacobian<S>(robot_, kinematics_, q_));
     }
     return {};
   }
