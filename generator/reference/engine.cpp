@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <boost/multiprecision/cpp_bin_float.hpp>
 #include <boost/multiprecision/eigen.hpp>
+#include <dalembert/generic/centroidal.hpp>
 #include <dalembert/generic/dynamics.hpp>
 #include <dalembert/generic/energy.hpp>
 #include <limits>
@@ -30,7 +31,8 @@ class Evaluation {
     v_ = reduction_.expand_velocity(own_v_);
     kinematics_ = generic::phase1<S>(robot_, q_, v_);
     const bool matrices = std::any_of(wanted.begin(), wanted.end(), [](const Wanted& w) {
-      return w.quantity == ir::Quantity::mass_matrix || w.quantity == ir::Quantity::coriolis_matrix;
+      return w.quantity == ir::Quantity::mass_matrix || w.quantity == ir::Quantity::coriolis_matrix ||
+             w.quantity == ir::Quantity::momentum_matrix;
     });
     if (matrices) composites_ = generic::phase2<S>(robot_, kinematics_);
   }
@@ -59,6 +61,8 @@ class Evaluation {
       case ir::Quantity::center_of_mass: return column(generic::center_of_mass<S>(robot_, kinematics_, q_));
       case ir::Quantity::center_of_mass_jacobian:
         return reduction_.reduce_columns(generic::expanded_center_of_mass_jacobian<S>(robot_, kinematics_, q_));
+      case ir::Quantity::momentum_matrix:
+        return reduction_.reduce_columns(generic::expanded_momentum_matrix<S>(robot_, kinematics_, composites_, q_));
     }
     return {};
   }
