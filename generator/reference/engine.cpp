@@ -63,6 +63,7 @@ class Evaluation {
         return reduction_.reduce_columns(generic::expanded_center_of_mass_jacobian<S>(robot_, kinematics_, q_));
       case ir::Quantity::momentum_matrix:
         return reduction_.reduce_columns(generic::expanded_momentum_matrix<S>(robot_, kinematics_, composites_, q_));
+      case ir::Quantity::momentum_bias: return generic::expanded_momentum_bias<S>(robot_, kinematics_, q_, v_);
     }
     return {};
   }
