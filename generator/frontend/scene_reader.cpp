@@ -26,22 +26,13 @@ class SceneReader {
     Handler read;
   };
   static const std::vector<Key>& keys() {
-    static const std::vector<Key> keys = {{"base", &SceneReader::base},
-                                          {"gravity", &SceneReader::gravity},
-                                          {"outputs", &SceneReader::outputs},
-                                          {"locked", &SceneReader::locked},
-                                          {"cut", &SceneReader::cut},
-                                          {"mimic", &SceneReader::mimic},
-                                          {"jacobians", &SceneReader::jacobians},
-                                          {"payloads", &SceneReader::payloads},
-                                          {"armature", &SceneReader::armature},
-                                          {"damping", &SceneReader::damping},
-                                          {"friction", &SceneReader::friction},
-                                          {"massless", &SceneReader::massless},
-                                          {"inertia", &SceneReader::inertia},
-                                          {"rates_zero", &SceneReader::rates_zero},
-                                          {"scalar", &SceneReader::scalar},
-                                          {"parallel", &SceneReader::parallel}};
+    static const std::vector<Key> keys = {
+        {"base", &SceneReader::base},         {"gravity", &SceneReader::gravity},     {"outputs", &SceneReader::outputs},
+        {"coriolis", &SceneReader::coriolis}, {"locked", &SceneReader::locked},       {"cut", &SceneReader::cut},
+        {"mimic", &SceneReader::mimic},       {"jacobians", &SceneReader::jacobians}, {"payloads", &SceneReader::payloads},
+        {"armature", &SceneReader::armature}, {"damping", &SceneReader::damping},     {"friction", &SceneReader::friction},
+        {"massless", &SceneReader::massless}, {"inertia", &SceneReader::inertia},     {"rates_zero", &SceneReader::rates_zero},
+        {"scalar", &SceneReader::scalar},     {"parallel", &SceneReader::parallel}};
     return keys;
   }
 
@@ -80,6 +71,10 @@ class SceneReader {
   void parallel(const YamlNode& node) {
     scene_.parallel = choice<ir::Parallel>(
         node, {{"serial", ir::Parallel::serial}, {"tasks", ir::Parallel::tasks}, {"auto", ir::Parallel::automatic}});
+  }
+  void coriolis(const YamlNode& node) {
+    scene_.coriolis =
+        choice<ir::Coriolis>(node, {{"balance", ir::Coriolis::balance}, {"christoffel", ir::Coriolis::christoffel}});
   }
   void massless(const YamlNode& node) { scene_.lock_massless = choice<bool>(node, {{"keep", false}, {"lock", true}}); }
   void inertia(const YamlNode& node) {

@@ -16,6 +16,7 @@ enum class Base { fixed, floating };
 enum class GravityKind { constant, none, run_time };
 enum class ScalarType { float64, float32 };
 enum class Parallel { serial, tasks, automatic };
+enum class Coriolis { balance, christoffel };         // which C with dM/dt = C + C' and the same C v
 enum class InertiaPolicy { refuse, accept, repair };  // what becomes of an inertia that no body has
 
 struct Scene {
@@ -23,6 +24,7 @@ struct Scene {
   GravityKind gravity_kind = GravityKind::constant;
   Eigen::Vector3d gravity{0, 0, -9.81};  // m/s², world axes; when given at run time: the value a new workspace starts with
   std::vector<Quantity> outputs = default_quantities();
+  Coriolis coriolis = Coriolis::balance;
   std::map<std::string, double> locked;  // joint name → value (rad or m)
   std::set<std::string> cut;             // link names: each and everything beyond it is removed
   std::map<std::string, Mimic> mimic;    // driven joint → relation (no coordinate of its own)

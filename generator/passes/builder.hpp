@@ -95,7 +95,7 @@ class Builder {
   // so, and only evaluate() has nothing else.
   bool moves_reference() const { return !floating() && algorithm_.function == ir::Function::evaluate; }
   // Whether D has the half traces of the paper's C; derivatives are made of the D of Christoffel symbols.
-  bool half_traces() const { return algorithm_.function == ir::Function::evaluate; }
+  bool half_traces() const { return algorithm_.function == ir::Function::evaluate && scene_.coriolis == ir::Coriolis::balance; }
   int base_coordinates() const { return floating() ? 6 : 0; }
 
   // The role of that name; made from `role` where there is none yet.

@@ -63,6 +63,7 @@ Twist body_twist(const Twist& parent, const Twist& joint, Sym rate);
 Twist joint_twist_rate(const Twist& body, const Twist& joint);
 
 // Phase II (eq. 12, 13) of one body: its moments at the reference origin, its momentum and bias.
+// Without the half trace (t = 0) D makes C the one of Christoffel symbols (Echeandia and Wensing 2021).
 // x = R h + m p, S = R S_k Rᵀ + R h pᵀ + p (R h)ᵀ + m p pᵀ, P = m u + w × x, D = −[w](S + t 1) − u xᵀ + (x·u) 1.
 Sums moments(const Pose& pose, const BodyConstants& body);
 void add_velocity(Sums& sums, const Twist& twist, Sym mass, Sym half_trace);

@@ -20,7 +20,7 @@ template <class S>
 class Evaluation {
  public:
   Evaluation(const ir::KinematicTree& tree, const ir::Scene& scene, const std::vector<Wanted>& wanted, const Inputs& inputs)
-      : tree_(tree), robot_(to_generic<S>(tree, scene.gravity)), reduction_(robot_) {
+      : tree_(tree), robot_(to_generic<S>(tree, scene.gravity, scene.coriolis)), reduction_(robot_) {
     generic::check_size<double>(inputs.q, robot_.nq(), "q");
     generic::check_size<double>(inputs.v, robot_.nv(), "v");
     own_q_ = inputs.q.cast<S>();

@@ -6,6 +6,7 @@
 #include <dalembert/generic/model.hpp>
 
 #include "ir/kinematic_tree.hpp"
+#include "ir/scene.hpp"
 
 namespace dalembert {
 
@@ -18,8 +19,10 @@ Inertia<S> to_generic(const ir::Inertia& inertia) {
 // that generated code and every scalar of the generic engine compute with the same numbers.
 // gravity: acceleration of free fall in world axes, m/s².
 template <class S>
-generic::Model<S> to_generic(const ir::KinematicTree& tree, const Eigen::Vector3d& gravity) {
+generic::Model<S> to_generic(const ir::KinematicTree& tree, const Eigen::Vector3d& gravity,
+                             ir::Coriolis coriolis = ir::Coriolis::balance) {
   generic::Model<S> model;
+  model.coriolis = coriolis == ir::Coriolis::balance ? generic::Coriolis::balance : generic::Coriolis::christoffel;
   model.floating_base = tree.floating_base;
   model.base = to_generic<S>(tree.base);
   model.gravity = gravity.cast<S>();

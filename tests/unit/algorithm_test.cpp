@@ -152,6 +152,9 @@ TEST_P(Algorithm, RunsInBothFormsAsTheGenericEngineDoes) {
     for (size_t j = 0; j < moving.size(); j += 2)
       friction.armature[moving[j]] = 0.3, friction.damping[moving[j]] = 0.7, friction.friction[moving[j]] = 1.1;
     scenes["armature, damping, friction"] = friction;
+    ir::Scene christoffel = all;
+    christoffel.coriolis = ir::Coriolis::christoffel;
+    scenes["Christoffel's C"] = christoffel;
     if (moving.size() > 2) {
       ir::Scene driven = all;
       driven.mimic[moving[1]] = {moving[0], -0.5, 0.2};

@@ -25,6 +25,7 @@ const Example examples[] = {
     {"base", "fixed", "fixed"},
     {"gravity", "[1, 0, -3]", "1,0,-3"},
     {"outputs", "[bias]", "bias"},
+    {"coriolis", "christoffel", "christoffel"},
     {"locked", "{b: 0.25}", "b=0.25"},
     {"cut", "[l3]", "l3"},
     {"mimic", "{b: {of: a, multiplier: -2}}", "{b: {of: a, multiplier: -2}}"},

@@ -121,4 +121,16 @@ Matrix6<S> bias_matrix(const Inertia<S>& body, const Vector6<S>& twist) {
   return result;
 }
 
+// B of the same body that makes C the one of Christoffel symbols (Echeandia and Wensing 2021), ½ (A ad(V) − ad(V)ᵀ A + [A V]),
+// with [[f; n]] = [0, −[f]; −[f], −[n]]: skew-symmetric as well, and the same B V.
+template <class S>
+Matrix6<S> christoffel_bias_matrix(const Inertia<S>& body, const Vector6<S>& twist) {
+  const Matrix6<S> A = inertia_matrix(body), moving = A * ad(twist);
+  const Vector6<S> momentum = A * twist;
+  const Matrix3<S> f = cross_matrix<S>(momentum.template head<3>());
+  Matrix6<S> crossed;
+  crossed << Matrix3<S>::Zero(), -f, -f, -cross_matrix<S>(momentum.template tail<3>());
+  return (moving - moving.transpose() + crossed) / S(2);
+}
+
 }  // namespace dalembert

@@ -38,13 +38,18 @@ struct Coordinate {
   S offset = S(0);
 };
 
+// Which of the matrices C with dM/dt = C + Cᵀ and the same C v: the paper's, of dynamical balance, or that of Christoffel
+// symbols.
+enum class Coriolis { balance, christoffel };
+
 template <class S>
 struct Model {
   bool floating_base = false;
   Inertia<S> base;  // matters only when the base floats
   std::vector<Body<S>> bodies;
   Vector3<S> gravity = Vector3<S>::Zero();  // acceleration of free fall in world axes, m/s²; the usual one is (0, 0, −9.81)
-  std::vector<Coordinate<S>> coordinates;   // one per body; empty: every joint has a coordinate of its own, in order
+  Coriolis coriolis = Coriolis::balance;
+  std::vector<Coordinate<S>> coordinates;  // one per body; empty: every joint has a coordinate of its own, in order
 
   int joints() const { return static_cast<int>(bodies.size()); }
   // Independent coordinates of the joints.

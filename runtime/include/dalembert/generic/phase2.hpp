@@ -20,15 +20,17 @@ struct Composites {
 
 template <class S>
 Composites<S> phase2(const Model<S>& model, const Kinematics<S>& kinematics) {
+  const auto bias = [&](const Inertia<S>& body, const Vector6<S>& twist) {
+    return model.coriolis == Coriolis::balance ? bias_matrix(body, twist) : christoffel_bias_matrix(body, twist);
+  };
   Composites<S> result;
   if (model.floating_base) {
-    result.base = {inertia_matrix(model.base), bias_matrix(model.base, kinematics.base_twist)};
+    result.base = {inertia_matrix(model.base), bias(model.base, kinematics.base_twist)};
   } else {
     result.base = {Matrix6<S>::Zero(), Matrix6<S>::Zero()};
   }
   for (size_t k = 0; k < model.bodies.size(); ++k)
-    result.bodies.push_back(
-        {inertia_matrix(model.bodies[k].inertia), bias_matrix(model.bodies[k].inertia, kinematics.bodies[k].V)});
+    result.bodies.push_back({inertia_matrix(model.bodies[k].inertia), bias(model.bodies[k].inertia, kinematics.bodies[k].V)});
 
   for (size_t j = model.bodies.size(); j-- > 0;) {
     const int parent = model.bodies[j].parent;
