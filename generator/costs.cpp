@@ -72,6 +72,7 @@ Model whole_robot(const Model& model) {
     if (std::find(whole.scene.outputs.begin(), whole.scene.outputs.end(), quantity) == whole.scene.outputs.end())
       whole.scene.outputs.push_back(quantity);
   whole.scene.jacobians = model.scene.jacobians;
+  whole.scene.frames = model.scene.frames;
   Diagnostics warnings;
   whole.tree = passes::build_tree(whole.description, whole.scene, warnings);
   return whole;

@@ -54,8 +54,9 @@ References references(const Model& model, const Output& output, const std::vecto
     references.generic.push_back(evaluate_generic(model, output, state));
     references.multiprecision.push_back(evaluate_multiprecision(model, output, state));
     const reference::Inputs inputs{state.q, state.v, state.more};
-    references.least_scale = std::max(
-        references.least_scale, reference::LeastScale(model.tree, model.scene, inputs).of({output.quantity, output.link}));
+    references.least_scale =
+        std::max(references.least_scale,
+                 reference::LeastScale(model.tree, model.scene, inputs).of({output.quantity, output.link, output.of_link}));
   }
   references.tolerance = tolerance(model, output, states);
   return references;
@@ -70,7 +71,7 @@ CheckReport check(const Model& model, const CompilerOptions& options) {
   report.text = fmt::format("{}: {} base, {} random states; errors relative to the largest element\n", model.name,
                             model.tree.floating_base ? "floating" : "fixed", states.size());
   report.text +=
-      fmt::format("  {:<24}{:>16}{:>16}{:>16}{:>14}\n", "output", "to generic", "to 50 digits", "at most", "ns per call");
+      fmt::format("  {:<34}{:>16}{:>16}{:>16}{:>14}\n", "output", "to generic", "to 50 digits", "at most", "ns per call");
 
   const auto compare = [&](GeneratedEngine& engine, const Output& output, const References& expected, const std::string& time) {
     RelativeError to_generic(expected.least_scale), to_multiprecision(expected.least_scale);
@@ -81,7 +82,7 @@ CheckReport check(const Model& model, const CompilerOptions& options) {
     }
     const bool good = to_generic.value() <= expected.tolerance && to_multiprecision.value() <= expected.tolerance;
     report.passed = report.passed && good;
-    report.text += fmt::format("  {:<24}{:>16.2e}{:>16.2e}{:>16.2g}{:>14}{}\n", output.name, to_generic.value(),
+    report.text += fmt::format("  {:<34}{:>16.2e}{:>16.2e}{:>16.2g}{:>14}{}\n", output.name, to_generic.value(),
                                to_multiprecision.value(), expected.tolerance, time, good ? "" : "  DIFFERS");
   };
 
@@ -89,7 +90,7 @@ CheckReport check(const Model& model, const CompilerOptions& options) {
   const auto run_self_test = [&](const GeneratedEngine& engine) {
     const std::string wrong = engine.self_test();
     report.passed = report.passed && wrong.empty();
-    report.text += fmt::format("  {:<24}{}\n", "self-test", wrong.empty() ? "passes" : "FAILS: " + wrong);
+    report.text += fmt::format("  {:<34}{}\n", "self-test", wrong.empty() ? "passes" : "FAILS: " + wrong);
     command = engine.command();
   };
 
@@ -103,7 +104,7 @@ CheckReport check(const Model& model, const CompilerOptions& options) {
   if (outputs.size() > 1) {
     GeneratedEngine together(model, outputs, options, true);
     report.text +=
-        fmt::format("  {:<24}{:>16}{:>16}{:>16}{:>14.0f}\n", "all together", "", "", "", together.time_per_call(states).median);
+        fmt::format("  {:<34}{:>16}{:>16}{:>16}{:>14.0f}\n", "all together", "", "", "", together.time_per_call(states).median);
     for (size_t i = 0; i < outputs.size(); ++i) compare(together, outputs[i], expected[i], "");
     run_self_test(together);
   }

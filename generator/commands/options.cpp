@@ -27,6 +27,7 @@ constexpr Help scene_help[] = {
     {"cut", "LINK,...", "links removed with everything beyond them"},
     {"mimic", "urdf|{JOINT: {of: JOINT, multiplier: 1, offset: 0}}", "joints driven by another"},
     {"jacobians", "LINK,...", "links whose body Jacobian is an output too"},
+    {"frames", "LINK,...|{LINK: [QUANTITY, ...]}", "links whose pose, twist, Jacobian and bias acceleration are outputs too"},
     {"payloads", "LINK,...", "links that carry a payload given at run time"},
     {"armature", "JOINT=VALUE,...", "rotor inertia at the joint, kg m² or kg"},
     {"damping", "urdf|JOINT=VALUE,...", "viscous damping, N m s/rad or N s/m"},

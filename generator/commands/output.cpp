@@ -9,15 +9,19 @@ namespace dalembert {
 
 namespace {
 
-constexpr std::string_view jacobian_prefix = "jacobian_";
-
 Output output_of(const Model& model, ir::Quantity quantity) {
   const ir::QuantityRow& row = ir::row_of(quantity);
-  return {row.name, quantity, "", ir::extent(row.rows, model.tree), ir::extent(row.columns, model.tree)};
+  return {row.name, quantity, "", {}, ir::extent(row.rows, model.tree), ir::extent(row.columns, model.tree)};
 }
 
-Output jacobian_of(const Model& model, const std::string& link) {
-  return {std::string(jacobian_prefix) + ir::identifier(link), std::nullopt, link, 6, model.tree.nv()};
+Output output_of(const Model& model, const ir::LinkOutput& output) {
+  const ir::LinkQuantityRow& row = ir::row_of(output.quantity);
+  return {ir::name_of(output),
+          std::nullopt,
+          output.link,
+          output.quantity,
+          ir::extent(row.rows, model.tree),
+          ir::extent(row.columns, model.tree)};
 }
 
 }  // namespace
@@ -31,22 +35,27 @@ Output output_named(const Model& model, const std::string& name) {
       refuse("coriolis_matrix is zero when rates_zero is set", "remove one of the two");
     return output_of(model, *quantity);
   }
-  if (name.starts_with(jacobian_prefix)) {
-    const std::string link = name.substr(jacobian_prefix.size());
-    std::vector<std::string> links;
+  // jacobian_world_hand is the jacobian of a link world_hand where there is one, else the jacobian_world of a hand.
+  std::string link;
+  for (const ir::LinkQuantityRow& row : ir::link_quantities()) {
+    const std::string prefix = std::string(row.name) + "_";
+    if (!name.starts_with(prefix)) continue;
+    link = name.substr(prefix.size());
     for (const ir::LinkPlacement& placement : model.tree.links) {
-      if (placement.link == link || ir::identifier(placement.link) == link) {
-        if (placement.body < 0 && !model.tree.floating_base)
-          refuse(fmt::format("link '{}' does not move: the base is fixed", link), "name a link beyond a moving joint");
-        return jacobian_of(model, placement.link);
-      }
-      links.push_back(placement.link);
+      if (placement.link != link && ir::identifier(placement.link) != link) continue;
+      if (placement.body < 0 && !model.tree.floating_base)
+        refuse(fmt::format("link '{}' does not move: the base is fixed", link), "name a link beyond a moving joint");
+      return output_of(model, ir::LinkOutput{row.quantity, placement.link});
     }
+  }
+  if (!link.empty()) {
+    std::vector<std::string> links;
+    for (const ir::LinkPlacement& placement : model.tree.links) links.push_back(placement.link);
     refuse(fmt::format("there is no link '{}'", link), frontend::suggestion(link, links));
   }
   std::vector<std::string> names;
   for (const ir::QuantityRow& row : ir::quantities()) names.emplace_back(row.name);
-  names.push_back("jacobian_LINK");
+  for (const ir::LinkQuantityRow& row : ir::link_quantities()) names.push_back(std::string(row.name) + "_LINK");
   refuse(fmt::format("the quantity '{}' is unknown", name), frontend::suggestion(name, names));
   return {};
 }
@@ -54,17 +63,18 @@ Output output_named(const Model& model, const std::string& name) {
 std::vector<Output> outputs_of(const Model& model) {
   std::vector<Output> outputs;
   for (ir::Quantity quantity : model.scene.outputs) outputs.push_back(output_of(model, quantity));
-  for (const std::string& link : model.scene.jacobians) outputs.push_back(jacobian_of(model, link));
+  for (const ir::LinkOutput& output : model.scene.link_outputs()) outputs.push_back(output_of(model, output));
   return outputs;
 }
 
 Model with_outputs(Model model, const std::vector<Output>& outputs) {
   model.scene.outputs.clear();
   model.scene.jacobians.clear();
+  model.scene.frames.clear();
   model.scene.parallel = ir::Parallel::serial;
   for (const Output& output : outputs) {
     if (output.quantity) model.scene.outputs.push_back(*output.quantity);
-    else model.scene.jacobians.push_back(output.link);
+    else model.scene.frames.push_back({output.of_link, output.link});
   }
   return model;
 }

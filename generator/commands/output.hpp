@@ -1,4 +1,4 @@
-// One result a user can name: a quantity, or the Jacobian of a link.
+// One result a user can name: a quantity, or one of a link.
 #pragma once
 
 #include <optional>
@@ -12,7 +12,8 @@ namespace dalembert {
 struct Output {
   std::string name;  // "mass_matrix", "jacobian_left_foot"
   std::optional<ir::Quantity> quantity;
-  std::string link;  // of a Jacobian
+  std::string link;  // of a link's quantity
+  ir::LinkQuantity of_link = ir::LinkQuantity::jacobian;
   int rows = 0;
   int columns = 1;
 
@@ -20,7 +21,8 @@ struct Output {
   ir::Function function() const { return quantity ? ir::row_of(*quantity).function : ir::Function::evaluate; }
 };
 
-// The output of that name: a quantity's, or "jacobian_" and a link's. Throws InputError when the model has none such.
+// The output of that name: a quantity's, or that of a link's quantity and the link's. Throws InputError when the model has none
+// such.
 Output output_named(const Model& model, const std::string& name);
 
 // The outputs the scene asks for.

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <unordered_map>
 
 #include "frontend/nearest.hpp"
@@ -29,6 +30,11 @@ class SceneCheck {
     for (const auto& [joint, value] : scene_.locked) moving_joint("locked", joint);
     mimic();
     links_asked("jacobians", scene_.jacobians);
+    std::vector<std::string> frames;
+    for (const ir::LinkOutput& output : scene_.frames)
+      if (std::find(frames.begin(), frames.end(), output.link) == frames.end()) frames.push_back(output.link);
+    links_asked("frames", frames);
+    names_differ();
     links_asked("payloads", scene_.payloads);
     for (const auto& [joint, value] : scene_.armature) free_joint("armature", joint);
     for (const auto& [joint, value] : scene_.damping) free_joint("damping", joint);
@@ -45,7 +51,7 @@ class SceneCheck {
  private:
   void outputs() {
     const bool given = document_.given.count("outputs") > 0;
-    if (scene_.outputs.empty() && scene_.jacobians.empty())
+    if (scene_.outputs.empty() && scene_.link_outputs().empty())
       error("outputs", "no output is asked for", "name at least one quantity, such as mass_matrix");
     if (!scene_.rates_zero) return;
     if (!given) {
@@ -149,6 +155,15 @@ class SceneCheck {
       return error(key, fmt::format("there are {} links; no more than {} are supported", links.size(), most_links_asked),
                    "name fewer of them");
     for (const std::string& link : links) kept_link(key, link);
+  }
+
+  // jacobian_world of a link hand and jacobian of a link world_hand have one name.
+  void names_differ() {
+    std::set<std::string> names;
+    for (const ir::LinkOutput& output : scene_.link_outputs())
+      if (!names.insert(ir::name_of(output)).second)
+        error("frames/" + output.link, fmt::format("two outputs would be called '{}'", ir::name_of(output)),
+              "leave one of them out");
   }
 
   void kept_link(const std::string& key, const std::string& name) {

@@ -26,13 +26,15 @@ class SceneReader {
     Handler read;
   };
   static const std::vector<Key>& keys() {
-    static const std::vector<Key> keys = {
-        {"base", &SceneReader::base},         {"gravity", &SceneReader::gravity},     {"outputs", &SceneReader::outputs},
-        {"coriolis", &SceneReader::coriolis}, {"locked", &SceneReader::locked},       {"cut", &SceneReader::cut},
-        {"mimic", &SceneReader::mimic},       {"jacobians", &SceneReader::jacobians}, {"payloads", &SceneReader::payloads},
-        {"armature", &SceneReader::armature}, {"damping", &SceneReader::damping},     {"friction", &SceneReader::friction},
-        {"massless", &SceneReader::massless}, {"inertia", &SceneReader::inertia},     {"rates_zero", &SceneReader::rates_zero},
-        {"scalar", &SceneReader::scalar},     {"parallel", &SceneReader::parallel}};
+    static const std::vector<Key> keys = {{"base", &SceneReader::base},         {"gravity", &SceneReader::gravity},
+                                          {"outputs", &SceneReader::outputs},   {"coriolis", &SceneReader::coriolis},
+                                          {"locked", &SceneReader::locked},     {"cut", &SceneReader::cut},
+                                          {"mimic", &SceneReader::mimic},       {"jacobians", &SceneReader::jacobians},
+                                          {"frames", &SceneReader::frames},     {"payloads", &SceneReader::payloads},
+                                          {"armature", &SceneReader::armature}, {"damping", &SceneReader::damping},
+                                          {"friction", &SceneReader::friction}, {"massless", &SceneReader::massless},
+                                          {"inertia", &SceneReader::inertia},   {"rates_zero", &SceneReader::rates_zero},
+                                          {"scalar", &SceneReader::scalar},     {"parallel", &SceneReader::parallel}};
     return keys;
   }
 
@@ -129,6 +131,34 @@ class SceneReader {
     for (const YamlNode& item : list(node, "a list of links")) scene_.cut.insert(item.scalar);
   }
   void jacobians(const YamlNode& node) { scene_.jacobians = names(node, "a list of links"); }
+  // [link, ...] for what is given by default, or {link: [quantity, ...], ...}
+  void frames(const YamlNode& node) {
+    scene_.frames.clear();
+    const std::string expected = "a list of links, or a map from links to lists of quantities";
+    if (!node.is_map()) {
+      for (const std::string& link : names(node, expected))
+        for (const ir::LinkQuantityRow& row : ir::link_quantities())
+          if (row.by_default) scene_.frames.push_back({row.quantity, link});
+      return;
+    }
+    std::vector<std::string> known;
+    for (const ir::LinkQuantityRow& row : ir::link_quantities()) known.emplace_back(row.name);
+    forget_entries();
+    for (const auto& entry : node.entries) {
+      const std::string link = entry_name(entry.key);
+      std::vector<YamlNode> items = entry.value.items;
+      if (entry.value.is_scalar()) items = {entry.value};
+      else if (!entry.value.is_sequence()) refuse(entry.value, "the value is not a list", "write " + expected);
+      for (const YamlNode& item : items) {
+        if (!item.is_scalar()) refuse(item, "an item of the list is not a name", "write " + expected);
+        const std::optional<ir::LinkQuantity> quantity = ir::link_quantity_named(item.scalar);
+        if (!quantity)
+          refuse(item, fmt::format("the quantity '{}' of a link is unknown", item.scalar), suggestion(item.scalar, known));
+        entry_name(item, link);
+        scene_.frames.push_back({*quantity, link});
+      }
+    }
+  }
   void payloads(const YamlNode& node) { scene_.payloads = names(node, "a list of links"); }
 
   void armature(const YamlNode& node) { scene_.armature = positive_values(node, false); }

@@ -96,13 +96,13 @@ struct Projection {
 enum class Layout {
   per_coordinate,  // nv × 1, from a scalar role of every coordinate
   columns,         // components × nv, a column per coordinate
-  base,            // components × 1, a role of the base
+  base,            // a role of the base: elements one after another, column by column
 };
 struct Result {
   int array = 0;
   Layout layout = Layout::per_coordinate;
   int role = 0;
-  int from = 0;                 // columns: first row
+  int from = 0;                 // columns: first row; base: first element
   int only_above = all_bodies;  // as of the sweep that stores the role
 };
 

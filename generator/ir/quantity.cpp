@@ -27,6 +27,7 @@ int extent(Extent extent, const KinematicTree& tree) {
   switch (extent) {
     case Extent::one: return 1;
     case Extent::three: return 3;
+    case Extent::four: return 4;
     case Extent::six: return 6;
     case Extent::nv: return tree.nv();
     case Extent::six_per_body: return 6 * (tree.joints() + (tree.floating_base ? 1 : 0));

@@ -16,7 +16,7 @@ enum class Quantity {
 };
 
 // How many rows or columns: a number, or one per velocity coordinate, or six per body that moves, the base included.
-enum class Extent { one, three, six, nv, six_per_body };
+enum class Extent { one, three, four, six, nv, six_per_body };
 
 // What errors are measured against at least where a quantity vanishes by cancellation (see check): nothing but its own largest
 // element; |M| |v|; the quantity with gravity in other directions; |M| |v|²; that and the gravity term. Solved: its own, where

@@ -2,11 +2,13 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <map>
 #include <set>
 #include <string>
 #include <vector>
 
+#include "ir/link_quantity.hpp"
 #include "ir/quantity.hpp"
 #include "ir/robot_description.hpp"
 
@@ -29,6 +31,7 @@ struct Scene {
   std::set<std::string> cut;             // link names: each and everything beyond it is removed
   std::map<std::string, Mimic> mimic;    // driven joint → relation (no coordinate of its own)
   std::vector<std::string> jacobians;    // links whose body Jacobian (6 × nv) is asked for
+  std::vector<LinkOutput> frames;        // what else is asked of links
   std::vector<std::string> payloads;     // links that carry a payload given at run time
   ScalarType scalar = ScalarType::float64;
   Parallel parallel = Parallel::automatic;
@@ -40,6 +43,15 @@ struct Scene {
   bool urdf_friction = false;              // take <dynamics friction> from the URDF
   bool lock_massless = false;              // lock every joint that moves no mass
   InertiaPolicy inertia = InertiaPolicy::refuse;
+
+  // What is asked of links, by either key, each once.
+  std::vector<LinkOutput> link_outputs() const {
+    std::vector<LinkOutput> all;
+    for (const std::string& link : jacobians) all.push_back({LinkQuantity::jacobian, link});
+    for (const LinkOutput& output : frames)
+      if (std::find(all.begin(), all.end(), output) == all.end()) all.push_back(output);
+    return all;
+  }
 };
 
 }  // namespace dalembert::ir

@@ -167,7 +167,7 @@ class TreeBuilder {
     return std::find(scene_.payloads.begin(), scene_.payloads.end(), link) != scene_.payloads.end();
   }
 
-  // With a fixed base, links welded to it carry nothing and have no Jacobian.
+  // With a fixed base, links welded to it carry nothing and have neither a pose nor a Jacobian worth computing.
   void check_links() {
     if (tree_.floating_base) return;
     for (const ir::LinkPlacement& placement : tree_.links) {
@@ -176,8 +176,11 @@ class TreeBuilder {
       if (is_payload(placement.link))
         error(element, "a payload is asked for at a link that does not move",
               "name a link beyond a moving joint, or ask for base: floating");
-      if (std::find(scene_.jacobians.begin(), scene_.jacobians.end(), placement.link) != scene_.jacobians.end())
-        error(element, "a Jacobian is asked for of a link that does not move: the base is fixed",
+      const std::vector<ir::LinkOutput> outputs = scene_.link_outputs();
+      const auto asked = std::find_if(outputs.begin(), outputs.end(),
+                                      [&](const ir::LinkOutput& output) { return output.link == placement.link; });
+      if (asked != outputs.end())
+        error(element, fmt::format("{} is asked for of a link that does not move: the base is fixed", ir::name_of(*asked)),
               "name a link beyond a moving joint, or ask for base: floating");
     }
   }

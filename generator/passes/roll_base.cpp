@@ -92,7 +92,8 @@ class BaseRoll {
     for (const ir::Result& r : a.results) {
       const int count = a.roles[static_cast<std::size_t>(r.role)].components();
       for (int i = 0; i < count; ++i) {
-        if (r.layout == ir::Layout::base) put(r.array, r.from + i, 0, of_base(r.role, i, -1));
+        const int rows = a.arrays[static_cast<std::size_t>(r.array)].rows;
+        if (r.layout == ir::Layout::base) put(r.array, (r.from + i) % rows, (r.from + i) / rows, of_base(r.role, i, -1));
         for (int j = 0; j < coordinates && r.layout != ir::Layout::base; ++j) {
           const bool columns = r.layout == ir::Layout::columns;
           put(r.array, columns ? r.from + i : j, columns ? j : 0, of_base(r.role, i, j));

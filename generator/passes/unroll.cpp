@@ -283,7 +283,8 @@ void Unroll::collect_results() {
     const int count = algorithm_.roles[static_cast<std::size_t>(r.role)].components();
     for (int i = 0; i < count; ++i) {
       if (r.layout == ir::Layout::base) {
-        put(r.array, r.from + i, 0, value(r.role, i, -1));
+        const int rows = algorithm_.arrays[static_cast<std::size_t>(r.array)].rows;
+        put(r.array, (r.from + i) % rows, (r.from + i) / rows, value(r.role, i, -1));
         continue;
       }
       const bool columns = r.layout == ir::Layout::columns;

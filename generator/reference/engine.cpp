@@ -7,6 +7,7 @@
 #include <dalembert/generic/centroidal.hpp>
 #include <dalembert/generic/dynamics.hpp>
 #include <dalembert/generic/energy.hpp>
+#include <dalembert/generic/frames.hpp>
 #include <limits>
 
 #include "reference/generic_model.hpp"
@@ -38,7 +39,7 @@ class Evaluation {
   }
 
   MatrixX<S> result(const Wanted& wanted) const {
-    if (!wanted.quantity) return jacobian(wanted.link);
+    if (!wanted.quantity) return of_link(wanted);
     switch (*wanted.quantity) {
       case ir::Quantity::mass_matrix:
         return reduction_.reduce_matrix(generic::phase3_mass_matrix<S>(robot_, kinematics_, composites_));
@@ -84,11 +85,37 @@ class Evaluation {
     return result;
   }
 
-  MatrixX<S> jacobian(const std::string& link) const {
+  MatrixX<S> of_link(const Wanted& wanted) const {
+    using generic::Axes;
     const auto placed =
-        std::find_if(tree_.links.begin(), tree_.links.end(), [&](const ir::LinkPlacement& p) { return p.link == link; });
+        std::find_if(tree_.links.begin(), tree_.links.end(), [&](const ir::LinkPlacement& p) { return p.link == wanted.link; });
     const Transform<S> frame{placed->placement.linear().template cast<S>(), placed->placement.translation().template cast<S>()};
-    return reduction_.reduce_columns(generic::expanded_jacobian<S>(robot_, kinematics_, placed->body, frame));
+    const int body = placed->body;
+    const auto jacobian = [&](Axes axes) {
+      return reduction_.reduce_columns(generic::expanded_frame_jacobian<S>(robot_, kinematics_, q_, body, frame, axes));
+    };
+    const auto bias = [&](Axes axes) -> MatrixX<S> {
+      return generic::frame_acceleration_bias<S>(robot_, kinematics_, q_, v_, body, frame, axes);
+    };
+    switch (wanted.of_link) {
+      case ir::LinkQuantity::pose: {
+        const Transform<S> pose = generic::frame_pose<S>(robot_, kinematics_, q_, body, frame);
+        MatrixX<S> result(3, 4);
+        for (int i = 0; i < 3; ++i) {
+          for (int k = 0; k < 3; ++k) result(i, k) = pose.rotation(i, k);
+          result(i, 3) = pose.translation[i];
+        }
+        return result;
+      }
+      case ir::LinkQuantity::twist: return generic::frame_twist<S>(kinematics_, body, frame);
+      case ir::LinkQuantity::jacobian: return jacobian(Axes::body);
+      case ir::LinkQuantity::jacobian_world: return jacobian(Axes::world);
+      case ir::LinkQuantity::jacobian_mixed: return jacobian(Axes::mixed);
+      case ir::LinkQuantity::acceleration_bias: return bias(Axes::body);
+      case ir::LinkQuantity::acceleration_bias_world: return bias(Axes::world);
+      case ir::LinkQuantity::acceleration_bias_mixed: return bias(Axes::mixed);
+    }
+    return {};
   }
 
   const ir::KinematicTree& tree_;
@@ -152,7 +179,15 @@ double LeastScale::largest_weight(ir::Quantity quantity) {
 double LeastScale::of(const Wanted& wanted) {
   const double rate = inputs_.v.cwiseAbs().maxCoeff();
   double scale = 0;
-  if (!wanted.quantity) return 0;
+  if (!wanted.quantity) {
+    const ir::LinkScale kind = ir::row_of(wanted.of_link).scale;
+    if (kind == ir::LinkScale::own) return 0;
+    const Wanted jacobian{std::nullopt, wanted.link,
+                          wanted.of_link == ir::LinkQuantity::acceleration_bias_world ? ir::LinkQuantity::jacobian_world
+                                                                                      : ir::LinkQuantity::jacobian};
+    scale = evaluate(tree_, scene_, {jacobian}, inputs_, Precision::float64).front().cwiseAbs().maxCoeff() * rate;
+    return (kind == ir::LinkScale::rate ? scale : scale * rate) / 1000;
+  }
   switch (ir::row_of(*wanted.quantity).scale) {
     case ir::Scale::own:
     case ir::Scale::solved: break;

@@ -12,10 +12,11 @@
 
 namespace dalembert::reference {
 
-// A quantity, or the body Jacobian (6 × nv) of a link when there is none.
+// A quantity, or one of a link when there is none.
 struct Wanted {
   std::optional<ir::Quantity> quantity;
   std::string link;
+  ir::LinkQuantity of_link = ir::LinkQuantity::jacobian;
 };
 
 // What results depend on besides the robot and the scene.

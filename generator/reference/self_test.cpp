@@ -186,7 +186,7 @@ ir::SelfTest self_test(const ir::KinematicTree& original, const ir::Scene& origi
     for (const ir::Quantity quantity : scene.outputs)
       if (ir::row_of(quantity).function == function.function) wanted.push_back({quantity, ""});
     if (function.function == ir::Function::evaluate)
-      for (const std::string& link : scene.jacobians) wanted.push_back({std::nullopt, link});
+      for (const ir::LinkOutput& output : scene.link_outputs()) wanted.push_back({std::nullopt, output.link, output.quantity});
   }
 
   const Precision exactly = precision(tree);

@@ -171,6 +171,10 @@ TEST_P(Algorithm, RunsInBothFormsAsTheGenericEngineDoes) {
         for (size_t l = 1; l < model.tree.links.size(); l += 3)
           if (model.tree.links[l].body >= 0 || base == ir::Base::floating)
             model.scene.jacobians.push_back(model.tree.links[l].link);
+        for (size_t l = 2; l < model.tree.links.size(); l += 7)
+          if (model.tree.links[l].body >= 0 || base == ir::Base::floating)
+            for (const ir::LinkQuantityRow& row : ir::link_quantities())
+              model.scene.frames.push_back({row.quantity, model.tree.links[l].link});
         expect_generic_values(model);
         for (size_t l = 2; l < model.tree.links.size(); l += 5) {
           const int body = model.tree.links[l].body;

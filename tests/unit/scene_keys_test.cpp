@@ -30,6 +30,7 @@ const Example examples[] = {
     {"cut", "[l3]", "l3"},
     {"mimic", "{b: {of: a, multiplier: -2}}", "{b: {of: a, multiplier: -2}}"},
     {"jacobians", "[l2, l3]", "l2,l3"},
+    {"frames", "{l2: [pose, jacobian_mixed]}", "{l2: [pose, jacobian_mixed]}"},
     {"payloads", "[l3]", "l3"},
     {"armature", "{a: 0.5, c: 0.25}", "a=0.5,c=0.25"},
     {"damping", "urdf", "urdf"},

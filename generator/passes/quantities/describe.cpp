@@ -38,7 +38,7 @@ void describe(Builder& b, ir::Quantity quantity) {
 bool has_outputs(const ir::Scene& scene, ir::Function function) {
   const auto own = [&](ir::Quantity quantity) { return ir::row_of(quantity).function == function; };
   return std::any_of(scene.outputs.begin(), scene.outputs.end(), own) ||
-         (function == ir::Function::evaluate && !scene.jacobians.empty());
+         (function == ir::Function::evaluate && !scene.link_outputs().empty());
 }
 
 ir::Algorithm describe(ir::Function function, const ir::KinematicTree& tree, const ir::NormalTree& normal,
@@ -47,8 +47,11 @@ ir::Algorithm describe(ir::Function function, const ir::KinematicTree& tree, con
   for (ir::Quantity quantity : scene.outputs)
     if (ir::row_of(quantity).function == function) describe(b, quantity);
   if (function != ir::Function::evaluate) return b.take();
-  for (const std::string& link : scene.jacobians)
-    describe_link_jacobian(b, frame_of(link, tree, normal), b.array("jacobian_" + ir::identifier(link), 6, tree.nv()));
+  for (const ir::LinkOutput& output : scene.link_outputs()) {
+    const ir::LinkQuantityRow& row = ir::row_of(output.quantity);
+    const int array = b.array(ir::name_of(output), ir::extent(row.rows, tree), ir::extent(row.columns, tree));
+    describe_link_quantity(b, frame_of(output.link, tree, normal), output.quantity, array);
+  }
   return b.take();
 }
 

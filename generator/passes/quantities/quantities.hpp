@@ -8,6 +8,7 @@
 #include <string>
 
 #include "ir/algorithm.hpp"
+#include "ir/link_quantity.hpp"
 #include "ir/normal_tree.hpp"
 #include "passes/builder.hpp"
 
@@ -24,12 +25,13 @@ struct LinkFrame {
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
   Eigen::Vector3d translation = Eigen::Vector3d::Zero();
 };
-void describe_link_jacobian(Builder& builder, const LinkFrame& link, int array);
+void describe_link_quantity(Builder& builder, const LinkFrame& link, ir::LinkQuantity quantity, int array);
 
 // Whether the scene asks anything of the function.
 bool has_outputs(const ir::Scene& scene, ir::Function function);
 
-// One function: every output of the scene that is its own, in the scene's order; of evaluate(q, v), then the Jacobians.
+// One function: every output of the scene that is its own, in the scene's order; of evaluate(q, v), then what is asked of
+// links.
 ir::Algorithm describe(ir::Function function, const ir::KinematicTree& tree, const ir::NormalTree& normal,
                        const ir::Scene& scene, const ir::Graph::Options& options);
 
