@@ -82,7 +82,31 @@ ir::Scene with_massless_locked(const ir::RobotDescription& robot, const ir::Kine
   return scene;
 }
 
+namespace {
+
+// Of the centre of mass, or about it.
+bool needs_center(ir::Quantity quantity) {
+  switch (quantity) {
+    case ir::Quantity::center_of_mass:
+    case ir::Quantity::center_of_mass_jacobian:
+    case ir::Quantity::momentum_matrix:
+    case ir::Quantity::momentum_bias: return true;
+    default: return false;
+  }
+}
+
+bool has_center(const ir::KinematicTree& tree, const ir::Scene& scene) {
+  const auto has_mass = [](const ir::Body& body) { return body.inertia.mass != 0; };
+  return tree.base.mass != 0 || std::any_of(tree.bodies.begin(), tree.bodies.end(), has_mass) || !scene.payloads.empty();
+}
+
+}  // namespace
+
 void check_mass(const ir::RobotDescription& robot, const ir::KinematicTree& tree, const ir::Scene& scene) {
+  if (std::any_of(scene.outputs.begin(), scene.outputs.end(), needs_center) && !has_center(tree, scene))
+    throw InputError({Severity::error, robot.file, fmt::format("robot '{}'", robot.name),
+                      "nothing that moves has a mass: there is no centre of mass",
+                      "give the links <inertial>, or leave out what refers to the centre of mass"});
   const auto needs_mass = [](ir::Quantity quantity) { return quantity != ir::Quantity::wrench_influence; };
   if (std::none_of(scene.outputs.begin(), scene.outputs.end(), needs_mass) || !moves_no_mass(tree, scene)) return;
   throw InputError({Severity::error, robot.file, fmt::format("robot '{}'", robot.name),

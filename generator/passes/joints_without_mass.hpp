@@ -23,8 +23,8 @@ bool moves_no_mass(const ir::KinematicTree& tree, const ir::Scene& scene);
 ir::Scene with_massless_locked(const ir::RobotDescription& robot, const ir::KinematicTree& tree, ir::Scene scene,
                                Diagnostics& warnings);
 
-// Throws InputError when the scene asks for a quantity that needs a mass (all but wrench_influence and Jacobians) and the robot
-// has none.
+// Throws InputError when the scene asks for a quantity that needs a mass (all but wrench_influence and those of links), or a
+// centre of mass, and the robot has none.
 void check_mass(const ir::RobotDescription& robot, const ir::KinematicTree& tree, const ir::Scene& scene);
 
 }  // namespace dalembert::passes

@@ -258,6 +258,9 @@ const Use uses[] = {
     {"massless_driver_and_driven_locked", "massless_subtree", {"--mimic", "{l: {of: k, offset: 1}}", "--massless", "lock"}, 0,
      "joint 'k': warning: what moves no mass is locked, as the scene says; lock it by name to choose where", "1 moving joints"},
     {"nothing_to_lock", "sound", {"--massless", "lock"}, 0, "", "1 moving joints"},
+    {"no_centre_of_mass", "inertia_but_no_mass_on_a_slide",
+     {"--base", "fixed", "--armature", "j=0.1", "--outputs", "gravity,center_of_mass"}, 2,
+     "robot 'r': error: nothing that moves has a mass: there is no centre of mass; give the links <inertial>, or leave out what refers to the centre of mass", ""},
     {"no_mass_kinematics", "no_mass_at_all", {"--outputs", "wrench_influence", "--jacobians", "b", "--verbose"}, 0,
      "link 'a' (line 3): warning: <inertial> has no <inertia>: zeros are taken; add <inertia ixx=... ixy=... ixz=... iyy=... iyz=... izz=.../> in kg m²\n"
      "link 'b' (line 9): warning: <inertial> has no <inertia>: zeros are taken; add <inertia ixx=... ixy=... ixz=... iyy=... iyz=... izz=.../> in kg m²",

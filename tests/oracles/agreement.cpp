@@ -3,6 +3,8 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <dalembert/generic/dynamics.hpp>
+#include <dalembert/generic/frames.hpp>
+#include <dalembert/generic/whole_robot.hpp>
 #include <limits>
 #include <memory>
 #include <stdexcept>
@@ -95,6 +97,25 @@ Responder generic_responder(const ir::KinematicTree& tree, const Eigen::Vector3d
   };
 }
 
+WholeRobot generic_whole_robot(const ir::KinematicTree& tree, const Eigen::Vector3d& gravity, const Eigen::VectorXd& q,
+                               const Eigen::VectorXd& v) {
+  const generic::Model<double> model = to_generic<double>(tree, gravity);
+  const generic::WholeRobot<double> whole = generic::whole_robot<double>(model, q, v);
+  const int last = model.joints() - 1;
+  const generic::Kinematics<double> kinematics = generic::phase1<double>(model, q, v);
+  const Transform<double> pose = generic::frame_pose<double>(model, kinematics, q, last, {});
+  WholeRobot result{whole.kinetic_energy,
+                    whole.potential_energy,
+                    whole.center_of_mass,
+                    whole.center_of_mass_jacobian,
+                    whole.momentum_matrix * v,
+                    {},
+                    {}};
+  result.link_pose << pose.rotation, pose.translation;
+  result.link_jacobian = generic::expanded_frame_jacobian<double>(model, kinematics, q, last, {}, generic::Axes::mixed);
+  return result;
+}
+
 Question question_at(const testing::State& state, std::uint64_t seed) {
   testing::Random random(seed);
   Question result{state.q, state.v, state.v, state.v};
@@ -107,6 +128,17 @@ std::vector<Error> compare(const Response& ours, const Response& oracle) {
   return {{"inverse dynamics", relative_error(ours.inverse_dynamics, oracle.inverse_dynamics, 0)},
           {"forward dynamics", relative_error(ours.forward_dynamics, oracle.forward_dynamics, 0)},
           {"inverse of M", relative_error(ours.inverse_mass_matrix, oracle.inverse_mass_matrix, 0)}};
+}
+
+std::vector<Error> compare(const WholeRobot& ours, const WholeRobot& oracle) {
+  const auto one = [](double x) { return Eigen::MatrixXd(Eigen::MatrixXd::Constant(1, 1, x)); };
+  return {{"kinetic energy", relative_error(one(ours.kinetic_energy), one(oracle.kinetic_energy), 0)},
+          {"potential energy", relative_error(one(ours.potential_energy), one(oracle.potential_energy), 0)},
+          {"centre of mass", relative_error(ours.center_of_mass, oracle.center_of_mass, 0)},
+          {"its Jacobian", relative_error(ours.center_of_mass_jacobian, oracle.center_of_mass_jacobian, 0)},
+          {"momentum about it", relative_error(ours.momentum, oracle.momentum, 0)},
+          {"a link's pose", relative_error(ours.link_pose, oracle.link_pose, 0)},
+          {"a link's Jacobian", relative_error(ours.link_jacobian, oracle.link_jacobian, 0)}};
 }
 
 double error_in(const std::vector<Error>& errors, const std::string& quantity) {

@@ -32,6 +32,9 @@ Engine generic_engine(const ir::KinematicTree& tree, const Eigen::Vector3d& grav
 // graph gives the same bits, as generated_test shows.
 Engine generated_engine(const Case& c);
 
+WholeRobot generic_whole_robot(const ir::KinematicTree& tree, const Eigen::Vector3d& gravity, const Eigen::VectorXd& q,
+                               const Eigen::VectorXd& v);
+
 // The generic engine's answers (double).
 using Responder = std::function<Response(const Question&)>;
 Responder generic_responder(const ir::KinematicTree& tree, const Eigen::Vector3d& gravity);
@@ -46,6 +49,7 @@ struct Error {
 std::vector<Error> compare(const Dynamics& ours, const Dynamics& oracle, const Eigen::Vector3d& gravity,
                            const Eigen::VectorXd& v);
 std::vector<Error> compare(const Response& ours, const Response& oracle);
+std::vector<Error> compare(const WholeRobot& ours, const WholeRobot& oracle);
 double error_in(const std::vector<Error>& errors, const std::string& quantity);
 
 // A slip such as a front end or an engine could make, small or only of sign.

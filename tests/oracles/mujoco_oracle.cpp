@@ -171,6 +171,30 @@ Dynamics MujocoOracle::evaluate(const Eigen::VectorXd& q, const Eigen::VectorXd&
   return result;
 }
 
+WholeRobot MujocoOracle::whole_robot(const Eigen::VectorXd& q, const Eigen::VectorXd& v) {
+  using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  const int nv = model_->nv;
+  set_state(q, v);
+  compute_mass_matrix();
+  mj_comVel(model_.get(), data_.get());
+  mj_energyPos(model_.get(), data_.get());
+  mj_energyVel(model_.get(), data_.get());
+  mj_subtreeVel(model_.get(), data_.get());
+  const auto vector = [](const double* array) { return Eigen::Map<const Eigen::Vector3d>(array); };
+  RowMajor center(3, nv), link(6, nv);
+  mj_jacSubtreeCom(model_.get(), data_.get(), center.data(), 0);  // 0: the world's subtree
+  const int body = model_->jnt_bodyid[mj_name2id(model_.get(), mjOBJ_JOINT, joints_.back().c_str())];
+  mj_jacBody(model_.get(), data_.get(), link.data(), link.data() + 3 * nv, body);
+  const Eigen::MatrixXd transform = change_of_coordinates(q, v).transform;
+
+  WholeRobot result{data_->energy[1], data_->energy[0], vector(data_->subtree_com), center * transform, {}, {},
+                    link * transform};
+  result.momentum << model_->body_subtreemass[0] * vector(data_->subtree_linvel), vector(data_->subtree_angmom);
+  result.link_pose << Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(data_->xmat + 9 * body),
+      vector(data_->xpos + 3 * body);
+  return result;
+}
+
 Response MujocoOracle::respond(const Question& question) {
   const int nv = model_->nv;
   set_state(question.q, question.v);

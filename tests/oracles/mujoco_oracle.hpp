@@ -28,6 +28,7 @@ class MujocoOracle {
 
   void set_gravity(const Eigen::Vector3d& gravity);  // m/s², world axes
   Dynamics evaluate(const Eigen::VectorXd& q, const Eigen::VectorXd& v);
+  WholeRobot whole_robot(const Eigen::VectorXd& q, const Eigen::VectorXd& v);
   Response respond(const Question& question);  // by mj_rne with accelerations, and by MuJoCo's factors of M
 
   // For benchmarks and simulation: MuJoCo's own model, data and coordinates.

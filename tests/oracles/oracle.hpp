@@ -33,6 +33,16 @@ struct Question {
   Eigen::VectorXd q, v, v_dot, tau;
 };
 
+// Of all that moves, in world axes; and of the last joint's link.
+struct WholeRobot {
+  double kinetic_energy = 0, potential_energy = 0;  // J
+  Eigen::Vector3d center_of_mass;                   // m
+  Eigen::MatrixXd center_of_mass_jacobian;          // 3 × nv
+  Eigen::Matrix<double, 6, 1> momentum;             // about the centre of mass, linear first
+  Eigen::Matrix<double, 3, 4> link_pose;            // axes and origin
+  Eigen::MatrixXd link_jacobian;                    // 6 × nv, world axes, at the link's origin
+};
+
 struct Request {
   std::string urdf;  // path of the file
   Base base = Base::floating;

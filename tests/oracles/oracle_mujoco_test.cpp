@@ -25,6 +25,17 @@ TEST_P(Mujoco, AgreesWithTheGenericEngineSolvedForEffortsAndAccelerations) {
   expect_agreement(oracle, tree, generic_responder(tree, testing::test_gravity));
 }
 
+TEST_P(Mujoco, AgreesWithTheGenericEngineOnTheWholeRobot) {
+  const ir::KinematicTree tree = tree_of(GetParam());
+  MujocoOracle oracle = with_our_inertias(GetParam(), tree);
+  for (int seed = 1; seed <= states_per_case; ++seed) {
+    const testing::State state = testing::moderate_state(tree, static_cast<std::uint64_t>(seed));
+    const WholeRobot ours = generic_whole_robot(tree, testing::test_gravity, state.q, state.v);
+    for (const Error& error : compare(ours, oracle.whole_robot(state.q, state.v)))
+      EXPECT_LE(error.value, tolerance) << error.quantity << ", state " << seed;
+  }
+}
+
 TEST_P(Mujoco, AgreesWithGeneratedCode) {
   const ir::KinematicTree tree = tree_of(GetParam());
   MujocoOracle oracle = with_our_inertias(GetParam(), tree);
@@ -51,6 +62,20 @@ INSTANTIATE_TEST_SUITE_P(Robots, Mujoco, ::testing::ValuesIn(all_cases()), case_
 INSTANTIATE_TEST_SUITE_P(Robots, MujocoInertias, ::testing::ValuesIn(cases_with_mass()), case_name);
 
 TEST(MujocoOracle, NoticesMutations) { expect_mutations_noticed(with_our_inertias); }
+
+TEST(MujocoOracle, NoticesAHeavierLinkInTheWholeRobot) {
+  for (const Base base : {Base::floating, Base::fixed}) {
+    const Case c = mutated_case(base);
+    ir::KinematicTree tree = tree_of(c);
+    MujocoOracle oracle = with_our_inertias(c, tree);
+    const testing::State state = testing::moderate_state(tree, 1);
+    const WholeRobot right = oracle.whole_robot(state.q, state.v);
+    tree.bodies.back().inertia.mass *= 1 + 1e-6;
+    tree.bodies.back().placement.translation()[0] += 1e-6;
+    for (const Error& error : compare(generic_whole_robot(tree, testing::test_gravity, state.q, state.v), right))
+      EXPECT_GT(error.value, tolerance) << error.quantity;
+  }
+}
 
 TEST(MujocoOracle, NamesTheJointItDoesNotKnow) {
   const Case c = mutated_case(Base::fixed);
