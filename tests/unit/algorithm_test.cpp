@@ -110,7 +110,7 @@ void expect_generic_values(const Model& model, const Payload& payload = {}) {
     SCOPED_TRACE(output.name);
     const Eigen::MatrixXd reference = evaluate_generic(expected, output, state);
     // Where a robot makes a quantity vanish, rounding of larger terms is left.
-    // What is solved for errs by the condition of M: a chain of fifty joints' is 1e7.
+    // What is solved for errs by the condition of M: a chain of fifty joints' is 1e5.
     const bool solved = output.quantity && ir::row_of(*output.quantity).scale == ir::Scale::solved;
     const double tolerance = (solved ? 1e-11 : 1e-12) * std::max(reference.cwiseAbs().maxCoeff(), 1e-3);
     EXPECT_LE((straight.at(output.name) - reference).cwiseAbs().maxCoeff<Eigen::PropagateNaN>(), tolerance) << "straight";
