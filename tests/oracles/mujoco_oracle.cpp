@@ -177,6 +177,7 @@ WholeRobot MujocoOracle::whole_robot(const Eigen::VectorXd& q, const Eigen::Vect
   set_state(q, v);
   compute_mass_matrix();
   mj_comVel(model_.get(), data_.get());
+  model_->opt.enableflags |= mjENBL_ENERGY;  // else both energies are zero
   mj_energyPos(model_.get(), data_.get());
   mj_energyVel(model_.get(), data_.get());
   mj_subtreeVel(model_.get(), data_.get());
