@@ -12,6 +12,7 @@
 #include "ir/library_names.hpp"
 #include "passes/build_tree.hpp"
 #include "passes/joints_without_mass.hpp"
+#include "passes/solvable.hpp"
 
 namespace dalembert {
 
@@ -110,8 +111,11 @@ Model read_model(const Request& request, Diagnostics& warnings) {
   model.command_line = command_line(request, model.name);
   apply_scene(model, document, warnings);
   check_size(model.description, model.tree);
+  if (!request.for_one_output) {
+    passes::check_mass(model.description, model.tree, model.scene);
+    passes::check_solvable(model.description, model.tree, model.scene);
+  }
   check_form(model.description, model.tree, model.options);
-  if (!request.for_one_output) passes::check_mass(model.description, model.tree, model.scene);
   return model;
 }
 

@@ -23,6 +23,8 @@ std::string input_text(const CodeInput& code, const ir::Input& input);
 
 // Statements behind the results: whether they mean something.
 std::string guard_statements(const CodeInput& code);
+// Statements behind the elements: steps with whole matrices.
+std::string matrix_statements(const CodeInput& code);
 
 // `row + nv * column` worked out.
 int element_index(const ir::OutputArray& array, int row, int column);

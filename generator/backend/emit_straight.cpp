@@ -107,7 +107,7 @@ std::string straight_statements(const CodeInput& code, const ir::Program& progra
     sinks.push_back({e.node, fmt::format("workspace.{}[{}] = ", array.name, element_index(array, e.row, e.column)), ";"});
   }
   if (sinks.empty()) body += "  (void)workspace;\n";
-  return body + print(program.graph, sinks, style) + guard_statements(code);
+  return body + print(program.graph, sinks, style) + matrix_statements(code) + guard_statements(code);
 }
 
 ir::Operations straight_operations(const CodeInput& code) {

@@ -9,6 +9,7 @@
 #include "commands/generated_engine.hpp"
 #include "commands/generic_engine.hpp"
 #include "passes/joints_without_mass.hpp"
+#include "passes/solvable.hpp"
 
 namespace dalembert {
 
@@ -28,7 +29,9 @@ void append_rows(std::string& text, const Eigen::MatrixXd& matrix) {
 std::string evaluate(const Model& model, const std::string& state_file, const std::string& output, Engine engine,
                      const CompilerOptions& options, Diagnostics& warnings) {
   const Output wanted = output_named(model, output);
-  passes::check_mass(model.description, model.tree, with_outputs(model, {wanted}).scene);
+  const ir::Scene scene = with_outputs(model, {wanted}).scene;
+  passes::check_mass(model.description, model.tree, scene);
+  passes::check_solvable(model.description, model.tree, scene);
   const std::vector<State> states = read_states(state_file, model.tree, wanted.function(), warnings);
   std::unique_ptr<GeneratedEngine> generated;
   if (engine == Engine::generated) generated = std::make_unique<GeneratedEngine>(model, std::vector{wanted}, options);

@@ -114,6 +114,17 @@ struct OutputArray {
   bool internal = false;  // a step between, which users do not ask for
 };
 
+// What is done to whole matrices once their elements are there.
+struct MatrixStep {
+  enum class Kind {
+    invert,            // to = (L' D L)^-1, a being L' (above its diagonal) and b D; `room` is as large as `to`
+    negative_product,  // to = -a b, b being zero where neither of two coordinates is above the other
+  };
+  Kind kind;
+  int a = 0, b = 0, to = 0;  // arrays
+  int room = -1;
+};
+
 // Arrays that mean something only where the mass matrix is positive definite: where a pivot of its factorisation is not above
 // what rounding leaves of M's diagonal they are zero, and the function's status says which.
 struct Guard {
@@ -130,6 +141,7 @@ struct Algorithm {
   std::vector<Pairs> pairs;
   std::vector<Projection> projections;
   std::vector<Result> results;
+  std::vector<MatrixStep> steps;  // in order, after all results
   std::optional<Guard> guard;
 
   // First of a role's components among all of them.

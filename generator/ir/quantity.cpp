@@ -31,6 +31,7 @@ int extent(Extent extent, const KinematicTree& tree) {
     case Extent::six: return 6;
     case Extent::nv: return tree.nv();
     case Extent::six_per_body: return 6 * (tree.joints() + (tree.floating_base ? 1 : 0));
+    case Extent::ten_per_body: return 10 * (tree.joints() + (tree.floating_base ? 1 : 0));
   }
   return 0;
 }

@@ -15,8 +15,8 @@ enum class Quantity {
 #undef DALEMBERT_QUANTITY
 };
 
-// How many rows or columns: a number, or one per velocity coordinate, or six per body that moves, the base included.
-enum class Extent { one, three, four, six, nv, six_per_body };
+// How many rows or columns: a number, or one per velocity coordinate, or six or ten per body that moves, the base included.
+enum class Extent { one, three, four, six, nv, six_per_body, ten_per_body };
 
 // What errors are measured against at least where a quantity vanishes by cancellation (see check): nothing but its own largest
 // element; |M| |v|; the quantity with gravity in other directions; |M| |v|²; that and the gravity term. Solved: its own, where

@@ -88,6 +88,7 @@ class Builder {
 
   const ir::KinematicTree& tree() const { return tree_; }
   const ir::Scene& scene() const { return scene_; }
+  ir::Function function() const { return algorithm_.function; }
   // Of an array that is no output.
   std::string own_name(const std::string& name) const { return ir::own_name(algorithm_.function, name); }
   bool floating() const { return tree_.floating_base; }
@@ -110,6 +111,8 @@ class Builder {
   void pairs(const ir::Pairs& pairs) { algorithm_.pairs.push_back(pairs); }
   void projection(const ir::Projection& projection) { algorithm_.projections.push_back(projection); }
   ir::Graph new_graph() const { return ir::Graph(options_); }
+  const std::vector<ir::MatrixStep>& steps() const { return algorithm_.steps; }
+  void step(const ir::MatrixStep& step) { algorithm_.steps.push_back(step); }
   void result(const ir::Result& result) { algorithm_.results.push_back(result); }
 
   ir::Algorithm take() { return std::move(algorithm_); }

@@ -55,6 +55,13 @@ class Evaluation {
       case ir::Quantity::inverse_dynamics_dv: return generic::inverse_dynamics_dv<S>(robot_, own_q_, own_v_, more_);
       case ir::Quantity::forward_dynamics:
         return solved(generic::forward_dynamics<S>(robot_, own_q_, own_v_, more_), robot_.nv(), 1);
+      case ir::Quantity::inverse_mass_matrix:
+        return solved(generic::inverse_mass_matrix<S>(robot_, own_q_), robot_.nv(), robot_.nv());
+      case ir::Quantity::forward_dynamics_dq:
+        return solved(generic::forward_dynamics_dq<S>(robot_, own_q_, own_v_, more_), robot_.nv(), robot_.nv());
+      case ir::Quantity::forward_dynamics_dv:
+        return solved(generic::forward_dynamics_dv<S>(robot_, own_q_, own_v_, more_), robot_.nv(), robot_.nv());
+      case ir::Quantity::regressor: return generic::regressor<S>(robot_, own_q_, own_v_, more_);
       case ir::Quantity::wrench_influence:
         return reduction_.reduce_rows(generic::expanded_wrench_influence<S>(robot_, kinematics_));
       case ir::Quantity::kinetic_energy: return scalar(generic::expanded_kinetic_energy<S>(robot_, kinematics_, v_));

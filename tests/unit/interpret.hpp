@@ -2,7 +2,7 @@
 // it and without a compiler.
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/Dense>
 #include <cmath>
 #include <functional>
 #include <map>
@@ -46,13 +46,33 @@ std::vector<Scalar> interpret(const Graph& graph, const InputValue& input) {
 using FunctionInput = std::function<double(const Input&)>;  // position, velocity, gravity, payload
 using Arrays = std::map<std::string, Eigen::MatrixXd>;      // by name
 
+// Steps with whole matrices, in the terms of their definition.
+inline void run_steps(const Algorithm& algorithm, Arrays& arrays) {
+  const auto array = [&](int index) -> Eigen::MatrixXd& { return arrays[algorithm.arrays[static_cast<std::size_t>(index)].name]; };
+  for (const MatrixStep& s : algorithm.steps) {
+    if (s.kind == MatrixStep::Kind::negative_product) {
+      array(s.to) = -array(s.a) * array(s.b);
+      continue;
+    }
+    Eigen::MatrixXd transposed = array(s.a).triangularView<Eigen::StrictlyUpper>();
+    transposed.diagonal().setOnes();
+    array(s.to) = (transposed * array(s.b).col(0).asDiagonal() * transposed.transpose()).inverse();
+  }
+  if (!algorithm.guard) return;
+  const Eigen::MatrixXd &pivots = array(algorithm.guard->pivots), &diagonal = array(algorithm.guard->diagonal);
+  const double rounding = static_cast<double>(pivots.size()) * 0x1p-52;
+  if ((pivots.array() > rounding * diagonal.array() && pivots.array() > 0).all()) return;
+  for (const int index : algorithm.guard->arrays) array(index).setZero();
+}
+
 // The straight form.
-inline Arrays run(const Program& program, const FunctionInput& input) {
+inline Arrays run(const Algorithm& algorithm, const Program& program, const FunctionInput& input) {
   Arrays arrays;
   for (const OutputArray& a : program.arrays) arrays[a.name] = Eigen::MatrixXd::Zero(a.rows, a.columns);
   const std::vector<double> values = interpret<double>(program.graph, input);
   for (const OutputElement& e : program.elements)
     arrays[program.arrays[static_cast<std::size_t>(e.array)].name](e.row, e.column) = values[static_cast<std::size_t>(e.node)];
+  run_steps(algorithm, arrays);
   return arrays;
 }
 
@@ -86,6 +106,7 @@ class RolledRun {
       for (int i = 0; i < segments; ++i) segment(level % 2 == 0 ? i : segments - 1 - i, level);
     }
     results();
+    run_steps(algorithm_, arrays_);
     return arrays_;
   }
 

@@ -170,17 +170,18 @@ void guard(Builder& b, int array) {
   b.guard()->arrays.push_back(array);
 }
 
-int solved_accelerations(Builder& b) {
+SolvedRoles solved_accelerations(Builder& b) {
   const Poses p = poses(b);
   const Articulated a = articulated_bodies(b);
   const int bias = b.scene().rates_zero ? gravity_torques(b).torque : newton_euler(b, Driven::at_rest).torque;
   const int solved = b.role({"solved_acceleration", "ddq", "dv", "m/s^2 or rad/s^2", Shape::scalar});
-  if (b.has("residuals")) return solved;
   const int handed = b.role({"reaction", "ph", "reaction of the limbs beyond", "N, N m", Shape::wrench});
   const int total = b.role({"reaction_below", "p", "reaction of the subtree", "N, N m", Shape::wrench});
   const int start = b.role({"free_acceleration", "ddq0", "dv with the parent at rest", "m/s^2 or rad/s^2", Shape::scalar});
   const int motion =
       b.role({"solved_twist", "dV", "dV of the body, what velocities alone cause left out", "m/s^2, rad/s^2", Shape::wrench});
+  const SolvedRoles roles{solved, motion};
+  if (b.has("residuals")) return roles;
 
   SweepBuilder in = b.sweep("residuals", "e = tau - (C v + g) - p.J, ddq0 = e / D; p_p += p + V e", Direction::inwards);
   const Twist reaction{in.carried3(handed, 0), in.carried3(handed, 3)}, joint = joint_of(in, p);
@@ -214,7 +215,7 @@ int solved_accelerations(Builder& b) {
   const Sym acceleration = out.own(start) - element(own_gain, above);
   out.store(solved, acceleration);
   out.store(motion, body_twist(above, joint_of(out, p), acceleration));
-  return solved;
+  return roles;
 }
 
 }  // namespace dalembert::passes

@@ -5,7 +5,7 @@
 namespace dalembert::passes {
 
 void describe_forward_dynamics(Builder& b, int array) {
-  b.result({array, ir::Layout::per_coordinate, solved_accelerations(b)});
+  b.result({array, ir::Layout::per_coordinate, solved_accelerations(b).acceleration});
   guard(b, array);
 }
 

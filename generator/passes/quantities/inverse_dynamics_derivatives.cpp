@@ -56,7 +56,7 @@ Factors factors(Builder& b) {
   const int mass = composite_mass(b);
   const BodyAndSubtree sums = body_and_subtree_sums(b);
   const int wrench = subtree_wrench(b, p, sums.body, acceleration);
-  const Factors r{b.role({"inertia_force", "F", "F = I S", "kg m, kg m^2 per unit of the coordinate", Shape::wrench}),
+  const Factors r{forces(b).inertia,
                   b.role({"twice_transposed", "H", "H = 2 B' S, its angular part", "kg m^2/s", Shape::vector}),
                   b.role({"by_position", "Nq", "2 B Psi' + I Psi'' + S x* f", "N, N m", Shape::wrench}),
                   b.role({"by_velocity", "Nv", "2 B S + I (Psi' + S')", "N s, N m s", Shape::wrench}),
@@ -74,13 +74,12 @@ Factors factors(Builder& b) {
   axes.store(r.rate, rate.angular);
   axes.store(r.rates, twice(rate));
 
-  SweepBuilder s = b.sweep("derivative_factors", "F = I S, H = 2 B' S, Nq = 2 B Psi' + I Psi'' + S x* f, Nv = 2 B S + 2 I Psi'",
+  SweepBuilder s = b.sweep("derivative_factors", "H = 2 B' S, Nq = 2 B Psi' + I Psi'' + S x* f, Nv = 2 B S + 2 I Psi'",
                            Direction::anywhere);
   const Sym m = s.own(mass);
   const Sums subtree = sums_of(s, sums.subtree);
   const Twist axis = joint_of(s, p), axis_rate{s.own3(p.joint_rate, 0), s.own3(p.joint_rate, 3)};
   const Twist f{s.own3(wrench, 0), s.own3(wrench, 3)};
-  s.store(r.inertia, apply_inertia(m, subtree, axis));
   const Vec3 transposed = apply_bias_transposed(subtree, axis);
   s.store(r.transposed, transposed + transposed);
   const Twist curved = apply_inertia(m, subtree, {s.own3(r.curvature, 0), s.own3(r.curvature, 3)});
@@ -110,7 +109,7 @@ Factors factors(Builder& b) {
 
 }  // namespace
 
-void inverse_dynamics_dq(Builder& b, int array) {
+void describe_inverse_dynamics_dq(Builder& b, int array) {
   const Factors f = factors(b);
   ir::Pairs p;
   p.array = array;
@@ -120,7 +119,7 @@ void inverse_dynamics_dq(Builder& b, int array) {
   b.pairs(p);
 }
 
-void inverse_dynamics_dv(Builder& b, int array) {
+void describe_inverse_dynamics_dv(Builder& b, int array) {
   const Factors f = factors(b);
   ir::Pairs p;
   p.array = array;
@@ -130,8 +129,5 @@ void inverse_dynamics_dv(Builder& b, int array) {
   p.diagonal = damping_p;
   b.pairs(p);
 }
-
-void describe_inverse_dynamics_dq(Builder& b, int array) { inverse_dynamics_dq(b, array); }
-void describe_inverse_dynamics_dv(Builder& b, int array) { inverse_dynamics_dv(b, array); }
 
 }  // namespace dalembert::passes

@@ -42,7 +42,8 @@ NewtonEuler newton_euler(Builder& b, Driven driven) {
   const int torque = b.role(
       {motions + (accelerated ? "torque" : "bias_torque"), accelerated ? "tau" : "bias", what, "N m or N", Shape::scalar});
 
-  if (b.has(motions + "motion")) return {torque, total};
+  const NewtonEuler roles{motion.angular, motion.angular_acceleration, motion.acceleration, torque, total};
+  if (b.has(motions + "motion")) return roles;
   SweepBuilder root = b.sweep(motions + "base_motion",
                               accelerated  ? "w, dw, a = du + w x u - gravity"
                               : weightless ? "w, dw = 0, a = w x u"
@@ -89,7 +90,7 @@ NewtonEuler newton_euler(Builder& b, Driven driven) {
     SweepBuilder base = b.sweep(motions + "base_wrench", std::string(what) + " = [f; n]", Direction::root);
     for (int j = 0; j < 6; ++j) base.store(torque, 0, base.own(total, j), j);
   }
-  return {torque, total};
+  return roles;
 }
 
 }  // namespace dalembert::passes

@@ -1,6 +1,8 @@
 // Sweeps that several quantities are made of. Each function adds what it names to the algorithm, once, and tells the roles.
 #pragma once
 
+#include <functional>
+
 #include "passes/builder.hpp"
 
 namespace dalembert::passes {
@@ -52,10 +54,20 @@ GravityRoles gravity_torques(Builder& builder);
 // Recursive Newton-Euler: for no accelerations (the bias), for none without gravity, or for those that the function is given.
 enum class Driven { at_rest, weightless, accelerated };
 struct NewtonEuler {
+  int angular, angular_acceleration, acceleration;  // of the body: w, dw and its origin's acceleration less gravity
   int torque;          // τ of every coordinate, with the scene's armature, damping and friction
   int subtree_wrench;  // f, n of every subtree along its first body's axes; the base's: of the whole robot
 };
 NewtonEuler newton_euler(Builder& builder, Driven driven);
+
+// The frame of the link that each body is named after, for projections; and the twist of a joint above, in the link's axes and
+// at its origin. `three`: three inputs of the projection's graph, from a component of a role on.
+struct LinkRoles {
+  int axes, origin;
+};
+LinkRoles link_frames(Builder& builder);
+using ThreeInputs = std::function<Vec3(ir::InputKind, int role, int from)>;
+Twist joint_in_link(Builder& builder, const LinkRoles& links, const ThreeInputs& three);
 
 // The factorisation M = Lᵀ D L along the tree: L_ki = V_k·J_i for i above k, D the pivots; M_kk to measure them against. Of the
 // floating base's coordinates too, which stand before all joints.
@@ -68,7 +80,14 @@ Articulated articulated_bodies(Builder& builder);
 // The array is zero where M is not positive definite, and the function's status says so.
 void guard(Builder& builder, int array);
 
-// v̇ of every coordinate for the forces that the function is given.
-int solved_accelerations(Builder& builder);
+// v̇ of every coordinate for the forces that the function is given; and summed up to the body's twist, what velocities alone
+// cause left out (of the base: its v̇).
+struct SolvedRoles {
+  int acceleration = -1, twist = -1;
+};
+SolvedRoles solved_accelerations(Builder& builder);
+
+// M⁻¹ as an array: `array`, or, −1, one that is no output.
+int inverse_mass_matrix(Builder& builder, int array = -1);
 
 }  // namespace dalembert::passes

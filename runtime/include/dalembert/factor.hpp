@@ -1,4 +1,7 @@
-// Whether a mass matrix can be solved with.
+// Mass matrices factored along the tree, M = L' D L (Featherstone 2008, section 6.5): what is made of the factors.
+//
+// Coordinates are numbered depth first: `above` has the coordinate above each (-1: none), `last` the last one beyond each,
+// which may be itself. Matrices are n x n, column by column.
 #pragma once
 
 #include <limits>
@@ -32,6 +35,47 @@ template <int n, class T>
 inline void clear_unless_ok(const FactorStatus<T>& status, T* result) noexcept {
   if (status.ok()) return;
   for (int i = 0; i < n; ++i) result[i] = T(0);
+}
+
+// inverse = L^-1 D^-1 L^-T. factor: L', of which the elements above the diagonal are read (those of a coordinate and one above
+// it); room: n x n, zero but for what an earlier call has left there. Both halves of the inverse are the same bits.
+template <int n, class T>
+inline void invert(const int* above, const int* last, const T* factor, const T* pivots, T* room, T* inverse) noexcept {
+  // Column k of room: row k of L^-1, k and those beyond it: where L^-1's column is not zero.
+  for (int k = 0; k < n; ++k) {
+    T row[n] = {};
+    row[k] = T(1);
+    for (int j = above[k]; j >= 0; j = above[j]) {
+      const T l = factor[k * n + j];
+      for (int i = j; i >= 0; i = above[i]) row[i] -= l * room[i * n + j];
+    }
+    for (int i = k; i >= 0; i = above[i]) room[i * n + k] = row[i];
+  }
+  for (int j = 0; j < n; ++j) {
+    T column[n] = {};
+    for (int k = j; k >= 0; k = above[k]) {
+      const T scale = room[k * n + j] / pivots[k];
+      const T* from = room + k * n;
+      for (int i = j; i <= last[k]; ++i) column[i] += scale * from[i];
+    }
+    for (int i = j; i < n; ++i) inverse[j * n + i] = column[i];
+    for (int i = j + 1; i < n; ++i) inverse[i * n + j] = column[i];
+  }
+}
+
+// result = -a b; b is zero where neither of two coordinates is above the other.
+template <int n, class T>
+inline void negative_product(const int* above, const int* last, const T* a, const T* b, T* result) noexcept {
+  for (int j = 0; j < n; ++j) {
+    T column[n] = {};
+    const auto add = [&](int k) {
+      const T scale = b[j * n + k];
+      for (int i = 0; i < n; ++i) column[i] -= scale * a[k * n + i];
+    };
+    for (int k = above[j]; k >= 0; k = above[k]) add(k);
+    for (int k = j; k <= last[j]; ++k) add(k);
+    for (int i = 0; i < n; ++i) result[j * n + i] = column[i];
+  }
 }
 
 }  // namespace dalembert

@@ -1,0 +1,26 @@
+// M⁻¹ = L⁻¹ D⁻¹ L⁻ᵀ: an element sums over the coordinates above both of its own, which are few on a tree. L's elements are pairs.
+#include "passes/quantities/quantities.hpp"
+#include "passes/quantities/shared.hpp"
+
+namespace dalembert::passes {
+
+int inverse_mass_matrix(Builder& b, int array) {
+  const Articulated a = articulated_bodies(b);
+  const Poses p = poses(b);
+  const int nv = b.tree().nv();
+  if (array < 0) array = b.internal_array(b.own_name("inverse"), nv, nv);
+  guard(b, array);
+  ir::Pairs l;
+  l.array = b.internal_array(b.own_name("factor"), nv, nv);
+  l.equation = "L_ki = V_k.J_i";
+  l.symmetric = true;  // only the half above the diagonal is read
+  l.above = {{a.gain, 0, p.joint_linear, 0}, {a.gain, 3, p.joint_angular, 0}};
+  b.pairs(l);
+  const int room = b.internal_array(b.own_name("factor_inverse"), nv, nv);
+  b.step({ir::MatrixStep::Kind::invert, l.array, b.guard()->pivots, array, room});
+  return array;
+}
+
+void describe_inverse_mass_matrix(Builder& b, int array) { inverse_mass_matrix(b, array); }
+
+}  // namespace dalembert::passes
