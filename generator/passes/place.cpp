@@ -211,11 +211,18 @@ class Placing {
     const auto at = static_cast<std::size_t>(role);
     const ir::Role& r = program_.roles[at];
     ir::Place& place = program_.places[at];
-    if (r.over >= 0 && used_[static_cast<std::size_t>(r.over)] && program_.places[static_cast<std::size_t>(r.over)].array >= 0)
+    if (r.over >= 0 && used_[static_cast<std::size_t>(r.over)] && program_.places[static_cast<std::size_t>(r.over)].array >= 0 &&
+        read_no_more(r.over, first_written_[at]))
       place = program_.places[static_cast<std::size_t>(r.over)];
     else if (share && r.source == ir::Source::sweep && !at_base_[at]) place = free_place(role);
     if (place.array < 0) place = new_array(r.name, r.meaning + (r.unit.empty() ? "" : ", " + r.unit), r.components());
     occupants_.push_back(role);
+  }
+
+  // Whether nobody reads the role after the level.
+  bool read_no_more(int role, int level) const {
+    const auto& read = read_[static_cast<std::size_t>(role)];
+    return std::all_of(read.begin(), read.end(), [&](int last) { return last <= level; });
   }
 
   // Components in a row that nobody reads or writes any more when the role is first written.
