@@ -211,8 +211,8 @@ class Placing {
     const auto at = static_cast<std::size_t>(role);
     const ir::Role& r = program_.roles[at];
     ir::Place& place = program_.places[at];
-    if (r.over >= 0 && used_[static_cast<std::size_t>(r.over)] && program_.places[static_cast<std::size_t>(r.over)].array >= 0 &&
-        read_no_more(r.over, first_written_[at]))
+    if (r.over >= 0 && used_[static_cast<std::size_t>(r.over)] &&
+        program_.places[static_cast<std::size_t>(r.over)].array >= 0 && read_no_more(r.over, first_written_[at]))
       place = program_.places[static_cast<std::size_t>(r.over)];
     else if (share && r.source == ir::Source::sweep && !at_base_[at]) place = free_place(role);
     if (place.array < 0) place = new_array(r.name, r.meaning + (r.unit.empty() ? "" : ", " + r.unit), r.components());

@@ -113,8 +113,9 @@ void expect_generic_values(const Model& model, const Payload& payload = {}) {
     // Where a robot makes a quantity vanish, rounding of larger terms is left.
     double tolerance = 1e-12 * std::max(reference.cwiseAbs().maxCoeff(), 1e-3);
     if (output.quantity && ir::row_of(*output.quantity).scale == ir::Scale::solved)
-      tolerance = std::max(tolerance, 10 * reference.cwiseAbs().maxCoeff() * 0x1p-53 *
-                                          reference::mass_condition(expected.tree, expected.scene, {state.q, state.v, state.more}));
+      tolerance =
+          std::max(tolerance, 10 * reference.cwiseAbs().maxCoeff() * 0x1p-53 *
+                                  reference::mass_condition(expected.tree, expected.scene, {state.q, state.v, state.more}));
     EXPECT_LE((straight.at(output.name) - reference).cwiseAbs().maxCoeff<Eigen::PropagateNaN>(), tolerance) << "straight";
     EXPECT_LE((rolled.at(output.name) - reference).cwiseAbs().maxCoeff<Eigen::PropagateNaN>(), tolerance) << "rolled";
   }

@@ -48,7 +48,9 @@ using Arrays = std::map<std::string, Eigen::MatrixXd>;      // by name
 
 // Steps with whole matrices, in the terms of their definition.
 inline void run_steps(const Algorithm& algorithm, Arrays& arrays) {
-  const auto array = [&](int index) -> Eigen::MatrixXd& { return arrays[algorithm.arrays[static_cast<std::size_t>(index)].name]; };
+  const auto array = [&](int index) -> Eigen::MatrixXd& {
+    return arrays[algorithm.arrays[static_cast<std::size_t>(index)].name];
+  };
   for (const MatrixStep& s : algorithm.steps) {
     if (s.kind == MatrixStep::Kind::negative_product) {
       array(s.to) = -array(s.a) * array(s.b);

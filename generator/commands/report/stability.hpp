@@ -7,9 +7,9 @@
 namespace dalembert::reporting {
 
 // Verdicts of section `stability`, metric `verdict`. Of cases that are measured against exact results: good up to 32 ulp of the
-// largest exact element (of what solves with M, 5 cond(M) where that is more), weak up to 128 times as much or where M is reported
-// singular, else bad. Of the others: good when what the case promises (docs/report.md) is what
-// happens, else bad. Bad is also whatever is not finite where the exact result is.
+// largest exact element (of what solves with M, 5 cond(M) where that is more), weak up to 128 times as much or where M is
+// reported singular, else bad. Of the others: good when what the case promises (docs/report.md) is what happens, else bad. Bad
+// is also whatever is not finite where the exact result is.
 inline constexpr const char* good = "good";
 inline constexpr const char* weak = "weak";
 inline constexpr const char* bad = "bad";

@@ -74,8 +74,8 @@ Factors factors(Builder& b) {
   axes.store(r.rate, rate.angular);
   axes.store(r.rates, twice(rate));
 
-  SweepBuilder s = b.sweep("derivative_factors", "H = 2 B' S, Nq = 2 B Psi' + I Psi'' + S x* f, Nv = 2 B S + 2 I Psi'",
-                           Direction::anywhere);
+  SweepBuilder s =
+      b.sweep("derivative_factors", "H = 2 B' S, Nq = 2 B Psi' + I Psi'' + S x* f, Nv = 2 B S + 2 I Psi'", Direction::anywhere);
   const Sym m = s.own(mass);
   const Sums subtree = sums_of(s, sums.subtree);
   const Twist axis = joint_of(s, p), axis_rate{s.own3(p.joint_rate, 0), s.own3(p.joint_rate, 3)};

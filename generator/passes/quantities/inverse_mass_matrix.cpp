@@ -1,4 +1,5 @@
-// M⁻¹ = L⁻¹ D⁻¹ L⁻ᵀ: an element sums over the coordinates above both of its own, which are few on a tree. L's elements are pairs.
+// M⁻¹ = L⁻¹ D⁻¹ L⁻ᵀ: an element sums over the coordinates above both of its own, which are few on a tree. L's elements are
+// pairs.
 #include "passes/quantities/quantities.hpp"
 #include "passes/quantities/shared.hpp"
 

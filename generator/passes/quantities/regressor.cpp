@@ -1,5 +1,6 @@
 // Y with Y phi = M a + C v + g, phi the ten inertial parameters of every body: m, m c, and the inertia about the origin of the
-// body's link, all along the link's axes (Siciliano and Khatib 2016, section 6.2). Armature, damping and friction are not in it.
+// body's link, all along the link's axes (Siciliano and Khatib 2016, section 6.2). Armature, damping and friction are not in
+// it.
 #include "passes/quantities/quantities.hpp"
 #include "passes/quantities/shared.hpp"
 
@@ -18,14 +19,16 @@ struct UnitWrenches {
 };
 
 UnitWrenches unit_wrenches(Builder& b) {
-  const NewtonEuler motion = newton_euler(b, true);
-  const UnitWrenches r{b.role({"link_acceleration", "al", "acceleration of the link's origin less gravity", "m/s^2", Shape::vector}),
-                       b.role({"link_spin", "Sl", "[alpha] + [w][w] along the link's axes, column by column", "1/s^2", Shape::matrix}),
-                       b.role({"unit_moments", "Kx", "moments of unit xx, xy, xz, one after another", "1/s^2", Shape::matrix}),
-                       b.role({"more_unit_moments", "Ky", "moments of unit yy, yz, zz, one after another", "1/s^2", Shape::matrix})};
+  const NewtonEuler motion = newton_euler(b, Driven::accelerated);
+  const UnitWrenches r{
+      b.role({"link_acceleration", "al", "acceleration of the link's origin less gravity", "m/s^2", Shape::vector}),
+      b.role({"link_spin", "Sl", "[alpha] + [w][w] along the link's axes, column by column", "1/s^2", Shape::matrix}),
+      b.role({"unit_moments", "Kx", "moments of unit xx, xy, xz, one after another", "1/s^2", Shape::matrix}),
+      b.role({"more_unit_moments", "Ky", "moments of unit yy, yz, zz, one after another", "1/s^2", Shape::matrix})};
   SweepBuilder s = b.sweep("unit_wrenches", "what unit m, m c and inertia of the link take", Direction::anywhere);
   const Mat3 to_link = transpose(s.parameter9(link_rotation_p));
-  const Vec3 place = s.parameter3(link_translation_p), spin = s.own3(motion.angular), turning = s.own3(motion.angular_acceleration);
+  const Vec3 place = s.parameter3(link_translation_p), spin = s.own3(motion.angular),
+             turning = s.own3(motion.angular_acceleration);
   const Vec3 centripetal = cross(spin, cross(spin, place)), tangential = cross(turning, place);
   s.store(r.acceleration, to_link * (s.own3(motion.acceleration) + tangential + centripetal));
   const Vec3 w = to_link * spin, a = to_link * turning;

@@ -55,7 +55,7 @@ GravityRoles gravity_torques(Builder& builder);
 enum class Driven { at_rest, weightless, accelerated };
 struct NewtonEuler {
   int angular, angular_acceleration, acceleration;  // of the body: w, dw and its origin's acceleration less gravity
-  int torque;          // τ of every coordinate, with the scene's armature, damping and friction
+  int torque;                                       // τ of every coordinate, with the scene's armature, damping and friction
   int subtree_wrench;  // f, n of every subtree along its first body's axes; the base's: of the whole robot
 };
 NewtonEuler newton_euler(Builder& builder, Driven driven);
