@@ -4,6 +4,7 @@
 // which may be itself. Matrices are n x n, column by column.
 #pragma once
 
+#include <dalembert/lanes.hpp>
 #include <limits>
 
 namespace dalembert {
@@ -37,44 +38,66 @@ inline void clear_unless_ok(const FactorStatus<T>& status, T* result) noexcept {
   for (int i = 0; i < n; ++i) result[i] = T(0);
 }
 
-// inverse = L^-1 D^-1 L^-T. factor: L', of which the elements above the diagonal are read (those of a coordinate and one above
-// it); room: n x n, zero but for what an earlier call has left there. Both halves of the inverse are the same bits.
+namespace detail {
+
+// Columns of n numbers go in pieces of this many; where the last piece does not fit it reaches back over the one before.
+template <int n>
+inline constexpr int piece = n < 4   ? 1
+                             : n < 8 ? 4
+                                     : 8;
+
+template <int n, class F>
+DALEMBERT_INLINE void in_pieces(int begin, int end, const F& f) {
+  constexpr int p = piece<n>;
+  for (int i = begin; i < end; i += p) f(i + p <= n ? i : n - p);
+}
+
+}  // namespace detail
+
+// inverse = L^-1 D^-1 L^-T. factor: L', of which the elements above the diagonal are read. room: n x n, zero but for what an
+// earlier call has left there.
 template <int n, class T>
-inline void invert(const int* above, const int* last, const T* factor, const T* pivots, T* room, T* inverse) noexcept {
-  // Column k of room: row k of L^-1, k and those beyond it: where L^-1's column is not zero.
-  for (int k = 0; k < n; ++k) {
-    T row[n] = {};
-    row[k] = T(1);
-    for (int j = above[k]; j >= 0; j = above[j]) {
-      const T l = factor[k * n + j];
-      for (int i = j; i >= 0; i = above[i]) row[i] -= l * room[i * n + j];
-    }
-    for (int i = k; i >= 0; i = above[i]) room[i * n + k] = row[i];
+DALEMBERT_BLOCK void invert(const int* above, const int* last, const T* factor, const T* pivots, T* room, T* inverse) noexcept {
+  constexpr int p = detail::piece<n>;
+  // Column k of room: of L^-1, which is not zero from k to the last coordinate beyond it. From the leaves, since
+  // L^-1 e_k = e_k - the sum over j beyond k of L_jk L^-1 e_j.
+  for (int k = n - 1; k >= 0; --k) {
+    T* column = room + k * n;
+    detail::in_pieces<n>(k, last[k] + 1, [&](int i) DALEMBERT_IN_BLOCK {
+      Lanes<T, p> sum{};
+      for (int j = k + 1; j <= last[k] && j < i + p; ++j) sum -= broadcast<p, T>(factor[j * n + k]) * load<p>(room + j * n + i);
+      store<p, T>(column + i, sum);
+    });
+    column[k] = T(1);
   }
   for (int j = 0; j < n; ++j) {
-    T column[n] = {};
+    int at[n], count = 0;
+    T scale[n];
     for (int k = j; k >= 0; k = above[k]) {
-      const T scale = room[k * n + j] / pivots[k];
-      const T* from = room + k * n;
-      for (int i = j; i <= last[k]; ++i) column[i] += scale * from[i];
+      at[count] = k * n;
+      scale[count++] = room[k * n + j] / pivots[k];
     }
-    for (int i = j; i < n; ++i) inverse[j * n + i] = column[i];
-    for (int i = j + 1; i < n; ++i) inverse[i * n + j] = column[i];
+    detail::in_pieces<n>(0, n, [&](int i) DALEMBERT_IN_BLOCK {
+      Lanes<T, p> sum{};
+      for (int k = 0; k < count; ++k) sum += broadcast<p, T>(scale[k]) * load<p>(room + at[k] + i);
+      store<p, T>(inverse + j * n + i, sum);
+    });
   }
 }
 
 // result = -a b; b is zero where neither of two coordinates is above the other.
 template <int n, class T>
-inline void negative_product(const int* above, const int* last, const T* a, const T* b, T* result) noexcept {
+DALEMBERT_BLOCK void negative_product(const int* above, const int* last, const T* a, const T* b, T* result) noexcept {
+  constexpr int p = detail::piece<n>;
   for (int j = 0; j < n; ++j) {
-    T column[n] = {};
-    const auto add = [&](int k) {
-      const T scale = b[j * n + k];
-      for (int i = 0; i < n; ++i) column[i] -= scale * a[k * n + i];
-    };
-    for (int k = above[j]; k >= 0; k = above[k]) add(k);
-    for (int k = j; k <= last[j]; ++k) add(k);
-    for (int i = 0; i < n; ++i) result[j * n + i] = column[i];
+    int at[n], count = 0;
+    for (int k = above[j]; k >= 0; k = above[k]) at[count++] = k;
+    for (int k = j; k <= last[j]; ++k) at[count++] = k;
+    detail::in_pieces<n>(0, n, [&](int i) DALEMBERT_IN_BLOCK {
+      Lanes<T, p> sum{};
+      for (int k = 0; k < count; ++k) sum -= broadcast<p, T>(b[j * n + at[k]]) * load<p>(a + at[k] * n + i);
+      store<p, T>(result + j * n + i, sum);
+    });
   }
 }
 

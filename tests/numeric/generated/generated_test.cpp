@@ -58,6 +58,14 @@ class Generated : public ::testing::TestWithParam<GeneratedCase> {
 // The robots that have a task graph beside the serial code.
 class GeneratedTasks : public Generated {};
 
+// By how much more than other quantities' a result may be off: what is solved for errs with M's condition.
+double magnification(const Model& model, const reference::Inputs& inputs, ir::Quantity quantity) {
+  if (ir::row_of(quantity).scale != ir::Scale::solved) return 1;
+  const bool single = model.scene.scalar == ir::ScalarType::float32;
+  const double rounding = single ? 0x1p-24 / tolerance_float : 0x1p-53 / tolerance_double;
+  return std::max(1.0, 10 * reference::mass_condition(model.tree, model.scene, inputs) * rounding);
+}
+
 // Largest error of any quantity the scene asks for, relative to its largest element in `right` and to what it counts as at
 // least; infinite where one is missing or of another shape.
 double largest_error(const Results& ours, const Results& right, const Model& model, const State& state) {
@@ -69,7 +77,7 @@ double largest_error(const Results& ours, const Results& right, const Model& mod
     const Eigen::MatrixXd& reference = right.at(ir::row_of(quantity).name);
     const bool same_shape =
         generated != ours.end() && generated->second.rows() == reference.rows() && generated->second.cols() == reference.cols();
-    const double scale = std::max(largest(reference), least.of({quantity, ""}));
+    const double scale = std::max(largest(reference), least.of({quantity, ""})) * magnification(model, inputs, quantity);
     worst = std::max(
         worst, same_shape ? relative_error(generated->second, reference, scale) : std::numeric_limits<double>::infinity());
   }
