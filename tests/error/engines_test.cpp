@@ -118,7 +118,7 @@ TEST(Check, CompilesAsUsersDoUnlessToldOtherwise) {
   const Outcome usual = run_dalembert({"check", arm, "--outputs", "gravity"}, ".");
   EXPECT_EQ(usual.status, 0) << usual.err << usual.out;
   EXPECT_NE(usual.out.find("compiled by c++ -O3 -march=native -std=c++17\n"), std::string::npos) << usual.out;
-  EXPECT_NE(usual.out.find("self-test               passes"), std::string::npos) << usual.out;
+  EXPECT_NE(usual.out.find("self-test                         passes"), std::string::npos) << usual.out;
 
   const TemporaryFolder folder;
   const std::string compiler = folder.path() + "/compiler";
