@@ -112,8 +112,14 @@ Eigen::VectorXd products(const Eigen::MatrixXd& matrix) {
 class Comparison {
  public:
   Comparison(int array, int state, const Eigen::MatrixXd& exact, const Eigen::MatrixXd& generic, double least_scale,
-             ir::ScalarType scalar)
-      : array_(array), state_(state), exact_(exact), generic_(generic), least_scale_(least_scale), scalar_(scalar) {}
+             double condition, ir::ScalarType scalar)
+      : array_(array),
+        state_(state),
+        exact_(exact),
+        generic_(generic),
+        least_scale_(least_scale),
+        condition_(condition),
+        scalar_(scalar) {}
 
   ir::Expectation elements(bool symmetric) const {
     const Eigen::Index rows = exact_.rows(), columns = exact_.cols();
@@ -149,6 +155,7 @@ class Comparison {
     if (e.scale == 0) e.scale = 1;  // all zeros, exactly
     const double error = (generic - exact).cwiseAbs().maxCoeff() / e.scale;
     e.tolerance = 512 * epsilon();
+    if (std::isfinite(condition_)) e.tolerance = std::max(e.tolerance, condition_ * epsilon());
     if (std::isfinite(error)) e.tolerance = std::max(e.tolerance, 64 * error);
   }
 
@@ -158,6 +165,7 @@ class Comparison {
   int array_, state_;
   const Eigen::MatrixXd &exact_, &generic_;
   double least_scale_;
+  double condition_;  // of what is solved for: by how much rounding may be magnified
   ir::ScalarType scalar_;
 };
 
@@ -204,7 +212,11 @@ ir::SelfTest self_test(const ir::KinematicTree& original, const ir::Scene& origi
                                        generic = evaluate(tree, scene, wanted, inputs, usual);
     LeastScale least(tree, scene, inputs);
     for (size_t a = 0; a < wanted.size(); ++a) {
-      const Comparison comparison(static_cast<int>(a), s, exact[a], generic[a], least.of(wanted[a]), scene.scalar);
+      const Comparison comparison(static_cast<int>(a), s, exact[a], generic[a], least.of(wanted[a]),
+                                  wanted[a].quantity && ir::row_of(*wanted[a].quantity).scale == ir::Scale::solved
+                                      ? mass_condition(tree, scene, inputs)
+                                      : 0,
+                                  scene.scalar);
       const bool vector = exact[a].cols() == 1, symmetric = wanted[a].quantity == ir::Quantity::mass_matrix;
       if (s == 0 || vector) test.expectations.push_back(comparison.elements(symmetric));
       if (!vector) test.expectations.push_back(comparison.rows());

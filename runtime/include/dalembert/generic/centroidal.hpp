@@ -18,8 +18,9 @@ Vector6<S> about_center(const Transform<S>& base, const Vector3<S>& center, cons
 template <class S>
 MatrixX<S> expanded_momentum_matrix(const Model<S>& model, const Kinematics<S>& kinematics, const Composites<S>& composites,
                                     const VectorX<S>& q) {
-  const Transform<S> base = base_pose(model, q);
-  const Vector3<S> center = center_of_mass<S>(model, kinematics, q);
+  const VectorX<S> near = at_origin(model, q);
+  const Transform<S> base = base_pose(model, near);
+  const Vector3<S> center = center_of_mass<S>(model, kinematics, near);
   const int rows = model.base_rows();
   MatrixX<S> A(6, rows + model.joints());
   for (int i = 0; i < rows; ++i) A.col(i) = about_center<S>(base, center, composites.base.A.col(i));
@@ -50,7 +51,8 @@ Vector6<S> expanded_momentum_bias(const Model<S>& model, const Kinematics<S>& ki
     accelerations[at] += ad(at_k.V) * (at_k.E * v[model.base_rows() + k]);
     in_base += at_k.Ad_base_inverse.transpose() * wrench(model.bodies[at].inertia, at_k.V, accelerations[at]);
   }
-  return about_center<S>(base_pose(model, q), center_of_mass<S>(model, kinematics, q), in_base);
+  const VectorX<S> near = at_origin(model, q);
+  return about_center<S>(base_pose(model, near), center_of_mass<S>(model, kinematics, near), in_base);
 }
 
 }  // namespace dalembert::generic

@@ -53,12 +53,20 @@ Vector3<S> center_of_mass(const Model<S>& model, const Kinematics<S>& kinematics
   return whole.moment / whole.mass;
 }
 
+// q with the base at the world's origin: what does not depend on where the base is stays exact far away.
+template <class S>
+VectorX<S> at_origin(const Model<S>& model, VectorX<S> q) {
+  if (model.floating_base) q.template head<3>().setZero();
+  return q;
+}
+
 // 3 × (base rows + joints): the centre's velocity in world axes is J v. A joint moves the centre of what it carries about its
 // axis or along it.
 template <class S>
 MatrixX<S> expanded_center_of_mass_jacobian(const Model<S>& model, const Kinematics<S>& kinematics, const VectorX<S>& q) {
-  const Transform<S> base = base_pose(model, q);
-  const FirstMoments<S> sums = first_moments<S>(model, kinematics, q);
+  const VectorX<S> near = at_origin(model, q);
+  const Transform<S> base = base_pose(model, near);
+  const FirstMoments<S> sums = first_moments<S>(model, kinematics, near);
   const int rows = model.base_rows();
   MatrixX<S> J(3, rows + model.joints());
   const auto set = [&](int column, const Vector3<S>& moved) {
