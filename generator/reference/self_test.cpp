@@ -155,7 +155,7 @@ class Comparison {
     if (e.scale == 0) e.scale = 1;  // all zeros, exactly
     const double error = (generic - exact).cwiseAbs().maxCoeff() / e.scale;
     e.tolerance = 512 * epsilon();
-    if (std::isfinite(condition_)) e.tolerance = std::max(e.tolerance, condition_ * epsilon());
+    if (std::isfinite(condition_)) e.tolerance = std::max(e.tolerance, 5 * condition_ * epsilon());
     if (std::isfinite(error)) e.tolerance = std::max(e.tolerance, 64 * error);
   }
 
