@@ -15,9 +15,9 @@ namespace dalembert::reference {
 // no element goes untested. Expected numbers come from 50 digits; on robots of hundreds of joints, where those would take
 // longer than the rest of the compiler, from long double.
 //
-// An element's tolerance is 512 epsilons of the scalar, or 5 times M's condition number of them where M is solved with, or 64
-// times the error of the generic engine in that scalar at the very state, whichever is largest: where a state or a robot is so
-// ill-conditioned that any code must err, right code does not fail.
+// An element's tolerance is 512 epsilons of the scalar, or 10 times M's condition number of its unit roundoff where M is solved
+// with, or 64 times the error of the generic engine in that scalar at the very state, whichever is largest: where a state or a
+// robot is so ill-conditioned that any code must err, right code does not fail.
 ir::SelfTest self_test(const ir::KinematicTree& tree, const ir::Scene& scene);
 
 }  // namespace dalembert::reference
