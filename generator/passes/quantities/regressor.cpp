@@ -42,7 +42,6 @@ UnitWrenches unit_wrenches(Builder& b) {
   s.store(r.beyond_x, Vec3{-yz, a[1], xy}, 0);
   s.store(r.beyond_x, Vec3{yy - zz, a[2] - xy, a[1] + xz}, 3);
   s.store(r.beyond_x, Vec3{yz, -xz, a[2]}, 6);
-  if (!b.floating()) return r;
   return r;
 }
 

@@ -1,0 +1,195 @@
+// Compiled code of the functions beside evaluate(): each computes its own outputs and nothing else, serially and as tasks, without
+// the heap; and a mass matrix that cannot be solved with is told, not handed on.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <iterator>
+
+#include "functions/dynamics.hpp"
+#include "functions/tasks.hpp"
+#include "heap_count.hpp"
+#include "pipeline.hpp"
+#include "reference/engine.hpp"
+#include "singular/c_api.h"
+#include "singular/dynamics.hpp"
+#include "states.hpp"
+
+namespace dalembert::testing {
+namespace {
+
+using functions::Workspace;
+
+struct Input {
+  functions::VectorQ q;
+  functions::VectorV v, more;
+};
+
+class Functions : public ::testing::Test {
+ protected:
+  Functions() {
+    Request request;
+    request.robot = ROBOT;
+    request.settings = {{"base", "floating"}};
+    Diagnostics warnings;
+    model = read_model(request, warnings);
+  }
+  Input input(std::uint64_t seed) const {
+    const State state = moderate_state(model.tree, seed);
+    return {state.q, state.v, moderate_state(model.tree, seed + 100).v};
+  }
+  // Of the result, relative to its largest element in the generic engine.
+  template <class Result>
+  double error(ir::Quantity quantity, const Input& at, const Result& result) const {
+    const Eigen::MatrixXd right = reference::evaluate(model.tree, model.scene, {{quantity, ""}}, {at.q, at.v, at.more},
+                                                      reference::Precision::float64)
+                                      .front();
+    return (result - right).cwiseAbs().template maxCoeff<Eigen::PropagateNaN>() / right.cwiseAbs().maxCoeff();
+  }
+  double solved_tolerance(const Input& at) const {
+    return 10 * reference::mass_condition(model.tree, model.scene, {at.q, at.v, at.more}) * 0x1p-53;
+  }
+
+  Model model;
+};
+
+template <std::size_t n>
+bool all_zero(const double (&numbers)[n]) {
+  return std::all_of(std::begin(numbers), std::end(numbers), [](double x) { return x == 0; });
+}
+
+TEST_F(Functions, ComputeWhatTheGenericEngineDoes) {
+  Workspace workspace;
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    const Input at = input(seed);
+    functions::evaluate(at.q, at.v, workspace);
+    functions::inverse_dynamics(at.q, at.v, at.more, workspace);
+    functions::forward_dynamics(at.q, at.v, at.more, workspace);
+    EXPECT_LE(error(ir::Quantity::inverse_dynamics, at, functions::inverse_dynamics(workspace)), 1e-12);
+    EXPECT_LE(error(ir::Quantity::inverse_dynamics_dq, at, functions::inverse_dynamics_dq(workspace)), 1e-12);
+    EXPECT_LE(error(ir::Quantity::inverse_dynamics_dv, at, functions::inverse_dynamics_dv(workspace)), 1e-12);
+    EXPECT_LE(error(ir::Quantity::regressor, at, functions::regressor(workspace)), 1e-12);
+    const double tolerance = solved_tolerance(at);
+    EXPECT_LE(error(ir::Quantity::inverse_mass_matrix, at, functions::inverse_mass_matrix(workspace)), tolerance);
+    EXPECT_LE(error(ir::Quantity::forward_dynamics, at, functions::forward_dynamics(workspace)), tolerance);
+    EXPECT_LE(error(ir::Quantity::forward_dynamics_dq, at, functions::forward_dynamics_dq(workspace)), tolerance);
+    EXPECT_LE(error(ir::Quantity::forward_dynamics_dv, at, functions::forward_dynamics_dv(workspace)), tolerance);
+    EXPECT_TRUE(workspace.status.ok() && workspace.forward_dynamics_status.ok());
+  }
+}
+
+TEST_F(Functions, ForwardDynamicsIsUndoneByInverseDynamics) {
+  Workspace workspace;
+  const Input at = input(7);
+  functions::forward_dynamics(at.q, at.v, at.more, workspace);
+  const functions::VectorV acceleration = functions::forward_dynamics(workspace);
+  functions::inverse_dynamics(at.q, at.v, acceleration, workspace);
+  EXPECT_LE((functions::inverse_dynamics(workspace) - at.more).cwiseAbs().maxCoeff(),
+            solved_tolerance(at) * at.more.cwiseAbs().maxCoeff());
+}
+
+TEST_F(Functions, LeaveOutputsOfOthersAlone) {
+  const Input at = input(3);
+  Workspace evaluated, inverse, forward;
+  functions::evaluate(at.q, at.v, evaluated);
+  EXPECT_TRUE(all_zero(evaluated.inverse_dynamics) && all_zero(evaluated.forward_dynamics));
+  functions::inverse_dynamics(at.q, at.v, at.more, inverse);
+  EXPECT_TRUE(all_zero(inverse.inverse_mass_matrix) && all_zero(inverse.forward_dynamics));
+  functions::forward_dynamics(at.q, at.v, at.more, forward);
+  EXPECT_TRUE(all_zero(forward.inverse_mass_matrix) && all_zero(forward.inverse_dynamics));
+  EXPECT_FALSE(all_zero(forward.forward_dynamics));
+}
+
+TEST_F(Functions, AsTasksGiveTheSameBits) {
+  Workspace serial, parallel;
+  functions::TaskGraph evaluate(parallel);
+  functions::InverseDynamicsTaskGraph inverse(parallel);
+  functions::ForwardDynamicsTaskGraph forward(parallel);
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    const Input at = input(seed);
+    functions::evaluate(at.q, at.v, serial);
+    functions::inverse_dynamics(at.q, at.v, at.more, serial);
+    functions::forward_dynamics(at.q, at.v, at.more, serial);
+    evaluate.evaluate(at.q.data(), at.v.data());
+    inverse.inverse_dynamics(at.q.data(), at.v.data(), at.more.data());
+    forward.forward_dynamics(at.q.data(), at.v.data(), at.more.data());
+    const auto equal = [](const auto& a, const auto& b) { return std::memcmp(a, b, sizeof a) == 0; };
+    EXPECT_TRUE(equal(serial.inverse_mass_matrix, parallel.inverse_mass_matrix));
+    EXPECT_TRUE(equal(serial.inverse_dynamics, parallel.inverse_dynamics));
+    EXPECT_TRUE(equal(serial.inverse_dynamics_dq, parallel.inverse_dynamics_dq));
+    EXPECT_TRUE(equal(serial.regressor, parallel.regressor));
+    EXPECT_TRUE(equal(serial.forward_dynamics, parallel.forward_dynamics));
+    EXPECT_TRUE(equal(serial.forward_dynamics_dq, parallel.forward_dynamics_dq));
+    EXPECT_TRUE(equal(serial.forward_dynamics_dv, parallel.forward_dynamics_dv));
+  }
+}
+
+TEST_F(Functions, DoNotAllocate) {
+  static Workspace workspace;
+  const Input at = input(2);
+  const std::uint64_t before = heap_allocations();
+  functions::evaluate(at.q, at.v, workspace);
+  functions::inverse_dynamics(at.q, at.v, at.more, workspace);
+  functions::forward_dynamics(at.q, at.v, at.more, workspace);
+  EXPECT_EQ(heap_allocations() - before, 0u);
+}
+
+// Its last link has no mass but what it carries.
+class SingularMass : public ::testing::Test {
+ protected:
+  SingularMass() { q[6] = 1, q[7] = 0.3, q[8] = -0.4; }
+
+  void run() {
+    singular::evaluate(q, v, workspace);
+    singular::forward_dynamics(q, v, tau, workspace);
+  }
+  bool nothing_is_handed_on() const {
+    return all_zero(workspace.inverse_mass_matrix) && all_zero(workspace.forward_dynamics) &&
+           all_zero(workspace.forward_dynamics_dq) && all_zero(workspace.forward_dynamics_dv);
+  }
+
+  singular::Workspace workspace;
+  double q[singular::nq] = {}, v[singular::nv] = {0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8},
+         tau[singular::nv] = {1, 2, 3, 4, 5, 6, 7, 8};
+};
+
+TEST_F(SingularMass, IsToldAndNothingHandedOn) {
+  run();
+  EXPECT_EQ(workspace.status.coordinate, 7);
+  EXPECT_EQ(workspace.forward_dynamics_status.coordinate, 7);
+  EXPECT_TRUE(nothing_is_handed_on());
+}
+
+TEST_F(SingularMass, IsForgottenOnceThereIsMass) {
+  run();
+  workspace.payload_c.mass = 1;
+  workspace.payload_c.com[0] = 0.1;
+  run();
+  EXPECT_TRUE(workspace.status.ok() && workspace.forward_dynamics_status.ok());
+  EXPECT_FALSE(nothing_is_handed_on());
+  for (const double x : workspace.forward_dynamics_dq) EXPECT_TRUE(std::isfinite(x));
+}
+
+TEST_F(SingularMass, NotANumberIsNoMassEither) {
+  workspace.payload_c.mass = std::nan("");
+  run();
+  EXPECT_FALSE(workspace.status.ok() || workspace.forward_dynamics_status.ok());
+  EXPECT_TRUE(nothing_is_handed_on());
+}
+
+TEST_F(SingularMass, IsToldInCAsWell) {
+  singular_workspace* const c = singular_create();
+  singular_forward_dynamics(q, v, tau, c);
+  EXPECT_EQ(singular_forward_dynamics_status(c), 7);
+  EXPECT_EQ(singular_forward_dynamics_result(c)[7], 0);
+  const double com[3] = {0.1, 0, 0}, inertia[6] = {};
+  singular_set_payload_c(1, com, inertia, c);
+  singular_forward_dynamics(q, v, tau, c);
+  EXPECT_EQ(singular_forward_dynamics_status(c), -1);
+  EXPECT_NE(singular_forward_dynamics_result(c)[7], 0);
+  singular_destroy(c);
+}
+
+}  // namespace
+}  // namespace dalembert::testing
