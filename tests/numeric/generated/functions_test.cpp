@@ -1,5 +1,5 @@
-// Compiled code of the functions beside evaluate(): each computes its own outputs and nothing else, serially and as tasks, without
-// the heap; and a mass matrix that cannot be solved with is told, not handed on.
+// Compiled code of the functions beside evaluate(): each computes its own outputs and nothing else, serially and as tasks,
+// without the heap; and a mass matrix that cannot be solved with is told, not handed on.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -42,9 +42,9 @@ class Functions : public ::testing::Test {
   // Of the result, relative to its largest element in the generic engine.
   template <class Result>
   double error(ir::Quantity quantity, const Input& at, const Result& result) const {
-    const Eigen::MatrixXd right = reference::evaluate(model.tree, model.scene, {{quantity, ""}}, {at.q, at.v, at.more},
-                                                      reference::Precision::float64)
-                                      .front();
+    const Eigen::MatrixXd right =
+        reference::evaluate(model.tree, model.scene, {{quantity, ""}}, {at.q, at.v, at.more}, reference::Precision::float64)
+            .front();
     return (result - right).cwiseAbs().template maxCoeff<Eigen::PropagateNaN>() / right.cwiseAbs().maxCoeff();
   }
   double solved_tolerance(const Input& at) const {
