@@ -92,9 +92,8 @@ class Builder {
   // Of an array that is no output.
   std::string own_name(const std::string& name) const { return ir::own_name(algorithm_.function, name); }
   bool floating() const { return tree_.floating_base; }
-  // On a fixed base, whether the first joints carry the frame of reference: what does not change with their angles is cheaper
-  // so, and only evaluate() has nothing else.
-  bool moves_reference() const { return !floating() && algorithm_.function == ir::Function::evaluate; }
+  // On a fixed base the first joints carry the frame of reference: what does not change with their angles is cheaper so.
+  bool moves_reference() const { return !floating(); }
   // Whether D has the half traces of the paper's C; derivatives are made of the D of Christoffel symbols.
   bool half_traces() const { return algorithm_.function == ir::Function::evaluate && scene_.coriolis == ir::Coriolis::balance; }
   int base_coordinates() const { return floating() ? 6 : 0; }

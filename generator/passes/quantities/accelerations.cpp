@@ -6,7 +6,7 @@ using ir::Direction;
 using ir::Shape;
 
 int accelerations(Builder& b) {
-  const Poses p = poses(b);
+  const Poses p = poses(b, Frame::base);
   const int a = b.role({"acceleration_twist", "A", "A = dV less gravity", "m/s^2, rad/s^2", Shape::wrench});
   if (b.has("accelerations")) return a;
   const bool solved = b.function() == ir::Function::forward_dynamics;

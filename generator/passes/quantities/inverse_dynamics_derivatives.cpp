@@ -51,12 +51,12 @@ int subtree_wrench(Builder& b, const Poses& p, const SumRoles& own, int accelera
 }
 
 Factors factors(Builder& b) {
-  const Poses p = poses(b);
+  const Poses p = poses(b, Frame::base);
   const int acceleration = accelerations(b);
   const int mass = composite_mass(b);
-  const BodyAndSubtree sums = body_and_subtree_sums(b);
+  const BodyAndSubtree sums = body_and_subtree_sums(b, Frame::base);
   const int wrench = subtree_wrench(b, p, sums.body, acceleration);
-  const Factors r{forces(b).inertia,
+  const Factors r{forces(b, Frame::base).inertia,
                   b.role({"twice_transposed", "H", "H = 2 B' S, its angular part", "kg m^2/s", Shape::vector}),
                   b.role({"by_position", "Nq", "2 B Psi' + I Psi'' + S x* f", "N, N m", Shape::wrench}),
                   b.role({"by_velocity", "Nv", "2 B S + I (Psi' + S')", "N s, N m s", Shape::wrench}),
