@@ -143,6 +143,8 @@ NodeId Graph::multiply(NodeId a, NodeId b) {
 
 NodeId Graph::divide(NodeId a, NodeId b) {
   if (options_.fold && is_constant(b, 1)) return a;
+  if (options_.fold && is_constant(a) && is_constant(b) && (*this)[b].value != 0)
+    return constant((*this)[a].value / (*this)[b].value);
   return intern({Op::divide, a, b, 0, {}, {}});
 }
 
