@@ -4,6 +4,7 @@
 #include <set>
 
 #include "frontend/scene_check.hpp"
+#include "ir/coordinate_tree.hpp"
 #include "passes/build_tree.hpp"
 #include "passes/levels.hpp"
 
@@ -26,17 +27,62 @@ std::vector<int> missing(const std::set<int>& read, int size) {
   return rest;
 }
 
-// The cost of one result of the program, or of all (-1).
-OperationCost cost_of(const ir::Program& program, const std::vector<int>& phases, const ir::KinematicTree& tree, int array) {
+// What a step with whole matrices costs where they are not zero.
+ir::Operations operations_of(const ir::MatrixStep& step, const ir::CoordinateTree& tree) {
+  ir::Operations o;
+  const auto multiply_adds = [&](long count) { o.multiply += count, o.add += count; };
+  for (int k = 0; k < tree.size(); ++k) {
+    const int last = tree.last[static_cast<size_t>(k)], above = tree.depth(k);
+    if (step.kind == ir::MatrixStep::Kind::negative_product) {
+      multiply_adds(static_cast<long>(above + 1 + last - k) * tree.size());
+      continue;
+    }
+    for (int j = k + 1; j <= last; ++j) multiply_adds(tree.last[static_cast<size_t>(j)] - j + 1);  // L^-1
+    multiply_adds(static_cast<long>(last - k + 1) * (last - k + 1));                               // L^-1 D^-1 L^-T
+    o.multiply += above + 1;
+    o.divide += 1;
+  }
+  return o;
+}
+
+// The arrays that one is made of, itself among them, and the steps that make it. What says whether M can be solved with counts.
+struct Making {
+  std::set<int> arrays;
+  std::vector<ir::MatrixStep> steps;
+};
+Making making(const ir::Algorithm& algorithm, int array) {
+  Making m{{array}, {}};
+  if (const std::optional<ir::Guard>& guard = algorithm.guard;
+      guard && std::find(guard->arrays.begin(), guard->arrays.end(), array) != guard->arrays.end())
+    m.arrays.insert({guard->pivots, guard->diagonal});
+  for (auto step = algorithm.steps.rbegin(); step != algorithm.steps.rend(); ++step)
+    if (m.arrays.contains(step->to)) {
+      m.arrays.insert({step->a, step->b});
+      m.steps.push_back(*step);
+    }
+  return m;
+}
+
+// The cost of one result of the function, or of all (-1).
+OperationCost cost_of(const LoweredFunction& function, const std::vector<int>& phases, const ir::KinematicTree& tree,
+                      int array) {
+  const ir::Program& program = function.program;
+  Making made = making(function.algorithm, array);
+  if (array < 0) made.steps = function.algorithm.steps;
   std::vector<ir::NodeId> roots;
   for (const ir::OutputElement& e : program.elements)
-    if (array < 0 || e.array == array) roots.push_back(e.node);
+    if (array < 0 || made.arrays.contains(e.array)) roots.push_back(e.node);
   const std::vector<std::int32_t> uses = ir::uses(program.graph, roots);
   OperationCost cost;
   cost.name = array < 0 ? "all" : program.arrays[static_cast<size_t>(array)].name;
   cost.operations = ir::count(program.graph, uses);
   for (int phase = 1; phase <= 3; ++phase)
     cost.phases[static_cast<size_t>(phase - 1)] = count(program.graph, uses, phases, phase);
+  for (const ir::MatrixStep& step : made.steps) {
+    const ir::Operations operations = operations_of(step, ir::coordinate_tree(tree));
+    cost.operations += operations;
+    cost.phases[2] += operations;
+  }
   const ir::InputsRead read = ir::inputs_read(program, uses);
   cost.reads_base_pose = read.base_pose();
   cost.reads_position = read.joint_positions();
@@ -89,10 +135,10 @@ std::vector<OperationCost> operation_costs(const Lowered& lowered, const ir::Kin
   std::vector<OperationCost> costs(1);
   for (const LoweredFunction& f : lowered.functions) {
     const std::vector<int> phases = passes::phases(f.algorithm);
-    const OperationCost all = cost_of(f.program, phases, tree, -1);
+    const OperationCost all = cost_of(f, phases, tree, -1);
     costs.front() = f.algorithm.function == lowered.functions.front().algorithm.function ? all : sum(costs.front(), all);
     for (size_t a = 0; a < f.program.arrays.size(); ++a)
-      if (!f.program.arrays[a].internal) costs.push_back(cost_of(f.program, phases, tree, static_cast<int>(a)));
+      if (!f.program.arrays[a].internal) costs.push_back(cost_of(f, phases, tree, static_cast<int>(a)));
   }
   return costs;
 }

@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <algorithm>
 #include <stdexcept>
 
+#include "ir/coordinate_tree.hpp"
 #include "ir/identifier.hpp"
 
 namespace dalembert::backend {
@@ -46,27 +46,13 @@ std::string parameters_of(const CodeInput& code, const std::string& pointer) {
 
 std::string arguments_of(const CodeInput& code) { return fmt::format("{}", fmt::join(vectors_of(code), ", ")); }
 
-namespace {
-
-// The coordinate above each, -1 for none, and the last one beyond each: the base's coordinates stand one above another.
-std::string coordinate_tables(const ir::KinematicTree& tree) {
-  const int base = tree.nv() - tree.independent_joints();
-  std::vector<int> above, last;
-  for (int j = 0; j < base; ++j) above.push_back(j - 1);
-  for (const ir::Body& body : tree.bodies) above.push_back(body.parent < 0 ? base - 1 : base + body.parent);
-  for (int k = 0; k < tree.nv(); ++k) last.push_back(k);
-  for (size_t k = above.size(); k-- > 0;)
-    if (above[k] >= 0) last[static_cast<size_t>(above[k])] = std::max(last[static_cast<size_t>(above[k])], last[k]);
-  return fmt::format("  static constexpr int coordinate_above[] = {{{}}};\n  static constexpr int last_beyond[] = {{{}}};\n",
-                     fmt::join(above, ", "), fmt::join(last, ", "));
-}
-
-}  // namespace
-
 std::string matrix_statements(const CodeInput& code) {
   if (code.algorithm.steps.empty()) return "";
   const auto name = [&](int index) { return "workspace." + code.algorithm.arrays[static_cast<size_t>(index)].name; };
-  std::string text = coordinate_tables(code.tree);
+  const ir::CoordinateTree tree = ir::coordinate_tree(code.tree);
+  std::string text =
+      fmt::format("  static constexpr int coordinate_above[] = {{{}}};\n  static constexpr int last_beyond[] = {{{}}};\n",
+                  fmt::join(tree.above, ", "), fmt::join(tree.last, ", "));
   for (const ir::MatrixStep& s : code.algorithm.steps) {
     if (s.kind == ir::MatrixStep::Kind::invert)
       text += fmt::format("  dalembert::invert<nv>(coordinate_above, last_beyond, {}, {}, {}, {});\n", name(s.a), name(s.b),

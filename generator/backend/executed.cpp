@@ -1,5 +1,6 @@
 #include "backend/executed.hpp"
 
+#include <algorithm>
 #include <set>
 #include <vector>
 
@@ -8,6 +9,7 @@
 #include "backend/emit_prepare.hpp"
 #include "backend/emit_straight.hpp"
 #include "backend/kept.hpp"
+#include "ir/coordinate_tree.hpp"
 
 namespace dalembert::backend {
 namespace {
@@ -93,11 +95,34 @@ long guard_products(const CodeInput& code) {
   return guard ? code.algorithm.arrays[static_cast<size_t>(guard->pivots)].rows + 1 : 0;
 }
 
+// Of columns of n numbers: how many are run at a time (runtime/include/dalembert/factor.hpp).
+int piece(int n) { return n < 4 ? 1 : n < 8 ? 4 : 8; }
+int pieces(int count, int n) { return (count + piece(n) - 1) / piece(n); }
+
+ir::Operations matrix_step(const ir::MatrixStep& step, const ir::CoordinateTree& tree) {
+  const int n = tree.size(), p = piece(n);
+  ir::Operations o;
+  const auto multiply_adds = [&](long count) { o.multiply += count, o.add += count; };
+  for (int k = 0; k < n; ++k) {
+    const int last = tree.last[static_cast<size_t>(k)], above = tree.depth(k);
+    if (step.kind == ir::MatrixStep::Kind::negative_product) {
+      multiply_adds(static_cast<long>(above + 1 + last - k) * pieces(n, n) * p);
+      continue;
+    }
+    for (int i = k; i <= last; i += p) multiply_adds(static_cast<long>(std::min(last, std::min(i, n - p) + p - 1) - k) * p);
+    multiply_adds(static_cast<long>(above + 1) * pieces(n, n) * p);
+    o.multiply += above + 1;
+    o.divide += 1;
+  }
+  return o;
+}
+
 }  // namespace
 
 ir::Operations executed_operations(const CodeInput& code) {
   ir::Operations sum;
   sum.multiply = guard_products(code);
+  for (const ir::MatrixStep& step : code.algorithm.steps) sum += matrix_step(step, ir::coordinate_tree(code.tree));
   if (code.plan.form != ir::Form::rolled) return sum += straight_operations(code);
   sum += prepare_operations(code);
   for (const ir::BaseStage& stage : code.rolled.base) sum += base(stage);

@@ -24,6 +24,7 @@ struct Counted {
   friend bool operator<(Counted a, Counted b) { return a.value < b.value; }
   friend bool operator>(Counted a, Counted b) { return a.value > b.value; }
   Counted& operator+=(Counted b) { return *this = *this + b; }
+  Counted& operator-=(Counted b) { return *this = *this - b; }
 };
 
 template <int n>
@@ -58,6 +59,7 @@ struct CountedLanes {
     return each(a, a, [](Counted x, Counted) { return -x; });
   }
   CountedLanes& operator+=(const CountedLanes& b) { return *this = *this + b; }
+  CountedLanes& operator-=(const CountedLanes& b) { return *this = *this - b; }
 
  private:
   template <class F>
@@ -86,6 +88,10 @@ inline CountedLanes<2> broadcast<2, Counted>(Counted x) {
 }
 template <>
 inline CountedLanes<4> broadcast<4, Counted>(Counted x) {
+  return x;
+}
+template <>
+inline CountedLanes<8> broadcast<8, Counted>(Counted x) {
   return x;
 }
 template <>

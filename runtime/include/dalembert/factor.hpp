@@ -70,12 +70,14 @@ DALEMBERT_BLOCK void invert(const int* above, const int* last, const T* factor, 
     });
     column[k] = T(1);
   }
+  T reciprocal[n];
+  for (int k = 0; k < n; ++k) reciprocal[k] = T(1) / pivots[k];
   for (int j = 0; j < n; ++j) {
     int at[n], count = 0;
     T scale[n];
     for (int k = j; k >= 0; k = above[k]) {
       at[count] = k * n;
-      scale[count++] = room[k * n + j] / pivots[k];
+      scale[count++] = room[k * n + j] * reciprocal[k];
     }
     detail::in_pieces<n>(0, n, [&](int i) DALEMBERT_IN_BLOCK {
       Lanes<T, p> sum{};
