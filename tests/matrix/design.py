@@ -2,7 +2,11 @@
 import collections
 import itertools
 
-ALL = "mass_matrix,coriolis_matrix,gravity,bias,wrench_influence"
+# All that evaluate() computes, and all that the functions beside it do.
+ALL = ("mass_matrix,coriolis_matrix,gravity,bias,wrench_influence,kinetic_energy,potential_energy,center_of_mass,"
+       "center_of_mass_jacobian,momentum_matrix,momentum_bias,inverse_mass_matrix")
+FUNCTIONS = ("inverse_dynamics,inverse_dynamics_dq,inverse_dynamics_dv,regressor,forward_dynamics,forward_dynamics_dq,"
+             "forward_dynamics_dv")
 SINGLE = ["gravity", "mass_matrix", "bias", "mass_matrix,coriolis_matrix"]
 
 # One robot of each topology, fixed and floating, revolute and prismatic, and two whole humanoids, the second from Debian's
@@ -28,8 +32,9 @@ WITH_DEFECT = ["x86-64-v4", "skylake-avx512", "icelake-server", "rocketlake", "s
 
 
 def programs(robots):
-    """Every robot in both forms, with all outputs together and some alone. Straight lines of a hundred joints: what is short."""
-    return [program for program in itertools.product(robots, FORMS, [*SINGLE, ALL])
+    """Every robot in both forms, with all outputs of evaluate() together, those of the functions beside it, and some alone.
+    Straight lines of a hundred joints: what is short."""
+    return [program for program in itertools.product(robots, FORMS, [*SINGLE, ALL, FUNCTIONS])
             if not (program[1] == "straight" and program[0] in ("tree_5x20", "drchubo") and program[2] not in SINGLE[:3])]
 
 
@@ -72,4 +77,7 @@ def ci(_):
         (("quadruped", "rolled", ALL), ("g++", "-O0", "x86-64", 4)),
         (("unequal_limbs", "rolled", ALL), ("clang++", "-O2", "native", 8)),
         (("gantry_arms", "straight", ALL), ("g++", "-O3", "skylake-avx512", 4)),
+        (("mahru", "rolled", FUNCTIONS), ("g++", "-O3", "skylake-avx512", 8)),
+        (("unequal_limbs", "rolled", FUNCTIONS), ("clang++", "-O2", "native", 2)),
+        (("chain_7", "straight", FUNCTIONS), ("g++", "-O2", "x86-64", 4)),
     ]

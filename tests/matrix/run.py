@@ -75,7 +75,8 @@ class Matrix:
     def program(self, program, host):
         """The code under test, and its self-test compiled by `host`."""
         robot, form, outputs = program
-        folder = self.work / "_".join([robot, form, outputs.replace(",", "+") if outputs != design.ALL else "all"])
+        what = {design.ALL: "all", design.FUNCTIONS: "functions"}.get(outputs, outputs.replace(",", "+"))
+        folder = self.work / "_".join([robot, form, what])
         with self.once(folder):
             code, test = folder / "robot", folder / f"{host}.o"
             if folder not in self.generated:
