@@ -31,6 +31,11 @@ AARCH64 = "aarch64-linux-gnu-g++"
 WITH_DEFECT = ["x86-64-v4", "skylake-avx512", "icelake-server", "rocketlake", "sapphirerapids", "native"]
 
 
+def name(outputs):
+    """Of folders and in messages."""
+    return {ALL: "all", FUNCTIONS: "functions"}.get(outputs, outputs.replace(",", "+"))
+
+
 def programs(robots):
     """Every robot in both forms, with all outputs of evaluate() together, those of the functions beside it, and some alone.
     Straight lines of a hundred joints: what is short."""

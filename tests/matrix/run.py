@@ -75,8 +75,7 @@ class Matrix:
     def program(self, program, host):
         """The code under test, and its self-test compiled by `host`."""
         robot, form, outputs = program
-        what = {design.ALL: "all", design.FUNCTIONS: "functions"}.get(outputs, outputs.replace(",", "+"))
-        folder = self.work / "_".join([robot, form, what])
+        folder = self.work / "_".join([robot, form, design.name(outputs)])
         with self.once(folder):
             code, test = folder / "robot", folder / f"{host}.o"
             if folder not in self.generated:
@@ -133,7 +132,7 @@ class Matrix:
                 if verdict == "not visited":
                     continue
                 if verdict == "wrong" or not sys.stdout.isatty() or n % 10 == 0 or n == len(cells):
-                    print(f"[{n}/{len(cells)}] {verdict:8} {' '.join(map(str, tools))}: {' '.join(program)}"
+                    print(f"[{n}/{len(cells)}] {verdict:8} {' '.join(map(str, tools))}: {' '.join([*program[:2], design.name(program[2])])}"
                           f"{' | ' + details if verdict == 'wrong' else ''}", flush=True)
                 if n % 20 == 0:
                     self.keep()
