@@ -6,8 +6,9 @@ namespace dalembert::ir {
 
 const std::vector<QuantityRow>& quantities() {
   static const std::vector<QuantityRow> rows{
-#define DALEMBERT_QUANTITY(name, symbol, function, rows, columns, unit, by_default, scale, help) \
-  {Quantity::name, #name, symbol, Function::function, Extent::rows, Extent::columns, unit, by_default, Scale::scale, help},
+#define DALEMBERT_QUANTITY(name, symbol, function, rows, columns, unit, by_default, scale, needs, help) \
+  {Quantity::name, #name,      symbol,       Function::function, Extent::rows, Extent::columns,         \
+   unit,           by_default, Scale::scale, Needs::needs,       help},
 #include "ir/quantities.def"
 #undef DALEMBERT_QUANTITY
   };

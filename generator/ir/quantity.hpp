@@ -23,6 +23,9 @@ enum class Extent { one, three, four, six, nv, six_per_body, ten_per_body };
 // errors grow by the condition of M.
 enum class Scale { own, momentum, weight, centrifugal, force, solved };
 
+// What of the robot a quantity makes no sense without: nothing, a mass or an inertia that moves, a mass.
+enum class Needs { nothing, mass, center };
+
 struct QuantityRow {
   Quantity quantity;
   const char *name, *symbol;
@@ -31,6 +34,7 @@ struct QuantityRow {
   const char* unit;
   bool by_default;
   Scale scale;
+  Needs needs;
   const char* help;
 };
 

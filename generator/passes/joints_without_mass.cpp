@@ -84,15 +84,9 @@ ir::Scene with_massless_locked(const ir::RobotDescription& robot, const ir::Kine
 
 namespace {
 
-// Of the centre of mass, or about it.
-bool needs_center(ir::Quantity quantity) {
-  switch (quantity) {
-    case ir::Quantity::center_of_mass:
-    case ir::Quantity::center_of_mass_jacobian:
-    case ir::Quantity::momentum_matrix:
-    case ir::Quantity::momentum_bias: return true;
-    default: return false;
-  }
+bool any_needs(const ir::Scene& scene, ir::Needs needs) {
+  return std::any_of(scene.outputs.begin(), scene.outputs.end(),
+                     [&](ir::Quantity quantity) { return ir::row_of(quantity).needs == needs; });
 }
 
 bool has_center(const ir::KinematicTree& tree, const ir::Scene& scene) {
@@ -103,12 +97,12 @@ bool has_center(const ir::KinematicTree& tree, const ir::Scene& scene) {
 }  // namespace
 
 void check_mass(const ir::RobotDescription& robot, const ir::KinematicTree& tree, const ir::Scene& scene) {
-  if (std::any_of(scene.outputs.begin(), scene.outputs.end(), needs_center) && !has_center(tree, scene))
+  if (any_needs(scene, ir::Needs::center) && !has_center(tree, scene))
     throw InputError({Severity::error, robot.file, fmt::format("robot '{}'", robot.name),
                       "nothing that moves has a mass: there is no centre of mass",
                       "give the links <inertial>, or leave out what refers to the centre of mass"});
-  const auto needs_mass = [](ir::Quantity quantity) { return quantity != ir::Quantity::wrench_influence; };
-  if (std::none_of(scene.outputs.begin(), scene.outputs.end(), needs_mass) || !moves_no_mass(tree, scene)) return;
+  const bool any = any_needs(scene, ir::Needs::mass) || any_needs(scene, ir::Needs::center);
+  if (!any || !moves_no_mass(tree, scene)) return;
   throw InputError({Severity::error, robot.file, fmt::format("robot '{}'", robot.name),
                     "nothing that moves has a mass: there are no dynamics",
                     "give the links <inertial>, or ask for what needs none: --outputs wrench_influence, or --outputs '' "
