@@ -110,13 +110,17 @@ std::string sines_text(const CodeInput& code, bool held) {
 struct Gathered {
   int role;
   std::string vector;
+  int first;  // the joints' numbers in it begin there
 };
 std::vector<Gathered> gathered(const CodeInput& code) {
   std::vector<Gathered> all;
   const std::vector<std::string> vectors = vectors_of(code);
-  if (const int rate = role_of(code, Source::rate, false); rate >= 0) all.push_back({rate, vectors[1]});
-  for (const Source source : {Source::acceleration, Source::effort})
-    if (const int role = role_of(code, source, false); role >= 0) all.push_back({role, vectors.back()});
+  const auto add = [&](Source source, const std::string& vector, int first) {
+    if (const int role = role_of(code, source, false); role >= 0) all.push_back({role, vector, first});
+  };
+  add(Source::position, vectors[0], base_positions(code));
+  add(Source::rate, vectors[1], base_rows(code));
+  for (const Source source : {Source::acceleration, Source::effort}) add(source, vectors.back(), base_rows(code));
   return all;
 }
 
@@ -132,7 +136,7 @@ bool prepare_reads_q(const CodeInput& code) {
   return (!joints.turning.empty() && (sines(code, false) || sines(code, true))) || (!joints.sliding.empty() && slides);
 }
 
-bool prepare_reads_v(const CodeInput& code) { return !gathered(code).empty(); }
+bool prepare_spreads(const CodeInput& code) { return !gathered(code).empty(); }
 
 std::string prepare_statements(const CodeInput& code) {
   const Joints joints(code);
@@ -159,7 +163,7 @@ std::string prepare_statements(const CodeInput& code) {
     text += fmt::format(
         "  for (int i = 0; i < {}; i += 4) dalembert::store<4, Scalar>({} + i, dalembert::gather<4>({} + {}, slot_joint + "
         "i));\n",
-        code.plan.slots, kept(code, g.role, 0), g.vector, base_rows(code));
+        code.plan.slots, kept(code, g.role, 0), g.vector, g.first);
   return text;
 }
 
@@ -173,7 +177,7 @@ std::string prepare_tables(const CodeInput& code) {
     text += int_table(kind + "_slot", slots) + int_table(kind + "_joint", from);
   };
   const bool any_sines = sines(code, false) || sines(code, true);
-  if (prepare_reads_v(code) || (plain(code) && any_sines)) text += int_table("slot_joint", coordinates_of_slots(code));
+  if (prepare_spreads(code) || (plain(code) && any_sines)) text += int_table("slot_joint", coordinates_of_slots(code));
   if (needs_angles(code)) tables("turning", joints.turning);
   const bool slides = role_of(code, Source::slide, false) >= 0 || role_of(code, Source::slide, true) >= 0;
   if (slides && !joints.sliding.empty()) tables("sliding", joints.sliding);

@@ -13,9 +13,9 @@ std::string prepare_statements(const CodeInput& code);
 std::string prepare_tables(const CodeInput& code);
 // Whether angles are gathered in an array of their own before their sines are taken.
 bool needs_angles(const CodeInput& code);
-// Which inputs the statements read.
+// Whether the statements make sines or slides of q, and whether they spread coordinates as they are.
 bool prepare_reads_q(const CodeInput& code);
-bool prepare_reads_v(const CodeInput& code);
+bool prepare_spreads(const CodeInput& code);
 
 // What the statements execute, sines of padding included.
 ir::Operations prepare_operations(const CodeInput& code);

@@ -169,7 +169,7 @@ std::vector<Stage> rolled_stages(const CodeInput& code) {
   };
   for (int level = 0; level <= levels; ++level) {
     std::string base = level == 0 ? prepare_statements(code) : "";
-    bool state = level == 0 && (prepare_reads_q(code) || prepare_reads_v(code));
+    bool state = level == 0 && (prepare_reads_q(code) || prepare_spreads(code));
     for (const ir::BaseStage& b : code.rolled.base) {
       if (b.level != level) continue;
       base += base_statements(code, b);

@@ -32,6 +32,7 @@ constexpr Help scene_help[] = {
     {"armature", "JOINT=VALUE,...", "rotor inertia at the joint, kg m² or kg"},
     {"damping", "urdf|JOINT=VALUE,...", "viscous damping, N m s/rad or N s/m"},
     {"friction", "urdf|JOINT=VALUE,...", "Coulomb friction, N m or N"},
+    {"stiffness", "JOINT=K,...|{JOINT: {k: K, rest: Q}}", "springs: k (q - rest), N m/rad or N/m, and rad or m"},
     {"massless", "keep|lock", "joints that move no mass: kept, with a warning (default), or locked"},
     {"inertia", "refuse|accept|repair", "inertias that no body has: refused (default), used as given, or made the nearest one"},
     {"rates_zero", "true|false", "statics: all velocities are zero"},

@@ -39,6 +39,7 @@ class SceneCheck {
     for (const auto& [joint, value] : scene_.armature) free_joint("armature", joint);
     for (const auto& [joint, value] : scene_.damping) free_joint("damping", joint);
     for (const auto& [joint, value] : scene_.friction) free_joint("friction", joint);
+    stiffness();
     if (scene_.urdf_damping) urdf_values("damping", &ir::Joint::damping);
     if (scene_.urdf_friction) urdf_values("friction", &ir::Joint::friction);
     if (!errors_.empty()) throw InputError(errors_);
@@ -116,6 +117,16 @@ class SceneCheck {
       if (relation.multiplier == 0)
         error(key, fmt::format("the multiplier of joint '{}' is zero: it would not move", name),
               fmt::format("lock it at its offset instead: locked: {{{}: {}}}", name, relation.offset));
+    }
+  }
+
+  // A driven joint's spring would not be at rest where its driver's is.
+  void stiffness() {
+    for (const auto& [joint, spring] : scene_.stiffness) {
+      if (!free_joint("stiffness", joint)) continue;
+      if (const auto relation = scene_.mimic.find(joint); relation != scene_.mimic.end())
+        error("stiffness/" + joint, fmt::format("joint '{}' is driven by '{}'", joint, relation->second.of),
+              fmt::format("give the spring to '{}'", relation->second.of));
     }
   }
 

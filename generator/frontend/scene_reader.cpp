@@ -26,15 +26,14 @@ class SceneReader {
     Handler read;
   };
   static const std::vector<Key>& keys() {
-    static const std::vector<Key> keys = {{"base", &SceneReader::base},         {"gravity", &SceneReader::gravity},
-                                          {"outputs", &SceneReader::outputs},   {"coriolis", &SceneReader::coriolis},
-                                          {"locked", &SceneReader::locked},     {"cut", &SceneReader::cut},
-                                          {"mimic", &SceneReader::mimic},       {"jacobians", &SceneReader::jacobians},
-                                          {"frames", &SceneReader::frames},     {"payloads", &SceneReader::payloads},
-                                          {"armature", &SceneReader::armature}, {"damping", &SceneReader::damping},
-                                          {"friction", &SceneReader::friction}, {"massless", &SceneReader::massless},
-                                          {"inertia", &SceneReader::inertia},   {"rates_zero", &SceneReader::rates_zero},
-                                          {"scalar", &SceneReader::scalar},     {"parallel", &SceneReader::parallel}};
+    static const std::vector<Key> keys = {
+        {"base", &SceneReader::base},         {"gravity", &SceneReader::gravity},       {"outputs", &SceneReader::outputs},
+        {"coriolis", &SceneReader::coriolis}, {"locked", &SceneReader::locked},         {"cut", &SceneReader::cut},
+        {"mimic", &SceneReader::mimic},       {"jacobians", &SceneReader::jacobians},   {"frames", &SceneReader::frames},
+        {"payloads", &SceneReader::payloads}, {"armature", &SceneReader::armature},     {"damping", &SceneReader::damping},
+        {"friction", &SceneReader::friction}, {"stiffness", &SceneReader::stiffness},   {"massless", &SceneReader::massless},
+        {"inertia", &SceneReader::inertia},   {"rates_zero", &SceneReader::rates_zero}, {"scalar", &SceneReader::scalar},
+        {"parallel", &SceneReader::parallel}};
     return keys;
   }
 
@@ -169,6 +168,32 @@ class SceneReader {
   void friction(const YamlNode& node) {
     scene_.urdf_friction = says_urdf(node);
     scene_.friction = scene_.urdf_friction ? std::map<std::string, double>{} : positive_values(node, true);
+  }
+
+  // {joint: {k: value, rest: 0}, ...}, or k alone
+  void stiffness(const YamlNode& node) {
+    scene_.stiffness.clear();
+    forget_entries();
+    const std::string remedy = "write stiffness: {joint: {k: 100, rest: 0}}, or {joint: 100} for a spring at rest at zero";
+    if (!node.is_map()) refuse(node, "the value is not a map", remedy);
+    for (const auto& entry : node.entries) {
+      const std::string joint = entry_name(entry.key);
+      ir::Spring spring;
+      const YamlNode* k = entry.value.is_scalar() ? &entry.value : nullptr;
+      if (!k && !entry.value.is_map()) refuse(entry.value, fmt::format("the spring of '{}' is no map", joint), remedy);
+      if (!k)
+        for (const auto& part : entry.value.entries) {
+          const std::string name = entry_name(part.key, joint);
+          if (name == "k") k = &part.value;
+          else if (name == "rest") spring.rest = number(part.value);
+          else refuse(part.key, fmt::format("'{}' is no part of a spring", name), suggestion(name, {"k", "rest"}));
+        }
+      if (!k) refuse(entry.key, fmt::format("the spring of '{}' has no k", joint), remedy);
+      spring.k = number(*k);
+      if (spring.k < 0)
+        refuse(*k, fmt::format("the stiffness of joint '{}' is negative", joint), "give a value of zero or more");
+      scene_.stiffness[joint] = spring;
+    }
   }
 
   // {joint: {of: joint, multiplier: 1, offset: 0}, ...} or urdf

@@ -27,7 +27,7 @@ int components(Shape shape);
 std::string component_suffix(Shape shape, int component);
 
 // Where the values of a role come from: a sweep stores them, or they are the joint's coordinate, before any sweep.
-enum class Source { sweep, sine, cosine, slide, rate, acceleration, effort };
+enum class Source { sweep, sine, cosine, slide, position, rate, acceleration, effort };
 
 struct Role {
   std::string name;     // "joint_linear"

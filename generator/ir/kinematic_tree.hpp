@@ -34,6 +34,7 @@ struct Body {
   double offset = 0;
 
   double armature = 0, damping = 0, friction = 0;  // as the scene asks; a driven body's are its driver's
+  Spring spring;                                   // of the joint's own coordinate: a driven body has none
 
   bool prismatic() const { return type == JointType::prismatic; }
   bool driven() const { return driven_by >= 0; }
@@ -79,6 +80,9 @@ struct KinematicTree {
     for (; slides && above >= 0; above = bodies[static_cast<size_t>(above)].parent)
       slides = bodies[static_cast<size_t>(above)].prismatic();
     return slides;
+  }
+  bool any_spring() const {
+    return std::any_of(bodies.begin(), bodies.end(), [](const Body& b) { return b.spring.k != 0; });
   }
   // Whether a body is `below`, or above it; -1, the base, is above all.
   bool is_above(int body, int below) const {

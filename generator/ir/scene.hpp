@@ -21,6 +21,11 @@ enum class Parallel { serial, tasks, automatic };
 enum class Coriolis { balance, christoffel };         // which C with dM/dt = C + C' and the same C v
 enum class InertiaPolicy { refuse, accept, repair };  // what becomes of an inertia that no body has
 
+struct Spring {
+  double k = 0;     // N m/rad or N/m
+  double rest = 0;  // where it is at rest, rad or m
+};
+
 struct Scene {
   Base base = Base::floating;
   GravityKind gravity_kind = GravityKind::constant;
@@ -39,9 +44,10 @@ struct Scene {
   std::map<std::string, double> armature;  // joint → rotor inertia reflected to the joint, kg m² or kg
   std::map<std::string, double> damping;   // joint → viscous damping
   std::map<std::string, double> friction;  // joint → Coulomb friction
-  bool urdf_damping = false;               // take <dynamics damping> from the URDF
-  bool urdf_friction = false;              // take <dynamics friction> from the URDF
-  bool lock_massless = false;              // lock every joint that moves no mass
+  std::map<std::string, Spring> stiffness;
+  bool urdf_damping = false;   // take <dynamics damping> from the URDF
+  bool urdf_friction = false;  // take <dynamics friction> from the URDF
+  bool lock_massless = false;  // lock every joint that moves no mass
   InertiaPolicy inertia = InertiaPolicy::refuse;
 
   // What is asked of links, by either key, each once.

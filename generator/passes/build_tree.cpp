@@ -100,6 +100,7 @@ class TreeBuilder {
     body.armature = asked(scene_.armature, 0);
     body.damping = asked(scene_.damping, scene_.urdf_damping ? joint.damping : 0);
     body.friction = asked(scene_.friction, scene_.urdf_friction ? joint.friction : 0);
+    if (const auto spring = scene_.stiffness.find(joint.name); spring != scene_.stiffness.end()) body.spring = spring->second;
     visit.placement.setIdentity();
     parts_.emplace_back();
     tree_.bodies.push_back(std::move(body));

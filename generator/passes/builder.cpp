@@ -44,6 +44,7 @@ JointPosition SweepBuilder::position(bool reference) {
   return {own(roles.sine), own(roles.cosine), own(roles.slide)};
 }
 
+Sym SweepBuilder::coordinate() { return own(joint_position_role(builder_)); }
 Sym SweepBuilder::rate() { return own(joint_rate_role(builder_)); }
 Sym SweepBuilder::acceleration() { return own(joint_acceleration_role(builder_)); }
 Sym SweepBuilder::effort() { return own(joint_effort_role(builder_)); }

@@ -35,6 +35,7 @@ class SweepBuilder {
   Mat3 parameter9(int first) { return {parameter3(first), parameter3(first + 3), parameter3(first + 6)}; }
   BodyConstants body(bool reference = false);  // `reference`: with the frames that poses are made of
   JointPosition position(bool reference = false);
+  Sym coordinate();  // of the joint, rad or m
   Sym rate();
   Sym acceleration();  // of the joint, as inverse dynamics takes it
   Sym effort();        // on the joint, as forward dynamics takes it

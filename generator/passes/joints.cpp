@@ -20,6 +20,10 @@ JointRoles joint_roles(Builder& builder, bool reference) {
                         Source::slide, true})};
 }
 
+int joint_position_role(Builder& builder) {
+  return builder.role({"joint_position", "q", "q", "rad or m", Shape::scalar, -1, Source::position});
+}
+
 int joint_rate_role(Builder& builder) {
   return builder.role({"rate", "dq", "dq", "rad/s or m/s", Shape::scalar, -1, Source::rate});
 }
@@ -37,6 +41,7 @@ ir::NodeId coordinate_node(ir::Graph& graph, const ir::Role& role, const ir::Kin
   const ir::Body& joint = tree.bodies[static_cast<std::size_t>(body)];
   const JointModel root = root_joint(tree);
   const int coordinate = coordinates[static_cast<std::size_t>(body)];
+  if (role.source == Source::position) return graph.input({InputKind::position, root.nq + coordinate, 0});
   if (role.source == Source::rate)
     return rates_zero ? graph.constant(0) : graph.input({InputKind::velocity, root.nv + coordinate, 0});
   if (role.source == Source::acceleration) return graph.input({InputKind::acceleration, root.nv + coordinate, 0});

@@ -26,12 +26,13 @@ struct JointRoles {
   int sine = 0, cosine = 0, slide = 0;
 };
 JointRoles joint_roles(Builder& builder, bool reference);
+int joint_position_role(Builder& builder);
 int joint_rate_role(Builder& builder);
 int joint_acceleration_role(Builder& builder);
 int joint_effort_role(Builder& builder);
 
-// A role that is the joint's coordinate, as a node: of any source but sweep. A driven joint's position is its driver's,
-// scaled; its rate and acceleration are its driver's own, the scale being in its motion column.
+// A role that is the joint's coordinate, as a node: of any source but sweep. A driven joint's sine, cosine and slide are of its
+// driver's position, scaled; its position, rate and acceleration are its driver's own, the scale being in its motion column.
 ir::NodeId coordinate_node(ir::Graph& graph, const ir::Role& role, const ir::KinematicTree& tree,
                            const std::vector<int>& coordinates, bool rates_zero, int body);
 

@@ -66,6 +66,7 @@ ir::Scene with_massless_locked(const ir::RobotDescription& robot, const ir::Kine
     scene.mimic.erase(joint);
     scene.damping.erase(joint);
     scene.friction.erase(joint);
+    scene.stiffness.erase(joint);
     scene.armature.erase(joint);  // of zero
   };
   std::vector<std::string> names;

@@ -23,7 +23,8 @@ bool in_range(const ir::Inertia& inertia) {
 }
 
 bool in_range(const ir::Body& body) {
-  for (const double number : {body.armature, body.damping, body.friction, body.multiplier, body.offset})
+  for (const double number :
+       {body.armature, body.damping, body.friction, body.multiplier, body.offset, body.spring.k, body.spring.rest})
     if (!in_range(number)) return false;
   return in_range(body.inertia) && all_in_range(body.placement.matrix());
 }

@@ -28,6 +28,9 @@ constexpr Group groups[] = {
     {damping_p, ir::Shape::scalar, "damping", "N m s/rad or N s/m", true},
     {friction_p, ir::Shape::scalar, "friction", "N m or N", true},
     {half_armature_p, ir::Shape::scalar, "half_armature", "kg m^2 or kg", true},
+    {stiffness_p, ir::Shape::scalar, "stiffness", "N m/rad or N/m", true},
+    {half_stiffness_p, ir::Shape::scalar, "half_stiffness", "N m/rad or N/m", true},
+    {rest_p, ir::Shape::scalar, "rest", "rad or m", false},
     {link_rotation_p, ir::Shape::matrix, "link_rotation", "", false},
     {link_translation_p, ir::Shape::vector, "link_translation", "m", false},
 };
@@ -89,6 +92,9 @@ double parameter_value(int parameter, const ir::KinematicTree& tree, const ir::N
     case half_armature_p: return joint.driven() ? 0 : 0.5 * joint.armature;
     case damping_p: return joint.driven() ? 0 : joint.damping;
     case friction_p: return joint.driven() ? 0 : joint.friction;
+    case stiffness_p: return joint.spring.k;
+    case half_stiffness_p: return 0.5 * joint.spring.k;
+    case rest_p: return joint.spring.rest;
     default: break;
   }
   if (parameter >= link_translation_p) return n.link_translation[parameter - link_translation_p];

@@ -25,7 +25,10 @@ enum Parameter : int {
   armature_p,
   damping_p,
   friction_p,
-  half_armature_p,                           // of the armature; nothing where no body is
+  half_armature_p,  // of the armature; nothing where no body is
+  stiffness_p,
+  half_stiffness_p,
+  rest_p,                                    // where the spring is at rest
   link_rotation_p,                           // 9: the link's axes in the body's frame
   link_translation_p = link_rotation_p + 9,  // 3: the link's origin
   parameter_count = link_translation_p + 3

@@ -65,19 +65,7 @@ double kinetic_energy(const ir::KinematicTree& tree, const ir::Scene& scene, con
 }
 
 double potential_energy(const ir::KinematicTree& tree, const ir::Scene& scene, const Motion& at) {
-  const generic::Model<double> robot = to_generic<double>(tree, scene.gravity);
-  const generic::Reduction<double> reduction(robot);
-  const generic::Kinematics<double> kinematics = generic::phase1<double>(
-      robot, reduction.expand_position(at.q), reduction.expand_velocity(Eigen::VectorXd::Zero(at.v.size())));
-  Transform<double> base{Eigen::Matrix3d::Identity(), Eigen::Vector3d::Zero()};
-  if (tree.floating_base) base = {rotation_of_quaternion<double>(at.q[3], at.q[4], at.q[5], at.q[6]), at.q.head<3>()};
-  const auto energy = [&](const Inertia<double>& body, const Transform<double>& in_base) {
-    const Transform<double> pose = base * in_base;
-    return -body.mass * robot.gravity.dot(pose.rotation * body.com + pose.translation);
-  };
-  double sum = tree.floating_base ? energy(robot.base, {Eigen::Matrix3d::Identity(), Eigen::Vector3d::Zero()}) : 0;
-  for (size_t k = 0; k < robot.bodies.size(); ++k) sum += energy(robot.bodies[k].inertia, kinematics.bodies[k].in_base);
-  return sum;
+  return evaluate(tree, scene, {{ir::Quantity::potential_energy, ""}}, {at.q, at.v}, Precision::float64).front()(0, 0);
 }
 
 }  // namespace dalembert::reference

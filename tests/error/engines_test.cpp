@@ -36,9 +36,9 @@ struct Use {
 TEST(Eval, EnginesAgreeAndShapesAreThoseOfTheQuantity) {
   const std::vector<std::string> fixed{"--base", "fixed"}, floating{"--base", "floating"};
   const std::vector<std::string> driven{
-      "--base",     "fixed",     "--mimic",   "{wrist: {of: elbow, multiplier: -1.5, offset: 0.1}}",
-      "--armature", "wrist=0.1", "--damping", "wrist=2,grip=1",
-      "--friction", "elbow=0.5"};
+      "--base",     "fixed",     "--mimic",     "{wrist: {of: elbow, multiplier: -1.5, offset: 0.1}}",
+      "--armature", "wrist=0.1", "--damping",   "wrist=2,grip=1",
+      "--friction", "elbow=0.5", "--stiffness", "{elbow: {k: 3, rest: 0.2}}"};
   for (const Use& use :
        {Use{"mass_matrix", 10, 10, floating}, Use{"wrench_influence", 10, 30, floating}, Use{"coriolis_matrix", 4, 4, fixed},
         Use{"jacobian_tool", 6, 4, fixed}, Use{"bias", 3, 1, driven}, Use{"mass_matrix", 3, 3, driven}}) {

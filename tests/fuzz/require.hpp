@@ -38,6 +38,7 @@ inline void check_tree(const ir::KinematicTree& tree) {
     require(finite(body.inertia) && body.placement.matrix().allFinite(), "inertias and placements are finite");
     require(std::abs(body.axis.norm() - 1) < 1e-9, "axes are unit vectors");
     require(std::isfinite(body.armature) && std::isfinite(body.damping) && std::isfinite(body.friction), "losses are finite");
+    require(body.spring.k >= 0 && std::isfinite(body.spring.k) && std::isfinite(body.spring.rest), "springs are finite");
     require(std::isfinite(body.multiplier) && std::isfinite(body.offset), "mimic relations are finite");
     require(body.driven_by < tree.joints() && (!body.driven() || !tree.bodies[static_cast<size_t>(body.driven_by)].driven()),
             "a driver is not driven");

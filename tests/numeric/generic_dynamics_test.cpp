@@ -37,6 +37,8 @@ void complicate(generic::Model<S>& model) {
     body.armature = S(1 + k) / 16;
     body.damping = S(3 + k) / 8;
     body.friction = S(2 + k) / 4;
+    body.stiffness = S(4 + k) / 2;
+    body.rest = S(1 + k) / 8;
   }
   if (n < 4) return;
   for (int k = 0; k < n; ++k) model.coordinates.push_back({k < 2 ? k : k < n - 1 ? k - 1 : 0, S(1), S(0)});
@@ -141,7 +143,7 @@ TEST_P(In100Digits, InverseTimesMassMatrixIsOne) {
 
 TEST_P(In100Digits, RegressorTimesParametersIsInverseDynamics) {
   generic::Model<Multi> plain = s.model;
-  for (generic::Body<Multi>& body : plain.bodies) body.armature = body.damping = body.friction = 0;
+  for (generic::Body<Multi>& body : plain.bodies) body.armature = body.damping = body.friction = body.stiffness = 0;
   const Vector expected = generic::inverse_dynamics<Multi>(plain, s.q, s.v, s.v_dot, Vector());
   const Matrix Y = generic::regressor<Multi>(s.model, s.q, s.v, s.v_dot);
   EXPECT_LE(relative<Multi>(Y * generic::inertial_parameters(s.model), expected), to_100_digits);

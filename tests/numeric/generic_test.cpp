@@ -69,10 +69,13 @@ TEST(Generic, JointEffectsEnterWhereTheyBelong) {
   model.bodies[1].armature = 0.3;
   model.bodies[2].damping = 0.7;
   model.bodies[3].friction = 0.9;
+  model.bodies[4].stiffness = 1.3;
+  model.bodies[4].rest = 0.4;
   const auto before = generic::evaluate<double>(plain, state.q, state.v),
              after = generic::evaluate<double>(model, state.q, state.v);
   const double sign = state.v[6 + 3] > 0 ? 1 : -1;
-  const VectorXd extra = VectorXd::Unit(11, 8) * 0.7 * state.v[8] + VectorXd::Unit(11, 9) * 0.9 * sign;
+  const VectorXd spring = VectorXd::Unit(11, 10) * 1.3 * (state.q[7 + 4] - 0.4);
+  const VectorXd extra = VectorXd::Unit(11, 8) * 0.7 * state.v[8] + VectorXd::Unit(11, 9) * 0.9 * sign + spring;
   EXPECT_LE(
       (after.mass_matrix - before.mass_matrix - 0.3 * MatrixXd::Identity(11, 11).col(7) * VectorXd::Unit(11, 7).transpose())
           .norm(),
@@ -80,13 +83,13 @@ TEST(Generic, JointEffectsEnterWhereTheyBelong) {
   EXPECT_EQ(after.coriolis_matrix, before.coriolis_matrix);
   EXPECT_EQ(after.gravity, before.gravity);
   EXPECT_LE((after.bias - before.bias - extra).norm(), 1e-13);
-  // Inverse dynamics counts all three.
+  // Inverse dynamics counts all four.
   const VectorXd acceleration = VectorXd::LinSpaced(11, -1, 2);
   const VectorXd tau = generic::inverse_dynamics<double>(model, state.q, state.v, acceleration);
   EXPECT_LE((tau - after.mass_matrix * acceleration - after.bias).norm(), 1e-12 * tau.norm());
   // No friction at rest.
   EXPECT_EQ(generic::bias<double>(model, state.q, VectorXd::Zero(11)),
-            generic::bias<double>(plain, state.q, VectorXd::Zero(11)));
+            generic::bias<double>(plain, state.q, VectorXd::Zero(11)) + spring);
 }
 
 // Driven joints: q3 = −0.5 q1 + 0.2. The reduced M and C obey Ṁ = C + Cᵀ and C v + g = Newton-Euler like any other.

@@ -92,6 +92,17 @@ TEST_P(WholeRobot, PotentialEnergyIsThatOfTheCentreAndItsGradientGravity) {
   for (const Vector& v : {c.v, other}) EXPECT_LE(relative(rate(c, v, energy)[0], gravity.dot(v)), tolerance);
 }
 
+// What a robot at rest takes to be held is the gradient of the potential energy, springs included.
+TEST_P(WholeRobot, SpringsStorePotentialEnergy) {
+  for (int k = 0; k < c.model.joints(); k += 2) {
+    c.model.bodies[static_cast<size_t>(k)].stiffness = Multi(k + 1) * 3;
+    c.model.bodies[static_cast<size_t>(k)].rest = Multi(k - 2) / 7;
+  }
+  const Vector held = generic::bias<Multi>(c.model, c.q, Vector::Zero(c.v.size()));
+  const auto energy = [&](const Vector& q) { return Vector::Constant(1, at(q, c.v).potential_energy); };
+  for (const Vector& v : {c.v, other}) EXPECT_LE(relative(rate(c, v, energy)[0], held.dot(v)), tolerance);
+}
+
 TEST_P(WholeRobot, CentreOfMassMovesAsItsJacobianSays) {
   EXPECT_LE(relative(at(c.q, c.v).center_of_mass, center(c.q)), tolerance);
   const auto of = [&](const Vector& q) { return center(q); };

@@ -127,7 +127,7 @@ bool needs_independent_joints(ir::Quantity quantity) { return ir::row_of(quantit
 class Algorithm : public testing::TestWithParam<TestRobot> {};
 
 // Everything the compiler knows, on every topology: each quantity alone, all together, statics, gravity at run time, Jacobians,
-// payloads, driven joints, armature, damping and friction.
+// payloads, driven joints, armature, damping, friction and springs.
 TEST_P(Algorithm, RunsInBothFormsAsTheGenericEngineDoes) {
   const ir::RobotDescription description = robot(GetParam().name);
   std::vector<std::string> moving;
@@ -157,6 +157,16 @@ TEST_P(Algorithm, RunsInBothFormsAsTheGenericEngineDoes) {
     for (size_t j = 0; j < moving.size(); j += 2)
       friction.armature[moving[j]] = 0.3, friction.damping[moving[j]] = 0.7, friction.friction[moving[j]] = 1.1;
     scenes["armature, damping, friction"] = friction;
+    ir::Scene springs = all;
+    for (size_t j = 0; j < moving.size(); j += 2) springs.stiffness[moving[j]] = {3.0 + static_cast<double>(j), 0.4};
+    scenes["springs"] = springs;
+    ir::Scene resting = springs;
+    resting.rates_zero = true;
+    std::erase(resting.outputs, ir::Quantity::coriolis_matrix);
+    scenes["springs in statics"] = resting;
+    springs.gravity_kind = ir::GravityKind::none;
+    springs.gravity.setZero();
+    scenes["springs without gravity"] = springs;
     ir::Scene christoffel = all;
     christoffel.coriolis = ir::Coriolis::christoffel;
     scenes["Christoffel's C"] = christoffel;
@@ -164,6 +174,7 @@ TEST_P(Algorithm, RunsInBothFormsAsTheGenericEngineDoes) {
       ir::Scene driven = all;
       driven.mimic[moving[1]] = {moving[0], -0.5, 0.2};
       driven.mimic[moving.back()] = {moving[0], 1.5, 0};
+      driven.stiffness[moving[0]] = {7, -0.3};
       std::erase_if(driven.outputs, needs_independent_joints);
       scenes["driven joints"] = driven;
     }

@@ -201,6 +201,17 @@ TEST(BuildTree, DrivenJointsHaveNoCoordinateAndTheirExtrasAreTheirDrivers) {
   EXPECT_EQ(tree.bodies[1].armature, 0);
 }
 
+TEST(BuildTree, SpringsAreOfTheJointTheyAreGivenTo) {
+  ir::Scene scene;
+  scene.stiffness = {{"k", {3, 0.5}}};
+  EXPECT_FALSE(build(two("revolute", "0 0 0", "0 0 1"), ir::Scene{}).any_spring());
+  const ir::KinematicTree tree = build(two("revolute", "0 0 0", "0 0 1"), scene);
+  EXPECT_TRUE(tree.any_spring());
+  EXPECT_EQ(tree.bodies[0].spring.k, 0);
+  EXPECT_EQ(tree.bodies[1].spring.k, 3);
+  EXPECT_EQ(tree.bodies[1].spring.rest, 0.5);
+}
+
 TEST(JointsWithoutMass, AreThoseThatMoveNeitherMassNorInertiaNorArmature) {
   ir::RobotDescription robot = two("revolute", "0 0 0", "0 0 1");
   const auto massless = [&](const ir::Scene& scene) { return passes::joints_without_mass(build(robot, scene), scene); };

@@ -130,8 +130,8 @@ class RolledRun {
   void joints() {
     for (std::size_t r = 0; r < program_.roles.size(); ++r) {
       if (program_.roles[r].source == Source::sweep || program_.places[r].array < 0) continue;
-      // Places without a body have some other joint's rate, as the emitted code gathers it.
-      if (program_.roles[r].source == Source::rate)
+      // Places without a body have some other joint's position and rate, as the emitted code gathers it.
+      if (program_.roles[r].source == Source::rate || program_.roles[r].source == Source::position)
         for (int s = 0; s < plan_.slots; ++s) kept(static_cast<int>(r), 0, s) = 0.7;
       for (int k = 0; k < tree_.joints(); ++k) {
         Graph graph;

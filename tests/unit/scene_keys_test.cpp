@@ -35,6 +35,7 @@ const Example examples[] = {
     {"armature", "{a: 0.5, c: 0.25}", "a=0.5,c=0.25"},
     {"damping", "urdf", "urdf"},
     {"friction", "{a: 2}", "a=2"},
+    {"stiffness", "{a: {k: 30, rest: 0}}", "a=30"},
     {"massless", "lock", "lock"},
     {"inertia", "repair", "repair"},
     {"rates_zero", "true", "true"},

@@ -28,7 +28,7 @@ using reference::Motion;
 constexpr double seconds = 0.2, stiff_seconds = 1, stiff_step = 1e-3;
 constexpr int largest_robot = 100;  // coordinates; beyond, the reference takes longer than all the rest
 
-// The robot's dynamics as the integrators want them, with springs towards a position in every joint.
+// The robot's dynamics as the integrators want them, with springs towards a position in every joint beside the scene's.
 class Simulated {
  public:
   Simulated(const Model& model, const CompilerOptions& compiler)
@@ -36,10 +36,14 @@ class Simulated {
         outputs_(outputs_of(with_quantities(model))),
         engine_(with_quantities(model), outputs_, compiler),
         damping_(VectorXd::Zero(tree_.nv())),
+        own_stiffness_(VectorXd::Zero(tree_.nv())),
         rest_(VectorXd::Zero(tree_.nq())) {
     const std::vector<int> coordinates = tree_.coordinates();
     for (size_t k = 0; k < tree_.bodies.size(); ++k)
-      if (!tree_.bodies[k].driven()) damping_[base() + coordinates[k]] = tree_.bodies[k].damping;
+      if (!tree_.bodies[k].driven()) {
+        damping_[base() + coordinates[k]] = tree_.bodies[k].damping;
+        own_stiffness_[base() + coordinates[k]] = tree_.bodies[k].spring.k;
+      }
   }
 
   void set_springs(double stiffness, const VectorXd& rest) {
@@ -57,6 +61,7 @@ class Simulated {
     MatrixXd damping = engine_.result(outputs_[1]), springs = MatrixXd::Zero(v.size(), v.size());
     damping.diagonal() += damping_;
     springs.diagonal().tail(v.size() - base()).setConstant(stiffness_);
+    springs.diagonal() += own_stiffness_;
     return {engine_.result(outputs_[0]), damping, springs, force(q)};
   }
 
@@ -78,8 +83,8 @@ class Simulated {
   const ir::KinematicTree& tree_;
   std::vector<Output> outputs_;
   GeneratedEngine engine_;
-  VectorXd damping_, rest_;  // of v's and of q's layout
-  double stiffness_ = 0;
+  VectorXd damping_, own_stiffness_, rest_;  // the scene's, and where springs added to them are at rest; of v's and q's layout
+  double stiffness_ = 0;                     // of those
 };
 
 struct Integrator {

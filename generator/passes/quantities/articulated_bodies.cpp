@@ -101,7 +101,7 @@ BaseFactors base_factors(Sym mass, const Sums& sums, const Blocks& removed, Swee
 
 // C v + g of the floating base: force and moment in its axes.
 Twist base_bias(Builder& b, SweepBuilder& base) {
-  if (!b.scene().rates_zero) {
+  if (!bias_is_gravity(b)) {
     const int wrench = newton_euler(b, Driven::at_rest).subtree_wrench;
     return {base.own3(wrench, 0), base.own3(wrench, 3)};
   }
@@ -173,7 +173,7 @@ void guard(Builder& b, int array) {
 SolvedRoles solved_accelerations(Builder& b) {
   const Poses p = poses(b);
   const Articulated a = articulated_bodies(b);
-  const int bias = b.scene().rates_zero ? gravity_torques(b).torque : newton_euler(b, Driven::at_rest).torque;
+  const int bias = bias_is_gravity(b) ? gravity_torques(b).torque : newton_euler(b, Driven::at_rest).torque;
   const int solved = b.role({"solved_acceleration", "ddq", "dv", "m/s^2 or rad/s^2", Shape::scalar});
   const int handed = b.role({"reaction", "ph", "reaction of the limbs beyond", "N, N m", Shape::wrench});
   const int total = b.role({"reaction_below", "p", "reaction of the subtree", "N, N m", Shape::wrench});

@@ -1,4 +1,4 @@
-// M a + C v + g by recursive Newton-Euler, with the scene's armature, damping and friction.
+// M a + C v + g by recursive Newton-Euler, with the scene's armature, damping, friction and springs.
 #include "passes/quantities/quantities.hpp"
 #include "passes/quantities/shared.hpp"
 

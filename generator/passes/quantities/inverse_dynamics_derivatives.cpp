@@ -116,6 +116,7 @@ void describe_inverse_dynamics_dq(Builder& b, int array) {
   p.equation = "dtau_i/dq_k = Nq_k.S_i, dtau_k/dq_i = F_k.Psi''_i + H_k.Psi'_i";
   p.above = {{f.by_position, 0, f.joint_linear, 0}, {f.by_position, 3, f.joint_angular, 0}};
   p.below = {{f.inertia, 0, f.curvature, 0}, {f.inertia, 3, f.curvature, 3}, {f.transposed, 0, f.rate, 0}};
+  if (b.tree().any_spring()) p.diagonal = stiffness_p;
   b.pairs(p);
 }
 

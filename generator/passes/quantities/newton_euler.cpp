@@ -79,6 +79,7 @@ NewtonEuler newton_euler(Builder& b, Driven driven) {
   const Sym rate = in.rate(), friction = in.parameter(friction_p) * Sym{rate.graph, rate.graph->sign(rate.id)};
   const Sym damping = in.parameter(damping_p) * rate;
   Sym own = sum_of_products(k.turning, turning[2], k.sliding, force[2]) + damping + friction;
+  if (b.tree().any_spring()) own = own + in.parameter(stiffness_p) * (in.coordinate() - in.parameter(rest_p));
   if (accelerated) own = own + in.parameter(armature_p) * in.acceleration();
   in.store(torque, own);
   const Vec3 origin = k.translation + q.displacement * column(k.rotation, 2), moved = to_parent(k, q, force);

@@ -1,6 +1,6 @@
 // Y with Y phi = M a + C v + g, phi the ten inertial parameters of every body: m, m c, and the inertia about the origin of the
-// body's link, all along the link's axes (Siciliano and Khatib 2016, section 6.2). Armature, damping and friction are not in
-// it.
+// body's link, all along the link's axes (Siciliano and Khatib 2016, section 6.2). Armature, damping, friction and springs are
+// not in it.
 #include "passes/quantities/quantities.hpp"
 #include "passes/quantities/shared.hpp"
 

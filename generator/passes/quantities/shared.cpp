@@ -158,6 +158,8 @@ ForceRoles forces(Builder& b, Frame frame) {
   return r;
 }
 
+bool bias_is_gravity(const Builder& b) { return b.scene().rates_zero && !b.tree().any_spring(); }
+
 GravityRoles gravity_torques(Builder& b) {
   const int mass = composite_mass(b);
   const int down = b.role({"down", "down", "gravity along the body's axes", "m/s^2", Shape::vector});

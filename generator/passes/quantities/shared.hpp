@@ -51,11 +51,14 @@ struct GravityRoles {
 };
 GravityRoles gravity_torques(Builder& builder);
 
+// Whether C v + g and what joints add to it is g: nothing moves and nothing springs back.
+bool bias_is_gravity(const Builder& builder);
+
 // Recursive Newton-Euler: for no accelerations (the bias), for none without gravity, or for those that the function is given.
 enum class Driven { at_rest, weightless, accelerated };
 struct NewtonEuler {
   int angular, angular_acceleration, acceleration;  // of the body: w, dw and its origin's acceleration less gravity
-  int torque;                                       // τ of every coordinate, with the scene's armature, damping and friction
+  int torque;          // τ of every coordinate, with the scene's armature, damping, friction and springs
   int subtree_wrench;  // f, n of every subtree along its first body's axes; the base's: of the whole robot
 };
 NewtonEuler newton_euler(Builder& builder, Driven driven);

@@ -110,8 +110,8 @@ std::vector<MovingBody<S>> moving_bodies(const Model<S>& model, const Kinematics
 
 }  // namespace detail
 
-// Of what expanded_newton_euler() gives, with its arguments. Damping is on the diagonal of dv; friction is a constant but where
-// a joint stands still, so its derivative counts as zero; armature depends on neither q nor v.
+// Of what expanded_newton_euler() gives, with its arguments. Stiffness is on the diagonal of dq, damping on that of dv;
+// friction is a constant but where a joint stands still, so its derivative counts as zero; armature depends on neither q nor v.
 template <class S>
 InverseDynamicsDerivatives<S> expanded_derivatives(const Model<S>& model, const Kinematics<S>& kinematics, const VectorX<S>& q,
                                                    const VectorX<S>& v, const VectorX<S>& v_dot,
@@ -137,8 +137,11 @@ InverseDynamicsDerivatives<S> expanded_derivatives(const Model<S>& model, const 
       if (j->parent < 0) break;
     }
   }
-  for (int k = 0; k < model.joints(); ++k)
-    result.dv(model.base_rows() + k, model.base_rows() + k) += model.bodies[static_cast<size_t>(k)].damping;
+  for (int k = 0; k < model.joints(); ++k) {
+    const int row = model.base_rows() + k;
+    result.dq(row, row) += model.bodies[static_cast<size_t>(k)].stiffness;
+    result.dv(row, row) += model.bodies[static_cast<size_t>(k)].damping;
+  }
   return result;
 }
 

@@ -23,7 +23,7 @@ struct Dynamics {
   MatrixX<S> mass_matrix;       // M, nv × nv
   MatrixX<S> coriolis_matrix;   // C, nv × nv: Ṁ = C + Cᵀ
   VectorX<S> gravity;           // g, nv
-  VectorX<S> bias;              // C v + g, and damping and friction of the joints, nv; by Newton-Euler
+  VectorX<S> bias;              // C v + g, and damping, friction and springs of the joints, nv; by Newton-Euler
   MatrixX<S> wrench_influence;  // W, nv × 6·bodies: transposed body Jacobians, the base's first when it floats
 };
 
@@ -48,7 +48,7 @@ VectorX<S> gravity(const Model<S>& model, In<S> q) {
   return at.reduction.reduce_rows(expanded_gravity<S>(model, at.kinematics, at.q));
 }
 
-// C v + g, and damping and friction, by recursive Newton-Euler: independent of phases II and III.
+// C v + g, and damping, friction and springs of the joints, by recursive Newton-Euler: independent of phases II and III.
 template <class S>
 VectorX<S> bias(const Model<S>& model, In<S> q, In<S> v) {
   return inverse_dynamics<S>(model, q, v, VectorX<S>::Zero(model.nv()));

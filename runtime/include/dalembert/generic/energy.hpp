@@ -20,11 +20,17 @@ S expanded_kinetic_energy(const Model<S>& model, const Kinematics<S>& kinematics
   return twice / S(2);
 }
 
-// −Σ m γ·c over what moves, c the bodies' centres of mass in the world: zero where all of it lies in the world's origin, J.
-// q: as of phase1().
+// −Σ m γ·c over what moves, c the bodies' centres of mass in the world: zero where all of it lies in the world's origin; and
+// ½ stiffness (q − rest)² of the joints' springs, J. q: as of phase1().
 template <class S>
 S potential_energy(const Model<S>& model, const Kinematics<S>& kinematics, const VectorX<S>& q) {
-  return -model.gravity.dot(first_moments<S>(model, kinematics, q).whole.moment);
+  S twice(0);
+  for (int k = 0; k < model.joints(); ++k) {
+    const Body<S>& body = model.bodies[static_cast<size_t>(k)];
+    const S strain = q[(model.floating_base ? 7 : 0) + k] - body.rest;
+    twice += body.stiffness * strain * strain;
+  }
+  return twice / S(2) - model.gravity.dot(first_moments<S>(model, kinematics, q).whole.moment);
 }
 
 }  // namespace dalembert::generic

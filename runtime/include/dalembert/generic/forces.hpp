@@ -87,11 +87,12 @@ Vector6<S> external_wrench(const Model<S>& model, const VectorX<S>& wrenches, in
 }
 
 // τ = M v̇ + C v + g − W F by recursive Newton-Euler: neither M nor C is formed, gravity is an upward acceleration of the
-// base. v_dot: as v. wrenches: F, 6·bodies, or empty. Armature, damping and friction are included.
+// base. v_dot: as v. wrenches: F, 6·bodies, or empty. Armature, damping, friction and springs
+// are included.
 template <class S>
 VectorX<S> expanded_newton_euler(const Model<S>& model, const Kinematics<S>& kinematics, const VectorX<S>& q,
                                  const VectorX<S>& v, const VectorX<S>& v_dot, const VectorX<S>& wrenches = VectorX<S>()) {
-  const int base = model.base_rows();
+  const int base = model.base_rows(), positions = model.floating_base ? 7 : 0;
   const Accelerations<S> moving = accelerations(model, kinematics, q, v, v_dot);
   std::vector<Vector6<S>> needed;
   for (size_t k = 0; k < model.bodies.size(); ++k)
@@ -105,7 +106,8 @@ VectorX<S> expanded_newton_euler(const Model<S>& model, const Kinematics<S>& kin
   for (int k = 0; k < model.joints(); ++k) {
     const Body<S>& body = model.bodies[static_cast<size_t>(k)];
     const S rate = v[base + k], sign = rate > S(0) ? S(1) : rate < S(0) ? S(-1) : S(0);
-    tau[base + k] += body.armature * v_dot[base + k] + body.damping * rate + body.friction * sign;
+    tau[base + k] += body.armature * v_dot[base + k] + body.damping * rate + body.friction * sign +
+                     body.stiffness * (q[positions + k] - body.rest);
   }
   return tau;
 }

@@ -29,8 +29,8 @@ Solution<MatrixX<S>> inverse_mass_matrix(const Model<S>& model, In<S> q) {
   return {factors.solve(MatrixX<S>::Identity(model.nv(), model.nv())), factors.status()};
 }
 
-// v̇ = M⁻¹ (τ − C v − g + W F), nv (m/s², rad/s²), damping and friction of the joints taken from τ. tau: nv (N, N m), the first
-// six on a floating base being a wrench on it in its own axes: zero unless something pushes it.
+// v̇ = M⁻¹ (τ − C v − g + W F), nv (m/s², rad/s²), damping, friction and springs of the joints taken from τ. tau: nv (N, N m),
+// the first six on a floating base being a wrench on it in its own axes: zero unless something pushes it.
 template <class S>
 Solution<VectorX<S>> forward_dynamics(const Model<S>& model, In<S> q, In<S> v, In<S> tau, In<S> wrenches = VectorX<S>()) {
   const detail::State<S> at(model, q, v);

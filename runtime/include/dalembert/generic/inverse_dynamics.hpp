@@ -20,9 +20,9 @@ void check_wrenches(const Model<S>& model, const VectorX<S>& wrenches) {
 
 }  // namespace detail
 
-// τ = M v̇ + C v + g − W F, nv (N, N m), and what armature, damping and friction of the joints need, by recursive Newton-Euler
-// (Luh, Walker, Paul 1980): neither M nor C is formed. v_dot: nv, as v; the base's part is the rate of v's entries, which
-// stand in the base's turning axes (m/s², rad/s²).
+// τ = M v̇ + C v + g − W F, nv (N, N m), and what armature, damping, friction and springs of the joints need, by recursive
+// Newton-Euler (Luh, Walker, Paul 1980): neither M nor C is formed. v_dot: nv, as v; the base's part is the rate of v's
+// entries, which stand in the base's turning axes (m/s², rad/s²).
 template <class S>
 VectorX<S> inverse_dynamics(const Model<S>& model, In<S> q, In<S> v, In<S> v_dot, In<S> wrenches = VectorX<S>()) {
   const detail::State<S> at(model, q, v);
@@ -33,8 +33,9 @@ VectorX<S> inverse_dynamics(const Model<S>& model, In<S> q, In<S> v, In<S> v_dot
 
 // ∂τ/∂q and ∂τ/∂v of inverse_dynamics(), both nv × nv; ∂τ/∂v̇ is M. Column i is the derivative along v's coordinate i: for the
 // floating base, moving and turning it along its own axes with v's entries kept (they are not the derivatives along the
-// position's and the quaternion's coordinates). Wrenches are constant along their bodies' axes. Damping counts, on ∂τ/∂v's
-// diagonal; friction's derivative counts as zero, as it is wherever no joint stands still. Method: derivatives.hpp.
+// position's and the quaternion's coordinates). Wrenches are constant along their bodies' axes. Stiffness and damping count, on
+// the diagonals of ∂τ/∂q and ∂τ/∂v; friction's derivative counts as zero, as it is wherever no joint stands still. Method:
+// derivatives.hpp.
 template <class S>
 InverseDynamicsDerivatives<S> inverse_dynamics_derivatives(const Model<S>& model, In<S> q, In<S> v, In<S> v_dot,
                                                            In<S> wrenches = VectorX<S>()) {
@@ -58,8 +59,9 @@ MatrixX<S> inverse_dynamics_dv(const Model<S>& model, In<S> q, In<S> v, In<S> v_
 }
 
 // Y, nv × 10·bodies: Y φ = M v̇ + C v + g for φ = inertial_parameters(model), and for every other φ the same of a robot that has
-// those. Armature, damping and friction are no parameters of bodies and are left out: subtract what they need (armature · v̇ +
-// damping · v + friction · sign v per joint) from measured τ before comparing it with Y φ.
+// those. Armature, damping, friction and springs are no parameters of bodies and are left out: subtract what they need
+// (armature · v̇ + damping · v + friction · sign v + stiffness · (q − rest) per joint) from measured τ before comparing it with
+// Y φ.
 template <class S>
 MatrixX<S> regressor(const Model<S>& model, In<S> q, In<S> v, In<S> v_dot) {
   const detail::State<S> at(model, q, v);

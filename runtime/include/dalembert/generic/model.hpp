@@ -28,6 +28,8 @@ struct Body {
   S armature = S(0);                             // rotor inertia reflected to the joint: added to M's diagonal, kg m² or kg
   S damping = S(0);                              // viscous: damping · v_i is added to the bias, N m s/rad or N s/m
   S friction = S(0);                             // Coulomb: friction · sign(v_i) is added to the bias, N m or N
+  S stiffness = S(0);  // of a spring: stiffness · (q_i − rest) is added to the bias, N m/rad or N/m
+  S rest = S(0);       // where that spring is at rest, rad or m
 };
 
 // q_joint = multiplier · q[index] + offset, index counting the joints' independent coordinates.

@@ -11,7 +11,7 @@ namespace dalembert::generic {
 template <class S>
 struct WholeRobot {
   S kinetic_energy;                    // ½ vᵀ M v, armature included, J
-  S potential_energy;                  // zero with the centre of mass in the world's origin, J
+  S potential_energy;                  // zero with the centre of mass in the world's origin and springs at rest, J
   Vector3<S> center_of_mass;           // in the world, m
   MatrixX<S> center_of_mass_jacobian;  // 3 × nv: the centre's velocity, world axes, is J v
   MatrixX<S> momentum_matrix;          // A, 6 × nv: momentum about the centre of mass, world axes, linear part first, is A v
