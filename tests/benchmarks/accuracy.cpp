@@ -3,16 +3,16 @@
 //   accuracy [--states N] [--limit ULP] [--robot NAME]...      all robots but the chains and trees, 10000 states, 32 ulp
 //
 // Exact: the generic engine in 100 decimal digits on the same doubles, rounded. One row per robot, base, library and
-// quantity; the libraries are those that benchmark_peers times (-O3 -march=native). `over`: states beyond the limit. `generic
-// max`: the generic engine in double on the same states, which shows where a state is hard for any program: an arm that
-// balances has a g whose largest element is what remains of much larger terms. Exit status 1 when an error exceeds the limit or
-// a result is not finite, 2 for bad usage.
+// quantity; the libraries are those of M, C, g and bias that benchmark_peers times (-O3 -march=native). `over`: states beyond
+// the limit. `generic max`: the generic engine in double on the same states, which shows where a state is hard for any program:
+// an arm that balances has a g whose largest element is what remains of much larger terms. Exit status 1 when an error exceeds
+// the limit or a result is not finite, 2 for bad usage.
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <dalembert/generic/dynamics.hpp>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <string>
@@ -34,19 +34,21 @@ struct Options {
   std::vector<std::string> robots;
 };
 
-constexpr const char* quantity_names[] = {"mass_matrix", "coriolis_matrix", "gravity", "bias"};
+constexpr ir::Quantity measured_quantities[] = {ir::Quantity::mass_matrix, ir::Quantity::coriolis_matrix, ir::Quantity::gravity,
+                                                ir::Quantity::bias};
 
-// Errors of one library, one vector per quantity (empty: not among its outputs).
-using Errors = std::array<std::vector<double>, 4>;
+bool is_measured(const GeneratedRobot& library) {
+  const auto known = [](const GeneratedOutput& output) {
+    return !output.values || std::count(std::begin(measured_quantities), std::end(measured_quantities), output.quantity);
+  };
+  return std::all_of(library.results.begin(), library.results.end(), known);
+}
+
+// Errors of one library, one vector per quantity among its outputs.
+using Errors = std::map<ir::Quantity, std::vector<double>>;
 
 void append(Errors& errors, const Results& ours, const Results& exact) {
-  const auto add = [&](size_t quantity, const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
-    if (a.size()) errors[quantity].push_back(ulp_error(a, b));
-  };
-  add(0, ours.mass_matrix, exact.mass_matrix);
-  add(1, ours.coriolis_matrix, exact.coriolis_matrix);
-  add(2, ours.gravity, exact.gravity);
-  add(3, ours.bias, exact.bias);
+  for (const auto& [quantity, result] : ours) errors[quantity].push_back(ulp_error(result, exact.at(quantity)));
 }
 
 // States first, first + step, ... up to the count: errors of each library, then of the generic engine.
@@ -62,7 +64,7 @@ void measure(const ir::KinematicTree& tree, const std::vector<const GeneratedRob
     const Results exact = exact_results(tree, gravity, state);
     for (size_t k = 0; k < libraries.size(); ++k) {
       evaluations[k].run(state);
-      append(errors[k], evaluations[k].results(tree.nv()), exact);
+      append(errors[k], evaluations[k].results(tree), exact);
     }
     append(errors.back(), generic_results(model, state), exact);
   }
@@ -80,21 +82,21 @@ bool report(const RobotEntry& entry, bool floating, const std::vector<const Gene
   }
   for (std::thread& thread : threads) thread.join();
 
-  const auto sorted = [&](size_t library, size_t quantity) {
+  const auto sorted = [&](size_t library, ir::Quantity quantity) {
     std::vector<double> all;
-    for (const auto& part : parts) all.insert(all.end(), part[library][quantity].begin(), part[library][quantity].end());
+    for (auto& part : parts) all.insert(all.end(), part[library][quantity].begin(), part[library][quantity].end());
     std::sort(all.begin(), all.end());
     return all;
   };
   bool good = true;
   for (size_t k = 0; k < libraries.size(); ++k) {
-    for (size_t quantity = 0; quantity < 4; ++quantity) {
+    for (const ir::Quantity quantity : measured_quantities) {
       const std::vector<double> all = sorted(k, quantity);
       if (all.empty()) continue;
       const auto over = all.end() - std::upper_bound(all.begin(), all.end(), options.limit);
       good = good && over == 0;
       std::printf("%-10s %-9s %-9s %-16s %8d %10.2f %10.2f %6d %12.2f\n", entry.name, floating ? "floating" : "fixed",
-                  libraries[k]->outputs, quantity_names[quantity], static_cast<int>(all.size()), all.back(),
+                  libraries[k]->outputs, ir::row_of(quantity).name, static_cast<int>(all.size()), all.back(),
                   all[all.size() / 2], static_cast<int>(over), sorted(libraries.size(), quantity).back());
     }
   }
@@ -116,7 +118,7 @@ int run(const Options& options) {
     if (!wanted(entry, options)) continue;
     std::map<bool, std::vector<const GeneratedRobot*>> by_base;
     for (const GeneratedRobot& library : generated_robots) {
-      if (std::string(library.robot) != entry.name) continue;
+      if (std::string(library.robot) != entry.name || !is_measured(library)) continue;
       const std::string outputs = library.outputs;
       by_base[outputs == "floating" || (outputs != "fixed" && entry.floating)].push_back(&library);
     }

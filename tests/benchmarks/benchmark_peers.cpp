@@ -4,12 +4,13 @@
 //   benchmark_peers --benchmark_filter='MAHRU/.*/dalembert'        generated code only
 //   benchmark_peers --benchmark_repetitions=11 --benchmark_enable_random_interleaving=true    to be quoted; see table.py
 //
-// Counters: relative_error (largest over 16 states, relative to the largest element, against 100 digits), text_bytes and
+// Counters: relative_error (largest over 16 states, relative to the largest element, against 50 digits), text_bytes and
 // table_bytes of generated code. A program whose results are wrong is not timed.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
 #include <map>
+#include <memory>
 
 #include "benchmark_robots.hpp"
 #include "contestants.hpp"
@@ -36,7 +37,7 @@ Prepared prepare(const RobotEntry& entry, Quantities quantities, Make make) {
   const BenchmarkRobot& robot = robot_of(entry);
   Prepared prepared{make(robot, quantities), 0};
   for (int i = 0; i < BenchmarkRobot::checked_states; ++i) {
-    prepared.relative_error = std::max(prepared.relative_error, relative_error(prepared.contestant.results(i), robot.exact(i)));
+    prepared.relative_error = std::max(prepared.relative_error, relative_error(prepared.contestant.results(i), robot, i));
   }
   return prepared;
 }
@@ -72,13 +73,13 @@ void register_one(const RobotEntry& entry, Quantities quantities, const char* wh
 
 void register_all() {
   for (const RobotEntry& entry : benchmark_robots) {
-    for (const Quantities quantities : all_quantities) {
+    for (const QuantitiesRow& row : all_quantities) {
+      const Quantities quantities = row.quantities;
       if (has_generated(entry.name, quantities)) register_one(entry, quantities, "dalembert", dalembert_contestant);
       register_one(entry, quantities, "generic", generic_contestant);
-      if (!peers_offer(quantities)) continue;
-      register_one(entry, quantities, "mujoco", mujoco_contestant);
-      register_one(entry, quantities, "dart", dart_contestant);
-      if (entry.chain) register_one(entry, quantities, "kdl", kdl_contestant);
+      if (mujoco_offers(quantities)) register_one(entry, quantities, "mujoco", mujoco_contestant);
+      if (dart_offers(quantities)) register_one(entry, quantities, "dart", dart_contestant);
+      if (entry.chain && kdl_offers(quantities)) register_one(entry, quantities, "kdl", kdl_contestant);
     }
   }
 }

@@ -4,7 +4,10 @@
 #include <algorithm>
 #include <kdl/chain.hpp>
 #include <kdl/chaindynparam.hpp>
+#include <kdl/chainfdsolver_recursive_newton_euler.hpp>
 #include <kdl/chainidsolver_recursive_newton_euler.hpp>
+#include <memory>
+#include <vector>
 
 #include "contestants.hpp"
 
@@ -38,16 +41,22 @@ KDL::Chain chain_of(const ir::KinematicTree& tree) {
 
 }  // namespace
 
+bool kdl_offers(Quantities quantities) {
+  return quantities == Quantities::M || quantities == Quantities::gravity || quantities == Quantities::bias ||
+         quantities == Quantities::inverse_dynamics || quantities == Quantities::forward_dynamics;
+}
+
 Contestant kdl_contestant(const BenchmarkRobot& robot, Quantities quantities) {
   const auto& bodies = robot.tree().bodies;
   const bool chain =
       std::is_sorted(bodies.begin(), bodies.end(), [](const auto& a, const auto& b) { return a.parent < b.parent; });
-  if (!peers_offer(quantities) || robot.tree().floating_base || !chain) return {};
+  if (!kdl_offers(quantities) || robot.tree().floating_base || !chain) return {};
   struct Computation {
     KDL::Chain chain;
     KDL::ChainDynParam parameters;
     KDL::ChainIdSolver_RNE newton_euler;
-    std::vector<KDL::JntArray> q, v;
+    KDL::ChainFdSolver_RNE forward;
+    std::vector<KDL::JntArray> q, v, accelerations, efforts;
     KDL::JntArray zero, forces;
     KDL::JntSpaceInertiaMatrix mass_matrix;
     KDL::Wrenches external;
@@ -56,6 +65,7 @@ Contestant kdl_contestant(const BenchmarkRobot& robot, Quantities quantities) {
         : chain(c),
           parameters(chain, gravity),
           newton_euler(chain, gravity),
+          forward(chain, gravity),
           zero(chain.getNrOfJoints()),
           forces(chain.getNrOfJoints()),
           mass_matrix(chain.getNrOfJoints()),
@@ -66,25 +76,38 @@ Contestant kdl_contestant(const BenchmarkRobot& robot, Quantities quantities) {
       if (wanted == Quantities::M) parameters.JntToMass(q[index], mass_matrix);
       if (wanted == Quantities::gravity) parameters.JntToGravity(q[index], forces);
       if (wanted == Quantities::bias) newton_euler.CartToJnt(q[index], v[index], zero, external, forces);
+      if (wanted == Quantities::inverse_dynamics)
+        newton_euler.CartToJnt(q[index], v[index], accelerations[index], external, forces);
+      if (wanted == Quantities::forward_dynamics) forward.CartToJnt(q[index], v[index], efforts[index], external, forces);
       benchmark::DoNotOptimize(forces.data.data());
       benchmark::DoNotOptimize(mass_matrix.data.data());
     }
   };
   const auto c = std::make_shared<Computation>(chain_of(robot.tree()), to_kdl(robot.gravity()));
-  for (const testing::State& state : robot.states()) {
-    KDL::JntArray q(static_cast<unsigned>(state.q.size())), v(static_cast<unsigned>(state.v.size()));
-    q.data = state.q;
-    v.data = state.v;
-    c->q.push_back(q);
-    c->v.push_back(v);
+  const auto array = [](const Eigen::VectorXd& values) {
+    KDL::JntArray result(static_cast<unsigned>(values.size()));
+    result.data = values;
+    return result;
+  };
+  for (int i = 0; i < BenchmarkRobot::state_count; ++i) {
+    const testing::State& state = robot.states()[static_cast<size_t>(i)];
+    c->q.push_back(array(state.q));
+    c->v.push_back(array(state.v));
+    c->accelerations.push_back(array(robot.more(ir::Function::inverse_dynamics, i)));
+    c->efforts.push_back(array(robot.more(ir::Function::forward_dynamics, i)));
   }
   return {[c, quantities](int state) { c->run(state, quantities); },
           [c, quantities](int state) {
             c->run(state, quantities);
             Results results;
-            if (quantities == Quantities::M) results.mass_matrix = c->mass_matrix.data;
-            if (quantities == Quantities::gravity) results.gravity = c->forces.data;
-            if (quantities == Quantities::bias) results.bias = c->forces.data;
+            switch (quantities) {
+              case Quantities::M: results[ir::Quantity::mass_matrix] = c->mass_matrix.data; break;
+              case Quantities::gravity: results[ir::Quantity::gravity] = c->forces.data; break;
+              case Quantities::bias: results[ir::Quantity::bias] = c->forces.data; break;
+              case Quantities::inverse_dynamics: results[ir::Quantity::inverse_dynamics] = c->forces.data; break;
+              case Quantities::forward_dynamics: results[ir::Quantity::forward_dynamics] = c->forces.data; break;
+              default: break;
+            }
             return results;
           }};
 }

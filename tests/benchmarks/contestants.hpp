@@ -20,12 +20,14 @@ struct Contestant {
 using Make = Contestant (*)(const BenchmarkRobot&, Quantities);
 Contestant dalembert_contestant(const BenchmarkRobot& robot, Quantities quantities);  // generated, -O3 -march=native
 Contestant generic_contestant(const BenchmarkRobot& robot, Quantities quantities);    // the paper's recursion, allocates
-Contestant mujoco_contestant(const BenchmarkRobot& robot, Quantities quantities);     // M, g, bias
-Contestant dart_contestant(const BenchmarkRobot& robot, Quantities quantities);       // M, g, bias
-Contestant kdl_contestant(const BenchmarkRobot& robot, Quantities quantities);        // M, g, bias of chains on a fixed base
+Contestant mujoco_contestant(const BenchmarkRobot& robot, Quantities quantities);
+Contestant dart_contestant(const BenchmarkRobot& robot, Quantities quantities);
+Contestant kdl_contestant(const BenchmarkRobot& robot, Quantities quantities);  // of chains on a fixed base
 
 // Known without reading a robot, so that a filtered run starts at once.
 bool has_generated(const std::string& robot, Quantities quantities);
-bool peers_offer(Quantities quantities);  // M, g and bias; no peer knows C
+bool mujoco_offers(Quantities quantities);
+bool dart_offers(Quantities quantities);
+bool kdl_offers(Quantities quantities);
 
 }  // namespace dalembert::benchmarks

@@ -52,9 +52,13 @@ testing::State extreme_state(const ir::KinematicTree& tree, const Kind& kind, in
 
 // Divided by √M_ii row by row and, for a matrix, column by column.
 Results normalised(const Results& results, const Results& exact) {
-  const Eigen::VectorXd d = exact.mass_matrix.diagonal().cwiseSqrt().cwiseInverse();
-  return {d.asDiagonal() * results.mass_matrix * d.asDiagonal(), d.asDiagonal() * results.coriolis_matrix * d.asDiagonal(),
-          d.asDiagonal() * results.gravity, d.asDiagonal() * results.bias};
+  const Eigen::VectorXd d = exact.at(ir::Quantity::mass_matrix).diagonal().cwiseSqrt().cwiseInverse();
+  Results normalised = results;
+  for (auto& [quantity, result] : normalised) {
+    result = d.asDiagonal() * result;
+    if (ir::row_of(quantity).columns == ir::Extent::nv) result *= d.asDiagonal();
+  }
+  return normalised;
 }
 
 // Largest errors so far: M, C, g, bias as they are, then normalised.
@@ -62,10 +66,11 @@ struct Errors {
   std::array<double, 8> ulp{};
 
   void add(const Results& ours, const Results& exact, size_t first) {
-    const double errors[] = {ulp_error(ours.mass_matrix, exact.mass_matrix),
-                             ulp_error(ours.coriolis_matrix, exact.coriolis_matrix), ulp_error(ours.gravity, exact.gravity),
-                             ulp_error(ours.bias, exact.bias)};
-    for (size_t i = 0; i < 4; ++i) ulp[first + i] = std::max(ulp[first + i], errors[i]);
+    for (const ir::Quantity quantity :
+         {ir::Quantity::mass_matrix, ir::Quantity::coriolis_matrix, ir::Quantity::gravity, ir::Quantity::bias}) {
+      double& worst = ulp[first++];
+      worst = std::max(worst, ulp_error(ours.at(quantity), exact.at(quantity)));
+    }
   }
   void add(const Results& ours, const Results& exact) {
     add(ours, exact, 0);
@@ -105,7 +110,7 @@ bool report(const char* robot, const ir::KinematicTree& tree, const GeneratedRob
     const testing::State& state = states.emplace_back(extreme_state(tree, kind, i + 1));
     const Results exact = exact_results(tree, gravity, state);
     evaluation.run(state);
-    generated.add(evaluation.results(tree.nv()), exact);
+    generated.add(evaluation.results(tree), exact);
     generic.add(generic_results(model, state), exact);
   }
   const auto at = [&](int i) -> const testing::State& { return states[static_cast<size_t>(i)]; };

@@ -11,15 +11,14 @@ const GeneratedRobot* find_generated(const std::string& robot, const std::string
   return nullptr;
 }
 
-Results GeneratedEvaluation::results(int nv) const {
-  const void* workspace = workspace_.get();
+Results GeneratedEvaluation::results(const ir::KinematicTree& tree) const {
   Results results;
-  const auto matrix = [&](const double* data) { return Eigen::Map<const Eigen::MatrixXd>(data, nv, nv); };
-  const auto vector = [&](const double* data) { return Eigen::Map<const Eigen::VectorXd>(data, nv); };
-  if (robot_.mass_matrix) results.mass_matrix = matrix(robot_.mass_matrix(workspace));
-  if (robot_.coriolis_matrix) results.coriolis_matrix = matrix(robot_.coriolis_matrix(workspace));
-  if (robot_.gravity) results.gravity = vector(robot_.gravity(workspace));
-  if (robot_.bias) results.bias = vector(robot_.bias(workspace));
+  for (const GeneratedOutput& output : robot_.results) {
+    if (!output.values) continue;
+    const ir::QuantityRow& row = ir::row_of(output.quantity);
+    results[output.quantity] = Eigen::Map<const Eigen::MatrixXd>(output.values(workspace_.get()), ir::extent(row.rows, tree),
+                                                                 ir::extent(row.columns, tree));
+  }
   return results;
 }
 

@@ -2,9 +2,18 @@
 // program, which must link DART, is not, so that no Eigen object may pass between them.
 #pragma once
 
+#include <array>
+#include <memory>
+
 #include "benchmark_robot.hpp"
 
 namespace dalembert::benchmarks {
+
+// An output, and where it stands in the library's workspace.
+struct GeneratedOutput {
+  ir::Quantity quantity;
+  const double* (*values)(const void* workspace);  // null: no output
+};
 
 // One library: one robot, one choice of outputs. Function pointers take the library's own workspace.
 struct GeneratedRobot {
@@ -13,11 +22,9 @@ struct GeneratedRobot {
   const char* archive;  // path of the static library
   void* (*create)();
   void (*destroy)(void*);
-  void (*evaluate)(const double* q, const double* v, void* workspace);
-  const double* (*mass_matrix)(const void*);  // null when not among the outputs
-  const double* (*coriolis_matrix)(const void*);
-  const double* (*gravity)(const void*);
-  const double* (*bias)(const void*);
+  // All functions that the outputs need; `more`: what the one beside evaluate() takes.
+  void (*run)(const double* q, const double* v, const double* more, void* workspace);
+  std::array<GeneratedOutput, 4> results;  // those there are first
 };
 
 // Null when there is none.
@@ -27,8 +34,10 @@ const GeneratedRobot* find_generated(const std::string& robot, const std::string
 class GeneratedEvaluation {
  public:
   explicit GeneratedEvaluation(const GeneratedRobot& robot) : robot_(robot), workspace_(robot.create(), robot.destroy) {}
-  void run(const testing::State& state) { robot_.evaluate(state.q.data(), state.v.data(), workspace_.get()); }
-  Results results(int nv) const;  // of the last run
+  void run(const testing::State& state, const Eigen::VectorXd& more = {}) {
+    robot_.run(state.q.data(), state.v.data(), more.data(), workspace_.get());
+  }
+  Results results(const ir::KinematicTree& tree) const;  // of the last run
 
  private:
   const GeneratedRobot& robot_;

@@ -1,7 +1,25 @@
 # The robots that are timed, and their generated libraries.
 #
-# Written here: tables/benchmark_robots.hpp and tables/robots.json (all robots), tables/generated_table.hpp (all generated
-# libraries); generated_libraries lists the latter's targets.
+# Written here: tables/benchmark_robots.hpp and tables/robots.json (all robots), tables/outputs.json (what is timed together),
+# tables/generated_table.hpp (all generated libraries); generated_libraries lists the latter's targets.
+
+# What is timed together: the labels of Quantities (benchmark_robot.hpp), and their outputs, at most four.
+set(outputs_of_M mass_matrix)
+set(outputs_of_C coriolis_matrix)
+set(outputs_of_M+C mass_matrix coriolis_matrix)
+set(outputs_of_g gravity)
+set(outputs_of_bias bias)
+set(outputs_of_id inverse_dynamics)
+set(outputs_of_fd forward_dynamics)
+set(outputs_of_minv inverse_mass_matrix)
+set(outputs_of_did inverse_dynamics_dq inverse_dynamics_dv)
+set(outputs_of_dfd forward_dynamics_dq forward_dynamics_dv inverse_mass_matrix)
+set(outputs_of_cmm momentum_matrix)
+set(outputs_of_com center_of_mass center_of_mass_jacobian)
+set(outputs_of_energy kinetic_energy potential_energy)
+set(outputs_of_regressor regressor)
+set(terms M C M+C g bias)
+set(everything ${terms} id fd minv did dfd cmm com energy regressor)
 
 set(generated_libraries "")
 set(robot_rows "")
@@ -17,14 +35,26 @@ function(benchmark_library robot urdf base label)
   if(TARGET ${robot}_urdf)
     add_dependencies(${name} ${robot}_urdf)
   endif()
-  set(row "    {\"${robot}\", \"${label}\", \"$<TARGET_FILE:${name}>\", DALEMBERT_CALLS(${name})")
-  foreach(quantity mass_matrix coriolis_matrix gravity bias)
-    if(quantity IN_LIST ARGN)
-      string(APPEND row ", DALEMBERT_OUTPUT(${name}, ${quantity})")
+  # The functions that compute them (generator/ir/quantities.def), and where C's accessors find them.
+  set(calls "")
+  set(results "")
+  foreach(quantity ${ARGN})
+    if(quantity MATCHES "^(inverse_dynamics|forward_dynamics)")
+      set(call "DALEMBERT_CALL_WITH_MORE(${name}, ${CMAKE_MATCH_1})")
+    elseif(quantity STREQUAL "regressor")
+      set(call "DALEMBERT_CALL_WITH_MORE(${name}, inverse_dynamics)")
     else()
-      string(APPEND row ", nullptr")
+      set(call "DALEMBERT_CALL(${name}, evaluate)")
     endif()
+    list(APPEND calls "${call}")
+    string(REGEX REPLACE "^(inverse_dynamics|forward_dynamics)$" "\\1_result" accessor ${quantity})
+    list(APPEND results "DALEMBERT_OUTPUT(${name}, ${quantity}, ${accessor})")
   endforeach()
+  list(REMOVE_DUPLICATES calls)
+  list(JOIN calls " " calls)
+  list(JOIN results ", " results)
+  string(CONCAT row "    {\"${robot}\", \"${label}\", \"$<TARGET_FILE:${name}>\", DALEMBERT_WORKSPACE(${name}), "
+                    "DALEMBERT_RUN(${calls}), {{${results}}}")
   set(generated_libraries "${generated_libraries};${name}" PARENT_SCOPE)
   set(generated_includes "${generated_includes}#include \"${name}/c_api.h\"\n" PARENT_SCOPE)
   set(generated_rows "${generated_rows}${row}},\n" PARENT_SCOPE)
@@ -39,11 +69,6 @@ macro(benchmark_robot robot urdf base chain)
   endif()
   string(APPEND robot_json "  {\"name\": \"${robot}\", \"urdf\": \"${urdf}\", \"base\": \"${base}\"},\n")
   string(APPEND robot_rows "    {\"${robot}\", \"${urdf}\", ${floats}, ${chain}},\n")
-  set(outputs_of_M mass_matrix)
-  set(outputs_of_C coriolis_matrix)
-  set(outputs_of_M+C mass_matrix coriolis_matrix)
-  set(outputs_of_g gravity)
-  set(outputs_of_bias bias)
   foreach(label ${ARGN})
     benchmark_library("${robot}" "${urdf}" ${base} ${label} ${outputs_of_${label}})
   endforeach()
@@ -75,14 +100,13 @@ macro(benchmark_tree robot joints branches chain)
 endmacro()
 
 set(data /usr/share/doc/dart/data)
-set(everything M C M+C g bias)
 benchmark_robot(MAHRU "${PROJECT_SOURCE_DIR}/examples/mahru/mahru.urdf" floating false ${everything})
 accuracy_robot(MAHRU "${PROJECT_SOURCE_DIR}/examples/mahru/mahru.urdf" fixed)
 if(EXISTS ${data})
   benchmark_robot(DRC-Hubo ${data}/urdf/drchubo/drchubo.urdf floating false ${everything})
   benchmark_robot(Atlas ${data}/sdf/atlas/atlas_v3_no_head.urdf floating false ${everything})
   benchmark_robot(WAM ${data}/urdf/wam/wam.urdf fixed true ${everything})
-  benchmark_robot(KR5 "${data}/urdf/KR5/KR5 sixx R650.urdf" fixed true ${everything})
+  benchmark_robot(KR5 "${data}/urdf/KR5/KR5 sixx R650.urdf" fixed true ${terms})
   accuracy_robot(WAM ${data}/urdf/wam/wam.urdf floating)
   accuracy_robot(KR5 "${data}/urdf/KR5/KR5 sixx R650.urdf" floating)
 else()
@@ -170,6 +194,14 @@ inline constexpr RobotEntry extreme_robots[] = {
 }  // namespace dalembert::benchmarks
 ]] @ONLY)
 
+set(output_json "")
+foreach(label IN LISTS everything)
+  list(JOIN outputs_of_${label} "," outputs)
+  string(APPEND output_json "  \"${label}\": \"${outputs}\",\n")
+endforeach()
+string(REGEX REPLACE ",\n$" "" output_json "${output_json}")
+file(CONFIGURE OUTPUT tables/outputs.json CONTENT "{\n@output_json@\n}\n" @ONLY)
+
 string(REGEX REPLACE ",\n$" "" robot_json "${robot_json}")
 file(CONFIGURE OUTPUT tables/robots.json CONTENT "[\n@robot_json@\n]\n" @ONLY)
 
@@ -182,17 +214,23 @@ ${generated_includes}
 
 namespace dalembert::benchmarks {
 
-#define DALEMBERT_CALLS(name)                                                      \\
-  []() -> void* { return name##_create(); },                                       \\
-      [](void* workspace) { name##_destroy(static_cast<name##_workspace*>(workspace)); }, \\
-      [](const double* q, const double* v, void* workspace) { name##_evaluate(q, v, static_cast<name##_workspace*>(workspace)); }
-#define DALEMBERT_OUTPUT(name, quantity) \\
-  [](const void* workspace) { return name##_##quantity(static_cast<const name##_workspace*>(workspace)); }
+#define DALEMBERT_WORKSPACE(name)            \\
+  []() -> void* { return name##_create(); }, \\
+      [](void* workspace) { name##_destroy(static_cast<name##_workspace*>(workspace)); }
+#define DALEMBERT_RUN(calls) \\
+  [](const double* q, const double* v, [[maybe_unused]] const double* more, void* workspace) { calls }
+#define DALEMBERT_CALL(name, function) name##_##function(q, v, static_cast<name##_workspace*>(workspace));
+#define DALEMBERT_CALL_WITH_MORE(name, function) name##_##function(q, v, more, static_cast<name##_workspace*>(workspace));
+#define DALEMBERT_OUTPUT(name, quantity, accessor) \\
+  {ir::Quantity::quantity, [](const void* workspace) { return name##_##accessor(static_cast<const name##_workspace*>(workspace)); }}
 
 inline constexpr GeneratedRobot generated_robots[] = {
 ${generated_rows}};
 
-#undef DALEMBERT_CALLS
+#undef DALEMBERT_WORKSPACE
+#undef DALEMBERT_RUN
+#undef DALEMBERT_CALL
+#undef DALEMBERT_CALL_WITH_MORE
 #undef DALEMBERT_OUTPUT
 
 }  // namespace dalembert::benchmarks

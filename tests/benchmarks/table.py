@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Measures everything that docs/performance.md says and writes that page (and README's summary between its markers).
 
-    python3 tests/benchmarks/table.py [--build build/release] [--repetitions 21] [--states 10000] [--robots MAHRU,WAM]
+    python3 tests/benchmarks/table.py [--build build/release] [--repetitions 21] [--states 10000] [--robots MAHRU,WAM] [--print]
 
 Run it on an idle machine. It first builds what it measures, so that the commit it names is the one measured. Times are CPU
 times of one core; each is the median of the repetitions, which are interleaved at random among all benchmarks of a robot;
@@ -21,15 +21,19 @@ import tempfile
 import measure
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-QUANTITIES = ["M", "C", "M+C", "g", "bias"]
-OUTPUTS = {"M": "mass_matrix", "C": "coriolis_matrix", "M+C": "mass_matrix,coriolis_matrix", "g": "gravity", "bias": "bias"}
 WHO = ["dalembert", "mujoco", "dart", "kdl", "generic"]
 
 # What was asked for: our quantity must take at most 1/factor of MuJoCo's time for the other.
 GOALS = [("MAHRU", "M+C", "M", 6), ("MAHRU", "M", "M", 14), ("MAHRU", "bias", "bias", 14),
          ("Atlas", "M+C", "M", 6), ("Atlas", "M", "M", 14), ("Atlas", "bias", "bias", 14),
          ("DRC-Hubo", "M+C", "M", 5), ("DRC-Hubo", "M", "M", 12), ("DRC-Hubo", "bias", "bias", 12),
-         ("WAM", "M+C", "M", 3), ("WAM", "M", "M", 8), ("WAM", "bias", "bias", 8)]
+         ("WAM", "M+C", "M", 3), ("WAM", "M", "M", 8), ("WAM", "bias", "bias", 8),
+         ("MAHRU", "id", "id", 20), ("MAHRU", "fd", "fd", 12), ("Atlas", "id", "id", 20), ("Atlas", "fd", "fd", 12),
+         ("WAM", "id", "id", 10), ("WAM", "fd", "fd", 6)]
+
+# And among ours: the first must take at most the factor times the second's time, on the robots named.
+OWN_GOALS = [("minv", "M", 5), ("did", "M+C", 2.5), ("dfd", "M+C", 8), ("energy", "bias", 0.2), ("energy", "M+C", 0.1)]
+OWN_GOAL_ROBOTS = ["MAHRU", "Atlas"]
 
 
 def output_of(*command, **more):
@@ -69,11 +73,24 @@ def goal_table(results):
     return table(["", "ours", "error", "MuJoCo", "error", "times faster", "asked for", "reached"], rows)
 
 
-def time_tables(results, robots):
+def own_table(results, robots):
+    rows = []
+    for robot in robots:
+        for quantities, base, factor in OWN_GOALS:
+            a, b = (results.get(f"{robot['name']}/{q}/dalembert") for q in (quantities, base))
+            if a and b:
+                ratio = measure.ratio(a, b)
+                asked = [factor, "yes" if ratio <= factor else "no"] if robot["name"] in OWN_GOAL_ROBOTS else ["", ""]
+                rows.append([f"{robot['name']} {quantities}", measure.duration(measure.median(a["times"])),
+                             f"{base}: {measure.duration(measure.median(b['times']))}", f"{ratio:.2f}", *asked])
+    return table(["", "ours", "ours too", "times as long", "at most", "reached"], rows)
+
+
+def time_tables(results, robots, quantities):
     text = ""
     for robot in robots:
-        who = [w for w in WHO if any(f"{robot['name']}/{q}/{w}" in results for q in QUANTITIES)]
-        rows = [[q] + [cell(results.get(f"{robot['name']}/{q}/{w}")) for w in who] for q in QUANTITIES]
+        who = [w for w in WHO if any(f"{robot['name']}/{q}/{w}" in results for q in quantities)]
+        rows = [[q] + [cell(results.get(f"{robot['name']}/{q}/{w}")) for w in who] for q in quantities]
         text += f"### {robot['name']}, {robot['base']} base\n\n" + table([""] + who, [r for r in rows if any(r[1:])]) + "\n"
     return text
 
@@ -88,10 +105,10 @@ def cpu_seconds(action):
     return used() - start
 
 
-def code_row(build, robot, results, quantities):
+def code_row(build, robot, results, quantities, outputs):
     """Generation and compile time of one library, measured here; its size and operations."""
     program = build / "bin" / "dalembert"
-    options = ["--base", robot["base"], "--outputs", OUTPUTS[quantities]]
+    options = ["--base", robot["base"], "--outputs", outputs]
     quiet = {"check": True, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
     with tempfile.TemporaryDirectory() as folder:
         where = pathlib.Path(folder) / "robot"
@@ -106,8 +123,9 @@ def code_row(build, robot, results, quantities):
             f"{row['table_bytes'] / 1024:.1f} kB", info["add"], info["multiply"], info["divide"], info["sincos"]]
 
 
-def code_table(build, robots, results):
-    rows = [code_row(build, robot, results, q) for robot in robots for q in QUANTITIES if f"{robot['name']}/{q}/dalembert" in results]
+def code_table(build, robots, results, outputs):
+    rows = [code_row(build, robot, results, q, outputs[q]) for robot in robots for q in outputs
+            if f"{robot['name']}/{q}/dalembert" in results]
     return table(["", "generation", "compilation", "text", "tables", "add", "multiply", "divide", "sincos"], rows)
 
 
@@ -123,33 +141,46 @@ def accuracy_table(build, robots, states):
     return table(["robot", "base", "library", "quantity", "states", "max ulp", "median ulp", "over", "generic max"], rows)
 
 
-def page(build, robots, results, states, measured_on):
+def times(results, robots, quantities):
+    return f"""## Against MuJoCo
+
+Medians of times and of their ratios; largest errors relative to the largest element, against 50 digits. From run to run on a shared
+machine the ratios move by a few per cent, by ten when others keep it busy.
+
+{goal_table(results)}
+## Among ours
+
+{own_table(results, robots)}
+## Times
+
+Median ± half the interquartile range of CPU time; then the largest error over 16 states, relative to the largest element, against 50
+digits.
+
+{time_tables(results, robots, quantities)}"""
+
+
+def page(build, robots, results, outputs, states, measured_on):
     return f"""# Performance
 
 Written by `python3 tests/benchmarks/table.py`; do not edit. {measured_on}
 
-All programs compute the same fused robot from the same 64 states in turn: state in, finished dense results out. MuJoCo (Debian's
-build) works in its own coordinates of the floating base: `mj_kinematics, mj_comPos, mj_crb, mj_fullM` for M, `mj_kinematics,
-mj_comPos, mj_comVel, mj_rne` for bias and g. DART and KDL are Debian's builds as well. *generic* is this project's generic engine, which is
-made to be read, not to be fast. No peer computes C.
+All programs compute the same fused robot from the same 64 states in turn: state in, finished dense results out. *id* is inverse
+dynamics, *did* its derivatives by q and by v; *fd* is forward dynamics, *dfd* its derivatives by q, v and τ, the latter being *minv*,
+the inverse of M; *cmm* is the centroidal momentum matrix, *com* the centre of mass and its Jacobian, *energy* both energies.
 
-## Against MuJoCo
+MuJoCo (Debian's build) works in its own coordinates of the floating base and without constraints: `mj_kinematics, mj_comPos`, then for
+M `mj_crb, mj_fullM`; for bias and g `mj_comVel, mj_rne`, for id the same with accelerations; for fd `mj_crb, mj_factorM, mj_comVel,
+mj_rne, mj_solveM`; for minv `mj_crb, mj_factorM, mj_solveM` of the identity; for com `mj_jacSubtreeCom`; for energy `mj_crb,
+mj_energyPos, mj_energyVel`. DART and KDL are Debian's builds as well; DART's inverse of M is wrong beyond welded links and left out.
+*generic* is this project's generic engine, which is made to be read, not to be fast. An empty cell: not computed there. No peer
+computes C.
 
-Medians of times and of their ratios; largest errors relative to the largest element, against 100 digits. From run to run on a shared
-machine the ratios move by a few per cent, by ten when others keep it busy.
-
-{goal_table(results)}
-## Times
-
-Median ± half the interquartile range of CPU time; then the largest error over 16 states, relative to the largest element, against 100
-digits.
-
-{time_tables(results, robots)}## Code
+{times(results, robots, outputs)}## Code
 
 Processor time of `dalembert generate` and of compiling `dynamics.cpp` (g++ -O3 -march=native), bytes of machine code and of
 constants, scalar operations of the emitted program.
 
-{code_table(build, robots, results)}
+{code_table(build, robots, results, outputs)}
 ## Accuracy
 
 Error in units of the last place of the largest exact element, over random states. Asked for: at most 32; *over* counts the states
@@ -173,6 +204,7 @@ def main():
     parser.add_argument("--repetitions", type=int, default=21)
     parser.add_argument("--states", type=int, default=10000, help="of the accuracy table")
     parser.add_argument("--robots", help="only these, separated by commas")
+    parser.add_argument("--print", action="store_true", help="print the tables of times, and write nothing")
     parser.add_argument("--output", type=pathlib.Path, default=ROOT / "docs/performance.md")
     options = parser.parse_args()
     build = options.build.resolve()
@@ -181,6 +213,7 @@ def main():
     subprocess.run(["cmake", "--build", str(build), "--target", "dalembert", "benchmark_peers", "accuracy"], check=True,
                    stdout=subprocess.DEVNULL)
     robots = json.loads((build / "tests/benchmarks/tables/robots.json").read_text())
+    outputs = json.loads((build / "tests/benchmarks/tables/outputs.json").read_text())  # label → what is timed under it
     if options.robots:
         robots = [robot for robot in robots if robot["name"] in options.robots.split(",")]
     measured_on = provenance(build)
@@ -188,8 +221,11 @@ def main():
     for robot in robots:
         print(f"== Timing {robot['name']}", flush=True)
         results.update(measure.run(build / "bin/benchmark_peers", f"^{robot['name']}/", options.repetitions, 0.02))
+    if options.print:
+        print(f"{measured_on}\n\n{times(results, robots, outputs)}", end="")
+        return
     print("== Code and accuracy", flush=True)
-    text = page(build, robots, results, options.states, measured_on)
+    text = page(build, robots, results, outputs, options.states, measured_on)
     options.output.parent.mkdir(parents=True, exist_ok=True)
     options.output.write_text(text)
     readme = replaced(ROOT / "README.md", goal_table(results))

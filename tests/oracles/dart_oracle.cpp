@@ -103,6 +103,18 @@ void DartOracle::set_state(const Coordinates& coordinates) {
 const Eigen::MatrixXd& DartOracle::own_mass_matrix() { return impl_->skeleton->getMassMatrix(); }
 const Eigen::VectorXd& DartOracle::own_gravity() { return impl_->skeleton->getGravityForces(); }
 const Eigen::VectorXd& DartOracle::own_bias() { return impl_->skeleton->getCoriolisAndGravityForces(); }
+Eigen::VectorXd DartOracle::own_inverse_dynamics(const Eigen::VectorXd& own_accelerations) {
+  impl_->skeleton->setAccelerations(own_accelerations);
+  impl_->skeleton->computeInverseDynamics();
+  return impl_->skeleton->getForces();
+}
+Eigen::VectorXd DartOracle::own_forward_dynamics(const Eigen::VectorXd& own_forces) {
+  impl_->skeleton->setForces(own_forces);
+  impl_->skeleton->computeForwardDynamics();
+  return impl_->skeleton->getAccelerations();
+}
+Eigen::VectorXd DartOracle::own_vector(const Eigen::VectorXd& ours) const { return impl_->theirs(ours); }
+Eigen::VectorXd DartOracle::our_vector(const Eigen::VectorXd& own) const { return impl_->ours(own); }
 
 Dynamics DartOracle::evaluate(const Eigen::VectorXd& q, const Eigen::VectorXd& v) {
   set_state(own_coordinates(q, v));
@@ -131,12 +143,8 @@ Response DartOracle::respond(const Question& question) {
   dart::dynamics::Skeleton& skeleton = *impl_->skeleton;
   set_state(own_coordinates(question.q, question.v));
   Response result;
-  skeleton.setAccelerations(impl_->theirs(question.v_dot));
-  skeleton.computeInverseDynamics();
-  result.inverse_dynamics = impl_->ours(skeleton.getForces());
-  skeleton.setForces(impl_->theirs(question.tau));
-  skeleton.computeForwardDynamics();
-  result.forward_dynamics = impl_->ours(skeleton.getAccelerations());
+  result.inverse_dynamics = our_vector(own_inverse_dynamics(own_vector(question.v_dot)));
+  result.forward_dynamics = our_vector(own_forward_dynamics(own_vector(question.tau)));
 
   // Column by column, by articulated bodies at rest without gravity: getInvMassMatrix() of DART 6.12 forgets what hangs on a
   // welded link.

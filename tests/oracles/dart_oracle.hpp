@@ -29,6 +29,10 @@ class DartOracle {
   const Eigen::MatrixXd& own_mass_matrix();
   const Eigen::VectorXd& own_gravity();
   const Eigen::VectorXd& own_bias();
+  Eigen::VectorXd own_inverse_dynamics(const Eigen::VectorXd& own_accelerations);  // at the state set
+  Eigen::VectorXd own_forward_dynamics(const Eigen::VectorXd& own_forces);
+  Eigen::VectorXd own_vector(const Eigen::VectorXd& ours) const;  // accelerations or forces: the order alone differs
+  Eigen::VectorXd our_vector(const Eigen::VectorXd& own) const;
 
  private:
   struct Impl;

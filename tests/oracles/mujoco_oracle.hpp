@@ -34,20 +34,22 @@ class MujocoOracle {
   // For benchmarks and simulation: MuJoCo's own model, data and coordinates.
   const mjModel* model() const { return model_.get(); }
   mjModel* model() { return model_.get(); }
+  const mjData* data() const { return data_.get(); }
   mjData* data() { return data_.get(); }
   void set_state(const Eigen::VectorXd& q, const Eigen::VectorXd& v);  // converts, writes qpos and qvel, computes nothing
 
- private:
-  struct Delete {
-    void operator()(mjModel* model) const { mj_deleteModel(model); }
-    void operator()(mjData* data) const { mj_deleteData(data); }
-  };
   // qvel = T v; qacc = T v̇ + Ṫ v.
   struct Change {
     Eigen::MatrixXd transform;  // T: a permutation but for the rotation R of the base's linear velocity
     Eigen::VectorXd drift;      // Ṫ v: R (ω × v) of the base
   };
   Change change_of_coordinates(const Eigen::VectorXd& q, const Eigen::VectorXd& v) const;
+
+ private:
+  struct Delete {
+    void operator()(mjModel* model) const { mj_deleteModel(model); }
+    void operator()(mjData* data) const { mj_deleteData(data); }
+  };
   void set_inertia(int body, const ir::Inertia& inertia);
   void compute_mass_matrix();                                // at the state set: mj_fullM and mj_factorM have what they need
   Eigen::VectorXd own_bias(const Eigen::Vector3d& gravity);  // mj_rne in MuJoCo's coordinates, at the state set
