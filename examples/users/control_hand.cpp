@@ -1,13 +1,14 @@
 // A controller: MAHRU's right hand follows a circle, turned as it was, by computed torque in task space.
 //
-// The arm has seven joints, the waist among them, and the hand's motion six coordinates. Of all joint accelerations that give the
-// hand the acceleration a* = a_ref + D (v_ref − J v) + K e, those are taken that are nearest to a spring and a damper towards the
-// first posture:
+// The arm has seven joints, the waist among them, and the hand's motion six coordinates. Of all joint accelerations that give
+// the hand the acceleration a* = a_ref + D (v_ref − J v) + K e, those are taken that are nearest to a spring and a damper
+// towards the first posture:
 //
 //     v̇ = v̇₀ + Jᵀ (J Jᵀ)⁻¹ (a* − J̇ v − J v̇₀),    τ = M v̇ + C v + g.
 //
-// J and J̇ v are "mixed": along the world's axes, at the hand's origin, so that J v̇ + J̇ v is the acceleration of that origin. The
-// arm it drives is simulated by forward dynamics, between ticks of 1 ms in two steps of Runge and Kutta. The hand carries 1 kg.
+// J and J̇ v are "mixed": along the world's axes, at the hand's origin, so that J v̇ + J̇ v is the acceleration of that origin.
+// The arm it drives is simulated by forward dynamics, between ticks of 1 ms in two steps of Runge and Kutta. The hand carries 1
+// kg.
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <cmath>
@@ -27,7 +28,8 @@ using VectorV = controlled_arm::VectorV;
 constexpr double period = 1e-3;  // s
 const VectorQ first_posture = (VectorQ() << 0, -0.3, -0.4, 0.2, -1.3, 0.1, 0.2).finished();
 
-// Position, velocity and acceleration of the hand's origin in the world: once around a circle in four seconds, from rest to rest.
+// Position, velocity and acceleration of the hand's origin in the world: once around a circle in four seconds, from rest to
+// rest.
 struct Reference {
   Eigen::Vector3d position, velocity, acceleration;
 };

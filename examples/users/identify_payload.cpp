@@ -1,8 +1,8 @@
 // An identification: what MAHRU's right hand holds, from the joints' torques along a motion.
 //
-// Inverse dynamics is linear in the inertial parameters φ = (m, m c, I about the link's origin; ten per body), τ = Y φ. What the
-// hand holds is part of the hand, so that the torques measured, less those of the empty arm, are the hand's ten columns of Y
-// times the payload's φ: least squares over a motion. Here torques are simulated, exactly and then with noise.
+// Inverse dynamics is linear in the inertial parameters φ = (m, m c, I about the link's origin; ten per body), τ = Y φ. What
+// the hand holds is part of the hand, so that the torques measured, less those of the empty arm, are the hand's ten columns of
+// Y times the payload's φ: least squares over a motion. Here torques are simulated, exactly and then with noise.
 //
 // Of the whole arm's parameters, by contrast, only combinations show in the torques (of the first link, which turns about an
 // upright axis, nothing but the inertia about that axis): the rank of Y over the motion says how many.
@@ -128,6 +128,7 @@ int main() {
 
   identified_arm::Workspace workspace;
   const Motion at = motion(1);
-  figures.timed("inverse dynamics and the regressor", [&] { identified_arm::inverse_dynamics(at.q, at.v, at.v_dot, workspace); });
+  figures.timed("inverse dynamics and the regressor",
+                [&] { identified_arm::inverse_dynamics(at.q, at.v, at.v_dot, workspace); });
   return figures.exit_status();
 }

@@ -73,8 +73,8 @@ Kept fly(bool motors) {
     expected[2] -= mass * 9.81 * step * i;
     const Vector6 off = robot.momentum() - expected;
     if (!off.allFinite()) return {std::nan(""), std::nan("")};
-    worst.momentum = std::max({worst.momentum, off.head<3>().norm() / expected.head<3>().norm(),
-                               off.tail<3>().norm() / expected.tail<3>().norm()});
+    worst.momentum = std::max(
+        {worst.momentum, off.head<3>().norm() / expected.head<3>().norm(), off.tail<3>().norm() / expected.tail<3>().norm()});
     worst.energy = std::max(worst.energy, std::abs(robot.energy() / first_energy - 1));
   }
   return worst;
