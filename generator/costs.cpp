@@ -27,20 +27,19 @@ std::vector<int> missing(const std::set<int>& read, int size) {
   return rest;
 }
 
-// What a step with whole matrices costs where they are not zero.
+// What a step with whole matrices costs, padding left out.
 ir::Operations operations_of(const ir::MatrixStep& step, const ir::CoordinateTree& tree) {
   ir::Operations o;
   const auto multiply_adds = [&](long count) { o.multiply += count, o.add += count; };
-  for (int k = 0; k < tree.size(); ++k) {
-    const int last = tree.last[static_cast<size_t>(k)], above = tree.depth(k);
+  for (const ir::Chain& chain : ir::chains(tree, step.first)) {
+    const long m = chain.count, above = tree.depth(chain.first), pairs = m * (m - 1) / 2;
     if (step.kind == ir::MatrixStep::Kind::negative_product) {
-      multiply_adds(static_cast<long>(above + 1 + last - k) * tree.size());
+      multiply_adds(m * (above + tree.last[static_cast<size_t>(chain.first)] + 1 - chain.first) * tree.size());
       continue;
     }
-    for (int j = k + 1; j <= last; ++j) multiply_adds(tree.last[static_cast<size_t>(j)] - j + 1);  // L^-1
-    multiply_adds(static_cast<long>(last - k + 1) * (last - k + 1));                               // L^-1 D^-1 L^-T
-    o.multiply += above + 1;
-    o.divide += 1;
+    multiply_adds((m * above + pairs) * chain.first + (2 * pairs + m * above) * m);
+    o.multiply += m * m;
+    o.divide += m;
   }
   return o;
 }

@@ -50,16 +50,19 @@ std::string matrix_statements(const CodeInput& code) {
   if (code.algorithm.steps.empty()) return "";
   const auto name = [&](int index) { return "workspace." + code.algorithm.arrays[static_cast<size_t>(index)].name; };
   const ir::CoordinateTree tree = ir::coordinate_tree(code.tree);
-  std::string text =
-      fmt::format("  static constexpr int coordinate_above[] = {{{}}};\n  static constexpr int last_beyond[] = {{{}}};\n",
-                  fmt::join(tree.above, ", "), fmt::join(tree.last, ", "));
+  std::string text = fmt::format("  static constexpr int coordinate_above[] = {{{}}};\n", fmt::join(tree.above, ", "));
   for (const ir::MatrixStep& s : code.algorithm.steps) {
+    for (const ir::Chain& chain : ir::chains(tree, s.first)) {
+      if (s.kind == ir::MatrixStep::Kind::invert)
+        text += fmt::format("  dalembert::invert_chain<nv, {}>({}, coordinate_above, {}, {}, {});\n", chain.count, chain.first,
+                            name(s.a), name(s.b), name(s.room));
+      else
+        text += fmt::format("  dalembert::negative_product_chain<nv>({}, {}, {}, coordinate_above, {}, {}, {});\n", chain.first,
+                            chain.first + chain.count, tree.last[static_cast<size_t>(chain.first)], name(s.a), name(s.b),
+                            name(s.to));
+    }
     if (s.kind == ir::MatrixStep::Kind::invert)
-      text += fmt::format("  dalembert::invert<nv>(coordinate_above, last_beyond, {}, {}, {}, {});\n", name(s.a), name(s.b),
-                          name(s.room), name(s.to));
-    else
-      text += fmt::format("  dalembert::negative_product<nv>(coordinate_above, last_beyond, {}, {}, {});\n", name(s.a),
-                          name(s.b), name(s.to));
+      text += fmt::format("  dalembert::without_padding<nv>({}, {});\n", name(s.room), name(s.to));
   }
   return text;
 }

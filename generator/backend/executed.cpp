@@ -95,24 +95,21 @@ long guard_products(const CodeInput& code) {
   return guard ? code.algorithm.arrays[static_cast<size_t>(guard->pivots)].rows + 1 : 0;
 }
 
-// Of columns of n numbers: how many are run at a time (runtime/include/dalembert/factor.hpp).
-int piece(int n) { return n < 4 ? 1 : n < 8 ? 4 : 8; }
-int pieces(int count, int n) { return (count + piece(n) - 1) / piece(n); }
-
+// As runtime/include/dalembert/factor.hpp takes them: by eights of a column, and a chain's own in fours or eights.
 ir::Operations matrix_step(const ir::MatrixStep& step, const ir::CoordinateTree& tree) {
-  const int n = tree.size(), p = piece(n);
+  const auto eights = [](long count) { return (count + 7) / 8 * 8; };
   ir::Operations o;
   const auto multiply_adds = [&](long count) { o.multiply += count, o.add += count; };
-  for (int k = 0; k < n; ++k) {
-    const int last = tree.last[static_cast<size_t>(k)], above = tree.depth(k);
+  for (const ir::Chain& chain : ir::chains(tree, step.first)) {
+    const long m = chain.count, above = tree.depth(chain.first), pairs = m * (m - 1) / 2, own = m <= 4 ? 4 : 8;
     if (step.kind == ir::MatrixStep::Kind::negative_product) {
-      multiply_adds(static_cast<long>(above + 1 + last - k) * pieces(n, n) * p);
+      multiply_adds(m * (above + tree.last[static_cast<size_t>(chain.first)] + 1 - chain.first) * eights(tree.size()));
       continue;
     }
-    for (int i = k; i <= last; i += p) multiply_adds(static_cast<long>(std::min(last, std::min(i, n - p) + p - 1) - k) * p);
-    multiply_adds(static_cast<long>(above + 1) * pieces(n, n) * p);
-    o.multiply += above + 1;
-    o.divide += 1;
+    multiply_adds((m * above + pairs) * eights(chain.first));
+    multiply_adds((2 * pairs + m * above) * own);
+    o.multiply += m * own;
+    o.divide += m;
   }
   return o;
 }

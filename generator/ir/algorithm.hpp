@@ -117,12 +117,13 @@ struct OutputArray {
 // What is done to whole matrices once their elements are there.
 struct MatrixStep {
   enum class Kind {
-    invert,            // to = (L' D L)^-1, a being L' (above its diagonal) and b D; `room` is as large as `to`
-    negative_product,  // to = -a b, b being zero where neither of two coordinates is above the other
+    invert,            // to = (L' D L)^-1, a being L' (above its diagonal) and b D; room: as `to`, with padding
+    negative_product,  // to = -a b: a is the room of an inverse, b is zero where neither of two coordinates is above the other
   };
   Kind kind;
   int a = 0, b = 0, to = 0;  // arrays
-  int room = -1;
+  int room = -1;             // likewise
+  int first = 0;             // of a product: b's columns before this one are zero
 };
 
 // Arrays that mean something only where the mass matrix is positive definite: where a pivot of its factorisation is not above

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "dalembert/chain_shapes.hpp"
+
 namespace dalembert::ir {
 
 int CoordinateTree::depth(int coordinate) const {
@@ -22,6 +24,18 @@ CoordinateTree coordinate_tree(const KinematicTree& tree) {
       last = std::max(last, t.last[k]);
     }
   return t;
+}
+
+std::vector<Chain> chains(const CoordinateTree& tree, int first) {
+  std::vector<Chain> found;
+  for (int k = first; k < tree.size(); ++k) {
+    const auto at = static_cast<std::size_t>(k);
+    const bool goes_on =
+        !found.empty() && found.back().count < longest_chain && tree.above[at] == k - 1 && tree.last[at] == tree.last[at - 1];
+    if (goes_on) ++found.back().count;
+    else found.push_back({k, 1});
+  }
+  return found;
 }
 
 }  // namespace dalembert::ir

@@ -18,4 +18,12 @@ struct CoordinateTree {
 };
 CoordinateTree coordinate_tree(const KinematicTree& tree);
 
+// Coordinates in a row, each but the first directly below the one before it and alone there: what is solved with M takes them
+// together, at most as many as dalembert/chain_shapes.hpp says.
+struct Chain {
+  int first, count;
+};
+// Of the coordinates from `first` on, all of them in order.
+std::vector<Chain> chains(const CoordinateTree& tree, int first = 0);
+
 }  // namespace dalembert::ir

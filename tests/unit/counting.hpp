@@ -25,6 +25,7 @@ struct Counted {
   friend bool operator>(Counted a, Counted b) { return a.value > b.value; }
   Counted& operator+=(Counted b) { return *this = *this + b; }
   Counted& operator-=(Counted b) { return *this = *this - b; }
+  Counted& operator*=(Counted b) { return *this = *this * b; }
 };
 
 template <int n>
@@ -60,6 +61,7 @@ struct CountedLanes {
   }
   CountedLanes& operator+=(const CountedLanes& b) { return *this = *this + b; }
   CountedLanes& operator-=(const CountedLanes& b) { return *this = *this - b; }
+  CountedLanes& operator*=(const CountedLanes& b) { return *this = *this * b; }
 
  private:
   template <class F>

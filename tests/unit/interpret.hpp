@@ -51,14 +51,16 @@ inline void run_steps(const Algorithm& algorithm, Arrays& arrays) {
   const auto array = [&](int index) -> Eigen::MatrixXd& {
     return arrays[algorithm.arrays[static_cast<std::size_t>(index)].name];
   };
+  Eigen::MatrixXd inverse;
   for (const MatrixStep& s : algorithm.steps) {
     if (s.kind == MatrixStep::Kind::negative_product) {
-      array(s.to) = -array(s.a) * array(s.b);
+      array(s.to) = -inverse * array(s.b);
       continue;
     }
     Eigen::MatrixXd transposed = array(s.a).triangularView<Eigen::StrictlyUpper>();
     transposed.diagonal().setOnes();
-    array(s.to) = (transposed * array(s.b).col(0).asDiagonal() * transposed.transpose()).inverse();
+    inverse = (transposed * array(s.b).col(0).asDiagonal() * transposed.transpose()).inverse();
+    array(s.to) = inverse;
   }
   if (!algorithm.guard) return;
   const Eigen::MatrixXd &pivots = array(algorithm.guard->pivots), &diagonal = array(algorithm.guard->diagonal);

@@ -1,5 +1,6 @@
 // M⁻¹ = L⁻¹ D⁻¹ L⁻ᵀ: an element sums over the coordinates above both of its own, which are few on a tree. L's elements are
 // pairs.
+#include "dalembert/chain_shapes.hpp"
 #include "passes/quantities/quantities.hpp"
 #include "passes/quantities/shared.hpp"
 
@@ -17,7 +18,7 @@ int inverse_mass_matrix(Builder& b, int array) {
   l.symmetric = true;  // only the half above the diagonal is read
   l.above = {{a.gain, 0, p.joint_linear, 0}, {a.gain, 3, p.joint_angular, 0}};
   b.pairs(l);
-  const int room = b.internal_array(b.own_name("factor_inverse"), nv, nv);
+  const int room = b.internal_array(b.own_name("padded_inverse"), inverse_size(nv), 1);
   b.step({ir::MatrixStep::Kind::invert, l.array, b.guard()->pivots, array, room});
   return array;
 }

@@ -1,11 +1,14 @@
 // Mass matrices factored along the tree, M = L' D L (Featherstone 2008, section 6.5): what is made of the factors.
 //
-// Coordinates are numbered depth first: `above` has the coordinate above each (-1: none), `last` the last one beyond each,
-// which may be itself. Matrices are n x n, column by column.
+// Coordinates are numbered depth first: `above` has the coordinate above each (-1: none). They are taken a chain at a time:
+// up to longest_chain of them, each but the first directly below the one before it and alone there. Matrices are n x n, column
+// by column.
 #pragma once
 
-#include <dalembert/lanes.hpp>
+#include <dalembert/chain_shapes.hpp>
+#include <dalembert/columns.hpp>
 #include <limits>
+#include <type_traits>
 
 namespace dalembert {
 
@@ -38,69 +41,200 @@ inline void clear_unless_ok(const FactorStatus<T>& status, T* result) noexcept {
   for (int i = 0; i < n; ++i) result[i] = T(0);
 }
 
+// Lanes of what runs over the elements of a column, which come in eights. Lanes wider than the target's registers would go
+// through memory.
+#if defined(__AVX512F__) && !defined(DALEMBERT_LANES)
+inline constexpr int column_lanes = 8;
+#else
+inline constexpr int column_lanes = native_lanes;
+#endif
+
+// Eights of elements that a product of matrices takes at a time, for two of its columns: as many as registers hold.
+inline constexpr int product_eights = column_lanes < 8 ? 2 : 4;
+
 namespace detail {
 
-// Columns of n numbers go in pieces of this many; where the last piece does not fit it reaches back over the one before.
-template <int n>
-inline constexpr int piece = n < 4   ? 1
-                             : n < 8 ? 4
-                                     : 8;
+// f(0), …, f(count - 1), written out, with constants for arguments: what they index stays in registers.
+template <class F, int... i>
+DALEMBERT_INLINE void write_out_constants(std::integer_sequence<int, i...>, const F& f) {
+  (void)std::initializer_list<int>{0, (f(std::integral_constant<int, i>{}), 0)...};
+}
+template <int count, class F>
+DALEMBERT_INLINE void for_constants(const F& f) {
+  write_out_constants(std::make_integer_sequence<int, count>{}, f);
+}
 
-template <int n, class F>
-DALEMBERT_INLINE void in_pieces(int begin, int end, const F& f) {
-  constexpr int p = piece<n>;
-  for (int i = begin; i < end; i += p) f(i + p <= n ? i : n - p);
+// The coordinates above `first`, the nearest first; returns how many there are.
+inline int path_above(const int* above, int first, int* path) noexcept {
+  int count = 0;
+  for (int k = above[first]; k >= 0; k = above[k]) path[count++] = k;
+  return count;
+}
+
+// f(k) for each k of `path`, then for those from `first` up to `end`. One loop, so that sums stay in registers.
+template <class F>
+DALEMBERT_INLINE void along(const int* path, int count, int first, int end, const F& f) {
+  DALEMBERT_KEEP_LOOP
+  for (int i = 0; i < count + end - first; ++i) f(i < count ? path[i] : first + i - count);
+}
+
+// to[i] = -the sum over k of factors[k] from[k][i], for `eights` times eight elements; k: as in along().
+template <int n, int eights, class T>
+DALEMBERT_INLINE void negative_sum(const int* path, int count, int first, int end, const T* factors, const T* from, T* to) {
+  constexpr int w = column_lanes, pieces = eights * 8 / w;
+  Lanes<T, w> sum[pieces]{};
+  along(path, count, first, end, [&](int k) DALEMBERT_IN_BLOCK {
+    const Lanes<T, w> factor = broadcast<w, T>(factors[k]);
+    const T* column = from + k * inverse_stride(n);
+    for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK { sum[i] -= factor * load<w>(column + w * i); });
+  });
+  for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK { store<w, T>(to + w * i, sum[i]); });
+}
+
+// Of a column of n numbers, those from `begin` on that x has: its last lanes may reach beyond the end.
+template <int n, int w, class T>
+DALEMBERT_INLINE void store_piece(T* column, int begin, const Lanes<T, w>& x) {
+  constexpr int rest = n % w;
+  if (begin + w <= n) {
+    store<w, T>(column + begin, x);
+  } else if (rest > 0 && begin < n) {
+    store_first<rest, w, T>(column + begin, x);
+  }
 }
 
 }  // namespace detail
 
-// inverse = L^-1 D^-1 L^-T. factor: L', of which the elements above the diagonal are read. room: n x n, zero but for what an
-// earlier call has left there.
+// Rows of (L' D L)^-1 of the m coordinates of a chain from `first` on, and the columns that mirror them, as far as they lie
+// before the chain.
 template <int n, class T>
-DALEMBERT_BLOCK void invert(const int* above, const int* last, const T* factor, const T* pivots, T* room, T* inverse) noexcept {
-  constexpr int p = detail::piece<n>;
-  // Column k of room: of L^-1, which is not zero from k to the last coordinate beyond it. From the leaves, since
-  // L^-1 e_k = e_k - the sum over j beyond k of L_jk L^-1 e_j.
-  for (int k = n - 1; k >= 0; --k) {
-    T* column = room + k * n;
-    detail::in_pieces<n>(k, last[k] + 1, [&](int i) DALEMBERT_IN_BLOCK {
-      Lanes<T, p> sum{};
-      for (int j = k + 1; j <= last[k] && j < i + p; ++j) sum -= broadcast<p, T>(factor[j * n + k]) * load<p>(room + j * n + i);
-      store<p, T>(column + i, sum);
-    });
-    column[k] = T(1);
-  }
-  T reciprocal[n];
-  for (int k = 0; k < n; ++k) reciprocal[k] = T(1) / pivots[k];
-  for (int j = 0; j < n; ++j) {
-    int at[n], count = 0;
-    T scale[n];
-    for (int k = j; k >= 0; k = above[k]) {
-      at[count] = k * n;
-      scale[count++] = room[k * n + j] * reciprocal[k];
+__attribute__((noinline)) static void invert_before_chain(int first, int m, const int* path, int count, const T* factor,
+                                                          T* inverse) noexcept {
+  constexpr int stride = inverse_stride(n);
+  for (int r = first; r < first + m; ++r) {
+    const T* const row = factor + r * n;
+    T* const to = inverse + r * stride;
+    const auto sums = [&](auto eights, int i) DALEMBERT_IN_BLOCK {
+      detail::negative_sum<n, decltype(eights)::value>(path, count, first, r, row, inverse + i, to + i);
+    };
+    int i = 0;
+    for (; i + 24 < first; i += 32) sums(std::integral_constant<int, 4>{}, i);
+    if (i + 16 < first) {
+      sums(std::integral_constant<int, 3>{}, i);
+    } else if (i + 8 < first) {
+      sums(std::integral_constant<int, 2>{}, i);
+    } else if (i < first) {
+      sums(std::integral_constant<int, 1>{}, i);
     }
-    detail::in_pieces<n>(0, n, [&](int i) DALEMBERT_IN_BLOCK {
-      Lanes<T, p> sum{};
-      for (int k = 0; k < count; ++k) sum += broadcast<p, T>(scale[k]) * load<p>(room + at[k] + i);
-      store<p, T>(inverse + j * n + i, sum);
-    });
   }
+  for (int j = 0; j < first; j += 4)
+    for (int r = first; r < first + m; r += 4) {
+      Lanes<T, 4> rows[4], turned[4];
+      for (int i = 0; i < 4; ++i) rows[i] = load<4>(inverse + (r + i) * stride + j);
+      detail::transpose<T>(rows, turned);
+      for (int i = 0; i < 4; ++i) store<4, T>(inverse + (j + i) * stride + r, turned[i]);
+    }
 }
 
-// result = -a b; b is zero where neither of two coordinates is above the other.
-template <int n, class T>
-DALEMBERT_BLOCK void negative_product(const int* above, const int* last, const T* a, const T* b, T* result) noexcept {
-  constexpr int p = detail::piece<n>;
-  for (int j = 0; j < n; ++j) {
-    int at[n], count = 0;
-    for (int k = above[j]; k >= 0; k = above[k]) at[count++] = k;
-    for (int k = j; k <= last[j]; ++k) at[count++] = k;
-    detail::in_pieces<n>(0, n, [&](int i) DALEMBERT_IN_BLOCK {
-      Lanes<T, p> sum{};
-      for (int k = 0; k < count; ++k) sum -= broadcast<p, T>(b[j * n + at[k]]) * load<p>(a + at[k] * n + i);
-      store<p, T>(result + j * n + i, sum);
+// Rows and columns of X = (L' D L)^-1, those of the chain of m coordinates from `first` on. inverse: inverse_size(n) elements,
+// inverse_stride(n) to a column, zero at first; what stands before the chain must be there already. factor: L', of which the
+// elements above the diagonal are read.
+//
+// Up to the diagonal, row i of X is that of D^-1 L^-T less the sum over k above i of L_ik X_k: no inverse of L is needed but
+// each chain's own.
+template <int n, int m, class T>
+__attribute__((noinline)) static void invert_chain(int first, const int* above, const T* factor, const T* pivots,
+                                                   T* inverse) noexcept {
+  constexpr int w = m <= 4 && column_lanes > 4 ? 4 : column_lanes, pieces = ((m <= 4 ? 4 : 8) + w - 1) / w;
+  constexpr int stride = inverse_stride(n);
+  int path[n];
+  const int count = detail::path_above(above, first, path);
+  if (first > 0) invert_before_chain<n>(first, m, path, count, factor, inverse);
+  // Between the chain's own, lanes over its rows. At first columns of its L^-1, from the last, since
+  // L^-1 e_k = e_k - the sum over j beyond k of L_jk L^-1 e_j.
+  Lanes<T, w> row[m][pieces];
+  const auto subtract = [&](auto r, T factor, auto k) DALEMBERT_IN_BLOCK {
+    detail::for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK { row[r][i] -= broadcast<w, T>(factor) * row[k][i]; });
+  };
+  detail::for_constants<m>([&](auto step) DALEMBERT_IN_BLOCK {
+    constexpr int k = m - 1 - decltype(step)::value;
+    detail::for_constants<pieces>(
+        [&](auto i) DALEMBERT_IN_BLOCK { row[k][i] = each_lane<w, T>([=](int lane) { return T(i * w + lane == k); }); });
+    detail::for_constants<m - 1 - k>([&](auto back) DALEMBERT_IN_BLOCK {
+      constexpr int j = m - 1 - decltype(back)::value;
+      subtract(std::integral_constant<int, k>{}, factor[(first + j) * n + first + k], std::integral_constant<int, j>{});
     });
-  }
+  });
+  detail::for_constants<m>([&](auto r) DALEMBERT_IN_BLOCK {
+    const T reciprocal = T(1) / pivots[first + r];
+    detail::for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK { row[r][i] *= broadcast<w, T>(reciprocal); });
+  });
+  for (int k = 0; k < count; ++k)
+    detail::for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK {
+      const Lanes<T, w> x = load<w>(inverse + path[k] * stride + first + i * w);
+      detail::for_constants<m>([&](auto r)
+                                   DALEMBERT_IN_BLOCK { row[r][i] -= broadcast<w, T>(factor[(first + r) * n + path[k]]) * x; });
+    });
+  detail::for_constants<m>([&](auto r) DALEMBERT_IN_BLOCK {
+    detail::for_constants<decltype(r)::value>([&](auto k)
+                                                  DALEMBERT_IN_BLOCK { subtract(r, factor[(first + r) * n + first + k], k); });
+    detail::for_constants<pieces>(
+        [&](auto i) DALEMBERT_IN_BLOCK { store<w, T>(inverse + (first + r) * stride + first + i * w, row[r][i]); });
+  });
+}
+
+// `inverse` of invert_chain() without the padding.
+template <int n, class T>
+DALEMBERT_BLOCK void without_padding(const T* inverse, T* result) noexcept {
+  constexpr int w = column_lanes;
+  for (int j = 0; j < n; ++j)
+    for (int i = 0; i < n; i += w) detail::store_piece<n, w>(result + j * n, i, load<w>(inverse + j * inverse_stride(n) + i));
+}
+
+namespace detail {
+
+// `columns` columns of -a b, `eights` times eight elements of each from `begin` on.
+template <int n, int columns, int eights, class T>
+DALEMBERT_INLINE void negative_product_tile(const int* path, int count, int first, int last, const T* a, const T* b, T* result,
+                                            int begin) {
+  constexpr int w = column_lanes, pieces = eights * 8 / w;
+  Lanes<T, w> sum[columns][pieces]{};
+  along(path, count, first, last + 1, [&](int k) DALEMBERT_IN_BLOCK {
+    const T* column = a + k * inverse_stride(n) + begin;
+    Lanes<T, w> factor[columns];
+    for_constants<columns>([&](auto j) DALEMBERT_IN_BLOCK { factor[j] = broadcast<w, T>(b[j * n + k]); });
+    for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK {
+      const Lanes<T, w> x = load<w>(column + w * i);
+      for_constants<columns>([&](auto j) DALEMBERT_IN_BLOCK { sum[j][i] -= factor[j] * x; });
+    });
+  });
+  for_constants<columns>([&](auto j) DALEMBERT_IN_BLOCK {
+    for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK { store_piece<n, w>(result + j * n, begin + w * i, sum[j][i]); });
+  });
+}
+
+template <int n, int columns, class T>
+DALEMBERT_INLINE void negative_product_columns(const int* path, int count, int first, int last, const T* a, const T* b,
+                                               T* result) {
+  constexpr int eights = (n + 7) / 8, some = eights % product_eights;
+  for (int i = 0; i + product_eights <= eights; i += product_eights)
+    negative_product_tile<n, columns, product_eights, T>(path, count, first, last, a, b, result, 8 * i);
+  if constexpr (some > 0)
+    negative_product_tile<n, columns, some, T>(path, count, first, last, a, b, result, 8 * (eights - some));
+}
+
+}  // namespace detail
+
+// Columns of result = -a b: those of a chain, from `first` up to `end`. last: the last coordinate beyond the chain. a: as
+// invert_chain() leaves it; b is zero where neither of two coordinates is above the other.
+template <int n, class T>
+__attribute__((noinline)) static void negative_product_chain(int first, int end, int last, const int* above, const T* a,
+                                                             const T* b, T* result) noexcept {
+  int path[n];
+  const int count = detail::path_above(above, first, path);
+  int j = first;
+  for (; j + 2 <= end; j += 2)
+    detail::negative_product_columns<n, 2, T>(path, count, first, last, a, b + j * n, result + j * n);
+  if (j < end) detail::negative_product_columns<n, 1, T>(path, count, first, last, a, b + j * n, result + j * n);
 }
 
 }  // namespace dalembert

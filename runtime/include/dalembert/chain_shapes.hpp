@@ -1,0 +1,13 @@
+// How coordinates are taken where matrices are factored along the tree: a chain at a time. Of constants alone, for the compiler
+// counts operations by them too.
+#pragma once
+
+namespace dalembert {
+
+inline constexpr int longest_chain = 8;
+
+// Of an inverse that is made chain by chain: eight elements are read and written from any column's last one on.
+constexpr int inverse_stride(int n) { return (n + 14) / 8 * 8; }
+constexpr int inverse_size(int n) { return inverse_stride(n) * (n + 7); }
+
+}  // namespace dalembert
