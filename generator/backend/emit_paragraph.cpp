@@ -19,8 +19,8 @@ namespace {
 using ir::Direction;
 using ir::InputKind;
 
-// All its names in one: first_x_y for first_x and first_y.
-std::string column_name(const ir::Column& column) {
+// All names of a column in one: first_x_y for first_x and first_y.
+std::string joined_names(const ir::Column& column) {
   std::string name = column.names.front();
   const std::string prefix = name.substr(0, name.rfind('_') + 1);
   for (size_t i = 1; i < column.names.size(); ++i) {
@@ -28,6 +28,14 @@ std::string column_name(const ir::Column& column) {
     name += next.starts_with(prefix) ? "_" + next.substr(prefix.size()) : "_and_" + next;
   }
   return name;
+}
+
+// The same, numbered where an earlier column has it: a body's first moment and that of what hangs on it may both be constant.
+std::string column_name(const std::vector<ir::Column>& columns, int index) {
+  const std::string name = joined_names(columns[static_cast<size_t>(index)]);
+  const auto before = std::count_if(columns.begin(), columns.begin() + index,
+                                    [&](const ir::Column& column) { return joined_names(column) == name; });
+  return before == 0 ? name : fmt::format("{}_{}", name, before + 1);
 }
 
 class ParagraphWriter {
@@ -102,7 +110,7 @@ class ParagraphWriter {
       case InputKind::received: return target_.load(received(code_, in.index, in.component) + " + slot");
       case InputKind::table:
         return target_.load(
-            fmt::format("{}_{} + i", segment_.name, column_name(rolled_.columns[static_cast<size_t>(in.index)])));
+            fmt::format("{}_{} + i", segment_.name, column_name(rolled_.columns, in.index)));
       case InputKind::of_body:
         return target_.broadcast(fmt::format("{}[{}]", kept(code_, in.index, in.component), slot_text(code_, in.body)));
       default: throw std::logic_error("an input of the function is read by a body");
@@ -110,7 +118,7 @@ class ParagraphWriter {
   }
   std::string input_name(const ir::Input& in) const {
     if (in.kind == InputKind::carried) return variable(in.index, in.component);
-    if (in.kind == InputKind::table) return column_name(rolled_.columns[static_cast<size_t>(in.index)]) + "_k";
+    if (in.kind == InputKind::table) return column_name(rolled_.columns, in.index) + "_k";
     const ir::Role& r = code_.rolled.roles[static_cast<size_t>(in.index)];
     const std::string suffix = ir::component_suffix(r.shape, in.component);
     const std::string whose = in.kind == InputKind::of_body    ? (in.body < 0 ? "base_" : fmt::format("body_{}_", in.body))
@@ -239,7 +247,7 @@ std::string segment_tables(const CodeInput& code, size_t segment) {
   std::string text;
   for (int column : read) {
     const ir::Column& values = c.columns[static_cast<size_t>(column)];
-    text += fmt::format("alignas(64) constexpr Scalar {}_{}[{}] = {{\n", s.name, column_name(values), (s.slots() + 7) / 8 * 8);
+    text += fmt::format("alignas(64) constexpr Scalar {}_{}[{}] = {{\n", s.name, column_name(c.columns, column), (s.slots() + 7) / 8 * 8);
     for (int step = 0; step < s.steps; ++step) {
       std::string row;
       for (int lane = 0; lane < s.width; ++lane)

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "compile.hpp"
+#include "frontend/urdf_reader.hpp"
 #include "pipeline.hpp"
 
 namespace dalembert {
@@ -46,6 +47,37 @@ TEST(TableCopies, AreFoundInText) {
 }
 
 class EmittedCode : public ::testing::TestWithParam<TestRobot> {};
+
+// Of a tree of ten equal branches two joints long.
+TEST(Tables, HaveNamesOfTheirOwn) {
+  const auto link = [](const std::string& name) {
+    return "<link name='" + name +
+           "'><inertial><origin xyz='0.15 0.01 -0.02'/><mass value='2'/>"
+           "<inertia ixx='0.0018' ixy='0.0004' ixz='-0.0003' iyy='0.0161' iyz='0.0002' izz='0.0157'/></inertial></link>";
+  };
+  const auto joint = [](const std::string& parent, const std::string& child, const char* axis) {
+    return "<joint name='to_" + child + "' type='continuous'><origin xyz='0.3 0 0.02'/><parent link='" + parent +
+           "'/><child link='" + child + "'/><axis xyz='" + axis + "'/></joint>";
+  };
+  std::string text = "<robot name='tree'>" + link("base");
+  for (char branch = 'a'; branch < 'k'; ++branch) {
+    const std::string upper = std::string(1, branch) + "1", lower = std::string(1, branch) + "2";
+    text += link(upper) + link(lower) + joint("base", upper, "0 0 1") + joint(upper, lower, "0 1 0");
+  }
+  Diagnostics warnings;
+  Model model;
+  model.description = frontend::read_urdf_text("tree.urdf", text + "</robot>", warnings);
+  model.name = "tree";
+  model.options.form = ir::Form::rolled;
+  apply_scene(model, frontend::read_scene_text("", "", {{"base", "fixed"}, {"outputs", "mass_matrix"}}), warnings);
+  const std::regex table(R"(constexpr Scalar (\w+)\[)");
+  std::vector<std::string> names;
+  for (const backend::OutputFile& file : compile_without_self_test(model))
+    for (std::sregex_iterator at(file.text.begin(), file.text.end(), table), end; at != end; ++at) names.push_back((*at)[1]);
+  EXPECT_GT(names.size(), 10u);
+  std::sort(names.begin(), names.end());
+  EXPECT_EQ(std::adjacent_find(names.begin(), names.end()), names.end()) << *std::adjacent_find(names.begin(), names.end());
+}
 
 TEST_P(EmittedCode, StoresNoTable) {
   for (const char* base : {"fixed", "floating"}) {
