@@ -34,40 +34,51 @@ Transform<S> joint_pose(const Body<S>& body, const S& q) {
   return {body.rotation * rotation_about<S>(body.axis, q), body.translation};
 }
 
-// q, v: one entry per joint behind the base's (7 or none; 6 or none): driven joints are already expanded.
+// Room for the bodies, and the base's twist.
 template <class S>
-Kinematics<S> phase1(const Model<S>& model, const VectorX<S>& q, const VectorX<S>& v) {
-  const Eigen::Index q_joints = model.floating_base ? 7 : 0, v_joints = model.base_rows();
+Kinematics<S> kinematics_of_base(const Model<S>& model, const VectorX<S>& v) {
   Kinematics<S> result;
   result.base_twist.setZero();
   if (model.floating_base) result.base_twist = v.template head<6>();
   result.bodies.resize(model.bodies.size());
-  for (int k = 0; k < model.joints(); ++k) {
-    const Body<S>& body = model.bodies[static_cast<size_t>(k)];
-    BodyKinematics<S>& state = result.bodies[static_cast<size_t>(k)];
-    const BodyKinematics<S>* parent = body.parent < 0 ? nullptr : &result.bodies[static_cast<size_t>(body.parent)];
+  return result;
+}
 
-    state.in_parent = joint_pose(body, S(q[q_joints + k]));
-    state.in_base = parent ? parent->in_base * state.in_parent : state.in_parent;
-    state.Ad_inverse = adjoint_inverse(state.in_parent);
-    state.Ad_base = adjoint(state.in_base);
-    state.Ad_base_inverse = adjoint_inverse(state.in_base);
+// Of body k, its parent's being there. q, v: one entry per joint behind the base's (7 or none; 6 or none): driven joints are
+// already expanded.
+template <class S>
+void update_kinematics(const Model<S>& model, const VectorX<S>& q, const VectorX<S>& v, int k, Kinematics<S>& result) {
+  const Eigen::Index q_joints = model.floating_base ? 7 : 0, v_joints = model.base_rows();
+  const Body<S>& body = model.bodies[static_cast<size_t>(k)];
+  BodyKinematics<S>& state = result.bodies[static_cast<size_t>(k)];
+  const BodyKinematics<S>* parent = body.parent < 0 ? nullptr : &result.bodies[static_cast<size_t>(body.parent)];
 
-    state.E.setZero();
-    if (body.prismatic) {
-      state.E.template head<3>() = body.axis;
-    } else {
-      state.E.template tail<3>() = body.axis;
-    }
-    state.E_dot.setZero();
+  state.in_parent = joint_pose(body, S(q[q_joints + k]));
+  state.in_base = parent ? parent->in_base * state.in_parent : state.in_parent;
+  state.Ad_inverse = adjoint_inverse(state.in_parent);
+  state.Ad_base = adjoint(state.in_base);
+  state.Ad_base_inverse = adjoint_inverse(state.in_base);
 
-    const Vector6<S> rate = state.E * S(v[v_joints + k]);
-    state.V = state.Ad_inverse * (parent ? parent->V : result.base_twist) + rate;
-    state.V_relative = rate;
-    if (parent) state.V_relative += state.Ad_inverse * parent->V_relative;
-    state.ad_parent = ad(rate);
-    state.ad_base = ad(state.V_relative);
+  state.E.setZero();
+  if (body.prismatic) {
+    state.E.template head<3>() = body.axis;
+  } else {
+    state.E.template tail<3>() = body.axis;
   }
+  state.E_dot.setZero();
+
+  const Vector6<S> rate = state.E * S(v[v_joints + k]);
+  state.V = state.Ad_inverse * (parent ? parent->V : result.base_twist) + rate;
+  state.V_relative = rate;
+  if (parent) state.V_relative += state.Ad_inverse * parent->V_relative;
+  state.ad_parent = ad(rate);
+  state.ad_base = ad(state.V_relative);
+}
+
+template <class S>
+Kinematics<S> phase1(const Model<S>& model, const VectorX<S>& q, const VectorX<S>& v) {
+  Kinematics<S> result = kinematics_of_base(model, v);
+  for (int k = 0; k < model.joints(); ++k) update_kinematics(model, q, v, k, result);
   return result;
 }
 

@@ -18,29 +18,37 @@ struct Composites {
   std::vector<Composite<S>> bodies;
 };
 
+// A_k and B_k of one body that moves with the twist (eqs. 12, 13).
+template <class S>
+Composite<S> own_composite(const Model<S>& model, const Inertia<S>& body, const Vector6<S>& twist) {
+  return {inertia_matrix(body),
+          model.coriolis == Coriolis::balance ? bias_matrix(body, twist) : christoffel_bias_matrix(body, twist)};
+}
+
+// The base's own; zero when it is fixed.
+template <class S>
+Composite<S> base_composite(const Model<S>& model, const Kinematics<S>& kinematics) {
+  if (model.floating_base) return own_composite(model, model.base, kinematics.base_twist);
+  return {Matrix6<S>::Zero(), Matrix6<S>::Zero()};
+}
+
+// Adds what the subtree of body j is to its parent.
+template <class S>
+void accumulate(const BodyKinematics<S>& at_j, const Composite<S>& child, Composite<S>& parent) {
+  // A*_k = A_k + Σ ᵏAd_j⁻ᵀ A*_j ᵏAd_j⁻¹ (29)
+  parent.A += at_j.Ad_inverse.transpose() * child.A * at_j.Ad_inverse;
+  // B*_k = B_k + Σ ᵏAd_j⁻ᵀ (B*_j − A*_j ᵏad_j) ᵏAd_j⁻¹ (30)
+  parent.B += at_j.Ad_inverse.transpose() * (child.B - child.A * at_j.ad_parent) * at_j.Ad_inverse;
+}
+
 template <class S>
 Composites<S> phase2(const Model<S>& model, const Kinematics<S>& kinematics) {
-  const auto bias = [&](const Inertia<S>& body, const Vector6<S>& twist) {
-    return model.coriolis == Coriolis::balance ? bias_matrix(body, twist) : christoffel_bias_matrix(body, twist);
-  };
-  Composites<S> result;
-  if (model.floating_base) {
-    result.base = {inertia_matrix(model.base), bias(model.base, kinematics.base_twist)};
-  } else {
-    result.base = {Matrix6<S>::Zero(), Matrix6<S>::Zero()};
-  }
+  Composites<S> result{base_composite(model, kinematics), {}};
   for (size_t k = 0; k < model.bodies.size(); ++k)
-    result.bodies.push_back({inertia_matrix(model.bodies[k].inertia), bias(model.bodies[k].inertia, kinematics.bodies[k].V)});
-
+    result.bodies.push_back(own_composite(model, model.bodies[k].inertia, kinematics.bodies[k].V));
   for (size_t j = model.bodies.size(); j-- > 0;) {
     const int parent = model.bodies[j].parent;
-    const Composite<S>& child = result.bodies[j];
-    Composite<S>& whole = parent < 0 ? result.base : result.bodies[static_cast<size_t>(parent)];
-    const Matrix6<S>& Ad_inverse = kinematics.bodies[j].Ad_inverse;
-    // A*_k = A_k + Σ ᵏAd_j⁻ᵀ A*_j ᵏAd_j⁻¹ (29)
-    whole.A += Ad_inverse.transpose() * child.A * Ad_inverse;
-    // B*_k = B_k + Σ ᵏAd_j⁻ᵀ (B*_j − A*_j ᵏad_j) ᵏAd_j⁻¹ (30)
-    whole.B += Ad_inverse.transpose() * (child.B - child.A * kinematics.bodies[j].ad_parent) * Ad_inverse;
+    accumulate(kinematics.bodies[j], result.bodies[j], parent < 0 ? result.base : result.bodies[static_cast<size_t>(parent)]);
   }
   return result;
 }
