@@ -109,8 +109,7 @@ class ParagraphWriter {
       case InputKind::state: return target_.load(kept(code_, in.index, in.component) + " + slot");
       case InputKind::received: return target_.load(received(code_, in.index, in.component) + " + slot");
       case InputKind::table:
-        return target_.load(
-            fmt::format("{}_{} + i", segment_.name, column_name(rolled_.columns, in.index)));
+        return target_.load(fmt::format("{}_{} + i", segment_.name, column_name(rolled_.columns, in.index)));
       case InputKind::of_body:
         return target_.broadcast(fmt::format("{}[{}]", kept(code_, in.index, in.component), slot_text(code_, in.body)));
       default: throw std::logic_error("an input of the function is read by a body");
@@ -247,7 +246,8 @@ std::string segment_tables(const CodeInput& code, size_t segment) {
   std::string text;
   for (int column : read) {
     const ir::Column& values = c.columns[static_cast<size_t>(column)];
-    text += fmt::format("alignas(64) constexpr Scalar {}_{}[{}] = {{\n", s.name, column_name(c.columns, column), (s.slots() + 7) / 8 * 8);
+    text += fmt::format("alignas(64) constexpr Scalar {}_{}[{}] = {{\n", s.name, column_name(c.columns, column),
+                        (s.slots() + 7) / 8 * 8);
     for (int step = 0; step < s.steps; ++step) {
       std::string row;
       for (int lane = 0; lane < s.width; ++lane)

@@ -243,6 +243,17 @@ function integration() {
       figure(chip, row, "");
     });
   });
+  const steps = all.filter((r) => r.metric === "largest_stable_step");
+  const rows_of_steps = table(section.select(".steps"), ["largest stable step, s"]);
+  const head = section.select(".steps thead tr");
+  unique(steps.map((r) => r.case)).forEach((name) => {
+    word(head.append("th").attr("class", "number"), {index: steps.find((r) => r.case === name).index, value: name});
+  });
+  unique(steps.map((r) => r.variant)).forEach((variant) => {
+    const own = steps.filter((r) => r.variant === variant), tr = rows_of_steps.append("tr");
+    word(tr.append("td"), {index: own[0].index, value: variant});
+    own.forEach((row) => figure(tr.append("td").attr("class", "number"), row, ""));
+  });
 }
 
 function facts() {

@@ -1,5 +1,5 @@
-// The paper's experiments (Shin, Park and Park 2016, section 6): M, C and both of serial chains of 10 to 500 joints, of trees of
-// 2, 5 and 10 equal branches, and of MAHRU; benchmarks ROBOT/QUANTITIES/WHO by the clock on the wall. WHO:
+// The paper's experiments (Shin, Park and Park 2016, section 6): M, C and both of serial chains of 10 to 500 joints, of trees
+// of 2, 5 and 10 equal branches, and of MAHRU; benchmarks ROBOT/QUANTITIES/WHO by the clock on the wall. WHO:
 //
 //   generic          the paper's recursion in one thread
 //   generic_loops    the same with the paper's loop-level parallelism, a barrier between phases
@@ -7,8 +7,8 @@
 //   dalembert        generated code in one thread
 //   dalembert_tasks  generated code as a static task graph
 //
-// Code is generated and compiled by the program itself, before anything is timed. Counter: relative_error at one state. All five
-// must agree; generic's three ways to the bit, generated code's two as well. sweep.py draws what this says.
+// Code is generated and compiled by the program itself, before anything is timed. Counter: relative_error at one state. All
+// five must agree; generic's three ways to the bit, generated code's two as well. sweep.py draws what this says.
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 
@@ -115,7 +115,9 @@ int run(int argc, char** argv) {
     for (const Sizes& sizes : all_sizes) experiments.push_back({shape, sizes});
   for (Experiment& e : experiments)
     for (const Way& way : ways)
-      benchmark::RegisterBenchmark(e.name(way).c_str(), [&e, &way](benchmark::State& state) { e.time(state, way); })->UseRealTime();
+      benchmark::RegisterBenchmark(e.name(way).c_str(), [&e, &way](benchmark::State& state) {
+        e.time(state, way);
+      })->UseRealTime();
   if (!lists) prepare_those_wanted(experiments);
   benchmark::RunSpecifiedBenchmarks();
   benchmark::Shutdown();

@@ -36,10 +36,12 @@ std::string graph_text(const Sizes& sizes) {
       "extern \"C\" {\n"
       "void* graph_create() { return new Graph; }\n"
       "void graph_destroy(void* graph) { delete static_cast<Graph*>(graph); }\n"
-      "void graph_evaluate(const double* q, const double* v, void* graph) { static_cast<Graph*>(graph)->graph.evaluate(q, v); }\n";
+      "void graph_evaluate(const double* q, const double* v, void* graph) { static_cast<Graph*>(graph)->graph.evaluate(q, v); "
+      "}\n";
   for (const char* matrix : {"mass_matrix", "coriolis_matrix"})
     if (matrix == std::string("mass_matrix") ? sizes.M : sizes.C)
-      text += fmt::format("const double* graph_{0}(void* graph) {{ return static_cast<Graph*>(graph)->workspace.{0}; }}\n", matrix);
+      text +=
+          fmt::format("const double* graph_{0}(void* graph) {{ return static_cast<Graph*>(graph)->workspace.{0}; }}\n", matrix);
   return text + "}\n";
 }
 

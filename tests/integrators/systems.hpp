@@ -9,6 +9,7 @@
 
 #include "free_mahru/dynamics.hpp"
 #include "pendulum_chain/dynamics.hpp"
+#include "two_pendulums/dynamics.hpp"
 #ifdef DALEMBERT_WAM
 #include "wam_arm/dynamics.hpp"
 #endif
@@ -28,6 +29,7 @@ namespace dalembert::testing {
   };
 DALEMBERT_SYSTEM_CODE(FreeMahru, free_mahru)
 DALEMBERT_SYSTEM_CODE(PendulumChain, pendulum_chain)
+DALEMBERT_SYSTEM_CODE(TwoPendulums, two_pendulums)
 #ifdef DALEMBERT_WAM
 DALEMBERT_SYSTEM_CODE(WamArm, wam_arm)
 #endif

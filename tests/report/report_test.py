@@ -97,6 +97,9 @@ def check_rows(rows):
         demand(abs(orders.get(integrator, 0) - order) < 0.5, f"orders {orders}")
     stiff = {(row["case"], row["variant"]): row["value"] for row in rows if row["section"] == "integration" and row["metric"] == "verdict"}
     demand(stiff["springs of 1e+09", "linearly implicit"] == "good" and stiff["springs of 1e+09", "RK4"] == "bad", f"{stiff}")
+    steps = {(row["case"], row["variant"]): float(row["value"]) for row in rows if row["metric"] == "largest_stable_step"}
+    demand(len(steps) == 12 and steps["springs of 1e+09", "linearly implicit"] == 8e-3 and
+           0 < steps["springs of 1e+09", "RK4"] < 1e-4 < steps["springs of 1e+03", "RK4"], f"{steps}")
     numbers = {f"{float(row['value']):{form}}" for row in rows if row["unit"] for form in (".2g", ".3g", "g")}
     for row in rows:
         if row["section"] == "verdict":

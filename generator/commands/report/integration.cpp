@@ -26,6 +26,7 @@ using Eigen::VectorXd;
 using reference::Motion;
 
 constexpr double seconds = 0.2, stiff_seconds = 1, stiff_step = 1e-3;
+constexpr long stability_steps = 200;
 constexpr int largest_robot = 100;  // coordinates; beyond, the reference takes longer than all the rest
 
 // The robot's dynamics as the integrators want them, with springs towards a position in every joint beside the scene's.
@@ -147,22 +148,36 @@ void add_free_motion(const Subject& subject, Simulated& simulated, const Motion&
   }
 }
 
-void add_springs(Simulated& simulated, const Motion& start, Rows& rows) {
+// The largest speed within a number of steps; infinite where the integrator gives up or diverges.
+double largest_speed(Simulated& simulated, const Integrator& integrator, Motion at, double h, long steps) {
+  double largest = 0;
+  for (long i = 0; i < steps; ++i) {
+    if (!integrator.step(simulated, h, at.q, at.v)) return std::numeric_limits<double>::infinity();
+    const double speed = at.v.cwiseAbs().maxCoeff<Eigen::PropagateNaN>();
+    if (!(speed < 1e6)) return std::numeric_limits<double>::infinity();
+    largest = std::max(largest, speed);
+  }
+  return largest;
+}
+
+// Of 8 ms, 4 ms, 2 ms and so on, the first of which many steps stay bounded, s; 0: none down to a nanosecond.
+double largest_stable_step(Simulated& simulated, const Integrator& integrator, const Motion& start) {
+  for (double h = 8e-3; h > 1e-9; h /= 2)
+    if (std::isfinite(largest_speed(simulated, integrator, start, h, stability_steps))) return h;
+  return 0;
+}
+
+void add_springs(Simulated& simulated, Motion start, Rows& rows) {
+  start.v *= 0.1;
   for (double stiffness : {1e3, 1e6, 1e9}) {
     const std::string name = fmt::format("springs of {:.0e}", stiffness);
     simulated.set_springs(stiffness, start.q);
     for (const Integrator& integrator : all_integrators) {
-      Motion at = start;
-      at.v *= 0.1;
-      double largest = 0;
-      bool good = true;
-      for (int i = 0; good && i < std::lround(stiff_seconds / stiff_step); ++i) {
-        good = integrator.step(simulated, stiff_step, at.q, at.v) && at.v.allFinite() && at.v.cwiseAbs().maxCoeff() < 1e6;
-        if (good) largest = std::max(largest, at.v.cwiseAbs().maxCoeff());
-      }
-      const double speed = good ? largest : std::numeric_limits<double>::infinity();
+      const double speed = largest_speed(simulated, integrator, start, stiff_step, std::lround(stiff_seconds / stiff_step));
       rows.number("integration", name, "state", integrator.name, "largest_speed", speed, "m/s, rad/s");
-      rows.text("integration", name, "state", integrator.name, "verdict", good ? "good" : "bad");
+      rows.text("integration", name, "state", integrator.name, "verdict", std::isfinite(speed) ? "good" : "bad");
+      rows.number("integration", name, "state", integrator.name, "largest_stable_step",
+                  largest_stable_step(simulated, integrator, start), "s");
     }
   }
 }
