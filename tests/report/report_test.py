@@ -79,7 +79,7 @@ def check_rows(rows):
     for quantity in quantities:
         here = [row for row in rows if row["section"] == "rounding" and row["quantity"] == quantity]
         variants = {row["variant"] for row in here}
-        demand({"generic double", "straight double", "straight float", "rolled double", "straight double, not fused"} == variants,
+        demand({"generic double", "straight double", "straight float", "rolled double", "straight double, not fused", "straight double, library sines"} == variants,
                f"{quantity} has {variants}")
         for variant in variants:
             value = {row["metric"]: float(row["value"]) for row in here if row["variant"] == variant and row["unit"]}
@@ -136,7 +136,7 @@ def check_page(page, rows, seen):
         left, top, right, bottom = plot["box"]
         demand(right - left > 200 and bottom - top > 100 and right <= seen["client_width"], f"{plot['id']} stands at {plot['box']}")
     for quantity in quantities:
-        check_points(plots[f"rounding {quantity}"], rows, 5, 2)
+        check_points(plots[f"rounding {quantity}"], rows, 6, 2)
     check_points(plots["integration"], rows, 16, 0)
     for path in plots["sparsity coriolis_matrix"]["paths"]:
         drawn = sum(int(n) for n in re.findall(r"h(\d+)v1", path["d"]))

@@ -11,12 +11,13 @@
 namespace dalembert::reporting {
 namespace {
 
-Variant variant(ir::Form form, ir::ScalarType scalar, int lanes, bool fused) {
+Variant variant(ir::Form form, ir::ScalarType scalar, int lanes, bool fused, bool library_sines = false) {
   std::string name = form == ir::Form::rolled ? "rolled" : "straight";
   name += scalar == ir::ScalarType::float32 ? " float" : " double";
   if (lanes > 0) name += lanes == 1 ? ", 1 lane" : fmt::format(", {} lanes", lanes);
   if (!fused) name += ", not fused";
-  return {name, form, scalar, lanes, fused};
+  if (library_sines) name += ", library sines";
+  return {name, form, scalar, lanes, fused, library_sines};
 }
 
 }  // namespace
@@ -32,12 +33,13 @@ std::vector<Variant> variants(ir::Form chosen, bool quick) {
       for (int lanes : {1, 2, 4, 8}) list.push_back(variant(ir::Form::rolled, scalar, lanes, true));
   for (ir::ScalarType scalar : {float64, float32})
     if (!quick || scalar == float64) list.push_back(variant(chosen, scalar, 0, false));
+  list.push_back(variant(chosen, float64, 0, true, true));
   return list;
 }
 
 const Variant& plain(const std::vector<Variant>& variants, ir::Form chosen, ir::ScalarType scalar) {
   const auto at = std::find_if(variants.begin(), variants.end(), [&](const Variant& v) {
-    return v.form == chosen && v.scalar == scalar && v.lanes == 0 && v.fused;
+    return v.form == chosen && v.scalar == scalar && v.lanes == 0 && v.fused && !v.library_sines;
   });
   if (at == variants.end()) throw std::logic_error("no plain variant");
   return *at;
@@ -52,6 +54,7 @@ Model model_of(Model model, const Variant& variant) {
 CompilerOptions options_of(CompilerOptions options, const Variant& variant) {
   options.lanes = variant.lanes;
   if (!variant.fused) options.flags += " -ffp-contract=off";
+  if (variant.library_sines) options.flags += " -DDALEMBERT_LIBRARY_SINES";
   return options;
 }
 

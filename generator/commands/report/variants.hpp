@@ -17,10 +17,12 @@ struct Variant {
   ir::ScalarType scalar = ir::ScalarType::float64;
   int lanes = 0;      // 0: as many as the target's registers hold
   bool fused = true;  // products and sums may be fused (fma)
+  bool library_sines = false;
 };
 
 // `chosen`: the form the compiler takes of its own accord. All: both forms in double and float, loops in 1 to 8 lanes, and the
-// chosen form without fused operations. Quick: both forms in double; the chosen one in float, and without fused operations.
+// chosen form without fused operations and with the library's sines. Quick: both forms in double; the chosen one in float,
+// without fused operations and with the library's sines.
 std::vector<Variant> variants(ir::Form chosen, bool quick);
 
 // The chosen form in the scalar, otherwise as users get it: a variant of the list above.

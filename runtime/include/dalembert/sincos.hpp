@@ -2,7 +2,8 @@
 //
 // Error at most 2 ulp for |x| ≤ 1e5: reduction by three parts of π/2, then the minimax polynomials of fdlibm, S1…S6 and
 // C1…C6, on ±π/4, in as short a chain as they can be. Where larger angles are among them, all are handed to the standard
-// library one by one: as accurate as that is, slower. Infinities and NaN give NaN. Neither allocates nor locks.
+// library one by one: as accurate as that is, slower. With -DDALEMBERT_LIBRARY_SINES all angles always are, to compare with.
+// Infinities and NaN give NaN. Neither allocates nor locks.
 #pragma once
 
 #include <cmath>
@@ -67,6 +68,11 @@ __attribute__((noinline, cold)) static void sincos_large(const T* angle, T* sine
 // Blocks of n angles, each read by read(i), a register at a time.
 template <int n, class T, class Read>
 DALEMBERT_BLOCK void sincos_each(const Read& read, T* sine, T* cosine) {
+#ifdef DALEMBERT_LIBRARY_SINES
+  T all[padded(n)];
+  for (int i = 0; i < n; ++i) all[i] = read(i);
+  return sincos_large(all, sine, cosine, n);
+#endif
   constexpr int w = native_lanes < 2 ? 2 : n % native_lanes == 0 ? native_lanes : 4;
   using V = Lanes<double, w>;
   V largest{}, smallest{};  // NaN is neither: one that nobody needs changes nothing else
