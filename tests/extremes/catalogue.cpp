@@ -87,10 +87,11 @@ std::vector<Robot> robots() {
                         return Link{1, 1, i == 2 ? 1e9 : 1};
                       },
                       true)});
-  for (int joints : {30, 100, 300}) {
+  for (int joints : {30, 100, 300, 1000}) {
     Robot robot{fmt::format("chain_{}", joints), fmt::format("{} joints, equal links", joints),
                 chain(joints, [](int) { return Link{}; })};
     robot.slow = joints > 30;
+    if (joints == 1000) robot.ulp = 256, robot.why = "the rounding of a thousand turns in a row adds up";
     list.push_back(robot);
   }
   return list;

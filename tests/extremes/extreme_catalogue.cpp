@@ -1,11 +1,15 @@
 // The catalogue as the table of docs/extremes.md.
 //
-//   extreme_catalogue [--states N] [--slow]     30 states unless told otherwise; --slow: chains of hundreds of joints, too
+//   extreme_catalogue [--states N] [--slow] [--robot NAME]
+//
+// 30 states unless told otherwise; --slow: chains of hundreds of joints, too, which take minutes; --robot: no other than this
+// one.
 //
 // Exit status 1 when a robot does not keep its promise, 2 for bad usage.
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <string>
 
 #include "extremes.hpp"
 
@@ -13,16 +17,18 @@ int main(int argc, char** argv) {
   using namespace dalembert::extremes;
   int states = 30;
   bool slow = false;
+  std::string only;
   for (int i = 1; i < argc; ++i) {
     if (!std::strcmp(argv[i], "--slow")) slow = true;
     else if (!std::strcmp(argv[i], "--states") && i + 1 < argc && std::atoi(argv[i + 1]) > 0) states = std::atoi(argv[++i]);
-    else return std::fprintf(stderr, "usage: extreme_catalogue [--states N] [--slow]\n"), 2;
+    else if (!std::strcmp(argv[i], "--robot") && i + 1 < argc) only = argv[++i];
+    else return std::fprintf(stderr, "usage: extreme_catalogue [--states N] [--slow] [--robot NAME]\n"), 2;
   }
   std::printf("| robot | what it is | M | C | g | bias | M | C | g | bias | condition | v̇ | v̇ | promised | kept |\n");
   std::printf("|---|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---|\n");
   bool good = true;
   for (const Robot& robot : robots()) {
-    if (robot.slow && !slow) continue;
+    if (only.empty() ? robot.slow && !slow : robot.name != only) continue;
     const Figures figures = measure(robot, robot.slow ? 2 : states, "-O3 -march=native -std=c++17");
     bool kept = figures.finite && (robot.normalised == 0 || figures.normalised[0] <= robot.normalised);
     std::printf("| %s | %s |", robot.name.c_str(), robot.what.c_str());

@@ -1,5 +1,5 @@
-// What docs/integrators.md says of the integrators in figures, as its tables; exit status 1 where one does not keep what the page
-// promises.
+// What docs/integrators.md says of the integrators in figures, as its tables; exit status 1 where one does not keep what the
+// page promises.
 //
 //   integrator_figures            the tables
 //   integrator_figures --quick    ten seconds of motion instead of sixty
@@ -38,7 +38,8 @@ struct Method {
 
 template <class Code>
 constexpr Method<Code> methods[] = {
-    {"semi-implicit Euler", [](auto& s, double h, auto& q, auto& v) { return integrators::semi_implicit_euler(s, h, q, v), true; }},
+    {"semi-implicit Euler",
+     [](auto& s, double h, auto& q, auto& v) { return integrators::semi_implicit_euler(s, h, q, v), true; }},
     {"RK4", [](auto& s, double h, auto& q, auto& v) { return integrators::rk4(s, h, q, v), true; }},
     {"implicit midpoint", [](auto& s, double h, auto& q, auto& v) { return integrators::implicit_midpoint(s, h, q, v); }},
     {"linearly implicit", [](auto& s, double h, auto& q, auto& v) { return integrators::linearly_implicit(s, h, q, v), true; }},
@@ -106,7 +107,8 @@ void print_largest_steps(const char* what, bool springs) {
     for (const auto& method : methods<FreeMahru>) {
       const double step = springs ? largest_stable_step(method, size, 0) : largest_stable_step(method, 1, size);
       row.push_back(step == 0 ? "none" : fmt::format("{:g} ms", step * 1e3));
-      if (&method == &methods<FreeMahru>[linear]) demand(step == 1e-2, fmt::format("linearly implicit needs {} s at {}", step, size));
+      if (&method == &methods<FreeMahru>[linear])
+        demand(step == 1e-2, fmt::format("linearly implicit needs {} s at {}", step, size));
       if (&method == &methods<FreeMahru>[rk4] && size == 1e9) demand(step < 1e-3, "RK4 bears 1e9 at 1 ms");
     }
     print_row(row);
@@ -126,7 +128,8 @@ void print_combinations() {
       for (double stiffness : {1.0, 1e2, 1e4, 1e6, 1e8, 1e9})
         for (double damping : {0.0, 1.0, 1e2, 1e4, 1e6, 1e9}) ++all, bounded += is_stable(method, stiffness, damping, h);
       row.push_back(fmt::format("{} of {}", bounded, all));
-      if (&method == &methods<FreeMahru>[linear]) demand(bounded == all, fmt::format("linearly implicit bears {} of {}", bounded, all));
+      if (&method == &methods<FreeMahru>[linear])
+        demand(bounded == all, fmt::format("linearly implicit bears {} of {}", bounded, all));
     }
     print_row(row);
   }
@@ -136,7 +139,8 @@ void print_combinations() {
 // Energies of a motion without springs or dampers, kept every 20 ms, J.
 template <class Code>
 std::vector<double> energies(const Method<Code>& method, double h, double seconds, typename System<Code>::VectorQ q,
-                             typename System<Code>::VectorV v, const std::function<double(const reference::Motion&)>& potential) {
+                             typename System<Code>::VectorV v,
+                             const std::function<double(const reference::Motion&)>& potential) {
   System<Code> system;
   std::vector<double> list;
   const long steps = std::lround(seconds / h), every = std::lround(0.02 / h);
@@ -261,8 +265,9 @@ int run(bool quick) {
     const S::VectorQ q = start.q;
     const S::VectorV v = 0.2 * start.v;
     S system;
-    print_energies<FreeMahru>(fmt::format("MAHRU in free flight, {:g} s", seconds).c_str(), seconds, q, v,
-                              [](const reference::Motion&) { return 0.0; }, system.energy(q, v), true);
+    print_energies<FreeMahru>(
+        fmt::format("MAHRU in free flight, {:g} s", seconds).c_str(), seconds, q, v,
+        [](const reference::Motion&) { return 0.0; }, system.energy(q, v), true);
   }
   print_drifts();
   print_momentum();
