@@ -50,7 +50,7 @@ std::size_t workspace_bytes(const Model& model, const Lowered& lowered) {
 std::vector<std::pair<std::string, ir::Operations>> executed_operations(const Model& model, const Lowered& lowered) {
   std::vector<std::pair<std::string, ir::Operations>> all;
   for (const backend::CodeInput& code : folder(model, lowered).functions)
-    all.emplace_back(ir::row_of(code.algorithm.function).name, backend::executed_operations(code));
+    all.emplace_back(code.algorithm.function.name, backend::executed_operations(code));
   return all;
 }
 

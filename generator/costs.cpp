@@ -116,6 +116,7 @@ Model whole_robot(const Model& model) {
   for (ir::Quantity quantity : model.scene.outputs)
     if (std::find(whole.scene.outputs.begin(), whole.scene.outputs.end(), quantity) == whole.scene.outputs.end())
       whole.scene.outputs.push_back(quantity);
+  whole.scene.functions = model.scene.functions;
   whole.scene.jacobians = model.scene.jacobians;
   whole.scene.frames = model.scene.frames;
   Diagnostics warnings;
@@ -135,7 +136,7 @@ std::vector<OperationCost> operation_costs(const Lowered& lowered, const ir::Kin
   for (const LoweredFunction& f : lowered.functions) {
     const std::vector<int> phases = passes::phases(f.algorithm);
     const OperationCost all = cost_of(f, phases, tree, -1);
-    costs.front() = f.algorithm.function == lowered.functions.front().algorithm.function ? all : sum(costs.front(), all);
+    costs.front() = &f == &lowered.functions.front() ? all : sum(costs.front(), all);
     for (size_t a = 0; a < f.program.arrays.size(); ++a)
       if (!f.program.arrays[a].internal) costs.push_back(cost_of(f, phases, tree, static_cast<int>(a)));
   }

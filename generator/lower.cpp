@@ -11,7 +11,7 @@ namespace {
 
 enum class Depth { program, form };
 
-LoweredFunction lower(const Model& model, const ir::NormalTree& normal, ir::Function function, Depth depth) {
+LoweredFunction lower(const Model& model, const ir::NormalTree& normal, const ir::EmittedFunction& function, Depth depth) {
   const ir::Graph::Options options{model.options.fold, model.options.share};
   LoweredFunction lowered;
   lowered.algorithm = passes::describe(function, model.tree, normal, model.scene, options);
@@ -32,9 +32,8 @@ LoweredFunction lower(const Model& model, const ir::NormalTree& normal, ir::Func
 Lowered lower(const Model& model, Depth depth) {
   Lowered lowered;
   lowered.normal = passes::normalise(model.tree, passes::normalise_options(model.scene, model.options.move_parameters));
-  for (const ir::FunctionRow& f : ir::functions)
-    if (passes::has_outputs(model.scene, f.function))
-      lowered.functions.push_back(lower(model, lowered.normal, f.function, depth));
+  for (const ir::EmittedFunction& f : ir::functions_of(model.scene))
+    lowered.functions.push_back(lower(model, lowered.normal, f, depth));
   return lowered;
 }
 

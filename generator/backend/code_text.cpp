@@ -15,7 +15,7 @@ std::string input_text(const CodeInput& code, const ir::Input& input) {
     case ir::InputKind::position: return fmt::format("q[{}]", input.index);
     case ir::InputKind::velocity: return fmt::format("v[{}]", input.index);
     case ir::InputKind::acceleration:
-    case ir::InputKind::effort: return fmt::format("{}[{}]", function_of(code).input, input.index);
+    case ir::InputKind::effort: return fmt::format("{}[{}]", function_of(code).input(), input.index);
     case ir::InputKind::gravity: return fmt::format("workspace.gravity_vector[{}]", input.component);
     case ir::InputKind::payload: {
       const std::string payload =
@@ -28,15 +28,15 @@ std::string input_text(const CodeInput& code, const ir::Input& input) {
   }
 }
 
-const ir::FunctionRow& function_of(const CodeInput& code) { return ir::row_of(code.algorithm.function); }
+const ir::EmittedFunction& function_of(const CodeInput& code) { return code.algorithm.function; }
 
-std::string own_name(const CodeInput& code, const std::string& name) { return ir::own_name(code.algorithm.function, name); }
+std::string own_name(const CodeInput& code, const std::string& name) { return function_of(code).own_name(name); }
 
 std::string own_type(const CodeInput& code, const std::string& type) { return function_of(code).type + type; }
 
 std::vector<std::string> vectors_of(const CodeInput& code) {
   std::vector<std::string> names{"q", "v"};
-  if (*function_of(code).input) names.emplace_back(function_of(code).input);
+  if (*function_of(code).input()) names.emplace_back(function_of(code).input());
   return names;
 }
 

@@ -8,7 +8,7 @@
 
 namespace dalembert::backend {
 
-const ir::FunctionRow& function_of(const CodeInput& code);
+const ir::EmittedFunction& function_of(const CodeInput& code);
 // The names of what is one function's own: a member or namespace, "kept" or "inverse_dynamics_kept", and a type, "Kept" or
 // "InverseDynamicsKept".
 std::string own_name(const CodeInput& code, const std::string& name);

@@ -108,7 +108,7 @@ std::string link_table(const CodeInput& code) {
 
 std::string unread(const CodeInput& code) {
   const ir::InputsRead read = ir::inputs_read(code.program, ir::uses(code.program.graph, code.program.roots()));
-  const std::string input = function_of(code).input;
+  const std::string input = function_of(code).input();
   std::vector<std::string> parts;
   if (!read.joint_positions()) parts.push_back("joint positions");
   if (code.tree.floating_base && !read.base_pose()) parts.push_back("the base's pose");
@@ -128,11 +128,24 @@ std::string stage_declarations(const CodeInput& code) {
 
 bool is_rolled(const CodeInput& code) { return code.plan.form == ir::Form::rolled; }
 
+// What the results of a function that the scene names are: its user sees them under no other name.
+std::string shapes(const CodeInput& code) {
+  const ir::EmittedFunction& function = function_of(code);
+  if (!function.named) return "";
+  std::string text;
+  for (const ir::Quantity quantity : function.quantities) {
+    const ir::QuantityRow& row = ir::row_of(quantity);
+    text += fmt::format("//   {}: {}, {} x {}, {}\n", function.result(quantity), row.help, ir::extent(row.rows, code.tree),
+                        ir::extent(row.columns, code.tree), row.unit);
+  }
+  return text;
+}
+
 // What a function takes besides q and v: for the comment above it.
 std::string input_meaning(const CodeInput& code) {
-  const ir::FunctionRow& row = function_of(code);
-  if (!*row.input) return "";
-  return fmt::format("// {}: nv {}.\n", row.input, row.meaning);
+  const ir::EmittedFunction& function = function_of(code);
+  if (!*function.input()) return "";
+  return fmt::format("// {}: nv {}.\n", function.input(), function.meaning());
 }
 
 std::string function_declaration(const CodeInput& code) {
@@ -142,6 +155,7 @@ std::string function_declaration(const CodeInput& code) {
   for (const std::string& vector : vectors_of(code))
     eigen += fmt::format("const {}& {}, ", vector == "q" ? "VectorQ" : "VectorV", vector);
   return render("function.hpp", {{"quantities", quantities(code)},
+                                 {"shapes", shapes(code)},
                                  {"unread", unread(code)},
                                  {"input", input_meaning(code)},
                                  {"function", function_of(code).name},
@@ -219,12 +233,13 @@ void c_functions(const Folder& folder, std::string& declarations, std::string& d
     definitions += fmt::format("{} {{\n{}}}\n\n", signature, body);
   };
   for (const CodeInput& f : folder.functions) {
-    const ir::FunctionRow& row = function_of(f);
-    const std::string input = *row.input ? fmt::format(", {}: {}_nv() {}", row.input, n, row.meaning) : "";
-    add(fmt::format("Computes {}.\n// q: {}_nq() positions, v: {}_nv() velocities{}. Does not allocate.", quantities(f), n, n,
-                    input),
-        fmt::format("void {}_{}({}, {}_workspace* workspace)", n, row.name, parameters_of(f, fmt::format("const {}* ", s)), n),
-        fmt::format("  {}::{}({}, *workspace);\n", n, row.name, arguments_of(f)));
+    const ir::EmittedFunction& function = function_of(f);
+    const std::string input = *function.input() ? fmt::format(", {}: {}_nv() {}", function.input(), n, function.meaning()) : "";
+    add(fmt::format("Computes {}.\n{}// q: {}_nq() positions, v: {}_nv() velocities{}. Does not allocate.", quantities(f),
+                    shapes(f), n, n, input),
+        fmt::format("void {}_{}({}, {}_workspace* workspace)", n, function.name, parameters_of(f, fmt::format("const {}* ", s)),
+                    n),
+        fmt::format("  {}::{}({}, *workspace);\n", n, function.name, arguments_of(f)));
   }
   for (const CodeInput& f : folder.functions) {
     if (!f.algorithm.guard) continue;

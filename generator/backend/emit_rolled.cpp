@@ -226,8 +226,9 @@ std::string call_of(const CodeInput& code, const Stage& stage) {
 }
 
 std::string rolled_source(const CodeInput& code) {
-  // The names of another function's tables and stages may be the same: evaluate() has its own where the reader looks first.
-  const bool first = code.algorithm.function == ir::Function::evaluate, scoped = code.plan.tasks || !first;
+  // The names of another function's tables and stages may be the same: evaluate() has its own where the reader looks first. A
+  // function that the scene names may be called as one of them.
+  const bool first = function_of(code).is_evaluate() && code.scene.functions.empty(), scoped = code.plan.tasks || !first;
   const std::string scope = own_name(code, "stages");
   std::string unused, text, calls;
   for (const std::string& vector : vectors_of(code))

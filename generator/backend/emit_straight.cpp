@@ -98,7 +98,7 @@ std::string straight_statements(const CodeInput& code, const ir::Program& progra
   const ir::InputsRead read = ir::inputs_read(program, ir::uses(program.graph, program.roots()));
   if (read.positions.empty()) body += "  (void)q;\n";
   if (read.velocities.empty()) body += "  (void)v;\n";
-  if (!read.input && *function_of(code).input) body += fmt::format("  (void){};\n", function_of(code).input);
+  if (!read.input && *function_of(code).input()) body += fmt::format("  (void){};\n", function_of(code).input());
   body += angles.prologue(style);
 
   std::vector<Sink> sinks;

@@ -93,10 +93,13 @@ void add_eval(Command& command) {
       .add_option(
           "--state", options->state,
           "states, one a line: q, v, then dv/dt for inverse dynamics, its derivatives and the regressor, or tau for forward "
-          "dynamics and its derivatives; numbers separated by blanks; - for standard input")
+          "dynamics and its derivatives, of a function of the scene what it takes; numbers separated by blanks; - for standard "
+          "input")
       ->required()
       ->type_name("FILE");
-  command.parser.add_option("--output", options->output, "the quantity to print, or jacobian_LINK")
+  command.parser
+      .add_option("--output", options->output,
+                  "the quantity to print, of a link QUANTITY_LINK, of a function of the scene FUNCTION_QUANTITY")
       ->required()
       ->type_name("QUANTITY");
   command.parser.add_option("--engine", options->engine, "who computes; default generated, which needs a C++ compiler")

@@ -18,9 +18,8 @@ GeneratedEngine::GeneratedEngine(const Model& model, const std::vector<Output>& 
       code_(name_, files_of(with_outputs(model, outputs), self_test), options),
       workspace_(code_.function<Workspace*()>(name_ + "_create")(), code_.function<void(Workspace*)>(name_ + "_destroy")) {
   if (!workspace_) throw std::bad_alloc();
-  for (const ir::FunctionRow& row : ir::functions)
-    if (std::any_of(outputs.begin(), outputs.end(), [&](const Output& o) { return o.function() == row.function; }))
-      calls_.push_back({reinterpret_cast<void*>(code_.function<void()>(name_ + "_" + row.name)), *row.input != 0});
+  for (const ir::EmittedFunction& f : ir::functions_of(with_outputs(model, outputs).scene))
+    calls_.push_back({reinterpret_cast<void*>(code_.function<void()>(name_ + "_" + f.name)), *f.input() != 0});
 }
 
 template <class Scalar>
@@ -50,7 +49,7 @@ Eigen::MatrixXd GeneratedEngine::result(const Output& output) const {
 }
 
 int GeneratedEngine::status(const Output& output) const {
-  const std::string name = name_ + "_" + ir::row_of(output.function()).name + "_status";
+  const std::string name = name_ + "_" + output.function.own_name("status");
   return code_.has(name) ? code_.function<int(const Workspace*)>(name)(workspace_.get()) : -1;
 }
 

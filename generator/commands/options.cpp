@@ -22,6 +22,7 @@ constexpr Help scene_help[] = {
     {"gravity", "X,Y,Z|none|run_time",
      "m/s² along the world's axes, default 0,0,-9.81; run_time=X,Y,Z sets the value to start with"},
     {"outputs", "A,B,...", nullptr},
+    {"functions", "NAME=A,B,...", "further functions, each of these quantities, in one call that shares what they share"},
     {"coriolis", "balance|christoffel", "which C, of those with dM/dt = C + C': of dynamical balance (default) or Christoffel"},
     {"locked", "JOINT=VALUE,...", "joints held at a value (rad or m)"},
     {"cut", "LINK,...", "links removed with everything beyond them"},

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "frontend/nearest.hpp"
 #include "ir/identifier.hpp"
 
@@ -11,7 +13,28 @@ namespace {
 
 Output output_of(const Model& model, ir::Quantity quantity) {
   const ir::QuantityRow& row = ir::row_of(quantity);
-  return {row.name, quantity, "", {}, ir::extent(row.rows, model.tree), ir::extent(row.columns, model.tree)};
+  return {row.name,
+          quantity,
+          "",
+          {},
+          ir::extent(row.rows, model.tree),
+          ir::extent(row.columns, model.tree),
+          ir::standard_function(row.function)};
+}
+
+// Of the functions that the scene names.
+std::vector<Output> named_outputs(const Model& model) {
+  std::vector<Output> outputs;
+  for (const ir::NamedFunction& f : model.scene.functions) {
+    const ir::EmittedFunction function = ir::named_function(f.name, f.quantities);
+    for (const ir::Quantity quantity : function.quantities) {
+      Output output = output_of(model, quantity);
+      output.name = function.result(quantity);
+      output.function = function;
+      outputs.push_back(std::move(output));
+    }
+  }
+  return outputs;
 }
 
 Output output_of(const Model& model, const ir::LinkOutput& output) {
@@ -21,7 +44,8 @@ Output output_of(const Model& model, const ir::LinkOutput& output) {
           output.link,
           output.quantity,
           ir::extent(row.rows, model.tree),
-          ir::extent(row.columns, model.tree)};
+          ir::extent(row.columns, model.tree),
+          ir::standard_function(ir::Function::evaluate)};
 }
 
 }  // namespace
@@ -35,6 +59,9 @@ Output output_named(const Model& model, const std::string& name) {
       refuse("coriolis_matrix is zero when rates_zero is set", "remove one of the two");
     return output_of(model, *quantity);
   }
+  const std::vector<Output> named = named_outputs(model);
+  for (const Output& output : named)
+    if (output.name == name) return output;
   // jacobian_world_hand is the jacobian of a link world_hand where there is one, else the jacobian_world of a hand.
   std::string link;
   for (const ir::LinkQuantityRow& row : ir::link_quantities()) {
@@ -55,6 +82,7 @@ Output output_named(const Model& model, const std::string& name) {
   }
   std::vector<std::string> names;
   for (const ir::QuantityRow& row : ir::quantities()) names.emplace_back(row.name);
+  for (const Output& output : named) names.push_back(output.name);
   for (const ir::LinkQuantityRow& row : ir::link_quantities()) names.push_back(std::string(row.name) + "_LINK");
   refuse(fmt::format("the quantity '{}' is unknown", name), frontend::suggestion(name, names));
   return {};
@@ -64,15 +92,22 @@ std::vector<Output> outputs_of(const Model& model) {
   std::vector<Output> outputs;
   for (ir::Quantity quantity : model.scene.outputs) outputs.push_back(output_of(model, quantity));
   for (const ir::LinkOutput& output : model.scene.link_outputs()) outputs.push_back(output_of(model, output));
+  for (Output& output : named_outputs(model)) outputs.push_back(std::move(output));
   return outputs;
 }
 
 Model with_outputs(Model model, const std::vector<Output>& outputs) {
+  std::vector<ir::NamedFunction>& functions = model.scene.functions;
+  std::erase_if(functions, [&](const ir::NamedFunction& f) {
+    return std::none_of(outputs.begin(), outputs.end(),
+                        [&](const Output& o) { return o.function.named && o.function.name == f.name; });
+  });
   model.scene.outputs.clear();
   model.scene.jacobians.clear();
   model.scene.frames.clear();
   model.scene.parallel = ir::Parallel::serial;
   for (const Output& output : outputs) {
+    if (output.function.named) continue;
     if (output.quantity) model.scene.outputs.push_back(*output.quantity);
     else model.scene.frames.push_back({output.of_link, output.link});
   }

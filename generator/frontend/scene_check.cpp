@@ -8,6 +8,7 @@
 #include <set>
 #include <unordered_map>
 
+#include "frontend/function_names.hpp"
 #include "frontend/nearest.hpp"
 
 namespace dalembert::frontend {
@@ -35,6 +36,7 @@ class SceneCheck {
       if (std::find(frames.begin(), frames.end(), output.link) == frames.end()) frames.push_back(output.link);
     links_asked("frames", frames);
     names_differ();
+    functions();
     links_asked("payloads", scene_.payloads);
     for (const auto& [joint, value] : scene_.armature) free_joint("armature", joint);
     for (const auto& [joint, value] : scene_.damping) free_joint("damping", joint);
@@ -52,7 +54,7 @@ class SceneCheck {
  private:
   void outputs() {
     const bool given = document_.given.count("outputs") > 0;
-    if (scene_.outputs.empty() && scene_.link_outputs().empty())
+    if (scene_.outputs.empty() && scene_.link_outputs().empty() && scene_.functions.empty())
       error("outputs", "no output is asked for", "name at least one quantity, such as mass_matrix");
     if (!scene_.rates_zero) return;
     if (!given) {
@@ -175,6 +177,22 @@ class SceneCheck {
       if (!names.insert(ir::name_of(output)).second)
         error("frames/" + output.link, fmt::format("two outputs would be called '{}'", ir::name_of(output)),
               "leave one of them out");
+  }
+
+  void functions() {
+    if (scene_.functions.size() > most_functions)
+      return error(
+          "functions",
+          fmt::format("there are {} functions; no more than {} are supported", scene_.functions.size(), most_functions),
+          "name fewer of them");
+    for (const auto& [function, taken] : taken_names(scene_))
+      error("functions/" + function, fmt::format("the generated code has another '{}'", taken),
+            fmt::format("call the function '{}' otherwise", function));
+    for (const ir::NamedFunction& function : scene_.functions)
+      if (scene_.rates_zero &&
+          std::count(function.quantities.begin(), function.quantities.end(), ir::Quantity::coriolis_matrix))
+        error("functions/" + function.name + "/coriolis_matrix", "coriolis_matrix is zero when rates_zero is set",
+              "remove one of the two");
   }
 
   void kept_link(const std::string& key, const std::string& name) {

@@ -14,6 +14,8 @@ ir::Base default_base(const ir::RobotDescription& robot);
 
 // Links that carry a payload, and links whose Jacobian is asked for.
 inline constexpr size_t most_links_asked = 1000;
+// Functions that the scene names: each is compiled.
+inline constexpr size_t most_functions = 100;
 
 // The scene, complete. Throws InputError with every unknown name and contradiction, each with its place and a remedy. Warns
 // about what the URDF says and the scene leaves out: mimic relations, damping, friction.

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <optional>
 
+#include "frontend/function_names.hpp"
 #include "frontend/nearest.hpp"
 #include "frontend/numbers.hpp"
 #include "frontend/setting_text.hpp"
@@ -26,14 +27,26 @@ class SceneReader {
     Handler read;
   };
   static const std::vector<Key>& keys() {
-    static const std::vector<Key> keys = {
-        {"base", &SceneReader::base},         {"gravity", &SceneReader::gravity},       {"outputs", &SceneReader::outputs},
-        {"coriolis", &SceneReader::coriolis}, {"locked", &SceneReader::locked},         {"cut", &SceneReader::cut},
-        {"mimic", &SceneReader::mimic},       {"jacobians", &SceneReader::jacobians},   {"frames", &SceneReader::frames},
-        {"payloads", &SceneReader::payloads}, {"armature", &SceneReader::armature},     {"damping", &SceneReader::damping},
-        {"friction", &SceneReader::friction}, {"stiffness", &SceneReader::stiffness},   {"massless", &SceneReader::massless},
-        {"inertia", &SceneReader::inertia},   {"rates_zero", &SceneReader::rates_zero}, {"scalar", &SceneReader::scalar},
-        {"parallel", &SceneReader::parallel}};
+    static const std::vector<Key> keys = {{"base", &SceneReader::base},
+                                          {"gravity", &SceneReader::gravity},
+                                          {"outputs", &SceneReader::outputs},
+                                          {"functions", &SceneReader::functions},
+                                          {"coriolis", &SceneReader::coriolis},
+                                          {"locked", &SceneReader::locked},
+                                          {"cut", &SceneReader::cut},
+                                          {"mimic", &SceneReader::mimic},
+                                          {"jacobians", &SceneReader::jacobians},
+                                          {"frames", &SceneReader::frames},
+                                          {"payloads", &SceneReader::payloads},
+                                          {"armature", &SceneReader::armature},
+                                          {"damping", &SceneReader::damping},
+                                          {"friction", &SceneReader::friction},
+                                          {"stiffness", &SceneReader::stiffness},
+                                          {"massless", &SceneReader::massless},
+                                          {"inertia", &SceneReader::inertia},
+                                          {"rates_zero", &SceneReader::rates_zero},
+                                          {"scalar", &SceneReader::scalar},
+                                          {"parallel", &SceneReader::parallel}};
     return keys;
   }
 
@@ -115,6 +128,56 @@ class SceneReader {
       if (!quantity) refuse(item, fmt::format("the quantity '{}' is unknown", item.scalar), suggestion(item.scalar, known));
       scene_.outputs.push_back(*quantity);
     }
+  }
+
+  // {name: [quantity, ...], ...}
+  void functions(const YamlNode& node) {
+    scene_.functions.clear();
+    forget_entries();
+    if (node.is_sequence() && node.items.empty()) return;
+    const std::string remedy = "write functions: {balance: [mass_matrix, momentum_matrix]}";
+    if (!node.is_map()) refuse(node, "the value is no map of functions", remedy);
+    for (const auto& entry : node.entries) {
+      ir::NamedFunction function{entry_name(entry.key), {}};
+      if (const std::string fault = fault_of_function_name(function.name); !fault.empty())
+        refuse(entry.key, fault, "give another name: letters, digits, and '_' between them, not starting with a digit");
+      std::vector<YamlNode> items = entry.value.items;
+      if (entry.value.is_scalar()) items = {entry.value};
+      else if (!entry.value.is_sequence()) refuse(entry.value, "the value is not a list", remedy);
+      for (const YamlNode& item : items) {
+        if (!item.is_scalar()) refuse(item, "an item of the list is not a name", remedy);
+        entry_name(item, function.name);
+        function.quantities.push_back(quantity_of_function(item));
+        takes_one_input(item, function);
+      }
+      if (items.empty())
+        refuse(entry.key, fmt::format("function '{}' computes nothing", function.name),
+               "name at least one quantity, such as mass_matrix");
+      scene_.functions.push_back(std::move(function));
+    }
+  }
+
+  ir::Quantity quantity_of_function(const YamlNode& item) const {
+    if (const std::optional<ir::Quantity> quantity = ir::quantity_named(item.scalar)) return *quantity;
+    for (const ir::LinkQuantityRow& row : ir::link_quantities())
+      if (item.scalar.starts_with(std::string(row.name) + "_"))
+        refuse(item, fmt::format("'{}' is of a link: a function of the scene computes quantities of the robot", item.scalar),
+               "ask for it with frames, and evaluate computes it");
+    std::vector<std::string> known;
+    for (const ir::QuantityRow& row : ir::quantities()) known.emplace_back(row.name);
+    refuse(item, fmt::format("the quantity '{}' is unknown", item.scalar), suggestion(item.scalar, known));
+  }
+
+  // What the last quantity takes besides q and v is what those before it take, if anything.
+  void takes_one_input(const YamlNode& item, const ir::NamedFunction& function) const {
+    const auto input = [](ir::Quantity quantity) { return std::string(ir::row_of(ir::row_of(quantity).function).input); };
+    const ir::Quantity last = function.quantities.back();
+    for (const ir::Quantity other : function.quantities)
+      if (!input(other).empty() && !input(last).empty() && input(other) != input(last))
+        refuse(item,
+               fmt::format("'{}' takes {}, and '{}' takes {}: a function takes one of them", ir::name_of(last), input(last),
+                           ir::name_of(other), input(other)),
+               "make two functions of it");
   }
 
   // {joint: value, ...}, or [joint, ...] for zero

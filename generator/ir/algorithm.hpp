@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "ir/function.hpp"
+#include "ir/emitted_function.hpp"
 #include "ir/graph.hpp"
 #include "ir/quantity.hpp"
 
@@ -135,7 +135,7 @@ struct Guard {
 
 // One function of the emitted code: inputs in, arrays out.
 struct Algorithm {
-  Function function = Function::evaluate;
+  EmittedFunction function;
   std::vector<OutputArray> arrays;
   std::vector<Role> roles;
   std::vector<Sweep> sweeps;  // in an order in which every sweep finds what it reads

@@ -1,4 +1,5 @@
-// The functions of the emitted code: one per set of inputs. What a scene asks of a function is computed by it, and by it alone.
+// The standard functions of the emitted code: one per set of inputs. What a scene's outputs ask of a function is computed by
+// it, and by it alone. Functions that a scene names itself (ir/emitted_function.hpp) take what one of these takes.
 #pragma once
 
 #include <array>
@@ -24,11 +25,6 @@ inline constexpr std::array<FunctionRow, 3> functions{
       "forces on the coordinates, laid out as v (a floating base's first: force and moment in base axes), N and N m"}}};
 
 inline constexpr const FunctionRow& row_of(Function function) { return functions[static_cast<std::size_t>(function)]; }
-
-// The name of what is one function's own in a robot's workspace or namespace: "kept", "inverse_dynamics_kept".
-inline std::string own_name(Function function, const std::string& name) {
-  return function == Function::evaluate ? name : row_of(function).name + ("_" + name);
-}
 
 // What the C function that gives a result is called, after the robot's name: C has no overloading, and a result may be called
 // like the function that computes it.

@@ -26,11 +26,18 @@ struct Spring {
   double rest = 0;  // where it is at rest, rad or m
 };
 
+// One more function of the generated code, and what it computes.
+struct NamedFunction {
+  std::string name;
+  std::vector<Quantity> quantities;
+};
+
 struct Scene {
   Base base = Base::floating;
   GravityKind gravity_kind = GravityKind::constant;
   Eigen::Vector3d gravity{0, 0, -9.81};  // m/s², world axes; when given at run time: the value a new workspace starts with
   std::vector<Quantity> outputs = default_quantities();
+  std::vector<NamedFunction> functions;
   Coriolis coriolis = Coriolis::balance;
   std::map<std::string, double> locked;  // joint name → value (rad or m)
   std::set<std::string> cut;             // link names: each and everything beyond it is removed
@@ -49,6 +56,15 @@ struct Scene {
   bool urdf_friction = false;  // take <dynamics friction> from the URDF
   bool lock_massless = false;  // lock every joint that moves no mass
   InertiaPolicy inertia = InertiaPolicy::refuse;
+
+  // What is asked of the whole robot, by any function, each once.
+  std::vector<Quantity> quantities() const {
+    std::vector<Quantity> all = outputs;
+    for (const NamedFunction& function : functions)
+      for (const Quantity quantity : function.quantities)
+        if (std::find(all.begin(), all.end(), quantity) == all.end()) all.push_back(quantity);
+    return all;
+  }
 
   // What is asked of links, by either key, each once.
   std::vector<LinkOutput> link_outputs() const {

@@ -82,21 +82,24 @@ class SweepBuilder {
 class Builder {
  public:
   // References the tree and the scene.
-  Builder(ir::Function function, const ir::KinematicTree& tree, const ir::Scene& scene, const ir::Graph::Options& options)
+  Builder(const ir::EmittedFunction& function, const ir::KinematicTree& tree, const ir::Scene& scene,
+          const ir::Graph::Options& options)
       : tree_(tree), scene_(scene), options_(options) {
     algorithm_.function = function;
   }
 
   const ir::KinematicTree& tree() const { return tree_; }
   const ir::Scene& scene() const { return scene_; }
-  ir::Function function() const { return algorithm_.function; }
+  const ir::EmittedFunction& function() const { return algorithm_.function; }
   // Of an array that is no output.
-  std::string own_name(const std::string& name) const { return ir::own_name(algorithm_.function, name); }
+  std::string own_name(const std::string& name) const { return algorithm_.function.own_name(name); }
   bool floating() const { return tree_.floating_base; }
   // On a fixed base the first joints carry the frame of reference: what does not change with their angles is cheaper so.
   bool moves_reference() const { return !floating(); }
   // Whether D has the half traces of the paper's C; derivatives are made of the D of Christoffel symbols.
-  bool half_traces() const { return algorithm_.function == ir::Function::evaluate && scene_.coriolis == ir::Coriolis::balance; }
+  bool half_traces() const {
+    return scene_.coriolis == ir::Coriolis::balance && algorithm_.function.computes(ir::Quantity::coriolis_matrix);
+  }
   int base_coordinates() const { return floating() ? 6 : 0; }
 
   // The role of that name; made from `role` where there is none yet.

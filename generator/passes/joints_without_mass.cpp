@@ -86,8 +86,8 @@ ir::Scene with_massless_locked(const ir::RobotDescription& robot, const ir::Kine
 namespace {
 
 bool any_needs(const ir::Scene& scene, ir::Needs needs) {
-  return std::any_of(scene.outputs.begin(), scene.outputs.end(),
-                     [&](ir::Quantity quantity) { return ir::row_of(quantity).needs == needs; });
+  const std::vector<ir::Quantity> asked = scene.quantities();
+  return std::any_of(asked.begin(), asked.end(), [&](ir::Quantity quantity) { return ir::row_of(quantity).needs == needs; });
 }
 
 bool has_center(const ir::KinematicTree& tree, const ir::Scene& scene) {

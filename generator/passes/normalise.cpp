@@ -110,7 +110,8 @@ void slide_origins(ir::NormalTree& tree) {
 
 NormaliseOptions normalise_options(const ir::Scene& scene, bool move_parameters) {
   const auto matrix = [](ir::Quantity q) { return q == ir::Quantity::mass_matrix || q == ir::Quantity::coriolis_matrix; };
-  return {move_parameters, std::any_of(scene.outputs.begin(), scene.outputs.end(), matrix)};
+  const std::vector<ir::Quantity> asked = scene.quantities();
+  return {move_parameters, std::any_of(asked.begin(), asked.end(), matrix)};
 }
 
 ir::NormalTree normalise(const ir::KinematicTree& tree, const NormaliseOptions& options) {

@@ -8,7 +8,7 @@
 namespace dalembert::passes {
 
 void check_solvable(const ir::RobotDescription& robot, const ir::KinematicTree& tree, const ir::Scene& scene) {
-  for (const ir::Quantity quantity : scene.outputs) {
+  for (const ir::Quantity quantity : scene.quantities()) {
     const ir::QuantityRow& row = ir::row_of(quantity);
     if (row.scale != ir::Scale::solved) continue;
     std::vector<std::string> driven, massless;

@@ -8,6 +8,7 @@
 #include <random>
 #include <set>
 
+#include "ir/emitted_function.hpp"
 #include "passes/combine_inertia.hpp"
 #include "reference/engine.hpp"
 
@@ -190,10 +191,9 @@ ir::SelfTest self_test(const ir::KinematicTree& original, const ir::Scene& origi
   ir::SelfTest test;
   set_inputs(test, tree, scene);
   std::vector<Wanted> wanted;
-  for (const ir::FunctionRow& function : ir::functions) {
-    for (const ir::Quantity quantity : scene.outputs)
-      if (ir::row_of(quantity).function == function.function) wanted.push_back({quantity, ""});
-    if (function.function == ir::Function::evaluate)
+  for (const ir::EmittedFunction& function : ir::functions_of(scene)) {
+    for (const ir::Quantity quantity : function.quantities) wanted.push_back({quantity, ""});
+    if (function.is_evaluate())
       for (const ir::LinkOutput& output : scene.link_outputs()) wanted.push_back({std::nullopt, output.link, output.quantity});
   }
 

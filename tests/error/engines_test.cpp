@@ -103,6 +103,34 @@ TEST(Eval, DoesNotReadWhatTheQuantityDoesNotDependOn) {
   }
 }
 
+// A state is what the function takes, even for a result that depends on less.
+TEST(Eval, GivesResultsOfTheScenesFunctionsByTheirNames) {
+  const std::string state = "0.1 -0.2 0.3 0.4 1 2 3 4";
+  const auto eval = [](const std::string& output, const std::string& engine, const std::string& state) {
+    return run_dalembert({"eval", arm, "--base", "fixed", "--functions", "{plan: [mass_matrix, forward_dynamics_dv]}",
+                          "--output", output, "--engine", engine, "--state", "-", quickly[0], quickly[1]},
+                         ".", state + "\n");
+  };
+  const Outcome own = eval("mass_matrix", "generated", state);
+  for (const std::string engine : {"generic", "generated"}) {
+    const Outcome outcome = eval("plan_mass_matrix", engine, state + " 5 6 7 8");
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    const auto expected = rows(own.out), given = rows(outcome.out);
+    ASSERT_EQ(given.size(), 4u);
+    for (size_t i = 0; i < 4; ++i)
+      for (size_t k = 0; k < 4; ++k) EXPECT_NEAR(given[i][k], expected[i][k], 1e-12);
+  }
+  const Outcome derivative = eval("plan_forward_dynamics_dv", "generated", state + " 5 6 7 8");
+  EXPECT_EQ(derivative.status, 0) << derivative.err;
+  const Outcome wrong = eval("plan_mass_matrix", "generic", state);
+  EXPECT_EQ(wrong.status, 2);
+  EXPECT_NE(wrong.err.find("there are 8 numbers instead of 12"), std::string::npos) << wrong.err;
+  EXPECT_NE(wrong.err.find("then tau (4)"), std::string::npos) << wrong.err;
+  const Outcome unknown = eval("plan_mass_matrx", "generic", state);
+  EXPECT_EQ(unknown.status, 2);
+  EXPECT_NE(unknown.err.find("did you mean 'plan_mass_matrix'?"), std::string::npos) << unknown.err;
+}
+
 TEST(Check, PassesInDoubleAndFloat) {
   for (const char* scalar : {"double", "float"}) {
     const Outcome outcome =

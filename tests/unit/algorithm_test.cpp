@@ -65,7 +65,8 @@ ir::KinematicTree welded(ir::KinematicTree tree, const std::string& link, const 
 }
 
 // The results of one function in both forms.
-std::array<ir::Arrays, 2> run_function(ir::Function function, const Model& model, const State& state, const Payload& payload) {
+std::array<ir::Arrays, 2> run_function(const ir::EmittedFunction& function, const Model& model, const State& state,
+                                       const Payload& payload) {
   const ir::NormalTree normal = passes::normalise(model.tree, passes::normalise_options(model.scene, true));
   const ir::Algorithm algorithm = passes::describe(function, model.tree, normal, model.scene, {});
   passes::Unroll unroll(algorithm, model.tree, normal, model.scene, {{}, false});
@@ -93,9 +94,8 @@ std::array<ir::Arrays, 2> run_function(ir::Function function, const Model& model
 
 std::array<ir::Arrays, 2> run_both(const Model& model, const State& state, const Payload& payload) {
   std::array<ir::Arrays, 2> results;
-  for (const ir::FunctionRow& row : ir::functions) {
-    if (!passes::has_outputs(model.scene, row.function)) continue;
-    std::array<ir::Arrays, 2> own = run_function(row.function, model, state, payload);
+  for (const ir::EmittedFunction& function : ir::functions_of(model.scene)) {
+    std::array<ir::Arrays, 2> own = run_function(function, model, state, payload);
     for (size_t form : {0u, 1u}) results[form].merge(own[form]);
   }
   return results;
@@ -146,6 +146,17 @@ TEST_P(Algorithm, RunsInBothFormsAsTheGenericEngineDoes) {
     all.outputs.clear();
     for (const ir::QuantityRow& row : ir::quantities()) all.outputs.push_back(row.quantity);
     scenes["all"] = all;
+    // Whatever one function can compute, whatever of it stands first.
+    ir::Scene named = all;
+    named.outputs.clear();
+    for (const auto& [name, other] :
+         {std::pair{"drive", ir::Function::forward_dynamics}, {"fly", ir::Function::inverse_dynamics}}) {
+      named.functions.push_back({name, {}});
+      for (const ir::Quantity quantity : all.outputs)
+        if (ir::row_of(quantity).function != other)
+          named.functions.back().quantities.insert(named.functions.back().quantities.begin(), quantity);
+    }
+    scenes["functions of the scene"] = named;
     ir::Scene statics = all;
     statics.rates_zero = true;
     std::erase(statics.outputs, ir::Quantity::coriolis_matrix);

@@ -48,8 +48,8 @@ TEST(Backend, KnowsNoRoleByName) {
   for (const ir::Base base : {ir::Base::fixed, ir::Base::floating}) {
     scene.base = base;
     const ir::KinematicTree tree = passes::build_tree(frontend::read_urdf(MAHRU, warnings), scene, warnings);
-    for (const ir::FunctionRow& f : ir::functions)
-      for (const ir::Role& role : passes::describe(f.function, tree, passes::normalise(tree), scene, {}).roles)
+    for (const ir::EmittedFunction& f : ir::functions_of(scene))
+      for (const ir::Role& role : passes::describe(f, tree, passes::normalise(tree), scene, {}).roles)
         if (role.source == ir::Source::sweep) names.insert(role.name);
   }
   ASSERT_GT(names.size(), 20u);

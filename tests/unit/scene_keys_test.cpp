@@ -25,6 +25,7 @@ const Example examples[] = {
     {"base", "fixed", "fixed"},
     {"gravity", "[1, 0, -3]", "1,0,-3"},
     {"outputs", "[bias]", "bias"},
+    {"functions", "{balance: [mass_matrix, momentum_matrix]}", "balance=mass_matrix,momentum_matrix"},
     {"coriolis", "christoffel", "christoffel"},
     {"locked", "{b: 0.25}", "b=0.25"},
     {"cut", "[l3]", "l3"},

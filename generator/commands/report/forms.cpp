@@ -16,7 +16,7 @@ const char* name_of(ir::Form form) { return form == ir::Form::rolled ? "rolled" 
 
 void add_plan(const Subject& subject, const Lowered& lowered, Rows& rows) {
   for (const LoweredFunction& function : lowered.functions) {
-    const std::string name(ir::row_of(function.algorithm.function).name);
+    const std::string& name = function.algorithm.function.name;
     rows.text("form", "function " + name, "all", "", "form", name_of(function.plan.form));
     for (const ir::Segment& segment : function.plan.segments) {
       rows.number("form", name + ": " + segment.name, "all", "", "limbs", segment.width, "limbs");

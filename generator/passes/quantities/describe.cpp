@@ -1,5 +1,3 @@
-#include <algorithm>
-
 #include "ir/identifier.hpp"
 #include "passes/quantities/quantities.hpp"
 
@@ -23,7 +21,7 @@ LinkFrame frame_of(const std::string& link, const ir::KinematicTree& tree, const
 
 void describe(Builder& b, ir::Quantity quantity) {
   const ir::QuantityRow& row = ir::row_of(quantity);
-  const int array = b.array(row.name, ir::extent(row.rows, b.tree()), ir::extent(row.columns, b.tree()));
+  const int array = b.array(b.function().result(quantity), ir::extent(row.rows, b.tree()), ir::extent(row.columns, b.tree()));
   switch (quantity) {
 #define DALEMBERT_QUANTITY(name, ...) \
   case ir::Quantity::name:            \
@@ -35,18 +33,11 @@ void describe(Builder& b, ir::Quantity quantity) {
 
 }  // namespace
 
-bool has_outputs(const ir::Scene& scene, ir::Function function) {
-  const auto own = [&](ir::Quantity quantity) { return ir::row_of(quantity).function == function; };
-  return std::any_of(scene.outputs.begin(), scene.outputs.end(), own) ||
-         (function == ir::Function::evaluate && !scene.link_outputs().empty());
-}
-
-ir::Algorithm describe(ir::Function function, const ir::KinematicTree& tree, const ir::NormalTree& normal,
+ir::Algorithm describe(const ir::EmittedFunction& function, const ir::KinematicTree& tree, const ir::NormalTree& normal,
                        const ir::Scene& scene, const ir::Graph::Options& options) {
   Builder b(function, tree, scene, options);
-  for (ir::Quantity quantity : scene.outputs)
-    if (ir::row_of(quantity).function == function) describe(b, quantity);
-  if (function != ir::Function::evaluate) return b.take();
+  for (const ir::Quantity quantity : function.quantities) describe(b, quantity);
+  if (!function.is_evaluate()) return b.take();
   for (const ir::LinkOutput& output : scene.link_outputs()) {
     const ir::LinkQuantityRow& row = ir::row_of(output.quantity);
     const int array = b.array(ir::name_of(output), ir::extent(row.rows, tree), ir::extent(row.columns, tree));

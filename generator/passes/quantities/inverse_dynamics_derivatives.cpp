@@ -54,7 +54,7 @@ Factors factors(Builder& b) {
   const Poses p = poses(b, Frame::base);
   const int acceleration = accelerations(b);
   const int mass = composite_mass(b);
-  const BodyAndSubtree sums = body_and_subtree_sums(b, Frame::base);
+  const BodyAndSubtree sums = christoffel_sums(b, Frame::base);
   const int wrench = subtree_wrench(b, p, sums.body, acceleration);
   const Factors r{forces(b, Frame::base).inertia,
                   b.role({"twice_transposed", "H", "H = 2 B' S, its angular part", "kg m^2/s", Shape::vector}),

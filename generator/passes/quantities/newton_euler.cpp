@@ -27,7 +27,9 @@ void store(SweepBuilder& s, const MotionRoles& r, const Motion& m) {
 NewtonEuler newton_euler(Builder& b, Driven driven) {
   const bool accelerated = driven == Driven::accelerated;
   const bool weightless = driven == Driven::weightless && b.scene().gravity_kind != ir::GravityKind::none;
-  const std::string motions = weightless ? "weightless_" : "";
+  // A function may give the bias beside what it is given accelerations for.
+  const bool both = accelerated && b.function().computes(ir::Quantity::bias);
+  const std::string motions = weightless ? "weightless_" : both ? "accelerated_" : "";
   const MotionRoles motion{
       b.role({motions + "angular", "w", "w along the body's axes", "rad/s", Shape::vector}),
       b.role({motions + "angular_acceleration", "alpha", "dw along the body's axes", "rad/s^2", Shape::vector}),

@@ -27,12 +27,8 @@ struct LinkFrame {
 };
 void describe_link_quantity(Builder& builder, const LinkFrame& link, ir::LinkQuantity quantity, int array);
 
-// Whether the scene asks anything of the function.
-bool has_outputs(const ir::Scene& scene, ir::Function function);
-
-// One function: every output of the scene that is its own, in the scene's order; of evaluate(q, v), then what is asked of
-// links.
-ir::Algorithm describe(ir::Function function, const ir::KinematicTree& tree, const ir::NormalTree& normal,
+// One function: its quantities, in their order; of evaluate(q, v), then what the scene asks of links.
+ir::Algorithm describe(const ir::EmittedFunction& function, const ir::KinematicTree& tree, const ir::NormalTree& normal,
                        const ir::Scene& scene, const ir::Graph::Options& options);
 
 }  // namespace dalembert::passes

@@ -80,6 +80,23 @@ int composite_mass(Builder& b) {
   return mass;
 }
 
+namespace {
+
+SweepBuilder accumulate(Builder& b, const std::string& name, const std::string& what) {
+  return b.sweep(name, what + " summed over the subtree", Direction::inwards);
+}
+
+// Of each of the body's numbers the sum over its subtree.
+void add_up(SweepBuilder& s, int from, int to, Shape shape) {
+  for (int i = 0; i < ir::components(shape); ++i) {
+    const Sym below = s.carried(from, i), sum = s.own(from, i) + below;
+    s.store(to, i, sum);
+    s.hand_on(from, i, sum);
+  }
+}
+
+}  // namespace
+
 BodyAndSubtree body_and_subtree_sums(Builder& b, Frame frame) {
   const Poses p = poses(b, frame);
   const std::string in = prefix(b, frame);
@@ -101,22 +118,30 @@ BodyAndSubtree body_and_subtree_sums(Builder& b, Frame frame) {
   m.store(own.momentum, s.momentum);
   for (int i = 0; i < 3; ++i) m.store(own.bias, s.bias[static_cast<std::size_t>(i)], 3 * i);
 
-  SweepBuilder a = b.sweep(in + "accumulate", "h, S, P, D summed over the subtree", Direction::inwards);
-  const auto add = [&](int from, int to) {
-    const Shape shape = from == own.first || from == own.momentum ? Shape::vector
-                        : from == own.second                      ? Shape::symmetric
-                                                                  : Shape::matrix;
-    for (int i = 0; i < ir::components(shape); ++i) {
-      const Sym below = a.carried(from, i), sum = a.own(from, i) + below;
-      a.store(to, i, sum);
-      a.hand_on(from, i, sum);
-    }
-  };
-  add(own.first, total.first);
-  add(own.second, total.second);
-  add(own.momentum, total.momentum);
-  add(own.bias, total.bias);
+  SweepBuilder a = accumulate(b, in + "accumulate", "h, S, P, D");
+  add_up(a, own.first, total.first, Shape::vector);
+  add_up(a, own.second, total.second, Shape::symmetric);
+  add_up(a, own.momentum, total.momentum, Shape::vector);
+  add_up(a, own.bias, total.bias, Shape::matrix);
   return {own, total};
+}
+
+BodyAndSubtree christoffel_sums(Builder& b, Frame frame) {
+  BodyAndSubtree all = body_and_subtree_sums(b, frame);
+  if (!b.half_traces()) return all;
+  const std::string in = prefix(b, frame) + "christoffel_";
+  all.body.bias = b.role({in + "block", "Dk", "D of the body, row by row, without t", "kg m^2/s", Shape::matrix});
+  all.subtree.bias = b.role({in + "subtree_block", "D", "D, row by row, without t", "kg m^2/s", Shape::matrix, all.body.bias});
+  if (b.has(in + "moments")) return all;
+  const Poses p = poses(b, frame);
+  SweepBuilder m = b.sweep(in + "moments", "D of the body without t", Direction::anywhere);
+  const BodyConstants c = m.body();
+  Sums s = moments(pose_of(m, p), c);
+  add_velocity(s, velocity_of(m, p), c.mass, m.constant(0));
+  for (int i = 0; i < 3; ++i) m.store(all.body.bias, s.bias[static_cast<std::size_t>(i)], 3 * i);
+  SweepBuilder a = accumulate(b, in + "accumulate", "D without t");
+  add_up(a, all.body.bias, all.subtree.bias, Shape::matrix);
+  return all;
 }
 
 SumRoles subtree_sums(Builder& b, Frame frame) { return body_and_subtree_sums(b, frame).subtree; }

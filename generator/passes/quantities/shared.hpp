@@ -36,6 +36,8 @@ struct BodyAndSubtree {
   SumRoles body, subtree;
 };
 BodyAndSubtree body_and_subtree_sums(Builder& builder, Frame frame = Frame::cheapest);
+// The same with the D of Christoffel symbols, whatever C the scene asks for beside them.
+BodyAndSubtree christoffel_sums(Builder& builder, Frame frame);
 SumRoles subtree_sums(Builder& builder, Frame frame = Frame::cheapest);
 Sums sums_of(SweepBuilder& s, const SumRoles& roles);
 

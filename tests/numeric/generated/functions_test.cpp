@@ -1,5 +1,6 @@
-// Compiled code of the functions beside evaluate(): each computes its own outputs and nothing else, serially and as tasks,
-// without the heap; and a mass matrix that cannot be solved with is told, not handed on.
+// Compiled code of the functions beside evaluate(), standard ones and those that a scene names: each computes its own outputs
+// and nothing else, serially and as tasks, without the heap; and a mass matrix that cannot be solved with is told, not handed
+// on.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,6 +8,7 @@
 #include <cstring>
 #include <iterator>
 
+#include "functions/c_api.h"
 #include "functions/dynamics.hpp"
 #include "functions/tasks.hpp"
 #include "heap_count.hpp"
@@ -101,11 +103,64 @@ TEST_F(Functions, LeaveOutputsOfOthersAlone) {
   EXPECT_FALSE(all_zero(forward.forward_dynamics));
 }
 
+TEST_F(Functions, OfTheSceneComputeWhatTheGenericEngineDoes) {
+  Workspace workspace;
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    const Input at = input(seed);
+    functions::balance(at.q, at.v, workspace);
+    functions::track(at.q, at.v, at.more, workspace);
+    functions::plan(at.q, at.v, at.more, workspace);
+    EXPECT_LE(error(ir::Quantity::mass_matrix, at, functions::balance_mass_matrix(workspace)), 1e-12);
+    EXPECT_LE(error(ir::Quantity::momentum_matrix, at, functions::balance_momentum_matrix(workspace)), 1e-12);
+    EXPECT_LE(error(ir::Quantity::coriolis_matrix, at, functions::track_coriolis_matrix(workspace)), 1e-12);
+    EXPECT_LE(error(ir::Quantity::bias, at, functions::track_bias(workspace)), 1e-12);
+    EXPECT_LE(error(ir::Quantity::inverse_dynamics, at, functions::track_inverse_dynamics(workspace)), 1e-12);
+    EXPECT_LE(error(ir::Quantity::inverse_dynamics_dq, at, functions::track_inverse_dynamics_dq(workspace)), 1e-12);
+    const double tolerance = solved_tolerance(at);
+    EXPECT_LE(error(ir::Quantity::inverse_mass_matrix, at, functions::plan_inverse_mass_matrix(workspace)), tolerance);
+    EXPECT_LE(error(ir::Quantity::forward_dynamics_dq, at, functions::plan_forward_dynamics_dq(workspace)), tolerance);
+    EXPECT_LE(error(ir::Quantity::forward_dynamics_dv, at, functions::plan_forward_dynamics_dv(workspace)), tolerance);
+    EXPECT_TRUE(workspace.plan_status.ok());
+  }
+}
+
+TEST_F(Functions, OfTheSceneLeaveResultsOfOthersAlone) {
+  const Input at = input(3), later = input(4);
+  Workspace one, other;
+  functions::plan(at.q, at.v, at.more, one);
+  EXPECT_TRUE(all_zero(one.inverse_mass_matrix) && all_zero(one.forward_dynamics_dq) && all_zero(one.balance_mass_matrix));
+  functions::plan(at.q, at.v, at.more, other);
+  functions::evaluate(later.q, later.v, other);
+  functions::forward_dynamics(later.q, later.v, later.more, other);
+  functions::balance(later.q, later.v, other);
+  EXPECT_EQ(functions::plan_inverse_mass_matrix(other), functions::plan_inverse_mass_matrix(one));
+  EXPECT_EQ(functions::plan_forward_dynamics_dq(other), functions::plan_forward_dynamics_dq(one));
+}
+
+TEST_F(Functions, OfTheSceneAreCalledFromCToo) {
+  const Input at = input(5);
+  functions_workspace* const c = functions_create();
+  functions_balance(at.q.data(), at.v.data(), c);
+  functions_plan(at.q.data(), at.v.data(), at.more.data(), c);
+  Workspace workspace;
+  functions::balance(at.q, at.v, workspace);
+  functions::plan(at.q, at.v, at.more, workspace);
+  EXPECT_EQ(std::memcmp(functions_balance_momentum_matrix(c), workspace.balance_momentum_matrix,
+                        sizeof workspace.balance_momentum_matrix),
+            0);
+  EXPECT_EQ(std::memcmp(functions_plan_forward_dynamics_dv(c), workspace.plan_forward_dynamics_dv,
+                        sizeof workspace.plan_forward_dynamics_dv),
+            0);
+  EXPECT_EQ(functions_plan_status(c), -1);
+  functions_destroy(c);
+}
+
 TEST_F(Functions, AsTasksGiveTheSameBits) {
   Workspace serial, parallel;
   functions::TaskGraph evaluate(parallel);
   functions::InverseDynamicsTaskGraph inverse(parallel);
   functions::ForwardDynamicsTaskGraph forward(parallel);
+  functions::PlanTaskGraph plan(parallel);
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     const Input at = input(seed);
     functions::evaluate(at.q, at.v, serial);
@@ -114,6 +169,8 @@ TEST_F(Functions, AsTasksGiveTheSameBits) {
     evaluate.evaluate(at.q.data(), at.v.data());
     inverse.inverse_dynamics(at.q.data(), at.v.data(), at.more.data());
     forward.forward_dynamics(at.q.data(), at.v.data(), at.more.data());
+    functions::plan(at.q, at.v, at.more, serial);
+    plan.plan(at.q.data(), at.v.data(), at.more.data());
     const auto equal = [](const auto& a, const auto& b) { return std::memcmp(a, b, sizeof a) == 0; };
     EXPECT_TRUE(equal(serial.inverse_mass_matrix, parallel.inverse_mass_matrix));
     EXPECT_TRUE(equal(serial.inverse_dynamics, parallel.inverse_dynamics));
@@ -122,6 +179,8 @@ TEST_F(Functions, AsTasksGiveTheSameBits) {
     EXPECT_TRUE(equal(serial.forward_dynamics, parallel.forward_dynamics));
     EXPECT_TRUE(equal(serial.forward_dynamics_dq, parallel.forward_dynamics_dq));
     EXPECT_TRUE(equal(serial.forward_dynamics_dv, parallel.forward_dynamics_dv));
+    EXPECT_TRUE(equal(serial.plan_inverse_mass_matrix, parallel.plan_inverse_mass_matrix));
+    EXPECT_TRUE(equal(serial.plan_forward_dynamics_dq, parallel.plan_forward_dynamics_dq));
   }
 }
 
@@ -132,6 +191,8 @@ TEST_F(Functions, DoNotAllocate) {
   functions::evaluate(at.q, at.v, workspace);
   functions::inverse_dynamics(at.q, at.v, at.more, workspace);
   functions::forward_dynamics(at.q, at.v, at.more, workspace);
+  functions::plan(at.q, at.v, at.more, workspace);
+  functions::track(at.q, at.v, at.more, workspace);
   EXPECT_EQ(heap_allocations() - before, 0u);
 }
 
@@ -143,10 +204,12 @@ class SingularMass : public ::testing::Test {
   void run() {
     singular::evaluate(q, v, workspace);
     singular::forward_dynamics(q, v, tau, workspace);
+    singular::plan(q, v, tau, workspace);
   }
   bool nothing_is_handed_on() const {
     return all_zero(workspace.inverse_mass_matrix) && all_zero(workspace.forward_dynamics) &&
-           all_zero(workspace.forward_dynamics_dq) && all_zero(workspace.forward_dynamics_dv);
+           all_zero(workspace.forward_dynamics_dq) && all_zero(workspace.forward_dynamics_dv) &&
+           all_zero(workspace.plan_inverse_mass_matrix) && all_zero(workspace.plan_forward_dynamics_dq);
   }
 
   singular::Workspace workspace;
@@ -158,6 +221,7 @@ TEST_F(SingularMass, IsToldAndNothingHandedOn) {
   run();
   EXPECT_EQ(workspace.status.coordinate, 7);
   EXPECT_EQ(workspace.forward_dynamics_status.coordinate, 7);
+  EXPECT_EQ(workspace.plan_status.coordinate, 7);
   EXPECT_TRUE(nothing_is_handed_on());
 }
 

@@ -1,0 +1,73 @@
+#include "frontend/function_names.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+
+#include "ir/emitted_function.hpp"
+#include "ir/identifier.hpp"
+#include "ir/library_names.hpp"
+
+namespace dalembert::frontend {
+
+namespace {
+
+// Of every folder: dynamics.hpp, c_api.h behind the robot's name, arguments, self_test.cpp.
+constexpr const char* of_the_folder[] = {
+    "Scalar",    "nq",      "nv",       "joints",      "bodies",    "Joint",            "joint_names",    "body_names",
+    "VectorQ",   "VectorV", "Payload",  "Workspace",   "workspace", "gravity_vector",   "create",         "destroy",
+    "q",         "v",       "a",        "tau",         "self_test", "self_test_report", "SelfTestReport", "set_gravity",
+    "memory",    "taken",   "test",     "report",      "q_0",       "q_1",              "q_2",            "v_0",
+    "v_1",       "v_2",     "input_0",  "input_1",     "input_2"};
+// What a function may have of its own, besides its results.
+constexpr const char* own[] = {"kept",  "status",   "stages",   "run",            "inverse",
+                               "factor", "pivots", "diagonal", "factor_inverse", "efforts_dq", "efforts_dv"};
+
+// What the code has of a function and its results: as itself, for C, and in the self-test's tables.
+std::vector<std::string> names_of(const ir::EmittedFunction& function, const std::vector<std::string>& results) {
+  std::vector<std::string> names{function.name, function.type + "Kept", function.type + "TaskGraph"};
+  for (const char* word : own) names.push_back(function.own_name(word));
+  for (const std::string& result : results) {
+    names.push_back(result);
+    if (ir::c_accessor(result) != result) names.push_back(ir::c_accessor(result));
+    for (const int state : {0, 1, 2})
+      for (const char* table : {"{}_{}", "{}_rows_{}", "{}_{}_columns", "{}_rows_{}_columns"})
+        names.push_back(fmt::format(fmt::runtime(table), result, state));
+  }
+  return names;
+}
+
+}  // namespace
+
+std::string fault_of_function_name(const std::string& name) {
+  if (name != ir::identifier(name) || name.front() == '_' || name.back() == '_' || name.find("__") != name.npos)
+    return fmt::format("'{}' cannot be the name of a function", name);
+  if (ir::is_cpp_keyword(name)) return fmt::format("'{}' is a keyword of C++", name);
+  if (ir::is_library_macro(name)) return fmt::format("'{}' is a name of the C++ library", name);
+  return "";
+}
+
+std::vector<TakenName> taken_names(const ir::Scene& scene) {
+  std::set<std::string> taken(std::begin(of_the_folder), std::end(of_the_folder));
+  for (const std::string& link : scene.payloads)
+    for (const char* of_payload : {"payload_", "set_payload_"}) taken.insert(of_payload + ir::identifier(link));
+  std::vector<std::string> results;
+  for (const ir::QuantityRow& row : ir::quantities()) results.emplace_back(row.name);
+  for (const ir::LinkOutput& output : scene.link_outputs()) results.push_back(ir::name_of(output));
+  for (const ir::FunctionRow& row : ir::functions)
+    for (const std::string& name : names_of(ir::standard_function(row.function), results)) taken.insert(name);
+  std::vector<TakenName> faults;
+  for (const ir::NamedFunction& f : scene.functions) {
+    const ir::EmittedFunction function = ir::named_function(f.name, f.quantities);
+    results.clear();
+    for (const ir::Quantity quantity : function.quantities) results.push_back(function.result(quantity));
+    const std::vector<std::string> names = names_of(function, results);
+    const auto clash = std::find_if(names.begin(), names.end(), [&](const std::string& name) { return taken.contains(name); });
+    if (clash != names.end()) faults.push_back({f.name, *clash});
+    taken.insert(names.begin(), names.end());
+  }
+  return faults;
+}
+
+}  // namespace dalembert::frontend

@@ -1,0 +1,51 @@
+#include "ir/emitted_function.hpp"
+
+#include <algorithm>
+
+#include "ir/scene.hpp"
+
+namespace dalembert::ir {
+namespace {
+
+bool is_lower(char c) { return 'a' <= c && c <= 'z'; }
+
+std::string type_name(const std::string& name) {
+  std::string type;
+  bool capital = true;
+  for (const char c : name) {
+    if (c != '_') type += capital && is_lower(c) ? static_cast<char>(c - 'a' + 'A') : c;
+    capital = c == '_';
+  }
+  return type;
+}
+
+}  // namespace
+
+bool EmittedFunction::computes(Quantity quantity) const {
+  return std::find(quantities.begin(), quantities.end(), quantity) != quantities.end();
+}
+
+EmittedFunction standard_function(Function function) { return {row_of(function).name, row_of(function).type, function}; }
+
+EmittedFunction named_function(const std::string& name, const std::vector<Quantity>& quantities) {
+  EmittedFunction function{name, type_name(name), Function::evaluate, true, quantities};
+  std::sort(function.quantities.begin(), function.quantities.end());
+  for (const Quantity quantity : quantities)
+    if (row_of(quantity).function != Function::evaluate) function.inputs = row_of(quantity).function;
+  return function;
+}
+
+std::vector<EmittedFunction> functions_of(const Scene& scene) {
+  std::vector<EmittedFunction> all;
+  for (const FunctionRow& row : functions) {
+    EmittedFunction function = standard_function(row.function);
+    for (const Quantity quantity : scene.outputs)
+      if (row_of(quantity).function == row.function) function.quantities.push_back(quantity);
+    if (!function.quantities.empty() || (function.is_evaluate() && !scene.link_outputs().empty()))
+      all.push_back(std::move(function));
+  }
+  for (const NamedFunction& f : scene.functions) all.push_back(named_function(f.name, f.quantities));
+  return all;
+}
+
+}  // namespace dalembert::ir

@@ -1,0 +1,46 @@
+// A function of a robot's code: one of the standard ones (ir/function.hpp), or one that a scene names.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "ir/function.hpp"
+#include "ir/quantity.hpp"
+
+namespace dalembert::ir {
+
+struct Scene;
+
+struct EmittedFunction {
+  std::string name;                     // of the C++ function
+  std::string type;                     // the same, where types are named
+  Function inputs = Function::evaluate; // the standard function that takes the same
+  bool named = false;                   // by the scene: its results bear its name too
+  std::vector<Quantity> quantities{};   // of the whole robot, in the order of their results
+
+  // What it takes after q and v, as in FunctionRow.
+  const char* input() const { return row_of(inputs).input; }
+  const char* meaning() const { return row_of(inputs).meaning; }
+  // Whether it is evaluate(q, v), the one whose own names begin with nothing.
+  bool is_evaluate() const { return !named && inputs == Function::evaluate; }
+  // The name of what is its own in a robot's workspace or namespace: "kept", "inverse_dynamics_kept", "balance_kept".
+  std::string own_name(const std::string& what) const { return is_evaluate() ? what : name + "_" + what; }
+  // What its result is called: "mass_matrix", "balance_mass_matrix".
+  std::string result(Quantity quantity) const {
+    const std::string quantity_name(name_of(quantity));
+    return named ? name + "_" + quantity_name : quantity_name;
+  }
+  bool computes(Quantity quantity) const;
+};
+
+// The standard function, with nothing to compute.
+EmittedFunction standard_function(Function function);
+
+// A function of these quantities, in the order of quantities.def: what others are made of stands before them. The name as a type
+// has letters behind '_' in capitals: "plan_step", "PlanStep". Takes what its quantities take.
+EmittedFunction named_function(const std::string& name, const std::vector<Quantity>& quantities);
+
+// Those of which the scene asks something: the standard ones, then those it names, in its order.
+std::vector<EmittedFunction> functions_of(const Scene& scene);
+
+}  // namespace dalembert::ir

@@ -1,0 +1,110 @@
+// Functions that a scene names: what they take, what they share, and what they leave alone.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <robots.hpp>
+#include <string_view>
+
+#include "compile.hpp"
+#include "costs.hpp"
+#include "frontend/urdf_reader.hpp"
+#include "passes/build_tree.hpp"
+
+namespace dalembert {
+namespace {
+
+using ir::Quantity;
+
+Model model_of(const ir::Scene& scene) {
+  Diagnostics warnings;
+  Model model;
+  model.name = "r";
+  for (const TestRobot& robot : test_robots)
+    if (robot.name == std::string_view("two_levels_of_branching")) model.description = frontend::read_urdf(robot.urdf, warnings);
+  model.scene = scene;
+  model.tree = passes::build_tree(model.description, scene, warnings);
+  return model;
+}
+
+ir::Scene scene_of(std::vector<Quantity> outputs, std::vector<ir::NamedFunction> functions) {
+  ir::Scene scene;
+  scene.outputs = std::move(outputs);
+  scene.functions = std::move(functions);
+  return scene;
+}
+
+const std::vector<Quantity> derivatives{Quantity::forward_dynamics_dq, Quantity::forward_dynamics_dv,
+                                        Quantity::inverse_mass_matrix};
+
+TEST(NamedFunctions, TakeWhatTheirQuantitiesTake) {
+  EXPECT_STREQ(ir::named_function("f", {Quantity::mass_matrix, Quantity::gravity}).input(), "");
+  EXPECT_STREQ(ir::named_function("f", {Quantity::mass_matrix, Quantity::regressor}).input(), "a");
+  EXPECT_STREQ(ir::named_function("f", {Quantity::forward_dynamics_dv, Quantity::gravity}).input(), "tau");
+}
+
+TEST(NamedFunctions, ComeBehindTheStandardOnesThatTheOutputsNeed) {
+  const auto names = [](const ir::Scene& scene) {
+    std::vector<std::string> names;
+    for (const ir::EmittedFunction& f : ir::functions_of(scene)) names.push_back(f.name);
+    return names;
+  };
+  const std::vector<ir::NamedFunction> two{{"plan_step", derivatives}, {"balance", {Quantity::mass_matrix}}};
+  using Names = std::vector<std::string>;
+  EXPECT_EQ(names(scene_of({}, two)), (Names{"plan_step", "balance"}));
+  EXPECT_EQ(names(scene_of({Quantity::regressor, Quantity::bias}, two)),
+            (Names{"evaluate", "inverse_dynamics", "plan_step", "balance"}));
+  EXPECT_EQ(ir::functions_of(scene_of({}, two)).front().type, "PlanStep");
+}
+
+// M is inverted once, and bodies are moved once.
+TEST(NamedFunctions, ShareWhatTheyShare) {
+  const Lowered apart = lower(model_of(scene_of(derivatives, {})));
+  const Lowered together = lower(model_of(scene_of({}, {{"plan", derivatives}})));
+  ASSERT_EQ(apart.functions.size(), 2u);
+  ASSERT_EQ(together.functions.size(), 1u);
+  const auto inversions = [](const Lowered& lowered) {
+    long count = 0;
+    for (const LoweredFunction& f : lowered.functions)
+      count += std::count_if(f.algorithm.steps.begin(), f.algorithm.steps.end(),
+                             [](const ir::MatrixStep& step) { return step.kind == ir::MatrixStep::Kind::invert; });
+    return count;
+  };
+  EXPECT_EQ(inversions(apart), 2);
+  EXPECT_EQ(inversions(together), 1);
+  const ir::KinematicTree tree = model_of({}).tree;
+  const ir::Operations two = operation_costs(apart, tree).front().operations, one = operation_costs(together, tree).front().operations;
+  EXPECT_LT(one.sincos, two.sincos);
+  EXPECT_LT(10 * one.total(), 9 * two.total());
+}
+
+// Each result costs what it costs under its own name, whichever function it belongs to.
+TEST(NamedFunctions, CostWhatTheirQuantitiesCost) {
+  const std::vector<OperationCost> outputs = operation_costs(model_of(scene_of({Quantity::mass_matrix, Quantity::momentum_matrix}, {})));
+  const std::vector<OperationCost> named =
+      operation_costs(model_of(scene_of({}, {{"balance", {Quantity::momentum_matrix, Quantity::mass_matrix}}})));
+  ASSERT_EQ(named.size(), outputs.size());
+  for (size_t i = 0; i < named.size(); ++i) {
+    EXPECT_EQ(named[i].name, i == 0 ? "all" : "balance_" + outputs[i].name);
+    EXPECT_EQ(named[i].operations.total(), outputs[i].operations.total()) << named[i].name;
+  }
+}
+
+// What evaluate() computes, it computes by the same statements.
+TEST(NamedFunctions, LeaveTheOutputsAlone) {
+  const std::vector<Quantity> outputs{Quantity::mass_matrix, Quantity::coriolis_matrix};
+  Model without = model_of(scene_of(outputs, {})), with = model_of(scene_of(outputs, {{"balance", {Quantity::bias}}}));
+  without.options.form = with.options.form = ir::Form::straight;
+  const auto evaluate = [](const Model& model) {
+    for (const backend::OutputFile& file : compile_without_self_test(model)) {
+      if (file.name != "dynamics.cpp") continue;
+      const size_t begin = file.text.find("void evaluate("), end = file.text.find("\n}\n", begin);
+      return file.text.substr(begin, end - begin);
+    }
+    return std::string();
+  };
+  EXPECT_GT(evaluate(without).size(), 1000u);
+  EXPECT_EQ(evaluate(without), evaluate(with));
+}
+
+}  // namespace
+}  // namespace dalembert
