@@ -66,6 +66,23 @@ MujocoOracle::MujocoOracle(const Request& request, Inertias inertias)
 
 void MujocoOracle::set_gravity(const Eigen::Vector3d& gravity) { Eigen::Map<Eigen::Vector3d>(model_->opt.gravity) = gravity; }
 
+void MujocoOracle::set_springs(const ir::KinematicTree& tree) {
+  for (size_t k = 0; k < tree.bodies.size(); ++k) {
+    model_->jnt_stiffness[mj_name2id(model_.get(), mjOBJ_JOINT, joints_[k].c_str())] = tree.bodies[k].spring.k;
+    model_->qpos_spring[qpos_[k]] = tree.bodies[k].spring.rest;
+  }
+}
+
+Eigen::VectorXd MujocoOracle::spring_forces(const Eigen::VectorXd& q) {
+  const int base = floating_ ? 6 : 0;
+  set_state(q, Eigen::VectorXd::Zero(model_->nv));
+  mj_fwdPosition(model_.get(), data_.get());
+  mj_fwdVelocity(model_.get(), data_.get());
+  Eigen::VectorXd result = Eigen::VectorXd::Zero(model_->nv);
+  for (size_t k = 0; k < dof_.size(); ++k) result[base + static_cast<Eigen::Index>(k)] = data_->qfrc_passive[dof_[k]];
+  return result;
+}
+
 void MujocoOracle::set_inertia(int body, const ir::Inertia& inertia) {
   // long double, so that the principal axes cost no digits.
   using Matrix3l = Eigen::Matrix<long double, 3, 3>;

@@ -26,6 +26,11 @@ class MujocoOracle {
   // Sets every body's mass, centre and principal inertia. Bodies are matched by joint name.
   void overwrite_inertias(const ir::KinematicTree& tree);
 
+  // Gives every joint its spring. Joints are matched by order.
+  void set_springs(const ir::KinematicTree& tree);
+  // What springs push the joints with at q, N m or N, in our order, behind the base's rows.
+  Eigen::VectorXd spring_forces(const Eigen::VectorXd& q);
+
   void set_gravity(const Eigen::Vector3d& gravity);  // m/s², world axes
   Dynamics evaluate(const Eigen::VectorXd& q, const Eigen::VectorXd& v);
   WholeRobot whole_robot(const Eigen::VectorXd& q, const Eigen::VectorXd& v);

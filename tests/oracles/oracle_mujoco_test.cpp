@@ -1,6 +1,9 @@
 // The generic engine and generated code against MuJoCo, on every test robot.
+#include <dalembert/generic/dynamics.hpp>
+
 #include "mujoco_oracle.hpp"
 #include "oracle_tests.hpp"
+#include "reference/generic_model.hpp"
 
 namespace dalembert::oracle {
 namespace {
@@ -33,6 +36,27 @@ TEST_P(Mujoco, AgreesWithTheGenericEngineOnTheWholeRobot) {
     const WholeRobot ours = generic_whole_robot(tree, testing::test_gravity, state.q, state.v);
     for (const Error& error : compare(ours, oracle.whole_robot(state.q, state.v)))
       EXPECT_LE(error.value, tolerance) << error.quantity << ", state " << seed;
+  }
+}
+
+TEST_P(Mujoco, AgreesWithTheGenericEngineOnSprings) {
+  const ir::KinematicTree loose = tree_of(GetParam());
+  ir::KinematicTree tree = loose;
+  for (size_t k = 0; k < tree.bodies.size(); k += 2) tree.bodies[k].spring = {20.0 + static_cast<double>(k), 0.3};
+  MujocoOracle oracle = with_our_inertias(GetParam(), tree);
+  oracle.set_springs(tree);
+  for (int seed = 1; seed <= states_per_case; ++seed) {
+    const testing::State state = testing::moderate_state(tree, static_cast<std::uint64_t>(seed));
+    const auto potential = [&](const WholeRobot& whole) { return whole.potential_energy; };
+    const double right = potential(oracle.whole_robot(state.q, state.v));
+    EXPECT_NEAR(potential(generic_whole_robot(tree, testing::test_gravity, state.q, state.v)), right,
+                tolerance * std::abs(right));
+    const auto bias = [&](const ir::KinematicTree& of) {
+      return generic::bias<double>(to_generic<double>(of, testing::test_gravity), state.q, state.v);
+    };
+    const Eigen::VectorXd with = bias(tree), held = with - bias(loose), pushed = oracle.spring_forces(state.q);
+    EXPECT_GT(pushed.norm(), 0);
+    EXPECT_LE((held + pushed).norm(), tolerance * with.norm()) << "state " << seed;
   }
 }
 
