@@ -14,15 +14,46 @@ namespace dalembert::frontend {
 namespace {
 
 // Of every folder: dynamics.hpp, c_api.h behind the robot's name, arguments, self_test.cpp.
-constexpr const char* of_the_folder[] = {
-    "Scalar",    "nq",      "nv",       "joints",      "bodies",    "Joint",            "joint_names",    "body_names",
-    "VectorQ",   "VectorV", "Payload",  "Workspace",   "workspace", "gravity_vector",   "create",         "destroy",
-    "q",         "v",       "a",        "tau",         "self_test", "self_test_report", "SelfTestReport", "set_gravity",
-    "memory",    "taken",   "test",     "report",      "q_0",       "q_1",              "q_2",            "v_0",
-    "v_1",       "v_2",     "input_0",  "input_1",     "input_2"};
+constexpr const char* of_the_folder[] = {"Scalar",
+                                         "nq",
+                                         "nv",
+                                         "joints",
+                                         "bodies",
+                                         "Joint",
+                                         "joint_names",
+                                         "body_names",
+                                         "VectorQ",
+                                         "VectorV",
+                                         "Payload",
+                                         "Workspace",
+                                         "workspace",
+                                         "gravity_vector",
+                                         "create",
+                                         "destroy",
+                                         "q",
+                                         "v",
+                                         "a",
+                                         "tau",
+                                         "self_test",
+                                         "self_test_report",
+                                         "SelfTestReport",
+                                         "set_gravity",
+                                         "memory",
+                                         "taken",
+                                         "test",
+                                         "report",
+                                         "q_0",
+                                         "q_1",
+                                         "q_2",
+                                         "v_0",
+                                         "v_1",
+                                         "v_2",
+                                         "input_0",
+                                         "input_1",
+                                         "input_2"};
 // What a function may have of its own, besides its results.
-constexpr const char* own[] = {"kept",  "status",   "stages",   "run",            "inverse",
-                               "factor", "pivots", "diagonal", "factor_inverse", "efforts_dq", "efforts_dv"};
+constexpr const char* own[] = {"kept",   "status",   "stages",         "run",        "inverse",   "factor",
+                               "pivots", "diagonal", "factor_inverse", "efforts_dq", "efforts_dv"};
 
 // What the code has of a function and its results: as itself, for C, and in the self-test's tables.
 std::vector<std::string> names_of(const ir::EmittedFunction& function, const std::vector<std::string>& results) {

@@ -12,11 +12,11 @@ namespace dalembert::ir {
 struct Scene;
 
 struct EmittedFunction {
-  std::string name;                     // of the C++ function
-  std::string type;                     // the same, where types are named
-  Function inputs = Function::evaluate; // the standard function that takes the same
-  bool named = false;                   // by the scene: its results bear its name too
-  std::vector<Quantity> quantities{};   // of the whole robot, in the order of their results
+  std::string name;                      // of the C++ function
+  std::string type;                      // the same, where types are named
+  Function inputs = Function::evaluate;  // the standard function that takes the same
+  bool named = false;                    // by the scene: its results bear its name too
+  std::vector<Quantity> quantities{};    // of the whole robot, in the order of their results
 
   // What it takes after q and v, as in FunctionRow.
   const char* input() const { return row_of(inputs).input; }
@@ -36,8 +36,8 @@ struct EmittedFunction {
 // The standard function, with nothing to compute.
 EmittedFunction standard_function(Function function);
 
-// A function of these quantities, in the order of quantities.def: what others are made of stands before them. The name as a type
-// has letters behind '_' in capitals: "plan_step", "PlanStep". Takes what its quantities take.
+// A function of these quantities, in the order of quantities.def: what others are made of stands before them. The name as a
+// type has letters behind '_' in capitals: "plan_step", "PlanStep". Takes what its quantities take.
 EmittedFunction named_function(const std::string& name, const std::vector<Quantity>& quantities);
 
 // Those of which the scene asks something: the standard ones, then those it names, in its order.

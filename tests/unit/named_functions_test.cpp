@@ -20,7 +20,8 @@ Model model_of(const ir::Scene& scene) {
   Model model;
   model.name = "r";
   for (const TestRobot& robot : test_robots)
-    if (robot.name == std::string_view("two_levels_of_branching")) model.description = frontend::read_urdf(robot.urdf, warnings);
+    if (robot.name == std::string_view("two_levels_of_branching"))
+      model.description = frontend::read_urdf(robot.urdf, warnings);
   model.scene = scene;
   model.tree = passes::build_tree(model.description, scene, warnings);
   return model;
@@ -72,14 +73,16 @@ TEST(NamedFunctions, ShareWhatTheyShare) {
   EXPECT_EQ(inversions(apart), 2);
   EXPECT_EQ(inversions(together), 1);
   const ir::KinematicTree tree = model_of({}).tree;
-  const ir::Operations two = operation_costs(apart, tree).front().operations, one = operation_costs(together, tree).front().operations;
+  const ir::Operations two = operation_costs(apart, tree).front().operations,
+                       one = operation_costs(together, tree).front().operations;
   EXPECT_LT(one.sincos, two.sincos);
   EXPECT_LT(10 * one.total(), 9 * two.total());
 }
 
 // Each result costs what it costs under its own name, whichever function it belongs to.
 TEST(NamedFunctions, CostWhatTheirQuantitiesCost) {
-  const std::vector<OperationCost> outputs = operation_costs(model_of(scene_of({Quantity::mass_matrix, Quantity::momentum_matrix}, {})));
+  const std::vector<OperationCost> outputs =
+      operation_costs(model_of(scene_of({Quantity::mass_matrix, Quantity::momentum_matrix}, {})));
   const std::vector<OperationCost> named =
       operation_costs(model_of(scene_of({}, {{"balance", {Quantity::momentum_matrix, Quantity::mass_matrix}}})));
   ASSERT_EQ(named.size(), outputs.size());
