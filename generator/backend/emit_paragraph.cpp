@@ -141,7 +141,7 @@ class ParagraphWriter {
         const std::string to = fmt::format("next_{}[{}] = ", name(role), i);
         if (paragraph_.graph.is_constant(components[i]->node))
           sinks.push_back({components[i]->node, to + target_.constant(), ");"});
-        else sinks.push_back({components[i]->node, to, ";"});
+        else sinks.push_back({components[i]->node, to, ";", true});
       }
     return sinks;
   }

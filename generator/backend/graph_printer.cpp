@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <tuple>
 #include <unordered_map>
 #include <unordered_set>
 #include <utility>
@@ -17,12 +18,16 @@ using ir::Op;
 
 constexpr int longest_expression = 14;  // operations
 
+// Cycles, as on most processors of today.
+constexpr int latency = 4, divide_latency = 14;
+constexpr int early = -1000;  // does not wait for the step before
+
 enum Precedence { sum = 1, product = 2, sign = 3, atom = 4 };
 
 class Printer {
  public:
-  Printer(const ir::Graph& graph, const std::vector<Sink>& sinks, const PrintStyle& style)
-      : graph_(graph), style_(style), text_of_(static_cast<size_t>(graph.size())) {
+  Printer(const ir::Graph& graph, const std::vector<Sink>& sinks, const PrintStyle& style, bool halve)
+      : graph_(graph), style_(style), halve_(halve), text_of_(static_cast<size_t>(graph.size())) {
     std::vector<NodeId> roots;
     for (const Sink& s : sinks) roots.push_back(s.node);
     uses_ = named(graph, roots);
@@ -43,9 +48,18 @@ class Printer {
       if (!leaf && !plain_sign && (shared || t.operations > longest_expression)) declare(id, t);
       if (sinks == sinks_.end()) continue;
       head(n.tag);
-      for (const Sink* s : sinks->second) out_ += style_.indent + s->before + t.text + s->after + "\n";
+      for (const Sink* s : sinks->second) {
+        out_ += style_.indent + s->before + t.text + s->after + "\n";
+        if (s->carried) recurrence_ = std::max(recurrence_, t.ready);
+      }
     }
     return std::move(out_);
+  }
+
+  // Whether a step of the loop takes longer to hand on its values than its operations take, two multiply-adds at a time.
+  bool waits() const {
+    const ir::Operations own = ir::count(graph_, uses_);
+    return 3 * recurrence_ > own.add + own.multiply;
   }
 
  private:
@@ -54,12 +68,14 @@ class Printer {
     std::string text;  // binds at least like a product
     bool negative = false;
     bool is_product = false;
+    int ready = early;  // a product: its factors
   };
   struct Text {
     std::string text;
     int precedence = atom;
     int operations = 0;
     std::vector<Term> terms;  // of a sum that has no name
+    int ready = early;        // cycles after what is carried from the step before
   };
 
   static size_t at(NodeId id) { return static_cast<size_t>(id); }
@@ -91,7 +107,7 @@ class Printer {
       names_.insert(name);
     }
     out_ += fmt::format("{}const {} {} = {};\n", style_.indent, style_.type, name, t.text);
-    t = {std::move(name), atom, 0, {}};
+    t = {std::move(name), atom, 0, {}, t.ready};
   }
 
   void read_once(const ir::Node& n, Text& t) {
@@ -99,7 +115,7 @@ class Printer {
     if (name == t.text) return;  // a variable already
     names_.insert(name);
     out_ += fmt::format("{}const {} {} = {};\n", style_.indent, style_.type, name, t.text);
-    t = {name, atom, 0, {}};
+    t = {name, atom, 0, {}, t.ready};
   }
 
   std::string operand(NodeId id, int least) const {
@@ -107,11 +123,31 @@ class Printer {
     return t.precedence < least ? "(" + t.text + ")" : t.text;
   }
 
+  static int after(int ready, int cycles) { return ready == early ? early : ready + cycles; }
+
   void add_terms(NodeId id, bool negative, std::vector<Term>& terms) const {
     const Text& t = text_of_[at(id)];
+    const bool is_product = graph_[id].op == Op::multiply && t.precedence == product;
     if (t.terms.empty())
-      terms.push_back({operand(id, product), negative, graph_[id].op == Op::multiply && t.precedence == product});
-    for (const Term& inner : t.terms) terms.push_back({inner.text, inner.negative != negative, inner.is_product});
+      terms.push_back({operand(id, product), negative, is_product, is_product ? factors_ready(id) : t.ready});
+    for (const Term& inner : t.terms) terms.push_back({inner.text, inner.negative != negative, inner.is_product, inner.ready});
+  }
+  int factors_ready(NodeId id) const { return std::max(text_of_[at(graph_[id].a)].ready, text_of_[at(graph_[id].b)].ready); }
+
+  // When a chain of multiply-adds in this order is done.
+  static int done(const std::vector<Term>& terms) {
+    int ready = after(terms.front().ready, terms.front().is_product ? latency : 0);
+    for (size_t i = 1; i < terms.size(); ++i) ready = after(std::max(ready, terms[i].ready), latency);
+    return ready;
+  }
+
+  static std::string chain(const std::vector<Term>& terms, bool negated = false) {
+    std::string text;
+    for (const Term& term : terms) {
+      const bool minus = term.negative != negated;
+      text += (text.empty() ? (minus ? "-" : "") : (minus ? " - " : " + ")) + term.text;
+    }
+    return text;
   }
 
   Text sum_of(const ir::Node& n) const {
@@ -123,31 +159,50 @@ class Printer {
     });
     const auto lead = std::find_if(t.terms.begin(), t.terms.end(), [](const Term& term) { return !term.negative; });
     if (lead != t.terms.end()) std::rotate(t.terms.begin(), lead, lead + 1);
-    for (const Term& term : t.terms)
-      t.text += (t.text.empty() ? (term.negative ? "-" : "") : (term.negative ? " - " : " + ")) + term.text;
+    t.ready = done(t.terms);
+    t.text = chain(t.terms);
+    if (halve_) halve(t);
     return t;
+  }
+
+  // Two chains, what is there first standing first in either, where so the sum is sooner there by two operations, for one more.
+  static void halve(Text& t) {
+    std::vector<Term> terms = t.terms, halves[2];
+    std::stable_sort(terms.begin(), terms.end(), [](const Term& a, const Term& b) {
+      return std::tuple(a.ready, a.is_product, a.negative) < std::tuple(b.ready, b.is_product, b.negative);
+    });
+    for (size_t i = 0; i < terms.size(); ++i) halves[(terms.size() - i) % 2].push_back(terms[i]);
+    const int ready = after(std::max(done(halves[0]), done(halves[1])), latency);
+    if (t.ready - ready < 2 * latency) return;
+    t.ready = ready;
+    const bool negated = halves[1].front().negative;
+    t.text = chain(halves[0]) + (negated ? " - (" : " + (") + chain(halves[1], negated) + ")";
   }
 
   Text expression(const ir::Node& n, NodeId id) const {
     const auto binary = [&](const char* op, int precedence, int right) {
-      return Text{operand(n.a, precedence) + op + operand(n.b, right),
-                  precedence,
-                  1 + text_of_[at(n.a)].operations + text_of_[at(n.b)].operations,
-                  {}};
+      return Text{
+          operand(n.a, precedence) + op + operand(n.b, right),
+          precedence,
+          1 + text_of_[at(n.a)].operations + text_of_[at(n.b)].operations,
+          {},
+          after(std::max(text_of_[at(n.a)].ready, text_of_[at(n.b)].ready), n.op == Op::divide ? divide_latency : latency)};
     };
     switch (n.op) {
       case Op::constant: {
         std::string text = literal(n.value, style_.scalar);
         const bool negative = text[0] == '-';
-        return {std::move(text), negative ? sign : atom, 0, {}};
+        return {std::move(text), negative ? sign : atom, 0, {}, early};
       }
-      case Op::input: return {style_.input(n.input), atom, 0, {}};
+      case Op::input: {
+        return {style_.input(n.input), atom, 0, {}, n.input.kind == ir::InputKind::carried ? 0 : early};
+      }
       case Op::sine:
       case Op::cosine: return {style_.sine_or_cosine(graph_, id), atom, 0, {}};
       case Op::sign: {
         return {fmt::format("({0} > 0 ? 1 : 0) - ({0} < 0 ? 1 : 0)", operand(n.a, product)), sum, 2, {}};
       }
-      case Op::negate: return {"-" + operand(n.a, atom), sign, text_of_[at(n.a)].operations, {}};
+      case Op::negate: return {"-" + operand(n.a, atom), sign, text_of_[at(n.a)].operations, {}, text_of_[at(n.a)].ready};
       case Op::add: return style_.flat_sums ? sum_of(n) : binary(" + ", sum, product);
       case Op::subtract: return style_.flat_sums ? sum_of(n) : binary(" - ", sum, product);
       case Op::multiply: return binary(" * ", product, sign);
@@ -158,6 +213,8 @@ class Printer {
 
   const ir::Graph& graph_;
   const PrintStyle& style_;
+  const bool halve_;    // long chains, where the step before is waited for
+  int recurrence_ = 0;  // cycles from what is carried to what is handed on
   std::vector<std::int32_t> uses_;
   std::unordered_map<NodeId, std::vector<const Sink*>> sinks_;
   std::vector<Text> text_of_;
@@ -170,7 +227,9 @@ class Printer {
 }  // namespace
 
 std::string print(const ir::Graph& graph, const std::vector<Sink>& sinks, const PrintStyle& style) {
-  return Printer(graph, sinks, style).run();
+  Printer printer(graph, sinks, style, false);
+  std::string text = printer.run();
+  return printer.waits() ? Printer(graph, sinks, style, true).run() : text;
 }
 
 }  // namespace dalembert::backend

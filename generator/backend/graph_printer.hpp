@@ -14,6 +14,7 @@ namespace dalembert::backend {
 struct Sink {
   ir::NodeId node = ir::no_node;
   std::string before, after;
+  bool carried = false;  // to the next step of the loop, which reads it as an input of kind carried
 };
 
 struct PrintStyle {
@@ -21,7 +22,8 @@ struct PrintStyle {
   ir::ScalarType scalar = ir::ScalarType::float64;
   std::string indent = "  ";
   // Sums of sums written as one sum, plain terms first: every product is then one multiply-add. Fewer operations, one longer
-  // chain of them: pays in lanes, where throughput is the limit, and costs a few percent in straight scalar code.
+  // chain of them: pays in lanes, where throughput is the limit, and costs a few percent in straight scalar code. In a loop
+  // whose steps wait for each other long chains are two.
   bool flat_sums = false;
   std::function<std::string(const ir::Input&)> input;       // text of an input
   std::function<std::string(const ir::Input&)> input_name;  // if set: inputs used twice are read once, into this variable

@@ -33,18 +33,19 @@ class SegmentRoll {
     Direction direction = Direction::anywhere;
     std::vector<RollStep> steps;
     long operations = 0;
+    bool divides = false;
   };
 
   const ir::Sweep& sweep_of(const RollStep& s) const { return state_.algorithm.sweeps[static_cast<std::size_t>(s.sweep)]; }
 
-  long operations(const RollStep& s) const {
-    if (s.sweep < 0) return 0;
+  ir::Operations operations(const RollStep& s) const {
+    if (s.sweep < 0) return {};
     const ir::Sweep& sweep = sweep_of(s);
     const Live& live = state_.unroll.live();
     std::vector<NodeId> roots;
     for (const ir::Value& v : sweep.stores)
       if (live.body[live.at(v.role, v.component)]) roots.push_back(v.node);
-    return ir::count(sweep.graph, ir::uses(sweep.graph, roots)).total();
+    return ir::count(sweep.graph, ir::uses(sweep.graph, roots));
   }
 
   // What runs anywhere joins the loop before it of the same level, but where lanes along the segment pay more, or where a body
@@ -52,7 +53,9 @@ class SegmentRoll {
   void begin(const RollStep& step) {
     const Direction direction = step.sweep < 0 ? Direction::anywhere : sweep_of(step).direction;
     if (step.sweep >= 0 && !any_body(sweep_of(step))) return;
-    const long own = operations(step);
+    const ir::Operations count = operations(step);
+    const long own = count.total();
+    const bool divides = count.divide > 0;
     Group* last = nullptr;
     for (Group& g : groups_)
       if (g.level == step.level) last = &g;
@@ -66,18 +69,21 @@ class SegmentRoll {
         return !along && (last->direction == Direction::inwards || last->operations + own <= registers);
       }
       constexpr long small = 8;  // not worth a loop of its own
-      return last->direction == direction && last->operations <= small;
+      // Whoever waits for a division has time for other sums.
+      const bool waits = direction == Direction::inwards && (last->divides || divides);
+      return last->direction == direction && (waits || last->operations <= small);
     };
     if (joins()) {
       last->steps.push_back(step);
       last->operations += own;
+      last->divides = last->divides || divides;
     } else {
-      groups_.push_back({step.level, direction, {step}, own});
+      groups_.push_back({step.level, direction, {step}, own, divides});
     }
   }
   long all_operations() const {
     long total = 0;
-    for (const RollStep& s : state_.steps) total += operations(s);
+    for (const RollStep& s : state_.steps) total += operations(s).total();
     return total;
   }
 
