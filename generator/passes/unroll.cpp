@@ -1,9 +1,12 @@
 #include "passes/unroll.hpp"
 
 #include <algorithm>
+#include <limits>
+#include <set>
 
 #include "ir/identifier.hpp"
 #include "passes/joints.hpp"
+#include "passes/levels.hpp"
 #include "passes/parameters.hpp"
 #include "passes/payload.hpp"
 
@@ -60,7 +63,7 @@ std::vector<Unroll::Loop> Unroll::loops() const {
     const Direction d = algorithm_.sweeps[s].direction;
     if (d != Direction::outwards && d != Direction::inwards) continue;
     loop_of[s] = static_cast<int>(all.size());
-    all.push_back({static_cast<int>(s), {}});
+    all.push_back({{static_cast<int>(s)}, {}});
   }
   std::vector<int> known(algorithm_.roles.size(), -2);
   Loop rest;
@@ -73,6 +76,48 @@ std::vector<Unroll::Loop> Unroll::loops() const {
         .pairs.push_back(static_cast<int>(p));
   }
   if (!rest.pairs.empty() || projections) all.push_back(rest);
+  return joined(std::move(all));
+}
+
+// Sums inwards go body by body with those of the same level that divide: while they wait there is something to do.
+std::vector<Unroll::Loop> Unroll::joined(std::vector<Loop> loops) const {
+  const std::vector<int> level = levels(algorithm_);
+  const auto level_of = [&](const Loop& loop) {
+    return loop.sweeps.empty() ? std::numeric_limits<int>::max() : level[static_cast<std::size_t>(loop.sweeps.front())];
+  };
+  const auto inwards = [&](const Loop& loop) {
+    return !loop.sweeps.empty() &&
+           algorithm_.sweeps[static_cast<std::size_t>(loop.sweeps.front())].direction == Direction::inwards;
+  };
+  const auto divides = [&](const Loop& loop) {
+    return std::any_of(loop.sweeps.begin(), loop.sweeps.end(), [&](int s) {
+      const ir::Graph& g = algorithm_.sweeps[static_cast<std::size_t>(s)].graph;
+      for (NodeId id = 0; id < g.size(); ++id)
+        if (g[id].op == ir::Op::divide) return true;
+      return false;
+    });
+  };
+  std::set<int> waiting;  // levels
+  for (const Loop& loop : loops)
+    if (inwards(loop) && divides(loop)) waiting.insert(level_of(loop));
+  for (const Loop& loop : loops)  // elements with the base's coordinates need sums that are complete
+    if (!loop.pairs.empty()) waiting.erase(level_of(loop));
+  std::vector<Loop> all;
+  std::map<int, Loop> open;  // by level: to be joined by others as long as no later level has begun
+  for (Loop& loop : loops) {
+    const int at = level_of(loop);
+    while (!open.empty() && open.begin()->first < at) {
+      all.push_back(std::move(open.begin()->second));
+      open.erase(open.begin());
+    }
+    if (!inwards(loop) || !waiting.contains(at)) {
+      all.push_back(std::move(loop));
+      continue;
+    }
+    Loop& joint = open[at];
+    joint.sweeps.insert(joint.sweeps.end(), loop.sweeps.begin(), loop.sweeps.end());
+  }
+  for (auto& [at, loop] : open) all.push_back(std::move(loop));
   return all;
 }
 
@@ -95,16 +140,17 @@ int Unroll::last_inwards(int role, std::vector<int>& known) const {
 
 void Unroll::run_loop(const Loop& loop) {
   const bool inwards =
-      loop.sweep < 0 || algorithm_.sweeps[static_cast<std::size_t>(loop.sweep)].direction == Direction::inwards;
+      loop.sweeps.empty() || algorithm_.sweeps[static_cast<std::size_t>(loop.sweeps.front())].direction == Direction::inwards;
   const int bodies = tree_.joints();
   for (int i = 0; i < bodies; ++i) {
     const int body = inwards ? bodies - 1 - i : i;
-    if (loop.sweep >= 0) run_sweep(loop.sweep, body);
+    for (int s : loop.sweeps) run_sweep(s, body);
     for (int p : loop.pairs) run_pairs(p, body);
   }
-  if (loop.sweep >= 0 && inwards) run_sweep(loop.sweep, -1);
+  for (int s : loop.sweeps)
+    if (inwards) run_sweep(s, -1);
   for (int p : loop.pairs) run_pairs(p, -1);
-  for (std::size_t p = 0; p < algorithm_.projections.size() && loop.sweep < 0; ++p)
+  for (std::size_t p = 0; p < algorithm_.projections.size() && loop.sweeps.empty(); ++p)
     for (int body = tree_.floating_base ? -1 : 0; body < bodies; ++body) run_projection(static_cast<int>(p), body);
 }
 

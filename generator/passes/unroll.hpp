@@ -54,8 +54,8 @@ class Unroll {
 
  private:
   struct Loop {
-    int sweep = -1;          // −1: pairs alone
-    std::vector<int> pairs;  // after the sweep, body by body
+    std::vector<int> sweeps;  // of one direction; none: pairs alone
+    std::vector<int> pairs;   // after the sweeps, body by body
   };
 
   std::size_t place(int body, int coordinate) const {
@@ -65,6 +65,7 @@ class Unroll {
     return place * static_cast<std::size_t>(live_.offset.back()) + live_.at(role, component);
   }
   std::vector<Loop> loops() const;
+  std::vector<Loop> joined(std::vector<Loop> loops) const;
   int last_inwards(int role, std::vector<int>& known) const;
   void run_loop(const Loop& loop);
   void run_sweep(int sweep, int body);
