@@ -5,6 +5,7 @@
 // by column.
 #pragma once
 
+#include <cstdint>
 #include <dalembert/chain_shapes.hpp>
 #include <dalembert/columns.hpp>
 #include <limits>
@@ -24,13 +25,14 @@ struct FactorStatus {
 
 template <int n, class T>
 inline FactorStatus<T> factor_status(const T* pivots, const T* diagonal) noexcept {
-  FactorStatus<T> status;
   const T rounding = T(n) * std::numeric_limits<T>::epsilon();
-  for (int k = 0; k < n; ++k) {
-    const bool good = pivots[k] > rounding * diagonal[k] && pivots[k] > T(0);
-    status.coordinate = good ? status.coordinate : k;
-    status.pivot = good ? status.pivot : pivots[k];
-  }
+  const auto good = [=](int k) DALEMBERT_ALWAYS { return (pivots[k] > rounding * diagonal[k]) & (pivots[k] > T(0)); };
+  std::conditional_t<sizeof(T) == 8, std::int64_t, std::int32_t> count = 0;  // as wide as T: in lanes
+  for (int k = 0; k < n; ++k) count += good(k) ? 1 : 0;
+  FactorStatus<T> status;
+  if (count == n) return status;
+  for (int k = 0; k < n; ++k)
+    if (!good(k)) status = {k, pivots[k]};
   return status;
 }
 
