@@ -907,9 +907,9 @@ void inwards_left_hip_yaw_x4(Workspace& workspace) noexcept {
       next_below_wrench[2] = t11;
       const V t12 = cosine * t4 - sine * t5;
       const V t13 = cosine * t5 + sine * t4;
-      next_below_wrench[3] = translation_y_k * t11 + rotation_xz_yx_zy_k * t6 + rotation_xy_yz_zx_k * t13 + rotation_xx_yy_zz_k * t12;
+      next_below_wrench[3] = rotation_xz_yx_zy_k * t6 + rotation_xx_yy_zz_k * t12 + (rotation_xy_yz_zx_k * t13 + translation_y_k * t11);
       next_below_wrench[4] = rotation_xy_yz_zx_k * t6 + rotation_xx_yy_zz_k * t13 + rotation_xz_yx_zy_k * t12 - translation_x_k * t11;
-      next_below_wrench[5] = translation_x_k * t10 + rotation_xx_yy_zz_k * t6 + rotation_xz_yx_zy_k * t13 + rotation_xy_yz_zx_k * t12 - translation_y_k * t9;
+      next_below_wrench[5] = rotation_xz_yx_zy_k * t13 + translation_x_k * t10 + (rotation_xx_yy_zz_k * t6 + rotation_xy_yz_zx_k * t12 - translation_y_k * t9);
       dalembert::carry(below_wrench, next_below_wrench);
     }
     dalembert::add_lanes<4, 6, 0, 1>(below_wrench, 0, kept.wrench[0] + base_slot, 40);
