@@ -46,6 +46,15 @@ std::string code_name(const Request& request, const ir::RobotDescription& robot,
   return name + "_";
 }
 
+void warn_of_unread_wrenches(const ir::Scene& scene, Diagnostics& warnings) {
+  const bool read = std::any_of(scene.outputs.begin(), scene.outputs.end(), [](ir::Quantity quantity) {
+    return ir::row_of(quantity).function != ir::Function::evaluate;
+  });
+  if (scene.wrenches.empty() || read) return;
+  warnings.push_back({Severity::warning, "", "scene key 'wrenches'", "no output depends on the wrenches",
+                      "ask for inverse_dynamics, forward_dynamics or their derivatives"});
+}
+
 std::string file_name(const std::string& path) { return std::filesystem::path(path).filename().string(); }
 
 // As one word of a shell's command line.
@@ -114,6 +123,7 @@ Model read_model(const Request& request, Diagnostics& warnings) {
   if (!request.for_one_output) {
     passes::check_mass(model.description, model.tree, model.scene);
     passes::check_solvable(model.description, model.tree, model.scene);
+    warn_of_unread_wrenches(model.scene, warnings);
   }
   check_form(model.description, model.tree, model.options);
   return model;

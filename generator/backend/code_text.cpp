@@ -17,6 +17,9 @@ std::string input_text(const CodeInput& code, const ir::Input& input) {
     case ir::InputKind::acceleration:
     case ir::InputKind::effort: return fmt::format("{}[{}]", function_of(code).input(), input.index);
     case ir::InputKind::gravity: return fmt::format("workspace.gravity_vector[{}]", input.component);
+    case ir::InputKind::wrench:
+      return fmt::format("workspace.wrench_{}[{}]",
+                         ir::identifier(code.scene.wrenches.at(static_cast<size_t>(input.index)).link), input.component);
     case ir::InputKind::payload: {
       const std::string payload =
           "workspace.payload_" + ir::identifier(code.scene.payloads.at(static_cast<size_t>(input.index)));

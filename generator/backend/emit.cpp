@@ -72,6 +72,11 @@ std::string run_time_inputs(const CodeInput& code) {
   for (const std::string& link : s.payloads)
     text += fmt::format("\n  Payload payload_{};  // carried by link {}: set it as you need\n", ir::identifier(link),
                         comment_text(link));
+  for (const ir::ExternalWrench& wrench : s.wrenches)
+    text += fmt::format(
+        "\n  // On link {} at its origin, along {} axes: force, N, and moment, N m. Set it as you need.\n"
+        "  Scalar wrench_{}[6] = {{}};\n",
+        comment_text(wrench.link), wrench.in_world ? "the world's" : "its", ir::identifier(wrench.link));
   return text;
 }
 
@@ -257,6 +262,13 @@ void c_functions(const Folder& folder, std::string& declarations, std::string& d
     add("gravity: 3 numbers, m/s^2, world axes",
         fmt::format("void {}_set_gravity(const {}* gravity, {}_workspace* workspace)", n, s, n),
         "  for (int i = 0; i < 3; ++i) workspace->gravity_vector[i] = gravity[i];\n");
+  for (const ir::ExternalWrench& wrench : code.scene.wrenches) {
+    const std::string id = ir::identifier(wrench.link);
+    add(fmt::format("wrench: force (N), then moment (N m) on the link at its origin, along {} axes",
+                    wrench.in_world ? "the world's" : "its"),
+        fmt::format("void {0}_set_wrench_{1}(const {2}* wrench, {0}_workspace* workspace)", n, id, s),
+        fmt::format("  for (int i = 0; i < 6; ++i) workspace->wrench_{}[i] = wrench[i];\n", id));
+  }
   for (const std::string& link : code.scene.payloads) {
     const std::string id = ir::identifier(link);
     add("mass (kg), com: 3 numbers (m, link axes), inertia: xx xy xz yy yz zz about the com (kg m^2, link axes)",
@@ -311,7 +323,7 @@ std::size_t workspace_bytes(const Folder& folder) {
     if (f.algorithm.guard) bytes = (bytes + scalar - 1) / scalar * scalar + 2 * scalar;
   }
   if (scene.gravity_kind == ir::GravityKind::run_time) bytes += 3 * scalar;
-  bytes += scene.payloads.size() * 10 * scalar;  // mass, centre of mass, inertia
+  bytes += (scene.payloads.size() * 10 + scene.wrenches.size() * 6) * scalar;  // mass, centre of mass, inertia; force, moment
   align();
   for (const CodeInput& f : folder.functions) {
     if (is_rolled(f)) bytes += kept_bytes(f);

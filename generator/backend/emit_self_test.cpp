@@ -47,6 +47,10 @@ class SelfTestText {
     };
     if (code_.scene.gravity_kind == ir::GravityKind::run_time)
       for (int i = 0; i < 3; ++i) set(fmt::format("gravity_vector[{}]", i), test_.gravity[i]);
+    for (size_t w = 0; w < code_.scene.wrenches.size(); ++w)
+      for (int i = 0; i < 6; ++i)
+        set(fmt::format("wrench_{}[{}]", ir::identifier(code_.scene.wrenches[w].link), i),
+            test_.wrenches[6 * static_cast<Eigen::Index>(w) + i]);
     for (size_t p = 0; p < test_.payloads.size(); ++p) {
       const ir::Inertia& payload = test_.payloads[p];
       const std::string name = "payload_" + ir::identifier(code_.scene.payloads[p]);

@@ -42,7 +42,7 @@ double tolerance(const Model& model, const Output& output, const std::vector<Sta
   double result = single_precision ? 1e-5 : 1e-12;
   if (!output.quantity || ir::row_of(*output.quantity).scale != ir::Scale::solved) return result;
   for (const State& state : states) {
-    const double condition = reference::mass_condition(model.tree, model.scene, {state.q, state.v, state.more});
+    const double condition = reference::mass_condition(model.tree, model.scene, {state.q, state.v, state.more, state.wrenches});
     result = std::max(result, 10 * condition * (single_precision ? 0x1p-24 : 0x1p-53));
   }
   return result;
@@ -53,7 +53,7 @@ References references(const Model& model, const Output& output, const std::vecto
   for (const State& state : states) {
     references.generic.push_back(evaluate_generic(model, output, state));
     references.multiprecision.push_back(evaluate_multiprecision(model, output, state));
-    const reference::Inputs inputs{state.q, state.v, state.more};
+    const reference::Inputs inputs{state.q, state.v, state.more, state.wrenches};
     references.least_scale =
         std::max(references.least_scale,
                  reference::LeastScale(model.tree, model.scene, inputs).of({output.quantity, output.link, output.of_link}));

@@ -93,8 +93,8 @@ void add_eval(Command& command) {
       .add_option(
           "--state", options->state,
           "states, one a line: q, v, then dv/dt for inverse dynamics, its derivatives and the regressor, or tau for forward "
-          "dynamics and its derivatives, of a function of the scene what it takes; numbers separated by blanks; - for standard "
-          "input")
+          "dynamics and its derivatives, of a function of the scene what it takes, then six numbers for each of the scene's "
+          "wrenches; numbers separated by blanks; - for standard input")
       ->required()
       ->type_name("FILE");
   command.parser

@@ -3,6 +3,8 @@
 #include <dalembert/self_test.hpp>
 #include <new>
 
+#include "ir/identifier.hpp"
+
 namespace dalembert {
 
 namespace {
@@ -20,6 +22,9 @@ GeneratedEngine::GeneratedEngine(const Model& model, const std::vector<Output>& 
   if (!workspace_) throw std::bad_alloc();
   for (const ir::EmittedFunction& f : ir::functions_of(with_outputs(model, outputs).scene))
     calls_.push_back({reinterpret_cast<void*>(code_.function<void()>(name_ + "_" + f.name)), *f.input() != 0});
+  for (const ir::ExternalWrench& wrench : model.scene.wrenches)
+    wrench_setters_.push_back(
+        reinterpret_cast<void*>(code_.function<void()>(name_ + "_set_wrench_" + ir::identifier(wrench.link))));
 }
 
 template <class Scalar>
@@ -30,7 +35,15 @@ void GeneratedEngine::call(const Call& call, const Scalar* q, const Scalar* v, c
 }
 
 template <class Scalar>
+void GeneratedEngine::set_wrenches(const State& state) {
+  const Eigen::VectorX<Scalar> values = state.wrenches.cast<Scalar>();
+  for (size_t i = 0; i < wrench_setters_.size() && values.size() > 0; ++i)
+    reinterpret_cast<void (*)(const Scalar*, Workspace*)>(wrench_setters_[i])(values.data() + 6 * i, workspace_.get());
+}
+
+template <class Scalar>
 void GeneratedEngine::call(const State& state) {
+  set_wrenches<Scalar>(state);
   const Eigen::VectorX<Scalar> q = state.q.cast<Scalar>(), v = state.v.cast<Scalar>(), more = state.more.cast<Scalar>();
   for (const Call& c : calls_) call<Scalar>(c, q.data(), v.data(), more.data());
 }
@@ -55,6 +68,7 @@ int GeneratedEngine::status(const Output& output) const {
 
 template <class Scalar>
 CallTime GeneratedEngine::time_in(const std::vector<State>& states) {
+  set_wrenches<Scalar>(states.front());
   std::vector<Eigen::VectorX<Scalar>> q, v, more;
   for (const State& state : states) {
     q.push_back(state.q.cast<Scalar>());

@@ -47,6 +47,8 @@ class GeneratedEngine {
   template <class Scalar>
   void call(const State& state);
   template <class Scalar>
+  void set_wrenches(const State& state);
+  template <class Scalar>
   Eigen::MatrixXd read(const Output& output) const;
   template <class Scalar>
   CallTime time_in(const std::vector<State>& states);
@@ -63,6 +65,7 @@ class GeneratedEngine {
   void call(const Call& call, const Scalar* q, const Scalar* v, const Scalar* more);
 
   std::vector<Call> calls_;
+  std::vector<void*> wrench_setters_;  // void(const Scalar* wrench, Workspace*), of the scene's in order
   std::unique_ptr<Workspace, void (*)(Workspace*)> workspace_;
 };
 

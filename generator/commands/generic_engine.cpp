@@ -8,7 +8,7 @@ namespace {
 
 Eigen::MatrixXd evaluate(const Model& model, const Output& output, const State& state, reference::Precision precision) {
   return reference::evaluate(model.tree, model.scene, {{output.quantity, output.link, output.of_link}},
-                             {state.q, state.v, state.more}, precision)
+                             {state.q, state.v, state.more, state.wrenches}, precision)
       .front();
 }
 

@@ -30,6 +30,8 @@ constexpr Help scene_help[] = {
     {"jacobians", "LINK,...", "links whose body Jacobian is an output too"},
     {"frames", "LINK,...|{LINK: [QUANTITY, ...]}", "links whose pose, twist, Jacobian and bias acceleration are outputs too"},
     {"payloads", "LINK,...", "links that carry a payload given at run time"},
+    {"wrenches", "LINK,...|LINK=link|world,...",
+     "links that are pushed from outside, by a force and moment given at run time along their axes or the world's"},
     {"armature", "JOINT=VALUE,...", "rotor inertia at the joint, kg m² or kg"},
     {"damping", "urdf|JOINT=VALUE,...", "viscous damping, N m s/rad or N s/m"},
     {"friction", "urdf|JOINT=VALUE,...", "Coulomb friction, N m or N"},

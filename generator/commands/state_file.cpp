@@ -40,8 +40,11 @@ std::vector<State> read_states(const std::string& path, const ir::KinematicTree&
 std::vector<State> read_states_text(const std::string& file, const std::string& text, const ir::KinematicTree& tree,
                                     ir::Function function, Diagnostics& warnings) {
   const ir::FunctionRow& row = ir::row_of(function);
-  const Eigen::Index nq = tree.nq(), nv = tree.nv(), more = *row.input ? nv : 0, count = nq + nv + more;
-  const std::string last = more > 0 ? fmt::format(", then {} ({}), {}", row.input, nv, row.meaning) : "";
+  const Eigen::Index nq = tree.nq(), nv = tree.nv(), more = *row.input ? nv : 0;
+  const Eigen::Index wrenches = more > 0 ? 6 * static_cast<Eigen::Index>(tree.pushed.size()) : 0;
+  const Eigen::Index count = nq + nv + more + wrenches;
+  std::string last = more > 0 ? fmt::format(", then {} ({}), {}", row.input, nv, row.meaning) : "";
+  if (wrenches > 0) last += fmt::format(", then the scene's wrenches ({}), force and moment of each", wrenches);
   const std::string layout = fmt::format("a state of {} is {} numbers, q ({}) then v ({}), as 'dalembert info' lists them{}",
                                          tree.robot, count, nq, nv, last);
   std::vector<State> states;
@@ -57,7 +60,7 @@ std::vector<State> read_states_text(const std::string& file, const std::string& 
       throw InputError(
           {Severity::error, file, place, fmt::format("there are {} numbers instead of {}", values->size(), count), layout});
     const Eigen::Map<const Eigen::VectorXd> all(values->data(), count);
-    State state{place, all.head(nq), all.segment(nq, nv), all.tail(more)};
+    State state{place, all.head(nq), all.segment(nq, nv), all.segment(nq + nv, more), all.tail(wrenches)};
     if (tree.floating_base) normalise_quaternion(state, file, warnings);
     states.push_back(std::move(state));
   }

@@ -38,6 +38,7 @@ class SceneCheck {
     names_differ();
     functions();
     links_asked("payloads", scene_.payloads);
+    wrenches();
     for (const auto& [joint, value] : scene_.armature) free_joint("armature", joint);
     for (const auto& [joint, value] : scene_.damping) free_joint("damping", joint);
     for (const auto& [joint, value] : scene_.friction) free_joint("friction", joint);
@@ -63,6 +64,12 @@ class SceneCheck {
       error("outputs", "coriolis_matrix is zero when rates_zero is set",
             "remove one of the two; bias then is gravity, and may stay");
     }
+  }
+
+  void wrenches() {
+    std::vector<std::string> links;
+    for (const ir::ExternalWrench& wrench : scene_.wrenches) links.push_back(wrench.link);
+    links_asked("wrenches", links);
   }
 
   void cut() {

@@ -38,6 +38,7 @@ class SceneReader {
                                           {"jacobians", &SceneReader::jacobians},
                                           {"frames", &SceneReader::frames},
                                           {"payloads", &SceneReader::payloads},
+                                          {"wrenches", &SceneReader::wrenches},
                                           {"armature", &SceneReader::armature},
                                           {"damping", &SceneReader::damping},
                                           {"friction", &SceneReader::friction},
@@ -219,6 +220,20 @@ class SceneReader {
         entry_name(item, link);
         scene_.frames.push_back({*quantity, link});
       }
+    }
+  }
+  // [link, …], or {link: link | world, …}
+  void wrenches(const YamlNode& node) {
+    scene_.wrenches.clear();
+    if (!node.is_map()) {
+      for (std::string& link : names(node, "a list of links, or {link: world}"))
+        scene_.wrenches.push_back({std::move(link), false});
+      return;
+    }
+    forget_entries();
+    for (const auto& entry : node.entries) {
+      const std::string link = entry_name(entry.key);
+      scene_.wrenches.push_back({link, choice<bool>(entry.value, {{"link", false}, {"world", true}})});
     }
   }
   void payloads(const YamlNode& node) { scene_.payloads = names(node, "a list of links"); }

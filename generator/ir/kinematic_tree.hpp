@@ -54,6 +54,7 @@ struct KinematicTree {
   Inertia base;  // fused, in the base link's frame
   std::vector<Body> bodies;
   std::vector<LinkPlacement> links;  // every link kept, in depth-first order
+  std::vector<int> pushed;           // per wrench of the scene: the body it acts on
 
   int joints() const { return static_cast<int>(bodies.size()); }  // moving joints, driven ones included
   // Per body: which of the joint coordinates is its own, or its driver's, counted from 0 behind the base's.

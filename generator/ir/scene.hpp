@@ -32,6 +32,13 @@ struct NamedFunction {
   std::vector<Quantity> quantities;
 };
 
+// What pushes a link from outside, given at run time: force and moment on it at its origin, along its axes or the world's.
+struct ExternalWrench {
+  std::string link;
+  bool in_world = false;
+  bool operator==(const ExternalWrench&) const = default;
+};
+
 struct Scene {
   Base base = Base::floating;
   GravityKind gravity_kind = GravityKind::constant;
@@ -45,6 +52,7 @@ struct Scene {
   std::vector<std::string> jacobians;    // links whose body Jacobian (6 × nv) is asked for
   std::vector<LinkOutput> frames;        // what else is asked of links
   std::vector<std::string> payloads;     // links that carry a payload given at run time
+  std::vector<ExternalWrench> wrenches;  // what inverse and forward dynamics reckon with, in the order of a state file
   ScalarType scalar = ScalarType::float64;
   Parallel parallel = Parallel::automatic;
   bool rates_zero = false;                 // statics: v = 0, no velocity terms

@@ -32,6 +32,7 @@ struct SelfTest {
   };
   std::vector<State> states;
   Eigen::Vector3d gravity = Eigen::Vector3d::Zero();  // m/s², world axes: for a scene that gives it at run time
+  Eigen::VectorXd wrenches{};                         // six numbers each, in the scene's order
   std::vector<Inertia> payloads;                      // in the links' frames, in the scene's order
   std::vector<Expectation> expectations;
   std::vector<int> left_out;  // indices as above: outputs whose results the scalar cannot hold

@@ -37,6 +37,9 @@ class TreeBuilder {
     drive();
     check_something_moves();
     warn_of_massless_joints();
+    for (const ir::ExternalWrench& wrench : scene_.wrenches)
+      for (const ir::LinkPlacement& placement : tree_.links)
+        if (placement.link == wrench.link) tree_.pushed.push_back(placement.body);
     check_links();
     if (!errors_.empty()) throw InputError(errors_);
     check_magnitudes(tree_, robot_.file);
@@ -174,6 +177,10 @@ class TreeBuilder {
     for (const ir::LinkPlacement& placement : tree_.links) {
       if (placement.body >= 0) continue;
       const std::string element = fmt::format("link '{}'", placement.link);
+      if (std::any_of(scene_.wrenches.begin(), scene_.wrenches.end(),
+                      [&](const ir::ExternalWrench& wrench) { return wrench.link == placement.link; }))
+        error(element, "a wrench is asked for on a link that does not move",
+              "name a link beyond a moving joint, or ask for base: floating");
       if (is_payload(placement.link))
         error(element, "a payload is asked for at a link that does not move",
               "name a link beyond a moving joint, or ask for base: floating");

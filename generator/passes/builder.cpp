@@ -67,6 +67,15 @@ Twist SweepBuilder::base_twist() {
 Twist SweepBuilder::base_acceleration() { return first_six(InputKind::acceleration); }
 Twist SweepBuilder::base_effort() { return first_six(InputKind::effort); }
 
+Twist SweepBuilder::external(int wrench) {
+  Twist given;
+  for (int i = 0; i < 3; ++i) {
+    given.linear[static_cast<std::size_t>(i)] = input(InputKind::wrench, wrench, i);
+    given.angular[static_cast<std::size_t>(i)] = input(InputKind::wrench, wrench, 3 + i);
+  }
+  return given;
+}
+
 Vec3 SweepBuilder::gravity_in_world() {
   switch (builder_.scene().gravity_kind) {
     case ir::GravityKind::none: break;

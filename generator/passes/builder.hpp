@@ -12,6 +12,7 @@
 
 #include "ir/algorithm.hpp"
 #include "ir/kinematic_tree.hpp"
+#include "ir/normal_tree.hpp"
 #include "ir/scene.hpp"
 #include "passes/equations.hpp"
 #include "passes/parameters.hpp"
@@ -51,12 +52,13 @@ class SweepBuilder {
   Sym of(int body, int role, int component = 0) { return input(ir::InputKind::of_body, role, component, body); }
   Vec3 of3(int body, int role, int from = 0) { return three(ir::InputKind::of_body, role, from, body); }
 
-  Twist base_twist();         // floating base: v's first six; fixed, and in statics: zero
-  Twist base_acceleration();  // floating base: the first six of dv/dt; fixed: zero
-  Twist base_effort();        // floating base: the first six of tau; fixed: zero
-  Mat3 base_axes();           // in the world; of a fixed base the world's
-  Vec3 base_position();       // in the world; of a fixed base zero
-  Vec3 gravity_in_base();     // along the base's axes: the world's on a fixed base
+  Twist base_twist();          // floating base: v's first six; fixed, and in statics: zero
+  Twist base_acceleration();   // floating base: the first six of dv/dt; fixed: zero
+  Twist base_effort();         // floating base: the first six of tau; fixed: zero
+  Twist external(int wrench);  // of the scene's wrenches: force and moment as they are given
+  Mat3 base_axes();            // in the world; of a fixed base the world's
+  Vec3 base_position();        // in the world; of a fixed base zero
+  Vec3 gravity_in_base();      // along the base's axes: the world's on a fixed base
   Vec3 gravity_in_world();
 
   // `coordinate`: of a root sweep, for a role of one of the base's coordinates.
@@ -81,14 +83,15 @@ class SweepBuilder {
 
 class Builder {
  public:
-  // References the tree and the scene.
-  Builder(const ir::EmittedFunction& function, const ir::KinematicTree& tree, const ir::Scene& scene,
-          const ir::Graph::Options& options)
-      : tree_(tree), scene_(scene), options_(options) {
+  // References the trees and the scene.
+  Builder(const ir::EmittedFunction& function, const ir::KinematicTree& tree, const ir::NormalTree& normal,
+          const ir::Scene& scene, const ir::Graph::Options& options)
+      : tree_(tree), normal_(normal), scene_(scene), options_(options) {
     algorithm_.function = function;
   }
 
   const ir::KinematicTree& tree() const { return tree_; }
+  const ir::NormalTree& normal() const { return normal_; }
   const ir::Scene& scene() const { return scene_; }
   const ir::EmittedFunction& function() const { return algorithm_.function; }
   // Of an array that is no output.
@@ -104,6 +107,7 @@ class Builder {
 
   // The role of that name; made from `role` where there is none yet.
   int role(const ir::Role& role);
+  const ir::Role& role_of(int role) const { return algorithm_.roles[static_cast<std::size_t>(role)]; }
   // Whether there is a sweep of that name.
   bool has(const std::string& sweep) const;
   SweepBuilder sweep(const std::string& name, const std::string& equation, ir::Direction direction);
@@ -123,6 +127,7 @@ class Builder {
  private:
   friend class SweepBuilder;
   const ir::KinematicTree& tree_;
+  const ir::NormalTree& normal_;
   const ir::Scene& scene_;
   const ir::Graph::Options options_;
   ir::Algorithm algorithm_;

@@ -33,6 +33,7 @@ constexpr Group groups[] = {
     {rest_p, ir::Shape::scalar, "rest", "rad or m", false},
     {link_rotation_p, ir::Shape::matrix, "link_rotation", "", false},
     {link_translation_p, ir::Shape::vector, "link_translation", "m", false},
+    {bears_p, ir::Shape::scalar, "bears", "", false},
 };
 
 const Group& group_of(int parameter) {
@@ -58,6 +59,7 @@ double entry(const Eigen::Matrix3d& m, int i) { return m(i / 3, i % 3); }
 std::string parameter_name(int parameter) {
   const Group& g = group_of(parameter);
   const int i = parameter - g.first;
+  if (g.first == bears_p) return g.name + ("_" + std::to_string(i));
   const std::string suffix =
       g.first == half_second_p ? ir::component_suffix(ir::Shape::matrix, 4 * i) : ir::component_suffix(g.shape, i);
   return suffix.empty() ? g.name : std::string(g.name) + "_" + suffix;
@@ -73,6 +75,7 @@ std::optional<double> value_elsewhere(int parameter) {
 }
 
 double parameter_value(int parameter, const ir::KinematicTree& tree, const ir::NormalTree& normal, int body) {
+  if (parameter >= bears_p) return tree.is_above(body, tree.pushed[static_cast<size_t>(parameter - bears_p)]) ? 1 : 0;
   const bool of_moments = parameter >= mass_p && parameter <= half_trace_p;
   if (body < 0) {  // the base's link is the frame of reference
     if (of_moments) return moment_value(parameter, normal.base);

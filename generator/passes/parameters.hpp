@@ -31,7 +31,7 @@ enum Parameter : int {
   rest_p,                                    // where the spring is at rest
   link_rotation_p,                           // 9: the link's axes in the body's frame
   link_translation_p = link_rotation_p + 9,  // 3: the link's origin
-  parameter_count = link_translation_p + 3
+  bears_p = link_translation_p + 3           // and on: one per external wrench, 1 where it acts on the body or beyond it
 };
 
 // "rotation_xy", as tables are called, and "kg m^2", empty for a number.

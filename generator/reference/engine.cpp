@@ -21,16 +21,18 @@ template <class S>
 class Evaluation {
  public:
   Evaluation(const ir::KinematicTree& tree, const ir::Scene& scene, const std::vector<Wanted>& wanted, const Inputs& inputs)
-      : tree_(tree), robot_(to_generic<S>(tree, scene.gravity, scene.coriolis)), reduction_(robot_) {
+      : tree_(tree), scene_(scene), robot_(to_generic<S>(tree, scene.gravity, scene.coriolis)), reduction_(robot_) {
     generic::check_size<double>(inputs.q, robot_.nq(), "q");
     generic::check_size<double>(inputs.v, robot_.nv(), "v");
     own_q_ = inputs.q.cast<S>();
     own_v_ = inputs.v.cast<S>();
     more_ = inputs.more.cast<S>();
+    given_ = inputs.wrenches.cast<S>();
     if (scene.rates_zero) own_v_.setZero();
     q_ = reduction_.expand_position(own_q_);
     v_ = reduction_.expand_velocity(own_v_);
     kinematics_ = generic::phase1<S>(robot_, q_, v_);
+    if (given_.size() > 0) collect_wrenches();
     const bool matrices = std::any_of(wanted.begin(), wanted.end(), [](const Wanted& w) {
       return w.quantity == ir::Quantity::mass_matrix || w.quantity == ir::Quantity::coriolis_matrix ||
              w.quantity == ir::Quantity::momentum_matrix;
@@ -50,17 +52,16 @@ class Evaluation {
         const VectorX<S> rest = VectorX<S>::Zero(v_.size());
         return reduction_.reduce_rows(generic::expanded_newton_euler<S>(robot_, kinematics_, q_, v_, rest));
       }
-      case ir::Quantity::inverse_dynamics: return generic::inverse_dynamics<S>(robot_, own_q_, own_v_, more_);
-      case ir::Quantity::inverse_dynamics_dq: return generic::inverse_dynamics_dq<S>(robot_, own_q_, own_v_, more_);
-      case ir::Quantity::inverse_dynamics_dv: return generic::inverse_dynamics_dv<S>(robot_, own_q_, own_v_, more_);
+      case ir::Quantity::inverse_dynamics: return generic::inverse_dynamics<S>(robot_, own_q_, own_v_, more_, wrenches_);
+      case ir::Quantity::inverse_dynamics_dq: return inverse_dynamics_dq(more_);
+      case ir::Quantity::inverse_dynamics_dv: return generic::inverse_dynamics_dv<S>(robot_, own_q_, own_v_, more_, wrenches_);
       case ir::Quantity::forward_dynamics:
-        return solved(generic::forward_dynamics<S>(robot_, own_q_, own_v_, more_), robot_.nv(), 1);
+        return solved(generic::forward_dynamics<S>(robot_, own_q_, own_v_, more_, wrenches_), robot_.nv(), 1);
       case ir::Quantity::inverse_mass_matrix:
         return solved(generic::inverse_mass_matrix<S>(robot_, own_q_), robot_.nv(), robot_.nv());
-      case ir::Quantity::forward_dynamics_dq:
-        return solved(generic::forward_dynamics_dq<S>(robot_, own_q_, own_v_, more_), robot_.nv(), robot_.nv());
+      case ir::Quantity::forward_dynamics_dq: return solved(forward_dynamics_dq(), robot_.nv(), robot_.nv());
       case ir::Quantity::forward_dynamics_dv:
-        return solved(generic::forward_dynamics_dv<S>(robot_, own_q_, own_v_, more_), robot_.nv(), robot_.nv());
+        return solved(generic::forward_dynamics_dv<S>(robot_, own_q_, own_v_, more_, wrenches_), robot_.nv(), robot_.nv());
       case ir::Quantity::regressor: return generic::regressor<S>(robot_, own_q_, own_v_, more_);
       case ir::Quantity::wrench_influence:
         return reduction_.reduce_rows(generic::expanded_wrench_influence<S>(robot_, kinematics_));
@@ -92,16 +93,66 @@ class Evaluation {
     return result;
   }
 
+  struct Place {
+    int body;
+    Transform<S> frame;  // in the body
+  };
+  Place place(const std::string& link) const {
+    const auto placed =
+        std::find_if(tree_.links.begin(), tree_.links.end(), [&](const ir::LinkPlacement& p) { return p.link == link; });
+    return {placed->body, {placed->placement.linear().template cast<S>(), placed->placement.translation().template cast<S>()}};
+  }
+
+  // The scene's wrench along its link's axes.
+  Vector6<S> in_link(size_t which) const {
+    const ir::ExternalWrench& external = scene_.wrenches[which];
+    Vector6<S> wrench = given_.template segment<6>(6 * static_cast<Eigen::Index>(which));
+    if (!external.in_world) return wrench;
+    const Place at = place(external.link);
+    const Transform<S> pose = generic::frame_pose<S>(robot_, kinematics_, q_, at.body, at.frame);
+    return adjoint(Transform<S>{pose.rotation, Vector3<S>::Zero()}).transpose() * wrench;
+  }
+
+  void collect_wrenches() {
+    wrenches_ = VectorX<S>::Zero(6 * robot_.moving_bodies());
+    for (size_t i = 0; i < scene_.wrenches.size(); ++i) {
+      const Place at = place(scene_.wrenches[i].link);
+      const Vector6<S> in_body = adjoint_inverse(at.frame).transpose() * in_link(i);
+      wrenches_.template segment<6>(6 * (at.body + robot_.moving_bodies() - robot_.joints())) += in_body;
+    }
+  }
+
+  // A wrench along the world's axes does not turn with its link: as seen from there it turns back as the link turns by w,
+  // dF = -[w x f; w x n], of which tau has -J' dF.
+  MatrixX<S> inverse_dynamics_dq(const VectorX<S>& v_dot) const {
+    MatrixX<S> result = generic::inverse_dynamics_dq<S>(robot_, own_q_, own_v_, v_dot, wrenches_);
+    for (size_t i = 0; i < scene_.wrenches.size() && given_.size() > 0; ++i) {
+      if (!scene_.wrenches[i].in_world) continue;
+      const Place at = place(scene_.wrenches[i].link);
+      const MatrixX<S> J = generic::expanded_frame_jacobian<S>(robot_, kinematics_, q_, at.body, at.frame, generic::Axes::body);
+      const Vector6<S> wrench = in_link(i);
+      MatrixX<S> turned(6, J.cols());
+      turned.topRows(3) = -cross_matrix<S>(wrench.template head<3>()) * J.bottomRows(3);
+      turned.bottomRows(3) = -cross_matrix<S>(wrench.template tail<3>()) * J.bottomRows(3);
+      result += reduction_.reduce_matrix(J.transpose() * turned);
+    }
+    return result;
+  }
+
+  generic::Solution<MatrixX<S>> forward_dynamics_dq() const {
+    const auto acceleration = generic::forward_dynamics<S>(robot_, own_q_, own_v_, more_, wrenches_);
+    const auto inverse = generic::inverse_mass_matrix<S>(robot_, own_q_);
+    if (!acceleration.status.ok()) return {{}, acceleration.status};
+    return {-inverse.value * inverse_dynamics_dq(acceleration.value), inverse.status};
+  }
+
   MatrixX<S> of_link(const Wanted& wanted) const {
     using generic::Axes;
-    const auto placed =
-        std::find_if(tree_.links.begin(), tree_.links.end(), [&](const ir::LinkPlacement& p) { return p.link == wanted.link; });
-    const Transform<S> frame{placed->placement.linear().template cast<S>(), placed->placement.translation().template cast<S>()};
-    const int body = placed->body;
-    const auto jacobian = [&](Axes axes) {
+    const auto [body, frame] = place(wanted.link);
+    const auto jacobian = [&, body = body, frame = frame](Axes axes) {
       return reduction_.reduce_columns(generic::expanded_frame_jacobian<S>(robot_, kinematics_, q_, body, frame, axes));
     };
-    const auto bias = [&](Axes axes) -> MatrixX<S> {
+    const auto bias = [&, body = body, frame = frame](Axes axes) -> MatrixX<S> {
       return generic::frame_acceleration_bias<S>(robot_, kinematics_, q_, v_, body, frame, axes);
     };
     switch (wanted.of_link) {
@@ -126,10 +177,12 @@ class Evaluation {
   }
 
   const ir::KinematicTree& tree_;
+  const ir::Scene& scene_;
   const generic::Model<S> robot_;
   const generic::Reduction<S> reduction_;
-  VectorX<S> q_, v_;                 // of every joint
-  VectorX<S> own_q_, own_v_, more_;  // as given
+  VectorX<S> q_, v_;                         // of every joint
+  VectorX<S> own_q_, own_v_, more_, given_;  // as given; the last: wrenches on links
+  VectorX<S> wrenches_;                      // on bodies, along their axes and about their origins, in the order of W's columns
   generic::Kinematics<S> kinematics_;
   generic::Composites<S> composites_;
 };

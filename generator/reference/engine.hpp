@@ -24,6 +24,7 @@ struct Inputs {
   Eigen::VectorXd q, v;  // nq and nv, as `dalembert info` prints them
   Eigen::VectorXd
       more{};  // nv: what the function of the quantity takes besides (ir/function.hpp); empty where it takes nothing
+  Eigen::VectorXd wrenches{};  // six numbers for each of the scene's; empty: all are zero
 };
 
 enum class Precision { float32, float64, extended, digits_50 };  // extended: long double

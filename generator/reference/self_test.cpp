@@ -76,6 +76,9 @@ ir::Inertia make_payload(const ir::KinematicTree& tree, int index, ir::ScalarTyp
 void set_inputs(ir::SelfTest& test, ir::KinematicTree& tree, ir::Scene& scene) {
   test.gravity = rounded(Eigen::Vector3d(1.3, -2.1, -8.7), scene.scalar);
   if (scene.gravity_kind == ir::GravityKind::run_time) scene.gravity = test.gravity;
+  test.wrenches.resize(6 * static_cast<Eigen::Index>(scene.wrenches.size()));
+  for (Eigen::Index i = 0; i < test.wrenches.size(); ++i)
+    test.wrenches[i] = rounded((i % 2 ? -2.25 : 3.5) * static_cast<double>(i + 1), scene.scalar);
   const ir::KinematicTree empty = tree;
   for (const std::string& link : scene.payloads) {
     test.payloads.push_back(make_payload(empty, static_cast<int>(test.payloads.size()), scene.scalar));
@@ -207,7 +210,7 @@ ir::SelfTest self_test(const ir::KinematicTree& original, const ir::Scene& origi
     state.q = rounded(state.q, scene.scalar);
     state.v = rounded(state.v, scene.scalar);
     state.input = rounded(state.input, scene.scalar);
-    const Inputs inputs{state.q, state.v, state.input};
+    const Inputs inputs{state.q, state.v, state.input, test.wrenches};
     const std::vector<Eigen::MatrixXd> exact = evaluate(tree, scene, wanted, inputs, exactly),
                                        generic = evaluate(tree, scene, wanted, inputs, usual);
     LeastScale least(tree, scene, inputs);

@@ -87,6 +87,22 @@ TEST(States, BadOnesAreRefusedWithTheirLine) {
                  "option --output: error: there is no link 'c'");
 }
 
+TEST(States, WrenchesComeLast) {
+  const std::string q = "0 0 0  0 0 0 1  0", v = " 0 0 0 0 0 0 0", a = v, wrench = " 1 2 3 4 5 6\n";
+  const auto eval = [&](const std::string& states, const std::string& output) {
+    return run_dalembert({"eval", sound, "--base", "floating", "--gravity", "none", "--state", "-", "--output", output, "--engine",
+                          "generic", "--wrenches", "a=world"},
+                         ".", states);
+  };
+  const Outcome run = eval(q + v + a + wrench, "inverse_dynamics");
+  EXPECT_EQ(run.status, 0);
+  EXPECT_EQ(run.err, "");
+  EXPECT_EQ(run.out.substr(0, 18), "-1\n-2\n-3\n-4\n-5\n-6\n");
+  EXPECT_EQ(eval(q + v + "\n", "bias").status, 0);  // which has none
+  expect_refused(eval(q + v + a + "\n", "inverse_dynamics"),
+                 "standard input: line 1: error: there are 22 numbers instead of 28; a state of r is 28 numbers");
+}
+
 TEST(States, CommentsAndBlankLinesAreSkippedAndStatesSeparatedByAnEmptyLine) {
   const Outcome run = eval("# one\n0 1  # at rest\n\n\t0.5 2\r\n", {"--base", "fixed", "--gravity", "none"});
   EXPECT_EQ(run.status, 0);

@@ -42,12 +42,20 @@ Model model_of(const ir::RobotDescription& description, const ir::Scene& scene) 
 }
 
 State some_state(const ir::KinematicTree& tree) {
-  State state{"", Eigen::VectorXd(tree.nq()), Eigen::VectorXd(tree.nv()), Eigen::VectorXd(tree.nv())};
+  State state{"", Eigen::VectorXd(tree.nq()), Eigen::VectorXd(tree.nv()), Eigen::VectorXd(tree.nv()),
+              Eigen::VectorXd(6 * static_cast<Eigen::Index>(tree.pushed.size()))};
+  for (Eigen::Index i = 0; i < state.wrenches.size(); ++i) state.wrenches[i] = 3 * std::cos(0.4 + 2.3 * static_cast<double>(i));
   for (int i = 0; i < tree.nq(); ++i) state.q[i] = std::sin(1.0 + 1.7 * i);
   for (int i = 0; i < tree.nv(); ++i) state.v[i] = std::cos(2.0 + 1.3 * i);
   for (int i = 0; i < tree.nv(); ++i) state.more[i] = std::cos(1.0 + 1.9 * i);
   if (tree.floating_base) state.q.segment<4>(3).normalize();
   return state;
+}
+
+std::string link_moved_by(const ir::RobotDescription& robot, const std::string& name) {
+  for (const ir::Joint& joint : robot.joints)
+    if (joint.name == name) return robot.links[static_cast<size_t>(joint.child)].name;
+  throw std::invalid_argument(name);
 }
 
 // The payload welded to the link.
@@ -77,6 +85,7 @@ std::array<ir::Arrays, 2> run_function(const ir::EmittedFunction& function, cons
       case ir::InputKind::acceleration:
       case ir::InputKind::effort: return state.more[in.index];
       case ir::InputKind::gravity: return model.scene.gravity[in.component];
+      case ir::InputKind::wrench: return state.wrenches[6 * in.index + in.component];
       case ir::InputKind::payload: return payload[static_cast<size_t>(in.component)];
       default: return std::nan("");
     }
@@ -113,9 +122,9 @@ void expect_generic_values(const Model& model, const Payload& payload = {}) {
     // Where a robot makes a quantity vanish, rounding of larger terms is left.
     double tolerance = 1e-12 * std::max(reference.cwiseAbs().maxCoeff(), 1e-3);
     if (output.quantity && ir::row_of(*output.quantity).scale == ir::Scale::solved)
-      tolerance =
-          std::max(tolerance, 10 * reference.cwiseAbs().maxCoeff() * 0x1p-53 *
-                                  reference::mass_condition(expected.tree, expected.scene, {state.q, state.v, state.more}));
+      tolerance = std::max(tolerance, 10 * reference.cwiseAbs().maxCoeff() * 0x1p-53 *
+                                          reference::mass_condition(expected.tree, expected.scene,
+                                                                    {state.q, state.v, state.more, state.wrenches}));
     EXPECT_LE((straight.at(output.name) - reference).cwiseAbs().maxCoeff<Eigen::PropagateNaN>(), tolerance) << "straight";
     EXPECT_LE((rolled.at(output.name) - reference).cwiseAbs().maxCoeff<Eigen::PropagateNaN>(), tolerance) << "rolled";
   }
@@ -186,6 +195,7 @@ TEST_P(Algorithm, RunsInBothFormsAsTheGenericEngineDoes) {
       driven.mimic[moving[1]] = {moving[0], -0.5, 0.2};
       driven.mimic[moving.back()] = {moving[0], 1.5, 0};
       driven.stiffness[moving[0]] = {7, -0.3};
+      driven.wrenches = {{link_moved_by(description, moving.back()), true}};
       std::erase_if(driven.outputs, needs_independent_joints);
       scenes["driven joints"] = driven;
     }
@@ -203,6 +213,14 @@ TEST_P(Algorithm, RunsInBothFormsAsTheGenericEngineDoes) {
             for (const ir::LinkQuantityRow& row : ir::link_quantities())
               model.scene.frames.push_back({row.quantity, model.tree.links[l].link});
         expect_generic_values(model);
+        ir::Scene pushed = scene;
+        for (size_t l = 1; l < model.tree.links.size(); l += 4)
+          if (model.tree.links[l].body >= 0 || base == ir::Base::floating)
+            pushed.wrenches.push_back({model.tree.links[l].link, l % 8 == 1});
+        expect_generic_values(model_of(description, pushed));
+        pushed.rates_zero = true;
+        std::erase(pushed.outputs, ir::Quantity::coriolis_matrix);
+        expect_generic_values(model_of(description, pushed));
         for (size_t l = 2; l < model.tree.links.size(); l += 5) {
           const int body = model.tree.links[l].body;
           const auto same = [&](const std::string& link) {
@@ -238,6 +256,29 @@ TEST(AlgorithmAt, APayloadAtTheFloatingBaseEqualsTheSameWeldedOn) {
   ir::Scene scene;
   scene.payloads = {"base"};
   expect_generic_values(model_of(robot("branch_below_base"), scene), tool);
+}
+
+// What generated and generic derivatives with a wrench along the world's axes have in common might be wrong in both.
+TEST(AlgorithmAt, DerivativesWithWrenchesAreDifferences) {
+  ir::Scene scene;
+  scene.base = ir::Base::fixed;
+  scene.outputs = {ir::Quantity::inverse_dynamics, ir::Quantity::inverse_dynamics_dq};
+  for (const bool in_world : {false, true}) {
+    scene.wrenches = {{"link_04", in_world}, {"link_07", !in_world}};
+    const Model model = model_of(robot("chain_7"), scene);
+    State state = some_state(model.tree);
+    const auto results = [&] { return run_function(ir::Function::inverse_dynamics, model, state, {})[0]; };
+    const Eigen::MatrixXd derivative = results().at("inverse_dynamics_dq");
+    constexpr double h = 1e-5;
+    for (Eigen::Index i = 0; i < state.q.size(); ++i) {
+      state.q[i] += h;
+      const Eigen::MatrixXd above = results().at("inverse_dynamics");
+      state.q[i] -= 2 * h;
+      const Eigen::MatrixXd below = results().at("inverse_dynamics");
+      state.q[i] += h;
+      EXPECT_LE(((above - below) / (2 * h) - derivative.col(i)).cwiseAbs().maxCoeff(), 1e-8 * derivative.cwiseAbs().maxCoeff());
+    }
+  }
 }
 
 TEST(AlgorithmAt, APayloadOnALinkWithoutMassMayBeEmpty) {

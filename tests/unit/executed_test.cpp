@@ -49,6 +49,8 @@ const Case cases[] = {
      "straight",
      {{"outputs", "bias,potential_energy"}, {"stiffness", "{link_03_joint: {k: 40, rest: 0.1}}"}}},
     {"forward_dynamics", "mahru", "rolled", {{"outputs", "forward_dynamics"}}},
+    {"pushed", "mahru", "rolled", {{"outputs", "inverse_dynamics,inverse_dynamics_dq,forward_dynamics"},
+                                   {"wrenches", "left_hand=world,right_foot=link"}}},
     {"straight_forward_dynamics", "chain_7", "straight", {{"outputs", "forward_dynamics"}}},
     {"inverse_dynamics_dq", "mahru", "rolled", {{"outputs", "inverse_dynamics_dq"}}},
     {"inverse_mass_matrix", "mahru", "rolled", {{"outputs", "inverse_mass_matrix"}}},

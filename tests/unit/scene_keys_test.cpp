@@ -33,6 +33,7 @@ const Example examples[] = {
     {"jacobians", "[l2, l3]", "l2,l3"},
     {"frames", "{l2: [pose, jacobian_mixed]}", "{l2: [pose, jacobian_mixed]}"},
     {"payloads", "[l3]", "l3"},
+    {"wrenches", "{l2: world, l3: link}", "l2=world,l3=link"},
     {"armature", "{a: 0.5, c: 0.25}", "a=0.5,c=0.25"},
     {"damping", "urdf", "urdf"},
     {"friction", "{a: 2}", "a=2"},

@@ -173,7 +173,8 @@ void guard(Builder& b, int array) {
 SolvedRoles solved_accelerations(Builder& b) {
   const Poses p = poses(b);
   const Articulated a = articulated_bodies(b);
-  const int bias = bias_is_gravity(b) ? gravity_torques(b).torque : newton_euler(b, Driven::at_rest).torque;
+  const int own_forces = bias_is_gravity(b) ? gravity_torques(b).torque : newton_euler(b, Driven::at_rest).torque;
+  const int bias = less_external(b, own_forces), external = external_wrenches(b);
   const int solved = b.role({"solved_acceleration", "ddq", "dv", "m/s^2 or rad/s^2", Shape::scalar});
   const int handed = b.role({"reaction", "ph", "reaction of the limbs beyond", "N, N m", Shape::wrench});
   const int total = b.role({"reaction_below", "p", "reaction of the subtree", "N, N m", Shape::wrench});
@@ -198,6 +199,7 @@ SolvedRoles solved_accelerations(Builder& b) {
     const BaseFactors f = base_factors_of(b, base);
     const Twist effort = base.base_effort(), own_bias = base_bias(b, base);
     x = {effort.linear - own_bias.linear - base.own3(total, 0), effort.angular - own_bias.angular - base.own3(total, 3)};
+    if (external >= 0) x = {x.linear + base.own3(external, 0), x.angular + base.own3(external, 3)};
     for (int k = 5; k >= 0; --k)
       for (int i = 0; i < k; ++i)
         entry(x, i) = entry(x, i) - f.row[static_cast<std::size_t>(k)][static_cast<std::size_t>(i)] * entry(x, k);

@@ -4,21 +4,6 @@
 namespace dalembert::passes {
 namespace {
 
-LinkFrame frame_of(const std::string& link, const ir::KinematicTree& tree, const ir::NormalTree& normal) {
-  LinkFrame frame{ir::identifier(link)};
-  for (const ir::LinkPlacement& at : tree.links) {
-    if (at.link != link) continue;
-    frame.body = at.body;
-    frame.rotation = at.placement.linear();
-    frame.translation = at.placement.translation();
-  }
-  if (frame.body < 0) return frame;
-  const ir::NormalBody& n = normal.bodies[static_cast<std::size_t>(frame.body)];
-  frame.translation = n.link_rotation * frame.translation + n.link_translation;
-  frame.rotation = n.link_rotation * frame.rotation;
-  return frame;
-}
-
 void describe(Builder& b, ir::Quantity quantity) {
   const ir::QuantityRow& row = ir::row_of(quantity);
   const int array = b.array(b.function().result(quantity), ir::extent(row.rows, b.tree()), ir::extent(row.columns, b.tree()));
@@ -33,15 +18,30 @@ void describe(Builder& b, ir::Quantity quantity) {
 
 }  // namespace
 
+LinkFrame link_frame(const std::string& link, const ir::KinematicTree& tree, const ir::NormalTree& normal) {
+  LinkFrame frame{ir::identifier(link)};
+  for (const ir::LinkPlacement& at : tree.links) {
+    if (at.link != link) continue;
+    frame.body = at.body;
+    frame.rotation = at.placement.linear();
+    frame.translation = at.placement.translation();
+  }
+  if (frame.body < 0) return frame;
+  const ir::NormalBody& n = normal.bodies[static_cast<std::size_t>(frame.body)];
+  frame.translation = n.link_rotation * frame.translation + n.link_translation;
+  frame.rotation = n.link_rotation * frame.rotation;
+  return frame;
+}
+
 ir::Algorithm describe(const ir::EmittedFunction& function, const ir::KinematicTree& tree, const ir::NormalTree& normal,
                        const ir::Scene& scene, const ir::Graph::Options& options) {
-  Builder b(function, tree, scene, options);
+  Builder b(function, tree, normal, scene, options);
   for (const ir::Quantity quantity : function.quantities) describe(b, quantity);
   if (!function.is_evaluate()) return b.take();
   for (const ir::LinkOutput& output : scene.link_outputs()) {
     const ir::LinkQuantityRow& row = ir::row_of(output.quantity);
     const int array = b.array(ir::name_of(output), ir::extent(row.rows, tree), ir::extent(row.columns, tree));
-    describe_link_quantity(b, frame_of(output.link, tree, normal), output.quantity, array);
+    describe_link_quantity(b, link_frame(output.link, tree, normal), output.quantity, array);
   }
   return b.take();
 }

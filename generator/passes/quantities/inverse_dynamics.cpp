@@ -5,7 +5,8 @@
 namespace dalembert::passes {
 
 void describe_inverse_dynamics(Builder& b, int array) {
-  b.result({array, ir::Layout::per_coordinate, newton_euler(b, Driven::accelerated).torque});
+  const NewtonEuler all = newton_euler(b, Driven::accelerated);
+  b.result({array, ir::Layout::per_coordinate, less_external(b, all.torque, all.subtree_wrench)});
 }
 
 }  // namespace dalembert::passes

@@ -20,6 +20,7 @@ namespace {
 struct Factors {
   int inertia, transposed, by_position, by_velocity;  // of the lower joint: I S, 2 Bᵀ S, and what stands in the sums above
   int joint_linear, joint_angular, rate, rates, curvature;  // of the upper one: S, Psi', Psi' + S', Psi''
+  int unturned;  // of the lower one, where wrenches keep to the world's axes; -1: none does
 };
 
 Twist sum(const Twist& a, const Twist& b) { return {a.linear + b.linear, a.angular + b.angular}; }
@@ -56,6 +57,8 @@ Factors factors(Builder& b) {
   const int mass = composite_mass(b);
   const BodyAndSubtree sums = christoffel_sums(b, Frame::base);
   const int wrench = subtree_wrench(b, p, sums.body, acceleration);
+  const int external = external_wrenches(b);
+  const WorldWrenchRoles in_world = world_wrenches(b);
   const Factors r{forces(b, Frame::base).inertia,
                   b.role({"twice_transposed", "H", "H = 2 B' S, its angular part", "kg m^2/s", Shape::vector}),
                   b.role({"by_position", "Nq", "2 B Psi' + I Psi'' + S x* f", "N, N m", Shape::wrench}),
@@ -64,7 +67,8 @@ Factors factors(Builder& b) {
                   p.joint_angular,
                   b.role({"axis_rate", "Psi", "Psi', angular part", "rad/s", Shape::vector}),
                   b.role({"axis_rates", "Y", "Psi' + S'", "m/s, rad/s", Shape::wrench}),
-                  b.role({"axis_curvature", "Psidd", "Psi''", "m/s^2, rad/s^2", Shape::wrench})};
+                  b.role({"axis_curvature", "Psidd", "Psi''", "m/s^2, rad/s^2", Shape::wrench}),
+                  in_world.lower};
   if (b.has("axes")) return r;
 
   SweepBuilder axes = b.sweep("axes", "Psi' = V x S, Psi'' = A x S + V x Psi'", Direction::anywhere);
@@ -79,12 +83,16 @@ Factors factors(Builder& b) {
   const Sym m = s.own(mass);
   const Sums subtree = sums_of(s, sums.subtree);
   const Twist axis = joint_of(s, p), axis_rate{s.own3(p.joint_rate, 0), s.own3(p.joint_rate, 3)};
-  const Twist f{s.own3(wrench, 0), s.own3(wrench, 3)};
+  Twist f{s.own3(wrench, 0), s.own3(wrench, 3)};
+  if (external >= 0) f = {f.linear - s.own3(external, 0), f.angular - s.own3(external, 3)};
   const Vec3 transposed = apply_bias_transposed(subtree, axis);
   s.store(r.transposed, transposed + transposed);
   const Twist curved = apply_inertia(m, subtree, {s.own3(r.curvature, 0), s.own3(r.curvature, 3)});
   const Twist biased = twice(apply_bias(subtree, axis_rate));
-  s.store(r.by_position, sum(sum(curved, biased), turned(axis, f)));
+  Twist by_position = sum(sum(curved, biased), turned(axis, f));
+  if (in_world.derivative >= 0)
+    by_position = sum(by_position, {s.own3(in_world.derivative, 0), s.own3(in_world.derivative, 3)});
+  s.store(r.by_position, by_position);
   const Twist moving = apply_inertia(m, subtree, axis_rate), drifting = apply_bias(subtree, axis);
   s.store(r.by_velocity, twice(sum(moving, drifting)));
   if (!b.floating()) return r;
@@ -100,7 +108,8 @@ Factors factors(Builder& b) {
     base.store(r.rate, base.zero(), 0, j);
     base.store(r.rates, drift, j);
     base.store(r.curvature, curvature, j);
-    base.store(r.by_position, apply_inertia(base_mass, all, curvature), j);
+    const Twist weighed = apply_inertia(base_mass, all, curvature);
+    base.store(r.by_position, in_world.derivative < 0 ? weighed : sum(weighed, world_wrench_derivative(b, base, unit)), j);
     const Twist moved = apply_inertia(base_mass, all, drift);
     base.store(r.by_velocity, sum(moved, twice(apply_bias(all, unit))), j);
   }
@@ -116,6 +125,7 @@ void describe_inverse_dynamics_dq(Builder& b, int array) {
   p.equation = "dtau_i/dq_k = Nq_k.S_i, dtau_k/dq_i = F_k.Psi''_i + H_k.Psi'_i";
   p.above = {{f.by_position, 0, f.joint_linear, 0}, {f.by_position, 3, f.joint_angular, 0}};
   p.below = {{f.inertia, 0, f.curvature, 0}, {f.inertia, 3, f.curvature, 3}, {f.transposed, 0, f.rate, 0}};
+  if (f.unturned >= 0) p.below.push_back({f.unturned, 0, f.joint_angular, 0});
   if (b.tree().any_spring()) p.diagonal = stiffness_p;
   b.pairs(p);
 }

@@ -19,38 +19,14 @@ enum class Axes { link, world, mixed };
 // What says link axes does not depend on the first joints of a fixed base.
 Frame frame_of(Axes axes) { return axes == Axes::link ? Frame::cheapest : Frame::base; }
 
-struct Place {
-  int axes, origin;  // one after another
-};
-
-Mat3 three_columns(SweepBuilder& s, int body, int role) {
-  const Vec3 z = s.of3(body, role, 6), y = s.of3(body, role, 3), x = s.of3(body, role, 0);
-  return from_columns(x, y, z);
-}
-
 void store_columns(SweepBuilder& s, int role, const Mat3& m) {
   for (int l = 0; l < 3; ++l) s.store(role, column(m, static_cast<std::size_t>(l)), 3 * l);
 }
 
-// X = R Rl, x = p + R pl: the link in the frame of the poses.
-Place place(Builder& b, const LinkFrame& link, Frame frame) {
-  const Poses p = poses(b, frame);
-  const std::string name = (frame == Frame::base && b.moves_reference() ? "ground_" : "") + link.name;
-  const Place at{b.role({"axes_" + name, "X", "axes of link " + link.name, "", Shape::matrix}),
-                 b.role({"origin_" + name, "x", "origin of link " + link.name, "m", Shape::vector})};
-  if (b.has("frame_" + name)) return at;
-  SweepBuilder s = b.sweep("frame_" + name, "X = R Rl, x = p + R pl", Direction::root);
-  const Mat3 rotation = three_columns(s, link.body, p.rotation), link_rotation = s.constant(link.rotation);
-  store_columns(s, at.axes, rotation * link_rotation);
-  const Vec3 offset = rotation * s.constant(link.translation);
-  s.store(at.origin, s.of3(link.body, p.position) + offset);
-  return at;
-}
-
 // The base's axes and origin in the world, as roles of the base.
-Place base_in_world(Builder& b) {
-  const Place base{b.role({"world_base_axes", "X", "the base's axes in the world, one after another", "", Shape::matrix}),
-                   b.role({"world_base_origin", "x", "the base's origin in the world", "m", Shape::vector})};
+LinkPlace base_in_world(Builder& b) {
+  const LinkPlace base{b.role({"world_base_axes", "X", "the base's axes in the world, one after another", "", Shape::matrix}),
+                       b.role({"world_base_origin", "x", "the base's origin in the world", "m", Shape::vector})};
   if (b.has("world_base")) return base;
   SweepBuilder s = b.sweep("world_base", "the base's axes and origin in the world", Direction::root);
   store_columns(s, base.axes, s.base_axes());
@@ -62,7 +38,9 @@ Place base_in_world(Builder& b) {
 class Target {
  public:
   Target(Builder& b, const LinkFrame& link, Axes axes)
-      : axes_(axes), link_(place(b, link, frame_of(axes))), base_(axes == Axes::link ? Place{-1, -1} : base_in_world(b)) {}
+      : axes_(axes),
+        link_(link_place(b, link, frame_of(axes))),
+        base_(axes == Axes::link ? LinkPlace{-1, -1} : base_in_world(b)) {}
 
   Vec3 origin(SweepBuilder& s) const { return s.of3(-1, link_.origin); }
   Twist moved(SweepBuilder& s, const Twist& twist) const {
@@ -84,13 +62,13 @@ class Target {
 
  private:
   Axes axes_;
-  Place link_, base_;
+  LinkPlace link_, base_;
 };
 
 std::string suffix(Axes axes) { return axes == Axes::link ? "_" : axes == Axes::world ? "_world_" : "_mixed_"; }
 
 void describe_pose(Builder& b, const LinkFrame& link, int array) {
-  const Place at = place(b, link, Frame::base), base = base_in_world(b);
+  const LinkPlace at = link_place(b, link, Frame::base), base = base_in_world(b);
   const int axes = b.role({"world_axes_" + link.name, "Xw", "axes of link " + link.name + " in the world", "", Shape::matrix});
   const int origin =
       b.role({"world_origin_" + link.name, "xw", "origin of link " + link.name + " in the world", "m", Shape::vector});
@@ -175,6 +153,26 @@ void describe_acceleration_bias(Builder& b, const LinkFrame& link, Axes axes, in
 }
 
 }  // namespace
+
+Mat3 three_columns(SweepBuilder& s, int body, int role) {
+  const Vec3 z = s.of3(body, role, 6), y = s.of3(body, role, 3), x = s.of3(body, role, 0);
+  return from_columns(x, y, z);
+}
+
+// X = R Rl, x = p + R pl: the link in the frame of the poses.
+LinkPlace link_place(Builder& b, const LinkFrame& link, Frame frame) {
+  const Poses p = poses(b, frame);
+  const std::string name = (frame == Frame::base && b.moves_reference() ? "ground_" : "") + link.name;
+  const LinkPlace at{b.role({"axes_" + name, "X", "axes of link " + link.name, "", Shape::matrix}),
+                     b.role({"origin_" + name, "x", "origin of link " + link.name, "m", Shape::vector})};
+  if (b.has("frame_" + name)) return at;
+  SweepBuilder s = b.sweep("frame_" + name, "X = R Rl, x = p + R pl", Direction::root);
+  const Mat3 rotation = three_columns(s, link.body, p.rotation), link_rotation = s.constant(link.rotation);
+  store_columns(s, at.axes, rotation * link_rotation);
+  const Vec3 offset = rotation * s.constant(link.translation);
+  s.store(at.origin, s.of3(link.body, p.position) + offset);
+  return at;
+}
 
 void describe_link_quantity(Builder& b, const LinkFrame& link, LinkQuantity quantity, int array) {
   switch (quantity) {

@@ -4,13 +4,11 @@
 // filled. Units and frames are those of the row.
 #pragma once
 
-#include <Eigen/Core>
-#include <string>
-
 #include "ir/algorithm.hpp"
 #include "ir/link_quantity.hpp"
 #include "ir/normal_tree.hpp"
 #include "passes/builder.hpp"
+#include "passes/quantities/shared.hpp"
 
 namespace dalembert::passes {
 
@@ -18,13 +16,6 @@ namespace dalembert::passes {
 #include "ir/quantities.def"
 #undef DALEMBERT_QUANTITY
 
-// A frame fixed to a body (−1: the base), in the frame of the normal tree.
-struct LinkFrame {
-  std::string name;  // an identifier
-  int body = -1;
-  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
-  Eigen::Vector3d translation = Eigen::Vector3d::Zero();
-};
 void describe_link_quantity(Builder& builder, const LinkFrame& link, ir::LinkQuantity quantity, int array);
 
 // One function: its quantities, in their order; of evaluate(q, v), then what the scene asks of links.

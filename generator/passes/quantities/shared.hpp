@@ -74,6 +74,39 @@ LinkRoles link_frames(Builder& builder);
 using ThreeInputs = std::function<Vec3(ir::InputKind, int role, int from)>;
 Twist joint_in_link(Builder& builder, const LinkRoles& links, const ThreeInputs& three);
 
+// A frame fixed to a body (−1: the base), in the frame of the normal tree.
+struct LinkFrame {
+  std::string name;  // an identifier
+  int body = -1;
+  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
+  Eigen::Vector3d translation = Eigen::Vector3d::Zero();
+};
+LinkFrame link_frame(const std::string& link, const ir::KinematicTree& tree, const ir::NormalTree& normal);
+
+// Its axes, one after another, and its origin in the frame of the poses, as roles of the base.
+struct LinkPlace {
+  int axes, origin;
+};
+LinkPlace link_place(Builder& builder, const LinkFrame& link, Frame frame);
+// Three columns from a role of a given body.
+Mat3 three_columns(SweepBuilder& s, int body, int role);
+
+// What the scene's wrenches do to the robot: the wrench that they are together on each subtree, along the base's axes about its
+// origin. −1: there are none.
+int external_wrenches(Builder& builder);
+// A generalised force without what the wrenches contribute to it: τ − J·E. base_wrench: what the base's rows of it are, when it
+// floats; −1: nobody asks for them.
+int less_external(Builder& builder, int torque, int base_wrench = -1);
+// How τ changes with q because wrenches keep to the world's axes and do not turn with their bodies: for j above i or i itself,
+// dτ_i/dq_j has X_i·ω_j more, dτ_j/dq_i has S_j·Y_i. −1: none does.
+struct WorldWrenchRoles {
+  int lower = -1;       // X
+  int derivative = -1;  // Y
+};
+WorldWrenchRoles world_wrenches(Builder& builder);
+// Y of a coordinate of the base, in a sweep of its own.
+Twist world_wrench_derivative(Builder& builder, SweepBuilder& base, const Twist& unit);
+
 // The factorisation M = Lᵀ D L along the tree: L_ki = V_k·J_i for i above k, D the pivots; M_kk to measure them against. Of the
 // floating base's coordinates too, which stand before all joints.
 struct Articulated {
