@@ -90,8 +90,8 @@ TEST(States, BadOnesAreRefusedWithTheirLine) {
 TEST(States, WrenchesComeLast) {
   const std::string q = "0 0 0  0 0 0 1  0", v = " 0 0 0 0 0 0 0", a = v, wrench = " 1 2 3 4 5 6\n";
   const auto eval = [&](const std::string& states, const std::string& output) {
-    return run_dalembert({"eval", sound, "--base", "floating", "--gravity", "none", "--state", "-", "--output", output, "--engine",
-                          "generic", "--wrenches", "a=world"},
+    return run_dalembert({"eval", sound, "--base", "floating", "--gravity", "none", "--state", "-", "--output", output,
+                          "--engine", "generic", "--wrenches", "a=world"},
                          ".", states);
   };
   const Outcome run = eval(q + v + a + wrench, "inverse_dynamics");

@@ -26,8 +26,8 @@ Push push(Builder& b, std::size_t which) {
   const Push roles{b.role({name, "Fl", "f, n" + of + " about the base's origin", "N, N m", Shape::wrench}),
                    b.role({name + "_moment", "nl", "n" + of + " about the link's origin", "N m", Shape::vector}), at.origin};
   if (b.has(name)) return roles;
-  SweepBuilder s = b.sweep(name, external.in_world ? "f = X0' f_l, n = X0' n_l + x x f" : "f = X f_l, n = X n_l + x x f",
-                           Direction::root);
+  SweepBuilder s =
+      b.sweep(name, external.in_world ? "f = X0' f_l, n = X0' n_l + x x f" : "f = X f_l, n = X n_l + x x f", Direction::root);
   const Mat3 turn = external.in_world ? transpose(s.base_axes()) : three_columns(s, -1, at.axes);
   const Twist given = s.external(static_cast<int>(which));
   const Vec3 force = turn * given.linear, moment = turn * given.angular, lever = cross(s.of3(-1, at.origin), force);
@@ -105,7 +105,8 @@ WorldWrenchRoles world_wrenches(Builder& b) {
   if (b.has("world_wrenches")) return roles;
   const Poses p = poses(b, Frame::base);
   for (std::size_t i = 0; i < wrenches.size(); ++i) push(b, i);  // whose sweeps stand before this one
-  SweepBuilder s = b.sweep("world_wrenches", "X = f x (u + w x x) + n x w, Y = [w x f; x x (w x f) + w x n]", Direction::anywhere);
+  SweepBuilder s =
+      b.sweep("world_wrenches", "X = f x (u + w x x) + n x w, Y = [w x f; x x (w x f) + w x n]", Direction::anywhere);
   const Twist joint = joint_of(s, p);
   s.store(roles.derivative, derivative_of(b, s, joint, [&](std::size_t i) { return bears(s, i); }));
   Vec3 lower = s.zero();
