@@ -47,7 +47,8 @@ std::string code_name(const Request& request, const ir::RobotDescription& robot,
 }
 
 void warn_of_unread_wrenches(const ir::Scene& scene, Diagnostics& warnings) {
-  const bool read = std::any_of(scene.outputs.begin(), scene.outputs.end(),
+  const std::vector<ir::Quantity> outputs = scene.quantities();
+  const bool read = std::any_of(outputs.begin(), outputs.end(),
                                 [](ir::Quantity quantity) { return ir::row_of(quantity).function != ir::Function::evaluate; });
   if (scene.wrenches.empty() || read) return;
   warnings.push_back({Severity::warning, "", "scene key 'wrenches'", "no output depends on the wrenches",

@@ -267,7 +267,7 @@ TEST(AlgorithmAt, DerivativesWithWrenchesAreDifferences) {
     scene.wrenches = {{"link_04", in_world}, {"link_07", !in_world}};
     const Model model = model_of(robot("chain_7"), scene);
     State state = some_state(model.tree);
-    const auto results = [&] { return run_function(ir::Function::inverse_dynamics, model, state, {})[0]; };
+    const auto results = [&] { return run_function(ir::functions_of(model.scene).front(), model, state, {})[0]; };
     const Eigen::MatrixXd derivative = results().at("inverse_dynamics_dq");
     constexpr double h = 1e-5;
     for (Eigen::Index i = 0; i < state.q.size(); ++i) {
