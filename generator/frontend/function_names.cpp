@@ -83,6 +83,8 @@ std::vector<TakenName> taken_names(const ir::Scene& scene) {
   std::set<std::string> taken(std::begin(of_the_folder), std::end(of_the_folder));
   for (const std::string& link : scene.payloads)
     for (const char* of_payload : {"payload_", "set_payload_"}) taken.insert(of_payload + ir::identifier(link));
+  for (const ir::ExternalWrench& wrench : scene.wrenches)
+    for (const char* of_wrench : {"wrench_", "set_wrench_"}) taken.insert(of_wrench + ir::identifier(wrench.link));
   std::vector<std::string> results;
   for (const ir::QuantityRow& row : ir::quantities()) results.emplace_back(row.name);
   for (const ir::LinkOutput& output : scene.link_outputs()) results.push_back(ir::name_of(output));

@@ -1,0 +1,9 @@
+#include "reference/digits50.hpp"
+#include "reference/evaluation.hpp"
+
+namespace dalembert::reference {
+
+template std::vector<Eigen::MatrixXd> evaluate_in<Digits50>(const ir::KinematicTree&, const ir::Scene&, const std::vector<Wanted>&,
+                                                      const Inputs&);
+
+}  // namespace dalembert::reference

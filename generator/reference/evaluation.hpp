@@ -1,0 +1,196 @@
+// One evaluation by the generic engine, in any number type. Compiled once per type, each in a file of its own: with Eigen and
+// many digits that takes long.
+#pragma once
+
+#include <algorithm>
+#include <dalembert/generic/centroidal.hpp>
+#include <dalembert/generic/dynamics.hpp>
+#include <dalembert/generic/energy.hpp>
+#include <dalembert/generic/frames.hpp>
+
+#include "reference/engine.hpp"
+#include "reference/generic_model.hpp"
+
+namespace dalembert::reference {
+
+// Phases I and II once, then each result from them.
+template <class S>
+class Evaluation {
+ public:
+  Evaluation(const ir::KinematicTree& tree, const ir::Scene& scene, const std::vector<Wanted>& wanted, const Inputs& inputs)
+      : tree_(tree), scene_(scene), robot_(to_generic<S>(tree, scene.gravity, scene.coriolis)), reduction_(robot_) {
+    generic::check_size<double>(inputs.q, robot_.nq(), "q");
+    generic::check_size<double>(inputs.v, robot_.nv(), "v");
+    own_q_ = inputs.q.cast<S>();
+    own_v_ = inputs.v.cast<S>();
+    more_ = inputs.more.cast<S>();
+    given_ = inputs.wrenches.cast<S>();
+    if (scene.rates_zero) own_v_.setZero();
+    q_ = reduction_.expand_position(own_q_);
+    v_ = reduction_.expand_velocity(own_v_);
+    kinematics_ = generic::phase1<S>(robot_, q_, v_);
+    if (given_.size() > 0) collect_wrenches();
+    const bool matrices = std::any_of(wanted.begin(), wanted.end(), [](const Wanted& w) {
+      return w.quantity == ir::Quantity::mass_matrix || w.quantity == ir::Quantity::coriolis_matrix ||
+             w.quantity == ir::Quantity::momentum_matrix;
+    });
+    if (matrices) composites_ = generic::phase2<S>(robot_, kinematics_);
+  }
+
+  MatrixX<S> result(const Wanted& wanted) const {
+    if (!wanted.quantity) return of_link(wanted);
+    switch (*wanted.quantity) {
+      case ir::Quantity::mass_matrix:
+        return reduction_.reduce_matrix(generic::phase3_mass_matrix<S>(robot_, kinematics_, composites_));
+      case ir::Quantity::coriolis_matrix:
+        return reduction_.reduce_matrix(generic::phase3_coriolis_matrix<S>(robot_, kinematics_, composites_));
+      case ir::Quantity::gravity: return reduction_.reduce_rows(generic::expanded_gravity<S>(robot_, kinematics_, q_));
+      case ir::Quantity::bias: {
+        const VectorX<S> rest = VectorX<S>::Zero(v_.size());
+        return reduction_.reduce_rows(generic::expanded_newton_euler<S>(robot_, kinematics_, q_, v_, rest));
+      }
+      case ir::Quantity::inverse_dynamics: return generic::inverse_dynamics<S>(robot_, own_q_, own_v_, more_, wrenches_);
+      case ir::Quantity::inverse_dynamics_dq: return inverse_dynamics_dq(more_);
+      case ir::Quantity::inverse_dynamics_dv: return generic::inverse_dynamics_dv<S>(robot_, own_q_, own_v_, more_, wrenches_);
+      case ir::Quantity::forward_dynamics:
+        return solved(generic::forward_dynamics<S>(robot_, own_q_, own_v_, more_, wrenches_), robot_.nv(), 1);
+      case ir::Quantity::inverse_mass_matrix:
+        return solved(generic::inverse_mass_matrix<S>(robot_, own_q_), robot_.nv(), robot_.nv());
+      case ir::Quantity::forward_dynamics_dq: return solved(forward_dynamics_dq(), robot_.nv(), robot_.nv());
+      case ir::Quantity::forward_dynamics_dv:
+        return solved(generic::forward_dynamics_dv<S>(robot_, own_q_, own_v_, more_, wrenches_), robot_.nv(), robot_.nv());
+      case ir::Quantity::regressor: return generic::regressor<S>(robot_, own_q_, own_v_, more_);
+      case ir::Quantity::wrench_influence:
+        return reduction_.reduce_rows(generic::expanded_wrench_influence<S>(robot_, kinematics_));
+      case ir::Quantity::kinetic_energy: return scalar(generic::expanded_kinetic_energy<S>(robot_, kinematics_, v_));
+      case ir::Quantity::potential_energy: return scalar(generic::potential_energy<S>(robot_, kinematics_, q_));
+      case ir::Quantity::center_of_mass: return column(generic::center_of_mass<S>(robot_, kinematics_, q_));
+      case ir::Quantity::center_of_mass_jacobian:
+        return reduction_.reduce_columns(generic::expanded_center_of_mass_jacobian<S>(robot_, kinematics_, q_));
+      case ir::Quantity::momentum_matrix:
+        return reduction_.reduce_columns(generic::expanded_momentum_matrix<S>(robot_, kinematics_, composites_, q_));
+      case ir::Quantity::momentum_bias: return generic::expanded_momentum_bias<S>(robot_, kinematics_, q_, v_);
+    }
+    return {};
+  }
+
+ private:
+  // Zero where the mass matrix is singular, as the emitted code has it.
+  template <class Value>
+  static MatrixX<S> solved(const generic::Solution<Value>& solution, Eigen::Index rows, Eigen::Index columns) {
+    if (!solution.status.ok()) return MatrixX<S>::Zero(rows, columns);
+    return solution.value;
+  }
+
+  static MatrixX<S> scalar(const S& value) { return MatrixX<S>::Constant(1, 1, value); }
+  // Element by element: g++ 12 thinks that a register of four floats is read from a vector of three.
+  static MatrixX<S> column(const Vector3<S>& value) {
+    MatrixX<S> result(3, 1);
+    for (int i = 0; i < 3; ++i) result(i, 0) = value[i];
+    return result;
+  }
+
+  struct Place {
+    int body;
+    Transform<S> frame;  // in the body
+  };
+  Place place(const std::string& link) const {
+    const auto placed =
+        std::find_if(tree_.links.begin(), tree_.links.end(), [&](const ir::LinkPlacement& p) { return p.link == link; });
+    return {placed->body, {placed->placement.linear().template cast<S>(), placed->placement.translation().template cast<S>()}};
+  }
+
+  // The scene's wrench along its link's axes.
+  Vector6<S> in_link(size_t which) const {
+    const ir::ExternalWrench& external = scene_.wrenches[which];
+    Vector6<S> wrench = given_.template segment<6>(6 * static_cast<Eigen::Index>(which));
+    if (!external.in_world) return wrench;
+    const Place at = place(external.link);
+    const Transform<S> pose = generic::frame_pose<S>(robot_, kinematics_, q_, at.body, at.frame);
+    return adjoint(Transform<S>{pose.rotation, Vector3<S>::Zero()}).transpose() * wrench;
+  }
+
+  void collect_wrenches() {
+    wrenches_ = VectorX<S>::Zero(6 * robot_.moving_bodies());
+    for (size_t i = 0; i < scene_.wrenches.size(); ++i) {
+      const Place at = place(scene_.wrenches[i].link);
+      const Vector6<S> in_body = adjoint_inverse(at.frame).transpose() * in_link(i);
+      wrenches_.template segment<6>(6 * (at.body + robot_.moving_bodies() - robot_.joints())) += in_body;
+    }
+  }
+
+  // A wrench along the world's axes does not turn with its link: as seen from there it turns back as the link turns by w,
+  // dF = -[w x f; w x n], of which tau has -J' dF.
+  MatrixX<S> inverse_dynamics_dq(const VectorX<S>& v_dot) const {
+    MatrixX<S> result = generic::inverse_dynamics_dq<S>(robot_, own_q_, own_v_, v_dot, wrenches_);
+    for (size_t i = 0; i < scene_.wrenches.size() && given_.size() > 0; ++i) {
+      if (!scene_.wrenches[i].in_world) continue;
+      const Place at = place(scene_.wrenches[i].link);
+      const MatrixX<S> J = generic::expanded_frame_jacobian<S>(robot_, kinematics_, q_, at.body, at.frame, generic::Axes::body);
+      const Vector6<S> wrench = in_link(i);
+      MatrixX<S> turned(6, J.cols());
+      turned.topRows(3) = -cross_matrix<S>(wrench.template head<3>()) * J.bottomRows(3);
+      turned.bottomRows(3) = -cross_matrix<S>(wrench.template tail<3>()) * J.bottomRows(3);
+      result += reduction_.reduce_matrix(J.transpose() * turned);
+    }
+    return result;
+  }
+
+  generic::Solution<MatrixX<S>> forward_dynamics_dq() const {
+    const auto acceleration = generic::forward_dynamics<S>(robot_, own_q_, own_v_, more_, wrenches_);
+    const auto inverse = generic::inverse_mass_matrix<S>(robot_, own_q_);
+    if (!acceleration.status.ok()) return {{}, acceleration.status};
+    return {-inverse.value * inverse_dynamics_dq(acceleration.value), inverse.status};
+  }
+
+  MatrixX<S> of_link(const Wanted& wanted) const {
+    using generic::Axes;
+    const auto [body, frame] = place(wanted.link);
+    const auto jacobian = [&, body = body, frame = frame](Axes axes) {
+      return reduction_.reduce_columns(generic::expanded_frame_jacobian<S>(robot_, kinematics_, q_, body, frame, axes));
+    };
+    const auto bias = [&, body = body, frame = frame](Axes axes) -> MatrixX<S> {
+      return generic::frame_acceleration_bias<S>(robot_, kinematics_, q_, v_, body, frame, axes);
+    };
+    switch (wanted.of_link) {
+      case ir::LinkQuantity::pose: {
+        const Transform<S> pose = generic::frame_pose<S>(robot_, kinematics_, q_, body, frame);
+        MatrixX<S> result(3, 4);
+        for (int i = 0; i < 3; ++i) {
+          for (int k = 0; k < 3; ++k) result(i, k) = pose.rotation(i, k);
+          result(i, 3) = pose.translation[i];
+        }
+        return result;
+      }
+      case ir::LinkQuantity::twist: return generic::frame_twist<S>(kinematics_, body, frame);
+      case ir::LinkQuantity::jacobian: return jacobian(Axes::body);
+      case ir::LinkQuantity::jacobian_world: return jacobian(Axes::world);
+      case ir::LinkQuantity::jacobian_mixed: return jacobian(Axes::mixed);
+      case ir::LinkQuantity::acceleration_bias: return bias(Axes::body);
+      case ir::LinkQuantity::acceleration_bias_world: return bias(Axes::world);
+      case ir::LinkQuantity::acceleration_bias_mixed: return bias(Axes::mixed);
+    }
+    return {};
+  }
+
+  const ir::KinematicTree& tree_;
+  const ir::Scene& scene_;
+  const generic::Model<S> robot_;
+  const generic::Reduction<S> reduction_;
+  VectorX<S> q_, v_;                         // of every joint
+  VectorX<S> own_q_, own_v_, more_, given_;  // as given; the last: wrenches on links
+  VectorX<S> wrenches_;                      // on bodies, along their axes and about their origins, in the order of W's columns
+  generic::Kinematics<S> kinematics_;
+  generic::Composites<S> composites_;
+};
+
+template <class S>
+std::vector<Eigen::MatrixXd> evaluate_in(const ir::KinematicTree& tree, const ir::Scene& scene,
+                                         const std::vector<Wanted>& wanted, const Inputs& inputs) {
+  const Evaluation<S> evaluation(tree, scene, wanted, inputs);
+  std::vector<Eigen::MatrixXd> results;
+  for (const Wanted& w : wanted) results.push_back(evaluation.result(w).template cast<double>());
+  return results;
+}
+
+}  // namespace dalembert::reference
