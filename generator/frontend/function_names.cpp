@@ -53,7 +53,7 @@ constexpr const char* of_the_folder[] = {"Scalar",
                                          "input_2"};
 // What a function may have of its own, besides its results.
 constexpr const char* own[] = {"kept",   "status",   "stages",         "run",        "inverse",   "factor",
-                               "pivots", "diagonal", "factor_inverse", "efforts_dq", "efforts_dv"};
+                               "pivots", "diagonal", "padded_inverse", "efforts_dq", "efforts_dv"};
 
 // What the code has of a function and its results: as itself, for C, and in the self-test's tables.
 std::vector<std::string> names_of(const ir::EmittedFunction& function, const std::vector<std::string>& results) {

@@ -3,7 +3,7 @@
 
 namespace dalembert::reference {
 
-template std::vector<Eigen::MatrixXd> evaluate_in<Digits50>(const ir::KinematicTree&, const ir::Scene&, const std::vector<Wanted>&,
-                                                      const Inputs&);
+template std::vector<Eigen::MatrixXd> evaluate_in<Digits50>(const ir::KinematicTree&, const ir::Scene&,
+                                                            const std::vector<Wanted>&, const Inputs&);
 
 }  // namespace dalembert::reference

@@ -3,6 +3,6 @@
 namespace dalembert::reference {
 
 template std::vector<Eigen::MatrixXd> evaluate_in<float>(const ir::KinematicTree&, const ir::Scene&, const std::vector<Wanted>&,
-                                                      const Inputs&);
+                                                         const Inputs&);
 
 }  // namespace dalembert::reference

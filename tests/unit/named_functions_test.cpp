@@ -7,6 +7,7 @@
 
 #include "compile.hpp"
 #include "costs.hpp"
+#include "frontend/function_names.hpp"
 #include "frontend/urdf_reader.hpp"
 #include "passes/build_tree.hpp"
 
@@ -55,6 +56,20 @@ TEST(NamedFunctions, ComeBehindTheStandardOnesThatTheOutputsNeed) {
   EXPECT_EQ(names(scene_of({Quantity::regressor, Quantity::bias}, two)),
             (Names{"evaluate", "inverse_dynamics", "plan_step", "balance"}));
   EXPECT_EQ(ir::functions_of(scene_of({}, two)).front().type, "PlanStep");
+}
+
+// What a function keeps between its steps stands in the workspace: no other function may be called like it.
+TEST(NamedFunctions, AreNotCalledLikeWhatAnotherKeeps) {
+  const Lowered all = lower(model_of(scene_of(derivatives, {})));
+  int found = 0;
+  for (const LoweredFunction& f : all.functions)
+    for (const ir::OutputArray& array : f.algorithm.arrays) {
+      if (!array.internal) continue;
+      ++found;
+      const std::vector<frontend::TakenName> taken = frontend::taken_names(scene_of({}, {{array.name, {Quantity::gravity}}}));
+      EXPECT_EQ(taken.size(), 1u) << array.name;
+    }
+  EXPECT_GE(found, 8);
 }
 
 // M is inverted once, and bodies are moved once.

@@ -87,8 +87,7 @@ Vector6<S> external_wrench(const Model<S>& model, const VectorX<S>& wrenches, in
 }
 
 // τ = M v̇ + C v + g − W F by recursive Newton-Euler: neither M nor C is formed, gravity is an upward acceleration of the
-// base. v_dot: as v. wrenches: F, 6·bodies, or empty. Armature, damping, friction and springs
-// are included.
+// base. v_dot: as v. wrenches: F, 6·bodies, or empty. Armature, damping, friction and springs are included.
 template <class S>
 VectorX<S> expanded_newton_euler(const Model<S>& model, const Kinematics<S>& kinematics, const VectorX<S>& q,
                                  const VectorX<S>& v, const VectorX<S>& v_dot, const VectorX<S>& wrenches = VectorX<S>()) {
