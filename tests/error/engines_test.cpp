@@ -165,6 +165,13 @@ TEST(Check, CompilesAsUsersDoUnlessToldOtherwise) {
   }
 }
 
+// clang++ 14 takes C++14 where nothing is said: the workspace then lacks its alignment.
+TEST(Check, RefusesAnOlderLanguageThanTheCodeIsWrittenIn) {
+  const Outcome outcome = run_dalembert({"check", arm, "--outputs", "gravity", "--flags", "-O1 -std=gnu++14"}, ".");
+  EXPECT_EQ(outcome.status, 2) << outcome.out;
+  EXPECT_NE(outcome.err.find("dalembert needs C++17"), std::string::npos) << outcome.err;
+}
+
 // At the edge: C of joints that do not meet is zero but for rounding, nothing is left but the base, angles are sums. What is
 // compiled has no warning.
 TEST(Check, PassesOnTurntablesOnALoneBaseAndOnDrivenJoints) {
