@@ -31,6 +31,15 @@ std::vector<int> missing(const std::set<int>& read, int size) {
 ir::Operations operations_of(const ir::MatrixStep& step, const ir::CoordinateTree& tree) {
   ir::Operations o;
   const auto multiply_adds = [&](long count) { o.multiply += count, o.add += count; };
+  if (step.kind == ir::MatrixStep::Kind::factor || step.kind == ir::MatrixStep::Kind::solve) {
+    for (int k = 0; k < tree.size(); ++k) {
+      const long above = tree.depth(k);
+      multiply_adds(step.kind == ir::MatrixStep::Kind::factor ? above * (above + 1) / 2 : 2 * above);
+      if (step.kind == ir::MatrixStep::Kind::factor) o.multiply += above;
+      ++o.divide;
+    }
+    return o;
+  }
   for (const ir::Chain& chain : ir::chains(tree, step.first)) {
     const long m = chain.count, above = tree.depth(chain.first), pairs = m * (m - 1) / 2;
     if (step.kind == ir::MatrixStep::Kind::negative_product) {
@@ -56,7 +65,7 @@ Making making(const ir::Algorithm& algorithm, int array) {
     m.arrays.insert({guard->pivots, guard->diagonal});
   for (auto step = algorithm.steps.rbegin(); step != algorithm.steps.rend(); ++step)
     if (m.arrays.contains(step->to)) {
-      m.arrays.insert({step->a, step->b});
+      m.arrays.insert({step->a, step->b});  // one may be none
       m.steps.push_back(*step);
     }
   return m;

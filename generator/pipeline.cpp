@@ -46,13 +46,21 @@ std::string code_name(const Request& request, const ir::RobotDescription& robot,
   return name + "_";
 }
 
-void warn_of_unread_wrenches(const ir::Scene& scene, Diagnostics& warnings) {
+// Keys that no output asked for has anything to do with.
+void warn_of_idle_keys(const ir::Scene& scene, Diagnostics& warnings) {
   const std::vector<ir::Quantity> outputs = scene.quantities();
-  const bool read = std::any_of(outputs.begin(), outputs.end(),
-                                [](ir::Quantity quantity) { return ir::row_of(quantity).function != ir::Function::evaluate; });
-  if (scene.wrenches.empty() || read) return;
-  warnings.push_back({Severity::warning, "", "scene key 'wrenches'", "no output depends on the wrenches",
-                      "ask for inverse_dynamics, forward_dynamics or their derivatives"});
+  const auto any = [&](auto of) { return std::any_of(outputs.begin(), outputs.end(), of); };
+  const bool pushed = any([](ir::Quantity quantity) {
+    return ir::row_of(quantity).function != ir::Function::evaluate && quantity != ir::Quantity::regressor &&
+           quantity != ir::Quantity::inverse_dynamics_dv;
+  });
+  if (!scene.wrenches.empty() && !pushed)
+    warnings.push_back({Severity::warning, "", "scene key 'wrenches'", "no output depends on the wrenches",
+                        "ask for inverse_dynamics, forward_dynamics or their derivatives"});
+  const bool solved = any([](ir::Quantity quantity) { return ir::row_of(quantity).scale == ir::Scale::solved; });
+  if (scene.forward_dynamics != ir::Solver::articulated_bodies && !solved)
+    warnings.push_back({Severity::warning, "", "scene key 'forward_dynamics'", "no output is solved for with M",
+                        "ask for forward_dynamics, inverse_mass_matrix or mass_matrix_factor"});
 }
 
 std::string file_name(const std::string& path) { return std::filesystem::path(path).filename().string(); }
@@ -123,7 +131,7 @@ Model read_model(const Request& request, Diagnostics& warnings) {
   if (!request.for_one_output) {
     passes::check_mass(model.description, model.tree, model.scene);
     passes::check_solvable(model.description, model.tree, model.scene);
-    warn_of_unread_wrenches(model.scene, warnings);
+    warn_of_idle_keys(model.scene, warnings);
   }
   check_form(model.description, model.tree, model.options);
   return model;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <stdexcept>
 
 #include "ir/coordinate_tree.hpp"
@@ -49,25 +50,79 @@ std::string parameters_of(const CodeInput& code, const std::string& pointer) {
 
 std::string arguments_of(const CodeInput& code) { return fmt::format("{}", fmt::join(vectors_of(code), ", ")); }
 
+namespace {
+
+std::string chains_text(const ir::CoordinateTree& tree) {
+  std::vector<int> begin, above, depth;
+  for (const ir::Chain& chain : ir::chains(tree)) {
+    const int directly_above = tree.above[static_cast<size_t>(chain.first)];
+    const auto of = std::upper_bound(begin.begin(), begin.end(), directly_above) - begin.begin() - 1;
+    above.push_back(static_cast<int>(of));  // coordinates before the first chain: none
+    begin.push_back(chain.first);
+    depth.push_back(tree.depth(chain.first));
+  }
+  begin.push_back(tree.size());
+  return fmt::format(
+      "  static constexpr int chain_begin[] = {{{}}}, chain_above[] = {{{}}}, chain_depth[] = {{{}}};\n"
+      "  static constexpr dalembert::Chains chains{{{}, chain_begin, chain_above, chain_depth}};\n",
+      fmt::join(begin, ", "), fmt::join(above, ", "), fmt::join(depth, ", "), above.size());
+}
+
+}  // namespace
+
 std::string matrix_statements(const CodeInput& code) {
   if (code.algorithm.steps.empty()) return "";
   const auto name = [&](int index) { return "workspace." + code.algorithm.arrays[static_cast<size_t>(index)].name; };
   const ir::CoordinateTree tree = ir::coordinate_tree(code.tree);
-  std::string text = fmt::format("  static constexpr int coordinate_above[] = {{{}}};\n", fmt::join(tree.above, ", "));
+  using Kind = ir::MatrixStep::Kind;
+  const auto any = [&](std::initializer_list<Kind> kinds) {
+    return std::any_of(code.algorithm.steps.begin(), code.algorithm.steps.end(),
+                       [&](const ir::MatrixStep& s) { return std::find(kinds.begin(), kinds.end(), s.kind) != kinds.end(); });
+  };
+  std::string text;
+  if (any({Kind::invert, Kind::negative_product}))
+    text += fmt::format("  static constexpr int coordinate_above[] = {{{}}};\n", fmt::join(tree.above, ", "));
+  if (solves(code)) text += chains_text(tree);
   for (const ir::MatrixStep& s : code.algorithm.steps) {
-    for (const ir::Chain& chain : ir::chains(tree, s.first)) {
-      if (s.kind == ir::MatrixStep::Kind::invert)
-        text += fmt::format("  dalembert::invert_chain<nv, {}>({}, coordinate_above, {}, {}, {});\n", chain.count, chain.first,
-                            name(s.a), name(s.b), name(s.room));
-      else
-        text += fmt::format("  dalembert::negative_product_chain<nv>({}, {}, {}, coordinate_above, {}, {}, {});\n", chain.first,
-                            chain.first + chain.count, tree.last[static_cast<size_t>(chain.first)], name(s.a), name(s.b),
-                            name(s.to));
+    switch (s.kind) {
+      case Kind::factor:
+        text += fmt::format("  dalembert::factor_mass_matrix<nv, {}>({}, chains, {}, {}, {}, {});\n", ir::most_above(tree) + 1,
+                            name(s.a), name(s.room), name(s.to), name(s.b), name(code.algorithm.guard->diagonal));
+        break;
+      case Kind::solve:
+        text += fmt::format("  dalembert::solve_columns<nv, 1>(chains, {}, {}, 1, nv);\n", name(s.a), name(s.to));
+        break;
+      case Kind::invert:
+        for (const ir::Chain& chain : ir::chains(tree, s.first))
+          text += fmt::format("  dalembert::invert_chain<nv, {}>({}, coordinate_above, {}, {}, {});\n", chain.count,
+                              chain.first, name(s.a), name(s.b), name(s.room));
+        text += fmt::format("  dalembert::without_padding<nv>({}, {});\n", name(s.room), name(s.to));
+        break;
+      case Kind::negative_product:
+        for (const ir::Chain& chain : ir::chains(tree, s.first))
+          text += fmt::format("  dalembert::negative_product_chain<nv>({}, {}, {}, coordinate_above, {}, {}, {});\n",
+                              chain.first, chain.first + chain.count, tree.last[static_cast<size_t>(chain.first)], name(s.a),
+                              name(s.b), name(s.to));
+        break;
     }
-    if (s.kind == ir::MatrixStep::Kind::invert)
-      text += fmt::format("  dalembert::without_padding<nv>({}, {});\n", name(s.room), name(s.to));
   }
   return text;
+}
+
+bool solves(const CodeInput& code) {
+  return std::any_of(code.algorithm.steps.begin(), code.algorithm.steps.end(),
+                     [](const ir::MatrixStep& s) { return s.kind == ir::MatrixStep::Kind::factor; });
+}
+
+std::string solve_definition(const CodeInput& code) {
+  if (code.algorithm.factor < 0) return "";
+  return fmt::format(
+      "bool {}(Scalar* b, int columns, int stride, const Workspace& workspace) noexcept {{\n"
+      "{}"
+      "  return dalembert::solve<nv>(chains, workspace.{}, workspace.{}, b, columns, stride);\n"
+      "}}\n\n",
+      own_name(code, "solve"), chains_text(ir::coordinate_tree(code.tree)),
+      code.algorithm.arrays[static_cast<size_t>(code.algorithm.factor)].name, own_name(code, "status"));
 }
 
 std::string guard_statements(const CodeInput& code) {

@@ -25,6 +25,9 @@ std::string input_text(const CodeInput& code, const ir::Input& input);
 std::string guard_statements(const CodeInput& code);
 // Statements behind the elements: steps with whole matrices.
 std::string matrix_statements(const CodeInput& code);
+// Whether they factor M; and the function that solves with the factors, empty if the code is to have none.
+bool solves(const CodeInput& code);
+std::string solve_definition(const CodeInput& code);
 
 // `row + nv * column` worked out.
 int element_index(const ir::OutputArray& array, int row, int column);

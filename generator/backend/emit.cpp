@@ -153,6 +153,20 @@ std::string input_meaning(const CodeInput& code) {
   return fmt::format("// {}: nv {}.\n", function.input(), function.meaning());
 }
 
+std::string solve_declaration(const CodeInput& code) {
+  if (code.algorithm.factor < 0) return "";
+  const std::string name = own_name(code, "solve");
+  return fmt::format(
+      "// b becomes M^-1 b, by the factors that {}() left: nv numbers each in columns that begin `stride` apart. Where the\n"
+      "// status says that M is not positive definite, zero, and false. Does not allocate, lock, throw or call the system.\n"
+      "bool {}(Scalar* b, int columns, int stride, const Workspace& workspace) noexcept;\n\n"
+      "inline bool {}(Eigen::Ref<Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>> b, const Workspace& workspace) {{\n"
+      "  eigen_assert(b.rows() == nv);\n"
+      "  return {}(b.data(), static_cast<int>(b.cols()), static_cast<int>(b.outerStride()), workspace);\n"
+      "}}\n\n",
+      function_of(code).name, name, name, name);
+}
+
 std::string function_declaration(const CodeInput& code) {
   std::string calls;
   for (const std::string& vector : vectors_of(code)) calls += vector + ".data(), ";
@@ -166,7 +180,8 @@ std::string function_declaration(const CodeInput& code) {
                                  {"function", function_of(code).name},
                                  {"parameters", parameters_of(code)},
                                  {"eigen_parameters", eigen},
-                                 {"data", calls}});
+                                 {"data", calls}}) +
+         solve_declaration(code);
 }
 
 // Text of each function, one after another.
@@ -254,6 +269,15 @@ void c_functions(const Folder& folder, std::string& declarations, std::string& d
         fmt::format("int {}_{}(const {}_workspace* workspace)", n, status, n),
         fmt::format("  return workspace->{}.coordinate;\n", status));
   }
+  for (const CodeInput& f : folder.functions) {
+    if (f.algorithm.factor < 0) continue;
+    const std::string name = own_name(f, "solve");
+    add(fmt::format("b becomes M^-1 b, by the factors that {}_{}() left: columns of {}_nv() numbers, one after another. 1; 0\n"
+                    "// where M is not positive definite, and b is zero then",
+                    n, function_of(f).name, n),
+        fmt::format("int {}_{}({}* b, int columns, const {}_workspace* workspace)", n, name, s, n),
+        fmt::format("  return {0}::{1}(b, columns, {0}::nv, *workspace) ? 1 : 0;\n", n, name));
+  }
   for (const ir::OutputArray& a : folder.arrays())
     add(fmt::format("{} x {}", a.rows, a.columns),
         fmt::format("const {}* {}_{}(const {}_workspace* workspace)", s, n, ir::c_accessor(a.name), n),
@@ -292,7 +316,7 @@ std::string source(const Folder& folder, const std::string& banner) {
                                  {"name", folder.common().name},
                                  {"includes", includes},
                                  {"functions", of_functions(folder, [](const CodeInput& f) {
-                                    return is_rolled(f) ? rolled_source(f) : straight_source(f);
+                                    return (is_rolled(f) ? rolled_source(f) : straight_source(f)) + solve_definition(f);
                                   })}});
 }
 

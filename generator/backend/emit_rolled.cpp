@@ -207,6 +207,7 @@ std::vector<std::string> rolled_includes(const CodeInput& code) {
   if (pairs && lanes) headers.emplace_back("blocks");
   if (pairs && alone) headers.emplace_back("runs");
   if (prepare_reads_q(code)) headers.emplace_back("sincos");
+  if (solves(code)) headers.emplace_back("solve");
   if (headers.empty()) headers.emplace_back("lanes");
   return headers;
 }

@@ -117,8 +117,10 @@ ir::Operations straight_operations(const CodeInput& code) {
 }
 
 std::vector<std::string> straight_includes(const CodeInput& code) {
-  if (Angles(code.program).count() == 0) return {};
-  return {"sincos"};
+  std::vector<std::string> headers;
+  if (Angles(code.program).count() > 0) headers.emplace_back("sincos");
+  if (solves(code)) headers.emplace_back("solve");
+  return headers;
 }
 
 std::string straight_source(const CodeInput& code) {

@@ -95,8 +95,35 @@ long guard_products(const CodeInput& code) {
   return guard ? code.algorithm.arrays[static_cast<size_t>(guard->pivots)].rows + 1 : 0;
 }
 
+// As runtime/include/dalembert/solve.hpp takes them: M's factors by lanes, one column solved for number by number.
+ir::Operations factor_step(const ir::CoordinateTree& tree) {
+  ir::Operations o;
+  const auto by_lanes = [&](long count, long factors) {
+    const long each = factors * ((count + counted_lanes - 1) / counted_lanes * counted_lanes);
+    o.multiply += each, o.add += each;
+  };
+  for (const ir::Chain& chain : ir::chains(tree)) {
+    const long above = tree.depth(chain.first), m = chain.count;
+    for (long k = 0; k < m; ++k)
+      for (long i = 0; i < k; ++i) by_lanes(above + i + 1, 1);
+    for (long i = 0; i < above; ++i) by_lanes(i + 1, m);
+    o.multiply += above * m + m * (m - 1);
+    o.divide += m;
+  }
+  return o;
+}
+ir::Operations solve_step(const ir::CoordinateTree& tree) {
+  ir::Operations o;
+  for (int k = 0; k < tree.size(); ++k) o.add += 2 * tree.depth(k);
+  o.multiply = o.add;
+  o.divide = tree.size();
+  return o;
+}
+
 // As runtime/include/dalembert/factor.hpp takes them: by eights of a column, and a chain's own in fours or eights.
 ir::Operations matrix_step(const ir::MatrixStep& step, const ir::CoordinateTree& tree) {
+  if (step.kind == ir::MatrixStep::Kind::factor) return factor_step(tree);
+  if (step.kind == ir::MatrixStep::Kind::solve) return solve_step(tree);
   const auto eights = [](long count) { return (count + 7) / 8 * 8; };
   ir::Operations o;
   const auto multiply_adds = [&](long count) { o.multiply += count, o.add += count; };

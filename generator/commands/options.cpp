@@ -24,6 +24,8 @@ constexpr Help scene_help[] = {
     {"outputs", "A,B,...", nullptr},
     {"functions", "NAME=A,B,...", "further functions, each of these quantities, in one call that shares what they share"},
     {"coriolis", "balance|christoffel", "which C, of those with dM/dt = C + C': of dynamical balance (default) or Christoffel"},
+    {"forward_dynamics", "articulated_bodies|factorization",
+     "how equations with M are solved: by articulated bodies (default), or by M's factors"},
     {"locked", "JOINT=VALUE,...", "joints held at a value (rad or m)"},
     {"cut", "LINK,...", "links removed with everything beyond them"},
     {"mimic", "urdf|{JOINT: {of: JOINT, multiplier: 1, offset: 0}}", "joints driven by another"},

@@ -52,8 +52,8 @@ constexpr const char* of_the_folder[] = {"Scalar",
                                          "input_1",
                                          "input_2"};
 // What a function may have of its own, besides its results.
-constexpr const char* own[] = {"kept",   "status",   "stages",         "run",        "inverse",   "factor",
-                               "pivots", "diagonal", "padded_inverse", "efforts_dq", "efforts_dv"};
+constexpr const char* own[] = {"kept",     "status",         "stages",     "run",        "inverse", "factor",          "pivots",
+                               "diagonal", "padded_inverse", "efforts_dq", "efforts_dv", "mass",    "unscaled_factor", "solve"};
 
 // What the code has of a function and its results: as itself, for C, and in the self-test's tables.
 std::vector<std::string> names_of(const ir::EmittedFunction& function, const std::vector<std::string>& results) {

@@ -27,27 +27,18 @@ class SceneReader {
     Handler read;
   };
   static const std::vector<Key>& keys() {
-    static const std::vector<Key> keys = {{"base", &SceneReader::base},
-                                          {"gravity", &SceneReader::gravity},
-                                          {"outputs", &SceneReader::outputs},
-                                          {"functions", &SceneReader::functions},
-                                          {"coriolis", &SceneReader::coriolis},
-                                          {"locked", &SceneReader::locked},
-                                          {"cut", &SceneReader::cut},
-                                          {"mimic", &SceneReader::mimic},
-                                          {"jacobians", &SceneReader::jacobians},
-                                          {"frames", &SceneReader::frames},
-                                          {"payloads", &SceneReader::payloads},
-                                          {"wrenches", &SceneReader::wrenches},
-                                          {"armature", &SceneReader::armature},
-                                          {"damping", &SceneReader::damping},
-                                          {"friction", &SceneReader::friction},
-                                          {"stiffness", &SceneReader::stiffness},
-                                          {"massless", &SceneReader::massless},
-                                          {"inertia", &SceneReader::inertia},
-                                          {"rates_zero", &SceneReader::rates_zero},
-                                          {"scalar", &SceneReader::scalar},
-                                          {"parallel", &SceneReader::parallel}};
+    static const std::vector<Key> keys = {
+        {"base", &SceneReader::base},           {"gravity", &SceneReader::gravity},
+        {"outputs", &SceneReader::outputs},     {"functions", &SceneReader::functions},
+        {"coriolis", &SceneReader::coriolis},   {"forward_dynamics", &SceneReader::forward_dynamics},
+        {"locked", &SceneReader::locked},       {"cut", &SceneReader::cut},
+        {"mimic", &SceneReader::mimic},         {"jacobians", &SceneReader::jacobians},
+        {"frames", &SceneReader::frames},       {"payloads", &SceneReader::payloads},
+        {"wrenches", &SceneReader::wrenches},   {"armature", &SceneReader::armature},
+        {"damping", &SceneReader::damping},     {"friction", &SceneReader::friction},
+        {"stiffness", &SceneReader::stiffness}, {"massless", &SceneReader::massless},
+        {"inertia", &SceneReader::inertia},     {"rates_zero", &SceneReader::rates_zero},
+        {"scalar", &SceneReader::scalar},       {"parallel", &SceneReader::parallel}};
     return keys;
   }
 
@@ -90,6 +81,11 @@ class SceneReader {
   void coriolis(const YamlNode& node) {
     scene_.coriolis =
         choice<ir::Coriolis>(node, {{"balance", ir::Coriolis::balance}, {"christoffel", ir::Coriolis::christoffel}});
+  }
+
+  void forward_dynamics(const YamlNode& node) {
+    scene_.forward_dynamics = choice<ir::Solver>(
+        node, {{"articulated_bodies", ir::Solver::articulated_bodies}, {"factorization", ir::Solver::factorization}});
   }
   void massless(const YamlNode& node) { scene_.lock_massless = choice<bool>(node, {{"keep", false}, {"lock", true}}); }
   void inertia(const YamlNode& node) {

@@ -117,7 +117,9 @@ struct OutputArray {
 // What is done to whole matrices once their elements are there.
 struct MatrixStep {
   enum class Kind {
-    invert,            // to = (L' D L)^-1, a being L' (above its diagonal) and b D; room: as `to`, with padding
+    factor,            // to: U and D of a = M = U D U'; the guard's arrays get D and M's diagonal; room: U D, with padding
+    solve,             // to = (U D U')^-1 to, a being U and D as `factor` leaves them
+    invert,            // to = (U D U')^-1, a being U (above its diagonal) and b D; room: as `to`, with padding
     negative_product,  // to = -a b: a is the room of an inverse, b is zero where neither of two coordinates is above the other
   };
   Kind kind;
@@ -144,6 +146,7 @@ struct Algorithm {
   std::vector<Result> results;
   std::vector<MatrixStep> steps;  // in order, after all results
   std::optional<Guard> guard;
+  int factor = -1;  // the array that equations with M are solved by, if the code is to offer that
 
   // First of a role's components among all of them.
   std::vector<int> offsets() const;

@@ -18,8 +18,9 @@ enum class Base { fixed, floating };
 enum class GravityKind { constant, none, run_time };
 enum class ScalarType { float64, float32 };
 enum class Parallel { serial, tasks, automatic };
-enum class Coriolis { balance, christoffel };         // which C with dM/dt = C + C' and the same C v
-enum class InertiaPolicy { refuse, accept, repair };  // what becomes of an inertia that no body has
+enum class Coriolis { balance, christoffel };             // which C with dM/dt = C + C' and the same C v
+enum class Solver { articulated_bodies, factorization };  // how equations with M are solved
+enum class InertiaPolicy { refuse, accept, repair };      // what becomes of an inertia that no body has
 
 struct Spring {
   double k = 0;     // N m/rad or N/m
@@ -46,6 +47,7 @@ struct Scene {
   std::vector<Quantity> outputs = default_quantities();
   std::vector<NamedFunction> functions;
   Coriolis coriolis = Coriolis::balance;
+  Solver forward_dynamics = Solver::articulated_bodies;
   std::map<std::string, double> locked;  // joint name → value (rad or m)
   std::set<std::string> cut;             // link names: each and everything beyond it is removed
   std::map<std::string, Mimic> mimic;    // driven joint → relation (no coordinate of its own)

@@ -143,6 +143,23 @@ int Builder::array(const std::string& name, int rows, int columns) {
   return static_cast<int>(algorithm_.arrays.size()) - 1;
 }
 
+bool Builder::factors() const {
+  return scene_.forward_dynamics == ir::Solver::factorization || tree_.independent_joints() < tree_.joints() ||
+         algorithm_.function.computes(ir::Quantity::mass_matrix_factor);
+}
+
+bool Builder::fills(int array) const {
+  return std::any_of(algorithm_.pairs.begin(), algorithm_.pairs.end(), [=](const ir::Pairs& p) { return p.array == array; });
+}
+
+int Builder::output(ir::Quantity quantity) {
+  const std::string name = algorithm_.function.result(quantity);
+  for (std::size_t i = 0; i < algorithm_.arrays.size(); ++i)
+    if (algorithm_.arrays[i].name == name) return static_cast<int>(i);
+  const ir::QuantityRow& row = ir::row_of(quantity);
+  return array(name, ir::extent(row.rows, tree_), ir::extent(row.columns, tree_));
+}
+
 int Builder::internal_array(const std::string& name, int rows, int columns) {
   const int index = array(name, rows, columns);
   algorithm_.arrays.back().internal = true;

@@ -115,10 +115,17 @@ class Builder {
   // One that is no output.
   int internal_array(const std::string& name, int rows, int columns);
   std::optional<ir::Guard>& guard() { return algorithm_.guard; }
+  bool fills(int array) const;  // whether there are pairs for it
   void pairs(const ir::Pairs& pairs) { algorithm_.pairs.push_back(pairs); }
   void projection(const ir::Projection& projection) { algorithm_.projections.push_back(projection); }
   ir::Graph new_graph() const { return ir::Graph(options_); }
   const std::vector<ir::MatrixStep>& steps() const { return algorithm_.steps; }
+  // Whether equations with M are solved by M's factors: joints driven by others cannot be eliminated body by body, and where
+  // the factors are asked for they serve all that is solved.
+  bool factors() const;
+  void solve_by(int factor) { algorithm_.factor = factor; }
+  // The array of a quantity that the function computes.
+  int output(ir::Quantity quantity);
   void step(const ir::MatrixStep& step) { algorithm_.steps.push_back(step); }
   void result(const ir::Result& result) { algorithm_.results.push_back(result); }
 

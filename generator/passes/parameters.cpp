@@ -31,6 +31,7 @@ constexpr Group groups[] = {
     {stiffness_p, ir::Shape::scalar, "stiffness", "N m/rad or N/m", true},
     {half_stiffness_p, ir::Shape::scalar, "half_stiffness", "N m/rad or N/m", true},
     {rest_p, ir::Shape::scalar, "rest", "rad or m", false},
+    {own_coordinate_p, ir::Shape::scalar, "own_coordinate", "", false},
     {link_rotation_p, ir::Shape::matrix, "link_rotation", "", false},
     {link_translation_p, ir::Shape::vector, "link_translation", "m", false},
     {bears_p, ir::Shape::scalar, "bears", "", false},
@@ -98,6 +99,7 @@ double parameter_value(int parameter, const ir::KinematicTree& tree, const ir::N
     case stiffness_p: return joint.spring.k;
     case half_stiffness_p: return 0.5 * joint.spring.k;
     case rest_p: return joint.spring.rest;
+    case own_coordinate_p: return joint.driven() ? 0 : 1;
     default: break;
   }
   if (parameter >= link_translation_p) return n.link_translation[parameter - link_translation_p];

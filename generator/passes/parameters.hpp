@@ -29,6 +29,7 @@ enum Parameter : int {
   stiffness_p,
   half_stiffness_p,
   rest_p,                                    // where the spring is at rest
+  own_coordinate_p,                          // 1; of a joint that is driven by another: 0
   link_rotation_p,                           // 9: the link's axes in the body's frame
   link_translation_p = link_rotation_p + 9,  // 3: the link's origin
   bears_p = link_translation_p + 3           // and on: one per external wrench, 1 where it acts on the body or beyond it

@@ -19,10 +19,13 @@ void check_solvable(const ir::RobotDescription& robot, const ir::KinematicTree& 
       throw InputError({Severity::error, robot.file, fmt::format("joint '{}'", fmt::join(massless, "', '")),
                         fmt::format("moves no mass: the mass matrix is singular, and there is no {}", row.name),
                         "give the links beyond it <inertial>, the joint an armature, or lock it (massless: lock)"});
-    if (!driven.empty())
-      throw InputError({Severity::error, robot.file, fmt::format("joint '{}'", fmt::join(driven, "', '")),
-                        fmt::format("is driven by another: {} is solved for by articulated bodies, joint by joint", row.name),
-                        "lock it, leave the mimic relation out, or solve with mass_matrix"});
+    const bool derivative = quantity == ir::Quantity::forward_dynamics_dq || quantity == ir::Quantity::forward_dynamics_dv;
+    if (!driven.empty() && derivative)
+      throw InputError(
+          {Severity::error, robot.file, fmt::format("joint '{}'", fmt::join(driven, "', '")),
+           fmt::format("is driven by another: {} starts from articulated bodies, joint by joint", row.name),
+           "ask for forward_dynamics and inverse_mass_matrix, and for inverse_dynamics_dq and inverse_dynamics_dv at "
+           "the accelerations found, or lock it, or leave the mimic relation out"});
   }
 }
 

@@ -54,6 +54,8 @@ class Evaluation {
       case ir::Quantity::inverse_dynamics_dv: return generic::inverse_dynamics_dv<S>(robot_, own_q_, own_v_, more_, wrenches_);
       case ir::Quantity::forward_dynamics:
         return solved(generic::forward_dynamics<S>(robot_, own_q_, own_v_, more_, wrenches_), robot_.nv(), 1);
+      case ir::Quantity::mass_matrix_factor:
+        return solved(generic::mass_matrix_factor<S>(robot_, own_q_), robot_.nv(), robot_.nv());
       case ir::Quantity::inverse_mass_matrix:
         return solved(generic::inverse_mass_matrix<S>(robot_, own_q_), robot_.nv(), robot_.nv());
       case ir::Quantity::forward_dynamics_dq: return solved(forward_dynamics_dq(), robot_.nv(), robot_.nv());

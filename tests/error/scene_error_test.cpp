@@ -25,7 +25,7 @@ const Case defects[] = {
      "scene.yaml: line 2, column 1: key 'gravty': error: the key 'gravty' is unknown; did you mean 'gravity'?\n"},
     {"unknown_key_without_neighbour",
      "colour: red\n",
-     "scene.yaml: line 1, column 1: key 'colour': error: the key 'colour' is unknown; choose from base, gravity, outputs, functions, coriolis, locked, cut, mimic, jacobians, frames, payloads, wrenches and 9 more\n"},
+     "scene.yaml: line 1, column 1: key 'colour': error: the key 'colour' is unknown; choose from base, gravity, outputs, functions, coriolis, forward_dynamics, locked, cut, mimic, jacobians, frames, payloads and 10 more\n"},
     {"comma_first",
      ", b\n",
      "scene.yaml: line 1, column 1: error: this is not YAML: a value was expected; docs/scene.md shows how a scene is written\n"},
@@ -305,6 +305,12 @@ const Case defects[] = {
     {"rates_zero_list",
      "rates_zero: []\n",
      "scene.yaml: line 1, column 13: key 'rates_zero': error: the value is unknown; choose from true, false\n"},
+    {"solver_word",
+     "forward_dynamics: cholesky\n",
+     "scene.yaml: line 1, column 19: key 'forward_dynamics': error: 'cholesky' is unknown; choose from articulated_bodies, factorization\n"},
+    {"derivative_of_driven_joints",
+     "mimic: {wrist: {of: elbow}}\noutputs: [forward_dynamics, forward_dynamics_dv]\n",
+     "arm.urdf: joint 'wrist': error: is driven by another: forward_dynamics_dv starts from articulated bodies, joint by joint; ask for forward_dynamics and inverse_mass_matrix, and for inverse_dynamics_dq and inverse_dynamics_dv at the accelerations found, or lock it, or leave the mimic relation out\n"},
     {"scalar_value",
      "scalar: half\n",
      "scene.yaml: line 1, column 9: key 'scalar': error: 'half' is unknown; choose from double, float\n"},
@@ -379,6 +385,7 @@ TEST(SceneOptions, EveryKeyIsAnOptionOfTheSameName) {
                                              {"--friction", "elbow=1,wrist=2"},
                                              {"--stiffness", "elbow=1,wrist=2"},
                                              {"--stiffness", "{elbow: {k: 1, rest: 0.2}}"},
+                                             {"--outputs", "forward_dynamics", "--forward_dynamics", "factorization"},
                                              {"--rates_zero", "true"},
                                              {"--scalar", "float"},
                                              {"--parallel", "tasks"}})
@@ -407,6 +414,22 @@ TEST(SceneOptions, ComplaintsNameTheOption) {
             "option --outputs: error: no output is asked for; name at least one quantity, such as mass_matrix\n");
   EXPECT_EQ(complaint({"--mimic", "{elbow: {"}),
             "option --mimic: error: the value is not YAML: end of map flow not found; docs/scene.md shows how it is written\n");
+}
+
+TEST(SceneOptions, KeysThatNoOutputHasToDoWithAreToldOf) {
+  const std::string wrenches =
+      "scene key 'wrenches': warning: no output depends on the wrenches; ask for inverse_dynamics, "
+      "forward_dynamics or their derivatives\n";
+  EXPECT_EQ(info({"--wrenches", "hand", "--outputs", "bias"}).err, wrenches);
+  EXPECT_EQ(info({"--wrenches", "hand", "--outputs", "regressor,inverse_dynamics_dv"}).err, wrenches);
+  EXPECT_EQ(info({"--wrenches", "hand", "--outputs", "inverse_dynamics"}).err, "");
+  EXPECT_EQ(info({"--wrenches", "hand", "--outputs", "bias", "--functions", "{f: [forward_dynamics_dv]}"}).err, "");
+  EXPECT_EQ(
+      info({"--forward_dynamics", "factorization"}).err,
+      "scene key 'forward_dynamics': warning: no output is solved for with M; ask for forward_dynamics, inverse_mass_matrix "
+      "or mass_matrix_factor\n");
+  EXPECT_EQ(info({"--forward_dynamics", "factorization", "--outputs", "inverse_mass_matrix"}).err, "");
+  EXPECT_EQ(info({"--forward_dynamics", "articulated_bodies"}).err, "");
 }
 
 TEST(SceneOptions, StaticsLeavesOutVelocityTermsUnlessTheyAreAskedFor) {

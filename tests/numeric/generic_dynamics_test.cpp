@@ -141,6 +141,16 @@ TEST_P(In100Digits, InverseTimesMassMatrixIsOne) {
   EXPECT_LE(largest(Matrix(M * inverse.value - one)), to_100_digits);
 }
 
+TEST_P(In100Digits, FactorsMakeMassMatrix) {
+  const auto factor = generic::mass_matrix_factor<Multi>(s.model, s.q);
+  ASSERT_TRUE(factor.status.ok());
+  Matrix upper = factor.value;
+  const Vector pivots = upper.diagonal();
+  upper.diagonal().setOnes();
+  EXPECT_LE(relative<Multi>(Matrix(upper * pivots.asDiagonal() * upper.transpose()), generic::mass_matrix<Multi>(s.model, s.q)),
+            to_100_digits);
+}
+
 TEST_P(In100Digits, RegressorTimesParametersIsInverseDynamics) {
   generic::Model<Multi> plain = s.model;
   for (generic::Body<Multi>& body : plain.bodies) body.armature = body.damping = body.friction = body.stiffness = 0;

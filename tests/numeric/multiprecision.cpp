@@ -13,6 +13,7 @@ template MultiVector inverse_dynamics(const MultiModel&, MultiIn, MultiIn, Multi
 template InverseDynamicsDerivatives<Multi> inverse_dynamics_derivatives(const MultiModel&, MultiIn, MultiIn, MultiIn, MultiIn);
 template MultiMatrix regressor(const MultiModel&, MultiIn, MultiIn, MultiIn);
 template Solution<MultiMatrix> inverse_mass_matrix(const MultiModel&, MultiIn);
+template Solution<MultiMatrix> mass_matrix_factor(const MultiModel&, MultiIn);
 template Solution<MultiVector> forward_dynamics(const MultiModel&, MultiIn, MultiIn, MultiIn, MultiIn);
 template ForwardDynamicsDerivatives<Multi> forward_dynamics_derivatives(const MultiModel&, MultiIn, MultiIn, MultiIn, MultiIn);
 }  // namespace dalembert::generic

@@ -32,6 +32,7 @@ extern template InverseDynamicsDerivatives<dalembert::testing::Multi> inverse_dy
                                                                                                    MultiIn, MultiIn, MultiIn);
 extern template MultiMatrix regressor(const MultiModel&, MultiIn, MultiIn, MultiIn);
 extern template Solution<MultiMatrix> inverse_mass_matrix(const MultiModel&, MultiIn);
+extern template Solution<MultiMatrix> mass_matrix_factor(const MultiModel&, MultiIn);
 extern template Solution<MultiVector> forward_dynamics(const MultiModel&, MultiIn, MultiIn, MultiIn, MultiIn);
 extern template ForwardDynamicsDerivatives<dalembert::testing::Multi> forward_dynamics_derivatives(const MultiModel&, MultiIn,
                                                                                                    MultiIn, MultiIn, MultiIn);

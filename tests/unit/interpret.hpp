@@ -46,6 +46,16 @@ std::vector<Scalar> interpret(const Graph& graph, const InputValue& input) {
 using FunctionInput = std::function<double(const Input&)>;  // position, velocity, gravity, payload
 using Arrays = std::map<std::string, Eigen::MatrixXd>;      // by name
 
+// M = U D U' one coordinate after another, from the last: U and D in one matrix, and D alone.
+inline void factor(Eigen::MatrixXd M, Eigen::MatrixXd& upper, Eigen::MatrixXd& pivots) {
+  upper.setZero();
+  for (Eigen::Index k = M.rows(); k-- > 0;) {
+    upper(k, k) = pivots(k, 0) = M(k, k);
+    upper.col(k).head(k) = M.col(k).head(k) / M(k, k);
+    M.topLeftCorner(k, k) -= M(k, k) * upper.col(k).head(k) * upper.col(k).head(k).transpose();
+  }
+}
+
 // Steps with whole matrices, in the terms of their definition.
 inline void run_steps(const Algorithm& algorithm, Arrays& arrays) {
   const auto array = [&](int index) -> Eigen::MatrixXd& {
@@ -55,6 +65,18 @@ inline void run_steps(const Algorithm& algorithm, Arrays& arrays) {
   for (const MatrixStep& s : algorithm.steps) {
     if (s.kind == MatrixStep::Kind::negative_product) {
       array(s.to) = -inverse * array(s.b);
+      continue;
+    }
+    if (s.kind == MatrixStep::Kind::factor) {
+      factor(array(s.a), array(s.to), array(s.b));
+      array(algorithm.guard->diagonal) = array(s.a).diagonal();
+      continue;
+    }
+    if (s.kind == MatrixStep::Kind::solve) {
+      Eigen::MatrixXd upper = array(s.a);
+      const Eigen::VectorXd pivots = upper.diagonal();
+      upper.diagonal().setOnes();
+      array(s.to) = (upper * pivots.asDiagonal() * upper.transpose()).inverse() * array(s.to);
       continue;
     }
     Eigen::MatrixXd transposed = array(s.a).triangularView<Eigen::StrictlyUpper>();

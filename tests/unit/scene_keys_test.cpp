@@ -27,6 +27,7 @@ const Example examples[] = {
     {"outputs", "[bias]", "bias"},
     {"functions", "{balance: [mass_matrix, momentum_matrix]}", "balance=mass_matrix,momentum_matrix"},
     {"coriolis", "christoffel", "christoffel"},
+    {"forward_dynamics", "factorization", "factorization"},
     {"locked", "{b: 0.25}", "b=0.25"},
     {"cut", "[l3]", "l3"},
     {"mimic", "{b: {of: a, multiplier: -2}}", "{b: {of: a, multiplier: -2}}"},
@@ -70,6 +71,7 @@ std::vector<backend::OutputFile> code_of(const frontend::SceneDocument& document
   model.description = frontend::read_urdf_text("r.urdf", robot_text(), warnings);
   model.name = "r";
   apply_scene(model, document, warnings);
+  model.scene.outputs.push_back(ir::Quantity::forward_dynamics);  // which some keys are about
   return compile(model);
 }
 

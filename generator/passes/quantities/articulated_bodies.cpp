@@ -159,7 +159,9 @@ Articulated articulated_bodies(Builder& b) {
 }
 
 void guard(Builder& b, int array) {
-  if (!b.guard()) {
+  if (!b.guard() && b.factors()) {
+    mass_matrix_factor(b);
+  } else if (!b.guard()) {
     const Articulated a = articulated_bodies(b);
     b.guard() = ir::Guard{b.internal_array(b.own_name("pivots"), b.tree().nv(), 1),
                           b.internal_array(b.own_name("diagonal"), b.tree().nv(), 1),

@@ -5,8 +5,7 @@ namespace dalembert::passes {
 namespace {
 
 void describe(Builder& b, ir::Quantity quantity) {
-  const ir::QuantityRow& row = ir::row_of(quantity);
-  const int array = b.array(b.function().result(quantity), ir::extent(row.rows, b.tree()), ir::extent(row.columns, b.tree()));
+  const int array = b.output(quantity);
   switch (quantity) {
 #define DALEMBERT_QUANTITY(name, ...) \
   case ir::Quantity::name:            \

@@ -1,12 +1,36 @@
-// v̇ = M⁻¹ (τ − C v − g), by articulated bodies.
+// v̇ = M⁻¹ (τ − C v − g), by articulated bodies or by M's factors.
 #include "passes/quantities/quantities.hpp"
 #include "passes/quantities/shared.hpp"
 
 namespace dalembert::passes {
 
+namespace {
+
+// τ − C v − g, with what wrenches contribute, of every coordinate.
+int residuals(Builder& b) {
+  const NewtonEuler rest = newton_euler(b, Driven::at_rest);
+  const int bias = less_external(b, rest.torque), external = external_wrenches(b);
+  const int residual = b.role({"unbalanced", "e", "tau - (C v + g)", "N, N m", ir::Shape::scalar});
+  SweepBuilder s = b.sweep("unbalanced", "e = tau - (C v + g)", ir::Direction::anywhere);
+  s.store(residual, s.parameter(own_coordinate_p) * s.effort() - s.own(bias));
+  if (!b.floating()) return residual;
+  SweepBuilder base = b.sweep("base_unbalanced", "e = tau - (C v + g)", ir::Direction::root);
+  const Twist effort = base.base_effort();
+  for (int j = 0; j < 6; ++j) {
+    const auto at = static_cast<std::size_t>(j % 3);
+    const Sym unbalanced = (j < 3 ? effort.linear[at] : effort.angular[at]) - base.own(rest.subtree_wrench, j);
+    base.store(residual, 0, external < 0 ? unbalanced : unbalanced + base.own(external, j), j);
+  }
+  return residual;
+}
+
+}  // namespace
+
 void describe_forward_dynamics(Builder& b, int array) {
-  b.result({array, ir::Layout::per_coordinate, solved_accelerations(b).acceleration});
   guard(b, array);
+  if (!b.factors()) return b.result({array, ir::Layout::per_coordinate, solved_accelerations(b).acceleration});
+  b.result({array, ir::Layout::per_coordinate, residuals(b)});
+  b.step({ir::MatrixStep::Kind::solve, mass_matrix_factor(b), -1, array});
 }
 
 }  // namespace dalembert::passes

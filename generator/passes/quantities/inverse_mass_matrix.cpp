@@ -6,20 +6,30 @@
 
 namespace dalembert::passes {
 
-int inverse_mass_matrix(Builder& b, int array) {
+namespace {
+
+// L' of articulated bodies: M is not formed.
+int transposed_gains(Builder& b) {
   const Articulated a = articulated_bodies(b);
   const Poses p = poses(b);
-  const int nv = b.tree().nv();
-  if (array < 0) array = b.internal_array(b.own_name("inverse"), nv, nv);
-  guard(b, array);
   ir::Pairs l;
-  l.array = b.internal_array(b.own_name("factor"), nv, nv);
+  l.array = b.internal_array(b.own_name("factor"), b.tree().nv(), b.tree().nv());
   l.equation = "L_ki = V_k.J_i";
   l.symmetric = true;  // only the half above the diagonal is read
   l.above = {{a.gain, 0, p.joint_linear, 0}, {a.gain, 3, p.joint_angular, 0}};
   b.pairs(l);
+  return l.array;
+}
+
+}  // namespace
+
+int inverse_mass_matrix(Builder& b, int array) {
+  const int nv = b.tree().nv();
+  if (array < 0) array = b.internal_array(b.own_name("inverse"), nv, nv);
+  guard(b, array);
+  const int factor = b.factors() ? mass_matrix_factor(b) : transposed_gains(b);
   const int room = b.internal_array(b.own_name("padded_inverse"), inverse_size(nv), 1);
-  b.step({ir::MatrixStep::Kind::invert, l.array, b.guard()->pivots, array, room});
+  b.step({ir::MatrixStep::Kind::invert, factor, b.guard()->pivots, array, room});
   return array;
 }
 

@@ -5,6 +5,7 @@
 namespace dalembert::passes {
 
 void describe_mass_matrix(Builder& b, int array) {
+  if (b.fills(array)) return;  // other quantities are made of M
   const Poses p = poses(b);
   const int force = forces(b).inertia;
   ir::Pairs m;

@@ -115,6 +115,9 @@ struct Articulated {
 };
 Articulated articulated_bodies(Builder& builder);
 
+// U and D of M as an array: the output, or one that is none. Makes what the guard goes by.
+int mass_matrix_factor(Builder& builder);
+
 // The array is zero where M is not positive definite, and the function's status says so.
 void guard(Builder& builder, int array);
 

@@ -54,6 +54,12 @@ class Factorisation {
     return b;
   }
 
+  // U = Lᵀ above the diagonal, D on it, zero below: M = U D Uᵀ.
+  MatrixX<S> upper() const {
+    MatrixX<S> result = factors_.template triangularView<Eigen::Lower>().transpose();
+    return result;
+  }
+
  private:
   MatrixX<S> factors_;  // D on the diagonal, L below it
   FactorStatus<S> status_;

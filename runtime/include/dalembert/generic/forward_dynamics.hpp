@@ -29,6 +29,14 @@ Solution<MatrixX<S>> inverse_mass_matrix(const Model<S>& model, In<S> q) {
   return {factors.solve(MatrixX<S>::Identity(model.nv(), model.nv())), factors.status()};
 }
 
+// M = U D Uᵀ, U unit upper triangular: nv × nv, U above the diagonal, D on it, zero below.
+template <class S>
+Solution<MatrixX<S>> mass_matrix_factor(const Model<S>& model, In<S> q) {
+  const Factorisation<S> factors = detail::factorised(model, detail::State<S>(model, q));
+  if (!factors.status().ok()) return {{}, factors.status()};
+  return {factors.upper(), factors.status()};
+}
+
 // v̇ = M⁻¹ (τ − C v − g + W F), nv (m/s², rad/s²), damping, friction and springs of the joints taken from τ. tau: nv (N, N m),
 // the first six on a floating base being a wrench on it in its own axes: zero unless something pushes it.
 template <class S>

@@ -1,0 +1,37 @@
+// M = U D U', eliminated from the last coordinate to the first (Featherstone 2008, section 6.3; D and U' are those of articulated
+// bodies). What moves by a driver's coordinate is in M already.
+#include "ir/coordinate_tree.hpp"
+#include "passes/quantities/quantities.hpp"
+#include "passes/quantities/shared.hpp"
+
+namespace dalembert::passes {
+
+namespace {
+
+// As an array: the output, or one that is none.
+int own_array(Builder& b, ir::Quantity quantity, const char* name) {
+  const int nv = b.tree().nv();
+  return b.function().computes(quantity) ? b.output(quantity) : b.internal_array(b.own_name(name), nv, nv);
+}
+
+}  // namespace
+
+int mass_matrix_factor(Builder& b) {
+  for (const ir::MatrixStep& step : b.steps())
+    if (step.kind == ir::MatrixStep::Kind::factor) return step.to;
+  const int nv = b.tree().nv(), mass = own_array(b, ir::Quantity::mass_matrix, "mass");
+  describe_mass_matrix(b, mass);
+  const int array = own_array(b, ir::Quantity::mass_matrix_factor, "factor");
+  const int longest = ir::most_above(ir::coordinate_tree(b.tree())) + 1, padded = (longest + 7) / 8 * 8;
+  const int room = b.internal_array(b.own_name("unscaled_factor"), padded, nv);
+  b.guard() = ir::Guard{b.internal_array(b.own_name("pivots"), nv, 1), b.internal_array(b.own_name("diagonal"), nv, 1), {}};
+  b.step({ir::MatrixStep::Kind::factor, mass, b.guard()->pivots, array, room});
+  return array;
+}
+
+void describe_mass_matrix_factor(Builder& b, int array) {
+  guard(b, array);
+  b.solve_by(array);
+}
+
+}  // namespace dalembert::passes

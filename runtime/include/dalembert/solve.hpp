@@ -1,0 +1,142 @@
+// Mass matrices factored after they were formed, M = U D U' (Featherstone 2008, section 6.3), U = L' being unit upper
+// triangular, and solved with. Eliminated from the last coordinate to the first, U is zero wherever neither of two coordinates
+// is above the other: a column has as many elements as its coordinate has others above it.
+//
+// Coordinates are taken a chain at a time as in factor.hpp: those above a chain are all of the chains above it. Matrices are n x n,
+// column by column. U's array has D on its diagonal; what is zero in U is not written.
+#pragma once
+
+#include <dalembert/factor.hpp>
+
+namespace dalembert {
+
+// The chains that coordinates stand in.
+struct Chains {
+  int count;
+  const int* begin;  // first coordinate of each, and behind the last of them n
+  const int* above;  // the chain directly above each, -1: none
+  const int* depth;  // how many coordinates stand above each
+};
+
+namespace detail {
+
+// f(first coordinate, coordinate behind the last one, how many above the first) for each chain above one, the nearest first.
+template <class F>
+DALEMBERT_INLINE void each_above(const Chains& chains, int chain, const F& f) {
+  for (int c = chains.above[chain]; c >= 0; c = chains.above[c]) f(chains.begin[c], chains.begin[c + 1], chains.depth[c]);
+}
+
+// to -= factor from, as far as `count` elements reach.
+template <class T>
+DALEMBERT_INLINE void subtract(const T& factor, const T* from, T* to, int count) {
+  constexpr int w = column_lanes;
+  for (int i = 0; i < count; i += w) store<w, T>(to + i, load<w>(to + i) - broadcast<w, T>(factor) * load<w>(from + i));
+}
+
+}  // namespace detail
+
+// mass: M. room: padded(longest) * n elements, for U D, where no coordinate has more than longest - 1 others above it: of its
+// column those elements alone, the tree's root first. Pivots and M's diagonal are what factor_status() tells by whether U means
+// anything.
+template <int n, int longest, class T>
+__attribute__((noinline)) static void factor_mass_matrix(const T* mass, const Chains& chains, T* room, T* factor, T* pivots,
+                                                         T* diagonal) noexcept {
+  constexpr int stride = padded(longest), w = column_lanes;
+  for (int c = 0; c < chains.count; ++c) {
+    const int first = chains.begin[c], end = chains.begin[c + 1], depth = chains.depth[c];
+    for (int k = first; k < end; ++k) {
+      T* const column = room + k * stride;
+      const T* const from = mass + k * n;
+      for (int i = 0; i < stride; i += w) store<w, T>(column + i, Lanes<T, w>{});
+      detail::each_above(chains, c, [&](int begin, int behind, int at) DALEMBERT_IN_BLOCK {
+        for (int i = begin; i < behind; ++i) column[at + i - begin] = from[i];
+      });
+      for (int i = first; i <= k; ++i) column[depth + i - first] = from[i];
+      diagonal[k] = from[k];
+    }
+  }
+  for (int c = chains.count - 1; c >= 0; --c) {
+    const int first = chains.begin[c], end = chains.begin[c + 1], depth = chains.depth[c];
+    T reciprocal[longest_chain];
+    for (int k = end - 1; k >= first; --k) {
+      T* const column = room + k * stride;
+      pivots[k] = column[depth + k - first];
+      reciprocal[k - first] = T(1) / pivots[k];
+      for (int i = first; i < k; ++i)
+        detail::subtract<T>(column[depth + i - first] * reciprocal[k - first], column, room + i * stride, depth + i - first + 1);
+    }
+    detail::each_above(chains, c, [&](int begin, int behind, int at) DALEMBERT_IN_BLOCK {
+      for (int i = begin; i < behind; ++i) {
+        const int own = at + i - begin;
+        T factors[longest_chain];
+        for (int k = first; k < end; ++k)
+          factor[k * n + i] = factors[k - first] = room[k * stride + own] * reciprocal[k - first];
+        for (int j = 0; j <= own; j += w) {
+          Lanes<T, w> rest = load<w>(room + i * stride + j);
+          for (int k = first; k < end; ++k) rest -= broadcast<w, T>(factors[k - first]) * load<w>(room + k * stride + j);
+          store<w, T>(room + i * stride + j, rest);
+        }
+      }
+    });
+    for (int k = first; k < end; ++k) {
+      for (int i = first; i < k; ++i) factor[k * n + i] = room[k * stride + depth + i - first] * reciprocal[k - first];
+      factor[k * n + k] = pivots[k];
+    }
+  }
+}
+
+// Columns of b, n numbers each and `stride` elements apart, become (U D U')^-1 b: as many as there are lanes, or fewer.
+template <int n, int w, class T>
+__attribute__((noinline)) static void solve_columns(const Chains& chains, const T* factor, T* b, int columns,
+                                                    int stride) noexcept {
+  Lanes<T, w> x[n];
+  for (int k = 0; k < n; ++k)
+    x[k] = each_lane<w, T>([=](int lane) { return b[(lane < columns ? lane : 0) * stride + k]; });
+  // x[i] loses U's elements of some columns times those of x.
+  const auto rest = [&](int i, int from, int behind) DALEMBERT_IN_BLOCK {
+    Lanes<T, w> sum = x[i];
+    for (int k = from; k < behind; ++k) sum -= broadcast<w, T>(factor[k * n + i]) * x[k];
+    x[i] = sum;
+  };
+  for (int c = chains.count - 1; c >= 0; --c) {
+    const int first = chains.begin[c], end = chains.begin[c + 1];
+    for (int i = end - 2; i >= first; --i) rest(i, i + 1, end);
+    detail::each_above(chains, c, [&](int begin, int behind, int) DALEMBERT_IN_BLOCK {
+      for (int i = begin; i < behind; ++i) rest(i, first, end);
+    });
+  }
+  for (int k = 0; k < n; ++k) x[k] = x[k] / broadcast<w, T>(factor[k * n + k]);
+  for (int c = 0; c < chains.count; ++c) {
+    const int first = chains.begin[c], end = chains.begin[c + 1];
+    for (int k = first; k < end; ++k) {
+      Lanes<T, w> sum = x[k];
+      const auto subtract = [&](int begin, int behind, int) DALEMBERT_IN_BLOCK {
+        for (int i = begin; i < behind; ++i) sum -= broadcast<w, T>(factor[k * n + i]) * x[i];
+      };
+      detail::each_above(chains, c, subtract);
+      subtract(first, k, 0);
+      x[k] = sum;
+    }
+  }
+  for (int lane = 0; lane < columns; ++lane)
+    for (int k = 0; k < n; ++k) b[lane * stride + k] = dalembert::lane<w, T>(x[k], lane);
+}
+
+// b, n numbers each in columns `stride` elements apart, becomes M^-1 b; zero unless the status is good.
+template <int n, class T>
+inline bool solve(const Chains& chains, const T* factor, const FactorStatus<T>& status, T* b, int columns, int stride) noexcept {
+  for (int first = 0; first < columns; first += column_lanes) {
+    const int count = detail::least(column_lanes, columns - first);
+    T* const column = b + first * stride;
+    if (!status.ok()) {
+      for (int k = 0; k < count * n; ++k) column[k / n * stride + k % n] = T(0);
+    } else if (count == 1) {
+      solve_columns<n, 1>(chains, factor, column, 1, stride);
+    } else {
+      solve_columns<n, column_lanes>(chains, factor, column, count, stride);
+    }
+  }
+  return status.ok();
+}
+
+}  // namespace dalembert
