@@ -20,6 +20,13 @@ ROBOTS = {
     "quadruped": "tests/robots/quadruped.urdf", "hand": "tests/robots/hand.urdf", "tree_5x20": "tests/robots/tree_5x20.urdf",
 }
 URDFS = ROBOTS | {"humanoid": "tests/robots/humanoid.urdf"}
+# Robots with a scene: links that are pushed along their own axes or the world's, joints that drive others, functions of the
+# scene's own.
+PUSHED, DRIVEN = "pushed", "driven"
+LINKS = {"mahru": ("left_hand", "right_foot"), "unequal_limbs": ("b_3", "d_5"), "gantry_arms": ("a_tool", "b_carriage"),
+         "hand": ("f1_index_4_distal", "f4_small_2_proximal")}
+JOINTS = {"mahru": ("left_elbow", "right_elbow"), "unequal_limbs": ("b_2_joint", "d_4_joint"),
+          "gantry_arms": ("a_lift_joint", "b_lift_joint"), "hand": ("f1_index_3_middle_joint", "f4_small_3_middle_joint")}
 FORMS = ["rolled", "straight"]
 COMPILERS = ["g++-11", "g++-12", "clang++-14", "clang++-16", "clang++-19"]
 LEVELS = ["-O0", "-O1", "-O2", "-O3"]
@@ -29,6 +36,19 @@ LANES = [1, 2, 4, 8]
 AARCH64 = "aarch64-linux-gnu-g++"
 # Where g++ 12.2 copies constants wrongly.
 WITH_DEFECT = ["x86-64-v4", "skylake-avx512", "icelake-server", "rocketlake", "sapphirerapids", "native"]
+
+
+def options(robot, outputs):
+    """Of `dalembert generate`: outputs, and the scene that stands for some."""
+    if outputs == PUSHED:
+        own, world = LINKS[robot]
+        return ["--outputs", "inverse_dynamics,inverse_dynamics_dq,forward_dynamics", "--wrenches", f"{own}=link,{world}=world",
+                "--functions", "{balance: [mass_matrix, momentum_matrix], plan: [inverse_mass_matrix, forward_dynamics_dq]}"]
+    if outputs == DRIVEN:
+        driver, driven = JOINTS[robot]
+        return ["--outputs", "mass_matrix,mass_matrix_factor,bias,forward_dynamics", "--functions",
+                "{step: [inverse_mass_matrix, forward_dynamics]}", "--mimic", f"{{{driven}: {{of: {driver}, multiplier: -0.7}}}}"]
+    return ["--outputs", outputs]
 
 
 def name(outputs):
@@ -49,8 +69,8 @@ def parts(program):
 
 
 def whole(robots):
-    """Three parts, see docs/matrix.md: the defect's neighbourhood in full, aarch64, and every toolchain on programs that take
-    turns."""
+    """Four parts, see docs/matrix.md: the defect's neighbourhood in full, aarch64, scenes, and every toolchain on programs that
+    take turns."""
     cells = [(program, tools)
              for program in itertools.product(["mahru", "gantry_arms", "hand"], ["rolled"], ["gravity"])
              for tools in itertools.product(["g++-12"], ["-O2", "-O3"], WITH_DEFECT, LANES)]
@@ -59,6 +79,10 @@ def whole(robots):
         cells += [(every[(7 * i + step) % len(every)], (AARCH64, level, "aarch64", lanes)) for step in (0, 37)]
     met, uses = set(), collections.Counter()
     toolchains = list(itertools.product(COMPILERS, LEVELS, TARGETS, LANES))
+    scenes = list(itertools.product(LINKS, FORMS, [PUSHED, DRIVEN]))
+    for i, (level, lanes, compiler) in enumerate(itertools.product(LEVELS, LANES, [*COMPILERS, AARCH64])):
+        target = "aarch64" if compiler == AARCH64 else TARGETS[i * 7 % len(TARGETS)]
+        cells.append((scenes[(i * 5 + i // 16) % len(scenes)], (compiler, level, target, lanes)))
     # In an order that has met a bit of everything at any time, in case the run is cut short.
     for i in range(len(toolchains)):
         tools = toolchains[i * 367 % len(toolchains)]
@@ -85,4 +109,6 @@ def ci(_):
         (("mahru", "rolled", FUNCTIONS), ("g++", "-O3", "skylake-avx512", 8)),
         (("unequal_limbs", "rolled", FUNCTIONS), ("clang++", "-O2", "native", 2)),
         (("chain_7", "straight", FUNCTIONS), ("g++", "-O2", "x86-64", 4)),
+        (("unequal_limbs", "rolled", DRIVEN), ("g++", "-O3", "native", 4)),
+        (("gantry_arms", "rolled", PUSHED), ("clang++", "-O2", "skylake-avx512", 4)),
     ]

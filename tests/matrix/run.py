@@ -80,7 +80,7 @@ class Matrix:
             code, test = folder / "robot", folder / f"{host}.o"
             if folder not in self.generated:
                 status, text = run([self.options.dalembert, "generate", ROOT / design.URDFS[robot], "-o", code, "--name", "robot",
-                                    "--form", form, "--parallel", "serial", "--outputs", outputs])
+                                    "--form", form, "--parallel", "serial", *design.options(robot, outputs)])
                 if status != 0:
                     raise RuntimeError(f"{robot}: {text}")
                 (folder / "main.cpp").write_text(f'#include "robot/self_test.cpp"\n{MAIN}')
