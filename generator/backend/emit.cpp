@@ -143,6 +143,11 @@ std::string shapes(const CodeInput& code) {
     text += fmt::format("//   {}: {}, {} x {}, {}\n", function.result(quantity), row.help, ir::extent(row.rows, code.tree),
                         ir::extent(row.columns, code.tree), row.unit);
   }
+  for (const ir::LinkOutput& output : function.of_links) {
+    const ir::LinkQuantityRow& row = ir::row_of(output.quantity);
+    text += fmt::format("//   {}: link {}: {}, {} x {}, {}\n", function.result(output), comment_text(output.link), row.help,
+                        ir::extent(row.rows, code.tree), ir::extent(row.columns, code.tree), row.unit);
+  }
   return text;
 }
 

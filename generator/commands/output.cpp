@@ -22,21 +22,6 @@ Output output_of(const Model& model, ir::Quantity quantity) {
           ir::standard_function(row.function)};
 }
 
-// Of the functions that the scene names.
-std::vector<Output> named_outputs(const Model& model) {
-  std::vector<Output> outputs;
-  for (const ir::NamedFunction& f : model.scene.functions) {
-    const ir::EmittedFunction function = ir::named_function(f.name, f.quantities);
-    for (const ir::Quantity quantity : function.quantities) {
-      Output output = output_of(model, quantity);
-      output.name = function.result(quantity);
-      output.function = function;
-      outputs.push_back(std::move(output));
-    }
-  }
-  return outputs;
-}
-
 Output output_of(const Model& model, const ir::LinkOutput& output) {
   const ir::LinkQuantityRow& row = ir::row_of(output.quantity);
   return {ir::name_of(output),
@@ -46,6 +31,23 @@ Output output_of(const Model& model, const ir::LinkOutput& output) {
           ir::extent(row.rows, model.tree),
           ir::extent(row.columns, model.tree),
           ir::standard_function(ir::Function::evaluate)};
+}
+
+// Of the functions that the scene names.
+std::vector<Output> named_outputs(const Model& model) {
+  std::vector<Output> outputs;
+  for (const ir::NamedFunction& f : model.scene.functions) {
+    const ir::EmittedFunction function = ir::named_function(f.name, f.quantities, f.of_links);
+    const auto add = [&](const auto& quantity) {
+      Output output = output_of(model, quantity);
+      output.name = function.result(quantity);
+      output.function = function;
+      outputs.push_back(std::move(output));
+    };
+    for (const ir::Quantity quantity : function.quantities) add(quantity);
+    for (const ir::LinkOutput& output : function.of_links) add(output);
+  }
+  return outputs;
 }
 
 }  // namespace

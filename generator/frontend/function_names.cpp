@@ -92,9 +92,10 @@ std::vector<TakenName> taken_names(const ir::Scene& scene) {
     for (const std::string& name : names_of(ir::standard_function(row.function), results)) taken.insert(name);
   std::vector<TakenName> faults;
   for (const ir::NamedFunction& f : scene.functions) {
-    const ir::EmittedFunction function = ir::named_function(f.name, f.quantities);
+    const ir::EmittedFunction function = ir::named_function(f.name, f.quantities, f.of_links);
     results.clear();
     for (const ir::Quantity quantity : function.quantities) results.push_back(function.result(quantity));
+    for (const ir::LinkOutput& output : function.of_links) results.push_back(function.result(output));
     const std::vector<std::string> names = names_of(function, results);
     const auto clash = std::find_if(names.begin(), names.end(), [&](const std::string& name) { return taken.contains(name); });
     if (clash != names.end()) faults.push_back({f.name, *clash});

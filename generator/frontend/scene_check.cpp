@@ -10,6 +10,7 @@
 
 #include "frontend/function_names.hpp"
 #include "frontend/nearest.hpp"
+#include "ir/identifier.hpp"
 
 namespace dalembert::frontend {
 
@@ -192,6 +193,7 @@ class SceneCheck {
           "functions",
           fmt::format("there are {} functions; no more than {} are supported", scene_.functions.size(), most_functions),
           "name fewer of them");
+    for (ir::NamedFunction& function : scene_.functions) links_of(function);
     for (const auto& [function, taken] : taken_names(scene_))
       error("functions/" + function, fmt::format("the generated code has another '{}'", taken),
             fmt::format("call the function '{}' otherwise", function));
@@ -200,6 +202,33 @@ class SceneCheck {
           std::count(function.quantities.begin(), function.quantities.end(), ir::Quantity::coriolis_matrix))
         error("functions/" + function.name + "/coriolis_matrix", "coriolis_matrix is zero when rates_zero is set",
               "remove one of the two");
+  }
+
+  // The links that the names of a function's results mean: jacobian_world_hand is the jacobian of a link world_hand where there
+  // is one, else the jacobian_world of a hand. A result calls a link by its name or as an identifier.
+  void links_of(ir::NamedFunction& function) {
+    if (function.of_links.size() > most_links_asked)
+      return error("functions/" + function.name,
+                   fmt::format("there are {} results of links; no more than {} are supported", function.of_links.size(),
+                               most_links_asked),
+                   "name fewer of them");
+    std::set<std::string> names;
+    for (ir::LinkOutput& output : function.of_links) {
+      const std::string asked = std::string(ir::row_of(output.quantity).name) + "_" + output.link;
+      const ir::Link* found = nullptr;
+      for (const ir::LinkQuantityRow& row : ir::link_quantities())
+        for (const ir::Link& link : robot_.links) {
+          const std::string prefix = std::string(row.name) + "_";
+          if (found || (asked != prefix + link.name && asked != prefix + ir::identifier(link.name))) continue;
+          found = &link;
+          output = {row.quantity, link.name};
+        }
+      const std::string where = "functions/" + function.name + "/" + asked;
+      kept_link(where, output.link);
+      if (!names.insert(ir::name_of(output)).second)
+        error(where, fmt::format("two outputs would be called '{}_{}'", function.name, ir::name_of(output)),
+              "leave one of them out");
+    }
   }
 
   void kept_link(const std::string& key, const std::string& name) {

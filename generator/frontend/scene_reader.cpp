@@ -144,6 +144,10 @@ class SceneReader {
       for (const YamlNode& item : items) {
         if (!item.is_scalar()) refuse(item, "an item of the list is not a name", remedy);
         entry_name(item, function.name);
+        if (const std::optional<ir::LinkOutput> of_link = link_output(item.scalar)) {
+          function.of_links.push_back(*of_link);
+          continue;
+        }
         function.quantities.push_back(quantity_of_function(item));
         takes_one_input(item, function);
       }
@@ -154,14 +158,20 @@ class SceneReader {
     }
   }
 
+  // "jacobian_left_hand" as the quantity of a link; which link that is, if several are possible, the robot tells.
+  static std::optional<ir::LinkOutput> link_output(const std::string& name) {
+    for (const ir::LinkQuantityRow& row : ir::link_quantities()) {
+      const std::string prefix = std::string(row.name) + "_";
+      if (name.starts_with(prefix) && name != prefix) return ir::LinkOutput{row.quantity, name.substr(prefix.size())};
+    }
+    return std::nullopt;
+  }
+
   ir::Quantity quantity_of_function(const YamlNode& item) const {
     if (const std::optional<ir::Quantity> quantity = ir::quantity_named(item.scalar)) return *quantity;
-    for (const ir::LinkQuantityRow& row : ir::link_quantities())
-      if (item.scalar.starts_with(std::string(row.name) + "_"))
-        refuse(item, fmt::format("'{}' is of a link: a function of the scene computes quantities of the robot", item.scalar),
-               "ask for it with frames, and evaluate computes it");
     std::vector<std::string> known;
     for (const ir::QuantityRow& row : ir::quantities()) known.emplace_back(row.name);
+    for (const ir::LinkQuantityRow& row : ir::link_quantities()) known.push_back(std::string(row.name) + "_LINK");
     refuse(item, fmt::format("the quantity '{}' is unknown", item.scalar), suggestion(item.scalar, known));
   }
 

@@ -27,8 +27,9 @@ bool EmittedFunction::computes(Quantity quantity) const {
 
 EmittedFunction standard_function(Function function) { return {row_of(function).name, row_of(function).type, function}; }
 
-EmittedFunction named_function(const std::string& name, const std::vector<Quantity>& quantities) {
-  EmittedFunction function{name, type_name(name), Function::evaluate, true, quantities};
+EmittedFunction named_function(const std::string& name, const std::vector<Quantity>& quantities,
+                               const std::vector<LinkOutput>& of_links) {
+  EmittedFunction function{name, type_name(name), Function::evaluate, true, quantities, of_links};
   std::sort(function.quantities.begin(), function.quantities.end());
   for (const Quantity quantity : quantities)
     if (row_of(quantity).function != Function::evaluate) function.inputs = row_of(quantity).function;
@@ -41,10 +42,10 @@ std::vector<EmittedFunction> functions_of(const Scene& scene) {
     EmittedFunction function = standard_function(row.function);
     for (const Quantity quantity : scene.outputs)
       if (row_of(quantity).function == row.function) function.quantities.push_back(quantity);
-    if (!function.quantities.empty() || (function.is_evaluate() && !scene.link_outputs().empty()))
-      all.push_back(std::move(function));
+    if (function.is_evaluate()) function.of_links = scene.link_outputs();
+    if (!function.quantities.empty() || !function.of_links.empty()) all.push_back(std::move(function));
   }
-  for (const NamedFunction& f : scene.functions) all.push_back(named_function(f.name, f.quantities));
+  for (const NamedFunction& f : scene.functions) all.push_back(named_function(f.name, f.quantities, f.of_links));
   return all;
 }
 

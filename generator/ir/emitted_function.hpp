@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "ir/function.hpp"
+#include "ir/link_quantity.hpp"
 #include "ir/quantity.hpp"
 
 namespace dalembert::ir {
@@ -17,6 +18,7 @@ struct EmittedFunction {
   Function inputs = Function::evaluate;  // the standard function that takes the same
   bool named = false;                    // by the scene: its results bear its name too
   std::vector<Quantity> quantities{};    // of the whole robot, in the order of their results
+  std::vector<LinkOutput> of_links{};    // of links, behind them
 
   // What it takes after q and v, as in FunctionRow.
   const char* input() const { return row_of(inputs).input; }
@@ -30,15 +32,17 @@ struct EmittedFunction {
     const std::string quantity_name(name_of(quantity));
     return named ? name + "_" + quantity_name : quantity_name;
   }
+  std::string result(const LinkOutput& output) const { return named ? name + "_" + name_of(output) : name_of(output); }
   bool computes(Quantity quantity) const;
 };
 
 // The standard function, with nothing to compute.
 EmittedFunction standard_function(Function function);
 
-// A function of these quantities, in the order of quantities.def: what others are made of stands before them. The name as a
-// type has letters behind '_' in capitals: "plan_step", "PlanStep". Takes what its quantities take.
-EmittedFunction named_function(const std::string& name, const std::vector<Quantity>& quantities);
+// A function of these quantities and those of links, in the order of quantities.def: what others are made of stands before
+// them. The name as a type has letters behind '_' in capitals: "plan_step", "PlanStep". Takes what its quantities take.
+EmittedFunction named_function(const std::string& name, const std::vector<Quantity>& quantities,
+                               const std::vector<LinkOutput>& of_links = {});
 
 // Those of which the scene asks something: the standard ones, then those it names, in its order.
 std::vector<EmittedFunction> functions_of(const Scene& scene);

@@ -31,6 +31,7 @@ struct Spring {
 struct NamedFunction {
   std::string name;
   std::vector<Quantity> quantities;
+  std::vector<LinkOutput> of_links{};
 };
 
 // What pushes a link from outside, given at run time: force and moment on it at its origin, along its axes or the world's.
@@ -76,7 +77,7 @@ struct Scene {
     return all;
   }
 
-  // What is asked of links, by either key, each once.
+  // What evaluate() is asked of links, by either key, each once.
   std::vector<LinkOutput> link_outputs() const {
     std::vector<LinkOutput> all;
     for (const std::string& link : jacobians) all.push_back({LinkQuantity::jacobian, link});

@@ -184,7 +184,9 @@ class TreeBuilder {
       if (is_payload(placement.link))
         error(element, "a payload is asked for at a link that does not move",
               "name a link beyond a moving joint, or ask for base: floating");
-      const std::vector<ir::LinkOutput> outputs = scene_.link_outputs();
+      std::vector<ir::LinkOutput> outputs = scene_.link_outputs();
+      for (const ir::NamedFunction& function : scene_.functions)
+        outputs.insert(outputs.end(), function.of_links.begin(), function.of_links.end());
       const auto asked = std::find_if(outputs.begin(), outputs.end(),
                                       [&](const ir::LinkOutput& output) { return output.link == placement.link; });
       if (asked != outputs.end())

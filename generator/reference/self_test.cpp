@@ -196,8 +196,7 @@ ir::SelfTest self_test(const ir::KinematicTree& original, const ir::Scene& origi
   std::vector<Wanted> wanted;
   for (const ir::EmittedFunction& function : ir::functions_of(scene)) {
     for (const ir::Quantity quantity : function.quantities) wanted.push_back({quantity, ""});
-    if (function.is_evaluate())
-      for (const ir::LinkOutput& output : scene.link_outputs()) wanted.push_back({std::nullopt, output.link, output.quantity});
+    for (const ir::LinkOutput& output : function.of_links) wanted.push_back({std::nullopt, output.link, output.quantity});
   }
 
   const Precision exactly = precision(tree);

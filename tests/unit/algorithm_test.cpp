@@ -219,6 +219,13 @@ TEST_P(Algorithm, RunsInBothFormsAsTheGenericEngineDoes) {
             for (const ir::LinkQuantityRow& row : ir::link_quantities())
               model.scene.frames.push_back({row.quantity, model.tree.links[l].link});
         expect_generic_values(model);
+        Model functions = model;
+        functions.scene.functions = {{"move",
+                                      {ir::Quantity::mass_matrix, ir::Quantity::bias, ir::Quantity::inverse_dynamics},
+                                      model.scene.link_outputs()},
+                                     {"look", {}, model.scene.link_outputs()}};
+        functions.scene.outputs = {ir::Quantity::gravity};
+        expect_generic_values(functions);
         ir::Scene pushed = scene;
         for (size_t l = 1; l < model.tree.links.size(); l += 4)
           if (model.tree.links[l].body >= 0 || base == ir::Base::floating)

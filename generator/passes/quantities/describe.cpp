@@ -36,10 +36,9 @@ ir::Algorithm describe(const ir::EmittedFunction& function, const ir::KinematicT
                        const ir::Scene& scene, const ir::Graph::Options& options) {
   Builder b(function, tree, normal, scene, options);
   for (const ir::Quantity quantity : function.quantities) describe(b, quantity);
-  if (!function.is_evaluate()) return b.take();
-  for (const ir::LinkOutput& output : scene.link_outputs()) {
+  for (const ir::LinkOutput& output : function.of_links) {
     const ir::LinkQuantityRow& row = ir::row_of(output.quantity);
-    const int array = b.array(ir::name_of(output), ir::extent(row.rows, tree), ir::extent(row.columns, tree));
+    const int array = b.array(function.result(output), ir::extent(row.rows, tree), ir::extent(row.columns, tree));
     describe_link_quantity(b, link_frame(output.link, tree, normal), output.quantity, array);
   }
   return b.take();

@@ -1,5 +1,5 @@
-// M = U D U', eliminated from the last coordinate to the first (Featherstone 2008, section 6.3; D and U' are those of articulated
-// bodies). What moves by a driver's coordinate is in M already.
+// M = U D U', eliminated from the last coordinate to the first (Featherstone 2008, section 6.3; D and U' are those of
+// articulated bodies). What moves by a driver's coordinate is in M already.
 #include "ir/coordinate_tree.hpp"
 #include "passes/quantities/quantities.hpp"
 #include "passes/quantities/shared.hpp"

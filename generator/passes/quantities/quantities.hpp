@@ -18,7 +18,7 @@ namespace dalembert::passes {
 
 void describe_link_quantity(Builder& builder, const LinkFrame& link, ir::LinkQuantity quantity, int array);
 
-// One function: its quantities, in their order; of evaluate(q, v), then what the scene asks of links.
+// One function: its quantities, in their order, then those of links.
 ir::Algorithm describe(const ir::EmittedFunction& function, const ir::KinematicTree& tree, const ir::NormalTree& normal,
                        const ir::Scene& scene, const ir::Graph::Options& options);
 

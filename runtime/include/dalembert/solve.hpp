@@ -2,8 +2,8 @@
 // triangular, and solved with. Eliminated from the last coordinate to the first, U is zero wherever neither of two coordinates
 // is above the other: a column has as many elements as its coordinate has others above it.
 //
-// Coordinates are taken a chain at a time as in factor.hpp: those above a chain are all of the chains above it. Matrices are n x n,
-// column by column. U's array has D on its diagonal; what is zero in U is not written.
+// Coordinates are taken a chain at a time as in factor.hpp: those above a chain are all of the chains above it. Matrices are n
+// x n, column by column. U's array has D on its diagonal; what is zero in U is not written.
 #pragma once
 
 #include <dalembert/factor.hpp>
@@ -63,7 +63,8 @@ __attribute__((noinline)) static void factor_mass_matrix(const T* mass, const Ch
       pivots[k] = column[depth + k - first];
       reciprocal[k - first] = T(1) / pivots[k];
       for (int i = first; i < k; ++i)
-        detail::subtract<T>(column[depth + i - first] * reciprocal[k - first], column, room + i * stride, depth + i - first + 1);
+        detail::subtract<T>(column[depth + i - first] * reciprocal[k - first], column, room + i * stride,
+                            depth + i - first + 1);
     }
     detail::each_above(chains, c, [&](int begin, int behind, int at) DALEMBERT_IN_BLOCK {
       for (int i = begin; i < behind; ++i) {
@@ -90,8 +91,7 @@ template <int n, int w, class T>
 __attribute__((noinline)) static void solve_columns(const Chains& chains, const T* factor, T* b, int columns,
                                                     int stride) noexcept {
   Lanes<T, w> x[n];
-  for (int k = 0; k < n; ++k)
-    x[k] = each_lane<w, T>([=](int lane) { return b[(lane < columns ? lane : 0) * stride + k]; });
+  for (int k = 0; k < n; ++k) x[k] = each_lane<w, T>([=](int lane) { return b[(lane < columns ? lane : 0) * stride + k]; });
   // x[i] loses U's elements of some columns times those of x.
   const auto rest = [&](int i, int from, int behind) DALEMBERT_IN_BLOCK {
     Lanes<T, w> sum = x[i];
@@ -124,7 +124,8 @@ __attribute__((noinline)) static void solve_columns(const Chains& chains, const 
 
 // b, n numbers each in columns `stride` elements apart, becomes M^-1 b; zero unless the status is good.
 template <int n, class T>
-inline bool solve(const Chains& chains, const T* factor, const FactorStatus<T>& status, T* b, int columns, int stride) noexcept {
+inline bool solve(const Chains& chains, const T* factor, const FactorStatus<T>& status, T* b, int columns,
+                  int stride) noexcept {
   for (int first = 0; first < columns; first += column_lanes) {
     const int count = detail::least(column_lanes, columns - first);
     T* const column = b + first * stride;

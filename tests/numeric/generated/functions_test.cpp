@@ -124,6 +124,20 @@ TEST_F(Functions, OfTheSceneComputeWhatTheGenericEngineDoes) {
   }
 }
 
+TEST_F(Functions, OfTheSceneComputeWhatIsOfLinks) {
+  Workspace workspace;
+  const Input at = input(4);
+  functions::reach(at.q, at.v, workspace);
+  EXPECT_LE(error(ir::Quantity::bias, at, functions::reach_bias(workspace)), 1e-12);
+  const auto of_link = [&](ir::LinkQuantity quantity) {
+    return reference::evaluate(model.tree, model.scene, {{std::nullopt, "c_01", quantity}}, {at.q, at.v, at.more},
+                               reference::Precision::float64)
+        .front();
+  };
+  EXPECT_TRUE(functions::reach_jacobian_mixed_c_01(workspace).isApprox(of_link(ir::LinkQuantity::jacobian_mixed), 1e-13));
+  EXPECT_TRUE(functions::reach_pose_c_01(workspace).isApprox(of_link(ir::LinkQuantity::pose), 1e-13));
+}
+
 TEST_F(Functions, OfTheSceneLeaveResultsOfOthersAlone) {
   const Input at = input(3), later = input(4);
   Workspace one, other;

@@ -1,5 +1,5 @@
-// Compiled code that factors M and solves with it, joints being driven by one of another limb: M = U D U', any number of right-hand
-// sides, forward dynamics, and an M that is singular.
+// Compiled code that factors M and solves with it, joints being driven by one of another limb: M = U D U', any number of
+// right-hand sides, forward dynamics, and an M that is singular.
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
@@ -26,9 +26,9 @@ class Solve : public ::testing::Test {
   Solve() {
     Request request;
     request.robot = ROBOT;
-    request.settings = {{"base", "floating"},
-                        {"mimic",
-                         "{e_02_joint: {of: c_01_joint, multiplier: -0.7, offset: 0.1}, f_01_joint: {of: b_01_joint}}"}};
+    request.settings = {
+        {"base", "floating"},
+        {"mimic", "{e_02_joint: {of: c_01_joint, multiplier: -0.7, offset: 0.1}, f_01_joint: {of: b_01_joint}}"}};
     Diagnostics warnings;
     model = read_model(request, warnings);
     const State state = moderate_state(model.tree, 5);
@@ -97,10 +97,9 @@ TEST_F(Solve, ColumnsOfALargerMatrixAndVectors) {
 TEST_F(Solve, ForwardDynamicsIsUndoneByInverseDynamics) {
   factors::forward_dynamics(q, v, tau, workspace);
   const factors::VectorV acceleration = factors::forward_dynamics(workspace);
-  const Eigen::MatrixXd right =
-      reference::evaluate(model.tree, model.scene, {{ir::Quantity::forward_dynamics, ""}}, {q, v, tau},
-                          reference::Precision::float64)
-          .front();
+  const Eigen::MatrixXd right = reference::evaluate(model.tree, model.scene, {{ir::Quantity::forward_dynamics, ""}},
+                                                    {q, v, tau}, reference::Precision::float64)
+                                    .front();
   EXPECT_LE(largest(acceleration - right), tolerance * largest(right));
   factors::inverse_dynamics(q, v, acceleration, workspace);
   EXPECT_LE(largest(factors::inverse_dynamics(workspace) - tau), tolerance * largest(tau));
