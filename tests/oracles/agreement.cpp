@@ -91,8 +91,12 @@ std::vector<Error> compare(const Dynamics& ours, const Dynamics& oracle, const E
 
 Responder generic_responder(const ir::KinematicTree& tree, const Eigen::Vector3d& gravity) {
   return [model = to_generic<double>(tree, gravity)](const Question& at) {
-    return Response{generic::inverse_dynamics<double>(model, at.q, at.v, at.v_dot),
-                    generic::forward_dynamics<double>(model, at.q, at.v, at.tau).value,
+    const generic::Kinematics<double> kinematics = generic::phase1<double>(model, at.q, at.v);
+    const Eigen::Matrix3d axes = generic::frame_pose<double>(model, kinematics, at.q, model.joints() - 1, {}).rotation;
+    Eigen::VectorXd wrenches = Eigen::VectorXd::Zero(6 * model.moving_bodies());
+    wrenches.tail<6>() << axes.transpose() * at.wrench.head<3>(), axes.transpose() * at.wrench.tail<3>();
+    return Response{generic::inverse_dynamics<double>(model, at.q, at.v, at.v_dot, wrenches),
+                    generic::forward_dynamics<double>(model, at.q, at.v, at.tau, wrenches).value,
                     generic::inverse_mass_matrix<double>(model, at.q).value};
   };
 }
@@ -118,9 +122,10 @@ WholeRobot generic_whole_robot(const ir::KinematicTree& tree, const Eigen::Vecto
 
 Question question_at(const testing::State& state, std::uint64_t seed) {
   testing::Random random(seed);
-  Question result{state.q, state.v, state.v, state.v};
+  Question result{state.q, state.v, state.v, state.v, {}};
   for (Eigen::VectorXd* vector : {&result.v_dot, &result.tau})
     for (double& x : *vector) x = random.uniform(-2, 2);
+  for (double& x : result.wrench) x = random.uniform(-2, 2);
   return result;
 }
 

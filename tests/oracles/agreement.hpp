@@ -38,7 +38,7 @@ WholeRobot generic_whole_robot(const ir::KinematicTree& tree, const Eigen::Vecto
 // The generic engine's answers (double).
 using Responder = std::function<Response(const Question&)>;
 Responder generic_responder(const ir::KinematicTree& tree, const Eigen::Vector3d& gravity);
-Question question_at(const testing::State& state, std::uint64_t seed);  // accelerations and efforts within ±2
+Question question_at(const testing::State& state, std::uint64_t seed);  // accelerations, efforts and wrench within ±2
 
 struct Error {
   const char* quantity;  // "M", "C v", "g", "bias", "momentum"; "inverse dynamics", "forward dynamics", "inverse of M"

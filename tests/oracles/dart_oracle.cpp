@@ -12,6 +12,7 @@ struct DartOracle::Impl {
   dart::dynamics::SkeletonPtr skeleton;
   bool floating = false;
   std::vector<int> dof;  // our coordinate of v → DART's
+  dart::dynamics::Joint* last_joint = nullptr;
 
   dart::dynamics::FreeJoint& free_joint() { return dynamic_cast<dart::dynamics::FreeJoint&>(*skeleton->getJoint(0)); }
 
@@ -83,6 +84,7 @@ DartOracle::DartOracle(const Request& request) : impl_(std::make_unique<Impl>())
     if (!joint || joint->getNumDofs() != 1)
       throw std::runtime_error(request.urdf + ": DART has no moving joint '" + name + "'");
     impl_->dof.push_back(static_cast<int>(joint->getIndexInSkeleton(0)));
+    impl_->last_joint = joint;
   }
   if (impl_->dof.size() != impl_->skeleton->getNumDofs()) {
     throw std::runtime_error(request.urdf + ": DART reads " + std::to_string(impl_->skeleton->getNumDofs()) +
@@ -143,8 +145,14 @@ Response DartOracle::respond(const Question& question) {
   dart::dynamics::Skeleton& skeleton = *impl_->skeleton;
   set_state(own_coordinates(question.q, question.v));
   Response result;
-  result.inverse_dynamics = our_vector(own_inverse_dynamics(own_vector(question.v_dot)));
+  dart::dynamics::BodyNode* last = impl_->last_joint->getChildBodyNode();
+  last->addExtForce(question.wrench.head<3>(), Eigen::Vector3d::Zero(), false, true);
+  last->addExtTorque(question.wrench.tail<3>(), false);
+  skeleton.setAccelerations(own_vector(question.v_dot));
+  skeleton.computeInverseDynamics(true);
+  result.inverse_dynamics = our_vector(skeleton.getForces());
   result.forward_dynamics = our_vector(own_forward_dynamics(own_vector(question.tau)));
+  skeleton.clearExternalForces();
 
   // Column by column, by articulated bodies at rest without gravity: getInvMassMatrix() of DART 6.12 forgets what hangs on a
   // welded link.

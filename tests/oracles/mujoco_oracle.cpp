@@ -188,6 +188,10 @@ Dynamics MujocoOracle::evaluate(const Eigen::VectorXd& q, const Eigen::VectorXd&
   return result;
 }
 
+int MujocoOracle::last_body() const {
+  return model_->jnt_bodyid[mj_name2id(model_.get(), mjOBJ_JOINT, joints_.back().c_str())];
+}
+
 WholeRobot MujocoOracle::whole_robot(const Eigen::VectorXd& q, const Eigen::VectorXd& v) {
   using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   const int nv = model_->nv;
@@ -201,7 +205,7 @@ WholeRobot MujocoOracle::whole_robot(const Eigen::VectorXd& q, const Eigen::Vect
   const auto vector = [](const double* array) { return Eigen::Map<const Eigen::Vector3d>(array); };
   RowMajor center(3, nv), link(6, nv);
   mj_jacSubtreeCom(model_.get(), data_.get(), center.data(), 0);  // 0: the world's subtree
-  const int body = model_->jnt_bodyid[mj_name2id(model_.get(), mjOBJ_JOINT, joints_.back().c_str())];
+  const int body = last_body();
   mj_jacBody(model_.get(), data_.get(), link.data(), link.data() + 3 * nv, body);
   const Eigen::MatrixXd transform = change_of_coordinates(q, v).transform;
 
@@ -231,9 +235,13 @@ Response MujocoOracle::respond(const Question& question) {
     mj_solveM(model_.get(), data_.get(), result.data(), right.data(), 1);
     return result;
   };
+  const int body = last_body();
+  const Eigen::Vector3d force = question.wrench.head<3>(), torque = question.wrench.tail<3>();
+  Eigen::VectorXd pushed = Eigen::VectorXd::Zero(nv);
+  mj_applyFT(model_.get(), data_.get(), force.data(), torque.data(), data_->xpos + 3 * body, body, pushed.data());
   Response result;
-  result.inverse_dynamics = transform.transpose() * rne(transform * question.v_dot + drift);
-  const Eigen::VectorXd moving = transform * question.tau - rne(Eigen::VectorXd::Zero(nv));
+  result.inverse_dynamics = transform.transpose() * (rne(transform * question.v_dot + drift) - pushed);
+  const Eigen::VectorXd moving = transform * question.tau + pushed - rne(Eigen::VectorXd::Zero(nv));
   result.forward_dynamics = transform.transpose() * (solve(moving) - drift);
   result.inverse_mass_matrix.resize(nv, nv);
   for (int i = 0; i < nv; ++i) result.inverse_mass_matrix.col(i) = transform.transpose() * solve(transform.col(i));

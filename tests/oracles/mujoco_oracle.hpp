@@ -58,6 +58,7 @@ class MujocoOracle {
   void set_inertia(int body, const ir::Inertia& inertia);
   void compute_mass_matrix();                                // at the state set: mj_fullM and mj_factorM have what they need
   Eigen::VectorXd own_bias(const Eigen::Vector3d& gravity);  // mj_rne in MuJoCo's coordinates, at the state set
+  int last_body() const;                                     // that of the last joint's link
   Eigen::Matrix<double, 6, 1> own_momentum(const Eigen::Matrix3d& base_rotation);
 
   std::unique_ptr<mjModel, Delete> model_;

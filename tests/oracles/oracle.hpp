@@ -21,16 +21,18 @@ struct Dynamics {
   Eigen::Matrix<double, 6, 1> momentum;  // whole robot's, base axes, about the base's origin; zero when the base is fixed
 };
 
-// What follows from a state and an acceleration or effort, nv each: solved by ways of the oracle's own.
+// What follows from a state and an acceleration or effort, nv each, while something pushes: solved by ways of the oracle's own.
 struct Response {
-  Eigen::VectorXd inverse_dynamics;     // τ(q, v, v̇), nv
-  Eigen::VectorXd forward_dynamics;     // v̇(q, v, τ), nv
+  Eigen::VectorXd inverse_dynamics;     // τ(q, v, v̇, wrench), nv
+  Eigen::VectorXd forward_dynamics;     // v̇(q, v, τ, wrench), nv
   Eigen::MatrixXd inverse_mass_matrix;  // M⁻¹, nv × nv
 };
 
-// A state and what is to be answered for it: v as in v̇ = rates of its entries, τ its dual.
+// A state and what is to be answered for it: v as in v̇ = rates of its entries, τ its dual; the wrench on the last joint's link
+// at its origin, along the world's axes, force first.
 struct Question {
   Eigen::VectorXd q, v, v_dot, tau;
+  Eigen::Matrix<double, 6, 1> wrench;
 };
 
 // Of all that moves, in world axes; and of the last joint's link.
