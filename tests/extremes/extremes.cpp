@@ -15,7 +15,6 @@
 #include "commands/report/subject.hpp"
 
 namespace dalembert::extremes {
-namespace {
 
 Model model_of(const Robot& robot) {
   std::string folder = (std::filesystem::temp_directory_path() / "dalembert_extreme.XXXXXX").string();
@@ -30,6 +29,8 @@ Model model_of(const Robot& robot) {
   std::filesystem::remove_all(folder);
   return model;
 }
+
+namespace {
 
 // As far as double tells the smallest eigenvalue from zero.
 double condition(const Eigen::MatrixXd& M) {

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "catalogue.hpp"
+#include "pipeline.hpp"
 
 namespace dalembert::extremes {
 
@@ -21,6 +22,9 @@ struct Figures {
   bool reported = false;               // forward dynamics says that M is singular in some state
   bool finite = true;
 };
+
+// All that is measured of it being asked for.
+Model model_of(const Robot& robot);
 
 // Compiles with these flags; `states` moderate random states. Takes a second and more.
 Figures measure(const Robot& robot, int states, const std::string& flags);
