@@ -1,5 +1,5 @@
-// What another reference frame would be worth to M where small links follow large ones, and what it would cost: the second table
-// of docs/extremes.md.
+// What another reference frame would be worth to M where small links follow large ones, and what it would cost: the second
+// table of docs/extremes.md.
 //
 //   reference_frames [--states N]
 //
@@ -111,13 +111,13 @@ Errors measured(const ir::KinematicTree& tree, Reference reference, int states) 
     long unused = 0;
     errors.products = 0;
     const MatrixX<double> ours = mass_matrix<double>(tree, normal, state.q, begins, errors.products);
-    const MatrixX<reference::Digits50> exact =
-        mass_matrix<reference::Digits50>(tree, normal, state.q, whole, unused);
+    const MatrixX<reference::Digits50> exact = mass_matrix<reference::Digits50>(tree, normal, state.q, whole, unused);
     const MatrixX<double> difference = (ours.cast<reference::Digits50>() - exact).cast<double>();
     const Eigen::VectorXd d = exact.cast<double>().diagonal().cwiseSqrt().cwiseInverse();
     const double largest = exact.cast<double>().cwiseAbs().maxCoeff();
     errors.largest = std::max(errors.largest, difference.cwiseAbs().maxCoeff() / largest * 0x1p53);
-    errors.normalised = std::max(errors.normalised, (d.asDiagonal() * difference * d.asDiagonal()).cwiseAbs().maxCoeff() * 0x1p53);
+    errors.normalised =
+        std::max(errors.normalised, (d.asDiagonal() * difference * d.asDiagonal()).cwiseAbs().maxCoeff() * 0x1p53);
   }
   return errors;
 }
@@ -161,7 +161,8 @@ int main(int argc, char** argv) {
   fmt::print("|---|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|\n");
   for (const Robot& robot : robots()) {
     const std::string& name = robot.name;
-    if (name != "ordinary" && name != "length_down" && name != "far_joint" && name != "far_base" && name != "mass_down") continue;
+    if (name != "ordinary" && name != "length_down" && name != "far_joint" && name != "far_base" && name != "mass_down")
+      continue;
     const dalembert::ir::KinematicTree tree = model_of(robot).tree;
     print(name, robot.what, tree, states);
     if (name != "ordinary") continue;

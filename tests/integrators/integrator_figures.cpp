@@ -241,11 +241,83 @@ void print_momentum() {
   demand(best < 1e-9, fmt::format("the best momentum is off by {}", best));
 }
 
+// MAHRU in free flight, its left elbow pressed against a stop that a 1 kHz loop renders as a torque held from tick to tick:
+// a spring of the angle read, or of the angle that M says the elbow will have at the next tick.
+class Wall {
+ public:
+  Wall(double stiffness, double damping, bool ahead) : stiffness_(stiffness), ahead_(ahead) {
+    system_.damping[base + elbow] = damping;
+    q_[6] = 1;
+  }
+
+  // Whether the elbow, let go at the wall, comes to rest rather than shakes more and more: its fastest in the last quarter of a
+  // second, against the first.
+  bool holds() {
+    double first = 0, last = 0;
+    for (int tick = 0; tick < 1000; ++tick) {
+      system_.effort[base + elbow] = pressing + torque();
+      for (int i = 0; i < substeps; ++i) integrators::rk4(system_, period / substeps, q_, v_);
+      const double speed = std::abs(v_[base + elbow]);
+      if (!v_.allFinite() || speed > 1e3) return false;
+      if (tick < 250) first = std::max(first, speed);
+      if (tick >= 750) last = std::max(last, speed);
+    }
+    return last < first;
+  }
+
+ private:
+  using S = System<FreeMahru>;
+  static constexpr int base = 6, base_positions = 7, elbow = static_cast<int>(free_mahru::Joint::left_elbow), substeps = 4;
+  static constexpr double period = 1e-3, pressing = -2;  // s, N m
+
+  double torque() {
+    const double angle = q_[base_positions + elbow];
+    if (!ahead_) return std::max(0.0, -stiffness_ * angle);
+    system_.effort[base + elbow] = pressing;
+    const S::VectorV free = system_.acceleration(q_, v_);
+    system_.effort[base + elbow] = pressing + 1;
+    const double per_torque = system_.acceleration(q_, v_)[base + elbow] - free[base + elbow];  // of M^-1
+    const double next = angle + period * v_[base + elbow] + period * period * free[base + elbow];
+    return std::max(0.0, -stiffness_ * next / (1 + period * period * stiffness_ * per_torque));
+  }
+
+  S system_;
+  S::VectorQ q_ = S::VectorQ::Zero();
+  S::VectorV v_ = S::VectorV::Zero();
+  double stiffness_;
+  bool ahead_;
+};
+
+// Of 10, 20, 50, 100, … up to the first that does not hold; none: 0.
+double stiffest_wall(double damping, bool ahead) {
+  double stiffest = 0;
+  for (double decade = 10; decade < 5e9; decade *= 10)
+    for (const double part : {1.0, 2.0, 5.0}) {
+      if (part * decade > 1e9) return stiffest;
+      if (!Wall(part * decade, damping, ahead).holds()) return stiffest;
+      stiffest = part * decade;
+    }
+  return stiffest;
+}
+
+void print_walls() {
+  print_header({"dampers, N m s/rad", "2 b / T", "spring of the angle read", "of the next angle by M"});
+  for (const double damping : {0.01, 0.1, 1.0, 10.0}) {
+    const double read = stiffest_wall(damping, false), next = stiffest_wall(damping, true);
+    print_row({fmt::format("{:g}", damping), fmt::format("{:g}", 2 * damping / 1e-3),
+               read == 0 ? "none" : fmt::format("{:g}", read), next == 0 ? "none" : fmt::format("{:g}", next)});
+    demand(next == 1e9, fmt::format("the wall one tick ahead holds up to {} at {}", next, damping));
+    demand(read < 1e6, fmt::format("the wall of the angle read holds up to {} at {}", read, damping));
+  }
+  fmt::print("\n");
+}
+
 int run(bool quick) {
   const double seconds = quick ? 10 : 60;
   print_largest_steps("springs, N m/rad", true);
   print_largest_steps("dampers, N m s/rad", false);
   print_combinations();
+  print_walls();
   {
     using S = System<PendulumChain>;
     const ir::KinematicTree& tree = tree_of("planar_chain_10", false);

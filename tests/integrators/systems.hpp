@@ -45,6 +45,7 @@ class System {
 
   // Of the joints; a base has neither. N m/rad towards zero, N m s/rad.
   VectorV stiffness = VectorV::Zero(), damping = VectorV::Zero();
+  VectorV effort = VectorV::Zero();  // held, N m
 
   VectorV acceleration(const VectorQ& q, const VectorV& v) {
     Code::evaluate(q, v, workspace_);
@@ -85,7 +86,7 @@ class System {
 
  private:
   VectorV force(const VectorQ& q, const VectorV& v) {
-    VectorV f = -Code::bias(workspace_) - damping.cwiseProduct(v);
+    VectorV f = effort - Code::bias(workspace_) - damping.cwiseProduct(v);
     constexpr int joints = nv - base;
     f.template tail<joints>() -= stiffness.template tail<joints>().cwiseProduct(q.template tail<joints>());
     return f;
