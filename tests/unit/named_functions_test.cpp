@@ -10,6 +10,8 @@
 #include "frontend/function_names.hpp"
 #include "frontend/urdf_reader.hpp"
 #include "passes/build_tree.hpp"
+#include "passes/normalise.hpp"
+#include "passes/quantities/quantities.hpp"
 
 namespace dalembert {
 namespace {
@@ -59,6 +61,26 @@ TEST(NamedFunctions, ComeBehindTheStandardOnesThatTheOutputsNeed) {
 }
 
 // What a function keeps between its steps stands in the workspace: no other function may be called like it.
+// The self-test knows them by their number.
+TEST(NamedFunctions, GiveResultsInTheOrderAskedFor) {
+  for (const bool factors : {false, true}) {
+    std::vector<Quantity> outputs{Quantity::inverse_mass_matrix, Quantity::bias, Quantity::mass_matrix};
+    if (factors) outputs.insert(outputs.begin() + 1, Quantity::mass_matrix_factor);
+    ir::Scene scene = scene_of(outputs, {{"step", outputs, {{ir::LinkQuantity::pose, "c_01"}}}});
+    scene.frames = {{ir::LinkQuantity::twist, "c_01"}};
+    const Model model = model_of(scene);
+    for (const ir::EmittedFunction& function : ir::functions_of(scene)) {
+      std::vector<std::string> asked, given;
+      for (const Quantity quantity : function.quantities) asked.push_back(function.result(quantity));
+      for (const ir::LinkOutput& output : function.of_links) asked.push_back(function.result(output));
+      const ir::NormalTree normal = passes::normalise(model.tree, passes::normalise_options(scene, true));
+      for (const ir::OutputArray& array : passes::describe(function, model.tree, normal, scene, {}).arrays)
+        if (!array.internal) given.push_back(array.name);
+      EXPECT_EQ(given, asked);
+    }
+  }
+}
+
 TEST(NamedFunctions, AreNotCalledLikeWhatAnotherKeeps) {
   const Lowered all = lower(model_of(scene_of(derivatives, {})));
   int found = 0;

@@ -35,6 +35,9 @@ LinkFrame link_frame(const std::string& link, const ir::KinematicTree& tree, con
 ir::Algorithm describe(const ir::EmittedFunction& function, const ir::KinematicTree& tree, const ir::NormalTree& normal,
                        const ir::Scene& scene, const ir::Graph::Options& options) {
   Builder b(function, tree, normal, scene, options);
+  // M and its factors may be made before their turn: results stand in the order asked for all the same.
+  if (b.factors())
+    for (const ir::Quantity quantity : function.quantities) b.output(quantity);
   for (const ir::Quantity quantity : function.quantities) describe(b, quantity);
   for (const ir::LinkOutput& output : function.of_links) {
     const ir::LinkQuantityRow& row = ir::row_of(output.quantity);
