@@ -2,12 +2,13 @@
 // next would be reported as a race. Nothing at all in other builds.
 #pragma once
 
-#if defined(__has_feature)
+// GCC's name for it first: __has_feature is Clang's, but where GCC has none Eigen defines one that always says no.
+#if defined(__SANITIZE_THREAD__)
+#define DALEMBERT_THREAD_SANITIZER
+#elif defined(__has_feature)
 #if __has_feature(thread_sanitizer)
 #define DALEMBERT_THREAD_SANITIZER
 #endif
-#elif defined(__SANITIZE_THREAD__)
-#define DALEMBERT_THREAD_SANITIZER
 #endif
 
 #ifdef DALEMBERT_THREAD_SANITIZER
