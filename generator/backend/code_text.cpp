@@ -86,7 +86,7 @@ std::string matrix_statements(const CodeInput& code) {
   for (const ir::MatrixStep& s : code.algorithm.steps) {
     switch (s.kind) {
       case Kind::factor:
-        text += fmt::format("  dalembert::factor_mass_matrix<nv, {}>({}, chains, {}, {}, {}, {});\n", ir::most_above(tree) + 1,
+        text += fmt::format("  dalembert::factorise<nv, {}>({}, chains, {}, {}, {}, {});\n", ir::most_above(tree) + 1,
                             name(s.a), name(s.room), name(s.to), name(s.b), name(code.algorithm.guard->diagonal));
         break;
       case Kind::solve:
@@ -119,10 +119,10 @@ std::string solve_definition(const CodeInput& code) {
   return fmt::format(
       "bool {}(Scalar* b, int columns, int stride, const Workspace& workspace) noexcept {{\n"
       "{}"
-      "  return dalembert::solve<nv>(chains, workspace.{}, workspace.{}, b, columns, stride);\n"
+      "  return dalembert::solve<nv>(chains, workspace.{}, b, columns, stride);\n"
       "}}\n\n",
       own_name(code, "solve"), chains_text(ir::coordinate_tree(code.tree)),
-      code.algorithm.arrays[static_cast<size_t>(code.algorithm.factor)].name, own_name(code, "status"));
+      code.algorithm.arrays[static_cast<size_t>(code.algorithm.factor)].name);
 }
 
 std::string guard_statements(const CodeInput& code) {

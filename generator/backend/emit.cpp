@@ -162,8 +162,8 @@ std::string solve_declaration(const CodeInput& code) {
   if (code.algorithm.factor < 0) return "";
   const std::string name = own_name(code, "solve");
   return fmt::format(
-      "// b becomes M^-1 b, by the factors that {}() left: nv numbers each in columns that begin `stride` apart. Where the\n"
-      "// status says that M is not positive definite, zero, and false. Does not allocate, lock, throw or call the system.\n"
+      "// b becomes M^-1 b, by the factors that {}() left: nv numbers each in columns that begin `stride` apart. Zero, and\n"
+      "// false, where there are none, M not being positive definite. Does not allocate, lock, throw or call the system.\n"
       "bool {}(Scalar* b, int columns, int stride, const Workspace& workspace) noexcept;\n\n"
       "inline bool {}(Eigen::Ref<Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>> b, const Workspace& workspace) {{\n"
       "  eigen_assert(b.rows() == nv);\n"

@@ -39,8 +39,8 @@ DALEMBERT_INLINE void subtract(const T& factor, const T* from, T* to, int count)
 // column those elements alone, the tree's root first. Pivots and M's diagonal are what factor_status() tells by whether U means
 // anything.
 template <int n, int longest, class T>
-__attribute__((noinline)) static void factor_mass_matrix(const T* mass, const Chains& chains, T* room, T* factor, T* pivots,
-                                                         T* diagonal) noexcept {
+__attribute__((noinline)) static void factorise(const T* mass, const Chains& chains, T* room, T* factor, T* pivots,
+                                                T* diagonal) noexcept {
   constexpr int stride = padded(longest), w = column_lanes;
   for (int c = 0; c < chains.count; ++c) {
     const int first = chains.begin[c], end = chains.begin[c + 1], depth = chains.depth[c];
@@ -122,14 +122,15 @@ __attribute__((noinline)) static void solve_columns(const Chains& chains, const 
     for (int k = 0; k < n; ++k) b[lane * stride + k] = dalembert::lane<w, T>(x[k], lane);
 }
 
-// b, n numbers each in columns `stride` elements apart, becomes M^-1 b; zero unless the status is good.
+// b, n numbers each in columns `stride` elements apart, becomes M^-1 b; zero, and false, where M could not be factored or has
+// not been yet: U and D are zero then.
 template <int n, class T>
-inline bool solve(const Chains& chains, const T* factor, const FactorStatus<T>& status, T* b, int columns,
-                  int stride) noexcept {
+inline bool solve(const Chains& chains, const T* factor, T* b, int columns, int stride) noexcept {
+  const bool factored = factor[0] > T(0);
   for (int first = 0; first < columns; first += column_lanes) {
     const int count = detail::least(column_lanes, columns - first);
     T* const column = b + first * stride;
-    if (!status.ok()) {
+    if (!factored) {
       for (int k = 0; k < count * n; ++k) column[k / n * stride + k % n] = T(0);
     } else if (count == 1) {
       solve_columns<n, 1>(chains, factor, column, 1, stride);
@@ -137,7 +138,7 @@ inline bool solve(const Chains& chains, const T* factor, const FactorStatus<T>& 
       solve_columns<n, column_lanes>(chains, factor, column, count, stride);
     }
   }
-  return status.ok();
+  return factored;
 }
 
 }  // namespace dalembert

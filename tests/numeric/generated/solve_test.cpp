@@ -118,6 +118,13 @@ TEST_F(Solve, AFunctionOfTheSceneSolvesToo) {
   EXPECT_LE(largest(factors::step_forward_dynamics(workspace) - expected), tolerance * largest(expected));
 }
 
+TEST_F(Solve, NothingIsHandedOnBeforeThereAreFactors) {
+  factors::Workspace unused;
+  Columns x = Columns::Random(nv, 3);
+  EXPECT_FALSE(factors::solve(x, unused));
+  EXPECT_EQ(largest(x), 0);
+}
+
 TEST_F(Solve, DoesNotAllocate) {
   Columns x = Columns::Random(nv, 11);
   const std::uint64_t before = heap_allocations();
