@@ -47,7 +47,7 @@ std::string code_name(const Request& request, const ir::RobotDescription& robot,
 }
 
 // Keys that no output asked for has anything to do with.
-void warn_of_idle_keys(const ir::Scene& scene, Diagnostics& warnings) {
+void warn_of_idle_keys(const ir::Scene& scene, const ir::KinematicTree& tree, Diagnostics& warnings) {
   const std::vector<ir::Quantity> outputs = scene.quantities();
   const auto any = [&](auto of) { return std::any_of(outputs.begin(), outputs.end(), of); };
   const bool pushed = any([](ir::Quantity quantity) {
@@ -58,9 +58,13 @@ void warn_of_idle_keys(const ir::Scene& scene, Diagnostics& warnings) {
     warnings.push_back({Severity::warning, "", "scene key 'wrenches'", "no output depends on the wrenches",
                         "ask for inverse_dynamics, forward_dynamics or their derivatives"});
   const bool solved = any([](ir::Quantity quantity) { return ir::row_of(quantity).scale == ir::Scale::solved; });
-  if (scene.forward_dynamics != ir::Solver::articulated_bodies && !solved)
+  if (scene.forward_dynamics && !solved)
     warnings.push_back({Severity::warning, "", "scene key 'forward_dynamics'", "no output is solved for with M",
                         "ask for forward_dynamics, inverse_mass_matrix or mass_matrix_factor"});
+  else if (scene.forward_dynamics == ir::Solver::articulated_bodies && tree.independent_joints() < tree.joints())
+    warnings.push_back({Severity::warning, "", "scene key 'forward_dynamics'",
+                        "joints that are driven by others are solved for by factorization all the same",
+                        "leave the key out, or the mimic relations"});
 }
 
 std::string file_name(const std::string& path) { return std::filesystem::path(path).filename().string(); }
@@ -131,7 +135,7 @@ Model read_model(const Request& request, Diagnostics& warnings) {
   if (!request.for_one_output) {
     passes::check_mass(model.description, model.tree, model.scene);
     passes::check_solvable(model.description, model.tree, model.scene);
-    warn_of_idle_keys(model.scene, warnings);
+    warn_of_idle_keys(model.scene, model.tree, warnings);
   }
   check_form(model.description, model.tree, model.options);
   return model;

@@ -441,7 +441,12 @@ TEST(SceneOptions, KeysThatNoOutputHasToDoWithAreToldOf) {
       "scene key 'forward_dynamics': warning: no output is solved for with M; ask for forward_dynamics, inverse_mass_matrix "
       "or mass_matrix_factor\n");
   EXPECT_EQ(info({"--forward_dynamics", "factorization", "--outputs", "inverse_mass_matrix"}).err, "");
-  EXPECT_EQ(info({"--forward_dynamics", "articulated_bodies"}).err, "");
+  EXPECT_EQ(info({"--forward_dynamics", "articulated_bodies", "--outputs", "forward_dynamics"}).err, "");
+  EXPECT_EQ(
+      info({"--forward_dynamics", "articulated_bodies", "--outputs", "forward_dynamics", "--mimic", "{wrist: {of: elbow}}"})
+          .err,
+      "scene key 'forward_dynamics': warning: joints that are driven by others are solved for by factorization all the "
+      "same; leave the key out, or the mimic relations\n");
 }
 
 TEST(SceneOptions, StaticsLeavesOutVelocityTermsUnlessTheyAreAskedFor) {
