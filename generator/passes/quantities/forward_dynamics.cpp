@@ -27,10 +27,10 @@ int residuals(Builder& b) {
 }  // namespace
 
 void describe_forward_dynamics(Builder& b, int array) {
+  const int role = b.factors() ? residuals(b) : solved_accelerations(b).acceleration;
+  b.result({array, ir::Layout::per_coordinate, role});
   guard(b, array);
-  if (!b.factors()) return b.result({array, ir::Layout::per_coordinate, solved_accelerations(b).acceleration});
-  b.result({array, ir::Layout::per_coordinate, residuals(b)});
-  b.step({ir::MatrixStep::Kind::solve, mass_matrix_factor(b), -1, array});
+  if (b.factors()) b.step({ir::MatrixStep::Kind::solve, mass_matrix_factor(b), -1, array});
 }
 
 }  // namespace dalembert::passes
