@@ -5,7 +5,7 @@
 
 Builds and runs benchmark_sweep, which generates and compiles the robots itself, and draws with gnuplot. Times are by the clock on
 the wall, medians of repetitions that are interleaved at random. --results draws from an earlier run's JSON instead of running.
-Takes some ten minutes on two cores; run it on an idle machine. Nothing is written unless everything succeeded.
+Takes some four minutes on two idle cores; run it on an idle machine. Nothing is written unless everything succeeded.
 """
 import argparse
 import collections
