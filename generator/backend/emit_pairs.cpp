@@ -53,6 +53,25 @@ struct Above {
   }
 };
 
+// Where limbs above stand side by side in one segment, from its start on: which of its lanes is above each lane.
+struct SideBySide {
+  const ir::Segment* segment = nullptr;  // nullptr: they do not
+  std::vector<int> lanes;
+};
+SideBySide side_by_side(const CodeInput& code, const Above& above) {
+  SideBySide found;
+  for (const std::vector<int>& limb : above.limbs) {
+    found.lanes.push_back(0);
+    if (limb.empty()) continue;
+    const ir::Segment& s = code.plan.segments[static_cast<size_t>(code.plan.segment_of(limb.front()))];
+    if (s.width == 1 || (found.segment && found.segment != &s)) return {};
+    found.segment = &s;
+    for (size_t lane = 0; lane < s.bodies.size(); ++lane)
+      if (s.bodies[lane].front() == limb.front()) found.lanes.back() = static_cast<int>(lane);
+  }
+  return found;
+}
+
 std::vector<Above> all_above(const CodeInput& code, const ir::Segment& segment) {
   std::vector<Above> levels;
   for (size_t lane = 0; lane < segment.parents.size(); ++lane) {
@@ -149,7 +168,7 @@ std::string limb_tables(const CodeInput& code, size_t segment) {
     for (size_t step = 0; step < a.steps; ++step)
       for (const auto& limb : a.limbs) slots.push_back(step < limb.size() ? slot_of(code, limb[step]) : slot_of(code, -1));
     const std::string prefix = fmt::format("{}_above_{}", s.name, level + 1);
-    if (s.width == 1 || a.shared().empty()) text += int_table(prefix + "_slot", slots);
+    if (s.width == 1 || (a.shared().empty() && !side_by_side(code, a).segment)) text += int_table(prefix + "_slot", slots);
     if (s.width > 1) text += int_table(prefix + "_row", above_first) + int_table(prefix + "_length", above_length);
   }
   return text;
@@ -176,14 +195,24 @@ std::string elements_stage(const CodeInput& code, size_t segment) {
                         s.steps, end);
     for (size_t level = 0; level < levels.size(); ++level) {
       const std::vector<int> one = levels[level].shared();
-      const int first = one.empty() ? 0 : slot_of(code, one.front());
-      const std::string slots = one.empty()
-                                    ? fmt::format("limbs, {}_above_{}_slot", s.name, level + 1)
-                                    : fmt::format("limbs, {}, {}", first, one.size() == 1 ? 0 : slot_of(code, one[1]) - first);
+      const SideBySide lanes = side_by_side(code, levels[level]);
+      std::string which, more, from;
+      if (!one.empty()) {
+        const int first = slot_of(code, one.front());
+        which = "shared_";
+        from = fmt::format("{}, {}", first, one.size() == 1 ? 0 : slot_of(code, one[1]) - first);
+      } else if (lanes.segment) {
+        which = "lane_";
+        more = fmt::format(", dalembert::LanesAbove<{}, {}>", lanes.segment->width, fmt::join(lanes.lanes, ", "));
+        from = std::to_string(lanes.segment->first_slot);
+      } else {
+        from = fmt::format("{}_above_{}_slot", s.name, level + 1);
+      }
       text += fmt::format(
           "  constexpr dalembert::LimbTable above_{1}{{{0}_above_{1}_row, {0}_above_{1}_length, 0}};\n"
-          "  dalembert::{2}cross_blocks<Elements, {3}, {4}, {5}, Scalar>(lower, upper, {6}, above_{1}, matrices, {7});\n",
-          s.name, level + 1, one.empty() ? "" : "shared_", s.width, s.steps, levels[level].steps, slots, end);
+          "  dalembert::{2}cross_blocks<Elements, {3}, {4}, {5}, Scalar{6}>(lower, upper, limbs, {7}, above_{1}, matrices, "
+          "{8});\n",
+          s.name, level + 1, which, s.width, s.steps, levels[level].steps, more, from, end);
     }
   } else {
     text += fmt::format("  dalembert::run_block<Elements, Scalar>(lower, upper, {}, {}, {}, matrices, {});\n", s.first_slot,

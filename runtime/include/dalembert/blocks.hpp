@@ -39,7 +39,7 @@ DALEMBERT_BLOCK Upper<T, n> limb_above(const Factors<T, n>& p, int first, int st
 }
 
 // The tiles between the limbs of a segment and the joints above them; columns [begin, end).
-template <class Kinds, Above kind, int width, int steps, int above_steps, class T, int nl, int nu, class To>
+template <class Kinds, class Kind, int width, int steps, int above_steps, class T, int nl, int nu, class To>
 DALEMBERT_BLOCK void cross_tiles(const Factors<T, nl>& lower, const LimbTable& limbs, const Upper<T, nu>& up,
                                  const LimbTable& above, const To* matrices, int leading, int begin, int end) {
   constexpr bool out = block_written_out(steps, above_steps, nl);
@@ -51,7 +51,7 @@ DALEMBERT_BLOCK void cross_tiles(const Factors<T, nl>& lower, const LimbTable& l
         at.row_above[l] = above.first_row[l] + r0, at.left_above[l] = above.length[l] - r0;
         at.row_below[l] = limbs.first_row[l] + c0, at.left_below[l] = above.length[l] > 0 ? limbs.length[l] - c0 : 0;
       });
-      tiles_of<out, kind, width, decltype(rows)::value, decltype(below)::value, false, T>(Kinds{}, p, up.from(r0), at, matrices,
+      tiles_of<out, Kind, width, decltype(rows)::value, decltype(below)::value, false, T>(Kinds{}, p, up.from(r0), at, matrices,
                                                                                           leading);
     });
   });
@@ -74,8 +74,8 @@ DALEMBERT_BLOCK void limb_blocks(const Factors<T, nl>& lower, const Factors<T, n
         at.row_above[l] = limbs.first_row[l] + r0, at.left_above[l] = limbs.length[l] - r0;
         at.row_below[l] = limbs.first_row[l] + c0, at.left_below[l] = limbs.length[l] - c0;
       });
-      detail::tiles_of<out, detail::Above::each, width, decltype(rows)::value, decltype(below)::value,
-                       decltype(diagonal)::value, T>(Kinds{}, p, limb.from(r0), at, matrices, leading);
+      detail::tiles_of<out, detail::EachAbove, width, decltype(rows)::value, decltype(below)::value, decltype(diagonal)::value,
+                       T>(Kinds{}, p, limb.from(r0), at, matrices, leading);
     };
     detail::repeat<out, (steps - 1) / 4>(
         c0 / 4, [&](int row) DALEMBERT_IN_BLOCK { tile(4 * row, std::integral_constant<int, 4>{}, std::false_type{}); });
@@ -99,8 +99,8 @@ DALEMBERT_BLOCK void cross_blocks(const Factors<T, nl>& lower, const Factors<T, 
         store<width, T>(gathered + (3 * f + j) * stride + i * width,
                         gather<width, T>(upper.at[f] + j * upper.stride, above_slot + i * width));
   }
-  detail::cross_tiles<Kinds, detail::Above::each, width, steps, above_steps, T>(lower, limbs, up, above, matrices, leading,
-                                                                                begin, end);
+  detail::cross_tiles<Kinds, detail::EachAbove, width, steps, above_steps, T>(lower, limbs, up, above, matrices, leading, begin,
+                                                                              end);
 }
 
 // The same where one limb is above all lanes that have one: its joints stand in slots first, first + step, ….
@@ -108,8 +108,17 @@ template <class Kinds, int width, int steps, int above_steps, class T, int nl, i
 DALEMBERT_BLOCK void shared_cross_blocks(const Factors<T, nl>& lower, const Factors<T, nu>& upper, const LimbTable& limbs,
                                          int first, int step, const LimbTable& above, const To* matrices, int leading,
                                          int begin, int end) {
-  detail::cross_tiles<Kinds, detail::Above::one, width, steps, above_steps, T>(
+  detail::cross_tiles<Kinds, detail::OneAbove, width, steps, above_steps, T>(
       lower, limbs, detail::limb_above(upper, first, step), above, matrices, leading, begin, end);
+}
+
+// The same where the limbs above stand side by side themselves, from slot `first` on; Which: LanesAbove, which of them is above
+// which lane.
+template <class Kinds, int width, int steps, int above_steps, class T, class Which, int nl, int nu, class To>
+DALEMBERT_BLOCK void lane_cross_blocks(const Factors<T, nl>& lower, const Factors<T, nu>& upper, const LimbTable& limbs,
+                                       int first, const LimbTable& above, const To* matrices, int leading, int begin, int end) {
+  detail::cross_tiles<Kinds, Which, width, steps, above_steps, T>(
+      lower, limbs, detail::limb_above(upper, first, Which::side_by_side), above, matrices, leading, begin, end);
 }
 
 // Rows and columns of a floating base for the limbs of a segment. force: the six elements per slot. The base's six rows come
@@ -117,37 +126,62 @@ DALEMBERT_BLOCK void shared_cross_blocks(const Factors<T, nl>& lower, const Fact
 template <int width, int steps, class T, class To>
 DALEMBERT_BLOCK void base_columns(const T* force, int stride, const LimbTable& limbs, To matrix, int leading) {
   constexpr bool out = block_written_out(steps);
-  detail::repeat<out, steps>(steps, [&](int c) DALEMBERT_IN_BLOCK {
-    Lanes<T, width> f[6];
-    detail::load_all<width, T>(f, force + limbs.first_slot + c * width, 6, stride);
-    detail::Line<width> four, two;
-    detail::lanes<width>([&](int l) DALEMBERT_IN_BLOCK {
-      four.column[l] = two.column[l] = limbs.first_row[l] + c;
-      four.row[l] = 0, two.row[l] = 4;
-      four.count[l] = c < limbs.length[l] ? 4 : 0, two.count[l] = four.count[l] / 2;
-    });
-    detail::put_line<width, T>(matrix, leading, four, f, 4);
-    detail::put_line<width, T>(matrix, leading, two, f + 4, 2);
-  });
+  constexpr int pack = std::is_same_v<To, T*> ? detail::together<T>(width, steps) : 1, packs = steps / pack;
+  const auto columns = [&](int c, auto count) DALEMBERT_IN_BLOCK {
+    constexpr int n = decltype(count)::value;
+    Lanes<T, width * n> f[6];
+    detail::load_all<width * n, T>(f, force + limbs.first_slot + c * width, 6, stride);
+    if constexpr (n == 1) {
+      detail::Line<width> four, two;
+      detail::lanes<width>([&](int l) DALEMBERT_IN_BLOCK {
+        four.column[l] = two.column[l] = limbs.first_row[l] + c;
+        four.row[l] = 0, two.row[l] = 4;
+        four.count[l] = c < limbs.length[l] ? 4 : 0, two.count[l] = four.count[l] / 2;
+      });
+      detail::put_line<width, T>(matrix, leading, four, f, 4);
+      detail::put_line<width, T>(matrix, leading, two, f + 4, 2);
+    } else {
+      Lanes<T, 4> four[8];
+      Lanes<T, 2> two[8];
+      detail::turn_columns<T>(f[0], f[1], f[2], f[3], four);
+      detail::turn_columns<T>(f[4], f[5], two);
+      detail::lanes<8>([&](int i) DALEMBERT_IN_BLOCK {
+        const int step = c + i / 4;
+        if (step >= limbs.length[i % 4]) return;
+        T* const to = matrix + (limbs.first_row[i % 4] + step) * leading;
+        store<4, T>(to, four[i]);
+        store<2, T>(to + 4, two[i]);
+      });
+    }
+  };
+  detail::repeat<out, packs>(packs, [&](int i) DALEMBERT_IN_BLOCK { columns(pack * i, std::integral_constant<int, pack>{}); });
+  if constexpr (pack * packs < steps) columns(steps - 1, std::integral_constant<int, 1>{});
 }
 template <int width, int steps, class T, class To>
 DALEMBERT_BLOCK void base_rows(const T* force, int stride, const LimbTable& limbs, To matrix, int leading) {
   constexpr bool out = block_written_out(steps);
-  constexpr int tiles = (steps + 3) / 4;
-  detail::repeat<out, tiles>(tiles, [&](int tile) DALEMBERT_IN_BLOCK {
-    const int r0 = 4 * tile, rows = detail::least(4, steps - r0);
-    detail::repeat<out, 6>(6, [&](int j) DALEMBERT_IN_BLOCK {
-      Lanes<T, width> f[4] = {};
-      detail::write_out(std::make_integer_sequence<int, 4>{}, rows, [&](int i) DALEMBERT_IN_BLOCK {
-        f[i] = load<width, T>(force + j * stride + limbs.first_slot + (r0 + i) * width);
+  detail::each_tile<out, steps>(0, steps, [&](int r0, auto size) DALEMBERT_IN_BLOCK {
+    constexpr int rows = decltype(size)::value;
+    constexpr int pack = std::is_same_v<To, T*> && rows > 2 ? detail::together<T>(width, rows) : 1;
+    DALEMBERT_KEEP_LOOP
+    for (int j = 0; j < 6; ++j) {
+      Lanes<T, width * pack> f[4] = {};
+      detail::lanes<(rows + pack - 1) / pack>([&](int i) DALEMBERT_IN_BLOCK {
+        f[i] = load<width * pack, T>(force + j * stride + limbs.first_slot + (r0 + pack * i) * width);
       });
       detail::Line<width> where;
       detail::lanes<width>([&](int l) DALEMBERT_IN_BLOCK {
         where.column[l] = j, where.row[l] = limbs.first_row[l] + r0;
         where.count[l] = detail::least(rows, limbs.length[l] - r0);
       });
-      detail::put_line<width, T>(matrix, leading, where, f, rows);
-    });
+      if constexpr (pack == 1) {
+        detail::put_line<width, T>(matrix, leading, where, f, rows);
+      } else {
+        Lanes<T, 4> turned[4];
+        detail::turn_row<T>(f, turned);
+        detail::put_turned<width, T>(matrix, leading, where, turned, rows);
+      }
+    }
   });
 }
 

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <initializer_list>
+#include <type_traits>
 #include <utility>
 
 #include "dalembert/lanes.hpp"
@@ -98,14 +99,63 @@ DALEMBERT_INLINE void transpose_pair(const Lanes<T, 2>* rows, Lanes<T, 2>* out) 
   out[1] = shuffled<T, 1, 3>(rows[0], rows[1]);
 }
 
+#if defined(__AVX512F__) && (defined(__clang__) || __GNUC__ >= 12)  // g++ 11 moves lanes between registers one by one
+inline constexpr bool registers_of_eight = true;
+#else
+inline constexpr bool registers_of_eight = false;
+#endif
+
+// Steps of four limbs that share a register: their slots follow one another, and where registers are twice as wide that takes
+// half the instructions, and of turning rows into columns a third.
+template <class T>
+constexpr int together(int width, int steps) {
+  return registers_of_eight && std::is_same_v<T, double> && width == 4 && steps > 1 ? 2 : 1;
+}
+
+// Four steps of four limbs in two registers: turned[l] has limb l's.
+template <class T>
+DALEMBERT_INLINE void turn_row(const Lanes<T, 8>* steps, Lanes<T, 4>* turned) {
+  const Lanes<T, 8> first = shuffled<T, 0, 4, 8, 12, 1, 5, 9, 13>(steps[0], steps[1]);
+  const Lanes<T, 8> last = shuffled<T, 2, 6, 10, 14, 3, 7, 11, 15>(steps[0], steps[1]);
+  turned[0] = shuffled<T, 0, 1, 2, 3>(first, first);
+  turned[1] = shuffled<T, 4, 5, 6, 7>(first, first);
+  turned[2] = shuffled<T, 0, 1, 2, 3>(last, last);
+  turned[3] = shuffled<T, 4, 5, 6, 7>(last, last);
+}
+// Four rows of two steps of four limbs: turned[l] has limb l's at the first step, turned[4 + l] at the second.
+template <class T>
+DALEMBERT_INLINE void turn_columns(const Lanes<T, 8>& r0, const Lanes<T, 8>& r1, const Lanes<T, 8>& r2, const Lanes<T, 8>& r3,
+                                   Lanes<T, 4>* turned) {
+  using W = Lanes<T, 8>;
+  const W a = shuffled<T, 0, 8, 2, 10, 4, 12, 6, 14>(r0, r1), b = shuffled<T, 1, 9, 3, 11, 5, 13, 7, 15>(r0, r1);
+  const W c = shuffled<T, 0, 8, 2, 10, 4, 12, 6, 14>(r2, r3), d = shuffled<T, 1, 9, 3, 11, 5, 13, 7, 15>(r2, r3);
+  const W both[4] = {shuffled<T, 0, 1, 8, 9, 4, 5, 12, 13>(a, c), shuffled<T, 0, 1, 8, 9, 4, 5, 12, 13>(b, d),
+                     shuffled<T, 2, 3, 10, 11, 6, 7, 14, 15>(a, c), shuffled<T, 2, 3, 10, 11, 6, 7, 14, 15>(b, d)};
+  lanes<4>([&](int l) DALEMBERT_IN_BLOCK {
+    turned[l] = shuffled<T, 0, 1, 2, 3>(both[l], both[l]);
+    turned[4 + l] = shuffled<T, 4, 5, 6, 7>(both[l], both[l]);
+  });
+}
+// The same of two rows.
+template <class T>
+DALEMBERT_INLINE void turn_columns(const Lanes<T, 8>& r0, const Lanes<T, 8>& r1, Lanes<T, 2>* turned) {
+  using W = Lanes<T, 8>;
+  const W a = shuffled<T, 0, 8, 2, 10, 4, 12, 6, 14>(r0, r1), b = shuffled<T, 1, 9, 3, 11, 5, 13, 7, 15>(r0, r1);
+  turned[0] = shuffled<T, 0, 1>(a, a), turned[2] = shuffled<T, 2, 3>(a, a);
+  turned[4] = shuffled<T, 4, 5>(a, a), turned[6] = shuffled<T, 6, 7>(a, a);
+  turned[1] = shuffled<T, 0, 1>(b, b), turned[3] = shuffled<T, 2, 3>(b, b);
+  turned[5] = shuffled<T, 4, 5>(b, b), turned[7] = shuffled<T, 6, 7>(b, b);
+}
+
 template <class T>
 DALEMBERT_INLINE void store_count(T* to, const Lanes<T, 4>& x, int count) {
   if (count >= 4) {
     store<4, T>(to, x);
   } else if (count == 3) {
-    store_first<3, 4, T>(to, x);
+    store<2, T>(to, shuffled<T, 0, 1>(x, x));
+    to[2] = x[2];
   } else if (count == 2) {
-    store_first<2, 4, T>(to, x);
+    store<2, T>(to, shuffled<T, 0, 1>(x, x));
   } else if (count == 1) {
     *to = x[0];
   }
@@ -144,6 +194,11 @@ DALEMBERT_BLOCK void put_column(T* const* to, const Lanes<T, width>* values, con
 template <int width>
 struct Line {
   int column[width], row[width], count[width];
+
+  // Whether the next lane's rows follow a lane's, of `along` steps, in the same column.
+  constexpr bool joined(int l, int along) const {
+    return l + 1 < width && column[l + 1] == column[l] && row[l + 1] == row[l] + along;
+  }
 };
 
 // To a matrix, column by column, `leading` apart.
@@ -153,9 +208,18 @@ DALEMBERT_BLOCK void put_line(T* matrix, int leading, const Line<width>& at, con
   bool joined[width];
   lanes<width>([&](int l) DALEMBERT_IN_BLOCK {
     to[l] = matrix + at.column[l] * leading + at.row[l];
-    joined[l] = l + 1 < width && at.column[l + 1] == at.column[l] && at.row[l + 1] == at.row[l] + along;
+    joined[l] = at.joined(l, along);
   });
   put_column<width, T>(to, values, at.count, along, joined);
+}
+
+// The same of columns already turned.
+template <int width, class T>
+DALEMBERT_BLOCK void put_turned(T* matrix, int leading, const Line<width>& at, const Lanes<T, 4>* turned, int along) {
+  lanes<width>([&](int l) DALEMBERT_IN_BLOCK {
+    const bool whole = at.joined(l, along) && at.count[l] == 3 && at.count[l + 1] > 0;
+    store_count<T>(matrix + at.column[l] * leading + at.row[l], turned[l], whole ? 4 : at.count[l]);
+  });
 }
 
 // Where driven joints stand between others, rows go one by one.

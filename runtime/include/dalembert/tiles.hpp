@@ -44,6 +44,19 @@ struct Matrices {
   static constexpr int count = sizeof...(Kinds);
 };
 
+// Limbs that stand side by side, `width` of them: which one is above each lane.
+template <int width, int... lane>
+struct LanesAbove {
+  static constexpr int side_by_side = width;
+
+  template <int n, int times, class T>
+  DALEMBERT_INLINE static Lanes<T, n * times> read(const T* from) {
+    const Lanes<T, width> x = load<width, T>(from);
+    if constexpr (times == 1) return shuffled<T, lane...>(x, x);
+    else return shuffled<T, lane..., lane...>(x, x);
+  }
+};
+
 namespace detail {
 
 // f(0), …, f(count − 1), written out when `out` says so (count is then at most `most`, and known to the compiler).
@@ -85,75 +98,95 @@ struct Upper {
   }
 };
 
-// How they stand there: a limb above every lane, or one limb above all of them.
-enum class Above { each, one };
-
-template <Above above, int n, class T>
-DALEMBERT_INLINE Lanes<T, n> read_above(const T* from) {
-  if constexpr (above == Above::each) {
-    return load<n, T>(from);
-  } else {
-    return broadcast<n, T>(*from);
+// How they stand there, read for `times` joints below at once. A limb above every lane, in the same order:
+struct EachAbove {
+  template <int n, int times, class T>
+  DALEMBERT_INLINE static Lanes<T, n * times> read(const T* from) {
+    const Lanes<T, n> x = load<n, T>(from);
+    if constexpr (times == 1) return x;
+    else return shuffled<T, 0, 1, 2, 3, 0, 1, 2, 3>(x, x);
   }
-}
+};
+// One limb above all of them:
+struct OneAbove {
+  template <int n, int times, class T>
+  DALEMBERT_INLINE static Lanes<T, n * times> read(const T* from) {
+    return broadcast<n * times, T>(*from);
+  }
+};
+// Up to four joints above by as many below, for `width` limbs at once: [above][below].
+template <int width, int columns, class T>
+struct Tile {
+  static constexpr int pack = together<T>(width, columns), groups = (columns + pack - 1) / pack;
+  Lanes<T, width * pack> at[4][groups];
 
-// Four joints above by four below, for `width` limbs at once: [above][below].
-template <int width, class T>
-using Tile = Lanes<T, width>[4][4];
+  DALEMBERT_INLINE Lanes<T, width> operator()(int r, int c) const {
+    if constexpr (pack == 1) return at[r][c];
+    else if (c % 2 == 0) return shuffled<T, 0, 1, 2, 3>(at[r][c / 2], at[r][c / 2]);
+    else return shuffled<T, 4, 5, 6, 7>(at[r][c / 2], at[r][c / 2]);
+  }
+};
 
 // What is wanted of a tile: all of it, or its upper triangle, with the diagonal or without.
 enum class Part { all, upper, strictly_upper };
 constexpr bool wanted(Part part, int r, int c) { return part == Part::all || r < c || (part == Part::upper && r == c); }
+// … of joints below that share a register: whether any is.
+template <int pack, int columns>
+constexpr bool wanted_group(Part part, int r, int g) {
+  return wanted(part, r, least(g * pack + pack, columns) - 1);
+}
 
 // One component's products: tile[r][c] = or += below[c] · above[r]. Every value is read once, and the tile stays in registers.
-template <bool set, Part part, Above kind, int width, int rows, int columns, class T>
-DALEMBERT_BLOCK void component(Tile<width, T>& tile, const T* below, const T* above, int above_step) {
-  Lanes<T, width> b[4];
-  lanes<columns>([&](int c) DALEMBERT_IN_BLOCK { b[c] = load<width, T>(below + c * width); });
+template <bool set, Part part, class Kind, int width, int rows, int columns, class T>
+DALEMBERT_BLOCK void component(Tile<width, columns, T>& tile, const T* below, const T* above, int above_step) {
+  constexpr int pack = Tile<width, columns, T>::pack, groups = Tile<width, columns, T>::groups, n = width * pack;
+  Lanes<T, n> b[groups];
+  lanes<groups>([&](int g) DALEMBERT_IN_BLOCK { b[g] = load<n, T>(below + g * n); });
   lanes<rows>([&](int r) DALEMBERT_IN_BLOCK {
-    const Lanes<T, width> a = read_above<kind, width, T>(above + r * above_step);
-    lanes<columns>([&](int c) DALEMBERT_IN_BLOCK {
-      if (!wanted(part, r, c)) return;
-      if (set) tile[r][c] = b[c] * a;
-      else tile[r][c] += b[c] * a;
+    const Lanes<T, n> a = Kind::template read<width, pack, T>(above + r * above_step);
+    lanes<groups>([&](int g) DALEMBERT_IN_BLOCK {
+      if (!wanted_group<pack, columns>(part, r, g)) return;
+      if (set) tile.at[r][g] = b[g] * a;
+      else tile.at[r][g] += b[g] * a;
     });
   });
 }
 
 // tile[r][c] = or += Σ_j below[j][c] · above[j][r], component by component, three of them.
-template <bool from_zero, Part part, Above kind, int width, int rows, int columns, class T>
-DALEMBERT_BLOCK void products(Tile<width, T>& tile, const T* below, int below_stride, const T* above, int above_step,
+template <bool from_zero, Part part, class Kind, int width, int rows, int columns, class T>
+DALEMBERT_BLOCK void products(Tile<width, columns, T>& tile, const T* below, int below_stride, const T* above, int above_step,
                               int above_stride) {
   lanes<3>([&](int j) DALEMBERT_IN_BLOCK {
     const T *from_below = below + j * below_stride, *from_above = above + j * above_stride;
-    if (from_zero && j == 0) component<true, part, kind, width, rows, columns, T>(tile, from_below, from_above, above_step);
-    else component<false, part, kind, width, rows, columns, T>(tile, from_below, from_above, above_step);
+    if (from_zero && j == 0) component<true, part, Kind, width, rows, columns, T>(tile, from_below, from_above, above_step);
+    else component<false, part, Kind, width, rows, columns, T>(tile, from_below, from_above, above_step);
   });
 }
 
 // The same as a loop that no compiler unrolls: less code. It starts from zeros.
-template <bool from_zero, Part part, Above kind, int width, int rows, int columns, class T>
-DALEMBERT_BLOCK void products_in_loop(Tile<width, T>& tile, const T* below, int below_stride, const T* above, int above_step,
-                                      int above_stride) {
+template <bool from_zero, Part part, class Kind, int width, int rows, int columns, class T>
+DALEMBERT_BLOCK void products_in_loop(Tile<width, columns, T>& tile, const T* below, int below_stride, const T* above,
+                                      int above_step, int above_stride) {
   if constexpr (from_zero)
     lanes<rows>([&](int r) DALEMBERT_IN_BLOCK {
-      lanes<columns>([&](int c) DALEMBERT_IN_BLOCK {
-        if (wanted(part, r, c)) tile[r][c] = Lanes<T, width>{};
+      constexpr int pack = Tile<width, columns, T>::pack, groups = Tile<width, columns, T>::groups;
+      lanes<groups>([&](int g) DALEMBERT_IN_BLOCK {
+        if (wanted_group<pack, columns>(part, r, g)) tile.at[r][g] = Lanes<T, width * pack>{};
       });
     });
   DALEMBERT_KEEP_LOOP
   for (int j = 0; j < 3; ++j)
-    component<false, part, kind, width, rows, columns, T>(tile, below + j * below_stride, above + j * above_stride, above_step);
+    component<false, part, Kind, width, rows, columns, T>(tile, below + j * below_stride, above + j * above_stride, above_step);
 }
 
 // Products of `rows` joints above with `columns` below.
-template <bool loop, Part part, Above kind, int width, int rows, int columns, class T>
+template <bool loop, Part part, class Kind, int width, int rows, int columns, class T>
 struct Products {
   int below_stride, above_step, above_stride;
 
   // The sum of the terms, factor by factor.
   template <int nl, int nu, int lower, int upper, class... Rest>
-  DALEMBERT_INLINE void fill(Tile<width, T>& tile, const Factors<T, nl>& below, const Upper<T, nu>& above,
+  DALEMBERT_INLINE void fill(Tile<width, columns, T>& tile, const Factors<T, nl>& below, const Upper<T, nu>& above,
                              Sum<Term<lower, upper>, Rest...>) const {
     sum<true>(tile, below.at[lower], above.at[upper]);
     add(tile, below, above, Sum<Rest...>{});
@@ -161,32 +194,30 @@ struct Products {
 
  private:
   template <int nl, int nu>
-  DALEMBERT_INLINE void add(Tile<width, T>&, const Factors<T, nl>&, const Upper<T, nu>&, Sum<>) const {}
+  DALEMBERT_INLINE void add(Tile<width, columns, T>&, const Factors<T, nl>&, const Upper<T, nu>&, Sum<>) const {}
   template <int nl, int nu, int lower, int upper, class... Rest>
-  DALEMBERT_INLINE void add(Tile<width, T>& tile, const Factors<T, nl>& below, const Upper<T, nu>& above,
+  DALEMBERT_INLINE void add(Tile<width, columns, T>& tile, const Factors<T, nl>& below, const Upper<T, nu>& above,
                             Sum<Term<lower, upper>, Rest...>) const {
     sum<false>(tile, below.at[lower], above.at[upper]);
     add(tile, below, above, Sum<Rest...>{});
   }
 
   template <bool from_zero>
-  DALEMBERT_INLINE void sum(Tile<width, T>& tile, const T* below, const T* above) const {
+  DALEMBERT_INLINE void sum(Tile<width, columns, T>& tile, const T* below, const T* above) const {
     if constexpr (loop)
-      products_in_loop<from_zero, part, kind, width, rows, columns, T>(tile, below, below_stride, above, above_step,
+      products_in_loop<from_zero, part, Kind, width, rows, columns, T>(tile, below, below_stride, above, above_step,
                                                                        above_stride);
-    else products<from_zero, part, kind, width, rows, columns, T>(tile, below, below_stride, above, above_step, above_stride);
+    else products<from_zero, part, Kind, width, rows, columns, T>(tile, below, below_stride, above, above_step, above_stride);
   }
 };
 
-// Copies what is above the diagonal to below it.
-template <int size, int width, class T>
-DALEMBERT_BLOCK void mirror(Tile<width, T>& to, const Tile<width, T>& from) {
-  lanes<size>([&](int r) DALEMBERT_IN_BLOCK {
-    lanes<size>([&](int c) DALEMBERT_IN_BLOCK {
-      if (r < c) to[c][r] = from[r][c];
-    });
-  });
-}
+// One tile whose elements above the diagonal are the first's, below it the second's with rows and columns exchanged.
+template <int width, int columns, class T>
+struct Mirrored {
+  const Tile<width, columns, T>&above, &below;
+
+  DALEMBERT_INLINE Lanes<T, width> operator()(int r, int c) const { return r <= c ? above(r, c) : below(c, r); }
+};
 
 // A tile's place in M or C, lane by lane: first rows, and how many real steps there are from there on.
 template <int width>
@@ -194,70 +225,92 @@ struct Place {
   int row_above[width], left_above[width], row_below[width], left_below[width];
 };
 
+// Whether a tile is stored a register at a time, without taking its limbs apart first.
+template <class From, class To>
+constexpr bool turns_packed = false;
+template <int width, int columns, class T>
+constexpr bool turns_packed<Tile<width, columns, T>, T*> = Tile<width, columns, T>::pack == 2;
+
 // Stores tile[above][below] as columns of the lower limb's joints (rows run over `above`), or of the upper limb's.
-template <bool by_upper, int rows, int columns, int width, class T, class To>
-DALEMBERT_BLOCK void put(const To& matrix, int leading, const Tile<width, T>& tile, const Place<width>& at) {
-  constexpr int along = by_upper ? columns : rows;
-  const int* row = by_upper ? at.row_below : at.row_above;
-  const int* column = by_upper ? at.row_above : at.row_below;
-  const int* left = by_upper ? at.left_below : at.left_above;
-  const int* across = by_upper ? at.left_above : at.left_below;
-  lanes<(by_upper ? rows : columns)>([&](int i) DALEMBERT_IN_BLOCK {
-    Lanes<T, width> line[4] = {};
-    lanes<along>([&](int j) DALEMBERT_IN_BLOCK { line[j] = by_upper ? tile[i][j] : tile[j][i]; });
+template <bool by_upper, int rows, int columns, int width, class T, class From, class To>
+DALEMBERT_BLOCK void put(const To& matrix, int leading, const From& tile, const Place<width>& at) {
+  constexpr int lines = by_upper ? rows : columns, along = by_upper ? columns : rows;
+  const auto place_of = [&](int line) DALEMBERT_IN_BLOCK {
+    const int* left = by_upper ? at.left_below : at.left_above;
+    const int* across = by_upper ? at.left_above : at.left_below;
     Line<width> where;
     lanes<width>([&](int l) DALEMBERT_IN_BLOCK {
-      where.column[l] = column[l] + i, where.row[l] = row[l];
-      where.count[l] = i < across[l] ? least(left[l], along) : 0;
+      where.column[l] = (by_upper ? at.row_above : at.row_below)[l] + line;
+      where.row[l] = (by_upper ? at.row_below : at.row_above)[l];
+      where.count[l] = line < across[l] ? least(left[l], along) : 0;
     });
-    put_line<width, T>(matrix, leading, where, line, along);
-  });
+    return where;
+  };
+  if constexpr (turns_packed<From, To> && along > 2) {
+    constexpr int each = by_upper ? 1 : 2;
+    lanes<(lines + each - 1) / each>([&](int i) DALEMBERT_IN_BLOCK {
+      Lanes<T, 4> turned[4 * each];
+      if constexpr (by_upper) turn_row<T>(tile.at[i], turned);
+      else turn_columns<T>(tile.at[0][i], tile.at[1][i], tile.at[2][i], tile.at[rows - 1][i], turned);
+      lanes<each>([&](int n) DALEMBERT_IN_BLOCK {
+        if (each * i + n < lines) put_turned<width, T>(matrix, leading, place_of(each * i + n), turned + 4 * n, along);
+      });
+    });
+  } else {
+    lanes<lines>([&](int i) DALEMBERT_IN_BLOCK {
+      Lanes<T, width> line[4] = {};
+      lanes<along>([&](int j) DALEMBERT_IN_BLOCK { line[j] = by_upper ? tile(i, j) : tile(j, i); });
+      put_line<width, T>(matrix, leading, place_of(i), line, along);
+    });
+  }
 }
 
 // Both triangles of an off-diagonal tile of `rows` joints above by `columns` below, or the whole of a diagonal one.
-template <bool out, Above kind, int width, int rows, int columns, bool diagonal, class T, int nl, int nu, class AboveSum,
+template <bool out, class Kind, int width, int rows, int columns, bool diagonal, class T, int nl, int nu, class AboveSum,
           class To>
 DALEMBERT_BLOCK void tile_of(Symmetric<AboveSum>, const Factors<T, nl>& lower, const Upper<T, nu>& up, const Place<width>& at,
                              const To& matrix, int leading) {
   constexpr bool loop = products_loop(out, rows, columns, diagonal);
-  const Products<loop, diagonal ? Part::upper : Part::all, kind, width, rows, columns, T> products{lower.stride, up.step,
+  const Products<loop, diagonal ? Part::upper : Part::all, Kind, width, rows, columns, T> products{lower.stride, up.step,
                                                                                                    up.stride};
-  Tile<width, T> m;
+  Tile<width, columns, T> m;
   products.fill(m, lower, up, AboveSum{});
-  if constexpr (diagonal) mirror<rows, width, T>(m, m);
-  put<false, rows, columns, width, T>(matrix, leading, m, at);
-  if constexpr (!diagonal) put<true, rows, columns, width, T>(matrix, leading, m, at);
+  if constexpr (diagonal) {
+    put<false, rows, columns, width, T>(matrix, leading, Mirrored<width, columns, T>{m, m}, at);
+  } else {
+    put<false, rows, columns, width, T>(matrix, leading, m, at);
+    put<true, rows, columns, width, T>(matrix, leading, m, at);
+  }
 }
-template <bool out, Above kind, int width, int rows, int columns, bool diagonal, class T, int nl, int nu, class AboveSum,
+template <bool out, class Kind, int width, int rows, int columns, bool diagonal, class T, int nl, int nu, class AboveSum,
           class BelowSum, class To>
 DALEMBERT_BLOCK void tile_of(Square<AboveSum, BelowSum>, const Factors<T, nl>& lower, const Upper<T, nu>& up,
                              const Place<width>& at, const To& matrix, int leading) {
   constexpr bool loop = products_loop(out, rows, columns, diagonal);
-  const Products<loop, diagonal ? Part::upper : Part::all, kind, width, rows, columns, T> products{lower.stride, up.step,
+  const Products<loop, diagonal ? Part::upper : Part::all, Kind, width, rows, columns, T> products{lower.stride, up.step,
                                                                                                    up.stride};
-  const Products<loop, diagonal ? Part::strictly_upper : Part::all, kind, width, rows, columns, T> others{lower.stride, up.step,
+  const Products<loop, diagonal ? Part::strictly_upper : Part::all, Kind, width, rows, columns, T> others{lower.stride, up.step,
                                                                                                           up.stride};
-  Tile<width, T> above;  // element (i, k)
+  Tile<width, columns, T> above;  // element (i, k)
   products.fill(above, lower, up, AboveSum{});
   if constexpr (!diagonal) put<false, rows, columns, width, T>(matrix, leading, above, at);
-  Tile<width, T> below;  // element (k, i)
+  Tile<width, columns, T> below;  // element (k, i)
   others.fill(below, lower, up, BelowSum{});
   if constexpr (diagonal) {
-    mirror<rows, width, T>(above, below);
-    put<false, rows, columns, width, T>(matrix, leading, above, at);
+    put<false, rows, columns, width, T>(matrix, leading, Mirrored<width, columns, T>{above, below}, at);
   } else {
     put<true, rows, columns, width, T>(matrix, leading, below, at);
   }
 }
 
 // The same tile of every matrix.
-template <bool out, Above kind, int width, int rows, int columns, bool diagonal, class T, int nl, int nu, class To,
+template <bool out, class Kind, int width, int rows, int columns, bool diagonal, class T, int nl, int nu, class To,
           class... Kinds>
 DALEMBERT_BLOCK void tiles_of(Matrices<Kinds...>, const Factors<T, nl>& lower, const Upper<T, nu>& up, const Place<width>& at,
                               const To* matrices, int leading) {
   int m = 0;
   (void)std::initializer_list<int>{
-      (tile_of<out, kind, width, rows, columns, diagonal, T>(Kinds{}, lower, up, at, matrices[m++], leading), 0)...};
+      (tile_of<out, Kind, width, rows, columns, diagonal, T>(Kinds{}, lower, up, at, matrices[m++], leading), 0)...};
 }
 
 }  // namespace detail
