@@ -5,6 +5,7 @@ Makes a quick report, looks at its page in the browser at the width of a phone a
 what stands there with report.csv. Then spoils the page in several ways and sees that the comparison finds each.
 """
 import csv
+import decimal
 import html
 import io
 import json
@@ -43,9 +44,15 @@ def rounded(text):
     if x == int(x) and abs(x) < 1e6:
         return str(int(x))
     if abs(x) >= 1e6 or abs(x) < 1e-3:
-        mantissa, exponent = f"{x:.1e}".split("e")
+        mantissa, exponent = f"{digits(x, 2):.1e}".split("e")
         return f"{mantissa}e{int(exponent):+d}"
-    return re.sub(r"\.0$", "", str(float(f"{x:.3g}")))
+    return re.sub(r"\.0$", "", str(float(digits(x, 3))))
+
+
+def digits(x, count):
+    """So many digits of a number; of two as near the larger, as JavaScript has it, not Python: 332.5 is 333."""
+    exact = decimal.Decimal(x)
+    return exact.quantize(decimal.Decimal(1).scaleb(exact.adjusted() - count + 1), decimal.ROUND_HALF_UP)
 
 
 def look(page, width, scheme):
