@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <spawn.h>
-#include <stdlib.h>
 #include <sys/wait.h>
 
 #include <cerrno>
@@ -16,6 +15,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "commands/temporary_folder.hpp"
 #include "diagnostics.hpp"
 
 extern char** environ;
@@ -29,26 +29,6 @@ namespace fs = std::filesystem;
 [[noreturn]] void refuse(std::string message, std::string remedy) {
   throw InputError({Severity::error, "", "C++ compiler", std::move(message), std::move(remedy)});
 }
-
-// A folder of its own, removed at the end.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string pattern = (fs::temp_directory_path() / "dalembert.XXXXXX").string();
-    if (!mkdtemp(pattern.data())) refuse("no temporary folder can be made", "set TMPDIR to a folder that can be written");
-    path_ = pattern;
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
 
 std::vector<std::string> split(const std::string& text, char separator) {
   std::vector<std::string> words;
@@ -110,6 +90,16 @@ std::string said(const fs::path& log) {
 
 }  // namespace
 
+std::string complaint(const std::runtime_error& error) {
+  const auto* const refused = dynamic_cast<const InputError*>(&error);
+  const std::string text = refused ? refused->diagnostics().front().message : error.what();
+  for (const std::string& line : split(text, '\n')) {
+    if (const size_t at = line.find("error: "); at != line.npos) return line.substr(at + 7);
+    if (const size_t at = line.find("cannot find "); at != line.npos) return line.substr(at);
+  }
+  return text.substr(0, text.find('\n'));
+}
+
 LoadedCode::LoadedCode(const std::string& name, const std::vector<backend::OutputFile>& files, const CompilerOptions& options) {
   const TemporaryFolder folder;
   const fs::path sources = folder.path() / name, object = folder.path() / "code.so", log = folder.path() / "log";
@@ -127,6 +117,7 @@ LoadedCode::LoadedCode(const std::string& name, const std::vector<backend::Outpu
   }
   for (const backend::OutputFile& file : files)
     if (file.name.ends_with(".cpp")) command.push_back((sources / file.name).string());
+  for (const std::string& word : split(options.libraries, ' ')) command.push_back(word);
   command.push_back("-o");
   command.push_back(object.string());
 
@@ -139,7 +130,8 @@ LoadedCode::LoadedCode(const std::string& name, const std::vector<backend::Outpu
         fmt::format("'{}' does not compile the generated code:{}", compiler.front(), said(log)),
         "name a C++17 compiler with --compiler or CXX, flags it knows with --flags, and the folders of dalembert's and Eigen's "
         "headers with DALEMBERT_INCLUDE");
-  library_ = dlopen(object.c_str(), RTLD_NOW | RTLD_LOCAL);
+  // Libraries may have threads that outlive the code, as oneTBB does: they stay.
+  library_ = dlopen(object.c_str(), RTLD_NOW | RTLD_LOCAL | (options.libraries.empty() ? 0 : RTLD_NODELETE));
   if (!library_) throw std::runtime_error(std::string("the compiled code cannot be loaded: ") + dlerror());
 }
 

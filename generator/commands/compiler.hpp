@@ -1,6 +1,7 @@
 // The system's C++ compiler, as eval and check use it: generated files in, a loaded shared object out.
 #pragma once
 
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -12,8 +13,12 @@ namespace dalembert {
 struct CompilerOptions {
   std::string compiler;  // words of a command line; empty: $CXX, or c++
   std::string flags = "-O3 -march=native -std=c++17";
-  int lanes = 0;  // numbers side by side, 1, 2, 4 or 8; 0: as many as the target's registers hold
+  int lanes = 0;               // numbers side by side, 1, 2, 4 or 8; 0: as many as the target's registers hold
+  std::string libraries = {};  // what the code is linked with: "-ltbb"
 };
+
+// What the compiler, the linker or the loader said first, without where, of what the constructor below throws.
+std::string complaint(const std::runtime_error& error);
 
 // Generated code compiled and loaded into this process. The files live in a temporary folder until the end of the constructor.
 class LoadedCode {
