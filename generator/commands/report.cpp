@@ -6,6 +6,7 @@
 #include "commands/report/forms.hpp"
 #include "commands/report/heading.hpp"
 #include "commands/report/integration.hpp"
+#include "commands/report/mujoco.hpp"
 #include "commands/report/page.hpp"
 #include "commands/report/rounding.hpp"
 #include "commands/report/stability.hpp"
@@ -16,7 +17,8 @@ namespace dalembert {
 ReportSummary write_report(const Model& model, const CompilerOptions& compiler, const ReportOptions& options) {
   using namespace reporting;
   backend::add_files(options.folder, {});  // where it cannot be made, says so now and not in minutes
-  const Subject subject{model, outputs_of(model), compiler, options.quick};
+  const Mujoco mujoco(model, compiler);
+  const Subject subject{model, outputs_of(model), compiler, options.quick, mujoco};
   Rows rows;
   add_heading(subject, rows);
   add_forms(subject, rows);

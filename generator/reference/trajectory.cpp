@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <boost/numeric/odeint.hpp>
+#include <boost/version.hpp>
 #include <dalembert/generic/dynamics.hpp>
 #include <memory>
 #include <vector>
@@ -57,6 +58,11 @@ Motion trajectory(const ir::KinematicTree& tree, const ir::Scene& scene, const M
   }
   const Eigen::Map<const VectorX<Long>> end(state.data(), static_cast<Eigen::Index>(state.size()));
   return {end.head(start.q.size()).cast<double>(), end.tail(start.v.size()).cast<double>()};
+}
+
+std::string trajectory_program() {
+  return "Boost.Odeint " + std::to_string(BOOST_VERSION / 100000) + "." + std::to_string(BOOST_VERSION / 100 % 1000) + "." +
+         std::to_string(BOOST_VERSION % 100);
 }
 
 double kinetic_energy(const ir::KinematicTree& tree, const ir::Scene& scene, const Motion& at) {

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <stdexcept>
+#include <string>
 
 #include "ir/kinematic_tree.hpp"
 #include "ir/scene.hpp"
@@ -23,6 +24,9 @@ struct NoTrajectory : std::runtime_error {
 // quaternion's rate is ½ q ω), M and the bias being the generic engine's. Costs 13 evaluations a step, of some milliseconds of
 // motion each. Throws NoTrajectory when that takes more than a hundred thousand evaluations, or M cannot be solved with.
 Motion trajectory(const ir::KinematicTree& tree, const ir::Scene& scene, const Motion& start, double seconds);
+
+// "Boost.Odeint 1.74.0"
+std::string trajectory_program();
 
 // Kinetic energy ½ vᵀ M v, and potential energy of gravity and springs, zero where every body's centre of mass is at the
 // world's origin and the springs are at rest; J.

@@ -113,21 +113,32 @@ function table(parent, titles) {
   return t.append("tbody");
 }
 
+// Who has no point there, and why.
+function left_out(box, list) {
+  list.filter((r) => r.metric === "left_out").forEach((row) => {
+    const line = box.append("p").attr("class", "left_out");
+    line.append("span").attr("data-row", row.index).text(row.variant);
+    line.append("span").text(": ");
+    word(line, row);
+  });
+}
+
 function rounding() {
   const all = pick({section: "rounding"});
   const by_quantity = d3.nest().key((r) => r.quantity).map(all);
   const together = pick({section: "rounding", quantity: "all", metric: "time_median"});
   Object.keys(by_quantity).filter((quantity) => quantity !== "all").forEach((quantity) => {
-    const by_variant = d3.nest().key((r) => r.variant).map(by_quantity[quantity].filter((r) => r.metric !== "chosen"));
+    const by_variant = d3.nest().key((r) => r.variant)
+      .map(by_quantity[quantity].filter((r) => r.metric !== "chosen" && r.metric !== "left_out"));
     const points = Object.keys(by_variant).map((variant) => {
       const of = {};
       by_variant[variant].forEach((row) => { of[row.metric] = row; });
-      const generic = variant.startsWith("generic");
+      const other = variant.startsWith("generic") ? "generic" : variant === "MuJoCo" ? "mujoco" : "";
       return {
         x: of.time_median, x_bar: [of.time_lower_quartile, of.time_upper_quartile], y: of.norm_worst,
         y_bar: [of.norm_median, of.norm_worst], name: variant, of,
-        mark: generic ? "diamond" : variant.startsWith("rolled") ? "square" : "circle",
-        classes: (generic ? "generic" : variant.includes("float") ? "float" : "double") +
+        mark: {generic: "diamond", mujoco: "triangle-up"}[other] || (variant.startsWith("rolled") ? "square" : "circle"),
+        classes: (other || (variant.includes("float") ? "float" : "double")) +
           (variant.includes("not fused") ? " hollow" : ""),
       };
     });
@@ -146,6 +157,7 @@ function rounding() {
       item.append("span").text(", ");
       figure(item, p.of.ulp_worst);
     });
+    left_out(box, by_quantity[quantity]);
     const details = box.append("details");
     details.append("summary").text("all figures");
     const body = table(details, ["variant", "ns", "ulp, worst", "ulp, median", "by element"]);

@@ -85,8 +85,11 @@ def check_rows(rows):
             demand(row["value"] in ("inf", "nan") or math.isfinite(float(row["value"])), f"no number: {row}")
     for quantity in quantities:
         here = [row for row in rows if row["section"] == "rounding" and row["quantity"] == quantity]
-        variants = {row["variant"] for row in here}
-        demand({"generic double", "straight double", "straight float", "rolled double", "straight double, not fused", "straight double, library sines"} == variants,
+        variants = {row["variant"] for row in here if row["metric"] != "left_out"}
+        left_out = {row["variant"] for row in here if row["metric"] == "left_out"}
+        demand(left_out == ({"MuJoCo"} if quantity == "coriolis_matrix" else set()), f"{quantity} is left out by {left_out}")
+        demand({"generic double", "straight double", "straight float", "rolled double", "straight double, not fused",
+                "straight double, library sines"} | {"MuJoCo"} - left_out == variants,
                f"{quantity} has {variants}")
         for variant in variants:
             value = {row["metric"]: float(row["value"]) for row in here if row["variant"] == variant and row["unit"]}
@@ -97,6 +100,7 @@ def check_rows(rows):
         demand(any(row["section"] == "stability" and row["quantity"] == quantity and row["case"] == "base at 1e12 m" and
                    row["metric"] == "elements_changed" and row["value"] == "0" for row in rows),
                f"{quantity} changes with the base's position")
+    check_others(rows)
     verdicts = {row["value"] for row in rows if row["section"] == "stability" and row["metric"] == "verdict"}
     demand(verdicts <= {"good", "weak", "bad"} and "good" in verdicts, f"verdicts {verdicts}")
     orders = {row["variant"]: float(row["value"]) for row in rows if row["metric"] == "order"}
@@ -116,6 +120,52 @@ def check_rows(rows):
                 text = text.replace(case, "")
             for number in re.findall(r"(?<![\w.])\d[\d.]*(?:e[+-]\d+)?", text):
                 demand(number.rstrip(".") in numbers, f"{number} of '{row['value']}' is no figure of the table")
+
+
+def only(rows, **wanted):
+    found = [row["value"] for row in rows if all(row[key] == value for key, value in wanted.items())]
+    demand(len(found) == 1, f"{len(found)} rows are {wanted}")
+    return found[0]
+
+
+def check_others(rows):
+    """MuJoCo's point."""
+    compared = only(rows, metric="compared_with")
+    demand(re.search(r"Boost\.Odeint \d+\.\d+\.\d+ .*MuJoCo \d+\.\d+\.\d+$", compared), f"compared with {compared}")
+    of = {"section": "rounding", "quantity": "gravity"}
+    slower = float(only(rows, **of, variant="MuJoCo", metric="time_median"))
+    chosen = only(rows, **of, variant="straight double", metric="time_median")
+    times = float(only(rows, **of, variant="straight double", metric="times_faster_than_mujoco"))
+    demand(abs(times - slower / float(chosen)) < 1e-9 * times, f"{slower} over {chosen} is not {times}")
+    said = [row["value"] for row in rows if row["section"] == "verdict" and "MuJoCo" in row["value"]]
+    demand(len(said) == 1 and said[0].startswith("g: ") and f"{times:.3g} times" in said[0], f"the verdict says {said}")
+
+
+def without_others():
+    """Where MuJoCo is not to be had, the rest of the report stands and says so."""
+    compiler = work / "compiler"
+    compiler.write_text("""#!/bin/sh
+for word; do
+  case $word in -lmujoco)
+    echo "ld: cannot find $word: no such file" >&2
+    exit 1
+  esac
+done
+exec c++ "$@"
+""")
+    compiler.chmod(0o755)
+    run = subprocess.run([dalembert, "report", robot, "--base", "fixed", "--outputs", "gravity", "--quick", "--compiler",
+                          str(compiler), "--flags", "-O0 -std=c++17", "-o", str(work / "without")],
+                         capture_output=True, text=True, timeout=300)
+    demand(run.returncode == 0, f"exit status {run.returncode} without MuJoCo: {run.stdout}{run.stderr}")
+    rows = read_rows((work / "without" / "report.csv").read_text())
+    compared = only(rows, metric="compared_with")
+    demand("not with MuJoCo, which is not found (cannot find -lmujoco: no such file): install" in compared,
+           f"compared with {compared}")
+    demand(not any(row["variant"] == "MuJoCo" or "mujoco" in row["metric"] for row in rows),
+           "MuJoCo's figures come from nowhere")
+    seen = look((work / "without" / "index.html").read_text(), 360, "light")
+    demand(seen["drawn"] == "yes", "the page's script does not reach its end without MuJoCo")
 
 
 def check_page(page, rows, seen):
@@ -143,7 +193,7 @@ def check_page(page, rows, seen):
         left, top, right, bottom = plot["box"]
         demand(right - left > 200 and bottom - top > 100 and right <= seen["client_width"], f"{plot['id']} stands at {plot['box']}")
     for quantity in quantities:
-        check_points(plots[f"rounding {quantity}"], rows, 6, 2)
+        check_points(plots[f"rounding {quantity}"], rows, 7 if quantity == "gravity" else 6, 2)
     check_points(plots["integration"], rows, 16, 0)
     for path in plots["sparsity coriolis_matrix"]["paths"]:
         drawn = sum(int(n) for n in re.findall(r"h(\d+)v1", path["d"]))
@@ -222,6 +272,7 @@ def main():
     must_find(page, rows, lambda p: p.replace("main { max-width", "main { min-width: 500px; max-width"), "the page is too wide")
     must_find(page, rows, lambda p: p.replace('"chip " + verdict.value', '"chip weak"'), "a verdict is another")
     interrupt()
+    without_others()
     print(f"{len(rows)} rows, {len(seen['figures'])} figures, {len(seen['plots'])} plots")
 
 

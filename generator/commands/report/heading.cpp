@@ -3,10 +3,13 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <ctime>
 #include <fstream>
 #include <string>
 #include <thread>
+
+#include "reference/trajectory.hpp"
 
 namespace dalembert::reporting {
 namespace {
@@ -18,6 +21,30 @@ std::string processor() {
     if (line.starts_with("model name"))
       if (const size_t colon = line.find(": "); colon != line.npos) return line.substr(colon + 2);
   return "unknown";
+}
+
+bool any_output(const Subject& subject) {
+  return std::any_of(subject.outputs.begin(), subject.outputs.end(),
+                     [&](const Output& output) { return subject.mujoco.obstacle(output).empty(); });
+}
+
+// Or why not with it, and how to have it.
+std::string with_mujoco(const Subject& subject) {
+  const Mujoco& mujoco = subject.mujoco;
+  if (!mujoco.found())
+    return fmt::format(
+        "; not with MuJoCo, which is not found ({}): install Debian's libmujoco-dev, or name its folders with "
+        "--flags (-I, -L and -Wl,-rpath)",
+        mujoco.why_not_found());
+  if (any_output(subject)) return ", MuJoCo " + mujoco.version();
+  return fmt::format("; not with MuJoCo {}: {}", mujoco.version(), mujoco.obstacle(subject.outputs.front()));
+}
+
+// Every program whose figures stand beside ours.
+std::string compared_with(const Subject& subject) {
+  return fmt::format(
+      "dalembert's generic engine in double (for time) and in 50 decimal digits (for error), {} (for trajectories){}",
+      reference::trajectory_program(), with_mujoco(subject));
 }
 
 }  // namespace
@@ -43,8 +70,7 @@ void add_heading(const Subject& subject, Rows& rows) {
   text("processor", processor());
   number("cores", std::thread::hardware_concurrency(), "cores");
   text("date", fmt::format("{:%Y-%m-%d}", fmt::gmtime(std::time(nullptr))));
-  text("compared_with",
-       "dalembert's generic engine in double (for time) and in 50 decimal digits (for error); no other engine");
+  text("compared_with", compared_with(subject));
 }
 
 }  // namespace dalembert::reporting

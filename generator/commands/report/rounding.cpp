@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <chrono>
+#include <functional>
 #include <memory>
+#include <utility>
 
 #include "commands/random_states.hpp"
 #include "commands/report/errors.hpp"
@@ -22,10 +24,31 @@ constexpr long long_straight_line = 10000;  // operations
 struct Point {
   std::string variant;
   ir::ScalarType scalar = ir::ScalarType::float64;
-  GeneratedEngine* engine = nullptr;  // none: the generic engine
-  CallTime time;
-  std::vector<Error> errors;  // per state
+  std::function<Eigen::MatrixXd(const State&)> result;
+  std::function<CallTime(const std::vector<State>&)> time_per_call;
+  CallTime time{};
+  std::vector<Error> errors{};  // per state
 };
+
+Point generic_point(const Subject& subject, const Output& output) {
+  const auto result = [&](const State& state) { return generic_at(subject.model, {output}, state).front(); };
+  return {generic_variant, ir::ScalarType::float64, result, [result](const std::vector<State>& states) {
+            return time_calls(states.size(), [&](size_t s) { result(states[s]); });
+          }};
+}
+
+Point generated_point(const Variant& way, GeneratedEngine& engine, const Output& output) {
+  const auto result = [&](const State& state) {
+    engine.evaluate(state);
+    return engine.result(output);
+  };
+  return {way.name, way.scalar, result, [&](const std::vector<State>& states) { return engine.time_per_call(states); }};
+}
+
+Point mujoco_point(const Mujoco& mujoco, const Output& output) {
+  return {mujoco_variant, ir::ScalarType::float64, [&](const State& state) { return mujoco.result(output, state); },
+          [&](const std::vector<State>& states) { return mujoco.time_per_call(output, states); }};
+}
 
 // As many states as 50 digits get through in about a minute and a half of one core; at least fifty.
 std::vector<State> states_of(const Subject& subject) {
@@ -56,10 +79,7 @@ void measure_errors(const Subject& subject, const std::vector<State>& given, ir:
       for (Point& point : points[o]) {
         if (point.scalar != scalar) continue;
         for (size_t s = 0; s < count; ++s) {
-          const State& state = states[from + s];
-          if (point.engine) point.engine->evaluate(state);
-          const Eigen::MatrixXd result = point.engine ? point.engine->result(subject.outputs[o])
-                                                      : generic_at(subject.model, {subject.outputs[o]}, state).front();
+          const Eigen::MatrixXd result = point.result(states[from + s]);
           point.errors.push_back(error_of(result, exact[s].results[o], exact[s].least_scales[o], scalar));
         }
       }
@@ -74,6 +94,7 @@ Spread of(const std::vector<Error>& errors, double Error::*kind) {
 
 void add_rows(const std::string& quantity, const std::vector<Point>& points, Rows& rows) {
   const auto worst = [](const Point& p) { return of(p.errors, &Error::norm).worst; };
+  const auto mujoco = std::find_if(points.begin(), points.end(), [](const Point& p) { return p.variant == mujoco_variant; });
   for (const Point& point : points) {
     const auto add = [&](const char* metric, double value, const char* unit) {
       rows.number("rounding", random_case, quantity, point.variant, metric, value, unit);
@@ -82,6 +103,7 @@ void add_rows(const std::string& quantity, const std::vector<Point>& points, Row
     add("time_lower_quartile", point.time.lower_quartile, "ns");
     add("time_upper_quartile", point.time.upper_quartile, "ns");
     add("times_faster", points.front().time.median / point.time.median, "times");
+    if (mujoco != points.end()) add("times_faster_than_mujoco", mujoco->time.median / point.time.median, "times");
     const Spread norm = of(point.errors, &Error::norm), ulp = of(point.errors, &Error::ulp),
                  component = of(point.errors, &Error::component);
     add("norm_lower_quartile", norm.lower_quartile, "1");
@@ -124,8 +146,13 @@ void add_rounding(const Subject& subject, Rows& rows) {
 
   std::vector<std::vector<Point>> points(subject.outputs.size());
   for (size_t o = 0, next = 0; o < subject.outputs.size(); ++o) {
-    points[o].push_back({generic_variant, ir::ScalarType::float64, nullptr, {}, {}});
-    for (const Variant& way : ways[o]) points[o].push_back({way.name, way.scalar, engines[next++].get(), {}, {}});
+    const Output& output = subject.outputs[o];
+    points[o].push_back(generic_point(subject, output));
+    for (const Variant& way : ways[o]) points[o].push_back(generated_point(way, *engines[next++], output));
+    if (!subject.mujoco.found()) continue;
+    const std::string obstacle = subject.mujoco.obstacle(output);
+    if (obstacle.empty()) points[o].push_back(mujoco_point(subject.mujoco, output));
+    else rows.text("rounding", random_case, output.name, mujoco_variant, "left_out", obstacle);
   }
   const std::vector<State> states = states_of(subject);
   measure_errors(subject, states, ir::ScalarType::float64, points);
@@ -133,15 +160,13 @@ void add_rounding(const Subject& subject, Rows& rows) {
                  ir::ScalarType::float32, points);
 
   const std::vector<State> timed(states.begin(), states.begin() + 20);
-  Progress progress("timing", engines.size());
+  size_t count = 0;
+  for (const std::vector<Point>& own : points) count += own.size();
+  Progress progress("timing", count);
   for (size_t o = 0; o < points.size(); ++o) {
     for (Point& point : points[o]) {
-      if (point.engine) {
-        point.time = point.engine->time_per_call(timed);
-        progress.step();
-      } else {
-        point.time = time_calls(timed.size(), [&](size_t s) { generic_at(subject.model, {subject.outputs[o]}, timed[s]); });
-      }
+      point.time = point.time_per_call(timed);
+      progress.step();
     }
     add_rows(subject.outputs[o].name, points[o], rows);
   }

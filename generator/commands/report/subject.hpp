@@ -6,6 +6,7 @@
 
 #include "commands/compiler.hpp"
 #include "commands/output.hpp"
+#include "commands/report/mujoco.hpp"
 #include "commands/state_file.hpp"
 #include "pipeline.hpp"
 #include "reference/engine.hpp"
@@ -17,6 +18,7 @@ struct Subject {
   std::vector<Output> outputs;  // the scene's
   CompilerOptions compiler;
   bool quick = false;
+  const Mujoco& mujoco;
 };
 
 // What is exact at a state, per output, and what its errors are measured against at least.

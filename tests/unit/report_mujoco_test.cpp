@@ -1,0 +1,144 @@
+// MuJoCo beside the generated code in a report: the same quantities, in our coordinates, and why not where it has them not.
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "commands/random_states.hpp"
+#include "commands/report/errors.hpp"
+#include "commands/report/mujoco.hpp"
+#include "commands/report/mujoco_model.hpp"
+#include "commands/report/subject.hpp"
+#include "commands/temporary_folder.hpp"
+#include "robots.hpp"
+
+namespace dalembert::reporting {
+namespace {
+
+using Settings = std::vector<frontend::Setting>;
+
+const CompilerOptions compiler{.compiler = "", .flags = "-std=c++17 -O0"};
+constexpr const char* computed =
+    "mass_matrix,gravity,bias,inverse_dynamics,forward_dynamics,inverse_mass_matrix,kinetic_energy,potential_energy,"
+    "center_of_mass,center_of_mass_jacobian";
+
+Model read(const std::string& robot, Settings settings) {
+  Request request;
+  for (const TestRobot& known : test_robots)
+    if (known.name == robot) request.robot = known.urdf;
+  request.settings = std::move(settings);
+  Diagnostics warnings;
+  return read_model(request, warnings);
+}
+
+// The largest norm-wise error of any output at a few states.
+double worst_error(const Model& model) {
+  const Mujoco mujoco(model, compiler);
+  EXPECT_TRUE(mujoco.found()) << mujoco.why_not_found();
+  const std::vector<Output> outputs = outputs_of(model);
+  double worst = 0;
+  for (const State& state : random_states(model.tree, 4)) {
+    const Exact exact = exact_at(model, outputs, state);
+    for (size_t o = 0; o < outputs.size(); ++o) {
+      EXPECT_EQ(mujoco.obstacle(outputs[o]), "");
+      const Eigen::MatrixXd result = mujoco.result(outputs[o], state);
+      const double error = error_of(result, exact.results[o], exact.least_scales[o], ir::ScalarType::float64).norm;
+      EXPECT_LT(error, 1e-12) << outputs[o].name;
+      worst = std::max(worst, error);
+    }
+  }
+  return worst;
+}
+
+TEST(ReportMujoco, ComputesTheSameOnAFloatingBaseWithBranches) {
+  EXPECT_GT(worst_error(read("two_branches_at_base", {{"base", "floating"}, {"outputs", computed}})), 0);
+}
+
+TEST(ReportMujoco, ComputesTheSameOnAFixedBaseWithArmatureDampersSpringsAndAnotherGravity) {
+  EXPECT_GT(worst_error(read("prismatic_mix", {{"base", "fixed"},
+                                               {"outputs", computed},
+                                               {"gravity", "1,2,-9"},
+                                               {"armature", "{link_1_joint: 0.3, link_4_joint: 0.05}"},
+                                               {"damping", "{link_2_joint: 0.7}"},
+                                               {"stiffness", "{link_3_joint: {k: 300, rest: 0.1}, link_4_joint: 20}"}})),
+            0);
+}
+
+TEST(ReportMujoco, ComputesTheSameWithoutSpeeds) {
+  EXPECT_GT(
+      worst_error(read("two_levels_of_branching", {{"rates_zero", "true"}, {"outputs", "gravity,bias,inverse_dynamics"}})), 0);
+}
+
+TEST(ReportMujoco, ComputesTheSameOfASingleBody) {
+  EXPECT_GT(worst_error(read("skew_axes", {{"base", "floating"}, {"cut", "link_1"}, {"outputs", computed}})), 0);
+}
+
+TEST(ReportMujoco, TimesWhatItComputes) {
+  const Model model = read("chain_7", {{"outputs", "mass_matrix"}});
+  const CallTime time = Mujoco(model, compiler).time_per_call(outputs_of(model).front(), random_states(model.tree, 20));
+  EXPECT_GT(time.lower_quartile, 10);
+  EXPECT_LE(time.lower_quartile, time.median);
+  EXPECT_LE(time.median, time.upper_quartile);
+}
+
+// Per output what stands in its way.
+std::vector<std::string> obstacles(const std::string& robot, const Settings& settings) {
+  const Model model = read(robot, settings);
+  const Mujoco mujoco(model, compiler);
+  EXPECT_TRUE(mujoco.found()) << mujoco.why_not_found();
+  std::vector<std::string> list;
+  for (const Output& output : outputs_of(model)) list.push_back(mujoco.obstacle(output).substr(0, 20));
+  return list;
+}
+
+TEST(ReportMujoco, SaysWhatItHasNot) {
+  using List = std::vector<std::string>;
+  EXPECT_EQ(obstacles("chain_7", {{"outputs", "mass_matrix,coriolis_matrix"}}), (List{"", "the report asks MuJo"}));
+  EXPECT_EQ(obstacles("skew_axes", {{"base", "fixed"},
+                                    {"mimic", "{link_2_joint: {of: link_1_joint, multiplier: 0.5}}"},
+                                    {"outputs", "mass_matrix,bias"}}),
+            (List{"joints are driven by", "joints are driven by"}));
+  EXPECT_EQ(
+      obstacles("skew_axes", {{"friction", "{link_2_joint: 1}"}, {"outputs", "mass_matrix,gravity,bias,inverse_dynamics"}}),
+      (List{"", "", "Coulomb friction is ", "Coulomb friction is "}));
+  EXPECT_EQ(obstacles("skew_axes", {{"wrenches", "{link_3: world}"}, {"outputs", "bias,forward_dynamics"}}),
+            (List{"", "links are pushed by "}));
+  EXPECT_EQ(obstacles("skew_axes", {{"payloads", "[link_3]"}, {"outputs", "bias"}}), (List{"payloads are given a"}));
+  EXPECT_EQ(obstacles("skew_axes", {{"outputs", "[]"}, {"functions", "{both: [mass_matrix, bias], one: [bias]}"}}),
+            (List{"one call computes th", "one call computes th", ""}));
+}
+
+TEST(ReportMujoco, SaysThatItIsNotFound) {
+  const TemporaryFolder folder;
+  const std::string wrapper = (folder.path() / "compiler").string();
+  std::ofstream(wrapper) << "#!/bin/sh\necho 'somewhere: cannot find -lmujoco: No such file or directory' >&2\nexit 1\n";
+  std::filesystem::permissions(wrapper, std::filesystem::perms::owner_all);
+  const Mujoco mujoco(read("chain_7", {}), {.compiler = wrapper});
+  EXPECT_FALSE(mujoco.found());
+  EXPECT_EQ(mujoco.why_not_found(), "cannot find -lmujoco: No such file or directory");
+}
+
+TEST(ReportMujoco, SaysThatItRefusesTheModel) {
+  Model model = read("chain_7", {{"base", "fixed"}, {"outputs", "mass_matrix"}});
+  while (model.tree.bodies.size() < 2000) {  // deeper than its reader of XML goes
+    model.tree.bodies.push_back(model.tree.bodies.back());
+    model.tree.bodies.back().parent = static_cast<int>(model.tree.bodies.size()) - 2;
+  }
+  const Mujoco mujoco(model, compiler);
+  EXPECT_TRUE(mujoco.found());
+  EXPECT_TRUE(mujoco.obstacle(outputs_of(model).front()).starts_with("MuJoCo refuses the model: "))
+      << mujoco.obstacle(outputs_of(model).front());
+}
+
+TEST(ReportMujoco, ReadsBodiesWithinThoseThatCarryThem) {
+  const std::string text = mujoco_model(read("two_levels_of_branching", {{"base", "fixed"}}).tree, {});
+  const auto count = [&](const std::string& word) {
+    size_t times = 0;
+    for (size_t at = text.find(word); at != text.npos; at = text.find(word, at + 1)) ++times;
+    return times;
+  };
+  EXPECT_EQ(count("<body "), count("</body>"));
+  EXPECT_EQ(count("<body "), count("<joint "));
+}
+
+}  // namespace
+}  // namespace dalembert::reporting
