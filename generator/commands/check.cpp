@@ -97,12 +97,12 @@ CheckReport check(const Model& model, const CompilerOptions& options) {
   std::vector<References> expected;
   for (const Output& output : outputs) {
     expected.push_back(references(model, output, states));
-    GeneratedEngine alone(model, {output}, options, outputs.size() == 1);
+    GeneratedEngine alone(model, {output}, options, outputs.size() == 1 ? Besides::self_test : Besides::nothing);
     compare(alone, output, expected.back(), fmt::format("{:.0f}", alone.time_per_call(states).median));
     if (outputs.size() == 1) run_self_test(alone);
   }
   if (outputs.size() > 1) {
-    GeneratedEngine together(model, outputs, options, true);
+    GeneratedEngine together(model, outputs, options, Besides::self_test);
     report.text +=
         fmt::format("  {:<34}{:>16}{:>16}{:>16}{:>14.0f}\n", "all together", "", "", "", together.time_per_call(states).median);
     for (size_t i = 0; i < outputs.size(); ++i) compare(together, outputs[i], expected[i], "");

@@ -1,37 +1,90 @@
 #include "commands/generated_engine.hpp"
 
+#include <fmt/format.h>
+
 #include <dalembert/self_test.hpp>
 #include <new>
 
+#include "backend/templates.hpp"
 #include "ir/identifier.hpp"
 
 namespace dalembert {
 
 namespace {
-std::vector<backend::OutputFile> files_of(const Model& model, bool self_test) {
-  return self_test ? compile(model) : compile_without_self_test(model);
+
+Model asked_for(const Model& model, const std::vector<Output>& outputs, Besides besides) {
+  Model result = with_outputs(model, outputs);
+  if (besides == Besides::task_graphs) result.scene.parallel = ir::Parallel::tasks;
+  return result;
 }
+
+std::string task_graphs_call(const std::string& name, const std::string& function) {
+  return name + "_" + function + "_by_task_graph";
+}
+
+// C functions that run the task graphs; generated code has none.
+backend::OutputFile task_graphs_source(const Model& model) {
+  std::string graphs, initializers, calls;
+  for (const ir::EmittedFunction& f : ir::functions_of(model.scene)) {
+    const std::string more = f.input(), graph = f.name + "_graph";
+    graphs += fmt::format("  {}::{}TaskGraph {};\n", model.name, f.type, graph);
+    initializers += fmt::format("{}{}(workspace)", initializers.empty() ? "" : ", ", graph);
+    calls += fmt::format(
+        "void {1}(const {0}::Scalar* q, const {0}::Scalar* v{2}, {0}_task_graphs* graphs) {{\n"
+        "  graphs->{3}.{4}(q, v{5});\n}}\n",
+        model.name, task_graphs_call(model.name, f.name),
+        more.empty() ? "" : fmt::format(", const {}::Scalar* {}", model.name, more), graph, f.name,
+        more.empty() ? "" : ", " + more);
+  }
+  return {"task_graphs.cpp",
+          backend::render("task_graphs.cpp",
+                          {{"name", model.name}, {"graphs", graphs}, {"initializers", initializers}, {"calls", calls}})};
+}
+
+std::vector<backend::OutputFile> files_of(const Model& model, Besides besides) {
+  if (besides == Besides::self_test) return compile(model);
+  std::vector<backend::OutputFile> files = compile_without_self_test(model);
+  if (besides == Besides::task_graphs) files.push_back(task_graphs_source(model));
+  return files;
+}
+
+CompilerOptions linked(CompilerOptions options, Besides besides) {
+  if (besides == Besides::task_graphs) options.libraries = "-ltbb";
+  return options;
+}
+
 }  // namespace
 
-GeneratedEngine::GeneratedEngine(const Model& model, const std::vector<Output>& outputs, const CompilerOptions& options,
-                                 bool self_test)
-    : name_(model.name),
-      single_precision_(model.scene.scalar == ir::ScalarType::float32),
-      code_(name_, files_of(with_outputs(model, outputs), self_test), options),
-      workspace_(code_.function<Workspace*()>(name_ + "_create")(), code_.function<void(Workspace*)>(name_ + "_destroy")) {
+GeneratedEngine::GeneratedEngine(const Model& whole, const std::vector<Output>& outputs, const CompilerOptions& options,
+                                 Besides besides)
+    : name_(whole.name),
+      single_precision_(whole.scene.scalar == ir::ScalarType::float32),
+      code_(name_, files_of(asked_for(whole, outputs, besides), besides), linked(options, besides)),
+      workspace_(code_.function<Workspace*()>(name_ + "_create")(), code_.function<void(Workspace*)>(name_ + "_destroy")),
+      task_graphs_(nullptr, nullptr) {
   if (!workspace_) throw std::bad_alloc();
-  for (const ir::EmittedFunction& f : ir::functions_of(with_outputs(model, outputs).scene))
-    calls_.push_back({reinterpret_cast<void*>(code_.function<void()>(name_ + "_" + f.name)), *f.input() != 0});
+  const Model model = asked_for(whole, outputs, besides);
+  if (besides == Besides::task_graphs) {
+    task_graphs_ = {code_.function<TaskGraphs*(Workspace*)>(name_ + "_create_task_graphs")(workspace_.get()),
+                    code_.function<void(TaskGraphs*)>(name_ + "_destroy_task_graphs")};
+    if (!task_graphs_) throw std::bad_alloc();
+    by_task_graph_ = true;
+  }
+  const auto function = [&](const std::string& name) { return reinterpret_cast<void*>(code_.function<void()>(name)); };
+  for (const ir::EmittedFunction& f : ir::functions_of(model.scene))
+    calls_.push_back(
+        {function(name_ + "_" + f.name), *f.input() != 0, task_graphs_ ? function(task_graphs_call(name_, f.name)) : nullptr});
   for (const ir::ExternalWrench& wrench : model.scene.wrenches)
-    wrench_setters_.push_back(
-        reinterpret_cast<void*>(code_.function<void()>(name_ + "_set_wrench_" + ir::identifier(wrench.link))));
+    wrench_setters_.push_back(function(name_ + "_set_wrench_" + ir::identifier(wrench.link)));
 }
 
 template <class Scalar>
 void GeneratedEngine::call(const Call& call, const Scalar* q, const Scalar* v, const Scalar* more) {
   using V = const Scalar*;
-  if (call.takes_more) reinterpret_cast<void (*)(V, V, V, Workspace*)>(call.function)(q, v, more, workspace_.get());
-  else reinterpret_cast<void (*)(V, V, Workspace*)>(call.function)(q, v, workspace_.get());
+  void* const function = by_task_graph_ ? call.by_task_graph : call.function;
+  void* const last = by_task_graph_ ? task_graphs_.get() : workspace_.get();
+  if (call.takes_more) reinterpret_cast<void (*)(V, V, V, void*)>(function)(q, v, more, last);
+  else reinterpret_cast<void (*)(V, V, void*)>(function)(q, v, last);
 }
 
 template <class Scalar>

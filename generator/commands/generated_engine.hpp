@@ -14,11 +14,14 @@
 
 namespace dalembert {
 
+// What is generated beside the functions.
+enum class Besides { nothing, self_test, task_graphs };
+
 class GeneratedEngine {
  public:
-  // Generates the model with these outputs, compiles it and makes a workspace. `self_test`: with the emitted one, too.
+  // Generates the model with these outputs, compiles it and makes a workspace. Task graphs take oneTBB.
   GeneratedEngine(const Model& model, const std::vector<Output>& outputs, const CompilerOptions& options,
-                  bool self_test = false);
+                  Besides besides = Besides::nothing);
 
   // Evaluates all outputs at the state.
   void evaluate(const State& state);
@@ -33,6 +36,9 @@ class GeneratedEngine {
   // The time of computing all outputs, state to result, over the states in turn. Takes some hundredths of a second.
   CallTime time_per_call(const std::vector<State>& states);
 
+  // Where there are task graphs: whether evaluate() and time_per_call() run these, as they do at first, or the functions.
+  void run_task_graphs(bool run) { by_task_graph_ = run; }
+
   // Runs the emitted self-test, which the constructor was to leave in: the empty string when it passes, else which element is
   // wrong and by how much.
   std::string self_test() const;
@@ -42,6 +48,7 @@ class GeneratedEngine {
 
  private:
   using Workspace = void;
+  using TaskGraphs = void;
 
   // Calls the evaluation with the state in the code's own number type.
   template <class Scalar>
@@ -60,6 +67,7 @@ class GeneratedEngine {
   struct Call {
     void* function;  // void(const Scalar* q, const Scalar* v[, const Scalar* more], Workspace*)
     bool takes_more;
+    void* by_task_graph;  // the same, but for TaskGraphs* at the end
   };
   template <class Scalar>
   void call(const Call& call, const Scalar* q, const Scalar* v, const Scalar* more);
@@ -67,6 +75,8 @@ class GeneratedEngine {
   std::vector<Call> calls_;
   std::vector<void*> wrench_setters_;  // void(const Scalar* wrench, Workspace*), of the scene's in order
   std::unique_ptr<Workspace, void (*)(Workspace*)> workspace_;
+  std::unique_ptr<TaskGraphs, void (*)(TaskGraphs*)> task_graphs_;
+  bool by_task_graph_ = false;
 };
 
 }  // namespace dalembert

@@ -10,6 +10,7 @@
 #include "commands/report/page.hpp"
 #include "commands/report/rounding.hpp"
 #include "commands/report/stability.hpp"
+#include "commands/report/task_graph.hpp"
 #include "commands/report/verdict.hpp"
 
 namespace dalembert {
@@ -24,6 +25,7 @@ ReportSummary write_report(const Model& model, const CompilerOptions& compiler, 
   add_forms(subject, rows);
   add_rounding(subject, rows);
   add_stability(subject, rows);
+  add_task_graph(subject, rows);
   add_integration(subject, rows);
   ReportSummary summary;
   summary.passed = add_verdict(rows);

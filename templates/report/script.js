@@ -177,6 +177,13 @@ function rounding() {
       tr.append("td").attr("data-row", row.index).text(row.variant);
       figure(tr.append("td").attr("class", "number"), row, "");
     });
+    left_out(box, by_quantity.all);
+    pick({section: "rounding", quantity: "all", metric: "elements_changed"}).forEach((row) => {
+      const line = box.append("p").attr("class", "left_out");
+      line.append("span").attr("data-row", row.index).text(row.variant);
+      line.append("span").text(": results differ from those in one thread in ");
+      figure(line, row);
+    });
   }
 }
 

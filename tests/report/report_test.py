@@ -129,7 +129,7 @@ def only(rows, **wanted):
 
 
 def check_others(rows):
-    """MuJoCo's point."""
+    """MuJoCo's point and the task graph's."""
     compared = only(rows, metric="compared_with")
     demand(re.search(r"Boost\.Odeint \d+\.\d+\.\d+ .*MuJoCo \d+\.\d+\.\d+$", compared), f"compared with {compared}")
     of = {"section": "rounding", "quantity": "gravity"}
@@ -139,14 +139,17 @@ def check_others(rows):
     demand(abs(times - slower / float(chosen)) < 1e-9 * times, f"{slower} over {chosen} is not {times}")
     said = [row["value"] for row in rows if row["section"] == "verdict" and "MuJoCo" in row["value"]]
     demand(len(said) == 1 and said[0].startswith("g: ") and f"{times:.3g} times" in said[0], f"the verdict says {said}")
+    together = {"section": "rounding", "quantity": "all", "variant": "task graph"}
+    demand(float(only(rows, **together, metric="time_median")) > 0, "the task graph takes no time")
+    demand(only(rows, **together, metric="elements_changed") == "0", "the task graph computes something else")
 
 
 def without_others():
-    """Where MuJoCo is not to be had, the rest of the report stands and says so."""
+    """Where neither MuJoCo nor oneTBB is to be had, the rest of the report stands and says so."""
     compiler = work / "compiler"
     compiler.write_text("""#!/bin/sh
 for word; do
-  case $word in -lmujoco)
+  case $word in -lmujoco | -ltbb)
     echo "ld: cannot find $word: no such file" >&2
     exit 1
   esac
@@ -164,8 +167,11 @@ exec c++ "$@"
            f"compared with {compared}")
     demand(not any(row["variant"] == "MuJoCo" or "mujoco" in row["metric"] for row in rows),
            "MuJoCo's figures come from nowhere")
+    why = only(rows, section="rounding", quantity="all", variant="task graph")
+    demand("cannot find -ltbb: no such file" in why and "install" in why, f"no task graph: {why}")
     seen = look((work / "without" / "index.html").read_text(), 360, "light")
     demand(seen["drawn"] == "yes", "the page's script does not reach its end without MuJoCo")
+    demand(any(words["text"] == why for words in seen["words"]), "the page does not say why there is no task graph")
 
 
 def check_page(page, rows, seen):
