@@ -1,26 +1,42 @@
 """Runs benchmark_peers and reads what it says. Shared by table.py and compare.py; Python's standard library only."""
+import contextlib
 import json
+import pathlib
 import re
+import shutil
 import statistics
 import subprocess
+import tempfile
 
 
-def run(program, pattern, repetitions, min_time):
-    """{name: {"times": [CPU nanoseconds per repetition], counter: value}}, repetitions of all benchmarks interleaved."""
-    command = [str(program), f"--benchmark_filter={pattern}", f"--benchmark_repetitions={repetitions}",
-               f"--benchmark_min_time={min_time}", "--benchmark_enable_random_interleaving=true", "--benchmark_format=json"]
-    answer = subprocess.run(command, check=True, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True).stdout
+@contextlib.contextmanager
+def copied(program):
+    """A copy of a program. Code larger than the instruction cache takes up to 1.3 times as long in one copy of the same file as in
+    another, for as long as that copy lives: it is where its pages lie in memory that counts, and that is luck. So every round
+    runs a copy of its own, and medians are over copies."""
+    with tempfile.TemporaryDirectory() as folder:
+        yield pathlib.Path(shutil.copy(program, folder))
+
+
+def run(program, pattern, repetitions, min_time, copies=1):
+    """{name: {"times": [CPU nanoseconds per repetition], counter: value}}, repetitions of all benchmarks interleaved; so many of
+    each of the copies."""
+    options = [f"--benchmark_filter={pattern}", f"--benchmark_repetitions={repetitions}", f"--benchmark_min_time={min_time}",
+               "--benchmark_enable_random_interleaving=true", "--benchmark_format=json"]
     found = {}
-    for entry in json.loads(answer)["benchmarks"]:
-        if entry.get("run_type") != "iteration":
-            continue
-        if entry.get("error_occurred"):
-            raise SystemExit(f"{entry['run_name']}: {entry['error_message']}")
-        row = found.setdefault(entry["run_name"], {"times": {}})
-        row["times"][entry["repetition_index"]] = entry["cpu_time"]
-        for counter in ("relative_error", "text_bytes", "table_bytes"):
-            if counter in entry:
-                row[counter] = entry[counter]
+    for copy in range(copies):
+        with copied(program) as own:
+            answer = subprocess.run([str(own), *options], check=True, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True).stdout
+        for entry in json.loads(answer)["benchmarks"]:
+            if entry.get("run_type") != "iteration":
+                continue
+            if entry.get("error_occurred"):
+                raise SystemExit(f"{entry['run_name']}: {entry['error_message']}")
+            row = found.setdefault(entry["run_name"], {"times": {}})
+            row["times"][copy, entry["repetition_index"]] = entry["cpu_time"]
+            for counter in ("relative_error", "text_bytes", "table_bytes"):
+                if counter in entry:
+                    row[counter] = entry[counter]
     for row in found.values():
         row["times"] = [row["times"][i] for i in sorted(row["times"])]
     return found

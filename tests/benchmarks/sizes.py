@@ -4,10 +4,10 @@
     python3 tests/benchmarks/sizes.py [--build build/release] [--rounds 15] [--include runtime/include] [--cxx g++]
 
 Generates each robot's M and C (floating base), compiles them with -O3 -march=native, and times them in turn, round by round,
-with Google Benchmark (tests/benchmarks/one_robot.cpp). Prints a Markdown table: operations as written and as executed (with
-padding), bytes of code and constants, nanoseconds of processor time (median of the rounds), and nanoseconds per thousand executed
-and written operations as a multiple of MAHRU's (median of the rounds' ratios). --include times the same generated code with the
-runtime's headers of another commit.
+with Google Benchmark (tests/benchmarks/one_robot.cpp), each time from a copy of the program of its own (measure.py says why).
+Prints a Markdown table: operations as written and as executed (with padding), bytes of code and constants, nanoseconds of
+processor time (median of the rounds), and nanoseconds per thousand executed and written operations as a multiple of MAHRU's
+(median of the rounds' ratios). --include times the same generated code with the runtime's headers of another commit.
 """
 import argparse
 import json
@@ -48,7 +48,8 @@ class Robot:
                   "-o", self.program)
 
     def time(self):
-        answer = output_of(self.program, "--benchmark_min_time=0.03", "--benchmark_format=json")
+        with measure.copied(self.program) as program:
+            answer = output_of(program, "--benchmark_min_time=0.03", "--benchmark_format=json")
         self.times.append(json.loads(answer)["benchmarks"][0]["cpu_time"])
 
 

@@ -220,7 +220,7 @@ def main():
     results = {}
     for robot in robots:
         print(f"== Timing {robot['name']}", flush=True)
-        results.update(measure.run(build / "bin/benchmark_peers", f"^{robot['name']}/", options.repetitions, 0.02))
+        results.update(measure.run(build / "bin/benchmark_peers", f"^{robot['name']}/", 1, 0.02, options.repetitions))
     if options.print:
         print(f"{measured_on}\n\n{times(results, robots, outputs)}", end="")
         return
