@@ -121,67 +121,80 @@ DALEMBERT_BLOCK void lane_cross_blocks(const Factors<T, nl>& lower, const Factor
       lower, limbs, detail::limb_above(upper, first, Which::side_by_side), above, matrices, leading, begin, end);
 }
 
+namespace detail {
+
+// `count` steps of a floating base's columns, from step c on.
+template <int width, int count, class T, class To>
+DALEMBERT_BLOCK void base_columns_from(int c, const T* force, int stride, const LimbTable& limbs, const To& matrix,
+                                       int leading) {
+  Lanes<T, width * count> f[6];
+  load_all<width * count, T>(f, force + limbs.first_slot + c * width, 6, stride);
+  if constexpr (count == 1) {
+    Line<width> four, two;
+    lanes<width>([&](int l) DALEMBERT_IN_BLOCK {
+      four.column[l] = two.column[l] = limbs.first_row[l] + c;
+      four.row[l] = 0, two.row[l] = 4;
+      four.count[l] = c < limbs.length[l] ? 4 : 0, two.count[l] = four.count[l] / 2;
+    });
+    put_line<width, T>(matrix, leading, four, f, 4);
+    put_line<width, T>(matrix, leading, two, f + 4, 2);
+  } else {
+    Lanes<T, 4> four[8];
+    Lanes<T, 2> two[8];
+    turn_columns<T>(f[0], f[1], f[2], f[3], four);
+    turn_columns<T>(f[4], f[5], two);
+    lanes<8>([&](int i) DALEMBERT_IN_BLOCK {
+      const int step = c + i / 4;
+      if (step >= limbs.length[i % 4]) return;
+      T* const to = matrix + (limbs.first_row[i % 4] + step) * leading;
+      store<4, T>(to, four[i]);
+      store<2, T>(to + 4, two[i]);
+    });
+  }
+}
+
+// Up to four steps of its rows, from step r0 on; so many of them in a register.
+template <int width, int rows, int pack, class T, class To>
+DALEMBERT_BLOCK void base_rows_from(int r0, const T* force, int stride, const LimbTable& limbs, const To& matrix, int leading) {
+  DALEMBERT_KEEP_LOOP
+  for (int j = 0; j < 6; ++j) {
+    Lanes<T, width * pack> f[4] = {};
+    lanes<(rows + pack - 1) / pack>([&](int i) DALEMBERT_IN_BLOCK {
+      f[i] = load<width * pack, T>(force + j * stride + limbs.first_slot + (r0 + pack * i) * width);
+    });
+    Line<width> where;
+    lanes<width>([&](int l) DALEMBERT_IN_BLOCK {
+      where.column[l] = j, where.row[l] = limbs.first_row[l] + r0;
+      where.count[l] = least(rows, limbs.length[l] - r0);
+    });
+    if constexpr (pack == 1) {
+      put_line<width, T>(matrix, leading, where, f, rows);
+    } else {
+      Lanes<T, 4> turned[4];
+      turn_row<T>(f, turned);
+      put_turned<width, T>(matrix, leading, where, turned, rows);
+    }
+  }
+}
+
+}  // namespace detail
+
 // Rows and columns of a floating base for the limbs of a segment. force: the six elements per slot. The base's six rows come
 // first.
 template <int width, int steps, class T, class To>
 DALEMBERT_BLOCK void base_columns(const T* force, int stride, const LimbTable& limbs, To matrix, int leading) {
-  constexpr bool out = block_written_out(steps);
   constexpr int pack = std::is_same_v<To, T*> ? detail::together<T>(width, steps) : 1, packs = steps / pack;
-  const auto columns = [&](int c, auto count) DALEMBERT_IN_BLOCK {
-    constexpr int n = decltype(count)::value;
-    Lanes<T, width * n> f[6];
-    detail::load_all<width * n, T>(f, force + limbs.first_slot + c * width, 6, stride);
-    if constexpr (n == 1) {
-      detail::Line<width> four, two;
-      detail::lanes<width>([&](int l) DALEMBERT_IN_BLOCK {
-        four.column[l] = two.column[l] = limbs.first_row[l] + c;
-        four.row[l] = 0, two.row[l] = 4;
-        four.count[l] = c < limbs.length[l] ? 4 : 0, two.count[l] = four.count[l] / 2;
-      });
-      detail::put_line<width, T>(matrix, leading, four, f, 4);
-      detail::put_line<width, T>(matrix, leading, two, f + 4, 2);
-    } else {
-      Lanes<T, 4> four[8];
-      Lanes<T, 2> two[8];
-      detail::turn_columns<T>(f[0], f[1], f[2], f[3], four);
-      detail::turn_columns<T>(f[4], f[5], two);
-      detail::lanes<8>([&](int i) DALEMBERT_IN_BLOCK {
-        const int step = c + i / 4;
-        if (step >= limbs.length[i % 4]) return;
-        T* const to = matrix + (limbs.first_row[i % 4] + step) * leading;
-        store<4, T>(to, four[i]);
-        store<2, T>(to + 4, two[i]);
-      });
-    }
-  };
-  detail::repeat<out, packs>(packs, [&](int i) DALEMBERT_IN_BLOCK { columns(pack * i, std::integral_constant<int, pack>{}); });
-  if constexpr (pack * packs < steps) columns(steps - 1, std::integral_constant<int, 1>{});
+  detail::repeat<block_written_out(steps), packs>(packs, [&](int i) DALEMBERT_IN_BLOCK {
+    detail::base_columns_from<width, pack, T>(pack * i, force, stride, limbs, matrix, leading);
+  });
+  if constexpr (pack * packs < steps) detail::base_columns_from<width, 1, T>(steps - 1, force, stride, limbs, matrix, leading);
 }
 template <int width, int steps, class T, class To>
 DALEMBERT_BLOCK void base_rows(const T* force, int stride, const LimbTable& limbs, To matrix, int leading) {
-  constexpr bool out = block_written_out(steps);
-  detail::each_tile<out, steps>(0, steps, [&](int r0, auto size) DALEMBERT_IN_BLOCK {
+  detail::each_tile<block_written_out(steps), steps>(0, steps, [&](int r0, auto size) DALEMBERT_IN_BLOCK {
     constexpr int rows = decltype(size)::value;
     constexpr int pack = std::is_same_v<To, T*> && rows > 2 ? detail::together<T>(width, rows) : 1;
-    DALEMBERT_KEEP_LOOP
-    for (int j = 0; j < 6; ++j) {
-      Lanes<T, width * pack> f[4] = {};
-      detail::lanes<(rows + pack - 1) / pack>([&](int i) DALEMBERT_IN_BLOCK {
-        f[i] = load<width * pack, T>(force + j * stride + limbs.first_slot + (r0 + pack * i) * width);
-      });
-      detail::Line<width> where;
-      detail::lanes<width>([&](int l) DALEMBERT_IN_BLOCK {
-        where.column[l] = j, where.row[l] = limbs.first_row[l] + r0;
-        where.count[l] = detail::least(rows, limbs.length[l] - r0);
-      });
-      if constexpr (pack == 1) {
-        detail::put_line<width, T>(matrix, leading, where, f, rows);
-      } else {
-        Lanes<T, 4> turned[4];
-        detail::turn_row<T>(f, turned);
-        detail::put_turned<width, T>(matrix, leading, where, turned, rows);
-      }
-    }
+    detail::base_rows_from<width, rows, pack, T>(r0, force, stride, limbs, matrix, leading);
   });
 }
 
