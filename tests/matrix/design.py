@@ -110,5 +110,6 @@ def ci(_):
         (("unequal_limbs", "rolled", FUNCTIONS), ("clang++", "-O2", "native", 2)),
         (("chain_7", "straight", FUNCTIONS), ("g++", "-O2", "x86-64", 4)),
         (("unequal_limbs", "rolled", DRIVEN), ("g++", "-O3", "native", 4)),
+        (("hand", "rolled", DRIVEN), ("clang++", "-O2", "native", 4)),
         (("gantry_arms", "rolled", PUSHED), ("clang++", "-O2", "skylake-avx512", 4)),
     ]
