@@ -93,6 +93,7 @@ OperationCost cost_of(const LoweredFunction& function, const std::vector<int>& p
   }
   const ir::InputsRead read = ir::inputs_read(program, uses);
   cost.reads_base_pose = read.base_pose();
+  cost.reads_base_position = read.base_position();
   cost.reads_position = read.joint_positions();
   cost.reads_velocity = !read.velocities.empty();
   cost.positions_not_read = missing(read.positions, tree.nq());
@@ -107,6 +108,7 @@ OperationCost sum(OperationCost a, const OperationCost& b) {
   a.reads_position = a.reads_position || b.reads_position;
   a.reads_velocity = a.reads_velocity || b.reads_velocity;
   a.reads_base_pose = a.reads_base_pose || b.reads_base_pose;
+  a.reads_base_position = a.reads_base_position || b.reads_base_position;
   const auto in_both = [](std::vector<int>& list, const std::vector<int>& other) {
     std::erase_if(list, [&](int i) { return std::find(other.begin(), other.end(), i) == other.end(); });
   };

@@ -37,8 +37,8 @@ struct InputsRead {
   bool input = false;        // what the function takes besides q and v
   int base_positions = 0;    // as in Program
 
-  // Of the floating base only the orientation is ever read.
   bool base_pose() const { return !positions.empty() && *positions.begin() < base_positions; }
+  bool base_position() const { return base_pose() && *positions.begin() < 3; }  // not the orientation alone
   bool joint_positions() const { return !positions.empty() && *positions.rbegin() >= base_positions; }
 };
 InputsRead inputs_read(const Program& program, const std::vector<std::int32_t>& uses);

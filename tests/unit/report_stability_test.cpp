@@ -1,0 +1,81 @@
+// What the report says of extreme states: what reads the base's position is measured there, all else must not change by a bit.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+
+#include "commands/report/stability.hpp"
+#include "costs.hpp"
+#include "robots.hpp"
+
+namespace dalembert::reporting {
+namespace {
+
+using Settings = std::vector<frontend::Setting>;
+
+const CompilerOptions compiler{.compiler = "", .flags = "-std=c++17 -O0"};
+
+Model read(const std::string& robot, Settings settings) {
+  Request request;
+  for (const TestRobot& known : test_robots)
+    if (known.name == robot) request.robot = known.urdf;
+  request.settings = std::move(settings);
+  Diagnostics warnings;
+  return read_model(request, warnings);
+}
+
+// By quantity: the metrics of one case in double.
+using Case = std::map<std::string, std::map<std::string, std::string>>;
+
+std::vector<Row> stability_of(const Model& model) {
+  const Mujoco mujoco(model, compiler);
+  Rows rows;
+  add_stability({model, outputs_of(model), compiler, true, mujoco}, rows);
+  return rows.all();
+}
+
+Case case_of(const std::vector<Row>& rows, const std::string& name, const std::string& variant) {
+  Case found;
+  for (const Row& row : rows)
+    if (row.section == "stability" && row.subject == name && row.variant == variant)
+      found[row.quantity][row.metric] = row.value;
+  return found;
+}
+
+TEST(ReportStability, KnowsWhatReadsTheBasesPosition) {
+  const Model model = read("skew_axes", {{"base", "floating"},
+                                         {"outputs", "center_of_mass,potential_energy,center_of_mass_jacobian,gravity"},
+                                         {"frames", "{link_3: [pose, jacobian]}"}});
+  std::map<std::string, bool> position, pose;
+  for (const OperationCost& cost : operation_costs(model)) {
+    position[cost.name] = cost.reads_base_position;
+    pose[cost.name] = cost.reads_base_pose;
+  }
+  EXPECT_EQ(position, (std::map<std::string, bool>{{"all", true},
+                                                   {"center_of_mass", true},
+                                                   {"potential_energy", true},
+                                                   {"center_of_mass_jacobian", false},
+                                                   {"gravity", false},
+                                                   {"pose_link_3", true},
+                                                   {"jacobian_link_3", false}}));
+  EXPECT_TRUE(pose["gravity"] && pose["center_of_mass"]);
+}
+
+TEST(ReportStability, FarAwayMeasuresWhatReadsTheBasesPositionAndComparesTheRest) {
+  const std::vector<Row> rows = stability_of(
+      read("skew_axes", {{"base", "floating"}, {"outputs", "center_of_mass,potential_energy,mass_matrix"}}));
+  for (const char* variant : {"generated double", "generated float"}) {
+    const Case far = case_of(rows, "base at 1e12 m", variant);
+    ASSERT_EQ(far.size(), 3) << variant;
+    EXPECT_EQ(far.at("mass_matrix"), (std::map<std::string, std::string>{{"elements_changed", "0"}, {"verdict", "good"}}));
+    for (const char* quantity : {"center_of_mass", "potential_energy"}) {
+      ASSERT_EQ(far.at(quantity).count("ulp_worst"), 1) << quantity;
+      EXPECT_LT(std::stod(far.at(quantity).at("ulp_worst")), 8) << quantity;
+      EXPECT_EQ(far.at(quantity).at("verdict"), good) << quantity;
+      EXPECT_EQ(far.at(quantity).count("elements_changed"), 0) << quantity;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace dalembert::reporting
