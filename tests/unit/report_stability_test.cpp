@@ -4,6 +4,8 @@
 #include <cmath>
 #include <map>
 
+#include "commands/random_states.hpp"
+#include "commands/report/extreme_states.hpp"
 #include "commands/report/stability.hpp"
 #include "costs.hpp"
 #include "robots.hpp"
@@ -62,8 +64,8 @@ TEST(ReportStability, KnowsWhatReadsTheBasesPosition) {
 }
 
 TEST(ReportStability, FarAwayMeasuresWhatReadsTheBasesPositionAndComparesTheRest) {
-  const std::vector<Row> rows = stability_of(
-      read("skew_axes", {{"base", "floating"}, {"outputs", "center_of_mass,potential_energy,mass_matrix"}}));
+  const std::vector<Row> rows =
+      stability_of(read("skew_axes", {{"base", "floating"}, {"outputs", "center_of_mass,potential_energy,mass_matrix"}}));
   for (const char* variant : {"generated double", "generated float"}) {
     const Case far = case_of(rows, "base at 1e12 m", variant);
     ASSERT_EQ(far.size(), 3) << variant;
@@ -75,6 +77,36 @@ TEST(ReportStability, FarAwayMeasuresWhatReadsTheBasesPositionAndComparesTheRest
       EXPECT_EQ(far.at(quantity).count("elements_changed"), 0) << quantity;
     }
   }
+}
+
+constexpr const char* driven = "{link_2_joint: {of: link_1_joint, multiplier: -0.7, offset: 0.1}}";
+
+TEST(ReportStability, RoundedAnglesAreThoseThatTheScalarHolds) {
+  const Model model = read("skew_axes", {{"base", "fixed"}, {"mimic", driven}});
+  const ir::KinematicTree& tree = model.tree;
+  State state = random_states(tree, 1).front();
+  for (const double q : {0.3, 1e6 / 3, -1e15 / 3}) {
+    state.q[0] = q;
+    const auto offset = [&](ir::ScalarType scalar, bool fused) {
+      return with_rounded_angles(tree, state, scalar, fused).bodies[1].offset;
+    };
+    const auto angle = [&](double offset) { return std::fma(-0.7, q, offset); };
+    const volatile double product = -0.7 * q;
+    EXPECT_EQ(angle(offset(ir::ScalarType::float64, true)), std::fma(-0.7, q, 0.1));
+    EXPECT_EQ(angle(offset(ir::ScalarType::float64, false)), product + 0.1);
+    const double single = angle(offset(ir::ScalarType::float32, true));
+    EXPECT_EQ(single, static_cast<float>(single));
+  }
+}
+
+TEST(ReportStability, DrivenAnglesThatAreLargeAreJudgedAsRounded) {
+  const Model model = read("skew_axes", {{"base", "floating"}, {"outputs", "mass_matrix,center_of_mass"}, {"mimic", driven}});
+  const std::vector<Row> rows = stability_of(model);
+  for (const char* variant : {"generated double", "generated float"})
+    for (const char* name : {"angles to 1e6 rad", "angles to 1e15 rad"})
+      for (const auto& [quantity, metrics] : case_of(rows, name, variant))
+        EXPECT_EQ(metrics.at("verdict"), good)
+            << variant << ", " << name << ", " << quantity << ": " << metrics.at("ulp_worst");
 }
 
 }  // namespace

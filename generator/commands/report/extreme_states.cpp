@@ -1,5 +1,6 @@
 #include "commands/report/extreme_states.hpp"
 
+#include <cmath>
 #include <limits>
 #include <numbers>
 
@@ -16,6 +17,16 @@ void scale_angles(const ir::KinematicTree& tree, State& state, double largest) {
   }
 }
 
+// A driven joint's position as code in the scalar has it.
+template <class Scalar>
+double rounded_position(const ir::Body& body, double driver, bool fused) {
+  const Scalar multiplier = static_cast<Scalar>(body.multiplier), offset = static_cast<Scalar>(body.offset),
+               q = static_cast<Scalar>(driver);
+  if (fused) return std::fma(multiplier, q, offset);
+  const volatile Scalar product = multiplier * q;  // or this very sum is fused
+  return product + offset;
+}
+
 void scale_speeds(State& state, double largest) { state.v *= largest / 2; }
 
 }  // namespace
@@ -26,8 +37,8 @@ const std::vector<ExtremeCase>& extreme_cases() {
       {"random states", [](const Tree&, State&) {}},
       {"all joints at zero", [](const Tree& tree, State& s) { s.q.tail(s.q.size() - first_joint(tree)).setZero(); }},
       {"statics: all speeds zero", [](const Tree&, State& s) { s.v.setZero(); }},
-      {"angles to 1e6 rad", [](const Tree& tree, State& s) { scale_angles(tree, s, 1e6); }},
-      {"angles to 1e15 rad", [](const Tree& tree, State& s) { scale_angles(tree, s, 1e15); }},
+      {"angles to 1e6 rad", [](const Tree& tree, State& s) { scale_angles(tree, s, 1e6); }, true},
+      {"angles to 1e15 rad", [](const Tree& tree, State& s) { scale_angles(tree, s, 1e15); }, true},
       {"speeds to 1e3", [](const Tree&, State& s) { scale_speeds(s, 1e3); }},
       {"speeds to 1e8", [](const Tree&, State& s) { scale_speeds(s, 1e8); }},
       {"speeds to 1e-9", [](const Tree&, State& s) { scale_speeds(s, 1e-9); }},
@@ -38,6 +49,19 @@ const std::vector<ExtremeCase>& extreme_cases() {
        }},
   };
   return cases;
+}
+
+ir::KinematicTree with_rounded_angles(ir::KinematicTree tree, const State& state, ir::ScalarType scalar, bool fused) {
+  const std::vector<int> coordinates = tree.coordinates();
+  for (size_t k = 0; k < tree.bodies.size(); ++k) {
+    ir::Body& body = tree.bodies[k];
+    if (!body.driven()) continue;
+    const double q = state.q[first_joint(tree) + coordinates[k]];
+    const double position =
+        scalar == ir::ScalarType::float32 ? rounded_position<float>(body, q, fused) : rounded_position<double>(body, q, fused);
+    body.offset = std::fma(-body.multiplier, q, position);
+  }
+  return tree;
 }
 
 }  // namespace dalembert::reporting
