@@ -58,7 +58,8 @@ std::string not_read(const OperationCost& cost, const ir::KinematicTree& tree) {
     if (!some_read && tree.independent_joints() > 0) parts.push_back(fmt::format("joint {}s", what));
     else if (!names.empty()) parts.push_back(fmt::format("{} of {}", what, fmt::join(names, " and ")));
   };
-  if (tree.floating_base) parts.push_back(cost.reads_base_pose ? "base position" : "base pose");
+  if (tree.floating_base && !cost.reads_base_pose) parts.emplace_back("base pose");
+  else if (tree.floating_base && !cost.reads_base_position) parts.emplace_back("base position");
   joints("position", joint_names(cost.positions_not_read, tree.floating_base ? 7 : 0, tree), cost.reads_position);
   if (!cost.reads_velocity) parts.push_back("velocities");
   else joints("rate", joint_names(cost.velocities_not_read, tree.floating_base ? 6 : 0, tree), true);

@@ -8,6 +8,7 @@
 #include "commands/report/extreme_states.hpp"
 #include "commands/report/stability.hpp"
 #include "costs.hpp"
+#include "left_out.hpp"
 #include "robots.hpp"
 
 namespace dalembert::reporting {
@@ -61,6 +62,16 @@ TEST(ReportStability, KnowsWhatReadsTheBasesPosition) {
                                                    {"pose_link_3", true},
                                                    {"jacobian_link_3", false}}));
   EXPECT_TRUE(pose["gravity"] && pose["center_of_mass"]);
+}
+
+TEST(ReportStability, SaysThatTheBasesPositionIsNotReadOnlyWhereItIsNot) {
+  const Model model = read("skew_axes", {{"base", "floating"}, {"outputs", "center_of_mass,gravity,kinetic_energy"}});
+  std::map<std::string, std::string> said;
+  for (const OperationCost& cost : operation_costs(model)) said[cost.name] = not_read(cost, model.tree);
+  EXPECT_EQ(said, (std::map<std::string, std::string>{{"all", ""},
+                                                      {"center_of_mass", "velocities"},
+                                                      {"gravity", "base position, velocities"},
+                                                      {"kinetic_energy", "base pose"}}));
 }
 
 TEST(ReportStability, FarAwayMeasuresWhatReadsTheBasesPositionAndComparesTheRest) {
