@@ -2,7 +2,8 @@
 #
 # DALEMBERT_TEST_ROBOTS        their names, which are C identifiers
 # DALEMBERT_TEST_ROBOT_<name>  the URDF's path
-# dalembert_test_robots        library of a header: `#include "robots.hpp"` lists names and paths as dalembert::test_robots
+# dalembert_test_robots        library of headers: `#include "robots.hpp"` lists names and paths as dalembert::test_robots,
+#                              "read_robot.hpp" reads one as commands do
 
 set(DALEMBERT_TEST_ROBOTS
     pendulum double_pendulum chain_7 planar_chain_10 skew_chain_10 skew_axes
@@ -52,4 +53,4 @@ inline constexpr TestRobot test_robots[] = {
 }  // namespace dalembert
 ]] @ONLY)
 add_library(dalembert_test_robots INTERFACE)
-target_include_directories(dalembert_test_robots INTERFACE "${CMAKE_CURRENT_BINARY_DIR}/robots")
+target_include_directories(dalembert_test_robots INTERFACE "${CMAKE_CURRENT_BINARY_DIR}/robots" "${CMAKE_CURRENT_LIST_DIR}")

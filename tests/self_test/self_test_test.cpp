@@ -9,23 +9,13 @@
 
 #include "commands/generated_engine.hpp"
 #include "pipeline.hpp"
+#include "read_robot.hpp"
 #include "reference/engine.hpp"
-#include "robots.hpp"
 
 namespace dalembert {
 namespace {
 
 using Kind = ir::Expectation::Kind;
-using Settings = std::vector<frontend::Setting>;
-
-Model read(const std::string& robot, const Settings& settings) {
-  Request request;
-  for (const TestRobot& known : test_robots)
-    if (known.name == robot) request.robot = known.urdf;
-  request.settings = settings;
-  Diagnostics warnings;
-  return read_model(request, warnings);
-}
 
 // Empty when the emitted self-test passes.
 std::string run(const Model& model) {
@@ -34,7 +24,7 @@ std::string run(const Model& model) {
 
 TEST(SelfTest, InputsAreDistinctAndNoneIsNearZero) {
   for (const char* scalar : {"double", "float"}) {
-    const Model model = read("gantry_arms", {{"base", "floating"}, {"gravity", "run_time"}, {"scalar", scalar}});
+    const Model model = read_robot("gantry_arms", {{"base", "floating"}, {"gravity", "run_time"}, {"scalar", scalar}});
     const ir::SelfTest test = reference::self_test(model.tree, model.scene);
     ASSERT_EQ(test.states.size(), 3u);
     std::set<double> seen;
@@ -53,7 +43,7 @@ TEST(SelfTest, InputsAreDistinctAndNoneIsNearZero) {
 
 TEST(SelfTest, SmallMatricesAreComparedWholeAndLargeOnesInColumnsAndByRow) {
   for (const char* robot : {"chain_7", "tree_5x20"}) {
-    const Model model = read(robot, {{"base", "fixed"}, {"outputs", "mass_matrix,coriolis_matrix,gravity"}});
+    const Model model = read_robot(robot, {{"base", "fixed"}, {"outputs", "mass_matrix,coriolis_matrix,gravity"}});
     const ir::SelfTest test = reference::self_test(model.tree, model.scene);
     const bool small = model.tree.nv() == 7;
     EXPECT_EQ(test.precision, small ? "50 digits" : "long double");
@@ -80,7 +70,7 @@ TEST(SelfTest, SmallMatricesAreComparedWholeAndLargeOnesInColumnsAndByRow) {
 
 // Long double stands in for 50 digits where those take too long: it is near enough.
 TEST(SelfTest, BothPrecisionsAgree) {
-  const Model model = read("chain_50", {{"base", "fixed"}});
+  const Model model = read_robot("chain_50", {{"base", "fixed"}});
   const ir::SelfTest test = reference::self_test(model.tree, model.scene);
   const ir::SelfTest::State& state = test.states[2];
   for (const ir::Quantity quantity : model.scene.outputs) {
@@ -94,7 +84,8 @@ TEST(SelfTest, BothPrecisionsAgree) {
 
 // What the scalar cannot hold is not compared: right code overflows too.
 TEST(SelfTest, LeavesOutWhatOverflows) {
-  Model model = read("pendulum", {{"base", "fixed"}, {"scalar", "float"}, {"outputs", "mass_matrix,gravity,coriolis_matrix"}});
+  Model model =
+      read_robot("pendulum", {{"base", "fixed"}, {"scalar", "float"}, {"outputs", "mass_matrix,gravity,coriolis_matrix"}});
   model.tree.bodies[0].inertia = {1e37, {10, 20, 30}, Eigen::Matrix3d::Identity()};
   const ir::SelfTest test = reference::self_test(model.tree, model.scene);
   EXPECT_EQ(test.left_out, (std::vector<int>{0, 1}));
@@ -109,7 +100,7 @@ struct Case {
 
 class RightCode : public testing::TestWithParam<Case> {};
 
-TEST_P(RightCode, PassesItsSelfTest) { EXPECT_EQ(run(read(GetParam().robot, GetParam().settings)), ""); }
+TEST_P(RightCode, PassesItsSelfTest) { EXPECT_EQ(run(read_robot(GetParam().robot, GetParam().settings)), ""); }
 
 INSTANTIATE_TEST_SUITE_P(
     Scenes, RightCode,
@@ -149,7 +140,7 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(RightCodeOf, ExtremeRobotsPasses) {
   for (const char* scalar : {"double", "float"})
     for (const auto& [mass, length] : {std::pair{1e9, 1.0}, {1e-9, 1.0}, {1.0, 1e6}, {1.0, 1e-6}}) {
-      Model model = read("skew_chain_10", {{"base", "fixed"}, {"scalar", scalar}});
+      Model model = read_robot("skew_chain_10", {{"base", "fixed"}, {"scalar", scalar}});
       ir::Body& tip = model.tree.bodies.back();
       tip.inertia.mass *= mass;
       tip.inertia.com *= length;

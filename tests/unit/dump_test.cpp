@@ -3,23 +3,10 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <iterator>
-#include <robots.hpp>
+#include "read_robot.hpp"
 
 namespace dalembert {
 namespace {
-
-Model model_of(const std::string& robot, std::vector<frontend::Setting> settings, const std::string& form) {
-  const auto at =
-      std::find_if(std::begin(test_robots), std::end(test_robots), [&](const TestRobot& r) { return r.name == robot; });
-  Request request;
-  request.robot = at->urdf;
-  request.settings = std::move(settings);
-  request.form = form;
-  Diagnostics warnings;
-  return read_model(request, warnings);
-}
 
 void expect_in_order(const std::string& text, std::initializer_list<const char*> parts) {
   size_t at = 0;
@@ -30,20 +17,20 @@ void expect_in_order(const std::string& text, std::initializer_list<const char*>
 }
 
 TEST(Dump, EndsWithTheEffectOfTheSceneAndEveryPassWhateverTheStage) {
-  const Model model = model_of("quadruped", {{"outputs", "gravity"}}, "");
+  const Model model = read_robot("quadruped", {{"outputs", "gravity"}}, "");
   for (size_t stage = 0; stage < std::size(stage_names); ++stage)
     expect_in_order(dump(model, static_cast<Stage>(stage)), {"\noperations of all outputs after", "\nthe whole URDF",
                                                              "\n+ scene", "\n+ fold", "\n+ share", "\n+ move_parameters"});
 }
 
 TEST(Dump, LeavesOutThePassesThatWereLeftOut) {
-  Model model = model_of("quadruped", {}, "");
+  Model model = read_robot("quadruped", {}, "");
   model.options.share = false;
   EXPECT_EQ(dump(model, Stage::plan).find("+ share"), std::string::npos);
 }
 
 TEST(Dump, ShowsWhatEachStageIsMadeOf) {
-  const Model rolled = model_of("quadruped", {}, "rolled"), straight = model_of("quadruped", {}, "straight");
+  const Model rolled = read_robot("quadruped", {}, "rolled"), straight = read_robot("quadruped", {}, "straight");
   expect_in_order(dump(rolled, Stage::tree), {" base ", "axis [", "mass "});
   expect_in_order(dump(rolled, Stage::normal_tree), {"rotation [", "half trace", "second ["});
   expect_in_order(dump(rolled, Stage::program), {"= input q[", "phase 1", "mass_matrix(0, 0) = %"});

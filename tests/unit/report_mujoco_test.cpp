@@ -9,26 +9,15 @@
 #include "commands/report/mujoco_model.hpp"
 #include "commands/report/subject.hpp"
 #include "commands/temporary_folder.hpp"
-#include "robots.hpp"
+#include "read_robot.hpp"
 
 namespace dalembert::reporting {
 namespace {
-
-using Settings = std::vector<frontend::Setting>;
 
 const CompilerOptions compiler{.compiler = "", .flags = "-std=c++17 -O0"};
 constexpr const char* computed =
     "mass_matrix,gravity,bias,inverse_dynamics,forward_dynamics,inverse_mass_matrix,kinetic_energy,potential_energy,"
     "center_of_mass,center_of_mass_jacobian";
-
-Model read(const std::string& robot, Settings settings) {
-  Request request;
-  for (const TestRobot& known : test_robots)
-    if (known.name == robot) request.robot = known.urdf;
-  request.settings = std::move(settings);
-  Diagnostics warnings;
-  return read_model(request, warnings);
-}
 
 // The largest norm-wise error of any output at a few states.
 double worst_error(const Model& model) {
@@ -50,30 +39,31 @@ double worst_error(const Model& model) {
 }
 
 TEST(ReportMujoco, ComputesTheSameOnAFloatingBaseWithBranches) {
-  EXPECT_GT(worst_error(read("two_branches_at_base", {{"base", "floating"}, {"outputs", computed}})), 0);
+  EXPECT_GT(worst_error(read_robot("two_branches_at_base", {{"base", "floating"}, {"outputs", computed}})), 0);
 }
 
 TEST(ReportMujoco, ComputesTheSameOnAFixedBaseWithArmatureDampersSpringsAndAnotherGravity) {
-  EXPECT_GT(worst_error(read("prismatic_mix", {{"base", "fixed"},
-                                               {"outputs", computed},
-                                               {"gravity", "1,2,-9"},
-                                               {"armature", "{link_1_joint: 0.3, link_4_joint: 0.05}"},
-                                               {"damping", "{link_2_joint: 0.7}"},
-                                               {"stiffness", "{link_3_joint: {k: 300, rest: 0.1}, link_4_joint: 20}"}})),
+  EXPECT_GT(worst_error(read_robot("prismatic_mix", {{"base", "fixed"},
+                                                     {"outputs", computed},
+                                                     {"gravity", "1,2,-9"},
+                                                     {"armature", "{link_1_joint: 0.3, link_4_joint: 0.05}"},
+                                                     {"damping", "{link_2_joint: 0.7}"},
+                                                     {"stiffness", "{link_3_joint: {k: 300, rest: 0.1}, link_4_joint: 20}"}})),
             0);
 }
 
 TEST(ReportMujoco, ComputesTheSameWithoutSpeeds) {
-  EXPECT_GT(
-      worst_error(read("two_levels_of_branching", {{"rates_zero", "true"}, {"outputs", "gravity,bias,inverse_dynamics"}})), 0);
+  EXPECT_GT(worst_error(
+                read_robot("two_levels_of_branching", {{"rates_zero", "true"}, {"outputs", "gravity,bias,inverse_dynamics"}})),
+            0);
 }
 
 TEST(ReportMujoco, ComputesTheSameOfASingleBody) {
-  EXPECT_GT(worst_error(read("skew_axes", {{"base", "floating"}, {"cut", "link_1"}, {"outputs", computed}})), 0);
+  EXPECT_GT(worst_error(read_robot("skew_axes", {{"base", "floating"}, {"cut", "link_1"}, {"outputs", computed}})), 0);
 }
 
 TEST(ReportMujoco, TimesWhatItComputes) {
-  const Model model = read("chain_7", {{"outputs", "mass_matrix"}});
+  const Model model = read_robot("chain_7", {{"outputs", "mass_matrix"}});
   const CallTime time = Mujoco(model, compiler).time_per_call(outputs_of(model).front(), random_states(model.tree, 20));
   EXPECT_GT(time.lower_quartile, 10);
   EXPECT_LE(time.lower_quartile, time.median);
@@ -82,7 +72,7 @@ TEST(ReportMujoco, TimesWhatItComputes) {
 
 // Per output what stands in its way.
 std::vector<std::string> obstacles(const std::string& robot, const Settings& settings) {
-  const Model model = read(robot, settings);
+  const Model model = read_robot(robot, settings);
   const Mujoco mujoco(model, compiler);
   EXPECT_TRUE(mujoco.found()) << mujoco.why_not_found();
   std::vector<std::string> list;
@@ -112,13 +102,13 @@ TEST(ReportMujoco, SaysThatItIsNotFound) {
   const std::string wrapper = (folder.path() / "compiler").string();
   std::ofstream(wrapper) << "#!/bin/sh\necho 'somewhere: cannot find -lmujoco: No such file or directory' >&2\nexit 1\n";
   std::filesystem::permissions(wrapper, std::filesystem::perms::owner_all);
-  const Mujoco mujoco(read("chain_7", {}), {.compiler = wrapper});
+  const Mujoco mujoco(read_robot("chain_7", {}), {.compiler = wrapper});
   EXPECT_FALSE(mujoco.found());
   EXPECT_EQ(mujoco.why_not_found(), "cannot find -lmujoco: No such file or directory");
 }
 
 TEST(ReportMujoco, SaysThatItRefusesTheModel) {
-  Model model = read("chain_7", {{"base", "fixed"}, {"outputs", "mass_matrix"}});
+  Model model = read_robot("chain_7", {{"base", "fixed"}, {"outputs", "mass_matrix"}});
   while (model.tree.bodies.size() < 2000) {  // deeper than its reader of XML goes
     model.tree.bodies.push_back(model.tree.bodies.back());
     model.tree.bodies.back().parent = static_cast<int>(model.tree.bodies.size()) - 2;
@@ -130,7 +120,7 @@ TEST(ReportMujoco, SaysThatItRefusesTheModel) {
 }
 
 TEST(ReportMujoco, ReadsBodiesWithinThoseThatCarryThem) {
-  const std::string text = mujoco_model(read("two_levels_of_branching", {{"base", "fixed"}}).tree, {});
+  const std::string text = mujoco_model(read_robot("two_levels_of_branching", {{"base", "fixed"}}).tree, {});
   const auto count = [&](const std::string& word) {
     size_t times = 0;
     for (size_t at = text.find(word); at != text.npos; at = text.find(word, at + 1)) ++times;

@@ -9,23 +9,12 @@
 #include "commands/report/stability.hpp"
 #include "costs.hpp"
 #include "left_out.hpp"
-#include "robots.hpp"
+#include "read_robot.hpp"
 
 namespace dalembert::reporting {
 namespace {
 
-using Settings = std::vector<frontend::Setting>;
-
 const CompilerOptions compiler{.compiler = "", .flags = "-std=c++17 -O0"};
-
-Model read(const std::string& robot, Settings settings) {
-  Request request;
-  for (const TestRobot& known : test_robots)
-    if (known.name == robot) request.robot = known.urdf;
-  request.settings = std::move(settings);
-  Diagnostics warnings;
-  return read_model(request, warnings);
-}
 
 // By quantity: the metrics of one case in double.
 using Case = std::map<std::string, std::map<std::string, std::string>>;
@@ -46,9 +35,9 @@ Case case_of(const std::vector<Row>& rows, const std::string& name, const std::s
 }
 
 TEST(ReportStability, KnowsWhatReadsTheBasesPosition) {
-  const Model model = read("skew_axes", {{"base", "floating"},
-                                         {"outputs", "center_of_mass,potential_energy,center_of_mass_jacobian,gravity"},
-                                         {"frames", "{link_3: [pose, jacobian]}"}});
+  const Model model = read_robot("skew_axes", {{"base", "floating"},
+                                               {"outputs", "center_of_mass,potential_energy,center_of_mass_jacobian,gravity"},
+                                               {"frames", "{link_3: [pose, jacobian]}"}});
   std::map<std::string, bool> position, pose;
   for (const OperationCost& cost : operation_costs(model)) {
     position[cost.name] = cost.reads_base_position;
@@ -65,7 +54,7 @@ TEST(ReportStability, KnowsWhatReadsTheBasesPosition) {
 }
 
 TEST(ReportStability, SaysThatTheBasesPositionIsNotReadOnlyWhereItIsNot) {
-  const Model model = read("skew_axes", {{"base", "floating"}, {"outputs", "center_of_mass,gravity,kinetic_energy"}});
+  const Model model = read_robot("skew_axes", {{"base", "floating"}, {"outputs", "center_of_mass,gravity,kinetic_energy"}});
   std::map<std::string, std::string> said;
   for (const OperationCost& cost : operation_costs(model)) said[cost.name] = not_read(cost, model.tree);
   EXPECT_EQ(said, (std::map<std::string, std::string>{{"all", ""},
@@ -75,9 +64,9 @@ TEST(ReportStability, SaysThatTheBasesPositionIsNotReadOnlyWhereItIsNot) {
 }
 
 TEST(ReportStability, FarAwayMeasuresWhatReadsTheBasesPositionAndComparesTheRest) {
-  const std::vector<Row> rows = stability_of(
-      read("skew_axes",
-           {{"base", "floating"}, {"outputs", "center_of_mass,potential_energy,mass_matrix"}, {"frames", "{link_3: [pose]}"}}));
+  const std::vector<Row> rows = stability_of(read_robot(
+      "skew_axes",
+      {{"base", "floating"}, {"outputs", "center_of_mass,potential_energy,mass_matrix"}, {"frames", "{link_3: [pose]}"}}));
   for (const char* variant : {"generated double", "generated float"}) {
     const Case far = case_of(rows, "base at 1e12 m", variant);
     ASSERT_EQ(far.size(), 4) << variant;
@@ -94,7 +83,7 @@ TEST(ReportStability, FarAwayMeasuresWhatReadsTheBasesPositionAndComparesTheRest
 constexpr const char* driven = "{link_2_joint: {of: link_1_joint, multiplier: -0.7, offset: 0.1}}";
 
 TEST(ReportStability, RoundedAnglesAreThoseThatTheScalarHolds) {
-  const Model model = read("skew_axes", {{"base", "fixed"}, {"mimic", driven}});
+  const Model model = read_robot("skew_axes", {{"base", "fixed"}, {"mimic", driven}});
   const ir::KinematicTree& tree = model.tree;
   State state = random_states(tree, 1).front();
   for (const double q : {0.3, 1e6 / 3, -1e15 / 3}) {
@@ -112,7 +101,8 @@ TEST(ReportStability, RoundedAnglesAreThoseThatTheScalarHolds) {
 }
 
 TEST(ReportStability, DrivenAnglesThatAreLargeAreJudgedAsRounded) {
-  const Model model = read("skew_axes", {{"base", "floating"}, {"outputs", "mass_matrix,center_of_mass"}, {"mimic", driven}});
+  const Model model =
+      read_robot("skew_axes", {{"base", "floating"}, {"outputs", "mass_matrix,center_of_mass"}, {"mimic", driven}});
   const std::vector<Row> rows = stability_of(model);
   for (const char* variant : {"generated double", "generated float"})
     for (const char* name : {"angles to 1e6 rad", "angles to 1e15 rad"})
