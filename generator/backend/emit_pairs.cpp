@@ -141,6 +141,23 @@ std::string matrix_of(const CodeInput& code, const ir::Pairs& p) {
                           : "workspace." + name;
 }
 
+// The function of blocks.hpp for the blocks between a segment and the limbs at one level above it, and how it is told where
+// these stand.
+struct Crossing {
+  std::string function, type, slots;
+};
+Crossing crossing_of(const CodeInput& code, const ir::Segment& segment, size_t level, const Above& above) {
+  if (const std::vector<int> one = above.shared(); !one.empty()) {
+    const int first = slot_of(code, one.front());
+    return {"shared_cross_blocks", "", fmt::format("{}, {}", first, one.size() == 1 ? 0 : slot_of(code, one[1]) - first)};
+  }
+  if (const SideBySide found = side_by_side(code, above); found.segment)
+    return {"lane_cross_blocks",
+            fmt::format(", dalembert::LanesAbove<{}, {}>", found.segment->width, fmt::join(found.lanes, ", ")),
+            std::to_string(found.segment->first_slot)};
+  return {"cross_blocks", "", fmt::format("{}_above_{}_slot", segment.name, level + 1)};
+}
+
 }  // namespace
 
 bool elements_split(const ir::Segment& segment) { return segment.steps > 8; }
@@ -194,25 +211,11 @@ std::string elements_stage(const CodeInput& code, size_t segment) {
     text += fmt::format("  dalembert::limb_blocks<Elements, {}, {}, Scalar>(lower, upper, limbs, matrices, {});\n", s.width,
                         s.steps, end);
     for (size_t level = 0; level < levels.size(); ++level) {
-      const std::vector<int> one = levels[level].shared();
-      const SideBySide lanes = side_by_side(code, levels[level]);
-      std::string which, more, from;
-      if (!one.empty()) {
-        const int first = slot_of(code, one.front());
-        which = "shared_";
-        from = fmt::format("{}, {}", first, one.size() == 1 ? 0 : slot_of(code, one[1]) - first);
-      } else if (lanes.segment) {
-        which = "lane_";
-        more = fmt::format(", dalembert::LanesAbove<{}, {}>", lanes.segment->width, fmt::join(lanes.lanes, ", "));
-        from = std::to_string(lanes.segment->first_slot);
-      } else {
-        from = fmt::format("{}_above_{}_slot", s.name, level + 1);
-      }
+      const Crossing crossing = crossing_of(code, s, level, levels[level]);
       text += fmt::format(
           "  constexpr dalembert::LimbTable above_{1}{{{0}_above_{1}_row, {0}_above_{1}_length, 0}};\n"
-          "  dalembert::{2}cross_blocks<Elements, {3}, {4}, {5}, Scalar{6}>(lower, upper, limbs, {7}, above_{1}, matrices, "
-          "{8});\n",
-          s.name, level + 1, which, s.width, s.steps, levels[level].steps, more, from, end);
+          "  dalembert::{2}<Elements, {3}, {4}, {5}, Scalar{6}>(lower, upper, limbs, {7}, above_{1}, matrices, {8});\n",
+          s.name, level + 1, crossing.function, s.width, s.steps, levels[level].steps, crossing.type, crossing.slots, end);
     }
   } else {
     text += fmt::format("  dalembert::run_block<Elements, Scalar>(lower, upper, {}, {}, {}, matrices, {});\n", s.first_slot,
