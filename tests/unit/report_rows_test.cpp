@@ -6,6 +6,8 @@
 
 #include "commands/report/errors.hpp"
 #include "commands/report/rows.hpp"
+#include "commands/report/task_graph.hpp"
+#include "commands/report/verdict.hpp"
 
 namespace dalembert::reporting {
 namespace {
@@ -18,6 +20,15 @@ TEST(ReportRows, QuoteWhatCsvSeparatesWith) {
             "section,case,quantity,variant,metric,value,unit\n"
             "rounding,random states,mass_matrix,\"rolled double, 4 lanes\",time_median,0.1,ns\n"
             "robot,\"a \"\"b\"\"\",,,base,\"two\nlines\",\n");
+}
+
+TEST(ReportVerdict, FallsOnWhatATaskGraphChanges) {
+  for (const double changed : {0.0, 3.0}) {
+    Rows rows;
+    rows.number("rounding", "random states", "all", task_graph_variant, "elements_changed", changed, "elements");
+    EXPECT_EQ(add_verdict(rows), changed == 0);
+    EXPECT_EQ(rows.csv().find("The task graph changes 3 elements") != std::string::npos, changed != 0);
+  }
 }
 
 TEST(ReportErrors, AreRelativeToTheLargestElementToItsLastPlaceAndToEachElement) {

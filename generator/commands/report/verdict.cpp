@@ -9,6 +9,7 @@
 
 #include "commands/report/rounding.hpp"
 #include "commands/report/stability.hpp"
+#include "commands/report/task_graph.hpp"
 #include "ir/quantity.hpp"
 
 namespace dalembert::reporting {
@@ -58,6 +59,12 @@ class Verdict {
     return list;
   }
 
+  // What the task graph computes otherwise than the functions it calls; empty: nothing.
+  std::string changed_by_tasks() const {
+    const double changed = of("all", task_graph_variant, "elements_changed");
+    return changed == 0 ? "" : fmt::format("The task graph changes {:g} elements: something is wrong.", changed);
+  }
+
  private:
   std::string beside_mujoco(const std::string& quantity, const std::string& variant) const {
     const double times = of(quantity, variant, "times_faster_than_mujoco");
@@ -90,9 +97,11 @@ bool add_verdict(Rows& rows) {
   };
   sentences.push_back(tell("double", in_double));
   sentences.push_back(tell("float", in_float));
+  const std::string changed = verdict.changed_by_tasks();
+  sentences.push_back(changed);
   for (const std::string& sentence : sentences)
     if (!sentence.empty()) rows.text("verdict", "", "", "", "sentence", sentence);
-  return in_double.empty();
+  return in_double.empty() && changed.empty();
 }
 
 }  // namespace dalembert::reporting
