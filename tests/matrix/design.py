@@ -19,7 +19,7 @@ ROBOTS = {
     "prismatic_mix": "tests/robots/prismatic_mix.urdf", "gantry_arms": "tests/robots/gantry_arms.urdf",
     "quadruped": "tests/robots/quadruped.urdf", "hand": "tests/robots/hand.urdf", "tree_5x20": "tests/robots/tree_5x20.urdf",
 }
-URDFS = ROBOTS | {"humanoid": "tests/robots/humanoid.urdf"}
+URDFS = ROBOTS | {"humanoid": "tests/robots/humanoid.urdf", "grippers": "tests/robots/grippers.urdf"}
 # Robots with a scene: links that are pushed along their own axes or the world's, joints that drive others, functions of the
 # scene's own.
 PUSHED, DRIVEN = "pushed", "driven"
@@ -112,4 +112,6 @@ def ci(_):
         (("unequal_limbs", "rolled", DRIVEN), ("g++", "-O3", "native", 4)),
         (("hand", "rolled", DRIVEN), ("clang++", "-O2", "native", 4)),
         (("gantry_arms", "rolled", PUSHED), ("clang++", "-O2", "skylake-avx512", 4)),
+        (("grippers", "rolled", ALL), ("g++", "-O3", "native", 4)),
+        (("grippers", "rolled", FUNCTIONS), ("clang++", "-O2", "x86-64-v3", 4)),
     ]

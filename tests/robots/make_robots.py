@@ -263,6 +263,15 @@ def limbs():
     arm.attach(robot, "right", "base", [0.1, 0.3, 0.2], (0.2, 0.1, -0.3), mirror=True)
     robot.write()
 
+    finger = Limb("gripper_finger", ("1_proximal", "2_distal"))
+    robot = Robot("grippers", "A trunk, two arms side by side and two fingers on each: four limbs below two.")
+    robot.add("a_trunk", "base")
+    for side in ("left", "right"):
+        arm.attach(robot, f"b_arm_{side}", "a_trunk", [0.1, 0.3, 0.2], (0.2, 0.1, -0.3), mirror=side == "right")
+        for i in range(2):
+            finger.attach(robot, f"b_arm_{side}_4_finger_{i + 1}", f"b_arm_{side}_3_wrist", [0.05, 0.04 * i, 0.1], (0.1 * i, 0, 0.2))
+    robot.write()
+
     leg = Limb("quadruped_leg", ("1_hip", "2_thigh", "3_shank"))
     robot = Robot("quadruped", "Four legs of three joints; right ones are mirror images of left ones.")
     for prefix, x in (("front", 0.4), ("hind", -0.4)):

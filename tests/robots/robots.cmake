@@ -10,7 +10,7 @@ set(DALEMBERT_TEST_ROBOTS
     two_branches_at_base three_branches_at_base branch_below_base two_levels_of_branching unequal_limbs
     prismatic_mix gantry gantry_arms continuous_joints
     rotated_fixed_links offset_inertias frames_without_inertia massless_intermediate
-    mirror_pair quadruped hexapod humanoid hand humanoid_29 humanoid_39 humanoid_55
+    mirror_pair grippers quadruped hexapod humanoid hand humanoid_29 humanoid_39 humanoid_55
     chain_50 tree_5x20)
 foreach(robot IN LISTS DALEMBERT_TEST_ROBOTS)
   set(DALEMBERT_TEST_ROBOT_${robot} "${CMAKE_CURRENT_LIST_DIR}/${robot}.urdf")
