@@ -8,6 +8,8 @@
 #include "commands/report/integration.hpp"
 #include "commands/report/mujoco.hpp"
 #include "commands/report/page.hpp"
+#include "commands/report/parallel.hpp"
+#include "commands/report/progress.hpp"
 #include "commands/report/rounding.hpp"
 #include "commands/report/stability.hpp"
 #include "commands/report/task_graph.hpp"
@@ -25,8 +27,15 @@ ReportSummary write_report(const Model& model, const CompilerOptions& compiler, 
   add_forms(subject, rows);
   add_rounding(subject, rows);
   add_stability(subject, rows);
-  add_task_graph(subject, rows);
-  add_integration(subject, rows);
+  TaskGraph task_graph(subject);
+  Integration integration(subject);
+  Progress progress("compiling", 2);
+  each_in_parallel(2, [&](size_t i) {
+    i == 0 ? task_graph.compile() : integration.compile();
+    progress.step();
+  });
+  task_graph.add(rows);
+  integration.add(rows);
   ReportSummary summary;
   summary.passed = add_verdict(rows);
   const std::string csv = rows.csv();

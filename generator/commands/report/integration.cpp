@@ -11,6 +11,7 @@
 #include <dalembert/integrators/linearly_implicit.hpp>
 #include <dalembert/integrators/rk4.hpp>
 #include <dalembert/integrators/semi_implicit_euler.hpp>
+#include <iterator>
 #include <limits>
 
 #include "commands/generated_engine.hpp"
@@ -19,15 +20,19 @@
 #include "reference/trajectory.hpp"
 
 namespace dalembert::reporting {
-namespace {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using reference::Motion;
 
+namespace {
+
 constexpr double seconds = 0.2, stiff_seconds = 1, stiff_step = 1e-3;
+constexpr double spring_stiffnesses[] = {1e3, 1e6, 1e9};  // N m/rad or N/m
 constexpr long stability_steps = 200;
 constexpr int largest_robot = 100;  // coordinates; beyond, the reference takes longer than all the rest
+
+}  // namespace
 
 // The robot's dynamics as the integrators want them, with springs towards a position in every joint beside the scene's.
 class Simulated {
@@ -88,6 +93,8 @@ class Simulated {
   double stiffness_ = 0;                     // of those
 };
 
+namespace {
+
 struct Integrator {
   const char* name;
   bool (*step)(Simulated&, double h, VectorXd& q, VectorXd& v);  // false: it gives up
@@ -109,7 +116,7 @@ double difference(const Motion& a, const Motion& b) {
   return std::isnan(largest) ? std::numeric_limits<double>::infinity() : largest;
 }
 
-void add_free_motion(const Subject& subject, Simulated& simulated, const Motion& start, Rows& rows) {
+void add_free_motion(const Subject& subject, Simulated& simulated, const Motion& start, Progress& progress, Rows& rows) {
   const Model& model = subject.model;
   const Motion exact = reference::trajectory(model.tree, model.scene, start, seconds);
   const auto energy = [&](const Motion& at) {
@@ -145,6 +152,7 @@ void add_free_motion(const Subject& subject, Simulated& simulated, const Motion&
       error_before = error;
     }
     if (std::isfinite(order)) rows.number("integration", "free motion", "state", integrator.name, "order", order, "1");
+    progress.step();
   }
 }
 
@@ -167,9 +175,9 @@ double largest_stable_step(Simulated& simulated, const Integrator& integrator, c
   return 0;
 }
 
-void add_springs(Simulated& simulated, Motion start, Rows& rows) {
+void add_springs(Simulated& simulated, Motion start, Progress& progress, Rows& rows) {
   start.v *= 0.1;
-  for (double stiffness : {1e3, 1e6, 1e9}) {
+  for (double stiffness : spring_stiffnesses) {
     const std::string name = fmt::format("springs of {:.0e}", stiffness);
     simulated.set_springs(stiffness, start.q);
     for (const Integrator& integrator : all_integrators) {
@@ -178,6 +186,7 @@ void add_springs(Simulated& simulated, Motion start, Rows& rows) {
       rows.text("integration", name, "state", integrator.name, "verdict", std::isfinite(speed) ? "good" : "bad");
       rows.number("integration", name, "state", integrator.name, "largest_stable_step",
                   largest_stable_step(simulated, integrator, start), "s");
+      progress.step();
     }
   }
 }
@@ -194,13 +203,20 @@ std::string obstacle(const Model& model) {
 
 }  // namespace
 
-void add_integration(const Subject& subject, Rows& rows) {
-  std::string why = obstacle(subject.model);
-  if (why.empty()) try {
-      Simulated simulated(subject.model, subject.compiler);
-      const State state = random_states(subject.model.tree, 1).front();
-      add_free_motion(subject, simulated, {state.q, state.v}, rows);
-      add_springs(simulated, {state.q, state.v}, rows);
+Integration::Integration(const Subject& subject) : subject_(subject), why_not_(obstacle(subject.model)) {}
+Integration::~Integration() = default;
+
+void Integration::compile() {
+  if (why_not_.empty()) simulated_ = std::make_unique<Simulated>(subject_.model, subject_.compiler);
+}
+
+void Integration::add(Rows& rows) const {
+  std::string why = why_not_;
+  if (simulated_) try {
+      const State state = random_states(subject_.model.tree, 1).front();
+      Progress progress("simulating", std::size(all_integrators) * (1 + std::size(spring_stiffnesses)));
+      add_free_motion(subject_, *simulated_, {state.q, state.v}, progress, rows);
+      add_springs(*simulated_, {state.q, state.v}, progress, rows);
     } catch (const reference::NoTrajectory& none) {
       why = none.what();
     }

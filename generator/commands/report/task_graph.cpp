@@ -52,25 +52,32 @@ void add_time(Rows& rows, const char* variant, const CallTime& time) {
 
 }  // namespace
 
-void add_task_graph(const Subject& subject, Rows& rows) {
-  const auto leave_out = [&](const std::string& why) {
-    rows.text("rounding", random_case, "all", task_graph_variant, "left_out", why);
-  };
-  const Model model = with_tasks(subject);
-  if (!has_several_tasks(model)) return leave_out("one straight line of code is one task");
-  std::unique_ptr<GeneratedEngine> engine;
-  try {
-    engine = std::make_unique<GeneratedEngine>(model, subject.outputs, subject.compiler, Besides::task_graphs);
-  } catch (const std::runtime_error& e) {
-    return leave_out("it does not compile without oneTBB (" + complaint(e) +
-                     "): install Debian's libtbb-dev, or name its folders " + "with --flags (-I, -L and -Wl,-rpath)");
+void TaskGraph::compile() {
+  const Model model = with_tasks(subject_);
+  if (!has_several_tasks(model)) {
+    why_not_ = "one straight line of code is one task";
+    return;
   }
-  const std::vector<State> states = random_states(model.tree, 50);
+  try {
+    engine_ = std::make_unique<GeneratedEngine>(model, subject_.outputs, subject_.compiler, Besides::task_graphs);
+  } catch (const std::runtime_error& e) {
+    why_not_ = "it does not compile without oneTBB (" + complaint(e) +
+               "): install Debian's libtbb-dev, or name its folders with --flags (-I, -L and -Wl,-rpath)";
+  }
+}
+
+void TaskGraph::add(Rows& rows) const {
+  if (!engine_) {
+    rows.text("rounding", random_case, "all", task_graph_variant, "left_out", why_not_);
+    return;
+  }
+  const std::vector<State> states = random_states(subject_.model.tree, 50);
+  engine_->run_task_graphs(true);
   rows.number("rounding", random_case, "all", task_graph_variant, "elements_changed",
-              elements_changed(*engine, subject.outputs, states), "elements");
-  add_time(rows, task_graph_variant, engine->time_per_call(states));
-  engine->run_task_graphs(false);
-  add_time(rows, "task graph's functions, one thread", engine->time_per_call(states));
+              elements_changed(*engine_, subject_.outputs, states), "elements");
+  add_time(rows, task_graph_variant, engine_->time_per_call(states));
+  engine_->run_task_graphs(false);
+  add_time(rows, "task graph's functions, one thread", engine_->time_per_call(states));
 }
 
 }  // namespace dalembert::reporting
