@@ -26,7 +26,7 @@ WHO = ["dalembert", "mujoco", "dart", "kdl", "generic"]
 # What was asked for: our quantity must take at most 1/factor of MuJoCo's time for the other.
 GOALS = [("MAHRU", "M+C", "M", 6), ("MAHRU", "M", "M", 14), ("MAHRU", "bias", "bias", 14),
          ("Atlas", "M+C", "M", 6), ("Atlas", "M", "M", 14), ("Atlas", "bias", "bias", 14),
-         ("DRC-Hubo", "M+C", "M", 5), ("DRC-Hubo", "M", "M", 12), ("DRC-Hubo", "bias", "bias", 12),
+         ("DRC-Hubo", "M+C", "M", 7), ("DRC-Hubo", "M", "M", 12), ("DRC-Hubo", "bias", "bias", 12),
          ("WAM", "M+C", "M", 3), ("WAM", "M", "M", 8), ("WAM", "bias", "bias", 8),
          ("MAHRU", "id", "id", 20), ("MAHRU", "fd", "fd", 12), ("Atlas", "id", "id", 20), ("Atlas", "fd", "fd", 12),
          ("WAM", "id", "id", 10), ("WAM", "fd", "fd", 6)]
