@@ -55,18 +55,29 @@ constexpr const char* of_the_folder[] = {"Scalar",
 constexpr const char* own[] = {"kept",     "status",         "stages",     "run",        "inverse", "factor",          "pivots",
                                "diagonal", "padded_inverse", "efforts_dq", "efforts_dv", "mass",    "unscaled_factor", "solve"};
 
-// What the code has of a function and its results: as itself, for C, and in the self-test's tables.
-std::vector<std::string> names_of(const ir::EmittedFunction& function, const std::vector<std::string>& results) {
+// What the code has of a function besides its results.
+std::vector<std::string> names_of(const ir::EmittedFunction& function) {
   std::vector<std::string> names{function.name, function.type + "Kept", function.type + "TaskGraph"};
   for (const char* word : own) names.push_back(function.own_name(word));
-  for (const std::string& result : results) {
-    names.push_back(result);
-    if (ir::c_accessor(result) != result) names.push_back(ir::c_accessor(result));
-    for (const int state : {0, 1, 2})
-      for (const char* table : {"{}_{}", "{}_rows_{}", "{}_{}_columns", "{}_rows_{}_columns"})
-        names.push_back(fmt::format(fmt::runtime(table), result, state));
-  }
   return names;
+}
+
+// What it has of one result: as itself, for C, and in the self-test's tables.
+void add_names_of_result(const std::string& result, std::vector<std::string>& names) {
+  names.push_back(result);
+  if (ir::c_accessor(result) != result) names.push_back(ir::c_accessor(result));
+  for (const int state : {0, 1, 2})
+    for (const char* table : {"{}_{}", "{}_rows_{}", "{}_{}_columns", "{}_rows_{}_columns"})
+      names.push_back(fmt::format(fmt::runtime(table), result, state));
+}
+
+// Of every folder, whatever its scene.
+std::set<std::string> names_of_every_folder() {
+  std::vector<std::string> names(std::begin(of_the_folder), std::end(of_the_folder));
+  for (const ir::QuantityRow& row : ir::quantities()) add_names_of_result(row.name, names);
+  for (const ir::FunctionRow& row : ir::functions)
+    for (std::string& name : names_of(ir::standard_function(row.function))) names.push_back(std::move(name));
+  return {names.begin(), names.end()};
 }
 
 }  // namespace
@@ -80,24 +91,25 @@ std::string fault_of_function_name(const std::string& name) {
 }
 
 std::vector<TakenName> taken_names(const ir::Scene& scene) {
-  std::set<std::string> taken(std::begin(of_the_folder), std::end(of_the_folder));
+  if (scene.functions.empty()) return {};
+  static const std::set<std::string> of_every_folder = names_of_every_folder();
+  std::set<std::string> taken;  // by this scene
   for (const std::string& link : scene.payloads)
     for (const char* of_payload : {"payload_", "set_payload_"}) taken.insert(of_payload + ir::identifier(link));
   for (const ir::ExternalWrench& wrench : scene.wrenches)
     for (const char* of_wrench : {"wrench_", "set_wrench_"}) taken.insert(of_wrench + ir::identifier(wrench.link));
-  std::vector<std::string> results;
-  for (const ir::QuantityRow& row : ir::quantities()) results.emplace_back(row.name);
-  for (const ir::LinkOutput& output : scene.link_outputs()) results.push_back(ir::name_of(output));
-  for (const ir::FunctionRow& row : ir::functions)
-    for (const std::string& name : names_of(ir::standard_function(row.function), results)) taken.insert(name);
+  std::vector<std::string> of_links;
+  for (const ir::LinkOutput& output : scene.link_outputs()) add_names_of_result(ir::name_of(output), of_links);
+  taken.insert(of_links.begin(), of_links.end());
   std::vector<TakenName> faults;
   for (const ir::NamedFunction& f : scene.functions) {
     const ir::EmittedFunction function = ir::named_function(f.name, f.quantities, f.of_links);
-    results.clear();
-    for (const ir::Quantity quantity : function.quantities) results.push_back(function.result(quantity));
-    for (const ir::LinkOutput& output : function.of_links) results.push_back(function.result(output));
-    const std::vector<std::string> names = names_of(function, results);
-    const auto clash = std::find_if(names.begin(), names.end(), [&](const std::string& name) { return taken.contains(name); });
+    std::vector<std::string> names = names_of(function);
+    for (const ir::Quantity quantity : function.quantities) add_names_of_result(function.result(quantity), names);
+    for (const ir::LinkOutput& output : function.of_links) add_names_of_result(function.result(output), names);
+    const auto clash = std::find_if(names.begin(), names.end(), [&](const std::string& name) {
+      return of_every_folder.contains(name) || taken.contains(name);
+    });
     if (clash != names.end()) faults.push_back({f.name, *clash});
     taken.insert(names.begin(), names.end());
   }

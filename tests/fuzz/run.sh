@@ -22,7 +22,7 @@ for target in $targets; do
   more="tests/error tests/robots"
   if [ "$target" = scene ]; then more="examples/scenes"; fi
   mkdir -p "$found"
-  export ASAN_OPTIONS="quarantine_size_mb=32:malloc_context_size=8"
+  export ASAN_OPTIONS="quarantine_size_mb=8:malloc_context_size=2"
   echo "== fuzz_$target, $runs runs"
   "build/fuzz/bin/fuzz_$target" -runs="$runs" -max_len=1024 -timeout=30 -entropic=0 -rss_limit_mb=2048 -malloc_limit_mb=256 \
     -dict="tests/fuzz/$target.dict" -artifact_prefix="$found-" -print_final_stats=1 "$found" "tests/fuzz/corpus/$target" $more
