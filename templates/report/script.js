@@ -209,17 +209,7 @@ function stability() {
   });
 }
 
-function integration() {
-  const all = pick({section: "integration"});
-  const none = all.find((r) => r.metric === "not_simulated");
-  const section = d3.select("#integration");
-  if (none) {
-    section.selectAll("p, h3, div").remove();
-    const p = section.append("p");
-    p.append("span").text("Not simulated: ");
-    word(p, none);
-    return;
-  }
+function free_motion(section, all) {
   const looks = {"semi-implicit Euler": ["euler", "circle"], "RK4": ["rk4", "square"], "implicit midpoint": ["midpoint", "diamond"],
     "linearly implicit": ["linear", "triangle-up"]};
   const points = all.filter((r) => r.metric === "error" && Number.isFinite(Number(r.value))).map((row) => ({
@@ -250,6 +240,26 @@ function integration() {
     figure(orders, row, "");
     orders.append("span").text(";");
   });
+}
+
+function integration() {
+  const all = pick({section: "integration"});
+  const none = all.find((r) => r.metric === "not_simulated");
+  const section = d3.select("#integration");
+  if (none && !none.case) {
+    section.selectAll("p, h3, div").remove();
+    const p = section.append("p");
+    p.append("span").text("Not simulated: ");
+    word(p, none);
+    return;
+  }
+  if (none) {
+    const p = section.select(".plots").append("p");
+    p.append("span").text("Not simulated: ");
+    word(p, none);
+  } else {
+    free_motion(section, all);
+  }
   unique(all.filter((r) => r.metric === "largest_speed").map((r) => r.case)).forEach((name) => {
     const line = section.select(".springs").append("p");
     line.append("span").attr("data-row", all.find((r) => r.case === name).index).text(name);

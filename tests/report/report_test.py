@@ -174,6 +174,22 @@ exec c++ "$@"
     demand(any(words["text"] == why for words in seen["words"]), "the page does not say why there is no task graph")
 
 
+def stiff_series():
+    """A spring too stiff for the reference leaves out what needs it, and not what tells how stiff it is."""
+    spring = "{a_02_joint: {k: 1e9, inertia: 0.1}}"
+    run = subprocess.run([dalembert, "report", robot, "--base", "fixed", "--outputs", "gravity", "--elastic", spring, "--quick",
+                          "--flags", "-O0 -std=c++17", "-o", str(work / "stiff")], capture_output=True, text=True, timeout=300)
+    demand(run.returncode == 0, f"exit status {run.returncode} with a stiff spring: {run.stdout}{run.stderr}")
+    rows = read_rows((work / "stiff" / "report.csv").read_text())
+    why = only(rows, section="integration", case="free motion", metric="not_simulated")
+    at_a_millisecond = {row["variant"]: row["value"] for row in rows
+                        if row["case"] == "springs of 1e+03" and row["metric"] == "verdict"}
+    demand(at_a_millisecond["linearly implicit"] == "good" and at_a_millisecond["RK4"] == "bad", f"{at_a_millisecond}")
+    seen = look((work / "stiff" / "index.html").read_text(), 360, "light")
+    demand(seen["drawn"] == "yes", "the page's script does not reach its end without a trajectory")
+    demand(any(words["text"] == why for words in seen["words"]), "the page does not say why there is no trajectory")
+
+
 def check_page(page, rows, seen):
     demand(len(page) < 5e6, "the page is larger than 5 MB")
     demand(not re.search(r"<(?:script|link|img)[^>]*(?:src|href)=", page), "the page loads something")
@@ -279,6 +295,7 @@ def main():
     must_find(page, rows, lambda p: p.replace('"chip " + verdict.value', '"chip weak"'), "a verdict is another")
     interrupt()
     without_others()
+    stiff_series()
     print(f"{len(rows)} rows, {len(seen['figures'])} figures, {len(seen['plots'])} plots")
 
 

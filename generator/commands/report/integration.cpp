@@ -191,6 +191,16 @@ void add_springs(Simulated& simulated, Motion start, Progress& progress, Rows& r
   }
 }
 
+// A random state with the scene's springs at rest: pulled at random, a stiff one would hold more energy than all the rest.
+State start_state(const ir::KinematicTree& tree) {
+  State state = random_states(tree, 1).front();
+  const std::vector<int> coordinates = tree.coordinates();
+  for (size_t k = 0; k < tree.bodies.size(); ++k)
+    if (tree.bodies[k].spring.k != 0)
+      state.q[tree.nq() - tree.independent_joints() + coordinates[k]] = tree.bodies[k].spring.rest;
+  return state;
+}
+
 // Why there is nothing to simulate; empty when there is.
 std::string obstacle(const Model& model) {
   if (model.tree.nv() == 0) return "nothing moves";
@@ -211,16 +221,21 @@ void Integration::compile() {
 }
 
 void Integration::add(Rows& rows) const {
-  std::string why = why_not_;
-  if (simulated_) try {
-      const State state = random_states(subject_.model.tree, 1).front();
-      Progress progress("simulating", std::size(all_integrators) * (1 + std::size(spring_stiffnesses)));
-      add_free_motion(subject_, *simulated_, {state.q, state.v}, progress, rows);
-      add_springs(*simulated_, {state.q, state.v}, progress, rows);
-    } catch (const reference::NoTrajectory& none) {
-      why = none.what();
-    }
-  if (!why.empty()) rows.text("integration", "", "", "", "not_simulated", why);
+  const auto not_simulated = [&](const char* what, const std::string& why) {
+    rows.text("integration", what, "", "", "not_simulated", why);
+  };
+  if (!simulated_) return not_simulated("", why_not_);
+  const Model& model = subject_.model;
+  const State state = start_state(model.tree);
+  if (!std::isfinite(reference::mass_condition(model.tree, model.scene, {state.q, state.v})))
+    return not_simulated("", "the mass matrix is singular");
+  Progress progress("simulating", std::size(all_integrators) * (1 + std::size(spring_stiffnesses)));
+  try {
+    add_free_motion(subject_, *simulated_, {state.q, state.v}, progress, rows);
+  } catch (const reference::NoTrajectory& none) {
+    not_simulated("free motion", none.what());
+  }
+  add_springs(*simulated_, {state.q, state.v}, progress, rows);
 }
 
 }  // namespace dalembert::reporting

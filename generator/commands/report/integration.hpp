@@ -26,7 +26,8 @@ class Integration {
   // drift of energy. Case `free motion`: the order seen. Cases `springs of K`: a second at 1 ms with springs of K N m/rad (N/m)
   // in all joints that pull back to where they started: the largest speed met, and whether it stayed bounded.
   //
-  // A single row `not_simulated` says why where the scene's motion has no smooth solution to compare with.
+  // A row `not_simulated` says why there is nothing of this, or no free motion: where the scene's motion has no smooth solution
+  // to compare with.
   void add(Rows& rows) const;
 
  private:
