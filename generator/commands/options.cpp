@@ -38,6 +38,8 @@ constexpr Help scene_help[] = {
     {"damping", "urdf|JOINT=VALUE,...", "viscous damping, N m s/rad or N s/m"},
     {"friction", "urdf|JOINT=VALUE,...", "Coulomb friction, N m or N"},
     {"stiffness", "JOINT=K,...|{JOINT: {k: K, rest: Q}}", "springs: k (q - rest), N m/rad or N/m, and rad or m"},
+    {"elastic", "{JOINT: {k: K, inertia: B, damping: D}}",
+     "joints whose motor, of this inertia (kg m² or kg), moves the link through a spring: two coordinates each"},
     {"massless", "keep|lock", "joints that move no mass: kept, with a warning (default), or locked"},
     {"inertia", "refuse|accept|repair", "inertias that no body has: refused (default), used as given, or made the nearest one"},
     {"rates_zero", "true|false", "statics: all velocities are zero"},

@@ -44,6 +44,7 @@ class SceneCheck {
     for (const auto& [joint, value] : scene_.damping) free_joint("damping", joint);
     for (const auto& [joint, value] : scene_.friction) free_joint("friction", joint);
     stiffness();
+    elastic();
     if (scene_.urdf_damping) urdf_values("damping", &ir::Joint::damping);
     if (scene_.urdf_friction) urdf_values("friction", &ir::Joint::friction);
     if (!errors_.empty()) throw InputError(errors_);
@@ -138,6 +139,13 @@ class SceneCheck {
         error("stiffness/" + joint, fmt::format("joint '{}' is driven by '{}'", joint, relation->second.of),
               fmt::format("give the spring to '{}'", relation->second.of));
     }
+  }
+
+  void elastic() {
+    for (const auto& [joint, spring] : scene_.elastic)
+      if (free_joint("elastic", joint) && scene_.armature.count(joint))
+        error("armature/" + joint, fmt::format("joint '{}' is elastic", joint),
+              "remove it here: the inertia in 'elastic' is that of the motor");
   }
 
   template <class Names>

@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
+#include <map>
 #include <optional>
 
 #include "frontend/function_names.hpp"
@@ -27,18 +29,29 @@ class SceneReader {
     Handler read;
   };
   static const std::vector<Key>& keys() {
-    static const std::vector<Key> keys = {
-        {"base", &SceneReader::base},           {"gravity", &SceneReader::gravity},
-        {"outputs", &SceneReader::outputs},     {"functions", &SceneReader::functions},
-        {"coriolis", &SceneReader::coriolis},   {"forward_dynamics", &SceneReader::forward_dynamics},
-        {"locked", &SceneReader::locked},       {"cut", &SceneReader::cut},
-        {"mimic", &SceneReader::mimic},         {"jacobians", &SceneReader::jacobians},
-        {"frames", &SceneReader::frames},       {"payloads", &SceneReader::payloads},
-        {"wrenches", &SceneReader::wrenches},   {"armature", &SceneReader::armature},
-        {"damping", &SceneReader::damping},     {"friction", &SceneReader::friction},
-        {"stiffness", &SceneReader::stiffness}, {"massless", &SceneReader::massless},
-        {"inertia", &SceneReader::inertia},     {"rates_zero", &SceneReader::rates_zero},
-        {"scalar", &SceneReader::scalar},       {"parallel", &SceneReader::parallel}};
+    static const std::vector<Key> keys = {{"base", &SceneReader::base},
+                                          {"gravity", &SceneReader::gravity},
+                                          {"outputs", &SceneReader::outputs},
+                                          {"functions", &SceneReader::functions},
+                                          {"coriolis", &SceneReader::coriolis},
+                                          {"forward_dynamics", &SceneReader::forward_dynamics},
+                                          {"locked", &SceneReader::locked},
+                                          {"cut", &SceneReader::cut},
+                                          {"mimic", &SceneReader::mimic},
+                                          {"jacobians", &SceneReader::jacobians},
+                                          {"frames", &SceneReader::frames},
+                                          {"payloads", &SceneReader::payloads},
+                                          {"wrenches", &SceneReader::wrenches},
+                                          {"armature", &SceneReader::armature},
+                                          {"damping", &SceneReader::damping},
+                                          {"friction", &SceneReader::friction},
+                                          {"stiffness", &SceneReader::stiffness},
+                                          {"elastic", &SceneReader::elastic},
+                                          {"massless", &SceneReader::massless},
+                                          {"inertia", &SceneReader::inertia},
+                                          {"rates_zero", &SceneReader::rates_zero},
+                                          {"scalar", &SceneReader::scalar},
+                                          {"parallel", &SceneReader::parallel}};
     return keys;
   }
 
@@ -262,22 +275,57 @@ class SceneReader {
     if (!node.is_map()) refuse(node, "the value is not a map", remedy);
     for (const auto& entry : node.entries) {
       const std::string joint = entry_name(entry.key);
-      ir::Spring spring;
-      const YamlNode* k = entry.value.is_scalar() ? &entry.value : nullptr;
-      if (!k && !entry.value.is_map()) refuse(entry.value, fmt::format("the spring of '{}' is no map", joint), remedy);
-      if (!k)
-        for (const auto& part : entry.value.entries) {
-          const std::string name = entry_name(part.key, joint);
-          if (name == "k") k = &part.value;
-          else if (name == "rest") spring.rest = number(part.value);
-          else refuse(part.key, fmt::format("'{}' is no part of a spring", name), suggestion(name, {"k", "rest"}));
-        }
-      if (!k) refuse(entry.key, fmt::format("the spring of '{}' has no k", joint), remedy);
-      spring.k = number(*k);
+      std::map<std::string, const YamlNode*> parts{{"k", &entry.value}};
+      if (!entry.value.is_scalar()) parts = parts_of_spring(joint, entry, {"k", "rest"}, {"k"}, remedy);
+      ir::Spring& spring = scene_.stiffness[joint];
+      spring.k = number(*parts.at("k"));
       if (spring.k < 0)
-        refuse(*k, fmt::format("the stiffness of joint '{}' is negative", joint), "give a value of zero or more");
-      scene_.stiffness[joint] = spring;
+        refuse(*parts.at("k"), fmt::format("the stiffness of joint '{}' is negative", joint), "give a value of zero or more");
+      if (parts.contains("rest")) spring.rest = number(*parts.at("rest"));
     }
+  }
+
+  // {joint: {k: value, inertia: value, damping: 0}, ...}
+  void elastic(const YamlNode& node) {
+    scene_.elastic.clear();
+    forget_entries();
+    const std::string remedy = "write elastic: {joint: {k: 1000, inertia: 0.3, damping: 1}}";
+    if (!node.is_map()) refuse(node, "the value is not a map", remedy);
+    for (const auto& entry : node.entries) {
+      const std::string joint = entry_name(entry.key);
+      const auto parts = parts_of_spring(joint, entry, {"k", "inertia", "damping"}, {"k", "inertia"}, remedy);
+      const auto positive = [&](const char* part) {
+        const double value = number(*parts.at(part));
+        if (value <= 0)
+          refuse(*parts.at(part), fmt::format("the {} of elastic joint '{}' is not positive", part, joint),
+                 "give a value above zero, or leave the joint out: it is rigid");
+        return value;
+      };
+      ir::Elasticity& made = scene_.elastic[joint];
+      made.k = positive("k");
+      made.inertia = positive("inertia");
+      if (!parts.contains("damping")) continue;
+      made.damping = number(*parts.at("damping"));
+      if (made.damping < 0)
+        refuse(*parts.at("damping"), fmt::format("the damping of elastic joint '{}' is negative", joint),
+               "give a value of zero or more");
+    }
+  }
+
+  std::map<std::string, const YamlNode*> parts_of_spring(const std::string& joint, const YamlEntry& entry,
+                                                         const std::vector<std::string>& known,
+                                                         const std::vector<std::string>& needed, const std::string& remedy) {
+    if (!entry.value.is_map()) refuse(entry.value, fmt::format("the spring of '{}' is no map", joint), remedy);
+    std::map<std::string, const YamlNode*> parts;
+    for (const auto& part : entry.value.entries) {
+      const std::string name = entry_name(part.key, joint);
+      if (std::find(known.begin(), known.end(), name) == known.end())
+        refuse(part.key, fmt::format("'{}' is no part of a spring", name), suggestion(name, known));
+      parts[name] = &part.value;
+    }
+    for (const std::string& name : needed)
+      if (!parts.contains(name)) refuse(entry.key, fmt::format("the spring of '{}' has no {}", joint, name), remedy);
+    return parts;
   }
 
   // {joint: {of: joint, multiplier: 1, offset: 0}, ...} or urdf

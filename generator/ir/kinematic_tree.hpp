@@ -3,6 +3,9 @@
 // Invariants: bodies[k].parent < k (-1 is the base); a subtree is the contiguous range [k, k + subtree_size). The base's
 // inertia matters only when it floats.
 //
+// An elastic joint is two on the same axis: the one of the URDF's name moves the motor, a body without mass, and the one behind
+// it deflects the spring and moves the link.
+//
 // Every body's joint has a coordinate of its own, in the order of the bodies, except where the scene drives it through a mimic
 // relation: such a body stays in the tree with its own position, q_body = multiplier · q_driver + offset, but nq and nv do
 // not count it, and what its row and column would hold belongs to the driver's.
@@ -35,6 +38,7 @@ struct Body {
 
   double armature = 0, damping = 0, friction = 0;  // as the scene asks; a driven body's are its driver's
   Spring spring;                                   // of the joint's own coordinate: a driven body has none
+  std::string elastic;                             // the elastic joint whose deflection this body's joint is; else empty
 
   bool prismatic() const { return type == JointType::prismatic; }
   bool driven() const { return driven_by >= 0; }

@@ -28,6 +28,13 @@ struct Spring {
   double rest = 0;  // where it is at rest, rad or m
 };
 
+// Of a joint that its motor turns through a spring.
+struct Elasticity {
+  double k = 0;        // of the spring, N m/rad or N/m
+  double damping = 0;  // of the spring, N m s/rad or N s/m
+  double inertia = 0;  // of the motor, reflected to the joint, kg m² or kg
+};
+
 // One more function of the generated code, and what it computes.
 struct NamedFunction {
   std::string name;
@@ -64,9 +71,10 @@ struct Scene {
   std::map<std::string, double> damping;   // joint → viscous damping
   std::map<std::string, double> friction;  // joint → Coulomb friction
   std::map<std::string, Spring> stiffness;
-  bool urdf_damping = false;   // take <dynamics damping> from the URDF
-  bool urdf_friction = false;  // take <dynamics friction> from the URDF
-  bool lock_massless = false;  // lock every joint that moves no mass
+  std::map<std::string, Elasticity> elastic;  // joint → the spring between its motor and its link
+  bool urdf_damping = false;                  // take <dynamics damping> from the URDF
+  bool urdf_friction = false;                 // take <dynamics friction> from the URDF
+  bool lock_massless = false;                 // lock every joint that moves no mass
   InertiaPolicy inertia = InertiaPolicy::refuse;
 
   // What is asked of the whole robot, by any function, each once.

@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <cmath>
 #include <unordered_map>
+#include <unordered_set>
 
+#include "ir/identifier.hpp"
 #include "ir/rotation.hpp"
 #include "passes/combine_inertia.hpp"
 #include "passes/joints_without_mass.hpp"
@@ -105,9 +107,36 @@ class TreeBuilder {
     body.friction = asked(scene_.friction, scene_.urdf_friction ? joint.friction : 0);
     if (const auto spring = scene_.stiffness.find(joint.name); spring != scene_.stiffness.end()) body.spring = spring->second;
     visit.placement.setIdentity();
+    const auto elastic = scene_.elastic.find(joint.name);
+    if (elastic == scene_.elastic.end()) return add(std::move(body));
+
+    ir::Body link = body;  // behind the motor
+    body.name = distinct(joint.name + "_motor");
+    body.armature = elastic->second.inertia;
+    link.joint = distinct(joint.name + "_spring");
+    link.parent = add(std::move(body));
+    link.placement.setIdentity();
+    link.friction = 0;
+    link.damping = elastic->second.damping;
+    link.spring = {elastic->second.k, 0};
+    link.elastic = joint.name;
+    return add(std::move(link));
+  }
+
+  int add(ir::Body body) {
     parts_.emplace_back();
     tree_.bodies.push_back(std::move(body));
     return tree_.joints() - 1;
+  }
+
+  // A name that neither a link nor a joint of the file has, in C++ neither.
+  std::string distinct(std::string name) {
+    if (names_.empty()) {
+      for (const ir::Link& link : robot_.links) names_.insert(ir::identifier(link.name));
+      for (const ir::Joint& joint : robot_.joints) names_.insert(ir::identifier(joint.name));
+    }
+    while (!names_.insert(ir::identifier(name)).second) name += '_';
+    return name;
   }
 
   // Mimic relations. What a driven joint adds to its driver's coordinate v: armature (c v̇ = force/c), so c² of it; likewise
@@ -204,6 +233,7 @@ class TreeBuilder {
   Diagnostics& warnings_;
   ir::KinematicTree tree_;
   std::vector<std::vector<ir::Inertia>> parts_;  // per body, the base's first: inertias of its links
+  std::unordered_set<std::string> names_;        // identifiers of links and joints; empty until one is made up
   Diagnostics errors_;
 };
 

@@ -71,8 +71,14 @@ ir::Scene with_massless_locked(const ir::RobotDescription& robot, const ir::Kine
   };
   std::vector<std::string> names;
   for (int k : joints) {
-    lock(tree.bodies[at(k)].joint, 0);
-    names.push_back("'" + tree.bodies[at(k)].joint + "'");
+    const ir::Body& body = tree.bodies[at(k)];
+    if (const auto elastic = scene.elastic.find(body.elastic); elastic == scene.elastic.end()) {
+      lock(body.joint, 0);
+    } else {  // the spring has nothing to move, the motor its inertia
+      scene.armature[body.elastic] = elastic->second.inertia;
+      scene.elastic.erase(elastic);
+    }
+    names.push_back("'" + body.joint + "'");
     for (const ir::Body& driven : tree.bodies)
       if (driven.driven_by == k) lock(driven.joint, driven.offset);
   }

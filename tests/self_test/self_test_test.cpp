@@ -125,6 +125,13 @@ INSTANTIATE_TEST_SUITE_P(
               {"outputs",
                "bias,potential_energy,inverse_dynamics,inverse_dynamics_dq,forward_dynamics,forward_dynamics_dq,forward_"
                "dynamics_dv"}}},
+        Case{"elastic_joints",
+             "quadruped",
+             {{"elastic",
+               "{front_left_2_thigh_joint: {k: 800, inertia: 0.05}, hind_right_3_shank_joint: {k: 2e5, inertia: 1e-3, damping: "
+               "4}}"},
+              {"outputs",
+               "mass_matrix,bias,kinetic_energy,potential_energy,inverse_dynamics_dq,forward_dynamics,inverse_mass_matrix"}}},
         Case{"springs_in_statics",
              "quadruped",
              {{"rates_zero", "true"}, {"stiffness", "front_left_2_thigh_joint=30"}, {"outputs", "bias"}}},

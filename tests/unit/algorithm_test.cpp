@@ -182,6 +182,9 @@ TEST_P(Algorithm, RunsInBothFormsAsTheGenericEngineDoes) {
     ir::Scene springs = all;
     for (size_t j = 0; j < moving.size(); j += 2) springs.stiffness[moving[j]] = {3.0 + static_cast<double>(j), 0.4};
     scenes["springs"] = springs;
+    ir::Scene elastic = springs;
+    for (size_t j = 0; j < moving.size(); j += 3) elastic.elastic[moving[j]] = {200, 0.5, 0.3};
+    scenes["elastic joints"] = elastic;
     ir::Scene resting = springs;
     resting.rates_zero = true;
     std::erase(resting.outputs, ir::Quantity::coriolis_matrix);
@@ -202,6 +205,7 @@ TEST_P(Algorithm, RunsInBothFormsAsTheGenericEngineDoes) {
       driven.mimic[moving.back()] = {moving[0], 1.5, 0};
       driven.stiffness[moving[0]] = {7, -0.3};
       driven.wrenches = {{link_moved_by(description, moving.back()), true}};
+      driven.elastic = {{moving[1], {300, 0.2, 0.1}}, {moving[0], {200, 0, 0.4}}};
       std::erase_if(driven.outputs, needs_independent_joints);
       scenes["driven joints"] = driven;
     }

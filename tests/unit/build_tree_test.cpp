@@ -212,6 +212,61 @@ TEST(BuildTree, SpringsAreOfTheJointTheyAreGivenTo) {
   EXPECT_EQ(tree.bodies[1].spring.rest, 0.5);
 }
 
+TEST(BuildTree, AnElasticJointIsAMotorAndASpringOnTheSameAxis) {
+  ir::RobotDescription robot = two("revolute", "0 0 0", "0 0 1");
+  ir::Scene scene;
+  const ir::KinematicTree rigid = build(robot, scene);
+  scene.elastic = {{"k", {500, 3, 0.2}}};
+  scene.damping = {{"k", 0.1}};
+  scene.friction = {{"k", 0.7}};
+  scene.stiffness = {{"k", {11, 0.5}}};
+  robot.links[0].name = "k-motor";  // one name with k_motor in C++
+  const ir::KinematicTree tree = build(robot, scene);
+  ASSERT_EQ(tree.joints(), 3);
+  const ir::Body &motor = tree.bodies[1], &link = tree.bodies[2];
+  EXPECT_EQ(motor.name, "k_motor_");
+  EXPECT_EQ(motor.joint, "k");
+  EXPECT_EQ(motor.parent, 0);
+  EXPECT_EQ(motor.placement.matrix(), rigid.bodies[1].placement.matrix());
+  EXPECT_EQ(motor.inertia.mass, 0);
+  EXPECT_EQ(motor.armature, 0.2);
+  EXPECT_EQ(motor.damping, 0.1);
+  EXPECT_EQ(motor.friction, 0.7);
+  EXPECT_EQ(motor.spring.k, 11);
+  EXPECT_EQ(link.name, rigid.bodies[1].name);
+  EXPECT_EQ(link.joint, "k_spring");
+  EXPECT_EQ(link.parent, 1);
+  EXPECT_TRUE(link.placement.matrix().isIdentity(0));
+  EXPECT_EQ(link.axis, motor.axis);
+  expect_same_bits(link.inertia, rigid.bodies[1].inertia);
+  EXPECT_EQ(link.armature, 0);
+  EXPECT_EQ(link.damping, 3);
+  EXPECT_EQ(link.friction, 0);
+  EXPECT_EQ(link.spring.k, 500);
+  EXPECT_EQ(link.spring.rest, 0);
+  EXPECT_EQ(tree.links.size(), robot.links.size());
+  EXPECT_EQ(tree.links.back().link, link.name);
+  EXPECT_EQ(tree.links.back().body, 2);
+
+  // A driven motor takes its inertia to the driver; the spring behind it is a coordinate of its own.
+  scene.mimic = {{"k", {tree.bodies[0].joint, -2, 0.5}}};
+  scene.stiffness.clear();
+  const ir::KinematicTree driven = build(robot, scene);
+  EXPECT_EQ(driven.independent_joints(), 2);
+  EXPECT_TRUE(driven.bodies[1].driven());
+  EXPECT_EQ(driven.bodies[0].armature, 4 * 0.2);
+
+  // Where nothing hangs on the spring, locking what moves no mass makes the joint rigid again.
+  scene.mimic.clear();
+  robot.links[2].inertia.reset();
+  Diagnostics warnings;
+  const ir::KinematicTree idle = build(robot, scene);
+  EXPECT_EQ(passes::joints_without_mass(idle, scene), std::vector<int>{2});
+  const ir::Scene locked = passes::with_massless_locked(robot, idle, scene, warnings);
+  ASSERT_EQ(build(robot, locked).joints(), 2);
+  EXPECT_EQ(build(robot, locked).bodies[1].armature, 0.2);
+}
+
 TEST(JointsWithoutMass, AreThoseThatMoveNeitherMassNorInertiaNorArmature) {
   ir::RobotDescription robot = two("revolute", "0 0 0", "0 0 1");
   const auto massless = [&](const ir::Scene& scene) { return passes::joints_without_mass(build(robot, scene), scene); };

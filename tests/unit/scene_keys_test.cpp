@@ -39,6 +39,7 @@ const Example examples[] = {
     {"damping", "urdf", "urdf"},
     {"friction", "{a: 2}", "a=2"},
     {"stiffness", "{a: {k: 30, rest: 0}}", "a=30"},
+    {"elastic", "{b: {k: 500, inertia: 0.1}}", "{b: {k: 500, inertia: 0.1}}"},
     {"massless", "lock", "lock"},
     {"inertia", "repair", "repair"},
     {"rates_zero", "true", "true"},
