@@ -44,8 +44,18 @@ std::string coordinates(const ir::KinematicTree& tree) {
          "v = [base linear velocity (0-2), angular velocity (3-5), both in base axes, joint rates (6-)]\n";
 }
 
+// What the scene puts into a joint.
+std::string losses_and_springs(const ir::Body& body) {
+  std::string text;
+  if (body.armature != 0) text += fmt::format(", armature {:.6g}", body.armature);
+  if (body.damping != 0) text += fmt::format(", damping {:.6g}", body.damping);
+  if (body.friction != 0) text += fmt::format(", friction {:.6g}", body.friction);
+  if (body.spring.k != 0) text += fmt::format(", spring {:.6g} at rest at {:.6g}", body.spring.k, body.spring.rest);
+  return text;
+}
+
 std::string bodies(const ir::KinematicTree& tree) {
-  std::string text = "\ntree (joint: type, axis -> body, mass):\n";
+  std::string text = "\ntree (joint: type, axis -> body, mass, and what the scene puts into the joint):\n";
   text += fmt::format("  base {}{}\n", tree.base_link, tree.floating_base ? fmt::format(", {:.6g} kg", tree.base.mass) : "");
   const std::vector<int> coordinate = tree.coordinates();
   std::vector<int> depth(tree.bodies.size());
@@ -55,8 +65,8 @@ std::string bodies(const ir::KinematicTree& tree) {
     const std::string number = body.driven()
                                    ? fmt::format("= {:.6g} q[{}] + {:.6g}", body.multiplier, coordinate[k], body.offset)
                                    : fmt::format("{}", coordinate[k]);
-    text += fmt::format("  {:>{}}{} {}: {}, {} -> {}, {:.6g} kg\n", "", 2 * depth[k], number, body.joint, name_of(body.type),
-                        vector(body.axis), body.name, body.inertia.mass);
+    text += fmt::format("  {:>{}}{} {}: {}, {} -> {}, {:.6g} kg{}\n", "", 2 * depth[k], number, body.joint, name_of(body.type),
+                        vector(body.axis), body.name, body.inertia.mass, losses_and_springs(body));
   }
   return text;
 }

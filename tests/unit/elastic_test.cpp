@@ -5,8 +5,10 @@
 #include <cmath>
 #include <robots.hpp>
 
+#include "commands/info.hpp"
 #include "frontend/urdf_reader.hpp"
 #include "passes/build_tree.hpp"
+#include "read_robot.hpp"
 #include "reference/engine.hpp"
 
 namespace dalembert {
@@ -107,6 +109,15 @@ TEST(ElasticPendulum, MovesAsTwoInertiasOnASpring) {
   EXPECT_NEAR(acceleration[0], (torque + spring) / B, 1e-11);
   EXPECT_NEAR(acceleration.sum(), -spring / J, 1e-11);
   EXPECT_NEAR(value(Quantity::potential_energy, tree, scene, at)(0, 0), k * deflection * deflection / 2, 1e-15);
+}
+
+TEST(ElasticJoint, IsShownByInfoWithMotorAndSpring) {
+  const std::string text =
+      describe(read_robot("two_branches_at_base",
+                          {{"elastic", "{a_02_joint: {k: 500, inertia: 0.2, damping: 3}}"}, {"friction", "a_02_joint=0.5"}}));
+  EXPECT_NE(text.find(" -> a_02_joint_motor, 0 kg, armature 0.2, friction 0.5\n"), text.npos) << text;
+  EXPECT_NE(text.find(" kg, damping 3, spring 500 at rest at 0\n"), text.npos) << text;
+  EXPECT_NE(text.find("a_02_joint_spring: revolute"), text.npos) << text;
 }
 
 }  // namespace
