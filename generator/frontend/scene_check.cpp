@@ -64,7 +64,7 @@ class SceneCheck {
       scene_.outputs = {ir::Quantity::mass_matrix, ir::Quantity::gravity};
     } else if (std::count(scene_.outputs.begin(), scene_.outputs.end(), ir::Quantity::coriolis_matrix)) {
       error("outputs", "coriolis_matrix is zero when rates_zero is set",
-            "remove one of the two; bias then is gravity, and may stay");
+            "remove one of the two; bias then knows no velocities, and may stay");
     }
   }
 
@@ -151,6 +151,12 @@ class SceneCheck {
   template <class Names>
   bool known(const std::string& key, const char* kind, const std::string& name, const Names& names) {
     if (names.count(name)) return true;
+    for (const auto& [joint, elasticity] : scene_.elastic)
+      if (name == joint + "_spring" || name == joint + "_motor") {
+        error(locate(key, name), fmt::format("'{}' is a part of elastic joint '{}'", name, joint),
+              fmt::format("what belongs to it stands under elastic, and what belongs to the motor under '{}'", joint));
+        return false;
+      }
     std::vector<std::string> all;
     for (const auto& entry : names) all.push_back(entry.first);
     std::sort(all.begin(), all.end());

@@ -298,7 +298,7 @@ class SceneReader {
         const double value = number(*parts.at(part));
         if (value <= 0)
           refuse(*parts.at(part), fmt::format("the {} of elastic joint '{}' is not positive", part, joint),
-                 "give a value above zero, or leave the joint out: it is rigid");
+                 "give a value above zero; a joint left out is rigid");
         return value;
       };
       ir::Elasticity& made = scene_.elastic[joint];

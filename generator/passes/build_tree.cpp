@@ -169,7 +169,7 @@ class TreeBuilder {
     if (moves_no_mass(tree_, scene_)) return;  // check_mass says it once
     const std::vector<int> massless = joints_without_mass(tree_, scene_);
     std::vector<std::string> names;
-    for (int k : massless) names.push_back("'" + tree_.bodies[at(k)].joint + "'");
+    for (int k : massless) names.push_back(in_words(tree_.bodies[at(k)]));
     if (!names.empty() && !scene_.lock_massless)
       warnings_.push_back({Severity::warning, robot_.file,
                            fmt::format("joint{} {}", names.size() > 1 ? "s" : "", fmt::join(names, ", ")),
@@ -179,9 +179,10 @@ class TreeBuilder {
     for (size_t k = 0; k < tree_.bodies.size(); ++k)
       if (const ir::Body& body = tree_.bodies[k]; no_inertia_about_axis(body) && !carries_payload(static_cast<int>(k)) &&
                                                   !std::binary_search(massless.begin(), massless.end(), static_cast<int>(k)))
-        warnings_.push_back({Severity::warning, robot_.file, fmt::format("joint '{}'", body.joint),
+        warnings_.push_back({Severity::warning, robot_.file, "joint " + in_words(body),
                              fmt::format("link '{}' has no inertia about the joint's axis: M is singular", body.name),
-                             "give the link a rotational inertia, or the joint an armature in the scene",
+                             body.elastic.empty() ? "give the link a rotational inertia, or the joint an armature in the scene"
+                                                  : "give the link a rotational inertia, or leave the joint out of 'elastic'",
                              "no inertia about axis"});
   }
 

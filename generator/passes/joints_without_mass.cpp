@@ -58,6 +58,10 @@ bool moves_no_mass(const ir::KinematicTree& tree, const ir::Scene& scene) {
   return static_cast<int>(joints_without_mass(tree, scene).size()) == tree.independent_joints();
 }
 
+std::string in_words(const ir::Body& body) {
+  return body.elastic.empty() ? "'" + body.joint + "'" : "'" + body.elastic + "' (spring)";
+}
+
 ir::Scene with_massless_locked(const ir::RobotDescription& robot, const ir::KinematicTree& tree, ir::Scene scene,
                                Diagnostics& warnings) {
   const std::vector<int> joints = joints_without_mass(tree, scene);
@@ -72,12 +76,15 @@ ir::Scene with_massless_locked(const ir::RobotDescription& robot, const ir::Kine
   std::vector<std::string> names;
   for (int k : joints) {
     const ir::Body& body = tree.bodies[at(k)];
-    if (const auto elastic = scene.elastic.find(body.elastic); elastic == scene.elastic.end()) {
-      lock(body.joint, 0);
-    } else {  // the spring has nothing to move, the motor its inertia
+    if (const auto elastic = scene.elastic.find(body.elastic); elastic != scene.elastic.end()) {
       scene.armature[body.elastic] = elastic->second.inertia;
       scene.elastic.erase(elastic);
+      warnings.push_back({Severity::warning, robot.file, fmt::format("joint '{}'", body.elastic),
+                          "its spring moves no mass: it is rigid and keeps the motor's inertia, as the scene says",
+                          "leave it out of 'elastic'"});
+      continue;
     }
+    lock(body.joint, 0);
     names.push_back("'" + body.joint + "'");
     for (const ir::Body& driven : tree.bodies)
       if (driven.driven_by == k) lock(driven.joint, driven.offset);

@@ -1,6 +1,7 @@
 // What moves no mass: where M is singular and has no inverse.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "diagnostics.hpp"
@@ -18,8 +19,11 @@ std::vector<int> joints_without_mass(const ir::KinematicTree& tree, const ir::Sc
 // Whether all of M would be zero: nothing that moves has a mass or inertia, no joint an armature.
 bool moves_no_mass(const ir::KinematicTree& tree, const ir::Scene& scene);
 
-// The scene with all joints_without_mass locked: at zero, or where the mimic relation to such a joint puts them. Warns with
-// their names.
+// The body's joint as its user knows it: by the URDF's name, in quotation marks.
+std::string in_words(const ir::Body& body);
+
+// The scene with all joints_without_mass locked: at zero, or where the mimic relation to such a joint puts them; an elastic
+// joint whose spring moves nothing is rigid. Warns with their names.
 ir::Scene with_massless_locked(const ir::RobotDescription& robot, const ir::KinematicTree& tree, ir::Scene scene,
                                Diagnostics& warnings);
 

@@ -14,9 +14,10 @@ void check_solvable(const ir::RobotDescription& robot, const ir::KinematicTree& 
     std::vector<std::string> driven, massless;
     for (const ir::Body& body : tree.bodies)
       if (body.driven()) driven.push_back(body.joint);
-    for (const int joint : joints_without_mass(tree, scene)) massless.push_back(tree.bodies[static_cast<size_t>(joint)].joint);
+    for (const int joint : joints_without_mass(tree, scene))
+      massless.push_back(in_words(tree.bodies[static_cast<size_t>(joint)]));
     if (!massless.empty())
-      throw InputError({Severity::error, robot.file, fmt::format("joint '{}'", fmt::join(massless, "', '")),
+      throw InputError({Severity::error, robot.file, fmt::format("joint {}", fmt::join(massless, ", ")),
                         fmt::format("moves no mass: the mass matrix is singular, and there is no {}", row.name),
                         "give the links beyond it <inertial>, the joint an armature, or lock it (massless: lock)"});
     const bool derivative = quantity == ir::Quantity::forward_dynamics_dq || quantity == ir::Quantity::forward_dynamics_dv;

@@ -263,6 +263,8 @@ TEST(BuildTree, AnElasticJointIsAMotorAndASpringOnTheSameAxis) {
   const ir::KinematicTree idle = build(robot, scene);
   EXPECT_EQ(passes::joints_without_mass(idle, scene), std::vector<int>{2});
   const ir::Scene locked = passes::with_massless_locked(robot, idle, scene, warnings);
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_EQ(warnings[0].element, "joint 'k'");
   ASSERT_EQ(build(robot, locked).joints(), 2);
   EXPECT_EQ(build(robot, locked).bodies[1].armature, 0.2);
 }

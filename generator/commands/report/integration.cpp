@@ -228,7 +228,7 @@ void Integration::add(Rows& rows) const {
   const Model& model = subject_.model;
   const State state = start_state(model.tree);
   if (!std::isfinite(reference::mass_condition(model.tree, model.scene, {state.q, state.v})))
-    return not_simulated("", "the mass matrix is singular");
+    return not_simulated("", "the mass matrix is not positive definite");
   Progress progress("simulating", std::size(all_integrators) * (1 + std::size(spring_stiffnesses)));
   try {
     add_free_motion(subject_, *simulated_, {state.q, state.v}, progress, rows);
