@@ -159,6 +159,8 @@ class Comparison {
     if (e.scale == 0) e.scale = 1;  // all zeros, exactly
     const double error = (generic - exact).cwiseAbs().maxCoeff() / e.scale;
     e.tolerance = 512 * epsilon();
+    // The least scale is a thousandth of the terms that cancel: what vanishes is as wrong as a few of their last places.
+    e.tolerance = std::max(e.tolerance, 4096 * epsilon() * least_scale_ / e.scale);
     if (std::isfinite(condition_)) e.tolerance = std::max(e.tolerance, 5 * condition_ * epsilon());
     if (std::isfinite(error)) e.tolerance = std::max(e.tolerance, 64 * error);
   }

@@ -16,8 +16,9 @@ namespace dalembert::reference {
 // longer than the rest of the compiler, from long double.
 //
 // An element's tolerance is 512 epsilons of the scalar, or 10 times M's condition number of its unit roundoff where M is solved
-// with, or 64 times the error of the generic engine in that scalar at the very state, whichever is largest: where a state or a
-// robot is so ill-conditioned that any code must err, right code does not fail.
+// with, or four epsilons of the terms that cancel (LeastScale) in an output that all but vanishes, or 64 times the error of the
+// generic engine in that scalar at the very state, whichever is largest: where a state or a robot is so ill-conditioned that
+// any code must err, right code does not fail.
 ir::SelfTest self_test(const ir::KinematicTree& tree, const ir::Scene& scene);
 
 }  // namespace dalembert::reference
