@@ -21,8 +21,8 @@ ROBOTS = {
 }
 URDFS = ROBOTS | {"humanoid": "tests/robots/humanoid.urdf", "grippers": "tests/robots/grippers.urdf"}
 # Robots with a scene: links that are pushed along their own axes or the world's, joints that drive others, functions of the
-# scene's own.
-PUSHED, DRIVEN = "pushed", "driven"
+# scene's own, joints with a motor behind a spring.
+PUSHED, DRIVEN, ELASTIC = "pushed", "driven", "elastic"
 LINKS = {"mahru": ("left_hand", "right_foot"), "unequal_limbs": ("b_3", "d_5"), "gantry_arms": ("a_tool", "b_carriage"),
          "hand": ("f1_index_4_distal", "f4_small_2_proximal")}
 JOINTS = {"mahru": ("left_elbow", "right_elbow"), "unequal_limbs": ("b_2_joint", "d_4_joint"),
@@ -48,6 +48,10 @@ def options(robot, outputs):
         driver, driven = JOINTS[robot]
         return ["--outputs", "mass_matrix,mass_matrix_factor,bias,forward_dynamics", "--functions",
                 "{step: [inverse_mass_matrix, forward_dynamics]}", "--mimic", f"{{{driven}: {{of: {driver}, multiplier: -0.7}}}}"]
+    if outputs == ELASTIC:
+        springs = ", ".join(f"{joint}: {{k: 700, inertia: 0.1, damping: 3}}" for joint in JOINTS[robot])
+        return ["--outputs", "mass_matrix,coriolis_matrix,bias,potential_energy,inverse_dynamics_dq,forward_dynamics",
+                "--elastic", f"{{{springs}}}"]
     return ["--outputs", outputs]
 
 
@@ -83,6 +87,10 @@ def whole(robots):
     for i, (level, lanes, compiler) in enumerate(itertools.product(LEVELS, LANES, [*COMPILERS, AARCH64])):
         target = "aarch64" if compiler == AARCH64 else TARGETS[i * 7 % len(TARGETS)]
         cells.append((scenes[(i * 5 + i // 16) % len(scenes)], (compiler, level, target, lanes)))
+    scenes = list(itertools.product(LINKS, FORMS, [ELASTIC]))
+    for i, (lanes, compiler) in enumerate(itertools.product(LANES, [*COMPILERS, AARCH64])):
+        target = "aarch64" if compiler == AARCH64 else TARGETS[i * 7 % len(TARGETS)]
+        cells.append((scenes[(i * 3 + i // 8) % len(scenes)], (compiler, LEVELS[(i + i // 6) % len(LEVELS)], target, lanes)))
     # In an order that has met a bit of everything at any time, in case the run is cut short.
     for i in range(len(toolchains)):
         tools = toolchains[i * 367 % len(toolchains)]
