@@ -39,7 +39,7 @@ DALEMBERT_BLOCK Upper<T, n> limb_above(const Factors<T, n>& p, int first, int st
 }
 
 // The tiles between the limbs of a segment and the joints above them; columns [begin, end).
-template <class Kinds, class Kind, int width, int steps, int above_steps, class T, int nl, int nu, class To>
+template <class Kinds, class Standing, int width, int steps, int above_steps, class T, int nl, int nu, class To>
 DALEMBERT_BLOCK void cross_tiles(const Factors<T, nl>& lower, const LimbTable& limbs, const Upper<T, nu>& up,
                                  const LimbTable& above, const To* matrices, int leading, int begin, int end) {
   constexpr bool out = block_written_out(steps, above_steps, nl);
@@ -51,8 +51,8 @@ DALEMBERT_BLOCK void cross_tiles(const Factors<T, nl>& lower, const LimbTable& l
         at.row_above[l] = above.first_row[l] + r0, at.left_above[l] = above.length[l] - r0;
         at.row_below[l] = limbs.first_row[l] + c0, at.left_below[l] = above.length[l] > 0 ? limbs.length[l] - c0 : 0;
       });
-      tiles_of<out, Kind, width, decltype(rows)::value, decltype(below)::value, false, T>(Kinds{}, p, up.from(r0), at, matrices,
-                                                                                          leading);
+      tiles_of<out, Standing, width, decltype(rows)::value, decltype(below)::value, false, T>(Kinds{}, p, up.from(r0), at,
+                                                                                              matrices, leading);
     });
   });
 }
@@ -112,13 +112,13 @@ DALEMBERT_BLOCK void shared_cross_blocks(const Factors<T, nl>& lower, const Fact
       lower, limbs, detail::limb_above(upper, first, step), above, matrices, leading, begin, end);
 }
 
-// The same where the limbs above stand side by side themselves, from slot `first` on; Which: LanesAbove, which of them is above
-// which lane.
-template <class Kinds, int width, int steps, int above_steps, class T, class Which, int nl, int nu, class To>
+// The same where the limbs above stand side by side themselves, from slot `first` on; Standing: LanesAbove, which of them is
+// above which lane.
+template <class Kinds, int width, int steps, int above_steps, class T, class Standing, int nl, int nu, class To>
 DALEMBERT_BLOCK void lane_cross_blocks(const Factors<T, nl>& lower, const Factors<T, nu>& upper, const LimbTable& limbs,
                                        int first, const LimbTable& above, const To* matrices, int leading, int begin, int end) {
-  detail::cross_tiles<Kinds, Which, width, steps, above_steps, T>(
-      lower, limbs, detail::limb_above(upper, first, Which::side_by_side), above, matrices, leading, begin, end);
+  detail::cross_tiles<Kinds, Standing, width, steps, above_steps, T>(
+      lower, limbs, detail::limb_above(upper, first, Standing::side_by_side), above, matrices, leading, begin, end);
 }
 
 namespace detail {

@@ -137,13 +137,13 @@ constexpr bool wanted_group(Part part, int r, int g) {
 }
 
 // One component's products: tile[r][c] = or += below[c] · above[r]. Every value is read once, and the tile stays in registers.
-template <bool set, Part part, class Kind, int width, int rows, int columns, class T>
+template <bool set, Part part, class Standing, int width, int rows, int columns, class T>
 DALEMBERT_BLOCK void component(Tile<width, columns, T>& tile, const T* below, const T* above, int above_step) {
   constexpr int pack = Tile<width, columns, T>::pack, groups = Tile<width, columns, T>::groups, n = width * pack;
   Lanes<T, n> b[groups];
   lanes<groups>([&](int g) DALEMBERT_IN_BLOCK { b[g] = load<n, T>(below + g * n); });
   lanes<rows>([&](int r) DALEMBERT_IN_BLOCK {
-    const Lanes<T, n> a = Kind::template read<width, pack, T>(above + r * above_step);
+    const Lanes<T, n> a = Standing::template read<width, pack, T>(above + r * above_step);
     lanes<groups>([&](int g) DALEMBERT_IN_BLOCK {
       if (!wanted_group<pack, columns>(part, r, g)) return;
       if (set) tile.at[r][g] = b[g] * a;
@@ -153,18 +153,18 @@ DALEMBERT_BLOCK void component(Tile<width, columns, T>& tile, const T* below, co
 }
 
 // tile[r][c] = or += Σ_j below[j][c] · above[j][r], component by component, three of them.
-template <bool from_zero, Part part, class Kind, int width, int rows, int columns, class T>
+template <bool from_zero, Part part, class Standing, int width, int rows, int columns, class T>
 DALEMBERT_BLOCK void products(Tile<width, columns, T>& tile, const T* below, int below_stride, const T* above, int above_step,
                               int above_stride) {
   lanes<3>([&](int j) DALEMBERT_IN_BLOCK {
     const T *from_below = below + j * below_stride, *from_above = above + j * above_stride;
-    if (from_zero && j == 0) component<true, part, Kind, width, rows, columns, T>(tile, from_below, from_above, above_step);
-    else component<false, part, Kind, width, rows, columns, T>(tile, from_below, from_above, above_step);
+    if (from_zero && j == 0) component<true, part, Standing, width, rows, columns, T>(tile, from_below, from_above, above_step);
+    else component<false, part, Standing, width, rows, columns, T>(tile, from_below, from_above, above_step);
   });
 }
 
 // The same as a loop that no compiler unrolls: less code. It starts from zeros.
-template <bool from_zero, Part part, class Kind, int width, int rows, int columns, class T>
+template <bool from_zero, Part part, class Standing, int width, int rows, int columns, class T>
 DALEMBERT_BLOCK void products_in_loop(Tile<width, columns, T>& tile, const T* below, int below_stride, const T* above,
                                       int above_step, int above_stride) {
   if constexpr (from_zero)
@@ -176,11 +176,12 @@ DALEMBERT_BLOCK void products_in_loop(Tile<width, columns, T>& tile, const T* be
     });
   DALEMBERT_KEEP_LOOP
   for (int j = 0; j < 3; ++j)
-    component<false, part, Kind, width, rows, columns, T>(tile, below + j * below_stride, above + j * above_stride, above_step);
+    component<false, part, Standing, width, rows, columns, T>(tile, below + j * below_stride, above + j * above_stride,
+                                                              above_step);
 }
 
 // Products of `rows` joints above with `columns` below.
-template <bool loop, Part part, class Kind, int width, int rows, int columns, class T>
+template <bool loop, Part part, class Standing, int width, int rows, int columns, class T>
 struct Products {
   int below_stride, above_step, above_stride;
 
@@ -205,9 +206,10 @@ struct Products {
   template <bool from_zero>
   DALEMBERT_INLINE void sum(Tile<width, columns, T>& tile, const T* below, const T* above) const {
     if constexpr (loop)
-      products_in_loop<from_zero, part, Kind, width, rows, columns, T>(tile, below, below_stride, above, above_step,
-                                                                       above_stride);
-    else products<from_zero, part, Kind, width, rows, columns, T>(tile, below, below_stride, above, above_step, above_stride);
+      products_in_loop<from_zero, part, Standing, width, rows, columns, T>(tile, below, below_stride, above, above_step,
+                                                                           above_stride);
+    else
+      products<from_zero, part, Standing, width, rows, columns, T>(tile, below, below_stride, above, above_step, above_stride);
   }
 };
 
@@ -266,13 +268,13 @@ DALEMBERT_BLOCK void put(const To& matrix, int leading, const From& tile, const 
 }
 
 // Both triangles of an off-diagonal tile of `rows` joints above by `columns` below, or the whole of a diagonal one.
-template <bool out, class Kind, int width, int rows, int columns, bool diagonal, class T, int nl, int nu, class AboveSum,
+template <bool out, class Standing, int width, int rows, int columns, bool diagonal, class T, int nl, int nu, class AboveSum,
           class To>
 DALEMBERT_BLOCK void tile_of(Symmetric<AboveSum>, const Factors<T, nl>& lower, const Upper<T, nu>& up, const Place<width>& at,
                              const To& matrix, int leading) {
   constexpr bool loop = products_loop(out, rows, columns, diagonal);
-  const Products<loop, diagonal ? Part::upper : Part::all, Kind, width, rows, columns, T> products{lower.stride, up.step,
-                                                                                                   up.stride};
+  const Products<loop, diagonal ? Part::upper : Part::all, Standing, width, rows, columns, T> products{lower.stride, up.step,
+                                                                                                       up.stride};
   Tile<width, columns, T> m;
   products.fill(m, lower, up, AboveSum{});
   if constexpr (diagonal) {
@@ -282,15 +284,15 @@ DALEMBERT_BLOCK void tile_of(Symmetric<AboveSum>, const Factors<T, nl>& lower, c
     put<true, rows, columns, width, T>(matrix, leading, m, at);
   }
 }
-template <bool out, class Kind, int width, int rows, int columns, bool diagonal, class T, int nl, int nu, class AboveSum,
+template <bool out, class Standing, int width, int rows, int columns, bool diagonal, class T, int nl, int nu, class AboveSum,
           class BelowSum, class To>
 DALEMBERT_BLOCK void tile_of(Square<AboveSum, BelowSum>, const Factors<T, nl>& lower, const Upper<T, nu>& up,
                              const Place<width>& at, const To& matrix, int leading) {
   constexpr bool loop = products_loop(out, rows, columns, diagonal);
-  const Products<loop, diagonal ? Part::upper : Part::all, Kind, width, rows, columns, T> products{lower.stride, up.step,
-                                                                                                   up.stride};
-  const Products<loop, diagonal ? Part::strictly_upper : Part::all, Kind, width, rows, columns, T> others{lower.stride, up.step,
-                                                                                                          up.stride};
+  const Products<loop, diagonal ? Part::upper : Part::all, Standing, width, rows, columns, T> products{lower.stride, up.step,
+                                                                                                       up.stride};
+  const Products<loop, diagonal ? Part::strictly_upper : Part::all, Standing, width, rows, columns, T> others{
+      lower.stride, up.step, up.stride};
   Tile<width, columns, T> above;  // element (i, k)
   products.fill(above, lower, up, AboveSum{});
   if constexpr (!diagonal) put<false, rows, columns, width, T>(matrix, leading, above, at);
@@ -304,13 +306,13 @@ DALEMBERT_BLOCK void tile_of(Square<AboveSum, BelowSum>, const Factors<T, nl>& l
 }
 
 // The same tile of every matrix.
-template <bool out, class Kind, int width, int rows, int columns, bool diagonal, class T, int nl, int nu, class To,
+template <bool out, class Standing, int width, int rows, int columns, bool diagonal, class T, int nl, int nu, class To,
           class... Kinds>
 DALEMBERT_BLOCK void tiles_of(Matrices<Kinds...>, const Factors<T, nl>& lower, const Upper<T, nu>& up, const Place<width>& at,
                               const To* matrices, int leading) {
   int m = 0;
   (void)std::initializer_list<int>{
-      (tile_of<out, Kind, width, rows, columns, diagonal, T>(Kinds{}, lower, up, at, matrices[m++], leading), 0)...};
+      (tile_of<out, Standing, width, rows, columns, diagonal, T>(Kinds{}, lower, up, at, matrices[m++], leading), 0)...};
 }
 
 }  // namespace detail
