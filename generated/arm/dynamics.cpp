@@ -11,7 +11,7 @@ void evaluate(const Scalar* __restrict q, const Scalar* __restrict v, Workspace&
   static constexpr int angle_at[] = {1, 2, 3, 4, 5, 6, 0, 0};
   constexpr int angles = 7;
   alignas(64) Scalar sine[dalembert::padded(angles)], cosine[dalembert::padded(angles)];
-  dalembert::sincos_at<8>(q, angle_at, sine, cosine);
+  dalembert::sincos_at<angles>(q, angle_at, sine, cosine);
 
   // base base: moments of the payloads
   const Scalar t1 = 0.5 * (workspace.payload_link_07.inertia[5] + (workspace.payload_link_07.inertia[0] + workspace.payload_link_07.inertia[3]));

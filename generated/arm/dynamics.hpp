@@ -37,7 +37,7 @@
 
 #include <dalembert/version.hpp>
 
-static_assert(dalembert::runtime_version == 2, "arm was generated for another runtime: generate it again");
+static_assert(dalembert::runtime_version == 3, "arm was generated for another runtime: generate it again");
 
 namespace arm {
 

@@ -20,6 +20,7 @@ namespace {
 [[maybe_unused]] constexpr int base_slot = 4;  // of pelvis
 constexpr int slot_joint[] = {
     12, 0, 0, 0, 0, 0, 0, 0, 0, 6, 13, 19, 1, 7, 14, 20, 2, 8, 15, 21, 3, 9, 16, 22, 4, 10, 17, 23, 5, 11, 18, 24};
+constexpr int first_of_four[] = {0, 8, 12, 16, 20, 24, 28};
 constexpr int joint_slot[] = {
     8, 12, 16, 20, 24, 28, 9, 13, 17, 21, 25, 29, 0, 10, 14, 18, 22, 26, 30, 11, 15, 19, 23, 27, 31};
 
@@ -164,9 +165,8 @@ void prepare(const Scalar* q, const Scalar* v, Workspace& workspace) noexcept {
   Kept& kept = workspace.kept;
   static_cast<void>(kept);
   // Sines and cosines of all angles together.
-  dalembert::sincos_at<4>(q + 7, slot_joint + 0, kept.sine[0] + 0, kept.cosine[0] + 0);
-  dalembert::sincos_at<24>(q + 7, slot_joint + 8, kept.sine[0] + 8, kept.cosine[0] + 8);
-  for (int i = 0; i < 32; i += 4) dalembert::store<4, Scalar>(kept.rate[0] + i, dalembert::gather<4>(v + 6, slot_joint + i));
+  dalembert::sincos_of_slots_at<32, 7>(q + 7, slot_joint, first_of_four, kept.sine[0], kept.cosine[0]);
+  for (const int i : first_of_four) dalembert::store<4, Scalar>(kept.rate[0] + i, dalembert::gather<4>(v + 6, slot_joint + i));
   // The base: R = 1, p = 0, V; J = 1, dJ = ad(V) J
   // h = R hk + m p, S = R Sk R' + R hk p' + p (R hk)' + m p p'
   // gravity along the base's axes
@@ -1210,8 +1210,10 @@ void elements_left_hip_yaw_x4(Workspace& workspace) noexcept {
 void results(Workspace& workspace) noexcept {
   Kept& kept = workspace.kept;
   static_cast<void>(kept);
-  for (int k = 0; k < 25; ++k) workspace.gravity[6 + k] = kept.gravity_torque(0)[joint_slot[k]];
-  for (int k = 0; k < 25; ++k) workspace.bias[6 + k] = kept.bias_torque(0)[joint_slot[k]];
+  for (int k = 0; k < 25; ++k) {
+    workspace.gravity[6 + k] = kept.gravity_torque(0)[joint_slot[k]];
+    workspace.bias[6 + k] = kept.bias_torque(0)[joint_slot[k]];
+  }
 }
 
 }  // namespace stages

@@ -38,7 +38,7 @@
 
 #include <dalembert/version.hpp>
 
-static_assert(dalembert::runtime_version == 2, "mahru was generated for another runtime: generate it again");
+static_assert(dalembert::runtime_version == 3, "mahru was generated for another runtime: generate it again");
 
 namespace mahru {
 

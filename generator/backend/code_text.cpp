@@ -125,13 +125,14 @@ std::string solve_definition(const CodeInput& code) {
       code.algorithm.arrays[static_cast<size_t>(code.algorithm.factor)].name);
 }
 
-std::string guard_statements(const CodeInput& code) {
+std::string guard_statements(const CodeInput& code, const std::string& check) {
   const std::optional<ir::Guard>& guard = code.algorithm.guard;
   if (!guard) return "";
   const auto array = [&](int index) -> const ir::OutputArray& { return code.algorithm.arrays[static_cast<size_t>(index)]; };
-  const std::string status = own_name(code, "status");
-  std::string text = fmt::format("  workspace.{} = dalembert::factor_status<{}>(workspace.{}, workspace.{});\n", status,
-                                 array(guard->pivots).rows, array(guard->pivots).name, array(guard->diagonal).name);
+  const std::string status = own_name(code, "status"),
+                    name = check.empty() ? fmt::format("factor_status<{}>(", array(guard->pivots).rows) : check;
+  std::string text = fmt::format("  workspace.{} = dalembert::{}workspace.{}, workspace.{});\n", status, name,
+                                 array(guard->pivots).name, array(guard->diagonal).name);
   for (const int index : guard->arrays)
     text += fmt::format("  dalembert::clear_unless_ok<{}>(workspace.{}, workspace.{});\n",
                         array(index).rows * array(index).columns, status, array(index).name);

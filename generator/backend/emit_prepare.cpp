@@ -53,6 +53,14 @@ std::vector<int> coordinates_of_slots(const CodeInput& code) {
   return of;
 }
 
+// The first slots of all fours in which limbs stand.
+std::vector<int> fours(const CodeInput& code) {
+  std::vector<int> first;
+  for (const ir::Segment& s : code.plan.segments)
+    for (int slot = 0; slot < s.slots(); slot += 4) first.push_back(s.first_slot + slot);
+  return first;
+}
+
 // The position of a joint as a number of q.
 std::string position(const CodeInput& code, int body) {
   const ir::Body& joint = code.tree.bodies[static_cast<size_t>(body)];
@@ -98,12 +106,12 @@ std::string sines_text(const CodeInput& code, bool held) {
   if (!plain(code))
     return "  // Sines and cosines of all angles together; slots without a turning joint stay at zero.\n" +
            spread(code, "kept.angle[0]", "turning", joints.turning, held) +
-           fmt::format("  dalembert::sincos<{}>(kept.angle[0], {}, {});\n", code.plan.slots, s, c);
-  std::string text = "  // Sines and cosines of all angles together.\n";
-  for (const ir::Segment& segment : code.plan.segments)
-    text += fmt::format("  dalembert::sincos_at<{0}>(q + {1}, slot_joint + {2}, {3} + {2}, {4} + {2});\n",
-                        (segment.slots() + 3) / 4 * 4, base_positions(code), segment.first_slot, s, c);
-  return text;
+           fmt::format("  dalembert::sincos_of_slots<{}, {}>(kept.angle[0], first_of_four, {}, {});\n", code.plan.slots,
+                       fours(code).size(), s, c);
+  return fmt::format(
+      "  // Sines and cosines of all angles together.\n"
+      "  dalembert::sincos_of_slots_at<{}, {}>(q + {}, slot_joint, first_of_four, {}, {});\n",
+      code.plan.slots, fours(code).size(), base_positions(code), s, c);
 }
 
 // A kept role that is a joint's number of one of the function's vectors.
@@ -161,9 +169,9 @@ std::string prepare_statements(const CodeInput& code) {
       text += spread(code, kept(code, slide, 0), "sliding", joints.sliding, rest);
   for (const Gathered& g : gathered(code))
     text += fmt::format(
-        "  for (int i = 0; i < {}; i += 4) dalembert::store<4, Scalar>({} + i, dalembert::gather<4>({} + {}, slot_joint + "
+        "  for (const int i : first_of_four) dalembert::store<4, Scalar>({} + i, dalembert::gather<4>({} + {}, slot_joint + "
         "i));\n",
-        code.plan.slots, kept(code, g.role, 0), g.vector, g.first);
+        kept(code, g.role, 0), g.vector, g.first);
   return text;
 }
 
@@ -178,6 +186,7 @@ std::string prepare_tables(const CodeInput& code) {
   };
   const bool any_sines = sines(code, false) || sines(code, true);
   if (prepare_spreads(code) || (plain(code) && any_sines)) text += int_table("slot_joint", coordinates_of_slots(code));
+  if (prepare_spreads(code) || (!joints.turning.empty() && any_sines)) text += int_table("first_of_four", fours(code));
   if (needs_angles(code)) tables("turning", joints.turning);
   const bool slides = role_of(code, Source::slide, false) >= 0 || role_of(code, Source::slide, true) >= 0;
   if (slides && !joints.sliding.empty()) tables("sliding", joints.sliding);
@@ -196,8 +205,7 @@ ir::Operations prepare_operations(const CodeInput& code) {
   const bool own = sines(code, false), held = sines(code, true);
   if ((own || held) && !joints.turning.empty()) {
     if (!plain(code)) positions(joints.turning, !own);
-    for (const ir::Segment& s : code.plan.segments) sum.sincos += plain(code) ? (s.slots() + 3) / 4 * 4 : 0;
-    if (!plain(code)) sum.sincos = (code.plan.slots + 3) / 4 * 4;
+    sum.sincos = 4 * static_cast<long>(fours(code).size());
   }
   for (const bool rest : {false, true})
     if (role_of(code, Source::slide, rest) >= 0) positions(joints.sliding, rest);

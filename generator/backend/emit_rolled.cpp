@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <optional>
 #include <set>
 
 #include "backend/code_text.hpp"
@@ -84,6 +85,10 @@ bool reads_state(const ir::BaseStage& stage) {
   return false;
 }
 
+struct PivotRoles {
+  int pivot = -1, diagonal = -1;
+};
+
 // Bodies, own or driven, whose coordinate a result has.
 std::vector<int> bodies_of(const CodeInput& code, const ir::Result& r) {
   std::vector<int> bodies;
@@ -92,13 +97,29 @@ std::vector<int> bodies_of(const CodeInput& code, const ir::Result& r) {
   return bodies;
 }
 
+// The roles of the pivots and of M's diagonal, where nothing but the check whether M can be solved with reads their arrays: it
+// reads them where limbs leave them.
+std::optional<PivotRoles> pivots_in_slots(const CodeInput& code) {
+  const std::optional<ir::Guard>& guard = code.algorithm.guard;
+  if (!guard || !code.algorithm.steps.empty()) return {};
+  PivotRoles roles;
+  for (const ir::Result& r : code.algorithm.results) {
+    if (r.array == guard->pivots) roles.pivot = r.role;
+    if (r.array == guard->diagonal) roles.diagonal = r.role;
+  }
+  return roles;
+}
+
 // Roles of joints that are results: copied to their rows or columns, a driven joint's added to its driver's.
 std::string joint_results(const CodeInput& code) {
   const std::vector<int> coordinates = code.tree.coordinates();
+  const std::optional<PivotRoles> in_slots = pivots_in_slots(code);
   std::string text;
+  std::vector<std::string> of_all;
   for (size_t n = 0; n < code.algorithm.results.size(); ++n) {
     const ir::Result& r = code.algorithm.results[n];
     if (r.layout == ir::Layout::base || !is_kept(code, r.role)) continue;
+    if (in_slots && (r.role == in_slots->pivot || r.role == in_slots->diagonal)) continue;
     const ir::OutputArray& array = code.algorithm.arrays[static_cast<size_t>(r.array)];
     const int components = code.rolled.roles[static_cast<size_t>(r.role)].components();
     const bool columns = r.layout == ir::Layout::columns;
@@ -110,8 +131,8 @@ std::string joint_results(const CodeInput& code) {
     };
     if (all) {
       for (int i = 0; i < components; ++i)
-        text += fmt::format("  for (int k = 0; k < {}; ++k) {} = {}[joint_slot[k]];\n", code.tree.joints(),
-                            to(fmt::format("{} + k", base_rows(code)), i), kept(code, r.role, i));
+        of_all.push_back(
+            fmt::format("{} = {}[joint_slot[k]];\n", to(fmt::format("{} + k", base_rows(code)), i), kept(code, r.role, i)));
       continue;
     }
     std::set<int> set;
@@ -123,7 +144,10 @@ std::string joint_results(const CodeInput& code) {
                             first ? "=" : "+=", kept(code, r.role, i), slot_of(code, k));
     }
   }
-  return text;
+  if (of_all.empty()) return text;
+  const std::string loop = fmt::format("  for (int k = 0; k < {}; ++k) ", code.tree.joints());
+  if (of_all.size() == 1) return text + loop + of_all.front();
+  return text + loop + "{\n    " + fmt::format("{}", fmt::join(of_all, "    ")) + "  }\n";
 }
 
 bool joint_loops(const CodeInput& code) {
@@ -133,6 +157,23 @@ bool joint_loops(const CodeInput& code) {
          });
 }
 
+std::string pivots_statements(const CodeInput& code) {
+  const std::optional<PivotRoles> in_slots = pivots_in_slots(code);
+  if (!in_slots) return guard_statements(code);
+  return guard_statements(
+      code, fmt::format("factor_status_of_slots<nv, {}, {}>({}, {}, no_joint, joint_slot, ", base_rows(code), code.plan.slots,
+                        kept(code, in_slots->pivot, 0), kept(code, in_slots->diagonal, 0)));
+}
+
+std::string pivots_table(const CodeInput& code) {
+  if (!pivots_in_slots(code)) return "";
+  std::vector<int> none(static_cast<size_t>(code.plan.slots), 1);
+  for (int k = 0; k < code.tree.joints(); ++k) none[static_cast<size_t>(slot_of(code, k))] = 0;
+  std::vector<std::string> texts;
+  for (const int x : none) texts.push_back(literal(x, code.scene.scalar));
+  return fmt::format("alignas(64) constexpr Scalar no_joint[] = {{\n    {}}};\n", wrapped(texts, 4));
+}
+
 std::string results_statements(const CodeInput& code) {
   std::string text = driven_statements(code) + joint_results(code);
   for (const ir::AddedConstant& a : code.rolled.added) {
@@ -140,7 +181,7 @@ std::string results_statements(const CodeInput& code) {
     text += fmt::format("  workspace.{}[{}] += {};  // added on the diagonal\n", array.name,
                         element_index(array, a.row, a.column), literal(a.value, code.scene.scalar));
   }
-  return text + projection_statements(code) + matrix_statements(code) + guard_statements(code);
+  return text + projection_statements(code) + matrix_statements(code) + pivots_statements(code);
 }
 
 std::string tables_text(const CodeInput& code) {
@@ -148,6 +189,7 @@ std::string tables_text(const CodeInput& code) {
   std::vector<int> slots;
   for (int k = 0; k < code.tree.joints(); ++k) slots.push_back(slot_of(code, k));
   if (joint_loops(code)) text += int_table("joint_slot", slots);
+  text += pivots_table(code);
   text += driven_tables(code);
   for (size_t s = 0; s < code.plan.segments.size(); ++s)
     text += "\n// " + code.plan.segments[s].name + ", a row per step, a column per lane\n" + segment_tables(code, s) +
@@ -195,6 +237,13 @@ std::vector<Stage> rolled_stages(const CodeInput& code) {
   if (const std::string body = results_statements(code); !body.empty())
     all.push_back({Stage::Kind::results, levels, -1, "results", false, body});
   return all;
+}
+
+int checked_pivots(const CodeInput& code) {
+  const std::optional<ir::Guard>& guard = code.algorithm.guard;
+  if (!guard) return 0;
+  return pivots_in_slots(code) ? base_rows(code) + code.plan.slots
+                               : code.algorithm.arrays[static_cast<size_t>(guard->pivots)].rows;
 }
 
 std::vector<std::string> rolled_includes(const CodeInput& code) {

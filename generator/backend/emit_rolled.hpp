@@ -11,6 +11,8 @@ namespace dalembert::backend {
 // The function in dynamics.cpp, and the headers it includes.
 std::string rolled_source(const CodeInput& code);
 std::vector<std::string> rolled_includes(const CodeInput& code);
+// Pivots that the check whether M can be solved with looks at, those of slots without a joint among them.
+int checked_pivots(const CodeInput& code);
 
 // One of the functions that the evaluation calls one after another.
 struct Stage {

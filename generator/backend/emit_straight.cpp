@@ -38,8 +38,8 @@ class Angles {
     if (const std::vector<int> at = positions(); !at.empty())
       return fmt::format(
           "  // Sines and cosines of all angles together.\n  static constexpr int angle_at[] = {{{}}};\n{}"
-          "  dalembert::sincos_at<{}>(q, angle_at, sine, cosine);\n",
-          fmt::join(at, ", "), room, at.size());
+          "  dalembert::sincos_at<angles>(q, angle_at, sine, cosine);\n",
+          fmt::join(at, ", "), room);
     std::vector<Sink> sinks;
     for (const auto& [node, i] : index_) sinks.push_back({node, fmt::format("angle[{}] = ", i), ";"});
     std::string out = "  // Sines and cosines of all angles together.\n" + room;
@@ -51,7 +51,8 @@ class Angles {
   }
 
  private:
-  // Where in q the angles are, the last one repeated to fill a register; empty when an angle is not simply a position.
+  // Where in q the angles are, the last one repeated to fill the largest register; empty when an angle is not simply a
+  // position.
   std::vector<int> positions() const {
     std::vector<int> at(index_.size());
     for (const auto& [node, i] : index_) {
@@ -59,7 +60,7 @@ class Angles {
       if (n.op != ir::Op::input || n.input.kind != ir::InputKind::position) return {};
       at[static_cast<size_t>(i)] = n.input.index;
     }
-    while (at.size() % 4 != 0) at.push_back(at.back());
+    while (at.size() % 8 != 0) at.push_back(at.back());
     return at;
   }
 

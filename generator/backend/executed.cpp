@@ -7,6 +7,7 @@
 #include "backend/emit_driven.hpp"
 #include "backend/emit_pairs.hpp"
 #include "backend/emit_prepare.hpp"
+#include "backend/emit_rolled.hpp"
 #include "backend/emit_straight.hpp"
 #include "backend/kept.hpp"
 #include "ir/coordinate_tree.hpp"
@@ -92,7 +93,9 @@ long driven_results(const CodeInput& code) {
 // Of the check whether M can be solved with: a product per pivot, and one for what rounding may leave.
 long guard_products(const CodeInput& code) {
   const std::optional<ir::Guard>& guard = code.algorithm.guard;
-  return guard ? code.algorithm.arrays[static_cast<size_t>(guard->pivots)].rows + 1 : 0;
+  if (!guard) return 0;
+  return 1 + (code.plan.form == ir::Form::rolled ? checked_pivots(code)
+                                                 : code.algorithm.arrays[static_cast<size_t>(guard->pivots)].rows);
 }
 
 // As runtime/include/dalembert/solve.hpp takes them: M's factors by lanes, one column solved for number by number.

@@ -112,15 +112,29 @@ CountedLanes<sizeof...(which)> shuffled(const CountedLanes<n>& a, const CountedL
 
 namespace dalembert {
 
-template <int n>
-void sincos_at(const Counted* angle, const int* at, Counted* sine, Counted* cosine) {
-  for (int i = 0; i < n; ++i) sine[i] = std::sin(angle[at[i]].value), cosine[i] = std::cos(angle[at[i]].value);
-  Counted::sincos += (n + native_lanes - 1) / native_lanes * native_lanes;
+inline void sine_and_cosine(Counted angle, Counted& sine, Counted& cosine) {
+  sine = std::sin(angle.value), cosine = std::cos(angle.value);
+  ++Counted::sincos;
 }
 template <int n>
 void sincos(const Counted* angle, Counted* sine, Counted* cosine) {
-  for (int i = 0; i < n; ++i) sine[i] = std::sin(angle[i].value), cosine[i] = std::cos(angle[i].value);
-  Counted::sincos += (n + native_lanes - 1) / native_lanes * native_lanes;
+  for (int i = 0; i < (n + 3) / 4 * 4; ++i) sine_and_cosine(angle[i], sine[i], cosine[i]);
+}
+template <int n>
+void sincos_at(const Counted* angle, const int* at, Counted* sine, Counted* cosine) {
+  for (int i = 0; i < (n + 3) / 4 * 4; ++i) sine_and_cosine(angle[at[i]], sine[i], cosine[i]);
+}
+template <int slots, int fours>
+void sincos_of_slots(const Counted* angle, const int* first_of_four, Counted* sine, Counted* cosine) {
+  for (int i = 0; i < fours; ++i)
+    for (int slot = first_of_four[i]; slot < first_of_four[i] + 4; ++slot)
+      sine_and_cosine(angle[slot], sine[slot], cosine[slot]);
+}
+template <int slots, int fours>
+void sincos_of_slots_at(const Counted* angle, const int* at, const int* first_of_four, Counted* sine, Counted* cosine) {
+  for (int i = 0; i < fours; ++i)
+    for (int slot = first_of_four[i]; slot < first_of_four[i] + 4; ++slot)
+      sine_and_cosine(angle[at[slot]], sine[slot], cosine[slot]);
 }
 
 }  // namespace dalembert

@@ -213,6 +213,40 @@ TEST(Sincos, ReadsAnglesWhereTheyAre) {
   }
 }
 
+// Limbs stand at some of the slots, in fours; a large angle among them sends all to the standard library.
+template <int slots, std::size_t fours>
+void expect_at_slots(const std::array<int, fours>& first_of_four, double large) {
+  constexpr std::size_t room = slots;
+  std::array<double, room> angle{}, sine{}, cosine{}, sine_at{}, cosine_at{}, turned{};
+  std::array<int, room> at{};
+  for (std::size_t i = 0; i < room; ++i) {
+    angle[i] = 0.37 * static_cast<double>(i) - 2;
+    at[i] = static_cast<int>(room - 1 - i);
+  }
+  angle[static_cast<std::size_t>(first_of_four.back()) + 2] = large;
+  std::reverse_copy(angle.begin(), angle.end(), turned.begin());
+  dalembert::sincos_of_slots<slots, fours>(angle.data(), first_of_four.data(), sine.data(), cosine.data());
+  dalembert::sincos_of_slots_at<slots, fours>(turned.data(), at.data(), first_of_four.data(), sine_at.data(), cosine_at.data());
+  for (const int first : first_of_four)
+    for (std::size_t i = static_cast<std::size_t>(first); i < static_cast<std::size_t>(first) + 4; ++i) {
+      Digits400 exact_sine, exact_cosine;
+      exact_sincos<Digits400>(angle[i], exact_sine, exact_cosine);
+      EXPECT_LE(ulps(sine[i], exact_sine), 2) << slots << " slots, " << i;
+      EXPECT_LE(ulps(cosine[i], exact_cosine), 2) << slots << " slots, " << i;
+      EXPECT_EQ(sine_at[i], sine[i]);
+      EXPECT_EQ(cosine_at[i], cosine[i]);
+    }
+}
+
+TEST(Sincos, TakesLimbsAtTheirSlots) {
+  for (const double large : {0.5, 1e300}) {
+    expect_at_slots<8, 1>({4}, large);
+    expect_at_slots<8, 2>({0, 4}, large);
+    expect_at_slots<16, 3>({0, 8, 12}, large);
+    expect_at_slots<40, 8>({0, 8, 12, 16, 20, 24, 32, 36}, large);
+  }
+}
+
 TEST(Sincos, OfFloatsIsWithinOneUlp) {
   std::mt19937_64 random(2);
   double worst = 0;

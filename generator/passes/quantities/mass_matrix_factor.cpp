@@ -1,5 +1,6 @@
 // M = U D U', eliminated from the last coordinate to the first (Featherstone 2008, section 6.3; D and U' are those of
 // articulated bodies). What moves by a driver's coordinate is in M already.
+#include "dalembert/chain_shapes.hpp"
 #include "ir/coordinate_tree.hpp"
 #include "passes/quantities/quantities.hpp"
 #include "passes/quantities/shared.hpp"
@@ -22,8 +23,8 @@ int mass_matrix_factor(Builder& b) {
   const int nv = b.tree().nv(), mass = own_array(b, ir::Quantity::mass_matrix, "mass");
   describe_mass_matrix(b, mass);
   const int array = own_array(b, ir::Quantity::mass_matrix_factor, "factor");
-  const int longest = ir::most_above(ir::coordinate_tree(b.tree())) + 1, padded = (longest + 7) / 8 * 8;
-  const int room = b.internal_array(b.own_name("unscaled_factor"), padded, nv);
+  const int longest = ir::most_above(ir::coordinate_tree(b.tree())) + 1;
+  const int room = b.internal_array(b.own_name("unscaled_factor"), factor_stride(longest), nv);
   b.guard() = ir::Guard{b.internal_array(b.own_name("pivots"), nv, 1), b.internal_array(b.own_name("diagonal"), nv, 1), {}};
   b.step({ir::MatrixStep::Kind::factor, mass, b.guard()->pivots, array, room});
   return array;

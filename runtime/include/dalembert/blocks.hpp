@@ -139,14 +139,14 @@ DALEMBERT_BLOCK void base_columns_from(int c, const T* force, int stride, const 
     put_line<width, T>(matrix, leading, four, f, 4);
     put_line<width, T>(matrix, leading, two, f + 4, 2);
   } else {
-    Lanes<T, 4> four[8];
-    Lanes<T, 2> two[8];
+    Lanes<T, 4> four[width * count];
+    Lanes<T, 2> two[width * count];
     turn_columns<T>(f[0], f[1], f[2], f[3], four);
     turn_columns<T>(f[4], f[5], two);
-    lanes<8>([&](int i) DALEMBERT_IN_BLOCK {
-      const int step = c + i / 4;
-      if (step >= limbs.length[i % 4]) return;
-      T* const to = matrix + (limbs.first_row[i % 4] + step) * leading;
+    lanes<width * count>([&](int i) DALEMBERT_IN_BLOCK {
+      const int step = c + i / width, limb = i % width;
+      if (step >= limbs.length[limb]) return;
+      T* const to = matrix + (limbs.first_row[limb] + step) * leading;
       store<4, T>(to, four[i]);
       store<2, T>(to + 4, two[i]);
     });
@@ -170,7 +170,7 @@ DALEMBERT_BLOCK void base_rows_from(int r0, const T* force, int stride, const Li
     if constexpr (pack == 1) {
       put_line<width, T>(matrix, leading, where, f, rows);
     } else {
-      Lanes<T, 4> turned[4];
+      Lanes<T, 4> turned[width];
       turn_row<T>(f, turned);
       put_turned<width, T>(matrix, leading, where, turned, rows);
     }

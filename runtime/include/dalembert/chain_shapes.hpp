@@ -10,4 +10,7 @@ inline constexpr int longest_chain = 8;
 constexpr int inverse_stride(int n) { return (n + 14) / 8 * 8; }
 constexpr int inverse_size(int n) { return inverse_stride(n) * (n + 7); }
 
+// Of a column of M's factors, where no coordinate has more than longest - 1 others above it.
+constexpr int factor_stride(int longest) { return (longest + 7) / 8 * 8; }
+
 }  // namespace dalembert

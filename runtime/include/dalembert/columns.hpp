@@ -52,8 +52,6 @@ DALEMBERT_BLOCK void lanes(const F& f) {
   write_out(std::make_integer_sequence<int, width>{}, width, f);
 }
 
-constexpr int least(int a, int b) { return a < b ? a : b; }
-
 // Column l of four rows of `width` lanes: out[l] = (rows[0][l], rows[1][l], rows[2][l], rows[3][l]).
 template <class T>
 DALEMBERT_INLINE void transpose(const Lanes<T, 4>* rows, Lanes<T, 4>* out) {
@@ -99,17 +97,12 @@ DALEMBERT_INLINE void transpose_pair(const Lanes<T, 2>* rows, Lanes<T, 2>* out) 
   out[1] = shuffled<T, 1, 3>(rows[0], rows[1]);
 }
 
-#if defined(__AVX512F__) && (defined(__clang__) || __GNUC__ >= 12)  // g++ 11 moves lanes between registers one by one
-inline constexpr bool registers_of_eight = true;
-#else
-inline constexpr bool registers_of_eight = false;
-#endif
-
-// Steps of four limbs that share a register: their slots follow one another, and where registers are twice as wide that takes
-// half the instructions, and of turning rows into columns a third.
+// Steps of limbs that share a register: their slots follow one another, and where registers hold twice as many numbers as there
+// are limbs that takes half the instructions, and of turning rows into columns a third.
 template <class T>
 constexpr int together(int width, int steps) {
-  return registers_of_eight && std::is_same_v<T, double> && width == 4 && steps > 1 ? 2 : 1;
+  const bool fits = (width == 4 || width == 2) && 2 * width <= doubles_in_register;
+  return shuffles_in_registers && std::is_same_v<T, double> && fits && steps > 1 ? 2 : 1;
 }
 
 // Four steps of four limbs in two registers: turned[l] has limb l's.
@@ -145,6 +138,26 @@ DALEMBERT_INLINE void turn_columns(const Lanes<T, 8>& r0, const Lanes<T, 8>& r1,
   turned[4] = shuffled<T, 4, 5>(a, a), turned[6] = shuffled<T, 6, 7>(a, a);
   turned[1] = shuffled<T, 0, 1>(b, b), turned[3] = shuffled<T, 2, 3>(b, b);
   turned[5] = shuffled<T, 4, 5>(b, b), turned[7] = shuffled<T, 6, 7>(b, b);
+}
+
+// The same of two limbs: four steps in two registers, …
+template <class T>
+DALEMBERT_INLINE void turn_row(const Lanes<T, 4>* steps, Lanes<T, 4>* turned) {
+  turned[0] = shuffled<T, 0, 2, 4, 6>(steps[0], steps[1]);
+  turned[1] = shuffled<T, 1, 3, 5, 7>(steps[0], steps[1]);
+}
+// … four rows of two steps: turned[l] has limb l's at the first step, turned[2 + l] at the second, …
+template <class T>
+DALEMBERT_INLINE void turn_columns(const Lanes<T, 4>& r0, const Lanes<T, 4>& r1, const Lanes<T, 4>& r2, const Lanes<T, 4>& r3,
+                                   Lanes<T, 4>* turned) {
+  const Lanes<T, 4> rows[4] = {r0, r1, r2, r3};
+  transpose<T>(rows, turned);
+}
+// … and two rows.
+template <class T>
+DALEMBERT_INLINE void turn_columns(const Lanes<T, 4>& r0, const Lanes<T, 4>& r1, Lanes<T, 2>* turned) {
+  const Lanes<T, 4> rows[2] = {r0, r1};
+  transpose_pair<T>(rows, turned);
 }
 
 template <class T>

@@ -23,17 +23,48 @@ struct FactorStatus {
   bool ok() const noexcept { return coordinate < 0; }
 };
 
+namespace detail {
+
+template <class T>
+using CountOf = std::conditional_t<sizeof(T) == 8, std::int64_t, std::int32_t>;  // as wide as T: in lanes
+
+// Whether a pivot is above what rounding may leave.
+template <class T>
+DALEMBERT_INLINE bool holds(const T& pivot, const T& diagonal, const T& rounding) {
+  return (pivot > rounding * diagonal) & (pivot > T(0));
+}
+
+}  // namespace detail
+
 template <int n, class T>
 inline FactorStatus<T> factor_status(const T* pivots, const T* diagonal) noexcept {
   const T rounding = T(n) * std::numeric_limits<T>::epsilon();
-  const auto good = [=](int k) DALEMBERT_ALWAYS { return (pivots[k] > rounding * diagonal[k]) & (pivots[k] > T(0)); };
-  std::conditional_t<sizeof(T) == 8, std::int64_t, std::int32_t> count = 0;  // as wide as T: in lanes
-  for (int k = 0; k < n; ++k) count += good(k) ? 1 : 0;
+  detail::CountOf<T> count = 0;
+  for (int k = 0; k < n; ++k) count += detail::holds(pivots[k], diagonal[k], rounding) ? 1 : 0;
   FactorStatus<T> status;
   if (count == n) return status;
   for (int k = 0; k < n; ++k)
-    if (!good(k)) status = {k, pivots[k]};
+    if (!detail::holds(pivots[k], diagonal[k], rounding)) status = {k, pivots[k]};
   return status;
+}
+
+// The same where only the first `base` of the pivots stand in `pivots`, and the joints' at their slots: no_joint is 1 at slots
+// without one, 0 at others; joint_slot: of coordinates base, base + 1, …. Taking them from there to `pivots` and `diagonal`
+// costs more than the rest, and is only needed where one fails.
+template <int n, int base, int slots, class T>
+inline FactorStatus<T> factor_status_of_slots(const T* slot_pivots, const T* slot_diagonal, const T* no_joint,
+                                              const int* joint_slot, T* pivots, T* diagonal) noexcept {
+  const T rounding = T(n) * std::numeric_limits<T>::epsilon();
+  detail::CountOf<T> count = 0;
+  for (int k = 0; k < base; ++k) count += detail::holds(pivots[k], diagonal[k], rounding) ? 1 : 0;
+  for (int i = 0; i < slots; ++i)
+    count += (detail::holds(slot_pivots[i], slot_diagonal[i], rounding) | (no_joint[i] > T(0))) ? 1 : 0;
+  if (__builtin_expect(count == base + slots, 1)) return {};
+  for (int k = base; k < n; ++k) {
+    pivots[k] = slot_pivots[joint_slot[k - base]];
+    diagonal[k] = slot_diagonal[joint_slot[k - base]];
+  }
+  return factor_status<n>(pivots, diagonal);
 }
 
 // What was solved for means nothing unless M is positive definite.
@@ -43,16 +74,8 @@ inline void clear_unless_ok(const FactorStatus<T>& status, T* result) noexcept {
   for (int i = 0; i < n; ++i) result[i] = T(0);
 }
 
-// Lanes of what runs over the elements of a column, which come in eights. Lanes wider than the target's registers would go
-// through memory.
-#if defined(__AVX512F__) && !defined(DALEMBERT_LANES)
-inline constexpr int column_lanes = 8;
-#else
-inline constexpr int column_lanes = native_lanes;
-#endif
-
 // Eights of elements that a product of matrices takes at a time, for two of its columns: as many as registers hold.
-inline constexpr int product_eights = column_lanes < 8 ? 2 : 4;
+inline constexpr int product_eights = native_lanes < 8 ? 2 : 4;
 
 namespace detail {
 
@@ -83,7 +106,7 @@ DALEMBERT_INLINE void along(const int* path, int count, int first, int end, cons
 // to[i] = -the sum over k of factors[k] from[k][i], for `eights` times eight elements; k: as in along().
 template <int n, int eights, class T>
 DALEMBERT_INLINE void negative_sum(const int* path, int count, int first, int end, const T* factors, const T* from, T* to) {
-  constexpr int w = column_lanes, pieces = eights * 8 / w;
+  constexpr int w = native_lanes, pieces = eights * 8 / w;
   Lanes<T, w> sum[pieces]{};
   along(path, count, first, end, [&](int k) DALEMBERT_IN_BLOCK {
     const Lanes<T, w> factor = broadcast<w, T>(factors[k]);
@@ -146,7 +169,7 @@ __attribute__((noinline)) static void invert_before_chain(int first, int m, cons
 template <int n, int m, class T>
 __attribute__((noinline)) static void invert_chain(int first, const int* above, const T* factor, const T* pivots,
                                                    T* inverse) noexcept {
-  constexpr int w = m <= 4 && column_lanes > 4 ? 4 : column_lanes, pieces = ((m <= 4 ? 4 : 8) + w - 1) / w;
+  constexpr int w = m <= 4 && native_lanes > 4 ? 4 : native_lanes, pieces = ((m <= 4 ? 4 : 8) + w - 1) / w;
   constexpr int stride = inverse_stride(n);
   int path[n];
   const int count = detail::path_above(above, first, path);
@@ -187,7 +210,7 @@ __attribute__((noinline)) static void invert_chain(int first, const int* above, 
 // `inverse` of invert_chain() without the padding.
 template <int n, class T>
 DALEMBERT_BLOCK void without_padding(const T* inverse, T* result) noexcept {
-  constexpr int w = column_lanes;
+  constexpr int w = native_lanes;
   for (int j = 0; j < n; ++j)
     for (int i = 0; i < n; i += w) detail::store_piece<n, w>(result + j * n, i, load<w>(inverse + j * inverse_stride(n) + i));
 }
@@ -198,7 +221,7 @@ namespace detail {
 template <int n, int columns, int eights, class T>
 DALEMBERT_INLINE void negative_product_tile(const int* path, int count, int first, int last, const T* a, const T* b, T* result,
                                             int begin) {
-  constexpr int w = column_lanes, pieces = eights * 8 / w;
+  constexpr int w = native_lanes, pieces = eights * 8 / w;
   Lanes<T, w> sum[columns][pieces]{};
   along(path, count, first, last + 1, [&](int k) DALEMBERT_IN_BLOCK {
     const T* column = a + k * inverse_stride(n) + begin;

@@ -58,19 +58,28 @@ struct LanesOf<T, 1> {
 template <class T, int n>
 using Lanes = typename detail::LanesOf<T, n>::type;
 
-// Doubles a register of the target holds; the width of loops over bodies.
+constexpr int least(int a, int b) { return a < b ? a : b; }
+
+// Doubles a register of the target holds.
+#if defined(__AVX512F__)
+inline constexpr int doubles_in_register = 8;
+#elif defined(__AVX__)
+inline constexpr int doubles_in_register = 4;
+#elif defined(__SSE2__) || defined(__ARM_NEON)
+inline constexpr int doubles_in_register = 2;
+#else
+inline constexpr int doubles_in_register = 1;
+#endif
+
+// The width of loops over bodies.
 #if defined(DALEMBERT_LANES)
 inline constexpr int native_lanes = DALEMBERT_LANES;
-#elif defined(__AVX__)
-inline constexpr int native_lanes = 4;
-#elif defined(__SSE2__) || defined(__ARM_NEON)
-inline constexpr int native_lanes = 2;
 #else
-inline constexpr int native_lanes = 1;
+inline constexpr int native_lanes = doubles_in_register;
 #endif
 
 // The same where no more than four slots are to be written.
-inline constexpr int short_lanes = native_lanes < 4 ? native_lanes : 4;
+inline constexpr int short_lanes = least(native_lanes, 4);
 
 // Arrays over bodies are padded to this many elements, so that whole lanes can be read and written at their end.
 constexpr int padded(int n) { return (n + 7) / 8 * 8; }
@@ -129,7 +138,12 @@ DALEMBERT_INLINE T lane(const Lanes<T, n>& x, int i) {
   }
 }
 
-// Chosen lanes of a and b, counted through both: a's first. g++ 11 has no builtin for it.
+// Chosen lanes of a and b, counted through both: a's first. g++ 11 has no builtin for it and moves lanes one by one.
+#if defined(__clang__) || __GNUC__ >= 12
+inline constexpr bool shuffles_in_registers = true;
+#else
+inline constexpr bool shuffles_in_registers = false;
+#endif
 template <class T, int... at, class V>
 DALEMBERT_INLINE Lanes<T, sizeof...(at)> shuffled(const V& a, const V& b) {
 #if defined(__clang__) || __GNUC__ >= 12

@@ -8,21 +8,28 @@ namespace dalembert {
 
 namespace detail {
 
-constexpr int run_lanes = native_lanes < 2 ? 2 : native_lanes;
+// A run of a few rows takes registers of four at most: the rest of a wider one would be computed and thrown away.
+constexpr int run_lanes = short_lanes < 2 ? 2 : short_lanes;
 
-// Writes value(s) for s in [0, count) to `to`, a register at a time; the last register overlaps the one before where it can.
-template <class T, class Value>
-DALEMBERT_BLOCK void along(T* to, int count, const Value& value) {
-  constexpr int w = run_lanes;
+// Writes value(w, s) for s in [0, count) to `to`, w of them at a time; the last register overlaps the one before where it can.
+template <int w, class T, class Value>
+DALEMBERT_BLOCK void along_lanes(T* to, int count, const Value& value) {
+  constexpr std::integral_constant<int, w> at_once{};
   int s = 0;
-  for (; s + w <= count; s += w) store<w, T>(to + s, value(s));
+  for (; s + w <= count; s += w) store<w, T>(to + s, value(at_once, s));
   if (s == count) return;
   if (count >= w) {
-    store<w, T>(to + count - w, value(count - w));
+    store<w, T>(to + count - w, value(at_once, count - w));
     return;
   }
-  const Lanes<T, w> x = value(s);
+  const Lanes<T, w> x = value(at_once, s);
   for (int i = 0; s + i < count; ++i) to[s + i] = x[i];
+}
+template <class T, class Value>
+DALEMBERT_BLOCK void along(T* to, int count, const Value& value) {
+  if constexpr (native_lanes > run_lanes)
+    if (count >= native_lanes) return along_lanes<native_lanes>(to, count, value);
+  along_lanes<run_lanes>(to, count, value);
 }
 
 // The rows from `row` on of one column of a matrix.
@@ -41,22 +48,21 @@ DALEMBERT_BLOCK void put_along(const Reduced<T>& matrix, int leading, int column
   T* const to = matrix.matrix + matrix.coordinate[column] * leading;
   for (int s = 0; s < count;) {
     if (matrix.coordinate[row + s] < 0) {
-      matrix.driven_row(row + s)[column] = value(s)[0];
+      matrix.driven_row(row + s)[column] = value(std::integral_constant<int, run_lanes>{}, s)[0];
       ++s;
       continue;
     }
     int end = s + 1;
     while (end < count && matrix.coordinate[row + end] >= 0) ++end;
-    along<T>(to + matrix.coordinate[row + s], end - s, [&](int i) DALEMBERT_IN_BLOCK { return value(s + i); });
+    along<T>(to + matrix.coordinate[row + s], end - s, [&](auto w, int i) DALEMBERT_IN_BLOCK { return value(w, s + i); });
     s = end;
   }
 }
 
 // Σ_j a[j] · b[j][s…], the vectors b taken along slots.
-template <class T>
-DALEMBERT_INLINE Lanes<T, run_lanes> dot_along(const T (&a)[3], const T* b, int stride, int s) {
-  return a[0] * load<run_lanes, T>(b + s) + a[1] * load<run_lanes, T>(b + stride + s) +
-         a[2] * load<run_lanes, T>(b + 2 * stride + s);
+template <int w, class T>
+DALEMBERT_INLINE Lanes<T, w> dot_along(const T (&a)[3], const T* b, int stride, int s) {
+  return a[0] * load<w, T>(b + s) + a[1] * load<w, T>(b + stride + s) + a[2] * load<w, T>(b + 2 * stride + s);
 }
 
 // Three components at one slot of every factor.
@@ -71,27 +77,25 @@ struct Single {
 };
 
 // Column k of the lower limb: the sum of terms with the lower factors of one joint, along the joints above.
-template <class T, int nl, int nu, int lower, int upper>
-DALEMBERT_INLINE Lanes<T, run_lanes> along_above(const Single<T, nl>& k, const Upper<T, nu>& up, int s,
-                                                 Sum<Term<lower, upper>>) {
-  return dot_along<T>(k.at[lower], up.at[upper], up.stride, s);
+template <int w, class T, int nl, int nu, int lower, int upper>
+DALEMBERT_INLINE Lanes<T, w> along_above(const Single<T, nl>& k, const Upper<T, nu>& up, int s, Sum<Term<lower, upper>>) {
+  return dot_along<w, T>(k.at[lower], up.at[upper], up.stride, s);
 }
-template <class T, int nl, int nu, int lower, int upper, class Next, class... Rest>
-DALEMBERT_INLINE Lanes<T, run_lanes> along_above(const Single<T, nl>& k, const Upper<T, nu>& up, int s,
-                                                 Sum<Term<lower, upper>, Next, Rest...>) {
-  return dot_along<T>(k.at[lower], up.at[upper], up.stride, s) + along_above(k, up, s, Sum<Next, Rest...>{});
+template <int w, class T, int nl, int nu, int lower, int upper, class Next, class... Rest>
+DALEMBERT_INLINE Lanes<T, w> along_above(const Single<T, nl>& k, const Upper<T, nu>& up, int s,
+                                         Sum<Term<lower, upper>, Next, Rest...>) {
+  return dot_along<w, T>(k.at[lower], up.at[upper], up.stride, s) + along_above<w>(k, up, s, Sum<Next, Rest...>{});
 }
 
 // Column i of the upper limb: the sum of terms with the upper factors of one joint, along the joints below.
-template <class T, int nl, int nu, int lower, int upper>
-DALEMBERT_INLINE Lanes<T, run_lanes> along_below(const Single<T, nu>& i, const Factors<T, nl>& p, int s,
-                                                 Sum<Term<lower, upper>>) {
-  return dot_along<T>(i.at[upper], p.at[lower], p.stride, s);
+template <int w, class T, int nl, int nu, int lower, int upper>
+DALEMBERT_INLINE Lanes<T, w> along_below(const Single<T, nu>& i, const Factors<T, nl>& p, int s, Sum<Term<lower, upper>>) {
+  return dot_along<w, T>(i.at[upper], p.at[lower], p.stride, s);
 }
-template <class T, int nl, int nu, int lower, int upper, class Next, class... Rest>
-DALEMBERT_INLINE Lanes<T, run_lanes> along_below(const Single<T, nu>& i, const Factors<T, nl>& p, int s,
-                                                 Sum<Term<lower, upper>, Next, Rest...>) {
-  return dot_along<T>(i.at[upper], p.at[lower], p.stride, s) + along_below(i, p, s, Sum<Next, Rest...>{});
+template <int w, class T, int nl, int nu, int lower, int upper, class Next, class... Rest>
+DALEMBERT_INLINE Lanes<T, w> along_below(const Single<T, nu>& i, const Factors<T, nl>& p, int s,
+                                         Sum<Term<lower, upper>, Next, Rest...>) {
+  return dot_along<w, T>(i.at[upper], p.at[lower], p.stride, s) + along_below<w>(i, p, s, Sum<Next, Rest...>{});
 }
 
 template <class AboveSum>
@@ -105,10 +109,10 @@ DALEMBERT_BLOCK void column_above(Matrices<Kinds...>, const Factors<T, nl>& p, i
                                   const To* matrices, int leading, int column, int row) {
   const Single<T, nl> single(p.at, p.stride, k);
   int m = 0;
-  (void)std::initializer_list<int>{
-      (put_along(matrices[m++], leading, column, row, rows,
-                 [&](int s) DALEMBERT_IN_BLOCK { return along_above(single, up, s, typename Kinds::Above{}); }),
-       0)...};
+  (void)std::initializer_list<int>{(
+      put_along(matrices[m++], leading, column, row, rows,
+                [&](auto w, int s) DALEMBERT_IN_BLOCK { return along_above<w.value>(single, up, s, typename Kinds::Above{}); }),
+      0)...};
 }
 
 // Column i of the upper limb over `rows` joints below it, from slot `first` on.
@@ -118,10 +122,11 @@ DALEMBERT_BLOCK void column_below(Matrices<Kinds...>, const Factors<T, nl>& p, i
   const Single<T, nu> single(up.at, up.stride, i * up.step);
   const Factors<T, nl> from = moved(p, first);
   int m = 0;
-  (void)std::initializer_list<int>{
-      (put_along(matrices[m++], leading, column, row, rows,
-                 [&](int s) DALEMBERT_IN_BLOCK { return along_below(single, from, s, decltype(below_of(Kinds{})){}); }),
-       0)...};
+  (void)std::initializer_list<int>{(put_along(matrices[m++], leading, column, row, rows,
+                                              [&](auto w, int s) DALEMBERT_IN_BLOCK {
+                                                return along_below<w.value>(single, from, s, decltype(below_of(Kinds{})){});
+                                              }),
+                                    0)...};
 }
 
 }  // namespace detail

@@ -56,6 +56,11 @@ DALEMBERT_INLINE void sincos_reduced(const Lanes<double, n>& x, Lanes<double, n>
   std::memcpy(&cosine, &out_c, sizeof cosine);
 }
 
+// Angles that are taken together where there are n of them: up to eight, two registers of four come sooner than one of eight.
+constexpr int angle_lanes(int n) {
+  return native_lanes < 2 ? 2 : native_lanes > 4 && shuffles_in_registers && n > 8 ? 8 : least(native_lanes, 4);
+}
+
 template <class T>
 __attribute__((noinline, cold)) static void sincos_large(const T* angle, T* sine, T* cosine, int n) {
   for (int i = 0; i < n; ++i) {
@@ -65,34 +70,60 @@ __attribute__((noinline, cold)) static void sincos_large(const T* angle, T* sine
   }
 }
 
-// Blocks of n angles, each read by read(i), a register at a time.
-template <int n, class T, class Read>
-DALEMBERT_BLOCK void sincos_each(const Read& read, T* sine, T* cosine) {
+// Limbs read what is written here at once, four slots at a time, and would wait for the whole of a store of eight: so eight are
+// stored by halves.
+template <int w, class T>
+DALEMBERT_INLINE void store_for_limbs(T* to, const Lanes<double, w>& x) {
+  if constexpr (w < 8) {
+    store<w, T>(to, __builtin_convertvector(x, Lanes<T, w>));
+  } else {
+    store<4, T>(to, __builtin_convertvector((shuffled<double, 0, 1, 2, 3>(x, x)), Lanes<T, 4>));
+    store<4, T>(to + 4, __builtin_convertvector((shuffled<double, 4, 5, 6, 7>(x, x)), Lanes<T, 4>));
+  }
+}
+
+// Of `count` registers of w angles: the i-th holds read(place(i)) and what follows, and its sines and cosines go there.
+template <int count, int w, class T, class Place, class Read>
+DALEMBERT_BLOCK void sincos_each(const Place& place, const Read& read, T* sine, T* cosine) {
+  const auto by_library = [&]() DALEMBERT_IN_BLOCK {
+    T angle[count * w], s[count * w], c[count * w];
+    for (int i = 0; i < count; ++i) store<w, T>(angle + i * w, each_lane<w, T>([&](int j) { return read(place(i) + j); }));
+    sincos_large(angle, s, c, count * w);
+    for (int i = 0; i < count; ++i) {
+      store<w, T>(sine + place(i), load<w>(s + i * w));
+      store<w, T>(cosine + place(i), load<w>(c + i * w));
+    }
+  };
 #ifdef DALEMBERT_LIBRARY_SINES
-  T all[padded(n)];
-  for (int i = 0; i < n; ++i) all[i] = read(i);
-  return sincos_large(all, sine, cosine, n);
+  return by_library();
 #endif
-  constexpr int w = native_lanes < 2 ? 2 : n % native_lanes == 0 ? native_lanes : 4;
   using V = Lanes<double, w>;
   V largest{}, smallest{};  // NaN is neither: one that nobody needs changes nothing else
-  for (int i = 0; i < n; i += w) {
+  for (int i = 0; i < count; ++i) {
+    const int at = place(i);
     V s, c;
-    const V x = each_lane<w, double>([&](int j) { return static_cast<double>(read(i + j)); });
+    const V x = each_lane<w, double>([&](int j) { return static_cast<double>(read(at + j)); });
     largest = x > largest ? x : largest;
     smallest = x < smallest ? x : smallest;
     sincos_reduced<w>(x, s, c);
-    store<w, T>(sine + i, __builtin_convertvector(s, Lanes<T, w>));
-    store<w, T>(cosine + i, __builtin_convertvector(c, Lanes<T, w>));
+    store_for_limbs<w>(sine + at, s);
+    store_for_limbs<w>(cosine + at, c);
   }
   const V size = largest > -smallest ? largest : -smallest;
   bool small = true;
   for (int j = 0; j < w; ++j) small &= size[j] <= sincos_fast_limit;
-  if (__builtin_expect(!small, 0)) {
-    T angle[padded(n)];
-    for (int i = 0; i < n; ++i) angle[i] = read(i);
-    sincos_large(angle, sine, cosine, n);
-  }
+  if (__builtin_expect(!small, 0)) by_library();
+}
+template <int n, class T, class Read>
+DALEMBERT_BLOCK void sincos_row(const Read& read, T* sine, T* cosine) {
+  constexpr int w = angle_lanes(n);
+  sincos_each<(n + w - 1) / w, w>([](int i) { return w * i; }, read, sine, cosine);
+}
+template <int slots, int fours, class T, class Read>
+DALEMBERT_BLOCK void sincos_limbs(const Read& read, const int* first_of_four, T* sine, T* cosine) {
+  constexpr int w = angle_lanes(slots);
+  if constexpr (w == 8) sincos_row<slots>(read, sine, cosine);
+  else sincos_each<fours * 4 / w, w>([=](int i) { return first_of_four[i * w / 4] + i * w % 4; }, read, sine, cosine);
 }
 
 }  // namespace detail
@@ -100,13 +131,24 @@ DALEMBERT_BLOCK void sincos_each(const Read& read, T* sine, T* cosine) {
 // angle (rad), sine, cosine: arrays of padded(n) elements that do not overlap; angle's padding must hold numbers (zeros).
 template <int n, class T>
 DALEMBERT_BLOCK void sincos(const T* angle, T* sine, T* cosine) {
-  detail::sincos_each<n, T>([angle](int i) { return angle[i]; }, sine, cosine);
+  detail::sincos_row<n>([angle](int i) { return angle[i]; }, sine, cosine);
 }
-
-// Of angle[at[0]], …, angle[at[n − 1]]; n is a multiple of four, and sine and cosine have room for padded(n).
+// Of angle[at[0]], …, angle[at[n − 1]]; `at`, sine and cosine have padded(n) elements.
 template <int n, class T>
 DALEMBERT_BLOCK void sincos_at(const T* angle, const int* at, T* sine, T* cosine) {
-  detail::sincos_each<n, T>([angle, at](int i) { return angle[at[i]]; }, sine, cosine);
+  detail::sincos_row<n>([angle, at](int i) { return angle[at[i]]; }, sine, cosine);
+}
+
+// Of the angles of limbs: those of the slots first_of_four[0], … and the three behind each of them, so many fours. Other slots,
+// of `slots`, a multiple of eight, must hold numbers; theirs may be written or not.
+template <int slots, int fours, class T>
+DALEMBERT_BLOCK void sincos_of_slots(const T* angle, const int* first_of_four, T* sine, T* cosine) {
+  detail::sincos_limbs<slots, fours>([angle](int i) { return angle[i]; }, first_of_four, sine, cosine);
+}
+// The angle of a slot is angle[at[slot]].
+template <int slots, int fours, class T>
+DALEMBERT_BLOCK void sincos_of_slots_at(const T* angle, const int* at, const int* first_of_four, T* sine, T* cosine) {
+  detail::sincos_limbs<slots, fours>([angle, at](int i) { return angle[at[i]]; }, first_of_four, sine, cosine);
 }
 
 }  // namespace dalembert

@@ -29,19 +29,19 @@ DALEMBERT_INLINE void each_above(const Chains& chains, int chain, const F& f) {
 // to -= factor from, as far as `count` elements reach.
 template <class T>
 DALEMBERT_INLINE void subtract(const T& factor, const T* from, T* to, int count) {
-  constexpr int w = column_lanes;
+  constexpr int w = native_lanes;
   for (int i = 0; i < count; i += w) store<w, T>(to + i, load<w>(to + i) - broadcast<w, T>(factor) * load<w>(from + i));
 }
 
 }  // namespace detail
 
-// mass: M. room: padded(longest) * n elements, for U D, where no coordinate has more than longest - 1 others above it: of its
-// column those elements alone, the tree's root first. Pivots and M's diagonal are what factor_status() tells by whether U means
-// anything.
+// mass: M. room: factor_stride(longest) * n elements, for U D, where no coordinate has more than longest - 1 others above it:
+// of its column those elements alone, the tree's root first. Pivots and M's diagonal are what factor_status() tells by whether
+// U means anything.
 template <int n, int longest, class T>
 __attribute__((noinline)) static void factorise(const T* mass, const Chains& chains, T* room, T* factor, T* pivots,
                                                 T* diagonal) noexcept {
-  constexpr int stride = padded(longest), w = column_lanes;
+  constexpr int stride = factor_stride(longest), w = native_lanes;
   for (int c = 0; c < chains.count; ++c) {
     const int first = chains.begin[c], end = chains.begin[c + 1], depth = chains.depth[c];
     for (int k = first; k < end; ++k) {
@@ -127,15 +127,15 @@ __attribute__((noinline)) static void solve_columns(const Chains& chains, const 
 template <int n, class T>
 inline bool solve(const Chains& chains, const T* factor, T* b, int columns, int stride) noexcept {
   const bool factored = factor[0] > T(0);
-  for (int first = 0; first < columns; first += column_lanes) {
-    const int count = detail::least(column_lanes, columns - first);
+  for (int first = 0; first < columns; first += native_lanes) {
+    const int count = least(native_lanes, columns - first);
     T* const column = b + first * stride;
     if (!factored) {
       for (int k = 0; k < count * n; ++k) column[k / n * stride + k % n] = T(0);
     } else if (count == 1) {
       solve_columns<n, 1>(chains, factor, column, 1, stride);
     } else {
-      solve_columns<n, column_lanes>(chains, factor, column, count, stride);
+      solve_columns<n, native_lanes>(chains, factor, column, count, stride);
     }
   }
   return factored;

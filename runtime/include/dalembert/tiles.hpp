@@ -100,11 +100,15 @@ struct Upper {
 
 // How they stand there, read for `times` joints below at once. A limb above every lane, in the same order:
 struct EachAbove {
+  template <int n, class T, int... lane>
+  DALEMBERT_INLINE static Lanes<T, 2 * n> twice(const Lanes<T, n>& x, std::integer_sequence<int, lane...>) {
+    return shuffled<T, lane..., lane...>(x, x);
+  }
   template <int n, int times, class T>
   DALEMBERT_INLINE static Lanes<T, n * times> read(const T* from) {
     const Lanes<T, n> x = load<n, T>(from);
     if constexpr (times == 1) return x;
-    else return shuffled<T, 0, 1, 2, 3, 0, 1, 2, 3>(x, x);
+    else return twice<n, T>(x, std::make_integer_sequence<int, n>{});
   }
 };
 // One limb above all of them:
@@ -122,8 +126,14 @@ struct Tile {
 
   DALEMBERT_INLINE Lanes<T, width> operator()(int r, int c) const {
     if constexpr (pack == 1) return at[r][c];
-    else if (c % 2 == 0) return shuffled<T, 0, 1, 2, 3>(at[r][c / 2], at[r][c / 2]);
-    else return shuffled<T, 4, 5, 6, 7>(at[r][c / 2], at[r][c / 2]);
+    else if (c % 2 == 0) return part<0>(at[r][c / 2], std::make_integer_sequence<int, width>{});
+    else return part<width>(at[r][c / 2], std::make_integer_sequence<int, width>{});
+  }
+
+ private:
+  template <int from, int... lane>
+  DALEMBERT_INLINE static Lanes<T, width> part(const Lanes<T, width * pack>& x, std::integer_sequence<int, lane...>) {
+    return shuffled<T, (from + lane)...>(x, x);
   }
 };
 
@@ -251,11 +261,11 @@ DALEMBERT_BLOCK void put(const To& matrix, int leading, const From& tile, const 
   if constexpr (turns_packed<From, To> && along > 2) {
     constexpr int each = by_upper ? 1 : 2;
     lanes<(lines + each - 1) / each>([&](int i) DALEMBERT_IN_BLOCK {
-      Lanes<T, 4> turned[4 * each];
+      Lanes<T, 4> turned[width * each];
       if constexpr (by_upper) turn_row<T>(tile.at[i], turned);
       else turn_columns<T>(tile.at[0][i], tile.at[1][i], tile.at[2][i], tile.at[rows - 1][i], turned);
       lanes<each>([&](int n) DALEMBERT_IN_BLOCK {
-        if (each * i + n < lines) put_turned<width, T>(matrix, leading, place_of(each * i + n), turned + 4 * n, along);
+        if (each * i + n < lines) put_turned<width, T>(matrix, leading, place_of(each * i + n), turned + width * n, along);
       });
     });
   } else {

@@ -16,6 +16,7 @@
 #include "reference/engine.hpp"
 #include "singular/c_api.h"
 #include "singular/dynamics.hpp"
+#include "singular_rolled/dynamics.hpp"
 #include "states.hpp"
 
 namespace dalembert::testing {
@@ -254,6 +255,27 @@ TEST_F(SingularMass, NotANumberIsNoMassEither) {
   run();
   EXPECT_FALSE(workspace.status.ok() || workspace.forward_dynamics_status.ok());
   EXPECT_TRUE(nothing_is_handed_on());
+}
+
+// There pivots are looked at where limbs leave them.
+TEST_F(SingularMass, IsToldInTheRolledFormAsWell) {
+  singular_rolled::Workspace rolled;
+  singular_rolled::forward_dynamics(q, v, tau, rolled);
+  EXPECT_EQ(rolled.forward_dynamics_status.coordinate, 7);
+  EXPECT_EQ(rolled.forward_dynamics_status.pivot, 0);
+  EXPECT_TRUE(all_zero(rolled.forward_dynamics));
+  workspace.payload_c.mass = rolled.payload_c.mass = 1;
+  workspace.payload_c.com[0] = rolled.payload_c.com[0] = 0.1;
+  singular::forward_dynamics(q, v, tau, workspace);
+  singular_rolled::forward_dynamics(q, v, tau, rolled);
+  EXPECT_TRUE(rolled.forward_dynamics_status.ok());
+  for (int i = 0; i < singular::nv; ++i)
+    EXPECT_NEAR(rolled.forward_dynamics[i], workspace.forward_dynamics[i], 1e-10 * std::abs(workspace.forward_dynamics[i]));
+  rolled.payload_c.mass = std::nan("");
+  singular_rolled::forward_dynamics(q, v, tau, rolled);
+  EXPECT_FALSE(rolled.forward_dynamics_status.ok());
+  EXPECT_TRUE(std::isnan(rolled.forward_dynamics_status.pivot));
+  EXPECT_TRUE(all_zero(rolled.forward_dynamics));
 }
 
 TEST_F(SingularMass, IsToldInCAsWell) {
