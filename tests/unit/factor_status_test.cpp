@@ -1,17 +1,16 @@
 // Whether a mass matrix can be solved with, told from the pivots of its factors.
-#include <dalembert/factor.hpp>
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <dalembert/factor.hpp>
 #include <limits>
 
 namespace {
 
 constexpr int n = 9, base = 6, slots = 8;
-constexpr int joint_slot[] = {5, 0, 2};                          // of coordinates 6, 7, 8
+constexpr int joint_slot[] = {5, 0, 2};  // of coordinates 6, 7, 8
 constexpr double no_joint[slots] = {0, 1, 0, 1, 1, 0, 1, 1};
 
 // The same pivots, in coordinates and with the joints' at their slots; slots without a joint hold what nobody may look at.
