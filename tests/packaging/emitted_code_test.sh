@@ -2,7 +2,7 @@
 # sh emitted_code_test.sh DALEMBERT PROJECT EIGEN WORK COMPILER [FLAG...]
 #
 # Generates three robots that between them use every form of emitted code, and compiles each emitted file with COMPILER FLAG...
-# and warnings as errors. Exit status: 0 good, 1 a file does not compile, 77 this machine cannot tell.
+# and warnings as errors. Exit status: 0 good, 1 a file does not compile or shares functions, 77 this machine cannot tell.
 set -eu
 dalembert=$1 project=$2 eigen=$3 work=$4 compiler=$5
 shift 5
@@ -28,7 +28,8 @@ generate_robot() {
   shift
   "$dalembert" generate "$project/tests/robots/$robot.urdf" --name "$robot" -o "$work/$robot" "$@"
 }
-generate_robot quadruped --base floating --form rolled --parallel tasks
+generate_robot quadruped --base floating --form rolled --parallel tasks \
+  --outputs mass_matrix,coriolis_matrix,gravity,bias,mass_matrix_factor,forward_dynamics
 generate_robot prismatic_mix --base fixed --form straight --parallel serial
 generate_robot hand --base fixed --form rolled --scalar float --parallel serial
 
@@ -42,5 +43,10 @@ for source in "$work"/*/*.cpp; do
   echo "-- $compiler $* ${source#"$work"/}"
   "$compiler" -std=c++17 -Wall -Wextra -Wpedantic -Werror -O1 "$@" -I "$work" -I "$project/runtime/include" -isystem "$eigen" \
     -isystem "$work/headers" -c "$source" -o "$source.o" || failed=1
+  # A program may hold code for several targets: the linker must not take one's copy of a function for another's.
+  if nm -C "$source.o" | grep -E ' [VWu] .*dalembert::([a-z]+::)*[a-z_]+[<(]'; then
+    echo "these functions of the runtime are not the file's own"
+    failed=1
+  fi
 done
 exit $failed

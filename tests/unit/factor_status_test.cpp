@@ -61,6 +61,19 @@ TEST(FactorStatus, AllowsWhatIsAboveRounding) {
   }
 }
 
+// Of a fixed base, in float.
+TEST(FactorStatus, NeedsNoBase) {
+  for (const float last : {1.0f, 0.0f, -1.0f, 2e-7f}) {
+    const float slot_pivot[slots] = {1, 0, last, 0, 0, 1, 0, 0}, slot_diagonal[slots] = {1, 0, 1, 0, 0, 1, 0, 0};
+    const float none[slots] = {0, 1, 0, 1, 1, 0, 1, 1};
+    float room[3], more_room[3];
+    const auto status =
+        dalembert::factor_status_of_slots<3, 0, slots>(slot_pivot, slot_diagonal, none, joint_slot, room, more_room);
+    EXPECT_EQ(status.coordinate, last == 1 ? -1 : 2) << last;
+    EXPECT_EQ(status.pivot, last == 1 ? 0 : last);
+  }
+}
+
 // M is factored from its last coordinate on.
 TEST(FactorStatus, SaysTheFirstMet) {
   for (std::size_t k = 1; k < n; ++k) {

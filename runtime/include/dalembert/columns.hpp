@@ -34,7 +34,7 @@ struct Reduced {
 // Adds columns and rows of driven joints to their drivers': matrix[to[i]] = or += driven[from[i]]. The first `set` elements
 // are nobody else's and are set.
 template <class T>
-inline void add_driven(const T* driven, const int* from, const int* to, int set, int count, T* matrix) {
+static inline void add_driven(const T* driven, const int* from, const int* to, int set, int count, T* matrix) {
   for (int i = 0; i < set; ++i) matrix[to[i]] = driven[from[i]];
   for (int i = set; i < count; ++i) matrix[to[i]] += driven[from[i]];
 }

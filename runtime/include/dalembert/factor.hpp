@@ -37,7 +37,7 @@ DALEMBERT_INLINE bool holds(const T& pivot, const T& diagonal, const T& rounding
 }  // namespace detail
 
 template <int n, class T>
-inline FactorStatus<T> factor_status(const T* pivots, const T* diagonal) noexcept {
+static inline FactorStatus<T> factor_status(const T* pivots, const T* diagonal) noexcept {
   const T rounding = T(n) * std::numeric_limits<T>::epsilon();
   detail::CountOf<T> count = 0;
   for (int k = 0; k < n; ++k) count += detail::holds(pivots[k], diagonal[k], rounding) ? 1 : 0;
@@ -52,8 +52,8 @@ inline FactorStatus<T> factor_status(const T* pivots, const T* diagonal) noexcep
 // without one, 0 at others; joint_slot: of coordinates base, base + 1, …. Taking them from there to `pivots` and `diagonal`
 // costs more than the rest, and is only needed where one fails.
 template <int n, int base, int slots, class T>
-inline FactorStatus<T> factor_status_of_slots(const T* slot_pivots, const T* slot_diagonal, const T* no_joint,
-                                              const int* joint_slot, T* pivots, T* diagonal) noexcept {
+static inline FactorStatus<T> factor_status_of_slots(const T* slot_pivots, const T* slot_diagonal, const T* no_joint,
+                                                     const int* joint_slot, T* pivots, T* diagonal) noexcept {
   const T rounding = T(n) * std::numeric_limits<T>::epsilon();
   detail::CountOf<T> count = 0;
   for (int k = 0; k < base; ++k) count += detail::holds(pivots[k], diagonal[k], rounding) ? 1 : 0;
@@ -69,7 +69,7 @@ inline FactorStatus<T> factor_status_of_slots(const T* slot_pivots, const T* slo
 
 // What was solved for means nothing unless M is positive definite.
 template <int n, class T>
-inline void clear_unless_ok(const FactorStatus<T>& status, T* result) noexcept {
+static inline void clear_unless_ok(const FactorStatus<T>& status, T* result) noexcept {
   if (status.ok()) return;
   for (int i = 0; i < n; ++i) result[i] = T(0);
 }
@@ -90,7 +90,7 @@ DALEMBERT_INLINE void for_constants(const F& f) {
 }
 
 // The coordinates above `first`, the nearest first; returns how many there are.
-inline int path_above(const int* above, int first, int* path) noexcept {
+static inline int path_above(const int* above, int first, int* path) noexcept {
   int count = 0;
   for (int k = above[first]; k >= 0; k = above[k]) path[count++] = k;
   return count;

@@ -18,12 +18,12 @@
 namespace dalembert::detail {
 
 // What this thread did before happens_before(event) comes before what another does after happens_after(event).
-inline void happens_before([[maybe_unused]] void* event) {
+static inline void happens_before([[maybe_unused]] void* event) {
 #ifdef DALEMBERT_THREAD_SANITIZER
   __tsan_release(event);
 #endif
 }
-inline void happens_after([[maybe_unused]] void* event) {
+static inline void happens_after([[maybe_unused]] void* event) {
 #ifdef DALEMBERT_THREAD_SANITIZER
   __tsan_acquire(event);
 #endif

@@ -149,7 +149,7 @@ DALEMBERT_BLOCK void run_cross_block(const Factors<T, nl>& lower, const Factors<
                                      const int* above_slot, int above_row, const To* matrices, int leading, int begin,
                                      int end) {
   constexpr int stride = padded(above_steps);
-  T gathered[3 * nu * stride] = {};
+  T gathered[3 * nu * stride + detail::run_lanes] = {};  // between driven joints a register is read from any of them on
   detail::Upper<T, nu> up{{}, stride, 1};
   for (int f = 0; f < nu; ++f) {
     up.at[f] = gathered + 3 * f * stride;

@@ -102,7 +102,7 @@ class SelfTest {
 
 // One line about the report: "mass_matrix(3, 4) at state 1 is 0.25, expected 0.5: error 0.1, allowed 1e-13". Writes at most
 // `size` characters, the closing zero included.
-inline void describe(const SelfTestReport& report, char* text, std::size_t size) noexcept {
+static inline void describe(const SelfTestReport& report, char* text, std::size_t size) noexcept {
   char column[48] = "weighted sum";
   if (report.column >= 0) std::snprintf(column, sizeof column, "%d", report.column);
   std::snprintf(text, size, "%s(%d, %s) at state %d is %.17g, expected %.17g: error %.3g of the largest element, allowed %.3g",

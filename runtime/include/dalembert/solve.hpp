@@ -125,7 +125,7 @@ __attribute__((noinline)) static void solve_columns(const Chains& chains, const 
 // b, n numbers each in columns `stride` elements apart, becomes M^-1 b; zero, and false, where M could not be factored or has
 // not been yet: U and D are zero then.
 template <int n, class T>
-inline bool solve(const Chains& chains, const T* factor, T* b, int columns, int stride) noexcept {
+static inline bool solve(const Chains& chains, const T* factor, T* b, int columns, int stride) noexcept {
   const bool factored = factor[0] > T(0);
   for (int first = 0; first < columns; first += native_lanes) {
     const int count = least(native_lanes, columns - first);
