@@ -35,10 +35,11 @@ def flags():
 
 
 def copies(source, include, options):
-    """The tables that the code of `source` copies."""
+    """The tables that the code of `source` copies; what it has computed itself it may copy."""
     dump = source.with_suffix(".optimized")
     subprocess.run([COMPILER, *options, f"-fdump-tree-optimized={dump}", *include, "-S", source, "-o", "/dev/null"], check=True)
-    return COPY.findall(dump.read_text())
+    tables = set(re.findall(r"constexpr \w+ (\w+)\[", source.read_text()))
+    return [name for name in COPY.findall(dump.read_text()) if name in tables]
 
 
 def of_robot(urdf, options, form, more):
