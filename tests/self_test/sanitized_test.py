@@ -2,7 +2,7 @@
 """sanitized_test.py DALEMBERT RUNTIME EIGEN WORK: emitted code reads nothing that is not its own.
 
 A robot of limbs that stand alone, of lengths around whole registers and with driven joints near their ends, so that runs of rows
-begin anywhere; its self-test runs with the address and undefined-behaviour sanitizers, for every width of lanes. Exit status: 0
+begin anywhere; its self-test runs with the address and undefined-behaviour sanitizers. Exit status: 0
 good, 1 not.
 """
 import pathlib
@@ -57,10 +57,10 @@ def run(*command):
 work.mkdir(parents=True, exist_ok=True)
 (work / "runs.urdf").write_text(robot())
 (work / "main.cpp").write_text(MAIN)
-for outputs in ("mass_matrix", "mass_matrix,coriolis_matrix"):
+for outputs, widths in (("mass_matrix", (2, 8)), ("mass_matrix,coriolis_matrix", (4,))):
     run(dalembert, "generate", work / "runs.urdf", "--name", "robot", "-o", work / "robot", "--base", "floating", "--form", "rolled",
         "--parallel", "serial", "--mimic", "urdf", "--outputs", outputs)
-    for lanes in (1, 2, 4, 8):
+    for lanes in widths:
         run("g++", "-std=c++17", "-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all", f"-DDALEMBERT_LANES={lanes}",
             "-I", work, "-I", runtime, "-isystem", eigen, work / "main.cpp", *sorted((work / "robot").glob("[ds]*.cpp")), "-o",
             work / "program")
