@@ -49,8 +49,11 @@ std::size_t workspace_bytes(const Model& model, const Lowered& lowered) {
 
 std::vector<std::pair<std::string, ir::Operations>> executed_operations(const Model& model, const Lowered& lowered) {
   std::vector<std::pair<std::string, ir::Operations>> all;
-  for (const backend::CodeInput& code : folder(model, lowered).functions)
-    all.emplace_back(code.algorithm.function.name, backend::executed_operations(code));
+  for (const backend::CodeInput& code : folder(model, lowered).functions) {
+    const ir::EmittedFunction& function = code.algorithm.function;
+    if (function.first_half.empty()) all.emplace_back(function.name, ir::Operations());
+    all.back().second += backend::executed_operations(code);
+  }
   return all;
 }
 

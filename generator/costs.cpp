@@ -53,36 +53,45 @@ ir::Operations operations_of(const ir::MatrixStep& step, const ir::CoordinateTre
   return o;
 }
 
-// The arrays that one is made of, itself among them, and the steps that make it. What says whether M can be solved with counts.
+// The arrays that some are made of, themselves among them, and the steps that make them. What says whether M can be solved with
+// counts.
 struct Making {
   std::set<int> arrays;
   std::vector<ir::MatrixStep> steps;
 };
-Making making(const ir::Algorithm& algorithm, int array) {
-  Making m{{array}, {}};
+Making making(const ir::Algorithm& algorithm, const std::set<int>& arrays) {
+  Making m{arrays, {}};
   if (const std::optional<ir::Guard>& guard = algorithm.guard;
-      guard && std::find(guard->arrays.begin(), guard->arrays.end(), array) != guard->arrays.end())
+      guard && std::any_of(guard->arrays.begin(), guard->arrays.end(), [&](int array) { return arrays.contains(array); }))
     m.arrays.insert({guard->pivots, guard->diagonal});
   for (auto step = algorithm.steps.rbegin(); step != algorithm.steps.rend(); ++step)
-    if (m.arrays.contains(step->to)) {
+    if (m.arrays.contains(step->to) || (step->room >= 0 && m.arrays.contains(step->room))) {
       m.arrays.insert({step->a, step->b});  // one may be none
       m.steps.push_back(*step);
     }
   return m;
 }
 
-// The cost of one result of the function, or of all (-1).
-OperationCost cost_of(const LoweredFunction& function, const std::vector<int>& phases, const ir::KinematicTree& tree,
-                      int array) {
-  const ir::Program& program = function.program;
-  Making made = making(function.algorithm, array);
-  if (array < 0) made.steps = function.algorithm.steps;
+std::vector<std::int32_t> uses(const ir::Program& program, const Making& made) {
   std::vector<ir::NodeId> roots;
   for (const ir::OutputElement& e : program.elements)
-    if (array < 0 || made.arrays.contains(e.array)) roots.push_back(e.node);
-  const std::vector<std::int32_t> uses = ir::uses(program.graph, roots);
+    if (made.arrays.contains(e.array)) roots.push_back(e.node);
+  return ir::uses(program.graph, roots);
+}
+
+// Whether it takes what the function takes besides q and v.
+bool takes_input(const LoweredFunction& function, const Making& made) {
+  return ir::inputs_read(function.program, uses(function.program, made)).input;
+}
+
+// The cost of what was made by a function, or by one half of it.
+OperationCost cost_of(const std::string& name, const LoweredFunction& function, const Making& made,
+                      const ir::KinematicTree& tree) {
+  const ir::Program& program = function.program;
+  const std::vector<int> phases = passes::phases(function.algorithm);
+  const std::vector<std::int32_t> uses = dalembert::uses(program, made);
   OperationCost cost;
-  cost.name = array < 0 ? "all" : program.arrays[static_cast<size_t>(array)].name;
+  cost.name = name;
   cost.operations = ir::count(program.graph, uses);
   for (int phase = 1; phase <= 3; ++phase)
     cost.phases[static_cast<size_t>(phase - 1)] = count(program.graph, uses, phases, phase);
@@ -99,6 +108,20 @@ OperationCost cost_of(const LoweredFunction& function, const std::vector<int>& p
   cost.positions_not_read = missing(read.positions, tree.nq());
   cost.velocities_not_read = missing(read.velocities, tree.nv());
   return cost;
+}
+
+// Everything that it makes.
+Making all_of(const ir::Algorithm& algorithm) {
+  Making m{{}, algorithm.steps};
+  for (size_t a = 0; a < algorithm.arrays.size(); ++a) m.arrays.insert(static_cast<int>(a));
+  return m;
+}
+
+// -1: it has none of that name.
+int array_called(const std::string& name, const ir::Algorithm& algorithm) {
+  for (size_t a = 0; a < algorithm.arrays.size(); ++a)
+    if (algorithm.arrays[a].name == name) return static_cast<int>(a);
+  return -1;
 }
 
 // What two functions cost and read, one after the other.
@@ -145,11 +168,25 @@ Model as_written(Model model) {
 std::vector<OperationCost> operation_costs(const Lowered& lowered, const ir::KinematicTree& tree) {
   std::vector<OperationCost> costs(1);
   for (const LoweredFunction& f : lowered.functions) {
-    const std::vector<int> phases = passes::phases(f.algorithm);
-    const OperationCost all = cost_of(f, phases, tree, -1);
+    const OperationCost all = cost_of("all", f, all_of(f.algorithm), tree);
     costs.front() = &f == &lowered.functions.front() ? all : sum(costs.front(), all);
-    for (size_t a = 0; a < f.program.arrays.size(); ++a)
-      if (!f.program.arrays[a].internal) costs.push_back(cost_of(f, phases, tree, static_cast<int>(a)));
+    // A second half stands behind its first.
+    const LoweredFunction* second = f.algorithm.function.second_half.empty() ? nullptr : &f + 1;
+    for (size_t a = 0; a < f.program.arrays.size(); ++a) {
+      const ir::OutputArray& array = f.program.arrays[a];
+      if (array.internal) continue;
+      std::set<int> made{static_cast<int>(a)};
+      const int later = second ? array_called(array.name, second->algorithm) : -1;
+      if (later < 0) {
+        costs.push_back(cost_of(array.name, f, making(f.algorithm, made), tree));
+        continue;
+      }
+      const Making rest = making(second->algorithm, {later});
+      if (takes_input(*second, rest)) made.insert(array_called(f.algorithm.function.accelerations(), f.algorithm));
+      for (const int needed : rest.arrays)
+        if (needed >= 0) made.insert(array_called(second->algorithm.arrays[static_cast<size_t>(needed)].name, f.algorithm));
+      costs.push_back(sum(cost_of(array.name, f, making(f.algorithm, made), tree), cost_of(array.name, *second, rest, tree)));
+    }
   }
   return costs;
 }

@@ -33,7 +33,12 @@ Lowered lower(const Model& model, Depth depth) {
   Lowered lowered;
   lowered.normal = passes::normalise(model.tree, passes::normalise_options(model.scene, model.options.move_parameters));
   for (const ir::EmittedFunction& f : ir::functions_of(model.scene))
-    lowered.functions.push_back(lower(model, lowered.normal, f, depth));
+    for (const ir::EmittedFunction& half : passes::halves(f, model.tree)) {
+      lowered.functions.push_back(lower(model, lowered.normal, half, depth));
+      if (half.first_half.empty()) continue;
+      ir::Plan &first = (lowered.functions.end() - 2)->plan, &second = lowered.functions.back().plan;
+      first.tasks = second.tasks = first.tasks || second.tasks;  // one graph
+    }
   return lowered;
 }
 

@@ -22,7 +22,7 @@ struct LoweredFunction {
 // A model on its way to text.
 struct Lowered {
   ir::NormalTree normal;
-  std::vector<LoweredFunction> functions;  // those the scene asks something of
+  std::vector<LoweredFunction> functions;  // those the scene asks something of, each half of one by itself
 };
 // Runs the passes, those that the model's options leave in.
 Lowered lower(const Model& model);

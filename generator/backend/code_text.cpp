@@ -129,14 +129,32 @@ std::string guard_statements(const CodeInput& code, const std::string& check) {
   const std::optional<ir::Guard>& guard = code.algorithm.guard;
   if (!guard) return "";
   const auto array = [&](int index) -> const ir::OutputArray& { return code.algorithm.arrays[static_cast<size_t>(index)]; };
-  const std::string status = own_name(code, "status"),
-                    name = check.empty() ? fmt::format("factor_status<{}>(", array(guard->pivots).rows) : check;
-  std::string text = fmt::format("  workspace.{} = dalembert::{}workspace.{}, workspace.{});\n", status, name,
-                                 array(guard->pivots).name, array(guard->diagonal).name);
+  const std::string status = is_called(code) ? own_name(code, "status") : function_of(code).called() + "_status";
+  std::string text;
+  if (guard->pivots >= 0)
+    text = fmt::format("  workspace.{} = dalembert::{}workspace.{}, workspace.{});\n", status,
+                       check.empty() ? fmt::format("factor_status<{}>(", array(guard->pivots).rows) : check,
+                       array(guard->pivots).name, array(guard->diagonal).name);
   for (const int index : guard->arrays)
     text += fmt::format("  dalembert::clear_unless_ok<{}>(workspace.{}, workspace.{});\n",
                         array(index).rows * array(index).columns, status, array(index).name);
   return text;
+}
+
+bool is_called(const CodeInput& code) { return function_of(code).first_half.empty(); }
+
+// The tasks of a graph call a second half from another file.
+std::string linkage_of(const CodeInput& code) { return is_called(code) || code.plan.tasks ? "" : "static "; }
+
+std::string second_half_declaration(const CodeInput& second_half) {
+  return fmt::format("{}void {}({}, Workspace& workspace) noexcept;\n", linkage_of(second_half), function_of(second_half).name,
+                     parameters_of(second_half));
+}
+
+std::string second_half_call(const CodeInput& first_half) {
+  const ir::EmittedFunction& function = function_of(first_half);
+  if (function.second_half.empty()) return "";
+  return fmt::format("  {}(q, v, workspace.{}, workspace);\n", function.second_half, function.accelerations());
 }
 
 int element_index(const ir::OutputArray& array, int row, int column) { return row + array.rows * column; }

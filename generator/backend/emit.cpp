@@ -48,10 +48,11 @@ std::string results(const Folder& folder) {
   std::string text;
   for (const CodeInput& code : folder.functions) {
     for (const ir::OutputArray& a : code.program.arrays) {
+      if (a.of_first_half) continue;
       const std::string size = a.columns == 1 ? std::to_string(a.rows) : fmt::format("{} * {}", a.rows, a.columns);
       text += fmt::format("  alignas(64) Scalar {}[{}] = {{}};{}\n", a.name, size, a.internal ? "  // between" : "");
     }
-    if (const std::optional<ir::Guard>& guard = code.algorithm.guard) {
+    if (const std::optional<ir::Guard>& guard = code.algorithm.guard; guard && is_called(code)) {
       std::vector<std::string> names;
       for (const int array : guard->arrays) names.push_back(code.program.arrays[static_cast<size_t>(array)].name);
       text += fmt::format(
@@ -173,6 +174,7 @@ std::string solve_declaration(const CodeInput& code) {
 }
 
 std::string function_declaration(const CodeInput& code) {
+  if (!is_called(code)) return "";
   std::string calls;
   for (const std::string& vector : vectors_of(code)) calls += vector + ".data(), ";
   std::string eigen;
@@ -219,34 +221,36 @@ OutputFile header(const Folder& folder) {
   const bool floating = code.tree.floating_base;
   std::string report;
   for (const std::string& line : folder.report) report += "// " + comment_text(line) + "\n";
-  return {"dynamics.hpp",
-          render("dynamics.hpp",
-                 {{"banner", banner(folder)},
-                  {"report", report.empty() ? "" : "//\n" + report},
-                  {"includes", any_guard(folder) ? "#include <dalembert/factor.hpp>\n" : ""},
-                  {"runtime_version", std::to_string(runtime_version)},
-                  {"name", code.name},
-                  {"scalar", scalar_name(code.scene.scalar)},
-                  {"nq", std::to_string(code.tree.nq())},
-                  {"nv", std::to_string(code.tree.nv())},
-                  {"position_layout", floating ? "base position in the world (3), quaternion x y z w (4), joints" : "joints"},
-                  {"velocity_layout",
-                   floating ? "base linear (3) and angular velocity (3) in base axes, joint rates" : "joint rates"},
-                  {"joints", std::to_string(joints.size())},
-                  {"bodies", std::to_string(body_names.size())},
-                  {"joint_enum", wrapped(joints, 2)},
-                  {"joint_names", joint_names.empty() ? "nullptr" : wrapped(joint_names, 4)},
-                  {"body_names", wrapped(body_names, 4)},
-                  {"link_table", link_table(code) + moved_parameters(code)},
-                  {"types", payload_type(code) + of_functions(folder, kept_types)},
-                  {"results", results(folder)},
-                  {"run_time_inputs", run_time_inputs(code)},
-                  {"scratch", of_functions(folder, kept_member)},
-                  {"functions", of_functions(folder, function_declaration)},
-                  {"views", views(folder)},
-                  {"stages", of_functions(folder, [](const CodeInput& f) {
-                     return f.plan.tasks && is_rolled(f) ? stage_declarations(f) : std::string();
-                   })}})};
+  return {
+      "dynamics.hpp",
+      render(
+          "dynamics.hpp",
+          {{"banner", banner(folder)},
+           {"report", report.empty() ? "" : "//\n" + report},
+           {"includes", any_guard(folder) ? "#include <dalembert/factor.hpp>\n" : ""},
+           {"runtime_version", std::to_string(runtime_version)},
+           {"name", code.name},
+           {"scalar", scalar_name(code.scene.scalar)},
+           {"nq", std::to_string(code.tree.nq())},
+           {"nv", std::to_string(code.tree.nv())},
+           {"position_layout", floating ? "base position in the world (3), quaternion x y z w (4), joints" : "joints"},
+           {"velocity_layout", floating ? "base linear (3) and angular velocity (3) in base axes, joint rates" : "joint rates"},
+           {"joints", std::to_string(joints.size())},
+           {"bodies", std::to_string(body_names.size())},
+           {"joint_enum", wrapped(joints, 2)},
+           {"joint_names", joint_names.empty() ? "nullptr" : wrapped(joint_names, 4)},
+           {"body_names", wrapped(body_names, 4)},
+           {"link_table", link_table(code) + moved_parameters(code)},
+           {"types", payload_type(code) + of_functions(folder, kept_types)},
+           {"results", results(folder)},
+           {"run_time_inputs", run_time_inputs(code)},
+           {"scratch", of_functions(folder, kept_member)},
+           {"functions", of_functions(folder, function_declaration)},
+           {"views", views(folder)},
+           {"stages", of_functions(folder, [](const CodeInput& f) {
+              if (!f.plan.tasks) return std::string();
+              return (is_rolled(f) ? stage_declarations(f) : "") + (is_called(f) ? "" : second_half_declaration(f) + "\n");
+            })}})};
 }
 
 // get: `const T* NAME_ARRAY(const NAME_workspace*)`; set: run-time inputs.
@@ -258,6 +262,7 @@ void c_functions(const Folder& folder, std::string& declarations, std::string& d
     definitions += fmt::format("{} {{\n{}}}\n\n", signature, body);
   };
   for (const CodeInput& f : folder.functions) {
+    if (!is_called(f)) continue;
     const ir::EmittedFunction& function = function_of(f);
     const std::string input = *function.input() ? fmt::format(", {}: {}_nv() {}", function.input(), n, function.meaning()) : "";
     add(fmt::format("Computes {}.\n{}// q: {}_nq() positions, v: {}_nv() velocities{}. Does not allocate.", quantities(f),
@@ -267,7 +272,7 @@ void c_functions(const Folder& folder, std::string& declarations, std::string& d
         fmt::format("  {}::{}({}, *workspace);\n", n, function.name, arguments_of(f)));
   }
   for (const CodeInput& f : folder.functions) {
-    if (!f.algorithm.guard) continue;
+    if (!f.algorithm.guard || !is_called(f)) continue;
     const std::string status = own_name(f, "status");
     add(fmt::format(
             "The coordinate whose pivot shows that the mass matrix is not positive definite, as of the last call; -1: it is"),
@@ -320,8 +325,10 @@ std::string source(const Folder& folder, const std::string& banner) {
   return render("dynamics.cpp", {{"banner", banner},
                                  {"name", folder.common().name},
                                  {"includes", includes},
-                                 {"functions", of_functions(folder, [](const CodeInput& f) {
-                                    return (is_rolled(f) ? rolled_source(f) : straight_source(f)) + solve_definition(f);
+                                 {"functions", of_functions(folder, [&](const CodeInput& f) {
+                                    const CodeInput* second = folder.second_half_of(f);
+                                    return (second && !second->plan.tasks ? "\n" + second_half_declaration(*second) : "") +
+                                           (is_rolled(f) ? rolled_source(f) : straight_source(f)) + solve_definition(f);
                                   })}});
 }
 
@@ -335,6 +342,12 @@ std::vector<ir::OutputArray> Folder::arrays() const {
   return all;
 }
 
+const CodeInput* Folder::second_half_of(const CodeInput& code) const {
+  for (const CodeInput& f : functions)
+    if (f.algorithm.function.name == code.algorithm.function.second_half) return &f;
+  return nullptr;
+}
+
 bool Folder::tasks() const {
   return std::any_of(functions.begin(), functions.end(), [](const CodeInput& f) { return f.plan.tasks; });
 }
@@ -346,10 +359,11 @@ std::size_t workspace_bytes(const Folder& folder) {
   const auto align = [&] { bytes = (bytes + 63) / 64 * 64; };
   for (const CodeInput& f : folder.functions) {
     for (const ir::OutputArray& a : f.program.arrays) {
+      if (a.of_first_half) continue;
       align();
       bytes += scalar * static_cast<std::size_t>(a.rows) * static_cast<std::size_t>(a.columns);
     }
-    if (f.algorithm.guard) bytes = (bytes + scalar - 1) / scalar * scalar + 2 * scalar;
+    if (f.algorithm.guard && is_called(f)) bytes = (bytes + scalar - 1) / scalar * scalar + 2 * scalar;
   }
   if (scene.gravity_kind == ir::GravityKind::run_time) bytes += 3 * scalar;
   bytes += (scene.payloads.size() * 10 + scene.wrenches.size() * 6) * scalar;  // mass, centre of mass, inertia; force, moment

@@ -31,7 +31,7 @@ struct CodeInput {
 
 // A robot's folder.
 struct Folder {
-  std::vector<CodeInput> functions;  // at least one; of one robot, scene and name
+  std::vector<CodeInput> functions;  // at least one; of one robot, scene and name; each half of one by itself
   std::string source;                // the URDF's file name, without folders
   std::string source_hash;
   std::string command_line;         // that remakes the files
@@ -42,6 +42,8 @@ struct Folder {
   // The outputs of all functions, one after another.
   std::vector<ir::OutputArray> arrays() const;
   bool tasks() const;  // whether any function has a task graph
+  // Of a function in two halves (ir/emitted_function.hpp); null where it is whole.
+  const CodeInput* second_half_of(const CodeInput& code) const;
 };
 
 // sizeof(Workspace) of the emitted code: results, run-time inputs and room to work in, each array at a multiple of 64 bytes.

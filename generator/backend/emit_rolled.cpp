@@ -241,7 +241,7 @@ std::vector<Stage> rolled_stages(const CodeInput& code) {
 
 int checked_pivots(const CodeInput& code) {
   const std::optional<ir::Guard>& guard = code.algorithm.guard;
-  if (!guard) return 0;
+  if (!guard || guard->pivots < 0) return 0;
   return pivots_in_slots(code) ? base_rows(code) + code.plan.slots
                                : code.algorithm.arrays[static_cast<size_t>(guard->pivots)].rows;
 }
@@ -292,9 +292,11 @@ std::string rolled_source(const CodeInput& code) {
     calls += fmt::format("  {}{}({});\n", scoped ? scope + "::" : "", s.name, call_of(code, s));
     state = state || s.reads_state;
   }
+  calls += second_half_call(code);
   if (!state) calls = unused + ";\n" + calls;
   const std::string open = "namespace " + scope + " {\n\n";
   return render("rolled.cpp", {{"open", first ? "" : open},
+                               {"linkage", linkage_of(code)},
                                {"function", function_of(code).name},
                                {"parameters", parameters_of(code)},
                                {"layout", layout(code)},

@@ -65,10 +65,12 @@ class SelfTestText {
   // Pointers to the functions.
   std::string runs() const {
     std::string text;
-    for (const CodeInput& f : folder_.functions)
+    for (const CodeInput& f : folder_.functions) {
+      if (!is_called(f)) continue;
       text +=
           fmt::format("void (*volatile const {})({}, Workspace&) noexcept = {};\n", own_name(f, "run"),
                       fmt::join(std::vector<std::string>(vectors_of(f).size(), "const Scalar*"), ", "), function_of(f).name);
+    }
     return text;
   }
 
@@ -76,8 +78,9 @@ class SelfTestText {
     std::string text;
     for (size_t s = 0; s < test_.states.size(); ++s) {
       for (const CodeInput& f : folder_.functions)
-        text += fmt::format("  {0}(q_{1}, v_{1}{2}, workspace);\n", own_name(f, "run"), s,
-                            vectors_of(f).size() > 2 ? fmt::format(", input_{}", s) : "");
+        if (is_called(f))
+          text += fmt::format("  {0}(q_{1}, v_{1}{2}, workspace);\n", own_name(f, "run"), s,
+                              vectors_of(f).size() > 2 ? fmt::format(", input_{}", s) : "");
       for (const ir::Expectation& e : test_.expectations)
         if (e.state == static_cast<int>(s)) text += comparison(e);
     }

@@ -108,7 +108,7 @@ std::string straight_statements(const CodeInput& code, const ir::Program& progra
     sinks.push_back({e.node, fmt::format("workspace.{}[{}] = ", array.name, element_index(array, e.row, e.column)), ";"});
   }
   if (sinks.empty()) body += "  (void)workspace;\n";
-  return body + print(program.graph, sinks, style) + matrix_statements(code) + guard_statements(code);
+  return body + print(program.graph, sinks, style) + matrix_statements(code) + guard_statements(code) + second_half_call(code);
 }
 
 ir::Operations straight_operations(const CodeInput& code) {
@@ -125,7 +125,8 @@ std::vector<std::string> straight_includes(const CodeInput& code) {
 }
 
 std::string straight_source(const CodeInput& code) {
-  return render("straight.cpp", {{"function", function_of(code).name},
+  return render("straight.cpp", {{"linkage", linkage_of(code)},
+                                 {"function", function_of(code).name},
                                  {"parameters", parameters_of(code, "const Scalar* __restrict ")},
                                  {"body", straight_statements(code, code.program)}});
 }

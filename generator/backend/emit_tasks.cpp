@@ -143,24 +143,29 @@ std::vector<std::set<size_t>> reduced(std::vector<std::set<size_t>> before) {
   return before;
 }
 
-// The vectors as the graph holds them between calls.
-std::string held_arguments(const CodeInput& code) { return fmt::format("{}_", fmt::join(vectors_of(code), "_, ")); }
+// The vectors as the graph holds them between calls; a second half has its last from its first half.
+std::string held_arguments(const CodeInput& code, const CodeInput& called) {
+  if (is_called(code)) return fmt::format("{}_", fmt::join(vectors_of(code), "_, "));
+  return "q_, v_, w->" + function_of(called).accelerations();
+}
 
-Tasks tasks_of(const CodeInput& code) {
+// Of a function, or of one half of it.
+Tasks tasks_of(const CodeInput& code, const CodeInput& called) {
   Tasks t;
   if (code.plan.form != ir::Form::rolled) {  // one piece of code, one task
     const std::string name = function_of(code).name;
-    t.tasks.push_back({name, fmt::format("{}::{}({}, *w)", code.name, name, held_arguments(code)), true});
+    t.tasks.push_back({name, fmt::format("{}::{}({}, *w)", code.name, name, held_arguments(code, called)), true});
     return t;
   }
   const std::vector<Stage> stages = rolled_stages(code);
   std::vector<std::vector<int>> tasks_of_stage;
   for (const Stage& s : stages) {
     tasks_of_stage.emplace_back();
-    const std::string first = s.reads_state ? held_arguments(code) + ", *w" : "*w";
+    const std::string first = s.reads_state ? held_arguments(code, called) + ", *w" : "*w";
     const auto add = [&](const std::string& name, const std::string& arguments) {
       tasks_of_stage.back().push_back(static_cast<int>(t.tasks.size()));
-      t.tasks.push_back({name, fmt::format("{}::{}({}{})", own_name(code, "stages"), s.name, first, arguments), s.reads_state});
+      t.tasks.push_back({is_called(code) ? name : "then_" + name,
+                         fmt::format("{}::{}({}{})", own_name(code, "stages"), s.name, first, arguments), s.reads_state});
     };
     if (s.kind != Stage::Kind::elements) {
       add(s.name, "");
@@ -181,17 +186,39 @@ Tasks tasks_of(const CodeInput& code) {
   return t;
 }
 
+// Of a function that users call: first one half, then the other. Straight code calls the second half itself.
+Tasks tasks_of(const Folder& folder, const CodeInput& code) {
+  Tasks t = tasks_of(code, code);
+  const CodeInput* second = folder.second_half_of(code);
+  if (!second || code.plan.form != ir::Form::rolled) return t;
+  const int before = static_cast<int>(t.tasks.size());
+  const Tasks then = tasks_of(*second, code);
+  std::set<int> last, later;
+  for (int i = 0; i < before; ++i) last.insert(i);
+  for (const auto& [from, to] : t.edges) last.erase(from);
+  for (const auto& [from, to] : then.edges) {
+    later.insert(to);
+    t.edges.emplace_back(before + from, before + to);
+  }
+  for (int i = 0; i < static_cast<int>(then.tasks.size()); ++i) {
+    t.tasks.push_back(then.tasks[static_cast<size_t>(i)]);
+    for (const int from : last)
+      if (!later.contains(i)) t.edges.emplace_back(from, before + i);
+  }
+  return t;
+}
+
 }  // namespace
 
 std::string tasks_header(const Folder& folder, const std::string& banner) {
   std::string classes;
   for (const CodeInput& code : folder.functions) {
-    if (!code.plan.tasks) continue;
+    if (!code.plan.tasks || !is_called(code)) continue;
     std::string members;
     for (const std::string& vector : vectors_of(code)) members += fmt::format("  const Scalar* {}_ = nullptr;\n", vector);
     classes += render("task_graph.hpp", {{"function", function_of(code).name},
                                          {"type", own_type(code, "TaskGraph")},
-                                         {"tasks", std::to_string(tasks_of(code).tasks.size())},
+                                         {"tasks", std::to_string(tasks_of(folder, code).tasks.size())},
                                          {"parameters", parameters_of(code)},
                                          {"arguments", arguments_of(code)},
                                          {"members", members}});
@@ -202,8 +229,8 @@ std::string tasks_header(const Folder& folder, const std::string& banner) {
 std::string tasks_source(const Folder& folder, const std::string& banner) {
   std::string classes;
   for (const CodeInput& code : folder.functions) {
-    if (!code.plan.tasks) continue;
-    const Tasks t = tasks_of(code);
+    if (!code.plan.tasks || !is_called(code)) continue;
+    const Tasks t = tasks_of(folder, code);
     std::string nodes, edges, keep;
     for (const Task& task : t.tasks)
       nodes += fmt::format("  const int {} = graph_.add([{}w] {{ {}; }});\n", task.name, task.reads_state ? "this, " : "",

@@ -93,7 +93,7 @@ long driven_results(const CodeInput& code) {
 // Of the check whether M can be solved with: a product per pivot, and one for what rounding may leave.
 long guard_products(const CodeInput& code) {
   const std::optional<ir::Guard>& guard = code.algorithm.guard;
-  if (!guard) return 0;
+  if (!guard || guard->pivots < 0) return 0;
   return 1 + (code.plan.form == ir::Form::rolled ? checked_pivots(code)
                                                  : code.algorithm.arrays[static_cast<size_t>(guard->pivots)].rows);
 }

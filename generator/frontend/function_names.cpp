@@ -52,12 +52,31 @@ constexpr const char* of_the_folder[] = {"Scalar",
                                          "input_1",
                                          "input_2"};
 // What a function may have of its own, besides its results.
-constexpr const char* own[] = {"kept",     "status",         "stages",     "run",        "inverse", "factor",          "pivots",
-                               "diagonal", "padded_inverse", "efforts_dq", "efforts_dv", "mass",    "unscaled_factor", "solve"};
+constexpr const char* own[] = {"kept",
+                               "status",
+                               "stages",
+                               "run",
+                               "inverse",
+                               "factor",
+                               "pivots",
+                               "diagonal",
+                               "padded_inverse",
+                               "efforts_dq",
+                               "efforts_dv",
+                               "mass",
+                               "unscaled_factor",
+                               "solve",
+                               "accelerations",
+                               "derivatives",
+                               "derivatives_kept",
+                               "derivatives_stages",
+                               "derivatives_efforts_dq",
+                               "derivatives_efforts_dv"};
 
 // What the code has of a function besides its results.
 std::vector<std::string> names_of(const ir::EmittedFunction& function) {
-  std::vector<std::string> names{function.name, function.type + "Kept", function.type + "TaskGraph"};
+  std::vector<std::string> names{function.name, function.type + "Kept", function.type + "DerivativesKept",
+                                 function.type + "TaskGraph"};
   for (const char* word : own) names.push_back(function.own_name(word));
   return names;
 }

@@ -111,7 +111,8 @@ struct OutputArray {
   std::string name;  // mass_matrix, …, jacobian_<link>
   int rows = 0;
   int columns = 1;
-  bool internal = false;  // a step between, which users do not ask for
+  bool internal = false;       // a step between, which users do not ask for
+  bool of_first_half = false;  // of a second half (ir/emitted_function.hpp): the other function has it
 };
 
 // What is done to whole matrices once their elements are there.
@@ -131,7 +132,7 @@ struct MatrixStep {
 // Arrays that mean something only where the mass matrix is positive definite: where a pivot of its factorisation is not above
 // what rounding leaves of M's diagonal they are zero, and the function's status says which.
 struct Guard {
-  int pivots = 0, diagonal = 0;  // arrays, nv × 1
+  int pivots = 0, diagonal = 0;  // arrays, nv × 1; −1: the first half of the function has found out
   std::vector<int> arrays;
 };
 

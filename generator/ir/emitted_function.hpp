@@ -19,6 +19,10 @@ struct EmittedFunction {
   bool named = false;                    // by the scene: its results bear its name too
   std::vector<Quantity> quantities{};    // of the whole robot, in the order of their results
   std::vector<LinkOutput> of_links{};    // of links, behind them
+  // A function may be computed in two halves: the first is the function that users call, has all results, and ends by calling
+  // the second, which fills some of them.
+  std::string second_half{};  // of a first half: the name of the other
+  std::string first_half{};   // of a second half: likewise
 
   // What it takes after q and v, as in FunctionRow.
   const char* input() const { return row_of(inputs).input; }
@@ -30,10 +34,16 @@ struct EmittedFunction {
   // What its result is called: "mass_matrix", "balance_mass_matrix".
   std::string result(Quantity quantity) const {
     const std::string quantity_name(name_of(quantity));
-    return named ? name + "_" + quantity_name : quantity_name;
+    return named ? called() + "_" + quantity_name : quantity_name;
   }
   std::string result(const LinkOutput& output) const { return named ? name + "_" + name_of(output) : name_of(output); }
   bool computes(Quantity quantity) const;
+  // The function that users call.
+  const std::string& called() const { return first_half.empty() ? name : first_half; }
+  // The array that hands v̇ to a second half.
+  std::string accelerations() const {
+    return computes(Quantity::forward_dynamics) ? result(Quantity::forward_dynamics) : own_name("accelerations");
+  }
 };
 
 // The standard function, with nothing to compute.

@@ -133,13 +133,18 @@ bool Builder::has(const std::string& sweep) const {
   return std::any_of(algorithm_.sweeps.begin(), algorithm_.sweeps.end(), [&](const ir::Sweep& s) { return s.name == sweep; });
 }
 
+bool Builder::has_array(const std::string& name) const {
+  return std::any_of(algorithm_.arrays.begin(), algorithm_.arrays.end(),
+                     [&](const ir::OutputArray& a) { return a.name == name; });
+}
+
 SweepBuilder Builder::sweep(const std::string& name, const std::string& equation, ir::Direction direction) {
   algorithm_.sweeps.push_back({name, equation, direction, ir::Graph(options_), {}, {}, ir::all_bodies});
   return {*this, algorithm_.sweeps.size() - 1};
 }
 
 int Builder::array(const std::string& name, int rows, int columns) {
-  algorithm_.arrays.push_back({name, rows, columns, false});
+  algorithm_.arrays.push_back({name, rows, columns});
   return static_cast<int>(algorithm_.arrays.size()) - 1;
 }
 
@@ -157,12 +162,19 @@ int Builder::output(ir::Quantity quantity) {
   for (std::size_t i = 0; i < algorithm_.arrays.size(); ++i)
     if (algorithm_.arrays[i].name == name) return static_cast<int>(i);
   const ir::QuantityRow& row = ir::row_of(quantity);
-  return array(name, ir::extent(row.rows, tree_), ir::extent(row.columns, tree_));
+  const int rows = ir::extent(row.rows, tree_), columns = ir::extent(row.columns, tree_);
+  return algorithm_.function.first_half.empty() ? array(name, rows, columns) : array_of_first_half(name, rows, columns);
 }
 
 int Builder::internal_array(const std::string& name, int rows, int columns) {
   const int index = array(name, rows, columns);
   algorithm_.arrays.back().internal = true;
+  return index;
+}
+
+int Builder::array_of_first_half(const std::string& name, int rows, int columns) {
+  const int index = internal_array(name, rows, columns);
+  algorithm_.arrays.back().of_first_half = true;
   return index;
 }
 

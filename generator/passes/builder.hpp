@@ -110,10 +110,12 @@ class Builder {
   const ir::Role& role_of(int role) const { return algorithm_.roles[static_cast<std::size_t>(role)]; }
   // Whether there is a sweep of that name.
   bool has(const std::string& sweep) const;
+  bool has_array(const std::string& name) const;
   SweepBuilder sweep(const std::string& name, const std::string& equation, ir::Direction direction);
   int array(const std::string& name, int rows, int columns);
   // One that is no output.
   int internal_array(const std::string& name, int rows, int columns);
+  int array_of_first_half(const std::string& name, int rows, int columns);
   std::optional<ir::Guard>& guard() { return algorithm_.guard; }
   bool fills(int array) const;  // whether there are pairs for it
   void pairs(const ir::Pairs& pairs) { algorithm_.pairs.push_back(pairs); }

@@ -8,7 +8,7 @@
 namespace dalembert::passes {
 
 // Throws InputError when the scene asks for something that is solved for with M, and M is singular in every state, because a
-// joint moves no mass, or does not factor along the tree, because one joint drives another.
+// joint moves no mass.
 void check_solvable(const ir::RobotDescription& robot, const ir::KinematicTree& tree, const ir::Scene& scene);
 
 }  // namespace dalembert::passes

@@ -46,8 +46,9 @@ def options(robot, outputs):
                 "--functions", "{balance: [mass_matrix, momentum_matrix], plan: [inverse_mass_matrix, forward_dynamics_dq]}"]
     if outputs == DRIVEN:
         driver, driven = JOINTS[robot]
-        return ["--outputs", "mass_matrix,mass_matrix_factor,bias,forward_dynamics", "--functions",
-                "{step: [inverse_mass_matrix, forward_dynamics]}", "--mimic", f"{{{driven}: {{of: {driver}, multiplier: -0.7}}}}"]
+        functions = "{step: [inverse_mass_matrix, forward_dynamics], plan: [forward_dynamics_dq, forward_dynamics_dv]}"
+        return ["--outputs", "mass_matrix,mass_matrix_factor,bias,forward_dynamics", "--functions", functions,
+                "--mimic", f"{{{driven}: {{of: {driver}, multiplier: -0.7}}}}"]
     if outputs == ELASTIC:
         springs = ", ".join(f"{joint}: {{k: 700, inertia: 0.1, damping: 3}}" for joint in JOINTS[robot])
         return ["--outputs", "mass_matrix,coriolis_matrix,bias,potential_energy,inverse_dynamics_dq,forward_dynamics",

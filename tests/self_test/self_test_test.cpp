@@ -138,6 +138,7 @@ INSTANTIATE_TEST_SUITE_P(
              "prismatic_mix",
              {{"base", "fixed"},
               {"mimic", "{link_4_joint: {of: link_2_joint, multiplier: -1.5, offset: 0.1}}"},
+              {"outputs", "mass_matrix,bias,forward_dynamics_dq,forward_dynamics,forward_dynamics_dv"},
               {"armature", "link_1_joint=0.2"},
               {"damping", "link_4_joint=0.3"},
               {"friction", "link_5_joint=0.4"}}},

@@ -61,10 +61,9 @@ inline void run_steps(const Algorithm& algorithm, Arrays& arrays) {
   const auto array = [&](int index) -> Eigen::MatrixXd& {
     return arrays[algorithm.arrays[static_cast<std::size_t>(index)].name];
   };
-  Eigen::MatrixXd inverse;
   for (const MatrixStep& s : algorithm.steps) {
     if (s.kind == MatrixStep::Kind::negative_product) {
-      array(s.to) = -inverse * array(s.b);
+      array(s.to) = -array(s.a) * array(s.b);
       continue;
     }
     if (s.kind == MatrixStep::Kind::factor) {
@@ -81,20 +80,19 @@ inline void run_steps(const Algorithm& algorithm, Arrays& arrays) {
     }
     Eigen::MatrixXd transposed = array(s.a).triangularView<Eigen::StrictlyUpper>();
     transposed.diagonal().setOnes();
-    inverse = (transposed * array(s.b).col(0).asDiagonal() * transposed.transpose()).inverse();
-    array(s.to) = inverse;
+    array(s.to) = array(s.room) = (transposed * array(s.b).col(0).asDiagonal() * transposed.transpose()).inverse();
   }
-  if (!algorithm.guard) return;
+  if (!algorithm.guard || algorithm.guard->pivots < 0) return;
   const Eigen::MatrixXd &pivots = array(algorithm.guard->pivots), &diagonal = array(algorithm.guard->diagonal);
   const double rounding = static_cast<double>(pivots.size()) * 0x1p-52;
   if ((pivots.array() > rounding * diagonal.array() && pivots.array() > 0).all()) return;
   for (const int index : algorithm.guard->arrays) array(index).setZero();
 }
 
-// The straight form.
-inline Arrays run(const Algorithm& algorithm, const Program& program, const FunctionInput& input) {
-  Arrays arrays;
-  for (const OutputArray& a : program.arrays) arrays[a.name] = Eigen::MatrixXd::Zero(a.rows, a.columns);
+// The straight form. `arrays`: those that the first half has left for a second.
+inline Arrays run(const Algorithm& algorithm, const Program& program, const FunctionInput& input, Arrays arrays = {}) {
+  for (const OutputArray& a : program.arrays)
+    if (!a.of_first_half) arrays[a.name] = Eigen::MatrixXd::Zero(a.rows, a.columns);
   const std::vector<double> values = interpret<double>(program.graph, input);
   for (const OutputElement& e : program.elements)
     arrays[program.arrays[static_cast<std::size_t>(e.array)].name](e.row, e.column) = values[static_cast<std::size_t>(e.node)];
@@ -118,8 +116,11 @@ class RolledRun {
     for (const KeptArray& a : program.arrays) kept_.push_back(Eigen::MatrixXd::Zero(a.components, plan.slots + 8));
   }
 
-  Arrays run() {
-    for (const OutputArray& a : algorithm_.arrays) arrays_[a.name] = Eigen::MatrixXd::Zero(a.rows, a.columns);
+  // As above.
+  Arrays run(Arrays arrays = {}) {
+    arrays_ = std::move(arrays);
+    for (const OutputArray& a : algorithm_.arrays)
+      if (!a.of_first_half) arrays_[a.name] = Eigen::MatrixXd::Zero(a.rows, a.columns);
     joints();
     int levels = 0;
     for (const SegmentCode& s : program_.segments)

@@ -159,7 +159,9 @@ Articulated articulated_bodies(Builder& b) {
 }
 
 void guard(Builder& b, int array) {
-  if (!b.guard() && b.factors()) {
+  if (!b.guard() && !b.function().first_half.empty()) {
+    b.guard() = ir::Guard{-1, -1, {}};
+  } else if (!b.guard() && b.factors()) {
     mass_matrix_factor(b);
   } else if (!b.guard()) {
     const Articulated a = articulated_bodies(b);

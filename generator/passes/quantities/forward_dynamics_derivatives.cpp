@@ -1,6 +1,10 @@
 // dv̇/dq = −M⁻¹ dτ/dq and dv̇/dv = −M⁻¹ dτ/dv at the v̇ of forward dynamics (Carpentier and Mansard 2018).
+//
+// Articulated bodies give v̇ in the sweeps. Where joints are driven by others M's factors give it, behind all sweeps: what
+// depends on it is the second half of the function then, and takes v̇ as inverse dynamics does.
 #include <algorithm>
 
+#include "dalembert/chain_shapes.hpp"
 #include "passes/quantities/quantities.hpp"
 #include "passes/quantities/shared.hpp"
 
@@ -8,16 +12,35 @@ namespace dalembert::passes {
 
 namespace {
 
-// first: the efforts do not depend on the coordinates before this one.
-void solve(Builder& b, int array, const std::string& name, void (*of_efforts)(Builder&, int), int first) {
-  const int nv = b.tree().nv(), efforts = b.internal_array(b.own_name(name), nv, nv);
-  of_efforts(b, efforts);
+// M⁻¹ with room, as products take it; made where it is not there yet.
+int padded_inverse(Builder& b) {
+  if (const std::string& first_half = b.function().first_half; !first_half.empty())
+    return b.array_of_first_half(first_half + "_padded_inverse", inverse_size(b.tree().nv()), 1);
   const auto inverted = [&] {
     return std::find_if(b.steps().begin(), b.steps().end(),
                         [](const ir::MatrixStep& step) { return step.kind == ir::MatrixStep::Kind::invert; });
   };
   if (inverted() == b.steps().end()) inverse_mass_matrix(b);
-  b.step({ir::MatrixStep::Kind::negative_product, inverted()->room, efforts, array, -1, first});
+  return inverted()->room;
+}
+
+// What the second half needs of the first: M⁻¹ and v̇.
+void prepare_second_half(Builder& b) {
+  padded_inverse(b);
+  const std::string name = b.function().accelerations();
+  if (!b.function().computes(ir::Quantity::forward_dynamics) && !b.has_array(name))
+    describe_forward_dynamics(b, b.internal_array(name, b.tree().nv(), 1));
+}
+
+// first: the efforts do not depend on the coordinates before this one.
+void solve(Builder& b, int array, const std::string& name, void (*of_efforts)(Builder&, int), int first) {
+  if (b.function().second_half.empty()) {
+    const int nv = b.tree().nv(), efforts = b.internal_array(b.own_name(name), nv, nv);
+    of_efforts(b, efforts);
+    b.step({ir::MatrixStep::Kind::negative_product, padded_inverse(b), efforts, array, -1, first});
+  } else {
+    prepare_second_half(b);
+  }
   guard(b, array);
 }
 
@@ -28,5 +51,18 @@ void describe_forward_dynamics_dq(Builder& b, int array) {
   solve(b, array, "efforts_dq", describe_inverse_dynamics_dq, position);
 }
 void describe_forward_dynamics_dv(Builder& b, int array) { solve(b, array, "efforts_dv", describe_inverse_dynamics_dv, 0); }
+
+std::vector<ir::EmittedFunction> halves(const ir::EmittedFunction& function, const ir::KinematicTree& tree) {
+  const bool all_own = tree.independent_joints() == tree.joints();
+  // dv̇/dv alone does not depend on v̇.
+  if (all_own || !function.computes(ir::Quantity::forward_dynamics_dq)) return {function};
+  ir::EmittedFunction first = function, second{function.own_name("derivatives"), function.type + "Derivatives",
+                                               ir::Function::inverse_dynamics, function.named};
+  for (const ir::Quantity quantity : {ir::Quantity::forward_dynamics_dq, ir::Quantity::forward_dynamics_dv})
+    if (function.computes(quantity)) second.quantities.push_back(quantity);
+  first.second_half = second.name;
+  second.first_half = first.name;
+  return {first, second};
+}
 
 }  // namespace dalembert::passes

@@ -18,7 +18,11 @@ namespace dalembert::passes {
 
 void describe_link_quantity(Builder& builder, const LinkFrame& link, ir::LinkQuantity quantity, int array);
 
-// One function: its quantities, in their order, then those of links.
+// The function as it is, or its two halves: where joints are driven by others v̇ is known after steps with whole matrices, and
+// what is differentiated at v̇ needs sweeps behind them.
+std::vector<ir::EmittedFunction> halves(const ir::EmittedFunction& function, const ir::KinematicTree& tree);
+
+// One function, or one half: its quantities, in their order, then those of links.
 ir::Algorithm describe(const ir::EmittedFunction& function, const ir::KinematicTree& tree, const ir::NormalTree& normal,
                        const ir::Scene& scene, const ir::Graph::Options& options);
 

@@ -1,5 +1,5 @@
 // Compiled code that factors M and solves with it, joints being driven by one of another limb: M = U D U', any number of
-// right-hand sides, forward dynamics, and an M that is singular.
+// right-hand sides, forward dynamics and its derivatives, and an M that is singular.
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
@@ -9,9 +9,11 @@
 
 #include "factors/c_api.h"
 #include "factors/dynamics.hpp"
+#include "factors/tasks.hpp"
 #include "heap_count.hpp"
 #include "pipeline.hpp"
 #include "reference/engine.hpp"
+#include "singular_driven/dynamics.hpp"
 #include "singular_factors/dynamics.hpp"
 #include "states.hpp"
 
@@ -35,6 +37,12 @@ class Solve : public ::testing::Test {
     q = state.q, v = state.v, tau = moderate_state(model.tree, 6).v;
     factors::evaluate(q, v, workspace);
     tolerance = 10 * reference::mass_condition(model.tree, model.scene, {q, v, tau}) * 0x1p-53;
+  }
+
+  double error(ir::Quantity quantity, const Eigen::MatrixXd& result) const {
+    const Eigen::MatrixXd right =
+        reference::evaluate(model.tree, model.scene, {{quantity, ""}}, {q, v, tau}, reference::Precision::float64).front();
+    return (result - right).cwiseAbs().maxCoeff<Eigen::PropagateNaN>() / right.cwiseAbs().maxCoeff();
   }
 
   Model model;
@@ -105,6 +113,50 @@ TEST_F(Solve, ForwardDynamicsIsUndoneByInverseDynamics) {
   EXPECT_LE(largest(factors::inverse_dynamics(workspace) - tau), tolerance * largest(tau));
 }
 
+TEST_F(Solve, DerivativesAreTheGenericEnginesAndDifferences) {
+  factors::forward_dynamics(q, v, tau, workspace);
+  factors::plan(q, v, tau, workspace);
+  factors::lean(q, v, tau, workspace);
+  EXPECT_TRUE(workspace.forward_dynamics_status.ok() && workspace.plan_status.ok() && workspace.lean_status.ok());
+  const Eigen::MatrixXd by_q = factors::forward_dynamics_dq(workspace), by_v = factors::forward_dynamics_dv(workspace);
+  EXPECT_LE(error(ir::Quantity::forward_dynamics, factors::forward_dynamics(workspace)), tolerance);
+  EXPECT_LE(error(ir::Quantity::forward_dynamics_dq, by_q), tolerance);
+  EXPECT_LE(error(ir::Quantity::forward_dynamics_dv, by_v), tolerance);
+  EXPECT_LE(error(ir::Quantity::forward_dynamics_dq, factors::plan_forward_dynamics_dq(workspace)), tolerance);
+  EXPECT_LE(error(ir::Quantity::forward_dynamics_dv, factors::lean_forward_dynamics_dv(workspace)), tolerance);
+  constexpr double h = 1e-5;
+  const auto difference = [&](double& coordinate) -> factors::VectorV {
+    const double at = coordinate;
+    coordinate = at + h;
+    factors::forward_dynamics(q, v, tau, workspace);
+    const factors::VectorV above = factors::forward_dynamics(workspace);
+    coordinate = at - h;
+    factors::forward_dynamics(q, v, tau, workspace);
+    coordinate = at;
+    return (above - factors::forward_dynamics(workspace)) / (2 * h);
+  };
+  for (int i = 0; i < nv; ++i) {
+    EXPECT_LE(largest(difference(v[i]) - by_v.col(i)), 1e-7 * largest(by_v)) << i;
+    const int joint = i - (nv - factors::joints);
+    if (joint < 0) continue;
+    EXPECT_LE(largest(difference(q[factors::nq - factors::joints + joint]) - by_q.col(i)), 1e-7 * largest(by_q)) << i;
+  }
+}
+
+TEST_F(Solve, BothHalvesOfAFunctionStandInItsTaskGraph) {
+  factors::forward_dynamics(q, v, tau, workspace);
+  factors::plan(q, v, tau, workspace);
+  static factors::Workspace by_tasks;
+  factors::ForwardDynamicsTaskGraph graph(by_tasks);
+  graph.forward_dynamics(q.data(), v.data(), tau.data());
+  factors::PlanTaskGraph plan(by_tasks);
+  plan.plan(q.data(), v.data(), tau.data());
+  EXPECT_EQ(factors::forward_dynamics(by_tasks), factors::forward_dynamics(workspace));
+  EXPECT_EQ(factors::forward_dynamics_dq(by_tasks), factors::forward_dynamics_dq(workspace));
+  EXPECT_EQ(factors::forward_dynamics_dv(by_tasks), factors::forward_dynamics_dv(workspace));
+  EXPECT_EQ(factors::plan_forward_dynamics_dq(by_tasks), factors::plan_forward_dynamics_dq(workspace));
+}
+
 // Its results are its own, and it solves by its own factors.
 TEST_F(Solve, AFunctionOfTheSceneSolvesToo) {
   factors::step(q, v, tau, workspace);
@@ -130,6 +182,7 @@ TEST_F(Solve, DoesNotAllocate) {
   const std::uint64_t before = heap_allocations();
   factors::evaluate(q, v, workspace);
   factors::forward_dynamics(q, v, tau, workspace);
+  factors::plan(q, v, tau, workspace);
   factors::solve(x, workspace);
   EXPECT_EQ(heap_allocations() - before, 0u);
 }
@@ -159,6 +212,27 @@ TEST_F(Solve, ASingularMassMatrixIsToldAndNothingHandedOn) {
   singular.payload_c.mass = std::nan("");
   EXPECT_FALSE(run());
   EXPECT_EQ(largest(b), 0);
+}
+
+// What the second half computes is not handed on either.
+TEST_F(Solve, ASingularMassMatrixHasNoDerivatives) {
+  static singular_driven::Workspace singular;
+  const double position[singular_driven::nq] = {0, 0, 0, 0, 0, 0, 1, 0.3};
+  double rate[singular_driven::nv], force[singular_driven::nv];
+  std::fill(std::begin(rate), std::end(rate), 0.5);
+  std::fill(std::begin(force), std::end(force), 1.0);
+  const auto run = [&](double mass) {
+    singular.payload_c.mass = mass;
+    singular_driven::forward_dynamics(position, rate, force, singular);
+    return largest(singular_driven::forward_dynamics_dq(singular)) + largest(singular_driven::forward_dynamics_dv(singular));
+  };
+  singular.payload_c.com[0] = 0.1;
+  EXPECT_GT(run(1), 0);
+  EXPECT_TRUE(singular.forward_dynamics_status.ok());
+  for (const double mass : {-500.0, std::nan("")}) {
+    EXPECT_EQ(run(mass), 0);
+    EXPECT_FALSE(singular.forward_dynamics_status.ok());
+  }
 }
 
 }  // namespace
