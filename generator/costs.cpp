@@ -182,7 +182,7 @@ std::vector<OperationCost> operation_costs(const Lowered& lowered, const ir::Kin
         continue;
       }
       const Making rest = making(second->algorithm, {later});
-      if (takes_input(*second, rest)) made.insert(array_called(f.algorithm.function.accelerations(), f.algorithm));
+      if (takes_input(*second, rest)) made.insert(array_called(f.algorithm.function.accelerations, f.algorithm));
       for (const int needed : rest.arrays)
         if (needed >= 0) made.insert(array_called(second->algorithm.arrays[static_cast<size_t>(needed)].name, f.algorithm));
       costs.push_back(sum(cost_of(array.name, f, making(f.algorithm, made), tree), cost_of(array.name, *second, rest, tree)));

@@ -11,34 +11,41 @@ namespace {
 
 enum class Depth { program, form };
 
-LoweredFunction lower(const Model& model, const ir::NormalTree& normal, const ir::EmittedFunction& function, Depth depth) {
+// The function, or its two halves, which have one plan, by what they cost together.
+std::vector<LoweredFunction> lower(const Model& model, const ir::NormalTree& normal, const ir::EmittedFunction& function,
+                                   Depth depth) {
   const ir::Graph::Options options{model.options.fold, model.options.share};
-  LoweredFunction lowered;
-  lowered.algorithm = passes::describe(function, model.tree, normal, model.scene, options);
   // Nobody reads a straight line of a million statements.
   const bool names = depth == Depth::form && model.tree.joints() < 200;
-  passes::Unroll unroll(lowered.algorithm, model.tree, normal, model.scene, {options, names});
-  if (depth == Depth::form) {
-    const ir::Program& program = unroll.program();
-    const ir::Operations operations = ir::count(program.graph, ir::uses(program.graph, program.roots()));
-    lowered.plan = passes::plan(model.tree, model.scene, operations, model.options);
-    if (lowered.plan.form == ir::Form::rolled)
-      lowered.rolled = passes::roll(lowered.algorithm, unroll, model.tree, model.scene, lowered.plan, options);
+  const std::vector<ir::EmittedFunction> halves = passes::halves(function, model.tree);
+  std::vector<LoweredFunction> lowered(halves.size());
+  std::vector<passes::Unroll> unrolled;
+  unrolled.reserve(halves.size());
+  ir::Operations operations;
+  for (size_t half = 0; half < halves.size(); ++half) {
+    lowered[half].algorithm = passes::describe(halves[half], model.tree, normal, model.scene, options);
+    unrolled.emplace_back(lowered[half].algorithm, model.tree, normal, model.scene, passes::UnrollOptions{options, names});
+    if (depth == Depth::program) continue;
+    const ir::Program& program = unrolled[half].program();
+    operations += ir::count(program.graph, ir::uses(program.graph, program.roots()));
   }
-  lowered.program = unroll.take_program();
+  for (size_t half = 0; half < halves.size(); ++half) {
+    LoweredFunction& f = lowered[half];
+    if (depth == Depth::form) {
+      f.plan = passes::plan(model.tree, model.scene, operations, model.options);
+      if (f.plan.form == ir::Form::rolled)
+        f.rolled = passes::roll(f.algorithm, unrolled[half], model.tree, model.scene, f.plan, options);
+    }
+    f.program = unrolled[half].take_program();
+  }
   return lowered;
 }
 
 Lowered lower(const Model& model, Depth depth) {
   Lowered lowered;
   lowered.normal = passes::normalise(model.tree, passes::normalise_options(model.scene, model.options.move_parameters));
-  for (const ir::EmittedFunction& f : ir::functions_of(model.scene))
-    for (const ir::EmittedFunction& half : passes::halves(f, model.tree)) {
-      lowered.functions.push_back(lower(model, lowered.normal, half, depth));
-      if (half.first_half.empty()) continue;
-      ir::Plan &first = (lowered.functions.end() - 2)->plan, &second = lowered.functions.back().plan;
-      first.tasks = second.tasks = first.tasks || second.tasks;  // one graph
-    }
+  for (const ir::EmittedFunction& function : ir::functions_of(model.scene))
+    for (LoweredFunction& half : lower(model, lowered.normal, function, depth)) lowered.functions.push_back(std::move(half));
   return lowered;
 }
 

@@ -129,7 +129,7 @@ std::string guard_statements(const CodeInput& code, const std::string& check) {
   const std::optional<ir::Guard>& guard = code.algorithm.guard;
   if (!guard) return "";
   const auto array = [&](int index) -> const ir::OutputArray& { return code.algorithm.arrays[static_cast<size_t>(index)]; };
-  const std::string status = is_called(code) ? own_name(code, "status") : function_of(code).called() + "_status";
+  const std::string status = function_of(code).called_name("status");
   std::string text;
   if (guard->pivots >= 0)
     text = fmt::format("  workspace.{} = dalembert::{}workspace.{}, workspace.{});\n", status,
@@ -143,18 +143,15 @@ std::string guard_statements(const CodeInput& code, const std::string& check) {
 
 bool is_called(const CodeInput& code) { return function_of(code).first_half.empty(); }
 
-// The tasks of a graph call a second half from another file.
-std::string linkage_of(const CodeInput& code) { return is_called(code) || code.plan.tasks ? "" : "static "; }
-
 std::string second_half_declaration(const CodeInput& second_half) {
-  return fmt::format("{}void {}({}, Workspace& workspace) noexcept;\n", linkage_of(second_half), function_of(second_half).name,
+  return fmt::format("static void {}({}, Workspace& workspace) noexcept;\n", function_of(second_half).name,
                      parameters_of(second_half));
 }
 
 std::string second_half_call(const CodeInput& first_half) {
   const ir::EmittedFunction& function = function_of(first_half);
   if (function.second_half.empty()) return "";
-  return fmt::format("  {}(q, v, workspace.{}, workspace);\n", function.second_half, function.accelerations());
+  return fmt::format("  {}(q, v, workspace.{}, workspace);\n", function.second_half, function.accelerations);
 }
 
 int element_index(const ir::OutputArray& array, int row, int column) { return row + array.rows * column; }

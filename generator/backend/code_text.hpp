@@ -30,15 +30,8 @@ std::string matrix_statements(const CodeInput& code);
 bool solves(const CodeInput& code);
 std::string solve_definition(const CodeInput& code);
 
-// Of a function in two halves: what its users call; the declaration and the call of the second half, empty where there is none.
-bool is_called(const CodeInput& code);
-std::string second_half_declaration(const CodeInput& code);
-std::string second_half_call(const CodeInput& code);
-
 // Whether users call the function; a second half (ir/emitted_function.hpp) is called by its first half alone.
 bool is_called(const CodeInput& code);
-// "static " or nothing: whether other files see the function.
-std::string linkage_of(const CodeInput& code);
 std::string second_half_declaration(const CodeInput& second_half);
 // The statement that a first half ends by; empty where the function is whole.
 std::string second_half_call(const CodeInput& code);

@@ -125,6 +125,7 @@ std::string unread(const CodeInput& code) {
 
 // The functions that the function calls in this order, for the task graph.
 std::string stage_declarations(const CodeInput& code) {
+  if (!code.plan.tasks || code.plan.form != ir::Form::rolled) return "";
   const std::string scope = own_name(code, "stages");
   std::string text =
       fmt::format("// What {}() is made of, for the task graph.\nnamespace {} {{\n\n", function_of(code).name, scope);
@@ -221,36 +222,32 @@ OutputFile header(const Folder& folder) {
   const bool floating = code.tree.floating_base;
   std::string report;
   for (const std::string& line : folder.report) report += "// " + comment_text(line) + "\n";
-  return {
-      "dynamics.hpp",
-      render(
-          "dynamics.hpp",
-          {{"banner", banner(folder)},
-           {"report", report.empty() ? "" : "//\n" + report},
-           {"includes", any_guard(folder) ? "#include <dalembert/factor.hpp>\n" : ""},
-           {"runtime_version", std::to_string(runtime_version)},
-           {"name", code.name},
-           {"scalar", scalar_name(code.scene.scalar)},
-           {"nq", std::to_string(code.tree.nq())},
-           {"nv", std::to_string(code.tree.nv())},
-           {"position_layout", floating ? "base position in the world (3), quaternion x y z w (4), joints" : "joints"},
-           {"velocity_layout", floating ? "base linear (3) and angular velocity (3) in base axes, joint rates" : "joint rates"},
-           {"joints", std::to_string(joints.size())},
-           {"bodies", std::to_string(body_names.size())},
-           {"joint_enum", wrapped(joints, 2)},
-           {"joint_names", joint_names.empty() ? "nullptr" : wrapped(joint_names, 4)},
-           {"body_names", wrapped(body_names, 4)},
-           {"link_table", link_table(code) + moved_parameters(code)},
-           {"types", payload_type(code) + of_functions(folder, kept_types)},
-           {"results", results(folder)},
-           {"run_time_inputs", run_time_inputs(code)},
-           {"scratch", of_functions(folder, kept_member)},
-           {"functions", of_functions(folder, function_declaration)},
-           {"views", views(folder)},
-           {"stages", of_functions(folder, [](const CodeInput& f) {
-              if (!f.plan.tasks) return std::string();
-              return (is_rolled(f) ? stage_declarations(f) : "") + (is_called(f) ? "" : second_half_declaration(f) + "\n");
-            })}})};
+  return {"dynamics.hpp",
+          render("dynamics.hpp",
+                 {{"banner", banner(folder)},
+                  {"report", report.empty() ? "" : "//\n" + report},
+                  {"includes", any_guard(folder) ? "#include <dalembert/factor.hpp>\n" : ""},
+                  {"runtime_version", std::to_string(runtime_version)},
+                  {"name", code.name},
+                  {"scalar", scalar_name(code.scene.scalar)},
+                  {"nq", std::to_string(code.tree.nq())},
+                  {"nv", std::to_string(code.tree.nv())},
+                  {"position_layout", floating ? "base position in the world (3), quaternion x y z w (4), joints" : "joints"},
+                  {"velocity_layout",
+                   floating ? "base linear (3) and angular velocity (3) in base axes, joint rates" : "joint rates"},
+                  {"joints", std::to_string(joints.size())},
+                  {"bodies", std::to_string(body_names.size())},
+                  {"joint_enum", wrapped(joints, 2)},
+                  {"joint_names", joint_names.empty() ? "nullptr" : wrapped(joint_names, 4)},
+                  {"body_names", wrapped(body_names, 4)},
+                  {"link_table", link_table(code) + moved_parameters(code)},
+                  {"types", payload_type(code) + of_functions(folder, kept_types)},
+                  {"results", results(folder)},
+                  {"run_time_inputs", run_time_inputs(code)},
+                  {"scratch", of_functions(folder, kept_member)},
+                  {"functions", of_functions(folder, function_declaration)},
+                  {"views", views(folder)},
+                  {"stages", of_functions(folder, stage_declarations)}})};
 }
 
 // get: `const T* NAME_ARRAY(const NAME_workspace*)`; set: run-time inputs.
@@ -327,7 +324,7 @@ std::string source(const Folder& folder, const std::string& banner) {
                                  {"includes", includes},
                                  {"functions", of_functions(folder, [&](const CodeInput& f) {
                                     const CodeInput* second = folder.second_half_of(f);
-                                    return (second && !second->plan.tasks ? "\n" + second_half_declaration(*second) : "") +
+                                    return (second ? "\n" + second_half_declaration(*second) : "") +
                                            (is_rolled(f) ? rolled_source(f) : straight_source(f)) + solve_definition(f);
                                   })}});
 }

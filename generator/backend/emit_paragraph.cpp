@@ -98,6 +98,7 @@ class ParagraphWriter {
     s.scalar = code_.scene.scalar;
     s.indent = "      ";
     s.flat_sums = true;
+    s.broadcast = [this](const std::string& number) { return target_.broadcast(number); };
     s.input = [this](const ir::Input& in) { return input(in); };
     s.input_name = [this](const ir::Input& in) { return input_name(in); };
     return s;

@@ -296,7 +296,7 @@ std::string rolled_source(const CodeInput& code) {
   if (!state) calls = unused + ";\n" + calls;
   const std::string open = "namespace " + scope + " {\n\n";
   return render("rolled.cpp", {{"open", first ? "" : open},
-                               {"linkage", linkage_of(code)},
+                               {"linkage", is_called(code) ? "" : "static "},
                                {"function", function_of(code).name},
                                {"parameters", parameters_of(code)},
                                {"layout", layout(code)},

@@ -125,7 +125,7 @@ std::vector<std::string> straight_includes(const CodeInput& code) {
 }
 
 std::string straight_source(const CodeInput& code) {
-  return render("straight.cpp", {{"linkage", linkage_of(code)},
+  return render("straight.cpp", {{"linkage", is_called(code) ? "" : "static "},
                                  {"function", function_of(code).name},
                                  {"parameters", parameters_of(code, "const Scalar* __restrict ")},
                                  {"body", straight_statements(code, code.program)}});

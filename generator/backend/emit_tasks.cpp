@@ -144,24 +144,24 @@ std::vector<std::set<size_t>> reduced(std::vector<std::set<size_t>> before) {
 }
 
 // The vectors as the graph holds them between calls; a second half has its last from its first half.
-std::string held_arguments(const CodeInput& code, const CodeInput& called) {
+std::string held_arguments(const CodeInput& code) {
   if (is_called(code)) return fmt::format("{}_", fmt::join(vectors_of(code), "_, "));
-  return "q_, v_, w->" + function_of(called).accelerations();
+  return "q_, v_, w->" + function_of(code).accelerations;
 }
 
 // Of a function, or of one half of it.
-Tasks tasks_of(const CodeInput& code, const CodeInput& called) {
+Tasks tasks_of(const CodeInput& code) {
   Tasks t;
   if (code.plan.form != ir::Form::rolled) {  // one piece of code, one task
     const std::string name = function_of(code).name;
-    t.tasks.push_back({name, fmt::format("{}::{}({}, *w)", code.name, name, held_arguments(code, called)), true});
+    t.tasks.push_back({name, fmt::format("{}::{}({}, *w)", code.name, name, held_arguments(code)), true});
     return t;
   }
   const std::vector<Stage> stages = rolled_stages(code);
   std::vector<std::vector<int>> tasks_of_stage;
   for (const Stage& s : stages) {
     tasks_of_stage.emplace_back();
-    const std::string first = s.reads_state ? held_arguments(code, called) + ", *w" : "*w";
+    const std::string first = s.reads_state ? held_arguments(code) + ", *w" : "*w";
     const auto add = [&](const std::string& name, const std::string& arguments) {
       tasks_of_stage.back().push_back(static_cast<int>(t.tasks.size()));
       t.tasks.push_back({is_called(code) ? name : "then_" + name,
@@ -188,11 +188,11 @@ Tasks tasks_of(const CodeInput& code, const CodeInput& called) {
 
 // Of a function that users call: first one half, then the other. Straight code calls the second half itself.
 Tasks tasks_of(const Folder& folder, const CodeInput& code) {
-  Tasks t = tasks_of(code, code);
+  Tasks t = tasks_of(code);
   const CodeInput* second = folder.second_half_of(code);
   if (!second || code.plan.form != ir::Form::rolled) return t;
   const int before = static_cast<int>(t.tasks.size());
-  const Tasks then = tasks_of(*second, code);
+  const Tasks then = tasks_of(*second);
   std::set<int> last, later;
   for (int i = 0; i < before; ++i) last.insert(i);
   for (const auto& [from, to] : t.edges) last.erase(from);

@@ -41,6 +41,8 @@ class Printer {
       const bool leaf = n.op == Op::constant || n.op == Op::input;
       Text& t = text_of_[at(id)];
       t = expression(n, id);
+      // Only where nothing folds: else an operation on numbers is a number.
+      if (style_.broadcast && !leaf && of_numbers(n)) t = {style_.broadcast(t.text), atom, t.operations, {}, early};
       const auto sinks = sinks_.find(id);
       const bool shared = uses_[at(id)] > 1;
       const bool plain_sign = n.op == Op::negate && (graph_[n.a].op == Op::input || graph_[n.a].op == Op::constant);
@@ -92,6 +94,9 @@ class Printer {
     }
     return count;
   }
+
+  bool is_number(NodeId id) const { return id == ir::no_node || graph_.is_constant(id); }
+  bool of_numbers(const ir::Node& n) const { return n.op != Op::input && is_number(n.a) && is_number(n.b); }
 
   void head(const ir::Tag& tag) {
     if (!style_.heading || (tag.sweep == last_.sweep && tag.body == last_.body)) return;
@@ -200,7 +205,12 @@ class Printer {
       case Op::sine:
       case Op::cosine: return {style_.sine_or_cosine(graph_, id), atom, 0, {}};
       case Op::sign: {
-        return {fmt::format("({0} > 0 ? 1 : 0) - ({0} < 0 ? 1 : 0)", operand(n.a, product)), sum, 2, {}};
+        // In lanes both numbers must be of the lanes' type.
+        return {fmt::format("({0} > 0 ? {1} : {2}) - ({0} < 0 ? {1} : {2})", operand(n.a, product), literal(1, style_.scalar),
+                            literal(0, style_.scalar)),
+                sum,
+                2,
+                {}};
       }
       case Op::negate: return {"-" + operand(n.a, atom), sign, text_of_[at(n.a)].operations, {}, text_of_[at(n.a)].ready};
       case Op::add: return style_.flat_sums ? sum_of(n) : binary(" + ", sum, product);

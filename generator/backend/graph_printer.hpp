@@ -25,10 +25,11 @@ struct PrintStyle {
   // chain of them: pays in lanes, where throughput is the limit, and costs a few percent in straight scalar code. In a loop
   // whose steps wait for each other long chains are two.
   bool flat_sums = false;
-  std::function<std::string(const ir::Input&)> input;       // text of an input
-  std::function<std::string(const ir::Input&)> input_name;  // if set: inputs used twice are read once, into this variable
-  std::function<std::string(ir::NodeId)> name;              // wanted name of a node, or empty
-  std::function<std::string(const ir::Tag&)> heading;       // comment lines before a paragraph, or empty
+  std::function<std::string(const std::string&)> broadcast;  // if set: a value of that type from a number, which is none
+  std::function<std::string(const ir::Input&)> input;        // text of an input
+  std::function<std::string(const ir::Input&)> input_name;   // if set: inputs used twice are read once, into this variable
+  std::function<std::string(ir::NodeId)> name;               // wanted name of a node, or empty
+  std::function<std::string(const ir::Tag&)> heading;        // comment lines before a paragraph, or empty
   std::function<std::string(const ir::Graph&, ir::NodeId)> sine_or_cosine;  // text of an Op::sine or Op::cosine
 };
 

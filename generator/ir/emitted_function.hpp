@@ -21,8 +21,9 @@ struct EmittedFunction {
   std::vector<LinkOutput> of_links{};    // of links, behind them
   // A function may be computed in two halves: the first is the function that users call, has all results, and ends by calling
   // the second, which fills some of them.
-  std::string second_half{};  // of a first half: the name of the other
-  std::string first_half{};   // of a second half: likewise
+  std::string second_half{};    // of a first half: the name of the other
+  std::string first_half{};     // of a second half: likewise
+  std::string accelerations{};  // of both: the array by which the first hands v̇ to the second
 
   // What it takes after q and v, as in FunctionRow.
   const char* input() const { return row_of(inputs).input; }
@@ -31,19 +32,17 @@ struct EmittedFunction {
   bool is_evaluate() const { return !named && inputs == Function::evaluate; }
   // The name of what is its own in a robot's workspace or namespace: "kept", "inverse_dynamics_kept", "balance_kept".
   std::string own_name(const std::string& what) const { return is_evaluate() ? what : name + "_" + what; }
+  // The same of the function that users call, be this the whole or one half of it.
+  std::string called_name(const std::string& what) const {
+    return first_half.empty() ? own_name(what) : first_half + "_" + what;
+  }
   // What its result is called: "mass_matrix", "balance_mass_matrix".
   std::string result(Quantity quantity) const {
     const std::string quantity_name(name_of(quantity));
-    return named ? called() + "_" + quantity_name : quantity_name;
+    return named ? called_name(quantity_name) : quantity_name;
   }
-  std::string result(const LinkOutput& output) const { return named ? name + "_" + name_of(output) : name_of(output); }
+  std::string result(const LinkOutput& output) const { return named ? called_name(name_of(output)) : name_of(output); }
   bool computes(Quantity quantity) const;
-  // The function that users call.
-  const std::string& called() const { return first_half.empty() ? name : first_half; }
-  // The array that hands v̇ to a second half.
-  std::string accelerations() const {
-    return computes(Quantity::forward_dynamics) ? result(Quantity::forward_dynamics) : own_name("accelerations");
-  }
 };
 
 // The standard function, with nothing to compute.

@@ -172,14 +172,15 @@ TEST(Check, RefusesAnOlderLanguageThanTheCodeIsWrittenIn) {
   EXPECT_NE(outcome.err.find("dalembert needs C++17"), std::string::npos) << outcome.err;
 }
 
-// At the edge: C of joints that do not meet is zero but for rounding, nothing is left but the base, angles are sums. What is
-// compiled has no warning.
-TEST(Check, PassesOnTurntablesOnALoneBaseAndOnDrivenJoints) {
+// At the edge: C of joints that do not meet is zero but for rounding, nothing is left but the base, angles are sums, numbers are
+// multiplied with numbers in lanes. What is compiled has no warning.
+TEST(Check, PassesAtTheEdge) {
   const std::string branches = ERROR_ROBOTS "/../robots/two_branches_at_base.urdf";
   setenv("CXX", "c++ -Wall -Wextra -Wpedantic -Werror", 1);
   for (const std::vector<std::string>& arguments : std::vector<std::vector<std::string>>{
            {branches, "--base", "fixed", "--cut", "a_02,b_02", "--outputs", "coriolis_matrix"},
            {branches, "--base", "floating", "--cut", "a_01,b_01", "--payloads", "base", "--outputs", "gravity"},
+           {branches, "--form", "rolled", "--without", "fold", "--outputs", "inverse_dynamics_dq"},
            {arm, "--base", "fixed", "--outputs", "mass_matrix", "--mimic",
             "{elbow: {of: shoulder, multiplier: 0.3}, wrist: {of: shoulder, multiplier: 0.3, offset: 1}}"}}) {
     std::vector<std::string> command{"check", quickly[0], quickly[1]};

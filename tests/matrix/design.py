@@ -48,7 +48,7 @@ def options(robot, outputs):
         driver, driven = JOINTS[robot]
         functions = "{step: [inverse_mass_matrix, forward_dynamics], plan: [forward_dynamics_dq, forward_dynamics_dv]}"
         return ["--outputs", "mass_matrix,mass_matrix_factor,bias,forward_dynamics", "--functions", functions,
-                "--mimic", f"{{{driven}: {{of: {driver}, multiplier: -0.7}}}}"]
+                "--mimic", f"{{{driven}: {{of: {driver}, multiplier: -0.7}}}}", "--friction", f"{driver}=0.3,{driven}=0.2"]
     if outputs == ELASTIC:
         springs = ", ".join(f"{joint}: {{k: 700, inertia: 0.1, damping: 3}}" for joint in JOINTS[robot])
         return ["--outputs", "mass_matrix,coriolis_matrix,bias,potential_energy,inverse_dynamics_dq,forward_dynamics",

@@ -110,7 +110,7 @@ std::array<ir::Arrays, 2> run_function(const ir::EmittedFunction& function, cons
   if (halves.size() == 1) return results;
   for (size_t form : {0u, 1u}) {
     State solved = state;
-    solved.more = results[form].at(halves.front().accelerations());
+    solved.more = results[form].at(halves.front().accelerations);
     results[form] = run_half(halves.back(), model, solved, payload, results)[form];
   }
   return results;

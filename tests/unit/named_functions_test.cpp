@@ -94,6 +94,8 @@ TEST(NamedFunctions, AreNotCalledLikeWhatAnotherKeeps) {
     }
   EXPECT_TRUE(names.contains("forward_dynamics_derivatives") && names.contains("forward_dynamics_accelerations"));
   EXPECT_GE(names.size(), 20u);
+  for (const char* name : {"derivatives", "accelerations", "inverse_dynamics_derivatives"})
+    EXPECT_TRUE(frontend::taken_names(scene_of({}, {{name, {Quantity::gravity}}})).empty()) << name;
   for (const std::string& name : names)
     EXPECT_EQ(frontend::taken_names(scene_of({}, {{name, {Quantity::gravity}}})).size(), 1u) << name;
 }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <set>
 #include <string>
 
 #include "compile.hpp"
@@ -16,6 +17,7 @@ const char* name_of(ir::Form form) { return form == ir::Form::rolled ? "rolled" 
 
 void add_plan(const Subject& subject, const Lowered& lowered, Rows& rows) {
   for (const LoweredFunction& function : lowered.functions) {
+    if (!function.algorithm.function.first_half.empty()) continue;  // has the plan of the first
     const std::string& name = function.algorithm.function.name;
     rows.text("form", "function " + name, "all", "", "form", name_of(function.plan.form));
     for (const ir::Segment& segment : function.plan.segments) {
@@ -59,11 +61,19 @@ void add_costs(const Subject& subject, const Lowered& lowered, Rows& rows) {
   }
 }
 
+// Arrays that steps with whole matrices fill: the programs do not know their elements.
+std::set<std::string> filled_by_steps(const Lowered& lowered) {
+  std::set<std::string> names;
+  for (const LoweredFunction& f : lowered.functions)
+    for (const ir::MatrixStep& step : f.algorithm.steps) names.insert(f.algorithm.arrays[static_cast<size_t>(step.to)].name);
+  return names;
+}
+
 // Row by row: '.' is zero in every state, 'c' the same number in every state, 'x' any other.
-void add_sparsity(const ir::Program& program, Rows& rows) {
+void add_sparsity(const ir::Program& program, const std::set<std::string>& unknown, Rows& rows) {
   for (size_t a = 0; a < program.arrays.size(); ++a) {
     const ir::OutputArray& array = program.arrays[a];
-    if (array.internal || array.columns == 1 || array.rows != array.columns) continue;
+    if (array.internal || array.columns == 1 || array.rows != array.columns || unknown.contains(array.name)) continue;
     std::vector<std::string> pattern(static_cast<size_t>(array.rows), std::string(static_cast<size_t>(array.columns), '.'));
     double filled = 0, constant = 0;
     for (const ir::OutputElement& e : program.elements) {
@@ -87,7 +97,8 @@ void add_forms(const Subject& subject, Rows& rows) {
   const Lowered lowered = lower(subject.model);
   add_plan(subject, lowered, rows);
   add_costs(subject, lowered, rows);
-  for (const LoweredFunction& function : lowered.functions) add_sparsity(function.program, rows);
+  const std::set<std::string> unknown = filled_by_steps(lowered);
+  for (const LoweredFunction& function : lowered.functions) add_sparsity(function.program, unknown, rows);
 }
 
 }  // namespace dalembert::reporting

@@ -14,8 +14,8 @@ namespace {
 
 // M⁻¹ with room, as products take it; made where it is not there yet.
 int padded_inverse(Builder& b) {
-  if (const std::string& first_half = b.function().first_half; !first_half.empty())
-    return b.array_of_first_half(first_half + "_padded_inverse", inverse_size(b.tree().nv()), 1);
+  if (!b.function().first_half.empty())
+    return b.array_of_first_half(b.function().called_name("padded_inverse"), inverse_size(b.tree().nv()), 1);
   const auto inverted = [&] {
     return std::find_if(b.steps().begin(), b.steps().end(),
                         [](const ir::MatrixStep& step) { return step.kind == ir::MatrixStep::Kind::invert; });
@@ -27,7 +27,7 @@ int padded_inverse(Builder& b) {
 // What the second half needs of the first: M⁻¹ and v̇.
 void prepare_second_half(Builder& b) {
   padded_inverse(b);
-  const std::string name = b.function().accelerations();
+  const std::string& name = b.function().accelerations;
   if (!b.function().computes(ir::Quantity::forward_dynamics) && !b.has_array(name))
     describe_forward_dynamics(b, b.internal_array(name, b.tree().nv(), 1));
 }
@@ -60,6 +60,9 @@ std::vector<ir::EmittedFunction> halves(const ir::EmittedFunction& function, con
                                                ir::Function::inverse_dynamics, function.named};
   for (const ir::Quantity quantity : {ir::Quantity::forward_dynamics_dq, ir::Quantity::forward_dynamics_dv})
     if (function.computes(quantity)) second.quantities.push_back(quantity);
+  first.accelerations = second.accelerations = function.computes(ir::Quantity::forward_dynamics)
+                                                   ? function.result(ir::Quantity::forward_dynamics)
+                                                   : function.own_name("accelerations");
   first.second_half = second.name;
   second.first_half = first.name;
   return {first, second};
