@@ -125,20 +125,33 @@ std::string solve_definition(const CodeInput& code) {
       code.algorithm.arrays[static_cast<size_t>(code.algorithm.factor)].name);
 }
 
-std::string guard_statements(const CodeInput& code, const std::string& check) {
+namespace {
+
+const ir::OutputArray& array_of(const CodeInput& code, int index) { return code.algorithm.arrays[static_cast<size_t>(index)]; }
+
+}  // namespace
+
+std::string status_statement(const CodeInput& code, const std::string& check) {
+  const ir::Guard& guard = *code.algorithm.guard;
+  return fmt::format("  workspace.{} = dalembert::{}workspace.{}, workspace.{});\n", function_of(code).called_name("status"),
+                     check, array_of(code, guard.pivots).name, array_of(code, guard.diagonal).name);
+}
+
+std::string clear_statements(const CodeInput& code) {
+  std::string text;
+  for (const int index : code.algorithm.guard->arrays) {
+    const ir::OutputArray& array = array_of(code, index);
+    text += fmt::format("  dalembert::clear_unless_ok<{}>(workspace.{}, workspace.{});\n", array.rows * array.columns,
+                        function_of(code).called_name("status"), array.name);
+  }
+  return text;
+}
+
+std::string guard_statements(const CodeInput& code) {
   const std::optional<ir::Guard>& guard = code.algorithm.guard;
   if (!guard) return "";
-  const auto array = [&](int index) -> const ir::OutputArray& { return code.algorithm.arrays[static_cast<size_t>(index)]; };
-  const std::string status = function_of(code).called_name("status");
-  std::string text;
-  if (guard->pivots >= 0)
-    text = fmt::format("  workspace.{} = dalembert::{}workspace.{}, workspace.{});\n", status,
-                       check.empty() ? fmt::format("factor_status<{}>(", array(guard->pivots).rows) : check,
-                       array(guard->pivots).name, array(guard->diagonal).name);
-  for (const int index : guard->arrays)
-    text += fmt::format("  dalembert::clear_unless_ok<{}>(workspace.{}, workspace.{});\n",
-                        array(index).rows * array(index).columns, status, array(index).name);
-  return text;
+  if (guard->pivots < 0) return clear_statements(code);
+  return status_statement(code, fmt::format("factor_status<{}>(", array_of(code, guard->pivots).rows)) + clear_statements(code);
 }
 
 bool is_called(const CodeInput& code) { return function_of(code).first_half.empty(); }

@@ -21,9 +21,12 @@ std::string arguments_of(const CodeInput& code);
 // The text of an input on the evaluation path: q[7], v[6], workspace.gravity_vector[2], workspace.payload_hand.mass …
 std::string input_text(const CodeInput& code, const ir::Input& input);
 
-// Statements behind the results: whether they mean something. check: the runtime's function that says so and its first
-// arguments, if not from arrays of pivots and M's diagonal alone.
-std::string guard_statements(const CodeInput& code, const std::string& check = "");
+// Statements behind the results: whether they mean something, and that they are zero if not.
+std::string guard_statements(const CodeInput& code);
+// The first of them: `check` is the runtime's function that says so, and its first arguments.
+std::string status_statement(const CodeInput& code, const std::string& check);
+// The others.
+std::string clear_statements(const CodeInput& code);
 // Statements behind the elements: steps with whole matrices.
 std::string matrix_statements(const CodeInput& code);
 // Whether they factor M; and the function that solves with the factors, empty if the code is to have none.

@@ -157,12 +157,26 @@ bool joint_loops(const CodeInput& code) {
          });
 }
 
-std::string pivots_statements(const CodeInput& code) {
-  const std::optional<PivotRoles> in_slots = pivots_in_slots(code);
-  if (!in_slots) return guard_statements(code);
-  return guard_statements(
+// Behind the base's own pivots, where it floats: there one operation waits for another, and there is time.
+bool checked_at_base(const CodeInput& code, const ir::BaseStage& stage) {
+  return pivots_in_slots(code) && std::any_of(stage.elements.begin(), stage.elements.end(), [&](const ir::BlockElement& e) {
+           return e.array == code.algorithm.guard->pivots;
+         });
+}
+
+std::string status_of_slots(const CodeInput& code) {
+  const PivotRoles in_slots = *pivots_in_slots(code);
+  return status_statement(
       code, fmt::format("factor_status_of_slots<nv, {}, {}>({}, {}, no_joint, joint_slot, ", base_rows(code), code.plan.slots,
-                        kept(code, in_slots->pivot, 0), kept(code, in_slots->diagonal, 0)));
+                        kept(code, in_slots.pivot, 0), kept(code, in_slots.diagonal, 0)));
+}
+
+std::string pivots_statements(const CodeInput& code) {
+  if (!pivots_in_slots(code)) return guard_statements(code);
+  const auto& stages = code.rolled.base;
+  const bool checked =
+      std::any_of(stages.begin(), stages.end(), [&](const auto& stage) { return checked_at_base(code, stage); });
+  return (checked ? "" : status_of_slots(code)) + clear_statements(code);
 }
 
 std::string pivots_table(const CodeInput& code) {
@@ -215,6 +229,7 @@ std::vector<Stage> rolled_stages(const CodeInput& code) {
     for (const ir::BaseStage& b : code.rolled.base) {
       if (b.level != level) continue;
       base += base_statements(code, b);
+      if (checked_at_base(code, b)) base += status_of_slots(code);
       state = state || reads_state(b);
     }
     if (!base.empty())

@@ -172,8 +172,8 @@ TEST(Check, RefusesAnOlderLanguageThanTheCodeIsWrittenIn) {
   EXPECT_NE(outcome.err.find("dalembert needs C++17"), std::string::npos) << outcome.err;
 }
 
-// At the edge: C of joints that do not meet is zero but for rounding, nothing is left but the base, angles are sums, numbers are
-// multiplied with numbers in lanes. What is compiled has no warning.
+// At the edge: C of joints that do not meet is zero but for rounding, nothing is left but the base, angles are sums, numbers
+// are multiplied with numbers in lanes. What is compiled has no warning.
 TEST(Check, PassesAtTheEdge) {
   const std::string branches = ERROR_ROBOTS "/../robots/two_branches_at_base.urdf";
   setenv("CXX", "c++ -Wall -Wextra -Wpedantic -Werror", 1);
