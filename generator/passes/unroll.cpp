@@ -50,12 +50,14 @@ Unroll::Unroll(const ir::Algorithm& algorithm, const ir::KinematicTree& tree, co
           static_cast<int>(s);
   for (int body = -1; body < tree.joints(); ++body)
     payload_.push_back(payload_parameters(program_.graph, tree, normal, scene, body));
+  find_companions();
   for (const Loop& loop : loops()) run_loop(loop);
   collect_results();
 }
 
 // Directional sweeps in their order. Pairs follow, body by body, the inwards sweep that their factors wait for: an element is
-// computed when its factors are there and not after everything else. Whatever runs anywhere runs where it is asked for first.
+// computed when its factors are there and not after everything else. Whatever runs anywhere runs where it is asked for first,
+// but for companions.
 std::vector<Unroll::Loop> Unroll::loops() const {
   std::vector<Loop> all;
   std::vector<int> loop_of(algorithm_.sweeps.size(), -1);
@@ -138,13 +140,42 @@ int Unroll::last_inwards(int role, std::vector<int>& known) const {
   return known[static_cast<std::size_t>(role)] = found;
 }
 
+// A recursion outwards and one back and little else: each operation waits for the one before, and what a body needs between the
+// two fills the time of the first. Where there are elements, columns or divisions they do.
+void Unroll::find_companions() {
+  companions_.resize(algorithm_.sweeps.size());
+  const bool columns = std::any_of(algorithm_.results.begin(), algorithm_.results.end(),
+                                   [](const ir::Result& r) { return r.layout == ir::Layout::columns; });
+  if (!algorithm_.pairs.empty() || columns || algorithm_.guard) return;
+  std::vector<int> known(algorithm_.roles.size(), -2);
+  for (std::size_t a = 0; a < algorithm_.sweeps.size(); ++a) {
+    const ir::Sweep& sweep = algorithm_.sweeps[a];
+    if (sweep.direction != Direction::anywhere) continue;
+    int waits_for = -1;
+    bool early = true;
+    for (NodeId id = 0; id < sweep.graph.size(); ++id) {
+      const ir::Node& n = sweep.graph[id];
+      if (n.op != ir::Op::input || (n.input.kind != InputKind::state && n.input.kind != InputKind::of_body)) continue;
+      early = early && n.input.kind == InputKind::state && last_inwards(n.input.index, known) < 0;
+      const int s = producer_[static_cast<std::size_t>(n.input.index)];
+      if (s >= 0 && algorithm_.sweeps[static_cast<std::size_t>(s)].direction == Direction::outwards)
+        waits_for = std::max(waits_for, s);
+    }
+    if (early && waits_for >= 0) companions_[static_cast<std::size_t>(waits_for)].push_back(static_cast<int>(a));
+  }
+}
+
 void Unroll::run_loop(const Loop& loop) {
   const bool inwards =
       loop.sweeps.empty() || algorithm_.sweeps[static_cast<std::size_t>(loop.sweeps.front())].direction == Direction::inwards;
   const int bodies = tree_.joints();
   for (int i = 0; i < bodies; ++i) {
     const int body = inwards ? bodies - 1 - i : i;
-    for (int s : loop.sweeps) run_sweep(s, body);
+    for (int s : loop.sweeps) {
+      run_sweep(s, body);
+      if (inwards) continue;
+      for (int companion : companions_[static_cast<std::size_t>(s)]) run_sweep(companion, body);
+    }
     for (int p : loop.pairs) run_pairs(p, body);
   }
   for (int s : loop.sweeps)

@@ -68,6 +68,7 @@ class Unroll {
   std::vector<Loop> joined(std::vector<Loop> loops) const;
   int last_inwards(int role, std::vector<int>& known) const;
   void run_loop(const Loop& loop);
+  void find_companions();
   void run_sweep(int sweep, int body);
   void run_pairs(int pairs, int body);
   void run_projection(int projection, int body);
@@ -90,6 +91,7 @@ class Unroll {
   std::vector<int> producer_;                       // per role: the sweep that stores it for bodies, −1: none
   std::vector<int> base_producer_;                  // … for the base or its coordinates, by a root sweep
   std::vector<std::map<int, ir::NodeId>> payload_;  // per body + 1
+  std::vector<std::vector<int>> companions_;        // per sweep outwards: those anywhere that run beside it, body by body
   std::vector<ir::NodeId> values_, handed_;
   std::vector<std::vector<bool>> done_;                       // per sweep and body + 1
   std::map<std::tuple<int, int, int>, ir::NodeId> elements_;  // array, column, row
