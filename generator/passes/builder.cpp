@@ -173,6 +173,8 @@ int Builder::internal_array(const std::string& name, int rows, int columns) {
 }
 
 int Builder::array_of_first_half(const std::string& name, int rows, int columns) {
+  for (std::size_t i = 0; i < algorithm_.arrays.size(); ++i)
+    if (algorithm_.arrays[i].name == name) return static_cast<int>(i);
   const int index = internal_array(name, rows, columns);
   algorithm_.arrays.back().of_first_half = true;
   return index;
