@@ -150,7 +150,7 @@ class Placing {
         const int spare = program_.roles[static_cast<std::size_t>(other)].components() - program_.roles[at].components();
         for (int from = 0; other != r && from <= spare && equal_to_[at].first < 0; ++from)
           if (used_[static_cast<std::size_t>(other)] && equal_to_[static_cast<std::size_t>(other)].first < 0 &&
-              equal(r, other, from))
+              equal(r, other, from) && alone_at(r, other, from))
             equal_to_[at] = {other, from};
         if (equal_to_[at].first >= 0) break;
       }
@@ -181,6 +181,24 @@ class Placing {
             somewhere = somewhere || b;
           }
     return somewhere;
+  }
+  // Whether no third role that stands there already has values of its own where this one has.
+  bool alone_at(int role, int other, int from) const {
+    const int components = program_.roles[static_cast<std::size_t>(role)].components();
+    for (int third = 0; third < static_cast<int>(equal_to_.size()); ++third) {
+      const auto [place, first] = equal_to_[static_cast<std::size_t>(third)];
+      const int count = program_.roles[static_cast<std::size_t>(third)].components();
+      if (place != other || first >= from + components || from >= first + count) continue;
+      for (const ir::SegmentCode& code : program_.segments)
+        if (stored_in(code, role) && stored_in(code, third)) return false;
+    }
+    return true;
+  }
+  static bool stored_in(const ir::SegmentCode& code, int role) {
+    for (const ir::SegmentStage& stage : code.stages)
+      for (const ir::Paragraph& p : stage.paragraphs)
+        if (stores_any(p, role)) return true;
+    return false;
   }
   static bool stores_any(const ir::Paragraph& p, int role) {
     return std::any_of(p.stores.begin(), p.stores.end(), [&](const ir::Value& v) { return v.role == role; });
