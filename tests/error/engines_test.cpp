@@ -181,6 +181,8 @@ TEST(Check, PassesAtTheEdge) {
            {branches, "--base", "fixed", "--cut", "a_02,b_02", "--outputs", "coriolis_matrix"},
            {branches, "--base", "floating", "--cut", "a_01,b_01", "--payloads", "base", "--outputs", "gravity"},
            {branches, "--form", "rolled", "--without", "fold", "--outputs", "inverse_dynamics_dq"},
+           {ERROR_ROBOTS "/../robots/hand.urdf", "--base", "fixed", "--outputs", "inverse_mass_matrix", "--frames",
+            "{a_palm: [twist]}"},
            {arm, "--base", "fixed", "--outputs", "mass_matrix", "--mimic",
             "{elbow: {of: shoulder, multiplier: 0.3}, wrist: {of: shoulder, multiplier: 0.3, offset: 1}}"}}) {
     std::vector<std::string> command{"check", quickly[0], quickly[1]};
