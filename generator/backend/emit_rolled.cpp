@@ -308,6 +308,7 @@ std::string rolled_source(const CodeInput& code) {
     state = state || s.reads_state;
   }
   calls += second_half_call(code);
+  if (calls.empty()) unused += ", static_cast<void>(workspace)";
   if (!state) calls = unused + ";\n" + calls;
   const std::string open = "namespace " + scope + " {\n\n";
   return render("rolled.cpp", {{"open", first ? "" : open},
