@@ -1,149 +1,10 @@
-// Both forms of the algorithms interpreted in double, against the generic engine: on every robot, and where numbers are
-// awkward. No code is compiled.
-
+// The algorithms in both forms on every robot, and where numbers are awkward.
 #include <fmt/format.h>
-#include <gtest/gtest.h>
 
-#include <array>
-#include <cmath>
-#include <robots.hpp>
-
-#include "commands/generic_engine.hpp"
-#include "commands/output.hpp"
-#include "frontend/urdf_reader.hpp"
-#include "interpret.hpp"
-#include "passes/build_tree.hpp"
-#include "passes/combine_inertia.hpp"
-#include "passes/normalise.hpp"
-#include "passes/plan.hpp"
-#include "passes/quantities/quantities.hpp"
-#include "passes/roll.hpp"
-#include "passes/unroll.hpp"
-#include "reference/engine.hpp"
+#include "both_forms.hpp"
 
 namespace dalembert {
 namespace {
-
-using Payload = std::array<double, 10>;  // mass, centre of mass, inertia xx xy xz yy yz zz
-
-ir::RobotDescription robot(std::string_view name) {
-  Diagnostics warnings;
-  for (const TestRobot& r : test_robots)
-    if (r.name == name) return frontend::read_urdf(r.urdf, warnings);
-  throw std::invalid_argument(std::string(name));
-}
-
-Model model_of(const ir::RobotDescription& description, const ir::Scene& scene) {
-  Diagnostics warnings;
-  Model model;
-  model.description = description;
-  model.scene = scene;
-  model.tree = passes::build_tree(description, scene, warnings);
-  return model;
-}
-
-State some_state(const ir::KinematicTree& tree) {
-  State state{"", Eigen::VectorXd(tree.nq()), Eigen::VectorXd(tree.nv()), Eigen::VectorXd(tree.nv()),
-              Eigen::VectorXd(6 * static_cast<Eigen::Index>(tree.pushed.size()))};
-  for (Eigen::Index i = 0; i < state.wrenches.size(); ++i) state.wrenches[i] = 3 * std::cos(0.4 + 2.3 * static_cast<double>(i));
-  for (int i = 0; i < tree.nq(); ++i) state.q[i] = std::sin(1.0 + 1.7 * i);
-  for (int i = 0; i < tree.nv(); ++i) state.v[i] = std::cos(2.0 + 1.3 * i);
-  for (int i = 0; i < tree.nv(); ++i) state.more[i] = std::cos(1.0 + 1.9 * i);
-  if (tree.floating_base) state.q.segment<4>(3).normalize();
-  return state;
-}
-
-std::string link_moved_by(const ir::RobotDescription& robot, const std::string& name) {
-  for (const ir::Joint& joint : robot.joints)
-    if (joint.name == name) return robot.links[static_cast<size_t>(joint.child)].name;
-  throw std::invalid_argument(name);
-}
-
-// The payload welded to the link.
-ir::KinematicTree welded(ir::KinematicTree tree, const std::string& link, const Payload& p) {
-  ir::Inertia inertia{p[0], {p[1], p[2], p[3]}, {}};
-  inertia.inertia << p[4], p[5], p[6], p[5], p[7], p[8], p[6], p[8], p[9];
-  for (const ir::LinkPlacement& at : tree.links) {
-    if (at.link != link) continue;
-    inertia.com = at.placement * inertia.com;
-    inertia.inertia = at.placement.linear() * inertia.inertia * at.placement.linear().transpose();
-    ir::Inertia& body = at.body < 0 ? tree.base : tree.bodies[static_cast<size_t>(at.body)].inertia;
-    body = passes::combined({body, inertia});
-  }
-  return tree;
-}
-
-// The results of one function, or of one half of it behind what the other left, in both forms.
-std::array<ir::Arrays, 2> run_half(const ir::EmittedFunction& function, const Model& model, const State& state,
-                                   const Payload& payload, const std::array<ir::Arrays, 2>& left = {}) {
-  const ir::NormalTree normal = passes::normalise(model.tree, passes::normalise_options(model.scene, true));
-  const ir::Algorithm algorithm = passes::describe(function, model.tree, normal, model.scene, {});
-  passes::Unroll unroll(algorithm, model.tree, normal, model.scene, {{}, false});
-  const ir::FunctionInput input = [&](const ir::Input& in) {
-    switch (in.kind) {
-      case ir::InputKind::position: return state.q[in.index];
-      case ir::InputKind::velocity: return state.v[in.index];
-      case ir::InputKind::acceleration:
-      case ir::InputKind::effort: return state.more[in.index];
-      case ir::InputKind::gravity: return model.scene.gravity[in.component];
-      case ir::InputKind::wrench: return state.wrenches[6 * in.index + in.component];
-      case ir::InputKind::payload: return payload[static_cast<size_t>(in.component)];
-      default: return std::nan("");
-    }
-  };
-  ir::Arrays straight = ir::run(algorithm, unroll.program(), input, left[0]);
-  ir::CompileOptions options;
-  options.form = ir::Form::rolled;
-  const ir::Plan plan = passes::plan(model.tree, model.scene, {}, options);
-  if (plan.form != ir::Form::rolled) return {straight, straight};  // a base alone
-  const ir::RolledProgram program = passes::roll(algorithm, unroll, model.tree, model.scene, plan, {});
-  ir::RolledRun run(algorithm, program, plan, model.tree, model.scene.rates_zero, input);
-  run.run(left[1]);
-  return {straight, run.run(left[1])};  // the second evaluation: nothing may be left of the first
-}
-
-// A second half takes what the first finds in its form.
-std::array<ir::Arrays, 2> run_function(const ir::EmittedFunction& function, const Model& model, const State& state,
-                                       const Payload& payload) {
-  const std::vector<ir::EmittedFunction> halves = passes::halves(function, model.tree);
-  std::array<ir::Arrays, 2> results = run_half(halves.front(), model, state, payload);
-  if (halves.size() == 1) return results;
-  for (size_t form : {0u, 1u}) {
-    State solved = state;
-    solved.more = results[form].at(halves.front().accelerations);
-    results[form] = run_half(halves.back(), model, solved, payload, results)[form];
-  }
-  return results;
-}
-
-std::array<ir::Arrays, 2> run_both(const Model& model, const State& state, const Payload& payload) {
-  std::array<ir::Arrays, 2> results;
-  for (const ir::EmittedFunction& function : ir::functions_of(model.scene)) {
-    std::array<ir::Arrays, 2> own = run_function(function, model, state, payload);
-    for (size_t form : {0u, 1u}) results[form].merge(own[form]);
-  }
-  return results;
-}
-
-// Every output of the scene, in both forms, with `payload` at each link that carries one.
-void expect_generic_values(const Model& model, const Payload& payload = {}) {
-  Model expected = model;
-  for (const std::string& link : model.scene.payloads) expected.tree = welded(expected.tree, link, payload);
-  const State state = some_state(model.tree);
-  const auto [straight, rolled] = run_both(model, state, payload);
-  for (const Output& output : outputs_of(model)) {
-    SCOPED_TRACE(output.name);
-    const Eigen::MatrixXd reference = evaluate_generic(expected, output, state);
-    // Where a robot makes a quantity vanish, rounding of larger terms is left.
-    double tolerance = 1e-12 * std::max(reference.cwiseAbs().maxCoeff(), 1e-3);
-    if (output.quantity && ir::row_of(*output.quantity).scale == ir::Scale::solved)
-      tolerance = std::max(tolerance, 10 * reference.cwiseAbs().maxCoeff() * 0x1p-53 *
-                                          reference::mass_condition(expected.tree, expected.scene,
-                                                                    {state.q, state.v, state.more, state.wrenches}));
-    EXPECT_LE((straight.at(output.name) - reference).cwiseAbs().maxCoeff<Eigen::PropagateNaN>(), tolerance) << "straight";
-    EXPECT_LE((rolled.at(output.name) - reference).cwiseAbs().maxCoeff<Eigen::PropagateNaN>(), tolerance) << "rolled";
-  }
-}
 
 class Algorithm : public testing::TestWithParam<TestRobot> {};
 
@@ -178,6 +39,9 @@ TEST_P(Algorithm, RunsInBothFormsAsTheGenericEngineDoes) {
           named.functions.back().quantities.insert(named.functions.back().quantities.begin(), quantity);
     }
     scenes["functions of the scene"] = named;
+    named.gravity_kind = ir::GravityKind::none;
+    named.gravity.setZero();
+    scenes["functions of the scene without gravity"] = named;
     ir::Scene statics = all;
     statics.rates_zero = true;
     std::erase(statics.outputs, ir::Quantity::coriolis_matrix);
@@ -300,8 +164,6 @@ TEST_P(Algorithm, ReadsForALinkTheJointsAboveItAlone) {
 
 INSTANTIATE_TEST_SUITE_P(Robots, Algorithm, testing::ValuesIn(test_robots),
                          [](const auto& info) { return std::string(info.param.name); });
-
-constexpr Payload tool{1.7, 0.03, -0.02, 0.11, 0.02, 0.003, -0.001, 0.03, 0.002, 0.025};
 
 // Its largest component rounds to 1, and yet it is no coordinate axis.
 TEST(AlgorithmAt, AnAxisAlmostAlongACoordinateAxisKeepsItsDirection) {

@@ -26,9 +26,11 @@ void store(SweepBuilder& s, const MotionRoles& r, const Motion& m) {
 
 NewtonEuler newton_euler(Builder& b, Driven driven) {
   const bool accelerated = driven == Driven::accelerated;
-  const bool weightless = driven == Driven::weightless && b.scene().gravity_kind != ir::GravityKind::none;
-  // A function may give the bias beside what it is given accelerations for.
-  const bool both = accelerated && b.function().computes(ir::Quantity::bias);
+  const bool gravity_acts = b.scene().gravity_kind != ir::GravityKind::none;
+  const bool weightless = driven == Driven::weightless && gravity_acts;
+  // A function may give what it finds at rest beside what it is given accelerations for.
+  const bool both = accelerated && (b.function().computes(ir::Quantity::bias) ||
+                                    (b.function().computes(ir::Quantity::momentum_bias) && !gravity_acts));
   const std::string motions = weightless ? "weightless_" : both ? "accelerated_" : "";
   const MotionRoles motion{
       b.role({motions + "angular", "w", "w along the body's axes", "rad/s", Shape::vector}),

@@ -1,0 +1,144 @@
+// Scenes drawn at random: what one output keeps and another overwrites shows where both are asked for, and nobody lists all
+// such pairs. DALEMBERT_RANDOM_SCENES=1000 draws so many for each robot.
+#include <fmt/format.h>
+
+#include <cstdlib>
+#include <random>
+
+#include "both_forms.hpp"
+
+namespace dalembert {
+namespace {
+
+class Draw {
+ public:
+  explicit Draw(unsigned seed) : engine_(seed) {}
+  bool one_in(unsigned n) { return engine_() % n == 0; }
+  template <class T>
+  const T& of(const std::vector<T>& all) {
+    return all[engine_() % all.size()];
+  }
+  unsigned below(unsigned n) { return static_cast<unsigned>(engine_() % n); }
+
+ private:
+  std::mt19937 engine_;
+};
+
+// Of what takes no more than the function does.
+std::vector<ir::Quantity> quantities(Draw& draw, ir::Function function, const ir::Scene& scene) {
+  const unsigned rare = 1 + draw.below(8);
+  std::vector<ir::Quantity> some;
+  for (const ir::QuantityRow& row : ir::quantities()) {
+    if (row.function != ir::Function::evaluate && row.function != function) continue;
+    if (row.quantity == ir::Quantity::coriolis_matrix && scene.rates_zero) continue;
+    if (draw.one_in(rare)) some.push_back(row.quantity);
+  }
+  return some;
+}
+
+std::vector<ir::LinkOutput> of_links(Draw& draw, const std::vector<std::string>& links) {
+  std::vector<ir::LinkOutput> some;
+  const std::string& link = draw.of(links);
+  const unsigned rare = 1 + draw.below(8);
+  for (const ir::LinkQuantityRow& row : ir::link_quantities())
+    if (draw.one_in(rare)) some.push_back({row.quantity, draw.one_in(2) ? link : draw.of(links)});
+  return some;
+}
+
+struct Movable {
+  std::vector<std::string> joints, links;
+};
+
+ir::Scene scene_of(Draw& draw, const Movable& robot) {
+  ir::Scene scene;
+  scene.base = draw.one_in(2) ? ir::Base::fixed : ir::Base::floating;
+  scene.gravity = {0.7, -1.3, -9.81};
+  if (draw.one_in(4)) scene.gravity_kind = ir::GravityKind::run_time;
+  if (draw.one_in(6)) scene.gravity_kind = ir::GravityKind::none, scene.gravity.setZero();
+  scene.rates_zero = draw.one_in(6);
+  if (draw.one_in(3)) scene.coriolis = ir::Coriolis::christoffel;
+  if (draw.one_in(3)) scene.forward_dynamics = ir::Solver::factorization;
+  scene.outputs = quantities(draw, ir::Function::evaluate, scene);
+  for (const ir::Function function : {ir::Function::inverse_dynamics, ir::Function::forward_dynamics})
+    if (draw.one_in(2))
+      for (const ir::Quantity quantity : quantities(draw, function, scene))
+        if (ir::row_of(quantity).function == function) scene.outputs.push_back(quantity);
+  if (draw.one_in(2)) scene.jacobians.push_back(draw.of(robot.links));
+  if (draw.one_in(2))
+    for (const ir::LinkOutput& output : of_links(draw, robot.links)) scene.frames.push_back(output);
+  for (const char* name : {"one", "other"}) {
+    if (!draw.one_in(3)) continue;
+    const ir::Function inputs[] = {ir::Function::evaluate, ir::Function::inverse_dynamics, ir::Function::forward_dynamics};
+    ir::NamedFunction function{name, quantities(draw, inputs[draw.below(3)], scene), of_links(draw, robot.links)};
+    if (!function.quantities.empty() || !function.of_links.empty()) scene.functions.push_back(function);
+  }
+  const std::string driver = draw.of(robot.joints);
+  for (const std::string& joint : robot.joints) {
+    const bool driven = joint != driver && draw.one_in(8) && robot.joints.size() > 2;
+    if (driven) scene.mimic[joint] = {driver, draw.one_in(2) ? -0.5 : 1.5, 0.2};
+    if (draw.one_in(8)) scene.armature[joint] = 0.3;
+    if (draw.one_in(8)) scene.damping[joint] = 0.7;
+    if (draw.one_in(8)) scene.friction[joint] = 1.1;
+    if (!driven && draw.one_in(8)) scene.stiffness[joint] = {3, 0.4};
+    if (!driven && draw.one_in(16)) scene.elastic[joint] = {200, 0.5, 0.3};
+  }
+  if (draw.one_in(4)) scene.payloads.push_back(draw.of(robot.links));
+  if (draw.one_in(4)) scene.wrenches.push_back({draw.of(robot.links), draw.one_in(2)});
+  return scene;
+}
+
+// For who has to make it again by hand.
+std::string in_words(unsigned seed, const ir::Scene& scene) {
+  std::string text = fmt::format("scene {}: {} base, gravity {}, statics {}, Christoffel {}, factorization {}", seed,
+                                 scene.base == ir::Base::fixed ? "fixed" : "floating", static_cast<int>(scene.gravity_kind),
+                                 scene.rates_zero, scene.coriolis == ir::Coriolis::christoffel,
+                                 scene.forward_dynamics == ir::Solver::factorization);
+  for (const ir::EmittedFunction& function : ir::functions_of(scene)) {
+    text += "; " + function.name + ":";
+    for (const ir::Quantity quantity : function.quantities) text += fmt::format(" {}", ir::name_of(quantity));
+    for (const ir::LinkOutput& output : function.of_links) text += " " + ir::name_of(output);
+  }
+  const auto add = [&](const char* key, const auto& joints) {
+    for (const auto& [joint, value] : joints) text += fmt::format("; {} {}", key, joint);
+  };
+  add("mimic", scene.mimic);
+  add("armature", scene.armature);
+  add("damping", scene.damping);
+  add("friction", scene.friction);
+  add("stiffness", scene.stiffness);
+  add("elastic", scene.elastic);
+  for (const std::string& link : scene.payloads) text += "; payload " + link;
+  for (const ir::ExternalWrench& wrench : scene.wrenches) text += "; wrench " + wrench.link;
+  return text;
+}
+
+class RandomScenes : public testing::TestWithParam<TestRobot> {};
+
+TEST_P(RandomScenes, AreWhatTheGenericEngineComputes) {
+  const char* const asked_for = std::getenv("DALEMBERT_RANDOM_SCENES");
+  const ir::RobotDescription description = robot(GetParam().name);
+  Movable movable;
+  for (const ir::Joint& joint : description.joints) {
+    movable.links.push_back(description.links[static_cast<size_t>(joint.child)].name);
+    if (joint.type != ir::JointType::fixed) movable.joints.push_back(joint.name);
+  }
+  const unsigned scenes = asked_for ? static_cast<unsigned>(std::atoi(asked_for)) : 24;
+  for (unsigned seed = 0; seed < scenes; ++seed) {
+    Draw draw(seed);
+    const ir::Scene scene = scene_of(draw, movable);
+    SCOPED_TRACE(in_words(seed, scene));
+    try {
+      // Not for the last digits: what is in the wrong place is wrong in the first.
+      expect_generic_values(model_of(description, scene), tool, 1000);
+    } catch (const InputError&) {
+      // A scene that the robot refuses: a base without inertia that is to float.
+    }
+    if (HasFailure()) break;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Robots, RandomScenes, testing::ValuesIn(test_robots),
+                         [](const auto& info) { return std::string(info.param.name); });
+
+}  // namespace
+}  // namespace dalembert
