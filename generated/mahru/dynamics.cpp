@@ -417,115 +417,119 @@ void outwards_left_hip_yaw_x4(Workspace& workspace) noexcept {
   static_cast<void>(kept);
   // R = Rp Rk Rz(q), p = pp + Rp pk, J = [p x z; z], V = Vp + J dq, dJ = ad(Vp) J
   {
-    using V [[maybe_unused]] = dalembert::Lanes<Scalar, 4>;
-    static constexpr int parents[] = {base_slot, base_slot, 0, 0};
-    V above_rotation[9] = {dalembert::gather<4>(kept.rotation[0], parents),
-        dalembert::gather<4>(kept.rotation[1], parents),
-        dalembert::broadcast<4, Scalar>(0.0),
-        dalembert::gather<4>(kept.rotation[3], parents),
-        dalembert::gather<4>(kept.rotation[4], parents),
-        dalembert::broadcast<4, Scalar>(0.0),
-        dalembert::broadcast<4, Scalar>(0.0),
-        dalembert::broadcast<4, Scalar>(0.0),
-        dalembert::broadcast<4, Scalar>(1.0)};
-    V above_position[3] = {dalembert::broadcast<4, Scalar>(0.0),
-        dalembert::broadcast<4, Scalar>(0.0),
-        dalembert::Lanes<Scalar, 4>{0.0, 0.0, 0.41, 0.41}};
-    V above_velocity[6] = {dalembert::gather<4>(kept.velocity[0], parents),
-        dalembert::gather<4>(kept.velocity[1], parents),
-        dalembert::gather<4>(kept.velocity[2], parents),
-        dalembert::gather<4>(kept.velocity[3], parents),
-        dalembert::gather<4>(kept.velocity[4], parents),
-        dalembert::gather<4>(kept.velocity[5], parents)};
-    for (int i = 0; i < 24; i += 4) {
-      const int slot = 8 + i;
-      V next_above_rotation[9];
-      V next_above_position[3];
-      V next_above_velocity[6];
-      const V rotation_xx_yy_zz_k = dalembert::load<4>(left_hip_yaw_x4_rotation_xx_yy_zz + i);
-      const V rotation_xy_yz_zx_k = dalembert::load<4>(left_hip_yaw_x4_rotation_xy_yz_zx + i);
-      const V rotation_xz_yx_zy_k = dalembert::load<4>(left_hip_yaw_x4_rotation_xz_yx_zy + i);
-      const V translation_x_k = dalembert::load<4>(left_hip_yaw_x4_translation_x + i);
-      const V translation_y_k = dalembert::load<4>(left_hip_yaw_x4_translation_y + i);
-      const V sine = dalembert::load<4>(kept.sine[0] + slot);
-      const V cosine = dalembert::load<4>(kept.cosine[0] + slot);
-      const V t1 = above_rotation[6] * rotation_xx_yy_zz_k + above_rotation[3] * rotation_xy_yz_zx_k + above_rotation[0] * rotation_xz_yx_zy_k;
-      dalembert::store<4, Scalar>(kept.rotation[6] + slot, t1);
-      next_above_rotation[6] = t1;
-      const V t2 = above_rotation[7] * rotation_xx_yy_zz_k + above_rotation[4] * rotation_xy_yz_zx_k + above_rotation[1] * rotation_xz_yx_zy_k;
-      dalembert::store<4, Scalar>(kept.rotation[7] + slot, t2);
-      next_above_rotation[7] = t2;
-      const V t3 = above_rotation[8] * rotation_xx_yy_zz_k + above_rotation[5] * rotation_xy_yz_zx_k + above_rotation[2] * rotation_xz_yx_zy_k;
-      dalembert::store<4, Scalar>(kept.rotation[8] + slot, t3);
-      next_above_rotation[8] = t3;
-      const V t4 = above_rotation[6] * rotation_xz_yx_zy_k + above_rotation[3] * rotation_xx_yy_zz_k + above_rotation[0] * rotation_xy_yz_zx_k;
-      const V t5 = above_rotation[7] * rotation_xz_yx_zy_k + above_rotation[4] * rotation_xx_yy_zz_k + above_rotation[1] * rotation_xy_yz_zx_k;
-      const V t6 = above_rotation[8] * rotation_xz_yx_zy_k + above_rotation[5] * rotation_xx_yy_zz_k + above_rotation[2] * rotation_xy_yz_zx_k;
-      const V t7 = above_rotation[6] * rotation_xy_yz_zx_k + above_rotation[3] * rotation_xz_yx_zy_k + above_rotation[0] * rotation_xx_yy_zz_k;
-      const V t8 = above_rotation[7] * rotation_xy_yz_zx_k + above_rotation[4] * rotation_xz_yx_zy_k + above_rotation[1] * rotation_xx_yy_zz_k;
-      const V t9 = above_rotation[8] * rotation_xy_yz_zx_k + above_rotation[5] * rotation_xz_yx_zy_k + above_rotation[2] * rotation_xx_yy_zz_k;
-      const V t10 = cosine * t4 - sine * t7;
-      dalembert::store<4, Scalar>(kept.rotation[3] + slot, t10);
-      next_above_rotation[3] = t10;
-      const V t11 = cosine * t5 - sine * t8;
-      dalembert::store<4, Scalar>(kept.rotation[4] + slot, t11);
-      next_above_rotation[4] = t11;
-      const V t12 = cosine * t6 - sine * t9;
-      dalembert::store<4, Scalar>(kept.rotation[5] + slot, t12);
-      next_above_rotation[5] = t12;
-      const V t13 = sine * t4 + cosine * t7;
-      dalembert::store<4, Scalar>(kept.rotation[0] + slot, t13);
-      next_above_rotation[0] = t13;
-      const V t14 = sine * t5 + cosine * t8;
-      dalembert::store<4, Scalar>(kept.rotation[1] + slot, t14);
-      next_above_rotation[1] = t14;
-      const V t15 = sine * t6 + cosine * t9;
-      dalembert::store<4, Scalar>(kept.rotation[2] + slot, t15);
-      next_above_rotation[2] = t15;
-      const V t16 = above_position[0] + above_rotation[3] * translation_y_k + above_rotation[0] * translation_x_k;
-      dalembert::store<4, Scalar>(kept.position[0] + slot, t16);
-      next_above_position[0] = t16;
-      const V t17 = above_position[1] + above_rotation[4] * translation_y_k + above_rotation[1] * translation_x_k;
-      dalembert::store<4, Scalar>(kept.position[1] + slot, t17);
-      next_above_position[1] = t17;
-      const V t18 = above_position[2] + above_rotation[5] * translation_y_k + above_rotation[2] * translation_x_k;
-      dalembert::store<4, Scalar>(kept.position[2] + slot, t18);
-      next_above_position[2] = t18;
-      const V t19 = t3 * t17 - t2 * t18;
-      dalembert::store<4, Scalar>(kept.joint_linear[0] + slot, t19);
-      const V t20 = t1 * t18 - t3 * t16;
-      dalembert::store<4, Scalar>(kept.joint_linear[1] + slot, t20);
-      const V t21 = t2 * t16 - t1 * t17;
-      dalembert::store<4, Scalar>(kept.joint_linear[2] + slot, t21);
-      const V rate = dalembert::load<4>(kept.rate[0] + slot);
-      const V t22 = above_velocity[0] + t19 * rate;
-      dalembert::store<4, Scalar>(kept.velocity[0] + slot, t22);
-      next_above_velocity[0] = t22;
-      const V t23 = above_velocity[1] + t20 * rate;
-      dalembert::store<4, Scalar>(kept.velocity[1] + slot, t23);
-      next_above_velocity[1] = t23;
-      const V t24 = above_velocity[2] + t21 * rate;
-      dalembert::store<4, Scalar>(kept.velocity[2] + slot, t24);
-      next_above_velocity[2] = t24;
-      const V t25 = above_velocity[3] + t1 * rate;
-      dalembert::store<4, Scalar>(kept.velocity[3] + slot, t25);
-      next_above_velocity[3] = t25;
-      const V t26 = above_velocity[4] + t2 * rate;
-      dalembert::store<4, Scalar>(kept.velocity[4] + slot, t26);
-      next_above_velocity[4] = t26;
-      const V t27 = above_velocity[5] + t3 * rate;
-      dalembert::store<4, Scalar>(kept.velocity[5] + slot, t27);
-      next_above_velocity[5] = t27;
-      dalembert::store<4, Scalar>(kept.joint_rate[0] + slot, t3 * above_velocity[1] + t21 * above_velocity[4] - t2 * above_velocity[2] - t20 * above_velocity[5]);
-      dalembert::store<4, Scalar>(kept.joint_rate[1] + slot, t1 * above_velocity[2] + t19 * above_velocity[5] - t3 * above_velocity[0] - t21 * above_velocity[3]);
-      dalembert::store<4, Scalar>(kept.joint_rate[2] + slot, t2 * above_velocity[0] + t20 * above_velocity[3] - t1 * above_velocity[1] - t19 * above_velocity[4]);
-      dalembert::store<4, Scalar>(kept.joint_rate[3] + slot, t3 * above_velocity[4] - t2 * above_velocity[5]);
-      dalembert::store<4, Scalar>(kept.joint_rate[4] + slot, t1 * above_velocity[5] - t3 * above_velocity[3]);
-      dalembert::store<4, Scalar>(kept.joint_rate[5] + slot, t2 * above_velocity[3] - t1 * above_velocity[4]);
-      dalembert::carry(above_rotation, next_above_rotation);
-      dalembert::carry(above_position, next_above_position);
-      dalembert::carry(above_velocity, next_above_velocity);
-    }
+    dalembert::each_part<Scalar, 4>([&](auto some, int lane) DALEMBERT_IN_BLOCK {
+      constexpr int together = decltype(some)::value;
+      using V [[maybe_unused]] = dalembert::Lanes<Scalar, together>;
+      static constexpr int parents[] = {base_slot, base_slot, 0, 0};
+      static constexpr Scalar above_position_2_of_parent[] = {0.0, 0.0, 0.41, 0.41};
+      V above_rotation[9] = {dalembert::gather<together>(kept.rotation[0], parents + lane),
+          dalembert::gather<together>(kept.rotation[1], parents + lane),
+          dalembert::broadcast<together, Scalar>(0.0),
+          dalembert::gather<together>(kept.rotation[3], parents + lane),
+          dalembert::gather<together>(kept.rotation[4], parents + lane),
+          dalembert::broadcast<together, Scalar>(0.0),
+          dalembert::broadcast<together, Scalar>(0.0),
+          dalembert::broadcast<together, Scalar>(0.0),
+          dalembert::broadcast<together, Scalar>(1.0)};
+      V above_position[3] = {dalembert::broadcast<together, Scalar>(0.0),
+          dalembert::broadcast<together, Scalar>(0.0),
+          dalembert::load<together>(above_position_2_of_parent + lane)};
+      V above_velocity[6] = {dalembert::gather<together>(kept.velocity[0], parents + lane),
+          dalembert::gather<together>(kept.velocity[1], parents + lane),
+          dalembert::gather<together>(kept.velocity[2], parents + lane),
+          dalembert::gather<together>(kept.velocity[3], parents + lane),
+          dalembert::gather<together>(kept.velocity[4], parents + lane),
+          dalembert::gather<together>(kept.velocity[5], parents + lane)};
+      for (int i = lane; i < 24; i += 4) {
+        const int slot = 8 + i;
+        V next_above_rotation[9];
+        V next_above_position[3];
+        V next_above_velocity[6];
+        const V rotation_xx_yy_zz_k = dalembert::load<together>(left_hip_yaw_x4_rotation_xx_yy_zz + i);
+        const V rotation_xy_yz_zx_k = dalembert::load<together>(left_hip_yaw_x4_rotation_xy_yz_zx + i);
+        const V rotation_xz_yx_zy_k = dalembert::load<together>(left_hip_yaw_x4_rotation_xz_yx_zy + i);
+        const V translation_x_k = dalembert::load<together>(left_hip_yaw_x4_translation_x + i);
+        const V translation_y_k = dalembert::load<together>(left_hip_yaw_x4_translation_y + i);
+        const V sine = dalembert::load<together>(kept.sine[0] + slot);
+        const V cosine = dalembert::load<together>(kept.cosine[0] + slot);
+        const V t1 = above_rotation[6] * rotation_xx_yy_zz_k + above_rotation[3] * rotation_xy_yz_zx_k + above_rotation[0] * rotation_xz_yx_zy_k;
+        dalembert::store<together, Scalar>(kept.rotation[6] + slot, t1);
+        next_above_rotation[6] = t1;
+        const V t2 = above_rotation[7] * rotation_xx_yy_zz_k + above_rotation[4] * rotation_xy_yz_zx_k + above_rotation[1] * rotation_xz_yx_zy_k;
+        dalembert::store<together, Scalar>(kept.rotation[7] + slot, t2);
+        next_above_rotation[7] = t2;
+        const V t3 = above_rotation[8] * rotation_xx_yy_zz_k + above_rotation[5] * rotation_xy_yz_zx_k + above_rotation[2] * rotation_xz_yx_zy_k;
+        dalembert::store<together, Scalar>(kept.rotation[8] + slot, t3);
+        next_above_rotation[8] = t3;
+        const V t4 = above_rotation[6] * rotation_xz_yx_zy_k + above_rotation[3] * rotation_xx_yy_zz_k + above_rotation[0] * rotation_xy_yz_zx_k;
+        const V t5 = above_rotation[7] * rotation_xz_yx_zy_k + above_rotation[4] * rotation_xx_yy_zz_k + above_rotation[1] * rotation_xy_yz_zx_k;
+        const V t6 = above_rotation[8] * rotation_xz_yx_zy_k + above_rotation[5] * rotation_xx_yy_zz_k + above_rotation[2] * rotation_xy_yz_zx_k;
+        const V t7 = above_rotation[6] * rotation_xy_yz_zx_k + above_rotation[3] * rotation_xz_yx_zy_k + above_rotation[0] * rotation_xx_yy_zz_k;
+        const V t8 = above_rotation[7] * rotation_xy_yz_zx_k + above_rotation[4] * rotation_xz_yx_zy_k + above_rotation[1] * rotation_xx_yy_zz_k;
+        const V t9 = above_rotation[8] * rotation_xy_yz_zx_k + above_rotation[5] * rotation_xz_yx_zy_k + above_rotation[2] * rotation_xx_yy_zz_k;
+        const V t10 = cosine * t4 - sine * t7;
+        dalembert::store<together, Scalar>(kept.rotation[3] + slot, t10);
+        next_above_rotation[3] = t10;
+        const V t11 = cosine * t5 - sine * t8;
+        dalembert::store<together, Scalar>(kept.rotation[4] + slot, t11);
+        next_above_rotation[4] = t11;
+        const V t12 = cosine * t6 - sine * t9;
+        dalembert::store<together, Scalar>(kept.rotation[5] + slot, t12);
+        next_above_rotation[5] = t12;
+        const V t13 = sine * t4 + cosine * t7;
+        dalembert::store<together, Scalar>(kept.rotation[0] + slot, t13);
+        next_above_rotation[0] = t13;
+        const V t14 = sine * t5 + cosine * t8;
+        dalembert::store<together, Scalar>(kept.rotation[1] + slot, t14);
+        next_above_rotation[1] = t14;
+        const V t15 = sine * t6 + cosine * t9;
+        dalembert::store<together, Scalar>(kept.rotation[2] + slot, t15);
+        next_above_rotation[2] = t15;
+        const V t16 = above_position[0] + above_rotation[3] * translation_y_k + above_rotation[0] * translation_x_k;
+        dalembert::store<together, Scalar>(kept.position[0] + slot, t16);
+        next_above_position[0] = t16;
+        const V t17 = above_position[1] + above_rotation[4] * translation_y_k + above_rotation[1] * translation_x_k;
+        dalembert::store<together, Scalar>(kept.position[1] + slot, t17);
+        next_above_position[1] = t17;
+        const V t18 = above_position[2] + above_rotation[5] * translation_y_k + above_rotation[2] * translation_x_k;
+        dalembert::store<together, Scalar>(kept.position[2] + slot, t18);
+        next_above_position[2] = t18;
+        const V t19 = t3 * t17 - t2 * t18;
+        dalembert::store<together, Scalar>(kept.joint_linear[0] + slot, t19);
+        const V t20 = t1 * t18 - t3 * t16;
+        dalembert::store<together, Scalar>(kept.joint_linear[1] + slot, t20);
+        const V t21 = t2 * t16 - t1 * t17;
+        dalembert::store<together, Scalar>(kept.joint_linear[2] + slot, t21);
+        const V rate = dalembert::load<together>(kept.rate[0] + slot);
+        const V t22 = above_velocity[0] + t19 * rate;
+        dalembert::store<together, Scalar>(kept.velocity[0] + slot, t22);
+        next_above_velocity[0] = t22;
+        const V t23 = above_velocity[1] + t20 * rate;
+        dalembert::store<together, Scalar>(kept.velocity[1] + slot, t23);
+        next_above_velocity[1] = t23;
+        const V t24 = above_velocity[2] + t21 * rate;
+        dalembert::store<together, Scalar>(kept.velocity[2] + slot, t24);
+        next_above_velocity[2] = t24;
+        const V t25 = above_velocity[3] + t1 * rate;
+        dalembert::store<together, Scalar>(kept.velocity[3] + slot, t25);
+        next_above_velocity[3] = t25;
+        const V t26 = above_velocity[4] + t2 * rate;
+        dalembert::store<together, Scalar>(kept.velocity[4] + slot, t26);
+        next_above_velocity[4] = t26;
+        const V t27 = above_velocity[5] + t3 * rate;
+        dalembert::store<together, Scalar>(kept.velocity[5] + slot, t27);
+        next_above_velocity[5] = t27;
+        dalembert::store<together, Scalar>(kept.joint_rate[0] + slot, t3 * above_velocity[1] + t21 * above_velocity[4] - t2 * above_velocity[2] - t20 * above_velocity[5]);
+        dalembert::store<together, Scalar>(kept.joint_rate[1] + slot, t1 * above_velocity[2] + t19 * above_velocity[5] - t3 * above_velocity[0] - t21 * above_velocity[3]);
+        dalembert::store<together, Scalar>(kept.joint_rate[2] + slot, t2 * above_velocity[0] + t20 * above_velocity[3] - t1 * above_velocity[1] - t19 * above_velocity[4]);
+        dalembert::store<together, Scalar>(kept.joint_rate[3] + slot, t3 * above_velocity[4] - t2 * above_velocity[5]);
+        dalembert::store<together, Scalar>(kept.joint_rate[4] + slot, t1 * above_velocity[5] - t3 * above_velocity[3]);
+        dalembert::store<together, Scalar>(kept.joint_rate[5] + slot, t2 * above_velocity[3] - t1 * above_velocity[4]);
+        dalembert::carry(above_rotation, next_above_rotation);
+        dalembert::carry(above_position, next_above_position);
+        dalembert::carry(above_velocity, next_above_velocity);
+      }
+    });
   }
   // h = R hk + m p, S = R Sk R' + R hk p' + p (R hk)' + m p p'
   {
@@ -611,112 +615,118 @@ void outwards_left_hip_yaw_x4(Workspace& workspace) noexcept {
   }
   // down = (Rk Rz(q))' down_p
   {
-    using V [[maybe_unused]] = dalembert::Lanes<Scalar, 4>;
-    static constexpr int parents[] = {base_slot, base_slot, 0, 0};
-    V above_down[3] = {dalembert::gather<4>(kept.down[0], parents),
-        dalembert::gather<4>(kept.down[1], parents),
-        dalembert::gather<4>(kept.down[2], parents)};
-    for (int i = 0; i < 24; i += 4) {
-      const int slot = 8 + i;
-      V next_above_down[3];
-      const V sine = dalembert::load<4>(kept.sine[0] + slot);
-      const V cosine = dalembert::load<4>(kept.cosine[0] + slot);
-      const V rotation_xx_yy_zz_k = dalembert::load<4>(left_hip_yaw_x4_rotation_xx_yy_zz + i);
-      const V rotation_xy_yz_zx_k = dalembert::load<4>(left_hip_yaw_x4_rotation_xy_yz_zx + i);
-      const V rotation_xz_yx_zy_k = dalembert::load<4>(left_hip_yaw_x4_rotation_xz_yx_zy + i);
-      const V t1 = above_down[2] * rotation_xy_yz_zx_k + above_down[1] * rotation_xz_yx_zy_k + above_down[0] * rotation_xx_yy_zz_k;
-      const V t2 = above_down[2] * rotation_xz_yx_zy_k + above_down[1] * rotation_xx_yy_zz_k + above_down[0] * rotation_xy_yz_zx_k;
-      next_above_down[2] = above_down[2] * rotation_xx_yy_zz_k + above_down[1] * rotation_xy_yz_zx_k + above_down[0] * rotation_xz_yx_zy_k;
-      const V t3 = sine * t2 + cosine * t1;
-      dalembert::store<4, Scalar>(kept.down[0] + slot, t3);
-      next_above_down[0] = t3;
-      const V t4 = cosine * t2 - sine * t1;
-      dalembert::store<4, Scalar>(kept.down[1] + slot, t4);
-      next_above_down[1] = t4;
-      dalembert::carry(above_down, next_above_down);
-    }
+    dalembert::each_part<Scalar, 4>([&](auto some, int lane) DALEMBERT_IN_BLOCK {
+      constexpr int together = decltype(some)::value;
+      using V [[maybe_unused]] = dalembert::Lanes<Scalar, together>;
+      static constexpr int parents[] = {base_slot, base_slot, 0, 0};
+      V above_down[3] = {dalembert::gather<together>(kept.down[0], parents + lane),
+          dalembert::gather<together>(kept.down[1], parents + lane),
+          dalembert::gather<together>(kept.down[2], parents + lane)};
+      for (int i = lane; i < 24; i += 4) {
+        const int slot = 8 + i;
+        V next_above_down[3];
+        const V sine = dalembert::load<together>(kept.sine[0] + slot);
+        const V cosine = dalembert::load<together>(kept.cosine[0] + slot);
+        const V rotation_xx_yy_zz_k = dalembert::load<together>(left_hip_yaw_x4_rotation_xx_yy_zz + i);
+        const V rotation_xy_yz_zx_k = dalembert::load<together>(left_hip_yaw_x4_rotation_xy_yz_zx + i);
+        const V rotation_xz_yx_zy_k = dalembert::load<together>(left_hip_yaw_x4_rotation_xz_yx_zy + i);
+        const V t1 = above_down[2] * rotation_xy_yz_zx_k + above_down[1] * rotation_xz_yx_zy_k + above_down[0] * rotation_xx_yy_zz_k;
+        const V t2 = above_down[2] * rotation_xz_yx_zy_k + above_down[1] * rotation_xx_yy_zz_k + above_down[0] * rotation_xy_yz_zx_k;
+        next_above_down[2] = above_down[2] * rotation_xx_yy_zz_k + above_down[1] * rotation_xy_yz_zx_k + above_down[0] * rotation_xz_yx_zy_k;
+        const V t3 = sine * t2 + cosine * t1;
+        dalembert::store<together, Scalar>(kept.down[0] + slot, t3);
+        next_above_down[0] = t3;
+        const V t4 = cosine * t2 - sine * t1;
+        dalembert::store<together, Scalar>(kept.down[1] + slot, t4);
+        next_above_down[1] = t4;
+        dalembert::carry(above_down, next_above_down);
+      }
+    });
   }
   // w, dw and a of the body along its own axes
   // f = m a + dw x h + w x (w x h), n = h x a + I dw + w x I w
   {
-    using V [[maybe_unused]] = dalembert::Lanes<Scalar, 4>;
-    static constexpr int parents[] = {base_slot, base_slot, 0, 0};
-    V above_angular[3] = {dalembert::gather<4>(kept.angular[0], parents),
-        dalembert::gather<4>(kept.angular[1], parents),
-        dalembert::gather<4>(kept.angular[2], parents)};
-    V above_angular_acceleration[3] = {dalembert::gather<4>(kept.angular_acceleration[0], parents),
-        dalembert::gather<4>(kept.angular_acceleration[1], parents),
-        dalembert::broadcast<4, Scalar>(0.0)};
-    V above_acceleration[3] = {dalembert::gather<4>(kept.acceleration[0], parents),
-        dalembert::gather<4>(kept.acceleration[1], parents),
-        dalembert::gather<4>(kept.acceleration[2], parents)};
-    for (int i = 0; i < 24; i += 4) {
-      const int slot = 8 + i;
-      V next_above_angular[3];
-      V next_above_angular_acceleration[3];
-      V next_above_acceleration[3];
-      const V rotation_xx_yy_zz_k = dalembert::load<4>(left_hip_yaw_x4_rotation_xx_yy_zz + i);
-      const V rotation_xy_yz_zx_k = dalembert::load<4>(left_hip_yaw_x4_rotation_xy_yz_zx + i);
-      const V rotation_xz_yx_zy_k = dalembert::load<4>(left_hip_yaw_x4_rotation_xz_yx_zy + i);
-      const V translation_x_k = dalembert::load<4>(left_hip_yaw_x4_translation_x + i);
-      const V translation_y_k = dalembert::load<4>(left_hip_yaw_x4_translation_y + i);
-      const V rate = dalembert::load<4>(kept.rate[0] + slot);
-      const V sine = dalembert::load<4>(kept.sine[0] + slot);
-      const V cosine = dalembert::load<4>(kept.cosine[0] + slot);
-      const V t1 = above_angular[2] * translation_y_k;
-      const V t2 = above_angular[2] * translation_x_k;
-      const V t3 = above_angular[0] * translation_y_k - above_angular[1] * translation_x_k;
-      const V t4 = above_acceleration[0] + above_angular[1] * t3 - above_angular[2] * t2 - above_angular_acceleration[2] * translation_y_k;
-      const V t5 = above_acceleration[1] + above_angular_acceleration[2] * translation_x_k - above_angular[0] * t3 - above_angular[2] * t1;
-      const V t6 = above_acceleration[2] + above_angular[1] * t1 + above_angular[0] * t2 + above_angular_acceleration[0] * translation_y_k - above_angular_acceleration[1] * translation_x_k;
-      const V t7 = above_angular[2] * rotation_xy_yz_zx_k + above_angular[1] * rotation_xz_yx_zy_k + above_angular[0] * rotation_xx_yy_zz_k;
-      const V t8 = above_angular[2] * rotation_xz_yx_zy_k + above_angular[1] * rotation_xx_yy_zz_k + above_angular[0] * rotation_xy_yz_zx_k;
-      const V t9 = sine * t8 + cosine * t7;
-      next_above_angular[0] = t9;
-      const V t10 = cosine * t8 - sine * t7;
-      next_above_angular[1] = t10;
-      const V t11 = rate + above_angular[2] * rotation_xx_yy_zz_k + above_angular[1] * rotation_xy_yz_zx_k + above_angular[0] * rotation_xz_yx_zy_k;
-      next_above_angular[2] = t11;
-      const V t12 = above_angular_acceleration[2] * rotation_xy_yz_zx_k + above_angular_acceleration[1] * rotation_xz_yx_zy_k + above_angular_acceleration[0] * rotation_xx_yy_zz_k;
-      const V t13 = above_angular_acceleration[2] * rotation_xz_yx_zy_k + above_angular_acceleration[1] * rotation_xx_yy_zz_k + above_angular_acceleration[0] * rotation_xy_yz_zx_k;
-      const V t14 = above_angular_acceleration[2] * rotation_xx_yy_zz_k + above_angular_acceleration[1] * rotation_xy_yz_zx_k + above_angular_acceleration[0] * rotation_xz_yx_zy_k;
-      next_above_angular_acceleration[2] = t14;
-      const V t15 = rate * t10 + sine * t13 + cosine * t12;
-      next_above_angular_acceleration[0] = t15;
-      const V t16 = cosine * t13 - sine * t12 - rate * t9;
-      next_above_angular_acceleration[1] = t16;
-      const V t17 = rotation_xy_yz_zx_k * t6 + rotation_xz_yx_zy_k * t5 + rotation_xx_yy_zz_k * t4;
-      const V t18 = rotation_xz_yx_zy_k * t6 + rotation_xx_yy_zz_k * t5 + rotation_xy_yz_zx_k * t4;
-      const V t19 = rotation_xx_yy_zz_k * t6 + rotation_xy_yz_zx_k * t5 + rotation_xz_yx_zy_k * t4;
-      next_above_acceleration[2] = t19;
-      const V t20 = sine * t18 + cosine * t17;
-      next_above_acceleration[0] = t20;
-      const V t21 = cosine * t18 - sine * t17;
-      next_above_acceleration[1] = t21;
-      const V first_x_k = dalembert::load<4>(left_hip_yaw_x4_first_x + i);
-      const V first_y_k = dalembert::load<4>(left_hip_yaw_x4_first_y + i);
-      const V second_xx_k = dalembert::load<4>(left_hip_yaw_x4_second_xx + i);
-      const V second_xy_k = dalembert::load<4>(left_hip_yaw_x4_second_xy + i);
-      const V second_xz_k = dalembert::load<4>(left_hip_yaw_x4_second_xz + i);
-      const V second_yy_k = dalembert::load<4>(left_hip_yaw_x4_second_yy + i);
-      const V second_yz_k = dalembert::load<4>(left_hip_yaw_x4_second_yz + i);
-      const V t22 = t11 * first_y_k;
-      const V t23 = t11 * first_x_k;
-      const V t24 = t9 * first_y_k - t10 * first_x_k;
-      dalembert::store<4, Scalar>(kept.wrench[0] + slot, t10 * t24 - t11 * t23 - t14 * first_y_k);
-      dalembert::store<4, Scalar>(kept.wrench[1] + slot, t14 * first_x_k - t9 * t24 - t11 * t22);
-      dalembert::store<4, Scalar>(kept.wrench[2] + slot, t10 * t22 + t9 * t23 + t15 * first_y_k - t16 * first_x_k);
-      const V t25 = second_xx_k + second_yy_k;
-      const V t26 = t9 * second_yy_k - t10 * second_xy_k - t11 * second_xz_k;
-      const V t27 = t10 * second_xx_k - t9 * second_xy_k - t11 * second_yz_k;
-      const V t28 = t11 * t25 - t10 * second_yz_k - t9 * second_xz_k;
-      dalembert::store<4, Scalar>(kept.wrench[3] + slot, t10 * t28 + t15 * second_yy_k + t19 * first_y_k - t11 * t27 - t16 * second_xy_k - t14 * second_xz_k);
-      dalembert::store<4, Scalar>(kept.wrench[4] + slot, t11 * t26 + t16 * second_xx_k - t9 * t28 - t15 * second_xy_k - t14 * second_yz_k - t19 * first_x_k);
-      dalembert::store<4, Scalar>(kept.wrench[5] + slot, t9 * t27 + t14 * t25 + t21 * first_x_k - t10 * t26 - t16 * second_yz_k - t15 * second_xz_k - t20 * first_y_k);
-      dalembert::carry(above_angular, next_above_angular);
-      dalembert::carry(above_angular_acceleration, next_above_angular_acceleration);
-      dalembert::carry(above_acceleration, next_above_acceleration);
-    }
+    dalembert::each_part<Scalar, 4>([&](auto some, int lane) DALEMBERT_IN_BLOCK {
+      constexpr int together = decltype(some)::value;
+      using V [[maybe_unused]] = dalembert::Lanes<Scalar, together>;
+      static constexpr int parents[] = {base_slot, base_slot, 0, 0};
+      V above_angular[3] = {dalembert::gather<together>(kept.angular[0], parents + lane),
+          dalembert::gather<together>(kept.angular[1], parents + lane),
+          dalembert::gather<together>(kept.angular[2], parents + lane)};
+      V above_angular_acceleration[3] = {dalembert::gather<together>(kept.angular_acceleration[0], parents + lane),
+          dalembert::gather<together>(kept.angular_acceleration[1], parents + lane),
+          dalembert::broadcast<together, Scalar>(0.0)};
+      V above_acceleration[3] = {dalembert::gather<together>(kept.acceleration[0], parents + lane),
+          dalembert::gather<together>(kept.acceleration[1], parents + lane),
+          dalembert::gather<together>(kept.acceleration[2], parents + lane)};
+      for (int i = lane; i < 24; i += 4) {
+        const int slot = 8 + i;
+        V next_above_angular[3];
+        V next_above_angular_acceleration[3];
+        V next_above_acceleration[3];
+        const V rotation_xx_yy_zz_k = dalembert::load<together>(left_hip_yaw_x4_rotation_xx_yy_zz + i);
+        const V rotation_xy_yz_zx_k = dalembert::load<together>(left_hip_yaw_x4_rotation_xy_yz_zx + i);
+        const V rotation_xz_yx_zy_k = dalembert::load<together>(left_hip_yaw_x4_rotation_xz_yx_zy + i);
+        const V translation_x_k = dalembert::load<together>(left_hip_yaw_x4_translation_x + i);
+        const V translation_y_k = dalembert::load<together>(left_hip_yaw_x4_translation_y + i);
+        const V rate = dalembert::load<together>(kept.rate[0] + slot);
+        const V sine = dalembert::load<together>(kept.sine[0] + slot);
+        const V cosine = dalembert::load<together>(kept.cosine[0] + slot);
+        const V t1 = above_angular[2] * translation_y_k;
+        const V t2 = above_angular[2] * translation_x_k;
+        const V t3 = above_angular[0] * translation_y_k - above_angular[1] * translation_x_k;
+        const V t4 = above_acceleration[0] + above_angular[1] * t3 - above_angular[2] * t2 - above_angular_acceleration[2] * translation_y_k;
+        const V t5 = above_acceleration[1] + above_angular_acceleration[2] * translation_x_k - above_angular[0] * t3 - above_angular[2] * t1;
+        const V t6 = above_acceleration[2] + above_angular[1] * t1 + above_angular[0] * t2 + above_angular_acceleration[0] * translation_y_k - above_angular_acceleration[1] * translation_x_k;
+        const V t7 = above_angular[2] * rotation_xy_yz_zx_k + above_angular[1] * rotation_xz_yx_zy_k + above_angular[0] * rotation_xx_yy_zz_k;
+        const V t8 = above_angular[2] * rotation_xz_yx_zy_k + above_angular[1] * rotation_xx_yy_zz_k + above_angular[0] * rotation_xy_yz_zx_k;
+        const V t9 = sine * t8 + cosine * t7;
+        next_above_angular[0] = t9;
+        const V t10 = cosine * t8 - sine * t7;
+        next_above_angular[1] = t10;
+        const V t11 = rate + above_angular[2] * rotation_xx_yy_zz_k + above_angular[1] * rotation_xy_yz_zx_k + above_angular[0] * rotation_xz_yx_zy_k;
+        next_above_angular[2] = t11;
+        const V t12 = above_angular_acceleration[2] * rotation_xy_yz_zx_k + above_angular_acceleration[1] * rotation_xz_yx_zy_k + above_angular_acceleration[0] * rotation_xx_yy_zz_k;
+        const V t13 = above_angular_acceleration[2] * rotation_xz_yx_zy_k + above_angular_acceleration[1] * rotation_xx_yy_zz_k + above_angular_acceleration[0] * rotation_xy_yz_zx_k;
+        const V t14 = above_angular_acceleration[2] * rotation_xx_yy_zz_k + above_angular_acceleration[1] * rotation_xy_yz_zx_k + above_angular_acceleration[0] * rotation_xz_yx_zy_k;
+        next_above_angular_acceleration[2] = t14;
+        const V t15 = rate * t10 + sine * t13 + cosine * t12;
+        next_above_angular_acceleration[0] = t15;
+        const V t16 = cosine * t13 - sine * t12 - rate * t9;
+        next_above_angular_acceleration[1] = t16;
+        const V t17 = rotation_xy_yz_zx_k * t6 + rotation_xz_yx_zy_k * t5 + rotation_xx_yy_zz_k * t4;
+        const V t18 = rotation_xz_yx_zy_k * t6 + rotation_xx_yy_zz_k * t5 + rotation_xy_yz_zx_k * t4;
+        const V t19 = rotation_xx_yy_zz_k * t6 + rotation_xy_yz_zx_k * t5 + rotation_xz_yx_zy_k * t4;
+        next_above_acceleration[2] = t19;
+        const V t20 = sine * t18 + cosine * t17;
+        next_above_acceleration[0] = t20;
+        const V t21 = cosine * t18 - sine * t17;
+        next_above_acceleration[1] = t21;
+        const V first_x_k = dalembert::load<together>(left_hip_yaw_x4_first_x + i);
+        const V first_y_k = dalembert::load<together>(left_hip_yaw_x4_first_y + i);
+        const V second_xx_k = dalembert::load<together>(left_hip_yaw_x4_second_xx + i);
+        const V second_xy_k = dalembert::load<together>(left_hip_yaw_x4_second_xy + i);
+        const V second_xz_k = dalembert::load<together>(left_hip_yaw_x4_second_xz + i);
+        const V second_yy_k = dalembert::load<together>(left_hip_yaw_x4_second_yy + i);
+        const V second_yz_k = dalembert::load<together>(left_hip_yaw_x4_second_yz + i);
+        const V t22 = t11 * first_y_k;
+        const V t23 = t11 * first_x_k;
+        const V t24 = t9 * first_y_k - t10 * first_x_k;
+        dalembert::store<together, Scalar>(kept.wrench[0] + slot, t10 * t24 - t11 * t23 - t14 * first_y_k);
+        dalembert::store<together, Scalar>(kept.wrench[1] + slot, t14 * first_x_k - t9 * t24 - t11 * t22);
+        dalembert::store<together, Scalar>(kept.wrench[2] + slot, t10 * t22 + t9 * t23 + t15 * first_y_k - t16 * first_x_k);
+        const V t25 = second_xx_k + second_yy_k;
+        const V t26 = t9 * second_yy_k - t10 * second_xy_k - t11 * second_xz_k;
+        const V t27 = t10 * second_xx_k - t9 * second_xy_k - t11 * second_yz_k;
+        const V t28 = t11 * t25 - t10 * second_yz_k - t9 * second_xz_k;
+        dalembert::store<together, Scalar>(kept.wrench[3] + slot, t10 * t28 + t15 * second_yy_k + t19 * first_y_k - t11 * t27 - t16 * second_xy_k - t14 * second_xz_k);
+        dalembert::store<together, Scalar>(kept.wrench[4] + slot, t11 * t26 + t16 * second_xx_k - t9 * t28 - t15 * second_xy_k - t14 * second_yz_k - t19 * first_x_k);
+        dalembert::store<together, Scalar>(kept.wrench[5] + slot, t9 * t27 + t14 * t25 + t21 * first_x_k - t10 * t26 - t16 * second_yz_k - t15 * second_xz_k - t20 * first_y_k);
+        dalembert::carry(above_angular, next_above_angular);
+        dalembert::carry(above_angular_acceleration, next_above_angular_acceleration);
+        dalembert::carry(above_acceleration, next_above_acceleration);
+      }
+    });
   }
 }
 
@@ -727,193 +737,214 @@ void inwards_left_hip_yaw_x4(Workspace& workspace) noexcept {
   // h, S, P, D summed over the subtree
   // F = A* J, G = A* dJ + B* J, H = P x Jv + D' Jw
   {
-    using V [[maybe_unused]] = dalembert::Lanes<Scalar, 4>;
-    V below_first[3] = {};
-    V below_second[6] = {};
-    V below_momentum[3] = {};
-    V below_bias_block[9] = {};
-    for (int i = 20; i >= 0; i -= 4) {
-      const int slot = 8 + i;
-      V next_below_first[3];
-      V next_below_second[6];
-      V next_below_momentum[3];
-      V next_below_bias_block[9];
-      const V t1 = below_first[0] + dalembert::load<4>(kept.first[0] + slot);
-      next_below_first[0] = t1;
-      const V t2 = below_first[1] + dalembert::load<4>(kept.first[1] + slot);
-      next_below_first[1] = t2;
-      const V t3 = below_first[2] + dalembert::load<4>(kept.first[2] + slot);
-      next_below_first[2] = t3;
-      const V t4 = below_second[0] + dalembert::load<4>(kept.second[0] + slot);
-      next_below_second[0] = t4;
-      const V t5 = below_second[1] + dalembert::load<4>(kept.second[1] + slot);
-      next_below_second[1] = t5;
-      const V t6 = below_second[2] + dalembert::load<4>(kept.second[2] + slot);
-      next_below_second[2] = t6;
-      const V t7 = below_second[3] + dalembert::load<4>(kept.second[3] + slot);
-      next_below_second[3] = t7;
-      const V t8 = below_second[4] + dalembert::load<4>(kept.second[4] + slot);
-      next_below_second[4] = t8;
-      const V t9 = below_second[5] + dalembert::load<4>(kept.second[5] + slot);
-      next_below_second[5] = t9;
-      const V t10 = below_momentum[0] + dalembert::load<4>(kept.momentum[0] + slot);
-      next_below_momentum[0] = t10;
-      const V t11 = below_momentum[1] + dalembert::load<4>(kept.momentum[1] + slot);
-      next_below_momentum[1] = t11;
-      const V t12 = below_momentum[2] + dalembert::load<4>(kept.momentum[2] + slot);
-      next_below_momentum[2] = t12;
-      const V t13 = below_bias_block[0] + dalembert::load<4>(kept.bias_block[0] + slot);
-      next_below_bias_block[0] = t13;
-      const V t14 = below_bias_block[1] + dalembert::load<4>(kept.bias_block[1] + slot);
-      next_below_bias_block[1] = t14;
-      const V t15 = below_bias_block[2] + dalembert::load<4>(kept.bias_block[2] + slot);
-      next_below_bias_block[2] = t15;
-      const V t16 = below_bias_block[3] + dalembert::load<4>(kept.bias_block[3] + slot);
-      next_below_bias_block[3] = t16;
-      const V t17 = below_bias_block[4] + dalembert::load<4>(kept.bias_block[4] + slot);
-      next_below_bias_block[4] = t17;
-      const V t18 = below_bias_block[5] + dalembert::load<4>(kept.bias_block[5] + slot);
-      next_below_bias_block[5] = t18;
-      const V t19 = below_bias_block[6] + dalembert::load<4>(kept.bias_block[6] + slot);
-      next_below_bias_block[6] = t19;
-      const V t20 = below_bias_block[7] + dalembert::load<4>(kept.bias_block[7] + slot);
-      next_below_bias_block[7] = t20;
-      const V t21 = below_bias_block[8] + dalembert::load<4>(kept.bias_block[8] + slot);
-      next_below_bias_block[8] = t21;
-      const V joint_rate_vx = dalembert::load<4>(kept.joint_rate[0] + slot);
-      const V joint_rate_vy = dalembert::load<4>(kept.joint_rate[1] + slot);
-      const V joint_rate_vz = dalembert::load<4>(kept.joint_rate[2] + slot);
-      const V joint_rate_wx = dalembert::load<4>(kept.joint_rate[3] + slot);
-      const V joint_rate_wy = dalembert::load<4>(kept.joint_rate[4] + slot);
-      const V joint_rate_wz = dalembert::load<4>(kept.joint_rate[5] + slot);
-      const V joint_linear_x = dalembert::load<4>(kept.joint_linear[0] + slot);
-      const V joint_linear_y = dalembert::load<4>(kept.joint_linear[1] + slot);
-      const V joint_linear_z = dalembert::load<4>(kept.joint_linear[2] + slot);
-      const V joint_angular_x = dalembert::load<4>(kept.joint_angular(0) + slot);
-      const V joint_angular_y = dalembert::load<4>(kept.joint_angular(1) + slot);
-      const V joint_angular_z = dalembert::load<4>(kept.joint_angular(2) + slot);
-      const V t22 = t3 * joint_angular_y - t2 * joint_angular_z;
-      dalembert::store<4, Scalar>(kept.mass_matrix_columns[0] + slot, t22);
-      const V t23 = t1 * joint_angular_z - t3 * joint_angular_x;
-      dalembert::store<4, Scalar>(kept.mass_matrix_columns[1] + slot, t23);
-      const V t24 = t2 * joint_angular_x - t1 * joint_angular_y;
-      dalembert::store<4, Scalar>(kept.mass_matrix_columns[2] + slot, t24);
-      const V t25 = t7 + t9;
-      const V t26 = t4 + t9;
-      const V t27 = t4 + t7;
-      const V t28 = joint_angular_x * t25 + t2 * joint_linear_z - t5 * joint_angular_y - t6 * joint_angular_z - t3 * joint_linear_y;
-      dalembert::store<4, Scalar>(kept.mass_matrix_columns[3] + slot, t28);
-      const V t29 = joint_angular_y * t26 + t3 * joint_linear_x - t5 * joint_angular_x - t8 * joint_angular_z - t1 * joint_linear_z;
-      dalembert::store<4, Scalar>(kept.mass_matrix_columns[4] + slot, t29);
-      const V t30 = joint_angular_z * t27 + t1 * joint_linear_y - t8 * joint_angular_y - t6 * joint_angular_x - t2 * joint_linear_x;
-      dalembert::store<4, Scalar>(kept.mass_matrix_columns[5] + slot, t30);
-      const V t31 = t13 * joint_angular_x;
-      const V t32 = t17 * joint_angular_y;
-      const V t33 = t21 * joint_angular_z;
-      dalembert::store<4, Scalar>(kept.coriolis_matrix_columns[0] + slot, t3 * joint_rate_wy + t12 * joint_angular_y - t2 * joint_rate_wz - t11 * joint_angular_z);
-      dalembert::store<4, Scalar>(kept.coriolis_matrix_columns[1] + slot, t1 * joint_rate_wz + t10 * joint_angular_z - t3 * joint_rate_wx - t12 * joint_angular_x);
-      dalembert::store<4, Scalar>(kept.coriolis_matrix_columns[2] + slot, t2 * joint_rate_wx + t11 * joint_angular_x - t1 * joint_rate_wy - t10 * joint_angular_y);
-      dalembert::store<4, Scalar>(kept.coriolis_matrix_columns[3] + slot, t31 + joint_rate_wx * t25 + t2 * joint_rate_vz + t15 * joint_angular_z + t14 * joint_angular_y - t5 * joint_rate_wy - t6 * joint_rate_wz - t3 * joint_rate_vy);
-      dalembert::store<4, Scalar>(kept.coriolis_matrix_columns[4] + slot, t32 + joint_rate_wy * t26 + t3 * joint_rate_vx + t18 * joint_angular_z + t16 * joint_angular_x - t5 * joint_rate_wx - t8 * joint_rate_wz - t1 * joint_rate_vz);
-      dalembert::store<4, Scalar>(kept.coriolis_matrix_columns[5] + slot, t33 + joint_rate_wz * t27 + t1 * joint_rate_vy + t20 * joint_angular_y + t19 * joint_angular_x - t8 * joint_rate_wy - t6 * joint_rate_wx - t2 * joint_rate_vx);
-      const V t34 = t31 + t19 * joint_angular_z + t16 * joint_angular_y + t11 * joint_linear_z - t12 * joint_linear_y;
-      dalembert::store<4, Scalar>(kept.transposed(0) + slot, t34);
-      const V t35 = t32 + t20 * joint_angular_z + t14 * joint_angular_x + t12 * joint_linear_x - t10 * joint_linear_z;
-      dalembert::store<4, Scalar>(kept.transposed(1) + slot, t35);
-      const V t36 = t33 + t18 * joint_angular_y + t15 * joint_angular_x + t10 * joint_linear_y - t11 * joint_linear_x;
-      dalembert::store<4, Scalar>(kept.transposed(2) + slot, t36);
-      const V base_velocity_wz = dalembert::broadcast<4, Scalar>(kept.velocity[5][base_slot]);
-      const V base_velocity_wy = dalembert::broadcast<4, Scalar>(kept.velocity[4][base_slot]);
-      dalembert::store<4, Scalar>(kept.coriolis_matrix_rows[0] + slot, t23 * base_velocity_wz - t24 * base_velocity_wy);
-      const V base_velocity_wx = dalembert::broadcast<4, Scalar>(kept.velocity[3][base_slot]);
-      dalembert::store<4, Scalar>(kept.coriolis_matrix_rows[1] + slot, t24 * base_velocity_wx - t22 * base_velocity_wz);
-      dalembert::store<4, Scalar>(kept.coriolis_matrix_rows[2] + slot, t22 * base_velocity_wy - t23 * base_velocity_wx);
-      const V base_velocity_vz = dalembert::broadcast<4, Scalar>(kept.velocity[2][base_slot]);
-      const V base_velocity_vy = dalembert::broadcast<4, Scalar>(kept.velocity[1][base_slot]);
-      dalembert::store<4, Scalar>(kept.coriolis_matrix_rows[3] + slot, t34 + t23 * base_velocity_vz + t29 * base_velocity_wz - t24 * base_velocity_vy - t30 * base_velocity_wy);
-      const V base_velocity_vx = dalembert::broadcast<4, Scalar>(kept.velocity[0][base_slot]);
-      dalembert::store<4, Scalar>(kept.coriolis_matrix_rows[4] + slot, t35 + t24 * base_velocity_vx + t30 * base_velocity_wx - t22 * base_velocity_vz - t28 * base_velocity_wz);
-      dalembert::store<4, Scalar>(kept.coriolis_matrix_rows[5] + slot, t36 + t22 * base_velocity_vy + t28 * base_velocity_wy - t23 * base_velocity_vx - t29 * base_velocity_wx);
-      dalembert::carry(below_first, next_below_first);
-      dalembert::carry(below_second, next_below_second);
-      dalembert::carry(below_momentum, next_below_momentum);
-      dalembert::carry(below_bias_block, next_below_bias_block);
-    }
-    dalembert::set_lanes<4, 3, 0, 1>(below_first, 0, kept.received_first[0] + base_slot, 40);
-    dalembert::add_lanes<4, 2, 2, 3>(below_first, 0, kept.first[0] + 0, 40);
-    dalembert::set_lanes<4, 1, 2, 3>(below_first, 2, kept.received_first[2] + 0, 40);
-    dalembert::set_lanes<4, 6, 0, 1>(below_second, 0, kept.received_second[0] + base_slot, 40);
-    dalembert::add_lanes<4, 5, 2, 3>(below_second, 0, kept.second[0] + 0, 40);
-    dalembert::set_lanes<4, 1, 2, 3>(below_second, 5, kept.received_second[5] + 0, 40);
-    dalembert::add_lanes<4, 3, 0, 1>(below_momentum, 0, kept.momentum[0] + base_slot, 40);
-    dalembert::add_lanes<4, 3, 2, 3>(below_momentum, 0, kept.momentum[0] + 0, 40);
-    dalembert::add_lanes<4, 8, 0, 1>(below_bias_block, 0, kept.bias_block[0] + base_slot, 40);
-    dalembert::add_lanes<4, 9, 2, 3>(below_bias_block, 0, kept.bias_block[0] + 0, 40);
-    dalembert::set_lanes<4, 1, 0, 1>(below_bias_block, 8, kept.received_bias_block[8] + base_slot, 40);
+    dalembert::AllLanes<Scalar, 4> all_below_first[3];
+    dalembert::AllLanes<Scalar, 4> all_below_second[6];
+    dalembert::AllLanes<Scalar, 4> all_below_momentum[3];
+    dalembert::AllLanes<Scalar, 4> all_below_bias_block[9];
+    dalembert::each_part<Scalar, 4>([&](auto some, int lane) DALEMBERT_IN_BLOCK {
+      constexpr int together = decltype(some)::value;
+      using V [[maybe_unused]] = dalembert::Lanes<Scalar, together>;
+      V below_first[3] = {};
+      V below_second[6] = {};
+      V below_momentum[3] = {};
+      V below_bias_block[9] = {};
+      for (int i = 20 + lane; i >= 0; i -= 4) {
+        const int slot = 8 + i;
+        V next_below_first[3];
+        V next_below_second[6];
+        V next_below_momentum[3];
+        V next_below_bias_block[9];
+        const V t1 = below_first[0] + dalembert::load<together>(kept.first[0] + slot);
+        next_below_first[0] = t1;
+        const V t2 = below_first[1] + dalembert::load<together>(kept.first[1] + slot);
+        next_below_first[1] = t2;
+        const V t3 = below_first[2] + dalembert::load<together>(kept.first[2] + slot);
+        next_below_first[2] = t3;
+        const V t4 = below_second[0] + dalembert::load<together>(kept.second[0] + slot);
+        next_below_second[0] = t4;
+        const V t5 = below_second[1] + dalembert::load<together>(kept.second[1] + slot);
+        next_below_second[1] = t5;
+        const V t6 = below_second[2] + dalembert::load<together>(kept.second[2] + slot);
+        next_below_second[2] = t6;
+        const V t7 = below_second[3] + dalembert::load<together>(kept.second[3] + slot);
+        next_below_second[3] = t7;
+        const V t8 = below_second[4] + dalembert::load<together>(kept.second[4] + slot);
+        next_below_second[4] = t8;
+        const V t9 = below_second[5] + dalembert::load<together>(kept.second[5] + slot);
+        next_below_second[5] = t9;
+        const V t10 = below_momentum[0] + dalembert::load<together>(kept.momentum[0] + slot);
+        next_below_momentum[0] = t10;
+        const V t11 = below_momentum[1] + dalembert::load<together>(kept.momentum[1] + slot);
+        next_below_momentum[1] = t11;
+        const V t12 = below_momentum[2] + dalembert::load<together>(kept.momentum[2] + slot);
+        next_below_momentum[2] = t12;
+        const V t13 = below_bias_block[0] + dalembert::load<together>(kept.bias_block[0] + slot);
+        next_below_bias_block[0] = t13;
+        const V t14 = below_bias_block[1] + dalembert::load<together>(kept.bias_block[1] + slot);
+        next_below_bias_block[1] = t14;
+        const V t15 = below_bias_block[2] + dalembert::load<together>(kept.bias_block[2] + slot);
+        next_below_bias_block[2] = t15;
+        const V t16 = below_bias_block[3] + dalembert::load<together>(kept.bias_block[3] + slot);
+        next_below_bias_block[3] = t16;
+        const V t17 = below_bias_block[4] + dalembert::load<together>(kept.bias_block[4] + slot);
+        next_below_bias_block[4] = t17;
+        const V t18 = below_bias_block[5] + dalembert::load<together>(kept.bias_block[5] + slot);
+        next_below_bias_block[5] = t18;
+        const V t19 = below_bias_block[6] + dalembert::load<together>(kept.bias_block[6] + slot);
+        next_below_bias_block[6] = t19;
+        const V t20 = below_bias_block[7] + dalembert::load<together>(kept.bias_block[7] + slot);
+        next_below_bias_block[7] = t20;
+        const V t21 = below_bias_block[8] + dalembert::load<together>(kept.bias_block[8] + slot);
+        next_below_bias_block[8] = t21;
+        const V joint_rate_vx = dalembert::load<together>(kept.joint_rate[0] + slot);
+        const V joint_rate_vy = dalembert::load<together>(kept.joint_rate[1] + slot);
+        const V joint_rate_vz = dalembert::load<together>(kept.joint_rate[2] + slot);
+        const V joint_rate_wx = dalembert::load<together>(kept.joint_rate[3] + slot);
+        const V joint_rate_wy = dalembert::load<together>(kept.joint_rate[4] + slot);
+        const V joint_rate_wz = dalembert::load<together>(kept.joint_rate[5] + slot);
+        const V joint_linear_x = dalembert::load<together>(kept.joint_linear[0] + slot);
+        const V joint_linear_y = dalembert::load<together>(kept.joint_linear[1] + slot);
+        const V joint_linear_z = dalembert::load<together>(kept.joint_linear[2] + slot);
+        const V joint_angular_x = dalembert::load<together>(kept.joint_angular(0) + slot);
+        const V joint_angular_y = dalembert::load<together>(kept.joint_angular(1) + slot);
+        const V joint_angular_z = dalembert::load<together>(kept.joint_angular(2) + slot);
+        const V t22 = t3 * joint_angular_y - t2 * joint_angular_z;
+        dalembert::store<together, Scalar>(kept.mass_matrix_columns[0] + slot, t22);
+        const V t23 = t1 * joint_angular_z - t3 * joint_angular_x;
+        dalembert::store<together, Scalar>(kept.mass_matrix_columns[1] + slot, t23);
+        const V t24 = t2 * joint_angular_x - t1 * joint_angular_y;
+        dalembert::store<together, Scalar>(kept.mass_matrix_columns[2] + slot, t24);
+        const V t25 = t7 + t9;
+        const V t26 = t4 + t9;
+        const V t27 = t4 + t7;
+        const V t28 = joint_angular_x * t25 + t2 * joint_linear_z - t5 * joint_angular_y - t6 * joint_angular_z - t3 * joint_linear_y;
+        dalembert::store<together, Scalar>(kept.mass_matrix_columns[3] + slot, t28);
+        const V t29 = joint_angular_y * t26 + t3 * joint_linear_x - t5 * joint_angular_x - t8 * joint_angular_z - t1 * joint_linear_z;
+        dalembert::store<together, Scalar>(kept.mass_matrix_columns[4] + slot, t29);
+        const V t30 = joint_angular_z * t27 + t1 * joint_linear_y - t8 * joint_angular_y - t6 * joint_angular_x - t2 * joint_linear_x;
+        dalembert::store<together, Scalar>(kept.mass_matrix_columns[5] + slot, t30);
+        const V t31 = t13 * joint_angular_x;
+        const V t32 = t17 * joint_angular_y;
+        const V t33 = t21 * joint_angular_z;
+        dalembert::store<together, Scalar>(kept.coriolis_matrix_columns[0] + slot, t3 * joint_rate_wy + t12 * joint_angular_y - t2 * joint_rate_wz - t11 * joint_angular_z);
+        dalembert::store<together, Scalar>(kept.coriolis_matrix_columns[1] + slot, t1 * joint_rate_wz + t10 * joint_angular_z - t3 * joint_rate_wx - t12 * joint_angular_x);
+        dalembert::store<together, Scalar>(kept.coriolis_matrix_columns[2] + slot, t2 * joint_rate_wx + t11 * joint_angular_x - t1 * joint_rate_wy - t10 * joint_angular_y);
+        dalembert::store<together, Scalar>(kept.coriolis_matrix_columns[3] + slot, t31 + joint_rate_wx * t25 + t2 * joint_rate_vz + t15 * joint_angular_z + t14 * joint_angular_y - t5 * joint_rate_wy - t6 * joint_rate_wz - t3 * joint_rate_vy);
+        dalembert::store<together, Scalar>(kept.coriolis_matrix_columns[4] + slot, t32 + joint_rate_wy * t26 + t3 * joint_rate_vx + t18 * joint_angular_z + t16 * joint_angular_x - t5 * joint_rate_wx - t8 * joint_rate_wz - t1 * joint_rate_vz);
+        dalembert::store<together, Scalar>(kept.coriolis_matrix_columns[5] + slot, t33 + joint_rate_wz * t27 + t1 * joint_rate_vy + t20 * joint_angular_y + t19 * joint_angular_x - t8 * joint_rate_wy - t6 * joint_rate_wx - t2 * joint_rate_vx);
+        const V t34 = t31 + t19 * joint_angular_z + t16 * joint_angular_y + t11 * joint_linear_z - t12 * joint_linear_y;
+        dalembert::store<together, Scalar>(kept.transposed(0) + slot, t34);
+        const V t35 = t32 + t20 * joint_angular_z + t14 * joint_angular_x + t12 * joint_linear_x - t10 * joint_linear_z;
+        dalembert::store<together, Scalar>(kept.transposed(1) + slot, t35);
+        const V t36 = t33 + t18 * joint_angular_y + t15 * joint_angular_x + t10 * joint_linear_y - t11 * joint_linear_x;
+        dalembert::store<together, Scalar>(kept.transposed(2) + slot, t36);
+        const V base_velocity_wz = dalembert::broadcast<together, Scalar>(kept.velocity[5][base_slot]);
+        const V base_velocity_wy = dalembert::broadcast<together, Scalar>(kept.velocity[4][base_slot]);
+        dalembert::store<together, Scalar>(kept.coriolis_matrix_rows[0] + slot, t23 * base_velocity_wz - t24 * base_velocity_wy);
+        const V base_velocity_wx = dalembert::broadcast<together, Scalar>(kept.velocity[3][base_slot]);
+        dalembert::store<together, Scalar>(kept.coriolis_matrix_rows[1] + slot, t24 * base_velocity_wx - t22 * base_velocity_wz);
+        dalembert::store<together, Scalar>(kept.coriolis_matrix_rows[2] + slot, t22 * base_velocity_wy - t23 * base_velocity_wx);
+        const V base_velocity_vz = dalembert::broadcast<together, Scalar>(kept.velocity[2][base_slot]);
+        const V base_velocity_vy = dalembert::broadcast<together, Scalar>(kept.velocity[1][base_slot]);
+        dalembert::store<together, Scalar>(kept.coriolis_matrix_rows[3] + slot, t34 + t23 * base_velocity_vz + t29 * base_velocity_wz - t24 * base_velocity_vy - t30 * base_velocity_wy);
+        const V base_velocity_vx = dalembert::broadcast<together, Scalar>(kept.velocity[0][base_slot]);
+        dalembert::store<together, Scalar>(kept.coriolis_matrix_rows[4] + slot, t35 + t24 * base_velocity_vx + t30 * base_velocity_wx - t22 * base_velocity_vz - t28 * base_velocity_wz);
+        dalembert::store<together, Scalar>(kept.coriolis_matrix_rows[5] + slot, t36 + t22 * base_velocity_vy + t28 * base_velocity_wy - t23 * base_velocity_vx - t29 * base_velocity_wx);
+        dalembert::carry(below_first, next_below_first);
+        dalembert::carry(below_second, next_below_second);
+        dalembert::carry(below_momentum, next_below_momentum);
+        dalembert::carry(below_bias_block, next_below_bias_block);
+      }
+      dalembert::keep_lanes(all_below_first, below_first, lane);
+      dalembert::keep_lanes(all_below_second, below_second, lane);
+      dalembert::keep_lanes(all_below_momentum, below_momentum, lane);
+      dalembert::keep_lanes(all_below_bias_block, below_bias_block, lane);
+    });
+    dalembert::set_lanes<4, 3, 0, 1>(all_below_first, 0, kept.received_first[0] + base_slot, 40);
+    dalembert::add_lanes<4, 2, 2, 3>(all_below_first, 0, kept.first[0] + 0, 40);
+    dalembert::set_lanes<4, 1, 2, 3>(all_below_first, 2, kept.received_first[2] + 0, 40);
+    dalembert::set_lanes<4, 6, 0, 1>(all_below_second, 0, kept.received_second[0] + base_slot, 40);
+    dalembert::add_lanes<4, 5, 2, 3>(all_below_second, 0, kept.second[0] + 0, 40);
+    dalembert::set_lanes<4, 1, 2, 3>(all_below_second, 5, kept.received_second[5] + 0, 40);
+    dalembert::add_lanes<4, 3, 0, 1>(all_below_momentum, 0, kept.momentum[0] + base_slot, 40);
+    dalembert::add_lanes<4, 3, 2, 3>(all_below_momentum, 0, kept.momentum[0] + 0, 40);
+    dalembert::add_lanes<4, 8, 0, 1>(all_below_bias_block, 0, kept.bias_block[0] + base_slot, 40);
+    dalembert::add_lanes<4, 9, 2, 3>(all_below_bias_block, 0, kept.bias_block[0] + 0, 40);
+    dalembert::set_lanes<4, 1, 0, 1>(all_below_bias_block, 8, kept.received_bias_block[8] + base_slot, 40);
   }
   // g = -(h x down)_z (revolute), -m down_z (prismatic); h_p += Rk Rz(q) h + m p
   {
-    using V [[maybe_unused]] = dalembert::Lanes<Scalar, 4>;
-    V below_gravity_first[3] = {};
-    for (int i = 20; i >= 0; i -= 4) {
-      const int slot = 8 + i;
-      V next_below_gravity_first[3];
-      const V rotation_xx_yy_zz_k = dalembert::load<4>(left_hip_yaw_x4_rotation_xx_yy_zz + i);
-      const V rotation_xy_yz_zx_k = dalembert::load<4>(left_hip_yaw_x4_rotation_xy_yz_zx + i);
-      const V rotation_xz_yx_zy_k = dalembert::load<4>(left_hip_yaw_x4_rotation_xz_yx_zy + i);
-      const V sine = dalembert::load<4>(kept.sine[0] + slot);
-      const V cosine = dalembert::load<4>(kept.cosine[0] + slot);
-      const V t1 = dalembert::load<4>(left_hip_yaw_x4_first_x + i) + below_gravity_first[0];
-      const V t2 = dalembert::load<4>(left_hip_yaw_x4_first_y + i) + below_gravity_first[1];
-      dalembert::store<4, Scalar>(kept.gravity_torque(0) + slot, -(dalembert::load<4>(kept.down[1] + slot) * t1 - dalembert::load<4>(kept.down[0] + slot) * t2));
-      const V t3 = cosine * t1 - sine * t2;
-      const V t4 = cosine * t2 + sine * t1;
-      next_below_gravity_first[0] = rotation_xz_yx_zy_k * below_gravity_first[2] + rotation_xy_yz_zx_k * t4 + rotation_xx_yy_zz_k * t3;
-      next_below_gravity_first[1] = rotation_xy_yz_zx_k * below_gravity_first[2] + rotation_xx_yy_zz_k * t4 + rotation_xz_yx_zy_k * t3;
-      next_below_gravity_first[2] = rotation_xx_yy_zz_k * below_gravity_first[2] + rotation_xz_yx_zy_k * t4 + rotation_xy_yz_zx_k * t3;
-      dalembert::carry(below_gravity_first, next_below_gravity_first);
-    }
-    dalembert::set_lanes<4, 3, 0, 1>(below_gravity_first, 0, kept.received_gravity_first[0] + base_slot, 40);
-    dalembert::set_lanes<4, 3, 2, 3>(below_gravity_first, 0, kept.received_gravity_first[0] + 0, 40);
+    dalembert::AllLanes<Scalar, 4> all_below_gravity_first[3];
+    dalembert::each_part<Scalar, 4>([&](auto some, int lane) DALEMBERT_IN_BLOCK {
+      constexpr int together = decltype(some)::value;
+      using V [[maybe_unused]] = dalembert::Lanes<Scalar, together>;
+      V below_gravity_first[3] = {};
+      for (int i = 20 + lane; i >= 0; i -= 4) {
+        const int slot = 8 + i;
+        V next_below_gravity_first[3];
+        const V rotation_xx_yy_zz_k = dalembert::load<together>(left_hip_yaw_x4_rotation_xx_yy_zz + i);
+        const V rotation_xy_yz_zx_k = dalembert::load<together>(left_hip_yaw_x4_rotation_xy_yz_zx + i);
+        const V rotation_xz_yx_zy_k = dalembert::load<together>(left_hip_yaw_x4_rotation_xz_yx_zy + i);
+        const V sine = dalembert::load<together>(kept.sine[0] + slot);
+        const V cosine = dalembert::load<together>(kept.cosine[0] + slot);
+        const V t1 = dalembert::load<together>(left_hip_yaw_x4_first_x + i) + below_gravity_first[0];
+        const V t2 = dalembert::load<together>(left_hip_yaw_x4_first_y + i) + below_gravity_first[1];
+        dalembert::store<together, Scalar>(kept.gravity_torque(0) + slot, -(dalembert::load<together>(kept.down[1] + slot) * t1 - dalembert::load<together>(kept.down[0] + slot) * t2));
+        const V t3 = cosine * t1 - sine * t2;
+        const V t4 = cosine * t2 + sine * t1;
+        next_below_gravity_first[0] = rotation_xz_yx_zy_k * below_gravity_first[2] + rotation_xy_yz_zx_k * t4 + rotation_xx_yy_zz_k * t3;
+        next_below_gravity_first[1] = rotation_xy_yz_zx_k * below_gravity_first[2] + rotation_xx_yy_zz_k * t4 + rotation_xz_yx_zy_k * t3;
+        next_below_gravity_first[2] = rotation_xx_yy_zz_k * below_gravity_first[2] + rotation_xz_yx_zy_k * t4 + rotation_xy_yz_zx_k * t3;
+        dalembert::carry(below_gravity_first, next_below_gravity_first);
+      }
+      dalembert::keep_lanes(all_below_gravity_first, below_gravity_first, lane);
+    });
+    dalembert::set_lanes<4, 3, 0, 1>(all_below_gravity_first, 0, kept.received_gravity_first[0] + base_slot, 40);
+    dalembert::set_lanes<4, 3, 2, 3>(all_below_gravity_first, 0, kept.received_gravity_first[0] + 0, 40);
   }
   // C v + g = n_z (revolute), f_z (prismatic); f_p += R f, n_p += R n + p x R f
   {
-    using V [[maybe_unused]] = dalembert::Lanes<Scalar, 4>;
-    V below_wrench[6] = {};
-    for (int i = 20; i >= 0; i -= 4) {
-      const int slot = 8 + i;
-      V next_below_wrench[6];
-      const V rotation_xx_yy_zz_k = dalembert::load<4>(left_hip_yaw_x4_rotation_xx_yy_zz + i);
-      const V rotation_xy_yz_zx_k = dalembert::load<4>(left_hip_yaw_x4_rotation_xy_yz_zx + i);
-      const V rotation_xz_yx_zy_k = dalembert::load<4>(left_hip_yaw_x4_rotation_xz_yx_zy + i);
-      const V translation_x_k = dalembert::load<4>(left_hip_yaw_x4_translation_x + i);
-      const V translation_y_k = dalembert::load<4>(left_hip_yaw_x4_translation_y + i);
-      const V sine = dalembert::load<4>(kept.sine[0] + slot);
-      const V cosine = dalembert::load<4>(kept.cosine[0] + slot);
-      const V t1 = below_wrench[0] + dalembert::load<4>(kept.wrench[0] + slot);
-      const V t2 = below_wrench[1] + dalembert::load<4>(kept.wrench[1] + slot);
-      const V t3 = below_wrench[2] + dalembert::load<4>(kept.wrench[2] + slot);
-      const V t4 = below_wrench[3] + dalembert::load<4>(kept.wrench[3] + slot);
-      const V t5 = below_wrench[4] + dalembert::load<4>(kept.wrench[4] + slot);
-      const V t6 = below_wrench[5] + dalembert::load<4>(kept.wrench[5] + slot);
-      dalembert::store<4, Scalar>(kept.bias_torque(0) + slot, t6);
-      const V t7 = cosine * t1 - sine * t2;
-      const V t8 = cosine * t2 + sine * t1;
-      const V t9 = rotation_xz_yx_zy_k * t3 + rotation_xy_yz_zx_k * t8 + rotation_xx_yy_zz_k * t7;
-      next_below_wrench[0] = t9;
-      const V t10 = rotation_xy_yz_zx_k * t3 + rotation_xx_yy_zz_k * t8 + rotation_xz_yx_zy_k * t7;
-      next_below_wrench[1] = t10;
-      const V t11 = rotation_xx_yy_zz_k * t3 + rotation_xz_yx_zy_k * t8 + rotation_xy_yz_zx_k * t7;
-      next_below_wrench[2] = t11;
-      const V t12 = cosine * t4 - sine * t5;
-      const V t13 = cosine * t5 + sine * t4;
-      next_below_wrench[3] = rotation_xz_yx_zy_k * t6 + rotation_xx_yy_zz_k * t12 + (rotation_xy_yz_zx_k * t13 + translation_y_k * t11);
-      next_below_wrench[4] = rotation_xy_yz_zx_k * t6 + rotation_xx_yy_zz_k * t13 + rotation_xz_yx_zy_k * t12 - translation_x_k * t11;
-      next_below_wrench[5] = rotation_xz_yx_zy_k * t13 + translation_x_k * t10 + (rotation_xx_yy_zz_k * t6 + rotation_xy_yz_zx_k * t12 - translation_y_k * t9);
-      dalembert::carry(below_wrench, next_below_wrench);
-    }
-    dalembert::add_lanes<4, 6, 0, 1>(below_wrench, 0, kept.wrench[0] + base_slot, 40);
-    dalembert::add_lanes<4, 6, 2, 3>(below_wrench, 0, kept.wrench[0] + 0, 40);
+    dalembert::AllLanes<Scalar, 4> all_below_wrench[6];
+    dalembert::each_part<Scalar, 4>([&](auto some, int lane) DALEMBERT_IN_BLOCK {
+      constexpr int together = decltype(some)::value;
+      using V [[maybe_unused]] = dalembert::Lanes<Scalar, together>;
+      V below_wrench[6] = {};
+      for (int i = 20 + lane; i >= 0; i -= 4) {
+        const int slot = 8 + i;
+        V next_below_wrench[6];
+        const V rotation_xx_yy_zz_k = dalembert::load<together>(left_hip_yaw_x4_rotation_xx_yy_zz + i);
+        const V rotation_xy_yz_zx_k = dalembert::load<together>(left_hip_yaw_x4_rotation_xy_yz_zx + i);
+        const V rotation_xz_yx_zy_k = dalembert::load<together>(left_hip_yaw_x4_rotation_xz_yx_zy + i);
+        const V translation_x_k = dalembert::load<together>(left_hip_yaw_x4_translation_x + i);
+        const V translation_y_k = dalembert::load<together>(left_hip_yaw_x4_translation_y + i);
+        const V sine = dalembert::load<together>(kept.sine[0] + slot);
+        const V cosine = dalembert::load<together>(kept.cosine[0] + slot);
+        const V t1 = below_wrench[0] + dalembert::load<together>(kept.wrench[0] + slot);
+        const V t2 = below_wrench[1] + dalembert::load<together>(kept.wrench[1] + slot);
+        const V t3 = below_wrench[2] + dalembert::load<together>(kept.wrench[2] + slot);
+        const V t4 = below_wrench[3] + dalembert::load<together>(kept.wrench[3] + slot);
+        const V t5 = below_wrench[4] + dalembert::load<together>(kept.wrench[4] + slot);
+        const V t6 = below_wrench[5] + dalembert::load<together>(kept.wrench[5] + slot);
+        dalembert::store<together, Scalar>(kept.bias_torque(0) + slot, t6);
+        const V t7 = cosine * t1 - sine * t2;
+        const V t8 = cosine * t2 + sine * t1;
+        const V t9 = rotation_xz_yx_zy_k * t3 + rotation_xy_yz_zx_k * t8 + rotation_xx_yy_zz_k * t7;
+        next_below_wrench[0] = t9;
+        const V t10 = rotation_xy_yz_zx_k * t3 + rotation_xx_yy_zz_k * t8 + rotation_xz_yx_zy_k * t7;
+        next_below_wrench[1] = t10;
+        const V t11 = rotation_xx_yy_zz_k * t3 + rotation_xz_yx_zy_k * t8 + rotation_xy_yz_zx_k * t7;
+        next_below_wrench[2] = t11;
+        const V t12 = cosine * t4 - sine * t5;
+        const V t13 = cosine * t5 + sine * t4;
+        next_below_wrench[3] = rotation_xz_yx_zy_k * t6 + rotation_xx_yy_zz_k * t12 + (rotation_xy_yz_zx_k * t13 + translation_y_k * t11);
+        next_below_wrench[4] = rotation_xy_yz_zx_k * t6 + rotation_xx_yy_zz_k * t13 + rotation_xz_yx_zy_k * t12 - translation_x_k * t11;
+        next_below_wrench[5] = rotation_xz_yx_zy_k * t13 + translation_x_k * t10 + (rotation_xx_yy_zz_k * t6 + rotation_xy_yz_zx_k * t12 - translation_y_k * t9);
+        dalembert::carry(below_wrench, next_below_wrench);
+      }
+      dalembert::keep_lanes(all_below_wrench, below_wrench, lane);
+    });
+    dalembert::add_lanes<4, 6, 0, 1>(all_below_wrench, 0, kept.wrench[0] + base_slot, 40);
+    dalembert::add_lanes<4, 6, 2, 3>(all_below_wrench, 0, kept.wrench[0] + 0, 40);
   }
 }
 

@@ -208,14 +208,14 @@ std::string elements_stage(const CodeInput& code, size_t segment) {
   const int row = s.width > 1 ? 0 : base_rows(code) + s.bodies[0].front();
   if (s.width > 1) {
     text += fmt::format("  constexpr dalembert::LimbTable limbs{{{0}_row, {0}_length, {1}}};\n", s.name, s.first_slot);
-    text += fmt::format("  dalembert::limb_blocks<Elements, {}, {}, Scalar>(lower, upper, limbs, matrices, {});\n", s.width,
+    text += fmt::format("  dalembert::limb_blocks<Elements, {}, {}, Scalar>(lower, upper, limbs, matrices, {});\n", s.limbs(),
                         s.steps, end);
     for (size_t level = 0; level < levels.size(); ++level) {
       const Crossing crossing = crossing_of(code, s, level, levels[level]);
       text += fmt::format(
           "  constexpr dalembert::LimbTable above_{1}{{{0}_above_{1}_row, {0}_above_{1}_length, 0}};\n"
           "  dalembert::{2}<Elements, {3}, {4}, {5}, Scalar{6}>(lower, upper, limbs, {7}, above_{1}, matrices, {8});\n",
-          s.name, level + 1, crossing.function, s.width, s.steps, levels[level].steps, crossing.type, crossing.slots, end);
+          s.name, level + 1, crossing.function, s.limbs(), s.steps, levels[level].steps, crossing.type, crossing.slots, end);
     }
   } else {
     text += fmt::format("  dalembert::run_block<Elements, Scalar>(lower, upper, {}, {}, {}, matrices, {});\n", s.first_slot,
@@ -227,7 +227,7 @@ std::string elements_stage(const CodeInput& code, size_t segment) {
   }
   if (!code.tree.floating_base) return text;
   const auto base = [&](const char* what, int role, const std::string& matrix) {
-    return s.width > 1 ? fmt::format("  dalembert::base_{}<{}, {}, Scalar>({}, {}, limbs, {}, nv);\n", what, s.width, s.steps,
+    return s.width > 1 ? fmt::format("  dalembert::base_{}<{}, {}, Scalar>({}, {}, limbs, {}, nv);\n", what, s.limbs(), s.steps,
                                      kept(code, role, 0), stride(code), matrix)
                        : fmt::format("  dalembert::run_base_{}<Scalar>({}, {}, {}, {}, {}, {}, nv);\n", what,
                                      kept(code, role, 0), stride(code), s.first_slot, row, s.steps, matrix);
@@ -245,10 +245,12 @@ std::string elements_stage(const CodeInput& code, size_t segment) {
 namespace {
 
 // Tiles of four steps by four, as blocks.hpp goes through them; both triangles of a symmetric matrix are one.
-void tile_counts(const ir::Segment& s, const std::vector<Above>& levels, int factors, bool symmetric, ElementCounts& counts) {
+void tile_counts(const ir::Segment& s, const std::vector<Above>& levels, int factors, bool symmetric, int lanes,
+                 ElementCounts& counts) {
+  const int limbs = s.computed(lanes) + s.computed(lanes) % 2;  // two at least
   const auto tile = [&](bool written_out, int rows, int columns, bool diagonal) {
-    const long above = s.width * (diagonal ? rows * (rows + 1) / 2 : rows * columns);
-    const long below = symmetric ? 0 : s.width * (diagonal ? rows * (rows - 1) / 2 : rows * columns);
+    const long above = limbs * (diagonal ? rows * (rows + 1) / 2 : rows * columns);
+    const long below = symmetric ? 0 : limbs * (diagonal ? rows * (rows - 1) / 2 : rows * columns);
     counts.above += above, counts.below += below;
     if (products_loop(written_out, rows, columns, diagonal)) counts.added_to_zero += above + below;
   };
@@ -271,7 +273,7 @@ ElementCounts element_counts(const CodeInput& code, size_t segment, const ir::Pa
   const std::vector<Above> levels = all_above(code, s);
   ElementCounts counts;
   if (s.width > 1) {
-    tile_counts(s, levels, static_cast<int>(Products(code).lower.size()), pairs.symmetric, counts);
+    tile_counts(s, levels, static_cast<int>(Products(code).lower.size()), pairs.symmetric, lanes, counts);
     return counts;
   }
   const auto driven = [&](int body) { return code.tree.bodies[static_cast<size_t>(body)].driven(); };

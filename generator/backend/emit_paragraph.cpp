@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <map>
 #include <set>
+#include <sstream>
 #include <stdexcept>
 
 #include "backend/graph_printer.hpp"
@@ -46,26 +47,54 @@ class ParagraphWriter {
         rolled_(code.rolled.segments[segment]),
         level_(level),
         paragraph_(paragraph),
-        target_(paragraph.direction != Direction::anywhere ? std::to_string(segment_.width)
-                : segment_.is_short()                      ? "dalembert::short_lanes"
-                                                           : "dalembert::native_lanes") {
+        target_(lanes_of(segment_, paragraph.direction)) {
     for (const ir::Carried& c : paragraph.carried) carried_[c.role].push_back(&c);
   }
 
   std::string run() const {
-    std::string text = fmt::format("  // {}\n  {{\n    using V [[maybe_unused]] = {};\n",
-                                   fmt::join(paragraph_.equations, "\n  // "), target_.type());
-    text += carried_from_outside() + loop_head();
+    std::string loop =
+        fmt::format("    using V [[maybe_unused]] = {};\n", target_.type()) + carried_from_outside() + loop_head();
     for (const auto& [role, components] : carried_)
-      text += fmt::format("      V next_{}[{}];\n", name(role), components.size());
-    text += print(paragraph_.graph, sinks(), style());
-    for (const auto& [role, components] : carried_) text += fmt::format("      dalembert::carry({0}, next_{0});\n", name(role));
-    text += "    }\n";
-    if (paragraph_.direction == Direction::inwards) text += handed_on();
-    return text + "  }\n";
+      loop += fmt::format("      V next_{}[{}];\n", name(role), components.size());
+    loop += print(paragraph_.graph, sinks(), style());
+    for (const auto& [role, components] : carried_) loop += fmt::format("      dalembert::carry({0}, next_{0});\n", name(role));
+    loop += "    }\n";
+    if (in_parts()) loop = part_by_part(loop);
+    if (paragraph_.direction == Direction::inwards) loop += handed_on();
+    return fmt::format("  // {}\n  {{\n{}  }}\n", fmt::join(paragraph_.equations, "\n  // "), loop);
   }
 
  private:
+  static std::string lanes_of(const ir::Segment& segment, Direction direction) {
+    if (direction == Direction::anywhere) return segment.is_short() ? "dalembert::short_lanes" : "dalembert::native_lanes";
+    return segment.width > 2 ? "together" : std::to_string(segment.width);
+  }
+  // Whether the loop may have to run for some of the limbs and then for others: two share any register.
+  bool in_parts() const { return segment_.width > 2 && paragraph_.direction != Direction::anywhere; }
+
+  // The loop for as many limbs at a time as share a register; sums over limbs are taken of all of them.
+  std::string part_by_part(const std::string& loop) const {
+    std::string text;
+    std::string body = "    constexpr int together = decltype(some)::value;\n" + loop;
+    if (paragraph_.direction == Direction::inwards)
+      for (const auto& [role, components] : carried_) {
+        if (!hands_on(role)) continue;
+        text += fmt::format("    dalembert::AllLanes<Scalar, {}> {}[{}];\n", segment_.limbs(), all(role), components.size());
+        body += fmt::format("    dalembert::keep_lanes({}, {}, lane);\n", all(role), name(role));
+      }
+    text +=
+        fmt::format("    dalembert::each_part<Scalar, {}>([&](auto some, int lane) DALEMBERT_IN_BLOCK {{\n", segment_.limbs());
+    std::istringstream lines(body);
+    for (std::string line; std::getline(lines, line);) text += "  " + line + "\n";
+    return text + "    });\n";
+  }
+  bool hands_on(int role) const {
+    return std::any_of(rolled_.handed.begin(), rolled_.handed.end(),
+                       [&](const ir::HandedOn& h) { return h.level == level_ && h.role == role; });
+  }
+  // What the lanes of a carried role hand on.
+  std::string all(int role) const { return in_parts() ? "all_" + name(role) : name(role); }
+
   std::string name(int role) const {
     const bool inwards = paragraph_.direction == Direction::inwards;
     return (inwards ? "below_" : "above_") + code_.rolled.roles[static_cast<size_t>(role)].name;
@@ -82,12 +111,14 @@ class ParagraphWriter {
 
   std::string loop_head() const {
     const char* line = "    for (int i = {}; i {} {}; i {} {}) {{\n      const int slot = {} + i;\n";
+    const int last = segment_.slots() - segment_.width;
     switch (paragraph_.direction) {
       case Direction::inwards:
-        return fmt::format(fmt::runtime(line), segment_.slots() - segment_.width, ">=", 0, "-=", segment_.width,
-                           segment_.first_slot);
+        return fmt::format(fmt::runtime(line), in_parts() ? fmt::format("{} + lane", last) : std::to_string(last), ">=", 0,
+                           "-=", segment_.width, segment_.first_slot);
       case Direction::outwards:
-        return fmt::format(fmt::runtime(line), 0, "<", segment_.slots(), "+=", segment_.width, segment_.first_slot);
+        return fmt::format(fmt::runtime(line), in_parts() ? "lane" : "0", "<", segment_.slots(), "+=", segment_.width,
+                           segment_.first_slot);
       default: return fmt::format(fmt::runtime(line), 0, "<", segment_.slots(), "+=", target_.width(), segment_.first_slot);
     }
   }
@@ -156,26 +187,35 @@ class ParagraphWriter {
       slots.push_back(slot_text(code_, segment_.parents[lane]));
       if (segment_.bodies[lane].front() >= 0) parents.insert(segment_.parents[lane]);
     }
+    std::string tables;
     bool gathers = false;
+    const std::string at_lane = in_parts() ? " + lane" : "";
     for (const auto& [role, components] : carried_) {
       std::vector<std::string> values;
       for (const ir::Carried* c : components) {
         if (paragraph_.direction == Direction::inwards) continue;
         std::vector<std::string> numbers;
         for (const auto& x : c->initial) numbers.push_back(literal(x.value_or(0), code_.scene.scalar));
-        if (c->known()) {
-          values.push_back(target_.numbers(numbers));
+        const bool equal =
+            std::all_of(numbers.begin(), numbers.end(), [&](const std::string& x) { return x == numbers.front(); });
+        if (c->known() && !equal && in_parts()) {
+          const std::string table = fmt::format("{}_{}_of_parent", name(role), values.size());
+          tables += fmt::format("    static constexpr Scalar {}[] = {{{}}};\n", table, fmt::join(numbers, ", "));
+          values.push_back(target_.load(table + at_lane));
+        } else if (c->known()) {
+          values.push_back(equal ? target_.broadcast(numbers.front()) : target_.numbers(numbers));
         } else if (parents.size() == 1) {
           values.push_back(
               target_.broadcast(fmt::format("{}[{}]", kept(code_, role, c->component), slot_text(code_, *parents.begin()))));
         } else {
-          values.push_back(target_.gather(kept(code_, role, c->component), "parents"));
+          values.push_back(target_.gather(kept(code_, role, c->component), "parents" + at_lane));
           gathers = true;
         }
       }
       text += fmt::format("    V {}[{}] = {{{}}};\n", name(role), components.size(), fmt::join(values, ",\n        "));
     }
-    return (gathers ? fmt::format("    static constexpr int parents[] = {{{}}};\n", fmt::join(slots, ", ")) : "") + text;
+    return (gathers ? fmt::format("    static constexpr int parents[] = {{{}}};\n", fmt::join(slots, ", ")) : "") + tables +
+           text;
   }
 
   // Runs of components of a role that go to one body in the same way are one call.
@@ -206,8 +246,8 @@ class ParagraphWriter {
         const std::string target =
             h.received ? received(code_, h.role, run[from]->component) : kept(code_, h.role, run[from]->component);
         text += fmt::format("    dalembert::{}_lanes<{}>({}, {}, {} + {}, {});\n", h.first ? "set" : "add",
-                            target_.sum_lanes(to - from, h.lanes), name(h.role), first, target, slot_text(code_, h.parent),
-                            stride(code_));
+                            fmt::format("{}, {}, {}", segment_.width, to - from, fmt::join(h.lanes, ", ")), all(h.role), first,
+                            target, slot_text(code_, h.parent), stride(code_));
         from = to;
       }
       ++i;

@@ -28,7 +28,8 @@ ir::Operations paragraph(const ir::Segment& s, const ir::Paragraph& p) {
   std::vector<ir::NodeId> roots;
   for (const ir::Value& v : p.stores) roots.push_back(v.node);
   for (const ir::Carried& c : p.carried) roots.push_back(c.node);
-  return of(p.graph, roots, p.direction == ir::Direction::anywhere ? whole_registers(s.slots()) : s.slots());
+  return of(p.graph, roots,
+            p.direction == ir::Direction::anywhere ? whole_registers(s.slots()) : s.steps * s.computed(counted_lanes));
 }
 
 // Sums over lanes, and what they are added to.

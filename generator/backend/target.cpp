@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <algorithm>
-
 namespace dalembert::backend {
 
 std::string Target::type() const { return fmt::format("dalembert::Lanes<Scalar, {}>", width_); }
@@ -26,13 +24,7 @@ std::string Target::gather(const std::string& from, const std::string& at) const
 }
 
 std::string Target::numbers(const std::vector<std::string>& literals) const {
-  const bool equal = std::all_of(literals.begin(), literals.end(), [&](const std::string& x) { return x == literals.front(); });
-  if (equal) return broadcast(literals.front());
   return fmt::format("{}{{{}}}", type(), fmt::join(literals, ", "));
-}
-
-std::string Target::sum_lanes(std::size_t count, const std::vector<int>& lanes) const {
-  return fmt::format("{}, {}, {}", width_, count, fmt::join(lanes, ", "));
 }
 
 }  // namespace dalembert::backend

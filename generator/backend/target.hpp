@@ -12,16 +12,15 @@ class Target {
   explicit Target(std::string width) : width_(std::move(width)) {}
 
   const std::string& width() const { return width_; }
-  std::string type() const;                                                       // of a variable
-  std::string load(const std::string& from) const;                                // of consecutive numbers
-  std::string store(const std::string& to) const;                                 // up to the value; ");" follows
-  std::string store_constant(const std::string& to) const;                        // … which is one number; "));" follows
-  std::string store_column(const std::string& to) const;                          // … which is a table's; "));" follows
-  std::string broadcast(const std::string& value) const;                          // one number in all lanes
-  std::string constant() const;                                                   // the same of what follows; ")" follows that
-  std::string gather(const std::string& from, const std::string& at) const;       // from[at[lane]]
-  std::string numbers(const std::vector<std::string>& literals) const;            // one per lane
-  std::string sum_lanes(std::size_t count, const std::vector<int>& lanes) const;  // template arguments of add_lanes, set_lanes
+  std::string type() const;                                                  // of a variable
+  std::string load(const std::string& from) const;                           // of consecutive numbers
+  std::string store(const std::string& to) const;                            // up to the value; ");" follows
+  std::string store_constant(const std::string& to) const;                   // … which is one number; "));" follows
+  std::string store_column(const std::string& to) const;                     // … which is a table's; "));" follows
+  std::string broadcast(const std::string& value) const;                     // one number in all lanes
+  std::string constant() const;                                              // the same of what follows; ")" follows that
+  std::string gather(const std::string& from, const std::string& at) const;  // from[at[lane]]
+  std::string numbers(const std::vector<std::string>& literals) const;       // one per lane, not all equal
 
  private:
   std::string width_;

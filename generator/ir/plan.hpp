@@ -1,6 +1,8 @@
 // What shape the emitted code takes: one straight line for the whole robot, or limbs side by side in lanes and rolled loops.
 #pragma once
 
+#include <algorithm>
+#include <bit>
 #include <string>
 #include <vector>
 
@@ -19,6 +21,14 @@ struct Segment {
   std::vector<std::vector<int>> bodies;  // [lane][step], -1 where padded
   std::vector<int> parents;              // per lane: the body the limb is attached to, -1: the base
 
+  int limbs() const {
+    return static_cast<int>(std::count_if(bodies.begin(), bodies.end(), [](const auto& limb) { return limb.front() >= 0; }));
+  }
+  // Lanes that are computed of one step where registers hold `lanes`: what is left over takes a smaller register.
+  int computed(int lanes) const {
+    const int whole = limbs() / lanes * lanes;
+    return whole + (whole < limbs() ? static_cast<int>(std::bit_ceil(static_cast<unsigned>(limbs() - whole))) : 0);
+  }
   int slots() const { return steps * width; }
   bool is_short() const { return slots() <= 4; }  // takes half of the eight slots to which segments are padded
 };

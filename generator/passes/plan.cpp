@@ -1,6 +1,7 @@
 #include "passes/plan.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <set>
 
 #include "ir/identifier.hpp"
@@ -9,6 +10,10 @@ namespace dalembert::passes {
 namespace {
 
 using Limb = std::vector<int>;
+
+// Measured: more than four limbs side by side pay up to this length. Of longer ones the elements of M and C take most of the
+// time, and those fill registers of eight by fours as well, two steps at a time.
+constexpr size_t longest_of_eight = 12;
 
 // Runs of bodies without a branch, in depth-first order.
 std::vector<Limb> limbs_of(const ir::KinematicTree& tree) {
@@ -46,7 +51,8 @@ class Grouping {
       const int group = static_cast<int>(groups_.size());
       groups_.push_back({order[i]});
       group_of_[at(order[i])] = group;
-      for (size_t j = i + 1; j < order.size() && groups_.back().size() < widest; ++j) {
+      const size_t most = length(order[i]) <= longest_of_eight ? widest : std::min(widest, size_t{4});
+      for (size_t j = i + 1; j < order.size() && groups_.back().size() < most; ++j) {
         const int limb = order[j];
         // Padding costs as much as work: a limb joins when at least two thirds of its lane are its own.
         if (group_of_[at(limb)] >= 0 || 3 * length(limb) < 2 * length(order[i])) continue;
@@ -115,7 +121,7 @@ void lay_out(const ir::KinematicTree& tree, size_t widest, ir::Plan& plan) {
   int half = -1;  // free beside a short segment
   for (const std::vector<int>& group : Grouping(tree, limbs).run(widest)) {
     ir::Segment s;
-    s.width = group.size() > 2 ? 4 : static_cast<int>(group.size());
+    s.width = static_cast<int>(std::bit_ceil(group.size()));
     for (int l : group) s.steps = std::max(s.steps, static_cast<int>(limbs[static_cast<size_t>(l)].size()));
     const bool fits = s.is_short() && half >= 0;
     s.first_slot = fits ? half : plan.slots;
@@ -144,7 +150,7 @@ ir::Plan plan(const ir::KinematicTree& tree, const ir::Scene& scene, const ir::O
   ir::Plan plan;
   plan.tasks = scene.parallel == ir::Parallel::tasks;
   ir::Form form = options.form;
-  lay_out(tree, options.pack ? 4 : 1, plan);
+  lay_out(tree, options.pack ? 8 : 1, plan);
   if (form == ir::Form::automatic) {
     // Measured: limbs side by side are worth rolling from about 2000 operations on, a single chain later.
     const bool lanes =

@@ -75,7 +75,7 @@ inline ir::KinematicTree welded(ir::KinematicTree tree, const std::string& link,
 
 // The results of one function, or of one half of it behind what the other left, in both forms.
 inline std::array<ir::Arrays, 2> run_half(const ir::EmittedFunction& function, const Model& model, const State& state,
-                                   const Payload& payload, const std::array<ir::Arrays, 2>& left = {}) {
+                                          const Payload& payload, const std::array<ir::Arrays, 2>& left = {}) {
   const ir::NormalTree normal = passes::normalise(model.tree, passes::normalise_options(model.scene, true));
   const ir::Algorithm algorithm = passes::describe(function, model.tree, normal, model.scene, {});
   passes::Unroll unroll(algorithm, model.tree, normal, model.scene, {{}, false});
@@ -104,7 +104,7 @@ inline std::array<ir::Arrays, 2> run_half(const ir::EmittedFunction& function, c
 
 // A second half takes what the first finds in its form.
 inline std::array<ir::Arrays, 2> run_function(const ir::EmittedFunction& function, const Model& model, const State& state,
-                                       const Payload& payload) {
+                                              const Payload& payload) {
   const std::vector<ir::EmittedFunction> halves = passes::halves(function, model.tree);
   std::array<ir::Arrays, 2> results = run_half(halves.front(), model, state, payload);
   if (halves.size() == 1) return results;
@@ -125,8 +125,8 @@ inline std::array<ir::Arrays, 2> run_both(const Model& model, const State& state
   return results;
 }
 
-// Every output of the scene, in both forms, with `payload` at each link that carries one. slack: how many times what rounding is
-// otherwise allowed.
+// Every output of the scene, in both forms, with `payload` at each link that carries one. slack: how many times what rounding
+// is otherwise allowed.
 inline void expect_generic_values(const Model& model, const Payload& payload = {}, double slack = 1) {
   Model expected = model;
   for (const std::string& link : model.scene.payloads) expected.tree = welded(expected.tree, link, payload);

@@ -88,6 +88,7 @@ const Case cases[] = {
     {"rolled_arm_driven", "chain_7", "rolled", {{"mimic", "{link_03_joint: {of: link_05_joint, multiplier: 2}}"}}},
     {"slides", "gantry_arms", "rolled", {{"outputs", everything}, {"base", "fixed"}}},
     {"fingers", "hand", "rolled", {{"base", "fixed"}}},
+    {"legs", "hexapod", "rolled", {{"outputs", everything}}},
 };
 
 Model model_of(const Case& c) {

@@ -36,5 +36,40 @@ TEST(Plan, RollsLargeCodeAndWhatRunsInTasks) {
   EXPECT_EQ(plan_of(tree, ir::Parallel::tasks, 1000).form, ir::Form::rolled);
 }
 
+// `limbs` on the base, of `joints` each.
+ir::KinematicTree star(int limbs, int joints) {
+  ir::KinematicTree tree;
+  for (int limb = 0; limb < limbs; ++limb)
+    for (int joint = 0; joint < joints; ++joint) {
+      ir::Body body;
+      body.joint = "j";
+      body.parent = joint == 0 ? -1 : static_cast<int>(tree.bodies.size()) - 1;
+      tree.bodies.push_back(body);
+    }
+  return tree;
+}
+
+TEST(Plan, LaysUpToEightLimbsSideBySide) {
+  const auto widths = [](int limbs, int joints) {
+    std::vector<int> found;
+    for (const ir::Segment& s : plan_of(star(limbs, joints), ir::Parallel::automatic, 10000).segments) found.push_back(s.width);
+    return found;
+  };
+  EXPECT_EQ(widths(3, 4), (std::vector{4}));
+  EXPECT_EQ(widths(5, 4), (std::vector{8}));
+  EXPECT_EQ(widths(8, 12), (std::vector{8}));
+  EXPECT_EQ(widths(9, 4), (std::vector{8, 1}));
+  EXPECT_EQ(widths(8, 13), (std::vector{4, 4})) << "long limbs stand by fours";
+}
+
+TEST(Plan, ComputesNoMoreLanesThanLimbsNeed) {
+  const ir::Plan plan = plan_of(star(5, 2), ir::Parallel::automatic, 10000);
+  const ir::Segment& s = plan.segments.front();
+  EXPECT_EQ(s.limbs(), 5);
+  EXPECT_EQ(s.computed(8), 8);
+  EXPECT_EQ(s.computed(4), 5);
+  EXPECT_EQ(s.computed(2), 5);
+}
+
 }  // namespace
 }  // namespace dalembert::passes

@@ -89,10 +89,10 @@ ir::Scene scene_of(Draw& draw, const Movable& robot) {
 
 // For who has to make it again by hand.
 std::string in_words(unsigned seed, const ir::Scene& scene) {
-  std::string text = fmt::format("scene {}: {} base, gravity {}, statics {}, Christoffel {}, factorization {}", seed,
-                                 scene.base == ir::Base::fixed ? "fixed" : "floating", static_cast<int>(scene.gravity_kind),
-                                 scene.rates_zero, scene.coriolis == ir::Coriolis::christoffel,
-                                 scene.forward_dynamics == ir::Solver::factorization);
+  std::string text =
+      fmt::format("scene {}: {} base, gravity {}, statics {}, Christoffel {}, factorization {}", seed,
+                  scene.base == ir::Base::fixed ? "fixed" : "floating", static_cast<int>(scene.gravity_kind), scene.rates_zero,
+                  scene.coriolis == ir::Coriolis::christoffel, scene.forward_dynamics == ir::Solver::factorization);
   for (const ir::EmittedFunction& function : ir::functions_of(scene)) {
     text += "; " + function.name + ":";
     for (const ir::Quantity quantity : function.quantities) text += fmt::format(" {}", ir::name_of(quantity));

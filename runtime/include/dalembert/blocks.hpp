@@ -6,9 +6,9 @@
 //   M_ik = F_k·J_i    C_ik = G_k·J_i    C_ki = F_k·J̇_i + H_k·J_i     (H has an angular part alone)
 //
 // A limb is a run of bodies without branches: its rows and columns are consecutive in the matrices. Limbs of equal length stand
-// side by side in lanes, slot = first + step·width + lane, and tiles of four steps by four are turned into columns when stored.
-// A limb on its own (width 1) has its steps in consecutive slots, and lanes run along them. Nothing is allocated, every loop
-// has a length known when the code was generated.
+// side by side in lanes, slot = first + step·width + lane, and tiles of four steps by four are turned into columns when stored,
+// as many limbs at a time as a register holds. A limb on its own (width 1) has its steps in consecutive slots, and lanes run
+// along them. Nothing is allocated, every loop has a length known when the code was generated.
 #pragma once
 
 #include "dalembert/tiles.hpp"
@@ -20,31 +20,35 @@ struct LimbTable {
   const int* first_row;  // per lane
   const int* length;     // per lane: real steps, 0 for an empty lane
   int first_slot;
+
+  DALEMBERT_INLINE LimbTable from(int lane) const { return {first_row + lane, length + lane, first_slot + lane}; }
 };
 
 namespace detail {
 
-template <class T, int n>
-DALEMBERT_BLOCK Factors<T, n> moved(Factors<T, n> p, int slots) {
-  for (int f = 0; f < n; ++f) p.at[f] += slots;
-  return p;
-}
-
 // The joints of a limb that stands among the factors, from slot `first` on.
 template <class T, int n>
-DALEMBERT_BLOCK Upper<T, n> limb_above(const Factors<T, n>& p, int first, int step) {
-  Upper<T, n> up{{}, p.stride, step};
-  for (int f = 0; f < n; ++f) up.at[f] = p.at[f] + first;
-  return up;
+DALEMBERT_BLOCK Joints<T, n> joints_of(const Factors<T, n>& p, int first, int step) {
+  Joints<T, n> limb{{}, p.stride, step};
+  for (int f = 0; f < n; ++f) limb.at[f] = p.at[f] + first;
+  return limb;
 }
 
-// The tiles between the limbs of a segment and the joints above them; columns [begin, end).
+// f(how many, first lane) for the limbs that are computed together, then for the next; both are constants.
+template <class T, int limbs, int lane = 0, class F>
+DALEMBERT_BLOCK void each_tile_part(const F& f) {
+  constexpr int most = lanes_together<T, limbs - lane>, some = most < 2 ? 2 : most;
+  f(std::integral_constant<int, some>{}, std::integral_constant<int, lane>{});
+  if constexpr (lane + some < limbs) each_tile_part<T, limbs, lane + some>(f);
+}
+
+// The tiles between limbs side by side and the joints above them; columns [begin, end).
 template <class Kinds, class Standing, int width, int steps, int above_steps, class T, int nl, int nu, class To>
-DALEMBERT_BLOCK void cross_tiles(const Factors<T, nl>& lower, const LimbTable& limbs, const Upper<T, nu>& up,
+DALEMBERT_BLOCK void cross_tiles(const Joints<T, nl>& lower, const LimbTable& limbs, const Joints<T, nu>& up,
                                  const LimbTable& above, const To* matrices, int leading, int begin, int end) {
   constexpr bool out = block_written_out(steps, above_steps, nl);
   each_tile<out, steps>(begin, end, [&](int c0, auto below) DALEMBERT_IN_BLOCK {
-    const Factors<T, nl> p = moved(lower, limbs.first_slot + c0 * width);
+    const Joints<T, nl> p = lower.from(c0);
     each_tile<out, above_steps>(0, above_steps, [&](int r0, auto rows) DALEMBERT_IN_BLOCK {
       Place<width> at;
       lanes<width>([&](int l) DALEMBERT_IN_BLOCK {
@@ -57,41 +61,52 @@ DALEMBERT_BLOCK void cross_tiles(const Factors<T, nl>& lower, const LimbTable& l
   });
 }
 
-}  // namespace detail
-
-// The block of every limb of a segment with itself, `width` limbs side by side.
-// matrices: column by column, `leading` apart; the columns of steps [begin, end), begin a multiple of four.
+// The tiles between limbs side by side and themselves.
 template <class Kinds, int width, int steps, class T, int nl, int nu, class To>
-DALEMBERT_BLOCK void limb_blocks(const Factors<T, nl>& lower, const Factors<T, nu>& upper, const LimbTable& limbs,
-                                 const To* matrices, int leading, int begin, int end) {
+DALEMBERT_BLOCK void limb_tiles(const Joints<T, nl>& lower, const Joints<T, nu>& upper, const LimbTable& limbs,
+                                const To* matrices, int leading, int begin, int end) {
   constexpr bool out = block_written_out(steps);
-  const detail::Upper<T, nu> limb = detail::limb_above(upper, limbs.first_slot, width);
-  detail::each_tile<out, steps>(begin, end, [&](int c0, auto below) DALEMBERT_IN_BLOCK {
-    const Factors<T, nl> p = detail::moved(lower, limbs.first_slot + c0 * width);
+  each_tile<out, steps>(begin, end, [&](int c0, auto below) DALEMBERT_IN_BLOCK {
+    const Joints<T, nl> p = lower.from(c0);
     const auto tile = [&](int r0, auto rows, auto diagonal) DALEMBERT_IN_BLOCK {
-      detail::Place<width> at;
-      detail::lanes<width>([&](int l) DALEMBERT_IN_BLOCK {
+      Place<width> at;
+      lanes<width>([&](int l) DALEMBERT_IN_BLOCK {
         at.row_above[l] = limbs.first_row[l] + r0, at.left_above[l] = limbs.length[l] - r0;
         at.row_below[l] = limbs.first_row[l] + c0, at.left_below[l] = limbs.length[l] - c0;
       });
-      detail::tiles_of<out, detail::EachAbove, width, decltype(rows)::value, decltype(below)::value, decltype(diagonal)::value,
-                       T>(Kinds{}, p, limb.from(r0), at, matrices, leading);
+      tiles_of<out, EachAbove, width, decltype(rows)::value, decltype(below)::value, decltype(diagonal)::value, T>(
+          Kinds{}, p, upper.from(r0), at, matrices, leading);
     };
-    detail::repeat<out, (steps - 1) / 4>(
+    repeat<out, (steps - 1) / 4>(
         c0 / 4, [&](int row) DALEMBERT_IN_BLOCK { tile(4 * row, std::integral_constant<int, 4>{}, std::false_type{}); });
     tile(c0, below, std::true_type{});
   });
 }
 
+}  // namespace detail
+
+// The block of every limb of a segment with itself, `count` limbs side by side.
+// matrices: column by column, `leading` apart; the columns of steps [begin, end), begin a multiple of four.
+template <class Kinds, int count, int steps, class T, int nl, int nu, class To>
+DALEMBERT_BLOCK void limb_blocks(const Factors<T, nl>& lower, const Factors<T, nu>& upper, const LimbTable& limbs,
+                                 const To* matrices, int leading, int begin, int end) {
+  detail::each_tile_part<T, count>([&](auto some, auto lane) DALEMBERT_IN_BLOCK {
+    const LimbTable these = limbs.from(lane);
+    detail::limb_tiles<Kinds, decltype(some)::value, steps, T>(detail::joints_of(lower, these.first_slot, lanes_for(count)),
+                                                               detail::joints_of(upper, these.first_slot, lanes_for(count)),
+                                                               these, matrices, leading, begin, end);
+  });
+}
+
 // The blocks between the limbs of a segment and a limb above each of them, which may be another one for every lane.
 // above_slot: [step][lane], the slots of the limbs above (any slot where a lane has none); above: their rows and lengths.
-template <class Kinds, int width, int steps, int above_steps, class T, int nl, int nu, class To>
+template <class Kinds, int count, int steps, int above_steps, class T, int nl, int nu, class To>
 DALEMBERT_BLOCK void cross_blocks(const Factors<T, nl>& lower, const Factors<T, nu>& upper, const LimbTable& limbs,
                                   const int* above_slot, const LimbTable& above, const To* matrices, int leading, int begin,
                                   int end) {
-  constexpr int stride = above_steps * width;
+  constexpr int width = lanes_for(count), stride = above_steps * width;
   T gathered[3 * nu * stride];
-  detail::Upper<T, nu> up{{}, stride, width};
+  detail::Joints<T, nu> up{{}, stride, width};
   for (int f = 0; f < nu; ++f) {
     up.at[f] = gathered + 3 * f * stride;
     for (int j = 0; j < 3; ++j)
@@ -99,36 +114,59 @@ DALEMBERT_BLOCK void cross_blocks(const Factors<T, nl>& lower, const Factors<T, 
         store<width, T>(gathered + (3 * f + j) * stride + i * width,
                         gather<width, T>(upper.at[f] + j * upper.stride, above_slot + i * width));
   }
-  detail::cross_tiles<Kinds, detail::EachAbove, width, steps, above_steps, T>(lower, limbs, up, above, matrices, leading, begin,
-                                                                              end);
-}
-
-// The same where one limb is above all lanes that have one: its joints stand in slots first, first + step, ….
-template <class Kinds, int width, int steps, int above_steps, class T, int nl, int nu, class To>
-DALEMBERT_BLOCK void shared_cross_blocks(const Factors<T, nl>& lower, const Factors<T, nu>& upper, const LimbTable& limbs,
-                                         int first, int step, const LimbTable& above, const To* matrices, int leading,
-                                         int begin, int end) {
-  detail::cross_tiles<Kinds, detail::OneAbove, width, steps, above_steps, T>(
-      lower, limbs, detail::limb_above(upper, first, step), above, matrices, leading, begin, end);
-}
-
-// The same where the limbs above stand side by side themselves, from slot `first` on; Standing: LanesAbove, which of them is
-// above which lane.
-template <class Kinds, int width, int steps, int above_steps, class T, class Standing, int nl, int nu, class To>
-DALEMBERT_BLOCK void lane_cross_blocks(const Factors<T, nl>& lower, const Factors<T, nu>& upper, const LimbTable& limbs,
-                                       int first, const LimbTable& above, const To* matrices, int leading, int begin, int end) {
-  detail::cross_tiles<Kinds, Standing, width, steps, above_steps, T>(
-      lower, limbs, detail::limb_above(upper, first, Standing::side_by_side), above, matrices, leading, begin, end);
+  detail::each_tile_part<T, count>([&](auto some, auto lane) DALEMBERT_IN_BLOCK {
+    const LimbTable these = limbs.from(lane);
+    detail::Joints<T, nu> above_these = up;
+    for (int f = 0; f < nu; ++f) above_these.at[f] += lane;
+    detail::cross_tiles<Kinds, detail::EachAbove, decltype(some)::value, steps, above_steps, T>(
+        detail::joints_of(lower, these.first_slot, lanes_for(count)), these, above_these, above.from(lane), matrices, leading,
+        begin, end);
+  });
 }
 
 namespace detail {
 
+// The same where limbs above are read where they stand: as Standing says, in slots first, first + step, ….
+template <class Kinds, class Standing, int count, int steps, int above_steps, class T, int nl, int nu, class To>
+DALEMBERT_BLOCK void cross_blocks_in_place(const Factors<T, nl>& lower, const Factors<T, nu>& upper, const LimbTable& limbs,
+                                           int first, int step, const LimbTable& above, const To* matrices, int leading,
+                                           int begin, int end) {
+  each_tile_part<T, count>([&](auto some, auto lane) DALEMBERT_IN_BLOCK {
+    using These = typename Standing::template Some<decltype(lane)::value, decltype(some)::value>;
+    const LimbTable these = limbs.from(lane);
+    cross_tiles<Kinds, These, decltype(some)::value, steps, above_steps, T>(
+        joints_of(lower, these.first_slot, lanes_for(count)), these, joints_of(upper, first, step), above.from(lane), matrices,
+        leading, begin, end);
+  });
+}
+
+}  // namespace detail
+
+// The same where one limb is above all lanes that have one: its joints stand in slots first, first + step, ….
+template <class Kinds, int count, int steps, int above_steps, class T, int nl, int nu, class To>
+DALEMBERT_BLOCK void shared_cross_blocks(const Factors<T, nl>& lower, const Factors<T, nu>& upper, const LimbTable& limbs,
+                                         int first, int step, const LimbTable& above, const To* matrices, int leading,
+                                         int begin, int end) {
+  detail::cross_blocks_in_place<Kinds, detail::OneAbove, count, steps, above_steps, T>(lower, upper, limbs, first, step, above,
+                                                                                       matrices, leading, begin, end);
+}
+
+// The same where the limbs above stand side by side themselves, from slot `first` on; Standing: LanesAbove, which of them is
+// above which lane.
+template <class Kinds, int count, int steps, int above_steps, class T, class Standing, int nl, int nu, class To>
+DALEMBERT_BLOCK void lane_cross_blocks(const Factors<T, nl>& lower, const Factors<T, nu>& upper, const LimbTable& limbs,
+                                       int first, const LimbTable& above, const To* matrices, int leading, int begin, int end) {
+  detail::cross_blocks_in_place<Kinds, Standing, count, steps, above_steps, T>(
+      lower, upper, limbs, first, Standing::side_by_side, above, matrices, leading, begin, end);
+}
+
+namespace detail {
 // `count` steps of a floating base's columns, from step c on.
 template <int width, int count, class T, class To>
-DALEMBERT_BLOCK void base_columns_from(int c, const T* force, int stride, const LimbTable& limbs, const To& matrix,
+DALEMBERT_BLOCK void base_columns_from(int c, int step, const T* force, int stride, const LimbTable& limbs, const To& matrix,
                                        int leading) {
   Lanes<T, width * count> f[6];
-  load_all<width * count, T>(f, force + limbs.first_slot + c * width, 6, stride);
+  load_all<width * count, T>(f, force + limbs.first_slot + c * step, 6, stride);
   if constexpr (count == 1) {
     Line<width> four, two;
     lanes<width>([&](int l) DALEMBERT_IN_BLOCK {
@@ -144,9 +182,9 @@ DALEMBERT_BLOCK void base_columns_from(int c, const T* force, int stride, const 
     turn_columns<T>(f[0], f[1], f[2], f[3], four);
     turn_columns<T>(f[4], f[5], two);
     lanes<width * count>([&](int i) DALEMBERT_IN_BLOCK {
-      const int step = c + i / width, limb = i % width;
-      if (step >= limbs.length[limb]) return;
-      T* const to = matrix + (limbs.first_row[limb] + step) * leading;
+      const int joint = c + i / width, limb = i % width;
+      if (joint >= limbs.length[limb]) return;
+      T* const to = matrix + (limbs.first_row[limb] + joint) * leading;
       store<4, T>(to, four[i]);
       store<2, T>(to + 4, two[i]);
     });
@@ -155,12 +193,13 @@ DALEMBERT_BLOCK void base_columns_from(int c, const T* force, int stride, const 
 
 // Up to four steps of its rows, from step r0 on; so many of them in a register.
 template <int width, int rows, int pack, class T, class To>
-DALEMBERT_BLOCK void base_rows_from(int r0, const T* force, int stride, const LimbTable& limbs, const To& matrix, int leading) {
+DALEMBERT_BLOCK void base_rows_from(int r0, int step, const T* force, int stride, const LimbTable& limbs, const To& matrix,
+                                    int leading) {
   DALEMBERT_KEEP_LOOP
   for (int j = 0; j < 6; ++j) {
     Lanes<T, width * pack> f[4] = {};
     lanes<(rows + pack - 1) / pack>([&](int i) DALEMBERT_IN_BLOCK {
-      f[i] = load<width * pack, T>(force + j * stride + limbs.first_slot + (r0 + pack * i) * width);
+      f[i] = load<width * pack, T>(force + j * stride + limbs.first_slot + (r0 + pack * i) * step);
     });
     Line<width> where;
     lanes<width>([&](int l) DALEMBERT_IN_BLOCK {
@@ -181,20 +220,29 @@ DALEMBERT_BLOCK void base_rows_from(int r0, const T* force, int stride, const Li
 
 // Rows and columns of a floating base for the limbs of a segment. force: the six elements per slot. The base's six rows come
 // first.
-template <int width, int steps, class T, class To>
+template <int count, int steps, class T, class To>
 DALEMBERT_BLOCK void base_columns(const T* force, int stride, const LimbTable& limbs, To matrix, int leading) {
-  constexpr int pack = std::is_same_v<To, T*> ? detail::together<T>(width, steps) : 1, packs = steps / pack;
-  detail::repeat<block_written_out(steps), packs>(packs, [&](int i) DALEMBERT_IN_BLOCK {
-    detail::base_columns_from<width, pack, T>(pack * i, force, stride, limbs, matrix, leading);
+  detail::each_tile_part<T, count>([&](auto some, auto lane) DALEMBERT_IN_BLOCK {
+    constexpr int n = decltype(some)::value;
+    constexpr int pack = std::is_same_v<To, T*> ? detail::together<T>(n, steps) : 1, packs = steps / pack;
+    const LimbTable these = limbs.from(lane);
+    detail::repeat<block_written_out(steps), packs>(packs, [&](int i) DALEMBERT_IN_BLOCK {
+      detail::base_columns_from<n, pack, T>(pack * i, lanes_for(count), force, stride, these, matrix, leading);
+    });
+    if constexpr (pack * packs < steps)
+      detail::base_columns_from<n, 1, T>(steps - 1, lanes_for(count), force, stride, these, matrix, leading);
   });
-  if constexpr (pack * packs < steps) detail::base_columns_from<width, 1, T>(steps - 1, force, stride, limbs, matrix, leading);
 }
-template <int width, int steps, class T, class To>
+template <int count, int steps, class T, class To>
 DALEMBERT_BLOCK void base_rows(const T* force, int stride, const LimbTable& limbs, To matrix, int leading) {
-  detail::each_tile<block_written_out(steps), steps>(0, steps, [&](int r0, auto size) DALEMBERT_IN_BLOCK {
-    constexpr int rows = decltype(size)::value;
-    constexpr int pack = std::is_same_v<To, T*> && rows > 2 ? detail::together<T>(width, rows) : 1;
-    detail::base_rows_from<width, rows, pack, T>(r0, force, stride, limbs, matrix, leading);
+  detail::each_tile_part<T, count>([&](auto some, auto lane) DALEMBERT_IN_BLOCK {
+    constexpr int n = decltype(some)::value;
+    const LimbTable these = limbs.from(lane);
+    detail::each_tile<block_written_out(steps), steps>(0, steps, [&](int r0, auto size) DALEMBERT_IN_BLOCK {
+      constexpr int rows = decltype(size)::value;
+      constexpr int pack = std::is_same_v<To, T*> && rows > 2 ? detail::together<T>(n, rows) : 1;
+      detail::base_rows_from<n, rows, pack, T>(r0, lanes_for(count), force, stride, these, matrix, leading);
+    });
   });
 }
 

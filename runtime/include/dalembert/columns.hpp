@@ -174,6 +174,16 @@ DALEMBERT_INLINE void store_count(T* to, const Lanes<T, 4>& x, int count) {
   }
 }
 
+// The same of eight limbs: out[l] has limb l's.
+template <class T>
+DALEMBERT_INLINE void transpose(const Lanes<T, 8>* rows, Lanes<T, 4>* out) {
+  turn_columns<T>(rows[0], rows[1], rows[2], rows[3], out);
+}
+template <class T>
+DALEMBERT_INLINE void transpose_pair(const Lanes<T, 8>* rows, Lanes<T, 2>* out) {
+  turn_columns<T>(rows[0], rows[1], out);
+}
+
 // A column of each lane's block: values of up to four consecutive rows, from to[lane] on. Where a lane is joined to the next,
 // the next lane's rows follow its own: what is stored beyond its last row is overwritten.
 template <int width, class T>

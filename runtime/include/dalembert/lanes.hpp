@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <cstring>
 #include <initializer_list>
+#include <type_traits>
 #include <utility>
 
 #if defined(__GNUC__)
@@ -80,6 +81,18 @@ inline constexpr int native_lanes = doubles_in_register;
 
 // The same where no more than four slots are to be written.
 inline constexpr int short_lanes = least(native_lanes, 4);
+
+// Lanes that limbs side by side stand in: a power of two.
+constexpr int lanes_for(int limbs) {
+  int lanes = 1;
+  while (lanes < limbs) lanes *= 2;
+  return lanes;
+}
+
+// Of these, the lanes that are computed together: as many as share a register.
+template <class T, int limbs>
+inline constexpr int lanes_together = least(lanes_for(limbs),
+                                            doubles_in_register* static_cast<int>(sizeof(double) / sizeof(T)));
 
 // Arrays over bodies are padded to this many elements, so that whole lanes can be read and written at their end.
 constexpr int padded(int n) { return (n + 7) / 8 * 8; }
@@ -171,10 +184,24 @@ DALEMBERT_INLINE void carry_each(V (&to)[n], const V (&from)[n], std::integer_se
   (void)std::initializer_list<int>{(to[i] = from[i], 0)...};
 }
 
-template <class T, int n, int first, int... more>
-DALEMBERT_INLINE T sum_of_lanes(const Lanes<T, n>& x) {
-  T sum = lane<n, T>(x, first);
-  (void)std::initializer_list<int>{0, (sum += lane<n, T>(x, more), 0)...};
+template <class T, int width, class V, int n, int... i>
+DALEMBERT_INLINE void keep_each(T (&to)[n][width], const V (&from)[n], int first, std::integer_sequence<int, i...>) {
+  (void)std::initializer_list<int>{(store<sizeof(V) / sizeof(T), T>(to[i] + first, from[i]), 0)...};
+}
+
+template <class T, int n>
+DALEMBERT_INLINE T one_of(const Lanes<T, n>& x, int i) {
+  return lane<n, T>(x, i);
+}
+template <class T, int n>
+DALEMBERT_INLINE T one_of(const T (&x)[n], int i) {
+  return x[i];
+}
+
+template <class T, int n, int first, int... more, class V>
+DALEMBERT_INLINE T sum_of_lanes(const V& x) {
+  T sum = one_of<T, n>(x, first);
+  (void)std::initializer_list<int>{0, (sum += one_of<T, n>(x, more), 0)...};
   return sum;
 }
 
@@ -194,6 +221,33 @@ DALEMBERT_INLINE void hand_on(std::integer_sequence<int, i...>, const V& values,
 template <class V, int n>
 DALEMBERT_INLINE void carry(V (&to)[n], const V (&from)[n]) {
   detail::carry_each(to, from, std::make_integer_sequence<int, n>{});
+}
+
+// f(how many, first lane), for limbs that are computed together and then for the next; what is left takes smaller registers.
+template <class T, int limbs, class F>
+DALEMBERT_BLOCK void each_part(const F& f) {
+  constexpr int some = lanes_together<T, limbs>;
+  if constexpr (some >= limbs) {
+    f(std::integral_constant<int, some>{}, 0);
+  } else {
+    constexpr int whole = limbs / some * some, left = limbs - whole;
+    for (int lane = 0; lane < whole; lane += some) f(std::integral_constant<int, some>{}, lane);
+    if constexpr (left > 0) f(std::integral_constant<int, lanes_for(left)>{}, whole);
+  }
+}
+
+// What all limbs hand on, where not all are computed together.
+template <class T, int limbs>
+using AllLanes =
+    std::conditional_t<lanes_together<T, limbs> == lanes_for(limbs), Lanes<T, lanes_for(limbs)>, T[lanes_for(limbs)]>;
+
+template <class V, int n>
+DALEMBERT_INLINE void keep_lanes(V (&to)[n], const V (&from)[n], int) {
+  carry(to, from);
+}
+template <class T, int width, class V, int n>
+DALEMBERT_INLINE void keep_lanes(T (&to)[n][width], const V (&from)[n], int first) {
+  detail::keep_each(to, from, first, std::make_integer_sequence<int, n>{});
 }
 
 // The sum of some lanes of values[from], values[from + 1], …, `count` of them: added to, or set as, to[0], to[stride], …

@@ -78,11 +78,11 @@ struct Single {
 
 // Column k of the lower limb: the sum of terms with the lower factors of one joint, along the joints above.
 template <int w, class T, int nl, int nu, int lower, int upper>
-DALEMBERT_INLINE Lanes<T, w> along_above(const Single<T, nl>& k, const Upper<T, nu>& up, int s, Sum<Term<lower, upper>>) {
+DALEMBERT_INLINE Lanes<T, w> along_above(const Single<T, nl>& k, const Joints<T, nu>& up, int s, Sum<Term<lower, upper>>) {
   return dot_along<w, T>(k.at[lower], up.at[upper], up.stride, s);
 }
 template <int w, class T, int nl, int nu, int lower, int upper, class Next, class... Rest>
-DALEMBERT_INLINE Lanes<T, w> along_above(const Single<T, nl>& k, const Upper<T, nu>& up, int s,
+DALEMBERT_INLINE Lanes<T, w> along_above(const Single<T, nl>& k, const Joints<T, nu>& up, int s,
                                          Sum<Term<lower, upper>, Next, Rest...>) {
   return dot_along<w, T>(k.at[lower], up.at[upper], up.stride, s) + along_above<w>(k, up, s, Sum<Next, Rest...>{});
 }
@@ -98,6 +98,12 @@ DALEMBERT_INLINE Lanes<T, w> along_below(const Single<T, nu>& i, const Factors<T
   return dot_along<w, T>(i.at[upper], p.at[lower], p.stride, s) + along_below<w>(i, p, s, Sum<Next, Rest...>{});
 }
 
+template <class T, int n>
+DALEMBERT_BLOCK Factors<T, n> moved(Factors<T, n> p, int slots) {
+  for (int f = 0; f < n; ++f) p.at[f] += slots;
+  return p;
+}
+
 template <class AboveSum>
 AboveSum below_of(Symmetric<AboveSum>);
 template <class AboveSum, class BelowSum>
@@ -105,7 +111,7 @@ BelowSum below_of(Square<AboveSum, BelowSum>);
 
 // Column k of the lower limb over `rows` joints above it that stand in consecutive slots.
 template <class T, int nl, int nu, class To, class... Kinds>
-DALEMBERT_BLOCK void column_above(Matrices<Kinds...>, const Factors<T, nl>& p, int k, const Upper<T, nu>& up, int rows,
+DALEMBERT_BLOCK void column_above(Matrices<Kinds...>, const Factors<T, nl>& p, int k, const Joints<T, nu>& up, int rows,
                                   const To* matrices, int leading, int column, int row) {
   const Single<T, nl> single(p.at, p.stride, k);
   int m = 0;
@@ -117,7 +123,7 @@ DALEMBERT_BLOCK void column_above(Matrices<Kinds...>, const Factors<T, nl>& p, i
 
 // Column i of the upper limb over `rows` joints below it, from slot `first` on.
 template <class T, int nl, int nu, class To, class... Kinds>
-DALEMBERT_BLOCK void column_below(Matrices<Kinds...>, const Factors<T, nl>& p, int first, int rows, const Upper<T, nu>& up,
+DALEMBERT_BLOCK void column_below(Matrices<Kinds...>, const Factors<T, nl>& p, int first, int rows, const Joints<T, nu>& up,
                                   int i, const To* matrices, int leading, int column, int row) {
   const Single<T, nu> single(up.at, up.stride, i * up.step);
   const Factors<T, nl> from = moved(p, first);
@@ -135,7 +141,7 @@ DALEMBERT_BLOCK void column_below(Matrices<Kinds...>, const Factors<T, nl>& p, i
 template <class Kinds, class T, int nl, int nu, class To>
 DALEMBERT_BLOCK void run_block(const Factors<T, nl>& lower, const Factors<T, nu>& upper, int first_slot, int first_row,
                                int steps, const To* matrices, int leading, int begin, int end) {
-  const detail::Upper<T, nu> up = detail::limb_above(upper, first_slot, 1);
+  const detail::Joints<T, nu> up = detail::joints_of(upper, first_slot, 1);
   for (int k = begin; k < end; ++k) {
     const int column = first_row + k;
     detail::column_above<T>(Kinds{}, lower, first_slot + k, up, k + 1, matrices, leading, column, first_row);
@@ -150,7 +156,7 @@ DALEMBERT_BLOCK void run_cross_block(const Factors<T, nl>& lower, const Factors<
                                      int end) {
   constexpr int stride = padded(above_steps);
   T gathered[3 * nu * stride + detail::run_lanes] = {};  // between driven joints a register is read from any of them on
-  detail::Upper<T, nu> up{{}, stride, 1};
+  detail::Joints<T, nu> up{{}, stride, 1};
   for (int f = 0; f < nu; ++f) {
     up.at[f] = gathered + 3 * f * stride;
     for (int j = 0; j < 3; ++j)

@@ -51,10 +51,22 @@ struct LanesAbove {
 
   template <int n, int times, class T>
   DALEMBERT_INLINE static Lanes<T, n * times> read(const T* from) {
-    const Lanes<T, width> x = load<width, T>(from);
-    if constexpr (times == 1) return shuffled<T, lane...>(x, x);
-    else return shuffled<T, lane..., lane...>(x, x);
+    // Of eight limbs the half that is read, where it is one.
+    constexpr bool halves = width == 8 && (((lane < 4) && ...) || ((lane >= 4) && ...));
+    constexpr int first = halves && ((lane >= 4) && ...) ? 4 : 0, some = halves ? 4 : width;
+    const Lanes<T, some> x = load<some, T>(from + first);
+    if constexpr (times == 1) return shuffled<T, (lane - first)...>(x, x);
+    else return shuffled<T, (lane - first)..., (lane - first)...>(x, x);
   }
+
+  // The same for some of the lanes, from one of them on.
+  template <int from, int... i>
+  static constexpr auto some_of(std::integer_sequence<int, i...>) {
+    constexpr int all[] = {lane...};
+    return LanesAbove<width, all[from + i]...>{};
+  }
+  template <int from, int count>
+  using Some = decltype(some_of<from>(std::make_integer_sequence<int, count>{}));
 };
 
 namespace detail {
@@ -84,15 +96,15 @@ DALEMBERT_INLINE void load_all(Lanes<T, n>* to, const T* from, int count, int st
   for (int j = 0; j < count; ++j) to[j] = load<n, T>(from + j * stride);
 }
 
-// The factors of the joints above, from one of them on.
+// The factors of a limb's joints, from one of them on.
 template <class T, int n>
-struct Upper {
+struct Joints {
   const T* at[n];
   int stride;  // from component to component
   int step;    // from joint to joint
 
-  Upper from(int joint) const {
-    Upper moved = *this;
+  Joints from(int joint) const {
+    Joints moved = *this;
     for (int f = 0; f < n; ++f) moved.at[f] += joint * step;
     return moved;
   }
@@ -100,6 +112,8 @@ struct Upper {
 
 // How they stand there, read for `times` joints below at once. A limb above every lane, in the same order:
 struct EachAbove {
+  template <int, int>
+  using Some = EachAbove;
   template <int n, class T, int... lane>
   DALEMBERT_INLINE static Lanes<T, 2 * n> twice(const Lanes<T, n>& x, std::integer_sequence<int, lane...>) {
     return shuffled<T, lane..., lane...>(x, x);
@@ -113,6 +127,8 @@ struct EachAbove {
 };
 // One limb above all of them:
 struct OneAbove {
+  template <int, int>
+  using Some = OneAbove;
   template <int n, int times, class T>
   DALEMBERT_INLINE static Lanes<T, n * times> read(const T* from) {
     return broadcast<n * times, T>(*from);
@@ -148,10 +164,10 @@ constexpr bool wanted_group(Part part, int r, int g) {
 
 // One component's products: tile[r][c] = or += below[c] · above[r]. Every value is read once, and the tile stays in registers.
 template <bool set, Part part, class Standing, int width, int rows, int columns, class T>
-DALEMBERT_BLOCK void component(Tile<width, columns, T>& tile, const T* below, const T* above, int above_step) {
+DALEMBERT_BLOCK void component(Tile<width, columns, T>& tile, const T* below, int below_step, const T* above, int above_step) {
   constexpr int pack = Tile<width, columns, T>::pack, groups = Tile<width, columns, T>::groups, n = width * pack;
   Lanes<T, n> b[groups];
-  lanes<groups>([&](int g) DALEMBERT_IN_BLOCK { b[g] = load<n, T>(below + g * n); });
+  lanes<groups>([&](int g) DALEMBERT_IN_BLOCK { b[g] = load<n, T>(below + g * pack * below_step); });
   lanes<rows>([&](int r) DALEMBERT_IN_BLOCK {
     const Lanes<T, n> a = Standing::template read<width, pack, T>(above + r * above_step);
     lanes<groups>([&](int g) DALEMBERT_IN_BLOCK {
@@ -164,19 +180,20 @@ DALEMBERT_BLOCK void component(Tile<width, columns, T>& tile, const T* below, co
 
 // tile[r][c] = or += Σ_j below[j][c] · above[j][r], component by component, three of them.
 template <bool from_zero, Part part, class Standing, int width, int rows, int columns, class T>
-DALEMBERT_BLOCK void products(Tile<width, columns, T>& tile, const T* below, int below_stride, const T* above, int above_step,
-                              int above_stride) {
+DALEMBERT_BLOCK void products(Tile<width, columns, T>& tile, const T* below, int below_step, int below_stride, const T* above,
+                              int above_step, int above_stride) {
   lanes<3>([&](int j) DALEMBERT_IN_BLOCK {
     const T *from_below = below + j * below_stride, *from_above = above + j * above_stride;
-    if (from_zero && j == 0) component<true, part, Standing, width, rows, columns, T>(tile, from_below, from_above, above_step);
-    else component<false, part, Standing, width, rows, columns, T>(tile, from_below, from_above, above_step);
+    if (from_zero && j == 0)
+      component<true, part, Standing, width, rows, columns, T>(tile, from_below, below_step, from_above, above_step);
+    else component<false, part, Standing, width, rows, columns, T>(tile, from_below, below_step, from_above, above_step);
   });
 }
 
 // The same as a loop that no compiler unrolls: less code. It starts from zeros.
 template <bool from_zero, Part part, class Standing, int width, int rows, int columns, class T>
-DALEMBERT_BLOCK void products_in_loop(Tile<width, columns, T>& tile, const T* below, int below_stride, const T* above,
-                                      int above_step, int above_stride) {
+DALEMBERT_BLOCK void products_in_loop(Tile<width, columns, T>& tile, const T* below, int below_step, int below_stride,
+                                      const T* above, int above_step, int above_stride) {
   if constexpr (from_zero)
     lanes<rows>([&](int r) DALEMBERT_IN_BLOCK {
       constexpr int pack = Tile<width, columns, T>::pack, groups = Tile<width, columns, T>::groups;
@@ -186,18 +203,18 @@ DALEMBERT_BLOCK void products_in_loop(Tile<width, columns, T>& tile, const T* be
     });
   DALEMBERT_KEEP_LOOP
   for (int j = 0; j < 3; ++j)
-    component<false, part, Standing, width, rows, columns, T>(tile, below + j * below_stride, above + j * above_stride,
-                                                              above_step);
+    component<false, part, Standing, width, rows, columns, T>(tile, below + j * below_stride, below_step,
+                                                              above + j * above_stride, above_step);
 }
 
 // Products of `rows` joints above with `columns` below.
 template <bool loop, Part part, class Standing, int width, int rows, int columns, class T>
 struct Products {
-  int below_stride, above_step, above_stride;
+  int below_step, below_stride, above_step, above_stride;
 
   // The sum of the terms, factor by factor.
   template <int nl, int nu, int lower, int upper, class... Rest>
-  DALEMBERT_INLINE void fill(Tile<width, columns, T>& tile, const Factors<T, nl>& below, const Upper<T, nu>& above,
+  DALEMBERT_INLINE void fill(Tile<width, columns, T>& tile, const Joints<T, nl>& below, const Joints<T, nu>& above,
                              Sum<Term<lower, upper>, Rest...>) const {
     sum<true>(tile, below.at[lower], above.at[upper]);
     add(tile, below, above, Sum<Rest...>{});
@@ -205,9 +222,9 @@ struct Products {
 
  private:
   template <int nl, int nu>
-  DALEMBERT_INLINE void add(Tile<width, columns, T>&, const Factors<T, nl>&, const Upper<T, nu>&, Sum<>) const {}
+  DALEMBERT_INLINE void add(Tile<width, columns, T>&, const Joints<T, nl>&, const Joints<T, nu>&, Sum<>) const {}
   template <int nl, int nu, int lower, int upper, class... Rest>
-  DALEMBERT_INLINE void add(Tile<width, columns, T>& tile, const Factors<T, nl>& below, const Upper<T, nu>& above,
+  DALEMBERT_INLINE void add(Tile<width, columns, T>& tile, const Joints<T, nl>& below, const Joints<T, nu>& above,
                             Sum<Term<lower, upper>, Rest...>) const {
     sum<false>(tile, below.at[lower], above.at[upper]);
     add(tile, below, above, Sum<Rest...>{});
@@ -216,10 +233,11 @@ struct Products {
   template <bool from_zero>
   DALEMBERT_INLINE void sum(Tile<width, columns, T>& tile, const T* below, const T* above) const {
     if constexpr (loop)
-      products_in_loop<from_zero, part, Standing, width, rows, columns, T>(tile, below, below_stride, above, above_step,
-                                                                           above_stride);
+      products_in_loop<from_zero, part, Standing, width, rows, columns, T>(tile, below, below_step, below_stride, above,
+                                                                           above_step, above_stride);
     else
-      products<from_zero, part, Standing, width, rows, columns, T>(tile, below, below_stride, above, above_step, above_stride);
+      products<from_zero, part, Standing, width, rows, columns, T>(tile, below, below_step, below_stride, above, above_step,
+                                                                   above_stride);
   }
 };
 
@@ -280,11 +298,11 @@ DALEMBERT_BLOCK void put(const To& matrix, int leading, const From& tile, const 
 // Both triangles of an off-diagonal tile of `rows` joints above by `columns` below, or the whole of a diagonal one.
 template <bool out, class Standing, int width, int rows, int columns, bool diagonal, class T, int nl, int nu, class AboveSum,
           class To>
-DALEMBERT_BLOCK void tile_of(Symmetric<AboveSum>, const Factors<T, nl>& lower, const Upper<T, nu>& up, const Place<width>& at,
+DALEMBERT_BLOCK void tile_of(Symmetric<AboveSum>, const Joints<T, nl>& lower, const Joints<T, nu>& up, const Place<width>& at,
                              const To& matrix, int leading) {
   constexpr bool loop = products_loop(out, rows, columns, diagonal);
-  const Products<loop, diagonal ? Part::upper : Part::all, Standing, width, rows, columns, T> products{lower.stride, up.step,
-                                                                                                       up.stride};
+  const Products<loop, diagonal ? Part::upper : Part::all, Standing, width, rows, columns, T> products{lower.step, lower.stride,
+                                                                                                       up.step, up.stride};
   Tile<width, columns, T> m;
   products.fill(m, lower, up, AboveSum{});
   if constexpr (diagonal) {
@@ -296,13 +314,13 @@ DALEMBERT_BLOCK void tile_of(Symmetric<AboveSum>, const Factors<T, nl>& lower, c
 }
 template <bool out, class Standing, int width, int rows, int columns, bool diagonal, class T, int nl, int nu, class AboveSum,
           class BelowSum, class To>
-DALEMBERT_BLOCK void tile_of(Square<AboveSum, BelowSum>, const Factors<T, nl>& lower, const Upper<T, nu>& up,
+DALEMBERT_BLOCK void tile_of(Square<AboveSum, BelowSum>, const Joints<T, nl>& lower, const Joints<T, nu>& up,
                              const Place<width>& at, const To& matrix, int leading) {
   constexpr bool loop = products_loop(out, rows, columns, diagonal);
-  const Products<loop, diagonal ? Part::upper : Part::all, Standing, width, rows, columns, T> products{lower.stride, up.step,
-                                                                                                       up.stride};
+  const Products<loop, diagonal ? Part::upper : Part::all, Standing, width, rows, columns, T> products{lower.step, lower.stride,
+                                                                                                       up.step, up.stride};
   const Products<loop, diagonal ? Part::strictly_upper : Part::all, Standing, width, rows, columns, T> others{
-      lower.stride, up.step, up.stride};
+      lower.step, lower.stride, up.step, up.stride};
   Tile<width, columns, T> above;  // element (i, k)
   products.fill(above, lower, up, AboveSum{});
   if constexpr (!diagonal) put<false, rows, columns, width, T>(matrix, leading, above, at);
@@ -318,7 +336,7 @@ DALEMBERT_BLOCK void tile_of(Square<AboveSum, BelowSum>, const Factors<T, nl>& l
 // The same tile of every matrix.
 template <bool out, class Standing, int width, int rows, int columns, bool diagonal, class T, int nl, int nu, class To,
           class... Kinds>
-DALEMBERT_BLOCK void tiles_of(Matrices<Kinds...>, const Factors<T, nl>& lower, const Upper<T, nu>& up, const Place<width>& at,
+DALEMBERT_BLOCK void tiles_of(Matrices<Kinds...>, const Joints<T, nl>& lower, const Joints<T, nu>& up, const Place<width>& at,
                               const To* matrices, int leading) {
   int m = 0;
   (void)std::initializer_list<int>{
