@@ -247,7 +247,7 @@ namespace {
 // Tiles of four steps by four, as blocks.hpp goes through them; both triangles of a symmetric matrix are one.
 void tile_counts(const ir::Segment& s, const std::vector<Above>& levels, int factors, bool symmetric, int lanes,
                  ElementCounts& counts) {
-  const int limbs = s.computed(lanes) + s.computed(lanes) % 2;  // two at least
+  const int limbs = s.computed_of_tiles(lanes);
   const auto tile = [&](bool written_out, int rows, int columns, bool diagonal) {
     const long above = limbs * (diagonal ? rows * (rows + 1) / 2 : rows * columns);
     const long below = symmetric ? 0 : limbs * (diagonal ? rows * (rows - 1) / 2 : rows * columns);

@@ -24,10 +24,15 @@ struct Segment {
   int limbs() const {
     return static_cast<int>(std::count_if(bodies.begin(), bodies.end(), [](const auto& limb) { return limb.front() >= 0; }));
   }
-  // Lanes that are computed of one step where registers hold `lanes`: what is left over takes a smaller register.
+  // Lanes that recursions compute of one step where registers hold `lanes`: what is left over takes a smaller register.
   int computed(int lanes) const {
     const int whole = limbs() / lanes * lanes;
     return whole + (whole < limbs() ? static_cast<int>(std::bit_ceil(static_cast<unsigned>(limbs() - whole))) : 0);
+  }
+  // … and tiles, whole registers of two lanes at least.
+  int computed_of_tiles(int lanes) const {
+    const int some = std::max(2, std::min(width, lanes));
+    return (limbs() + some - 1) / some * some;
   }
   int slots() const { return steps * width; }
   bool is_short() const { return slots() <= 4; }  // takes half of the eight slots to which segments are padded

@@ -69,6 +69,8 @@ TEST(Plan, ComputesNoMoreLanesThanLimbsNeed) {
   EXPECT_EQ(s.computed(8), 8);
   EXPECT_EQ(s.computed(4), 5);
   EXPECT_EQ(s.computed(2), 5);
+  EXPECT_EQ(s.computed_of_tiles(4), 8);
+  EXPECT_EQ(s.computed_of_tiles(2), 6);
 }
 
 }  // namespace

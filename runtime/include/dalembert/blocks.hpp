@@ -34,10 +34,12 @@ DALEMBERT_BLOCK Joints<T, n> joints_of(const Factors<T, n>& p, int first, int st
   return limb;
 }
 
-// f(how many, first lane) for the limbs that are computed together, then for the next; both are constants.
+// f(how many, first lane) for the limbs that are computed together, then for the next; both are constants. Of limbs taken part
+// by part no two steps share a register: the steps of a part do not follow one another in their slots.
 template <class T, int limbs, int lane = 0, class F>
 DALEMBERT_BLOCK void each_tile_part(const F& f) {
-  constexpr int most = lanes_together<T, limbs - lane>, some = most < 2 ? 2 : most;
+  constexpr int most = lanes_together<T, limbs>, some = most < 2 ? 2 : most;
+  static_assert(some == lanes_for(limbs) || together<T>(some, 2) == 1, "steps of a part are not neighbours");
   f(std::integral_constant<int, some>{}, std::integral_constant<int, lane>{});
   if constexpr (lane + some < limbs) each_tile_part<T, limbs, lane + some>(f);
 }
