@@ -17,16 +17,18 @@ ROBOTS = {
     "skew_axes": "tests/robots/skew_axes.urdf", "unequal_limbs": "tests/robots/unequal_limbs.urdf",
     "two_levels_of_branching": "tests/robots/two_levels_of_branching.urdf",
     "prismatic_mix": "tests/robots/prismatic_mix.urdf", "gantry_arms": "tests/robots/gantry_arms.urdf",
-    "quadruped": "tests/robots/quadruped.urdf", "hand": "tests/robots/hand.urdf", "tree_5x20": "tests/robots/tree_5x20.urdf",
+    "quadruped": "tests/robots/quadruped.urdf", "hexapod": "tests/robots/hexapod.urdf", "hand": "tests/robots/hand.urdf",
+    "tree_5x20": "tests/robots/tree_5x20.urdf",
 }
 URDFS = ROBOTS | {"humanoid": "tests/robots/humanoid.urdf", "grippers": "tests/robots/grippers.urdf"}
 # Robots with a scene: links that are pushed along their own axes or the world's, joints that drive others, functions of the
 # scene's own, joints with a motor behind a spring.
 PUSHED, DRIVEN, ELASTIC = "pushed", "driven", "elastic"
 LINKS = {"mahru": ("left_hand", "right_foot"), "unequal_limbs": ("b_3", "d_5"), "gantry_arms": ("a_tool", "b_carriage"),
-         "hand": ("f1_index_4_distal", "f4_small_2_proximal")}
+         "hexapod": ("leg_2_3_tibia", "leg_6_2_femur"), "hand": ("f1_index_4_distal", "f4_small_2_proximal")}
 JOINTS = {"mahru": ("left_elbow", "right_elbow"), "unequal_limbs": ("b_2_joint", "d_4_joint"),
-          "gantry_arms": ("a_lift_joint", "b_lift_joint"), "hand": ("f1_index_3_middle_joint", "f4_small_3_middle_joint")}
+          "gantry_arms": ("a_lift_joint", "b_lift_joint"), "hexapod": ("leg_2_3_tibia_joint", "leg_6_2_femur_joint"),
+          "hand": ("f1_index_3_middle_joint", "f4_small_3_middle_joint")}
 FORMS = ["rolled", "straight"]
 COMPILERS = ["g++-11", "g++-12", "clang++-14", "clang++-16", "clang++-19"]
 LEVELS = ["-O0", "-O1", "-O2", "-O3"]
@@ -87,11 +89,11 @@ def whole(robots):
     scenes = list(itertools.product(LINKS, FORMS, [PUSHED, DRIVEN]))
     for i, (level, lanes, compiler) in enumerate(itertools.product(LEVELS, LANES, [*COMPILERS, AARCH64])):
         target = "aarch64" if compiler == AARCH64 else TARGETS[i * 7 % len(TARGETS)]
-        cells.append((scenes[(i * 5 + i // 16) % len(scenes)], (compiler, level, target, lanes)))
+        cells.append((scenes[(i * 7 + i // len(scenes)) % len(scenes)], (compiler, level, target, lanes)))
     scenes = list(itertools.product(LINKS, FORMS, [ELASTIC]))
     for i, (lanes, compiler) in enumerate(itertools.product(LANES, [*COMPILERS, AARCH64])):
         target = "aarch64" if compiler == AARCH64 else TARGETS[i * 7 % len(TARGETS)]
-        cells.append((scenes[(i * 3 + i // 8) % len(scenes)], (compiler, LEVELS[(i + i // 6) % len(LEVELS)], target, lanes)))
+        cells.append((scenes[(i * 3 + i // len(scenes)) % len(scenes)], (compiler, LEVELS[(i + i // 6) % len(LEVELS)], target, lanes)))
     # In an order that has met a bit of everything at any time, in case the run is cut short.
     for i in range(len(toolchains)):
         tools = toolchains[i * 367 % len(toolchains)]

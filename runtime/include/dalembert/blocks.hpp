@@ -163,6 +163,7 @@ DALEMBERT_BLOCK void lane_cross_blocks(const Factors<T, nl>& lower, const Factor
 }
 
 namespace detail {
+
 // `count` steps of a floating base's columns, from step c on.
 template <int width, int count, class T, class To>
 DALEMBERT_BLOCK void base_columns_from(int c, int step, const T* force, int stride, const LimbTable& limbs, const To& matrix,
