@@ -44,7 +44,7 @@ class TreeBuilder {
         if (placement.link == wrench.link) tree_.pushed.push_back(placement.body);
     check_links();
     if (!errors_.empty()) throw InputError(errors_);
-    check_magnitudes(tree_, robot_.file);
+    check_magnitudes(tree_, scene_, robot_.file);
     return std::move(tree_);
   }
 

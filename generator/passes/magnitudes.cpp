@@ -11,38 +11,41 @@ namespace dalembert::passes {
 
 namespace {
 
-bool in_range(double number) { return std::abs(number) <= largest_number; }  // NaN is not
+struct Range {
+  double largest;
 
-template <class Matrix>
-bool all_in_range(const Matrix& matrix) {
-  return matrix.unaryExpr([](double number) { return in_range(number); }).all();
-}
-
-bool in_range(const ir::Inertia& inertia) {
-  return in_range(inertia.mass) && all_in_range(inertia.com) && all_in_range(inertia.inertia);
-}
-
-bool in_range(const ir::Body& body) {
-  for (const double number :
-       {body.armature, body.damping, body.friction, body.multiplier, body.offset, body.spring.k, body.spring.rest})
-    if (!in_range(number)) return false;
-  return in_range(body.inertia) && all_in_range(body.placement.matrix());
-}
+  bool holds(double number) const { return std::abs(number) <= largest; }  // NaN is not
+  template <class Derived>
+  bool holds(const Eigen::MatrixBase<Derived>& matrix) const {
+    return matrix.unaryExpr([this](double number) { return holds(number); }).all();
+  }
+  bool holds(const ir::Inertia& inertia) const { return holds(inertia.mass) && holds(inertia.com) && holds(inertia.inertia); }
+  bool holds(const ir::Body& body) const {
+    for (const double number :
+         {body.armature, body.damping, body.friction, body.multiplier, body.offset, body.spring.k, body.spring.rest})
+      if (!holds(number)) return false;
+    return holds(body.inertia) && holds(body.placement.matrix());
+  }
+};
 
 }  // namespace
 
-void check_magnitudes(const ir::KinematicTree& tree, const std::string& file) {
+void check_magnitudes(const ir::KinematicTree& tree, const ir::Scene& scene, const std::string& file) {
+  const bool single = scene.scalar == ir::ScalarType::float32;
+  const Range range{single ? largest_number_in_float : largest_number};
   Diagnostics errors;
-  const auto refuse = [&](std::string element) {
-    add_error(errors, {Severity::error, file, std::move(element),
-                       fmt::format("a length, mass or other number is larger than {}", largest_number),
+  const auto refuse = [&](std::string element, const std::string& where) {
+    add_error(errors, {Severity::error, where, std::move(element),
+                       fmt::format("a length, mass or other number is larger than {:g}{}", range.largest,
+                                   single ? ", too large for float" : ""),
                        "check the numbers of the URDF and the scene: lengths are m, masses kg"});
   };
-  if (!in_range(tree.base)) refuse(fmt::format("link '{}'", tree.base_link));
+  if (!range.holds(tree.base)) refuse(fmt::format("link '{}'", tree.base_link), file);
   for (const ir::Body& body : tree.bodies)
-    if (!in_range(body)) refuse(fmt::format("joint '{}' and link '{}'", body.joint, body.name));
+    if (!range.holds(body)) refuse(fmt::format("joint '{}' and link '{}'", body.joint, body.name), file);
   for (const ir::LinkPlacement& link : tree.links)
-    if (!all_in_range(link.placement.matrix())) refuse(fmt::format("link '{}'", link.link));
+    if (!range.holds(link.placement.matrix())) refuse(fmt::format("link '{}'", link.link), file);
+  if (!range.holds(scene.gravity)) refuse("scene key 'gravity'", "");
   if (!errors.empty()) throw InputError(errors);
 }
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <regex>
 #include <robots.hpp>
 
 #include "frontend/urdf_reader.hpp"
@@ -365,8 +366,7 @@ TEST(BuildTree, NumbersTooLargeToComputeWithAreRefused) {
   };
   const std::string message =
       ": error: a length, mass or other number is larger than 1e+60; check the numbers of the URDF and the scene: lengths are "
-      "m, "
-      "masses kg";
+      "m, masses kg";
   EXPECT_EQ(refusal("1e59", "1e59 0 0", {}), "");
   EXPECT_EQ(refusal("6e59", "0 0 0", {}), "r.urdf: joint 'j' and link 'b'" + message);
   EXPECT_EQ(refusal("1e308", "0 0 0", {}), "r.urdf: link 'a'" + message + "\nr.urdf: joint 'j' and link 'b'" + message);
@@ -374,6 +374,17 @@ TEST(BuildTree, NumbersTooLargeToComputeWithAreRefused) {
   ir::Scene scene;
   scene.armature["j"] = 1e100;
   EXPECT_EQ(refusal("1", "0 0 0", scene), "r.urdf: joint 'j' and link 'b'" + message);
+  scene = {};
+  scene.gravity.x() = 1e61;
+  EXPECT_EQ(refusal("1", "0 0 0", scene), "scene key 'gravity'" + message);
+
+  scene = {};
+  scene.scalar = ir::ScalarType::float32;
+  EXPECT_EQ(refusal("1e11", "1e12 0 0", scene), "");
+  const std::string in_float = std::regex_replace(message, std::regex("1e\\+60"), "1e+12, too large for float");
+  EXPECT_EQ(refusal("1", "1e13 0 0", scene), "r.urdf: joint 'j' and link 'b'" + in_float);
+  scene.gravity.z() = -2e12;
+  EXPECT_EQ(refusal("1", "0 0 0", scene), "scene key 'gravity'" + in_float);
 }
 
 }  // namespace
