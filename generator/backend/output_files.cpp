@@ -60,6 +60,9 @@ class Staged {
   std::vector<std::pair<fs::path, fs::path>> files_;  // temporary, final
 };
 
+// What stands beside the other files after some runs only: left from an earlier one, it would be compiled with this one's.
+constexpr const char* not_of_every_run[] = {"tasks.hpp", "tasks.cpp"};
+
 bool is_ours(const fs::path& path) {
   std::string start(4096, '\0');
   std::ifstream file(path, std::ios::binary);
@@ -81,12 +84,18 @@ void add_files(const std::string& folder, const std::vector<OutputFile>& files) 
 }
 
 void write_files(const std::string& folder, const std::vector<OutputFile>& files) {
-  add_files(folder, files);
   std::error_code error;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
-    const bool produced =
-        std::any_of(files.begin(), files.end(), [&](const OutputFile& f) { return entry.path().filename() == f.name; });
-    if (!produced && entry.is_regular_file(error) && is_ours(entry.path())) fs::remove(entry.path(), error);
+  for (const OutputFile& file : files) {
+    const fs::path path = fs::path(folder) / file.name;
+    if (fs::is_regular_file(path, error) && fs::file_size(path, error) > 0 && !is_ours(path))
+      throw InputError({Severity::error, path.string(), "", "a file that dalembert did not write stands here",
+                        "move it, or name another folder with -o"});
+  }
+  add_files(folder, files);
+  for (const char* name : not_of_every_run) {
+    const fs::path path = fs::path(folder) / name;
+    const bool produced = std::any_of(files.begin(), files.end(), [&](const OutputFile& file) { return file.name == name; });
+    if (!produced && fs::is_regular_file(path, error) && is_ours(path)) fs::remove(path, error);
   }
 }
 

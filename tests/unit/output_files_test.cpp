@@ -65,11 +65,27 @@ TEST_F(OutputFiles, AreLeftAloneWhenTheyStayTheSame) {
 TEST_F(OutputFiles, OfAnEarlierRunAreRemovedAndForeignOnesKept) {
   write({{"a.hpp", ours}, {"tasks.hpp", ours}});
   std::ofstream(root_ / "out/mine.txt") << "mine";
+  fs::copy_file(root_ / "out/a.hpp", root_ / "out/my_a.hpp");
   fs::create_directory(root_ / "out/folder");
   write({{"a.hpp", ours}});
   EXPECT_FALSE(fs::exists(root_ / "out/tasks.hpp"));
   EXPECT_EQ(text("mine.txt"), "mine");
+  EXPECT_EQ(text("my_a.hpp"), ours);
+  std::ofstream(root_ / "out/tasks.hpp") << "mine";
+  write({{"a.hpp", ours}});
+  EXPECT_EQ(text("tasks.hpp"), "mine");
   EXPECT_TRUE(fs::is_directory(root_ / "out/folder"));
+}
+
+TEST_F(OutputFiles, DoNotTakeThePlaceOfForeignOnes) {
+  write({{"a.hpp", ours}});
+  std::ofstream(root_ / "out/b.hpp") << "mine";
+  EXPECT_THROW(write({{"a.hpp", ours + "1"}, {"b.hpp", ours}}), InputError);
+  EXPECT_EQ(text("a.hpp"), ours);  // nothing is written then
+  EXPECT_EQ(text("b.hpp"), "mine");
+  std::ofstream(root_ / "out/b.hpp", std::ios::trunc).close();  // empty: nothing is lost
+  write({{"a.hpp", ours + "1"}, {"b.hpp", ours}});
+  EXPECT_EQ(text("b.hpp"), ours);
 }
 
 TEST_F(OutputFiles, ThatCannotBeWrittenAreRefused) {
