@@ -2,12 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <filesystem>
 
 #include "frontend/inertia_check.hpp"
 #include "frontend/scene_check.hpp"
 #include "frontend/urdf_reader.hpp"
+#include "idle_keys.hpp"
 #include "ir/identifier.hpp"
 #include "ir/library_names.hpp"
 #include "passes/build_tree.hpp"
@@ -44,27 +44,6 @@ std::string code_name(const Request& request, const ir::RobotDescription& robot,
   warnings.push_back({Severity::warning, robot.file, fmt::format("robot '{}'", robot.name), fault,
                       fmt::format("its namespace is '{}_'; give another with --name", name)});
   return name + "_";
-}
-
-// Keys that no output asked for has anything to do with.
-void warn_of_idle_keys(const ir::Scene& scene, const ir::KinematicTree& tree, Diagnostics& warnings) {
-  const std::vector<ir::Quantity> outputs = scene.quantities();
-  const auto any = [&](auto of) { return std::any_of(outputs.begin(), outputs.end(), of); };
-  const bool pushed = any([](ir::Quantity quantity) {
-    return ir::row_of(quantity).function != ir::Function::evaluate && quantity != ir::Quantity::regressor &&
-           quantity != ir::Quantity::inverse_dynamics_dv;
-  });
-  if (!scene.wrenches.empty() && !pushed)
-    warnings.push_back({Severity::warning, "", "scene key 'wrenches'", "no output depends on the wrenches",
-                        "ask for inverse_dynamics, forward_dynamics or their derivatives"});
-  const bool solved = any([](ir::Quantity quantity) { return ir::row_of(quantity).scale == ir::Scale::solved; });
-  if (scene.forward_dynamics && !solved)
-    warnings.push_back({Severity::warning, "", "scene key 'forward_dynamics'", "no output is solved for with M",
-                        "ask for forward_dynamics, inverse_mass_matrix or mass_matrix_factor"});
-  else if (scene.forward_dynamics == ir::Solver::articulated_bodies && tree.independent_joints() < tree.joints())
-    warnings.push_back({Severity::warning, "", "scene key 'forward_dynamics'",
-                        "joints that are driven by others are solved for by factorization all the same",
-                        "leave the key out, or the mimic relations"});
 }
 
 std::string file_name(const std::string& path) { return std::filesystem::path(path).filename().string(); }

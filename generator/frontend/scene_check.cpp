@@ -49,8 +49,8 @@ class SceneCheck {
     if (scene_.urdf_friction) urdf_values("friction", &ir::Joint::friction);
     if (!errors_.empty()) throw InputError(errors_);
     warn_of_mimic();
-    warn_of_losses("damping", scene_.urdf_damping || document_.given.count("damping"), &ir::Joint::damping);
-    warn_of_losses("friction", scene_.urdf_friction || document_.given.count("friction"), &ir::Joint::friction);
+    warn_of_losses("damping", scene_.urdf_damping, scene_.damping, &ir::Joint::damping);
+    warn_of_losses("friction", scene_.urdf_friction, scene_.friction, &ir::Joint::friction);
     return std::move(scene_);
   }
 
@@ -283,15 +283,18 @@ class SceneCheck {
     return fmt::format("joint{} {}", joints.size() > 1 ? "s" : "", fmt::join(joints, ", "));
   }
 
-  void warn_of_losses(const char* kind, bool asked, double ir::Joint::*value) {
-    if (asked) return;
+  // Of joints whose loss in the URDF is neither taken nor given another value. An empty `damping: {}` says that none is wanted.
+  void warn_of_losses(const char* kind, bool asked, const std::map<std::string, double>& values, double ir::Joint::*value) {
+    if (asked || (values.empty() && document_.given.count(kind))) return;
     std::vector<std::string> joints;
     for (const ir::Joint& joint : robot_.joints)
-      if (joint.*value != 0 && joint.type != ir::JointType::fixed && !is_cut(joint) && !scene_.locked.count(joint.name))
+      if (joint.*value != 0 && joint.type != ir::JointType::fixed && !is_cut(joint) && !scene_.locked.count(joint.name) &&
+          !values.count(joint.name))
         joints.push_back("'" + joint.name + "'");
     if (!joints.empty())
       warnings_.push_back({Severity::warning, robot_.file, named(joints), fmt::format("<dynamics {}> is left out", kind),
-                           fmt::format("ask for it with {}: urdf in the scene", kind)});
+                           values.empty() ? fmt::format("ask for it with {}: urdf in the scene", kind)
+                                          : fmt::format("name them under {} too, with 0 where none is meant", kind)});
   }
 
   const SceneDocument& document_;

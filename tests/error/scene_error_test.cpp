@@ -459,6 +459,30 @@ TEST(SceneOptions, ComplaintsNameTheOption) {
 }
 
 TEST(SceneOptions, KeysThatNoOutputHasToDoWithAreToldOf) {
+  const auto idle = [](const std::string& key, const std::string& value, const std::string& outputs) {
+    const std::string said = info({"--" + key, value, "--outputs", outputs}).err;
+    const std::string warning = "scene key '" + key + "': warning: ";
+    EXPECT_TRUE(said.empty() || (said.rfind(warning, 0) == 0 && std::count(said.begin(), said.end(), '\n') == 1)) << said;
+    return !said.empty();
+  };
+  EXPECT_TRUE(idle("coriolis", "christoffel", "bias"));
+  EXPECT_FALSE(idle("coriolis", "christoffel", "coriolis_matrix"));
+  for (const std::string loss : {"damping", "friction"}) {
+    EXPECT_TRUE(idle(loss, "elbow=1", "mass_matrix,gravity,potential_energy")) << loss;
+    for (const std::string output : {"bias", "inverse_dynamics", "forward_dynamics_dq"})
+      EXPECT_FALSE(idle(loss, "elbow=1", "gravity," + output)) << loss << ", " << output;
+  }
+  EXPECT_TRUE(idle("stiffness", "elbow=1", "mass_matrix"));
+  EXPECT_FALSE(idle("stiffness", "elbow=1", "potential_energy"));
+  EXPECT_TRUE(idle("armature", "elbow=1", "gravity,coriolis_matrix,bias,center_of_mass"));
+  for (const std::string output : {"mass_matrix", "kinetic_energy", "inverse_mass_matrix", "inverse_dynamics"})
+    EXPECT_FALSE(idle("armature", "elbow=1", output)) << output;
+  EXPECT_TRUE(idle("gravity", "run_time", "mass_matrix,kinetic_energy"));
+  for (const std::string output : {"gravity", "bias", "potential_energy", "regressor", "forward_dynamics"})
+    EXPECT_FALSE(idle("gravity", "run_time", output)) << output;
+  EXPECT_TRUE(idle("payloads", "hand", "wrench_influence"));
+  EXPECT_FALSE(idle("payloads", "hand", "mass_matrix"));
+
   const std::string wrenches =
       "scene key 'wrenches': warning: no output depends on the wrenches; ask for inverse_dynamics, "
       "forward_dynamics or their derivatives\n";

@@ -249,6 +249,9 @@ const Case sound[] = {
 };
 
 const Use uses[] = {
+    {"damping_of_one_joint", "damping_and_friction", {"--damping", "j=1", "--friction", "{}"}, 0,
+     "joint 'k': warning: <dynamics damping> is left out; name them under damping too, with 0 where none is meant", ""},
+    {"damping_of_both_joints", "damping_and_friction", {"--damping", "j=1,k=0", "--friction", "j=0"}, 0, "", ""},
     {"massless_locked", "massless_subtree", {"--massless", "lock"}, 0,
      "joints 'k', 'l': warning: what moves no mass is locked, as the scene says; lock it by name to choose where",
      "1 moving joints, 4 links"},

@@ -1,0 +1,79 @@
+#include "idle_keys.hpp"
+
+#include <algorithm>
+#include <initializer_list>
+#include <string>
+#include <vector>
+
+namespace dalembert {
+namespace {
+
+using ir::Quantity;
+
+class IdleKeys {
+ public:
+  IdleKeys(const ir::Scene& scene, Diagnostics& warnings) : outputs_(scene.quantities()), warnings_(warnings) {}
+
+  // Whether one of these, or anything else that `heeds` says, is asked for.
+  bool asked(std::initializer_list<Quantity> readers) const {
+    return any([&](Quantity output) { return std::find(readers.begin(), readers.end(), output) != readers.end(); });
+  }
+  template <class Heeds>
+  bool any(const Heeds& heeds) const {
+    return std::any_of(outputs_.begin(), outputs_.end(), heeds);
+  }
+
+  void warn(const std::string& key, const std::string& fault, const std::string& remedy) {
+    warnings_.push_back({Severity::warning, "", "scene key '" + key + "'", fault, remedy});
+  }
+
+ private:
+  std::vector<Quantity> outputs_;
+  Diagnostics& warnings_;
+};
+
+// Of the functions of forces and accelerations, but for the regressor, whose columns are multiplied by parameters later.
+bool of_motion(Quantity quantity) {
+  return ir::row_of(quantity).function != ir::Function::evaluate && quantity != Quantity::regressor;
+}
+
+}  // namespace
+
+void warn_of_idle_keys(const ir::Scene& scene, const ir::KinematicTree& tree, Diagnostics& warnings) {
+  IdleKeys keys(scene, warnings);
+  const bool motion = keys.any(of_motion);
+  if (!scene.wrenches.empty() &&
+      !keys.any([](Quantity output) { return of_motion(output) && output != Quantity::inverse_dynamics_dv; }))
+    keys.warn("wrenches", "no output depends on the wrenches", "ask for inverse_dynamics, forward_dynamics or their derivatives");
+
+  const bool solved = keys.any([](Quantity output) { return ir::row_of(output).scale == ir::Scale::solved; });
+  if (scene.forward_dynamics && !solved)
+    keys.warn("forward_dynamics", "no output is solved for with M",
+              "ask for forward_dynamics, inverse_mass_matrix or mass_matrix_factor");
+  else if (scene.forward_dynamics == ir::Solver::articulated_bodies && tree.independent_joints() < tree.joints())
+    keys.warn("forward_dynamics", "joints that are driven by others are solved for by factorization all the same",
+              "leave the key out, or the mimic relations");
+
+  if (scene.coriolis == ir::Coriolis::christoffel && !keys.asked({Quantity::coriolis_matrix}))
+    keys.warn("coriolis", "C is not asked for", "ask for coriolis_matrix; C v is the same by either C");
+
+  const bool losses = motion || keys.asked({Quantity::bias});
+  if ((scene.urdf_damping || !scene.damping.empty()) && !losses)
+    keys.warn("damping", "no output depends on damping", "ask for bias, inverse_dynamics or forward_dynamics");
+  if ((scene.urdf_friction || !scene.friction.empty()) && !losses)
+    keys.warn("friction", "no output depends on friction", "ask for bias, inverse_dynamics or forward_dynamics");
+  if (!scene.stiffness.empty() && !losses && !keys.asked({Quantity::potential_energy}))
+    keys.warn("stiffness", "no output depends on springs",
+              "ask for bias, potential_energy, inverse_dynamics or forward_dynamics");
+
+  if (!scene.armature.empty() && !solved && !motion && !keys.asked({Quantity::mass_matrix, Quantity::kinetic_energy}))
+    keys.warn("armature", "no output depends on armature",
+              "ask for mass_matrix, kinetic_energy, inverse_dynamics or forward_dynamics");
+  if (scene.gravity_kind == ir::GravityKind::run_time && !motion &&
+      !keys.asked({Quantity::gravity, Quantity::bias, Quantity::potential_energy, Quantity::regressor}))
+    keys.warn("gravity", "no output depends on gravity", "leave run_time out");
+  if (!scene.payloads.empty() && !keys.any([](Quantity output) { return ir::row_of(output).needs != ir::Needs::nothing; }))
+    keys.warn("payloads", "no output depends on masses", "leave the payloads out; the regressor's columns are the same with them");
+}
+
+}  // namespace dalembert
