@@ -33,6 +33,9 @@ struct SelfTestSubject {
   double tolerance;
 };
 
+// Each file's own: a program may hold code for several targets, and the linker must not take one's copy for another's.
+namespace {
+
 template <class Scalar>
 class SelfTest {
  public:
@@ -99,6 +102,8 @@ class SelfTest {
   double excess_ = 0;
   bool passed_ = true;
 };
+
+}  // namespace
 
 // One line about the report: "mass_matrix(3, 4) at state 1 is 0.25, expected 0.5: error 0.1, allowed 1e-13". Writes at most
 // `size` characters, the closing zero included.
