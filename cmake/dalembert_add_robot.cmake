@@ -30,6 +30,13 @@ function(dalembert_add_robot target)
     message(FATAL_ERROR "dalembert_add_robot(${target}): unknown argument '${ARG_UNPARSED_ARGUMENTS}'; "
                         "options of the generator go behind OPTIONS")
   endif()
+  # cmake_parse_arguments() makes no difference between an empty value and a keyword that is not there.
+  foreach(keyword URDF SCENE NAME)
+    if("${keyword}" IN_LIST ARGN AND "${ARG_${keyword}}" STREQUAL "")
+      message(FATAL_ERROR "dalembert_add_robot(${target}): ${keyword} has no value; is a variable behind it not set? "
+                          "Give one, or leave ${keyword} out")
+    endif()
+  endforeach()
   if(NOT ARG_URDF)
     message(FATAL_ERROR "dalembert_add_robot(${target}): no robot; add URDF <file>")
   endif()

@@ -138,6 +138,16 @@ void add_report(Command& command) {
   };
 }
 
+// Most likely a variable of the shell that is not set. The scene's keys check themselves: an empty list is a value.
+void refuse_empty_options(const CLI::App& parser) {
+  for (const char* name : {"--scene", "--name", "--out", "--compiler", "--state", "--output"}) {
+    const CLI::Option* option = parser.get_option_no_throw(name);
+    if (option && option->count() > 0 && option->results().back().empty())
+      throw InputError({Severity::error, "", std::string("option ") + name, "its value is empty",
+                        option->get_required() ? "give one" : "give one, or leave the option out"});
+  }
+}
+
 int parse_and_run(int argc, const char* const* argv, Diagnostics& warnings, bool& verbose) {
   CLI::App app{"A dynamics compiler: URDF in, C++ for that one robot out.", "dalembert"};
   app.require_subcommand(1);
@@ -162,6 +172,7 @@ int parse_and_run(int argc, const char* const* argv, Diagnostics& warnings, bool
   }
   for (const Command* command : {&generate, &info, &eval, &check, &report})
     if (command->parser.parsed()) {
+      refuse_empty_options(command->parser);
       verbose = command->shared.verbose();
       return command->run(warnings);
     }

@@ -31,6 +31,20 @@ TEST(Usage, BadCommandLinesAreRefused) {
   expect_refused(run_dalembert({"info", sound, "--name", "class"}, "."), "option --name: error: 'class' is a keyword of C++");
 }
 
+TEST(Usage, EmptyOptionsAreRefused) {
+  const std::string or_not = ": error: its value is empty; give one, or leave the option out\n";
+  const std::string needed = ": error: its value is empty; give one\n";
+  for (const char* option : {"--scene", "--name"})
+    expect_refused(run_dalembert({"info", sound, option, ""}, "."), std::string("option ") + option + or_not);
+  expect_refused(run_dalembert({"check", sound, "--compiler", ""}, "."), "option --compiler" + or_not);
+  expect_refused(run_dalembert({"generate", sound, "-o", ""}, "."), "option --out" + needed);
+  expect_refused(run_dalembert({"eval", sound, "--state", "", "--output", "bias"}, "."), "option --state" + needed);
+  expect_refused(run_dalembert({"eval", sound, "--state", "-", "--output", ""}, "."), "option --output" + needed);
+  expect_refused(run_dalembert({"info", sound, "--form", ""}, "."), "--form");
+  expect_refused(run_dalembert({"info", sound, "--without", ""}, "."), "--without");
+  expect_refused(run_dalembert({"info", ""}, "."), "error");
+}
+
 TEST(Usage, TheRolledFormIsObeyedOrRefused) {
   const std::string alone = ERROR_ROBOTS "/nothing_moves.urdf";
   expect_refused(
@@ -48,7 +62,7 @@ TEST(Usage, TheRolledFormIsObeyedOrRefused) {
 
 TEST(Usage, HelpIsAResult) {
   for (const std::vector<std::string>& words :
-       std::vector<std::vector<std::string>>{{}, {"generate"}, {"info"}, {"eval"}, {"check"}}) {
+       std::vector<std::vector<std::string>>{{}, {"generate"}, {"info"}, {"eval"}, {"check"}, {"report"}}) {
     std::vector<std::string> arguments = words;
     arguments.push_back("--help");
     const Outcome run = run_dalembert(arguments, ".");

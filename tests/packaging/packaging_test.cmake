@@ -41,6 +41,21 @@ if(NOT output MATCHES "::self_test")
   message(FATAL_ERROR "${first} should have the self-test")
 endif()
 
+# A variable that is not set, quoted and not.
+foreach(empty "\"\${unset}\"" "\${unset}")
+  file(WRITE "${WORK}/empty/CMakeLists.txt"
+       "cmake_minimum_required(VERSION 3.25)
+project(empty LANGUAGES CXX)
+find_package(dalembert REQUIRED)
+dalembert_add_robot(arm URDF arm.urdf SCENE ${empty} NAME arm)
+")
+  run("configure without a scene's name" ${CMAKE_COMMAND} -S "${WORK}/empty" -B "${WORK}/empty/build" -G "${GENERATOR}"
+      "-DCMAKE_PREFIX_PATH=${WORK}/prefix")
+  if(result EQUAL 0 OR NOT output MATCHES "SCENE has no value")
+    message(FATAL_ERROR "a SCENE without a value should be refused")
+  endif()
+endforeach()
+
 run_well("build again" ${CMAKE_COMMAND} --build "${WORK}/build")
 if(output MATCHES "Generating|Building")
   message(FATAL_ERROR "nothing changed, and yet something was built again")
