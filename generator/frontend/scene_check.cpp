@@ -111,7 +111,7 @@ class SceneCheck {
         if (joint.mimic && !is_cut(joint) && !scene_.locked.count(joint.name)) scene_.mimic.emplace(joint.name, *joint.mimic);
     for (const auto& [name, relation] : scene_.mimic) {
       const std::string key = document_.urdf_mimic ? "mimic" : "mimic/" + name;
-      const std::string of = document_.urdf_mimic ? key : key + "/of";
+      const std::string of = document_.urdf_mimic ? key : key + part_of_entry + "of";
       if (relation.of.empty()) {
         error(key, fmt::format("the URDF's <mimic> of joint '{}' names no joint", name),
               "correct it in the URDF, or write the relations in the scene");
@@ -214,8 +214,8 @@ class SceneCheck {
     for (const ir::NamedFunction& function : scene_.functions)
       if (scene_.rates_zero &&
           std::count(function.quantities.begin(), function.quantities.end(), ir::Quantity::coriolis_matrix))
-        error("functions/" + function.name + "/coriolis_matrix", "coriolis_matrix is zero when rates_zero is set",
-              "remove one of the two");
+        error("functions/" + function.name + part_of_entry + "coriolis_matrix",
+              "coriolis_matrix is zero when rates_zero is set", "remove one of the two");
   }
 
   // The links that the names of a function's results mean: jacobian_world_hand is the jacobian of a link world_hand where there
@@ -237,7 +237,7 @@ class SceneCheck {
           found = &link;
           output = {row.quantity, link.name};
         }
-      const std::string where = "functions/" + function.name + "/" + asked;
+      const std::string where = "functions/" + function.name + part_of_entry + asked;
       kept_link(where, output.link);
       if (!names.insert(ir::name_of(output)).second)
         error(where, fmt::format("two outputs would be called '{}_{}'", function.name, ir::name_of(output)),

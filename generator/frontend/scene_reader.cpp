@@ -239,6 +239,8 @@ class SceneReader {
         entry_name(item, link);
         scene_.frames.push_back({*quantity, link});
       }
+      if (items.empty())
+        refuse(entry.key, fmt::format("nothing is asked for of link '{}'", link), "name at least one quantity, such as pose");
     }
   }
   // [link, …], or {link: link | world, …}
@@ -343,7 +345,7 @@ class SceneReader {
       ir::Mimic relation;
       for (const auto& part : entry.value.entries) {
         const std::string name = entry_name(part.key, joint);
-        if (name == "of" && part.value.is_scalar()) relation.of = part.value.scalar;
+        if (name == "of") relation.of = driver(joint, part.value);
         else if (name == "multiplier") relation.multiplier = number(part.value);
         else if (name == "offset") relation.offset = number(part.value);
         else
@@ -354,6 +356,12 @@ class SceneReader {
         refuse(entry.key, fmt::format("the relation of '{}' does not say which joint drives it", joint), remedy);
       scene_.mimic[joint] = relation;
     }
+  }
+
+  std::string driver(const std::string& joint, const YamlNode& node) const {
+    if (!node.is_scalar())
+      refuse(node, fmt::format("what drives '{}' is not the name of a joint", joint), "write of: other_joint");
+    return node.scalar;
   }
 
   template <class T>
@@ -423,8 +431,8 @@ class SceneReader {
   // The name of an entry; notes its place, and refuses one that is given twice.
   std::string entry_name(const YamlNode& node, const std::string& inside = "") {
     if (!node.is_scalar()) refuse(node, "a name was expected", "write the name of a joint or link");
-    std::string entry = std::string(key_) + "/";
-    if (!inside.empty()) entry += inside + "/";
+    std::string entry = key_ + "/";
+    if (!inside.empty()) entry += inside + part_of_entry;
     entry += node.scalar;
     if (!document_.places.emplace(entry, place(node)).second)
       refuse(node, fmt::format("'{}' is given twice", node.scalar), "keep one of them");

@@ -30,11 +30,15 @@ struct Place {
   std::string element;  // "line 3, column 5: key 'locked'" or "option --locked"
 };
 
+// Between an entry's name and that of a part of it. Not '/', which may stand in either.
+inline constexpr char part_of_entry = '\0';
+
 struct SceneDocument {
-  ir::Scene scene;                      // the keys given; the defaults elsewhere
-  std::set<std::string> given;          // the keys given
-  bool urdf_mimic = false;              // mimic: urdf
-  std::map<std::string, Place> places;  // "locked" for a key, "locked/l_knee" for an entry of it
+  ir::Scene scene;              // the keys given; the defaults elsewhere
+  std::set<std::string> given;  // the keys given
+  bool urdf_mimic = false;      // mimic: urdf
+  // "locked" for a key, "locked/l_knee" for an entry of it, "mimic/l_knee" + part_of_entry + "of" for a part of that
+  std::map<std::string, Place> places;
 };
 
 // `file`: empty when there is none. Throws InputError at the first unknown key or value, with line and column and a remedy.

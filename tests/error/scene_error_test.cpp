@@ -176,6 +176,9 @@ const Case defects[] = {
     {"mimic_without_driver",
      "mimic: {wrist: {multiplier: 2}}\n",
      "scene.yaml: line 1, column 9: key 'mimic': error: the relation of 'wrist' does not say which joint drives it; write {joint: {of: other_joint, multiplier: 1, offset: 0}}, or urdf to take the URDF's relations\n"},
+    {"mimic_driver_list",
+     "mimic: {elbow: {of: [shoulder]}}\n",
+     "scene.yaml: line 1, column 21: key 'mimic': error: what drives 'elbow' is not the name of a joint; write of: other_joint\n"},
     {"mimic_unknown_driver",
      "mimic: {wrist: {of: knee}}\n",
      "scene.yaml: line 1, column 17: key 'mimic': error: there is no joint 'knee'; choose from elbow, grip, shoulder, weld, wrist\n"},
@@ -215,6 +218,9 @@ const Case defects[] = {
     {"jacobian_of_fixed_base",
      "base: fixed\njacobians: [base]\n",
      "arm.urdf: link 'base': error: jacobian_base is asked for of a link that does not move: the base is fixed; name a link beyond a moving joint, or ask for base: floating\n"},
+    {"frame_of_nothing",
+     "frames: {fore: []}\n",
+     "scene.yaml: line 1, column 10: key 'frames': error: nothing is asked for of link 'fore'; name at least one quantity, such as pose\n"},
     {"unknown_payload",
      "payloads: [handle]\n",
      "scene.yaml: line 1, column 12: key 'payloads': error: there is no link 'handle'; did you mean 'hand'?\n"},
@@ -456,6 +462,23 @@ TEST(SceneOptions, ComplaintsNameTheOption) {
             "option --outputs: error: no output is asked for; name at least one quantity, such as mass_matrix\n");
   EXPECT_EQ(complaint({"--mimic", "{elbow: {"}),
             "option --mimic: error: the value is not YAML: end of map flow not found; docs/scene.md shows how it is written\n");
+}
+
+// As URDFs exported with namespaces have them.
+TEST(SceneNames, MayHoldSlashes) {
+  const TemporaryFolder folder;
+  std::string urdf = text_of(arm);
+  const std::string hand = "\"hand\"";
+  for (size_t at = urdf.find(hand); at != urdf.npos; at = urdf.find(hand, at)) urdf.replace(at, hand.size(), "\"fore/pose\"");
+  write_text(folder.path() + "/arm.urdf", urdf);
+  const auto info = [&](const std::string& frames) {
+    return run_dalembert({"info", "arm.urdf", "--frames", frames}, folder.path());
+  };
+  const Outcome run = info("{fore: [pose], fore/pose: [twist]}");
+  EXPECT_EQ(run.status, 0);
+  EXPECT_EQ(run.err, "");
+  EXPECT_EQ(info("{fore/pose: [twist], fore/pose: [pose]}").err,
+            "option --frames: error: 'fore/pose' is given twice; keep one of them\n");
 }
 
 TEST(SceneOptions, KeysThatNoOutputHasToDoWithAreToldOf) {
