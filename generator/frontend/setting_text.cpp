@@ -3,21 +3,17 @@
 #include <string_view>
 #include <vector>
 
+#include "frontend/numbers.hpp"
+
 namespace dalembert::frontend {
 
 namespace {
-
-std::string trimmed(std::string_view text) {
-  const size_t begin = text.find_first_not_of(" \t");
-  if (begin == text.npos) return "";
-  return std::string(text.substr(begin, text.find_last_not_of(" \t") - begin + 1));
-}
 
 std::vector<std::string> split(std::string_view text) {
   std::vector<std::string> pieces;
   while (true) {
     const size_t comma = text.find(',');
-    pieces.push_back(trimmed(text.substr(0, comma)));
+    pieces.emplace_back(trimmed(text.substr(0, comma)));
     if (comma == text.npos) return pieces;
     text.remove_prefix(comma + 1);
   }
@@ -26,7 +22,7 @@ std::vector<std::string> split(std::string_view text) {
 }  // namespace
 
 YamlNode node_of(const std::string& text) {
-  const std::string value = trimmed(text);
+  const std::string value(trimmed(text));
   if (value.starts_with('[') || value.starts_with('{')) return read_yaml(value).value_or(YamlNode());
   if (value.empty()) return sequence_node({});
   const std::vector<std::string> pieces = split(value);
@@ -35,7 +31,9 @@ YamlNode node_of(const std::string& text) {
   std::vector<std::pair<std::string, std::vector<std::string>>> entries;
   for (const std::string& piece : pieces) {
     const size_t equals = piece.find('=');
-    if (equals != piece.npos) entries.push_back({trimmed(piece.substr(0, equals)), {trimmed(piece.substr(equals + 1))}});
+    const std::string_view view = piece;
+    if (equals != piece.npos)
+      entries.push_back({std::string(trimmed(view.substr(0, equals))), {std::string(trimmed(view.substr(equals + 1)))}});
     else if (entries.empty()) return sequence_node(pieces);
     else entries.back().second.push_back(piece);
   }

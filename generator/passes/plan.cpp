@@ -71,14 +71,14 @@ class Grouping {
   static size_t at(int i) { return static_cast<size_t>(i); }
   size_t length(int limb) const { return limbs_[at(limb)].size(); }
 
-  // Groups the limbs of `group` hang on; a limb without a group yet stands for itself.
+  // Calls f with the limb that each of `limbs` hangs on.
   template <class F>
   void each_above(const std::vector<int>& limbs, const F& f) const {
     for (int l : limbs)
       if (above_[at(l)] >= 0) f(above_[at(l)]);
   }
 
-  // Whether going up from the group leads back to it.
+  // Whether going up from the group leads back to it: by way of whole groups, and of limbs that have none yet.
   bool cyclic(int group) const {
     std::set<int> seen;
     std::vector<int> todo;

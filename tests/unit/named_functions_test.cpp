@@ -61,7 +61,6 @@ TEST(NamedFunctions, ComeBehindTheStandardOnesThatTheOutputsNeed) {
   EXPECT_EQ(ir::functions_of(scene_of({}, two)).front().type, "PlanStep");
 }
 
-// What a function keeps between its steps stands in the workspace: no other function may be called like it.
 // The self-test knows them by their number.
 TEST(NamedFunctions, GiveResultsInTheOrderAskedFor) {
   for (const bool factors : {false, true}) {
@@ -82,6 +81,7 @@ TEST(NamedFunctions, GiveResultsInTheOrderAskedFor) {
   }
 }
 
+// What a function keeps between its steps stands in the workspace: no other function may be called like it.
 TEST(NamedFunctions, AreNotCalledLikeWhatAnotherKeeps) {
   ir::Scene whole = scene_of(derivatives, {}), in_halves = whole;
   in_halves.mimic["e_02_joint"] = {"c_01_joint", 2, 0};
