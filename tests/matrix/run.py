@@ -47,8 +47,8 @@ def run(command, **more):
 
 
 def digest(code):
-    """Of the code under test and the runtime headers it includes."""
-    seen, todo = {}, [code, code.parent / "dynamics.hpp"]
+    """Of the code under test, the self-test that judges it, and the runtime headers they include."""
+    seen, todo = {}, [code.parent / name for name in (code.name, "dynamics.hpp", "self_test.cpp", "self_test.hpp")]
     while todo:
         file = todo.pop()
         if file not in seen:
