@@ -22,6 +22,16 @@ bool is_xacro_expression(std::string_view text) { return text.find("${") != text
 
 constexpr const char* number_remedy = "write finite decimal numbers such as 0.25 or 1e-3";
 
+// The beginning of a text, for messages.
+std::string excerpt(std::string_view text) {
+  constexpr size_t most = 40;
+  text = trimmed(text);
+  size_t end = std::min(text.find_first_of("\r\n"), text.size());
+  if (end > most)
+    for (end = most; end > 0 && (text[end] & 0xc0) == 0x80;) --end;  // not inside a character
+  return std::string(text.substr(0, end)) + (end < text.size() ? "..." : "");
+}
+
 bool all_finite(const std::vector<double>& values) {
   return std::all_of(values.begin(), values.end(), [](double x) { return std::isfinite(x); });
 }
@@ -105,6 +115,21 @@ void ElementReader::only_children(const TiXmlElement& element, std::initializer_
       warning(*child, fmt::format("a second <{}> in <{}> is ignored", tag, element.Value()), "keep one of them");
     }
   }
+}
+
+bool ElementReader::nothing_between_tags(const TiXmlElement& element, const std::string& remedy) {
+  for (const TiXmlNode* node = element.FirstChild(); node; node = node->NextSibling()) {
+    const std::string_view value = node->Value();
+    std::string found;
+    if (node->ToText() && !trimmed(value).empty()) found = fmt::format("'{}'", excerpt(value));
+    if (node->ToElement() && (value.find(':') == value.npos || value.starts_with("xacro:"))) found = fmt::format("<{}>", value);
+    if (found.empty()) continue;
+    if (value.starts_with("xacro:") || is_xacro_expression(value))
+      note_xacro(element, fmt::format("{} in <{}>", found, element.Value()));
+    else error(element, fmt::format("<{}> has {} between its tags, where nothing is read", element.Value(), found), remedy);
+    return false;
+  }
+  return true;
 }
 
 void ElementReader::note_xacro(const TiXmlElement& at, std::string what) {

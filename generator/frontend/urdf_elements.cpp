@@ -15,7 +15,7 @@ namespace {
 Frame frame(ElementReader& read, const TiXmlElement& owner) {
   Frame frame;
   const TiXmlElement* origin = owner.FirstChildElement("origin");
-  if (!origin) return frame;
+  if (!origin || !read.nothing_between_tags(*origin, "write <origin xyz=\"...\" rpy=\"...\"/>")) return frame;
   if (origin->Attribute("quat_xyzw")) read.error(*origin, "<origin quat_xyzw> is not supported", "write the rotation as rpy");
   else read.only_attributes(*origin, {"xyz", "rpy"});
   frame.xyz = read.vector(*origin, "xyz").value_or(frame.xyz);
@@ -29,12 +29,11 @@ double mass(ElementReader& read, const TiXmlElement& inertial) {
     read.warning(inertial, "<inertial> has no <mass>: zero is taken", "write <mass value=\"...\"/> in kg");
     return 0;
   }
+  const std::string remedy = "write <mass value=\"...\"/> in kg";
+  if (!read.nothing_between_tags(*mass, remedy)) return 0;
   read.only_attributes(*mass, {"value"});
   if (mass->Attribute("value")) return read.number(*mass, "value").value_or(0);
-  if (mass->GetText())
-    read.error(*mass, fmt::format("<mass> has its number {} between tags", trimmed(mass->GetText())),
-               "write <mass value=\"...\"/> in kg");
-  else read.warning(*mass, "<mass> has no value: zero is taken", "write <mass value=\"...\"/> in kg");
+  read.warning(*mass, "<mass> has no value: zero is taken", remedy);
   return 0;
 }
 
@@ -46,6 +45,8 @@ Eigen::Matrix3d inertia(ElementReader& read, const TiXmlElement& inertial) {
                  "add <inertia ixx=... ixy=... ixz=... iyy=... iyz=... izz=.../> in kg m²");
     return moments;
   }
+  if (!read.nothing_between_tags(*inertia, "write <inertia ixx=... ixy=... ixz=... iyy=... iyz=... izz=.../> in kg m²"))
+    return moments;
   read.only_attributes(*inertia, {"ixx", "ixy", "ixz", "iyy", "iyz", "izz", "iyx", "izx", "izy"});
   struct Component {
     const char *name, *mirrored;
@@ -91,6 +92,7 @@ Eigen::Vector3d axis(ElementReader& read, const TiXmlElement& element) {
     read.warning(element, "the joint has no <axis>; 1 0 0 is taken", "write <axis xyz=\"1 0 0\"/>");
     return otherwise;
   }
+  if (!read.nothing_between_tags(*axis, "write <axis xyz=\"...\"/>")) return otherwise;
   read.only_attributes(*axis, {"xyz"});
   if (!read.required(*axis, "xyz", "write <axis xyz=\"0 0 1\"/> or another direction")) return otherwise;
   const std::optional<Eigen::Vector3d> direction = read.vector(*axis, "xyz");
@@ -125,10 +127,12 @@ JointOutline read_joint(ElementReader& read, const TiXmlElement& element, const 
   if (outline.type == "revolute" || outline.type == "continuous" || outline.type == "prismatic")
     outline.axis = axis(read, element);
   if (const TiXmlElement* dynamics = element.FirstChildElement("dynamics")) {
+    read.nothing_between_tags(*dynamics, "write <dynamics damping=\"...\" friction=\"...\"/>");
     outline.damping = read.optional_number(*dynamics, "damping").value_or(0);
     outline.friction = read.optional_number(*dynamics, "friction").value_or(0);
   }
   if (const TiXmlElement* mimic = element.FirstChildElement("mimic")) {
+    read.nothing_between_tags(*mimic, "write <mimic joint=\"...\" multiplier=\"...\" offset=\"...\"/>");
     read.only_attributes(*mimic, {"joint", "multiplier", "offset"});
     const char* of = mimic->Attribute("joint");
     outline.mimic = ir::Mimic{std::string(trimmed(of ? of : "")), read.optional_number(*mimic, "multiplier").value_or(1),

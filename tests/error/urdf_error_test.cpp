@@ -39,6 +39,8 @@ std::string expected(const Case& c) {
 
 // clang-format off
 const Case defects[] = {
+    {"axis_between_tags",
+     "joint 'j' (line 17): error: <axis> has <xyz> between its tags, where nothing is read; write <axis xyz=\"...\"/>"},
     {"axis_without_xyz",
      "joint 'j' (line 17): error: <axis> has no xyz; write <axis xyz=\"0 0 1\"/> or another direction"},
     {"blank_mass",
@@ -67,12 +69,17 @@ const Case defects[] = {
      "link 'b' (line 10): error: <mass value=\"0x10\"> is not a number; write finite decimal numbers such as 0.25 or 1e-3"},
     {"indefinite_inertia",
      "link 'b' (line 8): error: the inertia is not positive definite (principal moments -1, 1, 3 kg m²); correct <inertia>: its matrix about the centre of mass has no negative principal moment; or go on knowingly with inertia: accept or inertia: repair in the scene"},
+    {"inertia_between_tags",
+     "link 'b' (line 11): error: <inertia> has <ixx> between its tags, where nothing is read; write <inertia ixx=... ixy=... ixz=... iyy=... iyz=... izz=.../> in kg m²"},
     {"infinite_mass",
      "link 'b' (line 10): error: <mass value=\"inf\"> is not a finite number; write finite decimal numbers such as 0.25 or 1e-3"},
     {"infinite_rpy",
      "joint 'j' (line 18): error: <origin rpy=\"0 0 -inf\"> is not three finite numbers; write three finite decimal numbers with blanks between them"},
     {"joint_to_itself",
      "joint 'k' (line 19): error: the joint connects link 'b' to itself; name two different links"},
+    {"losses_between_tags",
+     "joint 'j' (line 18): error: <dynamics> has <damping> between its tags, where nothing is read; write <dynamics damping=\"...\" friction=\"...\"/>\n"
+     "joint 'j' (line 19): error: <mimic> has 'a remark that is longer than what is sho...' between its tags, where nothing is read; write <mimic joint=\"...\" multiplier=\"...\" offset=\"...\"/>"},
     {"malformed_axis",
      "joint 'j' (line 17): error: <axis xyz=\"0 1\"> is not three finite numbers; write three finite decimal numbers with blanks between them"},
     {"malformed_mass",
@@ -80,7 +87,7 @@ const Case defects[] = {
     {"malformed_xml",
      "line 3, column 1: error: this is not well-formed XML: Error reading end tag.; close the tag or quote opened there"},
     {"mass_between_tags",
-     "link 'b' (line 10): error: <mass> has its number 1 between tags; write <mass value=\"...\"/> in kg"},
+     "link 'b' (line 10): error: <mass> has '1' between its tags, where nothing is read; write <mass value=\"...\"/> in kg"},
     {"nan_axis",
      "joint 'j' (line 17): error: <axis xyz=\"0 nan 1\"> is not three finite numbers; write three finite decimal numbers with blanks between them"},
     {"nan_inertia",
@@ -112,6 +119,9 @@ const Case defects[] = {
      "error: this is not XML; a URDF is an XML file whose root is <robot>"},
     {"nothing_moves",
      "robot 'r': error: no joint is left to move and the base is fixed; unlock a joint, or ask for --base floating"},
+    {"origin_between_tags",
+     "link 'b' (line 10): error: <origin> has <xyz> between its tags, where nothing is read; write <origin xyz=\"...\" rpy=\"...\"/>\n"
+     "joint 'j' (line 19): error: <origin> has '0 0 -1' between its tags, where nothing is read; write <origin xyz=\"...\" rpy=\"...\"/>"},
     {"overflowing_number",
      "link 'b' (line 10): error: <mass value=\"1e999\"> is not a number; write finite decimal numbers such as 0.25 or 1e-3"},
     {"planar_joint",
@@ -131,6 +141,8 @@ const Case defects[] = {
      "joint 'j' (line 14): error: joints of type 'spherical' are not supported; use revolute, continuous, prismatic or fixed"},
     {"unknown_parent",
      "joint 'j' (line 14): error: its parent link 'base_lnk' does not exist; add the link, or did you mean 'base_link'?"},
+    {"xacro_block",
+     "joint 'j' (line 18): error: <xacro:insert_block> in <origin> is left for xacro to expand: the file does not yet describe a robot; expand it with ROS's xacro: xacro xacro_block.urdf > expanded.urdf, and name that"},
     {"xacro_definitions_only",
      "robot 'r' (line 2): error: <xacro:macro> is left for xacro to expand: the file does not yet describe a robot; expand it with ROS's xacro: xacro xacro_definitions_only.urdf > expanded.urdf, and name that"},
     {"xacro_find",
@@ -235,6 +247,7 @@ const Case doubts[] = {
 const Case sound[] = {
     {"blank_behind_mass", "-> b, 5 kg"},
     {"byte_order_mark", "robot r (r)"},
+    {"comments_between_tags", "j: revolute, 0 0 1 -> b"},
     {"doctype", "robot r (r)"},
     {"floating_root", "floating base 'a', 1 moving joints, 2 links"},
     {"latin1", "-> b\u00e9, 1 kg"},
