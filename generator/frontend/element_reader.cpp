@@ -32,6 +32,11 @@ std::string excerpt(std::string_view text) {
   return std::string(text.substr(0, end)) + (end < text.size() ? "..." : "");
 }
 
+template <class Names>
+std::string known_names(const Names& names) {
+  return names.size() == 0 ? "remove it" : fmt::format("the known ones are {}", fmt::join(names, ", "));
+}
+
 bool all_finite(const std::vector<double>& values) {
   return std::all_of(values.begin(), values.end(), [](double x) { return std::isfinite(x); });
 }
@@ -92,9 +97,8 @@ std::optional<double> ElementReader::optional_number(const TiXmlElement& element
 
 void ElementReader::only_attributes(const TiXmlElement& element, std::initializer_list<std::string_view> known) {
   for (const TiXmlAttribute* a = element.FirstAttribute(); a; a = a->Next())
-    if (!is_in(a->Name(), known))
-      warning(element, fmt::format("unknown attribute '{}' of <{}> is ignored", a->Name(), element.Value()),
-              fmt::format("the known ones are {}", fmt::join(known, ", ")));
+    if (std::string_view(a->Name()).find(':') == std::string_view::npos && !is_in(a->Name(), known))
+      warning(element, fmt::format("unknown attribute '{}' of <{}> is ignored", a->Name(), element.Value()), known_names(known));
 }
 
 void ElementReader::only_children(const TiXmlElement& element, std::initializer_list<std::string_view> once,
@@ -110,7 +114,7 @@ void ElementReader::only_children(const TiXmlElement& element, std::initializer_
     } else if (tag.find(':') != tag.npos) {  // a prefix: somebody else's extension
     } else if (!is_in(tag, once)) {
       warning(*child, fmt::format("unknown element <{}> in <{}> is ignored", tag, element.Value()),
-              fmt::format("the known ones are {}", fmt::join(known, ", ")));
+              known_names(known));
     } else if (!seen.insert(tag).second) {
       warning(*child, fmt::format("a second <{}> in <{}> is ignored", tag, element.Value()), "keep one of them");
     }

@@ -34,7 +34,8 @@ class ElementReader {
   // A number that the dynamics need not read, such as a limit: a warning instead, and NaN.
   std::optional<double> optional_number(const TiXmlElement& element, const char* attribute);
 
-  // Warns about attributes and children that are not in the lists, and about a second child of the same `once` name.
+  // Warns about attributes and children that are not in the lists, and about a second child of the same `once` name. Names with
+  // a prefix are somebody else's extension.
   void only_attributes(const TiXmlElement& element, std::initializer_list<std::string_view> known);
   void only_children(const TiXmlElement& element, std::initializer_list<std::string_view> once,
                      std::initializer_list<std::string_view> any_number);

@@ -80,7 +80,11 @@ std::string joint_type(ElementReader& read, const TiXmlElement& element) {
 // <parent link> or <child link>
 std::string end(ElementReader& read, const TiXmlElement& element, const char* tag) {
   const std::string remedy = fmt::format("add <{} link=\"...\"/>", tag);
-  if (const TiXmlElement* found = element.FirstChildElement(tag)) return read.required(*found, "link", remedy).value_or("");
+  if (const TiXmlElement* found = element.FirstChildElement(tag)) {
+    read.only_attributes(*found, {"link"});
+    read.only_children(*found, {}, {});
+    return read.required(*found, "link", remedy).value_or("");
+  }
   read.error(element, fmt::format("the joint has no <{}>", tag), remedy);
   return "";
 }
@@ -101,13 +105,22 @@ Eigen::Vector3d axis(ElementReader& read, const TiXmlElement& element) {
   return direction.value_or(otherwise);
 }
 
+// Numbers that the dynamics does not use: what is odd about them is at most worth a warning.
+void read_unused(ElementReader& read, const TiXmlElement& element, std::initializer_list<std::string_view> attributes) {
+  read.only_attributes(element, attributes);
+  read.only_children(element, {}, {});
+  for (std::string_view literal : attributes) read.optional_number(element, literal.data());
+}
+
 }  // namespace
 
 LinkOutline read_link(ElementReader& read, const TiXmlElement& element, const std::string& name) {
   LinkOutline outline{name, element.Row(), std::nullopt};
+  read.only_attributes(element, {"name", "type"});  // `type` is of URDF's early days
   read.only_children(element, {"inertial"}, {"visual", "collision", "self_collision_checking", "contact", "sensor", "gazebo"});
   const TiXmlElement* inertial = element.FirstChildElement("inertial");
   if (!inertial) return outline;
+  read.only_attributes(*inertial, {});
   read.only_children(*inertial, {"origin", "mass", "inertia"}, {});
   outline.inertial = InertialOutline{frame(read, *inertial), mass(read, *inertial), inertia(read, *inertial)};
   return outline;
@@ -117,6 +130,7 @@ JointOutline read_joint(ElementReader& read, const TiXmlElement& element, const 
   JointOutline outline;
   outline.name = name;
   outline.line = element.Row();
+  read.only_attributes(element, {"name", "type"});
   read.only_children(element,
                      {"origin", "parent", "child", "axis", "limit", "dynamics", "mimic", "calibration", "safety_controller"},
                      {"gazebo", "sensor", "hardwareInterface"});
@@ -128,6 +142,7 @@ JointOutline read_joint(ElementReader& read, const TiXmlElement& element, const 
     outline.axis = axis(read, element);
   if (const TiXmlElement* dynamics = element.FirstChildElement("dynamics")) {
     read.nothing_between_tags(*dynamics, "write <dynamics damping=\"...\" friction=\"...\"/>");
+    read.only_attributes(*dynamics, {"damping", "friction"});
     outline.damping = read.optional_number(*dynamics, "damping").value_or(0);
     outline.friction = read.optional_number(*dynamics, "friction").value_or(0);
   }
@@ -138,15 +153,12 @@ JointOutline read_joint(ElementReader& read, const TiXmlElement& element, const 
     outline.mimic = ir::Mimic{std::string(trimmed(of ? of : "")), read.optional_number(*mimic, "multiplier").value_or(1),
                               read.optional_number(*mimic, "offset").value_or(0)};
   }
-  struct Unread {
-    const char* element;
-    std::vector<const char*> attributes;
-  };
-  for (const Unread& unread :
-       {Unread{"limit", {"lower", "upper", "effort", "velocity"}}, Unread{"calibration", {"rising", "falling"}},
-        Unread{"safety_controller", {"soft_lower_limit", "soft_upper_limit", "k_position", "k_velocity"}}})
-    if (const TiXmlElement* found = element.FirstChildElement(unread.element))
-      for (const char* attribute : unread.attributes) read.optional_number(*found, attribute);
+  if (const TiXmlElement* limit = element.FirstChildElement("limit"))
+    read_unused(read, *limit, {"lower", "upper", "effort", "velocity", "acceleration", "deceleration", "jerk"});
+  if (const TiXmlElement* calibration = element.FirstChildElement("calibration"))
+    read_unused(read, *calibration, {"rising", "falling", "reference_position"});
+  if (const TiXmlElement* safety = element.FirstChildElement("safety_controller"))
+    read_unused(read, *safety, {"soft_lower_limit", "soft_upper_limit", "k_position", "k_velocity"});
   return outline;
 }
 

@@ -31,6 +31,7 @@ class OutlineReader {
     UrdfOutline outline;
     outline.robot = robot_name(robot);
     read_.enter(fmt::format("robot '{}'", outline.robot));
+    read_.only_attributes(robot, {"name", "version", "xmlns"});
     read_.only_children(robot, {},
                         {"link", "joint", "material", "transmission", "gazebo", "sensor", "mujoco", "plugin", "ros2_control"});
 

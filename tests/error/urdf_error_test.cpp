@@ -232,6 +232,16 @@ const Case doubts[] = {
      "joint 'j' (line 17): warning: a second <axis> in <joint> is ignored; keep one of them"},
     {"unknown_attribute",
      "joint 'j' (line 18): warning: unknown attribute 'xzy' of <origin> is ignored; the known ones are xyz, rpy"},
+    {"unknown_attributes",
+     "robot 'r' (line 1): warning: unknown attribute 'author' of <robot> is ignored; the known ones are name, version, xmlns\n"
+     "link 'b' (line 8): warning: unknown attribute 'mass' of <link> is ignored; the known ones are name, type\n"
+     "link 'b' (line 9): warning: unknown attribute 'mass' of <inertial> is ignored; remove it\n"
+     "joint 'j' (line 14): warning: unknown attribute 'damping' of <joint> is ignored; the known ones are name, type\n"
+     "joint 'j' (line 15): warning: unknown attribute 'xyz' of <parent> is ignored; the known ones are link\n"
+     "joint 'j' (line 19): warning: unknown attribute 'dampping' of <dynamics> is ignored; the known ones are damping, friction\n"
+     "joint 'j' (line 18): warning: unknown attribute 'force' of <limit> is ignored; the known ones are lower, upper, effort, velocity, acceleration, deceleration, jerk\n"
+     "joint 'j' (line 20): warning: unknown attribute 'sinking' of <calibration> is ignored; the known ones are rising, falling, reference_position\n"
+     "joint 'j' (line 21): warning: unknown attribute 'k_force' of <safety_controller> is ignored; the known ones are soft_lower_limit, soft_upper_limit, k_position, k_velocity"},
     {"unknown_tag_many_times",
      "joint 'j' (line 17): warning: unknown element <gear> in <joint> is ignored; the known ones are origin, parent, child, axis, limit, dynamics, mimic, calibration, safety_controller, gazebo, sensor, hardwareInterface (the first of 4 such warnings; --verbose shows all)"},
     {"unknown_tags",
