@@ -98,7 +98,8 @@ std::optional<double> ElementReader::optional_number(const TiXmlElement& element
 void ElementReader::only_attributes(const TiXmlElement& element, std::initializer_list<std::string_view> known) {
   for (const TiXmlAttribute* a = element.FirstAttribute(); a; a = a->Next())
     if (std::string_view(a->Name()).find(':') == std::string_view::npos && !is_in(a->Name(), known))
-      warning(element, fmt::format("unknown attribute '{}' of <{}> is ignored", a->Name(), element.Value()), known_names(known));
+      warning(element, fmt::format("unknown attribute '{}' of <{}> is ignored", a->Name(), element.Value()),
+              known_names(known));
 }
 
 void ElementReader::only_children(const TiXmlElement& element, std::initializer_list<std::string_view> once,
@@ -113,8 +114,7 @@ void ElementReader::only_children(const TiXmlElement& element, std::initializer_
       if (!is_in(tag, {"xacro:property", "xacro:arg", "xacro:macro"})) note_xacro(*child, fmt::format("<{}>", tag));
     } else if (tag.find(':') != tag.npos) {  // a prefix: somebody else's extension
     } else if (!is_in(tag, once)) {
-      warning(*child, fmt::format("unknown element <{}> in <{}> is ignored", tag, element.Value()),
-              known_names(known));
+      warning(*child, fmt::format("unknown element <{}> in <{}> is ignored", tag, element.Value()), known_names(known));
     } else if (!seen.insert(tag).second) {
       warning(*child, fmt::format("a second <{}> in <{}> is ignored", tag, element.Value()), "keep one of them");
     }

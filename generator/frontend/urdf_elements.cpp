@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <cmath>
 #include <string_view>
 #include <vector>
 
@@ -37,6 +38,20 @@ double mass(ElementReader& read, const TiXmlElement& inertial) {
   return 0;
 }
 
+// A product of inertia that is written on both sides of the diagonal. In some public files (DART's WAM) the lower half is all
+// zeros and the upper one is meant. Differences below `rounding` are none.
+void check_mirrored(ElementReader& read, const TiXmlElement& inertia, const char* name, const char* mirrored, double rounding) {
+  if (!inertia.Attribute(name) || !inertia.Attribute(mirrored)) return;
+  const std::optional<double> upper = parse_number(inertia.Attribute(name)), lower = read.number(inertia, mirrored);
+  if (!upper || !lower || std::abs(*upper - *lower) <= rounding) return;
+  const std::string what = fmt::format("<inertia> has {}=\"{}\" and {}=\"{}\"", name, inertia.Attribute(name), mirrored,
+                                       inertia.Attribute(mirrored));
+  if (*lower == 0)
+    read.warning(inertia, fmt::format("{}: {} is taken", what, name), fmt::format("leave out {}", mirrored),
+                 "mirrored product of inertia");
+  else read.error(inertia, what + ", which are the same product of inertia", "leave out the wrong one");
+}
+
 Eigen::Matrix3d inertia(ElementReader& read, const TiXmlElement& inertial) {
   Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();
   const TiXmlElement* inertia = inertial.FirstChildElement("inertia");
@@ -59,6 +74,10 @@ Eigen::Matrix3d inertia(ElementReader& read, const TiXmlElement& inertial) {
     if (inertia->Attribute(name)) moments(c.row, c.column) = moments(c.column, c.row) = read.number(*inertia, name).value_or(0);
     else missing.push_back(c.name);
   }
+  const double rounding = 1e-5 * moments.cwiseAbs().maxCoeff();
+  check_mirrored(read, *inertia, "ixy", "iyx", rounding);
+  check_mirrored(read, *inertia, "ixz", "izx", rounding);
+  check_mirrored(read, *inertia, "iyz", "izy", rounding);
   if (!missing.empty())
     read.warning(*inertia, fmt::format("<inertia> has no {}: zero is taken", fmt::join(missing, ", ")),
                  "give all of ixx, ixy, ixz, iyy, iyz, izz in kg m²");

@@ -47,6 +47,9 @@ const Case defects[] = {
      "link 'b' (line 10): error: <mass value=\" \"> is not a number; write finite decimal numbers such as 0.25 or 1e-3"},
     {"commas_between_numbers",
      "joint 'j' (line 17): error: <axis xyz=\"0, 0, 1\"> is not three finite numbers; write three finite decimal numbers with blanks between them"},
+    {"contradicting_products",
+     "link 'b' (line 11): error: <inertia> has ixy=\"0\" and iyx=\"0.1\", which are the same product of inertia; leave out the wrong one\n"
+     "link 'b' (line 11): error: <inertia> has iyz=\"0.2\" and izy=\"0.3\", which are the same product of inertia; leave out the wrong one"},
     {"cycle_beside_tree",
      "joint 'l' (line 36): error: the joints form a cycle: each link's parent is the next of c, d, c; remove one joint of the cycle, so that one root link remains"},
     {"cycle_without_root",
@@ -184,6 +187,8 @@ const Case doubts[] = {
      "robot 'double': warning: 'double' is a keyword of C++; its namespace is 'double_'; give another with --name"},
     {"library_robot",
      "robot 'std': warning: 'std' is the name of a library the generated code uses; its namespace is 'std_'; give another with --name"},
+    {"lower_products_zero",
+     "link 'b' (line 11): warning: <inertia> has ixy=\"0.1\" and iyx=\"0\": ixy is taken; leave out iyx (the first of 2 such warnings; --verbose shows all)"},
     {"macro_joint",
      "joint 'NAN' (line 14): warning: the name is a macro of the C++ library; it is called 'NAN_' here"},
     {"malformed_damping",
