@@ -22,16 +22,6 @@ bool is_xacro_expression(std::string_view text) { return text.find("${") != text
 
 constexpr const char* number_remedy = "write finite decimal numbers such as 0.25 or 1e-3";
 
-// The beginning of a text, for messages.
-std::string excerpt(std::string_view text) {
-  constexpr size_t most = 40;
-  text = trimmed(text);
-  size_t end = std::min(text.find_first_of("\r\n"), text.size());
-  if (end > most)
-    for (end = most; end > 0 && (text[end] & 0xc0) == 0x80;) --end;  // not inside a character
-  return std::string(text.substr(0, end)) + (end < text.size() ? "..." : "");
-}
-
 template <class Names>
 std::string known_names(const Names& names) {
   return names.size() == 0 ? "remove it" : fmt::format("the known ones are {}", fmt::join(names, ", "));
@@ -42,12 +32,21 @@ bool all_finite(const std::vector<double>& values) {
 }
 }  // namespace
 
+std::string excerpt(std::string_view text) {
+  constexpr size_t most = 40;
+  text = trimmed(text);
+  size_t end = std::min(text.find_first_of("\r\n"), text.size());
+  if (end > most)
+    for (end = most; end > 0 && (text[end] & 0xc0) == 0x80;) --end;  // not inside a character
+  return std::string(text.substr(0, end)) + (end < text.size() ? "..." : "");
+}
+
 void ElementReader::error(const TiXmlElement& at, std::string message, std::string remedy) {
   add_error(errors_,
             {Severity::error, file_, fmt::format("{} (line {})", owner_, at.Row()), std::move(message), std::move(remedy)});
 }
 
-void ElementReader::warning(const TiXmlElement& at, std::string message, std::string remedy, std::string kind) {
+void ElementReader::warning(const TiXmlBase& at, std::string message, std::string remedy, std::string kind) {
   warnings_.push_back({Severity::warning, file_, fmt::format("{} (line {})", owner_, at.Row()), std::move(message),
                        std::move(remedy), std::move(kind)});
 }
@@ -106,6 +105,10 @@ void ElementReader::only_children(const TiXmlElement& element, std::initializer_
                                   std::initializer_list<std::string_view> any_number) {
   std::vector<std::string_view> known(once);
   known.insert(known.end(), any_number);
+  for (const TiXmlNode* node = element.FirstChild(); node; node = node->NextSibling())
+    if (node->ToText() && !trimmed(node->Value()).empty())
+      warning(*node, fmt::format("the text '{}' in <{}> is ignored", excerpt(node->Value()), element.Value()),
+              "remove it, or make it a comment: <!-- ... -->", fmt::format("text in {}", element.Value()));
   std::set<std::string_view> seen;
   for (const TiXmlElement* child = element.FirstChildElement(); child; child = child->NextSiblingElement()) {
     const std::string_view tag = child->Value();

@@ -13,6 +13,9 @@
 
 namespace dalembert::frontend {
 
+// The beginning of a text, for messages.
+std::string excerpt(std::string_view text);
+
 // Where complaints about one link or joint go.
 class ElementReader {
  public:
@@ -24,7 +27,7 @@ class ElementReader {
 
   void error(const TiXmlElement& at, std::string message, std::string remedy);
   // `kind`: as in Diagnostic.
-  void warning(const TiXmlElement& at, std::string message, std::string remedy, std::string kind = "");
+  void warning(const TiXmlBase& at, std::string message, std::string remedy, std::string kind = "");
 
   // The attribute's text without the blanks around it; an error when it is missing or blank.
   std::optional<std::string> required(const TiXmlElement& element, const char* attribute, const std::string& remedy);
@@ -34,8 +37,8 @@ class ElementReader {
   // A number that the dynamics need not read, such as a limit: a warning instead, and NaN.
   std::optional<double> optional_number(const TiXmlElement& element, const char* attribute);
 
-  // Warns about attributes and children that are not in the lists, and about a second child of the same `once` name. Names with
-  // a prefix are somebody else's extension.
+  // Warns about attributes and children that are not in the lists, and about a second child of the same `once` name, and
+  // about text between the children. Names with a prefix are somebody else's extension.
   void only_attributes(const TiXmlElement& element, std::initializer_list<std::string_view> known);
   void only_children(const TiXmlElement& element, std::initializer_list<std::string_view> once,
                      std::initializer_list<std::string_view> any_number);

@@ -60,16 +60,39 @@ class OutlineReader {
   // The <robot> element of a document that is XML.
   const TiXmlElement& root(TiXmlDocument& document, const std::string& text) {
     if (trimmed(text).empty()) refuse(file_, "", "the file is empty", "name a URDF file");
-    parse_xml(document, file_, as_utf8(text));
+    const std::string utf8 = as_utf8(text);
+    const size_t end = parse_xml(document, file_, utf8);
     if (document.Error() && !document.RootElement())
       refuse(file_, "", "this is not XML", "a URDF is an XML file whose root is <robot>");
     if (document.Error())
       refuse(file_, fmt::format("line {}, column {}", document.ErrorRow(), document.ErrorCol()),
              fmt::format("this is not well-formed XML: {}", document.ErrorDesc()), "close the tag or quote opened there");
-    if (const TiXmlElement* robot = document.FirstChildElement("robot")) return *robot;
+    if (const TiXmlElement* robot = document.FirstChildElement("robot")) {
+      refuse_beside(*robot, document);
+      if (end < utf8.size())
+        refuse(file_,
+               fmt::format("line {}", 1 + std::count(utf8.begin(), utf8.begin() + static_cast<std::ptrdiff_t>(end), '\n')),
+               fmt::format("the text '{}' stands behind </robot>", excerpt(std::string_view(utf8).substr(end))), "remove it");
+      return *robot;
+    }
     if (!document.RootElement()) refuse(file_, "", "this is not XML", "a URDF is an XML file whose root is <robot>");
     refuse(file_, fmt::format("<{}> (line {})", document.RootElement()->Value(), document.RootElement()->Row()),
            "there is no <robot> element", "a URDF's root is <robot>; convert other formats such as SDF or MJCF to URDF first");
+  }
+
+  // What is neither in <robot> nor a comment, a declaration or the like would be lost.
+  void refuse_beside(const TiXmlElement& robot, const TiXmlDocument& document) {
+    for (const TiXmlNode* node = document.FirstChild(); node; node = node->NextSibling()) {
+      const std::string place = fmt::format("<{}> (line {})", node->Value(), node->Row());
+      if (node == &robot) continue;
+      if (node->ToElement() && node->ValueStr() == "robot")
+        refuse(file_, place, fmt::format("there is another <robot> in line {}", robot.Row()), "keep one robot in this file");
+      if (node->ToElement() || (node->ToUnknown() && node->ValueStr().starts_with('/')))
+        refuse(file_, place, "it stands outside of <robot>", "move it into <robot>, or remove it");
+      if (node->ToText())
+        refuse(file_, fmt::format("line {}", node->Row()),
+               fmt::format("the text '{}' stands outside of <robot>", excerpt(node->Value())), "remove it");
+    }
   }
 
   std::string robot_name(const TiXmlElement& robot) {

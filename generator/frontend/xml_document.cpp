@@ -30,14 +30,15 @@ void check_limits(const std::string& file, const std::string& text) {
 
 }  // namespace
 
-void parse_xml(TiXmlDocument& document, const std::string& file, const std::string& text) {
+size_t parse_xml(TiXmlDocument& document, const std::string& file, const std::string& text) {
   try {
     check_limits(file, text);
   } catch (const XmlError& error) {
     const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(error.offset), '\n');
     throw InputError({Severity::error, file, fmt::format("line {}", line), error.what(), error.remedy});
   }
-  document.Parse(text.c_str(), nullptr, TIXML_ENCODING_UTF8);
+  const char* end = document.Parse(text.c_str(), nullptr, TIXML_ENCODING_UTF8);
+  return end ? static_cast<size_t>(end - text.c_str()) : text.size();
 }
 
 }  // namespace dalembert::frontend
