@@ -44,7 +44,8 @@ void warn_of_idle_keys(const ir::Scene& scene, const ir::KinematicTree& tree, Di
   const bool motion = keys.any(of_motion);
   if (!scene.wrenches.empty() &&
       !keys.any([](Quantity output) { return of_motion(output) && output != Quantity::inverse_dynamics_dv; }))
-    keys.warn("wrenches", "no output depends on the wrenches", "ask for inverse_dynamics, forward_dynamics or their derivatives");
+    keys.warn("wrenches", "no output depends on the wrenches",
+              "ask for inverse_dynamics, forward_dynamics or their derivatives");
 
   const bool solved = keys.any([](Quantity output) { return ir::row_of(output).scale == ir::Scale::solved; });
   if (scene.forward_dynamics && !solved)
@@ -73,7 +74,8 @@ void warn_of_idle_keys(const ir::Scene& scene, const ir::KinematicTree& tree, Di
       !keys.asked({Quantity::gravity, Quantity::bias, Quantity::potential_energy, Quantity::regressor}))
     keys.warn("gravity", "no output depends on gravity", "leave run_time out");
   if (!scene.payloads.empty() && !keys.any([](Quantity output) { return ir::row_of(output).needs != ir::Needs::nothing; }))
-    keys.warn("payloads", "no output depends on masses", "leave the payloads out; the regressor's columns are the same with them");
+    keys.warn("payloads", "no output depends on masses",
+              "leave the payloads out; the regressor's columns are the same with them");
 }
 
 }  // namespace dalembert

@@ -124,17 +124,19 @@ void ElementReader::only_children(const TiXmlElement& element, std::initializer_
   }
 }
 
-bool ElementReader::nothing_between_tags(const TiXmlElement& element, const std::string& remedy) {
+bool ElementReader::data_in_attributes(const TiXmlElement& element, const std::string& remedy) {
   for (const TiXmlNode* node = element.FirstChild(); node; node = node->NextSibling()) {
     const std::string_view value = node->Value();
     std::string found;
     if (node->ToText() && !trimmed(value).empty()) found = fmt::format("'{}'", excerpt(value));
     if (node->ToElement() && (value.find(':') == value.npos || value.starts_with("xacro:"))) found = fmt::format("<{}>", value);
     if (found.empty()) continue;
+    const std::string fault = fmt::format("<{}> has {} between its tags, where nothing is read", element.Value(), found);
     if (value.starts_with("xacro:") || is_xacro_expression(value))
       note_xacro(element, fmt::format("{} in <{}>", found, element.Value()));
-    else error(element, fmt::format("<{}> has {} between its tags, where nothing is read", element.Value(), found), remedy);
-    return false;
+    else if (element.FirstAttribute()) warning(element, fault, "remove it");
+    else error(element, fault, remedy);
+    return element.FirstAttribute();
   }
   return true;
 }

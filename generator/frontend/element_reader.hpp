@@ -42,9 +42,9 @@ class ElementReader {
   void only_attributes(const TiXmlElement& element, std::initializer_list<std::string_view> known);
   void only_children(const TiXmlElement& element, std::initializer_list<std::string_view> once,
                      std::initializer_list<std::string_view> any_number);
-  // For elements whose data are attributes: whether no text and no element stands between the tags; an error otherwise, as
-  // what is written there would be lost. Elements with a prefix are somebody else's extension.
-  bool nothing_between_tags(const TiXmlElement& element, const std::string& remedy);
+  // For elements whose data are attributes: complains of text and elements between the tags, which nobody reads. Where there
+  // are no attributes this is an error, and false is returned. Elements with a prefix are somebody else's extension.
+  bool data_in_attributes(const TiXmlElement& element, const std::string& remedy);
 
   // What xacro has not expanded: places where the robot is not what the file says. Definitions alone do not count.
   void note_xacro(const TiXmlElement& at, std::string what);

@@ -16,7 +16,7 @@ namespace {
 Frame frame(ElementReader& read, const TiXmlElement& owner) {
   Frame frame;
   const TiXmlElement* origin = owner.FirstChildElement("origin");
-  if (!origin || !read.nothing_between_tags(*origin, "write <origin xyz=\"...\" rpy=\"...\"/>")) return frame;
+  if (!origin || !read.data_in_attributes(*origin, "write <origin xyz=\"...\" rpy=\"...\"/>")) return frame;
   if (origin->Attribute("quat_xyzw")) read.error(*origin, "<origin quat_xyzw> is not supported", "write the rotation as rpy");
   else read.only_attributes(*origin, {"xyz", "rpy"});
   frame.xyz = read.vector(*origin, "xyz").value_or(frame.xyz);
@@ -31,7 +31,7 @@ double mass(ElementReader& read, const TiXmlElement& inertial) {
     return 0;
   }
   const std::string remedy = "write <mass value=\"...\"/> in kg";
-  if (!read.nothing_between_tags(*mass, remedy)) return 0;
+  if (!read.data_in_attributes(*mass, remedy)) return 0;
   read.only_attributes(*mass, {"value"});
   if (mass->Attribute("value")) return read.number(*mass, "value").value_or(0);
   read.warning(*mass, "<mass> has no value: zero is taken", remedy);
@@ -39,17 +39,15 @@ double mass(ElementReader& read, const TiXmlElement& inertial) {
 }
 
 // A product of inertia that is written on both sides of the diagonal. In some public files (DART's WAM) the lower half is all
-// zeros and the upper one is meant. Differences below `rounding` are none.
+// zeros. URDF knows the upper one alone, and so do its other readers. Differences below `rounding` are none.
 void check_mirrored(ElementReader& read, const TiXmlElement& inertia, const char* name, const char* mirrored, double rounding) {
   if (!inertia.Attribute(name) || !inertia.Attribute(mirrored)) return;
   const std::optional<double> upper = parse_number(inertia.Attribute(name)), lower = read.number(inertia, mirrored);
   if (!upper || !lower || std::abs(*upper - *lower) <= rounding) return;
-  const std::string what = fmt::format("<inertia> has {}=\"{}\" and {}=\"{}\"", name, inertia.Attribute(name), mirrored,
-                                       inertia.Attribute(mirrored));
-  if (*lower == 0)
-    read.warning(inertia, fmt::format("{}: {} is taken", what, name), fmt::format("leave out {}", mirrored),
-                 "mirrored product of inertia");
-  else read.error(inertia, what + ", which are the same product of inertia", "leave out the wrong one");
+  read.warning(inertia,
+               fmt::format("<inertia> has {}=\"{}\" and {}=\"{}\": {} is taken", name, inertia.Attribute(name), mirrored,
+                           inertia.Attribute(mirrored), name),
+               "leave out the wrong one", "mirrored product of inertia");
 }
 
 Eigen::Matrix3d inertia(ElementReader& read, const TiXmlElement& inertial) {
@@ -60,7 +58,7 @@ Eigen::Matrix3d inertia(ElementReader& read, const TiXmlElement& inertial) {
                  "add <inertia ixx=... ixy=... ixz=... iyy=... iyz=... izz=.../> in kg m²");
     return moments;
   }
-  if (!read.nothing_between_tags(*inertia, "write <inertia ixx=... ixy=... ixz=... iyy=... iyz=... izz=.../> in kg m²"))
+  if (!read.data_in_attributes(*inertia, "write <inertia ixx=... ixy=... ixz=... iyy=... iyz=... izz=.../> in kg m²"))
     return moments;
   read.only_attributes(*inertia, {"ixx", "ixy", "ixz", "iyy", "iyz", "izz", "iyx", "izx", "izy"});
   struct Component {
@@ -115,7 +113,7 @@ Eigen::Vector3d axis(ElementReader& read, const TiXmlElement& element) {
     read.warning(element, "the joint has no <axis>; 1 0 0 is taken", "write <axis xyz=\"1 0 0\"/>");
     return otherwise;
   }
-  if (!read.nothing_between_tags(*axis, "write <axis xyz=\"...\"/>")) return otherwise;
+  if (!read.data_in_attributes(*axis, "write <axis xyz=\"...\"/>")) return otherwise;
   read.only_attributes(*axis, {"xyz"});
   if (!read.required(*axis, "xyz", "write <axis xyz=\"0 0 1\"/> or another direction")) return otherwise;
   const std::optional<Eigen::Vector3d> direction = read.vector(*axis, "xyz");
@@ -160,13 +158,13 @@ JointOutline read_joint(ElementReader& read, const TiXmlElement& element, const 
   if (outline.type == "revolute" || outline.type == "continuous" || outline.type == "prismatic")
     outline.axis = axis(read, element);
   if (const TiXmlElement* dynamics = element.FirstChildElement("dynamics")) {
-    read.nothing_between_tags(*dynamics, "write <dynamics damping=\"...\" friction=\"...\"/>");
+    read.data_in_attributes(*dynamics, "write <dynamics damping=\"...\" friction=\"...\"/>");
     read.only_attributes(*dynamics, {"damping", "friction"});
     outline.damping = read.optional_number(*dynamics, "damping").value_or(0);
     outline.friction = read.optional_number(*dynamics, "friction").value_or(0);
   }
   if (const TiXmlElement* mimic = element.FirstChildElement("mimic")) {
-    read.nothing_between_tags(*mimic, "write <mimic joint=\"...\" multiplier=\"...\" offset=\"...\"/>");
+    read.data_in_attributes(*mimic, "write <mimic joint=\"...\" multiplier=\"...\" offset=\"...\"/>");
     read.only_attributes(*mimic, {"joint", "multiplier", "offset"});
     const char* of = mimic->Attribute("joint");
     outline.mimic = ir::Mimic{std::string(trimmed(of ? of : "")), read.optional_number(*mimic, "multiplier").value_or(1),

@@ -68,11 +68,10 @@ class OutlineReader {
       refuse(file_, fmt::format("line {}, column {}", document.ErrorRow(), document.ErrorCol()),
              fmt::format("this is not well-formed XML: {}", document.ErrorDesc()), "close the tag or quote opened there");
     if (const TiXmlElement* robot = document.FirstChildElement("robot")) {
-      refuse_beside(*robot, document);
+      check_beside(*robot, document);
       if (end < utf8.size())
-        refuse(file_,
-               fmt::format("line {}", 1 + std::count(utf8.begin(), utf8.begin() + static_cast<std::ptrdiff_t>(end), '\n')),
-               fmt::format("the text '{}' stands behind </robot>", excerpt(std::string_view(utf8).substr(end))), "remove it");
+        warn_of_outside(1 + std::count(utf8.begin(), utf8.begin() + static_cast<std::ptrdiff_t>(end), '\n'),
+                        fmt::format("the text '{}'", excerpt(std::string_view(utf8).substr(end))));
       return *robot;
     }
     if (!document.RootElement()) refuse(file_, "", "this is not XML", "a URDF is an XML file whose root is <robot>");
@@ -80,19 +79,22 @@ class OutlineReader {
            "there is no <robot> element", "a URDF's root is <robot>; convert other formats such as SDF or MJCF to URDF first");
   }
 
-  // What is neither in <robot> nor a comment, a declaration or the like would be lost.
-  void refuse_beside(const TiXmlElement& robot, const TiXmlDocument& document) {
+  // Elements outside of <robot> may be what the robot lacks; text and end tags are nothing.
+  void check_beside(const TiXmlElement& robot, const TiXmlDocument& document) {
     for (const TiXmlNode* node = document.FirstChild(); node; node = node->NextSibling()) {
-      const std::string place = fmt::format("<{}> (line {})", node->Value(), node->Row());
       if (node == &robot) continue;
+      const std::string place = fmt::format("<{}> (line {})", node->Value(), node->Row());
       if (node->ToElement() && node->ValueStr() == "robot")
         refuse(file_, place, fmt::format("there is another <robot> in line {}", robot.Row()), "keep one robot in this file");
-      if (node->ToElement() || (node->ToUnknown() && node->ValueStr().starts_with('/')))
-        refuse(file_, place, "it stands outside of <robot>", "move it into <robot>, or remove it");
-      if (node->ToText())
-        refuse(file_, fmt::format("line {}", node->Row()),
-               fmt::format("the text '{}' stands outside of <robot>", excerpt(node->Value())), "remove it");
+      if (node->ToElement()) refuse(file_, place, "it stands outside of <robot>", "move it into <robot>, or remove it");
+      if (node->ToUnknown() && node->ValueStr().starts_with('/'))
+        warn_of_outside(node->Row(), fmt::format("<{}>", node->Value()));
+      if (node->ToText()) warn_of_outside(node->Row(), fmt::format("the text '{}'", excerpt(node->Value())));
     }
+  }
+  void warn_of_outside(std::ptrdiff_t line, const std::string& what) {
+    warnings_.push_back(
+        {Severity::warning, file_, fmt::format("line {}", line), what + " outside of <robot> is ignored", "remove it"});
   }
 
   std::string robot_name(const TiXmlElement& robot) {
