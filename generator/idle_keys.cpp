@@ -14,10 +14,11 @@ class IdleKeys {
  public:
   IdleKeys(const ir::Scene& scene, Diagnostics& warnings) : outputs_(scene.quantities()), warnings_(warnings) {}
 
-  // Whether one of these, or anything else that `heeds` says, is asked for.
+  // Whether one of these is asked for.
   bool asked(std::initializer_list<Quantity> readers) const {
     return any([&](Quantity output) { return std::find(readers.begin(), readers.end(), output) != readers.end(); });
   }
+  // Whether an output is asked for of which `heeds` says so.
   template <class Heeds>
   bool any(const Heeds& heeds) const {
     return std::any_of(outputs_.begin(), outputs_.end(), heeds);
