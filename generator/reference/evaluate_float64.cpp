@@ -1,4 +1,9 @@
 #include "reference/evaluation.hpp"
+#include "reference/instances.hpp"
+
+namespace dalembert::generic {
+DALEMBERT_GENERIC_ENGINE(template, double);
+}  // namespace dalembert::generic
 
 namespace dalembert::reference {
 

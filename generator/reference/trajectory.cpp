@@ -4,12 +4,12 @@
 #include <Eigen/Geometry>
 #include <boost/numeric/odeint.hpp>
 #include <boost/version.hpp>
-#include <dalembert/generic/dynamics.hpp>
 #include <memory>
 #include <vector>
 
 #include "reference/engine.hpp"
 #include "reference/generic_model.hpp"
+#include "reference/instances.hpp"
 
 namespace dalembert::reference {
 namespace {

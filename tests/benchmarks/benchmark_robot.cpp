@@ -10,6 +10,7 @@
 #include "multiprecision.hpp"
 #include "reference/engine.hpp"
 #include "reference/generic_model.hpp"
+#include "reference/instances.hpp"
 
 namespace dalembert::benchmarks {
 namespace {

@@ -5,6 +5,7 @@
 #include "identities.hpp"
 #include "load_robot.hpp"
 #include "reference/generic_model.hpp"
+#include "reference/instances.hpp"
 #include "scale.hpp"
 #include "states.hpp"
 

@@ -3,6 +3,7 @@
 
 #include "load_robot.hpp"
 #include "reference/generic_model.hpp"
+#include "reference/instances.hpp"
 #include "scale.hpp"
 #include "states.hpp"
 

@@ -5,17 +5,7 @@
 #include "reference/generic_model.hpp"
 
 namespace dalembert::generic {
-using testing::Multi;
-template Dynamics<Multi> evaluate(const MultiModel&, MultiIn, MultiIn);
-template MultiMatrix mass_matrix(const MultiModel&, MultiIn);
-template MultiMatrix coriolis_matrix(const MultiModel&, MultiIn, MultiIn);
-template MultiVector inverse_dynamics(const MultiModel&, MultiIn, MultiIn, MultiIn, MultiIn);
-template InverseDynamicsDerivatives<Multi> inverse_dynamics_derivatives(const MultiModel&, MultiIn, MultiIn, MultiIn, MultiIn);
-template MultiMatrix regressor(const MultiModel&, MultiIn, MultiIn, MultiIn);
-template Solution<MultiMatrix> inverse_mass_matrix(const MultiModel&, MultiIn);
-template Solution<MultiMatrix> mass_matrix_factor(const MultiModel&, MultiIn);
-template Solution<MultiVector> forward_dynamics(const MultiModel&, MultiIn, MultiIn, MultiIn, MultiIn);
-template ForwardDynamicsDerivatives<Multi> forward_dynamics_derivatives(const MultiModel&, MultiIn, MultiIn, MultiIn, MultiIn);
+DALEMBERT_GENERIC_ENGINE(template, dalembert::testing::Multi);
 }  // namespace dalembert::generic
 
 namespace dalembert::testing {

@@ -3,9 +3,9 @@
 
 #include <boost/multiprecision/cpp_bin_float.hpp>
 #include <boost/multiprecision/eigen.hpp>
-#include <dalembert/generic/dynamics.hpp>
 
 #include "ir/kinematic_tree.hpp"
+#include "reference/instances.hpp"
 
 namespace dalembert::testing {
 
@@ -20,20 +20,5 @@ VectorX<Multi> exact_position(const ir::KinematicTree& tree, const Eigen::Vector
 }  // namespace dalembert::testing
 
 namespace dalembert::generic {
-using MultiVector = VectorX<dalembert::testing::Multi>;
-using MultiMatrix = MatrixX<dalembert::testing::Multi>;
-using MultiModel = Model<dalembert::testing::Multi>;
-using MultiIn = const MultiVector&;
-extern template Dynamics<dalembert::testing::Multi> evaluate(const MultiModel&, MultiIn, MultiIn);
-extern template MultiMatrix mass_matrix(const MultiModel&, MultiIn);
-extern template MultiMatrix coriolis_matrix(const MultiModel&, MultiIn, MultiIn);
-extern template MultiVector inverse_dynamics(const MultiModel&, MultiIn, MultiIn, MultiIn, MultiIn);
-extern template InverseDynamicsDerivatives<dalembert::testing::Multi> inverse_dynamics_derivatives(const MultiModel&, MultiIn,
-                                                                                                   MultiIn, MultiIn, MultiIn);
-extern template MultiMatrix regressor(const MultiModel&, MultiIn, MultiIn, MultiIn);
-extern template Solution<MultiMatrix> inverse_mass_matrix(const MultiModel&, MultiIn);
-extern template Solution<MultiMatrix> mass_matrix_factor(const MultiModel&, MultiIn);
-extern template Solution<MultiVector> forward_dynamics(const MultiModel&, MultiIn, MultiIn, MultiIn, MultiIn);
-extern template ForwardDynamicsDerivatives<dalembert::testing::Multi> forward_dynamics_derivatives(const MultiModel&, MultiIn,
-                                                                                                   MultiIn, MultiIn, MultiIn);
+DALEMBERT_GENERIC_ENGINE(extern template, dalembert::testing::Multi);
 }  // namespace dalembert::generic

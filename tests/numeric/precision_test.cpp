@@ -4,6 +4,7 @@
 #include "load_robot.hpp"
 #include "multiprecision.hpp"
 #include "reference/generic_model.hpp"
+#include "reference/instances.hpp"
 #include "scale.hpp"
 #include "states.hpp"
 

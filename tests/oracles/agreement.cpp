@@ -12,6 +12,7 @@
 #include "generated_robot.hpp"
 #include "load_robot.hpp"
 #include "reference/generic_model.hpp"
+#include "reference/instances.hpp"
 
 namespace dalembert::oracle {
 namespace {

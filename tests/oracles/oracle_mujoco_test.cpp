@@ -4,6 +4,7 @@
 #include "mujoco_oracle.hpp"
 #include "oracle_tests.hpp"
 #include "reference/generic_model.hpp"
+#include "reference/instances.hpp"
 
 namespace dalembert::oracle {
 namespace {
