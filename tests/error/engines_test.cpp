@@ -13,7 +13,8 @@ namespace dalembert::test {
 namespace {
 
 const std::string arm = ERROR_ROBOTS "/scenes/arm.urdf";
-const std::string quickly[] = {"--flags", "-std=c++17 -O1"};
+const std::string quickly[] = {"--flags", "-std=c++17 -O1 " PRECOMPILED_EIGEN};
+const std::string as_users_do[] = {"--flags", "-O3 -march=native -std=c++17 " PRECOMPILED_EIGEN};
 
 // Rows of numbers; an empty row between states.
 std::vector<std::vector<double>> rows(const std::string& text) {
@@ -204,7 +205,7 @@ TEST(Check, PassesWhereJointsMoveNoMass) {
                         {"massless_subtree", "rolled", "bias"}}) {
     SCOPED_TRACE(std::string(c.robot) + ' ' + c.form);
     const Outcome outcome = run_dalembert({"check", std::string(ERROR_ROBOTS "/") + c.robot + ".urdf", "--base", "floating",
-                                           "--form", c.form, "--outputs", c.output},
+                                           "--form", c.form, "--outputs", c.output, as_users_do[0], as_users_do[1]},
                                           ".");
     EXPECT_EQ(outcome.status, 0) << outcome.err << outcome.out;
   }
@@ -214,8 +215,9 @@ TEST(Check, PassesWhereJointsMoveNoMass) {
 TEST(Eval, NeedsAMassForDynamicsOnly) {
   const std::string robot = ERROR_ROBOTS "/no_mass_at_all.urdf";
   for (const char* engine : {"generic", "generated"}) {
-    const Outcome outcome = run_dalembert(
-        {"eval", robot, "--base", "fixed", "--state", "-", "--output", "jacobian_b", "--engine", engine}, ".", "0.3 0\n");
+    const Outcome outcome = run_dalembert({"eval", robot, "--base", "fixed", "--state", "-", "--output", "jacobian_b",
+                                           "--engine", engine, as_users_do[0], as_users_do[1]},
+                                          ".", "0.3 0\n");
     EXPECT_EQ(outcome.status, 0) << outcome.err;
     EXPECT_EQ(outcome.out, "0\n0\n0\n0\n0\n1\n");
   }
@@ -226,8 +228,9 @@ TEST(Eval, NeedsAMassForDynamicsOnly) {
 
 // An inertia that no body has is computed with all the same.
 TEST(Check, PassesOnInertiasAccepted) {
-  const Outcome outcome =
-      run_dalembert({"check", ERROR_ROBOTS "/negative_inertia.urdf", "--inertia", "accept", "--outputs", "bias"}, ".");
+  const Outcome outcome = run_dalembert({"check", ERROR_ROBOTS "/negative_inertia.urdf", "--inertia", "accept", "--outputs",
+                                         "bias", as_users_do[0], as_users_do[1]},
+                                        ".");
   EXPECT_EQ(outcome.status, 0) << outcome.err << outcome.out;
 }
 

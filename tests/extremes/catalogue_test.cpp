@@ -9,7 +9,7 @@
 namespace dalembert::extremes {
 namespace {
 
-constexpr const char* quickly = "-O1 -march=native -std=c++17";
+constexpr const char* quickly = "-O1 -march=native -std=c++17 " PRECOMPILED_EIGEN;
 
 std::vector<Robot> quick_robots() {
   std::vector<Robot> list = robots();

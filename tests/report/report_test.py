@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""report_test.py DALEMBERT BROWSER ROBOT WORK
+"""report_test.py DALEMBERT BROWSER ROBOT WORK FLAGS
 
-Makes a quick report, looks at its page in the browser at the width of a phone and of a desk, in light and in dark, and compares
-what stands there with report.csv. Then spoils the page in several ways and sees that the comparison finds each.
+Makes a quick report, with FLAGS besides the test's own, looks at its page in the browser at the width of a phone and of a desk,
+in light and in dark, and compares what stands there with report.csv. Then spoils the page in several ways and sees that the
+comparison finds each.
 """
 import csv
 import decimal
@@ -19,12 +20,12 @@ import subprocess
 import sys
 import time
 
-dalembert, browser, robot, work = sys.argv[1], sys.argv[2], sys.argv[3], pathlib.Path(sys.argv[4])
+dalembert, browser, robot, work, flags = *sys.argv[1:4], pathlib.Path(sys.argv[4]), sys.argv[5]
 probe_script = (pathlib.Path(__file__).parent / "probe.js").read_text()
 columns = ["section", "case", "quantity", "variant", "metric", "value", "unit"]
 quantities = ["coriolis_matrix", "gravity"]
 command = [dalembert, "report", robot, "--base", "floating", "--outputs", ",".join(quantities), "--quick",
-           "--flags", "-O1 -march=native -std=c++17", "-o", str(work / "out")]
+           "--flags", f"-O1 -march=native -std=c++17 {flags}", "-o", str(work / "out")]
 
 
 class Wrong(Exception):
@@ -158,7 +159,7 @@ exec c++ "$@"
 """)
     compiler.chmod(0o755)
     run = subprocess.run([dalembert, "report", robot, "--base", "fixed", "--outputs", "gravity", "--quick", "--compiler",
-                          str(compiler), "--flags", "-O0 -std=c++17", "-o", str(work / "without")],
+                          str(compiler), "--flags", f"-O0 -std=c++17 {flags}", "-o", str(work / "without")],
                          capture_output=True, text=True, timeout=300)
     demand(run.returncode == 0, f"exit status {run.returncode} without MuJoCo: {run.stdout}{run.stderr}")
     rows = read_rows((work / "without" / "report.csv").read_text())
@@ -178,7 +179,7 @@ def stiff_series():
     """A spring too stiff for the reference leaves out what needs it, and not what tells how stiff it is."""
     spring = "{a_02_joint: {k: 1e9, inertia: 0.1}}"
     run = subprocess.run([dalembert, "report", robot, "--base", "fixed", "--outputs", "gravity", "--elastic", spring, "--quick",
-                          "--flags", "-O0 -std=c++17", "-o", str(work / "stiff")], capture_output=True, text=True, timeout=300)
+                          "--flags", f"-O0 -std=c++17 {flags}", "-o", str(work / "stiff")], capture_output=True, text=True, timeout=300)
     demand(run.returncode == 0, f"exit status {run.returncode} with a stiff spring: {run.stdout}{run.stderr}")
     rows = read_rows((work / "stiff" / "report.csv").read_text())
     why = only(rows, section="integration", case="free motion", metric="not_simulated")

@@ -19,7 +19,8 @@ using Kind = ir::Expectation::Kind;
 
 // Empty when the emitted self-test passes.
 std::string run(const Model& model) {
-  return GeneratedEngine(model, outputs_of(model), {.compiler = "", .flags = "-std=c++17 -O0"}, Besides::self_test).self_test();
+  const CompilerOptions compiler{.compiler = "", .flags = "-std=c++17 -O0 " PRECOMPILED_EIGEN};
+  return GeneratedEngine(model, outputs_of(model), compiler, Besides::self_test).self_test();
 }
 
 TEST(SelfTest, InputsAreDistinctAndNoneIsNearZero) {

@@ -137,7 +137,7 @@ extern "C" void count(long* counts) {
 }
 )"});
   CompilerOptions options;
-  options.flags = "-O0 -std=c++17";
+  options.flags = "-O0 -std=c++17 " PRECOMPILED_EIGEN;
 #if defined(__x86_64__)
   options.flags += " -mavx";  // limbs side by side are computed by fours as well
 #endif

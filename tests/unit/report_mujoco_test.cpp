@@ -14,7 +14,7 @@
 namespace dalembert::reporting {
 namespace {
 
-const CompilerOptions compiler{.compiler = "", .flags = "-std=c++17 -O0"};
+const CompilerOptions compiler{.compiler = "", .flags = "-std=c++17 -O0 " PRECOMPILED_EIGEN};
 constexpr const char* computed =
     "mass_matrix,gravity,bias,inverse_dynamics,forward_dynamics,inverse_mass_matrix,kinetic_energy,potential_energy,"
     "center_of_mass,center_of_mass_jacobian";

@@ -14,7 +14,7 @@
 namespace dalembert::reporting {
 namespace {
 
-const CompilerOptions compiler{.compiler = "", .flags = "-std=c++17 -O0"};
+const CompilerOptions compiler{.compiler = "", .flags = "-std=c++17 -O0 " PRECOMPILED_EIGEN};
 
 // By quantity: the metrics of one case in double.
 using Case = std::map<std::string, std::map<std::string, std::string>>;
