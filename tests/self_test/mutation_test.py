@@ -1,4 +1,4 @@
-"""mutation_test.py DALEMBERT PROJECT EIGEN WORK COMPILER   The emitted self-test finds wrong code.
+"""mutation_test.py DALEMBERT PROJECT EIGEN WORK COMPILER PRECOMPILED   The emitted self-test finds wrong code.
 
 Generates three robots that between them use both forms and both bases, and spoils their dynamics.cpp in 21 ways: the sign of a
 constant, an index, a term left out. A mutation counts when results change by more than 1e-9 of the largest at states that are
@@ -13,10 +13,11 @@ import re
 import subprocess
 import sys
 
-DALEMBERT, PROJECT, EIGEN, WORK, COMPILER = sys.argv[1:6]
+DALEMBERT, PROJECT, EIGEN, WORK, COMPILER, PRECOMPILED = sys.argv[1:7]
 PROJECT, WORK = pathlib.Path(PROJECT), pathlib.Path(WORK)
 WORK.mkdir(parents=True, exist_ok=True)
 INCLUDE = ["-std=c++17", f"-I{WORK}", f"-I{PROJECT}/runtime/include", "-isystem", EIGEN]
+PLAIN = ["-O0", "-fPIC", *PRECOMPILED.split()]
 EACH = 7  # mutations of each kind
 AVX512 = ["-O2", "-march=skylake-avx512"]
 
@@ -64,17 +65,14 @@ class Robot:
         self.outputs = re.findall(r"^inline auto (\w+)\(const Workspace", header, re.MULTILINE)
         prints = "".join(f'    for (const Scalar x : workspace->{o}) std::printf("{o} %.17g\\n", double(x));\n' for o in self.outputs)
         (WORK / f"{name}_main.cpp").write_text(MAIN % {"name": name, "print": prints})
-        # Eigen is read once, not by each mutant. (Other flags than -O0 leave the compiled header aside.)
-        header = self.folder / "dynamics.hpp"
-        subprocess.run([COMPILER, *INCLUDE, "-O0", "-w", "-x", "c++-header", header, "-o", f"{header}.gch"], check=True)
         self.objects = []
         for source in (WORK / f"{name}_main.cpp", self.folder / "self_test.cpp"):
             self.objects.append(WORK / f"{name}_{source.stem}.o")
-            subprocess.run([COMPILER, *INCLUDE, "-c", source, "-o", self.objects[-1]], check=True)
+            subprocess.run([COMPILER, *INCLUDE, *PLAIN, "-c", source, "-o", self.objects[-1]], check=True)
         self.right = self.results("right", self.text)
         assert self.right and self.right["verdict"] == "passed", f"{name}: right code fails its self-test: {self.right}"
 
-    def results(self, label, text, flags=("-O0",)):
+    def results(self, label, text, flags=PLAIN):
         """What the program prints with this dynamics.cpp; None when it does not compile or run."""
         source = WORK / f"{self.name}_{label}.cpp"
         source.write_text(text.replace('#include "dynamics.hpp"', f'#include "{self.name}/dynamics.hpp"'))
