@@ -87,7 +87,8 @@ class Matrix:
                 self.generated.add(folder)
             newest = max(f.stat().st_mtime for f in [*code.iterdir(), ROOT / "runtime/include/dalembert/self_test.hpp"])
             if not test.exists() or test.stat().st_mtime < newest:
-                status, text = run([host, "-O1", *self.include, "-I", folder, "-c", folder / "main.cpp", "-o", test])
+                status, text = run([host, "-O1", *self.options.precompiled.split(), *self.include, "-I", folder,
+                                    "-c", folder / "main.cpp", "-o", test])
                 if status != 0:
                     raise RuntimeError(text)
         return code / "dynamics.cpp", test
@@ -151,6 +152,7 @@ def main():
     parser.add_argument("--minutes", type=float, help="stop after so long")
     parser.add_argument("--dalembert", default=ROOT / "build/release/bin/dalembert")
     parser.add_argument("--eigen", default="/usr/include/eigen3")
+    parser.add_argument("--precompiled", default="", help="flags by which g++ need not read Eigen for every self-test")
     parser.add_argument("--work", default=ROOT / "build/matrix")
     parser.add_argument("--page", help="the page whose table is written; default: docs/matrix.md for the whole matrix, else none")
     options = parser.parse_args()
