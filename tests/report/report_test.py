@@ -179,7 +179,8 @@ def stiff_series():
     """A spring too stiff for the reference leaves out what needs it, and not what tells how stiff it is."""
     spring = "{a_02_joint: {k: 1e9, inertia: 0.1}}"
     run = subprocess.run([dalembert, "report", robot, "--base", "fixed", "--outputs", "gravity", "--elastic", spring, "--quick",
-                          "--flags", f"-O0 -std=c++17 {flags}", "-o", str(work / "stiff")], capture_output=True, text=True, timeout=300)
+                          "--flags", f"-O0 -std=c++17 {flags}", "-o", str(work / "stiff")],
+                         capture_output=True, text=True, timeout=300)
     demand(run.returncode == 0, f"exit status {run.returncode} with a stiff spring: {run.stdout}{run.stderr}")
     rows = read_rows((work / "stiff" / "report.csv").read_text())
     why = only(rows, section="integration", case="free motion", metric="not_simulated")
