@@ -2,10 +2,18 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
+#include "diagnostics.hpp"
+
 namespace dalembert::backend {
 
 std::string literal(double value, ir::ScalarType scalar) {
   const bool single = scalar == ir::ScalarType::float32;
+  if (!(single ? std::isfinite(static_cast<float>(value)) : std::isfinite(value)))
+    throw InputError({Severity::error, "", "the robot's constants",
+                      fmt::format("a product of the robot's numbers is beyond the range of {}", single ? "float" : "double"),
+                      "check the numbers of the URDF and the scene: lengths are m, masses kg"});
   std::string text = single ? fmt::format("{}", static_cast<float>(value)) : fmt::format("{}", value);
   if (text.find_first_of(".e") == std::string::npos) text += ".0";
   return single ? text + "f" : text;

@@ -9,7 +9,8 @@
 
 namespace dalembert::backend {
 
-// A literal of the scene's scalar type that reads back as the same value: `0.5`, `1e-09`, `0.5f`.
+// A literal of the scene's scalar type that reads back as the same value: `0.5`, `1e-09`, `0.5f`. Throws InputError where the
+// type has no such number: products of a robot's numbers can be infinite though none of them is large (passes/magnitudes.hpp).
 std::string literal(double value, ir::ScalarType scalar);
 
 // `double` or `float`.

@@ -1,10 +1,23 @@
-// Names of joints and links as C++ string literals.
+// Numbers, and names of joints and links, as C++ literals.
 #include "backend/literals.hpp"
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
+#include "diagnostics.hpp"
+
 namespace dalembert::backend {
 namespace {
+
+TEST(Literal, IsANumberOfItsType) {
+  EXPECT_EQ(literal(2, ir::ScalarType::float64), "2.0");
+  EXPECT_EQ(literal(0.1, ir::ScalarType::float32), "0.1f");
+  EXPECT_EQ(literal(1e39, ir::ScalarType::float64), "1e+39");
+  EXPECT_THROW(literal(1e39, ir::ScalarType::float32), InputError);
+  for (const double none : {std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()})
+    EXPECT_THROW(literal(none, ir::ScalarType::float64), InputError);
+}
 
 TEST(Quoted, EscapesWhatEndsALiteralOrBeginsATrigraph) {
   EXPECT_EQ(quoted("left-arm 2?"), R"("left-arm 2?")");
