@@ -105,8 +105,8 @@ def whole(robots):
 
 
 def ci(_):
-    """What fits into a minute with the compilers that cmake/setup.sh's group `test` installs: the defect of g++ 12.2, both forms,
-    other lanes, a debug build, clang."""
+    """What fits into two minutes with the compilers that cmake/setup.sh's group `test` installs: the defect of g++ 12.2, both
+    forms, other lanes, a debug build, clang."""
     gravity = [((robot, "rolled", "gravity"), ("g++", "-O2", target, 4))
                for target in ("native", "skylake-avx512") for robot in ("mahru", "humanoid")]
     return gravity + [
