@@ -41,7 +41,7 @@ done
 failed=0
 for source in "$work"/*/*.cpp; do
   echo "-- $compiler $* ${source#"$work"/}"
-  "$compiler" -std=c++17 -Wall -Wextra -Wpedantic -Werror -O1 "$@" -I "$work" -I "$project/runtime/include" -isystem "$eigen" \
+  "$compiler" -std=c++17 -Wall -Wextra -Wpedantic -Wshadow -Werror -O1 "$@" -I "$work" -I "$project/runtime/include" -isystem "$eigen" \
     -isystem "$work/headers" -c "$source" -o "$source.o" || failed=1
   # A program may hold code for several targets: the linker must not take one's copy of a function for another's. But for the
   # task graph, which is made of oneTBB's and the standard library's functions, and those are shared whatever we do.

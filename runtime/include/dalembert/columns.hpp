@@ -165,8 +165,12 @@ DALEMBERT_INLINE void store_count(T* to, const Lanes<T, 4>& x, int count) {
   if (count >= 4) {
     store<4, T>(to, x);
   } else if (count == 3) {
-    store<2, T>(to, shuffled<T, 0, 1>(x, x));
-    to[2] = x[2];
+    if constexpr (stores_some<T, 4>) {
+      store_some<4, T>(to, x, 3);
+    } else {
+      store<2, T>(to, shuffled<T, 0, 1>(x, x));
+      to[2] = x[2];
+    }
   } else if (count == 2) {
     store<2, T>(to, shuffled<T, 0, 1>(x, x));
   } else if (count == 1) {

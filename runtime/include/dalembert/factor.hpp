@@ -177,8 +177,8 @@ __attribute__((noinline)) static void invert_chain(int first, const int* above, 
   // Between the chain's own, lanes over its rows. At first columns of its L^-1, from the last, since
   // L^-1 e_k = e_k - the sum over j beyond k of L_jk L^-1 e_j.
   Lanes<T, w> row[m][pieces];
-  const auto subtract = [&](auto r, T factor, auto k) DALEMBERT_IN_BLOCK {
-    detail::for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK { row[r][i] -= broadcast<w, T>(factor) * row[k][i]; });
+  const auto subtract = [&](auto r, T times, auto k) DALEMBERT_IN_BLOCK {
+    detail::for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK { row[r][i] -= broadcast<w, T>(times) * row[k][i]; });
   };
   detail::for_constants<m>([&](auto step) DALEMBERT_IN_BLOCK {
     constexpr int k = m - 1 - decltype(step)::value;

@@ -1,8 +1,9 @@
 // SIMD lanes: a few scalars that are computed on side by side.
 //
-// Lanes<T, n> is the compiler's own vector type (GCC and Clang), so the arithmetic operators are the language's and no
-// vendor's intrinsics are needed: where the target's registers are narrower the compiler splits the lanes, where there are none
-// it computes one by one. Lanes<T, 1> is T itself. Loads and stores need no alignment.
+// Lanes<T, n> is the compiler's own vector type (GCC and Clang), so the arithmetic operators are the language's and (but for
+// two instructions of AVX-512 that no compiler finds by itself) no vendor's intrinsics are needed: where the target's registers
+// are narrower the compiler splits the lanes, where there are none it computes one by one. Lanes<T, 1> is T itself. Loads and
+// stores need no alignment.
 #pragma once
 
 #include <cstdint>
@@ -10,6 +11,10 @@
 #include <initializer_list>
 #include <type_traits>
 #include <utility>
+
+#if defined(__AVX512VL__)
+#include <immintrin.h>
+#endif
 
 #if defined(__GNUC__)
 #pragma GCC diagnostic ignored "-Wpsabi"  // lanes never cross a call: everything here is inlined
@@ -109,10 +114,31 @@ DALEMBERT_INLINE void store(T* to, const Lanes<T, n>& x) {
   std::memcpy(to, &x, sizeof x);
 }
 
-// The first `count` lanes only.
+// Whether the target has an instruction that stores some lanes of a register.
+#if defined(__AVX512VL__)
+template <class T, int n>
+inline constexpr bool stores_some = std::is_same_v<T, double> && (n == 4 || n == 8);
+#else
+template <class T, int n>
+inline constexpr bool stores_some = false;
+#endif
+
+// The first `count` lanes only, which the compiler need not know.
+template <int n, class T>
+DALEMBERT_INLINE void store_some(T* to, const Lanes<T, n>& x, int count) {
+#if defined(__AVX512VL__)
+  const auto mask = static_cast<__mmask8>((1 << count) - 1);
+  if constexpr (stores_some<T, n> && n == 4) return _mm256_mask_storeu_pd(to, mask, x);
+  else if constexpr (stores_some<T, n>) return _mm512_mask_storeu_pd(to, mask, x);
+#endif
+  for (int i = 0; i < count; ++i) to[i] = x[i];
+}
+
+// The first `count` lanes only. A power of two has a store of its own, which what reads it soon after need not wait for.
 template <int count, int n, class T>
 DALEMBERT_INLINE void store_first(T* to, const Lanes<T, n>& x) {
-  std::memcpy(to, &x, sizeof(T) * count);
+  if constexpr (stores_some<T, n> && (count & (count - 1)) != 0) store_some<n, T>(to, x, count);
+  else std::memcpy(to, &x, sizeof(T) * count);
 }
 
 template <int n, class T>
@@ -165,6 +191,21 @@ DALEMBERT_INLINE Lanes<T, sizeof...(at)> shuffled(const V& a, const V& b) {
   constexpr int n = sizeof(V) / sizeof(T);
   return Lanes<T, sizeof...(at)>{(at < n ? a[at % n] : b[at % n])...};
 #endif
+}
+
+// n numbers, and the same n again.
+namespace detail {
+template <class V, int... lane>
+DALEMBERT_INLINE auto twice(const V& x, std::integer_sequence<int, lane...>) {
+  return shuffled<std::decay_t<decltype(x[0])>, lane..., lane...>(x, x);
+}
+}  // namespace detail
+template <int n, class T>
+DALEMBERT_INLINE Lanes<T, 2 * n> load_twice(const T* from) {
+#if defined(__AVX512VL__)  // g++ 12 loads, and then shuffles
+  if constexpr (n == 4 && std::is_same_v<T, double>) return _mm512_broadcast_f64x4(_mm256_loadu_pd(from));
+#endif
+  return detail::twice(load<n, T>(from), std::make_integer_sequence<int, n>{});
 }
 
 // The value, as if it had been computed. A loop that stores nothing but a table is taken for a memcpy of constants, which g++

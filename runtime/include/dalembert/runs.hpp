@@ -22,8 +22,7 @@ DALEMBERT_BLOCK void along_lanes(T* to, int count, const Value& value) {
     store<w, T>(to + count - w, value(at_once, count - w));
     return;
   }
-  const Lanes<T, w> x = value(at_once, s);
-  for (int i = 0; s + i < count; ++i) to[s + i] = x[i];
+  store_some<w, T>(to + s, value(at_once, s), count - s);
 }
 template <class T, class Value>
 DALEMBERT_BLOCK void along(T* to, int count, const Value& value) {

@@ -114,15 +114,10 @@ struct Joints {
 struct EachAbove {
   template <int, int>
   using Some = EachAbove;
-  template <int n, class T, int... lane>
-  DALEMBERT_INLINE static Lanes<T, 2 * n> twice(const Lanes<T, n>& x, std::integer_sequence<int, lane...>) {
-    return shuffled<T, lane..., lane...>(x, x);
-  }
   template <int n, int times, class T>
   DALEMBERT_INLINE static Lanes<T, n * times> read(const T* from) {
-    const Lanes<T, n> x = load<n, T>(from);
-    if constexpr (times == 1) return x;
-    else return twice<n, T>(x, std::make_integer_sequence<int, n>{});
+    if constexpr (times == 1) return load<n, T>(from);
+    else return load_twice<n, T>(from);
   }
 };
 // One limb above all of them:
@@ -241,13 +236,39 @@ struct Products {
   }
 };
 
-// One tile whose elements above the diagonal are the first's, below it the second's with rows and columns exchanged.
-template <int width, int columns, class T>
-struct Mirrored {
-  const Tile<width, columns, T>&above, &below;
+// Halves of two registers in one.
+template <class V, int... lane>
+DALEMBERT_INLINE V first_halves(const V& x, const V& y, std::integer_sequence<int, lane...>) {
+  constexpr int n = sizeof...(lane);
+  return shuffled<std::decay_t<decltype(x[0])>, lane..., (2 * n + lane)...>(x, y);
+}
+template <class V, int... lane>
+DALEMBERT_INLINE V second_halves(const V& x, const V& y, std::integer_sequence<int, lane...>) {
+  constexpr int n = sizeof...(lane);
+  return shuffled<std::decay_t<decltype(x[0])>, (n + lane)..., (3 * n + lane)...>(x, y);
+}
 
-  DALEMBERT_INLINE Lanes<T, width> operator()(int r, int c) const { return r <= c ? above(r, c) : below(c, r); }
-};
+// What stands below a tile's diagonal, from another's above it, rows and columns exchanged.
+template <int width, int columns, class T>
+DALEMBERT_BLOCK void mirror(Tile<width, columns, T>& tile, const Tile<width, columns, T>& below) {
+  constexpr int pack = Tile<width, columns, T>::pack;
+  lanes<columns>([&](int r) DALEMBERT_IN_BLOCK {
+    if constexpr (pack == 1) {
+      lanes<columns>([&](int c) DALEMBERT_IN_BLOCK {
+        if (c < r) tile.at[r][c] = below.at[c][r];
+      });
+    } else {  // joint r shares its register with r + 1 or r − 1
+      lanes<columns / 2>([&](int g) DALEMBERT_IN_BLOCK {
+        constexpr std::make_integer_sequence<int, width> each{};
+        const int c = 2 * g;
+        if (r <= c) return;
+        if (r % 2 == 0) tile.at[r][g] = first_halves(below.at[c][r / 2], below.at[c + 1][r / 2], each);
+        else if (r > c + 1) tile.at[r][g] = second_halves(below.at[c][r / 2], below.at[c + 1][r / 2], each);
+        else tile.at[r][g] = second_halves(below.at[c][g], tile.at[r][g], each);
+      });
+    }
+  });
+}
 
 // A tile's place in M or C, lane by lane: first rows, and how many real steps there are from there on.
 template <int width>
@@ -306,7 +327,8 @@ DALEMBERT_BLOCK void tile_of(Symmetric<AboveSum>, const Joints<T, nl>& lower, co
   Tile<width, columns, T> m;
   products.fill(m, lower, up, AboveSum{});
   if constexpr (diagonal) {
-    put<false, rows, columns, width, T>(matrix, leading, Mirrored<width, columns, T>{m, m}, at);
+    mirror<width, columns, T>(m, m);
+    put<false, rows, columns, width, T>(matrix, leading, m, at);
   } else {
     put<false, rows, columns, width, T>(matrix, leading, m, at);
     put<true, rows, columns, width, T>(matrix, leading, m, at);
@@ -327,7 +349,8 @@ DALEMBERT_BLOCK void tile_of(Square<AboveSum, BelowSum>, const Joints<T, nl>& lo
   Tile<width, columns, T> below;  // element (k, i)
   others.fill(below, lower, up, BelowSum{});
   if constexpr (diagonal) {
-    put<false, rows, columns, width, T>(matrix, leading, Mirrored<width, columns, T>{above, below}, at);
+    mirror<width, columns, T>(above, below);
+    put<false, rows, columns, width, T>(matrix, leading, above, at);
   } else {
     put<true, rows, columns, width, T>(matrix, leading, below, at);
   }
