@@ -11,8 +11,8 @@ namespace {
 
 using Limb = std::vector<int>;
 
-// Measured: more than four limbs side by side pay up to this length. Of longer ones the elements of M and C take most of the
-// time, and those fill registers of eight by fours as well, two steps at a time.
+// Measured: more than four limbs side by side, and limbs of unlike length, pay up to this length. Of longer ones the elements
+// of M and C take most of the time, and those fill registers of eight by fours as well, two steps at a time.
 constexpr size_t longest_of_eight = 12;
 
 // Runs of bodies without a branch, in depth-first order.
@@ -29,7 +29,7 @@ std::vector<Limb> limbs_of(const ir::KinematicTree& tree) {
   return limbs;
 }
 
-// Groups of limbs to be computed side by side: similar in length, none above another, not even by way of their groups.
+// Groups of limbs to be computed side by side: similar in length or few, none above another, not even by way of their groups.
 class Grouping {
  public:
   Grouping(const ir::KinematicTree& tree, const std::vector<Limb>& limbs) : limbs_(limbs), group_of_(limbs.size(), -1) {
@@ -62,7 +62,13 @@ class Grouping {
         groups_.back().pop_back();
         group_of_[at(limb)] = -1;
       }
-      std::sort(groups_.back().begin(), groups_.back().end());
+    }
+    for (size_t longer = 0; longer < groups_.size(); ++longer)
+      for (size_t shorter = longer + 1; shorter < groups_.size(); ++shorter) join(longer, shorter);
+    std::erase_if(groups_, [](const std::vector<int>& group) { return group.empty(); });
+    for (size_t g = 0; g < groups_.size(); ++g) {
+      std::sort(groups_[g].begin(), groups_[g].end());
+      for (int limb : groups_[g]) group_of_[at(limb)] = static_cast<int>(g);
     }
     return parents_first();
   }
@@ -70,6 +76,23 @@ class Grouping {
  private:
   static size_t at(int i) { return static_cast<size_t>(i); }
   size_t length(int limb) const { return limbs_[at(limb)].size(); }
+
+  // Puts two groups together, each with its longest limb first. Registers hold two limbs as well as one, so the shorter one's
+  // steps and code come for nothing; and four as well as two, but without AVX: there half of a lane must be its limb's own.
+  void join(size_t longer, size_t shorter) {
+    std::vector<int>&all = groups_[longer], &more = groups_[shorter];
+    const size_t own = all.size(), together = own + more.size();
+    if (own == 0 || more.empty() || together > 4 || length(all.front()) > longest_of_eight) return;
+    if (together > 2 && 2 * length(more.back()) < length(all.front())) return;
+    all.insert(all.end(), more.begin(), more.end());
+    for (int limb : more) group_of_[at(limb)] = static_cast<int>(longer);
+    if (cyclic(static_cast<int>(longer))) {
+      all.resize(own);
+      for (int limb : more) group_of_[at(limb)] = static_cast<int>(shorter);
+    } else {
+      more.clear();
+    }
+  }
 
   // Calls f with the limb that each of `limbs` hangs on.
   template <class F>

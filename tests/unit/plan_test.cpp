@@ -36,10 +36,10 @@ TEST(Plan, RollsLargeCodeAndWhatRunsInTasks) {
   EXPECT_EQ(plan_of(tree, ir::Parallel::tasks, 1000).form, ir::Form::rolled);
 }
 
-// `limbs` on the base, of `joints` each.
-ir::KinematicTree star(int limbs, int joints) {
+// Limbs on the base, of so many joints.
+ir::KinematicTree star(const std::vector<int>& lengths) {
   ir::KinematicTree tree;
-  for (int limb = 0; limb < limbs; ++limb)
+  for (const int joints : lengths)
     for (int joint = 0; joint < joints; ++joint) {
       ir::Body body;
       body.joint = "j";
@@ -48,18 +48,28 @@ ir::KinematicTree star(int limbs, int joints) {
     }
   return tree;
 }
+ir::KinematicTree star(int limbs, int joints) { return star(std::vector(static_cast<size_t>(limbs), joints)); }
+
+std::vector<int> limbs_side_by_side(const ir::KinematicTree& tree) {
+  std::vector<int> found;
+  for (const ir::Segment& s : plan_of(tree, ir::Parallel::automatic, 10000).segments) found.push_back(s.limbs());
+  return found;
+}
 
 TEST(Plan, LaysUpToEightLimbsSideBySide) {
-  const auto widths = [](int limbs, int joints) {
-    std::vector<int> found;
-    for (const ir::Segment& s : plan_of(star(limbs, joints), ir::Parallel::automatic, 10000).segments) found.push_back(s.width);
-    return found;
-  };
-  EXPECT_EQ(widths(3, 4), (std::vector{4}));
-  EXPECT_EQ(widths(5, 4), (std::vector{8}));
-  EXPECT_EQ(widths(8, 12), (std::vector{8}));
-  EXPECT_EQ(widths(9, 4), (std::vector{8, 1}));
-  EXPECT_EQ(widths(8, 13), (std::vector{4, 4})) << "long limbs stand by fours";
+  EXPECT_EQ(limbs_side_by_side(star(3, 4)), (std::vector{3}));
+  EXPECT_EQ(limbs_side_by_side(star(5, 4)), (std::vector{5}));
+  EXPECT_EQ(limbs_side_by_side(star(8, 12)), (std::vector{8}));
+  EXPECT_EQ(limbs_side_by_side(star(9, 4)), (std::vector{8, 1}));
+  EXPECT_EQ(limbs_side_by_side(star(8, 13)), (std::vector{4, 4})) << "long limbs stand by fours";
+}
+
+TEST(Plan, LaysUnlikeLimbsSideBySideWhereRegistersHaveRoom) {
+  EXPECT_EQ(limbs_side_by_side(star({7, 2})), (std::vector{2})) << "two limbs, whatever their lengths";
+  EXPECT_EQ(limbs_side_by_side(star({6, 6, 10, 10})), (std::vector{4})) << "four, of half the length";
+  EXPECT_EQ(limbs_side_by_side(star({3, 3, 7, 7})), (std::vector{2, 2})) << "but no shorter";
+  EXPECT_EQ(limbs_side_by_side(star({3, 3, 3, 3, 6})), (std::vector{1, 4})) << "none is taken out of its group";
+  EXPECT_EQ(limbs_side_by_side(star({13, 2})), (std::vector{1, 1})) << "and none joins a long limb";
 }
 
 TEST(Plan, ComputesNoMoreLanesThanLimbsNeed) {
