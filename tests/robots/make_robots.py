@@ -350,7 +350,83 @@ def humanoids():
         robot.write()
 
 
+def machines():
+    """As arms, quadrupeds and hands are built: axes along the links, most products of inertia zero. They are timed, in both forms
+    (tests/benchmarks/forms.py)."""
+    def attach(robot, segments, prefix, parent, mirror=False):
+        for i, (segment, kind, mass, xyz, axis) in enumerate(segments):
+            n = Numbers(f"machines {segment} {i}")
+            length = 0.05 + 0.1 * math.sqrt(mass / 2)
+            inertial = Inertial.box(mass, [n(-0.1, 0.1) * length, n(-0.1, 0.1) * length, round(-length / 2, 4)],
+                                    (0.3 * length, 0.4 * length, length), n.vector(0.1))
+            if mirror:
+                inertial, xyz, axis = inertial.mirrored(), mirrored_vector(xyz), mirrored_axis(axis)
+            parent = robot.add(f"{prefix}{segment}", parent, kind, inertial, xyz, [0, 0, 0], axis)
+        return parent
+
+    def turns(*rows):
+        return [(name, "revolute", mass, xyz, axis) for name, mass, xyz, axis in rows]
+
+    seven = turns(("1_yaw", 3, [0, 0, 0.15], Z), ("2_pitch", 3, [0, 0, 0.2], Y), ("3_yaw", 2.5, [0, 0, 0.2], Z),
+                  ("4_pitch", 2.5, [0.08, 0, 0.2], Y), ("5_yaw", 2, [-0.08, 0, 0.2], Z), ("6_pitch", 1.5, [0, 0, 0.2], Y),
+                  ("7_yaw", 0.7, [0.09, 0, 0.1], Z))
+    six = turns(("1_yaw", 12, [0, 0, 0.4], Z), ("2_pitch", 10, [0.1, 0.1, 0.1], Y), ("3_pitch", 6, [0, -0.05, 0.5], Y),
+                ("4_roll", 3, [0.1, 0, 0.1], X), ("5_pitch", 1.5, [0.4, 0, 0], Y), ("6_roll", 0.4, [0.1, 0, 0], X))
+    box = Inertial.box(8, [0, 0, 0.02], (0.4, 0.25, 0.12))
+
+    robot = Robot("arm_fingers", "An arm of seven joints and a gripper of two fingers that slide.", box)
+    hand = attach(robot, seven, "a_", "base")
+    attach(robot, [("8_slide", "prismatic", 0.02, [0, 0.01, 0.06], Y)], "b_left_", hand)
+    attach(robot, [("8_slide", "prismatic", 0.02, [0, 0.01, 0.06], Y)], "b_right_", hand, mirror=True)
+    robot.write()
+
+    robot = Robot("six_axis", "An industrial arm of six joints.", box)
+    attach(robot, six, "a_", "base")
+    robot.write()
+
+    robot = Robot("six_axis_positioner", "An industrial arm of six joints beside a positioner of two.", box)
+    attach(robot, six, "a_", "base")
+    attach(robot, turns(("1_tilt", 40, [1, 0, 0.5], Y), ("2_turn", 20, [0, 0, 0.1], Z)), "p_", "base")
+    robot.write()
+
+    robot = Robot("scara", "Two joints that turn, a slide and a wrist, all along z.", box)
+    attach(robot, [("1", "revolute", 4, [0, 0, 0.3], Z), ("2", "revolute", 3, [0.3, 0, 0.1], Z),
+                   ("3", "prismatic", 1, [0.25, 0, 0], Z), ("4", "revolute", 0.3, [0, 0, 0], Z)], "a_", "base")
+    robot.write()
+
+    leg = turns(("1_hip_roll", 0.7, [0, 0.05, 0], X), ("2_hip_pitch", 1.0, [0, 0.08, 0], Y), ("3_knee", 0.3, [0, 0, -0.2], Y))
+    for joints, segments in ((8, leg[1:]), (12, leg)):
+        robot = Robot(f"quadruped_{joints}", f"Four legs of {joints // 4} joints, axes along the body's.", box)
+        for prefix, x in (("front", 0.2), ("hind", -0.2)):
+            for side in ("left", "right"):
+                first, *rest = segments
+                placed = (first[0], first[1], first[2], [x, *first[3][1:]], first[4])
+                attach(robot, [placed, *rest], f"{prefix}_{side}_", "base", mirror=side == "right")
+        robot.write()
+
+    robot = Robot("dual_arm", "A torso that turns, and two arms of seven joints on it.", box)
+    torso = attach(robot, turns(("torso", 20, [0, 0, 0.3], Z)), "a_", "base")
+    for side in ("left", "right"):
+        shoulder = [("1_yaw", "revolute", 3, [0, 0.2, 0.3], Z), *seven[1:]]
+        attach(robot, shoulder, f"b_{side}_", torso, mirror=side == "right")
+    robot.write()
+
+    robot = Robot("biped_10", "Two legs of five joints, as bipeds with springs in shins and ankles have them.", box)
+    for side in ("left", "right"):
+        attach(robot, turns(("1_hip_roll", 1.8, [0, 0.13, 0], X), ("2_hip_yaw", 1.2, [0, 0, -0.09], Z),
+                            ("3_hip_pitch", 5.5, [0, 0, 0], Y), ("4_knee", 0.8, [0.12, 0, 0.0045], Y),
+                            ("5_toe", 0.15, [0.4, 0, -0.04], Y)), f"{side}_", "base", mirror=side == "right")
+    robot.write()
+
+    robot = Robot("hand_16", "Four fingers of four joints, axes along the palm's.", box)
+    for i in range(4):
+        attach(robot, turns(("1_spread", 0.03, [0, 0.045 * (i - 1.5), 0.02], Z), ("2_base", 0.05, [0, 0, 0.016], Y),
+                            ("3_middle", 0.04, [0, 0, 0.054], Y), ("4_tip", 0.02, [0, 0, 0.038], Y)), f"f{i + 1}_", "base")
+    robot.write()
+
+
 if __name__ == "__main__":
+    machines()
     chains()
     branches()
     joint_types()
