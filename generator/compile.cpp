@@ -57,6 +57,17 @@ std::vector<std::pair<std::string, ir::Operations>> executed_operations(const Mo
   return all;
 }
 
+std::vector<std::pair<std::string, backend::Features>> features(const Model& model, const Lowered& lowered, int lanes) {
+  std::vector<std::pair<std::string, backend::Features>> all;
+  for (const backend::CodeInput& code : folder(model, lowered).functions) {
+    const ir::EmittedFunction& function = code.algorithm.function;
+    if (function.first_half.empty()) all.emplace_back(function.name, backend::Features{});
+    const backend::Features own = backend::features(code, lanes);
+    for (size_t i = 0; i < own.size(); ++i) all.back().second[i] += own[i];
+  }
+  return all;
+}
+
 std::vector<backend::OutputFile> compile(const Model& model) {
   return emit(model, reference::self_test(model.tree, model.scene));
 }

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "backend/estimate.hpp"
 #include "lower.hpp"
 
 namespace dalembert {
@@ -15,5 +16,8 @@ std::size_t workspace_bytes(const Model& model, const Lowered& lowered);
 
 // Operations that one call of each generated function executes, padding included (backend/executed.hpp).
 std::vector<std::pair<std::string, ir::Operations>> executed_operations(const Model& model, const Lowered& lowered);
+
+// What the estimate of each generated function's time is made of (backend/estimate.hpp), for registers of so many doubles.
+std::vector<std::pair<std::string, backend::Features>> features(const Model& model, const Lowered& lowered, int lanes);
 
 }  // namespace dalembert

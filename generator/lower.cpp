@@ -1,57 +1,118 @@
 #include "lower.hpp"
 
+#include <algorithm>
+
+#include "backend/estimate.hpp"
+#include "ir/coordinate_tree.hpp"
 #include "passes/normalise.hpp"
 #include "passes/plan.hpp"
 #include "passes/quantities/quantities.hpp"
 #include "passes/roll.hpp"
 #include "passes/unroll.hpp"
+#include "passes/write_out.hpp"
 
 namespace dalembert {
 namespace {
 
-enum class Depth { program, form };
+// A function in one of its ways, whole or in two halves, which have one plan.
+struct Way {
+  std::vector<LoweredFunction> halves;
+  Candidate candidate;
+};
 
-// The function, or its two halves, which have one plan, by what they cost together.
-std::vector<LoweredFunction> lower(const Model& model, const ir::NormalTree& normal, const ir::EmittedFunction& function,
-                                   Depth depth) {
-  const ir::Graph::Options options{model.options.fold, model.options.share};
-  // Nobody reads a straight line of a million statements.
-  const bool names = depth == Depth::form && model.tree.joints() < 200;
-  const std::vector<ir::EmittedFunction> halves = passes::halves(function, model.tree);
-  std::vector<LoweredFunction> lowered(halves.size());
-  std::vector<passes::Unroll> unrolled;
-  unrolled.reserve(halves.size());
-  ir::Operations operations;
-  for (size_t half = 0; half < halves.size(); ++half) {
-    lowered[half].algorithm = passes::describe(halves[half], model.tree, normal, model.scene, options);
-    unrolled.emplace_back(lowered[half].algorithm, model.tree, normal, model.scene, passes::UnrollOptions{options, names});
-    if (depth == Depth::program) continue;
-    const ir::Program& program = unrolled[half].program();
-    operations += ir::count(program.graph, ir::uses(program.graph, program.roots()));
+class Lowering {
+ public:
+  Lowering(const Model& model, const ir::NormalTree& normal, const ir::EmittedFunction& function)
+      : model_(model),
+        normal_(normal),
+        function_(function),
+        halves_(passes::halves(function, model.tree)),
+        options_{model.options.fold, model.options.share} {}
+
+  // As far as the unrolled program.
+  std::vector<LoweredFunction> program() const {
+    const ir::Solver solver = passes::solvers(function_, model_.tree, model_.scene).front();
+    std::vector<LoweredFunction> lowered = described(solver);
+    for (LoweredFunction& f : lowered) f.program = unrolled(f.algorithm, false).take_program();
+    return lowered;
   }
-  for (size_t half = 0; half < halves.size(); ++half) {
-    LoweredFunction& f = lowered[half];
-    if (depth == Depth::form) {
-      f.plan = passes::plan(model.tree, model.scene, operations, model.options);
-      if (f.plan.form == ir::Form::rolled)
-        f.rolled = passes::roll(f.algorithm, unrolled[half], model.tree, model.scene, f.plan, options);
+
+  // The cheapest way of all.
+  std::vector<LoweredFunction> form() const {
+    std::vector<Way> ways;
+    for (const ir::Solver solver : passes::solvers(function_, model_.tree, model_.scene)) add_ways(solver, ways);
+    const auto cheapest = std::min_element(
+        ways.begin(), ways.end(), [](const Way& a, const Way& b) { return a.candidate.nanoseconds < b.candidate.nanoseconds; });
+    std::rotate(ways.begin(), cheapest, cheapest + 1);
+    std::vector<LoweredFunction> chosen = std::move(ways.front().halves);
+    for (const Way& way : ways) chosen.front().candidates.push_back(way.candidate);
+    return chosen;
+  }
+
+ private:
+  std::vector<LoweredFunction> described(ir::Solver solver) const {
+    std::vector<LoweredFunction> lowered(halves_.size());
+    for (size_t half = 0; half < halves_.size(); ++half)
+      lowered[half].algorithm = passes::describe(halves_[half], model_.tree, normal_, model_.scene, solver, options_);
+    return lowered;
+  }
+
+  passes::Unroll unrolled(const ir::Algorithm& algorithm, bool names) const {
+    return {algorithm, model_.tree, normal_, model_.scene, passes::UnrollOptions{options_, names}};
+  }
+
+  void add_ways(ir::Solver solver, std::vector<Way>& ways) const {
+    const std::vector<LoweredFunction> lowered = described(solver);
+    // Nobody reads a straight line of a million statements.
+    const bool names = model_.tree.joints() < 200;
+    std::vector<passes::Unroll> unrolls;
+    unrolls.reserve(lowered.size());
+    ir::Operations operations;
+    for (const LoweredFunction& f : lowered) {
+      unrolls.push_back(unrolled(f.algorithm, names));
+      const ir::Program& program = unrolls.back().program();
+      operations += ir::count(program.graph, ir::uses(program.graph, program.roots()));
     }
-    f.program = unrolled[half].take_program();
+    const std::vector<ir::Form> forms = passes::forms(model_.tree, model_.scene, operations, model_.options);
+    for (const ir::Form form : forms) {
+      Way way{lowered, {form, solver}};
+      for (size_t half = 0; half < lowered.size(); ++half) {
+        LoweredFunction& f = way.halves[half];
+        f.plan = passes::plan(model_.tree, model_.scene, form, operations, model_.options);
+        if (form == ir::Form::rolled)
+          f.rolled = passes::roll(f.algorithm, unrolls[half], model_.tree, model_.scene, f.plan, options_);
+        f.program = &form == &forms.back() ? unrolls[half].take_program() : unrolls[half].program();
+        if (form == ir::Form::straight) passes::write_out_steps(f.algorithm, f.program, ir::coordinate_tree(model_.tree));
+        way.candidate.nanoseconds += backend::estimate(
+            {model_.tree, normal_, model_.scene, f.algorithm, f.program, f.plan, f.rolled, model_.name}, backend::usual_lanes);
+      }
+      ways.push_back(std::move(way));
+    }
   }
-  return lowered;
-}
 
-Lowered lower(const Model& model, Depth depth) {
+  const Model& model_;
+  const ir::NormalTree& normal_;
+  const ir::EmittedFunction& function_;
+  const std::vector<ir::EmittedFunction> halves_;
+  const ir::Graph::Options options_;
+};
+
+template <class Lower>
+Lowered lower_functions(const Model& model, const Lower& lower) {
   Lowered lowered;
   lowered.normal = passes::normalise(model.tree, passes::normalise_options(model.scene, model.options.move_parameters));
   for (const ir::EmittedFunction& function : ir::functions_of(model.scene))
-    for (LoweredFunction& half : lower(model, lowered.normal, function, depth)) lowered.functions.push_back(std::move(half));
+    for (LoweredFunction& half : lower(Lowering(model, lowered.normal, function))) lowered.functions.push_back(std::move(half));
   return lowered;
 }
 
 }  // namespace
 
-Lowered lower(const Model& model) { return lower(model, Depth::form); }
-Lowered lower_to_programs(const Model& model) { return lower(model, Depth::program); }
+Lowered lower(const Model& model) {
+  return lower_functions(model, [](const Lowering& lowering) { return lowering.form(); });
+}
+Lowered lower_to_programs(const Model& model) {
+  return lower_functions(model, [](const Lowering& lowering) { return lowering.program(); });
+}
 
 }  // namespace dalembert

@@ -12,12 +12,20 @@
 
 namespace dalembert {
 
+// A way to compute a function, and what a call is expected to take (backend/estimate.hpp).
+struct Candidate {
+  ir::Form form;
+  ir::Solver solver;
+  double nanoseconds = 0;
+};
+
 // One function on its way to text.
 struct LoweredFunction {
   ir::Algorithm algorithm;
   ir::Program program;  // unrolled
   ir::Plan plan;
-  ir::RolledProgram rolled;  // empty for the straight form
+  ir::RolledProgram rolled;           // empty for the straight form
+  std::vector<Candidate> candidates;  // the one chosen first
 };
 // A model on its way to text.
 struct Lowered {

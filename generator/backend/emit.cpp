@@ -48,7 +48,7 @@ std::string results(const Folder& folder) {
   std::string text;
   for (const CodeInput& code : folder.functions) {
     for (const ir::OutputArray& a : code.program.arrays) {
-      if (a.of_first_half) continue;
+      if (a.of_first_half || a.written_out) continue;
       const std::string size = a.columns == 1 ? std::to_string(a.rows) : fmt::format("{} * {}", a.rows, a.columns);
       text += fmt::format("  alignas(64) Scalar {}[{}] = {{}};{}\n", a.name, size, a.internal ? "  // between" : "");
     }
@@ -356,7 +356,7 @@ std::size_t workspace_bytes(const Folder& folder) {
   const auto align = [&] { bytes = (bytes + 63) / 64 * 64; };
   for (const CodeInput& f : folder.functions) {
     for (const ir::OutputArray& a : f.program.arrays) {
-      if (a.of_first_half) continue;
+      if (a.of_first_half || a.written_out) continue;
       align();
       bytes += scalar * static_cast<std::size_t>(a.rows) * static_cast<std::size_t>(a.columns);
     }

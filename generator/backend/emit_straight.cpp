@@ -74,14 +74,19 @@ std::string heading(const CodeInput& code, const ir::Tag& tag) {
   const std::string who = tag.body < 0 ? "base " + code.tree.base_link
                                        : code.tree.bodies[static_cast<size_t>(tag.body)].joint + " -> " +
                                              code.tree.bodies[static_cast<size_t>(tag.body)].name;
-  const auto at = static_cast<size_t>(tag.sweep);
+  const auto at = static_cast<size_t>(tag.sweep), pairs = a.sweeps.size() + a.pairs.size(),
+             projections = pairs + a.projections.size();
   const std::string equation = tag.sweep < 0          ? "moments of the payloads"
                                : at < a.sweeps.size() ? a.sweeps[at].equation
-                               : at < a.sweeps.size() + a.pairs.size()
-                                   ? a.pairs[at - a.sweeps.size()].equation
-                                   : a.projections[at - a.sweeps.size() - a.pairs.size()].equation;
+                               : at < pairs           ? a.pairs[at - a.sweeps.size()].equation
+                               : at < projections     ? a.projections[at - pairs].equation
+                                                      : a.written_out[at - projections];
+  if (tag.sweep >= 0 && at >= projections) return fmt::format("\n  // {}\n", equation);
   return fmt::format("\n  // {}: {}\n", comment_text(who), equation);
 }
+
+// Whether most of it are products of a body's numbers and those of another that is far away in the text.
+bool fills_matrices(const CodeInput& code) { return !code.algorithm.pairs.empty() || !code.algorithm.projections.empty(); }
 
 }  // namespace
 
@@ -119,13 +124,15 @@ ir::Operations straight_operations(const CodeInput& code) {
 
 std::vector<std::string> straight_includes(const CodeInput& code) {
   std::vector<std::string> headers;
+  if (fills_matrices(code)) headers.emplace_back("straight_line");
   if (Angles(code.program).count() > 0) headers.emplace_back("sincos");
-  if (solves(code)) headers.emplace_back("solve");
+  if (solves(code) || code.algorithm.factor >= 0) headers.emplace_back("solve");
   return headers;
 }
 
 std::string straight_source(const CodeInput& code) {
-  return render("straight.cpp", {{"linkage", is_called(code) ? "" : "static "},
+  const std::string attribute = fills_matrices(code) ? "DALEMBERT_STRAIGHT_LINE " : "";
+  return render("straight.cpp", {{"linkage", attribute + (is_called(code) ? "" : "static ")},
                                  {"function", function_of(code).name},
                                  {"parameters", parameters_of(code, "const Scalar* __restrict ")},
                                  {"body", straight_statements(code, code.program)}});

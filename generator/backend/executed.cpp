@@ -124,8 +124,10 @@ ir::Operations solve_step(const ir::CoordinateTree& tree) {
   return o;
 }
 
+}  // namespace
+
 // As runtime/include/dalembert/factor.hpp takes them: by eights of a column, and a chain's own in fours or eights.
-ir::Operations matrix_step(const ir::MatrixStep& step, const ir::CoordinateTree& tree) {
+ir::Operations step_operations(const ir::MatrixStep& step, const ir::CoordinateTree& tree) {
   if (step.kind == ir::MatrixStep::Kind::factor) return factor_step(tree);
   if (step.kind == ir::MatrixStep::Kind::solve) return solve_step(tree);
   const auto eights = [](long count) { return (count + 7) / 8 * 8; };
@@ -145,12 +147,10 @@ ir::Operations matrix_step(const ir::MatrixStep& step, const ir::CoordinateTree&
   return o;
 }
 
-}  // namespace
-
 ir::Operations executed_operations(const CodeInput& code) {
   ir::Operations sum;
   sum.multiply = guard_products(code);
-  for (const ir::MatrixStep& step : code.algorithm.steps) sum += matrix_step(step, ir::coordinate_tree(code.tree));
+  for (const ir::MatrixStep& step : code.algorithm.steps) sum += step_operations(step, ir::coordinate_tree(code.tree));
   if (code.plan.form != ir::Form::rolled) return sum += straight_operations(code);
   sum += prepare_operations(code);
   for (const ir::BaseStage& stage : code.rolled.base) sum += base(stage);

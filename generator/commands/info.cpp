@@ -1,6 +1,7 @@
 #include "commands/info.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 
@@ -129,13 +130,61 @@ std::string executed_json(const std::vector<std::pair<std::string, ir::Operation
   return text;
 }
 
+const char* name_of(ir::Form form) { return form == ir::Form::rolled ? "rolled" : "straight"; }
+const char* name_of(ir::Solver solver) { return solver == ir::Solver::factorization ? "factorization" : "articulated_bodies"; }
+
+// Per function, the ways to compute it, the one chosen first.
+std::string plan_json(const Lowered& lowered) {
+  std::string text;
+  for (const LoweredFunction& f : lowered.functions) {
+    if (f.candidates.empty()) continue;  // a second half
+    std::string ways;
+    for (const Candidate& c : f.candidates)
+      ways += fmt::format("{}{{\"form\": \"{}\", \"solver\": \"{}\", \"nanoseconds\": {:.1f}}}", ways.empty() ? "" : ", ",
+                          name_of(c.form), name_of(c.solver), c.nanoseconds);
+    text += fmt::format("{}\n    {}: [{}]", text.empty() ? "" : ",", json_string(f.algorithm.function.name), ways);
+  }
+  return text;
+}
+
+// Per function and width of registers, what the estimates are made of.
+std::string features_json(const Model& model, const Lowered& lowered) {
+  std::string text;
+  for (const int lanes : {2, 4, 8})
+    for (const auto& [function, values] : features(model, lowered, lanes)) {
+      std::string list;
+      for (size_t i = 0; i < values.size(); ++i)
+        list += fmt::format("{}\"{}\": {:.6g}", i == 0 ? "" : ", ", backend::feature_names[i], values[i]);
+      text +=
+          fmt::format("{}\n    {}: {{{}}}", text.empty() ? "" : ",", json_string(fmt::format("{} {}", function, lanes)), list);
+    }
+  return text;
+}
+
+// What was chosen of each function, and what the other ways would cost.
+std::string plan_text(const Lowered& lowered) {
+  std::string text;
+  for (const LoweredFunction& f : lowered.functions) {
+    if (f.candidates.empty()) continue;
+    const bool solves = std::any_of(f.candidates.begin(), f.candidates.end(),
+                                    [&](const Candidate& c) { return c.solver != f.candidates.front().solver; });
+    std::vector<std::string> ways;
+    for (const Candidate& c : f.candidates)
+      ways.push_back(fmt::format("{}{} {:.0f} ns", name_of(c.form), solves ? fmt::format(" by {}", name_of(c.solver)) : "",
+                                 c.nanoseconds));
+    text += fmt::format("plan of {}: {} (estimates; the first is chosen)\n", f.algorithm.function.name, fmt::join(ways, ", "));
+  }
+  return text;
+}
+
 }  // namespace
 
 std::string describe(const Model& model) {
+  const Lowered lowered = lower(model);
   std::string text =
       summary(model) + coordinates(model.tree) + bodies(model.tree) + links(model.tree) + sparsity(model.tree) + "\n";
-  for (const std::string& line : left_out(model, lower(model))) text += line + "\n";
-  return text;
+  for (const std::string& line : left_out(model, lowered)) text += line + "\n";
+  return text + plan_text(lowered);
 }
 
 std::string describe_json(const Model& model) {
@@ -151,10 +200,11 @@ std::string describe_json(const Model& model) {
   return fmt::format(
       "{{\n  \"robot\": {},\n  \"name\": {},\n  \"base\": \"{}\",\n  \"nq\": {},\n  \"nv\": {},\n  \"joints\": {},\n"
       "  \"bodies\": {},\n  \"workspace_bytes\": {},\n  \"quantities\": {{{}\n  }},\n  \"without_scene\": {{{}\n  }},\n"
-      "  \"executed\": {{{}\n  }}\n}}\n",
+      "  \"executed\": {{{}\n  }},\n  \"plan\": {{{}\n  }},\n  \"estimates\": {{{}\n  }}\n}}\n",
       json_string(tree.robot), json_string(model.name), tree.floating_base ? "floating" : "fixed", tree.nq(), tree.nv(),
       json_array(joints), json_array(bodies), workspace_bytes(model, lowered), quantities_json(operation_costs(lowered, tree)),
-      quantities_json(before), executed_json(executed_operations(model, lowered)));
+      quantities_json(before), executed_json(executed_operations(model, lowered)), plan_json(lowered),
+      features_json(model, lowered));
 }
 
 }  // namespace dalembert

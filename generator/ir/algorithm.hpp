@@ -113,6 +113,7 @@ struct OutputArray {
   int columns = 1;
   bool internal = false;       // a step between, which users do not ask for
   bool of_first_half = false;  // of a second half (ir/emitted_function.hpp): the other function has it
+  bool written_out = false;    // nothing reads it: its elements became operands (passes/write_out.hpp)
 };
 
 // What is done to whole matrices once their elements are there.
@@ -145,7 +146,8 @@ struct Algorithm {
   std::vector<Pairs> pairs;
   std::vector<Projection> projections;
   std::vector<Result> results;
-  std::vector<MatrixStep> steps;  // in order, after all results
+  std::vector<MatrixStep> steps;         // in order, after all results
+  std::vector<std::string> written_out;  // equations of steps that became nodes; tags count on to them
   std::optional<Guard> guard;
   int factor = -1;  // the array that equations with M are solved by, if the code is to offer that
 

@@ -149,7 +149,7 @@ int Builder::array(const std::string& name, int rows, int columns) {
 }
 
 bool Builder::factors() const {
-  return scene_.forward_dynamics == ir::Solver::factorization || tree_.independent_joints() < tree_.joints() ||
+  return solver_ == ir::Solver::factorization || tree_.independent_joints() < tree_.joints() ||
          algorithm_.function.computes(ir::Quantity::mass_matrix_factor);
 }
 

@@ -85,8 +85,8 @@ class Builder {
  public:
   // References the trees and the scene.
   Builder(const ir::EmittedFunction& function, const ir::KinematicTree& tree, const ir::NormalTree& normal,
-          const ir::Scene& scene, const ir::Graph::Options& options)
-      : tree_(tree), normal_(normal), scene_(scene), options_(options) {
+          const ir::Scene& scene, ir::Solver solver, const ir::Graph::Options& options)
+      : tree_(tree), normal_(normal), scene_(scene), solver_(solver), options_(options) {
     algorithm_.function = function;
   }
 
@@ -138,6 +138,7 @@ class Builder {
   const ir::KinematicTree& tree_;
   const ir::NormalTree& normal_;
   const ir::Scene& scene_;
+  const ir::Solver solver_;
   const ir::Graph::Options options_;
   ir::Algorithm algorithm_;
 };

@@ -66,7 +66,7 @@ std::vector<int> phases(const ir::Algorithm& algorithm) {
     const bool outwards = d == Direction::outwards || d == Direction::root;
     phase.push_back(level[s] == 0 ? (outwards ? 1 : 2) : d == Direction::inwards ? 2 : 3);
   }
-  phase.resize(phase.size() + algorithm.pairs.size() + algorithm.projections.size(), 3);
+  phase.resize(phase.size() + algorithm.pairs.size() + algorithm.projections.size() + algorithm.written_out.size(), 3);
   return phase;
 }
 

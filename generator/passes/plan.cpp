@@ -168,24 +168,26 @@ void lay_out(const ir::KinematicTree& tree, size_t widest, ir::Plan& plan) {
 
 }  // namespace
 
-ir::Plan plan(const ir::KinematicTree& tree, const ir::Scene& scene, const ir::Operations& straight,
+ir::Plan plan(const ir::KinematicTree& tree, const ir::Scene& scene, ir::Form form, const ir::Operations& straight,
               const ir::CompileOptions& options) {
-  ir::Plan plan;
-  plan.tasks = scene.parallel == ir::Parallel::tasks;
-  ir::Form form = options.form;
-  lay_out(tree, options.pack ? 8 : 1, plan);
-  if (form == ir::Form::automatic) {
-    // Measured: limbs side by side are worth rolling from about 2000 operations on, a single chain later.
-    const bool lanes =
-        std::any_of(plan.segments.begin(), plan.segments.end(), [](const ir::Segment& s) { return s.width > 1; });
-    form = straight.total() <= (lanes ? 2000 : 3500) && !plan.tasks ? ir::Form::straight : ir::Form::rolled;
-  }
-  plan.form = tree.bodies.empty() ? ir::Form::straight : form;  // a base alone has nothing to roll
   // Measured on two cores: a graph of tasks pays from about 30 µs of serial work on.
   constexpr long work_for_tasks = 500000;
-  if (scene.parallel == ir::Parallel::automatic)
-    plan.tasks = plan.form == ir::Form::rolled && straight.total() >= work_for_tasks;
-  return plan.form == ir::Form::rolled ? plan : ir::Plan{.tasks = plan.tasks, .segments = {}, .slot_of = {}};
+  ir::Plan plan;
+  plan.form = form;
+  plan.tasks = scene.parallel == ir::Parallel::tasks ||
+               (scene.parallel == ir::Parallel::automatic && form == ir::Form::rolled && straight.total() >= work_for_tasks);
+  if (form == ir::Form::rolled) lay_out(tree, options.pack ? 8 : 1, plan);
+  return plan;
+}
+
+std::vector<ir::Form> forms(const ir::KinematicTree& tree, const ir::Scene& scene, const ir::Operations& straight,
+                            const ir::CompileOptions& options) {
+  // Straight lines of more are slower than loops on any robot, and take compilers minutes.
+  constexpr long longest_straight_line = 20000;
+  if (tree.bodies.empty()) return {ir::Form::straight};  // a base alone has nothing to roll
+  if (options.form != ir::Form::automatic) return {options.form};
+  if (scene.parallel == ir::Parallel::tasks || straight.total() > longest_straight_line) return {ir::Form::rolled};
+  return {ir::Form::straight, ir::Form::rolled};
 }
 
 }  // namespace dalembert::passes

@@ -1,4 +1,4 @@
-// Chooses the shape of the emitted code and lays limbs side by side.
+// What shapes the emitted code may have; and one of them laid out, limbs side by side.
 #pragma once
 
 #include "ir/graph.hpp"
@@ -8,9 +8,13 @@
 
 namespace dalembert::passes {
 
-// The form (straight or rolled), tasks or none, and for the rolled form the segments, lanes and slots of all bodies.
-// `straight`: operations of the straight form, by which the choice is made where the options leave it open.
-ir::Plan plan(const ir::KinematicTree& tree, const ir::Scene& scene, const ir::Operations& straight,
+// The forms that come into question: one where the options say which or nothing else makes sense. `straight`: operations of the
+// straight form.
+std::vector<ir::Form> forms(const ir::KinematicTree& tree, const ir::Scene& scene, const ir::Operations& straight,
+                            const ir::CompileOptions& options);
+
+// Tasks or none, and for the rolled form the segments, lanes and slots of all bodies.
+ir::Plan plan(const ir::KinematicTree& tree, const ir::Scene& scene, ir::Form form, const ir::Operations& straight,
               const ir::CompileOptions& options);
 
 }  // namespace dalembert::passes

@@ -13,6 +13,7 @@
 #include "commands/output.hpp"
 #include "frontend/urdf_reader.hpp"
 #include "interpret.hpp"
+#include "ir/coordinate_tree.hpp"
 #include "passes/build_tree.hpp"
 #include "passes/combine_inertia.hpp"
 #include "passes/normalise.hpp"
@@ -20,6 +21,7 @@
 #include "passes/quantities/quantities.hpp"
 #include "passes/roll.hpp"
 #include "passes/unroll.hpp"
+#include "passes/write_out.hpp"
 #include "reference/engine.hpp"
 
 namespace dalembert {
@@ -91,11 +93,12 @@ inline std::array<ir::Arrays, 2> run_half(const ir::EmittedFunction& function, c
       default: return std::nan("");
     }
   };
-  ir::Arrays straight = ir::run(algorithm, unroll.program(), input, left[0]);
-  ir::CompileOptions options;
-  options.form = ir::Form::rolled;
-  const ir::Plan plan = passes::plan(model.tree, model.scene, {}, options);
-  if (plan.form != ir::Form::rolled) return {straight, straight};  // a base alone
+  ir::Algorithm written_out = algorithm;
+  ir::Program line = unroll.program();
+  passes::write_out_steps(written_out, line, ir::coordinate_tree(model.tree));
+  ir::Arrays straight = ir::run(written_out, line, input, left[0]);
+  if (model.tree.bodies.empty()) return {straight, straight};  // a base alone
+  const ir::Plan plan = passes::plan(model.tree, model.scene, ir::Form::rolled, {}, {});
   const ir::RolledProgram program = passes::roll(algorithm, unroll, model.tree, model.scene, plan, {});
   ir::RolledRun run(algorithm, program, plan, model.tree, model.scene.rates_zero, input);
   run.run(left[1]);

@@ -92,7 +92,7 @@ inline void run_steps(const Algorithm& algorithm, Arrays& arrays) {
 // The straight form. `arrays`: those that the first half has left for a second.
 inline Arrays run(const Algorithm& algorithm, const Program& program, const FunctionInput& input, Arrays arrays = {}) {
   for (const OutputArray& a : program.arrays)
-    if (!a.of_first_half) arrays[a.name] = Eigen::MatrixXd::Zero(a.rows, a.columns);
+    if (!a.of_first_half && !a.written_out) arrays[a.name] = Eigen::MatrixXd::Zero(a.rows, a.columns);
   const std::vector<double> values = interpret<double>(program.graph, input);
   for (const OutputElement& e : program.elements)
     arrays[program.arrays[static_cast<std::size_t>(e.array)].name](e.row, e.column) = values[static_cast<std::size_t>(e.node)];
@@ -120,7 +120,7 @@ class RolledRun {
   Arrays run(Arrays arrays = {}) {
     arrays_ = std::move(arrays);
     for (const OutputArray& a : algorithm_.arrays)
-      if (!a.of_first_half) arrays_[a.name] = Eigen::MatrixXd::Zero(a.rows, a.columns);
+      if (!a.of_first_half && !a.written_out) arrays_[a.name] = Eigen::MatrixXd::Zero(a.rows, a.columns);
     joints();
     int levels = 0;
     for (const SegmentCode& s : program_.segments)

@@ -135,8 +135,8 @@ TEST(NamedFunctions, AreComputedInHalvesWhereAccelerationsComeLate) {
 
 // M is inverted once, and bodies are moved once.
 TEST(NamedFunctions, ShareWhatTheyShare) {
-  const Lowered apart = lower(model_of(scene_of(derivatives, {})));
-  const Lowered together = lower(model_of(scene_of({}, {{"plan", derivatives}})));
+  const Lowered apart = lower_to_programs(model_of(scene_of(derivatives, {})));
+  const Lowered together = lower_to_programs(model_of(scene_of({}, {{"plan", derivatives}})));
   ASSERT_EQ(apart.functions.size(), 2u);
   ASSERT_EQ(together.functions.size(), 1u);
   const auto inversions = [](const Lowered& lowered) {

@@ -124,14 +124,15 @@ TEST_P(SceneOperations, NoSubsetOfTheOutputsCostsMoreThanItsSuperset) {
   }
 }
 
-// The same for the emitted code's workspace: results, and what is kept between the stages of the rolled form.
+// The same for the emitted code's workspace: results, and what is kept between the stages of the rolled form. Form by form:
+// what is left to choice goes by time, and a superset may be a straight line where its subset is loops.
 TEST_P(SceneOperations, NoSubsetOfTheOutputsTakesMoreRoomThanItsSuperset) {
   Diagnostics warnings;
   Request request;
   request.robot = GetParam().urdf;
   Model model = read_model(request, warnings);
   const std::vector<Quantity> all = ir::Scene{}.outputs;
-  for (const ir::Form form : {ir::Form::automatic, ir::Form::straight, ir::Form::rolled}) {
+  for (const ir::Form form : {ir::Form::straight, ir::Form::rolled}) {
     model.options.form = form;
     std::vector<size_t> bytes(16);
     for (unsigned set = 1; set < 16; ++set) {

@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "ir/identifier.hpp"
 #include "passes/quantities/quantities.hpp"
 
@@ -32,9 +34,23 @@ LinkFrame link_frame(const std::string& link, const ir::KinematicTree& tree, con
   return frame;
 }
 
+std::vector<ir::Solver> solvers(const ir::EmittedFunction& function, const ir::KinematicTree& tree, const ir::Scene& scene) {
+  if (scene.forward_dynamics) return {*scene.forward_dynamics};
+  if (tree.independent_joints() < tree.joints()) return {ir::Solver::factorization};
+  const bool solves = std::any_of(function.quantities.begin(), function.quantities.end(),
+                                  [](ir::Quantity q) { return ir::row_of(q).scale == ir::Scale::solved; });
+  if (!solves) return {ir::Solver::articulated_bodies};
+  return {ir::Solver::articulated_bodies, ir::Solver::factorization};
+}
+
 ir::Algorithm describe(const ir::EmittedFunction& function, const ir::KinematicTree& tree, const ir::NormalTree& normal,
                        const ir::Scene& scene, const ir::Graph::Options& options) {
-  Builder b(function, tree, normal, scene, options);
+  return describe(function, tree, normal, scene, solvers(function, tree, scene).front(), options);
+}
+
+ir::Algorithm describe(const ir::EmittedFunction& function, const ir::KinematicTree& tree, const ir::NormalTree& normal,
+                       const ir::Scene& scene, ir::Solver solver, const ir::Graph::Options& options) {
+  Builder b(function, tree, normal, scene, solver, options);
   // M and its factors may be made before their turn: results stand in the order asked for all the same.
   if (b.factors())
     for (const ir::Quantity quantity : function.quantities) b.output(quantity);

@@ -1,0 +1,187 @@
+#include "backend/estimate.hpp"
+
+#include <algorithm>
+#include <vector>
+
+#include "backend/emit_pairs.hpp"
+#include "backend/executed.hpp"
+#include "backend/kept.hpp"
+#include "ir/coordinate_tree.hpp"
+
+namespace dalembert::backend {
+namespace {
+
+// Cycles, as on most processors of today; two multiply-adds begin in one.
+constexpr double latency = 4, divide_latency = 13, begun_in_a_cycle = 2;
+
+double& of(Features& f, Feature feature) { return f[static_cast<size_t>(feature)]; }
+
+int registers(int count, int lanes) { return (count + lanes - 1) / lanes; }
+
+// Multiply-adds, and what stands alone, of a graph; and cycles from one of its inputs to one of its outputs.
+class Work {
+ public:
+  Work(const ir::Graph& graph, const std::vector<ir::NodeId>& roots) : graph_(graph), uses_(ir::uses(graph, roots)) {
+    for (ir::NodeId id = 0; id < graph.size(); ++id) {
+      const ir::Node& n = graph[id];
+      if (used(id) == 0) continue;
+      if (n.op == ir::Op::divide) ++divisions_;
+      if (n.op == ir::Op::multiply) ++operations_;
+      if ((n.op == ir::Op::add || n.op == ir::Op::subtract) && !absorbs(n)) ++operations_;
+    }
+  }
+
+  double operations() const { return operations_; }
+  double divisions() const { return divisions_; }
+
+  // Cycles from what `starts` says to each of `ends`; the longest way.
+  template <class Starts>
+  double longest(const Starts& starts, const std::vector<ir::NodeId>& ends) const {
+    std::vector<double> ready(static_cast<size_t>(graph_.size()), -1);  // −1: does not wait
+    for (ir::NodeId id = 0; id < graph_.size(); ++id) {
+      const ir::Node& n = graph_[id];
+      double& r = ready[static_cast<size_t>(id)];
+      if (n.op == ir::Op::input) {
+        if (starts(n.input)) r = 0;
+        continue;
+      }
+      double before = -1;
+      for (const ir::NodeId from : {n.a, n.b})
+        if (from != ir::no_node) before = std::max(before, ready[static_cast<size_t>(from)]);
+      if (before >= 0) r = before + cycles(n, id);
+    }
+    double most = 0;
+    for (const ir::NodeId end : ends) most = std::max(most, ready[static_cast<size_t>(end)]);
+    return most;
+  }
+
+ private:
+  std::int32_t used(ir::NodeId id) const { return uses_[static_cast<size_t>(id)]; }
+  bool is_product(ir::NodeId id) const { return graph_[id].op == ir::Op::multiply && used(id) == 1; }
+  // A sum with a product that nobody else reads is one instruction with it.
+  bool absorbs(const ir::Node& n) const { return is_product(n.a) || is_product(n.b); }
+  double cycles(const ir::Node& n, ir::NodeId id) const {
+    switch (n.op) {
+      case ir::Op::multiply: return used(id) == 1 ? 0 : latency;
+      case ir::Op::divide: return divide_latency;
+      case ir::Op::negate: return 0;
+      default: return latency;
+    }
+  }
+
+  const ir::Graph& graph_;
+  const std::vector<std::int32_t> uses_;
+  double operations_ = 0, divisions_ = 0;
+};
+
+void add_steps(const CodeInput& code, Features& f) {
+  const ir::CoordinateTree tree = ir::coordinate_tree(code.tree);
+  for (const ir::MatrixStep& step : code.algorithm.steps) {
+    const ir::Operations o = step_operations(step, tree);
+    of(f, Feature::step_operations) += static_cast<double>(o.multiply);
+    of(f, Feature::divide) += static_cast<double>(o.divide);
+    of(f, Feature::step_chains) += static_cast<double>(ir::chains(tree, step.first).size());
+  }
+}
+
+void add_straight(const ir::Graph& graph, const std::vector<ir::NodeId>& roots, Features& f) {
+  const Work work(graph, roots);
+  of(f, Feature::scalar) += work.operations();
+  of(f, Feature::divide) += work.divisions();
+  of(f, Feature::stores) += static_cast<double>(roots.size());
+}
+
+void add_paragraph(const ir::Segment& s, const ir::Paragraph& p, int lanes, Features& f) {
+  std::vector<ir::NodeId> roots, handed;
+  for (const ir::Value& v : p.stores) roots.push_back(v.node);
+  for (const ir::Carried& c : p.carried) handed.push_back(c.node);
+  roots.insert(roots.end(), handed.begin(), handed.end());
+  const Work work(p.graph, roots);
+  const bool anywhere = p.direction == ir::Direction::anywhere;
+  const double each = anywhere ? 1 : registers(s.limbs(), lanes), steps = anywhere ? registers(s.slots(), lanes) : s.steps;
+  const double operations = each * (work.operations() + 4 * work.divisions() + static_cast<double>(p.stores.size()) / 2);
+  of(f, Feature::lanes) += steps * operations;
+  of(f, Feature::loops) += 1;
+  if (anywhere) return;
+  const auto carried = [](const ir::Input& in) { return in.kind == ir::InputKind::carried; };
+  const double recurrence = work.longest(carried, handed);
+  of(f, Feature::waiting) += std::max(0.0, (steps - 1) * (recurrence - operations / begun_in_a_cycle));
+  // The first step's inputs, the last step's outputs: nothing else is there to be done.
+  of(f, Feature::waiting) += work.longest([](const ir::Input&) { return true; }, roots);
+}
+
+void add_elements(const CodeInput& code, int lanes, Features& f) {
+  for (size_t segment = 0; segment < code.plan.segments.size(); ++segment)
+    for (const ir::Pairs& p : code.algorithm.pairs) {
+      const ElementCounts computed = element_counts(code, segment, p, lanes);
+      const auto add = [&](const std::vector<ir::PairTerm>& terms, long elements) {
+        of(f, Feature::tiles) += 3.0 * static_cast<double>(terms.size()) * static_cast<double>(elements) / lanes;
+      };
+      add(p.above, computed.above);
+      add(p.symmetric ? p.above : p.below, computed.below);
+      of(f, Feature::stores) += static_cast<double>(computed.above + computed.below) / lanes;
+      of(f, Feature::loops) += 1;
+    }
+}
+
+void add_projections(const CodeInput& code, Features& f) {
+  double pairs = 0;  // of a body and a coordinate above it
+  for (int k = 0; k < code.tree.joints(); ++k) {
+    pairs += base_rows(code);
+    for (int above = k; above >= 0; above = code.tree.bodies[static_cast<size_t>(above)].parent) ++pairs;
+  }
+  for (const ir::Projection& p : code.algorithm.projections) {
+    of(f, Feature::scalar) += pairs * Work(p.graph, p.columns).operations();
+    of(f, Feature::stores) += pairs * static_cast<double>(p.columns.size());
+  }
+}
+
+// Straight code of more instructions than this is read from the second-level cache in every call.
+constexpr double cached_operations = 3000;
+
+// ns per unit of each feature; by registers of two, four and eight.
+constexpr double constants[3][feature_count] = {
+    {10, 0.2, 0.1, 1, 0.15, 0.27, 5, 0.15, 0.2, 0.2, 5},
+    {10, 0.2, 0.1, 1, 0.15, 0.27, 5, 0.15, 0.2, 0.2, 5},
+    {10, 0.2, 0.1, 1, 0.15, 0.27, 5, 0.15, 0.2, 0.2, 5},
+};
+
+}  // namespace
+
+const char* const feature_names[feature_count] = {"call",  "scalar", "beyond_cache", "divide",          "lanes",      "waiting",
+                                                  "loops", "tiles",  "stores",       "step_operations", "step_chains"};
+
+Features features(const CodeInput& code, int lanes) {
+  Features f{};
+  of(f, Feature::call) = 1;
+  add_steps(code, f);
+  if (code.plan.form != ir::Form::rolled) {
+    add_straight(code.program.graph, code.program.roots(), f);
+    of(f, Feature::beyond_cache) = std::max(0.0, of(f, Feature::scalar) - cached_operations);
+    return f;
+  }
+  for (const ir::BaseStage& stage : code.rolled.base) {
+    std::vector<ir::NodeId> roots;
+    for (const auto& v : stage.stores) roots.push_back(v.node);
+    for (const auto& v : stage.body_stores) roots.push_back(v.node);
+    for (const auto& e : stage.elements) roots.push_back(e.node);
+    add_straight(stage.graph, roots, f);
+  }
+  for (size_t s = 0; s < code.plan.segments.size(); ++s)
+    for (const ir::SegmentStage& stage : code.rolled.segments[s].stages)
+      for (const ir::Paragraph& p : stage.paragraphs) add_paragraph(code.plan.segments[s], p, lanes, f);
+  add_elements(code, lanes, f);
+  add_projections(code, f);
+  of(f, Feature::stores) += static_cast<double>(code.tree.joints() * static_cast<int>(code.algorithm.results.size()));
+  return f;
+}
+
+double estimate(const CodeInput& code, int lanes) {
+  const Features f = features(code, lanes);
+  const double* const constant = constants[lanes <= 2 ? 0 : lanes <= 4 ? 1 : 2];
+  double nanoseconds = 0;
+  for (size_t i = 0; i < feature_count; ++i) nanoseconds += constant[i] * f[i];
+  return nanoseconds;
+}
+
+}  // namespace dalembert::backend

@@ -1,0 +1,38 @@
+// What a call of a function's code is expected to take: a model of a processor's units, made to choose between ways to compute
+// the same. Its constants were fitted to measured times by tests/benchmarks/forms.py.
+#pragma once
+
+#include <array>
+
+#include "backend/emit.hpp"
+
+namespace dalembert::backend {
+
+// What the time is made of.
+enum class Feature {
+  call,             // one
+  scalar,           // operations of straight code, of the base and of what runs number by number
+  beyond_cache,     // of these: what a first-level instruction cache does not hold
+  divide,           // divisions and square roots of straight code
+  lanes,            // operations of loops over limbs, a register of lanes at a time
+  waiting,          // cycles that loops over a limb's steps wait for the step before, beyond what their operations take
+  loops,            // loops that begin
+  tiles,            // operations of blocks of matrices, a register at a time
+  stores,           // numbers stored one by one or register by register
+  step_operations,  // of steps with whole matrices
+  step_chains,      // of these: chains of coordinates, each a call
+};
+inline constexpr int feature_count = 11;
+using Features = std::array<double, feature_count>;
+extern const char* const feature_names[feature_count];
+
+// `lanes`: doubles that a register holds, 2, 4 or 8.
+Features features(const CodeInput& code, int lanes);
+
+// ns per call.
+double estimate(const CodeInput& code, int lanes);
+
+// What choices are made for: most processors of today have registers of four.
+inline constexpr int usual_lanes = 4;
+
+}  // namespace dalembert::backend

@@ -1,0 +1,178 @@
+#include "passes/write_out.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <map>
+#include <utility>
+
+namespace dalembert::passes {
+namespace {
+
+using ir::no_node;
+using ir::NodeId;
+using Kind = ir::MatrixStep::Kind;
+
+const char* equation(Kind kind) {
+  switch (kind) {
+    case Kind::factor: return "M = U D U', from the last coordinate to the first";
+    case Kind::solve: return "(U D U')^-1 (tau - (C v + g))";
+    case Kind::invert: return "X = (U D U')^-1: U' X = D^-1 U^-1, row by row";
+    case Kind::negative_product: return "-X times the derivatives of inverse dynamics";
+  }
+  return "";
+}
+
+// A matrix of nodes: what is zero in every state is not there.
+class Matrix {
+ public:
+  NodeId at(int row, int column) const {
+    const auto found = nodes_.find({column, row});
+    return found == nodes_.end() ? no_node : found->second;
+  }
+  void set(int row, int column, NodeId node) {
+    if (node != no_node) nodes_[{column, row}] = node;
+  }
+  const std::map<std::pair<int, int>, NodeId>& nodes() const { return nodes_; }  // by column and row
+
+ private:
+  std::map<std::pair<int, int>, NodeId> nodes_;
+};
+
+class Writing {
+ public:
+  Writing(ir::Algorithm& algorithm, ir::Program& program, const ir::CoordinateTree& tree)
+      : algorithm_(algorithm), program_(program), graph_(program.graph), tree_(tree), matrices_(program.arrays.size()) {
+    for (const ir::OutputElement& e : program.elements) of(e.array).set(e.row, e.column, e.node);
+    for (int k = 0; k < tree.size(); ++k) {
+      above_.emplace_back();
+      for (int i = tree.above[static_cast<std::size_t>(k)]; i >= 0; i = tree.above[static_cast<std::size_t>(i)])
+        above_.back().push_back(i);
+    }
+  }
+
+  void run() {
+    const std::size_t tags = algorithm_.sweeps.size() + algorithm_.pairs.size() + algorithm_.projections.size();
+    for (const ir::MatrixStep& step : algorithm_.steps) {
+      graph_.set_tag({static_cast<std::int16_t>(tags + algorithm_.written_out.size()), -1});
+      algorithm_.written_out.push_back(equation(step.kind));
+      switch (step.kind) {
+        case Kind::factor: factor(step); break;
+        case Kind::solve: solve(step); break;
+        case Kind::invert: invert(step); break;
+        case Kind::negative_product: negative_product(step); break;
+      }
+    }
+    algorithm_.steps.clear();
+    collect();
+    drop_unread();
+  }
+
+ private:
+  Matrix& of(int array) { return matrices_[static_cast<std::size_t>(array)]; }
+  const std::vector<int>& above(int k) const { return above_[static_cast<std::size_t>(k)]; }  // the nearest first
+
+  // x - a b, where any may be zero.
+  NodeId less(NodeId x, NodeId a, NodeId b) {
+    if (a == no_node || b == no_node) return x;
+    const NodeId product = graph_.multiply(a, b);
+    return x == no_node ? graph_.negate(product) : graph_.subtract(x, product);
+  }
+  NodeId reciprocal(NodeId pivot) { return graph_.divide(graph_.constant(1), pivot); }
+
+  // U and D of M = U D U', from the last coordinate to the first.
+  void factor(const ir::MatrixStep& step) {
+    Matrix rest = of(step.a);
+    for (int k = tree_.size() - 1; k >= 0; --k) {
+      const NodeId pivot = rest.at(k, k), inverse = reciprocal(pivot);
+      of(algorithm_.guard->diagonal).set(k, 0, of(step.a).at(k, k));
+      of(step.b).set(k, 0, pivot);
+      of(step.to).set(k, k, pivot);
+      for (const int i : above(k)) {
+        if (rest.at(i, k) == no_node) continue;
+        const NodeId u = graph_.multiply(rest.at(i, k), inverse);
+        of(step.to).set(i, k, u);
+        for (int j = i; j >= 0; j = tree_.above[static_cast<std::size_t>(j)])
+          rest.set(j, i, less(rest.at(j, i), u, rest.at(j, k)));
+      }
+    }
+  }
+
+  // (U D U')^-1 x.
+  void solve(const ir::MatrixStep& step) {
+    const Matrix& u = of(step.a);
+    Matrix& x = of(step.to);
+    for (int k = tree_.size() - 1; k >= 0; --k)
+      for (const int i : above(k)) x.set(i, 0, less(x.at(i, 0), u.at(i, k), x.at(k, 0)));
+    for (int k = 0; k < tree_.size(); ++k) {
+      if (x.at(k, 0) != no_node) x.set(k, 0, graph_.multiply(x.at(k, 0), reciprocal(u.at(k, k))));
+      for (const int i : above(k)) x.set(k, 0, less(x.at(k, 0), u.at(i, k), x.at(i, 0)));
+    }
+  }
+
+  // X = (U D U')^-1: row k of U' X = D^-1 U^-1, whose right side is zero before its diagonal.
+  void invert(const ir::MatrixStep& step) {
+    const Matrix& u = of(step.a);
+    Matrix x;
+    for (int k = 0; k < tree_.size(); ++k)
+      for (int j = 0; j <= k; ++j) {
+        NodeId sum = j == k ? reciprocal(of(step.b).at(k, 0)) : no_node;
+        for (const int i : above(k)) sum = less(sum, u.at(i, k), x.at(i, j));
+        x.set(k, j, sum);
+        x.set(j, k, sum);
+      }
+    of(step.to) = x;
+    if (step.room >= 0) inverse_of_room_[step.room] = std::move(x);
+  }
+
+  void negative_product(const ir::MatrixStep& step) {
+    const Matrix &a = inverse_of_room_.at(step.a), &b = of(step.b);
+    Matrix product;
+    for (int j = step.first; j < tree_.size(); ++j)
+      for (int i = 0; i < tree_.size(); ++i) {
+        NodeId sum = no_node;
+        for (int k = 0; k < tree_.size(); ++k) sum = less(sum, a.at(i, k), b.at(k, j));
+        product.set(i, j, sum);
+      }
+    of(step.to) = std::move(product);
+  }
+
+  void collect() {
+    program_.elements.clear();
+    for (std::size_t array = 0; array < matrices_.size(); ++array)
+      for (const auto& [place, node] : matrices_[array].nodes())
+        if (!graph_.is_constant(node, 0))
+          program_.elements.push_back({static_cast<int>(array), place.second, place.first, node});
+    program_.names.resize(program_.names.empty() ? 0 : static_cast<std::size_t>(graph_.size()));
+  }
+
+  // Arrays between that only steps have read.
+  void drop_unread() {
+    const std::optional<ir::Guard>& guard = algorithm_.guard;
+    for (std::size_t a = 0; a < algorithm_.arrays.size(); ++a) {
+      const int index = static_cast<int>(a);
+      const bool checked = guard && (index == guard->pivots || index == guard->diagonal);
+      algorithm_.arrays[a].written_out = algorithm_.arrays[a].internal && !checked && index != algorithm_.factor;
+    }
+    program_.arrays = algorithm_.arrays;
+    std::erase_if(program_.elements,
+                  [&](const ir::OutputElement& e) { return program_.arrays[static_cast<std::size_t>(e.array)].written_out; });
+  }
+
+  ir::Algorithm& algorithm_;
+  ir::Program& program_;
+  ir::Graph& graph_;
+  const ir::CoordinateTree& tree_;
+  std::vector<Matrix> matrices_;
+  std::map<int, Matrix> inverse_of_room_;
+  std::vector<std::vector<int>> above_;
+};
+
+}  // namespace
+
+void write_out_steps(ir::Algorithm& algorithm, ir::Program& program, const ir::CoordinateTree& tree) {
+  const ir::EmittedFunction& function = algorithm.function;
+  if (algorithm.steps.empty() || !function.first_half.empty() || !function.second_half.empty()) return;
+  Writing(algorithm, program, tree).run();
+}
+
+}  // namespace dalembert::passes

@@ -1,0 +1,19 @@
+// Writing out: steps with whole matrices as nodes of the scalar program.
+//
+// The runtime's loops over chains of coordinates pay where matrices are large. Of a small robot's factors a straight line has
+// the elements that are not zero and nothing else, no matrix between two steps is stored, and what one step leaves unfinished
+// the next one's operations hide.
+#pragma once
+
+#include "ir/algorithm.hpp"
+#include "ir/coordinate_tree.hpp"
+#include "ir/program.hpp"
+
+namespace dalembert::passes {
+
+// Adds them and takes the steps out, with the arrays that nothing but they read. `program` is the algorithm's, unrolled, with
+// an element for every place of its arrays that is not zero in every state. Steps of halves (ir/emitted_function.hpp) stay: the
+// other half reads their arrays.
+void write_out_steps(ir::Algorithm& algorithm, ir::Program& program, const ir::CoordinateTree& tree);
+
+}  // namespace dalembert::passes
