@@ -1,0 +1,186 @@
+#!/usr/bin/env python3
+"""Times every way to compute a quantity (straight or rolled, articulated bodies or M's factors) against what `auto` chooses, and fits
+the constants of the estimate by which it chooses (generator/backend/estimate.cpp).
+
+    python3 tests/benchmarks/forms.py [--robots A,B] [--quantities M,fd] [--targets native,avx2,sse2] [--save FILE]
+    python3 tests/benchmarks/forms.py --fit FILE        from what --save has kept; prints a row of constants per width of registers
+
+Each way of one robot and quantity is a shared object; all of them run in one process, in turn, from three copies each (code beyond
+the first-level cache is faster in one copy than in another). Prints medians in ns and chosen / best. Needs the release build.
+"""
+import argparse
+import concurrent.futures
+import json
+import pathlib
+import shutil
+import statistics
+import subprocess
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+BUILD = ROOT / "build" / "release"
+FOLDER = BUILD / "forms"
+DATA = "/usr/share/doc/dart/data"
+QUANTITIES = {
+    "M": "mass_matrix", "C": "coriolis_matrix", "M+C": "mass_matrix,coriolis_matrix", "g": "gravity", "bias": "bias",
+    "id": "inverse_dynamics", "fd": "forward_dynamics", "minv": "inverse_mass_matrix",
+    "did": "inverse_dynamics_dq,inverse_dynamics_dv", "dfd": "forward_dynamics_dq,forward_dynamics_dv,inverse_mass_matrix",
+    "cmm": "momentum_matrix", "com": "center_of_mass,center_of_mass_jacobian", "energy": "kinetic_energy,potential_energy",
+    "regressor": "regressor"}
+SOLVED = ("fd", "minv", "dfd")
+FIXED = ("arm", "six", "scara", "chain", "dual", "hand", "planar", "skew", "pendulum", "double", "gantry", "prism")
+SHAPES = ("arm_fingers six_axis six_axis_positioner scara quadruped_8 quadruped_12 dual_arm biped_10 hand_16 WAM KR5 MAHRU Atlas "
+          "chain_7 planar_chain_10 skew_chain_10 mirror_pair branch_below_base unequal_limbs grippers quadruped hexapod hand "
+          "two_levels_of_branching prismatic_mix continuous_joints humanoid").split()
+OTHERS = {"WAM": (f"{DATA}/urdf/wam/wam.urdf", "fixed"), "KR5": (f"{DATA}/urdf/KR5/KR5 sixx R650.urdf", "fixed"),
+          "MAHRU": (f"{ROOT}/examples/mahru/mahru.urdf", "floating"),
+          "Atlas": (f"{DATA}/sdf/atlas/atlas_v3_no_head.urdf", "floating")}
+TARGETS = {"native": "-march=native", "avx512": "-march=x86-64-v4", "avx2": "-march=x86-64-v3", "sse2": "-march=x86-64"}
+LANES = {"native": 8, "avx512": 8, "avx2": 4, "sse2": 2}
+WRAPPER = """#include "r/dynamics.cpp"
+extern "C" void form_run(const double* q, const double* v, [[maybe_unused]] const double* more, void* workspace) {
+  r::together(q, v, MORE *static_cast<r::Workspace*>(workspace));
+}
+extern "C" void* form_workspace() { return new r::Workspace(); }
+extern "C" int form_nq() { return r::nq; }
+extern "C" int form_nv() { return r::nv; }
+"""
+
+
+def robot(name):
+    if name in OTHERS:
+        return OTHERS[name]
+    name, _, base = name.partition(":")
+    return str(ROOT / "tests" / "robots" / f"{name}.urdf"), base or ("fixed" if name.startswith(FIXED) else "floating")
+
+
+def scene(name, quantity, way):
+    urdf, base = robot(name)
+    form, solver = way
+    options = ["--base", base, "--outputs", "[]", "--functions", "together=" + QUANTITIES[quantity], "--parallel", "serial"]
+    return [urdf, *options, *(["--form", form] if form else []), *(["--forward_dynamics", solver] if solver else [])]
+
+
+def label(way):
+    form, solver = way
+    return (form or "auto") + (" by " + solver if solver else "")
+
+
+def built(name, quantity, way, target):
+    """The shared object of one way, and what its estimate is made of."""
+    folder = FOLDER / name.replace(":", "_") / quantity / f"{label(way).replace(' ', '_')}_{target}"
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    dalembert = BUILD / "bin" / "dalembert"
+    quiet = {"check": True, "stdout": subprocess.PIPE, "stderr": subprocess.DEVNULL, "text": True}
+    subprocess.run([dalembert, "generate", *scene(name, quantity, way), "--name", "r", "-o", folder / "r"], **quiet)
+    told = json.loads(subprocess.run([dalembert, "info", "--json", *scene(name, quantity, way)], **quiet).stdout)
+    more = "more, " if "const Scalar* v, const Scalar* " in (folder / "r" / "dynamics.hpp").read_text() else ""
+    (folder / "code.cpp").write_text(WRAPPER)
+    subprocess.run(["c++", "-O3", *TARGETS[target].split(), "-std=c++17", "-shared", "-fPIC", f"-DMORE={more}", "-I", folder,
+                    "-I", ROOT / "runtime" / "include", "-isystem", "/usr/include/eigen3", folder / "code.cpp", "-o", folder / "code.so"],
+                   check=True)
+    return folder / "code.so", told["estimates"][f"together {LANES[target]}"], told["plan"]["together"][0]
+
+
+def timed(objects, rounds, prefix):
+    driver = FOLDER / "driver"
+    source = pathlib.Path(__file__).with_name("forms_driver.cpp")
+    if not driver.exists() or driver.stat().st_mtime < source.stat().st_mtime:
+        subprocess.run(["c++", "-O2", "-std=c++17", source, "-o", driver, "-ldl"], check=True)
+    times = [[] for _ in objects]
+    for _ in range(3):
+        copies = [shutil.copy(code, FOLDER / f"copy_{i}.so") for i, code in enumerate(objects)]
+        answer = subprocess.run([*prefix, driver, str(rounds), *copies], check=True, stdout=subprocess.PIPE, text=True).stdout
+        for row, text in zip(times, answer.split()):
+            row.append(float(text))
+    return [statistics.median(row) for row in times]
+
+
+def measure(options):
+    kept = json.loads(pathlib.Path(options.save).read_text()) if options.save and pathlib.Path(options.save).exists() else {}
+    worst = 1
+    pool = concurrent.futures.ThreadPoolExecutor(options.jobs)
+    for target in options.targets.split(","):
+        for quantity in options.quantities.split(","):
+            for name in options.robots.split(","):
+                if f"{name}/{quantity}/{target}" in kept or not pathlib.Path(robot(name)[0]).exists():
+                    continue
+                solvers = ("articulated_bodies", "factorization") if quantity in SOLVED else ("",)
+                ways = [(form, solver) for form in ("straight", "rolled") for solver in solvers] + [("", "")]
+                try:
+                    made = list(pool.map(lambda way: built(name, quantity, way, target), ways))
+                except subprocess.CalledProcessError as error:
+                    print(f"{name}/{quantity}/{target}: {error}", flush=True)
+                    continue
+                times = timed([code for code, _, _ in made], options.rounds, options.prefix.split())
+                best = min(times[:-1])
+                worst = max(worst, times[-1] / best)
+                chosen = made[-1][2]
+                print(f"{name + '/' + quantity + '/' + target:34}",
+                      " ".join(f"{label(way)} {time:.1f}" for way, time in zip(ways, times)),
+                      f"({chosen['form']} by {chosen['solver']}): {times[-1] / best:.2f} of the best", flush=True)
+                kept[f"{name}/{quantity}/{target}"] = [[label(way), time, features]
+                                                      for way, time, (_, features, _) in zip(ways, times, made)][:-1]
+                if options.save:
+                    pathlib.Path(options.save).write_text(json.dumps(kept))
+    print(f"worst: {worst:.2f}")
+
+
+def fitted(rows, names):
+    """Constants that are not negative, of least squares of relative errors: coordinate by coordinate."""
+    constants = dict.fromkeys(names, 0.0)
+    scaled = [[features[name] / time for name in names] for time, features in rows]
+    rest = [1.0] * len(rows)
+    for _ in range(3000):
+        for i, name in enumerate(names):
+            square = sum(row[i] ** 2 for row in scaled)
+            if square == 0:
+                continue
+            step = max(sum(row[i] * r for row, r in zip(scaled, rest)) / square, -constants[name])
+            constants[name] += step
+            for k, row in enumerate(scaled):
+                rest[k] -= step * row[i]
+    return constants, rest
+
+
+def fit(file):
+    kept = json.loads(pathlib.Path(file).read_text())
+    for lanes in (2, 4, 8):
+        rows, cases = [], {}
+        for case, ways in kept.items():
+            if LANES[case.split("/")[2]] != lanes:
+                continue
+            cases[case] = ways
+            rows += [(time, features) for _, time, features in ways]
+        if not rows:
+            continue
+        constants, rest = fitted(rows, list(rows[0][1]))
+        print("{" + ", ".join(f"{x:.3g}" for x in constants.values()) + f"}},  // {lanes}, error {statistics.pstdev(rest):.0%}")
+        for case, ways in cases.items():
+            estimates = [sum(constants[name] * x for name, x in features.items()) for _, _, features in ways]
+            chosen = min(range(len(ways)), key=lambda i: estimates[i])
+            loss = ways[chosen][1] / min(time for _, time, _ in ways)
+            if loss > 1.03:
+                print(f"    {case}: {ways[chosen][0]} is {loss:.2f} of the best;",
+                      ", ".join(f"{way} {time:.0f} ({estimate:.0f})" for (way, time, _), estimate in zip(ways, estimates)))
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--robots", default=",".join(SHAPES), help="of tests/robots, NAME or NAME:fixed or NAME:floating, and " + ", ".join(OTHERS))
+    parser.add_argument("--quantities", default="M,M+C,bias,fd,minv,id,g,dfd,cmm,com")
+    parser.add_argument("--targets", default="native,avx2,sse2", help="of " + ", ".join(TARGETS))
+    parser.add_argument("--rounds", type=int, default=51)
+    parser.add_argument("--jobs", type=int, default=2, help="compilers at a time")
+    parser.add_argument("--prefix", default="", help="of the command that times: 'taskset -c 1'")
+    parser.add_argument("--save", help="a JSON file of times and features; what it has is not measured again")
+    parser.add_argument("--fit", metavar="FILE")
+    options = parser.parse_args()
+    if options.fit:
+        return fit(options.fit)
+    FOLDER.mkdir(parents=True, exist_ok=True)
+    measure(options)
+
+
+if __name__ == "__main__":
+    main()
