@@ -25,8 +25,16 @@ std::string hash_of_file(const std::string& path) {
 
 backend::Folder folder(const Model& model, const Lowered& lowered) {
   backend::Folder folder;
-  for (const LoweredFunction& f : lowered.functions)
-    folder.functions.push_back({model.tree, lowered.normal, model.scene, f.algorithm, f.program, f.plan, f.rolled, model.name});
+  const auto input = [&](const LoweredFunction& f) {
+    return backend::CodeInput{model.tree, lowered.normal, model.scene, f.algorithm, f.program, f.plan, f.rolled, model.name};
+  };
+  for (const LoweredFunction& f : lowered.functions) {
+    folder.functions.push_back(input(f));
+    if (f.elsewhere.empty()) continue;
+    folder.elsewhere.push_back(input(f.elsewhere.front()));
+    folder.functions.back().elsewhere = &folder.elsewhere.back();
+    folder.functions.back().elsewhere_lanes = f.elsewhere_lanes;
+  }
   folder.source = std::filesystem::path(model.description.file).filename().string();
   folder.command_line = model.command_line;
   return folder;

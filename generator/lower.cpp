@@ -41,15 +41,35 @@ class Lowering {
   std::vector<LoweredFunction> form() const {
     std::vector<Way> ways;
     for (const ir::Solver solver : passes::solvers(function_, model_.tree, model_.scene)) add_ways(solver, ways);
-    const auto cheapest = std::min_element(
-        ways.begin(), ways.end(), [](const Way& a, const Way& b) { return a.candidate.nanoseconds < b.candidate.nanoseconds; });
+    const auto cheapest = std::min_element(ways.begin(), ways.end(), [](const Way& a, const Way& b) {
+      return a.candidate.nanoseconds[backend::usual_width] < b.candidate.nanoseconds[backend::usual_width];
+    });
     std::rotate(ways.begin(), cheapest, cheapest + 1);
     std::vector<LoweredFunction> chosen = std::move(ways.front().halves);
     for (const Way& way : ways) chosen.front().candidates.push_back(way.candidate);
+    if (chosen.size() == 1 && !chosen.front().plan.tasks) add_other_form(ways, chosen.front());
     return chosen;
   }
 
  private:
+  // The other form, where registers of some width gain more by it than estimates err.
+  static void add_other_form(std::vector<Way>& ways, LoweredFunction& chosen) {
+    constexpr double worth_its_text = 1.06;
+    const Candidate& first = ways.front().candidate;
+    Way* other = nullptr;
+    double most = worth_its_text;
+    for (Way& way : ways)
+      for (size_t width = 0; width < backend::register_widths.size(); ++width)
+        if (const double gain = first.nanoseconds[width] / way.candidate.nanoseconds[width];
+            way.candidate.form != first.form && gain > most)
+          other = &way, most = gain;
+    if (!other) return;
+    for (size_t width = 0; width < backend::register_widths.size(); ++width)
+      if (other->candidate.nanoseconds[width] < first.nanoseconds[width])
+        chosen.elsewhere_lanes.push_back(backend::register_widths[width]);
+    chosen.elsewhere.push_back(std::move(other->halves.front()));
+  }
+
   std::vector<LoweredFunction> described(ir::Solver solver) const {
     std::vector<LoweredFunction> lowered(halves_.size());
     for (size_t half = 0; half < halves_.size(); ++half)
@@ -83,8 +103,10 @@ class Lowering {
           f.rolled = passes::roll(f.algorithm, unrolls[half], model_.tree, model_.scene, f.plan, options_);
         f.program = &form == &forms.back() ? unrolls[half].take_program() : unrolls[half].program();
         if (form == ir::Form::straight) passes::write_out_steps(f.algorithm, f.program, ir::coordinate_tree(model_.tree));
-        way.candidate.nanoseconds += backend::estimate(
-            {model_.tree, normal_, model_.scene, f.algorithm, f.program, f.plan, f.rolled, model_.name}, backend::usual_lanes);
+        for (size_t width = 0; width < backend::register_widths.size(); ++width)
+          way.candidate.nanoseconds[width] +=
+              backend::estimate({model_.tree, normal_, model_.scene, f.algorithm, f.program, f.plan, f.rolled, model_.name},
+                                backend::register_widths[width]);
       }
       ways.push_back(std::move(way));
     }

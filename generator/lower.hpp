@@ -1,8 +1,10 @@
 // The middle of the compiler: each function of a Model becomes an algorithm, a scalar program, and a plan for its shape.
 #pragma once
 
+#include <array>
 #include <vector>
 
+#include "backend/estimate.hpp"
 #include "ir/algorithm.hpp"
 #include "ir/normal_tree.hpp"
 #include "ir/plan.hpp"
@@ -12,11 +14,11 @@
 
 namespace dalembert {
 
-// A way to compute a function, and what a call is expected to take (backend/estimate.hpp).
+// A way to compute a function, and what a call is expected to take on registers of backend::register_widths.
 struct Candidate {
   ir::Form form;
   ir::Solver solver;
-  double nanoseconds = 0;
+  std::array<double, backend::register_widths.size()> nanoseconds{};
 };
 
 // One function on its way to text.
@@ -26,6 +28,9 @@ struct LoweredFunction {
   ir::Plan plan;
   ir::RolledProgram rolled;           // empty for the straight form
   std::vector<Candidate> candidates;  // the one chosen first
+  // The same function in the other form, where that is worth its text on registers of some widths; those widths.
+  std::vector<LoweredFunction> elsewhere;
+  std::vector<int> elsewhere_lanes;
 };
 // A model on its way to text.
 struct Lowered {

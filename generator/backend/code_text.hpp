@@ -9,6 +9,10 @@
 namespace dalembert::backend {
 
 const ir::EmittedFunction& function_of(const CodeInput& code);
+// What a form of it is called in dynamics.cpp, and the words before its type.
+struct Symbol {
+  std::string name, linkage;
+};
 // The names of what is one function's own: a member or namespace, "kept" or "inverse_dynamics_kept", and a type, "Kept" or
 // "InverseDynamicsKept".
 std::string own_name(const CodeInput& code, const std::string& name);

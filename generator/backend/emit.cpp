@@ -12,6 +12,7 @@
 #include "backend/emit_self_test.hpp"
 #include "backend/emit_straight.hpp"
 #include "backend/emit_tasks.hpp"
+#include "backend/estimate.hpp"
 #include "backend/kept.hpp"
 #include "backend/literals.hpp"
 #include "backend/moved_parameters.hpp"
@@ -44,11 +45,23 @@ std::string quantities(const CodeInput& code) {
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
+// What stands in the workspace for a function in either form.
+std::vector<ir::OutputArray> stored_arrays(const CodeInput& code) {
+  std::vector<ir::OutputArray> stored;
+  for (const CodeInput* form : {&code, code.elsewhere}) {
+    if (!form) continue;
+    for (const ir::OutputArray& a : form->program.arrays)
+      if (!a.of_first_half && !a.written_out &&
+          std::none_of(stored.begin(), stored.end(), [&](const ir::OutputArray& b) { return b.name == a.name; }))
+        stored.push_back(a);
+  }
+  return stored;
+}
+
 std::string results(const Folder& folder) {
   std::string text;
   for (const CodeInput& code : folder.functions) {
-    for (const ir::OutputArray& a : code.program.arrays) {
-      if (a.of_first_half || a.written_out) continue;
+    for (const ir::OutputArray& a : stored_arrays(code)) {
       const std::string size = a.columns == 1 ? std::to_string(a.rows) : fmt::format("{} * {}", a.rows, a.columns);
       text += fmt::format("  alignas(64) Scalar {}[{}] = {{}};{}\n", a.name, size, a.internal ? "  // between" : "");
     }
@@ -133,8 +146,6 @@ std::string stage_declarations(const CodeInput& code) {
   return text + "\n}  // namespace " + scope + "\n\n";
 }
 
-bool is_rolled(const CodeInput& code) { return code.plan.form == ir::Form::rolled; }
-
 // What the results of a function that the scene names are: its user sees them under no other name.
 std::string shapes(const CodeInput& code) {
   const ir::EmittedFunction& function = function_of(code);
@@ -200,9 +211,12 @@ std::string of_functions(const Folder& folder, const Of& of) {
   return text;
 }
 
-std::string kept_types(const CodeInput& code) { return is_rolled(code) ? kept_definition(code) + "\n" : ""; }
+std::string kept_types(const CodeInput& code) {
+  const CodeInput* const rolled = code.rolled_form();
+  return rolled ? kept_definition(*rolled) + "\n" : "";
+}
 std::string kept_member(const CodeInput& code) {
-  return is_rolled(code) ? fmt::format("\n  {} {};\n", own_type(code, "Kept"), own_name(code, "kept")) : "";
+  return code.rolled_form() ? fmt::format("\n  {} {};\n", own_type(code, "Kept"), own_name(code, "kept")) : "";
 }
 
 bool any_guard(const Folder& folder) {
@@ -313,10 +327,43 @@ void c_functions(const Folder& folder, std::string& declarations, std::string& d
   }
 }
 
+std::string form_source(const CodeInput& code, const Symbol& symbol) {
+  return code.is_rolled() ? rolled_source(code, symbol) : straight_source(code, symbol);
+}
+
+// The function in its form; or in both, and which of them it is on registers of what width.
+std::string function_source(const CodeInput& code) {
+  const std::string& name = function_of(code).name;
+  if (!code.elsewhere) return form_source(code, {name, is_called(code) ? "" : "static "});
+  const auto symbol = [&](const CodeInput& form) {
+    return Symbol{name + (form.is_rolled() ? "_in_loops" : "_in_one_line"), "[[maybe_unused]] static "};
+  };
+  const Symbol here = symbol(code), elsewhere = symbol(*code.elsewhere);
+  std::vector<std::string> lanes;
+  for (const int width : code.elsewhere_lanes)
+    lanes.push_back(fmt::format("lanes {} {}",
+                                width == register_widths.front()  ? "<="
+                                : width == register_widths.back() ? ">="
+                                                                  : "==",
+                                width));
+  return form_source(*code.elsewhere, elsewhere) + "\n" + form_source(code, here) +
+         fmt::format(
+             "\n// In the form that is faster on the target's registers.\n"
+             "void {0}({1}, Workspace& workspace) noexcept {{\n"
+             "  constexpr int lanes = dalembert::native_lanes;\n"
+             "  if constexpr ({2}) {3}({5}, workspace);\n"
+             "  else {4}({5}, workspace);\n"
+             "}}\n",
+             name, parameters_of(code), fmt::join(lanes, " || "), elsewhere.name, here.name, arguments_of(code));
+}
+
 std::string source(const Folder& folder, const std::string& banner) {
   std::set<std::string> headers;
   for (const CodeInput& f : folder.functions)
-    for (const std::string& header : is_rolled(f) ? rolled_includes(f) : straight_includes(f)) headers.insert(header);
+    for (const CodeInput* form : {&f, f.elsewhere})
+      if (form)
+        for (const std::string& header : form->is_rolled() ? rolled_includes(*form) : straight_includes(*form))
+          headers.insert(header);
   std::string includes;
   for (const std::string& header : headers) includes += fmt::format("#include <dalembert/{}.hpp>\n", header);
   return render("dynamics.cpp", {{"banner", banner},
@@ -324,8 +371,8 @@ std::string source(const Folder& folder, const std::string& banner) {
                                  {"includes", includes},
                                  {"functions", of_functions(folder, [&](const CodeInput& f) {
                                     const CodeInput* second = folder.second_half_of(f);
-                                    return (second ? "\n" + second_half_declaration(*second) : "") +
-                                           (is_rolled(f) ? rolled_source(f) : straight_source(f)) + solve_definition(f);
+                                    return (second ? "\n" + second_half_declaration(*second) : "") + function_source(f) +
+                                           solve_definition(f);
                                   })}});
 }
 
@@ -355,8 +402,7 @@ std::size_t workspace_bytes(const Folder& folder) {
   std::size_t bytes = 0;
   const auto align = [&] { bytes = (bytes + 63) / 64 * 64; };
   for (const CodeInput& f : folder.functions) {
-    for (const ir::OutputArray& a : f.program.arrays) {
-      if (a.of_first_half || a.written_out) continue;
+    for (const ir::OutputArray& a : stored_arrays(f)) {
       align();
       bytes += scalar * static_cast<std::size_t>(a.rows) * static_cast<std::size_t>(a.columns);
     }
@@ -366,7 +412,7 @@ std::size_t workspace_bytes(const Folder& folder) {
   bytes += (scene.payloads.size() * 10 + scene.wrenches.size() * 6) * scalar;  // mass, centre of mass, inertia; force, moment
   align();
   for (const CodeInput& f : folder.functions) {
-    if (is_rolled(f)) bytes += kept_bytes(f);
+    if (const CodeInput* rolled = f.rolled_form()) bytes += kept_bytes(*rolled);
     align();
   }
   return bytes;

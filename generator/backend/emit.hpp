@@ -1,6 +1,7 @@
 // From lowered code to the text of the emitted files.
 #pragma once
 
+#include <deque>
 #include <optional>
 #include <string>
 #include <vector>
@@ -27,11 +28,21 @@ struct CodeInput {
   const ir::Plan& plan;
   const ir::RolledProgram& rolled;  // empty for the straight form
   std::string name;                 // namespace, folder and prefix; an identifier
+  // The same function in the other form, for registers of some widths; null: this form is for all.
+  const CodeInput* elsewhere = nullptr;
+  std::vector<int> elsewhere_lanes{};
+
+  bool is_rolled() const { return plan.form == ir::Form::rolled; }
+  // Of the two, the one that is rolled, or null.
+  const CodeInput* rolled_form() const {
+    return is_rolled() ? this : elsewhere && elsewhere->is_rolled() ? elsewhere : nullptr;
+  }
 };
 
 // A robot's folder.
 struct Folder {
   std::vector<CodeInput> functions;  // at least one; of one robot, scene and name; each half of one by itself
+  std::deque<CodeInput> elsewhere;   // those that functions point to
   std::string source;                // the URDF's file name, without folders
   std::string source_hash;
   std::string command_line;         // that remakes the files

@@ -290,7 +290,7 @@ std::string call_of(const CodeInput& code, const Stage& stage) {
   return elements_split(s) ? fmt::format("{}, 0, {}", text, s.steps) : text;
 }
 
-std::string rolled_source(const CodeInput& code) {
+std::string rolled_source(const CodeInput& code, const Symbol& symbol) {
   // The names of another function's tables and stages may be the same: evaluate() has its own where the reader looks first. A
   // function that the scene names may be called as one of them.
   const bool first = function_of(code).is_evaluate() && code.scene.functions.empty(), scoped = code.plan.tasks || !first;
@@ -312,8 +312,8 @@ std::string rolled_source(const CodeInput& code) {
   if (!state) calls = unused + ";\n" + calls;
   const std::string open = "namespace " + scope + " {\n\n";
   return render("rolled.cpp", {{"open", first ? "" : open},
-                               {"linkage", is_called(code) ? "" : "static "},
-                               {"function", function_of(code).name},
+                               {"linkage", symbol.linkage},
+                               {"function", symbol.name},
                                {"parameters", parameters_of(code)},
                                {"layout", layout(code)},
                                {"tables", tables_text(code)},

@@ -4,12 +4,12 @@
 #include <string>
 #include <vector>
 
-#include "backend/emit.hpp"
+#include "backend/code_text.hpp"
 
 namespace dalembert::backend {
 
 // The function in dynamics.cpp, and the headers it includes.
-std::string rolled_source(const CodeInput& code);
+std::string rolled_source(const CodeInput& code, const Symbol& symbol);
 std::vector<std::string> rolled_includes(const CodeInput& code);
 // Pivots that the check whether M can be solved with looks at, those of slots without a joint among them.
 int checked_pivots(const CodeInput& code);

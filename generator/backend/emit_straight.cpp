@@ -130,10 +130,10 @@ std::vector<std::string> straight_includes(const CodeInput& code) {
   return headers;
 }
 
-std::string straight_source(const CodeInput& code) {
+std::string straight_source(const CodeInput& code, const Symbol& symbol) {
   const std::string attribute = fills_matrices(code) ? "DALEMBERT_STRAIGHT_LINE " : "";
-  return render("straight.cpp", {{"linkage", attribute + (is_called(code) ? "" : "static ")},
-                                 {"function", function_of(code).name},
+  return render("straight.cpp", {{"linkage", attribute + symbol.linkage},
+                                 {"function", symbol.name},
                                  {"parameters", parameters_of(code, "const Scalar* __restrict ")},
                                  {"body", straight_statements(code, code.program)}});
 }

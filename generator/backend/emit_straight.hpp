@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "backend/emit.hpp"
+#include "backend/code_text.hpp"
 
 namespace dalembert::backend {
 
@@ -15,7 +15,7 @@ std::string straight_statements(const CodeInput& code, const ir::Program& progra
 ir::Operations straight_operations(const CodeInput& code);
 
 // The function in dynamics.cpp, and the headers it includes.
-std::string straight_source(const CodeInput& code);
+std::string straight_source(const CodeInput& code, const Symbol& symbol);
 std::vector<std::string> straight_includes(const CodeInput& code);
 
 }  // namespace dalembert::backend

@@ -4,6 +4,8 @@
 #include <vector>
 
 #include "backend/emit_pairs.hpp"
+#include "backend/emit_prepare.hpp"
+#include "backend/emit_straight.hpp"
 #include "backend/executed.hpp"
 #include "backend/kept.hpp"
 #include "ir/coordinate_tree.hpp"
@@ -16,12 +18,17 @@ constexpr double latency = 4, divide_latency = 13, begun_in_a_cycle = 2;
 
 double& of(Features& f, Feature feature) { return f[static_cast<size_t>(feature)]; }
 
+// Processors with registers of two are taken to be x86-64's first: without multiply-adds.
+bool fused(int lanes) { return lanes > 2; }
+
 int registers(int count, int lanes) { return (count + lanes - 1) / lanes; }
 
 // Multiply-adds, and what stands alone, of a graph; and cycles from one of its inputs to one of its outputs.
 class Work {
  public:
-  Work(const ir::Graph& graph, const std::vector<ir::NodeId>& roots) : graph_(graph), uses_(ir::uses(graph, roots)) {
+  // `fused`: whether a product and a sum are one instruction.
+  Work(const ir::Graph& graph, const std::vector<ir::NodeId>& roots, bool fused)
+      : graph_(graph), uses_(ir::uses(graph, roots)), fused_(fused) {
     for (ir::NodeId id = 0; id < graph.size(); ++id) {
       const ir::Node& n = graph[id];
       if (used(id) == 0) continue;
@@ -59,10 +66,10 @@ class Work {
   std::int32_t used(ir::NodeId id) const { return uses_[static_cast<size_t>(id)]; }
   bool is_product(ir::NodeId id) const { return graph_[id].op == ir::Op::multiply && used(id) == 1; }
   // A sum with a product that nobody else reads is one instruction with it.
-  bool absorbs(const ir::Node& n) const { return is_product(n.a) || is_product(n.b); }
+  bool absorbs(const ir::Node& n) const { return fused_ && (is_product(n.a) || is_product(n.b)); }
   double cycles(const ir::Node& n, ir::NodeId id) const {
     switch (n.op) {
-      case ir::Op::multiply: return used(id) == 1 ? 0 : latency;
+      case ir::Op::multiply: return fused_ && used(id) == 1 ? 0 : latency;
       case ir::Op::divide: return divide_latency;
       case ir::Op::negate: return 0;
       default: return latency;
@@ -71,6 +78,7 @@ class Work {
 
   const ir::Graph& graph_;
   const std::vector<std::int32_t> uses_;
+  const bool fused_;
   double operations_ = 0, divisions_ = 0;
 };
 
@@ -84,8 +92,8 @@ void add_steps(const CodeInput& code, Features& f) {
   }
 }
 
-void add_straight(const ir::Graph& graph, const std::vector<ir::NodeId>& roots, Features& f) {
-  const Work work(graph, roots);
+void add_straight(const ir::Graph& graph, const std::vector<ir::NodeId>& roots, int lanes, Features& f) {
+  const Work work(graph, roots, fused(lanes));
   of(f, Feature::scalar) += work.operations();
   of(f, Feature::divide) += work.divisions();
   of(f, Feature::stores) += static_cast<double>(roots.size());
@@ -96,7 +104,7 @@ void add_paragraph(const ir::Segment& s, const ir::Paragraph& p, int lanes, Feat
   for (const ir::Value& v : p.stores) roots.push_back(v.node);
   for (const ir::Carried& c : p.carried) handed.push_back(c.node);
   roots.insert(roots.end(), handed.begin(), handed.end());
-  const Work work(p.graph, roots);
+  const Work work(p.graph, roots, fused(lanes));
   const bool anywhere = p.direction == ir::Direction::anywhere;
   const double each = anywhere ? 1 : registers(s.limbs(), lanes), steps = anywhere ? registers(s.slots(), lanes) : s.steps;
   const double operations = each * (work.operations() + 4 * work.divisions() + static_cast<double>(p.stores.size()) / 2);
@@ -124,40 +132,47 @@ void add_elements(const CodeInput& code, int lanes, Features& f) {
     }
 }
 
-void add_projections(const CodeInput& code, Features& f) {
+void add_projections(const CodeInput& code, int lanes, Features& f) {
   double pairs = 0;  // of a body and a coordinate above it
   for (int k = 0; k < code.tree.joints(); ++k) {
     pairs += base_rows(code);
     for (int above = k; above >= 0; above = code.tree.bodies[static_cast<size_t>(above)].parent) ++pairs;
   }
   for (const ir::Projection& p : code.algorithm.projections) {
-    of(f, Feature::scalar) += pairs * Work(p.graph, p.columns).operations();
+    of(f, Feature::scalar) += pairs * Work(p.graph, p.columns, fused(lanes)).operations();
     of(f, Feature::stores) += pairs * static_cast<double>(p.columns.size());
   }
 }
 
-// Straight code of more instructions than this is read from the second-level cache in every call.
-constexpr double cached_operations = 3000;
+// Of a straight line of more instructions the first-level caches hold nothing when it begins anew: all of it is fetched from
+// the second level, in every call.
+constexpr double cached_instructions = 2300, uncached_instructions = 2700;
+
+double fetched(double instructions) {
+  return instructions *
+         std::clamp((instructions - cached_instructions) / (uncached_instructions - cached_instructions), 0.0, 1.0);
+}
 
 // ns per unit of each feature; by registers of two, four and eight.
 constexpr double constants[3][feature_count] = {
-    {10, 0.2, 0.1, 1, 0.15, 0.27, 5, 0.15, 0.2, 0.2, 5},
-    {10, 0.2, 0.1, 1, 0.15, 0.27, 5, 0.15, 0.2, 0.2, 5},
-    {10, 0.2, 0.1, 1, 0.15, 0.27, 5, 0.15, 0.2, 0.2, 5},
+    {1.88, 0.0979, 0.0996, 7.79, 8.42, 0.113, 0.0551, 0, 0.292, 0.112, 0, 41},
+    {2.34, 0.141, 0.0651, 6.52, 6.06, 0.13, 0.141, 0, 0.345, 0.0192, 0, 41.3},
+    {1.82, 0.128, 0.0624, 12.9, 4.98, 0.133, 0.119, 0, 0.531, 0.0178, 0, 38.9},
 };
 
 }  // namespace
 
-const char* const feature_names[feature_count] = {"call",  "scalar", "beyond_cache", "divide",          "lanes",      "waiting",
-                                                  "loops", "tiles",  "stores",       "step_operations", "step_chains"};
+const char* const feature_names[feature_count] = {"call",    "scalar", "fetched", "sines",  "divide",          "lanes",
+                                                  "waiting", "loops",  "tiles",   "stores", "step_operations", "step_chains"};
 
 Features features(const CodeInput& code, int lanes) {
   Features f{};
   of(f, Feature::call) = 1;
   add_steps(code, f);
   if (code.plan.form != ir::Form::rolled) {
-    add_straight(code.program.graph, code.program.roots(), f);
-    of(f, Feature::beyond_cache) = std::max(0.0, of(f, Feature::scalar) - cached_operations);
+    add_straight(code.program.graph, code.program.roots(), lanes, f);
+    of(f, Feature::fetched) = fetched(of(f, Feature::scalar));
+    of(f, Feature::sines) = registers(static_cast<int>(straight_operations(code).sincos), lanes);
     return f;
   }
   for (const ir::BaseStage& stage : code.rolled.base) {
@@ -165,13 +180,14 @@ Features features(const CodeInput& code, int lanes) {
     for (const auto& v : stage.stores) roots.push_back(v.node);
     for (const auto& v : stage.body_stores) roots.push_back(v.node);
     for (const auto& e : stage.elements) roots.push_back(e.node);
-    add_straight(stage.graph, roots, f);
+    add_straight(stage.graph, roots, lanes, f);
   }
+  of(f, Feature::sines) = registers(static_cast<int>(prepare_operations(code).sincos), lanes);
   for (size_t s = 0; s < code.plan.segments.size(); ++s)
     for (const ir::SegmentStage& stage : code.rolled.segments[s].stages)
       for (const ir::Paragraph& p : stage.paragraphs) add_paragraph(code.plan.segments[s], p, lanes, f);
   add_elements(code, lanes, f);
-  add_projections(code, f);
+  add_projections(code, lanes, f);
   of(f, Feature::stores) += static_cast<double>(code.tree.joints() * static_cast<int>(code.algorithm.results.size()));
   return f;
 }

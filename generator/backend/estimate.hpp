@@ -12,7 +12,8 @@ namespace dalembert::backend {
 enum class Feature {
   call,             // one
   scalar,           // operations of straight code, of the base and of what runs number by number
-  beyond_cache,     // of these: what a first-level instruction cache does not hold
+  fetched,          // these again, where first-level caches of instructions do not hold the code
+  sines,            // registers of angles
   divide,           // divisions and square roots of straight code
   lanes,            // operations of loops over limbs, a register of lanes at a time
   waiting,          // cycles that loops over a limb's steps wait for the step before, beyond what their operations take
@@ -22,7 +23,7 @@ enum class Feature {
   step_operations,  // of steps with whole matrices
   step_chains,      // of these: chains of coordinates, each a call
 };
-inline constexpr int feature_count = 11;
+inline constexpr int feature_count = 12;
 using Features = std::array<double, feature_count>;
 extern const char* const feature_names[feature_count];
 
@@ -32,7 +33,8 @@ Features features(const CodeInput& code, int lanes);
 // ns per call.
 double estimate(const CodeInput& code, int lanes);
 
-// What choices are made for: most processors of today have registers of four.
-inline constexpr int usual_lanes = 4;
+// What choices are made for: of these most processors of today have the second.
+inline constexpr std::array<int, 3> register_widths{2, 4, 8};
+inline constexpr std::size_t usual_width = 1;
 
 }  // namespace dalembert::backend

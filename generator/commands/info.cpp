@@ -140,8 +140,8 @@ std::string plan_json(const Lowered& lowered) {
     if (f.candidates.empty()) continue;  // a second half
     std::string ways;
     for (const Candidate& c : f.candidates)
-      ways += fmt::format("{}{{\"form\": \"{}\", \"solver\": \"{}\", \"nanoseconds\": {:.1f}}}", ways.empty() ? "" : ", ",
-                          name_of(c.form), name_of(c.solver), c.nanoseconds);
+      ways += fmt::format("{}{{\"form\": \"{}\", \"solver\": \"{}\", \"nanoseconds\": [{:.1f}]}}", ways.empty() ? "" : ", ",
+                          name_of(c.form), name_of(c.solver), fmt::join(c.nanoseconds, ", "));
     text += fmt::format("{}\n    {}: [{}]", text.empty() ? "" : ",", json_string(f.algorithm.function.name), ways);
   }
   return text;
@@ -163,16 +163,19 @@ std::string features_json(const Model& model, const Lowered& lowered) {
 
 // What was chosen of each function, and what the other ways would cost.
 std::string plan_text(const Lowered& lowered) {
-  std::string text;
+  std::string text = fmt::format("\nestimated ns a call on registers of {} doubles, the way that was chosen first:\n",
+                                 fmt::join(backend::register_widths, ", "));
   for (const LoweredFunction& f : lowered.functions) {
     if (f.candidates.empty()) continue;
-    const bool solves = std::any_of(f.candidates.begin(), f.candidates.end(),
-                                    [&](const Candidate& c) { return c.solver != f.candidates.front().solver; });
-    std::vector<std::string> ways;
+    text += fmt::format("  {}\n", f.algorithm.function.name);
     for (const Candidate& c : f.candidates)
-      ways.push_back(fmt::format("{}{} {:.0f} ns", name_of(c.form), solves ? fmt::format(" by {}", name_of(c.solver)) : "",
-                                 c.nanoseconds));
-    text += fmt::format("plan of {}: {} (estimates; the first is chosen)\n", f.algorithm.function.name, fmt::join(ways, ", "));
+      text +=
+          fmt::format("    {:<40}{:>8.0f}\n",
+                      f.candidates.size() > 2 ? fmt::format("{} by {}", name_of(c.form), name_of(c.solver)) : name_of(c.form),
+                      fmt::join(c.nanoseconds, " "));
+    if (!f.elsewhere.empty())
+      text += fmt::format("    {} where registers hold {}\n", name_of(f.elsewhere.front().plan.form),
+                          fmt::join(f.elsewhere_lanes, " or "));
   }
   return text;
 }
