@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cctype>
 #include <stdexcept>
 
 #include "ir/coordinate_tree.hpp"
@@ -49,6 +50,19 @@ std::string parameters_of(const CodeInput& code, const std::string& pointer) {
 }
 
 std::string arguments_of(const CodeInput& code) { return fmt::format("{}", fmt::join(vectors_of(code), ", ")); }
+
+EigenVectors eigen_vectors_of(const CodeInput& code) {
+  std::vector<std::string> templates, types, vectors, parameters;
+  for (const std::string& name : vectors_of(code)) {
+    types.push_back(name);
+    types.back().front() = static_cast<char>(std::toupper(static_cast<unsigned char>(name.front())));
+    vectors.emplace_back(name == "q" ? "VectorQ" : "VectorV");
+    templates.push_back(fmt::format("class {} = {}", types.back(), vectors.back()));
+    parameters.push_back(fmt::format("const {}& {}", types.back(), name));
+  }
+  const auto list = [](const std::vector<std::string>& items) { return fmt::format("{}", fmt::join(items, ", ")); };
+  return {list(templates), list(types), list(vectors), list(parameters)};
+}
 
 namespace {
 

@@ -105,12 +105,12 @@ std::string payload_type(const CodeInput& code) {
 }
 
 std::string views(const Folder& folder) {
-  std::string text = "// The results as Eigen matrices that look into the workspace.\n";
+  std::string text =
+      "// The results. They look into the workspace: it must live as long as they do, which one made on the spot does not.\n";
   for (const ir::OutputArray& a : folder.arrays()) {
     text += fmt::format(
-        "inline auto {0}(const Workspace& workspace) {{\n"
-        "  return Eigen::Map<const Eigen::Matrix<Scalar, {1}, {2}>, Eigen::Aligned64>(workspace.{0});\n"
-        "}}\n",
+        "inline Result<{1}, {2}> {0}(const Workspace& workspace) {{ return Result<{1}, {2}>(workspace.{0}); }}\n"
+        "void {0}(const Workspace&&) = delete;\n",
         a.name, a.rows, a.columns);
   }
   return text;
@@ -178,28 +178,28 @@ std::string solve_declaration(const CodeInput& code) {
       "// b becomes M^-1 b, by the factors that {}() left: nv numbers each in columns that begin `stride` apart. Zero, and\n"
       "// false, where there are none, M not being positive definite. Does not allocate, lock, throw or call the system.\n"
       "bool {}(Scalar* b, int columns, int stride, const Workspace& workspace) noexcept;\n\n"
-      "inline bool {}(Eigen::Ref<Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>> b, const Workspace& workspace) {{\n"
-      "  eigen_assert(b.rows() == nv);\n"
-      "  return {}(b.data(), static_cast<int>(b.cols()), static_cast<int>(b.outerStride()), workspace);\n"
+      "// A vector, a matrix or a block of one; where its rows, known at run time only, are not nv, false and b as it was.\n"
+      "template <class B>\n"
+      "dalembert::Checked<bool, B> {}(B&& b, const Workspace& workspace) noexcept {{\n"
+      "  return dalembert::call_on_columns<VectorV>(b, [&](auto... columns) {{ return {}(columns..., workspace); }});\n"
       "}}\n\n",
       function_of(code).name, name, name, name);
 }
 
 std::string function_declaration(const CodeInput& code) {
   if (!is_called(code)) return "";
-  std::string calls;
-  for (const std::string& vector : vectors_of(code)) calls += vector + ".data(), ";
-  std::string eigen;
-  for (const std::string& vector : vectors_of(code))
-    eigen += fmt::format("const {}& {}, ", vector == "q" ? "VectorQ" : "VectorV", vector);
+  const EigenVectors eigen = eigen_vectors_of(code);
   return render("function.hpp", {{"quantities", quantities(code)},
                                  {"shapes", shapes(code)},
                                  {"unread", unread(code)},
                                  {"input", input_meaning(code)},
                                  {"function", function_of(code).name},
                                  {"parameters", parameters_of(code)},
-                                 {"eigen_parameters", eigen},
-                                 {"data", calls}}) +
+                                 {"arguments", arguments_of(code)},
+                                 {"eigen_templates", eigen.templates},
+                                 {"eigen_types", eigen.types},
+                                 {"eigen_vectors", eigen.vectors},
+                                 {"eigen_parameters", eigen.parameters}}) +
          solve_declaration(code);
 }
 

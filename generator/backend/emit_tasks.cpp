@@ -216,11 +216,16 @@ std::string tasks_header(const Folder& folder, const std::string& banner) {
     if (!code.plan.tasks || !is_called(code)) continue;
     std::string members;
     for (const std::string& vector : vectors_of(code)) members += fmt::format("  const Scalar* {}_ = nullptr;\n", vector);
+    const EigenVectors eigen = eigen_vectors_of(code);
     classes += render("task_graph.hpp", {{"function", function_of(code).name},
                                          {"type", own_type(code, "TaskGraph")},
                                          {"tasks", std::to_string(tasks_of(folder, code).tasks.size())},
                                          {"parameters", parameters_of(code)},
                                          {"arguments", arguments_of(code)},
+                                         {"eigen_templates", eigen.templates},
+                                         {"eigen_types", eigen.types},
+                                         {"eigen_vectors", eigen.vectors},
+                                         {"eigen_parameters", eigen.parameters},
                                          {"members", members}});
   }
   return render("tasks.hpp", {{"banner", banner}, {"name", folder.common().name}, {"classes", classes}});

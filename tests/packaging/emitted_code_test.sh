@@ -2,7 +2,8 @@
 # sh emitted_code_test.sh DALEMBERT PROJECT EIGEN WORK COMPILER [FLAG...]
 #
 # Generates three robots that between them use every form of emitted code, and compiles each emitted file with COMPILER FLAG...
-# and warnings as errors. Exit status: 0 good, 1 a file does not compile or shares functions, 77 this machine cannot tell.
+# and warnings as errors. Without a FLAG also what must not compile: wrong_uses.cpp. Exit status: 0 good, 1 a file does not compile
+# or shares functions, or compiles and should not, 77 this machine cannot tell.
 set -eu
 dalembert=$1 project=$2 eigen=$3 work=$4 compiler=$5
 shift 5
@@ -50,4 +51,24 @@ for source in "$work"/*/*.cpp; do
     failed=1
   fi
 done
+
+if [ $# = 0 ]; then
+  uses="$project/tests/packaging/wrong_uses.cpp"
+  case $compiler in *clang*) all_errors=-ferror-limit=0 ;; *) all_errors=-fmax-errors=0 ;; esac
+  echo "-- $compiler wrong_uses.cpp, which should not compile"
+  LC_ALL=C "$compiler" -std=c++17 $all_errors -fsyntax-only -I "$work" -I "$project/runtime/include" -isystem "$eigen" \
+    -isystem "$work/headers" "$uses" > "$work/errors" 2>&1 && failed=1
+  grep -n '// error: ' "$uses" | while IFS= read -r line; do
+    words=${line##*// error: }
+    # As many errors of these words as uses that ask for them, and each use named.
+    if [ "$(grep -c "[0-9]: error: .*$words" "$work/errors")" != "$(grep -c "// error: $words" "$uses")" ] ||
+      ! grep -q "wrong_uses.cpp:${line%%:*}:" "$work/errors"; then
+      echo "not refused, or not in these words: $line"
+    fi
+  done > "$work/accepted"
+  if [ -s "$work/accepted" ] || [ ! -s "$work/errors" ]; then
+    cat "$work/accepted" "$work/errors"
+    failed=1
+  fi
+fi
 exit $failed

@@ -62,7 +62,7 @@ class Robot:
                        check=True)
         self.text = (self.folder / "dynamics.cpp").read_text()
         header = (self.folder / "dynamics.hpp").read_text()
-        self.outputs = re.findall(r"^inline auto (\w+)\(const Workspace", header, re.MULTILINE)
+        self.outputs = re.findall(r"^inline Result<.*> (\w+)\(const Workspace", header, re.MULTILINE)
         prints = "".join(f'    for (const Scalar x : workspace->{o}) std::printf("{o} %.17g\\n", double(x));\n' for o in self.outputs)
         (WORK / f"{name}_main.cpp").write_text(MAIN % {"name": name, "print": prints})
         self.objects = []
