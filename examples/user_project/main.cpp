@@ -18,12 +18,13 @@ int try_arm() {
   const Eigen::Vector2d acceleration = arm::mass_matrix(workspace).llt().solve(-arm::bias(workspace));
 
   const double m = 2, l = 1, c = 0.5, I = m * l * l / 12, g0 = 9.81;
-  const double h = m * l * c * std::cos(q[1]), k = m * l * c * std::sin(q[1]);
+  const double q1 = q[q_index(arm::Joint::shoulder)], q2 = q[q_index(arm::Joint::elbow)];
+  const double v1 = v[v_index(arm::Joint::shoulder)], v2 = v[v_index(arm::Joint::elbow)];
+  const double h = m * l * c * std::cos(q2), k = m * l * c * std::sin(q2);
   Eigen::Matrix2d M;
   M << 2 * (I + m * c * c) + m * l * l + 2 * h, I + m * c * c + h, I + m * c * c + h, I + m * c * c;
-  const Eigen::Vector2d bias(
-      -k * v[1] * (2 * v[0] + v[1]) + g0 * (m * (c + l) * std::sin(q[0]) + m * c * std::sin(q[0] + q[1])),
-      k * v[0] * v[0] + g0 * m * c * std::sin(q[0] + q[1]));
+  const Eigen::Vector2d bias(-k * v2 * (2 * v1 + v2) + g0 * (m * (c + l) * std::sin(q1) + m * c * std::sin(q1 + q2)),
+                             k * v1 * v1 + g0 * m * c * std::sin(q1 + q2));
   const double error = (acceleration + M.llt().solve(bias)).norm() / acceleration.norm();
   std::printf("arm, in C++: accelerates by %.6f and %.6f rad/s^2, differs from the textbook by %.1e\n", acceleration[0],
               acceleration[1], error);

@@ -44,7 +44,7 @@ Motion motion(double time) {
       at.v_dot[joint] -= size * w * w * std::sin(w * time + k);
     }
   }
-  at.q[static_cast<int>(identified_arm::Joint::right_elbow)] -= 1.2;
+  at.q[q_index(identified_arm::Joint::right_elbow)] -= 1.2;
   return at;
 }
 

@@ -100,6 +100,12 @@ TEST(NamedFunctions, AreNotCalledLikeWhatAnotherKeeps) {
     EXPECT_EQ(frontend::taken_names(scene_of({}, {{name, {Quantity::gravity}}})).size(), 1u) << name;
 }
 
+// Nor like what stands in every header, parameters of its templates among it.
+TEST(NamedFunctions, AreNotCalledLikeWhatEveryHeaderHas) {
+  for (const char* name : {"q_index", "v_index", "Result", "VectorQ", "Q", "Tau", "numbers"})
+    EXPECT_EQ(frontend::taken_names(scene_of({}, {{name, {Quantity::gravity}}})).size(), 1u) << name;
+}
+
 // What depends on the accelerations that M's factors give is a function behind the first, which users do not see; dv'/dv does
 // not.
 TEST(NamedFunctions, AreComputedInHalvesWhereAccelerationsComeLate) {

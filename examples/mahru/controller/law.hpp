@@ -41,7 +41,7 @@ class FixedBaseLaw {
     evaluate(start);
     gains_ = velocity_rate * mass_matrix();
   }
-  void evaluate(const State& state) noexcept { mahru_fixed::evaluate(state.q.data(), state.v.data(), workspace_); }
+  void evaluate(const State& state) noexcept { mahru_fixed::evaluate(state.q, state.v, workspace_); }
 
   // N m. Call evaluate() with the same state first.
   void torque(const State& state, const Target& target, VectorJ& torque) const noexcept {
@@ -80,7 +80,7 @@ class FloatingBaseLaw {
   void evaluate(const State& state) noexcept {
     q_ << state.base_position, state.base_rotation.coeffs(), state.q;
     v_ << state.base_linear, state.base_angular, state.v;
-    mahru_floating::evaluate(q_.data(), v_.data(), workspace_);
+    mahru_floating::evaluate(q_, v_, workspace_);
   }
 
   void torque(const State& state, const Target& target, VectorJ& torque) const noexcept {

@@ -64,7 +64,7 @@ TEST_F(Solve, TheFactorsMakeM) {
   const Eigen::MatrixXd M = factors::mass_matrix(workspace);
   EXPECT_LE(largest(upper * pivots.asDiagonal() * upper.transpose() - M), 1e-14 * largest(M));
   // Limb c drives a joint beyond e's, which so is tied to it; to limb d it is not, neither in M nor in the factors.
-  const auto at = [](factors::Joint joint) { return nv - factors::joints + static_cast<int>(joint); };
+  const auto at = factors::v_index;
   EXPECT_NE(upper(at(factors::Joint::c_01_joint), at(factors::Joint::e_01_joint)), 0);
   EXPECT_EQ(upper(at(factors::Joint::d_02_joint), at(factors::Joint::e_01_joint)), 0);
 }
@@ -175,6 +175,23 @@ TEST_F(Solve, NothingIsHandedOnBeforeThereAreFactors) {
   Columns x = Columns::Random(nv, 3);
   EXPECT_FALSE(factors::solve(x, unused));
   EXPECT_EQ(largest(x), 0);
+}
+
+TEST_F(Solve, ColumnsOfAnotherLengthAreLeftAlone) {
+  static_assert(std::is_same_v<decltype(factors::solve(tau, workspace)), bool>);
+  for (const int rows : {0, nv - 1, nv + 1}) {
+    Eigen::MatrixXd b = Eigen::MatrixXd::Ones(rows, 3);
+    EXPECT_FALSE(factors::solve(b, workspace)) << rows;
+    EXPECT_TRUE((b.array() == 1).all());
+    Eigen::VectorXd x = Eigen::VectorXd::Ones(rows);
+    EXPECT_FALSE(factors::solve(x, workspace)) << rows;
+    EXPECT_TRUE((x.array() == 1).all());
+  }
+  Eigen::VectorXd x = tau;
+  EXPECT_TRUE(factors::solve(x, workspace));
+  factors::VectorV expected = tau;
+  factors::solve(expected, workspace);
+  EXPECT_EQ(x, expected);
 }
 
 TEST_F(Solve, DoesNotAllocate) {
