@@ -191,7 +191,7 @@ void print_drifts() {
   const S::VectorQ q(std::numbers::pi / 2 + 0.5, 0.3);
   const auto workspace = std::make_unique<two_pendulums::Workspace>();
   const auto potential = [&](const reference::Motion& at) {
-    two_pendulums::evaluate(at.q, at.v, *workspace);
+    demand(two_pendulums::evaluate(at.q, at.v, *workspace), "two pendulums: a state of another length");
     return two_pendulums::potential_energy(*workspace)(0);
   };
   const double steps[] = {1e-2, 5e-3, 2.5e-3};
