@@ -4,13 +4,13 @@
 
 #include <filesystem>
 
-#include "frontend/inertia_check.hpp"
 #include "frontend/scene_check.hpp"
 #include "frontend/urdf_reader.hpp"
 #include "idle_keys.hpp"
 #include "ir/identifier.hpp"
 #include "ir/library_names.hpp"
 #include "passes/build_tree.hpp"
+#include "passes/inertia_check.hpp"
 #include "passes/joints_without_mass.hpp"
 #include "passes/solvable.hpp"
 
@@ -122,13 +122,13 @@ Model read_model(const Request& request, Diagnostics& warnings) {
 
 void apply_scene(Model& model, const frontend::SceneDocument& document, Diagnostics& warnings) {
   model.scene = frontend::check_scene(document, model.description, warnings);
-  frontend::check_inertias(model.description, model.scene, warnings);
   model.tree = passes::build_tree(model.description, model.scene, warnings);
   if (model.scene.lock_massless) {
     model.scene = passes::with_massless_locked(model.description, model.tree, model.scene, warnings);
     Diagnostics same_again;
     model.tree = passes::build_tree(model.description, model.scene, same_again);
   }
+  passes::check_inertias(model.description, model.scene, model.tree, warnings);
 }
 
 }  // namespace dalembert

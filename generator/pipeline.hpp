@@ -43,7 +43,7 @@ inline constexpr int most_moving_joints = 2000;
 Model read_model(const Request& request, Diagnostics& warnings);
 
 // The part of it that knows the scene: from the model's description as the URDF has it to its scene and tree. Inertias of the
-// description become what the scene makes of them.
+// tree's bodies are what the scene makes of them.
 void apply_scene(Model& model, const frontend::SceneDocument& document, Diagnostics& warnings);
 
 // The model's generated code. Throws InputError when the model cannot be compiled.

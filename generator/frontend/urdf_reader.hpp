@@ -10,7 +10,7 @@
 namespace dalembert::frontend {
 
 // The robot of the file, checked: one tree of known links, finite numbers, unit axes, names that can stand in C++. Inertias are
-// as the file has them: check_inertias knows what the scene makes of them. Damping, friction and mimic may be NaN, as
+// as the file has them: passes/inertia_check knows what the scene makes of them. Damping, friction and mimic may be NaN, as
 // check_scene knows. Throws InputError with every defect found; appends to `warnings` what is ignored or doubtful.
 ir::RobotDescription read_urdf(const std::string& path, Diagnostics& warnings);
 

@@ -21,7 +21,7 @@ ir::Inertia combined(const std::vector<ir::Inertia>& parts) {
     whole.com = part.com;
     moment += part.mass * part.com;
   }
-  if (with_mass < 2) return whole;
+  if (with_mass < 2 || whole.mass == 0) return whole;
   whole.com = moment / whole.mass;
   for (const ir::Inertia& part : parts) {  // Steiner: − m [d][d] = m (dᵀd 1 − d dᵀ)
     const Eigen::Vector3d d = part.com - whole.com;

@@ -12,6 +12,7 @@ namespace dalembert::passes {
 ir::Inertia moved(const ir::Inertia& inertia, const Eigen::Isometry3d& placement);
 
 // The inertia of several parts given in one frame. One part, or parts without mass or inertia, change no bit.
+// Where masses cancel there is no centre of mass, and check_inertias refuses the robot.
 ir::Inertia combined(const std::vector<ir::Inertia>& parts);
 
 }  // namespace dalembert::passes

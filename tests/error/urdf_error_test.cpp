@@ -47,6 +47,8 @@ const Case defects[] = {
      "<link> (line 21): error: it stands outside of <robot>; move it into <robot>, or remove it"},
     {"blank_mass",
      "link 'b' (line 10): error: <mass value=\" \"> is not a number; write finite decimal numbers such as 0.25 or 1e-3"},
+    {"cancelling_masses",
+     "body 'b': error: the masses of its links cancel: there is no centre of mass; negative is that of link 'c' (line 14); give these links a mass of zero or more"},
     {"commas_between_numbers",
      "joint 'j' (line 17): error: <axis xyz=\"0, 0, 1\"> is not three finite numbers; write three finite decimal numbers with blanks between them"},
     {"cycle_beside_tree",
@@ -96,6 +98,8 @@ const Case defects[] = {
      "link 'b' (line 11): error: <inertia iyy=\"nan\"> is not a finite number; write finite decimal numbers such as 0.25 or 1e-3"},
     {"nan_origin",
      "link 'b' (line 10): error: <origin xyz=\"nan 0 0\"> is not three finite numbers; write three finite decimal numbers with blanks between them"},
+    {"negative_behind_joint",
+     "link 'c' (line 14): error: the inertia is not positive definite (principal moments -0.015, 1, 1 kg m²); correct <inertia>: its matrix about the centre of mass has no negative principal moment; or go on knowingly with inertia: accept or inertia: repair in the scene"},
     {"negative_inertia",
      "link 'b' (line 8): error: the inertia is not positive definite (principal moments -1, 1, 1 kg m²); correct <inertia>: its matrix about the centre of mass has no negative principal moment; or go on knowingly with inertia: accept or inertia: repair in the scene"},
     {"negative_mass",
@@ -145,6 +149,8 @@ const Case defects[] = {
      "joint 'j' (line 14): error: joints of type 'spherical' are not supported; use revolute, continuous, prismatic or fixed"},
     {"unknown_parent",
      "joint 'j' (line 14): error: its parent link 'base_lnk' does not exist; add the link, or did you mean 'base_link'?"},
+    {"welded_body_at_fault",
+     "body 'b': error: the inertia is not positive definite (principal moments -2, 2, 2 kg m²) with all its links welded together, by fault of link 'c' (line 14); correct <inertia>: its matrix about the centre of mass has no negative principal moment; or go on knowingly with inertia: accept or inertia: repair in the scene"},
     {"xacro_block",
      "joint 'j' (line 18): error: <xacro:insert_block> in <origin> is left for xacro to expand: the file does not yet describe a robot; expand it with ROS's xacro: xacro xacro_block.urdf > expanded.urdf, and name that"},
     {"xacro_definitions_only",
@@ -222,8 +228,8 @@ const Case doubts[] = {
      "joint 'j' (line 14): warning: the joint has no <axis>; 1 0 0 is taken; write <axis xyz=\"1 0 0\"/>"},
     {"no_inertia",
      "link 'b' (line 9): warning: <inertial> has no <inertia>: zeros are taken; add <inertia ixx=... ixy=... ixz=... iyy=... iyz=... izz=.../> in kg m²\n"
-     "link 'b' (line 8): warning: the link has a mass but no rotational inertia: a point mass; give <inertia> if it has an extent\n"
-     "joint 'j': warning: link 'b' has no inertia about the joint's axis: M is singular; give the link a rotational inertia, or the joint an armature in the scene"},
+     "joint 'j': warning: link 'b' has no inertia about the joint's axis: M is singular; give the link a rotational inertia, or the joint an armature in the scene\n"
+     "link 'b' (line 8): warning: the link has a mass but no rotational inertia: a point mass; give <inertia> if it has an extent"},
     {"no_mass",
      "link 'b' (line 9): warning: <inertial> has no <mass>: zero is taken; write <mass value=\"...\"/> in kg"},
     {"no_mass_value",
@@ -233,8 +239,8 @@ const Case doubts[] = {
     {"point_mass",
      "link 'b' (line 8): warning: the link has a mass but no rotational inertia: a point mass; give <inertia> if it has an extent"},
     {"point_mass_on_axis",
-     "link 'b' (line 8): warning: the link has a mass but no rotational inertia: a point mass; give <inertia> if it has an extent\n"
-     "joint 'j': warning: link 'b' has no inertia about the joint's axis: M is singular; give the link a rotational inertia, or the joint an armature in the scene"},
+     "joint 'j': warning: link 'b' has no inertia about the joint's axis: M is singular; give the link a rotational inertia, or the joint an armature in the scene\n"
+     "link 'b' (line 8): warning: the link has a mass but no rotational inertia: a point mass; give <inertia> if it has an extent"},
     {"stray_text",
      "robot 'r' (line 14): warning: the text 'two links;' in <robot> is ignored; remove it, or make it a comment: <!-- ... -->\n"
      "joint 'j' (line 19): warning: the text 'up -->' in <joint> is ignored; remove it, or make it a comment: <!-- ... -->"},
@@ -261,6 +267,10 @@ const Case doubts[] = {
      "robot 'r' (line 20): warning: unknown element <loop> in <robot> is ignored; the known ones are link, joint, material, transmission, gazebo, sensor, mujoco, plugin, ros2_control\n"
      "link 'b' (line 10): warning: unknown element <density> in <inertial> is ignored; the known ones are origin, mass, inertia\n"
      "joint 'j' (line 18): warning: unknown element <gear> in <joint> is ignored; the known ones are origin, parent, child, axis, limit, dynamics, mimic, calibration, safety_controller, gazebo, sensor, hardwareInterface"},
+    {"welded_links_at_fault",
+     "link 'c' (line 14): warning: the inertia is not positive definite (principal moments -3.5e-08, 0.0001, 0.0001 kg m²); that of body 'b', which the link is welded into, is sound: it is used as given; correct <inertia>\n"
+     "link 'd' (line 20): warning: the mass is negative (-0.1 kg); that of body 'b', which the link is welded into, is sound: it is used as given; give the link a mass of zero or more\n"
+     "link 'e' (line 26): warning: the inertia breaks the triangle inequality by 0.0005 kg m² (principal moments 0.001, 0.001, 0.0025 kg m²); that of body 'b', which the link is welded into, is sound: it is used as given; correct <inertia>"},
     {"xacro_limit",
      "joint 'j' (line 18): warning: <limit lower=\"${-pi}\"> is not a number: it is not used; expand the file with ROS's xacro\n"
      "joint 'j' (line 18): warning: <limit upper=\"$(arg upper)\"> is not a number: it is not used; expand the file with ROS's xacro"},
@@ -323,6 +333,17 @@ const Use uses[] = {
      "link 'b' (line 8): warning: the mass is negative (-1 kg) and used as given, as the scene says", "1 moving joints"},
     {"negative_mass_not_repaired", "negative_mass", {"--inertia", "repair"}, 2,
      "link 'b' (line 8): error: the mass is negative (-1 kg); give the link a mass of zero or more, or go on knowingly with inertia: accept in the scene", ""},
+    {"negative_welded_by_a_lock", "negative_behind_joint", {"--locked", "k"}, 0,
+     "link 'c' (line 14): warning: the inertia is not positive definite (principal moments -0.015, 1, 1 kg m²); that of body 'b', which the link is welded into, is sound: it is used as given; correct <inertia>",
+     "1 moving joints"},
+    {"welded_body_accepted", "welded_body_at_fault", {"--inertia", "accept"}, 0,
+     "body 'b': warning: the inertia is not positive definite (principal moments -2, 2, 2 kg m²) with all its links welded together, by fault of link 'c' (line 14) and used as given, as the scene says; correct <inertia>",
+     "1 moving joints"},
+    {"welded_body_repaired", "welded_body_at_fault", {"--inertia", "repair"}, 0,
+     "body 'b': warning: the inertia is no body's (principal moments -2, 2, 2 kg m²) with all its links welded together, by fault of link 'c' (line 14) and repaired, as the scene says (principal moments 0, 3, 3 kg m²); correct <inertia>",
+     "1 moving joints"},
+    {"cancelling_masses_accepted", "cancelling_masses", {"--inertia", "accept"}, 2,
+     "body 'b': error: the masses of its links cancel: there is no centre of mass; negative is that of link 'c' (line 14); give these links a mass of zero or more", ""},
     {"negative_cut_off", "negative_inertia", {"--cut", "b"}, 0, "", "0 moving joints"},
     {"negative_damping_asked_for", "negative_damping", {"--damping", "urdf"}, 2,
      "option --damping: error: the URDF's damping of joint 'j' is negative (-1); correct it in the URDF, or give values: damping: {joint: value}", ""},

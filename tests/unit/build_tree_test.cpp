@@ -3,8 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <numbers>
 #include <regex>
 #include <robots.hpp>
@@ -12,6 +14,7 @@
 #include "frontend/urdf_reader.hpp"
 #include "ir/rotation.hpp"
 #include "passes/combine_inertia.hpp"
+#include "passes/inertia_check.hpp"
 #include "passes/joints_without_mass.hpp"
 
 namespace dalembert {
@@ -325,6 +328,111 @@ TEST(CombineInertia, OnePartAndPartsWithoutMassChangeNoBit) {
   expect_same_bits(passes::combined({part}), part);
   expect_same_bits(passes::combined({part, ir::Inertia{}}), part);
   expect_same_bits(passes::moved(part, Eigen::Isometry3d::Identity()), part);
+}
+
+// Of all matrices without negative second moments the repaired one is the nearest: no step from it toward the given one, nor
+// any other small step, stays among them and comes nearer.
+TEST(InertiaCheck, RepairsToTheNearestBody) {
+  Eigen::Matrix3d given;
+  given << 1, 0.3, -0.2, 0.3, 0.4, 0.1, -0.2, 0.1, 2.5;
+  ir::RobotDescription robot;
+  robot.links = {{"a", ir::Inertia{2, {0.1, 0.2, 0.3}, given}}};
+  robot.root = 0;
+  robot.children.resize(1);
+  ir::Scene scene;
+  scene.inertia = ir::InertiaPolicy::repair;
+  ir::KinematicTree tree = build(robot, scene);
+  Diagnostics warnings;
+  passes::check_inertias(robot, scene, tree, warnings);
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_EQ(tree.base.mass, 2);
+  EXPECT_EQ(tree.base.com, Eigen::Vector3d(0.1, 0.2, 0.3));
+  const auto second = [](const Eigen::Matrix3d& inertia) -> Eigen::Matrix3d {
+    return 0.5 * inertia.trace() * Eigen::Matrix3d::Identity() - inertia;
+  };
+  const auto least = [&](const Eigen::Matrix3d& s) {
+    return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(s, Eigen::EigenvaluesOnly).eigenvalues()[0];
+  };
+  const Eigen::Matrix3d before = second(given), after = second(tree.base.inertia);
+  EXPECT_LT(least(before), -0.1);
+  EXPECT_NEAR(least(after), 0, 1e-14);
+  std::srand(7);
+  for (int i = 0; i < 1000; ++i) {
+    const Eigen::Matrix3d root = Eigen::Matrix3d::Random();
+    const Eigen::Matrix3d other = 0.99 * after + 0.01 * root * root.transpose();  // some other body's
+    EXPECT_GE((other - before).norm(), (after - before).norm() - 1e-15);
+  }
+  warnings.clear();
+  passes::check_inertias(robot, scene, tree, warnings);  // and once it is one, it stays
+  EXPECT_TRUE(warnings.empty());
+}
+
+TEST(InertiaCheck, ToleratesRoundingRelativeToTheBodyAndToTheRobot) {
+  const auto outcome = [](double moment, double others, double robot_s, ir::Base base = ir::Base::floating) {
+    ir::RobotDescription robot;
+    for (const double m : {others, robot_s})
+      robot.links.push_back(
+          {robot.links.empty() ? "a" : "b", ir::Inertia{1, {0, 0, 0}, Eigen::Vector3d(m, m, m).asDiagonal()}});
+    robot.links[0].inertia->inertia(2, 2) = moment;
+    robot.root = 0;
+    robot.children = {{0}, {}};
+    ir::Joint joint;
+    joint.type = ir::JointType::revolute;
+    joint.parent = 0;
+    joint.child = 1;
+    robot.joints = {joint};
+    ir::Scene scene;
+    scene.base = base;
+    ir::KinematicTree tree = build(robot, scene);
+    Diagnostics warnings;
+    try {
+      passes::check_inertias(robot, scene, tree, warnings);
+    } catch (const InputError&) {
+      return std::string("refused");
+    }
+    return std::string(warnings.empty() ? "silent" : "warned");
+  };
+  EXPECT_EQ(outcome(-2e-6, 1, 1), "warned");
+  EXPECT_EQ(outcome(-2e-5, 1, 1), "refused");
+  EXPECT_EQ(outcome(-1.8e-22, 1e-22, 0.1), "warned");  // negligible in the robot
+  EXPECT_EQ(outcome(-1.8e-22, 1e-22, 1e-15), "refused");
+  EXPECT_EQ(outcome(-6e-8, 1e-7, 0.5), "refused");
+  EXPECT_EQ(outcome(-1e-14, 1, 1), "silent");
+  EXPECT_EQ(outcome(-1, 1, 1, ir::Base::fixed), "silent");  // it does not move
+}
+
+// Whatever is drawn, it is judged as if its links were one, wherever the joints between them stand: the sum of sound links is
+// sound, and a negative moment of one link counts by what it leaves of the sum.
+TEST(InertiaCheck, LinksWeldedTogetherCountAsOne) {
+  const auto outcome = [](double moment, double mass, double distance) {
+    ir::RobotDescription robot;
+    robot.links.push_back({"a", ir::Inertia{1, {0, 0, 0}, Eigen::Vector3d(1, 1, 1).asDiagonal()}});
+    robot.links.push_back({"b", ir::Inertia{mass, {0, 0, 0}, Eigen::Vector3d(moment, 1, 1).asDiagonal()}});
+    robot.root = 0;
+    robot.children = {{0}, {}};
+    ir::Joint weld;
+    weld.parent = 0;
+    weld.child = 1;
+    weld.origin.translation() = Eigen::Vector3d(0, 0, distance);
+    robot.joints = {weld};
+    const ir::Scene scene;
+    ir::KinematicTree tree = build(robot, scene);
+    Diagnostics warnings;
+    try {
+      passes::check_inertias(robot, scene, tree, warnings);
+    } catch (const InputError& error) {
+      return error.diagnostics().front().element + " refused";
+    }
+    return warnings.empty() ? "silent" : warnings.front().element + " warned";
+  };
+  EXPECT_EQ(outcome(1, 1, 0.3), "silent");
+  EXPECT_EQ(outcome(-0.99, 1, 0), "link 'b' (line 0) warned");
+  EXPECT_EQ(outcome(-1.01, 1, 0), "body 'a' refused");
+  EXPECT_EQ(outcome(-1 - 1e-6, 1, 0), "body 'a' warned");        // by rounding
+  EXPECT_EQ(outcome(-1.01, 1, 0.2), "body 'a' warned");          // Steiner's 0.5 kg (0.2 m)² leave the triangle inequality
+  EXPECT_EQ(outcome(1.5, -0.2, 1), "link 'b' (line 0) warned");  // 2.5, 2, 2 kg m² less 0.2/0.8 kg (1 m)² about x and y
+  EXPECT_EQ(outcome(1.5, -0.7, 1), "body 'a' refused");
+  EXPECT_EQ(outcome(1.5, -1.1, 0), "body 'a' refused");
 }
 
 TEST(BuildTree, LongChainsTakeLinearTimeAndNoStack) {

@@ -6,7 +6,6 @@
 #include <cstdlib>
 #include <locale>
 
-#include "frontend/inertia_check.hpp"
 #include "frontend/nearest.hpp"
 #include "frontend/numbers.hpp"
 #include "frontend/scene_check.hpp"
@@ -86,73 +85,6 @@ TEST(Text, IsMadeUtf8) {
   EXPECT_EQ(frontend::as_utf8(little), "<\xc3\xa9\xf0\x9f\x98\x80");
   EXPECT_EQ(frontend::as_utf8(big), "<\xc3\xa9\xf0\x9f\x98\x80");
   EXPECT_EQ(frontend::as_utf8(std::string("\xff\xfe<", 3)), "");
-}
-
-// Of all matrices without negative second moments the repaired one is the nearest: no step from it toward the given one, nor
-// any other small step, stays among them and comes nearer.
-TEST(InertiaCheck, RepairsToTheNearestBody) {
-  Eigen::Matrix3d given;
-  given << 1, 0.3, -0.2, 0.3, 0.4, 0.1, -0.2, 0.1, 2.5;
-  ir::RobotDescription robot;
-  robot.links = {{"a", ir::Inertia{2, {0.1, 0.2, 0.3}, given}}};
-  robot.root = 0;
-  robot.children.resize(1);
-  ir::Scene scene;
-  scene.inertia = ir::InertiaPolicy::repair;
-  Diagnostics warnings;
-  frontend::check_inertias(robot, scene, warnings);
-  ASSERT_EQ(warnings.size(), 1u);
-  EXPECT_EQ(robot.links[0].inertia->mass, 2);
-  EXPECT_EQ(robot.links[0].inertia->com, Eigen::Vector3d(0.1, 0.2, 0.3));
-  const auto second = [](const Eigen::Matrix3d& inertia) -> Eigen::Matrix3d {
-    return 0.5 * inertia.trace() * Eigen::Matrix3d::Identity() - inertia;
-  };
-  const auto least = [&](const Eigen::Matrix3d& s) {
-    return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(s, Eigen::EigenvaluesOnly).eigenvalues()[0];
-  };
-  const Eigen::Matrix3d before = second(given), after = second(robot.links[0].inertia->inertia);
-  EXPECT_LT(least(before), -0.1);
-  EXPECT_NEAR(least(after), 0, 1e-14);
-  std::srand(7);
-  for (int i = 0; i < 1000; ++i) {
-    const Eigen::Matrix3d root = Eigen::Matrix3d::Random();
-    const Eigen::Matrix3d other = 0.99 * after + 0.01 * root * root.transpose();  // some other body's
-    EXPECT_GE((other - before).norm(), (after - before).norm() - 1e-15);
-  }
-  warnings.clear();
-  frontend::check_inertias(robot, scene, warnings);  // and once it is one, it stays
-  EXPECT_TRUE(warnings.empty());
-}
-
-TEST(InertiaCheck, ToleratesRoundingRelativeToTheLinkAndToTheRobot) {
-  const auto outcome = [](double moment, double others, double robot_s, ir::Base base = ir::Base::floating) {
-    ir::RobotDescription robot;
-    for (const double m : {others, robot_s})
-      robot.links.push_back({"l", ir::Inertia{1, {0, 0, 0}, Eigen::Vector3d(m, m, m).asDiagonal()}});
-    robot.links[0].inertia->inertia(2, 2) = moment;
-    robot.root = 0;
-    robot.children = {{0}, {}};
-    ir::Joint joint;
-    joint.parent = 0;
-    joint.child = 1;
-    robot.joints = {joint};
-    ir::Scene scene;
-    scene.base = base;
-    Diagnostics warnings;
-    try {
-      frontend::check_inertias(robot, scene, warnings);
-    } catch (const InputError&) {
-      return std::string("refused");
-    }
-    return std::string(warnings.empty() ? "silent" : "warned");
-  };
-  EXPECT_EQ(outcome(-2e-6, 1, 1), "warned");
-  EXPECT_EQ(outcome(-2e-5, 1, 1), "refused");
-  EXPECT_EQ(outcome(-1.8e-22, 1e-22, 0.1), "warned");  // negligible in the robot
-  EXPECT_EQ(outcome(-1.8e-22, 1e-22, 1e-15), "refused");
-  EXPECT_EQ(outcome(-6e-8, 1e-7, 0.5), "refused");
-  EXPECT_EQ(outcome(-1e-14, 1, 1), "silent");
-  EXPECT_EQ(outcome(-1, 1, 1, ir::Base::fixed), "silent");  // it does not move
 }
 
 TEST(Diagnostics, WarningsOfAKindAreToldOnceAndErrorsNeverLeftOut) {
