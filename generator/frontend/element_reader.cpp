@@ -113,7 +113,13 @@ void ElementReader::only_children(const TiXmlElement& element, std::initializer_
   for (const TiXmlElement* child = element.FirstChildElement(); child; child = child->NextSiblingElement()) {
     const std::string_view tag = child->Value();
     if (is_in(tag, any_number)) continue;
-    if (tag.starts_with("xacro:") || tag == "include") {  // old files include without a prefix
+    if (is_lost_call(tag)) {
+      warning(*child,
+              fmt::format("<{}> in <{}> calls a macro that the file neither has nor includes, so that xacro cannot expand it: "
+                          "it is ignored",
+                          tag, element.Value()),
+              "put what it stands for in its place, or remove it");
+    } else if (tag.starts_with("xacro:") || tag == "include") {  // old files include without a prefix
       if (!is_in(tag, {"xacro:property", "xacro:arg", "xacro:macro"})) note_xacro(*child, fmt::format("<{}>", tag));
     } else if (tag.find(':') != tag.npos) {  // a prefix: somebody else's extension
     } else if (!is_in(tag, once)) {
@@ -139,6 +145,13 @@ bool ElementReader::data_in_attributes(const TiXmlElement& element, const std::s
     return element.FirstAttribute();
   }
   return true;
+}
+
+bool ElementReader::is_lost_call(std::string_view tag) const {
+  constexpr std::string_view prefix = "xacro:";
+  if (has_macros_ || !tag.starts_with(prefix)) return false;
+  return !is_in(tag.substr(prefix.size()),
+                {"include", "macro", "property", "arg", "if", "unless", "insert_block", "call", "element", "attribute"});
 }
 
 void ElementReader::note_xacro(const TiXmlElement& at, std::string what) {

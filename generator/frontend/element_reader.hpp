@@ -46,6 +46,12 @@ class ElementReader {
   // are no attributes this is an error, and false is returned. Elements with a prefix are somebody else's extension.
   bool data_in_attributes(const TiXmlElement& element, const std::string& remedy);
 
+  // Whether the file has macros of xacro or includes them. Without, nobody can expand a call of one: it is ignored with a
+  // warning.
+  void has_macros(bool has) { has_macros_ = has; }
+  // Whether this is such a call.
+  bool is_lost_call(std::string_view tag) const;
+
   // What xacro has not expanded: places where the robot is not what the file says. Definitions alone do not count.
   void note_xacro(const TiXmlElement& at, std::string what);
   // One error that stands for all of them, if there are any.
@@ -59,6 +65,7 @@ class ElementReader {
   std::string first_xacro_;  // its place
   std::string what_xacro_;
   int xacros_ = 0;
+  bool has_macros_ = false;
 };
 
 }  // namespace dalembert::frontend

@@ -38,10 +38,12 @@ double mass(ElementReader& read, const TiXmlElement& inertial) {
   return 0;
 }
 
+bool is_blank(const char* text) { return !text || trimmed(text).empty(); }
+
 // A product of inertia that is written on both sides of the diagonal. In some public files (DART's WAM) the lower half is all
 // zeros. URDF knows the upper one alone, and so do its other readers. Differences below `rounding` are none.
 void check_mirrored(ElementReader& read, const TiXmlElement& inertia, const char* name, const char* mirrored, double rounding) {
-  if (!inertia.Attribute(name) || !inertia.Attribute(mirrored)) return;
+  if (is_blank(inertia.Attribute(name)) || is_blank(inertia.Attribute(mirrored))) return;
   const std::optional<double> upper = parse_number(inertia.Attribute(name)), lower = read.number(inertia, mirrored);
   if (!upper || !lower || std::abs(*upper - *lower) <= rounding) return;
   read.warning(inertia,
@@ -65,17 +67,25 @@ Eigen::Matrix3d inertia(ElementReader& read, const TiXmlElement& inertial) {
     const char *name, *mirrored;
     int row, column;
   };
-  std::vector<std::string_view> missing;
+  std::vector<std::string_view> missing, blank;  // blank: a product of inertia; a moment must be a number
   for (const Component& c : {Component{"ixx", "ixx", 0, 0}, Component{"ixy", "iyx", 0, 1}, Component{"ixz", "izx", 0, 2},
                              Component{"iyy", "iyy", 1, 1}, Component{"iyz", "izy", 1, 2}, Component{"izz", "izz", 2, 2}}) {
+    const bool is_product = c.row != c.column;
     const char* name = inertia->Attribute(c.name) ? c.name : c.mirrored;
-    if (inertia->Attribute(name)) moments(c.row, c.column) = moments(c.column, c.row) = read.number(*inertia, name).value_or(0);
+    if (is_product && is_blank(inertia->Attribute(name))) name = c.mirrored;
+    const char* text = inertia->Attribute(name);
+    if (text && !(is_product && is_blank(text)))
+      moments(c.row, c.column) = moments(c.column, c.row) = read.number(*inertia, name).value_or(0);
+    else if (text || inertia->Attribute(c.name)) blank.push_back(c.name);
     else missing.push_back(c.name);
   }
   const double rounding = 1e-5 * moments.cwiseAbs().maxCoeff();
   check_mirrored(read, *inertia, "ixy", "iyx", rounding);
   check_mirrored(read, *inertia, "ixz", "izx", rounding);
   check_mirrored(read, *inertia, "iyz", "izy", rounding);
+  if (!blank.empty())
+    read.warning(*inertia, fmt::format("<inertia> has a blank {}: zero is taken", fmt::join(blank, ", ")),
+                 "write the number, 0 if it is none", "blank product of inertia");
   if (!missing.empty())
     read.warning(*inertia, fmt::format("<inertia> has no {}: zero is taken", fmt::join(missing, ", ")),
                  "give all of ixx, ixy, ixz, iyy, iyz, izz in kg m²");

@@ -20,6 +20,16 @@ namespace {
   throw InputError({Severity::error, file, std::move(element), std::move(message), std::move(remedy)});
 }
 
+// Whether xacro would find a macro, here or in another file. No deeper than xml_depth.
+bool has_macros(const TiXmlElement& element, bool outermost = true) {
+  for (const TiXmlElement* e = element.FirstChildElement(); e; e = e->NextSiblingElement()) {
+    const std::string_view tag = e->Value();
+    if (tag == "xacro:macro" || tag == "xacro:include" || (outermost && tag == "include")) return true;
+    if (has_macros(*e, false)) return true;
+  }
+  return false;
+}
+
 class OutlineReader {
  public:
   OutlineReader(const std::string& file, Diagnostics& warnings)
@@ -31,6 +41,7 @@ class OutlineReader {
     UrdfOutline outline;
     outline.robot = robot_name(robot);
     read_.enter(fmt::format("robot '{}'", outline.robot));
+    read_.has_macros(has_macros(robot));
     read_.only_attributes(robot, {"name", "version", "xmlns"});
     read_.only_children(robot, {},
                         {"link", "joint", "material", "transmission", "gazebo", "sensor", "mujoco", "plugin", "ros2_control"});
@@ -46,7 +57,8 @@ class OutlineReader {
     if (outline.links.empty()) {  // nothing but definitions
       read_.enter(fmt::format("robot '{}'", outline.robot));
       for (const TiXmlElement* e = robot.FirstChildElement(); e; e = e->NextSiblingElement())
-        if (std::string_view(e->Value()).starts_with("xacro:")) read_.note_xacro(*e, fmt::format("<{}>", e->Value()));
+        if (std::string_view(e->Value()).starts_with("xacro:") && !read_.is_lost_call(e->Value()))
+          read_.note_xacro(*e, fmt::format("<{}>", e->Value()));
     }
     if (const std::optional<Diagnostic> xacro = read_.unexpanded_xacro()) throw InputError(*xacro);
     if (!errors_.empty()) throw InputError(errors_);
@@ -60,7 +72,7 @@ class OutlineReader {
   // The <robot> element of a document that is XML.
   const TiXmlElement& root(TiXmlDocument& document, const std::string& text) {
     if (trimmed(text).empty()) refuse(file_, "", "the file is empty", "name a URDF file");
-    const std::string utf8 = as_utf8(text);
+    const std::string utf8 = without_zeros_behind_robot(as_utf8(text));
     const size_t end = parse_xml(document, file_, utf8);
     if (document.Error() && !document.RootElement())
       refuse(file_, "", "this is not XML", "a URDF is an XML file whose root is <robot>");
@@ -77,6 +89,20 @@ class OutlineReader {
     if (!document.RootElement()) refuse(file_, "", "this is not XML", "a URDF is an XML file whose root is <robot>");
     refuse(file_, fmt::format("<{}> (line {})", document.RootElement()->Value(), document.RootElement()->Row()),
            "there is no <robot> element", "a URDF's root is <robot>; convert other formats such as SDF or MJCF to URDF first");
+  }
+
+  // Some writers end the file with the zero that ended their string. A zero elsewhere is refused: TinyXML stops there.
+  std::string without_zeros_behind_robot(std::string text) {
+    const size_t first = text.find('\0'), end = text.rfind("</robot");
+    if (first == text.npos || end == text.npos || first < end) return text;
+    const auto zeros = std::erase(text, '\0');
+    warnings_.push_back(
+        {Severity::warning, file_,
+         fmt::format("line {}", 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(first), '\n')),
+         zeros == 1 ? "a zero byte behind </robot> is ignored"
+                    : fmt::format("{} zero bytes behind </robot> are ignored", zeros),
+         "save the file as text"});
+    return text;
   }
 
   // Elements outside of <robot> may be what the robot lacks; text and end tags are nothing.

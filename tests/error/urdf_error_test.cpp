@@ -47,6 +47,8 @@ const Case defects[] = {
      "<link> (line 21): error: it stands outside of <robot>; move it into <robot>, or remove it"},
     {"blank_mass",
      "link 'b' (line 10): error: <mass value=\" \"> is not a number; write finite decimal numbers such as 0.25 or 1e-3"},
+    {"blank_moment",
+     "link 'b' (line 11): error: <inertia ixx=\"\"> is not a number; write finite decimal numbers such as 0.25 or 1e-3"},
     {"cancelling_masses",
      "body 'b': error: the masses of its links cancel: there is no centre of mass; negative is that of link 'c' (line 14); give these links a mass of zero or more"},
     {"commas_between_numbers",
@@ -153,6 +155,8 @@ const Case defects[] = {
      "body 'b': error: the inertia is not positive definite (principal moments -2, 2, 2 kg m²) with all its links welded together, by fault of link 'c' (line 14); correct <inertia>: its matrix about the centre of mass has no negative principal moment; or go on knowingly with inertia: accept or inertia: repair in the scene"},
     {"xacro_block",
      "joint 'j' (line 18): error: <xacro:insert_block> in <origin> is left for xacro to expand: the file does not yet describe a robot; expand it with ROS's xacro: xacro xacro_block.urdf > expanded.urdf, and name that"},
+    {"xacro_call",
+     "robot 'r' (line 2): error: <xacro:if> is left for xacro to expand, as in 2 more places: the file does not yet describe a robot; expand it with ROS's xacro: xacro xacro_call.urdf > expanded.urdf, and name that"},
     {"xacro_definitions_only",
      "robot 'r' (line 2): error: <xacro:macro> is left for xacro to expand: the file does not yet describe a robot; expand it with ROS's xacro: xacro xacro_definitions_only.urdf > expanded.urdf, and name that"},
     {"xacro_find",
@@ -161,13 +165,20 @@ const Case defects[] = {
      "robot 'r' (line 3): error: <xacro:include> is left for xacro to expand, as in 1 more place: the file does not yet describe a robot; expand it with ROS's xacro: xacro xacro_include.urdf > expanded.urdf, and name that"},
     {"xacro_old_include",
      "robot 'r' (line 2): error: <include> is left for xacro to expand: the file does not yet describe a robot; expand it with ROS's xacro: xacro xacro_old_include.urdf > expanded.urdf, and name that"},
+    {"xacro_lost_call_only",
+     "robot 'r' (line 2): warning: <xacro:hand> in <robot> calls a macro that the file neither has nor includes, so that xacro cannot expand it: it is ignored; put what it stands for in its place, or remove it\n"
+     "robot 'r': error: there are no links; add at least one <link>"},
     {"xacro_mass",
      "link 'b' (line 10): error: <mass value=\"${m}\"> is left for xacro to expand: the file does not yet describe a robot; expand it with ROS's xacro: xacro xacro_mass.urdf > expanded.urdf, and name that"},
+    {"zero_inside_robot",
+     "line 14: error: byte 0 is no character; save the file as text in UTF-8"},
     {"zero_axis",
      "joint 'j' (line 17): error: the axis has zero length; give the direction the joint turns about or slides along"},
 };
 
 const Case doubts[] = {
+    {"blank_products",
+     "link 'b' (line 11): warning: <inertia> has a blank ixz, iyz: zero is taken; write the number, 0 if it is none"},
     {"colliding_joints",
      "joint 'hip-yaw' (line 25): warning: the name becomes 'hip_yaw' in C++, as does that of joint 'hip/yaw' (line 20); it is called 'hip-yaw_' here"},
     {"colliding_links",
@@ -271,9 +282,17 @@ const Case doubts[] = {
      "link 'c' (line 14): warning: the inertia is not positive definite (principal moments -3.5e-08, 0.0001, 0.0001 kg m²); that of body 'b', which the link is welded into, is sound: it is used as given; correct <inertia>\n"
      "link 'd' (line 20): warning: the mass is negative (-0.1 kg); that of body 'b', which the link is welded into, is sound: it is used as given; give the link a mass of zero or more\n"
      "link 'e' (line 26): warning: the inertia breaks the triangle inequality by 0.0005 kg m² (principal moments 0.001, 0.001, 0.0025 kg m²); that of body 'b', which the link is welded into, is sound: it is used as given; correct <inertia>"},
+    {"xacro_lost_calls",
+     "robot 'r' (line 20): warning: <xacro:hand> in <robot> calls a macro that the file neither has nor includes, so that xacro cannot expand it: it is ignored; put what it stands for in its place, or remove it\n"
+     "joint 'j' (line 17): warning: <xacro:limits> in <joint> calls a macro that the file neither has nor includes, so that xacro cannot expand it: it is ignored; put what it stands for in its place, or remove it"},
     {"xacro_limit",
      "joint 'j' (line 18): warning: <limit lower=\"${-pi}\"> is not a number: it is not used; expand the file with ROS's xacro\n"
      "joint 'j' (line 18): warning: <limit upper=\"$(arg upper)\"> is not a number: it is not used; expand the file with ROS's xacro"},
+    {"zero_behind_robot",
+     "line 20: warning: a zero byte behind </robot> is ignored; save the file as text"},
+    {"zeros_behind_robot",
+     "line 19: warning: 3 zero bytes behind </robot> are ignored; save the file as text\n"
+     "line 20: warning: the text 'the end' outside of <robot> is ignored; remove it"},
 };
 
 // Read without a word; in place of messages what `info` says then.
