@@ -12,7 +12,7 @@
 #include "passes/build_tree.hpp"
 #include "passes/inertia_check.hpp"
 #include "passes/joints_without_mass.hpp"
-#include "passes/solvable.hpp"
+#include "reference/solvable.hpp"
 
 namespace dalembert {
 
@@ -113,7 +113,7 @@ Model read_model(const Request& request, Diagnostics& warnings) {
   check_size(model.description, model.tree);
   if (!request.for_one_output) {
     passes::check_mass(model.description, model.tree, model.scene);
-    passes::check_solvable(model.description, model.tree, model.scene);
+    reference::check_solvable(model.description, model.tree, model.scene);
     warn_of_idle_keys(model.scene, model.tree, warnings);
   }
   check_form(model.description, model.tree, model.options);

@@ -9,7 +9,7 @@
 #include "commands/generated_engine.hpp"
 #include "commands/generic_engine.hpp"
 #include "passes/joints_without_mass.hpp"
-#include "passes/solvable.hpp"
+#include "reference/solvable.hpp"
 
 namespace dalembert {
 
@@ -31,7 +31,7 @@ std::string evaluate(const Model& model, const std::string& state_file, const st
   const Output wanted = output_named(model, output);
   const ir::Scene scene = with_outputs(model, {wanted}).scene;
   passes::check_mass(model.description, model.tree, scene);
-  passes::check_solvable(model.description, model.tree, scene);
+  reference::check_solvable(model.description, model.tree, scene);
   const std::vector<State> states = read_states(state_file, model.tree, wanted.function.inputs, warnings);
   std::unique_ptr<GeneratedEngine> generated;
   if (engine == Engine::generated) generated = std::make_unique<GeneratedEngine>(model, std::vector{wanted}, options);

@@ -1,0 +1,63 @@
+#include "reference/solvable.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "passes/joints_without_mass.hpp"
+#include "reference/motion_without_mass.hpp"
+
+namespace dalembert::reference {
+
+namespace {
+
+// "base 'pelvis', joints 'hip', 'knee' and 3 more"
+std::string place(const ir::KinematicTree& tree, const MotionWithoutMass& motion) {
+  constexpr size_t most = 5;
+  std::vector<std::string> joints;
+  for (const int k : motion.bodies)
+    if (joints.size() < most) joints.push_back(passes::in_words(tree.bodies[static_cast<size_t>(k)]));
+  std::string text = motion.base ? fmt::format("base '{}'", tree.base_link) : "";
+  if (joints.empty()) return text;
+  text += fmt::format("{}joint{} {}", motion.base ? ", " : "", joints.size() > 1 ? "s" : "", fmt::join(joints, ", "));
+  return motion.bodies.size() > most ? fmt::format("{} and {} more", text, motion.bodies.size() - most) : text;
+}
+
+std::string remedy(const ir::KinematicTree& tree, const MotionWithoutMass& motion) {
+  std::string text =
+      motion.base
+          ? fmt::format("give link '{}' an <inertial> with a mass and an extent, or ask for --base fixed", tree.base_link)
+          : "give the links that move <inertial> with a mass and an extent";
+  if (!motion.bodies.empty())
+    text += motion.bodies.size() > 1 ? "; or lock one of the joints, or give it an armature"
+                                     : "; or lock the joint, or give it an armature";
+  return text;
+}
+
+}  // namespace
+
+void check_solvable(const ir::RobotDescription& robot, const ir::KinematicTree& tree, const ir::Scene& scene) {
+  const std::vector<ir::Quantity> asked = scene.quantities();
+  const auto solved =
+      std::find_if(asked.begin(), asked.end(), [](ir::Quantity q) { return ir::row_of(q).scale == ir::Scale::solved; });
+  if (solved == asked.end()) return;
+  const char* name = ir::row_of(*solved).name;
+  std::vector<std::string> massless;
+  for (const int joint : passes::joints_without_mass(tree, scene))
+    massless.push_back(passes::in_words(tree.bodies[static_cast<size_t>(joint)]));
+  if (!massless.empty())
+    throw InputError({Severity::error, robot.file, fmt::format("joint {}", fmt::join(massless, ", ")),
+                      fmt::format("moves no mass: the mass matrix is singular, and there is no {}", name),
+                      "give the links beyond it <inertial>, the joint an armature, or lock it (massless: lock)"});
+  if (const std::optional<MotionWithoutMass> motion = motion_without_mass(tree, scene))
+    throw InputError({Severity::error, robot.file, place(tree, *motion),
+                      fmt::format("can move without moving any mass, wherever the robot stands: the mass matrix is singular, "
+                                  "and there is no {}",
+                                  name),
+                      remedy(tree, *motion)});
+}
+
+}  // namespace dalembert::reference
