@@ -11,7 +11,8 @@ std::string to_string(const Diagnostic& d) {
   std::string text;
   if (!d.file.empty()) text += d.file + ": ";
   if (!d.element.empty()) text += d.element + ": ";
-  text += fmt::format("{}: {}", d.severity == Severity::error ? "error" : "warning", d.message);
+  const char* names[] = {"notice", "warning", "error"};
+  text += fmt::format("{}: {}", names[static_cast<int>(d.severity)], d.message);
   if (!d.remedy.empty()) text += "; " + d.remedy;
   return text;
 }
@@ -24,7 +25,7 @@ std::vector<std::string> lines(const Diagnostics& diagnostics, bool verbose) {
   std::vector<std::string> lines;
   for (const Diagnostic& d : diagnostics) {
     lines.push_back(to_string(d));
-    if (verbose || d.severity == Severity::error) continue;
+    if (verbose || d.severity != Severity::warning) continue;
     int& alike = count[kind(d)];
     if (alike == 0) lines.pop_back();  // told with the first
     if (alike > 1) lines.back() += fmt::format(" (the first of {} such warnings; --verbose shows all)", alike);

@@ -1,7 +1,7 @@
 // Diagnostics: what went wrong with the user's input, where, and what to do about it.
 //
-// Everything the compiler has to say about its input travels as a value. Warnings are collected and printed by the command;
-// errors are thrown as InputError, which carries every diagnostic found so far, and end the command with exit status 2
+// Everything the compiler has to say about its input travels as a value. Warnings, and notices of what was taken where nobody said,
+// are collected and printed by the command; errors are thrown as InputError, which carries every diagnostic found so far, and end the command with exit status 2
 // before any file is written.
 #pragma once
 
@@ -11,7 +11,7 @@
 
 namespace dalembert {
 
-enum class Severity { warning, error };
+enum class Severity { notice, warning, error };
 
 struct Diagnostic {
   Severity severity = Severity::error;
@@ -28,7 +28,7 @@ std::string to_string(const Diagnostic& diagnostic);
 using Diagnostics = std::vector<Diagnostic>;
 
 // One line each, as they come. Of warnings of one kind in one file only the first, with their number; all of them when
-// `verbose`. Errors are never left out.
+// `verbose`. Errors and notices are never left out.
 std::vector<std::string> lines(const Diagnostics& diagnostics, bool verbose);
 
 // Bad input or usage: exit status 2. Holds at least one diagnostic of severity error (and any warnings met before it).

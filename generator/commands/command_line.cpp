@@ -192,6 +192,8 @@ int run(int argc, const char* const* argv) {
   } catch (const std::exception& error) {
     errors = {{Severity::error, "", "dalembert", error.what(), "this is a defect of dalembert: please report it"}};
   }
+  // What failed has taken nothing for granted.
+  if (!errors.empty()) std::erase_if(warnings, [](const Diagnostic& d) { return d.severity == Severity::notice; });
   print(warnings, verbose);
   print(errors);
   return status;

@@ -48,6 +48,7 @@ class SceneCheck {
     if (scene_.urdf_damping) urdf_values("damping", &ir::Joint::damping);
     if (scene_.urdf_friction) urdf_values("friction", &ir::Joint::friction);
     if (!errors_.empty()) throw InputError(errors_);
+    say_what_base_is_taken();
     warn_of_mimic();
     warn_of_losses("damping", scene_.urdf_damping, scene_.damping, &ir::Joint::damping);
     warn_of_losses("friction", scene_.urdf_friction, scene_.friction, &ir::Joint::friction);
@@ -66,6 +67,18 @@ class SceneCheck {
       error("outputs", "coriolis_matrix is zero when rates_zero is set",
             "remove one of the two; bias then knows no velocities, and may stay");
     }
+  }
+
+  // Others weld a URDF's root to the world (Pinocchio, MuJoCo) or let it float (Drake, DART).
+  void say_what_base_is_taken() {
+    const ir::Link& root = robot_.links[static_cast<size_t>(robot_.root)];
+    if (document_.given.count("base") || robot_.floating_root || root.name == "world") return;
+    const bool floats = scene_.base == ir::Base::floating;
+    warnings_.push_back({Severity::notice, robot_.file, fmt::format("link '{}'", root.name),
+                         fmt::format("neither the scene nor the URDF says whether this base moves: {}",
+                                     floats ? "it floats, for it has an inertia" : "it is fixed, for it has no inertia"),
+                         floats ? "weld it to the world with --base fixed, or say --base floating"
+                                : "let it move with --base floating, or say --base fixed"});
   }
 
   void wrenches() {

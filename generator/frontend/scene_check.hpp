@@ -18,7 +18,8 @@ inline constexpr size_t most_links_asked = 1000;
 inline constexpr size_t most_functions = 100;
 
 // The scene, complete. Throws InputError with every unknown name and contradiction, each with its place and a remedy. Warns
-// about what the URDF says and the scene leaves out: mimic relations, damping, friction.
+// about what the URDF says and the scene leaves out: mimic relations, damping, friction. Where neither the scene nor a joint of
+// the URDF (a floating one, or one on a root `world`) says whether the base moves, a notice says what is taken.
 ir::Scene check_scene(const SceneDocument& document, const ir::RobotDescription& robot, Diagnostics& warnings);
 
 }  // namespace dalembert::frontend

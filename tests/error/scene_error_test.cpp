@@ -1,6 +1,7 @@
 // One scene per defect, each with what the user reads about it, word for word; and the same on the command line.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 
 #include "run_dalembert.hpp"
@@ -400,7 +401,10 @@ TEST_P(Scene, IsRefusedWithPlaceAndRemedyAndNothingIsWritten) {
 INSTANTIATE_TEST_SUITE_P(Defects, Scene, testing::ValuesIn(defects),
                          [](const auto& info) { return std::string(info.param.name); });
 
+// With a floating base unless the options say otherwise: where nobody says, that is a notice.
 Outcome info(std::vector<std::string> options) {
+  const auto given = [&](const char* option) { return std::find(options.begin(), options.end(), option) != options.end(); };
+  if (!given("--base") && !given("--scene")) options.insert(options.end(), {"--base", "floating"});
   options.insert(options.begin(), {"info", arm});
   return run_dalembert(options, ERROR_ROBOTS);
 }
@@ -472,7 +476,7 @@ TEST(SceneNames, MayHoldSlashes) {
   for (size_t at = urdf.find(hand); at != urdf.npos; at = urdf.find(hand, at)) urdf.replace(at, hand.size(), "\"fore/pose\"");
   write_text(folder.path() + "/arm.urdf", urdf);
   const auto info = [&](const std::string& frames) {
-    return run_dalembert({"info", "arm.urdf", "--frames", frames}, folder.path());
+    return run_dalembert({"info", "arm.urdf", "--base", "floating", "--frames", frames}, folder.path());
   };
   const Outcome run = info("{fore: [pose], fore/pose: [twist]}");
   EXPECT_EQ(run.status, 0);

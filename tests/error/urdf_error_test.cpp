@@ -37,6 +37,24 @@ std::string expected(const Case& c) {
   return text + "\n";
 }
 
+// What is said of a base that nobody says anything of, and all else.
+struct Said {
+  std::string notices, all_else;
+};
+
+Said said(const std::string& err) {
+  Said said;
+  std::istringstream lines(err);
+  for (std::string line; std::getline(lines, line);)
+    (line.find(": notice: ") == line.npos ? said.all_else : said.notices) += line + "\n";
+  return said;
+}
+
+// Robots of which a joint says whether the base moves: a floating one, or one on the world.
+bool says_of_its_base(const std::string& robot) {
+  return robot.starts_with("floating_root") || robot == "implicit_world" || robot == "coaxial_joints";
+}
+
 // clang-format off
 const Case defects[] = {
     {"axis_between_tags",
@@ -418,14 +436,16 @@ TEST_P(Defect, IsRefusedWithElementAndRemedyAndNothingIsWritten) {
 TEST_P(Doubt, IsWarnedAboutAndTheRobotIsRead) {
   const Outcome run = run_dalembert({"info", std::string(GetParam().robot) + ".urdf"}, ERROR_ROBOTS);
   EXPECT_EQ(run.status, 0);
-  EXPECT_EQ(run.err, expected(GetParam()));
+  EXPECT_EQ(said(run.err).all_else, expected(GetParam()));
+  EXPECT_EQ(said(run.err).notices.empty(), says_of_its_base(GetParam().robot)) << run.err;
   EXPECT_TRUE(run.out.starts_with("robot ")) << run.out;
 }
 
 TEST_P(Sound, IsReadInSilence) {
   const Outcome run = run_dalembert({"info", std::string(GetParam().robot) + ".urdf"}, ERROR_ROBOTS);
   EXPECT_EQ(run.status, 0);
-  EXPECT_EQ(run.err, "");
+  EXPECT_EQ(said(run.err).all_else, "");
+  EXPECT_EQ(said(run.err).notices.empty(), says_of_its_base(GetParam().robot)) << run.err;
   EXPECT_NE(run.out.find(GetParam().messages), std::string::npos) << run.out;
 }
 
@@ -436,11 +456,13 @@ TEST_P(InScene, HasTheOutcomePromised) {
   const Outcome run = run_dalembert(arguments, ERROR_ROBOTS);
   EXPECT_EQ(run.status, use.status);
   std::string messages;
-  std::istringstream lines(run.err);
+  std::istringstream lines(said(run.err).all_else);
   const std::string prefix = std::string(use.robot) + ".urdf: ";
   for (std::string line; std::getline(lines, line);)
     messages += (messages.empty() ? "" : "\n") + (line.starts_with(prefix) ? line.substr(prefix.size()) : line);
   EXPECT_EQ(messages, use.messages);
+  const bool asked = std::find(use.options.begin(), use.options.end(), "--base") != use.options.end();
+  EXPECT_EQ(said(run.err).notices.empty(), asked || use.status != 0 || says_of_its_base(use.robot)) << run.err;
   EXPECT_NE(run.out.find(use.output), std::string::npos) << run.out;
 }
 
@@ -459,9 +481,41 @@ TEST(Urdf, EveryFileIsTested) {
 TEST(Urdf, VerboseTellsEveryWarning) {
   const Outcome run = run_dalembert({"info", "unknown_tag_many_times.urdf", "--verbose"}, ERROR_ROBOTS);
   EXPECT_EQ(run.status, 0);
-  EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 4);
+  const std::string warnings = said(run.err).all_else;
+  EXPECT_EQ(std::count(warnings.begin(), warnings.end(), '\n'), 4);
   for (const char* joint : {"'j'", "'k0'", "'k1'", "'k2'"}) EXPECT_NE(run.err.find(joint), std::string::npos) << run.err;
   EXPECT_EQ(run.err.find("--verbose"), std::string::npos) << run.err;
+}
+
+TEST(Urdf, WhatBaseIsTakenIsSaidWhereNobodySays) {
+  const TemporaryFolder folder;
+  const std::string scene = folder.path() + "/scene.yaml", states = folder.path() + "/states";
+  write_text(scene, "base: floating\n");
+  write_text(states, "0 0 0 0 0 0 1 0  0 0 0 0 0 0 0\n");
+  const std::string floats =
+      "sound.urdf: link 'a': notice: neither the scene nor the URDF says whether this base moves: it floats, for it has an "
+      "inertia; weld it to the world with --base fixed, or say --base floating\n";
+  const std::string fixed =
+      "massless_base.urdf: link 'a': notice: neither the scene nor the URDF says whether this base moves: it is fixed, for it "
+      "has no inertia; let it move with --base floating, or say --base fixed\n";
+  for (const std::vector<std::string>& command : std::vector<std::vector<std::string>>{
+           {"info", "sound.urdf"},
+           {"info", "sound.urdf", "--json"},
+           {"generate", "sound.urdf", "-o", folder.path() + "/out"},
+           {"eval", "sound.urdf", "--state", states, "--output", "bias", "--engine", "generic"}}) {
+    const Outcome silent = run_dalembert(command, ERROR_ROBOTS);
+    EXPECT_EQ(silent.status, 0);
+    EXPECT_EQ(silent.err, floats) << command[0];
+    for (const std::vector<std::string>& saying : {std::vector<std::string>{"--base", "floating"}, {"--scene", scene}}) {
+      std::vector<std::string> arguments = command;
+      arguments.insert(arguments.end(), saying.begin(), saying.end());
+      const Outcome run = run_dalembert(arguments, ERROR_ROBOTS);
+      EXPECT_EQ(run.err, "") << command[0];
+      EXPECT_EQ(run.out, silent.out) << command[0];
+    }
+  }
+  EXPECT_EQ(run_dalembert({"info", "massless_base.urdf"}, ERROR_ROBOTS).err, fixed);
+  EXPECT_EQ(run_dalembert({"info", "massless_base.urdf", "--base", "fixed"}, ERROR_ROBOTS).err, "");
 }
 
 // The text with blanks, line ends and tabs at both ends of every attribute and between its numbers.
@@ -483,7 +537,7 @@ std::string strewn(const std::string& text) {
 std::string code_of(const std::string& urdf, const std::vector<std::string>& options) {
   const TemporaryFolder folder;
   write_text(folder.path() + "/r.urdf", urdf);
-  std::vector<std::string> arguments{"generate", "r.urdf", "-o", "out"};
+  std::vector<std::string> arguments{"generate", "r.urdf", "-o", "out", "--base", "floating"};
   arguments.insert(arguments.end(), options.begin(), options.end());
   const Outcome run = run_dalembert(arguments, folder.path());
   EXPECT_EQ(run.status, 0) << run.err;
