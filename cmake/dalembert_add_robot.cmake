@@ -19,6 +19,8 @@
 #            as well where flags choose a processor newer than the one that builds.
 #   OPTIONS  further options of `dalembert generate`, such as --base fixed --outputs mass_matrix,gravity
 #
+# URDF and SCENE must be there when CMake is run, unless they are made by an add_custom_command() above.
+#
 # Works the same inside this project's own tree and after find_package(dalembert).
 
 include(CheckCXXCompilerFlag)
@@ -49,6 +51,11 @@ function(dalembert_add_robot target)
   foreach(input URDF SCENE)
     if(ARG_${input})
       get_filename_component(file "${ARG_${input}}" ABSOLUTE BASE_DIR "${CMAKE_CURRENT_SOURCE_DIR}")
+      get_source_file_property(is_made "${file}" GENERATED)
+      if(NOT EXISTS "${file}" AND NOT is_made)
+        message(FATAL_ERROR "dalembert_add_robot(${target}): there is no ${input} ${file}; name a file that is there, or one that "
+                            "a command of this folder makes: relative names begin at ${CMAKE_CURRENT_SOURCE_DIR}")
+      endif()
       list(APPEND inputs "${file}")
       set(${input} "${file}")
     endif()

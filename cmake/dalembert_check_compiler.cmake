@@ -2,11 +2,13 @@
 #
 # Warns, once, if the project's compiler with the project's flags and FLAG... is known to compile a copy of constants wrongly:
 # g++ 12.2 for targets with AVX-512, or tuned for them, writes 32 or 64 bytes {a, a, 0, 0} of a constant array as {a, a, a, a}.
-# Generated code has no such copies (tests/matrix); the code around it may. Says nothing when cross-compiling, or where the
-# program cannot run.
+# Generated code has no such copies (tests/matrix); the code around it may. Says nothing when cross-compiling, where the program
+# cannot run, or where the project says that it knows: DALEMBERT_COMPILER_DEFECT_KNOWN=ON.
+option(DALEMBERT_COMPILER_DEFECT_KNOWN "No warning of a compiler that copies constant arrays wrongly" OFF)
+
 function(dalembert_check_compiler)
   string(MAKE_C_IDENTIFIER "DALEMBERT_COPIES_CONSTANTS ${CMAKE_CXX_FLAGS} ${CMAKE_BUILD_TYPE} ${ARGN}" result)
-  if(CMAKE_CROSSCOMPILING)
+  if(CMAKE_CROSSCOMPILING OR DALEMBERT_COMPILER_DEFECT_KNOWN)
     return()
   endif()
   if(NOT DEFINED ${result})
@@ -35,8 +37,9 @@ int main() {
     list(JOIN ARGN " " flags)
     string(STRIP "${CMAKE_CXX_FLAGS} ${flags}" flags)
     message(WARNING
-      "This compiler, ${CMAKE_CXX_COMPILER_ID} ${CMAKE_CXX_COMPILER_VERSION} with '${flags}', compiles copies of constant arrays "
-      "wrongly: of 32 bytes {a, a, 0, 0} it writes {a, a, a, a}. What dalembert generates does not copy constants and is not "
-      "concerned; your own code may be. Add -mstore-max=128 to its flags, or use another version of the compiler.")
+      "The generated code is not affected: it copies no constants. Your own code may be: this compiler, ${CMAKE_CXX_COMPILER_ID} "
+      "${CMAKE_CXX_COMPILER_VERSION} with '${flags}', compiles copies of constant arrays wrongly, and of 32 bytes {a, a, 0, 0} "
+      "writes {a, a, a, a}. Add -mstore-max=128 to its flags, or use another version; -DDALEMBERT_COMPILER_DEFECT_KNOWN=ON says "
+      "that you know, and this warning is gone.")
   endif()
 endfunction()

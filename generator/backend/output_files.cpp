@@ -73,10 +73,21 @@ bool is_ours(const fs::path& path) {
 
 }  // namespace
 
+void check_folder(const std::string& folder) {
+  std::error_code ignored;
+  for (fs::path path = folder; !path.empty(); path = path.parent_path()) {
+    if (fs::is_directory(path, ignored)) return;
+    if (fs::exists(path, ignored))
+      refuse(folder, path == folder ? "this is a file and no folder" : "'" + path.string() + "' is a file and no folder");
+    if (path == path.parent_path()) return;
+  }
+}
+
 void add_files(const std::string& folder, const std::vector<OutputFile>& files) {
-  std::error_code error;
+  check_folder(folder);
+  std::error_code error, ignored;
   fs::create_directories(folder, error);
-  if (!fs::is_directory(folder)) refuse(folder, "the folder cannot be made");
+  if (!fs::is_directory(folder, ignored)) refuse(folder, "the folder cannot be made" + (error ? ": " + error.message() : ""));
   Staged staged;
   for (const OutputFile& file : files)
     if (const fs::path path = fs::path(folder) / file.name; !holds(path, file.text)) staged.add(path, file.text);

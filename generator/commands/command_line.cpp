@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
+#include <dalembert/version.hpp>
 #include <exception>
 #include <functional>
 #include <iterator>
@@ -23,6 +24,12 @@ namespace dalembert {
 namespace {
 
 constexpr int good = 0, check_failed = 1, bad_input = 2;
+
+constexpr const char* first_steps =
+    "begin with one of these, or with 'dalembert --help':\n"
+    "  dalembert info ROBOT.urdf                           the robot as the compiler sees it\n"
+    "  dalembert check ROBOT.urdf                          its code compiled, compared with exact results, and timed\n"
+    "  dalembert generate ROBOT.urdf --base fixed -o DIR   its code, here of an arm that stands on something";
 
 void print(const Diagnostics& diagnostics, bool verbose = false) {
   for (const std::string& line : lines(diagnostics, verbose)) fmt::print(stderr, "{}\n", line);
@@ -151,6 +158,8 @@ void refuse_empty_options(const CLI::App& parser) {
 int parse_and_run(int argc, const char* const* argv, Diagnostics& warnings, bool& verbose) {
   CLI::App app{"A dynamics compiler: URDF in, C++ for that one robot out.", "dalembert"};
   app.require_subcommand(1);
+  app.set_version_flag("--version", fmt::format("dalembert {}, runtime {}", DALEMBERT_VERSION, runtime_version),
+                       "The version of this program, and of the runtime its code needs");
   app.footer("Exit status: 0 good, 1 a check failed, 2 bad input or usage.");
 
   Command generate(app, "generate", "Write a robot's dynamics as C++ files");
@@ -164,6 +173,7 @@ int parse_and_run(int argc, const char* const* argv, Diagnostics& warnings, bool
   add_check(check);
   add_report(report);
 
+  if (argc < 2) throw InputError({Severity::error, "", "command line", "no command is given", first_steps});
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

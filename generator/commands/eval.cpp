@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 
+#include "commands/finite_inputs.hpp"
 #include "commands/generated_engine.hpp"
 #include "commands/generic_engine.hpp"
 #include "passes/joints_without_mass.hpp"
@@ -37,6 +38,7 @@ std::string evaluate(const Model& model, const std::string& state_file, const st
   if (engine == Engine::generated) generated = std::make_unique<GeneratedEngine>(model, std::vector{wanted}, options);
 
   std::string text;
+  const std::string place = state_file == "-" ? "standard input" : state_file;
   for (const State& state : states) {
     Eigen::MatrixXd result;
     if (generated) {
@@ -45,9 +47,10 @@ std::string evaluate(const Model& model, const std::string& state_file, const st
     } else {
       result = evaluate_generic(model, wanted, state);
     }
+    check_finite_inputs(model, wanted, place, state, result.allFinite());
     if (!result.allFinite())
-      warnings.push_back({Severity::warning, state_file == "-" ? "standard input" : state_file, state.place,
-                          fmt::format("{} is not finite at this state", output), "look for nan or huge numbers on that line"});
+      warnings.push_back({Severity::warning, place, state.place, fmt::format("{} is not finite at this state", output),
+                          "look for huge numbers on that line"});
     if (!text.empty()) text += '\n';
     append_rows(text, result);
   }

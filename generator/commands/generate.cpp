@@ -5,6 +5,7 @@
 namespace dalembert {
 
 std::string generate(const Model& model, const std::string& folder) {
+  backend::check_folder(folder);  // before minutes of work
   const std::vector<backend::OutputFile> files = compile(model);
   backend::write_files(folder, files);
   size_t bytes = 0;

@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <iostream>
-#include <iterator>
 #include <optional>
 #include <sstream>
 
@@ -32,9 +30,8 @@ void normalise_quaternion(State& state, const std::string& file, Diagnostics& wa
 
 std::vector<State> read_states(const std::string& path, const ir::KinematicTree& tree, ir::Function function,
                                Diagnostics& warnings) {
-  if (path != "-") return read_states_text(path, frontend::read_text_file(path, "state"), tree, function, warnings);
-  const std::string text(std::istreambuf_iterator<char>(std::cin), {});
-  return read_states_text("standard input", text, tree, function, warnings);
+  return read_states_text(path == "-" ? "standard input" : path, frontend::read_lines(path, "state", most_bytes_of_states),
+                          tree, function, warnings);
 }
 
 std::vector<State> read_states_text(const std::string& file, const std::string& text, const ir::KinematicTree& tree,

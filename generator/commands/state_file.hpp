@@ -19,10 +19,14 @@ struct State {
   Eigen::VectorXd wrenches{};  // six numbers for each of the scene's, where the function takes something besides
 };
 
+// What is read of a file or a pipe: some hundred thousand states of a humanoid.
+inline constexpr size_t most_bytes_of_states = size_t{256} << 20;
+
 // Reads the file, or standard input when its name is "-". '#' begins a comment; blank lines are skipped. "nan" is a number,
-// for inputs that a quantity does not read. Throws InputError for a line with another count of numbers than the function takes,
-// for what is no number, for a quaternion of length zero, and for a file without states. A quaternion is normalised, with a
-// warning when its length is off by more than 1e-6; one that holds NaN is left as it is.
+// for inputs that a quantity does not read (commands/finite_inputs refuses others). Throws InputError for a line with another
+// count of numbers than the function takes, for what is no number, for a quaternion of length zero, for a file without states,
+// and for what is no text or longer than that. A quaternion is normalised, with a warning when its length is off by more than
+// 1e-6; one that holds NaN is left as it is.
 std::vector<State> read_states(const std::string& path, const ir::KinematicTree& tree, ir::Function function,
                                Diagnostics& warnings);
 

@@ -2,6 +2,7 @@
 
 #include <stdlib.h>
 
+#include <cstdlib>
 #include <string>
 #include <system_error>
 
@@ -12,10 +13,14 @@ namespace dalembert {
 namespace fs = std::filesystem;
 
 TemporaryFolder::TemporaryFolder() {
-  std::string pattern = (fs::temp_directory_path() / "dalembert.XXXXXX").string();
-  if (!mkdtemp(pattern.data()))
-    throw InputError(
-        {Severity::error, "", "C++ compiler", "no temporary folder can be made", "set TMPDIR to a folder that can be written"});
+  std::error_code error;
+  std::string pattern = (fs::temp_directory_path(error) / "dalembert.XXXXXX").string();
+  if (error || !mkdtemp(pattern.data())) {
+    const char* asked = std::getenv("TMPDIR");
+    const std::string place = asked ? "TMPDIR=" + std::string(asked) : "temporary folder";
+    throw InputError({Severity::error, "", place, "no folder can be made there for what is compiled",
+                      "set TMPDIR to a folder that can be written"});
+  }
   path_ = pattern;
 }
 

@@ -3,6 +3,7 @@
 #include <sys/wait.h>
 
 #include <cstdlib>
+#include <dalembert/version.hpp>
 #include <filesystem>
 
 #include "run_dalembert.hpp"
@@ -19,7 +20,6 @@ void expect_refused(const Outcome& run, const std::string& message) {
 }
 
 TEST(Usage, BadCommandLinesAreRefused) {
-  expect_refused(run_dalembert({}, "."), "command line: error: A subcommand is required; run 'dalembert --help'");
   expect_refused(run_dalembert({"frobnicate"}, "."), "command line: error: ");
   expect_refused(run_dalembert({"info"}, "."), "command line: error: ROBOT is required");
   expect_refused(run_dalembert({"info", sound, "--bse", "fixed"}, "."), "--bse");
@@ -29,6 +29,20 @@ TEST(Usage, BadCommandLinesAreRefused) {
   expect_refused(run_dalembert({"info", sound, "--name", "a-b"}, "."),
                  "option --name: error: 'a-b' cannot be the name of a C++");
   expect_refused(run_dalembert({"info", sound, "--name", "class"}, "."), "option --name: error: 'class' is a keyword of C++");
+}
+
+TEST(Usage, NoCommandMeetsThreeToBeginWith) {
+  const Outcome run = run_dalembert({}, ".");
+  expect_refused(run, "command line: error: no command is given; begin with one of these, or with 'dalembert --help':\n");
+  for (const char* command : {"info ROBOT.urdf ", "check ROBOT.urdf ", "generate ROBOT.urdf --base fixed -o DIR "})
+    EXPECT_NE(run.err.find(std::string("\n  dalembert ") + command), std::string::npos) << run.err;
+}
+
+TEST(Usage, TheVersionIsAResult) {
+  const Outcome run = run_dalembert({"--version"}, ".");
+  EXPECT_EQ(run.status, 0);
+  EXPECT_EQ(run.err, "");
+  EXPECT_EQ(run.out, "dalembert " DALEMBERT_VERSION ", runtime " + std::to_string(runtime_version) + "\n");
 }
 
 TEST(Usage, EmptyOptionsAreRefused) {
@@ -124,11 +138,43 @@ TEST(States, CommentsAndBlankLinesAreSkippedAndStatesSeparatedByAnEmptyLine) {
   EXPECT_EQ(run.out, "0\n\n0\n");
 }
 
-TEST(States, NotANumberIsReadAndWarnedAboutWhereTheResultDependsOnIt) {
-  const Outcome bias = eval("0 nan\n", {"--base", "fixed"});
-  EXPECT_EQ(bias.status, 0);
-  EXPECT_EQ(bias.out, "nan\n");
-  EXPECT_NE(bias.err.find("standard input: line 1: warning: bias is not finite"), std::string::npos);
+TEST(States, WhatDoesNotEndIsLeftAtOnce) {
+  const auto eval = [](const std::string& state) {
+    return run_dalembert({"eval", sound, "--state", state, "--output", "bias", "--engine", "generic"}, ".");
+  };
+  if (std::filesystem::exists("/dev/zero"))
+    expect_refused(eval("/dev/zero"), "/dev/zero: error: byte 1 is zero: this is no text; name a state file that can be read");
+  expect_refused(eval(dalembert_path()), "is zero: this is no text; name a state file that can be read");
+  // Text without an end.
+  const std::string command =
+      "yes '0 0' | '" + dalembert_path() + "' eval '" + sound + "' --base fixed --state - --output bias --engine generic 2>&1";
+  FILE* pipe = popen(command.c_str(), "r");
+  ASSERT_TRUE(pipe);
+  char said[200] = "";
+  EXPECT_TRUE(std::fgets(said, sizeof said, pipe));
+  EXPECT_EQ(WEXITSTATUS(pclose(pipe)), 2);
+  EXPECT_STREQ(said, "standard input: error: the file is longer than 256 MiB; a state is shorter: name another file\n");
+}
+
+TEST(States, WhatIsNotFiniteIsRefusedWhereTheResultDependsOnIt) {
+  const std::vector<std::string> fixed{"--base", "fixed"};
+  expect_refused(eval("0 1\n0 nan\n", fixed),
+                 "standard input: line 2: error: number 2, v[0], is nan, and bias depends on it; give a finite number");
+  expect_refused(eval("0 -inf\n", fixed), "line 1: error: number 2, v[0], is -inf, and bias depends on it");
+  const std::string pose = "nan nan nan  0 0 0 1  0.5", twist = "  0 0 0 0 0 1";
+  expect_refused(eval(pose + twist + " inf\n"), "line 1: error: number 15, v[6], is inf, and bias depends on it");
+  EXPECT_EQ(eval(pose + twist + " 2\n").status, 0);  // nothing depends on where the base is
+  const std::vector<std::string> two{
+      "eval", ERROR_ROBOTS "/mimic.urdf", "--base", "fixed", "--state", "-", "--engine", "generic", "--output"};
+  const auto of = [&](const char* output, const char* state) {
+    std::vector<std::string> arguments = two;
+    arguments.push_back(output);
+    return run_dalembert(arguments, ".", state);
+  };
+  expect_refused(of("mass_matrix", "0 nan 0 0\n"), "number 2, q[1], is nan, and mass_matrix depends on it");
+  EXPECT_EQ(of("mass_matrix", "0 0 nan inf\n").status, 0);
+  expect_refused(of("inverse_dynamics", "0 0 0 0 0 nan\n"), "number 6, a[1], is nan, and inverse_dynamics depends on it");
+  expect_refused(of("forward_dynamics", "0 0 0 0 inf 0\n"), "number 5, tau[0], is inf, and forward_dynamics depends on it");
   const Outcome gravity = run_dalembert(
       {"eval", sound, "--base", "fixed", "--state", "-", "--output", "gravity", "--engine", "generic"}, ".", "0 nan\n");
   EXPECT_EQ(gravity.status, 0);
@@ -138,7 +184,8 @@ TEST(States, NotANumberIsReadAndWarnedAboutWhereTheResultDependsOnIt) {
 
 TEST(States, QuaternionsAreNormalised) {
   const std::string rest = " 0  0 0 0 0 0 0 0\n";
-  const Outcome unit = eval("0 0 0  0.6 0 0 0.8 " + rest), twice = eval("0 0 0  1.2 0 0 1.6 " + rest);
+  const std::vector<std::string> floating{"--base", "floating"};
+  const Outcome unit = eval("0 0 0  0.6 0 0 0.8 " + rest, floating), twice = eval("0 0 0  1.2 0 0 1.6 " + rest, floating);
   EXPECT_EQ(unit.err, "");
   EXPECT_NE(twice.err.find("line 1: warning: the base's quaternion has length 2; it is normalised"), std::string::npos)
       << twice.err;
@@ -152,11 +199,30 @@ TEST(Compiler, ItsAbsenceHasARemedy) {
   expect_refused(run, "C++ compiler: error: '/no/such/compiler' cannot be run; install g++, or name a C++17 compiler");
 }
 
+TEST(Compiler, AFolderForItsWorkIsNeeded) {
+  for (const char* folder : {"/no/such/folder", "/dev/null"}) {
+    setenv("TMPDIR", folder, 1);
+    const std::string command = "'" + dalembert_path() + "' eval '" + sound + "' --base fixed --state - --output bias 2>&1";
+    FILE* pipe = popen(("echo 0 0 | " + command).c_str(), "r");
+    unsetenv("TMPDIR");
+    ASSERT_TRUE(pipe);
+    char said[300] = "";
+    EXPECT_TRUE(std::fgets(said, sizeof said, pipe));
+    EXPECT_EQ(WEXITSTATUS(pclose(pipe)), 2);
+    EXPECT_EQ(said,
+              "TMPDIR=" + std::string(folder) +
+                  ": error: no folder can be made there for what is compiled; set TMPDIR to a folder that can be written\n");
+  }
+}
+
 TEST(Output, AFileInTheWayIsRefused) {
   const TemporaryFolder folder;
   write_text(folder.path() + "/out", "mine");
   expect_refused(run_dalembert({"generate", sound, "-o", "out"}, folder.path()),
-                 "out: error: the folder cannot be made; name a folder");
+                 "out: error: this is a file and no folder; name a folder that can be written with -o");
+  expect_refused(run_dalembert({"generate", sound, "-o", "out/arm/code"}, folder.path()),
+                 "out/arm/code: error: 'out' is a file and no folder; name a folder that can be written with -o");
+  expect_refused(run_dalembert({"report", sound, "-o", "out"}, folder.path()), "out: error: this is a file and no folder");
   EXPECT_EQ(text_of(folder.path() + "/out"), "mine");
 }
 

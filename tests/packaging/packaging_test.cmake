@@ -56,6 +56,23 @@ dalembert_add_robot(arm URDF arm.urdf SCENE ${empty} NAME arm)
   endif()
 endforeach()
 
+# A robot that is not there is missed before anything is built, one that is made while building is not.
+file(WRITE "${WORK}/missing/CMakeLists.txt" [[
+cmake_minimum_required(VERSION 3.25)
+project(missing LANGUAGES CXX)
+find_package(dalembert REQUIRED)
+add_custom_command(OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/made.urdf COMMAND xacro made.xacro -o made.urdf)
+dalembert_add_robot(made URDF ${CMAKE_CURRENT_BINARY_DIR}/made.urdf)
+dalembert_add_robot(gripper URDF robots/gripper.urdf)
+]])
+run("configure with a robot that is not there" ${CMAKE_COMMAND} -S "${WORK}/missing" -B "${WORK}/missing/build" -G "${GENERATOR}"
+    "-DCMAKE_PREFIX_PATH=${WORK}/prefix")
+string(REGEX REPLACE "[ \n]+" " " output "${output}")
+if(result EQUAL 0 OR output MATCHES "robot\\(made\\)" OR
+   NOT output MATCHES "dalembert_add_robot\\(gripper\\): there is no URDF ${WORK}/missing/robots/gripper.urdf;")
+  message(FATAL_ERROR "a URDF that is not there should be refused by name")
+endif()
+
 run_well("build again" ${CMAKE_COMMAND} --build "${WORK}/build")
 if(output MATCHES "Generating|Building")
   message(FATAL_ERROR "nothing changed, and yet something was built again")
