@@ -25,7 +25,7 @@ constexpr Help scene_help[] = {
     {"functions", "NAME=A,B,...", "further functions, each of these quantities, in one call that shares what they share"},
     {"coriolis", "balance|christoffel", "which C, of those with dM/dt = C + C': of dynamical balance (default) or Christoffel"},
     {"forward_dynamics", "articulated_bodies|factorization",
-     "how equations with M are solved: by articulated bodies (default), or by M's factors"},
+     "how equations with M are solved; default: whichever is estimated to be faster"},
     {"locked", "JOINT=VALUE,...", "joints held at a value (rad or m)"},
     {"cut", "LINK,...", "links removed with everything beyond them"},
     {"mimic", "urdf|{JOINT: {of: JOINT, multiplier: 1, offset: 0}}", "joints driven by another"},
