@@ -4,9 +4,10 @@
 #include "dynamics.hpp"
 
 #include <dalembert/sincos.hpp>
+#include <dalembert/straight_line.hpp>
 namespace arm {
 
-void evaluate(const Scalar* __restrict q, const Scalar* __restrict v, Workspace& __restrict workspace) noexcept {
+DALEMBERT_STRAIGHT_LINE void evaluate(const Scalar* __restrict q, const Scalar* __restrict v, Workspace& __restrict workspace) noexcept {
   // Sines and cosines of all angles together.
   static constexpr int angle_at[] = {1, 2, 3, 4, 5, 6, 0, 0};
   constexpr int angles = 7;

@@ -35,9 +35,10 @@
 
 #include <Eigen/Core>
 
+#include <dalembert/arguments.hpp>
 #include <dalembert/version.hpp>
 
-static_assert(dalembert::runtime_version == 3, "arm was generated for another runtime: generate it again");
+static_assert(dalembert::runtime_version == 4, "arm was generated for another runtime: generate it again");
 
 namespace arm {
 
@@ -48,10 +49,13 @@ inline constexpr int nv = 7;  // joint rates
 inline constexpr int joints = 7;
 inline constexpr int bodies = 7;
 
-// Place of each joint among the joint coordinates: position q[nq - joints + i], rate v[nv - joints + i].
+// Joints, numbered as in joint_names. In q and v they stand behind a floating base's coordinates: a joint's position is
+// q[q_index(joint)], its rate v[v_index(joint)].
 enum class Joint : int {
   link_01_joint, link_02_joint, link_03_joint, link_04_joint, link_05_joint, link_06_joint, link_07_joint
 };
+constexpr int q_index(Joint joint) noexcept { return nq - joints + static_cast<int>(joint); }
+constexpr int v_index(Joint joint) noexcept { return nv - joints + static_cast<int>(joint); }
 
 inline constexpr const char* joint_names[] = {
     "link_01_joint", "link_02_joint", "link_03_joint", "link_04_joint", "link_05_joint", "link_06_joint",
@@ -84,8 +88,13 @@ inline constexpr const char* body_names[] = {
 //   link_06                          link_05                          m, h_z, S_zz
 //   link_07                          link_06                          m, h_z, S_zz
 
-using VectorQ = Eigen::Matrix<Scalar, nq, 1>;
-using VectorV = Eigen::Matrix<Scalar, nv, 1>;
+// Positions; and velocities, accelerations or forces. Each is an Eigen::Matrix<Scalar, n, 1>, but neither is taken for the other.
+using VectorQ = dalembert::VectorQ<Scalar, nq>;
+using VectorV = dalembert::VectorV<Scalar, nv>;
+
+// A result as a matrix that looks into the workspace.
+template <int rows, int columns>
+using Result = Eigen::Map<const Eigen::Matrix<Scalar, rows, columns>, Eigen::Aligned64>;
 
 // A rigid body welded to a link, given at run time.
 struct Payload {
@@ -105,27 +114,27 @@ struct Workspace {
   Payload payload_link_07;  // carried by link link_07: set it as you need
 };
 
+// Functions take pointers, or Eigen's vectors and expressions (dalembert/arguments.hpp). Of these a wrong type or length does not
+// compile; where a length is known at run time only, the function returns whether it is right, and computes nothing where it is not.
+
 // Computes mass_matrix, gravity, bias, jacobian_link_07.
 // q: nq positions, v: nv velocities, as laid out above. Reads nothing else than the workspace's run-time
 // inputs; does not allocate, lock, throw or call the system. Two calls with equal arguments give equal bits.
 void evaluate(const Scalar* q, const Scalar* v, Workspace& workspace) noexcept;
 
-inline void evaluate(const VectorQ& q, const VectorV& v, Workspace& workspace) noexcept {
-  evaluate(q.data(), v.data(), workspace);
+template <class Q = VectorQ, class V = VectorV>
+dalembert::Checked<void, Q, V> evaluate(const Q& q, const V& v, Workspace& workspace) noexcept {
+  return dalembert::call<VectorQ, VectorV>([&](auto... numbers) { evaluate(numbers..., workspace); }, q, v);
 }
 
-// The results as Eigen matrices that look into the workspace.
-inline auto mass_matrix(const Workspace& workspace) {
-  return Eigen::Map<const Eigen::Matrix<Scalar, 7, 7>, Eigen::Aligned64>(workspace.mass_matrix);
-}
-inline auto gravity(const Workspace& workspace) {
-  return Eigen::Map<const Eigen::Matrix<Scalar, 7, 1>, Eigen::Aligned64>(workspace.gravity);
-}
-inline auto bias(const Workspace& workspace) {
-  return Eigen::Map<const Eigen::Matrix<Scalar, 7, 1>, Eigen::Aligned64>(workspace.bias);
-}
-inline auto jacobian_link_07(const Workspace& workspace) {
-  return Eigen::Map<const Eigen::Matrix<Scalar, 6, 7>, Eigen::Aligned64>(workspace.jacobian_link_07);
-}
+// The results. They look into the workspace: it must live as long as they do, which one made on the spot does not.
+inline Result<7, 7> mass_matrix(const Workspace& workspace) { return Result<7, 7>(workspace.mass_matrix); }
+void mass_matrix(const Workspace&&) = delete;
+inline Result<7, 1> gravity(const Workspace& workspace) { return Result<7, 1>(workspace.gravity); }
+void gravity(const Workspace&&) = delete;
+inline Result<7, 1> bias(const Workspace& workspace) { return Result<7, 1>(workspace.bias); }
+void bias(const Workspace&&) = delete;
+inline Result<6, 7> jacobian_link_07(const Workspace& workspace) { return Result<6, 7>(workspace.jacobian_link_07); }
+void jacobian_link_07(const Workspace&&) = delete;
 
 }  // namespace arm

@@ -36,9 +36,10 @@
 
 #include <Eigen/Core>
 
+#include <dalembert/arguments.hpp>
 #include <dalembert/version.hpp>
 
-static_assert(dalembert::runtime_version == 3, "mahru was generated for another runtime: generate it again");
+static_assert(dalembert::runtime_version == 4, "mahru was generated for another runtime: generate it again");
 
 namespace mahru {
 
@@ -49,13 +50,16 @@ inline constexpr int nv = 31;  // base linear (3) and angular velocity (3) in ba
 inline constexpr int joints = 25;
 inline constexpr int bodies = 26;
 
-// Place of each joint among the joint coordinates: position q[nq - joints + i], rate v[nv - joints + i].
+// Joints, numbered as in joint_names. In q and v they stand behind a floating base's coordinates: a joint's position is
+// q[q_index(joint)], its rate v[v_index(joint)].
 enum class Joint : int {
   left_hip_yaw, left_hip_roll, left_hip_pitch, left_knee, left_ankle_pitch, left_ankle_roll, right_hip_yaw,
   right_hip_roll, right_hip_pitch, right_knee, right_ankle_pitch, right_ankle_roll, waist, left_shoulder_pitch,
   left_shoulder_roll, left_shoulder_yaw, left_elbow, left_wrist_yaw, left_wrist_pitch, right_shoulder_pitch,
   right_shoulder_roll, right_shoulder_yaw, right_elbow, right_wrist_yaw, right_wrist_pitch
 };
+constexpr int q_index(Joint joint) noexcept { return nq - joints + static_cast<int>(joint); }
+constexpr int v_index(Joint joint) noexcept { return nv - joints + static_cast<int>(joint); }
 
 inline constexpr const char* joint_names[] = {
     "left_hip_yaw", "left_hip_roll", "left_hip_pitch", "left_knee", "left_ankle_pitch", "left_ankle_roll",
@@ -133,8 +137,13 @@ inline constexpr const char* body_names[] = {
 //   right_wrist_link                 right_forearm                    m, h_z, S_zz
 //   right_hand                       right_wrist_link                 m, S_zz
 
-using VectorQ = Eigen::Matrix<Scalar, nq, 1>;
-using VectorV = Eigen::Matrix<Scalar, nv, 1>;
+// Positions; and velocities, accelerations or forces. Each is an Eigen::Matrix<Scalar, n, 1>, but neither is taken for the other.
+using VectorQ = dalembert::VectorQ<Scalar, nq>;
+using VectorV = dalembert::VectorV<Scalar, nv>;
+
+// A result as a matrix that looks into the workspace.
+template <int rows, int columns>
+using Result = Eigen::Map<const Eigen::Matrix<Scalar, rows, columns>, Eigen::Aligned64>;
 
 // Room to work in: one value per slot, a slot per body of a limb and lane, and one of the base.
 struct Kept {
@@ -181,28 +190,28 @@ struct Workspace {
   Kept kept;
 };
 
+// Functions take pointers, or Eigen's vectors and expressions (dalembert/arguments.hpp). Of these a wrong type or length does not
+// compile; where a length is known at run time only, the function returns whether it is right, and computes nothing where it is not.
+
 // Computes mass_matrix, coriolis_matrix, gravity, bias.
 // q: nq positions, v: nv velocities, as laid out above. Reads nothing else than the workspace's run-time
 // inputs; does not allocate, lock, throw or call the system. Two calls with equal arguments give equal bits.
 void evaluate(const Scalar* q, const Scalar* v, Workspace& workspace) noexcept;
 
-inline void evaluate(const VectorQ& q, const VectorV& v, Workspace& workspace) noexcept {
-  evaluate(q.data(), v.data(), workspace);
+template <class Q = VectorQ, class V = VectorV>
+dalembert::Checked<void, Q, V> evaluate(const Q& q, const V& v, Workspace& workspace) noexcept {
+  return dalembert::call<VectorQ, VectorV>([&](auto... numbers) { evaluate(numbers..., workspace); }, q, v);
 }
 
-// The results as Eigen matrices that look into the workspace.
-inline auto mass_matrix(const Workspace& workspace) {
-  return Eigen::Map<const Eigen::Matrix<Scalar, 31, 31>, Eigen::Aligned64>(workspace.mass_matrix);
-}
-inline auto coriolis_matrix(const Workspace& workspace) {
-  return Eigen::Map<const Eigen::Matrix<Scalar, 31, 31>, Eigen::Aligned64>(workspace.coriolis_matrix);
-}
-inline auto gravity(const Workspace& workspace) {
-  return Eigen::Map<const Eigen::Matrix<Scalar, 31, 1>, Eigen::Aligned64>(workspace.gravity);
-}
-inline auto bias(const Workspace& workspace) {
-  return Eigen::Map<const Eigen::Matrix<Scalar, 31, 1>, Eigen::Aligned64>(workspace.bias);
-}
+// The results. They look into the workspace: it must live as long as they do, which one made on the spot does not.
+inline Result<31, 31> mass_matrix(const Workspace& workspace) { return Result<31, 31>(workspace.mass_matrix); }
+void mass_matrix(const Workspace&&) = delete;
+inline Result<31, 31> coriolis_matrix(const Workspace& workspace) { return Result<31, 31>(workspace.coriolis_matrix); }
+void coriolis_matrix(const Workspace&&) = delete;
+inline Result<31, 1> gravity(const Workspace& workspace) { return Result<31, 1>(workspace.gravity); }
+void gravity(const Workspace&&) = delete;
+inline Result<31, 1> bias(const Workspace& workspace) { return Result<31, 1>(workspace.bias); }
+void bias(const Workspace&&) = delete;
 
 // What evaluate() is made of, for the task graph.
 namespace stages {

@@ -21,6 +21,11 @@ class TaskGraph {
   // As evaluate(q, v, workspace); waits for the last task. oneTBB allocates its tasks from its own pools.
   void evaluate(const Scalar* q, const Scalar* v);
 
+  template <class Q = VectorQ, class V = VectorV>
+  dalembert::Checked<void, Q, V> evaluate(const Q& q, const V& v) {
+    return dalembert::call<VectorQ, VectorV>([this](auto... numbers) { this->evaluate(numbers...); }, q, v);
+  }
+
  private:
   dalembert::TaskGraph graph_;
   const Scalar* q_ = nullptr;

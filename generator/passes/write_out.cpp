@@ -145,17 +145,18 @@ class Writing {
     program_.names.resize(program_.names.empty() ? 0 : static_cast<std::size_t>(graph_.size()));
   }
 
-  // Arrays between that only steps have read.
+  // Arrays between that only steps have read: they are not stored, nor cleared.
   void drop_unread() {
-    const std::optional<ir::Guard>& guard = algorithm_.guard;
+    std::optional<ir::Guard>& guard = algorithm_.guard;
     for (std::size_t a = 0; a < algorithm_.arrays.size(); ++a) {
       const int index = static_cast<int>(a);
       const bool checked = guard && (index == guard->pivots || index == guard->diagonal);
       algorithm_.arrays[a].written_out = algorithm_.arrays[a].internal && !checked && index != algorithm_.factor;
     }
     program_.arrays = algorithm_.arrays;
-    std::erase_if(program_.elements,
-                  [&](const ir::OutputElement& e) { return program_.arrays[static_cast<std::size_t>(e.array)].written_out; });
+    const auto written_out = [&](int array) { return program_.arrays[static_cast<std::size_t>(array)].written_out; };
+    std::erase_if(program_.elements, [&](const ir::OutputElement& e) { return written_out(e.array); });
+    if (guard) std::erase_if(guard->arrays, written_out);
   }
 
   ir::Algorithm& algorithm_;
