@@ -52,13 +52,15 @@ class ParagraphWriter {
   }
 
   std::string run() const {
-    std::string loop =
-        fmt::format("    using V [[maybe_unused]] = {};\n", target_.type()) + carried_from_outside() + loop_head();
+    std::string step;
     for (const auto& [role, components] : carried_)
-      loop += fmt::format("      V next_{}[{}];\n", name(role), components.size());
-    loop += print(paragraph_.graph, sinks(), style());
-    for (const auto& [role, components] : carried_) loop += fmt::format("      dalembert::carry({0}, next_{0});\n", name(role));
-    loop += "    }\n";
+      step += fmt::format("      V next_{}[{}];\n", name(role), components.size());
+    step += print(paragraph_.graph, sinks(), style());
+    for (const auto& [role, components] : carried_) step += fmt::format("      dalembert::carry({0}, next_{0});\n", name(role));
+    // Of limbs that move no mass there may be nothing to read or write at a slot.
+    if (step.find(" + slot") != step.npos) step = fmt::format("      const int slot = {} + i;\n", segment_.first_slot) + step;
+    std::string loop = fmt::format("    using V [[maybe_unused]] = {};\n", target_.type()) + carried_from_outside() +
+                       loop_head() + step + "    }\n";
     if (in_parts()) loop = part_by_part(loop);
     if (paragraph_.direction == Direction::inwards) loop += handed_on();
     return fmt::format("  // {}\n  {{\n{}  }}\n", fmt::join(paragraph_.equations, "\n  // "), loop);
@@ -110,16 +112,15 @@ class ParagraphWriter {
   std::string variable(int role, int component) const { return fmt::format("{}[{}]", name(role), place(role, component)); }
 
   std::string loop_head() const {
-    const char* line = "    for (int i = {}; i {} {}; i {} {}) {{\n      const int slot = {} + i;\n";
+    const char* line = "    for (int i = {}; i {} {}; i {} {}) {{\n";
     const int last = segment_.slots() - segment_.width;
     switch (paragraph_.direction) {
       case Direction::inwards:
         return fmt::format(fmt::runtime(line), in_parts() ? fmt::format("{} + lane", last) : std::to_string(last), ">=", 0,
-                           "-=", segment_.width, segment_.first_slot);
+                           "-=", segment_.width);
       case Direction::outwards:
-        return fmt::format(fmt::runtime(line), in_parts() ? "lane" : "0", "<", segment_.slots(), "+=", segment_.width,
-                           segment_.first_slot);
-      default: return fmt::format(fmt::runtime(line), 0, "<", segment_.slots(), "+=", target_.width(), segment_.first_slot);
+        return fmt::format(fmt::runtime(line), in_parts() ? "lane" : "0", "<", segment_.slots(), "+=", segment_.width);
+      default: return fmt::format(fmt::runtime(line), 0, "<", segment_.slots(), "+=", target_.width());
     }
   }
 

@@ -189,13 +189,16 @@ function rounding() {
 
 function stability() {
   const all = pick({section: "stability"});
+  const in_words = ["verdict", "violated", "ulp_allowed", "times_allowed", "largest_change"];  // the last are in the words of `violated`
   unique(all.map((r) => r.case)).forEach((name) => {
     const box = d3.select("#stability .cases").append("div").attr("class", "case");
     const here = all.filter((r) => r.case === name);
     box.append("h3").attr("data-row", here[0].index).text(name);
     unique(here.map((r) => r.variant)).forEach((variant) => {
       const line = box.append("p");
-      const measured = here.filter((r) => r.variant === variant && r.metric !== "verdict");
+      const own = here.filter((r) => r.variant === variant);
+      const measured = own.filter((r) => !in_words.includes(r.metric) &&
+        own.find((one) => one.quantity === r.quantity && !in_words.includes(one.metric)) === r);
       line.append("span").attr("data-row", measured[0].index).text(variant);
       line.append("span").text(measured[0].unit === "ulp" ? " " :
         ` (${measured[0].metric.replace(/_/g, " ")}) `);
@@ -204,6 +207,12 @@ function stability() {
         const chip = line.append("span").attr("class", "chip " + verdict.value).attr("data-verdict-row", verdict.index);
         chip.append("span").text(short(row.quantity) + " ");
         figure(chip, row, row.unit === "ulp" ? "ulp" : "");
+      });
+      own.filter((r) => r.metric === "violated").forEach((row) => {
+        const why = box.append("p").attr("class", "violated");
+        why.append("span").attr("data-row", row.index).text(short(row.quantity));
+        why.append("span").text(": ");
+        word(why, row);
       });
     });
   });

@@ -1,5 +1,7 @@
 #include "commands/report/errors.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -30,6 +32,25 @@ Error error_of(const Eigen::MatrixXd& result, const Eigen::MatrixXd& exact, doub
   for (Eigen::Index i = 0; i < exact.size(); ++i)
     if (exact(i) != 0) error.component = std::max(error.component, difference(i) / std::abs(exact(i)));
   return error;
+}
+
+Change change_between(const Eigen::MatrixXd& before, const Eigen::MatrixXd& after, ir::ScalarType scalar) {
+  const auto same = [&](Eigen::Index i) { return before(i) == after(i) || (std::isnan(before(i)) && std::isnan(after(i))); };
+  Change change;
+  Eigen::MatrixXd numbers = before, others = after;
+  for (Eigen::Index i = 0; i < before.size(); ++i) {
+    if (!same(i)) ++change.elements;
+    else numbers(i) = others(i) = std::isfinite(before(i)) ? before(i) : 0;
+  }
+  if (change.elements == 0) return change;
+  change.ulp = numbers.allFinite() ? error_of(others, numbers, 0, scalar).ulp : std::numeric_limits<double>::infinity();
+  return change;
+}
+
+std::string Change::told() const {
+  const std::string who = elements == 1 ? "1 element changes" : fmt::format("{:g} elements change", elements);
+  if (!std::isfinite(ulp)) return who + " from a number to none or back";
+  return fmt::format("{} by up to {:.2g} ulp of the largest", who, ulp);
 }
 
 Spread spread(std::vector<double> values) {

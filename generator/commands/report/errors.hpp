@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <string>
 #include <vector>
 
 #include "ir/scene.hpp"
@@ -17,6 +18,15 @@ struct Error {
 // Of one result, rows × columns. A result that is not finite where the exact one is, is infinitely wrong; where the exact one
 // is not finite either, the error is NaN.
 Error error_of(const Eigen::MatrixXd& result, const Eigen::MatrixXd& exact, double least_scale, ir::ScalarType scalar);
+
+// How two results differ that should be the same bit by bit (but for the sign of zero and for NaN).
+struct Change {
+  double elements = 0;  // that are not the same number
+  double ulp = 0;       // largest difference, in units of the last place of the largest element; infinite: one lost its number
+
+  std::string told() const;  // in words
+};
+Change change_between(const Eigen::MatrixXd& before, const Eigen::MatrixXd& after, ir::ScalarType scalar);
 
 // One number of many, by its rank.
 struct Spread {

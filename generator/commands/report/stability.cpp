@@ -1,5 +1,7 @@
 #include "commands/report/stability.hpp"
 
+#include <fmt/format.h>
+
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
@@ -40,13 +42,6 @@ struct Code {
   State given(const State& state) const { return scalar == ir::ScalarType::float32 ? rounded_to_float(state) : state; }
 };
 
-// Elements that are not the same number, bit by bit but for the sign of zero and for NaN.
-double different(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
-  double count = 0;
-  for (Eigen::Index i = 0; i < a.size(); ++i) count += a(i) != b(i) && !(std::isnan(a(i)) && std::isnan(b(i)));
-  return count;
-}
-
 class Stability {
  public:
   Stability(const Subject& subject, Rows& rows)
@@ -84,7 +79,7 @@ class Stability {
       judged[i].exact = exact_at(*judged[i].model, outputs, given);
     });
     struct Worst {
-      double ulp = 0, over_limit = 0;
+      double ulp = 0, over_limit = 0, limit = 0;
       bool defined = false, reported = false;
     };
     std::vector<Worst> worst(outputs.size());
@@ -103,16 +98,27 @@ class Stability {
         if (!nearest) continue;
         worst[o].defined = true;
         worst[o].ulp = std::max(worst[o].ulp, ulp);
-        if (solves_with_mass(outputs[o].name) && code.engine->status(outputs[o]) >= 0) worst[o].reported = true;
-        else
-          worst[o].over_limit = std::max(worst[o].over_limit, ulp / limit(*nearest->model, outputs[o], code.given(states[s])));
+        if (solves_with_mass(outputs[o].name) && code.engine->status(outputs[o]) >= 0) {
+          worst[o].reported = true;
+          continue;
+        }
+        const double allowed = limit(*nearest->model, outputs[o], code.given(states[s]));
+        if (ulp / allowed < worst[o].over_limit) continue;
+        worst[o].over_limit = ulp / allowed;
+        worst[o].limit = allowed;
       }
     }
     for (size_t o = 0; o < worst.size(); ++o)
       if (worst[o].defined) {
         const char* verdict = verdict_of(worst[o].over_limit);
         judge(name, outputs[o].name, code, "ulp_worst", worst[o].ulp, "ulp",
-              worst[o].reported && verdict == good ? weak : verdict);
+              worst[o].reported && verdict == good ? weak : verdict, [&] {
+                const double allowed = worst[o].limit * weak_over_good, times = worst[o].over_limit / weak_over_good;
+                more(name, outputs[o].name, code, "ulp_allowed", allowed, "ulp");
+                if (!std::isfinite(times)) return std::string("not finite where the exact result is");
+                more(name, outputs[o].name, code, "times_allowed", times, "1");
+                return fmt::format("{:.3g} times as far from the exact result as the {:.3g} ulp that may be", times, allowed);
+              });
       }
   }
 
@@ -148,8 +154,12 @@ class Stability {
     for (size_t o = 0; o < results.size(); ++o) {
       const double change = (results[o] - unit[o]).cwiseAbs().maxCoeff() / unit[o].cwiseAbs().maxCoeff();
       const bool reads = cost_of(outputs()[o].name).reads_base_pose;
+      const Change bits = change_between(unit[o], results[o], code.scalar);
+      const bool finite = results[o].allFinite();
       judge(name, outputs()[o].name, code, "change", std::isnan(change) && !reads ? 0 : change, "1",
-            results[o].allFinite() && (reads || different(results[o], unit[o]) == 0) ? good : bad);
+            finite && (reads || bits.elements == 0) ? good : bad, [&] {
+              return reads ? "not finite" : "does not read the quaternion, yet " + told(name, outputs()[o].name, code, bits);
+            });
     }
   }
 
@@ -167,8 +177,12 @@ class Stability {
       const bool reads = std::find(unread.begin(), unread.end(), last) == unread.end();
       const bool reported = solves_with_mass(outputs()[o].name) && code.engine->status(outputs()[o]) >= 0;
       const double lost = static_cast<double>(reported ? results[o].size() : (!results[o].array().isFinite()).count());
+      const Change bits = change_between(before[o], results[o], code.scalar);
       judge(name, outputs()[o].name, code, "elements_not_finite", lost, "elements",
-            reads ? (lost > 0 ? good : bad) : (different(results[o], before[o]) == 0 ? good : bad));
+            (reads ? lost > 0 : bits.elements == 0) ? good : bad, [&] {
+              return reads ? "reads it, yet every element is finite and its status, if it has one, is good"
+                           : "does not read it, yet " + told(name, outputs()[o].name, code, bits);
+            });
     }
   }
 
@@ -205,19 +219,39 @@ class Stability {
   // Of each state and the other, bit by bit.
   void unchanged(const std::string& name, const std::vector<State>& states, const std::vector<State>& others, const Code& code,
                  const std::vector<Output>& outputs) {
-    std::vector<double> changed(outputs.size(), 0);
+    std::vector<Change> changed(outputs.size());
     for (size_t s = 0; s < states.size(); ++s) {
       const std::vector<Eigen::MatrixXd> here = code.results(outputs, states[s]), there = code.results(outputs, others[s]);
-      for (size_t o = 0; o < changed.size(); ++o) changed[o] += different(here[o], there[o]);
+      for (size_t o = 0; o < changed.size(); ++o) {
+        const Change change = change_between(here[o], there[o], code.scalar);
+        changed[o].elements += change.elements;
+        changed[o].ulp = std::max(changed[o].ulp, change.ulp);
+      }
     }
     for (size_t o = 0; o < changed.size(); ++o)
-      judge(name, outputs[o].name, code, "elements_changed", changed[o], "elements", changed[o] == 0 ? good : bad);
+      judge(name, outputs[o].name, code, "elements_changed", changed[o].elements, "elements",
+            changed[o].elements == 0 ? good : bad, [&] {
+              more(name, outputs[o].name, code, "largest_change", changed[o].ulp, "ulp");
+              return "does not read it, yet " + changed[o].told();
+            });
   }
 
+  // `violated` tells what was, and by how much, where the verdict is bad.
   void judge(const std::string& name, const std::string& output, const Code& code, const char* metric, double value,
-             const char* unit, const char* verdict) {
-    rows_.number("stability", name, output, code.name, metric, value, unit);
+             const char* unit, const char* verdict, const std::function<std::string()>& violated) {
+    more(name, output, code, metric, value, unit);
     rows_.text("stability", name, output, code.name, "verdict", verdict);
+    if (verdict == bad) rows_.text("stability", name, output, code.name, "violated", violated());
+  }
+  void more(const std::string& name, const std::string& output, const Code& code, const char* metric, double value,
+            const char* unit) {
+    rows_.number("stability", name, output, code.name, metric, value, unit);
+  }
+  // The change, which is in the table as well.
+  std::string told(const std::string& name, const std::string& output, const Code& code, const Change& change) {
+    more(name, output, code, "elements_changed", change.elements, "elements");
+    more(name, output, code, "largest_change", change.ulp, "ulp");
+    return change.told();
   }
 
   const Subject& subject_;

@@ -14,7 +14,8 @@ inline constexpr const char* good = "good";
 inline constexpr const char* weak = "weak";
 inline constexpr const char* bad = "bad";
 
-// Rows of section `stability`: per case, output and scalar what was measured, and its verdict. Adds to section `rounding` the
+// Rows of section `stability`: per case, output and scalar what was measured, its verdict and, of what is bad, `violated`: what
+// was, and by how much, in words whose numbers are rows too. Adds to section `rounding` the
 // time of all outputs together.
 void add_stability(const Subject& subject, Rows& rows);
 

@@ -54,8 +54,8 @@ class Verdict {
   std::vector<std::string> failures(const std::string& variant) const {
     std::vector<std::string> list;
     for (const Row& row : rows_)
-      if (row.section == "stability" && row.metric == "verdict" && row.variant == variant && row.value == bad)
-        list.push_back(fmt::format("{} ({})", row.subject, row.quantity));
+      if (row.section == "stability" && row.metric == "violated" && row.variant == variant)
+        list.push_back(fmt::format("{} ({}: {})", row.subject, row.quantity, row.value));
     return list;
   }
 

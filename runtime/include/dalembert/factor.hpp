@@ -89,10 +89,10 @@ DALEMBERT_INLINE void for_constants(const F& f) {
   write_out_constants(std::make_integer_sequence<int, count>{}, f);
 }
 
-// The coordinates above `first`, the nearest first; returns how many there are.
+// The coordinates above `first`, the nearest first, and -1; returns how many there are without that.
 static inline int path_above(const int* above, int first, int* path) noexcept {
   int count = 0;
-  for (int k = above[first]; k >= 0; k = above[k]) path[count++] = k;
+  while ((path[count] = above[count > 0 ? path[count - 1] : first]) >= 0) ++count;
   return count;
 }
 

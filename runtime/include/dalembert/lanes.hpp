@@ -203,7 +203,8 @@ DALEMBERT_INLINE auto twice(const V& x, std::integer_sequence<int, lane...>) {
 template <int n, class T>
 DALEMBERT_INLINE Lanes<T, 2 * n> load_twice(const T* from) {
 #if defined(__AVX512VL__)  // g++ 12 loads, and then shuffles
-  if constexpr (n == 4 && std::is_same_v<T, double>) return _mm512_broadcast_f64x4(_mm256_loadu_pd(from));
+  // With a mask, of all lanes: what has none reads a register that g++ 12's header never sets, and warns of it in users' code.
+  if constexpr (n == 4 && std::is_same_v<T, double>) return _mm512_maskz_broadcast_f64x4(0xff, _mm256_loadu_pd(from));
 #endif
   return detail::twice(load<n, T>(from), std::make_integer_sequence<int, n>{});
 }

@@ -1,9 +1,9 @@
 // Sines and cosines of many angles together.
 //
 // Error at most 2 ulp for |x| ≤ 1e5: reduction by three parts of π/2, then the minimax polynomials of fdlibm, S1…S6 and
-// C1…C6, on ±π/4, in as short a chain as they can be. Where larger angles are among them, all are handed to the standard
-// library one by one: as accurate as that is, slower. With -DDALEMBERT_LIBRARY_SINES all angles always are, to compare with.
-// Infinities and NaN give NaN. Neither allocates nor locks.
+// C1…C6, on ±π/4, in as short a chain as they can be. Larger ones are handed to the standard library one by one: as accurate
+// as that is, slower. With -DDALEMBERT_LIBRARY_SINES all are, to compare with. Infinities and NaN give NaN. What an angle gives
+// does not depend on the others, not by a bit. Neither allocates nor locks.
 #pragma once
 
 #include <cmath>
@@ -61,10 +61,18 @@ constexpr int angle_lanes(int n) {
   return native_lanes < 2 ? 2 : native_lanes > 4 && shuffles_in_registers && n > 8 ? 8 : least(native_lanes, 4);
 }
 
+#ifdef DALEMBERT_LIBRARY_SINES
+inline constexpr double sincos_vector_limit = -1;  // of none
+#else
+inline constexpr double sincos_vector_limit = sincos_fast_limit;
+#endif
+
+// Of those among n angles that are too large to be taken together; what stands of the others' sines and cosines stays.
 template <class T>
 __attribute__((noinline, cold)) static void sincos_large(const T* angle, T* sine, T* cosine, int n) {
   for (int i = 0; i < n; ++i) {
     const double x = static_cast<double>(angle[i]);
+    if (std::abs(x) <= sincos_vector_limit) continue;
     sine[i] = static_cast<T>(std::sin(x));
     cosine[i] = static_cast<T>(std::cos(x));
   }
@@ -85,18 +93,21 @@ DALEMBERT_INLINE void store_for_limbs(T* to, const Lanes<double, w>& x) {
 // Of `count` registers of w angles: the i-th holds read(place(i)) and what follows, and its sines and cosines go there.
 template <int count, int w, class T, class Place, class Read>
 DALEMBERT_BLOCK void sincos_each(const Place& place, const Read& read, T* sine, T* cosine) {
-  const auto by_library = [&]() DALEMBERT_IN_BLOCK {
+  const auto large_by_library = [&]() DALEMBERT_IN_BLOCK {
     T angle[count * w], s[count * w], c[count * w];
-    for (int i = 0; i < count; ++i) store<w, T>(angle + i * w, each_lane<w, T>([&](int j) { return read(place(i) + j); }));
+    for (int i = 0; i < count; ++i) {
+      store<w, T>(angle + i * w, each_lane<w, T>([&](int j) { return read(place(i) + j); }));
+      if constexpr (sincos_vector_limit < 0) continue;
+      store<w, T>(s + i * w, load<w>(sine + place(i)));
+      store<w, T>(c + i * w, load<w>(cosine + place(i)));
+    }
     sincos_large(angle, s, c, count * w);
     for (int i = 0; i < count; ++i) {
       store<w, T>(sine + place(i), load<w>(s + i * w));
       store<w, T>(cosine + place(i), load<w>(c + i * w));
     }
   };
-#ifdef DALEMBERT_LIBRARY_SINES
-  return by_library();
-#endif
+  if constexpr (sincos_vector_limit < 0) return large_by_library();
   using V = Lanes<double, w>;
   V largest{}, smallest{};  // NaN is neither: one that nobody needs changes nothing else
   for (int i = 0; i < count; ++i) {
@@ -111,8 +122,8 @@ DALEMBERT_BLOCK void sincos_each(const Place& place, const Read& read, T* sine, 
   }
   const V size = largest > -smallest ? largest : -smallest;
   bool small = true;
-  for (int j = 0; j < w; ++j) small &= size[j] <= sincos_fast_limit;
-  if (__builtin_expect(!small, 0)) by_library();
+  for (int j = 0; j < w; ++j) small &= size[j] <= sincos_vector_limit;
+  if (__builtin_expect(!small, 0)) large_by_library();
 }
 template <int n, class T, class Read>
 DALEMBERT_BLOCK void sincos_row(const Read& read, T* sine, T* cosine) {
