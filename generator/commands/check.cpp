@@ -8,6 +8,7 @@
 
 #include "commands/generated_engine.hpp"
 #include "commands/generic_engine.hpp"
+#include "commands/machine.hpp"
 #include "commands/random_states.hpp"
 #include "reference/engine.hpp"
 
@@ -108,7 +109,7 @@ CheckReport check(const Model& model, const CompilerOptions& options) {
     for (size_t i = 0; i < outputs.size(); ++i) compare(together, outputs[i], expected[i], "");
     run_self_test(together);
   }
-  report.text += fmt::format("  compiled by {}\n", command);
+  report.text += fmt::format("  compiled by {}\n  timed on {}\n", command, this_machine().text());
   return report;
 }
 

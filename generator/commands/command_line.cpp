@@ -16,6 +16,7 @@
 #include "commands/eval.hpp"
 #include "commands/generate.hpp"
 #include "commands/info.hpp"
+#include "commands/machine.hpp"
 #include "commands/options.hpp"
 #include "commands/report.hpp"
 
@@ -160,6 +161,13 @@ int parse_and_run(int argc, const char* const* argv, Diagnostics& warnings, bool
   app.require_subcommand(1);
   app.set_version_flag("--version", fmt::format("dalembert {}, runtime {}", DALEMBERT_VERSION, runtime_version),
                        "The version of this program, and of the runtime its code needs");
+  app.add_flag_callback(
+      "--machine",
+      [] {
+        const Machine machine = this_machine();
+        throw CLI::CallForVersion(machine.kind + "\n" + machine.details, 0);  // prints it
+      },
+      "What figures measured here say they were measured on, what others need not share in a second line");
   app.footer("Exit status: 0 good, 1 a check failed, 2 bad input or usage.");
 
   Command generate(app, "generate", "Write a robot's dynamics as C++ files");

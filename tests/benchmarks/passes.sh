@@ -9,8 +9,8 @@ urdf=${1:-examples/mahru/mahru.urdf}
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 flags="-std=c++17 -O3 -march=native -Iruntime/include -isystem /usr/include/eigen3"
-cpu=$(grep -m 1 'model name' /proc/cpuinfo | sed 's/.*: //')
-printf '%s, %s, %s, load average %s, %s\n\n' "${cpu:-unknown processor}" "$(date +%F)" "$(${CXX:-g++} --version | head -n 1)" \
+machine=$(build/release/bin/dalembert --machine | head -n 1)
+printf '%s, %s, %s, load average %s, %s\n\n' "$machine" "$(date +%F)" "$(${CXX:-g++} --version | head -n 1)" \
   "$(cut -d ' ' -f 1 /proc/loadavg)" "$(basename "$urdf")"
 echo '| variant | operations | code and constants, bytes | compile, s | ns |'
 echo '|---|---:|---:|---:|---:|'

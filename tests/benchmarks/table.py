@@ -1,9 +1,11 @@
 #!/usr/bin/env python3
-"""Measures everything that docs/performance.md says and writes that page (and README's summary between its markers).
+"""Measures what docs/performance.md says of the machine it runs on, and writes that machine's section of the page.
 
     python3 tests/benchmarks/table.py [--build build/release] [--repetitions 21] [--states 10000] [--robots MAHRU,WAM] [--print]
+                                      [--output docs/performance.md] [--readme]
 
-Run it on an idle machine. It first builds what it measures, so that the commit it names is the one measured. Times are CPU
+Sections of other kinds of machines stay as they are. README's table, which names its machine, is written on the same kind of
+machine, or with --readme. Run it on an idle machine. It first builds what it measures, so that the commit it names is the one measured. Times are CPU
 times of one core; each is the median of the repetitions, which are interleaved at random among all benchmarks of a robot;
 ratios are medians of ratios, repetition by repetition. Nothing is written unless everything succeeded.
 """
@@ -18,22 +20,22 @@ import subprocess
 import sys
 import tempfile
 
+import machine
+import machine_sections
 import measure
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
+PAGE, README = ROOT / "docs/performance.md", ROOT / "README.md"
 WHO = ["dalembert", "mujoco", "dart", "kdl", "generic"]
 
-# What was asked for: our quantity must take at most 1/factor of MuJoCo's time for the other.
-GOALS = [("MAHRU", "M+C", "M", 6), ("MAHRU", "M", "M", 14), ("MAHRU", "bias", "bias", 14),
-         ("Atlas", "M+C", "M", 6), ("Atlas", "M", "M", 14), ("Atlas", "bias", "bias", 14),
-         ("DRC-Hubo", "M+C", "M", 7), ("DRC-Hubo", "M", "M", 12), ("DRC-Hubo", "bias", "bias", 12),
-         ("WAM", "M+C", "M", 3), ("WAM", "M", "M", 8), ("WAM", "bias", "bias", 8),
-         ("MAHRU", "id", "id", 20), ("MAHRU", "fd", "fd", 12), ("Atlas", "id", "id", 20), ("Atlas", "fd", "fd", 12),
-         ("WAM", "id", "id", 10), ("WAM", "fd", "fd", 6)]
-
-# And among ours: the first must take at most the factor times the second's time, on the robots named.
-OWN_GOALS = [("minv", "M", 5), ("did", "M+C", 2.5), ("dfd", "M+C", 8), ("energy", "bias", 0.2), ("energy", "M+C", 0.1)]
-OWN_GOAL_ROBOTS = ["MAHRU", "Atlas"]
+# Ours, and what MuJoCo computes instead.
+BESIDE_MUJOCO = [("MAHRU", "M+C", "M"), ("MAHRU", "M", "M"), ("MAHRU", "bias", "bias"), ("Atlas", "M+C", "M"), ("Atlas", "M", "M"),
+                 ("Atlas", "bias", "bias"), ("DRC-Hubo", "M+C", "M"), ("DRC-Hubo", "M", "M"), ("DRC-Hubo", "bias", "bias"),
+                 ("WAM", "M+C", "M"), ("WAM", "M", "M"), ("WAM", "bias", "bias"), ("MAHRU", "id", "id"), ("MAHRU", "fd", "fd"),
+                 ("Atlas", "id", "id"), ("Atlas", "fd", "fd"), ("WAM", "id", "id"), ("WAM", "fd", "fd")]
+# Among ours: the first's time over the second's.
+BESIDE_OURS = [("minv", "M"), ("did", "M+C"), ("dfd", "M+C")]
+AGAINST_MUJOCO, SIDE_BY_SIDE = "### Against MuJoCo", "## Machines side by side"
 
 
 def output_of(*command, **more):
@@ -47,12 +49,11 @@ def table(header, rows):
 
 
 def provenance(build):
-    cpu = re.search(r"model name\s*:\s*(.*)", pathlib.Path("/proc/cpuinfo").read_text())
     cache = dict(re.findall(r"^(CMAKE_CXX_COMPILER|CMAKE_BUILD_TYPE):\w+=(.*)$", (build / "CMakeCache.txt").read_text(), re.M))
     compiler = output_of(cache["CMAKE_CXX_COMPILER"], "--version").splitlines()[0]
     commit = output_of("git", "-C", ROOT, "rev-parse", "--short=12", "HEAD").strip()
     changed = output_of("git", "-C", ROOT, "status", "--porcelain", "--untracked-files=no", "--", ".", ":!docs", ":!README.md").strip()
-    return (f"{datetime.date.today().isoformat()}, one core of {cpu.group(1) if cpu else 'an unknown processor'}; {compiler}, "
+    return (f"{datetime.date.today().isoformat()}, one core of {machine.text(build / 'bin/dalembert')}; {compiler}, "
             f"generated code with -O3 -march=native; commit {commit}{' with local changes' if changed else ''}; "
             f"load average {os.getloadavg()[0]:.1f} before the measurement (0 on an idle machine).")
 
@@ -61,29 +62,26 @@ def cell(row):
     return f"{measure.duration(measure.median(row['times']))} ± {measure.spread(row['times']):.0%}, {row['relative_error']:.0e}" if row else ""
 
 
-def goal_table(results):
+def mujoco_table(results):
     rows = []
-    for robot, ours, theirs, factor in GOALS:
+    for robot, ours, theirs in BESIDE_MUJOCO:
         a, b = results.get(f"{robot}/{ours}/dalembert"), results.get(f"{robot}/{theirs}/mujoco")
         if a and b:
-            speed = 1 / measure.ratio(a, b)
             rows.append([f"{robot} {ours}", measure.duration(measure.median(a["times"])), f"{a['relative_error']:.0e}",
                          f"{theirs}: {measure.duration(measure.median(b['times']))}", f"{b['relative_error']:.0e}",
-                         f"{speed:.2f}", factor, "yes" if speed >= factor else "no"])
-    return table(["", "ours", "error", "MuJoCo", "error", "times faster", "asked for", "reached"], rows)
+                         f"{1 / measure.ratio(a, b):.2f}"])
+    return table(["", "ours", "error", "MuJoCo", "error", "times faster"], rows)
 
 
 def own_table(results, robots):
     rows = []
     for robot in robots:
-        for quantities, base, factor in OWN_GOALS:
+        for quantities, base in BESIDE_OURS:
             a, b = (results.get(f"{robot['name']}/{q}/dalembert") for q in (quantities, base))
             if a and b:
-                ratio = measure.ratio(a, b)
-                asked = [factor, "yes" if ratio <= factor else "no"] if robot["name"] in OWN_GOAL_ROBOTS else ["", ""]
                 rows.append([f"{robot['name']} {quantities}", measure.duration(measure.median(a["times"])),
-                             f"{base}: {measure.duration(measure.median(b['times']))}", f"{ratio:.2f}", *asked])
-    return table(["", "ours", "ours too", "times as long", "at most", "reached"], rows)
+                             f"{base}: {measure.duration(measure.median(b['times']))}", f"{measure.ratio(a, b):.2f}"])
+    return table(["", "ours", "ours too", "times as long"], rows)
 
 
 def time_tables(results, robots, quantities):
@@ -91,7 +89,7 @@ def time_tables(results, robots, quantities):
     for robot in robots:
         who = [w for w in WHO if any(f"{robot['name']}/{q}/{w}" in results for q in quantities)]
         rows = [[q] + [cell(results.get(f"{robot['name']}/{q}/{w}")) for w in who] for q in quantities]
-        text += f"### {robot['name']}, {robot['base']} base\n\n" + table([""] + who, [r for r in rows if any(r[1:])]) + "\n"
+        text += f"#### {robot['name']}, {robot['base']} base\n\n" + table([""] + who, [r for r in rows if any(r[1:])]) + "\n"
     return text
 
 
@@ -142,27 +140,39 @@ def accuracy_table(build, robots, states):
 
 
 def times(results, robots, quantities):
-    return f"""## Against MuJoCo
+    return f"""{AGAINST_MUJOCO}
 
-Medians of times and of their ratios; largest errors relative to the largest element, against 50 digits. From run to run on a shared
-machine the ratios move by a few per cent, by ten when others keep it busy.
-
-{goal_table(results)}
-## Among ours
+{mujoco_table(results)}
+### Among ours
 
 {own_table(results, robots)}
-## Times
-
-Median ± half the interquartile range of CPU time; then the largest error over 16 states, relative to the largest element, against 50
-digits.
+### Times
 
 {time_tables(results, robots, quantities)}"""
 
 
-def page(build, robots, results, outputs, states, measured_on):
+def section(kind, build, robots, results, outputs, states, measured_on):
+    """What the page says of one machine."""
+    return f"""## {kind}
+
+{measured_on}
+
+{times(results, robots, outputs)}### Code
+
+{code_table(build, robots, results, outputs)}
+### Accuracy
+
+{accuracy_table(build, robots, states)}
+"""
+
+
+def page(all_sections):
+    head, rows = machine_sections.side_by_side(all_sections, AGAINST_MUJOCO, ["ours", "times faster"])
+    below = "".join(machine_sections.section_text(kind, text) for kind, text in all_sections.items())
     return f"""# Performance
 
-Written by `python3 tests/benchmarks/table.py`; do not edit. {measured_on}
+Written by `python3 tests/benchmarks/table.py`, which replaces the section of the kind of machine it runs on and leaves the others; do
+not edit.
 
 All programs compute the same fused robot from the same 64 states in turn: state in, finished dense results out. *id* is inverse
 dynamics, *did* its derivatives by q and by v; *fd* is forward dynamics, *dfd* its derivatives by q, v and τ, the latter being *minv*,
@@ -175,27 +185,34 @@ mj_energyPos, mj_energyVel`. DART and KDL are Debian's builds as well; DART's in
 *generic* is this project's generic engine, which is made to be read, not to be fast. An empty cell: not computed there. No peer
 computes C.
 
-{times(results, robots, outputs)}## Code
+*Against MuJoCo* and *among ours*: medians of times and of their ratios; largest errors relative to the largest element, against 50
+digits. From run to run on a shared machine the ratios move by a few per cent, by ten when others keep it busy. *Times*: median ± half
+the interquartile range of CPU time; then the largest error over 16 states, relative to the largest element, against 50 digits.
+*Code*: processor time of `dalembert generate` and of compiling `dynamics.cpp` (g++ -O3 -march=native), bytes of machine code and of
+constants, scalar operations of the emitted program. *Accuracy*: error in units of the last place of the largest exact element, over
+random states; *over* counts the states beyond 32, *generic max* is the generic engine in double on the same states.
 
-Processor time of `dalembert generate` and of compiling `dynamics.cpp` (g++ -O3 -march=native), bytes of machine code and of
-constants, scalar operations of the emitted program.
+{SIDE_BY_SIDE}
 
-{code_table(build, robots, results, outputs)}
-## Accuracy
+Our time, and how many times faster that is than MuJoCo on the same machine.
 
-Error in units of the last place of the largest exact element, over random states. Asked for: at most 32; *over* counts the states
-beyond that, *generic max* is the generic engine in double on the same states.
-
-{accuracy_table(build, robots, states)}"""
+{table(head, rows)}
+{below}"""
 
 
-def replaced(path, text):
-    """Writes `text` between the markers of README, if it has them."""
+def readme_kind(readme):
+    """The kind of machine that README's table was measured on."""
+    found = re.search(r"<!-- performance -->\nOn (.*?): one core, ", readme)
+    return found[1] if found else None
+
+
+def with_summary(readme, kind, text):
+    """README with the machine's table between its markers."""
+    ours = text[text.index(AGAINST_MUJOCO) + len(AGAINST_MUJOCO):text.index("### Among ours")].strip()
+    date, compiler = re.search(r"^(\d{4}-\d\d-\d\d), one core of .*?; ([^;]*?), generated", text, re.M).groups()
+    summary = f"On {kind}: one core, {compiler}, -O3 -march=native, {date}.\n\n{ours}\n"
     start, end = "<!-- performance -->\n", "<!-- /performance -->"
-    old = path.read_text() if path.exists() else ""
-    if start not in old or end not in old:
-        return None
-    return old[:old.index(start) + len(start)] + text + old[old.index(end):]
+    return readme[:readme.index(start) + len(start)] + summary + readme[readme.index(end):]
 
 
 def main():
@@ -205,8 +222,11 @@ def main():
     parser.add_argument("--states", type=int, default=10000, help="of the accuracy table")
     parser.add_argument("--robots", help="only these, separated by commas")
     parser.add_argument("--print", action="store_true", help="print the tables of times, and write nothing")
-    parser.add_argument("--output", type=pathlib.Path, default=ROOT / "docs/performance.md")
+    parser.add_argument("--output", type=pathlib.Path, default=PAGE)
+    parser.add_argument("--readme", action="store_true", help="README's table is of this machine from now on")
     options = parser.parse_args()
+    if options.robots and not options.print and options.output.resolve() == PAGE:
+        parser.error("a section of some robots does not replace one of all: name another page with --output, or give --print")
     build = options.build.resolve()
 
     print("== Building", flush=True)
@@ -225,12 +245,14 @@ def main():
         print(f"{measured_on}\n\n{times(results, robots, outputs)}", end="")
         return
     print("== Code and accuracy", flush=True)
-    text = page(build, robots, results, outputs, options.states, measured_on)
+    kind, _ = machine.described(build / "bin/dalembert")
+    text = section(kind, build, robots, results, outputs, options.states, measured_on)
+    old = options.output.read_text() if options.output.exists() else ""
     options.output.parent.mkdir(parents=True, exist_ok=True)
-    options.output.write_text(text)
-    readme = replaced(ROOT / "README.md", goal_table(results))
-    if readme and not options.robots:
-        (ROOT / "README.md").write_text(readme)
+    options.output.write_text(page(machine_sections.with_section(old, kind, text)))
+    readme = README.read_text()
+    if options.output.resolve() == PAGE and (options.readme or readme_kind(readme) == kind):
+        README.write_text(with_summary(readme, kind, text))
     print(f"== Wrote {options.output}")
 
 

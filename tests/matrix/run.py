@@ -160,7 +160,8 @@ def main():
     robots = [name for name, path in design.ROBOTS.items() if (ROOT / path).exists()]
     cells = getattr(design, options.slice)(robots)
     verdicts = Matrix(options).run(cells)
-    text = table.written(verdicts)
+    machine = run([options.dalembert, "--machine"])[1].splitlines()[0]
+    text = table.written(verdicts, machine)
     page = options.page or (ROOT / "docs/matrix.md" if options.slice == "whole" else None)
     if page:
         table.insert(pathlib.Path(page), text)

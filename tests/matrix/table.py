@@ -11,13 +11,6 @@ import toolchain
 MARK = re.compile(r"<!-- matrix -->.*<!-- /matrix -->", re.DOTALL)
 
 
-def machine():
-    info = pathlib.Path("/proc/cpuinfo")
-    lines = info.read_text().splitlines() if info.exists() else []
-    model = next((line.split(":")[1].strip() for line in lines if line.startswith("model name")), "unknown processor")
-    return model + (", with AVX-512" if any(" avx512f" in line for line in lines) else ", without AVX-512")
-
-
 def entry(counts):
     """`12 + 3` are 12 right and 3 that were only compiled; wrong ones stand out."""
     parts = [str(counts["right"])] if counts["right"] or not counts["compiled"] else []
@@ -46,7 +39,7 @@ def order(name):
     return known.index(str(name)) if str(name) in known else len(known)
 
 
-def written(verdicts):
+def written(verdicts, machine):
     total = collections.Counter(verdict for verdict, _ in verdicts.values())
     used = sorted({tools[0] for (_, tools), (verdict, _) in verdicts.items() if verdict in ("right", "wrong", "compiled")}, key=order)
     short = {c: c for c in design.COMPILERS} | {design.AARCH64: "aarch64"}
@@ -56,7 +49,7 @@ def written(verdicts):
         f"{len(verdicts)} cells: {total['right']} right, {total['wrong']} wrong, {total['compiled']} compiled and not run, "
         f"{total['absent']} left out for want of the compiler"
         f"{', ' + str(total['not visited']) + ' not visited for want of time' if total['not visited'] else ''}. "
-        f"{machine()}, {datetime.date.today()}, commit {commit}.",
+        f"{machine}, {datetime.date.today()}, commit {commit}.",
         "",
         crossed(verdicts, "", lambda p, t: t[2], lambda p, t: short.get(t[0], t[0])),
         "",

@@ -14,6 +14,7 @@
 #include <string>
 
 #include "code_size.hpp"
+#include "commands/machine.hpp"
 #include "costs.hpp"
 #include "scene_examples.hpp"
 
@@ -47,13 +48,6 @@ double quantile(std::vector<double> values, double at) {
 std::string with_spread(const std::vector<double>& values, const char* format) {
   const double median = quantile(values, 0.5), spread = (quantile(values, 0.75) - quantile(values, 0.25)) / median;
   return fmt::format("{} ± {:.0f}%", fmt::format(fmt::runtime(format), median), 100 * spread);
-}
-
-std::string machine() {
-  std::ifstream info("/proc/cpuinfo");
-  for (std::string line; std::getline(info, line);)
-    if (line.starts_with("model name")) return line.substr(line.find(": ") + 2);
-  return "unknown processor";
 }
 
 std::string today() {
@@ -102,7 +96,7 @@ std::string page() {
       "random states, relative to the result's largest element.\n\n"
       "| Scene | nv | Operations before | here | Time, ns | Code, bytes | Workspace, bytes | Error |\n"
       "|---|---|---|---|---|---|---|---|\n",
-      today(), machine(), load[0], COMPILER, rounds);
+      today(), this_machine().text(), load[0], COMPILER, rounds);
   for (const Example& e : examples()) {
     const std::vector<OperationCost> before = costs_before(e.model);
     const benchmarks::CodeSize size = benchmarks::code_size(e.archive);

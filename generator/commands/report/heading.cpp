@@ -5,23 +5,14 @@
 
 #include <algorithm>
 #include <ctime>
-#include <fstream>
 #include <string>
 #include <thread>
 
+#include "commands/machine.hpp"
 #include "reference/trajectory.hpp"
 
 namespace dalembert::reporting {
 namespace {
-
-// As the kernel calls it.
-std::string processor() {
-  std::ifstream file("/proc/cpuinfo");
-  for (std::string line; std::getline(file, line);)
-    if (line.starts_with("model name"))
-      if (const size_t colon = line.find(": "); colon != line.npos) return line.substr(colon + 2);
-  return "unknown";
-}
 
 bool any_output(const Subject& subject) {
   return std::any_of(subject.outputs.begin(), subject.outputs.end(),
@@ -67,7 +58,7 @@ void add_heading(const Subject& subject, Rows& rows) {
   text("command", subject.model.command_line);
   text("flags", subject.compiler.flags);
   text("mode", subject.quick ? "quick" : "full");
-  text("processor", processor());
+  text("processor", this_machine().text());
   number("cores", std::thread::hardware_concurrency(), "cores");
   text("date", fmt::format("{:%Y-%m-%d}", fmt::gmtime(std::time(nullptr))));
   text("compared_with", compared_with(subject));
