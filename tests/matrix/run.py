@@ -25,6 +25,8 @@ import table
 import toolchain
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
+# Of the code under test: users read no warnings either. Eigen is a system header, as it is to them.
+WARNINGS = ["-Wall", "-Wextra", "-Wpedantic", "-Wshadow", "-Werror"]
 MAIN = """
 #include <cstdio>
 #include "robot/self_test.hpp"
@@ -100,13 +102,13 @@ class Matrix:
             return "absent", ""
         host = design.AARCH64 if target == "aarch64" else "g++"
         code, test = self.program(program, host)
-        key = json.dumps([cell, toolchain.version(compiler), digest(code)])
+        key = json.dumps([cell, toolchain.version(compiler), digest(code), WARNINGS])
         if key in self.results:
             return self.results[key]
         name = hashlib.sha256(key.encode()).hexdigest()[:16]
         made, binary = self.work / f"{name}.o", self.work / name
-        status, text = run([compiler, level, *toolchain.flags(target), f"-DDALEMBERT_LANES={lanes}", *self.include, "-c", code,
-                            "-o", made])
+        status, text = run([compiler, level, *WARNINGS, *toolchain.flags(target), f"-DDALEMBERT_LANES={lanes}", *self.include,
+                            "-c", code, "-o", made])
         result = ("wrong", "does not compile: " + text[-400:]) if status != 0 else ("compiled", "")
         launch = toolchain.runner(compiler, target)
         if status == 0 and launch is not None:

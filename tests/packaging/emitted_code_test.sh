@@ -1,8 +1,8 @@
 #!/bin/sh
 # sh emitted_code_test.sh DALEMBERT PROJECT EIGEN WORK COMPILER [FLAG...]
 #
-# Generates three robots that between them use every form of emitted code, and compiles each emitted file with COMPILER FLAG...
-# and warnings as errors. Without a FLAG also what must not compile: wrong_uses.cpp. Exit status: 0 good, 1 a file does not compile
+# Generates four robots that between them use every form of emitted code, and compiles each emitted file with COMPILER FLAG...
+# and warnings as errors, Eigen being a system header as it is to users. Without a FLAG also what must not compile: wrong_uses.cpp. Exit status: 0 good, 1 a file does not compile
 # or shares functions, or compiles and should not, 77 this machine cannot tell.
 set -eu
 dalembert=$1 project=$2 eigen=$3 work=$4 compiler=$5
@@ -26,13 +26,18 @@ rm -rf "$work"
 mkdir -p "$work/headers"
 generate_robot() {
   robot=$1
+  urdf=$project/tests/robots/$robot.urdf
+  [ -e "$urdf" ] || urdf=$project/tests/packaging/$robot.urdf
   shift
-  "$dalembert" generate "$project/tests/robots/$robot.urdf" --name "$robot" -o "$work/$robot" "$@"
+  "$dalembert" generate "$urdf" --name "$robot" -o "$work/$robot" "$@"
 }
 generate_robot quadruped --base floating --form rolled --parallel tasks \
-  --outputs mass_matrix,coriolis_matrix,gravity,bias,mass_matrix_factor,forward_dynamics
+  --outputs mass_matrix,coriolis_matrix,gravity,bias,mass_matrix_factor,forward_dynamics,inverse_mass_matrix
 generate_robot prismatic_mix --base fixed --form straight --parallel serial
 generate_robot hand --base fixed --form rolled --scalar float --parallel serial
+# Loops over limbs that have nothing to read or to write.
+generate_robot massless_fingers --base fixed --form rolled --parallel serial \
+  --outputs kinetic_energy,center_of_mass,momentum_matrix,inverse_dynamics_dq
 
 # oneTBB's headers are the same for every target; a cross compiler must see them without the rest of /usr/include.
 for folder in oneapi tbb; do

@@ -31,6 +31,36 @@ TEST(ReportVerdict, FallsOnWhatATaskGraphChanges) {
   }
 }
 
+TEST(ReportVerdict, SaysWhatGoesBadlyByWhatWasViolated) {
+  Rows rows;
+  rows.number("stability", "base at 1e12 m", "gravity", "generated double", "elements_changed", 3, "elements");
+  rows.text("stability", "base at 1e12 m", "gravity", "generated double", "verdict", "bad");
+  rows.text("stability", "base at 1e12 m", "gravity", "generated double", "violated",
+            "does not read it, yet 3 elements change");
+  EXPECT_FALSE(add_verdict(rows));
+  EXPECT_NE(rows.csv().find("Goes badly in double: base at 1e12 m (gravity: does not read it, yet 3 elements change)."),
+            std::string::npos)
+      << rows.csv();
+}
+
+TEST(ReportErrors, ChangesAreCountedByTheBitAndMeasuredInTheLastPlaceOfTheLargest) {
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  Eigen::MatrixXd before(2, 2), after(2, 2);
+  before << 1, 0, 0.25, nan;
+  after << 1, -0.0, 0.25, nan;
+  EXPECT_EQ(change_between(before, after, ir::ScalarType::float64).elements, 0);
+  after(1, 0) = 0.25 + 0x1p-51;
+  const Change one = change_between(before, after, ir::ScalarType::float64);
+  EXPECT_EQ(one.elements, 1);
+  EXPECT_EQ(one.ulp, 2);
+  EXPECT_EQ(one.told(), "1 element changes by up to 2 ulp of the largest");
+  after(0, 0) = 1 + 0x1p-22;
+  const Change two = change_between(before, after, ir::ScalarType::float32);
+  EXPECT_EQ(two.told(), "2 elements change by up to 2 ulp of the largest");
+  after(0, 1) = nan;
+  EXPECT_EQ(change_between(before, after, ir::ScalarType::float64).told(), "3 elements change from a number to none or back");
+}
+
 TEST(ReportErrors, AreRelativeToTheLargestElementToItsLastPlaceAndToEachElement) {
   Eigen::MatrixXd exact(2, 2), result(2, 2);
   exact << 1, 0, 0x1p-10, -0.5;

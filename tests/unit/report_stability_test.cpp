@@ -19,10 +19,10 @@ const CompilerOptions compiler{.compiler = "", .flags = "-std=c++17 -O0 " PRECOM
 // By quantity: the metrics of one case in double.
 using Case = std::map<std::string, std::map<std::string, std::string>>;
 
-std::vector<Row> stability_of(const Model& model) {
-  const Mujoco mujoco(model, compiler);
+std::vector<Row> stability_of(const Model& model, const CompilerOptions& options = compiler) {
+  const Mujoco mujoco(model, options);
   Rows rows;
-  add_stability({model, outputs_of(model), compiler, true, mujoco}, rows);
+  add_stability({model, outputs_of(model), options, true, mujoco}, rows);
   return rows.all();
 }
 
@@ -81,6 +81,20 @@ TEST(ReportStability, FarAwayMeasuresWhatReadsTheBasesPositionAndComparesTheRest
 }
 
 constexpr const char* driven = "{link_2_joint: {of: link_1_joint, multiplier: -0.7, offset: 0.1}}";
+
+// A compiler that rounds every constant to a float makes code in double bad, by a known measure.
+TEST(ReportStability, WhatIsBadSaysWhatWasViolatedAndByHowMuch) {
+  const Model model = read_robot("double_pendulum", {{"outputs", "gravity"}});
+  const std::vector<Row> rows = stability_of(model, {.compiler = "", .flags = "-std=c++17 -O0 -fsingle-precision-constant"});
+  const Case far = case_of(rows, "random states", "generated double");
+  const auto& gravity = far.at("gravity");
+  ASSERT_EQ(gravity.at("verdict"), bad);
+  EXPECT_EQ(gravity.at("ulp_allowed"), "4096");
+  EXPECT_NEAR(std::stod(gravity.at("times_allowed")), std::stod(gravity.at("ulp_worst")) / 4096,
+              1e-9 * std::stod(gravity.at("times_allowed")));
+  EXPECT_NE(gravity.at("violated").find("times as far from the exact result as the 4096 ulp that may be"), std::string::npos)
+      << gravity.at("violated");
+}
 
 TEST(ReportStability, RoundedAnglesAreThoseThatTheScalarHolds) {
   const Model model = read_robot("skew_axes", {{"base", "fixed"}, {"mimic", driven}});

@@ -117,7 +117,7 @@ class Stability {
                 more(name, outputs[o].name, code, "ulp_allowed", allowed, "ulp");
                 if (!std::isfinite(times)) return std::string("not finite where the exact result is");
                 more(name, outputs[o].name, code, "times_allowed", times, "1");
-                return fmt::format("{:.3g} times as far from the exact result as the {:.3g} ulp that may be", times, allowed);
+                return fmt::format("{:.3g} times as far from the exact result as the {:g} ulp that may be", times, allowed);
               });
       }
   }
