@@ -261,6 +261,20 @@ def must_find(page, rows, spoil, what):
     raise Wrong(f"the test does not see that {what}")
 
 
+def shows_what_was_violated(page, rows):
+    """Below the case that goes badly; none does, so rows of one are put at the table's end."""
+    words = "does not read it, yet 3 elements change"
+    case = ["stability", "base at 1e12 m", "gravity", "generated double"]
+    more = [[*case, "largest_change", "2", "ulp"], [*case, "violated", words, ""]]
+    end = re.search(r'(?m)^const report_csv = ".*(?=";$)', page).end()
+    bad = page[:end] + "".join(json.dumps(",".join(f'"{v}"' for v in row) + "\n")[1:-1] for row in more) + page[end:]
+    rows = rows + [dict(zip(columns, row)) for row in more]
+    seen = look(bad, 360, "light")
+    check_page(bad, rows, seen)
+    demand(any(word["text"] == words and int(word["row"]) == len(rows) - 1 for word in seen["words"]),
+           "the page does not say what was violated")
+
+
 def interrupt():
     """An interrupted run leaves what was there."""
     before = {path.name: path.read_bytes() for path in (work / "out").iterdir()}
@@ -296,6 +310,7 @@ def main():
     must_find(page, rows, lambda p: p.replace("translate(${px},", "translate(${px + 9},"), "points stand elsewhere")
     must_find(page, rows, lambda p: p.replace("main { max-width", "main { min-width: 500px; max-width"), "the page is too wide")
     must_find(page, rows, lambda p: p.replace('"chip " + verdict.value', '"chip weak"'), "a verdict is another")
+    shows_what_was_violated(page, rows)
     interrupt()
     without_others()
     stiff_series()

@@ -1,0 +1,58 @@
+"""The page of figures has a section per kind of machine, and a run replaces its own alone.
+
+usage: machine_sections_test.py PROJECT DALEMBERT
+"""
+import pathlib
+import re
+import sys
+
+project, dalembert = pathlib.Path(sys.argv[1]), sys.argv[2]
+sys.path.insert(0, str(project / "tests/benchmarks"))
+import machine  # noqa: E402
+import machine_sections  # noqa: E402
+import table  # noqa: E402
+
+
+def demand(good, what):
+    if not good:
+        sys.exit(f"machine_sections_test: {what}")
+
+
+def section(kind, time):
+    return (f"## {kind}\n\n2026-01-02, one core of {kind} (2 cores; 3.0 GHz); c++ 12.2.0, generated code with -O3; load\n\n"
+            f"{table.AGAINST_MUJOCO}\n\n" + table.table(["", "ours", "error", "MuJoCo", "error", "times faster"],
+                                                        [["WAM M", time, "1e-16", "M: 9 ns", "2e-16", "3.00"]]) +
+            "\n### Among ours\n\nnothing\n\n")
+
+
+def with_run(page, kind, time):
+    return table.page(machine_sections.with_section(page, kind, section(kind, time)))
+
+
+old, new = "A chip, Zen 5; L1d 48 kB; AVX-512", "A chip, Zen 3; L1d 32 kB; AVX2"
+page = with_run(with_run("", old, "1 ns"), new, "2 ns")
+found = machine_sections.sections(page)
+demand(list(found) == [old, new], f"the sections are {list(found)}")
+again = with_run(page, new, "7 ns")
+demand(machine_sections.sections(again)[old] == found[old], "another machine's section is not what it was")
+demand("| WAM M | 1 ns | 3.00 | 7 ns | 3.00 |" in again and "2 ns" not in again, "the new figures do not take the old ones' place")
+demand(list(machine_sections.sections(again)) == [old, new], "the order is another")
+demand("A chip, Zen 5: ours | A chip, Zen 5: times faster | A chip, Zen 3: ours" in again, "the columns do not name their machines")
+
+# The pages there are: what a run on another machine would leave of them, and what README says it shows.
+page, readme = table.PAGE.read_text(), table.README.read_text()
+there = machine_sections.sections(page)
+demand(there and table.page(there) == page, "docs/performance.md is not as table.py writes it: python3 tests/benchmarks/table.py")
+after = with_run(page, "no machine; there is none", "1 ns")
+demand(all(machine_sections.sections(after)[kind] == text for kind, text in there.items()), "a run elsewhere changes a section")
+kind = table.readme_kind(readme)
+demand(kind in there, f"README's table is of '{kind}', of which docs/performance.md has no section")
+demand(table.with_summary(readme, kind, there[kind]) == readme, "README's table is not that of its machine in docs/performance.md")
+for text in (page, readme):
+    demand(not re.search(r"asked for \||reached \||at most \|", text), "a table has targets")
+for kind in there:
+    demand(re.search(r"; L1d \d+ kB", kind) and re.search(r"AVX|SSE|NEON|SVE", kind), f"'{kind}' does not tell machines apart")
+
+kind, details = machine.described(dalembert)
+demand(machine.text(dalembert) == f"{kind} ({details})" and kind and details, "the machine has no name")
+print(f"{', '.join(there)}; this is {kind} ({details})")
