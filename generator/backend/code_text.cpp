@@ -159,7 +159,8 @@ std::string status_statement(const CodeInput& code, const std::string& check) {
   for (const int array : {told_by.factor, told_by.gain, told_by.joint, guard.pivots, guard.diagonal})
     if (array >= 0) read += fmt::format(", workspace.{}", array_of(code, array).name);
   return (needs_coordinate_above(code) ? "" : above_text(ir::coordinate_tree(code.tree))) +
-         fmt::format("  workspace.{} = dalembert::{}coordinate_above{});\n", function_of(code).called_name("status"), check, read);
+         fmt::format("  workspace.{} = dalembert::{}coordinate_above{});\n", function_of(code).called_name("status"), check,
+                     read);
 }
 
 std::string clear_statements(const CodeInput& code) {
@@ -176,7 +177,8 @@ std::string guard_statements(const CodeInput& code) {
   const std::optional<ir::Guard>& guard = code.algorithm.guard;
   if (!guard) return "";
   if (guard->pivots < 0) return clear_statements(code);
-  return status_statement(code, ir::guard_arrays(code.algorithm).factor >= 0 ? "factor_status<nv>(" : "factor_status_by_gains<nv>(") +
+  return status_statement(code,
+                          ir::guard_arrays(code.algorithm).factor >= 0 ? "factor_status<nv>(" : "factor_status_by_gains<nv>(") +
          clear_statements(code);
 }
 

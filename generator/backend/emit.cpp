@@ -240,7 +240,7 @@ OutputFile header(const Folder& folder) {
           render("dynamics.hpp",
                  {{"banner", banner(folder)},
                   {"report", report.empty() ? "" : "//\n" + report},
-                  {"includes", any_guard(folder) ? "#include <dalembert/pivots.hpp>\n" : ""},
+                  {"includes", any_guard(folder) ? "#include <dalembert/factor.hpp>\n" : ""},
                   {"runtime_version", std::to_string(runtime_version)},
                   {"name", code.name},
                   {"scalar", scalar_name(code.scene.scalar)},

@@ -89,9 +89,7 @@ bool reads_state(const ir::BaseStage& stage) {
 struct PivotRoles {
   int pivot = -1, diagonal = -1, gain = -1, linear = -1, angular = -1;
 
-  bool has(int role) const {
-    return role == pivot || role == diagonal || role == gain || role == linear || role == angular;
-  }
+  bool has(int role) const { return role == pivot || role == diagonal || role == gain || role == linear || role == angular; }
 };
 
 // Bodies, own or driven, whose coordinate a result has.

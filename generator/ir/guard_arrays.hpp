@@ -12,7 +12,7 @@ inline constexpr const char *own_factor = "factor", *own_gain = "gain", *own_joi
 
 // Arrays; −1: there is none.
 struct GuardArrays {
-  int factor = -1;           // nv × nv, above its diagonal
+  int factor = -1;            // nv × nv, above its diagonal
   int gain = -1, joint = -1;  // 6 × nv each, where there is no factor
 
   bool has(int array) const { return array >= 0 && (array == factor || array == gain || array == joint); }

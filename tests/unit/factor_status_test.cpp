@@ -69,9 +69,8 @@ struct Factors {
       slot_pivot[static_cast<std::size_t>(slot)] = pivot[at], slot_diagonal[static_cast<std::size_t>(slot)] = diagonal[at];
       slot_gain.row(slot) = gain.col(k), slot_joint.row(slot) = joint.col(k);
     }
-    const dalembert::JointSlots<double> joints{
-        slot_pivot.data(),     slot_diagonal.data(),         no_joint, slot_gain.data(), slot_joint.data(),
-        slot_joint.col(3).data(), stride, joint_slot};
+    const dalembert::JointSlots<double> joints{slot_pivot.data(), slot_diagonal.data(),     no_joint, slot_gain.data(),
+                                               slot_joint.data(), slot_joint.col(3).data(), stride,   joint_slot};
     return dalembert::factor_status_of_slots<n, base, slots>(joints, above, gain_room.data(), joint_room.data(), room.data(),
                                                              more_room.data());
   }
@@ -137,8 +136,9 @@ TEST(FactorStatus, HasTheBoundsOfTheInverse) {
         if (k >= base) factors.joint(i, k) = uniform();
         if (k >= base || i < k) factors.gain(i, k) = 3 * uniform();
       }
-      if (k >= base) factors.gain.col(k) += (1 - factors.gain.col(k).dot(factors.joint.col(k))) * factors.joint.col(k) /
-                                            factors.joint.col(k).squaredNorm();  // V.J = 1
+      if (k >= base)
+        factors.gain.col(k) += (1 - factors.gain.col(k).dot(factors.joint.col(k))) * factors.joint.col(k) /
+                               factors.joint.col(k).squaredNorm();  // V.J = 1
     }
     for (int k = 0; k < n; ++k) factors.pivot[static_cast<std::size_t>(k)] = 1e-3 * factors.bound(k);
     for (int k = 0; k < n; ++k) {

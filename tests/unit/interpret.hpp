@@ -82,7 +82,8 @@ inline FactorStatus<double> guard_status(const Algorithm& algorithm, Arrays& arr
   for (Eigen::Index k = n; k-- > 0;) {
     const Eigen::MatrixXd& E = beyond[static_cast<std::size_t>(k)];
     const Eigen::VectorXd V = gain.col(k), J = joint.col(k);
-    if (!detail::exceeds(pivots[k], diagonal[k] + std::max(0.0, J.dot(E * J)), rounding)) return {static_cast<int>(k), pivots[k]};
+    if (!detail::exceeds(pivots[k], diagonal[k] + std::max(0.0, J.dot(E * J)), rounding))
+      return {static_cast<int>(k), pivots[k]};
     const Eigen::MatrixXd P = Eigen::MatrixXd::Identity(6, 6) - J * V.transpose();
     if (const int p = above[static_cast<std::size_t>(k)]; p >= 0)
       beyond[static_cast<std::size_t>(p)] += P.transpose() * E * P + diagonal[k] * V * V.transpose();

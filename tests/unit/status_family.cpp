@@ -36,7 +36,8 @@ void one_shape(const std::string& name) {
 
 void all_shapes() {
   fmt::print(
-      "| robot | v̇ ok up to | digits | v̇ not ok from | M⁻¹ ok up to | digits | M⁻¹ not ok from |\n|---|---:|---:|---:|---:|---:|---:|\n");
+      "| robot | v̇ ok up to | digits | v̇ not ok from | M⁻¹ ok up to | digits | M⁻¹ not ok from "
+      "|\n|---|---:|---:|---:|---:|---:|---:|\n");
   for (const Shape& shape : shapes()) {
     double largest[2] = {0, 0}, digits[2] = {99, 99}, least[2] = {1e99, 1e99};
     for (int step = 0; step <= 64; ++step)
@@ -44,12 +45,13 @@ void all_shapes() {
         const Measured measured = measure(shape, std::pow(10, -0.25 * step), seed);
         each_way(measured, [&](const Way& way) {
           const int what = way.name[0] == 'M';
-          if (way.ok) largest[what] = std::max(largest[what], measured.condition), digits[what] = std::min(digits[what], way.digits);
+          if (way.ok)
+            largest[what] = std::max(largest[what], measured.condition), digits[what] = std::min(digits[what], way.digits);
           if (!way.ok) least[what] = std::min(least[what], measured.condition);
         });
       }
-    fmt::print("| {} | {:.0e} | {:.1f} | {:.0e} | {:.0e} | {:.1f} | {:.0e} |\n", shape.name, largest[0], digits[0], least[0], largest[1],
-               digits[1], least[1]);
+    fmt::print("| {} | {:.0e} | {:.1f} | {:.0e} | {:.0e} | {:.1f} | {:.0e} |\n", shape.name, largest[0], digits[0], least[0],
+               largest[1], digits[1], least[1]);
     std::fflush(stdout);
   }
 }

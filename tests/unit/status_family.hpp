@@ -1,5 +1,5 @@
-// Robots at a known distance from a singular M: joints whose axes nearly are one another's, or nearly depend on one another, move
-// one light end. What a status must tell apart.
+// Robots at a known distance from a singular M: joints whose axes nearly are one another's, or nearly depend on one another,
+// move one light end. What a status must tell apart.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -16,16 +16,16 @@ namespace dalembert::status_family {
 // One shape of robots; at `distance` 0 M is singular.
 struct Shape {
   std::string name;
-  int joints = 2;           // that nearly depend on one another
-  bool point = false;       // they move a point mass, not a body
-  bool rows = false;        // each axis is nearly the direction that is new in the one before it, instead of nearly one axis
-  bool slides = false;      // prismatic
-  bool floating = false;    // all stand on a light floating base
-  int before = 0;           // ordinary joints between the base and them
-  int behind = 0;           // ordinary joints on the end
-  double length = 1;        // of the robot, m
-  double mass = 1;          // kg
-  double between = 0;       // mass of what stands between the joints, of the end's
+  int joints = 2;         // that nearly depend on one another
+  bool point = false;     // they move a point mass, not a body
+  bool rows = false;      // each axis is nearly the direction that is new in the one before it, instead of nearly one axis
+  bool slides = false;    // prismatic
+  bool floating = false;  // all stand on a light floating base
+  int before = 0;         // ordinary joints between the base and them
+  int behind = 0;         // ordinary joints on the end
+  double length = 1;      // of the robot, m
+  double mass = 1;        // kg
+  double between = 0;     // mass of what stands between the joints, of the end's
 };
 
 inline std::vector<Shape> shapes() {
@@ -91,7 +91,8 @@ inline ir::KinematicTree robot(const Shape& shape, double distance, unsigned see
     const Eigen::Vector3d own = direction();
     axis = shape.rows ? Eigen::Vector3d(last + distance * own) : Eigen::Vector3d(last.normalized() + distance * own);
     if (shape.rows) last = own;
-    at = shape.slides ? Eigen::Vector3d(Eigen::Vector3d::Zero()) : Eigen::Vector3d(distance * shape.length * Eigen::Vector3d(uniform(), uniform(), uniform()));
+    at = shape.slides ? Eigen::Vector3d(Eigen::Vector3d::Zero())
+                      : Eigen::Vector3d(distance * shape.length * Eigen::Vector3d(uniform(), uniform(), uniform()));
   }
   for (int k = 0; k < shape.behind; ++k) add(direction(), along, body(shape.mass), false);
   for (std::size_t k = 0; k < tree.bodies.size(); ++k) tree.bodies[k].subtree_size = tree.joints() - static_cast<int>(k);

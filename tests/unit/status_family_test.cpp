@@ -44,8 +44,8 @@ TEST_P(StatusFamily, IsOkWhereDigitsAreRight) {
 INSTANTIATE_TEST_SUITE_P(Shapes, StatusFamily, testing::ValuesIn(status_family::shapes()),
                          [](const auto& info) { return info.param.name; });
 
-// A neck as public robots have it: three axes that are parallel but for the digits that rpy is written with move one point mass.
-// At its zero pose v̇ was 1e18 rad/s² once, and ok.
+// A neck as public robots have it: three axes that are parallel but for the digits that rpy is written with move one point
+// mass. At its zero pose v̇ was 1e18 rad/s² once, and ok.
 TEST(Status, OfANeckOfParallelAxesIsNotOk) {
   const std::string neck = R"(<robot name="neck">
     <link name="chest"/>

@@ -1,28 +1,39 @@
-// Whether M of M = L' D L may be solved with: what rounding may have left of the pivots.
-//
-// Of a mass matrix M = L' D L, factored from the last coordinate to the first: the first coordinate met whose pivot D is not
-// above what rounding may leave of it; it moves no mass, or none of its own.
+// Whether M = L' D L may be solved with: what rounding may have left of the pivots D, factored from the last coordinate to the
+// first.
 //
 // D_k is the inertia that coordinate k feels when all beyond it are free. Set k moving at rate 1, and let those beyond follow:
-// with x_j, row k of L^-T. Then D_k = x' M x, and what is wrong with M's elements by rounding, epsilon sqrt(M_ii M_jj), makes an
-// error of D_k of epsilon times the bound e_k = sum of M_jj x_j^2, j from k on (M_kk where nothing beyond follows). It counts
-// what earlier pivots have lost: where D_j is small, little makes j move much. M is ok where D_k > 2048 epsilon e_k for all k (in
-// float 512): elements of M far from the base, where long arms leave small parts, are off by some hundred ulp. The sum of e_k / D_k
-// is the trace of M^-1 with rows and columns of M divided by sqrt(M_kk).
+// with x_j, row k of L^-T. Then D_k = x' M x, and what is wrong with M's elements by rounding, epsilon sqrt(M_ii M_jj), makes
+// an error of D_k of epsilon times the bound e_k = sum of M_jj x_j^2, j from k on (M_kk where nothing beyond follows). It
+// counts what earlier pivots have lost: where D_j is small, little makes j move much. M is ok where D_k > 2048 epsilon e_k for
+// all k (in float 512): elements of M far from the base, where long arms leave small parts, are off by some hundred ulp. The
+// sum of e_k / D_k is the trace of M^-1 with rows and columns of M divided by sqrt(M_kk).
 //
 // Bounds cost as much as the factors; they are only computed where some D_k / M_kk is below a least ratio. Where none is, the
-// product of all M_kk / D_k bounds that trace (the determinant bounds the least eigenvalue of a matrix whose diagonal is 1), and
-// what several joints lose with no mass between them are six ratios at most: a body has no more freedom.
+// product of all M_kk / D_k bounds that trace (the determinant bounds the least eigenvalue of a matrix whose diagonal is 1),
+// and what several joints lose with no mass between them are six ratios at most: a body has no more freedom.
 #pragma once
 
 #include <cstdint>
-#include <dalembert/factor.hpp>
+#include <dalembert/lanes.hpp>
 #include <limits>
 #include <type_traits>
 
 namespace dalembert {
 
+// Of a mass matrix M = L' D L, factored from the last coordinate to the first: the first coordinate met whose pivot D is not
+// above what rounding may leave of it; it moves no mass, or none of its own.
+template <class T>
+struct FactorStatus {
+  int coordinate = -1;  // index in v; -1: none, M is positive definite
+  T pivot = T(0);       // its D, kg or kg m^2; not a number where an input is not
+
+  bool ok() const noexcept { return coordinate < 0; }
+};
+
 namespace detail {
+
+template <class T>
+using CountOf = std::conditional_t<sizeof(T) == 8, std::int64_t, std::int32_t>;  // as wide as T: in lanes
 
 // Pivots that are a larger part of M's diagonal element need no bound: five such losses are not yet those of all digits (in
 // float, three).
@@ -60,9 +71,9 @@ FactorStatus<T> bounded_status(int n, const int* above, const T* factor, const T
   return {};
 }
 
-// The same of articulated bodies, from V and J of every coordinate, six numbers each: L_ki = V_k.J_i. With P_k = 1 - J_k V_k' the
-// parent's twist becomes the body's while k is free, and bounds add up from the tips: e_k = M_kk + J_k' E_k J_k,
-// E_p += P_k' E_k P_k + M_kk V_k V_k'.
+// The same of articulated bodies, from V and J of every coordinate, six numbers each: L_ki = V_k.J_i. With P_k = 1 - J_k V_k'
+// the parent's twist becomes the body's while k is free, and bounds add up from the tips: e_k = M_kk + J_k' E_k J_k, E_p +=
+// P_k' E_k P_k + M_kk V_k V_k'.
 template <int n, class T>
 __attribute__((noinline)) static FactorStatus<T> bounded_status_by_gains(const int* above, const T* gain, const T* joint,
                                                                          const T* pivots, const T* diagonal) noexcept {
@@ -82,8 +93,7 @@ __attribute__((noinline)) static FactorStatus<T> bounded_status_by_gains(const i
     for (int r = 0; r < rows; ++r) moved[r] = T(0.5) * bound * v[r] - moved[r];
     T* const parent = beyond[above[k]];
     for (int c = 0; c < 6; ++c)
-      for (int r = 0; r < rows; ++r)
-        parent[rows * c + r] += beyond[k][rows * c + r] + moved[r] * v[c] + v[r] * moved[c];
+      for (int r = 0; r < rows; ++r) parent[rows * c + r] += beyond[k][rows * c + r] + moved[r] * v[c] + v[r] * moved[c];
   }
   return {};
 }
@@ -147,17 +157,26 @@ __attribute__((noinline)) static FactorStatus<T> bounded_status_of_slots(const J
 
 }  // namespace detail
 
-// The same where only what is of the first `base` coordinates stands in `gain`, `joint`, `pivots` and `diagonal`, and the joints'
-// at their slots. Taking it from there costs more than the rest, and is only needed where bounds are.
+// The same where only what is of the first `base` coordinates stands in `gain`, `joint`, `pivots` and `diagonal`, and the
+// joints' at their slots. Taking it from there costs more than the rest, and is only needed where bounds are.
 template <int n, int base, int slots, class T>
-static inline FactorStatus<T> factor_status_of_slots(const JointSlots<T>& joints, const int* above, T* gain, T* joint, T* pivots,
-                                                     T* diagonal) noexcept {
+static inline FactorStatus<T> factor_status_of_slots(const JointSlots<T>& joints, const int* above, T* gain, T* joint,
+                                                     T* pivots, T* diagonal) noexcept {
   detail::CountOf<T> count = 0;
   for (int k = 0; k < base; ++k) count += detail::exceeds<T>(pivots[k], diagonal[k], detail::least_ratio<T>()) ? 1 : 0;
   for (int i = 0; i < slots; ++i)
-    count += (detail::exceeds<T>(joints.pivots[i], joints.diagonal[i], detail::least_ratio<T>()) | (joints.no_joint[i] > T(0))) ? 1 : 0;
+    count += (detail::exceeds<T>(joints.pivots[i], joints.diagonal[i], detail::least_ratio<T>()) | (joints.no_joint[i] > T(0)))
+                 ? 1
+                 : 0;
   if (__builtin_expect(count == base + slots, 1)) return {};
   return detail::bounded_status_of_slots<n, base>(joints, above, gain, joint, pivots, diagonal);
+}
+
+// What was solved for means nothing unless M is positive definite.
+template <int n, class T>
+static inline void clear_unless_ok(const FactorStatus<T>& status, T* result) noexcept {
+  if (status.ok()) return;
+  for (int i = 0; i < n; ++i) result[i] = T(0);
 }
 
 }  // namespace dalembert
