@@ -77,7 +77,7 @@ struct Factors {
   std::array<dalembert::FactorStatus<double>, 3> all() const { return {by_factor(), by_gains(), in_slots()}; }
 };
 
-constexpr double rounding = 2048 * std::numeric_limits<double>::epsilon();
+constexpr double rounding = 4096 * std::numeric_limits<double>::epsilon();
 
 TEST(FactorStatus, IsGoodWhereAllPivotsAre) {
   for (const auto& status : Factors().all()) EXPECT_TRUE(status.ok());

@@ -25,7 +25,7 @@ TEST_P(StatusFamily, IsOkWhereDigitsAreRight) {
       ++(way.ok ? ok : singular);
       if (way.ok) EXPECT_TRUE(measured.exact);
       if (way.ok) EXPECT_GE(way.digits, 1) << measured.condition;
-      if (measured.condition <= (in_float(way) ? 1e3 : 1e12)) EXPECT_TRUE(way.ok) << measured.condition;
+      if (measured.condition <= (in_float(way) ? 1e4 : 1e12)) EXPECT_TRUE(way.ok) << measured.condition;
       if (measured.condition >= (in_float(way) ? 1e7 : 1e15)) EXPECT_FALSE(way.ok) << measured.condition;
     }
     // Ways agree in which coordinate moves nothing where there is no doubt of it.

@@ -1,12 +1,13 @@
 // Whether M = L' D L may be solved with: what rounding may have left of the pivots D, factored from the last coordinate to the
 // first.
 //
-// D_k is the inertia that coordinate k feels when all beyond it are free. Set k moving at rate 1, and let those beyond follow:
+// D_k is the inertia that coordinate k feels when all beyond it are free. Set k moving at rate 1, and let those beyond follow
 // with x_j, row k of L^-T. Then D_k = x' M x, and what is wrong with M's elements by rounding, epsilon sqrt(M_ii M_jj), makes
 // an error of D_k of epsilon times the bound e_k = sum of M_jj x_j^2, j from k on (M_kk where nothing beyond follows). It
-// counts what earlier pivots have lost: where D_j is small, little makes j move much. M is ok where D_k > 2048 epsilon e_k for
-// all k (in float 512): elements of M far from the base, where long arms leave small parts, are off by some hundred ulp. The
-// sum of e_k / D_k is the trace of M^-1 with rows and columns of M divided by sqrt(M_kk).
+// counts what earlier pivots have lost: where D_j is small, little makes j move much. M is ok where D_k > 4096 epsilon e_k for
+// all k (in float 512): far from the base, where long arms leave small parts, elements of M are off by some hundred ulp. With
+// rows and columns of M divided by sqrt(M_kk), e_k / D_k is at most 1 over the least eigenvalue: where M so divided has a
+// condition below 1e12, in float 1e4, it is ok. The sum of e_k / D_k is the trace of its inverse.
 //
 // Bounds cost as much as the factors; they are only computed where some D_k / M_kk is below a least ratio. Where none is, the
 // product of all M_kk / D_k bounds that trace (the determinant bounds the least eigenvalue of a matrix whose diagonal is 1),
@@ -45,7 +46,7 @@ constexpr T least_ratio() {
 // Of a bound, what rounding may leave.
 template <class T>
 constexpr T rounding_left() {
-  return T(sizeof(T) < 8 ? 512 : 2048) * std::numeric_limits<T>::epsilon();
+  return T(sizeof(T) < 8 ? 512 : 4096) * std::numeric_limits<T>::epsilon();
 }
 
 // Whether a pivot is above a part of a positive number.
