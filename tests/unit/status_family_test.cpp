@@ -23,10 +23,12 @@ TEST_P(StatusFamily, IsOkWhereDigitsAreRight) {
     for (const Way& way : measured.ways) {
       SCOPED_TRACE(way.name);
       ++(way.ok ? ok : singular);
-      if (way.ok) EXPECT_TRUE(measured.exact);
-      if (way.ok) EXPECT_GE(way.digits, 1) << measured.condition;
-      if (measured.condition <= (in_float(way) ? 1e4 : 1e12)) EXPECT_TRUE(way.ok) << measured.condition;
-      if (measured.condition >= (in_float(way) ? 1e7 : 1e15)) EXPECT_FALSE(way.ok) << measured.condition;
+      if (way.ok) {
+        EXPECT_TRUE(measured.exact);
+        EXPECT_GE(way.digits, 1) << measured.condition;
+      }
+      EXPECT_TRUE(way.ok || measured.condition > (in_float(way) ? 1e4 : 1e12)) << measured.condition;
+      EXPECT_FALSE(way.ok && measured.condition > (in_float(way) ? 1e7 : 1e15)) << measured.condition;
     }
     // Ways agree in which coordinate moves nothing where there is no doubt of it.
     if (measured.condition < 1e16) continue;
@@ -38,7 +40,7 @@ TEST_P(StatusFamily, IsOkWhereDigitsAreRight) {
       }
   }
   EXPECT_GT(ok, 20);
-  EXPECT_GT(singular, 20);
+  EXPECT_GT(singular, GetParam().between > 0 ? 10 : 20);  // what stands between the joints keeps M from being singular
 }
 
 INSTANTIATE_TEST_SUITE_P(Shapes, StatusFamily, testing::ValuesIn(status_family::shapes()),
