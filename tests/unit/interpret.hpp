@@ -70,7 +70,7 @@ inline FactorStatus<double> guard_status(const Algorithm& algorithm, Arrays& arr
   const Eigen::VectorXd pivots = array(guard.pivots), diagonal = array(guard.diagonal);
   if ((pivots.array() > detail::least_ratio<double>() * diagonal.array() && pivots.array() > 0).all()) return {};
   const Eigen::Index n = pivots.size();
-  const double rounding = detail::rounding_left<double>();
+  const double rounding = detail::rounding_left<double>(static_cast<int>(n));
   if (told_by.factor >= 0) {
     Eigen::VectorXd x(n);
     return detail::bounded_status<double>(static_cast<int>(n), above.data(), array(told_by.factor).data(), pivots.data(),

@@ -5,9 +5,11 @@
 // with x_j, row k of L^-T. Then D_k = x' M x, and what is wrong with M's elements by rounding, epsilon sqrt(M_ii M_jj), makes
 // an error of D_k of epsilon times the bound e_k = sum of M_jj x_j^2, j from k on (M_kk where nothing beyond follows). It
 // counts what earlier pivots have lost: where D_j is small, little makes j move much. M is ok where D_k > 4096 epsilon e_k for
-// all k (in float 512): far from the base, where long arms leave small parts, elements of M are off by some hundred ulp. With
-// rows and columns of M divided by sqrt(M_kk), e_k / D_k is at most 1 over the least eigenvalue: where M so divided has a
-// condition below 1e12, in float 1e4, it is ok. The sum of e_k / D_k is the trace of its inverse.
+// all k, n / 12 times as much for more than twelve coordinates (in float 512, however many): far from the base, where long arms
+// leave small parts, elements of M are off by some hundred ulp, behind long chains by a thousand. With rows and columns of M
+// divided by sqrt(M_kk), e_k / D_k is at most 1 over the least eigenvalue: where M so divided has a condition below 1e12, in
+// float 1e4, it is ok; of more coordinates where its largest eigenvalue is n / 12 at least, as those of trees and chains are.
+// The sum of e_k / D_k is the trace of its inverse.
 //
 // Bounds cost as much as the factors; they are only computed where some D_k / M_kk is below a least ratio. Where none is, the
 // product of all M_kk / D_k bounds that trace (the determinant bounds the least eigenvalue of a matrix whose diagonal is 1),
@@ -43,10 +45,10 @@ constexpr T least_ratio() {
   return sizeof(T) < 8 ? T(1.0 / 64) : T(1.0 / 256);
 }
 
-// Of a bound, what rounding may leave.
+// Of a bound, what rounding may leave. n: M's size.
 template <class T>
-constexpr T rounding_left() {
-  return T(sizeof(T) < 8 ? 512 : 4096) * std::numeric_limits<T>::epsilon();
+constexpr T rounding_left(int n) {
+  return T(sizeof(T) < 8 ? 512.0 : n <= 12 ? 4096.0 : 4096.0 / 12 * n) * std::numeric_limits<T>::epsilon();
 }
 
 // Whether a pivot is above a part of a positive number.
@@ -67,7 +69,7 @@ FactorStatus<T> bounded_status(int n, const int* above, const T* factor, const T
       for (int i = above[j]; i >= k; i = above[i]) x[j] -= factor[j * n + i] * x[i];
       bound += x[j] * x[j] * diagonal[j];
     }
-    if (!exceeds<T>(pivots[k], bound, rounding_left<T>())) return {k, pivots[k]};
+    if (!exceeds<T>(pivots[k], bound, rounding_left<T>(n))) return {k, pivots[k]};
   }
   return {};
 }
@@ -89,7 +91,7 @@ __attribute__((noinline)) static FactorStatus<T> bounded_status_by_gains(const i
     T along = T(0);
     for (int c = 0; c < 6; ++c) along += joint[6 * k + c] * moved[c];
     const T bound = diagonal[k] + (along < T(0) ? T(0) : along);
-    if (!exceeds<T>(pivots[k], bound, rounding_left<T>())) return {k, pivots[k]};
+    if (!exceeds<T>(pivots[k], bound, rounding_left<T>(n))) return {k, pivots[k]};
     if (above[k] < 0) continue;
     for (int r = 0; r < rows; ++r) moved[r] = T(0.5) * bound * v[r] - moved[r];
     T* const parent = beyond[above[k]];
