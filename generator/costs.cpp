@@ -5,6 +5,7 @@
 
 #include "frontend/scene_check.hpp"
 #include "ir/coordinate_tree.hpp"
+#include "ir/guard_arrays.hpp"
 #include "passes/build_tree.hpp"
 #include "passes/levels.hpp"
 
@@ -62,8 +63,10 @@ struct Making {
 Making making(const ir::Algorithm& algorithm, const std::set<int>& arrays) {
   Making m{arrays, {}};
   if (const std::optional<ir::Guard>& guard = algorithm.guard;
-      guard && std::any_of(guard->arrays.begin(), guard->arrays.end(), [&](int array) { return arrays.contains(array); }))
-    m.arrays.insert({guard->pivots, guard->diagonal});
+      guard && std::any_of(guard->arrays.begin(), guard->arrays.end(), [&](int array) { return arrays.contains(array); })) {
+    const ir::GuardArrays told_by = ir::guard_arrays(algorithm);
+    m.arrays.insert({guard->pivots, guard->diagonal, told_by.factor, told_by.gain, told_by.joint});  // some may be none
+  }
   for (auto step = algorithm.steps.rbegin(); step != algorithm.steps.rend(); ++step)
     if (m.arrays.contains(step->to) || (step->room >= 0 && m.arrays.contains(step->room))) {
       m.arrays.insert({step->a, step->b});  // one may be none

@@ -38,7 +38,7 @@
 #include <dalembert/arguments.hpp>
 #include <dalembert/version.hpp>
 
-static_assert(dalembert::runtime_version == 4, "arm was generated for another runtime: generate it again");
+static_assert(dalembert::runtime_version == 5, "arm was generated for another runtime: generate it again");
 
 namespace arm {
 

@@ -39,7 +39,7 @@
 #include <dalembert/arguments.hpp>
 #include <dalembert/version.hpp>
 
-static_assert(dalembert::runtime_version == 4, "mahru was generated for another runtime: generate it again");
+static_assert(dalembert::runtime_version == 5, "mahru was generated for another runtime: generate it again");
 
 namespace mahru {
 

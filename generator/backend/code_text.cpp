@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "ir/coordinate_tree.hpp"
+#include "ir/guard_arrays.hpp"
 #include "ir/identifier.hpp"
 
 namespace dalembert::backend {
@@ -82,6 +83,17 @@ std::string chains_text(const ir::CoordinateTree& tree) {
       fmt::join(begin, ", "), fmt::join(above, ", "), fmt::join(depth, ", "), above.size());
 }
 
+std::string above_text(const ir::CoordinateTree& tree) {
+  return fmt::format("  static constexpr int coordinate_above[] = {{{}}};\n", fmt::join(tree.above, ", "));
+}
+
+// Of the statements for steps with matrices.
+bool needs_coordinate_above(const CodeInput& code) {
+  return std::any_of(code.algorithm.steps.begin(), code.algorithm.steps.end(), [](const ir::MatrixStep& s) {
+    return s.kind == ir::MatrixStep::Kind::invert || s.kind == ir::MatrixStep::Kind::negative_product;
+  });
+}
+
 }  // namespace
 
 std::string matrix_statements(const CodeInput& code) {
@@ -89,13 +101,8 @@ std::string matrix_statements(const CodeInput& code) {
   const auto name = [&](int index) { return "workspace." + code.algorithm.arrays[static_cast<size_t>(index)].name; };
   const ir::CoordinateTree tree = ir::coordinate_tree(code.tree);
   using Kind = ir::MatrixStep::Kind;
-  const auto any = [&](std::initializer_list<Kind> kinds) {
-    return std::any_of(code.algorithm.steps.begin(), code.algorithm.steps.end(),
-                       [&](const ir::MatrixStep& s) { return std::find(kinds.begin(), kinds.end(), s.kind) != kinds.end(); });
-  };
   std::string text;
-  if (any({Kind::invert, Kind::negative_product}))
-    text += fmt::format("  static constexpr int coordinate_above[] = {{{}}};\n", fmt::join(tree.above, ", "));
+  if (needs_coordinate_above(code)) text += above_text(tree);
   if (solves(code)) text += chains_text(tree);
   for (const ir::MatrixStep& s : code.algorithm.steps) {
     switch (s.kind) {
@@ -147,8 +154,13 @@ const ir::OutputArray& array_of(const CodeInput& code, int index) { return code.
 
 std::string status_statement(const CodeInput& code, const std::string& check) {
   const ir::Guard& guard = *code.algorithm.guard;
-  return fmt::format("  workspace.{} = dalembert::{}workspace.{}, workspace.{});\n", function_of(code).called_name("status"),
-                     check, array_of(code, guard.pivots).name, array_of(code, guard.diagonal).name);
+  std::string read;
+  const ir::GuardArrays told_by = ir::guard_arrays(code.algorithm);
+  for (const int array : {told_by.factor, told_by.gain, told_by.joint, guard.pivots, guard.diagonal})
+    if (array >= 0) read += fmt::format(", workspace.{}", array_of(code, array).name);
+  return (needs_coordinate_above(code) ? "" : above_text(ir::coordinate_tree(code.tree))) +
+         fmt::format("  workspace.{} = dalembert::{}coordinate_above{});\n", function_of(code).called_name("status"), check,
+                     read);
 }
 
 std::string clear_statements(const CodeInput& code) {
@@ -165,7 +177,9 @@ std::string guard_statements(const CodeInput& code) {
   const std::optional<ir::Guard>& guard = code.algorithm.guard;
   if (!guard) return "";
   if (guard->pivots < 0) return clear_statements(code);
-  return status_statement(code, fmt::format("factor_status<{}>(", array_of(code, guard->pivots).rows)) + clear_statements(code);
+  return status_statement(code,
+                          ir::guard_arrays(code.algorithm).factor >= 0 ? "factor_status<nv>(" : "factor_status_by_gains<nv>(") +
+         clear_statements(code);
 }
 
 bool is_called(const CodeInput& code) { return function_of(code).first_half.empty(); }

@@ -17,6 +17,7 @@
 #include "backend/kept.hpp"
 #include "backend/literals.hpp"
 #include "backend/templates.hpp"
+#include "ir/guard_arrays.hpp"
 
 namespace dalembert::backend {
 namespace {
@@ -86,7 +87,9 @@ bool reads_state(const ir::BaseStage& stage) {
 }
 
 struct PivotRoles {
-  int pivot = -1, diagonal = -1;
+  int pivot = -1, diagonal = -1, gain = -1, linear = -1, angular = -1;
+
+  bool has(int role) const { return role == pivot || role == diagonal || role == gain || role == linear || role == angular; }
 };
 
 // Bodies, own or driven, whose coordinate a result has.
@@ -97,15 +100,18 @@ std::vector<int> bodies_of(const CodeInput& code, const ir::Result& r) {
   return bodies;
 }
 
-// The roles of the pivots and of M's diagonal, where nothing but the check whether M can be solved with reads their arrays: it
-// reads them where limbs leave them.
+// The roles of the pivots, of M's diagonal and of V and J, where nothing but the check whether M can be solved with reads their
+// arrays: it reads them where limbs leave them.
 std::optional<PivotRoles> pivots_in_slots(const CodeInput& code) {
   const std::optional<ir::Guard>& guard = code.algorithm.guard;
   if (!guard || !code.algorithm.steps.empty()) return {};
+  const ir::GuardArrays told_by = ir::guard_arrays(code.algorithm);
   PivotRoles roles;
   for (const ir::Result& r : code.algorithm.results) {
     if (r.array == guard->pivots) roles.pivot = r.role;
     if (r.array == guard->diagonal) roles.diagonal = r.role;
+    if (r.array == told_by.gain) roles.gain = r.role;
+    if (r.array == told_by.joint) (r.from == 0 ? roles.linear : roles.angular) = r.role;
   }
   return roles;
 }
@@ -119,7 +125,7 @@ std::string joint_results(const CodeInput& code) {
   for (size_t n = 0; n < code.algorithm.results.size(); ++n) {
     const ir::Result& r = code.algorithm.results[n];
     if (r.layout == ir::Layout::base || !is_kept(code, r.role)) continue;
-    if (in_slots && (r.role == in_slots->pivot || r.role == in_slots->diagonal)) continue;
+    if (in_slots && in_slots->has(r.role)) continue;
     const ir::OutputArray& array = code.algorithm.arrays[static_cast<size_t>(r.array)];
     const int components = code.rolled.roles[static_cast<size_t>(r.role)].components();
     const bool columns = r.layout == ir::Layout::columns;
@@ -166,9 +172,11 @@ bool checked_at_base(const CodeInput& code, const ir::BaseStage& stage) {
 
 std::string status_of_slots(const CodeInput& code) {
   const PivotRoles in_slots = *pivots_in_slots(code);
-  return status_statement(
-      code, fmt::format("factor_status_of_slots<nv, {}, {}>({}, {}, no_joint, joint_slot, ", base_rows(code), code.plan.slots,
-                        kept(code, in_slots.pivot, 0), kept(code, in_slots.diagonal, 0)));
+  const auto at = [&](int role) { return is_kept(code, role) ? kept(code, role, 0) : "nullptr"; };
+  return fmt::format("  const dalembert::JointSlots<Scalar> joints{{{}, {}, no_joint, {}, {}, {}, {}, joint_slot}};\n",
+                     at(in_slots.pivot), at(in_slots.diagonal), at(in_slots.gain), at(in_slots.linear), at(in_slots.angular),
+                     stride(code)) +
+         status_statement(code, fmt::format("factor_status_of_slots<nv, {}, {}>(joints, ", base_rows(code), code.plan.slots));
 }
 
 std::string pivots_statements(const CodeInput& code) {

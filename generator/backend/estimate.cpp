@@ -9,6 +9,7 @@
 #include "backend/executed.hpp"
 #include "backend/kept.hpp"
 #include "ir/coordinate_tree.hpp"
+#include "ir/guard_arrays.hpp"
 
 namespace dalembert::backend {
 namespace {
@@ -188,7 +189,11 @@ Features features(const CodeInput& code, int lanes) {
       for (const ir::Paragraph& p : stage.paragraphs) add_paragraph(code.plan.segments[s], p, lanes, f);
   add_elements(code, lanes, f);
   add_projections(code, lanes, f);
-  of(f, Feature::stores) += static_cast<double>(code.tree.joints() * static_cast<int>(code.algorithm.results.size()));
+  const ir::GuardArrays told_by = ir::guard_arrays(code.algorithm);
+  const auto copied = std::count_if(code.algorithm.results.begin(), code.algorithm.results.end(), [&](const ir::Result& r) {
+    return !told_by.has(r.array);  // those stay where limbs leave them
+  });
+  of(f, Feature::stores) += static_cast<double>(code.tree.joints() * copied);
   return f;
 }
 

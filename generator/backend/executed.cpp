@@ -91,12 +91,12 @@ long driven_results(const CodeInput& code) {
   return additions;
 }
 
-// Of the check whether M can be solved with: a product per pivot, and one for what rounding may leave.
+// Of the check whether M can be solved with: a product per pivot.
 long guard_products(const CodeInput& code) {
   const std::optional<ir::Guard>& guard = code.algorithm.guard;
   if (!guard || guard->pivots < 0) return 0;
-  return 1 + (code.plan.form == ir::Form::rolled ? checked_pivots(code)
-                                                 : code.algorithm.arrays[static_cast<size_t>(guard->pivots)].rows);
+  return code.plan.form == ir::Form::rolled ? checked_pivots(code)
+                                            : code.algorithm.arrays[static_cast<size_t>(guard->pivots)].rows;
 }
 
 // As runtime/include/dalembert/solve.hpp takes them: M's factors by lanes, one column solved for number by number.

@@ -61,7 +61,8 @@ constexpr const char* of_the_folder[] = {"Scalar",
                                          "input_2"};
 // What a function may have of its own, besides its results.
 constexpr const char* own[] = {"kept",     "status",         "stages",     "run",        "inverse", "factor",          "pivots",
-                               "diagonal", "padded_inverse", "efforts_dq", "efforts_dv", "mass",    "unscaled_factor", "solve"};
+                               "diagonal", "padded_inverse", "efforts_dq", "efforts_dv", "mass",    "unscaled_factor", "solve",
+                               "gain",     "joint"};
 // What one in two halves has besides.
 constexpr const char* of_halves[] = {"accelerations",          "derivatives",
                                      "derivatives_kept",       "derivatives_stages",

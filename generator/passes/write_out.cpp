@@ -5,6 +5,8 @@
 #include <map>
 #include <utility>
 
+#include "ir/guard_arrays.hpp"
+
 namespace dalembert::passes {
 namespace {
 
@@ -148,9 +150,10 @@ class Writing {
   // Arrays between that only steps have read: they are not stored, nor cleared.
   void drop_unread() {
     std::optional<ir::Guard>& guard = algorithm_.guard;
+    const ir::GuardArrays told_by = ir::guard_arrays(algorithm_);
     for (std::size_t a = 0; a < algorithm_.arrays.size(); ++a) {
       const int index = static_cast<int>(a);
-      const bool checked = guard && (index == guard->pivots || index == guard->diagonal);
+      const bool checked = (guard && (index == guard->pivots || index == guard->diagonal)) || told_by.has(index);
       algorithm_.arrays[a].written_out = algorithm_.arrays[a].internal && !checked && index != algorithm_.factor;
     }
     program_.arrays = algorithm_.arrays;

@@ -77,9 +77,11 @@ inline ir::KinematicTree welded(ir::KinematicTree tree, const std::string& link,
 
 // The results of one function, or of one half of it behind what the other left, in both forms.
 inline std::array<ir::Arrays, 2> run_half(const ir::EmittedFunction& function, const Model& model, const State& state,
-                                          const Payload& payload, const std::array<ir::Arrays, 2>& left = {}) {
+                                          const Payload& payload, const std::array<ir::Arrays, 2>& left = {},
+                                          std::optional<ir::Solver> solver = {}) {
   const ir::NormalTree normal = passes::normalise(model.tree, passes::normalise_options(model.scene, true));
-  const ir::Algorithm algorithm = passes::describe(function, model.tree, normal, model.scene, {});
+  if (!solver) solver = passes::solvers(function, model.tree, model.scene).front();
+  const ir::Algorithm algorithm = passes::describe(function, model.tree, normal, model.scene, *solver, {});
   passes::Unroll unroll(algorithm, model.tree, normal, model.scene, {{}, false});
   const ir::FunctionInput input = [&](const ir::Input& in) {
     switch (in.kind) {
@@ -96,7 +98,7 @@ inline std::array<ir::Arrays, 2> run_half(const ir::EmittedFunction& function, c
   ir::Algorithm written_out = algorithm;
   ir::Program line = unroll.program();
   passes::write_out_steps(written_out, line, ir::coordinate_tree(model.tree));
-  ir::Arrays straight = ir::run(written_out, line, input, left[0]);
+  ir::Arrays straight = ir::run(written_out, line, ir::coordinate_tree(model.tree), input, left[0]);
   if (model.tree.bodies.empty()) return {straight, straight};  // a base alone
   const ir::Plan plan = passes::plan(model.tree, model.scene, ir::Form::rolled, {}, {});
   const ir::RolledProgram program = passes::roll(algorithm, unroll, model.tree, model.scene, plan, {});

@@ -3,12 +3,16 @@
 #pragma once
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
+#include <dalembert/pivots.hpp>
 #include <functional>
 #include <map>
 #include <string>
 #include <vector>
 
+#include "ir/coordinate_tree.hpp"
+#include "ir/guard_arrays.hpp"
 #include "ir/kinematic_tree.hpp"
 #include "ir/plan.hpp"
 #include "ir/program.hpp"
@@ -56,8 +60,39 @@ inline void factor(Eigen::MatrixXd M, Eigen::MatrixXd& upper, Eigen::MatrixXd& p
   }
 }
 
+// What the guard of a function finds in its arrays, as dalembert/factor.hpp has it. above: the coordinate above each.
+inline FactorStatus<double> guard_status(const Algorithm& algorithm, Arrays& arrays, const std::vector<int>& above) {
+  const Guard& guard = *algorithm.guard;
+  const GuardArrays told_by = guard_arrays(algorithm);
+  const auto array = [&](int index) -> Eigen::MatrixXd& {
+    return arrays[algorithm.arrays[static_cast<std::size_t>(index)].name];
+  };
+  const Eigen::VectorXd pivots = array(guard.pivots), diagonal = array(guard.diagonal);
+  if ((pivots.array() > detail::least_ratio<double>() * diagonal.array() && pivots.array() > 0).all()) return {};
+  const Eigen::Index n = pivots.size();
+  const double rounding = detail::rounding_left<double>(static_cast<int>(n));
+  if (told_by.factor >= 0) {
+    Eigen::VectorXd x(n);
+    return detail::bounded_status<double>(static_cast<int>(n), above.data(), array(told_by.factor).data(), pivots.data(),
+                                          diagonal.data(), x.data());
+  }
+  // E of every coordinate, as a matrix.
+  const Eigen::MatrixXd &gain = array(told_by.gain), &joint = array(told_by.joint);
+  std::vector<Eigen::MatrixXd> beyond(static_cast<std::size_t>(n), Eigen::MatrixXd::Zero(6, 6));
+  for (Eigen::Index k = n; k-- > 0;) {
+    const Eigen::MatrixXd& E = beyond[static_cast<std::size_t>(k)];
+    const Eigen::VectorXd V = gain.col(k), J = joint.col(k);
+    if (!detail::exceeds(pivots[k], diagonal[k] + std::max(0.0, J.dot(E * J)), rounding))
+      return {static_cast<int>(k), pivots[k]};
+    const Eigen::MatrixXd P = Eigen::MatrixXd::Identity(6, 6) - J * V.transpose();
+    if (const int p = above[static_cast<std::size_t>(k)]; p >= 0)
+      beyond[static_cast<std::size_t>(p)] += P.transpose() * E * P + diagonal[k] * V * V.transpose();
+  }
+  return {};
+}
+
 // Steps with whole matrices, in the terms of their definition.
-inline void run_steps(const Algorithm& algorithm, Arrays& arrays) {
+inline void run_steps(const Algorithm& algorithm, Arrays& arrays, const std::vector<int>& above) {
   const auto array = [&](int index) -> Eigen::MatrixXd& {
     return arrays[algorithm.arrays[static_cast<std::size_t>(index)].name];
   };
@@ -83,20 +118,21 @@ inline void run_steps(const Algorithm& algorithm, Arrays& arrays) {
     array(s.to) = array(s.room) = (transposed * array(s.b).col(0).asDiagonal() * transposed.transpose()).inverse();
   }
   if (!algorithm.guard || algorithm.guard->pivots < 0) return;
-  const Eigen::MatrixXd &pivots = array(algorithm.guard->pivots), &diagonal = array(algorithm.guard->diagonal);
-  const double rounding = static_cast<double>(pivots.size()) * 0x1p-52;
-  if ((pivots.array() > rounding * diagonal.array() && pivots.array() > 0).all()) return;
+  const FactorStatus<double> status = guard_status(algorithm, arrays, above);
+  arrays["status"] = Eigen::MatrixXd::Constant(1, 1, status.coordinate);
+  if (status.ok()) return;
   for (const int index : algorithm.guard->arrays) array(index).setZero();
 }
 
 // The straight form. `arrays`: those that the first half has left for a second.
-inline Arrays run(const Algorithm& algorithm, const Program& program, const FunctionInput& input, Arrays arrays = {}) {
+inline Arrays run(const Algorithm& algorithm, const Program& program, const CoordinateTree& coordinates,
+                  const FunctionInput& input, Arrays arrays = {}) {
   for (const OutputArray& a : program.arrays)
     if (!a.of_first_half && !a.written_out) arrays[a.name] = Eigen::MatrixXd::Zero(a.rows, a.columns);
   const std::vector<double> values = interpret<double>(program.graph, input);
   for (const OutputElement& e : program.elements)
     arrays[program.arrays[static_cast<std::size_t>(e.array)].name](e.row, e.column) = values[static_cast<std::size_t>(e.node)];
-  run_steps(algorithm, arrays);
+  run_steps(algorithm, arrays, coordinates.above);
   return arrays;
 }
 
@@ -133,7 +169,7 @@ class RolledRun {
       for (int i = 0; i < segments; ++i) segment(level % 2 == 0 ? i : segments - 1 - i, level);
     }
     results();
-    run_steps(algorithm_, arrays_);
+    run_steps(algorithm_, arrays_, coordinate_tree(tree_).above);
     return arrays_;
   }
 

@@ -5,6 +5,8 @@
 //   U = F - K J, D = U.J, V = U / D, K_p += K + U V',
 //
 // and velocities and gravity enter through the bias alone: what is solved for is dv = M^-1 (tau - (C v + g)).
+#include "ir/guard_arrays.hpp"
+#include "passes/quantities/complete_guard.hpp"
 #include "passes/quantities/shared.hpp"
 
 namespace dalembert::passes {
@@ -172,6 +174,17 @@ void guard(Builder& b, int array) {
     b.result({b.guard()->diagonal, ir::Layout::per_coordinate, a.diagonal});
   }
   b.guard()->arrays.push_back(array);
+}
+
+void complete_guard(Builder& b) {
+  if (!b.guard() || b.guard()->pivots < 0 || b.factors() || b.has_array(b.own_name(ir::own_factor))) return;
+  const Articulated a = articulated_bodies(b);
+  const Poses p = poses(b);
+  const int gain = b.internal_array(b.own_name(ir::own_gain), 6, b.tree().nv());
+  const int joint = b.internal_array(b.own_name(ir::own_joint), 6, b.tree().nv());
+  b.result({gain, ir::Layout::columns, a.gain});
+  b.result({joint, ir::Layout::columns, p.joint_linear});
+  b.result({joint, ir::Layout::columns, p.joint_angular, 3});
 }
 
 SolvedRoles solved_accelerations(Builder& b) {

@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "ir/identifier.hpp"
+#include "passes/quantities/complete_guard.hpp"
 #include "passes/quantities/quantities.hpp"
 
 namespace dalembert::passes {
@@ -60,6 +61,7 @@ ir::Algorithm describe(const ir::EmittedFunction& function, const ir::KinematicT
     const int array = b.array(function.result(output), ir::extent(row.rows, tree), ir::extent(row.columns, tree));
     describe_link_quantity(b, link_frame(output.link, tree, normal), output.quantity, array);
   }
+  complete_guard(b);
   return b.take();
 }
 

@@ -5,74 +5,12 @@
 // by column.
 #pragma once
 
-#include <cstdint>
 #include <dalembert/chain_shapes.hpp>
 #include <dalembert/columns.hpp>
-#include <limits>
+#include <dalembert/pivots.hpp>
 #include <type_traits>
 
 namespace dalembert {
-
-// Of a mass matrix M = L' D L, factored from the last coordinate to the first: the first coordinate met whose pivot D is not
-// above what rounding may leave of M's diagonal element, n epsilon M_kk; it moves no mass, or none of its own.
-template <class T>
-struct FactorStatus {
-  int coordinate = -1;  // index in v; -1: none, M is positive definite
-  T pivot = T(0);       // its D, kg or kg m^2; not a number where an input is not
-
-  bool ok() const noexcept { return coordinate < 0; }
-};
-
-namespace detail {
-
-template <class T>
-using CountOf = std::conditional_t<sizeof(T) == 8, std::int64_t, std::int32_t>;  // as wide as T: in lanes
-
-// Whether a pivot is above what rounding may leave.
-template <class T>
-DALEMBERT_INLINE bool holds(const T& pivot, const T& diagonal, const T& rounding) {
-  return (pivot > rounding * diagonal) & (pivot > T(0));
-}
-
-}  // namespace detail
-
-template <int n, class T>
-static inline FactorStatus<T> factor_status(const T* pivots, const T* diagonal) noexcept {
-  const T rounding = T(n) * std::numeric_limits<T>::epsilon();
-  detail::CountOf<T> count = 0;
-  for (int k = 0; k < n; ++k) count += detail::holds(pivots[k], diagonal[k], rounding) ? 1 : 0;
-  FactorStatus<T> status;
-  if (count == n) return status;
-  for (int k = 0; k < n; ++k)
-    if (!detail::holds(pivots[k], diagonal[k], rounding)) status = {k, pivots[k]};
-  return status;
-}
-
-// The same where only the first `base` of the pivots stand in `pivots`, and the joints' at their slots: no_joint is 1 at slots
-// without one, 0 at others; joint_slot: of coordinates base, base + 1, …. Taking them from there to `pivots` and `diagonal`
-// costs more than the rest, and is only needed where one fails.
-template <int n, int base, int slots, class T>
-static inline FactorStatus<T> factor_status_of_slots(const T* slot_pivots, const T* slot_diagonal, const T* no_joint,
-                                                     const int* joint_slot, T* pivots, T* diagonal) noexcept {
-  const T rounding = T(n) * std::numeric_limits<T>::epsilon();
-  detail::CountOf<T> count = 0;
-  for (int k = 0; k < base; ++k) count += detail::holds(pivots[k], diagonal[k], rounding) ? 1 : 0;
-  for (int i = 0; i < slots; ++i)
-    count += (detail::holds(slot_pivots[i], slot_diagonal[i], rounding) | (no_joint[i] > T(0))) ? 1 : 0;
-  if (__builtin_expect(count == base + slots, 1)) return {};
-  for (int k = base; k < n; ++k) {
-    pivots[k] = slot_pivots[joint_slot[k - base]];
-    diagonal[k] = slot_diagonal[joint_slot[k - base]];
-  }
-  return factor_status<n>(pivots, diagonal);
-}
-
-// What was solved for means nothing unless M is positive definite.
-template <int n, class T>
-static inline void clear_unless_ok(const FactorStatus<T>& status, T* result) noexcept {
-  if (status.ok()) return;
-  for (int i = 0; i < n; ++i) result[i] = T(0);
-}
 
 // Eights of elements that a product of matrices takes at a time, for two of its columns: as many as registers hold.
 inline constexpr int product_eights = native_lanes < 8 ? 2 : 4;

@@ -7,6 +7,8 @@
 
 #include <dalembert/factor.hpp>
 #include <dalembert/spatial.hpp>
+#include <numeric>
+#include <vector>
 
 namespace dalembert::generic {
 
@@ -20,17 +22,15 @@ struct Solution {
 template <class S>
 class Factorisation {
  public:
-  // M: symmetric, of which the lower triangle is read. A pivot counts as positive when it exceeds M's diagonal element by more
-  // than rounding may have left of it: n · epsilon · M_kk. Nothing may be solved unless status().ok().
+  // M: symmetric, of which the lower triangle is read. Nothing may be solved unless status().ok(), which says what FactorStatus
+  // does: bounds are computed where a pivot is small beside M's diagonal element.
   explicit Factorisation(MatrixX<S> M) : factors_(std::move(M)) {
     const Eigen::Index n = factors_.rows();
-    const VectorX<S> least = S(double(n)) * Eigen::NumTraits<S>::epsilon() * factors_.diagonal();
+    const VectorX<S> diagonal = factors_.diagonal();
+    bool all_hold = true;
     for (Eigen::Index k = n - 1; k >= 0; --k) {
       const S pivot = factors_(k, k);
-      if (!(pivot > least[k] && pivot > S(0))) {
-        status_ = {static_cast<int>(k), pivot};
-        return;
-      }
+      all_hold = all_hold && pivot > dalembert::detail::least_ratio<S>() * diagonal[k] && pivot > S(0);
       for (Eigen::Index i = 0; i < k; ++i) {
         if (factors_(k, i) == S(0)) continue;
         const S l = factors_(k, i) / pivot;
@@ -38,6 +38,7 @@ class Factorisation {
       }
       factors_.row(k).head(k) /= pivot;
     }
+    if (!all_hold) status_ = bounded_status(diagonal);
   }
 
   const FactorStatus<S>& status() const { return status_; }
@@ -61,6 +62,17 @@ class Factorisation {
   }
 
  private:
+  // Where no coordinate is known to be beyond another each counts as beyond the one before it.
+  FactorStatus<S> bounded_status(const VectorX<S>& diagonal) const {
+    const int n = static_cast<int>(factors_.rows());
+    std::vector<int> above(static_cast<std::size_t>(n));
+    std::iota(above.begin(), above.end(), -1);
+    const VectorX<S> pivots = factors_.diagonal();
+    const MatrixX<S> factor = upper();
+    VectorX<S> x(n);
+    return dalembert::detail::bounded_status<S>(n, above.data(), factor.data(), pivots.data(), diagonal.data(), x.data());
+  }
+
   MatrixX<S> factors_;  // D on the diagonal, L below it
   FactorStatus<S> status_;
 };
