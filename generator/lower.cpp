@@ -8,6 +8,7 @@
 #include "passes/plan.hpp"
 #include "passes/quantities/quantities.hpp"
 #include "passes/roll.hpp"
+#include "passes/schedule.hpp"
 #include "passes/unroll.hpp"
 #include "passes/write_out.hpp"
 
@@ -27,6 +28,7 @@ class Lowering {
         normal_(normal),
         function_(function),
         halves_(passes::halves(function, model.tree)),
+        planned_(planned(model, function)),
         options_{model.options.fold, model.options.share} {}
 
   // As far as the unrolled program.
@@ -37,21 +39,30 @@ class Lowering {
     return lowered;
   }
 
-  // The cheapest way of all.
+  // The cheapest way of all that the scene's plan leaves.
   std::vector<LoweredFunction> form() const {
     std::vector<Way> ways;
-    for (const ir::Solver solver : passes::solvers(function_, model_.tree, model_.scene)) add_ways(solver, ways);
+    // A plan of more outputs than are asked for here may say how to solve what is not.
+    std::vector<ir::Solver> solvers = passes::solvers(function_, model_.tree, model_.scene);
+    if (planned_.solver && std::find(solvers.begin(), solvers.end(), *planned_.solver) != solvers.end())
+      solvers = {*planned_.solver};
+    for (const ir::Solver solver : solvers) add_ways(solver, ways);
     const auto cheapest = std::min_element(ways.begin(), ways.end(), [](const Way& a, const Way& b) {
       return a.candidate.nanoseconds[backend::usual_width] < b.candidate.nanoseconds[backend::usual_width];
     });
     std::rotate(ways.begin(), cheapest, cheapest + 1);
     std::vector<LoweredFunction> chosen = std::move(ways.front().halves);
     for (const Way& way : ways) chosen.front().candidates.push_back(way.candidate);
-    if (chosen.size() == 1 && !chosen.front().plan.tasks) add_other_form(ways, chosen.front());
+    if (chosen.size() == 1 && !chosen.front().plan.tasks && !planned_.form) add_other_form(ways, chosen.front());
     return chosen;
   }
 
  private:
+  static ir::FunctionPlan planned(const Model& model, const ir::EmittedFunction& function) {
+    const auto found = model.scene.plan.find(function.name);
+    return found == model.scene.plan.end() ? ir::FunctionPlan() : found->second;
+  }
+
   // The other form, where registers of some width gain more by it than estimates err.
   static void add_other_form(std::vector<Way>& ways, LoweredFunction& chosen) {
     constexpr double worth_its_text = 1.06;
@@ -93,16 +104,23 @@ class Lowering {
       const ir::Program& program = unrolls.back().program();
       operations += ir::count(program.graph, ir::uses(program.graph, program.roots()));
     }
-    const std::vector<ir::Form> forms = passes::forms(model_.tree, model_.scene, operations, model_.options);
+    ir::CompileOptions options = model_.options;
+    if (options.form == ir::Form::automatic && planned_.form) options.form = *planned_.form;
+    const std::vector<ir::Form> forms = passes::forms(model_.tree, model_.scene, operations, options);
     for (const ir::Form form : forms) {
-      Way way{lowered, {form, solver}};
+      Way way{lowered, {form, solver, ir::Order::as_written, {}}};
       for (size_t half = 0; half < lowered.size(); ++half) {
         LoweredFunction& f = way.halves[half];
         f.plan = passes::plan(model_.tree, model_.scene, form, operations, model_.options);
         if (form == ir::Form::rolled)
           f.rolled = passes::roll(f.algorithm, unrolls[half], model_.tree, model_.scene, f.plan, options_);
         f.program = &form == &forms.back() ? unrolls[half].take_program() : unrolls[half].program();
-        if (form == ir::Form::straight) passes::write_out_steps(f.algorithm, f.program, ir::coordinate_tree(model_.tree));
+        if (form == ir::Form::straight) {
+          passes::write_out_steps(f.algorithm, f.program, ir::coordinate_tree(model_.tree));
+          way.candidate.order = f.plan.order = planned_.order.value_or(ir::Order::as_written);
+          if (f.plan.order != ir::Order::as_written)
+            f.program.order = passes::schedule(f.program.graph, f.program.roots(), f.plan.order);
+        }
         for (size_t width = 0; width < backend::register_widths.size(); ++width)
           way.candidate.nanoseconds[width] +=
               backend::estimate({model_.tree, normal_, model_.scene, f.algorithm, f.program, f.plan, f.rolled, model_.name},
@@ -116,6 +134,7 @@ class Lowering {
   const ir::NormalTree& normal_;
   const ir::EmittedFunction& function_;
   const std::vector<ir::EmittedFunction> halves_;
+  const ir::FunctionPlan planned_;
   const ir::Graph::Options options_;
 };
 

@@ -18,6 +18,7 @@ namespace dalembert {
 struct Candidate {
   ir::Form form;
   ir::Solver solver;
+  ir::Order order = ir::Order::as_written;  // of the straight form
   std::array<double, backend::register_widths.size()> nanoseconds{};
 };
 

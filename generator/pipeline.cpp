@@ -2,16 +2,20 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 
 #include "frontend/scene_check.hpp"
 #include "frontend/urdf_reader.hpp"
 #include "idle_keys.hpp"
+#include "ir/emitted_function.hpp"
 #include "ir/identifier.hpp"
 #include "ir/library_names.hpp"
+#include "ir/plan_words.hpp"
 #include "passes/build_tree.hpp"
 #include "passes/inertia_check.hpp"
 #include "passes/joints_without_mass.hpp"
+#include "passes/quantities/quantities.hpp"
 #include "reference/solvable.hpp"
 
 namespace dalembert {
@@ -91,6 +95,24 @@ void check_size(const ir::RobotDescription& robot, const ir::KinematicTree& tree
                       "make joints fixed, or lock or cut them in the scene"});
 }
 
+// What a plan asks for is there to be chosen.
+void check_plan(const ir::KinematicTree& tree, const ir::Scene& scene) {
+  const auto refuse = [](const std::string& message, const char* remedy) {
+    throw InputError({Severity::error, "", "scene key 'plan'", message, remedy});
+  };
+  for (const ir::EmittedFunction& function : ir::functions_of(scene)) {
+    const auto how = scene.plan.find(function.name);
+    if (how == scene.plan.end()) continue;
+    const std::vector<ir::Solver> solvers = passes::solvers(function, tree, scene);
+    if (how->second.solver && std::find(solvers.begin(), solvers.end(), *how->second.solver) == solvers.end())
+      refuse(fmt::format("the function '{}' cannot be computed by {} here", function.name,
+                         word_of(ir::solver_words(), *how->second.solver)),
+             "leave the solver out, or measure again with --plan measure");
+    if (how->second.form == ir::Form::rolled && tree.bodies.empty())
+      refuse(fmt::format("'{}' cannot be rolled: no joint of the robot moves", function.name), "leave its form out");
+  }
+}
+
 // Loops run over limbs.
 void check_form(const ir::RobotDescription& robot, const ir::KinematicTree& tree, const ir::CompileOptions& options) {
   if (options.form == ir::Form::rolled && tree.bodies.empty())
@@ -117,6 +139,7 @@ Model read_model(const Request& request, Diagnostics& warnings) {
     warn_of_idle_keys(model.scene, model.tree, warnings);
   }
   check_form(model.description, model.tree, model.options);
+  check_plan(model.tree, model.scene);
   return model;
 }
 

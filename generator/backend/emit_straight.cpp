@@ -68,12 +68,15 @@ class Angles {
   std::map<ir::NodeId, int> index_;
 };
 
+std::string who(const CodeInput& code, const ir::Tag& tag) {
+  return tag.body < 0 ? "base " + code.tree.base_link
+                      : code.tree.bodies[static_cast<size_t>(tag.body)].joint + " -> " +
+                            code.tree.bodies[static_cast<size_t>(tag.body)].name;
+}
+
 // What is computed, by the equation of the sweep, and for whom.
 std::string heading(const CodeInput& code, const ir::Tag& tag) {
   const ir::Algorithm& a = code.algorithm;
-  const std::string who = tag.body < 0 ? "base " + code.tree.base_link
-                                       : code.tree.bodies[static_cast<size_t>(tag.body)].joint + " -> " +
-                                             code.tree.bodies[static_cast<size_t>(tag.body)].name;
   const auto at = static_cast<size_t>(tag.sweep), pairs = a.sweeps.size() + a.pairs.size(),
              projections = pairs + a.projections.size();
   const std::string equation = tag.sweep < 0          ? "moments of the payloads"
@@ -82,7 +85,14 @@ std::string heading(const CodeInput& code, const ir::Tag& tag) {
                                : at < projections     ? a.projections[at - pairs].equation
                                                       : a.written_out[at - projections];
   if (tag.sweep >= 0 && at >= projections) return fmt::format("\n  // {}\n", equation);
-  return fmt::format("\n  // {}: {}\n", comment_text(who), equation);
+  return fmt::format("\n  // {}: {}\n", comment_text(who(code, tag)), equation);
+}
+
+// Where another order than that of the equations comes back to it.
+std::string return_to(const CodeInput& code, const ir::Tag& tag) {
+  const size_t equations = code.algorithm.sweeps.size() + code.algorithm.pairs.size() + code.algorithm.projections.size();
+  const bool of_all = tag.sweep >= 0 && static_cast<size_t>(tag.sweep) >= equations;
+  return of_all ? "  // the factors again\n" : fmt::format("  // {} again\n", comment_text(who(code, tag)));
 }
 
 // Whether most of it are products of a body's numbers and those of another that is far away in the text.
@@ -113,6 +123,8 @@ std::string straight_statements(const CodeInput& code, const ir::Program& progra
     sinks.push_back({e.node, fmt::format("workspace.{}[{}] = ", array.name, element_index(array, e.row, e.column)), ";"});
   }
   if (sinks.empty()) body += "  (void)workspace;\n";
+  style.order = program.order;
+  if (!program.order.empty()) style.return_to = [&](const ir::Tag& tag) { return return_to(code, tag); };
   return body + print(program.graph, sinks, style) + matrix_statements(code) + guard_statements(code) + second_half_call(code);
 }
 

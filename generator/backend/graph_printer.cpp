@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <set>
 #include <tuple>
 #include <unordered_map>
 #include <unordered_set>
@@ -35,7 +36,10 @@ class Printer {
   }
 
   std::string run() {
-    for (NodeId id = 0; id < graph_.size(); ++id) {
+    const bool by_number = style_.order.empty();
+    const size_t count = by_number ? text_of_.size() : style_.order.size();
+    for (size_t place = 0; place < count; ++place) {
+      const NodeId id = by_number ? static_cast<NodeId>(place) : style_.order[place];
       if (uses_[at(id)] == 0) continue;
       const ir::Node& n = graph_[id];
       const bool leaf = n.op == Op::constant || n.op == Op::input;
@@ -101,7 +105,8 @@ class Printer {
   void head(const ir::Tag& tag) {
     if (!style_.heading || (tag.sweep == last_.sweep && tag.body == last_.body)) return;
     last_ = tag;
-    out_ += style_.heading(tag);
+    const bool first = begun_.insert({tag.sweep, tag.body}).second;
+    out_ += first || !style_.return_to ? style_.heading(tag) : style_.return_to(tag);
   }
 
   void declare(NodeId id, Text& t) {
@@ -230,6 +235,7 @@ class Printer {
   std::vector<Text> text_of_;
   std::unordered_set<std::string> names_;
   ir::Tag last_{-1, -2};
+  std::set<std::pair<int, int>> begun_;  // paragraphs, by sweep and body
   int temporaries_ = 0;
   std::string out_;
 };

@@ -30,10 +30,12 @@ struct PrintStyle {
   std::function<std::string(const ir::Input&)> input_name;   // if set: inputs used twice are read once, into this variable
   std::function<std::string(ir::NodeId)> name;               // wanted name of a node, or empty
   std::function<std::string(const ir::Tag&)> heading;        // comment lines before a paragraph, or empty
+  std::function<std::string(const ir::Tag&)> return_to;      // if set: instead of it where a paragraph is taken up again
+  std::vector<ir::NodeId> order;                             // of the nodes; empty: that of their numbers
   std::function<std::string(const ir::Graph&, ir::NodeId)> sine_or_cosine;  // text of an Op::sine or Op::cosine
 };
 
-// Statements in order of the nodes' numbers. Values used once are written where they are used, as long as the expression stays
+// Statements in the order of the nodes. Values used once are written where they are used, as long as the expression stays
 // readable; each sink follows as soon as its value is known. Constant sinks come first.
 std::string print(const ir::Graph& graph, const std::vector<Sink>& sinks, const PrintStyle& style);
 

@@ -17,6 +17,7 @@
 #include "commands/generate.hpp"
 #include "commands/info.hpp"
 #include "commands/machine.hpp"
+#include "commands/measure_plan.hpp"
 #include "commands/options.hpp"
 #include "commands/report.hpp"
 
@@ -66,13 +67,28 @@ std::shared_ptr<CompilerOptions> add_compiler_options(CLI::App& parser) {
   return options;
 }
 
+// The command's request, with a plan measured where that is asked for; `told` is what to print of it.
+Request planned_request(const Command& command, const CompilerOptions& compiler, std::string& told) {
+  Request request = command.shared.request();
+  if (asks_to_measure(request)) return with_measured_plan(std::move(request), compiler, told);
+  for (const char* name : {"--compiler", "--flags", "--lanes"})
+    if (command.parser.get_option(name)->count() > 0)
+      throw InputError({Severity::error, "", std::string("option ") + name, "nothing is compiled without --plan measure",
+                        "leave it out, or measure"});
+  return request;
+}
+
 void add_generate(Command& command) {
   const auto folder = std::make_shared<std::string>();
   command.parser.add_option("-o,--out", *folder, "folder for the generated files; made when missing")
       ->required()
       ->type_name("DIR");
-  command.run = [&command, folder](Diagnostics& warnings) {
-    return print_result(generate(read_model(command.shared.request(), warnings), *folder));
+  const auto compiler = add_compiler_options(command.parser);
+  command.run = [&command, folder, compiler](Diagnostics& warnings) {
+    backend::check_folder(*folder);
+    std::string told;
+    const Request request = planned_request(command, *compiler, told);
+    return print_result(told + generate(read_model(request, warnings), *folder));
   };
 }
 
@@ -84,9 +100,13 @@ void add_info(Command& command) {
       ->check(CLI::IsMember(std::vector<std::string>(std::begin(stage_names), std::end(stage_names))))
       ->excludes("--json")
       ->type_name("tree|normal_tree|program|plan|rolled");
-  command.run = [&command, json, stage](Diagnostics& warnings) {
-    const Model model = read_model(command.shared.request(), warnings);
-    if (stage->empty()) return print_result(*json ? describe_json(model) : describe(model));
+  const auto compiler = add_compiler_options(command.parser);
+  command.run = [&command, json, stage, compiler](Diagnostics& warnings) {
+    std::string told;
+    const Model model = read_model(planned_request(command, *compiler, told), warnings);
+    if (stage->empty() && !*json) return print_result(describe(model) + (told.empty() ? "" : "\n" + told));
+    if (!told.empty()) fmt::print(stderr, "{}", told);
+    if (stage->empty()) return print_result(describe_json(model));
     const auto at = std::find(std::begin(stage_names), std::end(stage_names), *stage);
     return print_result(dump(model, static_cast<Stage>(at - std::begin(stage_names))));
   };

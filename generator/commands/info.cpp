@@ -7,6 +7,7 @@
 
 #include "commands/json.hpp"
 #include "compile.hpp"
+#include "ir/plan_words.hpp"
 #include "left_out.hpp"
 
 namespace dalembert {
@@ -130,8 +131,8 @@ std::string executed_json(const std::vector<std::pair<std::string, ir::Operation
   return text;
 }
 
-const char* name_of(ir::Form form) { return form == ir::Form::rolled ? "rolled" : "straight"; }
-const char* name_of(ir::Solver solver) { return solver == ir::Solver::factorization ? "factorization" : "articulated_bodies"; }
+const std::string& name_of(ir::Form form) { return word_of(ir::form_words(), form); }
+const std::string& name_of(ir::Solver solver) { return word_of(ir::solver_words(), solver); }
 
 // Per function, the ways to compute it, the one chosen first.
 std::string plan_json(const Lowered& lowered) {
@@ -169,10 +170,11 @@ std::string plan_text(const Lowered& lowered) {
     if (f.candidates.empty()) continue;
     text += fmt::format("  {}\n", f.algorithm.function.name);
     for (const Candidate& c : f.candidates)
-      text +=
-          fmt::format("    {:<40}{:>8.0f}\n",
-                      f.candidates.size() > 2 ? fmt::format("{} by {}", name_of(c.form), name_of(c.solver)) : name_of(c.form),
-                      fmt::join(c.nanoseconds, " "));
+      text += fmt::format(
+          "    {:<40}{:>8.0f}\n",
+          (f.candidates.size() > 2 ? fmt::format("{} by {}", name_of(c.form), name_of(c.solver)) : name_of(c.form)) +
+              (c.order == ir::Order::as_written ? "" : ", " + word_of(ir::order_words(), c.order)),
+          fmt::join(c.nanoseconds, " "));
     if (!f.elsewhere.empty())
       text += fmt::format("    {} where registers hold {}\n", name_of(f.elsewhere.front().plan.form),
                           fmt::join(f.elsewhere_lanes, " or "));

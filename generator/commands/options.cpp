@@ -45,6 +45,10 @@ constexpr Help scene_help[] = {
     {"rates_zero", "true|false", "statics: all velocities are zero"},
     {"scalar", "double|float", "number type of the generated code, default double"},
     {"parallel", "serial|tasks|auto", "whether a task graph is generated beside the serial code, default auto"},
+    {"plan", "measure|{FUNCTION: {form: F, solver: S, order: O}}",
+     "how functions are computed; default: as is estimated to be fastest. 'measure' (generate, info) compiles the ways and "
+     "times "
+     "them here, and writes the fastest into the scene file"},
 };
 
 // Those of ir/quantities.def.

@@ -10,6 +10,7 @@
 
 #include "frontend/function_names.hpp"
 #include "frontend/nearest.hpp"
+#include "ir/emitted_function.hpp"
 #include "ir/identifier.hpp"
 
 namespace dalembert::frontend {
@@ -45,6 +46,7 @@ class SceneCheck {
     for (const auto& [joint, value] : scene_.friction) free_joint("friction", joint);
     stiffness();
     elastic();
+    plan();
     if (scene_.urdf_damping) urdf_values("damping", &ir::Joint::damping);
     if (scene_.urdf_friction) urdf_values("friction", &ir::Joint::friction);
     if (!errors_.empty()) throw InputError(errors_);
@@ -229,6 +231,14 @@ class SceneCheck {
           std::count(function.quantities.begin(), function.quantities.end(), ir::Quantity::coriolis_matrix))
         error("functions/" + function.name + part_of_entry + "coriolis_matrix",
               "coriolis_matrix is zero when rates_zero is set", "remove one of the two");
+  }
+
+  void plan() {
+    std::vector<std::string> names;
+    for (const ir::EmittedFunction& function : ir::functions_of(scene_)) names.push_back(function.name);
+    for (const auto& [function, how] : scene_.plan)
+      if (std::find(names.begin(), names.end(), function) == names.end())
+        error("plan/" + function, fmt::format("the scene asks for no function '{}'", function), suggestion(function, names));
   }
 
   // The links that the names of a function's results mean: jacobian_world_hand is the jacobian of a link world_hand where there

@@ -15,6 +15,7 @@
 #include "frontend/text_encoding.hpp"
 #include "frontend/text_file.hpp"
 #include "frontend/yaml_text.hpp"
+#include "ir/plan_words.hpp"
 
 namespace dalembert::frontend {
 
@@ -51,7 +52,8 @@ class SceneReader {
                                           {"inertia", &SceneReader::inertia},
                                           {"rates_zero", &SceneReader::rates_zero},
                                           {"scalar", &SceneReader::scalar},
-                                          {"parallel", &SceneReader::parallel}};
+                                          {"parallel", &SceneReader::parallel},
+                                          {"plan", &SceneReader::plan}};
     return keys;
   }
 
@@ -90,6 +92,39 @@ class SceneReader {
   void parallel(const YamlNode& node) {
     scene_.parallel = choice<ir::Parallel>(
         node, {{"serial", ir::Parallel::serial}, {"tasks", ir::Parallel::tasks}, {"auto", ir::Parallel::automatic}});
+  }
+  // {function: {form: straight, solver: factorization, order: as_written}, ...}
+  void plan(const YamlNode& node) {
+    scene_.plan.clear();
+    forget_entries();
+    const std::string remedy = "write plan: {evaluate: {form: straight}}, or let 'dalembert generate --plan measure' find it";
+    if (node.is_scalar() && node.scalar == "measure")
+      refuse(node, "'measure' is for the command line of generate and info", "write what was measured: " + remedy.substr(6));
+    if (!node.is_map()) refuse(node, "the value is no map from functions to how they are computed", remedy);
+    for (const auto& entry : node.entries) {
+      const std::string function = entry_name(entry.key);
+      if (!entry.value.is_map()) refuse(entry.value, fmt::format("how '{}' is computed is no map", function), remedy);
+      ir::FunctionPlan& how = scene_.plan[function];
+      for (const auto& part : entry.value.entries) {
+        const std::string name = entry_name(part.key, function);
+        if (name == "form") how.form = word(part.value, ir::form_words());
+        else if (name == "solver") how.solver = word(part.value, ir::solver_words());
+        else if (name == "order") how.order = word(part.value, ir::order_words());
+        else
+          refuse(part.key, fmt::format("'{}' is no part of a function's plan", name),
+                 suggestion(name, {"form", "solver", "order"}));
+      }
+    }
+  }
+  template <class T>
+  T word(const YamlNode& node, const std::vector<std::pair<std::string, T>>& words) const {
+    std::vector<std::string> names;
+    for (const auto& [name, value] : words) {
+      if (node.is_scalar() && node.scalar == name) return value;
+      names.push_back(name);
+    }
+    refuse(node, node.is_scalar() ? fmt::format("'{}' is unknown", node.scalar) : "the value is unknown",
+           suggestion(node.is_scalar() ? node.scalar : "", names));
   }
   void coriolis(const YamlNode& node) {
     scene_.coriolis =

@@ -6,6 +6,10 @@ namespace dalembert::ir {
 // One straight line for the whole robot, or limbs side by side in lanes and rolled loops.
 enum class Form { automatic, straight, rolled };
 
+// In which order a straight line computes its values: as the equations are written, or what ends more live values than it
+// begins first; among equals, what the longest way begins with, or what reads the newest value.
+enum class Order { as_written, longest_first, newest_first };
+
 // Each pass can be turned off, to see what it is worth.
 struct CompileOptions {
   Form form = Form::automatic;

@@ -40,6 +40,7 @@ struct Segment {
 
 struct Plan {
   Form form = Form::straight;
+  Order order = Order::as_written;  // of the straight form
   bool tasks = false;
   std::vector<Segment> segments;  // parents before children; empty for the straight form
   int slots = 0;                  // of bodies, including padding between segments

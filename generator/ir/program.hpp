@@ -22,6 +22,7 @@ struct Program {
   std::vector<OutputArray> arrays;
   std::vector<OutputElement> elements;  // structural zeros are not listed
   std::vector<std::string> names;       // per node: a name for reading, empty where there is none
+  std::vector<NodeId> order;            // in which the nodes needed are computed; empty: that of their numbers
 
   std::vector<NodeId> roots() const {
     std::vector<NodeId> ids;

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "ir/compile_options.hpp"
 #include "ir/link_quantity.hpp"
 #include "ir/quantity.hpp"
 #include "ir/robot_description.hpp"
@@ -40,6 +41,13 @@ struct NamedFunction {
   std::string name;
   std::vector<Quantity> quantities;
   std::vector<LinkOutput> of_links{};
+};
+
+// How a function is to be computed: what is said of it; the rest is estimated.
+struct FunctionPlan {
+  std::optional<Form> form;
+  std::optional<Solver> solver;
+  std::optional<Order> order;
 };
 
 // What pushes a link from outside, given at run time: force and moment on it at its origin, along its axes or the world's.
@@ -76,6 +84,7 @@ struct Scene {
   bool urdf_friction = false;                 // take <dynamics friction> from the URDF
   bool lock_massless = false;                 // lock every joint that moves no mass
   InertiaPolicy inertia = InertiaPolicy::refuse;
+  std::map<std::string, FunctionPlan> plan;  // function → how it is to be computed
 
   // What is asked of the whole robot, by any function, each once.
   std::vector<Quantity> quantities() const {

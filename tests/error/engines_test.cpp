@@ -250,5 +250,33 @@ TEST(Check, FindsAWrongLine) {
   EXPECT_NE(outcome.out.find("FAILS: mass_matrix("), std::string::npos) << outcome.out;
 }
 
+// The file gets a plan, and with it the next generation is the same, byte for byte.
+TEST(Plan, IsMeasuredAndRepeated) {
+  const TemporaryFolder folder;
+  const std::string scene = folder.path() + "/scene.yaml", before = "base: fixed  # on a table\noutputs: [mass_matrix]\n";
+  write_text(scene, before);
+  const Outcome measured =
+      run_dalembert({"generate", arm, "--scene", scene, "-o", "a", "--plan", "measure", quickly[0], quickly[1]}, folder.path());
+  ASSERT_EQ(measured.status, 0) << measured.err;
+  EXPECT_NE(measured.out.find("chosen"), std::string::npos) << measured.out;
+  const std::string after = text_of(scene);
+  EXPECT_TRUE(after.starts_with(before + "plan:\n  evaluate: {form: ")) << after;
+  const Outcome again = run_dalembert({"generate", arm, "--scene", scene, "-o", "b"}, folder.path());
+  ASSERT_EQ(again.status, 0) << again.err;
+  for (const char* file : {"/dynamics.cpp", "/dynamics.hpp"})
+    EXPECT_EQ(text_of(folder.path() + "/a" + file), text_of(folder.path() + "/b" + file)) << file;
+}
+
+TEST(Plan, IsNotMeasuredWhereItsFileCannotHoldIt) {
+  const TemporaryFolder folder;
+  const std::string scene = folder.path() + "/scene.yaml";
+  write_text(scene, "{base: fixed}\n");
+  const Outcome run = run_dalembert({"generate", arm, "--scene", scene, "-o", "a", "--plan", "measure"}, folder.path());
+  EXPECT_EQ(run.status, 2);
+  EXPECT_NE(run.err.find("key 'plan': error: its keys do not each begin a line"), std::string::npos) << run.err;
+  EXPECT_EQ(text_of(scene), "{base: fixed}\n");
+  EXPECT_EQ(text_of(folder.path() + "/a/dynamics.cpp"), "");
+}
+
 }  // namespace
 }  // namespace dalembert::test

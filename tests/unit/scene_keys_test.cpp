@@ -8,6 +8,7 @@
 
 #include "commands/options.hpp"
 #include "frontend/scene_check.hpp"
+#include "frontend/scene_plan.hpp"
 #include "frontend/scene_reader.hpp"
 #include "frontend/urdf_reader.hpp"
 #include "passes/build_tree.hpp"
@@ -45,6 +46,7 @@ const Example examples[] = {
     {"rates_zero", "true", "true"},
     {"scalar", "float", "float"},
     {"parallel", "tasks", "tasks"},
+    {"plan", "{evaluate: {form: straight, order: newest_first}}", "{evaluate: {form: straight, order: newest_first}}"},
 };
 
 // Three joints in a row, with damping; then one that moves no mass. The second link's inertia is no body's.
@@ -133,6 +135,54 @@ TEST(SceneKeys, EachStandsInTheDocumentationWithAnExampleThatMahruTakes) {
   for (std::string line; std::getline(file, line) && (rows.empty() || !line.empty());)  // the first table is of keys
     if (line.starts_with("| `")) rows.push_back(line.substr(3, line.find('`', 3) - 3));
   EXPECT_EQ(rows, keys);
+}
+
+// A scene file, and what it becomes with the plan below.
+struct PlanCase {
+  const char *name, *before, *after;
+};
+const PlanCase plan_cases[] = {
+    {"no text", "", "plan:\n  evaluate: {form: straight, order: newest_first}\n"},
+    {"none", "base: fixed  # arm\n", "base: fixed  # arm\nplan:\n  evaluate: {form: straight, order: newest_first}\n"},
+    {"without an end of line", "base: fixed", "base: fixed\nplan:\n  evaluate: {form: straight, order: newest_first}\n"},
+    {"in a line", "plan: {evaluate: {form: rolled}}  # old\n\n# of the arm\nbase:   fixed\n",
+     "plan:\n  evaluate: {form: straight, order: newest_first}\n\n# of the arm\nbase:   fixed\n"},
+    {"in lines", "base: fixed\nplan:\n  evaluate:\n    form: rolled\n  # a comment of it\n\nlocked: {a: 0.1}\n",
+     "base: fixed\nplan:\n  evaluate: {form: straight, order: newest_first}\n\nlocked: {a: 0.1}\n"},
+    {"Windows' lines", "base: fixed\r\nplan: {}\r\nscalar: float\r\n",
+     "base: fixed\r\nplan:\r\n  evaluate: {form: straight, order: newest_first}\r\nscalar: float\r\n"},
+    {"a mark",
+     "\xEF\xBB\xBF"
+     "base: fixed\n",
+     "\xEF\xBB\xBF"
+     "base: fixed\nplan:\n  evaluate: {form: straight, order: newest_first}\n"},
+};
+const frontend::ScenePlan some_plan{{"evaluate", {ir::Form::straight, std::nullopt, ir::Order::newest_first}}};
+
+TEST(ScenePlan, IsPutIntoAFileOfWhichNothingElseChanges) {
+  for (const PlanCase& c : plan_cases) {
+    SCOPED_TRACE(c.name);
+    EXPECT_EQ(frontend::with_plan("s.yaml", c.before, some_plan), c.after);
+    EXPECT_EQ(frontend::with_plan("s.yaml", c.after, some_plan), c.after) << "once more";
+  }
+}
+
+TEST(ScenePlan, IsNotPutWhereAFileLeavesNoPlace) {
+  for (const char* text : {"{base: fixed}\n", "{base: fixed, plan: {}}\n", "base: fixed\n...\n",
+                           "\xFF\xFE"
+                           "b\0:\0 \0",
+                           "outputs: [mass_matrix,\n  bias\n", "# caf\xE9\nbase: fixed\n"}) {
+    SCOPED_TRACE(text);
+    try {
+      frontend::with_plan("s.yaml", text, some_plan);
+      ADD_FAILURE() << "it was put";
+    } catch (const InputError& error) {
+      EXPECT_EQ(error.diagnostics().front().file, "s.yaml");
+      EXPECT_NE(error.diagnostics().front().remedy.find("plan:\n  evaluate: {form: straight, order: newest_first}\n"),
+                std::string::npos)
+          << "what to paste is not said";
+    }
+  }
 }
 
 }  // namespace
