@@ -6,6 +6,7 @@
 #include "ir/coordinate_tree.hpp"
 #include "passes/normalise.hpp"
 #include "passes/plan.hpp"
+#include "passes/project_by_rows.hpp"
 #include "passes/quantities/quantities.hpp"
 #include "passes/roll.hpp"
 #include "passes/schedule.hpp"
@@ -116,6 +117,7 @@ class Lowering {
           f.rolled = passes::roll(f.algorithm, unrolls[half], model_.tree, model_.scene, f.plan, options_);
         f.program = &form == &forms.back() ? unrolls[half].take_program() : unrolls[half].program();
         if (form == ir::Form::straight) {
+          passes::project_by_rows(f.algorithm, f.program, unrolls[half], model_.tree);
           passes::write_out_steps(f.algorithm, f.program, ir::coordinate_tree(model_.tree));
           way.candidate.order = f.plan.order = planned_.order.value_or(ir::Order::as_written);
           if (f.plan.order != ir::Order::as_written)

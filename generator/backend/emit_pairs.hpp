@@ -1,4 +1,4 @@
-// Matrices of pairs and projections in the rolled form: calls of the runtime's block products with the robot's own sizes and
+// Matrices of pairs in the rolled form: calls of the runtime's block products with the robot's own sizes and
 // tables (runtime/include/dalembert/blocks.hpp).
 #pragma once
 
@@ -27,9 +27,5 @@ struct ElementCounts {
   long added_to_zero = 0;  // of these: whose sum starts from zero instead of its first product
 };
 ElementCounts element_counts(const CodeInput& code, size_t segment, const ir::Pairs& pairs, int lanes);
-
-// Tables and statements of the projections; empty where there is none.
-std::string projection_tables(const CodeInput& code);
-std::string projection_statements(const CodeInput& code);
 
 }  // namespace dalembert::backend

@@ -13,6 +13,7 @@
 #include "backend/emit_pairs.hpp"
 #include "backend/emit_paragraph.hpp"
 #include "backend/emit_prepare.hpp"
+#include "backend/emit_projections.hpp"
 #include "backend/graph_printer.hpp"
 #include "backend/kept.hpp"
 #include "backend/literals.hpp"
@@ -216,7 +217,7 @@ std::string tables_text(const CodeInput& code) {
   for (size_t s = 0; s < code.plan.segments.size(); ++s)
     text += "\n// " + code.plan.segments[s].name + ", a row per step, a column per lane\n" + segment_tables(code, s) +
             limb_tables(code, s);
-  return text + projection_tables(code) + pairs_types(code);
+  return text + pairs_types(code);
 }
 
 }  // namespace
@@ -278,6 +279,7 @@ std::vector<std::string> rolled_includes(const CodeInput& code) {
   std::vector<std::string> headers;
   if (pairs && lanes) headers.emplace_back("blocks");
   if (pairs && alone) headers.emplace_back("runs");
+  if (projects_by_rows(code)) headers.emplace_back("projections");
   if (prepare_reads_q(code)) headers.emplace_back("sincos");
   if (solves(code)) headers.emplace_back("solve");
   if (headers.empty()) headers.emplace_back("lanes");

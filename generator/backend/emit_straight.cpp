@@ -6,6 +6,7 @@
 #include <map>
 
 #include "backend/code_text.hpp"
+#include "backend/emit_projections.hpp"
 #include "backend/graph_printer.hpp"
 #include "backend/literals.hpp"
 #include "backend/templates.hpp"
@@ -125,7 +126,8 @@ std::string straight_statements(const CodeInput& code, const ir::Program& progra
   if (sinks.empty()) body += "  (void)workspace;\n";
   style.order = program.order;
   if (!program.order.empty()) style.return_to = [&](const ir::Tag& tag) { return return_to(code, tag); };
-  return body + print(program.graph, sinks, style) + matrix_statements(code) + guard_statements(code) + second_half_call(code);
+  return body + print(program.graph, sinks, style) + projection_statements(code) + matrix_statements(code) +
+         guard_statements(code) + second_half_call(code);
 }
 
 ir::Operations straight_operations(const CodeInput& code) {
@@ -137,6 +139,7 @@ ir::Operations straight_operations(const CodeInput& code) {
 std::vector<std::string> straight_includes(const CodeInput& code) {
   std::vector<std::string> headers;
   if (fills_matrices(code)) headers.emplace_back("straight_line");
+  if (projects_by_rows(code)) headers.emplace_back("projections");
   if (Angles(code.program).count() > 0) headers.emplace_back("sincos");
   if (solves(code) || code.algorithm.factor >= 0) headers.emplace_back("solve");
   return headers;

@@ -5,6 +5,7 @@
 
 #include "backend/emit_pairs.hpp"
 #include "backend/emit_prepare.hpp"
+#include "backend/emit_projections.hpp"
 #include "backend/emit_straight.hpp"
 #include "backend/executed.hpp"
 #include "backend/kept.hpp"
@@ -134,14 +135,14 @@ void add_elements(const CodeInput& code, int lanes, Features& f) {
 }
 
 void add_projections(const CodeInput& code, int lanes, Features& f) {
-  double pairs = 0;  // of a body and a coordinate above it
-  for (int k = 0; k < code.tree.joints(); ++k) {
-    pairs += base_rows(code);
-    for (int above = k; above >= 0; above = code.tree.bodies[static_cast<size_t>(above)].parent) ++pairs;
-  }
+  if (!projects_by_rows(code)) return;
+  const double registers = static_cast<double>(row_counts(code, lanes).registers);
   for (const ir::Projection& p : code.algorithm.projections) {
-    of(f, Feature::scalar) += pairs * Work(p.graph, p.columns, fused(lanes)).operations();
-    of(f, Feature::stores) += pairs * static_cast<double>(p.columns.size());
+    const double columns = static_cast<double>(p.columns.size());
+    of(f, Feature::lanes) += registers * (Work(p.graph, p.columns, fused(lanes)).operations() + columns / 2);
+    of(f, Feature::loops) += 1;
+    // Copies of the joints' numbers, and of bodies' that are the base's rows.
+    if (code.is_rolled()) of(f, Feature::stores) += 6.0 * code.tree.joints() * (1 + columns * base_rows(code) / 60);
   }
 }
 
@@ -170,6 +171,7 @@ Features features(const CodeInput& code, int lanes) {
   Features f{};
   of(f, Feature::call) = 1;
   add_steps(code, f);
+  add_projections(code, lanes, f);
   if (code.plan.form != ir::Form::rolled) {
     add_straight(code.program.graph, code.program.roots(), lanes, f);
     of(f, Feature::fetched) = fetched(of(f, Feature::scalar));
@@ -188,7 +190,6 @@ Features features(const CodeInput& code, int lanes) {
     for (const ir::SegmentStage& stage : code.rolled.segments[s].stages)
       for (const ir::Paragraph& p : stage.paragraphs) add_paragraph(code.plan.segments[s], p, lanes, f);
   add_elements(code, lanes, f);
-  add_projections(code, lanes, f);
   const ir::GuardArrays told_by = ir::guard_arrays(code.algorithm);
   const auto copied = std::count_if(code.algorithm.results.begin(), code.algorithm.results.end(), [&](const ir::Result& r) {
     return !told_by.has(r.array);  // those stay where limbs leave them

@@ -7,6 +7,7 @@
 #include "backend/emit_driven.hpp"
 #include "backend/emit_pairs.hpp"
 #include "backend/emit_prepare.hpp"
+#include "backend/emit_projections.hpp"
 #include "backend/emit_rolled.hpp"
 #include "backend/emit_straight.hpp"
 #include "backend/kept.hpp"
@@ -64,14 +65,11 @@ void add_elements(const CodeInput& code, ir::Operations& sum) {
 }
 
 void add_projections(const CodeInput& code, ir::Operations& sum) {
-  long pairs = 0;  // of a body and a coordinate above it
-  for (int k = 0; k < code.tree.joints(); ++k) {
-    pairs += base_rows(code);
-    for (int above = k; above >= 0; above = code.tree.bodies[static_cast<size_t>(above)].parent) ++pairs;
-  }
+  if (!projects_by_rows(code)) return;
+  const RowCounts computed = row_counts(code, counted_lanes);
   for (const ir::Projection& p : code.algorithm.projections) {
-    sum += of(p.graph, p.columns, pairs);
-    if (has_driven(code)) sum.add += pairs * static_cast<long>(p.columns.size());
+    sum += of(p.graph, p.columns, computed.rows);
+    sum.add += computed.added * static_cast<long>(p.columns.size());
   }
 }
 
@@ -151,6 +149,7 @@ ir::Operations executed_operations(const CodeInput& code) {
   ir::Operations sum;
   sum.multiply = guard_products(code);
   for (const ir::MatrixStep& step : code.algorithm.steps) sum += step_operations(step, ir::coordinate_tree(code.tree));
+  add_projections(code, sum);
   if (code.plan.form != ir::Form::rolled) return sum += straight_operations(code);
   sum += prepare_operations(code);
   for (const ir::BaseStage& stage : code.rolled.base) sum += base(stage);
@@ -160,7 +159,6 @@ ir::Operations executed_operations(const CodeInput& code) {
     sum.add += handed_on(code.rolled.segments[s]);
   }
   add_elements(code, sum);
-  add_projections(code, sum);
   sum.add += driven_results(code) + static_cast<long>(code.rolled.added.size());
   return sum;
 }

@@ -27,6 +27,15 @@ std::string component_suffix(Shape shape, int component) {
   return "";
 }
 
+std::vector<Input> Projection::inputs(InputKind kind) const {
+  const std::vector<std::int32_t> used = uses(graph, columns);
+  std::vector<Input> found;
+  for (NodeId id = 0; id < graph.size(); ++id)
+    if (const Node& n = graph[id]; used[static_cast<std::size_t>(id)] > 0 && n.op == Op::input && n.input.kind == kind)
+      found.push_back(n.input);
+  return found;
+}
+
 std::vector<int> Algorithm::offsets() const {
   std::vector<int> first;
   int next = 0;

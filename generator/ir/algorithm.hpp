@@ -90,6 +90,11 @@ struct Projection {
   std::string equation;
   Graph graph;                  // inputs of kind state: roles of the body; of kind carried: of the joint above it
   std::vector<NodeId> columns;  // the elements of the joint's row, the body's columns from left to right
+  // What straight lines leave for lanes that run along rows (passes/project_by_rows.hpp), arrays: the graph's inputs of kind
+  // state, a column per body; those of kind carried, a row per joint. −1: nothing.
+  int bodies = -1, joints = -1;
+
+  std::vector<Input> inputs(InputKind kind) const;  // each once, in the order of the graph
 };
 
 // How a role becomes an array.

@@ -154,7 +154,9 @@ class Writing {
     for (std::size_t a = 0; a < algorithm_.arrays.size(); ++a) {
       const int index = static_cast<int>(a);
       const bool checked = (guard && (index == guard->pivots || index == guard->diagonal)) || told_by.has(index);
-      algorithm_.arrays[a].written_out = algorithm_.arrays[a].internal && !checked && index != algorithm_.factor;
+      const bool projected = std::any_of(algorithm_.projections.begin(), algorithm_.projections.end(),
+                                         [&](const ir::Projection& p) { return index == p.bodies || index == p.joints; });
+      algorithm_.arrays[a].written_out = algorithm_.arrays[a].internal && !checked && !projected && index != algorithm_.factor;
     }
     program_.arrays = algorithm_.arrays;
     const auto written_out = [&](int array) { return program_.arrays[static_cast<std::size_t>(array)].written_out; };

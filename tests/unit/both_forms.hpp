@@ -18,6 +18,7 @@
 #include "passes/combine_inertia.hpp"
 #include "passes/normalise.hpp"
 #include "passes/plan.hpp"
+#include "passes/project_by_rows.hpp"
 #include "passes/quantities/quantities.hpp"
 #include "passes/roll.hpp"
 #include "passes/unroll.hpp"
@@ -97,8 +98,9 @@ inline std::array<ir::Arrays, 2> run_half(const ir::EmittedFunction& function, c
   };
   ir::Algorithm written_out = algorithm;
   ir::Program line = unroll.program();
+  passes::project_by_rows(written_out, line, unroll, model.tree);
   passes::write_out_steps(written_out, line, ir::coordinate_tree(model.tree));
-  ir::Arrays straight = ir::run(written_out, line, ir::coordinate_tree(model.tree), input, left[0]);
+  ir::Arrays straight = ir::run(written_out, line, model.tree, input, left[0]);
   if (model.tree.bodies.empty()) return {straight, straight};  // a base alone
   const ir::Plan plan = passes::plan(model.tree, model.scene, ir::Form::rolled, {}, {});
   const ir::RolledProgram program = passes::roll(algorithm, unroll, model.tree, model.scene, plan, {});

@@ -17,6 +17,7 @@
 #include "ir/plan.hpp"
 #include "ir/program.hpp"
 #include "ir/rolled.hpp"
+#include "ir/row_runs.hpp"
 #include "passes/joints.hpp"
 
 namespace dalembert::ir {
@@ -124,15 +125,45 @@ inline void run_steps(const Algorithm& algorithm, Arrays& arrays, const std::vec
   for (const int index : algorithm.guard->arrays) array(index).setZero();
 }
 
+// What straight lines leave to lanes of rows.
+inline void run_projections(const Algorithm& algorithm, const KinematicTree& tree, Arrays& arrays) {
+  const auto array = [&](int index) -> Eigen::MatrixXd& {
+    return arrays[algorithm.arrays[static_cast<std::size_t>(index)].name];
+  };
+  for (const Projection& p : algorithm.projections) {
+    if (p.bodies < 0) continue;
+    const std::vector<Input> bodies = p.inputs(InputKind::state), joints = p.inputs(InputKind::carried);
+    const auto place = [](const std::vector<Input>& inputs, const Input& in) {
+      return std::find(inputs.begin(), inputs.end(), in) - inputs.begin();
+    };
+    const int columns = static_cast<int>(p.columns.size());
+    for (int body = 0; body < tree.joints(); ++body) {
+      if (!by_rows(tree, body)) continue;
+      for (const RowRun& run : row_runs(tree, body))
+        for (int i = 0; i < run.count; ++i) {
+          const std::vector<double> values = interpret<double>(p.graph, [&](const Input& in) {
+            return in.kind == InputKind::state ? array(p.bodies)(place(bodies, in), body)
+                                               : array(p.joints)(run.joint + i, place(joints, in));
+          });
+          for (int c = 0; c < columns; ++c) {
+            double& to = array(p.array)(run.row + i, columns * (body + (tree.floating_base ? 1 : 0)) + c);
+            to = (run.adds ? to : 0) + values[static_cast<std::size_t>(p.columns[static_cast<std::size_t>(c)])];
+          }
+        }
+    }
+  }
+}
+
 // The straight form. `arrays`: those that the first half has left for a second.
-inline Arrays run(const Algorithm& algorithm, const Program& program, const CoordinateTree& coordinates,
-                  const FunctionInput& input, Arrays arrays = {}) {
+inline Arrays run(const Algorithm& algorithm, const Program& program, const KinematicTree& tree, const FunctionInput& input,
+                  Arrays arrays = {}) {
   for (const OutputArray& a : program.arrays)
     if (!a.of_first_half && !a.written_out) arrays[a.name] = Eigen::MatrixXd::Zero(a.rows, a.columns);
   const std::vector<double> values = interpret<double>(program.graph, input);
   for (const OutputElement& e : program.elements)
     arrays[program.arrays[static_cast<std::size_t>(e.array)].name](e.row, e.column) = values[static_cast<std::size_t>(e.node)];
-  run_steps(algorithm, arrays, coordinates.above);
+  run_projections(algorithm, tree, arrays);
+  run_steps(algorithm, arrays, coordinate_tree(tree).above);
   return arrays;
 }
 

@@ -1,0 +1,174 @@
+#include "backend/emit_projections.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "backend/graph_printer.hpp"
+#include "backend/kept.hpp"
+#include "backend/literals.hpp"
+#include "backend/target.hpp"
+#include "ir/row_runs.hpp"
+
+namespace dalembert::backend {
+namespace {
+
+using ir::InputKind;
+
+// Bodies whose columns lanes give.
+std::vector<int> projected_bodies(const CodeInput& code) {
+  std::vector<int> bodies;
+  for (int k = 0; k < code.tree.joints(); ++k)
+    if (code.is_rolled() || ir::by_rows(code.tree, k)) bodies.push_back(k);
+  return bodies;
+}
+
+class ProjectionWriter {
+ public:
+  ProjectionWriter(const CodeInput& code, const ir::Projection& projection)
+      : code_(code),
+        projection_(projection),
+        array_(code.algorithm.arrays[static_cast<size_t>(projection.array)]),
+        joints_(projection.inputs(InputKind::carried)),
+        bodies_(projection.inputs(InputKind::state)) {}
+
+  std::string run() const {
+    std::string text = fmt::format("  {{  // {}\n", projection_.equation) + tables();
+    if (code_.is_rolled()) text += joints() + base_rows();
+    text += fmt::format(
+        "    const auto rows = [&](auto some, int k, int joint, Scalar* to) DALEMBERT_IN_BLOCK {{\n"
+        "      constexpr int lanes = decltype(some)::lanes, count = decltype(some)::count;\n"
+        "      using V = {};\n",
+        lanes_.type());
+    std::vector<Sink> sinks;
+    for (size_t c = 0; c < projection_.columns.size(); ++c)
+      sinks.push_back({projection_.columns[c],
+                       fmt::format("dalembert::put_rows<count, lanes{}, Scalar>(to + {}, ",
+                                   has_driven(code_) ? ", decltype(some)::adds" : ", false", array_.rows * static_cast<int>(c)),
+                       ");"});
+    PrintStyle style;
+    style.type = "V";
+    style.scalar = code_.scene.scalar;
+    style.indent = "      ";
+    style.flat_sums = true;
+    style.broadcast = [this](const std::string& number) { return lanes_.broadcast(number); };
+    style.input = [this](const ir::Input& in) {
+      return in.kind == InputKind::state ? lanes_.broadcast(of_body(in, "k")) : lanes_.load(of_joint(in) + " + joint");
+    };
+    style.input_name = [this](const ir::Input& in) {
+      const ir::Role& r = code_.algorithm.roles[static_cast<size_t>(in.index)];
+      const std::string suffix = ir::component_suffix(r.shape, in.component);
+      return (in.kind == InputKind::state ? "body_" : "") + r.name + (suffix.empty() ? "" : "_" + suffix);
+    };
+    text += print(projection_.graph, sinks, style);
+    return text + fmt::format("    }};\n    dalembert::project<{}>(bodies, {}, runs, workspace.{}, rows);\n  }}\n",
+                              has_driven(code_) ? "true" : "false", projected_bodies(code_).size(), array_.name);
+  }
+
+ private:
+  int place(const std::vector<ir::Input>& inputs, const ir::Input& in) const {
+    return static_cast<int>(std::find(inputs.begin(), inputs.end(), in) - inputs.begin());
+  }
+  const ir::OutputArray& array(int index) const { return code_.algorithm.arrays[static_cast<size_t>(index)]; }
+
+  // `k`: a slot; of straight lines where the body's numbers begin.
+  std::string of_body(const ir::Input& in, const std::string& k) const {
+    if (code_.is_rolled()) return fmt::format("{}[{}]", kept(code_, in.index, in.component), k);
+    return fmt::format("workspace.{}[{} + {}]", array(projection_.bodies).name, k, place(bodies_, in));
+  }
+  std::string of_joint(const ir::Input& in) const {
+    const int number = place(joints_, in);
+    if (code_.is_rolled()) return fmt::format("joints[{}]", number);
+    return fmt::format("workspace.{} + {}", array(projection_.joints).name, number * array(projection_.joints).rows);
+  }
+
+  std::string tables() const {
+    std::vector<std::string> bodies, runs;
+    for (const int k : projected_bodies(code_)) {
+      for (const ir::RowRun& r : ir::row_runs(code_.tree, k))
+        runs.push_back(fmt::format("{{{}, {}, {}, {}}}", r.joint, r.row, r.count, r.adds));
+      const int at = code_.is_rolled() ? slot_of(code_, k) : k * array(projection_.bodies).rows;
+      const int columns = static_cast<int>(projection_.columns.size()) * (k + (code_.tree.floating_base ? 1 : 0));
+      bodies.push_back(fmt::format("{{{}, {}, {}}}", at, array_.rows * columns, runs.size()));
+    }
+    return fmt::format(
+        "    static constexpr dalembert::RowRun runs[] = {{\n        {}}};\n"
+        "    static constexpr dalembert::ProjectedBody bodies[] = {{\n        {}}};\n",
+        wrapped(runs, 8), wrapped(bodies, 8));
+  }
+
+  // What joints have, joint after joint.
+  std::string joints() const {
+    std::vector<int> slots;
+    for (int k = 0; k < code_.tree.joints(); ++k) slots.push_back(slot_of(code_, k));
+    std::string text = fmt::format("    static constexpr int slot[] = {{{}}};\n    Scalar joints[{}][{}];\n",
+                                   fmt::join(slots, ", "), joints_.size(), slots.size() + 8);
+    text += fmt::format("    for (int i = 0; i < {}; ++i) {{\n", slots.size());
+    for (size_t i = 0; i < joints_.size(); ++i)
+      text += fmt::format("      joints[{}][i] = {}[slot[i]];\n", i, kept(code_, joints_[i].index, joints_[i].component));
+    text += fmt::format("    }}\n    for (Scalar(&joint)[{0}] : joints)\n      for (int i = {1}; i < {0}; ++i) joint[i] = 0;\n",
+                        slots.size() + 8, slots.size());
+    return text;
+  }
+
+  // The base's coordinates are constants: what is left of the graph.
+  std::string base_rows() const {
+    if (!code_.tree.floating_base) return "";
+    ir::Graph graph;
+    std::vector<Sink> sinks;
+    const int columns = static_cast<int>(projection_.columns.size());
+    for (int j = 0; j < backend::base_rows(code_); ++j) {
+      ir::Copy copy(projection_.graph, graph);
+      for (int c = 0; c < columns; ++c) {
+        const ir::NodeId node = copy.node(projection_.columns[static_cast<size_t>(c)], [&](const ir::Input& in) {
+          return in.kind == InputKind::state ? graph.input(in)
+                                             : graph.constant(code_.rolled.base_coordinates.at({in.index, in.component, j}));
+        });
+        if (!graph.is_constant(node, 0)) sinks.push_back({node, fmt::format("to[{}] = ", array_.rows * c + j), ";"});
+      }
+    }
+    PrintStyle style;
+    style.type = "Scalar";
+    style.scalar = code_.scene.scalar;
+    style.indent = "      ";
+    style.input = [this](const ir::Input& in) { return of_body(in, "body.at"); };
+    return fmt::format(
+               "    for (const dalembert::ProjectedBody& body : bodies) {{\n      Scalar* const to = workspace.{} + "
+               "body.column;\n",
+               array_.name) +
+           print(graph, sinks, style) + "    }\n";
+  }
+
+  const CodeInput& code_;
+  const ir::Projection& projection_;
+  const ir::OutputArray& array_;
+  const std::vector<ir::Input> joints_, bodies_;
+  const Target lanes_{"lanes"};
+};
+
+}  // namespace
+
+bool projects_by_rows(const CodeInput& code) { return !code.algorithm.projections.empty() && !projected_bodies(code).empty(); }
+
+std::string projection_statements(const CodeInput& code) {
+  std::string text;
+  if (!projects_by_rows(code)) return text;
+  for (const ir::Projection& p : code.algorithm.projections) text += ProjectionWriter(code, p).run();
+  return text;
+}
+
+RowCounts row_counts(const CodeInput& code, int lanes) {
+  RowCounts counts;
+  for (const int k : projected_bodies(code))
+    for (const ir::RowRun& run : ir::row_runs(code.tree, k)) {
+      const int rows = ir::computed_rows(run, lanes);
+      counts.rows += rows;
+      counts.registers += lanes > 4 && rows >= lanes ? rows / lanes : (rows + 3) / 4;
+      if (run.adds) ++counts.added;
+    }
+  return counts;
+}
+
+}  // namespace dalembert::backend

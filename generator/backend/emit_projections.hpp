@@ -1,0 +1,22 @@
+// Projections in lanes that run along rows, in either form (runtime/include/dalembert/projections.hpp).
+#pragma once
+
+#include <string>
+
+#include "backend/emit.hpp"
+
+namespace dalembert::backend {
+
+// Statements with their tables; empty where there is none.
+std::string projection_statements(const CodeInput& code);
+// Whether there are any.
+bool projects_by_rows(const CodeInput& code);
+
+// Rows that they compute of a projection, by registers of `lanes`; and the registers.
+struct RowCounts {
+  long rows = 0, registers = 0;
+  long added = 0;  // of the rows: those that are added to others
+};
+RowCounts row_counts(const CodeInput& code, int lanes);
+
+}  // namespace dalembert::backend

@@ -1,0 +1,46 @@
+#include "ir/row_runs.hpp"
+
+#include <algorithm>
+#include <set>
+
+namespace dalembert::ir {
+
+std::vector<RowRun> row_runs(const KinematicTree& tree, int body) {
+  std::vector<int> above;
+  for (int i = body; i >= 0; i = tree.bodies[static_cast<std::size_t>(i)].parent) above.insert(above.begin(), i);
+  const std::vector<int> coordinates = tree.coordinates();
+  const int base = tree.nv() - tree.independent_joints();
+  const auto row = [&](int joint) { return base + coordinates[static_cast<std::size_t>(joint)]; };
+  std::vector<RowRun> runs, adding;
+  std::set<int> there;
+  for (const bool driven : {false, true})
+    for (const int joint : above) {
+      if (tree.bodies[static_cast<std::size_t>(joint)].driven() != driven) continue;
+      if (!there.insert(row(joint)).second) {
+        adding.push_back({joint, row(joint), 1, true});
+      } else if (!driven && !runs.empty() && runs.back().joint + runs.back().count == joint &&
+                 runs.back().row + runs.back().count == row(joint)) {
+        ++runs.back().count;
+      } else {
+        runs.push_back({joint, row(joint), 1, false});
+      }
+    }
+  runs.insert(runs.end(), adding.begin(), adding.end());
+  return runs;
+}
+
+bool by_rows(const KinematicTree& tree, int body) {
+  constexpr int few = 2;
+  int above = 0;
+  for (int i = body; i >= 0; i = tree.bodies[static_cast<std::size_t>(i)].parent) ++above;
+  return above > few;
+}
+
+int computed_rows(const RowRun& run, int lanes) {
+  const auto whole = [&](int w) { return (run.count + w - 1) / w * w; };
+  if (lanes > 4 && run.count >= lanes) return whole(lanes);
+  const int w = std::clamp(lanes, 2, 4);
+  return run.count >= w ? whole(w) : run.count == 3 ? 4 : run.count;
+}
+
+}  // namespace dalembert::ir

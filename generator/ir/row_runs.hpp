@@ -1,0 +1,27 @@
+// The rows of a projection that a body's columns have: those of the joints above it, run by run.
+#pragma once
+
+#include <vector>
+
+#include "ir/kinematic_tree.hpp"
+
+namespace dalembert::ir {
+
+// Joints whose numbers follow one another, and whose rows do. `adds`: one that is driven by another, and whose share falls on a
+// row that has its driver's, or another's, already.
+struct RowRun {
+  int joint = 0, row = 0, count = 0;
+  bool adds = false;
+};
+// Of the joints above a body, itself included; what adds to others comes last.
+std::vector<RowRun> row_runs(const KinematicTree& tree, int body);
+
+// Whether lanes along rows give a body's columns where the rest is straight lines: of fewer joints above it those know more
+// zeros.
+bool by_rows(const KinematicTree& tree, int body);
+
+// Rows that lanes compute of a run: whole registers of `lanes` (at most four, but where a run fills a wider one), the last
+// overlapping the one before; of a shorter run a register of two, or a number alone.
+int computed_rows(const RowRun& run, int lanes);
+
+}  // namespace dalembert::ir

@@ -1,0 +1,43 @@
+#include "passes/project_by_rows.hpp"
+
+#include <algorithm>
+
+#include "ir/row_runs.hpp"
+
+namespace dalembert::passes {
+
+void project_by_rows(ir::Algorithm& algorithm, ir::Program& program, Unroll& unroll, const ir::KinematicTree& tree) {
+  std::vector<int> bodies;
+  for (int k = 0; k < tree.joints(); ++k)
+    if (ir::by_rows(tree, k)) bodies.push_back(k);
+  if (bodies.empty() || algorithm.projections.empty()) return;
+  const int base_rows = tree.nv() - tree.independent_joints(), first = tree.floating_base ? 1 : 0;
+  const auto array = [&](const std::string& name, int rows, int columns) {
+    algorithm.arrays.push_back({name, rows, columns, true});
+    return static_cast<int>(algorithm.arrays.size()) - 1;
+  };
+  const auto put = [&](int to, int row, int column, ir::NodeId node) {
+    if (!program.graph.is_constant(node, 0)) program.elements.push_back({to, row, column, node});
+  };
+  for (ir::Projection& p : algorithm.projections) {
+    const int columns = static_cast<int>(p.columns.size());
+    std::erase_if(program.elements, [&](const ir::OutputElement& e) {
+      const int body = e.column / columns - first;
+      return e.array == p.array && e.row >= base_rows && body >= 0 && ir::by_rows(tree, body);
+    });
+    const std::vector<ir::Input> of_body = p.inputs(ir::InputKind::state), of_joint = p.inputs(ir::InputKind::carried);
+    const std::string name = algorithm.arrays[static_cast<std::size_t>(p.array)].name;
+    constexpr int room = 8;  // registers are read from any row on
+    p.bodies = array(name + "_bodies", static_cast<int>(of_body.size()), tree.joints());
+    p.joints = array(name + "_joints", tree.joints() + room, static_cast<int>(of_joint.size()));
+    for (const int k : bodies)
+      for (std::size_t i = 0; i < of_body.size(); ++i)
+        put(p.bodies, static_cast<int>(i), k, unroll.kept(of_body[i].index, of_body[i].component, k));
+    for (int k = 0; k < tree.joints(); ++k)
+      for (std::size_t i = 0; i < of_joint.size(); ++i)
+        put(p.joints, k, static_cast<int>(i), unroll.kept(of_joint[i].index, of_joint[i].component, k));
+  }
+  program.arrays = algorithm.arrays;
+}
+
+}  // namespace dalembert::passes

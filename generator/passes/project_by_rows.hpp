@@ -1,0 +1,15 @@
+// Projections of straight lines: bodies with several joints above them get their columns from lanes that run along rows, behind
+// all straight lines, which leave what those are made of.
+#pragma once
+
+#include "ir/algorithm.hpp"
+#include "ir/kinematic_tree.hpp"
+#include "ir/program.hpp"
+#include "passes/unroll.hpp"
+
+namespace dalembert::passes {
+
+// program: `unroll`'s, which loses elements and gets what lanes read.
+void project_by_rows(ir::Algorithm& algorithm, ir::Program& program, Unroll& unroll, const ir::KinematicTree& tree);
+
+}  // namespace dalembert::passes
