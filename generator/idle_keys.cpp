@@ -48,7 +48,7 @@ void warn_of_idle_keys(const ir::Scene& scene, const ir::KinematicTree& tree, Di
     keys.warn("wrenches", "no output depends on the wrenches",
               "ask for inverse_dynamics, forward_dynamics or their derivatives");
 
-  const bool solved = keys.any([](Quantity output) { return ir::row_of(output).scale == ir::Scale::solved; });
+  const bool solved = keys.any([](Quantity output) { return ir::is_solved(ir::row_of(output).scale); });
   if (scene.forward_dynamics && !solved)
     keys.warn("forward_dynamics", "no output is solved for with M",
               "ask for forward_dynamics, inverse_mass_matrix or mass_matrix_factor");

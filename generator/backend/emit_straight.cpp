@@ -113,7 +113,8 @@ std::string straight_statements(const CodeInput& code, const ir::Program& progra
     sinks.push_back({e.node, fmt::format("workspace.{}[{}] = ", array.name, element_index(array, e.row, e.column)), ";"});
   }
   if (sinks.empty()) body += "  (void)workspace;\n";
-  return body + print(program.graph, sinks, style) + matrix_statements(code) + guard_statements(code) + second_half_call(code);
+  return body + print(program.graph, sinks, style) + matrix_statements(code) + constraint_statements(code) +
+         guard_statements(code) + second_half_call(code);
 }
 
 ir::Operations straight_operations(const CodeInput& code) {
@@ -127,6 +128,7 @@ std::vector<std::string> straight_includes(const CodeInput& code) {
   if (fills_matrices(code)) headers.emplace_back("straight_line");
   if (Angles(code.program).count() > 0) headers.emplace_back("sincos");
   if (solves(code) || code.algorithm.factor >= 0) headers.emplace_back("solve");
+  if (!code.algorithm.constraint_steps.empty()) headers.emplace_back("constraints");
   return headers;
 }
 

@@ -151,7 +151,12 @@ class Writing {
     for (std::size_t a = 0; a < algorithm_.arrays.size(); ++a) {
       const int index = static_cast<int>(a);
       const bool checked = guard && (index == guard->pivots || index == guard->diagonal);
-      algorithm_.arrays[a].written_out = algorithm_.arrays[a].internal && !checked && index != algorithm_.factor;
+      const bool read = std::any_of(algorithm_.constraint_steps.begin(), algorithm_.constraint_steps.end(), [&](const auto& step) {
+        const std::vector<int> arrays = step.read();
+        return index == step.room || index == step.forces || index == step.to ||
+               std::find(arrays.begin(), arrays.end(), index) != arrays.end();
+      });
+      algorithm_.arrays[a].written_out = algorithm_.arrays[a].internal && !checked && !read && index != algorithm_.factor;
     }
     program_.arrays = algorithm_.arrays;
     const auto written_out = [&](int array) { return program_.arrays[static_cast<std::size_t>(array)].written_out; };

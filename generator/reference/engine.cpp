@@ -2,6 +2,8 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <cmath>
+#include <dalembert/constraint_shapes.hpp>
 #include <limits>
 
 #include "reference/digits50.hpp"
@@ -29,6 +31,29 @@ double mass_condition(const ir::KinematicTree& tree, const ir::Scene& scene, con
   const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(M, Eigen::EigenvaluesOnly).eigenvalues();
   const double least = values.minCoeff(), largest = values.maxCoeff();
   return least > 0 ? largest / least : std::numeric_limits<double>::infinity();
+}
+
+double condition(const Wanted& wanted, const ir::KinematicTree& tree, const ir::Scene& scene, const Inputs& inputs) {
+  if (!wanted.quantity || !ir::is_solved(ir::row_of(*wanted.quantity).scale)) return 0;
+  const double of_mass = mass_condition(tree, scene, inputs);
+  if (ir::row_of(*wanted.quantity).scale == ir::Scale::solved) return of_mass;
+  // Rows of one length, so that units do not count. What several rows say together is solved as if it had a condition of 1/mu;
+  // it is forces alone that this reaches.
+  Eigen::MatrixXd D = evaluate(tree, scene, {{ir::Quantity::delassus_matrix, ""}}, inputs, Precision::extended).front();
+  for (Eigen::Index i = 0; i < D.rows(); ++i) {
+    const double length = std::sqrt(D(i, i));
+    if (!(length > 0)) continue;
+    D.row(i) /= length;
+    D.col(i) /= length;
+  }
+  const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(D, Eigen::EigenvaluesOnly).eigenvalues();
+  const double largest = values.maxCoeff(), mu = Proximal<double>::mu;
+  double least = largest;
+  for (const double value : values)
+    if (value > 100 * mu * largest) least = std::min(least, value);
+  const bool redundant = values.minCoeff() <= 100 * mu * largest;
+  const double of_rows = redundant && wanted.quantity == ir::Quantity::constraint_forces ? 1 / mu : largest / least;
+  return of_mass * of_rows;
 }
 
 double LeastScale::largest_mass() {
@@ -64,7 +89,15 @@ double LeastScale::of(const Wanted& wanted) {
   }
   switch (ir::row_of(*wanted.quantity).scale) {
     case ir::Scale::own:
-    case ir::Scale::solved: break;
+    case ir::Scale::solved:
+    case ir::Scale::constrained: break;
+    case ir::Scale::turning:
+      scale = evaluate(tree_, scene_, {{ir::Quantity::constraint_jacobian, ""}}, inputs_, Precision::float64)
+                  .front()
+                  .cwiseAbs()
+                  .maxCoeff() *
+              rate * rate;
+      break;
     case ir::Scale::momentum: scale = largest_mass() * rate; break;
     case ir::Scale::weight: scale = largest_weight(*wanted.quantity); break;
     case ir::Scale::centrifugal: scale = largest_mass() * rate * rate; break;

@@ -89,6 +89,7 @@ inline std::array<ir::Arrays, 2> run_half(const ir::EmittedFunction& function, c
       case ir::InputKind::effort: return state.more[in.index];
       case ir::InputKind::gravity: return model.scene.gravity[in.component];
       case ir::InputKind::wrench: return state.wrenches[6 * in.index + in.component];
+      case ir::InputKind::contact: return in.component == ir::contact_anchor + 6 ? 1.0 : 0.0;  // as in a new workspace
       case ir::InputKind::payload: return payload[static_cast<size_t>(in.component)];
       default: return std::nan("");
     }
@@ -140,10 +141,10 @@ inline void expect_generic_values(const Model& model, const Payload& payload = {
     const Eigen::MatrixXd reference = evaluate_generic(expected, output, state);
     // Where a robot makes a quantity vanish, rounding of larger terms is left.
     double tolerance = 1e-12 * std::max(reference.cwiseAbs().maxCoeff(), 1e-3);
-    if (output.quantity && ir::row_of(*output.quantity).scale == ir::Scale::solved)
-      tolerance = std::max(tolerance, 10 * reference.cwiseAbs().maxCoeff() * 0x1p-53 *
-                                          reference::mass_condition(expected.tree, expected.scene,
-                                                                    {state.q, state.v, state.more, state.wrenches}));
+    tolerance = std::max(tolerance, 10 * reference.cwiseAbs().maxCoeff() * 0x1p-53 *
+                                        reference::condition({output.quantity, output.link, output.of_link}, expected.tree,
+                                                             expected.scene,
+                                                             {state.q, state.v, state.more, state.wrenches}));
     tolerance *= slack;
     EXPECT_LE((straight.at(output.name) - reference).cwiseAbs().maxCoeff<Eigen::PropagateNaN>(), tolerance) << "straight";
     EXPECT_LE((rolled.at(output.name) - reference).cwiseAbs().maxCoeff<Eigen::PropagateNaN>(), tolerance) << "rolled";
