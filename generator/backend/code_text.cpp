@@ -146,6 +146,7 @@ std::string constraint_statements(const CodeInput& code) {
                        [&](const ir::ConstraintStep& s) { return s.kind == kind; });
   };
   if (!all(ir::ConstraintStep::Kind::delassus)) {
+    if (!solves(code)) text += chains_text(ir::coordinate_tree(code.tree));
     std::vector<std::string> active, regularization;
     for (const ir::Contact& contact : code.scene.contacts) {
       const std::string member = "workspace.contact_" + ir::identifier(contact.name);
@@ -153,9 +154,8 @@ std::string constraint_statements(const CodeInput& code) {
       for (int i = 0; i < contact.rows(); ++i) regularization.push_back(fmt::format("{}.regularization[{}]", member, i));
     }
     text += fmt::format(
-        "  static constexpr int row_coordinate_above[] = {{{}}};\n"
         "  const Scalar row_active[] = {{{}}};\n  const Scalar row_regularization[] = {{\n      {}}};\n",
-        fmt::join(ir::coordinate_tree(code.tree).above, ", "), fmt::join(active, ", "), wrapped(regularization, 6));
+        fmt::join(active, ", "), wrapped(regularization, 6));
   }
   const std::string shape =
       fmt::format("<nv, {}, {}, {}>(row_paths_of, ", paths.count(), paths.block_rows(), paths.longest());
@@ -166,7 +166,7 @@ std::string constraint_statements(const CodeInput& code) {
       continue;
     }
     const bool impact = s.kind == ir::ConstraintStep::Kind::impact;
-    text += fmt::format("  workspace.{} = dalembert::{}{}row_coordinate_above, {}, {}, {}, {}, row_active,\n"
+    text += fmt::format("  workspace.{} = dalembert::{}{}chains, {}, {}, {}, {}, row_active,\n"
                         "      row_regularization, {}, {}, {}{});\n",
                         own_name(code, impact ? "impact_status" : "constraint_status"),
                         impact ? "solve_impact" : "solve_constrained", shape, name(s.jacobian), name(s.factor),

@@ -61,7 +61,7 @@ class SceneCheck {
     const bool given = document_.given.count("outputs") > 0;
     if (scene_.outputs.empty() && scene_.link_outputs().empty() && scene_.functions.empty())
       error("outputs", "no output is asked for", "name at least one quantity, such as mass_matrix");
-    for (const ir::Quantity quantity : scene_.outputs) of_contacts("outputs", quantity);
+    for (const ir::Quantity quantity : scene_.outputs) of_contacts("outputs/" + std::string(ir::name_of(quantity)), quantity);
     if (!scene_.rates_zero) return;
     if (!given) {
       scene_.outputs = {ir::Quantity::mass_matrix, ir::Quantity::gravity};

@@ -37,8 +37,8 @@ double condition(const Wanted& wanted, const ir::KinematicTree& tree, const ir::
   if (!wanted.quantity || !ir::is_solved(ir::row_of(*wanted.quantity).scale)) return 0;
   const double of_mass = mass_condition(tree, scene, inputs);
   if (ir::row_of(*wanted.quantity).scale == ir::Scale::solved) return of_mass;
-  // Rows of one length, so that units do not count. What several rows say together is solved as if it had a condition of 1/mu;
-  // it is forces alone that this reaches.
+  // Rows of one length, so that units do not count. Where rows say the same, and at velocities that contradict them, forces are
+  // 1/mu of what is asked for, and cancel.
   Eigen::MatrixXd D = evaluate(tree, scene, {{ir::Quantity::delassus_matrix, ""}}, inputs, Precision::extended).front();
   for (Eigen::Index i = 0; i < D.rows(); ++i) {
     const double length = std::sqrt(D(i, i));
@@ -48,12 +48,7 @@ double condition(const Wanted& wanted, const ir::KinematicTree& tree, const ir::
   }
   const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(D, Eigen::EigenvaluesOnly).eigenvalues();
   const double largest = values.maxCoeff(), mu = Proximal<double>::mu;
-  double least = largest;
-  for (const double value : values)
-    if (value > 100 * mu * largest) least = std::min(least, value);
-  const bool redundant = values.minCoeff() <= 100 * mu * largest;
-  const double of_rows = redundant && wanted.quantity == ir::Quantity::constraint_forces ? 1 / mu : largest / least;
-  return of_mass * of_rows;
+  return of_mass * std::min(1 / mu, largest / std::max(values.minCoeff(), mu * largest));
 }
 
 double LeastScale::largest_mass() {

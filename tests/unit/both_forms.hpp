@@ -61,6 +61,19 @@ inline std::string link_moved_by(const ir::RobotDescription& robot, const std::s
   throw std::invalid_argument(name);
 }
 
+// On the last body that moves, and, where there are enough, on two above or beside it: a weld and points, along the world's axes
+// and a link's.
+inline std::vector<ir::Contact> some_contacts(const ir::RobotDescription& robot) {
+  std::vector<std::string> moved;
+  for (const ir::Joint& joint : robot.joints)
+    if (joint.type != ir::JointType::fixed) moved.push_back(robot.links[static_cast<size_t>(joint.child)].name);
+  std::vector<ir::Contact> contacts;
+  if (!moved.empty()) contacts.push_back({"foot", moved.back(), ir::ContactType::weld, {0.1, -0.2, 0.05}, false});
+  if (moved.size() > 6) contacts.push_back({"toe", moved[moved.size() / 2], ir::ContactType::point, {0.02, 0.1, -0.3}, true});
+  if (moved.size() > 9) contacts.push_back({"knee", moved[moved.size() / 3], ir::ContactType::point, {-0.1, 0, 0.07}, false});
+  return contacts;
+}
+
 // The payload welded to the link.
 inline ir::KinematicTree welded(ir::KinematicTree tree, const std::string& link, const Payload& p) {
   ir::Inertia inertia{p[0], {p[1], p[2], p[3]}, {}};

@@ -15,6 +15,8 @@ using Vector = Eigen::Matrix<Real, Eigen::Dynamic, 1>;
 
 // A base of six coordinates, a limb of three on it, two limbs of four on that, and one of five on the base.
 constexpr int n = 22, longest = 13;
+constexpr int chain_begin[] = {0, 6, 9, 13, 17, 22}, chain_above[] = {-1, 0, 1, 1, 0}, chain_depth[] = {0, 6, 9, 9, 6};
+constexpr Chains chains{5, chain_begin, chain_above, chain_depth};
 constexpr int above[n] = {-1, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 8, 13, 14, 15, 5, 17, 18, 19, 20};
 
 template <int count>
@@ -69,7 +71,7 @@ Result<T> solved(const System<count>& s, const Vector& effort, const Vector& rig
   Eigen::Matrix<T, Eigen::Dynamic, 1> x = effort.cast<T>(), forces(s.J.rows());
   std::vector<T> room(static_cast<size_t>(constraint_room(count, rows, longest)), T(7));  // what was there before is not read
   Result<T> result;
-  result.status = solve_constrained<n, count, rows, longest>(s.paths(), above, J.data(), U.data(), D.data(), b.data(),
+  result.status = solve_constrained<n, count, rows, longest>(s.paths(), chains, J.data(), U.data(), D.data(), b.data(),
                                                             active.data(), regularization.data(), room.data(), forces.data(),
                                                             x.data());
   result.x = x.template cast<Real>();

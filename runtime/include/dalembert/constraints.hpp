@@ -14,7 +14,7 @@
 #pragma once
 
 #include <dalembert/constraint_shapes.hpp>
-#include <dalembert/factor.hpp>
+#include <dalembert/solve.hpp>
 
 namespace dalembert {
 
@@ -186,6 +186,39 @@ struct ConstraintBlocks {
   }
 };
 
+// x = U^-1 x, without a register of lanes that has but one number to bear.
+template <int n, class T>
+DALEMBERT_INLINE void eliminate_upwards(const Chains& chains, const T* factor, T* x) {
+  for (int c = chains.count - 1; c >= 0; --c) {
+    const int first = chains.begin[c], end = chains.begin[c + 1];
+    for (int k = end - 1; k > first; --k)
+      for (int i = first; i < k; ++i) x[i] -= factor[k * n + i] * x[k];
+    each_above(chains, c, [&](int begin, int behind, int) DALEMBERT_IN_BLOCK {
+      for (int k = end - 1; k >= first; --k)
+        for (int i = begin; i < behind; ++i) x[i] -= factor[k * n + i] * x[k];
+    });
+  }
+}
+
+// x = U'^-1 D^-1 x.
+template <int n, class T>
+DALEMBERT_INLINE void substitute_downwards(const Chains& chains, const T* factor, const T* reciprocals, T* x) {
+  for (int c = 0; c < chains.count; ++c) {
+    const int first = chains.begin[c], end = chains.begin[c + 1];
+    T rest[longest_chain];
+    for (int k = first; k < end; ++k) rest[k - first] = x[k] * reciprocals[k];
+    each_above(chains, c, [&](int begin, int behind, int) DALEMBERT_IN_BLOCK {
+      for (int i = begin; i < behind; ++i)
+        for (int k = first; k < end; ++k) rest[k - first] -= factor[k * n + i] * x[i];
+    });
+    for (int k = first; k < end; ++k) {
+      T own = rest[k - first];
+      for (int i = first; i < k; ++i) own -= factor[k * n + i] * x[i];
+      x[k] = own;
+    }
+  }
+}
+
 template <int n, class T>
 DALEMBERT_INLINE void reciprocals_of(const T* pivots, T* reciprocals) {
   for (int k = 0; k < n; ++k) reciprocals[k] = T(1) / pivots[k];
@@ -212,10 +245,9 @@ __attribute__((noinline)) static void delassus(const ConstraintPaths& at, const 
         }
 }
 
-// x becomes M^-1 (x + J' f), and f what makes J x = b. factor: M's U, of which the half above the diagonal is read. above: of each
-// coordinate the one directly above, -1: none. right: b. active: 1 or 0 per constraint. regularization: R, per row.
+// x becomes M^-1 (x + J' f), and f what makes J x = b. factor: M's U, of which the half above the diagonal is read. right: b. active: 1 or 0 per constraint. regularization: R, per row.
 template <int n, int count, int rows, int longest, class T>
-__attribute__((noinline)) static ConstraintStatus<T> solve_constrained(const ConstraintPaths& at, const int* above,
+__attribute__((noinline)) static ConstraintStatus<T> solve_constrained(const ConstraintPaths& at, const Chains& chains,
                                                                        const T* jacobian, const T* factor, const T* pivots,
                                                                        const T* right, const T* active, const T* regularization,
                                                                        T* room, T* forces, T* x) noexcept {
@@ -224,9 +256,7 @@ __attribute__((noinline)) static ConstraintStatus<T> solve_constrained(const Con
   const Blocks blocks(room);
   T reciprocals[n];
   detail::reciprocals_of<n>(pivots, reciprocals);
-  // x = U^-1 x.
-  for (int k = n - 1; k > 0; --k)
-    for (int i = above[k]; i >= 0; i = above[i]) x[i] -= factor[k * n + i] * x[k];
+  detail::eliminate_upwards<n>(chains, factor, x);
   blocks.fill(at, jacobian, factor, reciprocals, active);
 
   // c, mu N, and the diagonal. What no row stands for is a one.
@@ -307,21 +337,17 @@ __attribute__((noinline)) static ConstraintStatus<T> solve_constrained(const Con
     for (int k = 0; k < at.path_begin[c + 1] - at.path_begin[c]; ++k)
       x[path[k]] += detail::block_dot<padded, T>(blocks.row(c, k), solved + c * padded);
   }
-  for (int k = 0; k < n; ++k) {
-    T rest = x[k] * reciprocals[k];
-    for (int i = above[k]; i >= 0; i = above[i]) rest -= factor[k * n + i] * x[i];
-    x[k] = rest;
-  }
+  detail::substitute_downwards<n>(chains, factor, reciprocals, x);
   return status;
 }
 
 // v after an impact: to = v + M^-1 J' f, f being the impulses that change J v by `right`.
 template <int n, int count, int rows, int longest, class T>
-static inline ConstraintStatus<T> solve_impact(const ConstraintPaths& at, const int* above, const T* jacobian, const T* factor,
+static inline ConstraintStatus<T> solve_impact(const ConstraintPaths& at, const Chains& chains, const T* jacobian, const T* factor,
                                                const T* pivots, const T* right, const T* active, const T* regularization,
                                                T* room, T* impulses, const T* v, T* to) noexcept {
   for (int k = 0; k < n; ++k) to[k] = T(0);
-  const ConstraintStatus<T> status = solve_constrained<n, count, rows, longest>(at, above, jacobian, factor, pivots, right,
+  const ConstraintStatus<T> status = solve_constrained<n, count, rows, longest>(at, chains, jacobian, factor, pivots, right,
                                                                                 active, regularization, room, impulses, to);
   for (int k = 0; k < n; ++k) to[k] += v[k];
   return status;
