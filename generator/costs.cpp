@@ -59,6 +59,7 @@ ir::Operations operations_of(const ir::MatrixStep& step, const ir::CoordinateTre
 struct Making {
   std::set<int> arrays;
   std::vector<ir::MatrixStep> steps;
+  std::vector<ir::ConstraintStep> constraint_steps{};
 };
 Making making(const ir::Algorithm& algorithm, const std::set<int>& arrays) {
   Making m{arrays, {}};
@@ -67,6 +68,11 @@ Making making(const ir::Algorithm& algorithm, const std::set<int>& arrays) {
     const ir::GuardArrays told_by = ir::guard_arrays(algorithm);
     m.arrays.insert({guard->pivots, guard->diagonal, told_by.factor, told_by.gain, told_by.joint});  // some may be none
   }
+  for (const ir::ConstraintStep& step : algorithm.constraint_steps)
+    if (m.arrays.contains(step.to) || m.arrays.contains(step.forces)) {
+      for (const int array : step.read()) m.arrays.insert(array);
+      m.constraint_steps.push_back(step);
+    }
   for (auto step = algorithm.steps.rbegin(); step != algorithm.steps.rend(); ++step)
     if (m.arrays.contains(step->to) || (step->room >= 0 && m.arrays.contains(step->room))) {
       m.arrays.insert({step->a, step->b});  // one may be none
@@ -103,6 +109,11 @@ OperationCost cost_of(const std::string& name, const LoweredFunction& function, 
     cost.operations += operations;
     cost.phases[2] += operations;
   }
+  for (const ir::ConstraintStep& step : made.constraint_steps) {
+    const ir::Operations operations = ir::operations_of(step, tree, false);
+    cost.operations += operations;
+    cost.phases[2] += operations;
+  }
   const ir::InputsRead read = ir::inputs_read(program, uses);
   cost.reads_base_pose = read.base_pose();
   cost.reads_base_position = read.base_position();
@@ -115,7 +126,7 @@ OperationCost cost_of(const std::string& name, const LoweredFunction& function, 
 
 // Everything that it makes.
 Making all_of(const ir::Algorithm& algorithm) {
-  Making m{{}, algorithm.steps};
+  Making m{{}, algorithm.steps, algorithm.constraint_steps};
   for (size_t a = 0; a < algorithm.arrays.size(); ++a) m.arrays.insert(static_cast<int>(a));
   return m;
 }
@@ -156,6 +167,7 @@ Model whole_robot(const Model& model) {
   whole.scene.functions = model.scene.functions;
   whole.scene.jacobians = model.scene.jacobians;
   whole.scene.frames = model.scene.frames;
+  whole.scene.contacts = model.scene.contacts;
   Diagnostics warnings;
   whole.tree = passes::build_tree(whole.description, whole.scene, warnings);
   return whole;

@@ -48,7 +48,12 @@ void warn_of_idle_keys(const ir::Scene& scene, const ir::KinematicTree& tree, Di
     keys.warn("wrenches", "no output depends on the wrenches",
               "ask for inverse_dynamics, forward_dynamics or their derivatives");
 
-  const bool solved = keys.any([](Quantity output) { return ir::row_of(output).scale == ir::Scale::solved; });
+  if (!scene.contacts.empty() && !keys.any(ir::is_of_constraints))
+    keys.warn("contacts", "no output depends on the contacts",
+              "ask for constraint_jacobian, constraint_bias, delassus_matrix, impact, constrained_forward_dynamics or "
+              "constraint_forces");
+
+  const bool solved = keys.any([](Quantity output) { return ir::is_solved(ir::row_of(output).scale); });
   if (scene.forward_dynamics && !solved)
     keys.warn("forward_dynamics", "no output is solved for with M",
               "ask for forward_dynamics, inverse_mass_matrix or mass_matrix_factor");

@@ -7,9 +7,11 @@
 #include <cctype>
 #include <stdexcept>
 
+#include "ir/constraint_step.hpp"
 #include "ir/coordinate_tree.hpp"
 #include "ir/guard_arrays.hpp"
 #include "ir/identifier.hpp"
+#include "backend/literals.hpp"
 
 namespace dalembert::backend {
 
@@ -23,6 +25,14 @@ std::string input_text(const CodeInput& code, const ir::Input& input) {
     case ir::InputKind::wrench:
       return fmt::format("workspace.wrench_{}[{}]",
                          ir::identifier(code.scene.wrenches.at(static_cast<size_t>(input.index)).link), input.component);
+    case ir::InputKind::contact: {
+      const std::string contact =
+          "workspace.contact_" + ir::identifier(code.scene.contacts.at(static_cast<size_t>(input.index)).name);
+      if (input.component == ir::contact_kp) return contact + ".kp";
+      if (input.component == ir::contact_kd) return contact + ".kd";
+      if (input.component == ir::contact_restitution) return contact + ".restitution";
+      return fmt::format("{}.anchor[{}]", contact, input.component - ir::contact_anchor);
+    }
     case ir::InputKind::payload: {
       const std::string payload =
           "workspace.payload_" + ir::identifier(code.scene.payloads.at(static_cast<size_t>(input.index)));
@@ -126,6 +136,48 @@ std::string matrix_statements(const CodeInput& code) {
                               name(s.b), name(s.to));
         break;
     }
+  }
+  return text;
+}
+
+std::string constraint_statements(const CodeInput& code) {
+  if (code.algorithm.constraint_steps.empty()) return "";
+  const auto name = [&](int index) { return "workspace." + code.algorithm.arrays[static_cast<size_t>(index)].name; };
+  const ir::ConstraintPaths& paths = code.algorithm.constraint_steps.front().paths;
+  std::string text = fmt::format(
+      "  static constexpr int row_begin[] = {{{}}}, row_paths[] = {{{}}}, row_path_begin[] = {{{}}};\n"
+      "  static constexpr dalembert::ConstraintPaths row_paths_of{{row_begin, row_paths, row_path_begin}};\n",
+      fmt::join(paths.first, ", "), fmt::join(paths.path, ", "), fmt::join(paths.begin, ", "));
+  const auto all = [&](ir::ConstraintStep::Kind kind) {
+    return std::all_of(code.algorithm.constraint_steps.begin(), code.algorithm.constraint_steps.end(),
+                       [&](const ir::ConstraintStep& s) { return s.kind == kind; });
+  };
+  if (!all(ir::ConstraintStep::Kind::delassus)) {
+    if (!solves(code)) text += chains_text(ir::coordinate_tree(code.tree));
+    std::vector<std::string> active, regularization;
+    for (const ir::Contact& contact : code.scene.contacts) {
+      const std::string member = "workspace.contact_" + ir::identifier(contact.name);
+      active.push_back(fmt::format("{}.active ? Scalar(1) : Scalar(0)", member));
+      for (int i = 0; i < contact.rows(); ++i) regularization.push_back(fmt::format("{}.regularization[{}]", member, i));
+    }
+    text += fmt::format(
+        "  const Scalar row_active[] = {{{}}};\n  const Scalar row_regularization[] = {{\n      {}}};\n",
+        fmt::join(active, ", "), wrapped(regularization, 6));
+  }
+  const std::string shape =
+      fmt::format("<nv, {}, {}, {}>(row_paths_of, ", paths.count(), paths.block_rows(), paths.longest());
+  for (const ir::ConstraintStep& s : code.algorithm.constraint_steps) {
+    if (s.kind == ir::ConstraintStep::Kind::delassus) {
+      text += fmt::format("  dalembert::delassus{}{}, {}, {}, {}, {});\n", shape, name(s.jacobian), name(s.factor),
+                          name(s.pivots), name(s.room), name(s.to));
+      continue;
+    }
+    const bool impact = s.kind == ir::ConstraintStep::Kind::impact;
+    text += fmt::format("  workspace.{} = dalembert::{}{}chains, {}, {}, {}, {}, row_active,\n"
+                        "      row_regularization, {}, {}, {}{});\n",
+                        own_name(code, impact ? "impact_status" : "constraint_status"),
+                        impact ? "solve_impact" : "solve_constrained", shape, name(s.jacobian), name(s.factor),
+                        name(s.pivots), name(s.right), name(s.room), name(s.forces), impact ? "v, " : "", name(s.to));
   }
   return text;
 }

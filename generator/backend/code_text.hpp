@@ -39,6 +39,8 @@ std::string status_statement(const CodeInput& code, const std::string& check);
 std::string clear_statements(const CodeInput& code);
 // Statements behind the elements: steps with whole matrices.
 std::string matrix_statements(const CodeInput& code);
+// Behind them: steps with rows of constraints.
+std::string constraint_statements(const CodeInput& code);
 // Whether they factor M; and the function that solves with the factors, empty if the code is to have none.
 bool solves(const CodeInput& code);
 std::string solve_definition(const CodeInput& code);

@@ -58,6 +58,16 @@ std::vector<ir::OutputArray> stored_arrays(const CodeInput& code) {
   return stored;
 }
 
+// The member that says what a step with rows of constraints came to; empty: none does.
+const char* status_of(const ir::ConstraintStep& step) {
+  switch (step.kind) {
+    case ir::ConstraintStep::Kind::delassus: return "";
+    case ir::ConstraintStep::Kind::solve: return "constraint_status";
+    case ir::ConstraintStep::Kind::impact: return "impact_status";
+  }
+  return "";
+}
+
 std::string results(const Folder& folder) {
   std::string text;
   for (const CodeInput& code : folder.functions) {
@@ -73,6 +83,10 @@ std::string results(const Folder& folder) {
           "  dalembert::FactorStatus<Scalar> {};\n",
           fmt::join(names, ", "), names.size() == 1 ? "is" : "are", own_name(code, "status"));
     }
+    for (const ir::ConstraintStep& step : code.algorithm.constraint_steps)
+      if (const char* status = status_of(step); *status)
+        text += fmt::format("  dalembert::ConstraintStatus<Scalar> {};  // what is left of the contacts' rows\n",
+                            own_name(code, status));
   }
   return text;
 }
@@ -86,12 +100,28 @@ std::string run_time_inputs(const CodeInput& code) {
   for (const std::string& link : s.payloads)
     text += fmt::format("\n  Payload payload_{};  // carried by link {}: set it as you need\n", ir::identifier(link),
                         comment_text(link));
+  for (const ir::Contact& contact : s.contacts)
+    text += fmt::format("\n  Contact contact_{};  // of link {}: set it as you need\n", ir::identifier(contact.name),
+                        comment_text(contact.link));
   for (const ir::ExternalWrench& wrench : s.wrenches)
     text += fmt::format(
         "\n  // On link {} at its origin, along {} axes: force, N, and moment, N m. Set it as you need.\n"
         "  Scalar wrench_{}[6] = {{}};\n",
         comment_text(wrench.link), wrench.in_world ? "the world's" : "its", ir::identifier(wrench.link));
   return text;
+}
+
+std::string contact_type(const CodeInput& code) {
+  if (code.scene.contacts.empty()) return "";
+  return "// How a contact acts, given at run time. Its rows' accelerations shall be -kd J v - kp e, e being how far it is from\n"
+         "// its anchor.\n"
+         "struct Contact {\n"
+         "  bool active = true;             // else it exerts nothing\n"
+         "  Scalar kp = 0, kd = 0;          // 1/s^2, 1/s\n"
+         "  Scalar restitution = 0;         // of an impact: J v becomes -restitution J v\n"
+         "  Scalar anchor[7] = {0, 0, 0, 0, 0, 0, 1};  // place in the world, m, and quaternion x y z w; matters where kp does\n"
+         "  Scalar regularization[6] = {};  // added to the diagonal of J M^-1 J', per row: rows give way\n"
+         "};\n\n";
 }
 
 std::string payload_type(const CodeInput& code) {
@@ -224,6 +254,11 @@ bool any_guard(const Folder& folder) {
                      [](const CodeInput& f) { return f.algorithm.guard.has_value(); });
 }
 
+bool any_constraints(const Folder& folder) {
+  return std::any_of(folder.functions.begin(), folder.functions.end(),
+                     [](const CodeInput& f) { return !f.algorithm.constraint_steps.empty(); });
+}
+
 OutputFile header(const Folder& folder) {
   const CodeInput& code = folder.common();
   std::vector<std::string> joints, joint_names, body_names;
@@ -240,7 +275,8 @@ OutputFile header(const Folder& folder) {
           render("dynamics.hpp",
                  {{"banner", banner(folder)},
                   {"report", report.empty() ? "" : "//\n" + report},
-                  {"includes", any_guard(folder) ? "#include <dalembert/factor.hpp>\n" : ""},
+                  {"includes", (any_constraints(folder) ? "#include <dalembert/constraints.hpp>\n" : "") +
+                                   std::string(any_guard(folder) ? "#include <dalembert/factor.hpp>\n" : "")},
                   {"runtime_version", std::to_string(runtime_version)},
                   {"name", code.name},
                   {"scalar", scalar_name(code.scene.scalar)},
@@ -255,7 +291,7 @@ OutputFile header(const Folder& folder) {
                   {"joint_names", joint_names.empty() ? "nullptr" : wrapped(joint_names, 4)},
                   {"body_names", wrapped(body_names, 4)},
                   {"link_table", link_table(code) + moved_parameters(code)},
-                  {"types", payload_type(code) + of_functions(folder, kept_types)},
+                  {"types", payload_type(code) + contact_type(code) + of_functions(folder, kept_types)},
                   {"results", results(folder)},
                   {"run_time_inputs", run_time_inputs(code)},
                   {"scratch", of_functions(folder, kept_member)},
@@ -314,6 +350,33 @@ void c_functions(const Folder& folder, std::string& declarations, std::string& d
         fmt::format("void {0}_set_wrench_{1}(const {2}* wrench, {0}_workspace* workspace)", n, id, s),
         fmt::format("  for (int i = 0; i < 6; ++i) workspace->wrench_{}[i] = wrench[i];\n", id));
   }
+  for (const ir::Contact& contact : code.scene.contacts) {
+    const std::string id = ir::identifier(contact.name);
+    add(fmt::format("active: 1 or 0, kp (1/s^2), kd (1/s), restitution: as in {}::Contact; anchor: 7 numbers, regularization: {};\n"
+                    "// null: as they are",
+                    n, contact.rows()),
+        fmt::format("void {0}_set_contact_{1}(int active, {2} kp, {2} kd, {2} restitution, const {2}* anchor,\n"
+                    "    const {2}* regularization, {0}_workspace* workspace)",
+                    n, id, s),
+        fmt::format("  {0}::Contact& contact = workspace->contact_{1};\n"
+                    "  contact.active = active != 0;\n"
+                    "  contact.kp = kp;\n"
+                    "  contact.kd = kd;\n"
+                    "  contact.restitution = restitution;\n"
+                    "  for (int i = 0; anchor && i < 7; ++i) contact.anchor[i] = anchor[i];\n"
+                    "  for (int i = 0; regularization && i < {2}; ++i) contact.regularization[i] = regularization[i];\n",
+                    n, id, contact.rows()));
+  }
+  for (const CodeInput& f : folder.functions)
+    for (const ir::ConstraintStep& step : f.algorithm.constraint_steps)
+      if (const char* status = status_of(step); *status)
+        add("The largest error that is left of a contact's row; least_pivot, rank: as in dalembert::ConstraintStatus; null: not\n"
+            "// wanted",
+            fmt::format("{0} {1}_{2}({0}* least_pivot, int* rank, const {1}_workspace* workspace)", s, n, own_name(f, status)),
+            fmt::format("  if (least_pivot) *least_pivot = workspace->{0}.least_pivot;\n"
+                        "  if (rank) *rank = workspace->{0}.rank;\n"
+                        "  return workspace->{0}.residual;\n",
+                        own_name(f, status)));
   for (const std::string& link : code.scene.payloads) {
     const std::string id = ir::identifier(link);
     add("mass (kg), com: 3 numbers (m, link axes), inertia: xx xy xz yy yz zz about the com (kg m^2, link axes)",
@@ -408,6 +471,10 @@ std::size_t workspace_bytes(const Folder& folder) {
     }
     if (f.algorithm.guard && is_called(f)) bytes = (bytes + scalar - 1) / scalar * scalar + 2 * scalar;
   }
+  for (const CodeInput& f : folder.functions)
+    for (const ir::ConstraintStep& step : f.algorithm.constraint_steps)
+      if (*status_of(step)) bytes += 3 * scalar;
+  bytes += scene.contacts.size() * 17 * scalar;  // whether it acts, gains, restitution, anchor, regularization
   if (scene.gravity_kind == ir::GravityKind::run_time) bytes += 3 * scalar;
   bytes += (scene.payloads.size() * 10 + scene.wrenches.size() * 6) * scalar;  // mass, centre of mass, inertia; force, moment
   align();

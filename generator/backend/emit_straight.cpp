@@ -127,6 +127,7 @@ std::string straight_statements(const CodeInput& code, const ir::Program& progra
   style.order = program.order;
   if (!program.order.empty()) style.return_to = [&](const ir::Tag& tag) { return return_to(code, tag); };
   return body + print(program.graph, sinks, style) + projection_statements(code) + matrix_statements(code) +
+         constraint_statements(code) +
          guard_statements(code) + second_half_call(code);
 }
 
@@ -142,6 +143,7 @@ std::vector<std::string> straight_includes(const CodeInput& code) {
   if (projects_by_rows(code)) headers.emplace_back("projections");
   if (Angles(code.program).count() > 0) headers.emplace_back("sincos");
   if (solves(code) || code.algorithm.factor >= 0) headers.emplace_back("solve");
+  if (!code.algorithm.constraint_steps.empty()) headers.emplace_back("constraints");
   return headers;
 }
 

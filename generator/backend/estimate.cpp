@@ -94,6 +94,14 @@ void add_steps(const CodeInput& code, Features& f) {
   }
 }
 
+void add_constraint_steps(const CodeInput& code, Features& f) {
+  for (const ir::ConstraintStep& step : code.algorithm.constraint_steps) {
+    const ir::Operations o = ir::operations_of(step, code.tree, true);
+    of(f, Feature::step_operations) += static_cast<double>(o.multiply);
+    of(f, Feature::divide) += static_cast<double>(o.divide);
+  }
+}
+
 void add_straight(const ir::Graph& graph, const std::vector<ir::NodeId>& roots, int lanes, Features& f) {
   const Work work(graph, roots, fused(lanes));
   of(f, Feature::scalar) += work.operations();
@@ -172,6 +180,7 @@ Features features(const CodeInput& code, int lanes) {
   of(f, Feature::call) = 1;
   add_steps(code, f);
   add_projections(code, lanes, f);
+  add_constraint_steps(code, f);
   if (code.plan.form != ir::Form::rolled) {
     add_straight(code.program.graph, code.program.roots(), lanes, f);
     of(f, Feature::fetched) = fetched(of(f, Feature::scalar));

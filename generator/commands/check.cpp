@@ -41,9 +41,9 @@ struct References {
 double tolerance(const Model& model, const Output& output, const std::vector<State>& states) {
   const bool single_precision = model.scene.scalar == ir::ScalarType::float32;
   double result = single_precision ? 1e-5 : 1e-12;
-  if (!output.quantity || ir::row_of(*output.quantity).scale != ir::Scale::solved) return result;
   for (const State& state : states) {
-    const double condition = reference::mass_condition(model.tree, model.scene, {state.q, state.v, state.more, state.wrenches});
+    const double condition = reference::condition({output.quantity, output.link, output.of_link}, model.tree, model.scene,
+                                                  {state.q, state.v, state.more, state.wrenches});
     result = std::max(result, 10 * condition * (single_precision ? 0x1p-24 : 0x1p-53));
   }
   return result;

@@ -34,6 +34,8 @@ constexpr Help scene_help[] = {
     {"payloads", "LINK,...", "links that carry a payload given at run time"},
     {"wrenches", "LINK,...|LINK=link|world,...",
      "links that are pushed from outside, by a force and moment given at run time along their axes or the world's"},
+    {"contacts", "LINK=weld|point,...|{NAME: {link: LINK, type: weld, at: [X, Y, Z], axes: world}}",
+     "where the world holds links, all six ways or at a point; rows of constraint_jacobian, in this order"},
     {"armature", "JOINT=VALUE,...", "rotor inertia at the joint, kg m² or kg"},
     {"damping", "urdf|JOINT=VALUE,...", "viscous damping, N m s/rad or N s/m"},
     {"friction", "urdf|JOINT=VALUE,...", "Coulomb friction, N m or N"},

@@ -59,6 +59,9 @@ Output output_named(const Model& model, const std::string& name) {
   if (const std::optional<ir::Quantity> quantity = ir::quantity_named(name)) {
     if (model.scene.rates_zero && *quantity == ir::Quantity::coriolis_matrix)
       refuse("coriolis_matrix is zero when rates_zero is set", "remove one of the two");
+    if (model.scene.contacts.empty() && ir::is_of_constraints(*quantity))
+      refuse(fmt::format("{} is asked for, and there is no contact", name),
+             "say where the robot is held: --contacts left_foot=weld");
     return output_of(model, *quantity);
   }
   const std::vector<Output> named = named_outputs(model);

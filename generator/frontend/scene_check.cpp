@@ -41,6 +41,7 @@ class SceneCheck {
     functions();
     links_asked("payloads", scene_.payloads);
     wrenches();
+    contacts();
     for (const auto& [joint, value] : scene_.armature) free_joint("armature", joint);
     for (const auto& [joint, value] : scene_.damping) free_joint("damping", joint);
     for (const auto& [joint, value] : scene_.friction) free_joint("friction", joint);
@@ -62,6 +63,7 @@ class SceneCheck {
     const bool given = document_.given.count("outputs") > 0;
     if (scene_.outputs.empty() && scene_.link_outputs().empty() && scene_.functions.empty())
       error("outputs", "no output is asked for", "name at least one quantity, such as mass_matrix");
+    for (const ir::Quantity quantity : scene_.outputs) of_contacts("outputs/" + std::string(ir::name_of(quantity)), quantity);
     if (!scene_.rates_zero) return;
     if (!given) {
       scene_.outputs = {ir::Quantity::mass_matrix, ir::Quantity::gravity};
@@ -87,6 +89,27 @@ class SceneCheck {
     std::vector<std::string> links;
     for (const ir::ExternalWrench& wrench : scene_.wrenches) links.push_back(wrench.link);
     links_asked("wrenches", links);
+  }
+
+  void contacts() {
+    std::set<std::string> names;
+    for (const ir::Contact& contact : scene_.contacts) {
+      const std::string key = "contacts/" + contact.name;
+      const std::string link = key + part_of_entry + "link";
+      kept_link(document_.places.count(link) ? link : key, contact.link);
+      if (const std::string id = ir::identifier(contact.name); !names.insert(id).second)
+        error(key, fmt::format("two contacts would be called '{}' in C++", id), "call one of them otherwise");
+    }
+    if (const int rows = scene_.constraint_rows(); rows > ir::most_constraint_rows)
+      error("contacts", fmt::format("the contacts have {} rows; no more than {} are supported", rows, ir::most_constraint_rows),
+            "name fewer of them, or take three points or more of one link as one weld");
+  }
+
+  // A quantity of constraints is none where there are none.
+  void of_contacts(const std::string& key, ir::Quantity quantity) {
+    if (scene_.contacts.empty() && ir::is_of_constraints(quantity))
+      error(key, fmt::format("{} is asked for, and there is no contact", ir::name_of(quantity)),
+            "say where the robot is held: contacts: {left_foot: weld}");
   }
 
   void cut() {
@@ -223,6 +246,9 @@ class SceneCheck {
           fmt::format("there are {} functions; no more than {} are supported", scene_.functions.size(), most_functions),
           "name fewer of them");
     for (ir::NamedFunction& function : scene_.functions) links_of(function);
+    for (const ir::NamedFunction& function : scene_.functions)
+      for (const ir::Quantity quantity : function.quantities)
+        of_contacts("functions/" + function.name + part_of_entry + std::string(ir::name_of(quantity)), quantity);
     for (const auto& [function, taken] : taken_names(scene_))
       error("functions/" + function, fmt::format("the generated code has another '{}'", taken),
             fmt::format("call the function '{}' otherwise", function));

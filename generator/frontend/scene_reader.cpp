@@ -43,6 +43,7 @@ class SceneReader {
                                           {"frames", &SceneReader::frames},
                                           {"payloads", &SceneReader::payloads},
                                           {"wrenches", &SceneReader::wrenches},
+                                          {"contacts", &SceneReader::contacts},
                                           {"armature", &SceneReader::armature},
                                           {"damping", &SceneReader::damping},
                                           {"friction", &SceneReader::friction},
@@ -290,6 +291,51 @@ class SceneReader {
     for (const auto& entry : node.entries) {
       const std::string link = entry_name(entry.key);
       scene_.wrenches.push_back({link, choice<bool>(entry.value, {{"link", false}, {"world", true}})});
+    }
+  }
+  // {link: weld | point, ...}, or {name: {link: link, type: weld, at: [x, y, z], axes: world | link}, ...}
+  void contacts(const YamlNode& node) {
+    scene_.contacts.clear();
+    forget_entries();
+    if (node.is_sequence() && node.items.empty()) return;
+    const std::string remedy =
+        "write contacts: {left_foot: weld, toe: {link: right_foot, type: point, at: [0.1, 0, -0.02], axes: world}}";
+    if (!node.is_map()) refuse(node, "the value is no map of contacts", remedy);
+    for (const auto& entry : node.entries) {
+      ir::Contact contact;
+      contact.name = contact.link = entry_name(entry.key);
+      if (entry.value.is_scalar()) {
+        contact.type = contact_type(entry.value);
+      } else if (entry.value.is_map()) {
+        for (const auto& part : entry.value.entries) part_of_contact(contact, part);
+      } else {
+        refuse(entry.value, fmt::format("contact '{}' is neither a type nor a map", contact.name), remedy);
+      }
+      scene_.contacts.push_back(std::move(contact));
+    }
+  }
+  ir::ContactType contact_type(const YamlNode& node) const {
+    if (node.is_scalar() && node.scalar == "weld") return ir::ContactType::weld;
+    if (node.is_scalar() && node.scalar == "point") return ir::ContactType::point;
+    const std::string given = node.is_scalar() ? node.scalar : "";
+    refuse(node, given.empty() ? "the type of a contact is no word" : fmt::format("'{}' is no type of contact", given),
+           suggestion(given, {"weld", "point"}));
+  }
+  void part_of_contact(ir::Contact& contact, const YamlEntry& part) {
+    const std::string name = entry_name(part.key, contact.name);
+    if (name == "link") {
+      if (!part.value.is_scalar() || part.value.scalar.empty())
+        refuse(part.value, fmt::format("what contact '{}' is on is not the name of a link", contact.name),
+               "write link: left_foot");
+      contact.link = part.value.scalar;
+    } else if (name == "type") {
+      contact.type = contact_type(part.value);
+    } else if (name == "at") {
+      contact.at = vector(part.value, "write at: [0.1, 0, -0.02], m in the link's frame");
+    } else if (name == "axes") {
+      contact.along_link = choice<bool>(part.value, {{"world", false}, {"link", true}});
+    } else {
+      refuse(part.key, fmt::format("'{}' is no part of a contact", name), suggestion(name, {"link", "type", "at", "axes"}));
     }
   }
   void payloads(const YamlNode& node) { scene_.payloads = names(node, "a list of links"); }

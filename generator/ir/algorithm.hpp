@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "ir/constraint_step.hpp"
 #include "ir/emitted_function.hpp"
 #include "ir/graph.hpp"
 #include "ir/quantity.hpp"
@@ -152,6 +153,7 @@ struct Algorithm {
   std::vector<Projection> projections;
   std::vector<Result> results;
   std::vector<MatrixStep> steps;         // in order, after all results
+  std::vector<ConstraintStep> constraint_steps;  // behind them
   std::vector<std::string> written_out;  // equations of steps that became nodes; tags count on to them
   std::optional<Guard> guard;
   int factor = -1;  // the array that equations with M are solved by, if the code is to offer that

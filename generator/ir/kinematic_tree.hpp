@@ -59,6 +59,7 @@ struct KinematicTree {
   std::vector<Body> bodies;
   std::vector<LinkPlacement> links;  // every link kept, in depth-first order
   std::vector<int> pushed;           // per wrench of the scene: the body it acts on
+  int constraint_rows = 0;           // of the scene's contacts
 
   int joints() const { return static_cast<int>(bodies.size()); }  // moving joints, driven ones included
   // Per body: which of the joint coordinates is its own, or its driver's, counted from 0 behind the base's.

@@ -24,6 +24,11 @@ std::vector<Quantity> default_quantities() {
   return list;
 }
 
+bool is_of_constraints(Quantity quantity) {
+  const QuantityRow& row = row_of(quantity);
+  return row.scale == Scale::turning || row.scale == Scale::constrained || row.rows == Extent::constraint_rows;
+}
+
 int extent(Extent extent, const KinematicTree& tree) {
   switch (extent) {
     case Extent::one: return 1;
@@ -33,6 +38,7 @@ int extent(Extent extent, const KinematicTree& tree) {
     case Extent::nv: return tree.nv();
     case Extent::six_per_body: return 6 * (tree.joints() + (tree.floating_base ? 1 : 0));
     case Extent::ten_per_body: return 10 * (tree.joints() + (tree.floating_base ? 1 : 0));
+    case Extent::constraint_rows: return tree.constraint_rows;
   }
   return 0;
 }

@@ -15,13 +15,15 @@ enum class Quantity {
 #undef DALEMBERT_QUANTITY
 };
 
-// How many rows or columns: a number, or one per velocity coordinate, or six or ten per body that moves, the base included.
-enum class Extent { one, three, four, six, nv, six_per_body, ten_per_body };
+// How many rows or columns: a number, or one per velocity coordinate, or six or ten per body that moves, the base included, or
+// one per row of the scene's constraints.
+enum class Extent { one, three, four, six, nv, six_per_body, ten_per_body, constraint_rows };
 
 // What errors are measured against at least where a quantity vanishes by cancellation (see check): nothing but its own largest
 // element; |M| |v|; the quantity with gravity in other directions; |M| |v|²; that and the gravity term. Solved: its own, where
-// errors grow by the condition of M.
-enum class Scale { own, momentum, weight, centrifugal, force, solved };
+// errors grow by the condition of M. Turning: of constraints, |J| |v|². Constrained: solved, where errors grow by the condition
+// of the constraints too.
+enum class Scale { own, momentum, weight, centrifugal, force, solved, turning, constrained };
 
 // What of the robot a quantity makes no sense without: nothing, a mass or an inertia that moves, a mass.
 enum class Needs { nothing, mass, center };
@@ -38,10 +40,15 @@ struct QuantityRow {
   const char* help;
 };
 
+// Whether it is solved for with M.
+inline bool is_solved(Scale scale) { return scale == Scale::solved || scale == Scale::constrained; }
+
 // In the order of quantities.def.
 const std::vector<QuantityRow>& quantities();
 const QuantityRow& row_of(Quantity quantity);
 std::vector<Quantity> default_quantities();
+// Whether it is of constraints, and there is none where the scene has none.
+bool is_of_constraints(Quantity quantity);
 
 struct KinematicTree;
 int extent(Extent extent, const KinematicTree& tree);

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "ir/compile_options.hpp"
+#include "ir/contact.hpp"
 #include "ir/link_quantity.hpp"
 #include "ir/quantity.hpp"
 #include "ir/robot_description.hpp"
@@ -72,6 +73,7 @@ struct Scene {
   std::vector<LinkOutput> frames;          // what else is asked of links
   std::vector<std::string> payloads;       // links that carry a payload given at run time
   std::vector<ExternalWrench> wrenches;    // what inverse and forward dynamics reckon with, in the order of a state file
+  std::vector<Contact> contacts;           // constraints, in the order of their rows
   ScalarType scalar = ScalarType::float64;
   Parallel parallel = Parallel::automatic;
   bool rates_zero = false;                 // statics: v = 0, no velocity terms
@@ -93,6 +95,12 @@ struct Scene {
       for (const Quantity quantity : function.quantities)
         if (std::find(all.begin(), all.end(), quantity) == all.end()) all.push_back(quantity);
     return all;
+  }
+
+  int constraint_rows() const {
+    int rows = 0;
+    for (const Contact& contact : contacts) rows += contact.rows();
+    return rows;
   }
 
   // What evaluate() is asked of links, by either key, each once.

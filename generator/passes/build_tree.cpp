@@ -42,6 +42,8 @@ class TreeBuilder {
     for (const ir::ExternalWrench& wrench : scene_.wrenches)
       for (const ir::LinkPlacement& placement : tree_.links)
         if (placement.link == wrench.link) tree_.pushed.push_back(placement.body);
+    tree_.constraint_rows = scene_.constraint_rows();
+    check_contacts();
     check_links();
     if (!errors_.empty()) throw InputError(errors_);
     check_magnitudes(tree_, scene_, robot_.file);
@@ -222,6 +224,35 @@ class TreeBuilder {
       if (asked != outputs.end())
         error(element, fmt::format("{} is asked for of a link that does not move: the base is fixed", ir::name_of(*asked)),
               "name a link beyond a moving joint, or ask for base: floating");
+    }
+  }
+
+  // What holds a link twice says nothing the second time.
+  void check_contacts() {
+    struct Held {
+      const ir::Contact* contact;
+      int body;
+      Eigen::Vector3d point;  // in the body
+    };
+    std::vector<Held> all;
+    for (const ir::Contact& contact : scene_.contacts) {
+      const auto link = std::find_if(tree_.links.begin(), tree_.links.end(),
+                                     [&](const ir::LinkPlacement& placement) { return placement.link == contact.link; });
+      if (link == tree_.links.end()) continue;  // the scene's check has said so
+      const Held held{&contact, link->body, link->placement * contact.at};
+      const std::string element = fmt::format("contact '{}'", contact.name);
+      if (held.body < 0 && !tree_.floating_base)
+        error(element, fmt::format("link '{}' is welded to a fixed base: there is nothing to hold", contact.link),
+              "name a link beyond a moving joint, or ask for base: floating");
+      const bool weld = contact.type == ir::ContactType::weld;
+      for (const Held& other : all)
+        if (other.body == held.body && other.contact->type == contact.type &&
+            (weld || (other.point - held.point).norm() < 1e-9))
+          error(element,
+                fmt::format("it is contact '{}' again: {}", other.contact->name,
+                            weld ? "both weld the same body" : "both hold the same point of one body"),
+                "keep one of the two");
+      all.push_back(held);
     }
   }
 

@@ -76,6 +76,8 @@ Twist SweepBuilder::external(int wrench) {
   return given;
 }
 
+Sym SweepBuilder::contact(int contact, int component) { return input(InputKind::contact, contact, component); }
+
 Vec3 SweepBuilder::gravity_in_world() {
   switch (builder_.scene().gravity_kind) {
     case ir::GravityKind::none: break;
@@ -133,9 +135,10 @@ bool Builder::has(const std::string& sweep) const {
   return std::any_of(algorithm_.sweeps.begin(), algorithm_.sweeps.end(), [&](const ir::Sweep& s) { return s.name == sweep; });
 }
 
-bool Builder::has_array(const std::string& name) const {
-  return std::any_of(algorithm_.arrays.begin(), algorithm_.arrays.end(),
-                     [&](const ir::OutputArray& a) { return a.name == name; });
+int Builder::array_called(const std::string& name) const {
+  const auto at = std::find_if(algorithm_.arrays.begin(), algorithm_.arrays.end(),
+                               [&](const ir::OutputArray& a) { return a.name == name; });
+  return at == algorithm_.arrays.end() ? -1 : static_cast<int>(at - algorithm_.arrays.begin());
 }
 
 SweepBuilder Builder::sweep(const std::string& name, const std::string& equation, ir::Direction direction) {

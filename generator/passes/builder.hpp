@@ -56,6 +56,7 @@ class SweepBuilder {
   Twist base_acceleration();   // floating base: the first six of dv/dt; fixed: zero
   Twist base_effort();         // floating base: the first six of tau; fixed: zero
   Twist external(int wrench);  // of the scene's wrenches: force and moment as they are given
+  Sym contact(int contact, int component);  // what it is given at run time (ir/contact.hpp)
   Mat3 base_axes();            // in the world; of a fixed base the world's
   Vec3 base_position();        // in the world; of a fixed base zero
   Vec3 gravity_in_base();      // along the base's axes: the world's on a fixed base
@@ -110,7 +111,8 @@ class Builder {
   const ir::Role& role_of(int role) const { return algorithm_.roles[static_cast<std::size_t>(role)]; }
   // Whether there is a sweep of that name.
   bool has(const std::string& sweep) const;
-  bool has_array(const std::string& name) const;
+  bool has_array(const std::string& name) const { return array_called(name) >= 0; }
+  int array_called(const std::string& name) const;  // -1: there is none
   SweepBuilder sweep(const std::string& name, const std::string& equation, ir::Direction direction);
   int array(const std::string& name, int rows, int columns);
   // One that is no output.
@@ -129,6 +131,8 @@ class Builder {
   // The array of a quantity that the function computes.
   int output(ir::Quantity quantity);
   void step(const ir::MatrixStep& step) { algorithm_.steps.push_back(step); }
+  const std::vector<ir::ConstraintStep>& constraint_steps() const { return algorithm_.constraint_steps; }
+  void constraint_step(const ir::ConstraintStep& step) { algorithm_.constraint_steps.push_back(step); }
   void result(const ir::Result& result) { algorithm_.results.push_back(result); }
 
   ir::Algorithm take() { return std::move(algorithm_); }

@@ -156,7 +156,14 @@ class Writing {
       const bool checked = (guard && (index == guard->pivots || index == guard->diagonal)) || told_by.has(index);
       const bool projected = std::any_of(algorithm_.projections.begin(), algorithm_.projections.end(),
                                          [&](const ir::Projection& p) { return index == p.bodies || index == p.joints; });
-      algorithm_.arrays[a].written_out = algorithm_.arrays[a].internal && !checked && !projected && index != algorithm_.factor;
+      const bool constrains =
+          std::any_of(algorithm_.constraint_steps.begin(), algorithm_.constraint_steps.end(), [&](const auto& step) {
+            const std::vector<int> arrays = step.read();
+            return index == step.room || index == step.forces || index == step.to ||
+                   std::find(arrays.begin(), arrays.end(), index) != arrays.end();
+          });
+      algorithm_.arrays[a].written_out =
+          algorithm_.arrays[a].internal && !checked && !projected && !constrains && index != algorithm_.factor;
     }
     program_.arrays = algorithm_.arrays;
     const auto written_out = [&](int array) { return program_.arrays[static_cast<std::size_t>(array)].written_out; };

@@ -2,6 +2,8 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <cmath>
+#include <dalembert/constraint_shapes.hpp>
 #include <limits>
 
 #include "reference/digits50.hpp"
@@ -29,6 +31,24 @@ double mass_condition(const ir::KinematicTree& tree, const ir::Scene& scene, con
   const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(M, Eigen::EigenvaluesOnly).eigenvalues();
   const double least = values.minCoeff(), largest = values.maxCoeff();
   return least > 0 ? largest / least : std::numeric_limits<double>::infinity();
+}
+
+double condition(const Wanted& wanted, const ir::KinematicTree& tree, const ir::Scene& scene, const Inputs& inputs) {
+  if (!wanted.quantity || !ir::is_solved(ir::row_of(*wanted.quantity).scale)) return 0;
+  const double of_mass = mass_condition(tree, scene, inputs);
+  if (ir::row_of(*wanted.quantity).scale == ir::Scale::solved) return of_mass;
+  // Rows of one length, so that units do not count. Where rows say the same, and at velocities that contradict them, forces are
+  // 1/mu of what is asked for, and cancel.
+  Eigen::MatrixXd D = evaluate(tree, scene, {{ir::Quantity::delassus_matrix, ""}}, inputs, Precision::extended).front();
+  for (Eigen::Index i = 0; i < D.rows(); ++i) {
+    const double length = std::sqrt(D(i, i));
+    if (!(length > 0)) continue;
+    D.row(i) /= length;
+    D.col(i) /= length;
+  }
+  const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(D, Eigen::EigenvaluesOnly).eigenvalues();
+  const double largest = values.maxCoeff(), mu = Proximal<double>::mu;
+  return of_mass * std::min(1 / mu, largest / std::max(values.minCoeff(), mu * largest));
 }
 
 double LeastScale::largest_mass() {
@@ -64,7 +84,15 @@ double LeastScale::of(const Wanted& wanted) {
   }
   switch (ir::row_of(*wanted.quantity).scale) {
     case ir::Scale::own:
-    case ir::Scale::solved: break;
+    case ir::Scale::solved:
+    case ir::Scale::constrained: break;
+    case ir::Scale::turning:
+      scale = evaluate(tree_, scene_, {{ir::Quantity::constraint_jacobian, ""}}, inputs_, Precision::float64)
+                  .front()
+                  .cwiseAbs()
+                  .maxCoeff() *
+              rate * rate;
+      break;
     case ir::Scale::momentum: scale = largest_mass() * rate; break;
     case ir::Scale::weight: scale = largest_weight(*wanted.quantity); break;
     case ir::Scale::centrifugal: scale = largest_mass() * rate * rate; break;

@@ -38,6 +38,10 @@ std::vector<Eigen::MatrixXd> evaluate(const ir::KinematicTree& tree, const ir::S
 // where M is singular to double precision.
 double mass_condition(const ir::KinematicTree& tree, const ir::Scene& scene, const Inputs& inputs);
 
+// By how much rounding may be magnified in what is wanted: of what is solved for with M its condition, of what keeps to
+// constraints that times the condition of the rows; else zero.
+double condition(const Wanted& wanted, const ir::KinematicTree& tree, const ir::Scene& scene, const Inputs& inputs);
+
 // What a quantity's elements are to be measured against at least. Where a robot makes a quantity vanish (C of a turntable,
 // gravity of whatever moves in a horizontal plane), its largest element is rounding noise of larger terms that cancel. So every
 // quantity counts as at least a thousandth of the scale in its row (ir::Scale).

@@ -42,7 +42,7 @@ std::string remedy(const ir::KinematicTree& tree, const MotionWithoutMass& motio
 void check_solvable(const ir::RobotDescription& robot, const ir::KinematicTree& tree, const ir::Scene& scene) {
   const std::vector<ir::Quantity> asked = scene.quantities();
   const auto solved =
-      std::find_if(asked.begin(), asked.end(), [](ir::Quantity q) { return ir::row_of(q).scale == ir::Scale::solved; });
+      std::find_if(asked.begin(), asked.end(), [](ir::Quantity q) { return ir::is_solved(ir::row_of(q).scale); });
   if (solved == asked.end()) return;
   const char* name = ir::row_of(*solved).name;
   std::vector<std::string> massless;

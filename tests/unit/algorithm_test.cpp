@@ -20,6 +20,7 @@ TEST_P(Algorithm, RunsInBothFormsAsTheGenericEngineDoes) {
     ir::Scene all;
     all.base = base;
     all.gravity = {0.7, -1.3, -9.81};
+    all.contacts = some_contacts(description);
     for (const ir::QuantityRow& row : ir::quantities()) {
       ir::Scene alone = all;
       alone.outputs = {row.quantity};

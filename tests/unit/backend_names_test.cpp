@@ -43,6 +43,7 @@ TEST(Backend, KnowsNoRoleByName) {
   Diagnostics warnings;
   ir::Scene scene;
   scene.outputs.clear();
+  scene.contacts = {{"sole", "left_foot"}};
   for (const ir::QuantityRow& row : ir::quantities()) scene.outputs.push_back(row.quantity);
   std::set<std::string> names;
   for (const ir::Base base : {ir::Base::fixed, ir::Base::floating}) {

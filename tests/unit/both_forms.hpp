@@ -62,6 +62,19 @@ inline std::string link_moved_by(const ir::RobotDescription& robot, const std::s
   throw std::invalid_argument(name);
 }
 
+// On the last body that moves, and, where there are enough, on two above or beside it: a weld and points, along the world's axes
+// and a link's.
+inline std::vector<ir::Contact> some_contacts(const ir::RobotDescription& robot) {
+  std::vector<std::string> moved;
+  for (const ir::Joint& joint : robot.joints)
+    if (joint.type != ir::JointType::fixed) moved.push_back(robot.links[static_cast<size_t>(joint.child)].name);
+  std::vector<ir::Contact> contacts;
+  if (!moved.empty()) contacts.push_back({"foot", moved.back(), ir::ContactType::weld, {0.1, -0.2, 0.05}, false});
+  if (moved.size() > 6) contacts.push_back({"toe", moved[moved.size() / 2], ir::ContactType::point, {0.02, 0.1, -0.3}, true});
+  if (moved.size() > 9) contacts.push_back({"knee", moved[moved.size() / 3], ir::ContactType::point, {-0.1, 0, 0.07}, false});
+  return contacts;
+}
+
 // The payload welded to the link.
 inline ir::KinematicTree welded(ir::KinematicTree tree, const std::string& link, const Payload& p) {
   ir::Inertia inertia{p[0], {p[1], p[2], p[3]}, {}};
@@ -92,6 +105,7 @@ inline std::array<ir::Arrays, 2> run_half(const ir::EmittedFunction& function, c
       case ir::InputKind::effort: return state.more[in.index];
       case ir::InputKind::gravity: return model.scene.gravity[in.component];
       case ir::InputKind::wrench: return state.wrenches[6 * in.index + in.component];
+      case ir::InputKind::contact: return in.component == ir::contact_anchor + 6 ? 1.0 : 0.0;  // as in a new workspace
       case ir::InputKind::payload: return payload[static_cast<size_t>(in.component)];
       default: return std::nan("");
     }
@@ -144,10 +158,10 @@ inline void expect_generic_values(const Model& model, const Payload& payload = {
     const Eigen::MatrixXd reference = evaluate_generic(expected, output, state);
     // Where a robot makes a quantity vanish, rounding of larger terms is left.
     double tolerance = 1e-12 * std::max(reference.cwiseAbs().maxCoeff(), 1e-3);
-    if (output.quantity && ir::row_of(*output.quantity).scale == ir::Scale::solved)
-      tolerance = std::max(tolerance, 10 * reference.cwiseAbs().maxCoeff() * 0x1p-53 *
-                                          reference::mass_condition(expected.tree, expected.scene,
-                                                                    {state.q, state.v, state.more, state.wrenches}));
+    tolerance = std::max(tolerance, 10 * reference.cwiseAbs().maxCoeff() * 0x1p-53 *
+                                        reference::condition({output.quantity, output.link, output.of_link}, expected.tree,
+                                                             expected.scene,
+                                                             {state.q, state.v, state.more, state.wrenches}));
     tolerance *= slack;
     EXPECT_LE((straight.at(output.name) - reference).cwiseAbs().maxCoeff<Eigen::PropagateNaN>(), tolerance) << "straight";
     EXPECT_LE((rolled.at(output.name) - reference).cwiseAbs().maxCoeff<Eigen::PropagateNaN>(), tolerance) << "rolled";

@@ -90,6 +90,33 @@ inline FactorStatus<double> guard_status(const Algorithm& algorithm, Arrays& arr
       beyond[static_cast<std::size_t>(p)] += P.transpose() * E * P + diagonal[k] * V * V.transpose();
   }
   return {};
+// Steps with rows of constraints, likewise: all act, nothing gives way.
+inline void run_constraint_steps(const Algorithm& algorithm, Arrays& arrays) {
+  for (const ConstraintStep& s : algorithm.constraint_steps) {
+    const auto array = [&](int index) -> Eigen::MatrixXd& {
+      return arrays[algorithm.arrays[static_cast<std::size_t>(index)].name];
+    };
+    Eigen::MatrixXd upper = array(s.factor).triangularView<Eigen::StrictlyUpper>();
+    upper.diagonal().setOnes();
+    const Eigen::MatrixXd J = array(s.jacobian),
+                          inverse = (upper * array(s.pivots).col(0).asDiagonal() * upper.transpose()).inverse();
+    Eigen::MatrixXd along = J * inverse * J.transpose();
+    if (s.kind == ConstraintStep::Kind::delassus) {
+      array(s.to) = along;
+      continue;
+    }
+    const bool impact = s.kind == ConstraintStep::Kind::impact;
+    const Eigen::VectorXd free = impact ? Eigen::VectorXd::Zero(J.cols()) : Eigen::VectorXd(inverse * array(s.to)),
+                          rest = array(s.right) - J * free;
+    Eigen::VectorXd held(J.rows()), forces = Eigen::VectorXd::Zero(J.rows());
+    for (Eigen::Index r = 0; r < J.rows(); r += 3)
+      held.segment<3>(r).setConstant(1e-8 * (along.diagonal().segment<3>(r).sum() / 3 + 1e-6 * along.trace()));
+    along.diagonal() += held;
+    const Eigen::LDLT<Eigen::MatrixXd> factors(along);
+    for (int step = 0; step < s.solutions; ++step) forces = factors.solve(rest + held.cwiseProduct(forces)).eval();
+    array(s.forces) = forces;
+    array(s.to) = free + inverse * J.transpose() * forces;
+  }
 }
 
 // Steps with whole matrices, in the terms of their definition.
@@ -118,6 +145,7 @@ inline void run_steps(const Algorithm& algorithm, Arrays& arrays, const std::vec
     transposed.diagonal().setOnes();
     array(s.to) = array(s.room) = (transposed * array(s.b).col(0).asDiagonal() * transposed.transpose()).inverse();
   }
+  run_constraint_steps(algorithm, arrays);
   if (!algorithm.guard || algorithm.guard->pivots < 0) return;
   const FactorStatus<double> status = guard_status(algorithm, arrays, above);
   arrays["status"] = Eigen::MatrixXd::Constant(1, 1, status.coordinate);

@@ -31,6 +31,7 @@ std::vector<ir::Quantity> quantities(Draw& draw, ir::Function function, const ir
   for (const ir::QuantityRow& row : ir::quantities()) {
     if (row.function != ir::Function::evaluate && row.function != function) continue;
     if (row.quantity == ir::Quantity::coriolis_matrix && scene.rates_zero) continue;
+    if (scene.contacts.empty() && ir::is_of_constraints(row.quantity)) continue;
     if (draw.one_in(rare)) some.push_back(row.quantity);
   }
   return some;
@@ -58,6 +59,14 @@ ir::Scene scene_of(Draw& draw, const Movable& robot) {
   scene.rates_zero = draw.one_in(6);
   if (draw.one_in(3)) scene.coriolis = ir::Coriolis::christoffel;
   if (draw.one_in(3)) scene.forward_dynamics = ir::Solver::factorization;
+  for (unsigned i = draw.below(5); i-- > 0;) {
+    const std::string& link = draw.of(robot.links);
+    const auto type = draw.one_in(3) ? ir::ContactType::weld : ir::ContactType::point;
+    const auto held = [&](const ir::Contact& other) { return other.link == link; };
+    if (std::any_of(scene.contacts.begin(), scene.contacts.end(), held)) continue;
+    const Eigen::Vector3d at(0.1 * (1 + i), -0.07, 0.03 * draw.below(4));
+    scene.contacts.push_back({fmt::format("contact {}", i), link, type, at, draw.one_in(3)});
+  }
   scene.outputs = quantities(draw, ir::Function::evaluate, scene);
   for (const ir::Function function : {ir::Function::inverse_dynamics, ir::Function::forward_dynamics})
     if (draw.one_in(2))
@@ -108,6 +117,9 @@ std::string in_words(unsigned seed, const ir::Scene& scene) {
   add("stiffness", scene.stiffness);
   add("elastic", scene.elastic);
   for (const std::string& link : scene.payloads) text += "; payload " + link;
+  for (const ir::Contact& contact : scene.contacts)
+    text += fmt::format("; {} on {} along {} axes", contact.type == ir::ContactType::weld ? "weld" : "point", contact.link,
+                        contact.along_link ? "its" : "the world's");
   for (const ir::ExternalWrench& wrench : scene.wrenches) text += "; wrench " + wrench.link;
   return text;
 }

@@ -36,6 +36,7 @@ const Example examples[] = {
     {"frames", "{l2: [pose, jacobian_mixed]}", "{l2: [pose, jacobian_mixed]}"},
     {"payloads", "[l3]", "l3"},
     {"wrenches", "{l2: world, l3: link}", "l2=world,l3=link"},
+    {"contacts", "{l3: point, l2: {type: weld}}", "{l3: point, l2: weld}"},
     {"armature", "{a: 0.5, c: 0.25}", "a=0.5,c=0.25"},
     {"damping", "urdf", "urdf"},
     {"friction", "{a: 2}", "a=2"},

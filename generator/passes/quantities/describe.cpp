@@ -39,7 +39,7 @@ std::vector<ir::Solver> solvers(const ir::EmittedFunction& function, const ir::K
   if (scene.forward_dynamics) return {*scene.forward_dynamics};
   if (tree.independent_joints() < tree.joints()) return {ir::Solver::factorization};
   const bool solves = std::any_of(function.quantities.begin(), function.quantities.end(),
-                                  [](ir::Quantity q) { return ir::row_of(q).scale == ir::Scale::solved; });
+                                  [](ir::Quantity q) { return ir::is_solved(ir::row_of(q).scale); });
   if (!solves) return {ir::Solver::articulated_bodies};
   return {ir::Solver::articulated_bodies, ir::Solver::factorization};
 }

@@ -4,13 +4,11 @@
 
 namespace dalembert::passes {
 
-namespace {
-
-// τ − C v − g, with what wrenches contribute, of every coordinate.
-int residuals(Builder& b) {
+int unbalanced(Builder& b) {
   const NewtonEuler rest = newton_euler(b, Driven::at_rest);
   const int bias = less_external(b, rest.torque), external = external_wrenches(b);
   const int residual = b.role({"unbalanced", "e", "tau - (C v + g)", "N, N m", ir::Shape::scalar});
+  if (b.has("unbalanced")) return residual;
   SweepBuilder s = b.sweep("unbalanced", "e = tau - (C v + g)", ir::Direction::anywhere);
   s.store(residual, s.parameter(own_coordinate_p) * s.effort() - s.own(bias));
   if (!b.floating()) return residual;
@@ -24,10 +22,8 @@ int residuals(Builder& b) {
   return residual;
 }
 
-}  // namespace
-
 void describe_forward_dynamics(Builder& b, int array) {
-  const int role = b.factors() ? residuals(b) : solved_accelerations(b).acceleration;
+  const int role = b.factors() ? unbalanced(b) : solved_accelerations(b).acceleration;
   b.result({array, ir::Layout::per_coordinate, role});
   guard(b, array);
   if (b.factors()) b.step({ir::MatrixStep::Kind::solve, mass_matrix_factor(b), -1, array});

@@ -10,6 +10,7 @@ namespace {
 
 // L' of articulated bodies: M is not formed.
 int transposed_gains(Builder& b) {
+  if (const int made = b.array_called(b.own_name("factor")); made >= 0) return made;
   const Articulated a = articulated_bodies(b);
   const Poses p = poses(b);
   ir::Pairs l;
@@ -23,13 +24,18 @@ int transposed_gains(Builder& b) {
 
 }  // namespace
 
+TreeFactors tree_factors(Builder& b) {
+  const int upper = b.factors() ? mass_matrix_factor(b) : transposed_gains(b);
+  return {upper, b.guard()->pivots};
+}
+
 int inverse_mass_matrix(Builder& b, int array) {
   const int nv = b.tree().nv();
   if (array < 0) array = b.internal_array(b.own_name("inverse"), nv, nv);
   guard(b, array);
-  const int factor = b.factors() ? mass_matrix_factor(b) : transposed_gains(b);
+  const TreeFactors factors = tree_factors(b);
   const int room = b.internal_array(b.own_name("padded_inverse"), inverse_size(nv), 1);
-  b.step({ir::MatrixStep::Kind::invert, factor, b.guard()->pivots, array, room});
+  b.step({ir::MatrixStep::Kind::invert, factors.upper, factors.pivots, array, room});
   return array;
 }
 

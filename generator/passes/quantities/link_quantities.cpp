@@ -23,17 +23,6 @@ void store_columns(SweepBuilder& s, int role, const Mat3& m) {
   for (int l = 0; l < 3; ++l) s.store(role, column(m, static_cast<std::size_t>(l)), 3 * l);
 }
 
-// The base's axes and origin in the world, as roles of the base.
-LinkPlace base_in_world(Builder& b) {
-  const LinkPlace base{b.role({"world_base_axes", "X", "the base's axes in the world, one after another", "", Shape::matrix}),
-                       b.role({"world_base_origin", "x", "the base's origin in the world", "m", Shape::vector})};
-  if (b.has("world_base")) return base;
-  SweepBuilder s = b.sweep("world_base", "the base's axes and origin in the world", Direction::root);
-  store_columns(s, base.axes, s.base_axes());
-  s.store(base.origin, s.base_position());
-  return base;
-}
-
 // Brings a twist from the base's axes and origin to where it is asked for.
 class Target {
  public:
@@ -113,27 +102,10 @@ void describe_jacobian(Builder& b, const LinkFrame& link, Axes axes, int array) 
   b.result({array, ir::Layout::columns, columns, 0, link.body});
 }
 
-// The acceleration of every body where v̇ = 0, about the base's origin: the sum of dJ q̇ above it.
-int bias_accelerations(Builder& b, Frame frame) {
-  const Poses p = poses(b, frame);
-  const std::string in = frame == Frame::base && b.moves_reference() ? "ground_" : "";
-  const int acceleration = b.role({in + "bias_acceleration", "dV", "dV where dv = 0", "m/s^2, rad/s^2", Shape::wrench});
-  if (b.has(in + "bias_accelerations")) return acceleration;
-  SweepBuilder root = b.sweep(in + "base_bias_acceleration", "dV = 0", Direction::root);
-  root.store(acceleration, Twist{root.zero(), root.zero()});
-  SweepBuilder s = b.sweep(in + "bias_accelerations", "dV = dVp + dJ dq", Direction::outwards);
-  const Sym rate = s.rate();
-  for (int i = 0; i < 6; ++i) {
-    const Sym own = s.own(p.joint_rate, i) * rate;
-    s.store(acceleration, i, s.carried(acceleration, i) + own);
-  }
-  return acceleration;
-}
-
 void describe_acceleration_bias(Builder& b, const LinkFrame& link, Axes axes, int array) {
   const Frame frame = frame_of(axes);
   const Poses p = poses(b, frame);
-  const int of_bodies = bias_accelerations(b, frame);
+  const int of_bodies = bias_accelerations(b, frame == Frame::base);
   const Target target(b, link, axes);
   const std::string name = suffix(axes) + link.name;
   const int bias = b.role({"acceleration" + name, "dVl", "dJ/dt v of link " + link.name, "m/s^2, rad/s^2", Shape::wrench});
@@ -153,6 +125,34 @@ void describe_acceleration_bias(Builder& b, const LinkFrame& link, Axes axes, in
 }
 
 }  // namespace
+
+LinkPlace base_in_world(Builder& b) {
+  const LinkPlace base{b.role({"world_base_axes", "X", "the base's axes in the world, one after another", "", Shape::matrix}),
+                       b.role({"world_base_origin", "x", "the base's origin in the world", "m", Shape::vector})};
+  if (b.has("world_base")) return base;
+  SweepBuilder s = b.sweep("world_base", "the base's axes and origin in the world", Direction::root);
+  store_columns(s, base.axes, s.base_axes());
+  s.store(base.origin, s.base_position());
+  return base;
+}
+
+// The sum of dJ q̇ above it.
+int bias_accelerations(Builder& b, bool along_base) {
+  const Frame frame = along_base ? Frame::base : Frame::cheapest;
+  const Poses p = poses(b, frame);
+  const std::string in = frame == Frame::base && b.moves_reference() ? "ground_" : "";
+  const int acceleration = b.role({in + "bias_acceleration", "dV", "dV where dv = 0", "m/s^2, rad/s^2", Shape::wrench});
+  if (b.has(in + "bias_accelerations")) return acceleration;
+  SweepBuilder root = b.sweep(in + "base_bias_acceleration", "dV = 0", Direction::root);
+  root.store(acceleration, Twist{root.zero(), root.zero()});
+  SweepBuilder s = b.sweep(in + "bias_accelerations", "dV = dVp + dJ dq", Direction::outwards);
+  const Sym rate = s.rate();
+  for (int i = 0; i < 6; ++i) {
+    const Sym own = s.own(p.joint_rate, i) * rate;
+    s.store(acceleration, i, s.carried(acceleration, i) + own);
+  }
+  return acceleration;
+}
 
 Mat3 three_columns(SweepBuilder& s, int body, int role) {
   const Vec3 z = s.of3(body, role, 6), y = s.of3(body, role, 3), x = s.of3(body, role, 0);

@@ -88,8 +88,13 @@ struct LinkPlace {
   int axes, origin;
 };
 LinkPlace link_place(Builder& builder, const LinkFrame& link, Frame frame);
+// The base's axes and origin in the world, as roles of the base.
+LinkPlace base_in_world(Builder& builder);
 // Three columns from a role of a given body.
 Mat3 three_columns(SweepBuilder& s, int body, int role);
+
+// dV: the acceleration of every body where v̇ = 0, about the base's origin; along the base's axes in any case, or the cheapest.
+int bias_accelerations(Builder& builder, bool along_base);
 
 // What the scene's wrenches do to the robot: the wrench that they are together on each subtree, along the base's axes about its
 // origin. −1: there are none.
@@ -120,6 +125,15 @@ int mass_matrix_factor(Builder& builder);
 
 // The array is zero where M is not positive definite, and the function's status says so.
 void guard(Builder& builder, int array);
+
+// M's factors along the tree, M = U D U': an array of which the half above the diagonal is U, and one that is D.
+struct TreeFactors {
+  int upper, pivots;
+};
+TreeFactors tree_factors(Builder& builder);
+
+// τ − C v − g, with what wrenches contribute, of every coordinate.
+int unbalanced(Builder& builder);
 
 // v̇ of every coordinate for the forces that the function is given; and summed up to the body's twist, what velocities alone
 // cause left out (of the base: its v̇).
