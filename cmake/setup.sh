@@ -1,7 +1,7 @@
 #!/bin/sh
 # sh cmake/setup.sh GROUP...   Installs what is missing of the groups' Debian packages; does nothing, quickly, when all is there.
 #
-#   build     the generator and the libraries its code needs
+#   build     the generator, the libraries its code needs, and what the Python package is built with
 #   example   the controller's plant (MuJoCo) and its picture (gnuplot)
 #   test      test framework, second compiler, and the programs that results are compared with
 #   fuzz      the compiler with a fuzzer in it
@@ -9,10 +9,10 @@
 set -eu
 
 build="g++ cmake ninja-build pkg-config libeigen3-dev liburdfdom-dev libtinyxml-dev libfmt-dev libyaml-cpp-dev libcli11-dev libtbb-dev libboost-dev
-       libjs-d3"
+       libjs-d3 python3-dev python3-numpy"
 example="libmujoco-dev gnuplot-nox"
 test="libgtest-dev clang g++-aarch64-linux-gnu make python3 libmujoco-dev libdart-dev libdart-utils-dev libdart-utils-urdf-dev
-      libdart-external-ikfast-dev libassimp-dev libtinyxml2-dev dart-doc liborocos-kdl-dev libbenchmark-dev chromium-headless-shell"
+      libdart-external-ikfast-dev libassimp-dev libtinyxml2-dev dart-doc liborocos-kdl-dev libbenchmark-dev chromium-headless-shell python3-hypothesis"
 fuzz="clang libclang-rt-dev"
 matrix="g++-11 g++-12 clang-14 clang-16 clang-19 g++-aarch64-linux-gnu qemu-user"
 
