@@ -64,7 +64,7 @@ class Cache(unittest.TestCase):
         self.assertEqual(self.calls(), 4)
 
     def test_killed_while_compiling(self):
-        compiler = self.compiler(f"[ -e {self.folder}/go ] || sleep 60")
+        compiler = self.compiler(f"[ -e {self.folder}/go ] || sleep 600")
         for whole_group in (True, False):
             process = self.start(compiler, start_new_session=True)
             for _ in range(600):
@@ -85,7 +85,7 @@ class Cache(unittest.TestCase):
         expected = self.load()  # by another compiler: another entry
         start = time.perf_counter()
         self.assertEqual(self.load(compiler), expected)
-        self.assertLess(time.perf_counter() - start, 50)
+        self.assertLess(time.perf_counter() - start, 300)  # it does not wait for those who sleep
         self.assertFalse([name for name in self.left() if ".making." in name or ".lock" in name], self.left())
         try:
             os.killpg(process.pid, signal.SIGKILL)  # the sleeping compilers of ours

@@ -47,7 +47,14 @@ def load(urdf, **keywords):
 
 @functools.lru_cache(maxsize=None)
 def _results_type(name, fields):
-    return collections.namedtuple(name, fields, module=__name__)
+    made = collections.namedtuple(name, fields, module=__name__)
+    made.__reduce__ = lambda self: (_results, (name, fields, tuple(self)))
+    return made
+
+
+def _results(name, fields, values):
+    """Pickled results: their type has a name of the scene's."""
+    return _results_type(name, fields)(*values)
 
 
 def _axes(shape, symbol):
