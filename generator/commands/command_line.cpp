@@ -19,6 +19,7 @@
 #include "commands/generate.hpp"
 #include "commands/info.hpp"
 #include "commands/options.hpp"
+#include "commands/package.hpp"
 #include "commands/report.hpp"
 
 namespace dalembert {
@@ -72,8 +73,13 @@ void add_generate(Command& command) {
   command.parser.add_option("-o,--out", *folder, "folder for the generated files; made when missing")
       ->required()
       ->type_name("DIR");
-  command.run = [&command, folder](Diagnostics& warnings) {
-    return print_result(generate(read_model(command.shared.request(), warnings), *folder));
+  const auto package = std::make_shared<bool>(false);
+  command.parser.add_flag("--package", *package,
+                          "a package of its own instead, that needs no generator: the code in a folder below, headers, CMakeLists.txt, "
+                          "package.xml, README.md");
+  command.run = [&command, folder, package](Diagnostics& warnings) {
+    const Model model = read_model(command.shared.request(), warnings);
+    return print_result(*package ? generate_package(model, *folder) : generate(model, *folder));
   };
 }
 
