@@ -11,6 +11,8 @@
 #include <iterator>
 #include <memory>
 
+#include "commands/build.hpp"
+#include "commands/cache.hpp"
 #include "commands/check.hpp"
 #include "commands/dump.hpp"
 #include "commands/eval.hpp"
@@ -19,6 +21,7 @@
 #include "commands/machine.hpp"
 #include "commands/measure_plan.hpp"
 #include "commands/options.hpp"
+#include "commands/package.hpp"
 #include "commands/report.hpp"
 
 namespace dalembert {
@@ -83,12 +86,17 @@ void add_generate(Command& command) {
   command.parser.add_option("-o,--out", *folder, "folder for the generated files; made when missing")
       ->required()
       ->type_name("DIR");
+  const auto package = std::make_shared<bool>(false);
+  command.parser.add_flag("--package", *package,
+                          "a package of its own instead, that needs no generator: the code in a folder below, headers, CMakeLists.txt, "
+                          "package.xml, README.md");
   const auto compiler = add_compiler_options(command.parser);
-  command.run = [&command, folder, compiler](Diagnostics& warnings) {
+  command.run = [&command, folder, package, compiler](Diagnostics& warnings) {
     backend::check_folder(*folder);
     std::string told;
     const Request request = planned_request(command, *compiler, told);
-    return print_result(told + generate(read_model(request, warnings), *folder));
+    const Model model = read_model(request, warnings);
+    return print_result(told + (*package ? generate_package(model, *folder) : generate(model, *folder)));
   };
 }
 
@@ -166,6 +174,52 @@ void add_report(Command& command) {
   };
 }
 
+void add_build(Command& command) {
+  const auto compiler = add_compiler_options(command.parser);
+  command.run = [&command, compiler](Diagnostics& warnings) {
+    try {
+      return print_result(build(command.shared.request(), *compiler, warnings) + "\n");
+    } catch (const SelfTestFailure& failure) {
+      print({{Severity::error, command.shared.request().robot, "self-test", failure.what(),
+              "name another compiler with --compiler, or other flags with --flags; 'dalembert check' tells more"}});
+      return check_failed;
+    }
+  };
+}
+
+// A command that takes no robot.
+struct PlainCommand {
+  CLI::App* parser;
+  std::function<int()> run;
+};
+
+PlainCommand add_cache(CLI::App& app) {
+  CLI::App* const parser = app.add_subcommand("cache", "List what 'build' and Python have compiled and kept, or remove it");
+  const auto clear = std::make_shared<bool>(false);
+  parser->add_flag("--clear", *clear, "remove all of it; what is being compiled at this moment stays");
+  return {parser, [clear] {
+            if (*clear) return print_result(fmt::format("{} removed from {}\n", clear_cache(), cache_folder().string()));
+            std::string text;
+            std::uintmax_t bytes = 0;
+            const std::vector<CacheEntry> entries = cache_entries();
+            for (const CacheEntry& entry : entries) {
+              text += fmt::format("{}  {:>8} kB  {}\n", entry.folder.filename().string(), (entry.bytes + 999) / 1000,
+                                  command_line_of(entry.folder));
+              bytes += entry.bytes;
+            }
+            return print_result(
+                text + fmt::format("{} in {}, {} kB\n", entries.size(), cache_folder().string(), (bytes + 999) / 1000));
+          }};
+}
+
+PlainCommand add_quantities(CLI::App& app) {
+  CLI::App* const parser =
+      app.add_subcommand("quantities", "List what can be asked for: the values of --outputs, and of --frames");
+  const auto json = std::make_shared<bool>(false);
+  parser->add_flag("--json", *json, "one JSON object for machines, with the scene's keys");
+  return {parser, [json] { return print_result(*json ? registry_json() : registry_text()); }};
+}
+
 // Most likely a variable of the shell that is not set. The scene's keys check themselves: an empty list is a value.
 void refuse_empty_options(const CLI::App& parser) {
   for (const char* name : {"--scene", "--name", "--out", "--compiler", "--state", "--output"}) {
@@ -195,11 +249,14 @@ int parse_and_run(int argc, const char* const* argv, Diagnostics& warnings, bool
   Command eval(app, "eval", "Print a quantity at given states");
   Command check(app, "check", "Compare generated code with the generic engine, in double and in 50 digits, and time it");
   Command report(app, "report", "Measure error against time, extreme cases and forms, as a page and a table");
+  Command build(app, "build", "Compile a robot's functions for programs that load them, such as Python; print the folder");
+  const PlainCommand plain[] = {add_cache(app), add_quantities(app)};
   add_generate(generate);
   add_info(info);
   add_eval(eval);
   add_check(check);
   add_report(report);
+  add_build(build);
 
   if (argc < 2) throw InputError({Severity::error, "", "command line", "no command is given", first_steps});
   try {
@@ -208,7 +265,9 @@ int parse_and_run(int argc, const char* const* argv, Diagnostics& warnings, bool
     if (error.get_exit_code() == 0) return app.exit(error);  // --help
     throw InputError({Severity::error, "", "command line", error.what(), "run 'dalembert --help', or a command with --help"});
   }
-  for (const Command* command : {&generate, &info, &eval, &check, &report})
+  for (const PlainCommand& command : plain)
+    if (command.parser->parsed()) return command.run();
+  for (const Command* command : {&generate, &info, &eval, &check, &report, &build})
     if (command->parser.parsed()) {
       refuse_empty_options(command->parser);
       verbose = command->shared.verbose();

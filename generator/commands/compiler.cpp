@@ -43,24 +43,6 @@ std::string environment(const char* name) {
   return value ? value : "";
 }
 
-std::vector<std::string> compiler_words(const CompilerOptions& options) {
-  for (const std::string& given : {options.compiler, environment("CXX")})
-    if (const std::vector<std::string> words = split(given, ' '); !words.empty()) return words;
-  return {"c++"};
-}
-
-// The runtime's headers stand beside an installed executable, or in the source folder of a built one.
-std::vector<std::string> include_folders() {
-  if (const std::vector<std::string> given = split(environment("DALEMBERT_INCLUDE"), ':'); !given.empty()) return given;
-  std::vector<std::string> folders;
-  std::error_code error;
-  const fs::path installed = fs::read_symlink("/proc/self/exe", error).parent_path().parent_path() / "include";
-  for (const fs::path& folder : {installed, fs::path(DALEMBERT_RUNTIME_INCLUDE)})
-    if (folders.empty() && fs::exists(folder / "dalembert" / "version.hpp", error)) folders.push_back(folder.string());
-  for (const std::string& folder : split(DALEMBERT_EIGEN_INCLUDE, ':')) folders.push_back(folder);
-  return folders;
-}
-
 // Runs a command with its output in `log`; the exit status, or -1 when it cannot be started.
 int run(const std::vector<std::string>& words, const fs::path& log) {
   std::vector<char*> arguments;
@@ -90,6 +72,43 @@ std::string said(const fs::path& log) {
 
 }  // namespace
 
+std::vector<std::string> compiler_words(const CompilerOptions& options) {
+  for (const std::string& given : {options.compiler, environment("CXX")})
+    if (const std::vector<std::string> words = split(given, ' '); !words.empty()) return words;
+  return {"c++"};
+}
+
+// The runtime's headers stand beside an installed executable, or in the source folder of a built one.
+std::vector<std::string> include_folders() {
+  if (const std::vector<std::string> given = split(environment("DALEMBERT_INCLUDE"), ':'); !given.empty()) return given;
+  std::vector<std::string> folders;
+  std::error_code error;
+  const fs::path installed = fs::read_symlink("/proc/self/exe", error).parent_path().parent_path() / "include";
+  for (const fs::path& folder : {installed, fs::path(DALEMBERT_RUNTIME_INCLUDE)})
+    if (folders.empty() && fs::exists(folder / "dalembert" / "version.hpp", error)) folders.push_back(folder.string());
+  for (const std::string& folder : split(DALEMBERT_EIGEN_INCLUDE, ':')) folders.push_back(folder);
+  return folders;
+}
+
+std::vector<std::string> compiler_and_flags(const CompilerOptions& options) {
+  std::vector<std::string> command = compiler_words(options);
+  for (std::string& flag : split(options.flags, ' ')) command.push_back(std::move(flag));
+  if (options.lanes > 0) command.push_back(fmt::format("-DDALEMBERT_LANES={}", options.lanes));
+  return command;
+}
+
+void run_compiler(const std::vector<std::string>& command, const fs::path& log) {
+  const int status = run(command, log);
+  if (status == -1 || status == 127)
+    refuse(fmt::format("'{}' cannot be run", command.front()),
+           "install g++, or name a C++17 compiler with --compiler or CXX; eval needs none with --engine generic");
+  if (status != 0)
+    refuse(
+        fmt::format("'{}' does not compile the generated code:{}", command.front(), said(log)),
+        "name a C++17 compiler with --compiler or CXX, flags it knows with --flags, and the folders of dalembert's and Eigen's "
+        "headers with DALEMBERT_INCLUDE");
+}
+
 std::string complaint(const std::runtime_error& error) {
   const auto* const refused = dynamic_cast<const InputError*>(&error);
   const std::string text = refused ? refused->diagnostics().front().message : error.what();
@@ -104,10 +123,7 @@ LoadedCode::LoadedCode(const std::string& name, const std::vector<backend::Outpu
   const TemporaryFolder folder;
   const fs::path sources = folder.path() / name, object = folder.path() / "code.so", log = folder.path() / "log";
   backend::write_files(sources.string(), files);
-  const std::vector<std::string> compiler = compiler_words(options), flags = split(options.flags, ' ');
-  std::vector<std::string> command = compiler;
-  command.insert(command.end(), flags.begin(), flags.end());
-  if (options.lanes > 0) command.push_back(fmt::format("-DDALEMBERT_LANES={}", options.lanes));
+  std::vector<std::string> command = compiler_and_flags(options);
   command_ = fmt::format("{}", fmt::join(command, " "));
   for (const char* word : {"-shared", "-fPIC"}) command.push_back(word);
   command.push_back("-I" + folder.path().string());
@@ -121,15 +137,7 @@ LoadedCode::LoadedCode(const std::string& name, const std::vector<backend::Outpu
   command.push_back("-o");
   command.push_back(object.string());
 
-  const int status = run(command, log);
-  if (status == -1 || status == 127)
-    refuse(fmt::format("'{}' cannot be run", compiler.front()),
-           "install g++, or name a C++17 compiler with --compiler or CXX; eval needs none with --engine generic");
-  if (status != 0)
-    refuse(
-        fmt::format("'{}' does not compile the generated code:{}", compiler.front(), said(log)),
-        "name a C++17 compiler with --compiler or CXX, flags it knows with --flags, and the folders of dalembert's and Eigen's "
-        "headers with DALEMBERT_INCLUDE");
+  run_compiler(command, log);
   // Libraries may have threads that outlive the code, as oneTBB does: they stay.
   library_ = dlopen(object.c_str(), RTLD_NOW | RTLD_LOCAL | (options.libraries.empty() ? 0 : RTLD_NODELETE));
   if (!library_) throw std::runtime_error(std::string("the compiled code cannot be loaded: ") + dlerror());

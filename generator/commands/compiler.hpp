@@ -1,6 +1,7 @@
 // The system's C++ compiler, as eval and check use it: generated files in, a loaded shared object out.
 #pragma once
 
+#include <filesystem>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -17,15 +18,27 @@ struct CompilerOptions {
   std::string libraries = {};  // what the code is linked with: "-ltbb"
 };
 
+// The words of the command that options, environment or system name: {"ccache", "g++"}.
+std::vector<std::string> compiler_words(const CompilerOptions& options);
+
+// Compiler and flags, without files: {"c++", "-O3", "-march=native", "-std=c++17"}.
+std::vector<std::string> compiler_and_flags(const CompilerOptions& options);
+
+// The folders of the runtime's headers and of Eigen's: those in $DALEMBERT_INCLUDE (separated by ':'), or those dalembert was
+// built or installed with.
+std::vector<std::string> include_folders();
+
+// Runs a compiler's command; what it says goes to the file `log`. Throws InputError when it cannot be run or does not compile.
+void run_compiler(const std::vector<std::string>& command, const std::filesystem::path& log);
+
 // What the compiler, the linker or the loader said first, without where, of what the constructor below throws.
 std::string complaint(const std::runtime_error& error);
 
 // Generated code compiled and loaded into this process. The files live in a temporary folder until the end of the constructor.
 class LoadedCode {
  public:
-  // `name`: the folder under which the files include each other. The folders of headers are those in $DALEMBERT_INCLUDE
-  // (separated by ':'), or those dalembert was built or installed with. Throws InputError when there is no compiler or it
-  // refuses the code.
+  // `name`: the folder under which the files include each other. Throws InputError when there is no compiler or it refuses the
+  // code.
   LoadedCode(const std::string& name, const std::vector<backend::OutputFile>& files, const CompilerOptions& options);
   ~LoadedCode();
   LoadedCode(const LoadedCode&) = delete;

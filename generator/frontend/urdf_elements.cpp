@@ -4,6 +4,8 @@
 #include <fmt/ranges.h>
 
 #include <cmath>
+#include <iterator>
+#include <limits>
 #include <string_view>
 #include <vector>
 
@@ -139,6 +141,25 @@ void read_unused(ElementReader& read, const TiXmlElement& element, std::initiali
   for (std::string_view literal : attributes) read.optional_number(element, literal.data());
 }
 
+// What is no number limits nothing, and a joint that turns without end has no range.
+ir::Limits limits(ElementReader& read, const TiXmlElement& element, bool endless) {
+  constexpr const char* attributes[] = {"lower", "upper", "effort", "velocity", "acceleration", "deceleration", "jerk"};
+  read.only_attributes(element, {"lower", "upper", "effort", "velocity", "acceleration", "deceleration", "jerk"});
+  read.only_children(element, {}, {});
+  ir::Limits limits;
+  // Of lower and upper, the one that is left out is zero (URDF's specification).
+  if (!endless && (element.Attribute("lower") || element.Attribute("upper"))) limits.lower = limits.upper = 0;
+  double* const places[] = {&limits.lower, &limits.upper, &limits.effort, &limits.velocity, nullptr, nullptr, nullptr};
+  for (size_t i = 0; i < std::size(attributes); ++i) {
+    const std::optional<double> value = read.optional_number(element, attributes[i]);
+    if (!value || !places[i] || (endless && i < 2)) continue;
+    *places[i] = !std::isnan(*value) ? *value
+                 : i == 0            ? -std::numeric_limits<double>::infinity()
+                                     : std::numeric_limits<double>::infinity();
+  }
+  return limits;
+}
+
 }  // namespace
 
 LinkOutline read_link(ElementReader& read, const TiXmlElement& element, const std::string& name) {
@@ -181,7 +202,7 @@ JointOutline read_joint(ElementReader& read, const TiXmlElement& element, const 
                               read.optional_number(*mimic, "offset").value_or(0)};
   }
   if (const TiXmlElement* limit = element.FirstChildElement("limit"))
-    read_unused(read, *limit, {"lower", "upper", "effort", "velocity", "acceleration", "deceleration", "jerk"});
+    outline.limits = limits(read, *limit, outline.type == "continuous");
   if (const TiXmlElement* calibration = element.FirstChildElement("calibration"))
     read_unused(read, *calibration, {"rising", "falling", "reference_position"});
   if (const TiXmlElement* safety = element.FirstChildElement("safety_controller"))

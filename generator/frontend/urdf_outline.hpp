@@ -43,6 +43,7 @@ struct JointOutline {
   Eigen::Vector3d axis = Eigen::Vector3d::UnitX();  // of any length but zero
   double damping = 0, friction = 0;                 // NaN where the text is no number: refused by those who read it
   std::optional<ir::Mimic> mimic;                   // likewise; `of` may be empty
+  ir::Limits limits;
 };
 
 struct UrdfOutline {

@@ -118,6 +118,7 @@ ir::Joint joint(const JointOutline& from) {
   joint.damping = from.damping;
   joint.friction = from.friction;
   joint.mimic = from.mimic;
+  joint.limits = from.limits;
   return joint;
 }
 

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <limits>
 #include <map>
 #include <optional>
 #include <string>
@@ -33,6 +34,14 @@ struct Link {
   int line = 0;                         // of the file
 };
 
+// <limit> as the URDF has it, rad or m, their rates, N m or N; infinite where it says nothing. No dynamics reads them.
+struct Limits {
+  double lower = -std::numeric_limits<double>::infinity();
+  double upper = std::numeric_limits<double>::infinity();
+  double velocity = std::numeric_limits<double>::infinity();
+  double effort = std::numeric_limits<double>::infinity();
+};
+
 struct Joint {
   std::string name;
   JointType type = JointType::fixed;
@@ -43,6 +52,7 @@ struct Joint {
   double damping = 0;                                        // <dynamics damping>, N m s/rad or N s/m; NaN: no number
   double friction = 0;                                       // <dynamics friction>, N m or N; NaN: no number
   std::optional<Mimic> mimic;
+  Limits limits;
 };
 
 struct RobotDescription {

@@ -69,6 +69,32 @@ void move_base(const Q& q, const V& step, Q& next) {
   next.template segment<4>(3) = turned;
 }
 
+// The first six of `step`, such that move_base(from, step) is the base of `to`.
+template <class Q, class V>
+void base_difference(const Q& from, const Q& to, V& step) {
+  using std::atan2;
+  using std::cos;
+  using std::sin;
+  using std::sqrt;
+  using Scalar = typename Q::Scalar;
+  const Scalar x = from[3], y = from[4], z = from[5], w = from[6], a = to[3], b = to[4], c = to[5], d = to[6];
+  Eigen::Matrix<Scalar, 4, 1> turned(w * a - x * d - y * c + z * b, w * b + x * c - y * d - z * a,
+                                     w * c - x * b + y * a - z * d, w * d + x * a + y * b + z * c);
+  if (turned[3] < 0) turned = -turned;  // of the two ways round the shorter
+  const Scalar half_sine = turned.template head<3>().norm(), angle = 2 * atan2(half_sine, turned[3]);
+  // angle / sin(angle/2), and (1 − angle/2 · cot(angle/2)) / angle², or their series.
+  const Scalar ratio = half_sine < Scalar(1e-6) ? 2 + half_sine * half_sine / 3 : angle / half_sine;
+  const Vector3<Scalar> turn = ratio * turned.template head<3>();
+  const Scalar squared = angle * angle;
+  const Scalar second = squared < Scalar(1e-2) ? (1 + squared / 60 * (1 + squared / 42 * (1 + squared / 40))) / 12
+                                               : (1 - angle / 2 * cos(angle / 2) / sin(angle / 2)) / squared;
+  const Vector3<Scalar> apart =
+      rotation_of_quaternion<Scalar>(x, y, z, w).transpose() * (to.template head<3>() - from.template head<3>());
+  const Vector3<Scalar> across = turn.cross(apart);
+  step.template head<3>() = apart - across / 2 + second * turn.cross(across);
+  step.template segment<3>(3) = turn;
+}
+
 }  // namespace detail
 
 // q, moved by the twist `step` (m, rad: velocity times time, in the base's own axes): next = q · exp(step). The base turns and
@@ -83,6 +109,19 @@ void move(const Q& q, const V& step, Q& next) {
       joints -= 6;
     }
   next.tail(joints) = q.tail(joints) + step.tail(joints);
+}
+
+// The step that leads from one q to another: to = from · exp(step), with the base turned by at most half a turn; joints
+// subtract. The quaternions are of unit length; `step` has v's size.
+template <class Q, class V>
+void difference(const Q& from, const Q& to, V& step) {
+  Eigen::Index joints = step.size();
+  if constexpr (may_float<Q, V>)
+    if (floats(from, step)) {
+      detail::base_difference(from, to, step);
+      joints -= 6;
+    }
+  step.tail(joints) = to.tail(joints) - from.tail(joints);
 }
 
 // The rate of `step` when q · exp(step) moves with v: dexp⁻¹ of −step, applied to v, to third order in the step, which is what

@@ -1,0 +1,114 @@
+// What a shared object tells of the functions in it, for programs that load it at run time: each is called for one state or for
+// many, on plain rows of numbers.
+//
+// The object exports `extern "C" const dalembert::FunctionTable* dalembert_function_table()`. Numbers are the table's scalar,
+// so that pointers to them are untyped here. A state is a row: q, v and what the function takes besides. Results are written
+// row by row, states one after another, which is what arrays of most languages are; the workspace holds matrices column by
+// column.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <dalembert/self_test.hpp>
+#include <new>
+
+namespace dalembert {
+
+inline constexpr std::int32_t function_table_version = 1;
+
+// The rows of one argument: that of state s begins s · step numbers behind the first; with a step of 0 all states share one.
+struct StateRows {
+  const void* first = nullptr;
+  std::ptrdiff_t step = 0;
+};
+
+struct FunctionCall {
+  StateRows q, v, more;       // nq, nv and nv numbers; `more` is not read by functions of q and v alone
+  StateRows run_time;         // the run-time inputs one after another: gravity_vector, payloads, wrenches
+  void* const* results;       // per result: room for the states' matrices
+  std::int32_t* status;       // per state: the coordinate at which M is not positive definite, or -1; may be null
+  std::ptrdiff_t begin, end;  // which states
+};
+
+struct FunctionEntry {
+  const char* name;
+  std::int32_t results;
+  bool has_status;
+  void* (*create)() noexcept;  // a workspace; null where there is no memory. Threads do not share one.
+  void (*destroy)(void* workspace) noexcept;
+  void (*run)(const FunctionCall& call, void* workspace) noexcept;
+  bool (*self_test)(SelfTestReport* report) noexcept;
+};
+
+struct FunctionTable {
+  std::int32_t version;
+  std::int32_t scalar_bytes;  // 4: float, 8: double
+  std::int32_t functions;
+  const FunctionEntry* entries;
+};
+
+namespace table {
+
+// A result of one state: `from`, column by column, to its place among the states' results, row by row.
+template <int rows, int columns, class Scalar>
+inline void copy_result(const Scalar* from, void* to, std::ptrdiff_t state) noexcept {
+  Scalar* const into = static_cast<Scalar*>(to) + state * (rows * columns);
+  if constexpr (rows == 1 || columns == 1) {
+    std::memcpy(into, from, sizeof(Scalar) * rows * columns);
+  } else {
+    using Packet = typename Eigen::internal::packet_traits<Scalar>::type;
+    constexpr int width = Eigen::internal::unpacket_traits<Packet>::size;
+    constexpr int whole_rows = width > 1 ? rows / width * width : 0, whole_columns = width > 1 ? columns / width * width : 0;
+    if constexpr (width > 1) {
+      for (int c = 0; c < whole_columns; c += width)
+        for (int r = 0; r < whole_rows; r += width) {
+          Eigen::internal::PacketBlock<Packet, width> block;
+          for (int i = 0; i < width; ++i) block.packet[i] = Eigen::internal::ploadu<Packet>(from + (c + i) * rows + r);
+          Eigen::internal::ptranspose(block);
+          for (int i = 0; i < width; ++i) Eigen::internal::pstoreu(into + (r + i) * columns + c, block.packet[i]);
+        }
+    }
+    for (int c = 0; c < whole_columns; ++c)
+      for (int r = whole_rows; r < rows; ++r) into[r * columns + c] = from[c * rows + r];
+    for (int c = whole_columns; c < columns; ++c)
+      for (int r = 0; r < rows; ++r) into[r * columns + c] = from[c * rows + r];
+  }
+}
+
+// What a glue class Function says of one generated function: Scalar, Workspace, call(q, v, more, workspace), set(values,
+// workspace) for the run-time inputs, copy(workspace, results, state) and status(workspace).
+
+// One state after another.
+template <class Function>
+void run(const FunctionCall& call, void* untyped) noexcept {
+  using Scalar = typename Function::Scalar;
+  auto& workspace = *static_cast<typename Function::Workspace*>(untyped);
+  const auto row = [](const StateRows& rows, std::ptrdiff_t state) {
+    return static_cast<const Scalar*>(rows.first) + state * rows.step;
+  };
+  for (std::ptrdiff_t s = call.begin; s < call.end; ++s) {
+    if (Function::run_time_inputs > 0) Function::set(row(call.run_time, s), workspace);
+    Function::call(row(call.q, s), row(call.v, s), row(call.more, s), workspace);
+    Function::copy(workspace, call.results, s);
+    if (call.status) call.status[s] = Function::status(workspace, 0);
+  }
+}
+
+template <class Function>
+FunctionEntry entry(const char* name, int results, bool (*self_test)(SelfTestReport*) noexcept) noexcept {
+  using Workspace = typename Function::Workspace;
+  FunctionEntry entry{};
+  entry.name = name;
+  entry.results = results;
+  entry.has_status = Function::template has_status<Workspace>(0);
+  entry.create = []() noexcept -> void* { return new (std::nothrow) Workspace(); };
+  entry.destroy = [](void* workspace) noexcept { delete static_cast<Workspace*>(workspace); };
+  entry.run = run<Function>;
+  entry.self_test = self_test;
+  return entry;
+}
+
+}  // namespace table
+}  // namespace dalembert

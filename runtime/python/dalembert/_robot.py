@@ -1,0 +1,395 @@
+"""load() and what it returns."""
+
+import collections
+import functools
+import inspect
+import json
+import math
+import os
+import pathlib
+import warnings
+from typing import NamedTuple
+
+import numpy
+
+from . import _build, _core
+
+
+class InputWarning(UserWarning):
+    """What the compiler passed over in the URDF or the scene, by name."""
+
+
+class Payload(NamedTuple):
+    """A rigid body that a link carries, given at run time (scene key `payloads`)."""
+
+    mass: float = 0.0  # kg
+    com: tuple = (0.0, 0.0, 0.0)  # centre of mass, m, in the link's frame
+    inertia: tuple = (0.0,) * 6  # xx xy xz yy yz zz about the centre of mass, kg m², the link's axes
+
+
+def load(urdf, **keywords):
+    """The robot's functions, generated and compiled, or found in the cache.
+
+    urdf: the file's name. Keywords: `scene`, a YAML file; the scene's keys (docs/scene.md), which override it: base, gravity,
+    outputs, functions, frames, locked, ...; and compiler, flags, form, lanes, name, as of `dalembert generate` and `check`.
+    Raises InputError (a ValueError) where the input is wrong, KeyError for a quantity that there is not, TypeError for an unknown
+    keyword, SelfTestError where the compiled code does not compute what it should. Whoever else loads the same at the same time
+    waits; the code is compiled once.
+    """
+    for _ in range(3):  # somebody may clear the cache in between
+        folder = pathlib.Path(_build.run("build", _build.arguments(urdf, keywords))[1].rstrip("\n"))
+        try:
+            return Robot._of_entry(folder, urdf, keywords)
+        except FileNotFoundError:
+            continue
+    raise RuntimeError(f"{folder} does not stay as it is made")
+
+
+@functools.lru_cache(maxsize=None)
+def _results_type(name, fields):
+    made = collections.namedtuple(name, fields, module=__name__)
+    made.__reduce__ = lambda self: (_results, (name, fields, tuple(self)))
+    return made
+
+
+def _results(name, fields, values):
+    """Pickled results: their type has a name of the scene's."""
+    return _results_type(name, fields)(*values)
+
+
+def _axes(shape, symbol):
+    return "(" + ", ".join(map(str, shape)) + (",)" if len(shape) == 1 else ")") if shape else "a number"
+
+
+class Robot:
+    """A robot, by load(). What the scene asks for is a function of the same name, of one state or of n, row by row."""
+
+    @classmethod
+    def _of_entry(cls, folder, urdf, keywords):
+        with open(folder / "robot.json", encoding="utf-8") as file:
+            facts = json.load(file)
+        code = folder / "code.so"
+        if os.path.getsize(code) != facts["code_bytes"]:  # a disk's doing: without this file it is no entry, and made again
+            (folder / "robot.json").unlink(missing_ok=True)
+            raise FileNotFoundError(code)
+        self = cls.__new__(cls)
+        self.__dict__["_urdf"] = os.path.abspath(os.fspath(urdf))
+        self.__dict__["_keywords"] = dict(keywords)
+        self.__dict__["_folder"] = folder
+        self._set_facts(facts)
+        self._set_run_time(facts["run_time"])
+        self._set_functions(_core.open(os.fspath(code)), facts["functions"])
+        for kind, text in facts["said"]:
+            if kind == "warning":
+                warnings.warn(text, InputWarning, stacklevel=3)
+        return self
+
+    def _set_facts(self, facts):
+        facts_of = self.__dict__
+        facts_of.update(
+            name=facts["robot"],
+            source=self._folder / "source" / facts["name"],
+            nq=facts["nq"],
+            nv=facts["nv"],
+            floating_base=facts["base"] == "floating",
+            base_link=facts["base_link"],
+            dtype=numpy.dtype(facts["scalar"]),
+            joint_names=tuple(facts["joints"]),
+            joint_types=tuple(facts["joint_types"]),
+            body_names=tuple(facts["bodies"]),
+            frame_names=tuple(facts["links"]),
+            compiled_by=facts["compiled_by"],
+            notices=tuple(text for _, text in facts["said"]),
+        )
+        for key, name in (("lower", "lower_limits"), ("upper", "upper_limits"), ("velocity", "velocity_limits"),
+                          ("effort", "effort_limits")):
+            values = numpy.array(facts[key], dtype=float)
+            values.flags.writeable = False
+            facts_of[name] = values
+
+    def _set_run_time(self, inputs):
+        values = numpy.array([x for i in inputs for x in i["start"]], dtype=self.dtype)
+        self.__dict__["_run_time"] = values
+        self.__dict__["_run_time_at"] = places = {}
+        at = 0
+        for i in inputs:
+            places[i["name"]] = (at, len(i["start"]), i["unit"], i["help"])
+            at += len(i["start"])
+
+    def _set_functions(self, library, functions):
+        base = ["the base's linear velocity along x", "along y", "along z", "the base's angular velocity about x", "about y",
+                "about z"] if self.floating_base else []
+        coordinates = tuple([f"{b} (v[{i}])" for i, b in enumerate(base)] +
+                            [f"joint '{j}' (v[{len(base) + i}])" for i, j in enumerate(self.joint_names)])
+        run_time = tuple((name, at, size) for name, (at, size, _, _) in self._run_time_at.items())
+        whole, single, results, scene_functions = {}, {}, {}, {}
+        for f in functions:
+            one = len(f["results"]) == 1 and not f["named"]
+            fields = tuple(r["field"] for r in f["results"])
+            name = f["results"][0]["name"] if one else f["name"]
+            made = _core.Function(
+                library, f["entry"], name, f["takes"] or None, f["reads_velocities"], self.nq, self.nv,
+                tuple(tuple(r["shape"]) for r in f["results"]), None if one else _results_type(f["name"], fields),
+                self._run_time if run_time else None, run_time, coordinates, self._docstring(f, one), self._signature(f, run_time))
+            if one:
+                single[name] = made
+            if not f["alone"]:
+                whole[f["name"]] = (made, f, one)
+            if f["named"]:
+                scene_functions[f["name"]] = made
+            else:
+                for r in f["results"]:
+                    results[r["name"]] = f
+        callables = {**single, **scene_functions}
+        self.__dict__["_callables"] = callables
+        # A function of the scene that is called like something of ours is robot["info"] only.
+        self.__dict__.update({name: made for name, made in callables.items() if not hasattr(type(self), name)})
+        self.__dict__["_single"], self.__dict__["_whole"], self.__dict__["_function_of"] = single, whole, {
+            name: f["function"] for name, f in results.items()}
+        self.__dict__["outputs"] = tuple(callables)
+        self.__dict__["_by_inputs"] = {f["takes"]: made for made, f, one in whole.values() if not one and not f["named"]}
+
+    def _docstring(self, f, one):
+        lines = []
+        if one:
+            r = f["results"][0]
+            of = f" of link {r['link']}" if r["link"] else ""
+            symbol = f" ({r['symbol']})" if r["symbol"] else ""
+            lines.append(f"{r['help'][0].upper() + r['help'][1:]}{symbol}{of}.")
+        else:
+            lines.append("Several quantities in one call, which computes what they share once; a named tuple.")
+        lines.append("")
+        layout = ("position of the base in the world (3), quaternion x y z w (4), joints", "the base's linear (3) and angular "
+                  "velocity (3) in its own axes, joint rates") if self.floating_base else ("joints", "joint rates")
+        lines.append(f"q: ({self.nq},) or (n, {self.nq}): {layout[0]}; m, rad.")
+        lines.append(f"v: ({self.nv},) or (n, {self.nv}): {layout[1]}; m/s, rad/s." +
+                     ("" if f["reads_velocities"] or f["takes"] else " Not read; may be left out."))
+        if f["takes"]:
+            lines.append(f"{f['takes']}: ({self.nv},) or (n, {self.nv}): {f['meaning']}.")
+        for name, (_, size, unit, text) in self._run_time_at.items():
+            lines.append(f"{name}: ({size},) or (n, {size}), in place of the robot's own: {text}; {unit}.")
+        lines.append("out: an array, or one for each result, to write to." if one else "out: a tuple of arrays to write to.")
+        lines.append("return_status: also the coordinate at which the mass matrix is not positive definite, or -1; with n states "
+                     "an array.")
+        lines.append("")
+        lines.append("Returns, of n states with n in front:")
+        for r in f["results"]:
+            lines.append(f"    {r['field']}: {_axes(r['shape'], r['symbol'])}, {r['unit']}" + ("" if one else f"; {r['help']}"))
+        return "\n".join(lines)
+
+    def _signature(self, f, run_time):
+        P = inspect.Parameter
+        optional_v = not f["reads_velocities"] and not f["takes"]
+        parameters = [P("q", P.POSITIONAL_OR_KEYWORD), P("v", P.POSITIONAL_OR_KEYWORD, default=None if optional_v else P.empty)]
+        if f["takes"]:
+            parameters.append(P(f["takes"], P.POSITIONAL_OR_KEYWORD))
+        parameters += [P(name, P.KEYWORD_ONLY, default=None) for name, _, _ in run_time]
+        parameters += [P("out", P.KEYWORD_ONLY, default=None), P("return_status", P.KEYWORD_ONLY, default=False)]
+        return inspect.Signature(parameters)
+
+    # ---- Several quantities
+
+    def evaluate(self, q, v=None, *, a=None, tau=None, outputs=None, **more):
+        """Several quantities in one call, as a named tuple.
+
+        outputs: names of what load() was asked for; without, all that q and v give (and with `a` or `tau`, all that these give).
+        Quantities of one function (docs/scene.md) share what they share. Keywords `out` and `return_status` and run-time inputs are
+        those of the functions; with `return_status`, (results, status), status being -1 where M is positive definite everywhere.
+        """
+        if outputs is None and (a is None or tau is None):  # all of one function, without further ado
+            whole = self._by_inputs.get("a" if a is not None else "tau" if tau is not None else "")
+            if whole:
+                return whole(q, *(x for x in (v, a, tau) if x is not None), **more)
+        given = {"": True, "a": a is not None, "tau": tau is not None}
+        if outputs is None:
+            takes = "a" if given["a"] else "tau" if given["tau"] else ""
+            names = [n for n, f in self._function_of.items() if self._whole[f][1]["takes"] == takes]
+            if not names:
+                raise KeyError(f"{self.name} was loaded without quantities of " + (f"q, v and {takes}" if takes else "q and v"))
+        else:
+            names = [outputs] if isinstance(outputs, str) else list(outputs)
+        for name in names:
+            if name not in self._function_of:
+                raise KeyError(self._unknown(name))
+        by_function = {}
+        for name in names:
+            by_function.setdefault(self._function_of[name], []).append(name)
+        if "out" in more and len(by_function) > 1:
+            raise TypeError("evaluate: `out` takes the quantities of one function; call it for each")
+        values, status = {}, None
+        for function, wanted in by_function.items():
+            made, facts, one = self._whole[function]
+            takes = facts["takes"]
+            if takes and not given[takes]:
+                raise TypeError(f"evaluate: {wanted[0]} needs {takes}")
+            if len(wanted) == 1:
+                made, one = self._single[wanted[0]], True
+            elif "out" in more and len(wanted) < len(facts["results"]):
+                raise TypeError(f"evaluate: with `out`, name one quantity or all of {function}: {', '.join(_fields(facts))}")
+            extra = (a if takes == "a" else tau,) if takes else ()
+            if extra and v is None:
+                raise TypeError(f"evaluate: {wanted[0]} needs v")
+            result = made(q, *(() if v is None else (v,)), *extra, **more)
+            if more.get("return_status"):
+                result, of_this = result
+                status = of_this if status is None else numpy.maximum(status, of_this)
+            for name in wanted:
+                values[name] = result if one else getattr(result, name)
+        packed = _results_type("Results", tuple(names))(*(values[name] for name in names))
+        return (packed, status) if more.get("return_status") else packed
+
+    def __getitem__(self, name):
+        """The function of that name: robot["mass_matrix"] is robot.mass_matrix. KeyError where there is none."""
+        if name in self._callables:
+            return self._callables[name]
+        raise KeyError(self._unknown(name))
+
+    def _unknown(self, name):
+        known = list(self.outputs)
+        if name in _build.quantities():
+            return f"{self.name} was loaded without '{name}': add it to outputs; there are {', '.join(known)}"
+        return f"there is no quantity '{name}'" + _build.did_you_mean(name, known + list(_build.quantities()))
+
+    def __getattr__(self, name):  # of what is not in __dict__
+        places = self.__dict__.get("_run_time_at", {})
+        if name in places:
+            at, size, _, _ = places[name]
+            return self._run_time[at:at + size]
+        if name.startswith("_"):
+            raise AttributeError(name)
+        raise AttributeError(self._unknown(name))
+
+    def __setattr__(self, name, value):
+        places = self._run_time_at
+        if name not in places:
+            known = list(places)
+            raise AttributeError(f"'{name}' cannot be set" + (_build.did_you_mean(name, known) if known else
+                                 ": a scene with gravity: run_time, payloads or wrenches has what can"))
+        at, size, unit, text = places[name]
+        if isinstance(value, Payload):
+            value = numpy.concatenate([[value.mass], numpy.ravel(value.com), numpy.ravel(value.inertia)])
+        value = numpy.asarray(value)
+        if value.shape != (size,) or value.dtype.kind not in "biuf":
+            raise ValueError(f"{name} has shape {value.shape} and dtype {value.dtype}, expected ({size},): {text}, {unit}")
+        self._run_time[at:at + size] = value
+
+    # ---- States
+
+    def neutral(self):
+        """The state with every coordinate at zero, a floating base at the world's origin, upright: (nq,)."""
+        q = numpy.zeros(self.nq, self.dtype)
+        if self.floating_base:
+            q[6] = 1
+        return q
+
+    def random(self, rng=None, n=None):
+        """A random state, or n of them: joints uniform within their limits (without limits ±π rad or ±1 m), a floating base within
+        ±1 m, its orientation uniform. rng: a numpy Generator, or a seed. Returns (nq,) or (n, nq)."""
+        rng = numpy.random.default_rng(rng)
+        count = 1 if n is None else int(n)
+        free = numpy.array([1.0 if t == "prismatic" else math.pi for t in self.joint_types])
+        lower = numpy.where(numpy.isfinite(self.lower_limits), self.lower_limits, -free)
+        upper = numpy.where(numpy.isfinite(self.upper_limits), self.upper_limits, free)
+        low, high = numpy.minimum(lower, upper), numpy.maximum(lower, upper)
+        q = numpy.empty((count, self.nq))
+        base = 7 if self.floating_base else 0
+        q[:, base:] = rng.uniform(low, high, (count, self.nq - base))
+        if base:
+            q[:, :3] = rng.uniform(-1, 1, (count, 3))
+            quaternion = rng.standard_normal((count, 4))
+            q[:, 3:7] = quaternion / numpy.linalg.norm(quaternion, axis=1, keepdims=True)
+        q = q.astype(self.dtype, copy=False)
+        return q[0] if n is None else q
+
+    def _rows(self, **arrays):
+        """Arrays of one state or n, as float64 rows of as many states; and whether there was one state only."""
+        rows, count = [], None
+        for name, (value, size) in arrays.items():
+            value = numpy.asarray(value)
+            if value.dtype.kind not in "biuf" or value.ndim not in (1, 2) or value.shape[-1] != size:
+                raise ValueError(f"{name} has shape {value.shape} and dtype {value.dtype}, expected ({size},) or (n, {size})")
+            if value.ndim == 2:
+                if count not in (None, len(value)):
+                    raise ValueError(f"{name} has {len(value)} states, and others have {count}")
+                count = len(value)
+            rows.append(value.astype(numpy.float64, copy=False))
+        n = 1 if count is None else count
+        return [numpy.require(numpy.broadcast_to(r, (n, r.shape[-1])), requirements="CA") for r in rows], count is None
+
+    def _as_given(self, rows, single):
+        rows = rows.astype(self.dtype, copy=False)
+        return rows[0] if single else rows
+
+    def integrate(self, q, step):
+        """Where the motion `step` (velocity times time: m, rad; (nv,) or (n, nv)) leads from q. A floating base turns and slides
+        along a screw, on its group SE(3), as in dalembert/integrators of the C++ runtime; joints add."""
+        (q, step), single = self._rows(q=(q, self.nq), step=(step, self.nv))
+        return self._as_given(_core.integrate(q, step), single)
+
+    def difference(self, start, end):
+        """The step that integrate() leads from `start` to `end`: (nv,) or (n, nv). A floating base turns by at most half a turn."""
+        (start, end), single = self._rows(start=(start, self.nq), end=(end, self.nq))
+        return self._as_given(_core.difference(start, end, self.floating_base), single)
+
+    def interpolate(self, start, end, fraction):
+        """`start` at fraction 0, `end` at 1, between them along the step that leads there: on a floating base a screw. A fraction may
+        be a number or an array of n."""
+        fraction = numpy.asarray(fraction, dtype=float)
+        (start, end), single = self._rows(start=(start, self.nq), end=(end, self.nq))
+        step = _core.difference(start, end, self.floating_base)
+        if fraction.ndim not in (0, 1):
+            raise ValueError(f"fraction has shape {fraction.shape}, expected a number or (n,)")
+        if fraction.ndim == 1:
+            if len(start) not in (1, len(fraction)):
+                raise ValueError(f"fraction has {len(fraction)} numbers, and there are {len(start)} states")
+            single = False
+        step = fraction[..., None] * step
+        start = numpy.ascontiguousarray(numpy.broadcast_to(start, (len(step), self.nq)))
+        return self._as_given(_core.integrate(start, numpy.ascontiguousarray(step)), single)
+
+    # ---- The generator's other commands, of this robot and scene
+
+    def info(self, *, text=False):
+        """dalembert.info() of this robot and scene."""
+        return _build.info(self._urdf, text=text, **self._without_compiler())
+
+    def check(self):
+        """dalembert.check() of this robot and scene: (passed, text)."""
+        return _build.check(self._urdf, **self._keywords)
+
+    def report(self, folder, *, quick=False):
+        """dalembert.report() of this robot and scene: (passed, text)."""
+        return _build.report(self._urdf, folder, quick=quick, **self._keywords)
+
+    def _without_compiler(self):
+        return {k: v for k, v in self._keywords.items() if k not in ("compiler", "flags", "lanes")}
+
+    # ---- As a value
+
+    def __reduce__(self):
+        return _again, (os.fspath(self._folder), self._urdf, self._keywords, self._run_time.copy())
+
+    def __repr__(self):
+        return (f"<dalembert.Robot {self.name}: {'floating' if self.floating_base else 'fixed'} base, nq = {self.nq}, "
+                f"nv = {self.nv}, {', '.join(self.outputs)}>")
+
+    def __dir__(self):
+        return sorted({n for n in (*self.__dict__, *dir(type(self)), *self._run_time_at) if not n.startswith("_")})
+
+
+def _fields(facts):
+    return [r["field"] for r in facts["results"]]
+
+
+def _again(folder, urdf, keywords, run_time):
+    """A pickled robot: the same compiled code where it is still kept, else loaded again from the same inputs."""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", InputWarning)  # said when it was loaded
+            robot = Robot._of_entry(pathlib.Path(folder), urdf, keywords)
+    except FileNotFoundError:
+        robot = load(urdf, **keywords)
+    if robot._run_time.shape != run_time.shape:
+        raise ValueError(f"{urdf} is not what it was when the robot was pickled")
+    robot._run_time[:] = run_time
+    return robot

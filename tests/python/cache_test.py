@@ -1,0 +1,135 @@
+"""The cache: many processes at once, killed compilers, a full disk, changed inputs, and the command that lists and clears it."""
+
+import os
+import pathlib
+import signal
+import stat
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+import robots
+
+URDF = robots.robot("pendulum")
+LOAD = """
+import sys, dalembert, numpy
+robot = dalembert.load(sys.argv[1], base="fixed", outputs=["mass_matrix"], compiler=sys.argv[2] or None, flags="-O0 -std=c++17")
+print(robot.mass_matrix(numpy.zeros(robot.nq))[0, 0])
+"""
+
+
+class Cache(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory(prefix="dalembert.cache.")
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+        self.environment = dict(os.environ, XDG_CACHE_HOME=str(self.folder / "cache"))
+        self.entries = self.folder / "cache/dalembert"
+
+    def compiler(self, before=""):
+        """A compiler that writes down each time it is called."""
+        path = self.folder / "compiler"
+        path.write_text(f"#!/bin/sh\necho x >> {self.folder}/calls\n{before}\nexec c++ \"$@\"\n")
+        path.chmod(path.stat().st_mode | stat.S_IXUSR)
+        return path
+
+    def calls(self):
+        log = self.folder / "calls"
+        return len(log.read_text().split()) if log.exists() else 0
+
+    def start(self, compiler="", urdf=URDF, **more):
+        return subprocess.Popen([sys.executable, "-W", "ignore", "-c", LOAD, str(urdf), str(compiler)], env=self.environment,
+                                stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, **more)
+
+    def load(self, *arguments, **more):
+        process = self.start(*arguments, **more)
+        out, err = process.communicate()
+        self.assertEqual(process.returncode, 0, err)
+        return out
+
+    def left(self):
+        return sorted(p.name for p in self.entries.iterdir()) if self.entries.exists() else []
+
+    def test_twenty_processes_compile_once(self):
+        compiler = self.compiler()
+        processes = [self.start(compiler) for _ in range(20)]
+        results = {p.communicate() for p in processes}
+        self.assertEqual(len(results), 1, results)
+        self.assertTrue(all(p.returncode == 0 for p in processes), results)
+        self.assertEqual(self.calls(), 4)  # the code, self-tests, the table, the linker
+        self.assertEqual(len(self.left()), 1)
+        self.load(compiler)
+        self.assertEqual(self.calls(), 4)
+
+    def test_killed_while_compiling(self):
+        compiler = self.compiler(f"[ -e {self.folder}/go ] || sleep 600")
+        for whole_group in (True, False):
+            process = self.start(compiler, start_new_session=True)
+            for _ in range(600):
+                if self.calls() > 0:
+                    break
+                time.sleep(0.1)
+            (self.folder / "calls").unlink()
+            if whole_group:
+                os.killpg(process.pid, signal.SIGKILL)
+            else:  # the generator alone: its compilers live on
+                child = int(pathlib.Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split()[0])
+                os.kill(child, signal.SIGKILL)
+            process.communicate()
+            self.assertNotEqual(process.returncode, 0)
+            self.assertTrue(any(".making." in name for name in self.left()))
+            if not whole_group:
+                (self.folder / "go").touch()
+        expected = self.load()  # by another compiler: another entry
+        start = time.perf_counter()
+        self.assertEqual(self.load(compiler), expected)
+        self.assertLess(time.perf_counter() - start, 300)  # it does not wait for those who sleep
+        self.assertFalse([name for name in self.left() if ".making." in name or ".lock" in name], self.left())
+        try:
+            os.killpg(process.pid, signal.SIGKILL)  # the sleeping compilers of ours
+        except ProcessLookupError:
+            pass
+
+    def test_a_full_disk(self):
+        """Files that may not grow are what a full disk looks like."""
+        limited = "import resource, runpy, sys; resource.setrlimit(resource.RLIMIT_FSIZE, (8000, 8000)); sys.argv = sys.argv[1:]\n"
+        for_python = LOAD.replace("\nimport sys, dalembert, numpy", "\n" + limited + "import dalembert, numpy\nsys.argv.insert(0, '')")
+        result = subprocess.run([sys.executable, "-W", "ignore", "-c", for_python, str(URDF), ""], env=self.environment,
+                                capture_output=True, text=True)
+        self.assertNotEqual(result.returncode, 0)
+        self.assertRegex(result.stderr, "InputError: .*(cannot be written|does not compile)")
+        self.assertEqual(self.left(), [])
+        self.load()
+
+    def test_what_changes_makes_another_entry(self):
+        urdf = self.folder / "robot.urdf"
+        urdf.write_text(URDF.read_text())
+        first = self.load("", urdf)
+        self.assertEqual(len(self.left()), 1)
+        urdf.write_text(URDF.read_text().replace("<mass value=\"", "<mass value=\"1"))
+        self.assertNotEqual(self.load("", urdf), first)
+        self.assertEqual(len(self.left()), 2)
+        urdf.write_text(URDF.read_text())
+        self.assertEqual(self.load("", urdf), first)
+        self.assertEqual(len(self.left()), 2)
+        listed = subprocess.run([robots.executable(), "cache"], env=self.environment, capture_output=True, text=True, check=True).stdout
+        self.assertEqual(listed.count("robot.urdf --base fixed --outputs"), 2, listed)
+        # A damaged entry is made again.
+        for code in self.entries.glob("*/code.so"):
+            code.write_bytes(code.read_bytes()[:100])
+        self.assertEqual(self.load("", urdf), first)
+        cleared = subprocess.run([robots.executable(), "cache", "--clear"], env=self.environment, capture_output=True, text=True, check=True)
+        self.assertIn("2 removed", cleared.stdout)
+        self.assertEqual(self.left(), [])
+        self.assertEqual(self.load("", urdf), first)
+
+    def test_a_folder_that_is_none(self):
+        (self.folder / "cache").write_text("")
+        process = self.start()
+        self.assertIn("InputError", process.communicate()[1])
+
+
+if __name__ == "__main__":
+    unittest.main()

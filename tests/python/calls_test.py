@@ -1,0 +1,348 @@
+"""What functions take and refuse: shapes, dtypes, strides, keywords, run-time inputs, states on their group; made-up arguments."""
+
+import copy
+import inspect
+import os
+import pickle
+import unittest
+import warnings
+
+import numpy as np
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+import robots
+import dalembert
+
+warnings.simplefilter("ignore", dalembert.InputWarning)
+
+CASES = int(os.environ.get("DALEMBERT_TEST_CASES", "500"))
+
+
+def setUpModule():
+    global double, single, arm
+    urdf = robots.robot("double_pendulum")
+    scene = dict(base="floating", outputs=["mass_matrix", "kinetic_energy", "forward_dynamics", "inverse_dynamics"],
+                 gravity="run_time", payloads=["link_02"], wrenches={"link_02": "world"},
+                 functions={"both": ["bias", "center_of_mass", "pose_link_02"], "info": ["bias"]}, flags=robots.quick)
+    double = dalembert.load(urdf, **scene)
+    single = dalembert.load(urdf, scalar=np.float32, base="fixed", outputs=["mass_matrix", "bias"], flags=robots.quick)
+    arm = dalembert.load(urdf, base="fixed", outputs="forward_dynamics", flags=robots.quick, payloads=["link_02"])
+
+
+class Shapes(unittest.TestCase):
+    def setUp(self):
+        rng = np.random.default_rng(5)
+        self.Q, self.V, self.TAU = double.random(rng, 6), rng.uniform(-1, 1, (6, double.nv)), rng.uniform(-1, 1, (6, double.nv))
+
+    def test_wrong_ones_are_refused_by_name(self):
+        q, v, tau, nq, nv = self.Q[0], self.V[0], self.TAU[0], double.nq, double.nv
+        f, M = double.forward_dynamics, double.mass_matrix
+        for error, text, call in (
+                (ValueError, rf"mass_matrix: q has shape \({nq - 1},\), expected \({nq},\) for one state or \(n, {nq}\)", lambda: M(q[:-1])),
+                (ValueError, r"q has shape \(\)", lambda: M(1.0)),
+                (ValueError, r"q has shape \(2, 3, 9\)", lambda: M(np.zeros((2, 3, 9)))),
+                (ValueError, r"q has shape \(0,\)", lambda: M([])),
+                (ValueError, r"q has dtype complex128, expected float64", lambda: M(q + 0j)),
+                (ValueError, r"q has dtype <U", lambda: M(["a"] * nq)),
+                (ValueError, r"q has dtype object", lambda: M(np.array([None] * nq))),
+                (ValueError, r"forward_dynamics: tau has shape", lambda: f(q, v, tau[1:])),
+                (ValueError, r"forward_dynamics: v has shape", lambda: f(q, q, tau)),
+                (ValueError, r"q has 6 states and v has 5", lambda: f(self.Q, self.V[:5], tau)),
+                (ValueError, r"wrench_link_02 has shape \(5,\), expected \(6,\)", lambda: f(q, v, tau, wrench_link_02=np.zeros(5))),
+                (ValueError, r"wrench_link_02 has 3 states", lambda: f(self.Q, v, tau, wrench_link_02=np.zeros((3, 6)))),
+                (TypeError, r"forward_dynamics needs tau", lambda: f(q, v)),
+                (TypeError, r"forward_dynamics needs v", lambda: f(q)),
+                (TypeError, r"mass_matrix needs q", lambda: M()),
+                (TypeError, r"takes q, v, tau, and 4 arguments were given", lambda: f(q, v, tau, tau)),
+                (TypeError, r"has no argument 'a'; there are q, v, tau, gravity_vector", lambda: f(q, v, a=tau)),
+                (TypeError, r"'v' is given twice", lambda: f(q, v, tau, v=v)),
+                (ValueError, rf"out has shape \(2, 2\), expected \({nv}, {nv}\)", lambda: M(q, out=np.empty((2, 2)))),
+                (ValueError, r"out has dtype float32, expected float64", lambda: M(q, out=np.empty((nv, nv), np.float32))),
+                (ValueError, r"out is of type list", lambda: M(q, out=[0])),
+                (ValueError, r"out has 1 arrays, expected one for each of 3 results", lambda: double.both(q, v, out=(q,))),
+                (KeyError, r"there is no quantity 'mass_matrx'; did you mean 'mass_matrix'", lambda: double["mass_matrx"]),
+                (KeyError, r"was loaded without 'gravity'", lambda: double.evaluate(q, v, outputs=["gravity"])),
+                (AttributeError, r"was loaded without 'gravity'", lambda: double.gravity),
+                (AttributeError, r"cannot be set; did you mean 'gravity_vector'", lambda: setattr(double, "gravity_vectr", 0)),
+                (ValueError, r"gravity_vector has shape \(2,\)", lambda: setattr(double, "gravity_vector", [0, 0])),
+        ):
+            with self.subTest(text), self.assertRaisesRegex(error, text):
+                call()
+        read_only = np.empty((nv, nv))
+        read_only.flags.writeable = False
+        with self.assertRaisesRegex(ValueError, "out is read-only"):
+            M(q, out=read_only)
+
+    def test_other_layouts_give_the_same(self):
+        M, f, Q, V, TAU = double.mass_matrix, double.forward_dynamics, self.Q, self.V, self.TAU
+        expected, accelerations = M(Q), f(Q, V, TAU)
+        wide = np.zeros((12, 3 * double.nq))
+        wide[::2, ::3] = Q
+        read_only = Q.copy()
+        read_only.flags.writeable = False
+        unaligned = np.frombuffer(b"x" + Q.tobytes(), np.uint8)[1:].view()
+        unaligned = np.ndarray(Q.shape, np.float64, unaligned.data)
+        for name, other in (("strides", wide[::2, ::3]), ("Fortran", np.asfortranarray(Q)), ("read-only", read_only),
+                            ("byte order", Q.astype(Q.dtype.newbyteorder())), ("list", Q.tolist()), ("unaligned", unaligned),
+                            ("longdouble", Q.astype(np.longdouble)), ("subclass", Q.view(np.recarray)), ("matrix", np.matrix(Q))):
+            with self.subTest(name):
+                self.assertTrue(np.array_equal(M(other), expected))
+                self.assertTrue(np.array_equal(M(np.asarray(other)[2]), expected[2]))
+        self.assertTrue(np.array_equal(M(Q[::-1]), expected[::-1]))
+        self.assertTrue(np.array_equal(M(np.broadcast_to(Q[1], Q.shape)), expected[[1] * 6]))
+        self.assertTrue(np.array_equal(f(Q, v=V, tau=TAU), accelerations))
+        self.assertTrue(np.array_equal(M(np.ones(double.nq, int)), M(np.ones(double.nq))))
+        self.assertTrue(np.array_equal(M(Q, V), expected))  # v is not read, and may stand there
+
+    def test_out(self):
+        M, Q = double.mass_matrix, self.Q
+        expected, nv = M(Q), double.nv
+        for out in (np.empty_like(expected), np.asfortranarray(np.empty_like(expected)), np.empty((6, nv, 2 * nv))[:, :, ::2],
+                    np.empty_like(expected, dtype=expected.dtype.newbyteorder())):
+            self.assertIs(M(Q, out=out), out)
+            self.assertTrue(np.array_equal(out, expected))
+        one = np.full((nv, nv), np.nan)
+        self.assertIs(M(Q[0], out=one), one)
+        self.assertTrue(np.array_equal(one, expected[0]))
+        # Results that share memory with an argument.
+        memory = np.zeros(6 * nv * nv)
+        shared = memory[-6 * double.nq:].reshape(6, double.nq)
+        shared[:] = Q
+        self.assertTrue(np.array_equal(M(shared, out=memory.reshape(6, nv, nv)), expected))
+        v = self.V.copy()
+        expected = double.forward_dynamics(Q, v, self.TAU)
+        self.assertTrue(np.array_equal(double.forward_dynamics(Q, v, self.TAU, out=v), expected))
+        energy = np.empty(())
+        self.assertIs(double.kinetic_energy(Q[0], self.V[0], out=energy), energy)
+        self.assertEqual(energy, double.kinetic_energy(Q[0], self.V[0]))
+        outs = tuple(np.empty_like(x) for x in double.both(Q, self.V))
+        for given, back in zip(outs, double.both(Q, self.V, out=outs)):
+            self.assertIs(given, back)
+
+    def test_results_are_the_callers(self):
+        first = double.mass_matrix(self.Q[0])
+        copied = first.copy()
+        double.mass_matrix(self.Q[1])
+        self.assertTrue(np.array_equal(first, copied))
+        self.assertTrue(first.flags.owndata and first.flags.c_contiguous and first.flags.writeable)
+
+    def test_none_many_and_not_a_number(self):
+        nq, nv = double.nq, double.nv
+        self.assertEqual(double.mass_matrix(np.empty((0, nq))).shape, (0, nv, nv))
+        self.assertEqual(double.kinetic_energy(np.empty((0, nq)), np.empty((0, nv))).shape, (0,))
+        with self.assertRaises((MemoryError, ValueError)):
+            double.mass_matrix(np.broadcast_to(self.Q[0], (10**15, nq)))
+        q = self.Q[0].copy()
+        q[8] = np.nan
+        self.assertTrue(np.isnan(double.mass_matrix(q)).any())
+        with self.assertRaisesRegex(ValueError, r"forward_dynamics: q\[8\] is nan"):
+            double.forward_dynamics(q, self.V[0], self.TAU[0])
+
+    def test_a_named_tuple(self):
+        results = double.both(self.Q, self.V)
+        self.assertEqual(results._fields, ("bias", "center_of_mass", "pose_link_02"))
+        self.assertEqual(results.pose_link_02.shape, (6, 3, 4))
+        self.assertTrue(np.array_equal(pickle.loads(pickle.dumps(results)).bias, results.bias))
+        some = double.evaluate(self.Q, self.V, tau=self.TAU, outputs=["forward_dynamics", "mass_matrix"])
+        self.assertEqual(some._fields, ("forward_dynamics", "mass_matrix"))
+        self.assertTrue(np.array_equal(some.forward_dynamics, double.forward_dynamics(self.Q, self.V, self.TAU)))
+        self.assertIsInstance(double.kinetic_energy(self.Q[0], self.V[0]), float)
+        # A scene's function that is called like a method of ours leaves that alone.
+        self.assertTrue(callable(double.info) and not isinstance(double.info, type(double.both)))
+        self.assertTrue(np.array_equal(double["info"](self.Q, self.V).bias, results.bias))
+
+    def test_single_precision(self):
+        q, v = np.array([0.1, 0.2]), np.array([0.3, 0.4])
+        M = single.mass_matrix(q)
+        self.assertEqual(M.dtype, np.float32)
+        self.assertTrue(np.array_equal(M, single.mass_matrix(q.astype(np.float32))))
+        self.assertEqual(single.random(3).dtype, np.float32)
+        self.assertEqual(single.bias(np.tile(q, (3, 1)), v).shape, (3, 2))
+
+
+class RunTime(unittest.TestCase):
+    def setUp(self):
+        self.robot = copy.deepcopy(double)
+        rng = np.random.default_rng(6)
+        self.Q, self.V, self.A = self.robot.random(rng, 4), rng.uniform(-1, 1, (4, self.robot.nv)), np.zeros((4, self.robot.nv))
+
+    def test_attributes_and_per_state(self):
+        r, Q, V, A = self.robot, self.Q, self.V, self.A
+        before = r.inverse_dynamics(Q, V, A)
+        r.gravity_vector = [0, 0, -1.62]
+        moon = r.inverse_dynamics(Q, V, A)
+        self.assertFalse(np.allclose(before, moon))
+        r.gravity_vector[2] = -9.81  # a view
+        self.assertTrue(np.array_equal(r.inverse_dynamics(Q, V, A), before))
+        G = np.array([[0, 0, -9.81], [0, 0, -1.62]] * 2)
+        mixed = r.inverse_dynamics(Q, V, A, gravity_vector=G)
+        self.assertTrue(np.array_equal(mixed[::2], before[::2]) and np.array_equal(mixed[1::2], moon[1::2]))
+        self.assertTrue(np.array_equal(r.inverse_dynamics(Q[0], V[0], A[0], gravity_vector=G[1]), moon[0]))
+        # One state, many gravities.
+        self.assertTrue(np.array_equal(r.inverse_dynamics(Q[1], V[1], A[1], gravity_vector=G[:2])[1], moon[1]))
+        self.assertTrue(np.array_equal(r.inverse_dynamics(Q, V, A), before))  # the robot's own is as it was
+        # A wrench is minus J'F, whose part along the base is the wrench itself as momentum has it: forces add up.
+        push = r.inverse_dynamics(Q, V, A, wrench_link_02=[0, 0, 5, 0, 0, 0]) - before
+        self.assertTrue(np.allclose(np.linalg.norm(push[:, :3], axis=1), 5))
+        r.payload_link_02 = dalembert.Payload(mass=2, com=(0.1, 0, 0), inertia=(0.01, 0, 0, 0.01, 0, 0.01))
+        self.assertTrue(np.allclose(r.payload_link_02, [2, 0.1, 0, 0, 0.01, 0, 0, 0.01, 0, 0.01]))
+        self.assertFalse(np.allclose(r.inverse_dynamics(Q, V, A), before))
+        again = pickle.loads(pickle.dumps(r))
+        self.assertTrue(np.array_equal(again.inverse_dynamics(Q, V, A), r.inverse_dynamics(Q, V, A)))
+        self.assertTrue(np.array_equal(double.inverse_dynamics(Q, V, A), before))  # a copy has its own
+
+    def test_singular_states(self):
+        q, v, tau = np.array([0.3, 0.5]), np.zeros(2), np.ones(2)
+        light = np.zeros((3, 10))
+        light[1, 0] = -1e3  # a mass below zero
+        with self.assertRaisesRegex(dalembert.SingularError, r"forward_dynamics: the mass matrix is not positive definite .* joint"):
+            arm.forward_dynamics(q, v, tau, payload_link_02=light[1])
+        result, status = arm.forward_dynamics(q, v, tau, payload_link_02=light[1], return_status=True)
+        self.assertTrue((result == 0).all() and status >= 0)
+        with self.assertWarnsRegex(dalembert.SingularWarning, "at 1 of 3 states, the first of them number 1"):
+            arm.forward_dynamics(q, v, tau, payload_link_02=light)
+        result, status = arm.forward_dynamics(q, v, tau, payload_link_02=light, return_status=True)
+        self.assertEqual(list(status >= 0), [False, True, False])
+        self.assertEqual(list((result == 0).all(axis=1)), [False, True, False])
+        self.assertEqual(arm.forward_dynamics(q, v, tau, return_status=True)[1], -1)
+        self.assertTrue(issubclass(dalembert.SingularError, ArithmeticError))
+
+
+class States(unittest.TestCase):
+    def test_on_their_group(self):
+        r, rng = double, np.random.default_rng(7)
+        Q, P = r.random(rng, 50), r.random(rng, 50)
+        step = r.difference(Q, P)
+        back = r.integrate(Q, step)
+        flip = np.sign((back[:, 3:7] * P[:, 3:7]).sum(axis=1))[:, None]  # a quaternion and its negative are one orientation
+        back[:, 3:7] *= flip
+        self.assertLess(np.abs(back - P).max(), 1e-13)
+        self.assertLess(np.abs(np.linalg.norm(step[:, 3:6], axis=1)).max(), np.pi + 1e-12)
+        self.assertLess(np.abs(r.interpolate(Q, P, 0) - Q).max(), 1e-14)
+        half = r.interpolate(Q, P, 0.5)
+        self.assertLess(np.abs(r.difference(Q, half) - step / 2).max(), 1e-13)
+        self.assertEqual(r.interpolate(Q[0], P[0], [0, 0.5, 1]).shape, (3, r.nq))
+        self.assertTrue(np.array_equal(r.integrate(Q[0], step[0]), r.integrate(Q, step)[0]))
+        small = r.integrate(Q, 1e-9 * step)
+        self.assertLess(np.abs(r.difference(Q, small) - 1e-9 * step).max(), 1e-15)
+        # dT/dt of the energy by differences along the group: the motion is v's.
+        v = rng.uniform(-1, 1, r.nv)
+        pose = lambda q: r.both(q, v).center_of_mass
+        h = 1e-6
+        rate = (pose(r.integrate(Q[0], h * v)) - pose(r.integrate(Q[0], -h * v))) / (2 * h)
+        free = r.integrate(Q[0], 0 * v)
+        self.assertTrue(np.isfinite(rate).all() and np.allclose(free, Q[0], atol=1e-15))
+        for wrong in (lambda: r.integrate(Q, step[:3]), lambda: r.integrate(Q[0], [0]), lambda: r.difference(Q, ["a"])):
+            self.assertRaises(ValueError, wrong)
+
+    def test_what_the_robot_says_of_itself(self):
+        self.assertEqual((double.nq, double.nv, len(double.joint_names)), (9, 8, 2))
+        self.assertEqual(double.neutral().tolist(), [0, 0, 0, 0, 0, 0, 1, 0, 0])
+        self.assertIn("link_02", double.frame_names)
+        self.assertTrue((double.lower_limits <= double.upper_limits).all())
+        self.assertTrue((double.source / "dynamics.hpp").is_file())
+        self.assertEqual(str(inspect.signature(double.mass_matrix))[:10], "(q, v=None")
+        self.assertIn("kg", double.mass_matrix.__doc__)
+        self.assertIn("mass_matrix", dir(double))
+        self.assertIn("gravity_vector", dir(double))
+        self.assertEqual(double.info and dalembert.info(robots.robot("double_pendulum"), base="fixed")["nq"], 2)
+        mahru = dalembert.load(robots.mahru, base="floating", outputs=["center_of_mass"], flags=robots.quick)
+        self.assertTrue(np.isfinite(mahru.lower_limits).all() and (mahru.effort_limits > 0).all())
+        q = mahru.random(0, 100)[:, 7:]
+        self.assertTrue((q >= mahru.lower_limits).all() and (q <= mahru.upper_limits).all())
+
+
+class Loading(unittest.TestCase):
+    def test_what_is_wrong_is_refused_by_name(self):
+        urdf = robots.robot("double_pendulum")
+        for error, text, call in (
+                (dalembert.InputError, "there is no such file", lambda: dalembert.load("no_such.urdf")),
+                (ValueError, "keyword locked: .*there is no joint 'wrist'", lambda: dalembert.load(urdf, locked={"wrist": 0.1})),
+                (TypeError, "no keyword 'bse'; did you mean 'base'", lambda: dalembert.load(urdf, bse="fixed")),
+                (KeyError, "there is no quantity 'mass_matrx'; did you mean 'mass_matrix'", lambda: dalembert.load(urdf, outputs=["mass_matrx"])),
+                (ValueError, "keyword gravity", lambda: dalembert.load(urdf, gravity=[1, 2])),
+                (ValueError, "cannot be run", lambda: dalembert.load(urdf, base="fixed", compiler="no-such-compiler")),
+                (ValueError, "does not compile", lambda: dalembert.load(urdf, base="fixed", flags="-std=c++17 -no-such-flag")),
+        ):
+            with self.subTest(text), self.assertRaisesRegex(error, text):
+                call()
+
+    def test_what_is_passed_over_is_warned_about(self):
+        with self.assertWarnsRegex(dalembert.InputWarning, "unknown"):
+            warnings.simplefilter("always", dalembert.InputWarning)
+            try:
+                dalembert.load(robots.project / "tests/error/unknown_attribute.urdf", base="fixed", outputs=["mass_matrix"],
+                               flags=robots.quick)
+            finally:
+                warnings.simplefilter("ignore", dalembert.InputWarning)
+
+
+numbers = st.one_of(st.floats(allow_nan=True, allow_infinity=True, width=32), st.integers(-10, 10))
+sizes = st.sampled_from([0, 1, 2, 3, 8, 9, 10])
+dtypes = st.sampled_from(["f8", "f4", ">f8", "i4", "u1", "?", "c16", "O", "U3", "f2", "g"])
+
+
+@st.composite
+def arrays(draw):
+    shape = draw(st.lists(sizes, max_size=3))
+    fill = draw(numbers)
+    array = np.zeros([2 * s for s in shape], "f8")
+    with warnings.catch_warnings(), np.errstate(all="ignore"):
+        warnings.simplefilter("ignore")
+        array[...] = fill
+        try:
+            array = array.astype(draw(dtypes))
+        except (ValueError, OverflowError):
+            pass
+    # Every other entry, backwards, Fortran order, read-only, ...
+    how = draw(st.integers(0, 4))
+    view = array[tuple(slice(None, None, -2 if how == 1 else 2) for _ in shape)] if how else array[tuple(slice(s) for s in shape)]
+    if how == 3:
+        view = np.asfortranarray(view)
+    if how == 4:
+        view = np.ascontiguousarray(view)
+        view.flags.writeable = False
+    return view
+
+
+@st.composite
+def fitting(draw, size):
+    """An array that may well be right."""
+    n = draw(st.sampled_from([None, 0, 1, 3]))
+    array = np.full((size,) if n is None else (n, size), draw(numbers), draw(st.sampled_from(["f8", "f4", "i8"])) if False else "f8")
+    return array
+
+
+class MadeUp(unittest.TestCase):
+    @settings(max_examples=CASES, deadline=None, suppress_health_check=list(HealthCheck), database=None)
+    @given(data=st.data())
+    def test_right_or_refused(self, data):
+        """Whatever is given: a result of the right shape, or an error of ours. No crash, no array overrun."""
+        robot = data.draw(st.sampled_from([double, single, arm]))
+        name = data.draw(st.sampled_from(robot.outputs))
+        function = robot[name]
+        of = lambda size: data.draw(st.one_of(fitting(size), fitting(size), arrays(), st.none()))
+        arguments = [of(robot.nq), of(robot.nv), of(robot.nv)][:data.draw(st.integers(0, 3))]
+        keywords = {}
+        for key, size in (("out", robot.nv), ("wrench_link_02", 6), ("payload_link_02", 10), ("gravity_vector", 3), ("tau", robot.nv)):
+            if data.draw(st.integers(0, 5)) == 0:
+                keywords[key] = of(size)
+        if data.draw(st.booleans()):
+            keywords["return_status"] = True
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                result = function(*arguments, **keywords)
+        except (ValueError, TypeError, dalembert.SingularError):
+            return
+        result = result[0] if keywords.get("return_status") else result
+        values = result if isinstance(result, tuple) else (result,)
+        states = [len(a) for a in (*arguments, *keywords.values()) if isinstance(a, np.ndarray) and a.ndim == 2 and a is not keywords.get("out")]
+        for value in values:
+            if states and not isinstance(keywords.get("out"), tuple):
+                self.assertEqual(np.shape(value)[0], states[0])
+
+
+if __name__ == "__main__":
+    unittest.main()

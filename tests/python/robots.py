@@ -1,0 +1,68 @@
+"""What the tests of the Python package share: robots, a cache of their own, the C functions of generated code."""
+
+import atexit
+import ctypes
+import os
+import pathlib
+import shutil
+import subprocess
+import tempfile
+
+project = pathlib.Path(os.environ["DALEMBERT_TEST_PROJECT"])
+mahru = project / "examples/mahru/mahru.urdf"
+
+# Compiled anew in each run: what is tested is what this build makes.
+cache = tempfile.mkdtemp(prefix="dalembert.python.")
+os.environ["XDG_CACHE_HOME"] = cache
+atexit.register(shutil.rmtree, cache, True)
+
+# Where speed is not the point.
+quick = "-O0 -std=c++17"
+
+
+def robot(name):
+    return project / "tests/robots" / f"{name}.urdf"
+
+
+def executable():
+    return os.environ["DALEMBERT_EXECUTABLE"]
+
+
+def eval_lines(urdf, output, states, *options):
+    """What `dalembert eval` prints of the states, as a list of one list of floats per state."""
+    text = "\n".join(" ".join(f"{x:.17g}" for x in state) for state in states) + "\n"
+    result = subprocess.run([executable(), "eval", str(urdf), "--state", "-", "--output", output, *options], input=text, text=True,
+                            capture_output=True)
+    if result.returncode != 0:
+        raise RuntimeError(result.stderr)
+    return [[float(x) for x in block.split()] for block in result.stdout.split("\n\n")]
+
+
+def include_folders():
+    return [str(project / "runtime/include"), "/usr/include/eigen3"]
+
+
+class CFunctions:
+    """A folder of generated code, compiled as docs tell users to and called through its C interface."""
+
+    def __init__(self, folder):
+        self.name = folder.name
+        library = pathlib.Path(cache) / f"{folder.name}.so"
+        subprocess.run(["c++", "-O3", "-march=native", "-std=c++17", "-shared", "-fPIC",
+                        *(word for include in include_folders() for word in ("-isystem", include)),
+                        str(folder / "dynamics.cpp"), str(folder / "c_api.cpp"), "-o", str(library)], check=True)
+        self.library = ctypes.CDLL(str(library))
+        self.workspace = ctypes.c_void_p(self._function("create", ctypes.c_void_p)())
+
+    def _function(self, name, result=None):
+        function = getattr(self.library, f"{self.name}_{name}")
+        function.restype = result
+        return function
+
+    def call(self, function, *vectors):
+        self._function(function)(*(ctypes.c_void_p(v.ctypes.data) for v in vectors), self.workspace)
+
+    def result(self, name, rows, columns):
+        import numpy
+        at = self._function(name, ctypes.POINTER(ctypes.c_double))(self.workspace)
+        return numpy.ctypeslib.as_array(at, (rows * columns,)).reshape(columns, rows).T.copy()
