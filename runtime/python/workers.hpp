@@ -22,8 +22,12 @@ class Workers {
   static Workers& instance() {
     std::call_once(once(), [] {
       current() = new Workers;
-      pthread_atfork(nullptr, nullptr,
-                     [] { current() = new Workers; });  // the parent's threads, and what they hold, are not here
+      // The parent's threads, and what they hold, are not in the child.
+      pthread_atfork(nullptr, nullptr, [] {
+        const int count = current()->count();
+        current() = new Workers;
+        current()->set_count(count);
+      });
     });
     return *current();
   }

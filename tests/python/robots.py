@@ -11,10 +11,11 @@ import tempfile
 project = pathlib.Path(os.environ["DALEMBERT_TEST_PROJECT"])
 mahru = project / "examples/mahru/mahru.urdf"
 
-# Compiled anew in each run: what is tested is what this build makes.
-cache = tempfile.mkdtemp(prefix="dalembert.python.")
+# Compiled anew in each run, but where a developer names a cache to keep: what is tested is what this build makes.
+cache = os.environ.get("DALEMBERT_TEST_CACHE") or tempfile.mkdtemp(prefix="dalembert.python.")
 os.environ["XDG_CACHE_HOME"] = cache
-atexit.register(shutil.rmtree, cache, True)
+if not os.environ.get("DALEMBERT_TEST_CACHE"):
+    atexit.register(shutil.rmtree, cache, True)
 
 # Where speed is not the point.
 quick = "-O0 -std=c++17"

@@ -109,6 +109,8 @@ def arguments(urdf, keywords):
         if key in OPTIONS:
             if value is not None:
                 words.append(f"--{key}={os.fspath(value) if key == 'scene' else value}")
+        elif key in names and value is None and key != "gravity":
+            continue  # not given
         elif key in names:
             words.append(f"--{key}={setting(key, value)}")
         else:
