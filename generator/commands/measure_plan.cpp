@@ -154,7 +154,7 @@ MeasuredPlan measure_plan(const Model& asked, const CompilerOptions& options) {
   for (std::size_t way = 0; way < count; ++way) variants.push_back(std::make_unique<Variant>(model, functions, way, options));
   MeasuredPlan measured;
   if (functions.empty()) return {{}, "plan: no function can be computed in more than one way\n"};
-  measured.text = fmt::format("measured ns a call, compiled by {} {}:\n", variants.front()->command(), options.flags);
+  measured.text = fmt::format("measured ns a call, compiled by {}:\n", variants.front()->command());
   for (Measured& f : functions) {
     if (model.scene.scalar == ir::ScalarType::float32) Timing<float>(model).run(f, variants);
     else Timing<double>(model).run(f, variants);

@@ -115,6 +115,9 @@ class SceneReader {
           refuse(part.key, fmt::format("'{}' is no part of a function's plan", name),
                  suggestion(name, {"form", "solver", "order"}));
       }
+      if (how.form == ir::Form::rolled && how.order)
+        refuse(entry.value, fmt::format("'{}' is rolled, and loops have no order of statements", function),
+               "leave the order out, or write form: straight");
     }
   }
   template <class T>

@@ -86,21 +86,18 @@ TEST(Schedule, EndsLiveValuesEarly) {
   EXPECT_EQ(alive(ir::Order::newest_first), 1);
 }
 
-TEST(Schedule, BreaksTiesByTheLongestWayOrTheNewestValue) {
+TEST(Schedule, BreaksTiesByTheLongestWay) {
   ir::Graph graph;
   const ir::NodeId x = graph.input({ir::InputKind::position, 0}), y = graph.input({ir::InputKind::position, 1});
-  const ir::NodeId shared = graph.add(x, y);                                                  // two chains begin with it:
-  const ir::NodeId short_end = graph.multiply(shared, x);                                     // one of one step,
-  const ir::NodeId first = graph.multiply(shared, y), second = graph.multiply(first, first);  // one of three
-  const ir::NodeId long_end = graph.multiply(second, second);
-  const auto place = [&](ir::Order order, ir::NodeId id) {
-    const std::vector<ir::NodeId> nodes = passes::schedule(graph, {short_end, first, second, long_end}, order);
-    return std::find(nodes.begin(), nodes.end(), id) - nodes.begin();
+  const ir::NodeId near = graph.add(x, y), far = graph.multiply(x, y), between = graph.multiply(far, far);
+  const std::vector<ir::NodeId> ends{graph.multiply(near, near), graph.multiply(between, between)};
+  const auto far_first = [&](ir::Order order) {
+    const std::vector<ir::NodeId> nodes = passes::schedule(graph, ends, order);
+    return std::find(nodes.begin(), nodes.end(), far) < std::find(nodes.begin(), nodes.end(), near);
   };
-  EXPECT_LT(place(ir::Order::as_written, short_end), place(ir::Order::as_written, first));
-  // `short_end` begins no live value: it comes first whatever the ties.
-  EXPECT_LT(place(ir::Order::longest_first, short_end), place(ir::Order::longest_first, first));
-  EXPECT_LT(place(ir::Order::newest_first, second), place(ir::Order::newest_first, long_end));
+  EXPECT_FALSE(far_first(ir::Order::as_written));
+  EXPECT_TRUE(far_first(ir::Order::longest_first)) << "three steps to its end, not two";
+  EXPECT_FALSE(far_first(ir::Order::newest_first));
 }
 
 // The statements of a straight function: each name is made once, and before it is read.
