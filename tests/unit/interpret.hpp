@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "dalembert/chain_shapes.hpp"
 #include "ir/kinematic_tree.hpp"
 #include "ir/plan.hpp"
 #include "ir/program.hpp"
@@ -58,6 +59,13 @@ inline void factor(Eigen::MatrixXd M, Eigen::MatrixXd& upper, Eigen::MatrixXd& p
   }
 }
 
+// M^-1 from its room: as straight lines leave it, or as it was made here.
+inline Eigen::MatrixXd inverse(const Eigen::MatrixXd& room, Eigen::Index n) {
+  if (room.cols() > 1) return room;
+  return Eigen::Map<const Eigen::MatrixXd, 0, Eigen::OuterStride<>>(room.data(), n, n,
+                                                                    Eigen::OuterStride<>(inverse_stride(static_cast<int>(n))));
+}
+
 // Steps with whole matrices, in the terms of their definition.
 inline void run_steps(const Algorithm& algorithm, Arrays& arrays) {
   const auto array = [&](int index) -> Eigen::MatrixXd& {
@@ -65,7 +73,8 @@ inline void run_steps(const Algorithm& algorithm, Arrays& arrays) {
   };
   for (const MatrixStep& s : algorithm.steps) {
     if (s.kind == MatrixStep::Kind::negative_product) {
-      array(s.to) = -array(s.a) * array(s.b);
+      const Eigen::Index from = s.first, count = array(s.b).cols() - from;
+      array(s.to).rightCols(count) = -inverse(array(s.a), array(s.b).rows()) * array(s.b).rightCols(count);
       continue;
     }
     if (s.kind == MatrixStep::Kind::factor) {
