@@ -9,7 +9,6 @@
 #include "backend/graph_printer.hpp"
 #include "backend/kept.hpp"
 #include "backend/literals.hpp"
-#include "backend/target.hpp"
 #include "ir/row_runs.hpp"
 
 namespace dalembert::backend {
@@ -37,25 +36,21 @@ class ProjectionWriter {
   std::string run() const {
     std::string text = fmt::format("  {{  // {}\n", projection_.equation) + tables();
     if (code_.is_rolled()) text += joints() + base_rows();
-    text += fmt::format(
-        "    const auto rows = [&](auto some, int k, int joint, Scalar* to) DALEMBERT_IN_BLOCK {{\n"
-        "      constexpr int lanes = decltype(some)::lanes, count = decltype(some)::count;\n"
-        "      using V = {};\n",
-        lanes_.type());
+    text +=
+        "    const auto rows = [&](auto some, int k, int joint, Scalar* to) DALEMBERT_IN_BLOCK {\n"
+        "      using V = typename decltype(some)::template Values<Scalar>;\n";
     std::vector<Sink> sinks;
     for (size_t c = 0; c < projection_.columns.size(); ++c)
-      sinks.push_back({projection_.columns[c],
-                       fmt::format("dalembert::put_rows<count, lanes{}, Scalar>(to + {}, ",
-                                   has_driven(code_) ? ", decltype(some)::adds" : ", false", array_.rows * static_cast<int>(c)),
-                       ");"});
+      sinks.push_back({projection_.columns[c], fmt::format("some.put(to + {}, ", array_.rows * static_cast<int>(c)), ");"});
     PrintStyle style;
     style.type = "V";
     style.scalar = code_.scene.scalar;
     style.indent = "      ";
     style.flat_sums = true;
-    style.broadcast = [this](const std::string& number) { return lanes_.broadcast(number); };
+    style.broadcast = [this](const std::string& number) { return fmt::format("some.all(Scalar({}))", number); };
     style.input = [this](const ir::Input& in) {
-      return in.kind == InputKind::state ? lanes_.broadcast(of_body(in, "k")) : lanes_.load(of_joint(in) + " + joint");
+      return in.kind == InputKind::state ? fmt::format("some.all({})", of_body(in, "k"))
+                                         : fmt::format("some.load({} + joint)", of_joint(in));
     };
     style.input_name = [this](const ir::Input& in) {
       const ir::Role& r = code_.algorithm.roles[static_cast<size_t>(in.index)];
@@ -63,11 +58,13 @@ class ProjectionWriter {
       return (in.kind == InputKind::state ? "body_" : "") + r.name + (suffix.empty() ? "" : "_" + suffix);
     };
     text += print(projection_.graph, sinks, style);
-    return text + fmt::format("    }};\n    dalembert::project<{}>(bodies, {}, runs, workspace.{}, rows);\n  }}\n",
-                              has_driven(code_) ? "true" : "false", projected_bodies(code_).size(), array_.name);
+    return text + fmt::format("    }};\n    dalembert::project<{}>(bodies, {}, runs, workspace.{}, rows, {});\n  }}\n",
+                              has_driven(code_) ? "true" : "false", projected_bodies(code_).size(), array_.name,
+                              has_base_rows() ? "base_rows" : "dalembert::NoBaseRows{}");
   }
 
  private:
+  bool has_base_rows() const { return code_.is_rolled() && code_.tree.floating_base; }
   int place(const std::vector<ir::Input>& inputs, const ir::Input& in) const {
     return static_cast<int>(std::find(inputs.begin(), inputs.end(), in) - inputs.begin());
   }
@@ -115,7 +112,7 @@ class ProjectionWriter {
 
   // The base's coordinates are constants: what is left of the graph.
   std::string base_rows() const {
-    if (!code_.tree.floating_base) return "";
+    if (!has_base_rows()) return "";
     ir::Graph graph;
     std::vector<Sink> sinks;
     const int columns = static_cast<int>(projection_.columns.size());
@@ -133,29 +130,30 @@ class ProjectionWriter {
     style.type = "Scalar";
     style.scalar = code_.scene.scalar;
     style.indent = "      ";
-    style.input = [this](const ir::Input& in) { return of_body(in, "body.at"); };
-    return fmt::format(
-               "    for (const dalembert::ProjectedBody& body : bodies) {{\n      Scalar* const to = workspace.{} + "
-               "body.column;\n",
-               array_.name) +
-           print(graph, sinks, style) + "    }\n";
+    style.input = [this](const ir::Input& in) { return of_body(in, "k"); };
+    return "    const auto base_rows = [&](int k, Scalar* to) DALEMBERT_IN_BLOCK {\n" + print(graph, sinks, style) + "    };\n";
   }
 
   const CodeInput& code_;
   const ir::Projection& projection_;
   const ir::OutputArray& array_;
   const std::vector<ir::Input> joints_, bodies_;
-  const Target lanes_{"lanes"};
 };
 
 }  // namespace
 
-bool projects_by_rows(const CodeInput& code) { return !code.algorithm.projections.empty() && !projected_bodies(code).empty(); }
+bool projects_by_rows(const CodeInput& code, const ir::Projection& projection) {
+  return (code.is_rolled() || projection.bodies >= 0) && !projected_bodies(code).empty();
+}
+bool projects_by_rows(const CodeInput& code) {
+  return std::any_of(code.algorithm.projections.begin(), code.algorithm.projections.end(),
+                     [&](const ir::Projection& p) { return projects_by_rows(code, p); });
+}
 
 std::string projection_statements(const CodeInput& code) {
   std::string text;
-  if (!projects_by_rows(code)) return text;
-  for (const ir::Projection& p : code.algorithm.projections) text += ProjectionWriter(code, p).run();
+  for (const ir::Projection& p : code.algorithm.projections)
+    if (projects_by_rows(code, p)) text += ProjectionWriter(code, p).run();
   return text;
 }
 

@@ -9,7 +9,8 @@ namespace dalembert::backend {
 
 // Statements with their tables; empty where there is none.
 std::string projection_statements(const CodeInput& code);
-// Whether there are any.
+// Whether there are any, of one projection or of all.
+bool projects_by_rows(const CodeInput& code, const ir::Projection& projection);
 bool projects_by_rows(const CodeInput& code);
 
 // Rows that they compute of a projection, by registers of `lanes`; and the registers.

@@ -68,6 +68,7 @@ void add_projections(const CodeInput& code, ir::Operations& sum) {
   if (!projects_by_rows(code)) return;
   const RowCounts computed = row_counts(code, counted_lanes);
   for (const ir::Projection& p : code.algorithm.projections) {
+    if (!projects_by_rows(code, p)) continue;
     sum += of(p.graph, p.columns, computed.rows);
     sum.add += computed.added * static_cast<long>(p.columns.size());
   }

@@ -20,7 +20,9 @@ void project_by_rows(ir::Algorithm& algorithm, ir::Program& program, Unroll& unr
     if (!program.graph.is_constant(node, 0)) program.elements.push_back({to, row, column, node});
   };
   for (ir::Projection& p : algorithm.projections) {
+    constexpr int most_in_line = 6;  // of fewer columns straight lines are as fast, or faster
     const int columns = static_cast<int>(p.columns.size());
+    if (columns <= most_in_line) continue;
     std::erase_if(program.elements, [&](const ir::OutputElement& e) {
       const int body = e.column / columns - first;
       return e.array == p.array && e.row >= base_rows && body >= 0 && ir::by_rows(tree, body);

@@ -5,6 +5,7 @@
 #include <map>
 #include <utility>
 
+#include "dalembert/chain_shapes.hpp"
 #include "ir/guard_arrays.hpp"
 
 namespace dalembert::passes {
@@ -54,7 +55,12 @@ class Writing {
 
   void run() {
     const std::size_t tags = algorithm_.sweeps.size() + algorithm_.pairs.size() + algorithm_.projections.size();
+    std::vector<ir::MatrixStep> left;
     for (const ir::MatrixStep& step : algorithm_.steps) {
+      if (stays(step)) {
+        left.push_back(step);
+        continue;
+      }
       graph_.set_tag({static_cast<std::int16_t>(tags + algorithm_.written_out.size()), -1});
       algorithm_.written_out.push_back(equation(step.kind));
       switch (step.kind) {
@@ -64,12 +70,23 @@ class Writing {
         case Kind::negative_product: negative_product(step); break;
       }
     }
-    algorithm_.steps.clear();
+    algorithm_.steps = std::move(left);
     collect();
     drop_unread();
   }
 
  private:
+  // Products of whole matrices take a fraction of the time in lanes, but for the smallest.
+  bool stays(const ir::MatrixStep& step) const {
+    constexpr int smallest = 4;
+    return step.kind == Kind::negative_product && tree_.size() > smallest;
+  }
+  // Whether a step that stays reads the array.
+  bool is_read(int array) const {
+    return std::any_of(algorithm_.steps.begin(), algorithm_.steps.end(),
+                       [&](const ir::MatrixStep& step) { return array == step.a || array == step.b; });
+  }
+
   Matrix& of(int array) { return matrices_[static_cast<std::size_t>(array)]; }
   const std::vector<int>& above(int k) const { return above_[static_cast<std::size_t>(k)]; }  // the nearest first
 
@@ -123,19 +140,21 @@ class Writing {
         x.set(j, k, sum);
       }
     of(step.to) = x;
-    if (step.room >= 0) inverse_of_room_[step.room] = std::move(x);
+    if (step.room < 0) return;
+    for (const auto& [place, node] : x.nodes())  // by column and row
+      of(step.room).set(place.first * inverse_stride(tree_.size()) + place.second, 0, node);
+    inverse_of_room_[step.room] = std::move(x);
   }
 
   void negative_product(const ir::MatrixStep& step) {
     const Matrix &a = inverse_of_room_.at(step.a), &b = of(step.b);
-    Matrix product;
+    Matrix& product = of(step.to);  // the columns before the first are there
     for (int j = step.first; j < tree_.size(); ++j)
       for (int i = 0; i < tree_.size(); ++i) {
         NodeId sum = no_node;
         for (int k = 0; k < tree_.size(); ++k) sum = less(sum, a.at(i, k), b.at(k, j));
         product.set(i, j, sum);
       }
-    of(step.to) = std::move(product);
   }
 
   void collect() {
@@ -162,8 +181,8 @@ class Writing {
             return index == step.room || index == step.forces || index == step.to ||
                    std::find(arrays.begin(), arrays.end(), index) != arrays.end();
           });
-      algorithm_.arrays[a].written_out =
-          algorithm_.arrays[a].internal && !checked && !projected && !constrains && index != algorithm_.factor;
+      algorithm_.arrays[a].written_out = algorithm_.arrays[a].internal && !checked && !projected && !constrains &&
+                                         !is_read(index) && index != algorithm_.factor;
     }
     program_.arrays = algorithm_.arrays;
     const auto written_out = [&](int array) { return program_.arrays[static_cast<std::size_t>(array)].written_out; };

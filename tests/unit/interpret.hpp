@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "dalembert/chain_shapes.hpp"
 #include "ir/coordinate_tree.hpp"
 #include "ir/guard_arrays.hpp"
 #include "ir/kinematic_tree.hpp"
@@ -90,6 +91,8 @@ inline FactorStatus<double> guard_status(const Algorithm& algorithm, Arrays& arr
       beyond[static_cast<std::size_t>(p)] += P.transpose() * E * P + diagonal[k] * V * V.transpose();
   }
   return {};
+}
+
 // Steps with rows of constraints, likewise: all act, nothing gives way.
 inline void run_constraint_steps(const Algorithm& algorithm, Arrays& arrays) {
   for (const ConstraintStep& s : algorithm.constraint_steps) {
@@ -119,6 +122,13 @@ inline void run_constraint_steps(const Algorithm& algorithm, Arrays& arrays) {
   }
 }
 
+// M^-1 from its room: as straight lines leave it, or as it was made here.
+inline Eigen::MatrixXd inverse(const Eigen::MatrixXd& room, Eigen::Index n) {
+  if (room.cols() > 1) return room;
+  return Eigen::Map<const Eigen::MatrixXd, 0, Eigen::OuterStride<>>(room.data(), n, n,
+                                                                    Eigen::OuterStride<>(inverse_stride(static_cast<int>(n))));
+}
+
 // Steps with whole matrices, in the terms of their definition.
 inline void run_steps(const Algorithm& algorithm, Arrays& arrays, const std::vector<int>& above) {
   const auto array = [&](int index) -> Eigen::MatrixXd& {
@@ -126,7 +136,8 @@ inline void run_steps(const Algorithm& algorithm, Arrays& arrays, const std::vec
   };
   for (const MatrixStep& s : algorithm.steps) {
     if (s.kind == MatrixStep::Kind::negative_product) {
-      array(s.to) = -array(s.a) * array(s.b);
+      const Eigen::Index from = s.first, count = array(s.b).cols() - from;
+      array(s.to).rightCols(count) = -inverse(array(s.a), array(s.b).rows()) * array(s.b).rightCols(count);
       continue;
     }
     if (s.kind == MatrixStep::Kind::factor) {

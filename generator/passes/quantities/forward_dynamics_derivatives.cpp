@@ -3,6 +3,7 @@
 // Articulated bodies give v̇ in the sweeps. Where joints are driven by others M's factors give it, behind all sweeps: what
 // depends on it is the second half of the function then, and takes v̇ as inverse dynamics does.
 #include <algorithm>
+#include <functional>
 
 #include "dalembert/chain_shapes.hpp"
 #include "passes/quantities/quantities.hpp"
@@ -32,7 +33,24 @@ void prepare_second_half(Builder& b) {
     describe_forward_dynamics(b, b.internal_array(name, b.tree().nv(), 1));
 }
 
-// first: the efforts do not depend on the coordinates before this one.
+// Of a floating base's coordinates from `first` on, what three of them do to the base's linear acceleration alone: it is u' + w
+// x u less gravity that equations of motion know, along the base's axes. Nothing else changes.
+void set_base_columns(Builder& b, int array, const std::string& name, int first, const std::string& equation,
+                      const std::function<Vec3(SweepBuilder&)>& about, double sign) {
+  SweepBuilder base = b.sweep(b.own_name(name), equation, ir::Direction::root);
+  const Vec3 axis = about(base);
+  for (int j = 0; j < 3; ++j) {
+    const auto next = static_cast<std::size_t>((j + 1) % 3), last = static_cast<std::size_t>((j + 2) % 3);
+    const int role = b.role({b.own_name(name) + "_" + "xyz"[j], "dv", equation, "", ir::Shape::vector});
+    Vec3 column = base.zero();  // axis x e_j
+    column[next] = sign > 0 ? axis[last] : -axis[last];
+    column[last] = sign > 0 ? -axis[next] : axis[next];
+    base.store(role, column);
+    b.result({array, ir::Layout::base, role, (first + j) * b.tree().nv()});
+  }
+}
+
+// first: the efforts do not depend on the coordinates before this one, or what these do is known.
 void solve(Builder& b, int array, const std::string& name, void (*of_efforts)(Builder&, int), int first) {
   if (b.function().second_half.empty()) {
     const int nv = b.tree().nv(), efforts = b.internal_array(b.own_name(name), nv, nv);
@@ -47,10 +65,22 @@ void solve(Builder& b, int array, const std::string& name, void (*of_efforts)(Bu
 }  // namespace
 
 void describe_forward_dynamics_dq(Builder& b, int array) {
-  const int position = b.floating() ? 3 : 0;  // the base's: nothing depends on it
-  solve(b, array, "efforts_dq", describe_inverse_dynamics_dq, position);
+  if (!b.floating()) return solve(b, array, "efforts_dq", describe_inverse_dynamics_dq, 0);
+  // Nothing depends on the base's position; gravity turns against it, wrenches along the world's axes do not turn with it.
+  const bool in_world = std::any_of(b.scene().wrenches.begin(), b.scene().wrenches.end(),
+                                    [](const ir::ExternalWrench& wrench) { return wrench.in_world; });
+  solve(b, array, "efforts_dq", describe_inverse_dynamics_dq, in_world ? 3 : 6);
+  if (in_world || !b.function().second_half.empty()) return;
+  const auto gravity = [](SweepBuilder& base) { return base.gravity_in_base(); };
+  set_base_columns(b, array, "base_turned", 3, "gravity x e_j along the base's axes", gravity, 1);
 }
-void describe_forward_dynamics_dv(Builder& b, int array) { solve(b, array, "efforts_dv", describe_inverse_dynamics_dv, 0); }
+
+void describe_forward_dynamics_dv(Builder& b, int array) {
+  solve(b, array, "efforts_dv", describe_inverse_dynamics_dv, b.floating() ? 3 : 0);
+  if (!b.floating() || !b.function().second_half.empty()) return;
+  const auto spin = [](SweepBuilder& base) { return base.base_twist().angular; };
+  set_base_columns(b, array, "base_moved", 0, "-w x e_j along the base's axes", spin, -1);
+}
 
 std::vector<ir::EmittedFunction> halves(const ir::EmittedFunction& function, const ir::KinematicTree& tree) {
   const bool all_own = tree.independent_joints() == tree.joints();
