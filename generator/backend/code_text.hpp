@@ -21,8 +21,8 @@ std::string own_type(const CodeInput& code, const std::string& type);
 std::vector<std::string> vectors_of(const CodeInput& code);
 std::string parameters_of(const CodeInput& code, const std::string& pointer = "const Scalar* ");
 std::string arguments_of(const CodeInput& code);
-// The same as vectors of Eigen, which dalembert/arguments.hpp checks: template parameters, their names, the types that they
-// stand for, and parameters.
+// The same as vectors of Eigen, which dalembert/arguments.hpp checks: template parameters, their names, the types that they stand
+// for, and parameters.
 struct EigenVectors {
   std::string templates, types, vectors, parameters;
 };

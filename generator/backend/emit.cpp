@@ -113,15 +113,13 @@ std::string run_time_inputs(const CodeInput& code) {
 
 std::string contact_type(const CodeInput& code) {
   if (code.scene.contacts.empty()) return "";
-  return "// How a contact acts, given at run time. Its rows' accelerations shall be -kd J v - kp e, e being how far it is "
-         "from\n"
+  return "// How a contact acts, given at run time. Its rows' accelerations shall be -kd J v - kp e, e being how far it is from\n"
          "// its anchor.\n"
          "struct Contact {\n"
          "  bool active = true;             // else it exerts nothing\n"
          "  Scalar kp = 0, kd = 0;          // 1/s^2, 1/s\n"
          "  Scalar restitution = 0;         // of an impact: J v becomes -restitution J v\n"
-         "  Scalar anchor[7] = {0, 0, 0, 0, 0, 0, 1};  // place in the world, m, and quaternion x y z w; matters where kp "
-         "does\n"
+         "  Scalar anchor[7] = {0, 0, 0, 0, 0, 0, 1};  // place in the world, m, and quaternion x y z w; matters where kp does\n"
          "  Scalar regularization[6] = {};  // added to the diagonal of J M^-1 J', per row: rows give way\n"
          "};\n\n";
 }
@@ -354,10 +352,9 @@ void c_functions(const Folder& folder, std::string& declarations, std::string& d
   }
   for (const ir::Contact& contact : code.scene.contacts) {
     const std::string id = ir::identifier(contact.name);
-    add(fmt::format(
-            "active: 1 or 0, kp (1/s^2), kd (1/s), restitution: as in {}::Contact; anchor: 7 numbers, regularization: {};\n"
-            "// null: as they are",
-            n, contact.rows()),
+    add(fmt::format("active: 1 or 0, kp (1/s^2), kd (1/s), restitution: as in {}::Contact; anchor: 7 numbers, regularization: {};\n"
+                    "// null: as they are",
+                    n, contact.rows()),
         fmt::format("void {0}_set_contact_{1}(int active, {2} kp, {2} kd, {2} restitution, const {2}* anchor,\n"
                     "    const {2}* regularization, {0}_workspace* workspace)",
                     n, id, s),
@@ -373,8 +370,7 @@ void c_functions(const Folder& folder, std::string& declarations, std::string& d
   for (const CodeInput& f : folder.functions)
     for (const ir::ConstraintStep& step : f.algorithm.constraint_steps)
       if (const char* status = status_of(step); *status)
-        add("The largest error that is left of a contact's row; least_pivot, rank: as in dalembert::ConstraintStatus; null: "
-            "not\n"
+        add("The largest error that is left of a contact's row; least_pivot, rank: as in dalembert::ConstraintStatus; null: not\n"
             "// wanted",
             fmt::format("{0} {1}_{2}({0}* least_pivot, int* rank, const {1}_workspace* workspace)", s, n, own_name(f, status)),
             fmt::format("  if (least_pivot) *least_pivot = workspace->{0}.least_pivot;\n"

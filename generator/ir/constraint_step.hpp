@@ -1,5 +1,5 @@
-// What is done with rows of constraints once their elements are there, behind all steps with whole matrices: a row each, with
-// what it costs.
+// What is done with rows of constraints once their elements are there, behind all steps with whole matrices: a row each, with what
+// it costs.
 #pragma once
 
 #include <vector>
