@@ -7,11 +7,11 @@
 #include <cctype>
 #include <stdexcept>
 
+#include "backend/literals.hpp"
 #include "ir/constraint_step.hpp"
 #include "ir/coordinate_tree.hpp"
 #include "ir/guard_arrays.hpp"
 #include "ir/identifier.hpp"
-#include "backend/literals.hpp"
 
 namespace dalembert::backend {
 
@@ -140,20 +140,45 @@ std::string matrix_statements(const CodeInput& code) {
   return text;
 }
 
+namespace {
+
+// dalembert::ConstraintRows of the steps' constraints.
+std::string rows_type(const ir::ConstraintPaths& paths) {
+  std::vector<std::string> all;
+  for (size_t c = 0; c + 1 < paths.first.size(); ++c)
+    all.push_back(fmt::format("dalembert::RowPath<{}, {}>", paths.first[c + 1] - paths.first[c],
+                              fmt::join(paths.path.begin() + paths.begin[c], paths.path.begin() + paths.begin[c + 1], ", ")));
+  return fmt::format("dalembert::ConstraintRows<\n      {}>", fmt::join(all, ",\n      "));
+}
+
+// dalembert::ChainTree of the robot's coordinates.
+std::string tree_type(const ir::CoordinateTree& tree) {
+  std::vector<std::string> all;
+  for (const ir::Chain& chain : ir::chains(tree)) {
+    std::string runs;
+    int begin = -1, behind = -1;
+    const auto add = [&] {
+      if (begin >= 0) runs += fmt::format(", {}, {}", begin, behind);
+    };
+    for (int k = tree.above[static_cast<size_t>(chain.first)]; k >= 0; k = tree.above[static_cast<size_t>(k)]) {
+      if (k != begin - 1) add(), behind = k + 1;
+      begin = k;
+    }
+    add();
+    all.push_back(fmt::format("dalembert::ChainBelow<{}, {}{}>", chain.first, chain.count, runs));
+  }
+  return fmt::format("dalembert::ChainTree<\n      {}>", fmt::join(all, ",\n      "));
+}
+
+}  // namespace
+
 std::string constraint_statements(const CodeInput& code) {
   if (code.algorithm.constraint_steps.empty()) return "";
   const auto name = [&](int index) { return "workspace." + code.algorithm.arrays[static_cast<size_t>(index)].name; };
-  const ir::ConstraintPaths& paths = code.algorithm.constraint_steps.front().paths;
-  std::string text = fmt::format(
-      "  static constexpr int row_begin[] = {{{}}}, row_paths[] = {{{}}}, row_path_begin[] = {{{}}};\n"
-      "  static constexpr dalembert::ConstraintPaths row_paths_of{{row_begin, row_paths, row_path_begin}};\n",
-      fmt::join(paths.first, ", "), fmt::join(paths.path, ", "), fmt::join(paths.begin, ", "));
-  const auto all = [&](ir::ConstraintStep::Kind kind) {
-    return std::all_of(code.algorithm.constraint_steps.begin(), code.algorithm.constraint_steps.end(),
-                       [&](const ir::ConstraintStep& s) { return s.kind == kind; });
-  };
-  if (!all(ir::ConstraintStep::Kind::delassus)) {
-    if (!solves(code)) text += chains_text(ir::coordinate_tree(code.tree));
+  std::string text = fmt::format("  using RowsOfContacts = {};\n", rows_type(code.algorithm.constraint_steps.front().paths));
+  const bool solved = std::any_of(code.algorithm.constraint_steps.begin(), code.algorithm.constraint_steps.end(),
+                                  [&](const ir::ConstraintStep& s) { return s.kind != ir::ConstraintStep::Kind::delassus; });
+  if (solved) {
     std::vector<std::string> active, regularization;
     for (const ir::Contact& contact : code.scene.contacts) {
       const std::string member = "workspace.contact_" + ir::identifier(contact.name);
@@ -161,23 +186,22 @@ std::string constraint_statements(const CodeInput& code) {
       for (int i = 0; i < contact.rows(); ++i) regularization.push_back(fmt::format("{}.regularization[{}]", member, i));
     }
     text += fmt::format(
+        "  using CoordinateTree = {};\n"
         "  const Scalar row_active[] = {{{}}};\n  const Scalar row_regularization[] = {{\n      {}}};\n",
-        fmt::join(active, ", "), wrapped(regularization, 6));
+        tree_type(ir::coordinate_tree(code.tree)), fmt::join(active, ", "), wrapped(regularization, 6));
   }
-  const std::string shape =
-      fmt::format("<nv, {}, {}, {}>(row_paths_of, ", paths.count(), paths.block_rows(), paths.longest());
   for (const ir::ConstraintStep& s : code.algorithm.constraint_steps) {
     if (s.kind == ir::ConstraintStep::Kind::delassus) {
-      text += fmt::format("  dalembert::delassus{}{}, {}, {}, {}, {});\n", shape, name(s.jacobian), name(s.factor),
+      text += fmt::format("  dalembert::delassus<nv, RowsOfContacts>({}, {}, {}, {}, {});\n", name(s.jacobian), name(s.factor),
                           name(s.pivots), name(s.room), name(s.to));
       continue;
     }
     const bool impact = s.kind == ir::ConstraintStep::Kind::impact;
-    text += fmt::format("  workspace.{} = dalembert::{}{}chains, {}, {}, {}, {}, row_active,\n"
-                        "      row_regularization, {}, {}, {}{});\n",
-                        own_name(code, impact ? "impact_status" : "constraint_status"),
-                        impact ? "solve_impact" : "solve_constrained", shape, name(s.jacobian), name(s.factor),
-                        name(s.pivots), name(s.right), name(s.room), name(s.forces), impact ? "v, " : "", name(s.to));
+    text += fmt::format(
+        "  workspace.{} = dalembert::{}<nv, RowsOfContacts, CoordinateTree>(\n"
+        "      {}, {}, {}, {}, row_active, row_regularization,\n      {}, {}, {});\n",
+        own_name(code, impact ? "impact_status" : "constraint_status"), impact ? "solve_impact" : "solve_constrained",
+        name(s.jacobian), name(s.factor), name(s.pivots), name(s.right), name(s.room), name(s.forces), name(s.to));
   }
   return text;
 }

@@ -105,7 +105,7 @@ std::vector<int> bodies_of(const CodeInput& code, const ir::Result& r) {
 // arrays: it reads them where limbs leave them.
 std::optional<PivotRoles> pivots_in_slots(const CodeInput& code) {
   const std::optional<ir::Guard>& guard = code.algorithm.guard;
-  if (!guard || !code.algorithm.steps.empty()) return {};
+  if (!guard || !code.algorithm.steps.empty() || !code.algorithm.constraint_steps.empty()) return {};
   const ir::GuardArrays told_by = ir::guard_arrays(code.algorithm);
   PivotRoles roles;
   for (const ir::Result& r : code.algorithm.results) {

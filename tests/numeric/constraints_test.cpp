@@ -35,7 +35,10 @@ class Constraints : public ::testing::TestWithParam<RobotAndBase> {
     sets = {{{last, sole, 6, Axes::mixed}},
             {{last, tip, 3, Axes::body}},
             {{last / 2, tip, 3, Axes::mixed}, {last, sole, 6, Axes::body}},
-            {{last, sole, 6, Axes::mixed}, {last / 3, sole, 6, Axes::mixed}, {last, tip, 3, Axes::mixed}, {last / 2, tip, 3, Axes::body}}};
+            {{last, sole, 6, Axes::mixed},
+             {last / 3, sole, 6, Axes::mixed},
+             {last, tip, 3, Axes::mixed},
+             {last / 2, tip, 3, Axes::body}}};
     if (floating) sets.push_back({{-1, sole, 6, Axes::mixed}, {last, tip, 3, Axes::mixed}});
   }
 
@@ -121,7 +124,8 @@ TEST_P(Constraints, AMaskedContactIsNone) {
 
 INSTANTIATE_TEST_SUITE_P(Robots, Constraints, ::testing::Combine(::testing::ValuesIn(test_robots), ::testing::Bool()),
                          [](const auto& info) {
-                           return std::string(std::get<0>(info.param).name) + (std::get<1>(info.param) ? "_floating" : "_fixed");
+                           return std::string(std::get<0>(info.param).name) +
+                                  (std::get<1>(info.param) ? "_floating" : "_fixed");
                          });
 
 }  // namespace

@@ -62,8 +62,8 @@ inline std::string link_moved_by(const ir::RobotDescription& robot, const std::s
   throw std::invalid_argument(name);
 }
 
-// On the last body that moves, and, where there are enough, on two above or beside it: a weld and points, along the world's axes
-// and a link's.
+// On the last body that moves, and, where there are enough, on two above or beside it: a weld and points, along the world's
+// axes and a link's.
 inline std::vector<ir::Contact> some_contacts(const ir::RobotDescription& robot) {
   std::vector<std::string> moved;
   for (const ir::Joint& joint : robot.joints)
@@ -160,8 +160,7 @@ inline void expect_generic_values(const Model& model, const Payload& payload = {
     double tolerance = 1e-12 * std::max(reference.cwiseAbs().maxCoeff(), 1e-3);
     tolerance = std::max(tolerance, 10 * reference.cwiseAbs().maxCoeff() * 0x1p-53 *
                                         reference::condition({output.quantity, output.link, output.of_link}, expected.tree,
-                                                             expected.scene,
-                                                             {state.q, state.v, state.more, state.wrenches}));
+                                                             expected.scene, {state.q, state.v, state.more, state.wrenches}));
     tolerance *= slack;
     EXPECT_LE((straight.at(output.name) - reference).cwiseAbs().maxCoeff<Eigen::PropagateNaN>(), tolerance) << "straight";
     EXPECT_LE((rolled.at(output.name) - reference).cwiseAbs().maxCoeff<Eigen::PropagateNaN>(), tolerance) << "rolled";

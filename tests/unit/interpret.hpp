@@ -118,7 +118,7 @@ inline void run_constraint_steps(const Algorithm& algorithm, Arrays& arrays) {
     const Eigen::LDLT<Eigen::MatrixXd> factors(along);
     for (int step = 0; step < s.solutions; ++step) forces = factors.solve(rest + held.cwiseProduct(forces)).eval();
     array(s.forces) = forces;
-    array(s.to) = free + inverse * J.transpose() * forces;
+    array(s.to) = (impact ? Eigen::VectorXd(array(s.to)) : free) + inverse * J.transpose() * forces;
   }
 }
 

@@ -1,6 +1,6 @@
-// Rows of contacts, J v̇ + J̇ v = b, and what keeps to them. Everything is along the base's axes and about its origin: the point x
-// of a body of twist [u; w] and acceleration [a; α] has the velocity u + w × x and the acceleration a + α × x + w × (u + w × x);
-// rows are these turned to the axes asked for.
+// Rows of contacts, J v̇ + J̇ v = b, and what keeps to them. Everything is along the base's axes and about its origin: the point
+// x of a body of twist [u; w] and acceleration [a; α] has the velocity u + w × x and the acceleration a + α × x + w × (u + w ×
+// x); rows are these turned to the axes asked for.
 #include "dalembert/constraint_shapes.hpp"
 #include "ir/constraint_step.hpp"
 #include "ir/identifier.hpp"
@@ -69,7 +69,8 @@ void describe_rows(Builder& b, const Held& held, int array) {
   const Poses p = poses(b, held.poses());
   const RowAxes axes(b, held);
   const std::string equation = held.weld() ? "J = R [Jv + Jw x x; Jw]" : "J = R (Jv + Jw x x)";
-  const int rows = b.role({"rows_" + held.name, "Jc", "column of the rows of contact " + held.contact->name, "m", held.shape()});
+  const int rows =
+      b.role({"rows_" + held.name, "Jc", "column of the rows of contact " + held.contact->name, "m", held.shape()});
   SweepBuilder s = b.sweep("rows_" + held.name, equation, Direction::anywhere);
   s.only_above(held.frame.body);
   const auto store = [&](SweepBuilder& sweep, const Twist& twist, int coordinate) {
@@ -92,8 +93,8 @@ int row_velocities(Builder& b, const Held& held) {
   const int role =
       b.role({"velocity_" + held.name, "Jcv", "velocity of contact " + held.contact->name, "m/s, rad/s", held.shape()});
   if (b.has("velocity_" + held.name)) return role;
-  SweepBuilder s = b.sweep("velocity_" + held.name, held.weld() ? "J v = R [u + w x x; w]" : "J v = R (u + w x x)",
-                           Direction::root);
+  SweepBuilder s =
+      b.sweep("velocity_" + held.name, held.weld() ? "J v = R [u + w x x; w]" : "J v = R (u + w x x)", Direction::root);
   const Vec3 u = s.of3(held.frame.body, p.velocity, 0), w = s.of3(held.frame.body, p.velocity, 3);
   const Vec3 lever = cross(w, axes.point(s)), velocity = u + lever;
   const Vec3 linear = axes.turned(s, velocity), angular = held.weld() ? axes.turned(s, w) : w;
@@ -109,10 +110,10 @@ int row_biases(Builder& b, const Held& held) {
   const int role =
       b.role({"bias_" + held.name, "dJcv", "dJ/dt v of contact " + held.contact->name, "m/s^2, rad/s^2", held.shape()});
   if (b.has("bias_" + held.name)) return role;
-  SweepBuilder s = b.sweep("bias_" + held.name,
-                           held.contact->along_link ? "dJ v = R [a + alpha x x; alpha]"
-                                                    : "dJ v = R [a + alpha x x + w x (u + w x x); alpha]",
-                           Direction::root);
+  SweepBuilder s = b.sweep(
+      "bias_" + held.name,
+      held.contact->along_link ? "dJ v = R [a + alpha x x; alpha]" : "dJ v = R [a + alpha x x + w x (u + w x x); alpha]",
+      Direction::root);
   const int body = held.frame.body;
   const Vec3 a = s.of3(body, of_bodies, 0), alpha = s.of3(body, of_bodies, 3), x = axes.point(s);
   const Vec3 tangential = cross(alpha, x);
@@ -134,7 +135,8 @@ int row_errors(Builder& b, const Held& held) {
       b.role({"error_" + held.name, "ec", "from its anchor to contact " + held.contact->name, "m, rad", held.shape()});
   if (b.has("error_" + held.name)) return role;
   SweepBuilder s = b.sweep("error_" + held.name, "e = x - x0, and half the sum of a_i x r_i", Direction::root);
-  const Mat3 to_world = b.floating() ? three_columns(s, -1, base.axes) : s.constant(Eigen::Matrix3d(Eigen::Matrix3d::Identity()));
+  const Mat3 to_world =
+      b.floating() ? three_columns(s, -1, base.axes) : s.constant(Eigen::Matrix3d(Eigen::Matrix3d::Identity()));
   const Mat3 in_base = three_columns(s, -1, at.axes), own = to_world * in_base;
   const Vec3 offset = to_world * s.of3(-1, at.origin), place = s.of3(-1, base.origin) + offset;
   const auto given = [&](int component) { return s.contact(held.index, component); };
@@ -142,8 +144,8 @@ int row_errors(Builder& b, const Held& held) {
   Vec3 linear = place - wanted;
   Vec3 angular = s.zero();
   if (held.weld()) {
-    const Mat3 anchor =
-        base_rotation([&](int i) { return given(ir::contact_anchor + 3 + i); }, [&](double value) { return s.constant(value); });
+    const Mat3 anchor = base_rotation([&](int i) { return given(ir::contact_anchor + 3 + i); },
+                                      [&](double value) { return s.constant(value); });
     for (std::size_t i = 0; i < 3; ++i) {
       const Vec3 from = column(anchor, i), to = column(own, i), turning = cross(from, to);
       angular = angular + turning;
@@ -164,10 +166,9 @@ void describe_right(Builder& b, const Held& held, bool impact, int array) {
   const std::string name = (impact ? "bounce_" : "right_") + held.name;
   const int velocity = row_velocities(b, held), bias = impact ? -1 : row_biases(b, held),
             error = impact ? -1 : row_errors(b, held);
-  const int role = b.role({name, "bc", "what J dv of contact " + held.contact->name + " shall be", impact ? "m/s, rad/s" : "m/s^2, rad/s^2",
-                           held.shape()});
-  SweepBuilder s =
-      b.sweep(name, impact ? "b = -(1 + restitution) J v" : "b = -(dJ v + kd J v + kp e)", Direction::root);
+  const int role = b.role({name, "bc", "what J dv of contact " + held.contact->name + " shall be",
+                           impact ? "m/s, rad/s" : "m/s^2, rad/s^2", held.shape()});
+  SweepBuilder s = b.sweep(name, impact ? "b = -(1 + restitution) J v" : "b = -(dJ v + kd J v + kp e)", Direction::root);
   for (int i = 0; i < held.contact->rows(); ++i) {
     if (impact) {
       const Sym one = s.constant(1), restitution = s.contact(held.index, ir::contact_restitution), whole = one + restitution;
@@ -228,8 +229,30 @@ void describe_delassus_matrix(Builder& b, int array) {
   b.constraint_step(step(b, ir::ConstraintStep::Kind::delassus, array));
 }
 
+namespace {
+
+// v, of every coordinate.
+int speeds(Builder& b) {
+  const int role = b.role({"speed", "v", "v", "m/s or rad/s", Shape::scalar});
+  if (b.has("speeds")) return role;
+  SweepBuilder s = b.sweep("speeds", "v", Direction::anywhere);
+  const Sym own = s.parameter(own_coordinate_p), rate = s.rate();
+  s.store(role, own * rate);
+  if (!b.floating()) return role;
+  SweepBuilder base = b.sweep("base_speeds", "v", Direction::root);
+  const Twist twist = base.base_twist();
+  for (int j = 0; j < 6; ++j) {
+    const auto at = static_cast<std::size_t>(j % 3);
+    base.store(role, 0, j < 3 ? twist.linear[at] : twist.angular[at], j);
+  }
+  return role;
+}
+
+}  // namespace
+
 void describe_impact(Builder& b, int array) {
   guard(b, array);
+  b.result({array, ir::Layout::per_coordinate, speeds(b)});
   ir::ConstraintStep s = step(b, ir::ConstraintStep::Kind::impact, array);
   s.right = b.internal_array(b.own_name("bounce"), b.tree().constraint_rows, 1);
   s.forces = b.internal_array(b.own_name("impulses"), b.tree().constraint_rows, 1);

@@ -1,5 +1,5 @@
-// How rows of constraints are taken where they are solved for: a constraint's rows stand in a block of their own, padded to whole
-// lanes. Of constants alone, for the compiler makes room by them too.
+// How rows of constraints are taken where they are solved for: a constraint's rows stand in a block of their own, padded to
+// whole lanes. Of constants alone, for the compiler makes room by them too.
 #pragma once
 
 namespace dalembert {
@@ -8,8 +8,8 @@ namespace dalembert {
 constexpr int block_rows(int most_rows) { return most_rows <= 3 ? 3 : 6; }
 constexpr int block_lanes(int rows) { return rows <= 3 ? 4 : 8; }
 
-// Numbers of what `count` constraints are solved in: Y, a block per coordinate above each, of which there are `longest` at most;
-// the inverse inertia along their rows, of each pair of constraints; and what is eliminated of it.
+// Numbers of what `count` constraints are solved in: Y, a block per coordinate above each, of which there are `longest` at
+// most; the inverse inertia along their rows, of each pair of constraints; and what is eliminated of it.
 constexpr int constraint_room(int count, int rows, int longest) {
   return count * longest * block_lanes(rows) + (count * (count + 1) / 2 + count * (count - 1) / 2) * rows * block_lanes(rows);
 }
@@ -19,7 +19,7 @@ template <class T>
 struct Proximal {
   static constexpr bool wide = sizeof(T) == 8;
   static constexpr T mu = wide ? T(1e-8) : T(1e-4);
-  static constexpr int steps = wide ? 2 : 4;
+  static constexpr int steps = wide ? 3 : 4;
 };
 // Of N, against the sum over all blocks: a block that nothing moves has one too.
 inline constexpr double least_share = 1e-6;

@@ -14,9 +14,9 @@ namespace dalembert::generic {
 
 template <class S>
 struct Contact {
-  int body = -1;  // −1: the base
-  Transform<S> frame;  // in the body
-  int rows = 6;        // 6, or 3: the point alone
+  int body = -1;            // −1: the base
+  Transform<S> frame;       // in the body
+  int rows = 6;             // 6, or 3: the point alone
   Axes axes = Axes::mixed;  // or body: the link's
 };
 
@@ -24,10 +24,10 @@ struct Contact {
 template <class S>
 struct ConstraintOptions {
   S mu = S(1e-8);
-  int steps = 2;
-  std::vector<bool> active{};        // per contact; empty: all are
-  VectorX<S> regularization{};       // R, per row; empty: none
-  VectorX<S> wanted{};               // b, per row; empty: zero
+  int steps = 3;
+  std::vector<bool> active{};   // per contact; empty: all are
+  VectorX<S> regularization{};  // R, per row; empty: none
+  VectorX<S> wanted{};          // b, per row; empty: zero
 };
 
 template <class S>
@@ -134,7 +134,8 @@ Constrained<S> constrained(const Model<S>& model, const std::vector<Contact<S>>&
 // v̇ and f. tau and wrenches: as in forward_dynamics().
 template <class S>
 Constrained<S> constrained_forward_dynamics(const Model<S>& model, const std::vector<Contact<S>>& contacts, In<S> q, In<S> v,
-                                            In<S> tau, In<S> wrenches = VectorX<S>(), const ConstraintOptions<S>& options = {}) {
+                                            In<S> tau, In<S> wrenches = VectorX<S>(),
+                                            const ConstraintOptions<S>& options = {}) {
   const Solution<VectorX<S>> free = forward_dynamics<S>(model, q, v, tau, wrenches);
   if (!free.status.ok()) return {{}, {}, free.status};
   VectorX<S> right = -constraint_bias<S>(model, contacts, q, v);
@@ -146,8 +147,7 @@ Constrained<S> constrained_forward_dynamics(const Model<S>& model, const std::ve
 template <class S>
 Constrained<S> impact(const Model<S>& model, const std::vector<Contact<S>>& contacts, In<S> q, In<S> v,
                       const ConstraintOptions<S>& options = {}) {
-  const VectorX<S> right =
-      options.wanted.size() > 0 ? options.wanted : VectorX<S>(VectorX<S>::Zero(constraint_rows(contacts)));
+  const VectorX<S> right = options.wanted.size() > 0 ? options.wanted : VectorX<S>(VectorX<S>::Zero(constraint_rows(contacts)));
   return detail::constrained<S>(model, contacts, q, right, v, options);
 }
 
