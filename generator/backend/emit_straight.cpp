@@ -68,8 +68,12 @@ class Angles {
   std::map<ir::NodeId, int> index_;
 };
 
-// What is computed, by the equation of the sweep, and for whom.
-std::string heading(const CodeInput& code, const ir::Tag& tag) {
+// Whether most of it are products of a body's numbers and those of another that is far away in the text.
+bool fills_matrices(const CodeInput& code) { return !code.algorithm.pairs.empty() || !code.algorithm.projections.empty(); }
+
+}  // namespace
+
+std::string straight_heading(const CodeInput& code, const ir::Tag& tag) {
   const ir::Algorithm& a = code.algorithm;
   const std::string who = tag.body < 0 ? "base " + code.tree.base_link
                                        : code.tree.bodies[static_cast<size_t>(tag.body)].joint + " -> " +
@@ -85,11 +89,6 @@ std::string heading(const CodeInput& code, const ir::Tag& tag) {
   return fmt::format("\n  // {}: {}\n", comment_text(who), equation);
 }
 
-// Whether most of it are products of a body's numbers and those of another that is far away in the text.
-bool fills_matrices(const CodeInput& code) { return !code.algorithm.pairs.empty() || !code.algorithm.projections.empty(); }
-
-}  // namespace
-
 std::string straight_statements(const CodeInput& code, const ir::Program& program) {
   const Angles angles(program);
   PrintStyle style;
@@ -98,7 +97,7 @@ std::string straight_statements(const CodeInput& code, const ir::Program& progra
   style.input = [&](const ir::Input& input) { return input_text(code, input); };
   style.name = [&](ir::NodeId id) { return program.names.empty() ? std::string() : program.names[static_cast<size_t>(id)]; };
   style.sine_or_cosine = [&](const ir::Graph&, ir::NodeId id) { return angles.text(id); };
-  style.heading = [&](const ir::Tag& tag) { return heading(code, tag); };
+  style.heading = [&](const ir::Tag& tag) { return straight_heading(code, tag); };
 
   std::string body;
   const ir::InputsRead read = ir::inputs_read(program, ir::uses(program.graph, program.roots()));

@@ -45,6 +45,7 @@ constexpr Help scene_help[] = {
     {"rates_zero", "true|false", "statics: all velocities are zero"},
     {"scalar", "double|float", "number type of the generated code, default double"},
     {"parallel", "serial|tasks|auto", "whether a task graph is generated beside the serial code, default auto"},
+    {"batch", "true|false", "functions that take many states at once are generated too"},
 };
 
 // Those of ir/quantities.def.

@@ -51,7 +51,8 @@ class SceneReader {
                                           {"inertia", &SceneReader::inertia},
                                           {"rates_zero", &SceneReader::rates_zero},
                                           {"scalar", &SceneReader::scalar},
-                                          {"parallel", &SceneReader::parallel}};
+                                          {"parallel", &SceneReader::parallel},
+                                          {"batch", &SceneReader::batch}};
     return keys;
   }
 
@@ -107,6 +108,8 @@ class SceneReader {
         {{"refuse", ir::InertiaPolicy::refuse}, {"accept", ir::InertiaPolicy::accept}, {"repair", ir::InertiaPolicy::repair}});
   }
   void rates_zero(const YamlNode& node) { scene_.rates_zero = choice<bool>(node, {{"true", true}, {"false", false}}); }
+
+  void batch(const YamlNode& node) { scene_.batch = choice<bool>(node, {{"true", true}, {"false", false}}); }
 
   // [x, y, z], none, run_time, or {run_time: [x, y, z]}
   void gravity(const YamlNode& node) {

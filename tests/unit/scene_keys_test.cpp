@@ -45,6 +45,7 @@ const Example examples[] = {
     {"rates_zero", "true", "true"},
     {"scalar", "float", "float"},
     {"parallel", "tasks", "tasks"},
+    {"batch", "true", "true"},
 };
 
 // Three joints in a row, with damping; then one that moves no mass. The second link's inertia is no body's.
