@@ -14,6 +14,7 @@
 #include "dalembert/factor.hpp"
 #include "dalembert/lanes.hpp"
 #include "dalembert/sincos.hpp"
+#include "dalembert/straight_line.hpp"
 
 namespace dalembert {
 
