@@ -11,7 +11,7 @@
 #   NAME     folder, namespace and C prefix of the code; TARGET if not given. Two robots in one program need two names.
 #   TASKS    emit the oneTBB task graph as well (NAME/tasks.hpp). The only case in which oneTBB is needed.
 #   BATCH    emit functions of many states at once as well (NAME/batch.hpp; NAME/batch_tasks.hpp, for which a program that includes
-#            it links oneTBB): the scene key `batch`, which is not to be in the scene's file or OPTIONS alone.
+#            it links oneTBB). Without it the scene's key `batch` is taken to be false.
 #   NATIVE   optimise the code for the processor that compiles it, whatever the build type: -O3 -march=native. With AVX and FMA
 #            it is two to four times as fast as plain x86-64 code (MAHRU, g++ 12); it runs on no older processor. The interface
 #            to it stays the same.
@@ -80,6 +80,8 @@ function(dalembert_add_robot target)
   if(ARG_BATCH)
     list(APPEND files batch.hpp batch.cpp batch_tasks.hpp)
     list(APPEND command --batch true)
+  else()
+    list(APPEND command --batch false)
   endif()
   list(TRANSFORM files PREPEND "${output_dir}/")
 
