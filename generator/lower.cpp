@@ -48,7 +48,7 @@ class Lowering {
     std::vector<LoweredFunction> chosen = std::move(ways.front().halves);
     for (const Way& way : ways) chosen.front().candidates.push_back(way.candidate);
     if (chosen.size() == 1 && !chosen.front().plan.tasks) add_other_form(ways, chosen.front());
-    if (model_.scene.batch && chosen.size() == 1) chosen.front().batch.push_back(straight_line());
+    if (model_.scene.batch && chosen.size() == 1) add_batch(chosen.front());
     return chosen;
   }
 
@@ -69,6 +69,17 @@ class Lowering {
       if (other->candidate.nanoseconds[width] < first.nanoseconds[width])
         chosen.elsewhere_lanes.push_back(backend::register_widths[width]);
     chosen.elsewhere.push_back(std::move(other->halves.front()));
+  }
+
+  // Longer lines take a compiler minutes, and steps with whole matrices take a loop's time from there on.
+  void add_batch(LoweredFunction& chosen) const {
+    constexpr long most_operations = 150000;
+    const auto operations = [](const ir::Program& program) {
+      return ir::count(program.graph, ir::uses(program.graph, program.roots())).total();
+    };
+    if (operations(chosen.program) > most_operations) return;
+    LoweredFunction line = straight_line();
+    if (operations(line.program) <= most_operations) chosen.batch.push_back(std::move(line));
   }
 
   // For batches: the way of the fewest operations, a division being several.

@@ -51,7 +51,12 @@ int given_count(const CodeInput& code) {
          6 * static_cast<int>(code.scene.wrenches.size());
 }
 
-BatchProgram::BatchProgram(const CodeInput& code) : code_(code), graph_(code.program.graph) {
+BatchProgram::BatchProgram(const CodeInput& code)
+    : by_calls_(!code.batch), code_(by_calls_ ? code : *code.batch), graph_(code_.program.graph) {
+  if (by_calls_) {
+    place_all();
+    return;
+  }
   place_elements();
   find_angles();
   cut();
@@ -76,7 +81,7 @@ void BatchProgram::place_elements() {
       const auto found = nodes.find({row, column});
       return found == nodes.end() ? no_node : found->second;
     };
-    BatchArray own{a, elements_, {}, a.rows == a.columns && a.rows > 1, {}};
+    BatchArray own{a, elements_, {}, a.rows == a.columns && a.rows > 1, {}, false};
     for (const auto& [place, id] : nodes) own.symmetric = own.symmetric && node(place.second, place.first) == id;
     own.by_columns.assign(static_cast<size_t>(a.rows) * static_cast<size_t>(a.columns), -1);
     // Vectors are whole.
@@ -100,6 +105,22 @@ void BatchProgram::place_elements() {
     if (checked) checked_.insert(static_cast<int>(index) == guard->pivots ? checked_.begin() : checked_.end(), own);
   }
   uses_ = ir::uses(graph_, roots);
+}
+
+void BatchProgram::place_all() {
+  for (const ir::OutputArray& a : code_.program.arrays) {
+    if (a.internal) continue;
+    BatchArray own{a, elements_, {}, false, {}, false};
+    own.by_columns.resize(static_cast<size_t>(a.rows) * static_cast<size_t>(a.columns));
+    for (int row = 0; row < a.rows; ++row)
+      for (int column = 0; column < a.columns; ++column) {
+        own.packed.emplace_back(row, column);
+        own.by_columns[static_cast<size_t>(element_index(a, row, column))] = elements_++;
+      }
+    results_.push_back(std::move(own));
+  }
+  reads_positions_ = reads_velocities_ = true;
+  reads_input_ = *function_of(code_).input() != 0;
 }
 
 void BatchProgram::find_angles() {

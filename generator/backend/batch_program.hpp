@@ -23,8 +23,12 @@ struct BatchArray {
 
 class BatchProgram {
  public:
-  // Of the function's straight form. Neither the arrays that it hands to other functions nor those between are among its own.
+  // Of the function's straight form for batches. Arrays between are none of its results.
+  // Where there is none (CodeInput::batch), the function itself is called for one state after another: nothing is printed here,
+  // and every element of a result has a place.
   explicit BatchProgram(const CodeInput& code);
+
+  bool by_calls() const { return by_calls_; }
 
   const std::vector<BatchArray>& results() const { return results_; }
   // M's pivots and diagonal, where the function has a guard.
@@ -45,11 +49,13 @@ class BatchProgram {
 
  private:
   void place_elements();
+  void place_all();
   void find_angles();
   void cut();
   std::string input_text(const ir::Input& input) const;
   bool is_free(ir::NodeId id) const;
 
+  const bool by_calls_;
   const CodeInput& code_;
   const ir::Graph& graph_;
   std::vector<std::int32_t> uses_;

@@ -10,6 +10,7 @@
 #include "backend/code_text.hpp"
 #include "backend/literals.hpp"
 #include "backend/templates.hpp"
+#include "diagnostics.hpp"
 #include "ir/identifier.hpp"
 
 namespace dalembert::backend {
@@ -73,7 +74,7 @@ bool is_matrix(const BatchArray& a) { return a.array.columns > 1; }
 
 class BatchFunction {
  public:
-  explicit BatchFunction(const CodeInput& code) : code_(code), line_(*code.batch), program_(line_) {}
+  explicit BatchFunction(const CodeInput& code) : code_(code), program_(code) {}
 
   std::string header() const {
     std::string pointers, blocks, packed;
@@ -97,29 +98,23 @@ class BatchFunction {
 
   std::string source() const {
     const ir::EmittedFunction& f = function_of(code_);
-    std::string definitions =
-        program_.angles() > 0 || !program_.angle_statements().empty()
-            ? part("angles", program_.angle_statements())
-            : "";
-    std::string run;
-    if (!definitions.empty()) {
-      run += "    for (int i = 0; i < count; ++i) angles(blocks[i]);\n";
-      if (program_.angles() > 0)
-        run += fmt::format(
-            "    for (int i = 0; i < count; ++i)\n"
-            "      dalembert::batch_sincos<Scalar>(blocks[i].angle, {}, blocks[i].sine, blocks[i].cosine);\n",
-            program_.angles());
-    }
-    for (int i = 0; i < program_.parts(); ++i) {
-      definitions += part(fmt::format("part_{}", i), program_.part_statements(i));
-      run += fmt::format("    for (int i = 0; i < count; ++i) part_{}(blocks[i]);\n", i);
+    std::string definitions, run;
+    if (program_.by_calls()) {
+      run = "    for (int i = 0; i < count; ++i) call_for_each(blocks[i]);\n";
+      definitions = calls();
+    } else {
+      straight(run, definitions);
     }
     return render("batch_function.cpp",
                   {{"function", f.name},
                    {"type", f.type},
                    {"check", own_name(code_, "check_batch")},
-                   {"operations", std::to_string(program_.operations())},
-                   {"in_parts", program_.parts() > 1 ? fmt::format(" in {} parts", program_.parts()) : ""},
+                   {"how", program_.by_calls()   ? ", called for one after another"
+                           : program_.parts() > 1 ? fmt::format(": {} operations in {} parts", program_.operations(), program_.parts())
+                                                  : fmt::format(": {} operations", program_.operations())},
+                   {"workspace", program_.by_calls() ? "  Workspace workspace;\n" : ""},
+                   {"more_members", program_.by_calls() ? ", {}" : ""},
+                   {"run_is", program_.by_calls() ? "" : "static "},
                    {"more", *f.input() ? "nv" : "0"},
                    {"given", std::to_string(given_count(code_))},
                    {"angles", std::to_string(program_.angles())},
@@ -136,6 +131,10 @@ class BatchFunction {
                    {"write", write()},
                    {"block", block()}});
   }
+
+  // Whether a table of places can hold them, and a stack the registers.
+  static constexpr int most_elements = 20000;
+  int elements() const { return program_.elements(); }
 
   // In C: what is declared, and what is defined.
   std::string c_declarations() const {
@@ -226,6 +225,68 @@ class BatchFunction {
                        used ? "block" : "", statements);
   }
 
+  void straight(std::string& run, std::string& definitions) const {
+    if (const std::string angles = program_.angle_statements(); !angles.empty()) {
+      definitions += part("angles", angles);
+      run += "    for (int i = 0; i < count; ++i) angles(blocks[i]);\n";
+    }
+    if (program_.angles() > 0)
+      run += fmt::format(
+          "    for (int i = 0; i < count; ++i)\n"
+          "      dalembert::batch_sincos<Scalar>(blocks[i].angle, {}, blocks[i].sine, blocks[i].cosine);\n",
+          program_.angles());
+    for (int i = 0; i < program_.parts(); ++i) {
+      definitions += part(fmt::format("part_{}", i), program_.part_statements(i));
+      run += fmt::format("    for (int i = 0; i < count; ++i) part_{}(blocks[i]);\n", i);
+    }
+  }
+
+  // The function itself at each state of a block.
+  std::string calls() const {
+    std::string text =
+        "  void call_for_each(Block& block) noexcept {\n"
+        "    for (int state = 0; state < width; ++state) {\n"
+        "      Scalar q[nq], v[nv];\n"
+        "      dalembert::take_state<Scalar>(block.q, nq, state, q);\n"
+        "      dalembert::take_state<Scalar>(block.v, nv, state, v);\n";
+    const std::vector<std::string> vectors = vectors_of(code_);
+    if (vectors.size() > 2)
+      text += fmt::format(
+          "      Scalar {0}[nv];\n"
+          "      dalembert::take_state<Scalar>(block.input, nv, state, {0});\n",
+          vectors[2]);
+    const ir::Scene& scene = code_.scene;
+    int at = 0;
+    const auto given = [&](const std::string& to, int count) {
+      text += fmt::format("      dalembert::take_state<Scalar>(block.given + {}, {}, state, {});\n", at, count, to);
+      at += count;
+    };
+    if (scene.gravity_kind == ir::GravityKind::run_time) given("workspace.gravity_vector", 3);
+    for (const std::string& link : scene.payloads) {
+      const std::string payload = "workspace.payload_" + ir::identifier(link);
+      given("&" + payload + ".mass", 1);
+      given(payload + ".com", 3);
+      given(payload + ".inertia", 6);
+    }
+    for (const ir::ExternalWrench& wrench : scene.wrenches) given("workspace.wrench_" + ir::identifier(wrench.link), 6);
+    text += fmt::format("      {}({}, workspace);\n", function_of(code_).name, arguments_of(code_));
+    for (const BatchArray& a : program_.results()) {
+      // Packed is row by row, and the workspace has columns.
+      if (!is_matrix(a))
+        text += fmt::format("      dalembert::put_state<Scalar>(workspace.{}, {}, state, block.values + {});\n", a.array.name,
+                            a.array.rows, a.first);
+      else
+        text += fmt::format(
+            "      for (int row = 0; row < {1}; ++row)\n"
+            "        for (int column = 0; column < {2}; ++column)\n"
+            "          dalembert::put_state<Scalar>(workspace.{0} + row + {1} * column, 1, state,\n"
+            "                                       block.values + {3} + {2} * row + column);\n",
+            a.array.name, a.array.rows, a.array.columns, a.first);
+    }
+    if (code_.algorithm.guard) text += fmt::format("      block.status[state] = workspace.{}.coordinate;\n", own_name(code_, "status"));
+    return text + "    }\n  }\n";
+  }
+
   std::string fill() const {
     std::string text;
     const auto read = [&](const char* member, const char* count, bool needed) {
@@ -293,12 +354,11 @@ class BatchFunction {
     const auto& checked = program_.checked();
     if (checked.size() < 2) return "";
     std::string text = fmt::format(
-        "    int status[Program::width];\n"
-        "    if (!dalembert::batch_status<nv, Scalar>(block.values + {}, block.values + {}, status)) {{\n",
+        "    if (!dalembert::batch_status<nv, Scalar>(block.values + {}, block.values + {}, block.status)) {{\n",
         checked[0].first, checked[1].first);
     for (const BatchArray& a : program_.results())
       if (a.cleared)
-        text += fmt::format("      dalembert::batch_clear<Scalar>(status, block.values + {}, {});\n", a.first, a.packed.size());
+        text += fmt::format("      dalembert::batch_clear<Scalar>(block.status, block.values + {}, {});\n", a.first, a.packed.size());
     return text + "    }\n";
   }
 
@@ -308,10 +368,10 @@ class BatchFunction {
       text += fmt::format(
           "    dalembert::write_matrix<Scalar>(block.values, {}, batch.matrices, batch.results, at, states, results.{});\n",
           matrix_name(a), a.array.name);
-    if (program_.checked().size() == 2)
+    if (code_.algorithm.guard)
       text +=
           "    if (results.status)\n"
-          "      for (int i = 0; i < states; ++i) results.status[at + static_cast<std::size_t>(i)] = status[i];\n";
+          "      for (int i = 0; i < states; ++i) results.status[at + static_cast<std::size_t>(i)] = block.status[i];\n";
     return text;
   }
 
@@ -319,18 +379,17 @@ class BatchFunction {
     std::string text;
     for (const BatchArray& a : program_.results())
       text += fmt::format(", reinterpret_cast<const Scalar*>(block.values + {})", a.first);
-    return text + (program_.checked().size() == 2 ? ", status" : "");
+    return text + (code_.algorithm.guard ? ", block.status" : "");
   }
 
   const CodeInput& code_;
-  const CodeInput& line_;
   const BatchProgram program_;
 };
 
 std::vector<const CodeInput*> batched(const Folder& folder) {
   std::vector<const CodeInput*> all;
   for (const CodeInput& f : folder.functions)
-    if (f.batch) all.push_back(&f);
+    if (f.scene.batch && is_called(f)) all.push_back(&f);
   return all;
 }
 
@@ -369,6 +428,11 @@ std::vector<OutputFile> batch_files(const Folder& folder, const std::string& ban
   std::size_t bytes = 0;
   for (const CodeInput* f : batched(folder)) {
     const BatchFunction function(*f);
+    if (function.elements() > BatchFunction::most_elements)
+      throw InputError({Severity::error, "", "key 'batch'",
+                        fmt::format("the results of {}() are {} numbers a state, and batches take no more than {}",
+                                    function_of(*f).name, function.elements(), BatchFunction::most_elements),
+                        "call the function state by state, which takes no longer on a robot of that size, or ask for less"});
     declarations += function.header();
     definitions += function.source();
     c_functions += function.c_definitions();

@@ -70,7 +70,7 @@ class SelfTestText {
       text +=
           fmt::format("void (*volatile const {})({}, Workspace&) noexcept = {};\n", own_name(f, "run"),
                       fmt::join(std::vector<std::string>(vectors_of(f).size(), "const Scalar*"), ", "), function_of(f).name);
-      if (f.batch)
+      if (f.scene.batch)
         text += fmt::format(
             "dalembert::BatchError (*volatile const {})(const Batch&, const {}&, std::size_t, std::size_t) noexcept = {}_batch;\n",
             own_name(f, "run_batch"), own_type(f, "BatchResults"), function_of(f).name);
@@ -104,7 +104,7 @@ class SelfTestText {
 
  private:
   bool any_batch() const {
-    return std::any_of(folder_.functions.begin(), folder_.functions.end(), [](const CodeInput& f) { return f.batch; });
+    return code_.scene.batch;
   }
 
   // The same results, of batches of that state alone, in place of those there are.
@@ -118,7 +118,7 @@ class SelfTestText {
       text += "    batch.workspace = &workspace;\n";
     std::vector<std::string> own;
     for (const CodeInput& f : folder_.functions) {
-      if (!f.batch) continue;
+      if (!is_called(f)) continue;
       const std::string results = own_name(f, "results");
       text += fmt::format("    {} {};\n", own_type(f, "BatchResults"), results);
       for (const ir::OutputArray& a : f.program.arrays) {

@@ -15,7 +15,7 @@ namespace dalembert {
 
 class BatchEngine {
  public:
-  // Generates the model's batches with these outputs and compiles them. Throws InputError where a function has none.
+  // Generates the model's batches with these outputs and compiles them.
   BatchEngine(const Model& model, const std::vector<Output>& outputs, const CompilerOptions& options);
 
   // Evaluates all outputs at all states, in one call per function.

@@ -35,6 +35,7 @@ struct BatchBlock {
   alignas(64) V q[at_least_one(nq)], v[at_least_one(nv)], input[at_least_one(more)], given[at_least_one(given_numbers)];
   alignas(64) V angle[at_least_one(angles)], sine[at_least_one(angles)], cosine[at_least_one(angles)];
   alignas(64) V kept[at_least_one(kept_values)], values[elements + 1];
+  int status[batch_width<T>];  // where the function solves equations with M
 };
 
 namespace detail {
@@ -160,6 +161,16 @@ static inline void write_states(const BatchLanes<T>* values, const std::uint16_t
   }
 }
 
+// `count` numbers of one state of a block, and back.
+template <class T>
+static inline void take_state(const BatchLanes<T>* from, int count, int state, T* to) noexcept {
+  for (int i = 0; i < count; ++i) to[i] = lane<batch_width<T>, T>(from[i], state);
+}
+template <class T>
+static inline void put_state(const T* from, int count, int state, BatchLanes<T>* to) noexcept {
+  for (int i = 0; i < count; ++i) reinterpret_cast<T*>(to + i)[state] = from[i];
+}
+
 // Sines and cosines of `count` registers of angles. Of an angle that is large, the library's: of that one, not of others beside it.
 template <class T>
 static inline void batch_sincos(const BatchLanes<T>* angle, int count, BatchLanes<T>* sine, BatchLanes<T>* cosine) noexcept {
@@ -278,19 +289,20 @@ constexpr int batch_strip(std::size_t bytes, int parts) {
 //   fill(block, first state, how many): reads states,
 //   run(blocks, how many): computes the values from them.
 template <class Program, class Take>
-static inline void run_batch(const Program& program, std::size_t first, std::size_t end, const Take& take) noexcept {
-  using Block = typename Program::Block;
-  constexpr std::size_t w = Program::width;
-  Block blocks[Program::strip];
+static inline void run_batch(Program&& program, std::size_t first, std::size_t end, const Take& take) noexcept {
+  using P = std::decay_t<Program>;
+  using Block = typename P::Block;
+  constexpr std::size_t w = P::width;
+  Block blocks[P::strip];
   for (Block& block : blocks) block.values[Block::element_count] = typename Block::V{};
   while (first < end) {
     int count = 0;
-    std::size_t states[Program::strip];
-    for (std::size_t at = first; at < end && count < Program::strip; at += w, ++count) {
+    std::size_t states[P::strip];
+    for (std::size_t at = first; at < end && count < P::strip; at += w, ++count) {
       states[count] = end - at < w ? end - at : w;
       program.fill(blocks[count], at, static_cast<int>(states[count]));
     }
-    Program::run(blocks, count);
+    program.run(blocks, count);
     for (int i = 0; i < count; ++i) {
       take(blocks[i], first, static_cast<int>(states[i]));
       first += states[i];
