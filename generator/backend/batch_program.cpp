@@ -156,7 +156,7 @@ void BatchProgram::cut() {
   long before = 0;
   for (NodeId id = 0; id < graph_.size(); ++id) {
     if (!needed[at(id)]) continue;
-    const int part = static_cast<int>(before * parts_ / std::max(1L, operations_));
+    const int part = std::min(parts_ - 1, static_cast<int>(before * parts_ / std::max(1L, operations_)));
     before += counts(id);
     part_of_[at(id)] = part;
     if (is_free(id)) continue;
