@@ -13,8 +13,8 @@
 namespace dalembert::backend {
 namespace {
 
-using ir::NodeId;
 using ir::no_node;
+using ir::NodeId;
 using ir::Op;
 
 // Of a part: as many as the first-level cache of instructions holds.
@@ -100,7 +100,8 @@ void BatchProgram::place_elements() {
       roots.push_back(id);
     }
     // Pivots before the diagonal.
-    own.cleared = guard && std::find(guard->arrays.begin(), guard->arrays.end(), static_cast<int>(index)) != guard->arrays.end();
+    own.cleared =
+        guard && std::find(guard->arrays.begin(), guard->arrays.end(), static_cast<int>(index)) != guard->arrays.end();
     if (!a.internal) results_.push_back(own);
     if (checked) checked_.insert(static_cast<int>(index) == guard->pivots ? checked_.begin() : checked_.end(), own);
   }

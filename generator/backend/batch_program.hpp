@@ -13,12 +13,12 @@ namespace dalembert::backend {
 // An array of the function's among the values of a block of states.
 struct BatchArray {
   ir::OutputArray array;
-  int first = 0;                                // of its elements' places among the values
-  std::vector<std::pair<int, int>> packed;      // row and column of each; of a symmetric matrix on and below the diagonal
-  bool symmetric = false;                       // by construction: an element and its mirror image are one value
-  std::vector<int> by_columns;                  // place of each element of the whole matrix, column by column; −1: zero
-  bool cleared = false;                         // where M is not positive definite
-  std::vector<int> by_rows() const;             // row by row
+  int first = 0;                            // of its elements' places among the values
+  std::vector<std::pair<int, int>> packed;  // row and column of each; of a symmetric matrix on and below the diagonal
+  bool symmetric = false;                   // by construction: an element and its mirror image are one value
+  std::vector<int> by_columns;              // place of each element of the whole matrix, column by column; −1: zero
+  bool cleared = false;                     // where M is not positive definite
+  std::vector<int> by_rows() const;         // row by row
 };
 
 class BatchProgram {
@@ -60,10 +60,10 @@ class BatchProgram {
   const ir::Graph& graph_;
   std::vector<std::int32_t> uses_;
   std::vector<BatchArray> results_, checked_;
-  std::vector<std::vector<int>> places_;     // per node: among the values
-  std::vector<int> zeros_;                   // of vectors: places of elements that are zero in every state
-  std::map<ir::NodeId, int> angle_index_;    // angle → number
-  std::vector<int> part_of_, slot_of_;       // per node; slot −1: not needed by a later part
+  std::vector<std::vector<int>> places_;   // per node: among the values
+  std::vector<int> zeros_;                 // of vectors: places of elements that are zero in every state
+  std::map<ir::NodeId, int> angle_index_;  // angle → number
+  std::vector<int> part_of_, slot_of_;     // per node; slot −1: not needed by a later part
   int elements_ = 0, kept_ = 0, parts_ = 1;
   long operations_ = 0;
   bool reads_positions_ = false, reads_velocities_ = false, reads_input_ = false;

@@ -427,10 +427,10 @@ std::vector<OutputFile> emit(const Folder& folder) {
   declarations += batch_c_declarations(folder);
   std::transform(guard.begin(), guard.end(), guard.begin(), [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
   files.push_back({"c_api.h", render("c_api.h", {{"banner", top},
-                                     {"guard", guard},
-                                     {"includes", folder.common().scene.batch ? "\n#include <stddef.h>\n" : ""},
-                                     {"name", name},
-                                     {"declarations", declarations}})});
+                                                 {"guard", guard},
+                                                 {"includes", folder.common().scene.batch ? "\n#include <stddef.h>\n" : ""},
+                                                 {"name", name},
+                                                 {"declarations", declarations}})});
   files.push_back({"c_api.cpp", render("c_api.cpp", {{"banner", top}, {"name", name}, {"definitions", definitions}})});
   if (folder.tasks()) {
     files.push_back({"tasks.hpp", tasks_header(folder, top)});

@@ -16,7 +16,8 @@
 namespace dalembert::backend {
 namespace {
 
-// A run-time input of the scene: the member of the workspace, the numbers of it, and the member of a batch that has one per state.
+// A run-time input of the scene: the member of the workspace, the numbers of it, and the member of a batch that has one per
+// state.
 struct Given {
   std::string each, comment;
   int count;
@@ -29,15 +30,17 @@ std::vector<Given> given_inputs(const CodeInput& code) {
   if (scene.gravity_kind == ir::GravityKind::run_time) {
     std::vector<std::string> start;
     for (int i = 0; i < 3; ++i) start.push_back(literal(scene.gravity[i], scene.scalar));
-    all.push_back({"gravity_vectors", "3 numbers each: gravity, m/s^2, world axes", 3,
-                   fmt::format("      const Scalar usual[] = {{{}}};\n"
-                               "      const Scalar* const of_all = batch.workspace ? batch.workspace->gravity_vector : usual;\n",
-                               fmt::join(start, ", "))});
+    all.push_back(
+        {"gravity_vectors", "3 numbers each: gravity, m/s^2, world axes", 3,
+         fmt::format("      const Scalar usual[] = {{{}}};\n"
+                     "      const Scalar* const of_all = batch.workspace ? batch.workspace->gravity_vector : usual;\n",
+                     fmt::join(start, ", "))});
   }
   for (const std::string& link : scene.payloads) {
     const std::string id = ir::identifier(link);
     all.push_back({"payloads_" + id,
-                   fmt::format("10 numbers each: what link {} carries, as a Payload: mass, com, inertia", comment_text(link)), 10,
+                   fmt::format("10 numbers each: what link {} carries, as a Payload: mass, com, inertia", comment_text(link)),
+                   10,
                    fmt::format("      const Payload payload = batch.workspace ? batch.workspace->payload_{} : Payload{{}};\n"
                                "      const Scalar of_all[] = {{payload.mass, payload.com[0], payload.com[1], payload.com[2],\n"
                                "                               payload.inertia[0], payload.inertia[1], payload.inertia[2],\n"
@@ -47,8 +50,8 @@ std::vector<Given> given_inputs(const CodeInput& code) {
   for (const ir::ExternalWrench& wrench : scene.wrenches) {
     const std::string id = ir::identifier(wrench.link);
     all.push_back({"wrenches_" + id,
-                   fmt::format("6 numbers each: on link {}, along {} axes: force, N, and moment, N m", comment_text(wrench.link),
-                               wrench.in_world ? "the world's" : "its"),
+                   fmt::format("6 numbers each: on link {}, along {} axes: force, N, and moment, N m",
+                               comment_text(wrench.link), wrench.in_world ? "the world's" : "its"),
                    6,
                    fmt::format("      const Scalar none[6] = {{}};\n"
                                "      const Scalar* const of_all = batch.workspace ? batch.workspace->wrench_{} : none;\n",
@@ -61,7 +64,8 @@ std::string given_members(const CodeInput& code) {
   const std::vector<Given> all = given_inputs(code);
   if (all.empty()) return "";
   std::string text =
-      "  // Run-time inputs: those of this workspace for all states, or without one what a new workspace has; or, where there is a\n"
+      "  // Run-time inputs: those of this workspace for all states, or without one what a new workspace has; or, where there "
+      "is a\n"
       "  // pointer, one for each state, laid out as states are.\n"
       "  const Workspace* workspace = nullptr;\n";
   for (const Given& g : all) text += fmt::format("  const Scalar* {} = nullptr;  // {}\n", g.each, g.comment);
@@ -84,16 +88,18 @@ class BatchFunction {
       if (is_matrix(a)) packed += packed_table(a);
     }
     if (code_.algorithm.guard) {
-      pointers += "  int* status = nullptr;  // of each state: the coordinate as in FactorStatus, -1 where M is positive definite\n";
+      pointers +=
+          "  int* status = nullptr;  // of each state: the coordinate as in FactorStatus, -1 where M is positive definite\n";
       blocks += "  const int* status;  // without stride\n";
     }
     const ir::EmittedFunction& f = function_of(code_);
-    return render("batch_function.hpp", {{"function", f.name},
-                                         {"type", f.type},
-                                         {"pointers", pointers},
-                                         {"blocks", blocks},
-                                         {"packed", packed},
-                                         {"input", *f.input() ? fmt::format(", `input` being {}: {}", f.input(), f.meaning()) : ""}});
+    return render("batch_function.hpp",
+                  {{"function", f.name},
+                   {"type", f.type},
+                   {"pointers", pointers},
+                   {"blocks", blocks},
+                   {"packed", packed},
+                   {"input", *f.input() ? fmt::format(", `input` being {}: {}", f.input(), f.meaning()) : ""}});
   }
 
   std::string source() const {
@@ -105,31 +111,32 @@ class BatchFunction {
     } else {
       straight(run, definitions);
     }
-    return render("batch_function.cpp",
-                  {{"function", f.name},
-                   {"type", f.type},
-                   {"check", own_name(code_, "check_batch")},
-                   {"how", program_.by_calls()   ? ", called for one after another"
-                           : program_.parts() > 1 ? fmt::format(": {} operations in {} parts", program_.operations(), program_.parts())
-                                                  : fmt::format(": {} operations", program_.operations())},
-                   {"workspace", program_.by_calls() ? "  Workspace workspace;\n" : ""},
-                   {"more_members", program_.by_calls() ? ", {}" : ""},
-                   {"run_is", program_.by_calls() ? "" : "static "},
-                   {"more", *f.input() ? "nv" : "0"},
-                   {"given", std::to_string(given_count(code_))},
-                   {"angles", std::to_string(program_.angles())},
-                   {"kept", std::to_string(program_.kept())},
-                   {"elements", std::to_string(program_.elements())},
-                   {"parts", std::to_string(program_.parts())},
-                   {"widest", std::to_string(widest())},
-                   {"fill", fill()},
-                   {"run", run},
-                   {"definitions", definitions},
-                   {"tables", tables()},
-                   {"checks", checks()},
-                   {"finish", finish()},
-                   {"write", write()},
-                   {"block", block()}});
+    return render(
+        "batch_function.cpp",
+        {{"function", f.name},
+         {"type", f.type},
+         {"check", own_name(code_, "check_batch")},
+         {"how", program_.by_calls()    ? ", called for one after another"
+                 : program_.parts() > 1 ? fmt::format(": {} operations in {} parts", program_.operations(), program_.parts())
+                                        : fmt::format(": {} operations", program_.operations())},
+         {"workspace", program_.by_calls() ? "  Workspace workspace;\n" : ""},
+         {"more_members", program_.by_calls() ? ", {}" : ""},
+         {"run_is", program_.by_calls() ? "" : "static "},
+         {"more", *f.input() ? "nv" : "0"},
+         {"given", std::to_string(given_count(code_))},
+         {"angles", std::to_string(program_.angles())},
+         {"kept", std::to_string(program_.kept())},
+         {"elements", std::to_string(program_.elements())},
+         {"parts", std::to_string(program_.parts())},
+         {"widest", std::to_string(widest())},
+         {"fill", fill()},
+         {"run", run},
+         {"definitions", definitions},
+         {"tables", tables()},
+         {"checks", checks()},
+         {"finish", finish()},
+         {"write", write()},
+         {"block", block()}});
   }
 
   // Whether a table of places can hold them, and a stack the registers.
@@ -145,7 +152,8 @@ class BatchFunction {
     return fmt::format(
         "// What is computed of each state, one after another: NULL where it is not wanted.\n"
         "typedef struct {0}_{1}_batch_results {{\n{2}}} {0}_{1}_batch_results;\n\n"
-        "// {0}_{1}() at n states. q: n times {0}_nq() numbers, v: n times {0}_nv(){3}. status, which may be NULL{4}. options may be\n"
+        "// {0}_{1}() at n states. q: n times {0}_nq() numbers, v: n times {0}_nv(){3}. status, which may be NULL{4}. options "
+        "may be\n"
         "// NULL. 0, or what is wrong: see {0}_batch_error().\n"
         "int {0}_batch_{1}(const {5}* q, const {5}* v, const {5}* input, size_t n, const {0}_{1}_batch_results* results,\n"
         "    int* status, const {0}_batch_options* options);\n\n",
@@ -221,8 +229,8 @@ class BatchFunction {
 
   static std::string part(const std::string& name, const std::string& statements) {
     const bool used = statements.find("block.") != std::string::npos;
-    return fmt::format("  DALEMBERT_STRAIGHT_LINE __attribute__((noinline)) static void {}(Block& {}) noexcept {{\n{}  }}\n", name,
-                       used ? "block" : "", statements);
+    return fmt::format("  DALEMBERT_STRAIGHT_LINE __attribute__((noinline)) static void {}(Block& {}) noexcept {{\n{}  }}\n",
+                       name, used ? "block" : "", statements);
   }
 
   void straight(std::string& run, std::string& definitions) const {
@@ -283,7 +291,8 @@ class BatchFunction {
             "                                       block.values + {3} + {2} * row + column);\n",
             a.array.name, a.array.rows, a.array.columns, a.first);
     }
-    if (code_.algorithm.guard) text += fmt::format("      block.status[state] = workspace.{}.coordinate;\n", own_name(code_, "status"));
+    if (code_.algorithm.guard)
+      text += fmt::format("      block.status[state] = workspace.{}.coordinate;\n", own_name(code_, "status"));
     return text + "    }\n  }\n";
   }
 
@@ -291,8 +300,8 @@ class BatchFunction {
     std::string text;
     const auto read = [&](const char* member, const char* count, bool needed) {
       if (needed)
-        text += fmt::format("    dalembert::read_states<{1}, Scalar>(batch.{0}, batch.states, first, states, block.{0});\n", member,
-                            count);
+        text += fmt::format("    dalembert::read_states<{1}, Scalar>(batch.{0}, batch.states, first, states, block.{0});\n",
+                            member, count);
     };
     read("q", "nq", program_.reads_positions());
     read("v", "nv", program_.reads_velocities());
@@ -300,7 +309,8 @@ class BatchFunction {
     int at = 0;
     for (const Given& g : given_inputs(code_)) {
       text += fmt::format(
-          "    {{\n{}      dalembert::read_given<{}, Scalar>(batch.{}, of_all, batch.states, first, states, block.given + {});\n"
+          "    {{\n{}      dalembert::read_given<{}, Scalar>(batch.{}, of_all, batch.states, first, states, block.given + "
+          "{});\n"
           "    }}\n",
           g.of_all, g.count, g.each, at);
       at += g.count;
@@ -311,8 +321,7 @@ class BatchFunction {
   std::string checks() const {
     std::string text;
     const auto check = [&](const char* member, bool needed) {
-      if (needed)
-        text += fmt::format("  if (batch.count > 0 && !batch.{0}) return dalembert::BatchError::{0};\n", member);
+      if (needed) text += fmt::format("  if (batch.count > 0 && !batch.{0}) return dalembert::BatchError::{0};\n", member);
     };
     check("q", program_.reads_positions());
     check("v", program_.reads_velocities());
@@ -343,8 +352,8 @@ class BatchFunction {
         by_rows = by_columns = table(matrix_name(a) + "_by_rows", a.by_rows());
         if (!a.symmetric) by_columns = table(matrix_name(a) + "_by_columns", a.by_columns);
       }
-      text += fmt::format("constexpr dalembert::BatchMatrix {}{{{}, {}, {}, {}, {}}};\n", matrix_name(a), a.first, a.packed.size(),
-                          whole, by_rows, by_columns);
+      text += fmt::format("constexpr dalembert::BatchMatrix {}{{{}, {}, {}, {}, {}}};\n", matrix_name(a), a.first,
+                          a.packed.size(), whole, by_rows, by_columns);
     }
     return text;
   }
@@ -353,12 +362,13 @@ class BatchFunction {
   std::string finish() const {
     const auto& checked = program_.checked();
     if (checked.size() < 2) return "";
-    std::string text = fmt::format(
-        "    if (!dalembert::batch_status<nv, Scalar>(block.values + {}, block.values + {}, block.status)) {{\n",
-        checked[0].first, checked[1].first);
+    std::string text =
+        fmt::format("    if (!dalembert::batch_status<nv, Scalar>(block.values + {}, block.values + {}, block.status)) {{\n",
+                    checked[0].first, checked[1].first);
     for (const BatchArray& a : program_.results())
       if (a.cleared)
-        text += fmt::format("      dalembert::batch_clear<Scalar>(block.status, block.values + {}, {});\n", a.first, a.packed.size());
+        text += fmt::format("      dalembert::batch_clear<Scalar>(block.status, block.values + {}, {});\n", a.first,
+                            a.packed.size());
     return text + "    }\n";
   }
 
@@ -402,12 +412,13 @@ std::string batch_c_declarations(const Folder& folder) {
   std::string given;
   for (const Given& g : given_inputs(code)) given += fmt::format("  const {}* {};  // {}\n", s, g.each, g.comment);
   if (!given.empty())
-    given = fmt::format(
-                "  // Run-time inputs: those of the workspace for all states, NULL: those of a new one; or, where they are not\n"
-                "  // NULL, one per state.\n"
-                "  const {}_workspace* workspace;\n",
-                n) +
-            given;
+    given =
+        fmt::format(
+            "  // Run-time inputs: those of the workspace for all states, NULL: those of a new one; or, where they are not\n"
+            "  // NULL, one per state.\n"
+            "  const {}_workspace* workspace;\n",
+            n) +
+        given;
   std::string text = fmt::format(
       "// Many states at once. Numbers of states and results stand one after another, unless options say otherwise.\n"
       "typedef struct {0}_batch_options {{\n"
@@ -444,10 +455,9 @@ std::vector<OutputFile> batch_files(const Folder& folder, const std::string& ban
                                              {"stack", std::to_string(bytes / 1024 + 4)},
                                              {"given", given_members(code)},
                                              {"functions", declarations}})},
-          {"batch.cpp", render("batch.cpp", {{"banner", banner},
-                                             {"name", code.name},
-                                             {"functions", definitions},
-                                             {"c_functions", c_functions}})},
+          {"batch.cpp",
+           render("batch.cpp",
+                  {{"banner", banner}, {"name", code.name}, {"functions", definitions}, {"c_functions", c_functions}})},
           {"batch_tasks.hpp", render("batch_tasks.hpp", {{"banner", banner}, {"name", code.name}, {"functions", tasks}})}};
 }
 

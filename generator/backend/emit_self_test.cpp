@@ -72,7 +72,8 @@ class SelfTestText {
                       fmt::join(std::vector<std::string>(vectors_of(f).size(), "const Scalar*"), ", "), function_of(f).name);
       if (f.scene.batch)
         text += fmt::format(
-            "dalembert::BatchError (*volatile const {})(const Batch&, const {}&, std::size_t, std::size_t) noexcept = {}_batch;\n",
+            "dalembert::BatchError (*volatile const {})(const Batch&, const {}&, std::size_t, std::size_t) noexcept = "
+            "{}_batch;\n",
             own_name(f, "run_batch"), own_type(f, "BatchResults"), function_of(f).name);
     }
     return text;
@@ -103,14 +104,13 @@ class SelfTestText {
   std::string includes() const { return any_batch() ? "#include \"batch.hpp\"\n" : ""; }
 
  private:
-  bool any_batch() const {
-    return code_.scene.batch;
-  }
+  bool any_batch() const { return code_.scene.batch; }
 
   // The same results, of batches of that state alone, in place of those there are.
   std::string batches(size_t s) const {
     if (!any_batch()) return "";
-    std::string text = "  {\n    Batch batch;\n    batch.count = 1;\n    batch.matrices = dalembert::MatrixLayout::by_columns;\n";
+    std::string text =
+        "  {\n    Batch batch;\n    batch.count = 1;\n    batch.matrices = dalembert::MatrixLayout::by_columns;\n";
     text += fmt::format("    batch.q = q_{0};\n    batch.v = v_{0};\n", s);
     if (takes_more()) text += fmt::format("    batch.input = input_{};\n", s);
     const ir::Scene& scene = code_.scene;
@@ -123,7 +123,8 @@ class SelfTestText {
       text += fmt::format("    {} {};\n", own_type(f, "BatchResults"), results);
       for (const ir::OutputArray& a : f.program.arrays) {
         if (a.internal) continue;
-        text += fmt::format("    for (Scalar& x : workspace.{0}) x = Scalar(-1);\n    {1}.{0} = workspace.{0};\n", a.name, results);
+        text +=
+            fmt::format("    for (Scalar& x : workspace.{0}) x = Scalar(-1);\n    {1}.{0} = workspace.{0};\n", a.name, results);
         own.push_back(a.name);
       }
       text += fmt::format("    (void){}(batch, {}, 0, 1);\n", own_name(f, "run_batch"), results);

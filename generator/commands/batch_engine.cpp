@@ -82,10 +82,11 @@ void BatchEngine::run(const Columns& columns) {
       pointers.push_back(call.results[o].data());
     }
     call.status.resize(columns.count);
-    using Function = int(const void* q, const void* v, const void* more, size_t n, void* const* results, int* status,
-                         const void* options);
-    const int error = reinterpret_cast<Function*>(call.address)(columns.q.data(), columns.v.data(), columns.more.data(),
-                                                                columns.count, pointers.data(), call.status.data(), options.data());
+    using Function =
+        int(const void* q, const void* v, const void* more, size_t n, void* const* results, int* status, const void* options);
+    const int error =
+        reinterpret_cast<Function*>(call.address)(columns.q.data(), columns.v.data(), columns.more.data(), columns.count,
+                                                  pointers.data(), call.status.data(), options.data());
     if (error != 0) throw std::runtime_error(call.function + ": " + describe(static_cast<BatchError>(error)));
   }
 }

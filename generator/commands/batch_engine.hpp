@@ -21,8 +21,8 @@ class BatchEngine {
   // Evaluates all outputs at all states, in one call per function.
   void evaluate(const std::vector<State>& states);
 
-  // An output at one of the states last evaluated, rows × columns; and what its function reported of it: the coordinate at which M
-  // is not positive definite, −1 where it is.
+  // An output at one of the states last evaluated, rows × columns; and what its function reported of it: the coordinate at
+  // which M is not positive definite, −1 where it is.
   Eigen::MatrixXd result(const Output& output, size_t state) const;
   int status(const Output& output, size_t state) const;
 

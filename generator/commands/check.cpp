@@ -122,8 +122,8 @@ CheckReport check(const Model& model, const CompilerOptions& options) {
   if (model.scene.batch) {
     BatchEngine batch(model, outputs, options);
     batch.evaluate(states);
-    report.text += fmt::format("  {:<34}{:>16}{:>16}{:>16}{:>14.0f}\n", "as a batch, per state", "", "", "",
-                               batch.time_per_state(states));
+    report.text +=
+        fmt::format("  {:<34}{:>16}{:>16}{:>16}{:>14.0f}\n", "as a batch, per state", "", "", "", batch.time_per_state(states));
     for (size_t i = 0; i < outputs.size(); ++i)
       compare_results([&](size_t s) { return batch.result(outputs[i], s); }, outputs[i], expected[i], "");
   }

@@ -109,7 +109,8 @@ void add_eval(Command& command) {
                   "the quantity to print, of a link QUANTITY_LINK, of a function of the scene FUNCTION_QUANTITY")
       ->required()
       ->type_name("QUANTITY");
-  command.parser.add_option("--engine", options->engine, "who computes; default generated, which as batch needs a C++ compiler")
+  command.parser
+      .add_option("--engine", options->engine, "who computes; default generated, which as batch needs a C++ compiler")
       ->check(CLI::IsMember({"generic", "generated", "batch"}))
       ->type_name("generic|generated|batch");
   const auto compiler = add_compiler_options(command.parser);

@@ -63,9 +63,10 @@ constexpr const char* of_the_folder[] = {"Scalar",
                                          "input_1",
                                          "input_2"};
 // What a function may have of its own, besides its results.
-constexpr const char* own[] = {"kept",     "status",         "stages",     "run",       "run_batch", "results",  "inverse", "factor",          "pivots",
-                               "diagonal", "padded_inverse", "efforts_dq", "efforts_dv", "mass",    "unscaled_factor", "solve",
-                               "batch",    "batch_tasks",    "batch_blocks", "batch_results", "check_batch"};
+constexpr const char* own[] = {"kept",         "status",        "stages",          "run",      "run_batch",      "results",
+                               "inverse",      "factor",        "pivots",          "diagonal", "padded_inverse", "efforts_dq",
+                               "efforts_dv",   "mass",          "unscaled_factor", "solve",    "batch",          "batch_tasks",
+                               "batch_blocks", "batch_results", "check_batch"};
 // What one in two halves has besides.
 constexpr const char* of_halves[] = {"accelerations",          "derivatives",
                                      "derivatives_kept",       "derivatives_stages",

@@ -3,8 +3,8 @@
 //     build/release/bin/benchmark_batch --benchmark_enable_random_interleaving=true --benchmark_repetitions=9
 //
 // batch_rows: states and results row by row, M and C packed; batch_lanes: the same in lanes; batch_blocks: results handed on
-// block by block; single: a call per state, whose results stay in the workspace; batch_tasks: rows, on all threads of oneTBB, by
-// the clock on the wall. Results are compared before anything is timed.
+// block by block; single: a call per state, whose results stay in the workspace; batch_tasks: rows, on all threads of oneTBB,
+// by the clock on the wall. Results are compared before anything is timed.
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 

@@ -1,9 +1,9 @@
 // Batches, inside: a function's straight program runs on registers whose lanes are states.
 //
-// Nothing in it depends on what stands in the other lanes, so that a state's results are the same bits wherever it stands. States
-// are taken in blocks of one register, blocks in strips: where a program is cut into parts, each part runs over a strip before the
-// next one does, so that its instructions are fetched once for all of them. Rows become lanes, and lanes rows, by transposing in
-// registers; a block that is not full repeats its last state, and what it computes for the others is not stored.
+// Nothing in it depends on what stands in the other lanes, so that a state's results are the same bits wherever it stands.
+// States are taken in blocks of one register, blocks in strips: where a program is cut into parts, each part runs over a strip
+// before the next one does, so that its instructions are fetched once for all of them. Rows become lanes, and lanes rows, by
+// transposing in registers; a block that is not full repeats its last state, and what it computes for the others is not stored.
 #pragma once
 
 #include <cmath>
@@ -20,13 +20,13 @@ namespace dalembert {
 
 // States that are computed together.
 template <class T>
-inline constexpr int batch_width = native_lanes * static_cast<int>(sizeof(double) / sizeof(T));
+inline constexpr int batch_width = native_lanes* static_cast<int>(sizeof(double) / sizeof(T));
 
 template <class T>
 using BatchLanes = Lanes<T, batch_width<T>>;
 
-// What is known of a block of states: `kept` is what one part of the program leaves to later ones, `values` the results' elements,
-// and a zero behind them.
+// What is known of a block of states: `kept` is what one part of the program leaves to later ones, `values` the results'
+// elements, and a zero behind them.
 template <class T, int nq, int nv, int more, int given_numbers, int angles, int kept_values, int elements>
 struct BatchBlock {
   using V = BatchLanes<T>;
@@ -108,8 +108,7 @@ static inline void read_states(const T* from, BatchLayout layout, std::size_t fi
   const T* const row = from + first * count;
   if (states == w) return detail::read_rows<count>(row, to);
   T padded_rows[w * count];
-  for (int j = 0; j < w; ++j)
-    std::memcpy(padded_rows + j * count, row + least(j, states - 1) * count, sizeof(T) * count);
+  for (int j = 0; j < w; ++j) std::memcpy(padded_rows + j * count, row + least(j, states - 1) * count, sizeof(T) * count);
   detail::read_rows<count>(padded_rows, to);
 }
 
@@ -171,7 +170,8 @@ static inline void put_state(const T* from, int count, int state, BatchLanes<T>*
   for (int i = 0; i < count; ++i) reinterpret_cast<T*>(to + i)[state] = from[i];
 }
 
-// Sines and cosines of `count` registers of angles. Of an angle that is large, the library's: of that one, not of others beside it.
+// Sines and cosines of `count` registers of angles. Of an angle that is large, the library's: of that one, not of others beside
+// it.
 template <class T>
 static inline void batch_sincos(const BatchLanes<T>* angle, int count, BatchLanes<T>* sine, BatchLanes<T>* cosine) noexcept {
   constexpr int w = native_lanes < 2 ? 2 : native_lanes;
@@ -214,8 +214,8 @@ static inline void batch_sincos(const BatchLanes<T>* angle, int count, BatchLane
   }
 }
 
-// A matrix, or without `by_rows` and `by_columns` a vector, whose elements stand at values + first, `packed` of them; the tables
-// say where among all values the elements of the whole matrix stand, `whole` of them.
+// A matrix, or without `by_rows` and `by_columns` a vector, whose elements stand at values + first, `packed` of them; the
+// tables say where among all values the elements of the whole matrix stand, `whole` of them.
 struct BatchMatrix {
   int first, packed, whole;
   const std::uint16_t *by_rows, *by_columns;
@@ -284,8 +284,8 @@ constexpr int batch_strip(std::size_t bytes, int parts) {
   return parts == 1 ? 1 : static_cast<int>(blocks);
 }
 
-// Calls take(block, first state, how many) for the states from `first` up to `end`. Program: a function's, with a Block, how many
-// of them are a strip (`strip`), and functions
+// Calls take(block, first state, how many) for the states from `first` up to `end`. Program: a function's, with a Block, how
+// many of them are a strip (`strip`), and functions
 //   fill(block, first state, how many): reads states,
 //   run(blocks, how many): computes the values from them.
 template <class Program, class Take>

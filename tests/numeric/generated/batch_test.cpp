@@ -1,5 +1,5 @@
-// Generated batches: the results of single calls, for batches of any size, of arrays anywhere in memory, in every layout; the same
-// bits wherever a state stands; nothing read or written beyond the last state.
+// Generated batches: the results of single calls, for batches of any size, of arrays anywhere in memory, in every layout; the
+// same bits wherever a state stands; nothing read or written beyond the last state.
 #include <gtest/gtest.h>
 #include <sys/mman.h>
 #include <tbb/global_control.h>
@@ -98,7 +98,8 @@ class Batches : public testing::Test {
 
   static States one(const States& all, std::size_t s) {
     const auto part = [s](const std::vector<T>& of, std::size_t k) {
-      return std::vector<T>(of.begin() + static_cast<std::ptrdiff_t>(s * k), of.begin() + static_cast<std::ptrdiff_t>((s + 1) * k));
+      return std::vector<T>(of.begin() + static_cast<std::ptrdiff_t>(s * k),
+                            of.begin() + static_cast<std::ptrdiff_t>((s + 1) * k));
     };
     States state;
     state.count = 1;
@@ -259,21 +260,21 @@ TYPED_TEST(Batches, PartsAndThreadsGiveTheSameBits) {
   const auto states = this->some_states(1000);
   const auto expected = this->results(states);
   for (const BatchLayout layout : {BatchLayout::rows, BatchLayout::lanes}) {
-    this->expect_same_bits(this->results(states, layout, layout, MatrixLayout::by_rows,
-                                         [](const auto& batch, const auto& to) {
-                                           for (const std::size_t first : {496, 0, 16})
-                                             if (TypeParam::batch(batch, to, first, first == 496 ? 504 : first == 0 ? 16 : 480) !=
-                                                 BatchError::none)
-                                               return BatchError::range;
-                                           return BatchError::none;
-                                         }),
-                           expected, "parts");
+    this->expect_same_bits(
+        this->results(
+            states, layout, layout, MatrixLayout::by_rows,
+            [](const auto& batch, const auto& to) {
+              for (const std::size_t first : {496, 0, 16})
+                if (TypeParam::batch(batch, to, first, first == 496 ? 504 : first == 0 ? 16 : 480) != BatchError::none)
+                  return BatchError::range;
+              return BatchError::none;
+            }),
+        expected, "parts");
     for (const std::size_t threads : {1, 2, 4}) {
       const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-      this->expect_same_bits(
-          this->results(states, layout, layout, MatrixLayout::by_rows,
-                        [](const auto& batch, const auto& to) { return TypeParam::tasks(batch, to); }),
-          expected, "threads");
+      this->expect_same_bits(this->results(states, layout, layout, MatrixLayout::by_rows,
+                                           [](const auto& batch, const auto& to) { return TypeParam::tasks(batch, to); }),
+                             expected, "threads");
     }
   }
 }
@@ -298,11 +299,12 @@ TYPED_TEST(Batches, AreHandedOnBlockByBlock) {
           const auto pointers = TypeParam::pointers(block);
           const auto outs = TypeParam::outputs();
           for (std::size_t o = 0; o < outs.size(); ++o) {
-            const int rows = TypeParam::nv, columns = outs[o].size / rows, size = outs[o].packed ? outs[o].packed_size : outs[o].size;
+            const int rows = TypeParam::nv, columns = outs[o].size / rows,
+                      size = outs[o].packed ? outs[o].packed_size : outs[o].size;
             for (int s = 0; s < block.count; ++s)
               for (int i = 0; i < size; ++i) {
-                T* const of_state =
-                    into.results[o].data() + (block.first + static_cast<std::size_t>(s)) * static_cast<std::size_t>(outs[o].size);
+                T* const of_state = into.results[o].data() +
+                                    (block.first + static_cast<std::size_t>(s)) * static_cast<std::size_t>(outs[o].size);
                 const T x = pointers[o][i * block.stride + s];
                 const dalembert::MatrixPlace place = outs[o].packed ? outs[o].packed[i] : dalembert::MatrixPlace{i, 0};
                 of_state[place.row * columns + place.column] = x;
@@ -413,7 +415,8 @@ TEST(BatchesInC, AreThoseOfCpp) {
   int status[2] = {7, 7};
   batch_singular_together_batch_results results = {};
   results.together_forward_dynamics = dv;
-  EXPECT_EQ(batch_singular_batch_together(q, zeros, nullptr, 2, &results, status, nullptr), static_cast<int>(BatchError::input));
+  EXPECT_EQ(batch_singular_batch_together(q, zeros, nullptr, 2, &results, status, nullptr),
+            static_cast<int>(BatchError::input));
   EXPECT_EQ(status[0], 7);
   double q_twice[2 * Robot::nq];
   for (int i = 0; i < 2 * Robot::nq; ++i) q_twice[i] = q[i % Robot::nq];
