@@ -1,4 +1,4 @@
-# dalembert_add_robot(TARGET URDF file [SCENE file] [NAME name] [TASKS] [NATIVE] [NO_SELF_TEST] [OPTIONS option...])
+# dalembert_add_robot(TARGET URDF file [SCENE file] [NAME name] [TASKS] [BATCH] [NATIVE] [NO_SELF_TEST] [OPTIONS option...])
 #
 # Adds the static library TARGET: the dynamics of one robot in one use, generated while building and again whenever the URDF, the
 # scene or the generator changes (and compiled again only when the generated code itself does). Link it like any other library:
@@ -10,6 +10,8 @@
 #
 #   NAME     folder, namespace and C prefix of the code; TARGET if not given. Two robots in one program need two names.
 #   TASKS    emit the oneTBB task graph as well (NAME/tasks.hpp). The only case in which oneTBB is needed.
+#   BATCH    emit functions of many states at once as well (NAME/batch.hpp; NAME/batch_tasks.hpp, for which a program that includes
+#            it links oneTBB). Without it the scene's key `batch` is taken to be false.
 #   NATIVE   optimise the code for the processor that compiles it, whatever the build type: -O3 -march=native. With AVX and FMA
 #            it is two to four times as fast as plain x86-64 code (MAHRU, g++ 12); it runs on no older processor. The interface
 #            to it stays the same.
@@ -27,7 +29,7 @@ include(CheckCXXCompilerFlag)
 include("${CMAKE_CURRENT_LIST_DIR}/dalembert_check_compiler.cmake")
 
 function(dalembert_add_robot target)
-  cmake_parse_arguments(PARSE_ARGV 1 ARG "TASKS;NATIVE;NO_SELF_TEST" "URDF;SCENE;NAME" "OPTIONS")
+  cmake_parse_arguments(PARSE_ARGV 1 ARG "TASKS;BATCH;NATIVE;NO_SELF_TEST" "URDF;SCENE;NAME" "OPTIONS")
   if(ARG_UNPARSED_ARGUMENTS)
     message(FATAL_ERROR "dalembert_add_robot(${target}): unknown argument '${ARG_UNPARSED_ARGUMENTS}'; "
                         "options of the generator go behind OPTIONS")
@@ -74,6 +76,12 @@ function(dalembert_add_robot target)
     list(APPEND command --parallel tasks)
   else()
     list(APPEND command --parallel serial)
+  endif()
+  if(ARG_BATCH)
+    list(APPEND files batch.hpp batch.cpp batch_tasks.hpp)
+    list(APPEND command --batch true)
+  else()
+    list(APPEND command --batch false)
   endif()
   list(TRANSFORM files PREPEND "${output_dir}/")
 

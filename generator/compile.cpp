@@ -30,6 +30,10 @@ backend::Folder folder(const Model& model, const Lowered& lowered) {
   };
   for (const LoweredFunction& f : lowered.functions) {
     folder.functions.push_back(input(f));
+    if (!f.batch.empty()) {
+      folder.elsewhere.push_back(input(f.batch.front()));
+      folder.functions.back().batch = &folder.elsewhere.back();
+    }
     if (f.elsewhere.empty()) continue;
     folder.elsewhere.push_back(input(f.elsewhere.front()));
     folder.functions.back().elsewhere = &folder.elsewhere.back();

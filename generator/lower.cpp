@@ -55,6 +55,7 @@ class Lowering {
     std::vector<LoweredFunction> chosen = std::move(ways.front().halves);
     for (const Way& way : ways) chosen.front().candidates.push_back(way.candidate);
     if (chosen.size() == 1 && !chosen.front().plan.tasks && !planned_.form) add_other_form(ways, chosen.front());
+    if (model_.scene.batch && chosen.size() == 1) add_batch(chosen.front());
     return chosen;
   }
 
@@ -80,6 +81,37 @@ class Lowering {
       if (other->candidate.nanoseconds[width] < first.nanoseconds[width])
         chosen.elsewhere_lanes.push_back(backend::register_widths[width]);
     chosen.elsewhere.push_back(std::move(other->halves.front()));
+  }
+
+  // Longer lines take a compiler minutes, and steps with whole matrices take a loop's time from there on.
+  void add_batch(LoweredFunction& chosen) const {
+    constexpr long most_operations = 150000;
+    const auto operations = [](const ir::Program& program) {
+      return ir::count(program.graph, ir::uses(program.graph, program.roots())).total();
+    };
+    // What contacts are solved by is no line of operations.
+    if (operations(chosen.program) > most_operations || !model_.scene.contacts.empty()) return;
+    LoweredFunction line = straight_line();
+    if (operations(line.program) <= most_operations) chosen.batch.push_back(std::move(line));
+  }
+
+  // For batches: the way of the fewest operations, a division being several.
+  LoweredFunction straight_line() const {
+    constexpr long division = 6;
+    LoweredFunction cheapest;
+    long least = 0;
+    for (const ir::Solver solver : passes::solvers(function_, model_.tree, model_.scene)) {
+      LoweredFunction f = std::move(described(solver).front());
+      f.program = unrolled(f.algorithm, model_.tree.joints() < 200).take_program();
+      f.plan.form = ir::Form::straight;
+      passes::write_out_steps(f.algorithm, f.program, ir::coordinate_tree(model_.tree), true);
+      const ir::Operations o = ir::count(f.program.graph, ir::uses(f.program.graph, f.program.roots()));
+      const long cost = o.add + o.multiply + division * o.divide;
+      if (least > 0 && cost >= least) continue;
+      least = cost;
+      cheapest = std::move(f);
+    }
+    return cheapest;
   }
 
   std::vector<LoweredFunction> described(ir::Solver solver) const {

@@ -32,6 +32,8 @@ struct LoweredFunction {
   // The same function in the other form, where that is worth its text on registers of some widths; those widths.
   std::vector<LoweredFunction> elsewhere;
   std::vector<int> elsewhere_lanes;
+  // Where the scene asks for batches: the whole function as a straight line. Empty: it is called state by state.
+  std::vector<LoweredFunction> batch;
 };
 // A model on its way to text.
 struct Lowered {

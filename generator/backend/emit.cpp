@@ -8,6 +8,7 @@
 #include <set>
 
 #include "backend/code_text.hpp"
+#include "backend/emit_batch.hpp"
 #include "backend/emit_rolled.hpp"
 #include "backend/emit_self_test.hpp"
 #include "backend/emit_straight.hpp"
@@ -490,14 +491,19 @@ std::vector<OutputFile> emit(const Folder& folder) {
   std::vector<OutputFile> files{header(folder), {"dynamics.cpp", source(folder, top)}};
   std::string declarations, definitions, guard = name + "_C_API_H";
   c_functions(folder, declarations, definitions);
+  declarations += batch_c_declarations(folder);
   std::transform(guard.begin(), guard.end(), guard.begin(), [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
-  files.push_back(
-      {"c_api.h", render("c_api.h", {{"banner", top}, {"guard", guard}, {"name", name}, {"declarations", declarations}})});
+  files.push_back({"c_api.h", render("c_api.h", {{"banner", top},
+                                                 {"guard", guard},
+                                                 {"includes", folder.common().scene.batch ? "\n#include <stddef.h>\n" : ""},
+                                                 {"name", name},
+                                                 {"declarations", declarations}})});
   files.push_back({"c_api.cpp", render("c_api.cpp", {{"banner", top}, {"name", name}, {"definitions", definitions}})});
   if (folder.tasks()) {
     files.push_back({"tasks.hpp", tasks_header(folder, top)});
     files.push_back({"tasks.cpp", tasks_source(folder, top)});
   }
+  for (OutputFile& file : batch_files(folder, top)) files.push_back(std::move(file));
   if (folder.self_test)
     for (OutputFile& file : self_test_files(folder, *folder.self_test, top)) files.push_back(std::move(file));
   return files;

@@ -31,6 +31,8 @@ struct CodeInput {
   // The same function in the other form, for registers of some widths; null: this form is for all.
   const CodeInput* elsewhere = nullptr;
   std::vector<int> elsewhere_lanes{};
+  // For batches: the whole function as a straight line; null where there is none.
+  const CodeInput* batch = nullptr;
 
   bool is_rolled() const { return plan.form == ir::Form::rolled; }
   // Of the two, the one that is rolled, or null.
@@ -42,7 +44,7 @@ struct CodeInput {
 // A robot's folder.
 struct Folder {
   std::vector<CodeInput> functions;  // at least one; of one robot, scene and name; each half of one by itself
-  std::deque<CodeInput> elsewhere;   // those that functions point to
+  std::deque<CodeInput> elsewhere;   // those that functions point to, as `elsewhere` or `batch`
   std::string source;                // the URDF's file name, without folders
   std::string source_hash;
   std::string command_line;         // that remakes the files

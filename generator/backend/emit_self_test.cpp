@@ -70,6 +70,11 @@ class SelfTestText {
       text +=
           fmt::format("void (*volatile const {})({}, Workspace&) noexcept = {};\n", own_name(f, "run"),
                       fmt::join(std::vector<std::string>(vectors_of(f).size(), "const Scalar*"), ", "), function_of(f).name);
+      if (f.scene.batch)
+        text += fmt::format(
+            "dalembert::BatchError (*volatile const {})(const Batch&, const {}&, std::size_t, std::size_t) noexcept = "
+            "{}_batch;\n",
+            own_name(f, "run_batch"), own_type(f, "BatchResults"), function_of(f).name);
     }
     return text;
   }
@@ -83,6 +88,7 @@ class SelfTestText {
                               vectors_of(f).size() > 2 ? fmt::format(", input_{}", s) : "");
       for (const ir::Expectation& e : test_.expectations)
         if (e.state == static_cast<int>(s)) text += comparison(e);
+      text += batches(s);
     }
     return text;
   }
@@ -95,7 +101,41 @@ class SelfTestText {
     return text;
   }
 
+  std::string includes() const { return any_batch() ? "#include \"batch.hpp\"\n" : ""; }
+
  private:
+  bool any_batch() const { return code_.scene.batch; }
+
+  // The same results, of batches of that state alone, in place of those there are.
+  std::string batches(size_t s) const {
+    if (!any_batch()) return "";
+    std::string text =
+        "  {\n    Batch batch;\n    batch.count = 1;\n    batch.matrices = dalembert::MatrixLayout::by_columns;\n";
+    text += fmt::format("    batch.q = q_{0};\n    batch.v = v_{0};\n", s);
+    if (takes_more()) text += fmt::format("    batch.input = input_{};\n", s);
+    const ir::Scene& scene = code_.scene;
+    if (scene.gravity_kind == ir::GravityKind::run_time || !scene.payloads.empty() || !scene.wrenches.empty())
+      text += "    batch.workspace = &workspace;\n";
+    std::vector<std::string> own;
+    for (const CodeInput& f : folder_.functions) {
+      if (!is_called(f)) continue;
+      const std::string results = own_name(f, "results");
+      text += fmt::format("    {} {};\n", own_type(f, "BatchResults"), results);
+      for (const ir::OutputArray& a : f.program.arrays) {
+        if (a.internal) continue;
+        text +=
+            fmt::format("    for (Scalar& x : workspace.{0}) x = Scalar(-1);\n    {1}.{0} = workspace.{0};\n", a.name, results);
+        own.push_back(a.name);
+      }
+      text += fmt::format("    (void){}(batch, {}, 0, 1);\n", own_name(f, "run_batch"), results);
+    }
+    text += "  }\n";
+    for (const ir::Expectation& e : test_.expectations)
+      if (e.state == static_cast<int>(s) && std::find(own.begin(), own.end(), array(e.array).name) != own.end())
+        text += comparison(e);
+    return text;
+  }
+
   const ir::OutputArray& array(int index) const { return arrays_[static_cast<size_t>(index)]; }
 
   std::string table_name(const ir::Expectation& e) const {
@@ -152,6 +192,7 @@ std::vector<OutputFile> self_test_files(const Folder& folder, const ir::SelfTest
           {"self_test.cpp", render("self_test.cpp", {{"banner", banner},
                                                      {"name", name},
                                                      {"tables", text.tables()},
+                                                     {"includes", text.includes()},
                                                      {"runs", text.runs()},
                                                      {"inputs", text.inputs()},
                                                      {"comparisons", text.comparisons()}})}};

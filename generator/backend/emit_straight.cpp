@@ -75,20 +75,6 @@ std::string who(const CodeInput& code, const ir::Tag& tag) {
                             code.tree.bodies[static_cast<size_t>(tag.body)].name;
 }
 
-// What is computed, by the equation of the sweep, and for whom.
-std::string heading(const CodeInput& code, const ir::Tag& tag) {
-  const ir::Algorithm& a = code.algorithm;
-  const auto at = static_cast<size_t>(tag.sweep), pairs = a.sweeps.size() + a.pairs.size(),
-             projections = pairs + a.projections.size();
-  const std::string equation = tag.sweep < 0          ? "moments of the payloads"
-                               : at < a.sweeps.size() ? a.sweeps[at].equation
-                               : at < pairs           ? a.pairs[at - a.sweeps.size()].equation
-                               : at < projections     ? a.projections[at - pairs].equation
-                                                      : a.written_out[at - projections];
-  if (tag.sweep >= 0 && at >= projections) return fmt::format("\n  // {}\n", equation);
-  return fmt::format("\n  // {}: {}\n", comment_text(who(code, tag)), equation);
-}
-
 // Where another order than that of the equations comes back to it.
 std::string return_to(const CodeInput& code, const ir::Tag& tag) {
   const size_t equations = code.algorithm.sweeps.size() + code.algorithm.pairs.size() + code.algorithm.projections.size();
@@ -101,6 +87,20 @@ bool fills_matrices(const CodeInput& code) { return !code.algorithm.pairs.empty(
 
 }  // namespace
 
+// What is computed, by the equation of the sweep, and for whom.
+std::string straight_heading(const CodeInput& code, const ir::Tag& tag) {
+  const ir::Algorithm& a = code.algorithm;
+  const auto at = static_cast<size_t>(tag.sweep), pairs = a.sweeps.size() + a.pairs.size(),
+             projections = pairs + a.projections.size();
+  const std::string equation = tag.sweep < 0          ? "moments of the payloads"
+                               : at < a.sweeps.size() ? a.sweeps[at].equation
+                               : at < pairs           ? a.pairs[at - a.sweeps.size()].equation
+                               : at < projections     ? a.projections[at - pairs].equation
+                                                      : a.written_out[at - projections];
+  if (tag.sweep >= 0 && at >= projections) return fmt::format("\n  // {}\n", equation);
+  return fmt::format("\n  // {}: {}\n", comment_text(who(code, tag)), equation);
+}
+
 std::string straight_statements(const CodeInput& code, const ir::Program& program) {
   const Angles angles(program);
   PrintStyle style;
@@ -109,7 +109,7 @@ std::string straight_statements(const CodeInput& code, const ir::Program& progra
   style.input = [&](const ir::Input& input) { return input_text(code, input); };
   style.name = [&](ir::NodeId id) { return program.names.empty() ? std::string() : program.names[static_cast<size_t>(id)]; };
   style.sine_or_cosine = [&](const ir::Graph&, ir::NodeId id) { return angles.text(id); };
-  style.heading = [&](const ir::Tag& tag) { return heading(code, tag); };
+  style.heading = [&](const ir::Tag& tag) { return straight_heading(code, tag); };
 
   std::string body;
   const ir::InputsRead read = ir::inputs_read(program, ir::uses(program.graph, program.roots()));

@@ -8,6 +8,9 @@
 
 namespace dalembert::backend {
 
+// The comment above what is computed for a body: the equation of the sweep, and for whom.
+std::string straight_heading(const CodeInput& code, const ir::Tag& tag);
+
 // Statements that compute a program's results from q, v and the workspace.
 std::string straight_statements(const CodeInput& code, const ir::Program& program);
 

@@ -61,7 +61,7 @@ class Staged {
 };
 
 // What stands beside the other files after some runs only: left from an earlier one, it would be compiled with this one's.
-constexpr const char* not_of_every_run[] = {"tasks.hpp", "tasks.cpp"};
+constexpr const char* not_of_every_run[] = {"tasks.hpp", "tasks.cpp", "batch.hpp", "batch.cpp", "batch_tasks.hpp"};
 
 bool is_ours(const fs::path& path) {
   std::string start(4096, '\0');

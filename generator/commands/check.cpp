@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "commands/batch_engine.hpp"
 #include "commands/generated_engine.hpp"
 #include "commands/generic_engine.hpp"
 #include "commands/machine.hpp"
@@ -74,17 +75,27 @@ CheckReport check(const Model& model, const CompilerOptions& options) {
   report.text +=
       fmt::format("  {:<34}{:>16}{:>16}{:>16}{:>14}\n", "output", "to generic", "to 50 digits", "at most", "ns per call");
 
-  const auto compare = [&](GeneratedEngine& engine, const Output& output, const References& expected, const std::string& time) {
+  // result_at: the number of a state → what is computed there.
+  const auto compare_results = [&](const auto& result_at, const Output& output, const References& expected,
+                                   const std::string& time) {
     RelativeError to_generic(expected.least_scale), to_multiprecision(expected.least_scale);
     for (size_t s = 0; s < states.size(); ++s) {
-      engine.evaluate(states[s]);
-      to_generic.add(engine.result(output), expected.generic[s]);
-      to_multiprecision.add(engine.result(output), expected.multiprecision[s]);
+      const Eigen::MatrixXd result = result_at(s);
+      to_generic.add(result, expected.generic[s]);
+      to_multiprecision.add(result, expected.multiprecision[s]);
     }
     const bool good = to_generic.value() <= expected.tolerance && to_multiprecision.value() <= expected.tolerance;
     report.passed = report.passed && good;
     report.text += fmt::format("  {:<34}{:>16.2e}{:>16.2e}{:>16.2g}{:>14}{}\n", output.name, to_generic.value(),
                                to_multiprecision.value(), expected.tolerance, time, good ? "" : "  DIFFERS");
+  };
+  const auto compare = [&](GeneratedEngine& engine, const Output& output, const References& expected, const std::string& time) {
+    compare_results(
+        [&](size_t s) {
+          engine.evaluate(states[s]);
+          return engine.result(output);
+        },
+        output, expected, time);
   };
 
   std::string command;
@@ -108,6 +119,14 @@ CheckReport check(const Model& model, const CompilerOptions& options) {
         fmt::format("  {:<34}{:>16}{:>16}{:>16}{:>14.0f}\n", "all together", "", "", "", together.time_per_call(states).median);
     for (size_t i = 0; i < outputs.size(); ++i) compare(together, outputs[i], expected[i], "");
     run_self_test(together);
+  }
+  if (model.scene.batch) {
+    BatchEngine batch(model, outputs, options);
+    batch.evaluate(states);
+    report.text += fmt::format("  {:<34}{:>16}{:>16}{:>16}{:>14.0f}\n", "as a batch, per state", "", "", "",
+                               batch.time_per_state(states));
+    for (size_t i = 0; i < outputs.size(); ++i)
+      compare_results([&](size_t s) { return batch.result(outputs[i], s); }, outputs[i], expected[i], "");
   }
   report.text += fmt::format("  compiled by {}\n  timed on {}\n", command, this_machine().text());
   return report;

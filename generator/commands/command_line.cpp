@@ -138,15 +138,18 @@ void add_eval(Command& command) {
                   "the quantity to print, of a link QUANTITY_LINK, of a function of the scene FUNCTION_QUANTITY")
       ->required()
       ->type_name("QUANTITY");
-  command.parser.add_option("--engine", options->engine, "who computes; default generated, which needs a C++ compiler")
-      ->check(CLI::IsMember({"generic", "generated"}))
-      ->type_name("generic|generated");
+  command.parser
+      .add_option("--engine", options->engine, "who computes; default generated, which as batch needs a C++ compiler")
+      ->check(CLI::IsMember({"generic", "generated", "batch"}))
+      ->type_name("generic|generated|batch");
   const auto compiler = add_compiler_options(command.parser);
   command.run = [&command, options, compiler](Diagnostics& warnings) {
     Request request = command.shared.request();
     request.for_one_output = true;
     const Model model = read_model(request, warnings);
-    const Engine engine = options->engine == "generic" ? Engine::generic : Engine::generated;
+    const Engine engine = options->engine == "generic" ? Engine::generic
+                          : options->engine == "batch" ? Engine::batch
+                                                       : Engine::generated;
     return print_result(evaluate(model, options->state, options->output, engine, *compiler, warnings));
   };
 }

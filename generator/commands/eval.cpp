@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 
+#include "commands/batch_engine.hpp"
 #include "commands/finite_inputs.hpp"
 #include "commands/generated_engine.hpp"
 #include "commands/generic_engine.hpp"
@@ -37,11 +38,20 @@ std::string evaluate(const Model& model, const std::string& state_file, const st
   std::unique_ptr<GeneratedEngine> generated;
   if (engine == Engine::generated) generated = std::make_unique<GeneratedEngine>(model, std::vector{wanted}, options);
 
+  std::unique_ptr<BatchEngine> batch;
+  if (engine == Engine::batch) {
+    batch = std::make_unique<BatchEngine>(model, std::vector{wanted}, options);
+    batch->evaluate(states);
+  }
+
   std::string text;
   const std::string place = state_file == "-" ? "standard input" : state_file;
-  for (const State& state : states) {
+  for (size_t s = 0; s < states.size(); ++s) {
+    const State& state = states[s];
     Eigen::MatrixXd result;
-    if (generated) {
+    if (batch) {
+      result = batch->result(wanted, s);
+    } else if (generated) {
       generated->evaluate(state);
       result = generated->result(wanted);
     } else {

@@ -9,7 +9,7 @@
 
 namespace dalembert {
 
-enum class Engine { generic, generated };
+enum class Engine { generic, generated, batch };  // batch: generated, all states in one call
 
 // The output at every state of the file, as text: row by row, numbers with 17 digits separated by blanks, states separated by
 // an empty line. Warns about states whose result is not finite.

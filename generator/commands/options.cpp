@@ -51,6 +51,7 @@ constexpr Help scene_help[] = {
      "how functions are computed; default: as is estimated to be fastest. 'measure' (generate, info) compiles the ways and "
      "times "
      "them here, and writes the fastest into the scene file"},
+    {"batch", "true|false", "functions that take many states at once are generated too"},
 };
 
 // Those of ir/quantities.def.

@@ -54,7 +54,8 @@ class SceneReader {
                                           {"rates_zero", &SceneReader::rates_zero},
                                           {"scalar", &SceneReader::scalar},
                                           {"parallel", &SceneReader::parallel},
-                                          {"plan", &SceneReader::plan}};
+                                          {"plan", &SceneReader::plan},
+                                          {"batch", &SceneReader::batch}};
     return keys;
   }
 
@@ -146,6 +147,8 @@ class SceneReader {
         {{"refuse", ir::InertiaPolicy::refuse}, {"accept", ir::InertiaPolicy::accept}, {"repair", ir::InertiaPolicy::repair}});
   }
   void rates_zero(const YamlNode& node) { scene_.rates_zero = choice<bool>(node, {{"true", true}, {"false", false}}); }
+
+  void batch(const YamlNode& node) { scene_.batch = choice<bool>(node, {{"true", true}, {"false", false}}); }
 
   // [x, y, z], none, run_time, or {run_time: [x, y, z]}
   void gravity(const YamlNode& node) {

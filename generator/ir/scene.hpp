@@ -76,6 +76,7 @@ struct Scene {
   std::vector<Contact> contacts;           // constraints, in the order of their rows
   ScalarType scalar = ScalarType::float64;
   Parallel parallel = Parallel::automatic;
+  bool batch = false;                      // functions take many states at once, too
   bool rates_zero = false;                 // statics: v = 0, no velocity terms
   std::map<std::string, double> armature;  // joint → rotor inertia reflected to the joint, kg m² or kg
   std::map<std::string, double> damping;   // joint → viscous damping

@@ -43,8 +43,13 @@ class Matrix {
 
 class Writing {
  public:
-  Writing(ir::Algorithm& algorithm, ir::Program& program, const ir::CoordinateTree& tree)
-      : algorithm_(algorithm), program_(program), graph_(program.graph), tree_(tree), matrices_(program.arrays.size()) {
+  Writing(ir::Algorithm& algorithm, ir::Program& program, const ir::CoordinateTree& tree, bool products)
+      : algorithm_(algorithm),
+        program_(program),
+        graph_(program.graph),
+        tree_(tree),
+        products_(products),
+        matrices_(program.arrays.size()) {
     for (const ir::OutputElement& e : program.elements) of(e.array).set(e.row, e.column, e.node);
     for (int k = 0; k < tree.size(); ++k) {
       above_.emplace_back();
@@ -79,7 +84,7 @@ class Writing {
   // Products of whole matrices take a fraction of the time in lanes, but for the smallest.
   bool stays(const ir::MatrixStep& step) const {
     constexpr int smallest = 4;
-    return step.kind == Kind::negative_product && tree_.size() > smallest;
+    return step.kind == Kind::negative_product && !products_ && tree_.size() > smallest;
   }
   // Whether a step that stays reads the array.
   bool is_read(int array) const {
@@ -194,6 +199,7 @@ class Writing {
   ir::Program& program_;
   ir::Graph& graph_;
   const ir::CoordinateTree& tree_;
+  const bool products_;
   std::vector<Matrix> matrices_;
   std::map<int, Matrix> inverse_of_room_;
   std::vector<std::vector<int>> above_;
@@ -201,10 +207,10 @@ class Writing {
 
 }  // namespace
 
-void write_out_steps(ir::Algorithm& algorithm, ir::Program& program, const ir::CoordinateTree& tree) {
+void write_out_steps(ir::Algorithm& algorithm, ir::Program& program, const ir::CoordinateTree& tree, bool products) {
   const ir::EmittedFunction& function = algorithm.function;
   if (algorithm.steps.empty() || !function.first_half.empty() || !function.second_half.empty()) return;
-  Writing(algorithm, program, tree).run();
+  Writing(algorithm, program, tree, products).run();
 }
 
 }  // namespace dalembert::passes

@@ -13,7 +13,8 @@ namespace dalembert::passes {
 
 // Adds them and takes the steps out, with the arrays that nothing but they read. `program` is the algorithm's, unrolled, with
 // an element for every place of its arrays that is not zero in every state. Steps of halves (ir/emitted_function.hpp) stay: the
-// other half reads their arrays.
-void write_out_steps(ir::Algorithm& algorithm, ir::Program& program, const ir::CoordinateTree& tree);
+// other half reads their arrays; and, unless `products` are to be written out as well, products of whole matrices, which take a
+// fraction of the time in lanes of elements.
+void write_out_steps(ir::Algorithm& algorithm, ir::Program& program, const ir::CoordinateTree& tree, bool products = false);
 
 }  // namespace dalembert::passes

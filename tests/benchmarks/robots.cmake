@@ -176,6 +176,70 @@ foreach(shape "50;1" "200;1" "50;5" "100;5" "200;5" "500;5")
   task_robot(${name} "${urdf}")
   add_dependencies(tasks_${name} ${name}_urdf)
 endforeach()
+# The robots of benchmark_batch: LABEL in ARGN, as above.
+set(batch_libraries "")
+set(batch_includes "")
+set(batch_structs "")
+set(batch_names "")
+function(batch_robot robot urdf base)
+  foreach(label ${ARGN})
+    string(MAKE_C_IDENTIFIER "batch_${robot}_${label}" name)
+    list(JOIN outputs_of_${label} "," outputs)
+    dalembert_add_robot(${name} URDF "${urdf}" NAME ${name} BATCH NATIVE NO_SELF_TEST OPTIONS --base ${base} --outputs [] --functions together=${outputs})
+    set(call "q, v, workspace")
+    if(label MATCHES "^(id|fd|did|dfd|regressor)$")
+      set(call "q, v, input, workspace")
+    endif()
+    set(sizes "")
+    set(pointers "")
+    foreach(quantity ${outputs_of_${label}})
+      string(APPEND sizes "sizeof(Workspace::together_${quantity}) / sizeof(double), ")
+      list(LENGTH pointers index)
+      list(APPEND pointers "results[${index}].data()")
+    endforeach()
+    list(GET outputs_of_${label} 0 first)
+    list(JOIN pointers ", " pointers)
+    list(APPEND batch_libraries ${name})
+    string(APPEND batch_includes "#include \"${name}/batch_tasks.hpp\"\n")
+    string(APPEND batch_structs "struct ${name}_robot {
+  static constexpr int nq = ${name}::nq, nv = ${name}::nv;
+  using Workspace = ${name}::Workspace;
+  using Batch = ${name}::Batch;
+  static constexpr std::size_t sizes[] = {${sizes}};
+  static void single(const double* q, const double* v, [[maybe_unused]] const double* input, Workspace& workspace) {
+    ${name}::together(${call});
+  }
+  static const double* first_result(const Workspace& workspace) { return workspace.together_${first}; }
+  template <class Results>
+  static void batch(const Batch& batch, Results& results) { (void)${name}::together_batch(batch, {${pointers}}); }
+  template <class Results>
+  static void tasks(const Batch& batch, Results& results) { (void)${name}::together_batch_tasks(batch, {${pointers}}); }
+  static void blocks(const Batch& batch) {
+    (void)${name}::together_batch_blocks(
+        batch, [](const ${name}::TogetherBatchBlock& block, void*) { benchmark::DoNotOptimize(block.together_${first}); }, nullptr);
+  }
+};
+")
+    string(APPEND batch_names " \\\n  DALEMBERT_BATCH_ROBOT(${name}_robot, \"${robot}/${label}\")")
+  endforeach()
+  foreach(list batch_libraries batch_includes batch_structs batch_names)
+    set(${list} "${${list}}" PARENT_SCOPE)
+  endforeach()
+endfunction()
+batch_robot(MAHRU "${PROJECT_SOURCE_DIR}/examples/mahru/mahru.urdf" floating M+C bias id fd)
+batch_robot(arm_fingers "${PROJECT_SOURCE_DIR}/tests/robots/arm_fingers.urdf" fixed M+C bias fd dfd)
+if(EXISTS ${data})
+  batch_robot(WAM ${data}/urdf/wam/wam.urdf fixed M+C bias fd dfd)
+endif()
+file(CONFIGURE OUTPUT tables/batch_robots.hpp CONTENT [[
+// Written by tests/benchmarks/robots.cmake.
+#pragma once
+
+@batch_includes@
+@batch_structs@
+#define DALEMBERT_BATCH_ROBOTS @batch_names@
+]] @ONLY)
+
 file(CONFIGURE OUTPUT tables/task_robots.hpp CONTENT [[
 // Written by tests/benchmarks/robots.cmake.
 #pragma once

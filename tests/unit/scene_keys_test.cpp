@@ -48,6 +48,7 @@ const Example examples[] = {
     {"scalar", "float", "float"},
     {"parallel", "tasks", "tasks"},
     {"plan", "{evaluate: {form: straight, order: newest_first}}", "{evaluate: {form: straight, order: newest_first}}"},
+    {"batch", "true", "true"},
 };
 
 // Three joints in a row, with damping; then one that moves no mass. The second link's inertia is no body's.

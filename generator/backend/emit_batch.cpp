@@ -1,0 +1,488 @@
+#include "backend/emit_batch.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "backend/batch_program.hpp"
+#include "backend/code_text.hpp"
+#include "backend/literals.hpp"
+#include "backend/templates.hpp"
+#include "diagnostics.hpp"
+#include "ir/identifier.hpp"
+
+namespace dalembert::backend {
+namespace {
+
+// A run-time input of the scene: the member of the workspace, the numbers of it, and the member of a batch that has one per
+// state.
+struct Given {
+  std::string each, comment;
+  int count;
+  std::string of_all;  // declares `of_all`, from `batch`
+};
+
+std::vector<Given> given_inputs(const CodeInput& code) {
+  const ir::Scene& scene = code.scene;
+  std::vector<Given> all;
+  if (scene.gravity_kind == ir::GravityKind::run_time) {
+    std::vector<std::string> start;
+    for (int i = 0; i < 3; ++i) start.push_back(literal(scene.gravity[i], scene.scalar));
+    all.push_back(
+        {"gravity_vectors", "3 numbers each: gravity, m/s^2, world axes", 3,
+         fmt::format("      const Scalar usual[] = {{{}}};\n"
+                     "      const Scalar* const of_all = batch.workspace ? batch.workspace->gravity_vector : usual;\n",
+                     fmt::join(start, ", "))});
+  }
+  for (const std::string& link : scene.payloads) {
+    const std::string id = ir::identifier(link);
+    all.push_back({"payloads_" + id,
+                   fmt::format("10 numbers each: what link {} carries, as a Payload: mass, com, inertia", comment_text(link)),
+                   10,
+                   fmt::format("      const Payload payload = batch.workspace ? batch.workspace->payload_{} : Payload{{}};\n"
+                               "      const Scalar of_all[] = {{payload.mass, payload.com[0], payload.com[1], payload.com[2],\n"
+                               "                               payload.inertia[0], payload.inertia[1], payload.inertia[2],\n"
+                               "                               payload.inertia[3], payload.inertia[4], payload.inertia[5]}};\n",
+                               id)});
+  }
+  for (const ir::ExternalWrench& wrench : scene.wrenches) {
+    const std::string id = ir::identifier(wrench.link);
+    all.push_back({"wrenches_" + id,
+                   fmt::format("6 numbers each: on link {}, along {} axes: force, N, and moment, N m",
+                               comment_text(wrench.link), wrench.in_world ? "the world's" : "its"),
+                   6,
+                   fmt::format("      const Scalar none[6] = {{}};\n"
+                               "      const Scalar* const of_all = batch.workspace ? batch.workspace->wrench_{} : none;\n",
+                               id)});
+  }
+  return all;
+}
+
+std::string given_members(const CodeInput& code) {
+  const std::vector<Given> all = given_inputs(code);
+  if (all.empty()) return "";
+  std::string text =
+      "  // Run-time inputs: those of this workspace for all states, or without one what a new workspace has; or, where there "
+      "is a\n"
+      "  // pointer, one for each state, laid out as states are.\n"
+      "  const Workspace* workspace = nullptr;\n";
+  for (const Given& g : all) text += fmt::format("  const Scalar* {} = nullptr;  // {}\n", g.each, g.comment);
+  return text;
+}
+
+std::string results_type(const CodeInput& code, const char* what) { return own_type(code, what); }
+
+bool is_matrix(const BatchArray& a) { return a.array.columns > 1; }
+
+class BatchFunction {
+ public:
+  explicit BatchFunction(const CodeInput& code) : code_(code), program_(code) {}
+
+  std::string header() const {
+    std::string pointers, blocks, packed;
+    for (const BatchArray& a : program_.results()) {
+      pointers += fmt::format("  Scalar* {} = nullptr;  // {}\n", a.array.name, shape(a));
+      blocks += fmt::format("  const Scalar* {};\n", a.array.name);
+      if (is_matrix(a)) packed += packed_table(a);
+    }
+    if (code_.algorithm.guard) {
+      pointers +=
+          "  int* status = nullptr;  // of each state: the coordinate as in FactorStatus, -1 where M is positive definite\n";
+      blocks += "  const int* status;  // without stride\n";
+    }
+    const ir::EmittedFunction& f = function_of(code_);
+    return render("batch_function.hpp",
+                  {{"function", f.name},
+                   {"type", f.type},
+                   {"pointers", pointers},
+                   {"blocks", blocks},
+                   {"packed", packed},
+                   {"input", *f.input() ? fmt::format(", `input` being {}: {}", f.input(), f.meaning()) : ""}});
+  }
+
+  std::string source() const {
+    const ir::EmittedFunction& f = function_of(code_);
+    std::string definitions, run;
+    if (program_.by_calls()) {
+      run = "    for (int i = 0; i < count; ++i) call_for_each(blocks[i]);\n";
+      definitions = calls();
+    } else {
+      straight(run, definitions);
+      if (program_.checked().size() == 2) definitions += status();
+    }
+    return render(
+        "batch_function.cpp",
+        {{"function", f.name},
+         {"type", f.type},
+         {"check", own_name(code_, "check_batch")},
+         {"how", program_.by_calls()    ? ", called for one after another"
+                 : program_.parts() > 1 ? fmt::format(": {} operations in {} parts", program_.operations(), program_.parts())
+                                        : fmt::format(": {} operations", program_.operations())},
+         {"workspace", program_.by_calls() ? "  Workspace workspace;\n" : ""},
+         {"more_members", program_.by_calls() ? ", {}" : ""},
+         {"run_is", program_.by_calls() ? "" : "static "},
+         {"more", *f.input() ? "nv" : "0"},
+         {"given", std::to_string(given_count(code_))},
+         {"angles", std::to_string(program_.angles())},
+         {"kept", std::to_string(program_.kept())},
+         {"elements", std::to_string(program_.elements())},
+         {"parts", std::to_string(program_.parts())},
+         {"widest", std::to_string(widest())},
+         {"fill", fill()},
+         {"run", run},
+         {"definitions", definitions},
+         {"tables", tables()},
+         {"checks", checks()},
+         {"finish", finish()},
+         {"write", write()},
+         {"block", block()}});
+  }
+
+  // Whether it calls the function itself.
+  bool has_workspace() const { return program_.by_calls() || program_.checked().size() == 2; }
+  // Whether a table of places can hold them, and a stack the registers.
+  static constexpr int most_elements = 20000;
+  int elements() const { return program_.elements(); }
+
+  // In C: what is declared, and what is defined.
+  std::string c_declarations() const {
+    const ir::EmittedFunction& f = function_of(code_);
+    const std::string n = code_.name, s = scalar_name(code_.scene.scalar);
+    std::string members;
+    for (const BatchArray& a : program_.results()) members += fmt::format("  {}* {};  // {}\n", s, a.array.name, shape(a));
+    return fmt::format(
+        "// What is computed of each state, one after another: NULL where it is not wanted.\n"
+        "typedef struct {0}_{1}_batch_results {{\n{2}}} {0}_{1}_batch_results;\n\n"
+        "// {0}_{1}() at n states. q: n times {0}_nq() numbers, v: n times {0}_nv(){3}. status, which may be NULL{4}. options "
+        "may be\n"
+        "// NULL. 0, or what is wrong: see {0}_batch_error().\n"
+        "int {0}_batch_{1}(const {5}* q, const {5}* v, const {5}* input, size_t n, const {0}_{1}_batch_results* results,\n"
+        "    int* status, const {0}_batch_options* options);\n\n",
+        n, f.name, members,
+        *f.input() ? fmt::format(", input: {}, n times {}_nv()", f.input(), n) : std::string("; input is not read"),
+        code_.algorithm.guard ? ": of each state the coordinate whose pivot shows that M is not positive definite, or -1"
+                              : ", is set to -1 for each state",
+        s);
+  }
+  std::string c_definitions() const {
+    const ir::EmittedFunction& f = function_of(code_);
+    const std::string n = code_.name, s = scalar_name(code_.scene.scalar);
+    std::string fields, given;
+    for (const BatchArray& a : program_.results()) fields += fmt::format("    to.{0} = results->{0};\n", a.array.name);
+    for (const Given& g : given_inputs(code_)) given += fmt::format("    batch.{0} = options->{0};\n", g.each);
+    if (!given.empty()) given = "    batch.workspace = options->workspace;\n" + given;
+    return fmt::format(
+        "int {0}_batch_{1}(const {2}* q, const {2}* v, const {2}* input, size_t n, const {0}_{1}_batch_results* results,\n"
+        "    int* status, const {0}_batch_options* options) {{\n"
+        "  {0}::Batch batch;\n"
+        "  batch.count = n, batch.q = q, batch.v = v, batch.input = input;\n"
+        "  if (options) {{\n"
+        "    batch.states = static_cast<dalembert::BatchLayout>(options->states_in_lanes);\n"
+        "    batch.results = static_cast<dalembert::BatchLayout>(options->results_in_lanes);\n"
+        "    batch.matrices = static_cast<dalembert::MatrixLayout>(options->matrices);\n"
+        "{3}"
+        "  }}\n"
+        "  {0}::{4} to;\n"
+        "  if (results) {{\n{5}  }}\n{6}"
+        "  const dalembert::BatchError error = {0}::{1}_batch(batch, to);\n{7}"
+        "  return static_cast<int>(error);\n}}\n\n",
+        n, f.name, s, given, results_type(code_, "BatchResults"), fields,
+        code_.algorithm.guard ? "  to.status = status;\n" : "",
+        code_.algorithm.guard ? ""
+                              : "  if (status && error == dalembert::BatchError::none)\n"
+                                "    for (size_t i = 0; i < n; ++i) status[i] = -1;\n");
+  }
+
+  // Of a call.
+  std::size_t bytes() const {
+    const std::size_t registers = static_cast<std::size_t>(code_.tree.nq() + 2 * code_.tree.nv() + given_count(code_) +
+                                                           3 * program_.angles() + program_.kept() + program_.elements() + 1);
+    return registers * 64 * (program_.parts() > 1 ? std::clamp<std::size_t>(192 * 1024 / (registers * 64), 1, 8) : 1);
+  }
+
+  // For threads: states that are handed out together, some 20 us of them.
+  std::string tasks() const {
+    const ir::EmittedFunction& f = function_of(code_);
+    // A register of four states takes half a cycle for an operation, of 4 GHz: 32 operations of a state are a nanosecond.
+    const long wanted = 20000L * 32 / std::max(1L, program_.operations());
+    long together = 64;
+    while (2 * together <= wanted && together < 4096) together *= 2;
+    return render("batch_tasks_function.hpp", {{"function", f.name}, {"type", f.type}, {"together", std::to_string(together)}});
+  }
+
+ private:
+  static std::string shape(const BatchArray& a) {
+    return is_matrix(a) ? fmt::format("{} x {}; packed: {} numbers", a.array.rows, a.array.columns, a.packed.size())
+                        : std::to_string(a.array.rows);
+  }
+
+  static std::string packed_table(const BatchArray& a) {
+    std::vector<std::string> items;
+    for (const auto& [row, column] : a.packed) items.push_back(fmt::format("{{{}, {}}}", row, column));
+    if (items.empty()) items.emplace_back("{-1, -1}");  // C++ has no empty arrays
+    return fmt::format(
+        "// Row and column of each element of {0} that stands in it packed{1}.\n"
+        "inline constexpr int {0}_packed_size = {2};\n"
+        "inline constexpr dalembert::MatrixPlace {0}_packed[] = {{\n    {3}}};\n\n",
+        a.array.name, a.symmetric ? ": on and below the diagonal, the matrix being symmetric" : "", a.packed.size(),
+        wrapped(items, 4));
+  }
+
+  static std::string part(const std::string& name, const std::string& statements) {
+    const bool used = statements.find("block.") != std::string::npos;
+    return fmt::format("  DALEMBERT_STRAIGHT_LINE __attribute__((noinline)) static void {}(Block& {}) noexcept {{\n{}  }}\n",
+                       name, used ? "block" : "", statements);
+  }
+
+  void straight(std::string& run, std::string& definitions) const {
+    if (const std::string angles = program_.angle_statements(); !angles.empty()) {
+      definitions += part("angles", angles);
+      run += "    for (int i = 0; i < count; ++i) angles(blocks[i]);\n";
+    }
+    if (program_.angles() > 0)
+      run += fmt::format(
+          "    for (int i = 0; i < count; ++i)\n"
+          "      dalembert::batch_sincos<Scalar>(blocks[i].angle, {}, blocks[i].sine, blocks[i].cosine);\n",
+          program_.angles());
+    for (int i = 0; i < program_.parts(); ++i) {
+      definitions += part(fmt::format("part_{}", i), program_.part_statements(i));
+      run += fmt::format("    for (int i = 0; i < count; ++i) part_{}(blocks[i]);\n", i);
+    }
+  }
+
+  // The function itself at the state `state` of a block, into a `workspace`.
+  std::string call() const {
+    std::string text =
+        "      Scalar q[nq], v[nv];\n"
+        "      dalembert::take_state<Scalar>(block.q, nq, state, q);\n"
+        "      dalembert::take_state<Scalar>(block.v, nv, state, v);\n";
+    const std::vector<std::string> vectors = vectors_of(code_);
+    if (vectors.size() > 2)
+      text += fmt::format(
+          "      Scalar {0}[nv];\n"
+          "      dalembert::take_state<Scalar>(block.input, nv, state, {0});\n",
+          vectors[2]);
+    const ir::Scene& scene = code_.scene;
+    int at = 0;
+    const auto given = [&](const std::string& to, int count) {
+      text += fmt::format("      dalembert::take_state<Scalar>(block.given + {}, {}, state, {});\n", at, count, to);
+      at += count;
+    };
+    if (scene.gravity_kind == ir::GravityKind::run_time) given("workspace.gravity_vector", 3);
+    for (const std::string& link : scene.payloads) {
+      const std::string payload = "workspace.payload_" + ir::identifier(link);
+      given("&" + payload + ".mass", 1);
+      given(payload + ".com", 3);
+      given(payload + ".inertia", 6);
+    }
+    for (const ir::ExternalWrench& wrench : scene.wrenches) given("workspace.wrench_" + ir::identifier(wrench.link), 6);
+    for (const ir::Contact& contact : scene.contacts)
+      text += fmt::format("      if (batch.workspace) workspace.contact_{0} = batch.workspace->contact_{0};\n",
+                          ir::identifier(contact.name));
+    return text + fmt::format("      {}({}, workspace);\n", function_of(code_).name, arguments_of(code_));
+  }
+
+  // Near a singular M, by the function itself: states are few, and the bounds that tell are as much work as the rest.
+  std::string status() const {
+    return "\n  // Of states whose pivots are small: the function itself tells.\n"
+           "  __attribute__((noinline)) static void find_status(Block& block) noexcept {\n"
+           "    Workspace workspace;\n"
+           "    for (int state = 0; state < width; ++state) {\n"
+           "      if (block.status[state] < 0) continue;\n" +
+           call() + fmt::format("      block.status[state] = workspace.{}.coordinate;\n", own_name(code_, "status")) +
+           "    }\n  }\n";
+  }
+
+  // The function itself at each state of a block.
+  std::string calls() const {
+    std::string text =
+        "  void call_for_each(Block& block) noexcept {\n"
+        "    for (int state = 0; state < width; ++state) {\n" +
+        call();
+    for (const BatchArray& a : program_.results()) {
+      // Packed is row by row, and the workspace has columns.
+      if (!is_matrix(a))
+        text += fmt::format("      dalembert::put_state<Scalar>(workspace.{}, {}, state, block.values + {});\n", a.array.name,
+                            a.array.rows, a.first);
+      else
+        text += fmt::format(
+            "      for (int row = 0; row < {1}; ++row)\n"
+            "        for (int column = 0; column < {2}; ++column)\n"
+            "          dalembert::put_state<Scalar>(workspace.{0} + row + {1} * column, 1, state,\n"
+            "                                       block.values + {3} + {2} * row + column);\n",
+            a.array.name, a.array.rows, a.array.columns, a.first);
+    }
+    if (code_.algorithm.guard)
+      text += fmt::format("      block.status[state] = workspace.{}.coordinate;\n", own_name(code_, "status"));
+    return text + "    }\n  }\n";
+  }
+
+  std::string fill() const {
+    std::string text;
+    const auto read = [&](const char* member, const char* count, bool needed) {
+      if (needed)
+        text += fmt::format("    dalembert::read_states<{1}, Scalar>(batch.{0}, batch.states, first, states, block.{0});\n",
+                            member, count);
+    };
+    read("q", "nq", program_.reads_positions());
+    read("v", "nv", program_.reads_velocities());
+    read("input", "nv", program_.reads_input());
+    int at = 0;
+    for (const Given& g : given_inputs(code_)) {
+      text += fmt::format(
+          "    {{\n{}      dalembert::read_given<{}, Scalar>(batch.{}, of_all, batch.states, first, states, block.given + "
+          "{});\n"
+          "    }}\n",
+          g.of_all, g.count, g.each, at);
+      at += g.count;
+    }
+    return text.empty() ? "    (void)block, (void)first, (void)states;\n" : text;
+  }
+
+  std::string checks() const {
+    std::string text;
+    const auto check = [&](const char* member, bool needed) {
+      if (needed) text += fmt::format("  if (batch.count > 0 && !batch.{0}) return dalembert::BatchError::{0};\n", member);
+    };
+    check("q", program_.reads_positions());
+    check("v", program_.reads_velocities());
+    check("input", program_.reads_input());
+    return text;
+  }
+
+  int widest() const {
+    int widest = std::max({code_.tree.nq(), 10});
+    for (const BatchArray& a : program_.results()) widest = std::max(widest, a.array.rows * a.array.columns);
+    return widest;
+  }
+
+  static std::string matrix_name(const BatchArray& a) { return a.array.name + "_of_batch"; }
+
+  std::string tables() const {
+    std::string text;
+    for (const BatchArray& a : program_.results()) {
+      const int whole = a.array.rows * a.array.columns;
+      std::string by_rows = "nullptr", by_columns = "nullptr";
+      if (is_matrix(a)) {
+        const auto table = [&](const std::string& name, const std::vector<int>& places) {
+          std::vector<std::string> items;
+          for (const int place : places) items.push_back(std::to_string(place < 0 ? program_.elements() : place));
+          text += fmt::format("constexpr std::uint16_t {}[] = {{\n    {}}};\n", name, wrapped(items, 4));
+          return name;
+        };
+        by_rows = by_columns = table(matrix_name(a) + "_by_rows", a.by_rows());
+        if (!a.symmetric) by_columns = table(matrix_name(a) + "_by_columns", a.by_columns);
+      }
+      text += fmt::format("constexpr dalembert::BatchMatrix {}{{{}, {}, {}, {}, {}}};\n", matrix_name(a), a.first,
+                          a.packed.size(), whole, by_rows, by_columns);
+    }
+    return text;
+  }
+
+  // Behind the program, for each state.
+  std::string finish() const {
+    const auto& checked = program_.checked();
+    if (checked.size() < 2) return "";
+    std::string text =
+        fmt::format("    if (!dalembert::batch_holds<nv, Scalar>(block.values + {}, block.values + {}, block.status)) {{\n"
+                    "      Program::find_status(block);\n",
+                    checked[0].first, checked[1].first);
+    for (const BatchArray& a : program_.results())
+      if (a.cleared)
+        text += fmt::format("      dalembert::batch_clear<Scalar>(block.status, block.values + {}, {});\n", a.first,
+                            a.packed.size());
+    return text + "    }\n";
+  }
+
+  std::string write() const {
+    std::string text;
+    for (const BatchArray& a : program_.results())
+      text += fmt::format(
+          "    dalembert::write_matrix<Scalar>(block.values, {}, batch.matrices, batch.results, at, states, results.{});\n",
+          matrix_name(a), a.array.name);
+    if (code_.algorithm.guard)
+      text +=
+          "    if (results.status)\n"
+          "      for (int i = 0; i < states; ++i) results.status[at + static_cast<std::size_t>(i)] = block.status[i];\n";
+    return text;
+  }
+
+  std::string block() const {
+    std::string text;
+    for (const BatchArray& a : program_.results())
+      text += fmt::format(", reinterpret_cast<const Scalar*>(block.values + {})", a.first);
+    return text + (code_.algorithm.guard ? ", block.status" : "");
+  }
+
+  const CodeInput& code_;
+  const BatchProgram program_;
+};
+
+std::vector<const CodeInput*> batched(const Folder& folder) {
+  std::vector<const CodeInput*> all;
+  for (const CodeInput& f : folder.functions)
+    if (f.scene.batch && is_called(f)) all.push_back(&f);
+  return all;
+}
+
+}  // namespace
+
+std::string batch_c_declarations(const Folder& folder) {
+  if (batched(folder).empty()) return "";
+  const CodeInput& code = folder.common();
+  const std::string n = code.name, s = scalar_name(code.scene.scalar);
+  std::string given;
+  for (const Given& g : given_inputs(code)) given += fmt::format("  const {}* {};  // {}\n", s, g.each, g.comment);
+  if (!given.empty())
+    given =
+        fmt::format(
+            "  // Run-time inputs: those of the workspace for all states, NULL: those of a new one; or, where they are not\n"
+            "  // NULL, one per state.\n"
+            "  const {}_workspace* workspace;\n",
+            n) +
+        given;
+  std::string text = fmt::format(
+      "// Many states at once. Numbers of states and results stand one after another, unless options say otherwise.\n"
+      "typedef struct {0}_batch_options {{\n"
+      "  int states_in_lanes, results_in_lanes;  // 1: in blocks of {1} states, as dalembert::BatchLayout::lanes\n"
+      "  int matrices;                           // 0: row by row, 1: column by column, 2: packed, as in batch.hpp\n"
+      "{2}}} {0}_batch_options;\n\n"
+      "// What a number that a function of batches returns means.\n"
+      "const char* {0}_batch_error(int error);\n\n",
+      n, code.scene.scalar == ir::ScalarType::float32 ? 16 : 8, given);
+  for (const CodeInput* f : batched(folder)) text += BatchFunction(*f).c_declarations();
+  return text;
+}
+
+std::vector<OutputFile> batch_files(const Folder& folder, const std::string& banner) {
+  if (batched(folder).empty()) return {};
+  const CodeInput& code = folder.common();
+  std::string declarations, definitions, c_functions, tasks;
+  std::size_t bytes = 0;
+  for (const CodeInput* f : batched(folder)) {
+    const BatchFunction function(*f);
+    if (function.elements() > BatchFunction::most_elements)
+      throw InputError({Severity::error, "", "key 'batch'",
+                        fmt::format("the results of {}() are {} numbers a state, and batches take no more than {}",
+                                    function_of(*f).name, function.elements(), BatchFunction::most_elements),
+                        "call the function state by state, which takes no longer on a robot of that size, or ask for less"});
+    declarations += function.header();
+    definitions += function.source();
+    c_functions += function.c_definitions();
+    tasks += function.tasks();
+    bytes = std::max(bytes, function.bytes() + (function.has_workspace() ? workspace_bytes(folder) : 0));
+  }
+  return {{"batch.hpp", render("batch.hpp", {{"banner", banner},
+                                             {"name", code.name},
+                                             {"stack", std::to_string(bytes / 1024 + 4)},
+                                             {"given", given_members(code)},
+                                             {"functions", declarations}})},
+          {"batch.cpp",
+           render("batch.cpp",
+                  {{"banner", banner}, {"name", code.name}, {"functions", definitions}, {"c_functions", c_functions}})},
+          {"batch_tasks.hpp", render("batch_tasks.hpp", {{"banner", banner}, {"name", code.name}, {"functions", tasks}})}};
+}
+
+}  // namespace dalembert::backend

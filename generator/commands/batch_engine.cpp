@@ -1,0 +1,135 @@
+#include "commands/batch_engine.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstring>
+#include <dalembert/batch_layout.hpp>
+#include <stdexcept>
+
+#include "diagnostics.hpp"
+
+namespace dalembert {
+namespace {
+
+Model asked_for(const Model& model, const std::vector<Output>& outputs) {
+  Model result = with_outputs(model, outputs);
+  result.scene.batch = true;
+  return result;
+}
+
+size_t scalar_bytes(const Model& model) { return model.scene.scalar == ir::ScalarType::float32 ? 4 : 8; }
+
+template <class Scalar>
+void append(std::vector<char>& to, const Eigen::VectorXd& numbers) {
+  const Eigen::VectorX<Scalar> values = numbers.cast<Scalar>();
+  const char* const bytes = reinterpret_cast<const char*>(values.data());
+  to.insert(to.end(), bytes, bytes + sizeof(Scalar) * static_cast<size_t>(values.size()));
+}
+
+}  // namespace
+
+BatchEngine::BatchEngine(const Model& whole, const std::vector<Output>& outputs, const CompilerOptions& options)
+    : model_(asked_for(whole, outputs)), code_(model_.name, compile_without_self_test(model_), options) {
+  for (const ir::EmittedFunction& f : ir::functions_of(model_.scene)) {
+    const std::string name = model_.name + "_batch_" + f.name;
+    Call call{f.name, reinterpret_cast<void*>(code_.function<void()>(name)), {}, {}, {}};
+    // In the order of c_api.h.
+    std::vector<std::string> names;
+    for (const ir::Quantity quantity : f.quantities) names.push_back(f.result(quantity));
+    for (const ir::LinkOutput& output : f.of_links) names.push_back(f.result(output));
+    for (const std::string& result : names)
+      for (const Output& output : outputs_of(model_))
+        if (output.name == result) call.outputs.push_back(output);
+    if (call.outputs.size() != names.size()) throw std::logic_error("results of " + f.name);
+    calls_.push_back(std::move(call));
+  }
+}
+
+template <class Scalar>
+BatchEngine::Columns BatchEngine::columns(const std::vector<State>& states) const {
+  Columns columns;
+  columns.count = states.size();
+  columns.of_wrench.resize(model_.scene.wrenches.size());
+  for (const State& state : states) {
+    append<Scalar>(columns.q, state.q);
+    append<Scalar>(columns.v, state.v);
+    append<Scalar>(columns.more, state.more);
+    for (size_t w = 0; w < columns.of_wrench.size() && state.wrenches.size() > 0; ++w)
+      append<Scalar>(columns.of_wrench[w], state.wrenches.segment<6>(6 * static_cast<Eigen::Index>(w)));
+  }
+  return columns;
+}
+
+void BatchEngine::run(const Columns& columns) {
+  // NAME_batch_options of c_api.h: a workspace for all states, then an array each for gravity, payloads and wrenches.
+  std::vector<const void*> given{nullptr};
+  if (model_.scene.gravity_kind == ir::GravityKind::run_time) given.push_back(nullptr);
+  given.resize(given.size() + model_.scene.payloads.size(), nullptr);
+  for (const std::vector<char>& wrench : columns.of_wrench) given.push_back(wrench.empty() ? nullptr : wrench.data());
+  std::vector<char> options(4 * sizeof(int) + given.size() * sizeof(void*), 0);
+  const int numbers[] = {0, 0, static_cast<int>(MatrixLayout::by_columns), 0};
+  std::memcpy(options.data(), numbers, sizeof numbers);
+  std::memcpy(options.data() + sizeof numbers, given.data(), given.size() * sizeof(void*));
+
+  const size_t bytes = scalar_bytes(model_);
+  for (Call& call : calls_) {
+    std::vector<void*> pointers;
+    call.results.resize(call.outputs.size());
+    for (size_t o = 0; o < call.outputs.size(); ++o) {
+      call.results[o].resize(columns.count * bytes * static_cast<size_t>(call.outputs[o].rows * call.outputs[o].columns));
+      pointers.push_back(call.results[o].data());
+    }
+    call.status.resize(columns.count);
+    using Function =
+        int(const void* q, const void* v, const void* more, size_t n, void* const* results, int* status, const void* options);
+    const int error =
+        reinterpret_cast<Function*>(call.address)(columns.q.data(), columns.v.data(), columns.more.data(), columns.count,
+                                                  pointers.data(), call.status.data(), options.data());
+    if (error != 0) throw std::runtime_error(call.function + ": " + describe(static_cast<BatchError>(error)));
+  }
+}
+
+void BatchEngine::evaluate(const std::vector<State>& states) {
+  run(scalar_bytes(model_) == 4 ? columns<float>(states) : columns<double>(states));
+}
+
+const BatchEngine::Call& BatchEngine::call_of(const Output& output, size_t& index) const {
+  for (const Call& call : calls_)
+    for (index = 0; index < call.outputs.size(); ++index)
+      if (call.outputs[index].name == output.name) return call;
+  throw std::logic_error("no output " + output.name);
+}
+
+Eigen::MatrixXd BatchEngine::result(const Output& output, size_t state) const {
+  size_t index = 0;
+  const Call& call = call_of(output, index);
+  const size_t bytes = scalar_bytes(model_);
+  const char* const from = call.results[index].data() + state * bytes * static_cast<size_t>(output.rows * output.columns);
+  if (bytes == 4)
+    return Eigen::Map<const Eigen::MatrixXf>(reinterpret_cast<const float*>(from), output.rows, output.columns).cast<double>();
+  return Eigen::Map<const Eigen::MatrixXd>(reinterpret_cast<const double*>(from), output.rows, output.columns);
+}
+
+int BatchEngine::status(const Output& output, size_t state) const {
+  size_t index = 0;
+  return call_of(output, index).status[state];
+}
+
+double BatchEngine::time_per_state(const std::vector<State>& states) {
+  std::vector<State> many;
+  while (many.size() < 1024) many.insert(many.end(), states.begin(), states.end());
+  const Columns all = scalar_bytes(model_) == 4 ? columns<float>(many) : columns<double>(many);
+  std::vector<double> times;
+  using Clock = std::chrono::steady_clock;
+  for (const auto end = Clock::now() + std::chrono::milliseconds(50); times.size() < 5 || Clock::now() < end;) {
+    const auto start = Clock::now();
+    run(all);
+    times.push_back(std::chrono::duration<double, std::nano>(Clock::now() - start).count() / static_cast<double>(many.size()));
+  }
+  std::nth_element(times.begin(), times.begin() + static_cast<std::ptrdiff_t>(times.size() / 2), times.end());
+  return times[times.size() / 2];
+}
+
+}  // namespace dalembert

@@ -1,0 +1,57 @@
+// The generated functions of many states behind the commands: compiled, loaded, and called through its C functions.
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "commands/compiler.hpp"
+#include "commands/output.hpp"
+#include "commands/state_file.hpp"
+#include "commands/timing.hpp"
+#include "pipeline.hpp"
+
+namespace dalembert {
+
+class BatchEngine {
+ public:
+  // Generates the model's batches with these outputs and compiles them.
+  BatchEngine(const Model& model, const std::vector<Output>& outputs, const CompilerOptions& options);
+
+  // Evaluates all outputs at all states, in one call per function.
+  void evaluate(const std::vector<State>& states);
+
+  // An output at one of the states last evaluated, rows × columns; and what its function reported of it: the coordinate at
+  // which M is not positive definite, −1 where it is.
+  Eigen::MatrixXd result(const Output& output, size_t state) const;
+  int status(const Output& output, size_t state) const;
+
+  // The time of computing all outputs, per state, of a batch of at least a thousand: these states over and over.
+  double time_per_state(const std::vector<State>& states);
+
+ private:
+  // One of the generated functions, and where its results go.
+  struct Call {
+    std::string function;
+    void* address;  // as declared in c_api.h
+    std::vector<Output> outputs;
+    std::vector<std::vector<char>> results;
+    std::vector<int> status;
+  };
+  struct Columns {
+    std::vector<char> q, v, more;  // numbers of the code's type, state after state
+    std::vector<std::vector<char>> of_wrench;
+    size_t count = 0;
+  };
+
+  template <class Scalar>
+  Columns columns(const std::vector<State>& states) const;
+  void run(const Columns& columns);
+  const Call& call_of(const Output& output, size_t& index) const;
+
+  Model model_;
+  LoadedCode code_;
+  std::vector<Call> calls_;
+};
+
+}  // namespace dalembert
