@@ -90,6 +90,8 @@ inline FactorStatus<double> guard_status(const Algorithm& algorithm, Arrays& arr
       beyond[static_cast<std::size_t>(p)] += P.transpose() * E * P + diagonal[k] * V * V.transpose();
   }
   return {};
+}
+
 // Steps with rows of constraints, likewise: all act, nothing gives way.
 inline void run_constraint_steps(const Algorithm& algorithm, Arrays& arrays) {
   for (const ConstraintStep& s : algorithm.constraint_steps) {
