@@ -47,6 +47,7 @@ class ProjectionWriter {
     style.scalar = code_.scene.scalar;
     style.indent = "      ";
     style.flat_sums = true;
+    style.name = [](ir::NodeId id) { return fmt::format("row_{}", id); };  // straight lines before have their own
     style.broadcast = [this](const std::string& number) { return fmt::format("some.all(Scalar({}))", number); };
     style.input = [this](const ir::Input& in) {
       return in.kind == InputKind::state ? fmt::format("some.all({})", of_body(in, "k"))
@@ -58,7 +59,7 @@ class ProjectionWriter {
       return (in.kind == InputKind::state ? "body_" : "") + r.name + (suffix.empty() ? "" : "_" + suffix);
     };
     text += print(projection_.graph, sinks, style);
-    return text + fmt::format("    }};\n    dalembert::project<{}>(bodies, {}, runs, workspace.{}, rows, {});\n  }}\n",
+    return text + fmt::format("    }};\n    dalembert::project<{}>(projected, {}, runs, workspace.{}, rows, {});\n  }}\n",
                               has_driven(code_) ? "true" : "false", projected_bodies(code_).size(), array_.name,
                               has_base_rows() ? "base_rows" : "dalembert::NoBaseRows{}");
   }
@@ -77,7 +78,7 @@ class ProjectionWriter {
   }
   std::string of_joint(const ir::Input& in) const {
     const int number = place(joints_, in);
-    if (code_.is_rolled()) return fmt::format("joints[{}]", number);
+    if (code_.is_rolled()) return fmt::format("of_joint[{}]", number);
     return fmt::format("workspace.{} + {}", array(projection_.joints).name, number * array(projection_.joints).rows);
   }
 
@@ -92,7 +93,7 @@ class ProjectionWriter {
     }
     return fmt::format(
         "    static constexpr dalembert::RowRun runs[] = {{\n        {}}};\n"
-        "    static constexpr dalembert::ProjectedBody bodies[] = {{\n        {}}};\n",
+        "    static constexpr dalembert::ProjectedBody projected[] = {{\n        {}}};\n",
         wrapped(runs, 8), wrapped(bodies, 8));
   }
 
@@ -100,13 +101,14 @@ class ProjectionWriter {
   std::string joints() const {
     std::vector<int> slots;
     for (int k = 0; k < code_.tree.joints(); ++k) slots.push_back(slot_of(code_, k));
-    std::string text = fmt::format("    static constexpr int slot[] = {{{}}};\n    Scalar joints[{}][{}];\n",
+    std::string text = fmt::format("    static constexpr int slot[] = {{{}}};\n    Scalar of_joint[{}][{}];\n",
                                    fmt::join(slots, ", "), joints_.size(), slots.size() + 8);
     text += fmt::format("    for (int i = 0; i < {}; ++i) {{\n", slots.size());
     for (size_t i = 0; i < joints_.size(); ++i)
-      text += fmt::format("      joints[{}][i] = {}[slot[i]];\n", i, kept(code_, joints_[i].index, joints_[i].component));
-    text += fmt::format("    }}\n    for (Scalar(&joint)[{0}] : joints)\n      for (int i = {1}; i < {0}; ++i) joint[i] = 0;\n",
-                        slots.size() + 8, slots.size());
+      text += fmt::format("      of_joint[{}][i] = {}[slot[i]];\n", i, kept(code_, joints_[i].index, joints_[i].component));
+    text += fmt::format(
+        "    }}\n    for (Scalar(&numbers)[{0}] : of_joint)\n      for (int i = {1}; i < {0}; ++i) numbers[i] = 0;\n",
+        slots.size() + 8, slots.size());
     return text;
   }
 
