@@ -183,6 +183,12 @@ Library library_of(const Model& model, Diagnostics& warnings) {
   return library;
 }
 
+// What steps with rows of constraints do with v is theirs, not the program's.
+bool steps_read_velocities(const ir::Algorithm& algorithm) {
+  return std::any_of(algorithm.constraint_steps.begin(), algorithm.constraint_steps.end(),
+                     [](const ir::ConstraintStep& step) { return step.kind != ir::ConstraintStep::Kind::delassus; });
+}
+
 // Which functions read v: of two halves, the first or the second.
 void find_what_is_read(Library& library) {
   for (size_t p = 0; p < library.parts.size(); ++p) {
@@ -190,14 +196,15 @@ void find_what_is_read(Library& library) {
     for (const LoweredFunction& f : lower_to_programs(library.parts[p].model).functions) {
       const ir::EmittedFunction& function = f.algorithm.function;
       const std::string& called = function.first_half.empty() ? function.name : function.first_half;
-      reads[called] |= !ir::inputs_read(f.program, ir::uses(f.program.graph, f.program.roots())).velocities.empty();
+      reads[called] |= steps_read_velocities(f.algorithm) ||
+                       !ir::inputs_read(f.program, ir::uses(f.program.graph, f.program.roots())).velocities.empty();
     }
     for (TableFunction& f : library.functions)
       if (f.part == p) f.reads_velocities = reads[f.function.name];
   }
 }
 
-// The workspace's members that a scene has set at run time, and how many numbers they hold.
+// The workspace's members that a scene has set at run time, and how many numbers they hold; 0: it is no array.
 struct RunTimeInput {
   std::string name, unit, help;
   std::vector<std::pair<std::string, int>> members;
@@ -232,6 +239,24 @@ std::vector<RunTimeInput> run_time_inputs(const Model& model) {
                       {{name, 6}},
                       std::vector<double>(6, 0.0)});
   }
+  for (const ir::Contact& contact : scene.contacts) {
+    const std::string name = "contact_" + ir::identifier(contact.name);
+    const int rows = contact.rows();
+    std::vector<double> start(static_cast<size_t>(11 + rows), 0.0);
+    start[0] = start[10] = 1;  // active; the anchor's quaternion
+    inputs.push_back({name,
+                      "1, 1/s^2, 1/s, 1, m, 1/kg",
+                      fmt::format("how link {} is held: active (1 or 0), kp, kd, restitution, anchor (3, quaternion x y z w), "
+                                  "regularization ({})",
+                                  contact.link, rows),
+                      {{name + ".active", 0},
+                       {name + ".kp", 0},
+                       {name + ".kd", 0},
+                       {name + ".restitution", 0},
+                       {name + ".anchor", 7},
+                       {name + ".regularization", rows}},
+                      start});
+  }
   return inputs;
 }
 
@@ -242,7 +267,8 @@ std::string set_run_time_inputs(const Model& model) {
   int at = 0;
   for (const RunTimeInput& input : run_time_inputs(model))
     for (const auto& [member, size] : input.members) {
-      if (size == 0) text += fmt::format("    workspace.{} = values[{}];\n", member, at);
+      if (member.ends_with(".active")) text += fmt::format("    workspace.{} = values[{}] != 0;\n", member, at);
+      else if (size == 0) text += fmt::format("    workspace.{} = values[{}];\n", member, at);
       else text += fmt::format("    for (int i = 0; i < {1}; ++i) workspace.{0}[i] = values[{2} + i];\n", member, size, at);
       at += std::max(size, 1);
     }

@@ -87,9 +87,10 @@ void add_generate(Command& command) {
       ->required()
       ->type_name("DIR");
   const auto package = std::make_shared<bool>(false);
-  command.parser.add_flag("--package", *package,
-                          "a package of its own instead, that needs no generator: the code in a folder below, headers, CMakeLists.txt, "
-                          "package.xml, README.md");
+  command.parser.add_flag(
+      "--package", *package,
+      "a package of its own instead, that needs no generator: the code in a folder below, headers, CMakeLists.txt, "
+      "package.xml, README.md");
   const auto compiler = add_compiler_options(command.parser);
   command.run = [&command, folder, package, compiler](Diagnostics& warnings) {
     backend::check_folder(*folder);

@@ -31,8 +31,9 @@ std::map<std::string, std::vector<backend::OutputFile>> runtime_headers() {
       std::ifstream file(at.path(), std::ios::binary);
       const fs::path name = at.path().lexically_relative(from);
       folders[name.parent_path().string()].push_back(
-          {name.filename().string(), fmt::format("// {}: a header of its runtime, as it is (BSD-3-Clause).\n", backend::banner_mark) +
-                                         std::string(std::istreambuf_iterator<char>(file), {})});
+          {name.filename().string(),
+           fmt::format("// {}: a header of its runtime, as it is (BSD-3-Clause).\n", backend::banner_mark) +
+               std::string(std::istreambuf_iterator<char>(file), {})});
     }
     return folders;
   }
@@ -49,7 +50,8 @@ std::string results_table(const Model& model) {
     const std::string more = output.function.input();
     const std::string call = fmt::format("`{}(q, v{}, workspace)`", output.function.name, more.empty() ? "" : ", " + more);
     const auto row = [&](const auto& from) {
-      text += fmt::format("| {} | `{}` | {} | {} | {} |\n", call, output.name, shape(output.rows, output.columns), from.unit, from.help);
+      text += fmt::format("| {} | `{}` | {} | {} | {} |\n", call, output.name, shape(output.rows, output.columns), from.unit,
+                          from.help);
     };
     if (output.quantity) row(ir::row_of(*output.quantity));
     else row(ir::row_of(output.of_link));
@@ -62,7 +64,9 @@ std::string coordinates_table(const Model& model) {
   std::string text = "| joint | q | v | |\n|---|---:|---:|---|\n";
   int q = tree.floating_base ? 7 : 0, v = tree.floating_base ? 6 : 0;
   if (tree.floating_base)
-    text += "| the base | 0–6 | 0–5 | position in the world, quaternion x y z w; linear and angular velocity in the base's axes |\n";
+    text +=
+        "| the base | 0–6 | 0–5 | position in the world, quaternion x y z w; linear and angular velocity in the base's axes "
+        "|\n";
   for (const ir::Body& body : tree.bodies)
     if (!body.driven()) text += fmt::format("| {} | {} | {} | {} |\n", body.joint, q++, v++, body.prismatic() ? "m" : "rad");
   return text;
@@ -73,7 +77,8 @@ std::string figures(const Model& model) {
   std::string text = "| function | multiplications | additions | sines and cosines | divisions |\n|---|---:|---:|---:|---:|\n";
   for (const auto& [function, o] : executed_operations(model, lowered))
     text += fmt::format("| `{}` | {} | {} | {} | {} |\n", function, o.multiply, o.add, o.sincos, o.divide);
-  return text + fmt::format("\nA workspace has {} bytes. Nothing is allocated, locked or thrown.\n", workspace_bytes(model, lowered));
+  return text +
+         fmt::format("\nA workspace has {} bytes. Nothing is allocated, locked or thrown.\n", workspace_bytes(model, lowered));
 }
 
 }  // namespace
@@ -90,15 +95,17 @@ std::string generate_package(const Model& whole, const std::string& folder) {
     return backend::OutputFile{as, backend::render(from, fields)};
   };
   std::string package = model.name;  // of a ROS package: lower-case letters, digits and '_'
-  std::transform(package.begin(), package.end(), package.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  const std::vector<backend::OutputFile> about{
-      filled("CMakeLists.txt", "package_CMakeLists.txt", {{"dollar", "$"}}), filled("package.xml", "package.xml", {{"package", package}}),
-      filled("self_test_main.cpp", "package_self_test.cpp", {}),
-      filled("README.md", "package_README.md", {{"command", model.command_line + " --package"},
-                                                {"robot", model.tree.robot},
-                                                {"results", results_table(model)},
-                                                {"coordinates", coordinates_table(model)},
-                                                {"figures", figures(model)}})};
+  std::transform(package.begin(), package.end(), package.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::vector<backend::OutputFile> about{filled("CMakeLists.txt", "package_CMakeLists.txt", {{"dollar", "$"}}),
+                                               filled("package.xml", "package.xml", {{"package", package}}),
+                                               filled("self_test_main.cpp", "package_self_test.cpp", {}),
+                                               filled("README.md", "package_README.md",
+                                                      {{"command", model.command_line + " --package"},
+                                                       {"robot", model.tree.robot},
+                                                       {"results", results_table(model)},
+                                                       {"coordinates", coordinates_table(model)},
+                                                       {"figures", figures(model)}})};
   backend::write_files((fs::path(folder) / model.name).string(), code);
   for (const auto& [place, files] : headers) backend::write_files((fs::path(folder) / "include" / place).string(), files);
   backend::write_files(folder, about);

@@ -150,7 +150,7 @@ class Registry(unittest.TestCase):
     def test_every_quantity(self):
         urdf, link = robots.robot("double_pendulum"), "link_02"
         robot = dalembert.load(urdf, base="floating", outputs=list(dalembert.quantities()),
-                               frames={link: list(dalembert.link_quantities())}, flags=robots.quick)
+                               frames={link: list(dalembert.link_quantities())}, contacts={link: "weld"}, flags=robots.quick)
         names = [*dalembert.quantities(), *(f"{q}_{link}" for q in dalembert.link_quantities())]
         self.assertGreater(len(names), 25)
         rng = np.random.default_rng(1)
@@ -162,7 +162,8 @@ class Registry(unittest.TestCase):
                 states = np.hstack([q, v, more]) if takes else np.hstack([q, v])
                 function = robot[name]
                 values = function(q, v, more) if takes else function(q, v)
-                expected = np.array(robots.eval_lines(urdf, name, states, "--base", "floating", "--engine", "generic"))
+                expected = np.array(robots.eval_lines(urdf, name, states, "--base", "floating", "--contacts",
+                                                          f"{link}=weld", "--engine", "generic"))
                 self.assertEqual(values.shape[0], n)
                 self.assertEqual(values.size, expected.size)
                 scale = np.abs(expected).max()
@@ -171,6 +172,14 @@ class Registry(unittest.TestCase):
                 self.assertEqual(np.asarray(one).tobytes(), np.ascontiguousarray(values[0]).tobytes())
                 self.assertIn(name if name in robot.outputs else "", function.__doc__)
         self.assertEqual(set(names), set(robot.outputs))
+        with self.subTest("a contact that is let go"):
+            held = robot.constrained_forward_dynamics(q, v, more)
+            robot.contact_link_02 = dalembert.Contact(active=False)
+            free = robot.constrained_forward_dynamics(q, v, more)
+            self.assertLess(np.abs(free - robot.forward_dynamics(q, v, more)).max(), 1e-9 * np.abs(free).max())
+            self.assertFalse(np.allclose(held, free))
+            robot.contact_link_02 = dalembert.Contact()
+            self.assertTrue(np.array_equal(robot.constrained_forward_dynamics(q, v, more), held))
         together = robot.evaluate(q, v, a=more, tau=more, outputs=names)
         for name, values in zip(names, together):
             self.assertEqual(np.shape(values)[0], n, name)

@@ -27,6 +27,17 @@ class Payload(NamedTuple):
     inertia: tuple = (0.0,) * 6  # xx xy xz yy yz zz about the centre of mass, kg m², the link's axes
 
 
+class Contact(NamedTuple):
+    """How a contact acts, given at run time (scene key `contacts`): its rows' accelerations shall be -kd J v - kp e."""
+
+    active: bool = True  # else it exerts nothing
+    kp: float = 0.0  # 1/s²
+    kd: float = 0.0  # 1/s
+    restitution: float = 0.0  # of an impact: J v becomes -restitution J v
+    anchor: tuple = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)  # place in the world, m, and quaternion x y z w; matters where kp does
+    regularization: tuple = (0.0,) * 6  # added to the diagonal of J M⁻¹ Jᵀ, per row; of a point the first three
+
+
 def load(urdf, **keywords):
     """The robot's functions, generated and compiled, or found in the cache.
 
@@ -266,8 +277,10 @@ class Robot:
             raise AttributeError(f"'{name}' cannot be set" + (_build.did_you_mean(name, known) if known else
                                  ": a scene with gravity: run_time, payloads or wrenches has what can"))
         at, size, unit, text = places[name]
-        if isinstance(value, Payload):
-            value = numpy.concatenate([[value.mass], numpy.ravel(value.com), numpy.ravel(value.inertia)])
+        if isinstance(value, (Payload, Contact)):
+            value = numpy.concatenate([numpy.ravel(part).astype(float) for part in value])
+            if name.startswith("contact_"):
+                value = value[:size]
         value = numpy.asarray(value)
         if value.shape != (size,) or value.dtype.kind not in "biuf":
             raise ValueError(f"{name} has shape {value.shape} and dtype {value.dtype}, expected ({size},): {text}, {unit}")
