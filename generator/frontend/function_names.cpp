@@ -60,22 +60,22 @@ constexpr const char* of_the_folder[] = {"Scalar",
                                          "input_1",
                                          "input_2"};
 // What a function may have of its own, besides its results.
-constexpr const char* own[] = {"kept",     "status",         "stages",     "run",        "inverse", "factor",          "pivots",
-                               "diagonal", "padded_inverse", "efforts_dq", "efforts_dv", "mass",    "unscaled_factor", "solve",
-                               "gain",     "joint"};
+constexpr const char* own[] = {"scratch",         "status",   "stages",         "run",        "inverse",    "factor",
+                               "pivots",          "diagonal", "padded_inverse", "efforts_dq", "efforts_dv", "mass",
+                               "unscaled_factor", "solve",    "gain",           "joint"};
 // What one in two halves has besides.
 constexpr const char* of_halves[] = {"accelerations",          "derivatives",
-                                     "derivatives_kept",       "derivatives_stages",
+                                     "derivatives_scratch",    "derivatives_stages",
                                      "derivatives_efforts_dq", "derivatives_efforts_dv"};
 
 // What the code has of a function besides its results.
 std::vector<std::string> names_of(const ir::EmittedFunction& function) {
-  std::vector<std::string> names{function.name, function.type + "Kept", function.type + "TaskGraph"};
+  std::vector<std::string> names{function.name, function.type + "Scratch", function.type + "TaskGraph"};
   for (const char* word : own) names.push_back(function.own_name(word));
   const bool may_be_halved =
       function.named ? function.computes(ir::Quantity::forward_dynamics_dq) : function.inputs == ir::Function::forward_dynamics;
   if (!may_be_halved) return names;
-  names.push_back(function.type + "DerivativesKept");
+  names.push_back(function.type + "DerivativesScratch");
   for (const char* word : of_halves) names.push_back(function.own_name(word));
   return names;
 }
