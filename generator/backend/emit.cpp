@@ -397,8 +397,8 @@ void c_functions(const Folder& folder, std::string& declarations, std::string& d
   for (const ir::Contact& contact : code.scene.contacts) {
     const std::string id = ir::identifier(contact.name);
     add(fmt::format(
-            "active: 1 or 0, kp (1/s^2), kd (1/s), restitution: as in {}::Contact; anchor: 7 numbers, regularization: {};\n"
-            "// null: as they are",
+            "active: 1 or 0, kp (1/s^2), kd (1/s), restitution: as in {}::Contact; anchor: 7 numbers, regularization: {}; "
+            "null: as they are",
             n, contact.rows()),
         fmt::format("void {0}_set_contact_{1}(int active, {2} kp, {2} kd, {2} restitution, const {2}* anchor,\n"
                     "    const {2}* regularization, {0}_workspace* workspace)",
@@ -416,8 +416,7 @@ void c_functions(const Folder& folder, std::string& declarations, std::string& d
     for (const ir::ConstraintStep& step : f.algorithm.constraint_steps)
       if (const char* status = status_of(step); *status)
         add("The largest error that is left of a contact's row; least_pivot, rank: as in dalembert::ConstraintStatus; null: "
-            "not\n"
-            "// wanted",
+            "not wanted",
             fmt::format("{0} {1}_{2}({0}* least_pivot, int* rank, const {1}_workspace* workspace)", s, n, own_name(f, status)),
             fmt::format("  if (least_pivot) *least_pivot = workspace->{0}.least_pivot;\n"
                         "  if (rank) *rank = workspace->{0}.rank;\n"

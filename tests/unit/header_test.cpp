@@ -22,9 +22,11 @@ struct Case {
   Settings settings;
 };
 
-std::string every_output() {
+// Those of contacts, where the scene has some.
+std::string every_output(bool of_contacts = false) {
   std::string names;
-  for (const ir::QuantityRow& row : ir::quantities()) names += (names.empty() ? "" : ",") + std::string(row.name);
+  for (const ir::QuantityRow& row : ir::quantities())
+    if (of_contacts || !ir::is_of_constraints(row.quantity)) names += (names.empty() ? "" : ",") + std::string(row.name);
   return names;
 }
 
@@ -46,6 +48,7 @@ const std::vector<Case>& cases() {
         {"payloads", "c_01"},
         {"functions",
          "{reach: [mass_matrix_factor, bias, jacobian_mixed_c_01], plan: [forward_dynamics, forward_dynamics_dq]}"}}},
+      {"contacts", "two_levels_of_branching", "rolled", {{"contacts", "c_01=weld"}, {"outputs", every_output(true)}}},
       {"mimic",
        "chain_7",
        "rolled",
