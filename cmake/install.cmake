@@ -5,6 +5,9 @@ set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/dalembert)
 
 install(TARGETS dalembert dalembert_runtime EXPORT dalembert_targets)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/runtime/include/dalembert DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+# Pages as they link to each other: README, docs and examples.
+install(FILES ${PROJECT_SOURCE_DIR}/README.md ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs ${PROJECT_SOURCE_DIR}/examples DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(EXPORT dalembert_targets NAMESPACE dalembert:: DESTINATION ${package_dir})
 
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/dalembert-config.cmake.in

@@ -58,7 +58,7 @@ void warn_of_idle_keys(const ir::Scene& scene, const ir::KinematicTree& tree, Di
     keys.warn("forward_dynamics", "no output is solved for with M",
               "ask for forward_dynamics, inverse_mass_matrix or mass_matrix_factor");
   else if (scene.forward_dynamics == ir::Solver::articulated_bodies && tree.independent_joints() < tree.joints())
-    keys.warn("forward_dynamics", "joints that are driven by others are solved for by factorization all the same",
+    keys.warn("forward_dynamics", "mimic joints are solved for by factorization all the same",
               "leave the key out, or the mimic relations");
 
   if (scene.coriolis == ir::Coriolis::christoffel && !keys.asked({Quantity::coriolis_matrix}))

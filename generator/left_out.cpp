@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "ir/joint_words.hpp"
+
 namespace dalembert {
 namespace {
 
@@ -40,29 +42,27 @@ void add_rows(std::vector<std::string>& lines, const OperationCost* before, cons
   }
 }
 
-// Names of the joints whose coordinate is listed; `base` coordinates come before the joints'.
-std::vector<std::string> joint_names(const std::vector<int>& listed, int base, const ir::KinematicTree& tree) {
-  std::vector<std::string> own, names;
-  for (const ir::Body& body : tree.bodies)
-    if (!body.driven()) own.push_back(body.joint);
-  for (int index : listed)
-    if (index >= base) names.push_back(own[static_cast<size_t>(index - base)]);
-  return names;
+// Of indices into q or v, those of joints, counted behind the base's.
+std::vector<int> behind_base(const std::vector<int>& listed, int base) {
+  std::vector<int> joints;
+  for (const int index : listed)
+    if (index >= base) joints.push_back(index - base);
+  return joints;
 }
 
 }  // namespace
 
 std::string not_read(const OperationCost& cost, const ir::KinematicTree& tree) {
   std::vector<std::string> parts;
-  const auto joints = [&](const char* what, const std::vector<std::string>& names, bool some_read) {
-    if (!some_read && tree.independent_joints() > 0) parts.push_back(fmt::format("joint {}s", what));
-    else if (!names.empty()) parts.push_back(fmt::format("{} of {}", what, fmt::join(names, " and ")));
+  const auto joints = [&](const char* what, const std::vector<int>& unread, bool some_read) {
+    if (!some_read && tree.independent_joints() > 0) parts.push_back(fmt::format("joint {}", what));
+    else if (!unread.empty()) parts.push_back(fmt::format("{} of {}", what, ir::joints_in_words(unread, tree)));
   };
   if (tree.floating_base && !cost.reads_base_pose) parts.emplace_back("base pose");
   else if (tree.floating_base && !cost.reads_base_position) parts.emplace_back("base position");
-  joints("position", joint_names(cost.positions_not_read, tree.floating_base ? 7 : 0, tree), cost.reads_position);
+  joints("positions", behind_base(cost.positions_not_read, tree.floating_base ? 7 : 0), cost.reads_position);
   if (!cost.reads_velocity) parts.push_back("velocities");
-  else joints("rate", joint_names(cost.velocities_not_read, tree.floating_base ? 6 : 0, tree), true);
+  else joints("rates", behind_base(cost.velocities_not_read, tree.floating_base ? 6 : 0), true);
   return fmt::format("{}", fmt::join(parts, ", "));
 }
 

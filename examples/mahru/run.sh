@@ -1,6 +1,6 @@
 #!/bin/sh
 # sh examples/mahru/run.sh [CONTROLLER OPTION...]   From URDF to a running 1 kHz torque controller: installs what is missing, builds
-# the generator, generates MAHRU's dynamics, compiles them into the controller and runs it. See docs/controller.md.
+# the generator, generates MAHRU's dynamics, compiles them into the controller and runs it. See README.md here.
 set -eu
 cd "$(dirname "$0")/../.."
 

@@ -18,20 +18,21 @@ int arm_nv(void);
 arm_workspace* arm_create(void);
 void arm_destroy(arm_workspace* workspace);
 
-// Computes mass_matrix, gravity, bias, jacobian_link_07.
-// q: arm_nq() positions, v: arm_nv() velocities. Does not allocate.
+// Computes mass_matrix, gravity, bias, jacobian_link_07. q: arm_nq() positions, v: arm_nv() velocities. Does not
+// allocate.
 void arm_evaluate(const double* q, const double* v, arm_workspace* workspace);
 
-// 7 x 7
+// M, nv x nv [kg, kg m, kg m^2]: joint-space inertia matrix M of M dv/dt + C v + g = tau: symmetric, positive definite,
+// T = v'M v/2.
 const double* arm_mass_matrix(const arm_workspace* workspace);
 
-// 7 x 1
+// g, nv [N, N m]: gravity term of M dv/dt + C v + g = tau: what holds the robot still.
 const double* arm_gravity(const arm_workspace* workspace);
 
-// 7 x 1
+// C v + g, nv [N, N m]: nonlinear effects C v + g, with the scene's damping, friction and springs: tau where dv/dt = 0.
 const double* arm_bias(const arm_workspace* workspace);
 
-// 6 x 7
+// J, 6 x nv [m, 1]: Jacobian of link_07, its own axes, at its origin, linear rows first: its twist is J v.
 const double* arm_jacobian_link_07(const arm_workspace* workspace);
 
 // mass (kg), com: 3 numbers (m, link axes), inertia: xx xy xz yy yz zz about the com (kg m^2, link axes)

@@ -2,6 +2,127 @@
 //   dalembert generate chain_7.urdf --scene arm.yaml --form straight --name arm
 // This file is yours: no licence of the generator applies to it.
 //
+// One call fills a workspace; results are matrices that look into it:
+//   arm::Workspace workspace;
+//   arm::evaluate(q, v, workspace);
+//   const auto result = arm::mass_matrix(workspace);
+// Behind the interface: operations counted, inputs not read, which link moves with which body.
+#pragma once
+
+#include <Eigen/Core>
+
+#include <dalembert/arguments.hpp>
+#include <dalembert/version.hpp>
+
+static_assert(dalembert::runtime_version == 6,
+              "arm was generated for another runtime: generate it again");
+
+namespace arm {
+
+using Scalar = double;
+
+inline constexpr int nq = 7;  // positions q: joints [m, rad]
+inline constexpr int nv = 7;  // velocities v: joint rates [m/s, rad/s]
+inline constexpr int joints = 7;  // with a coordinate of their own
+inline constexpr int bodies = 7;  // that move; links welded together are one
+
+// Joints, in the order of q and v: a joint's position is q[q_index(joint)], its rate v[v_index(joint)].
+enum class Joint : int {
+  link_01_joint, link_02_joint, link_03_joint, link_04_joint, link_05_joint, link_06_joint, link_07_joint
+};
+constexpr int q_index(Joint joint) noexcept { return nq - joints + static_cast<int>(joint); }
+constexpr int v_index(Joint joint) noexcept { return nv - joints + static_cast<int>(joint); }
+
+inline constexpr const char* joint_names[] = {
+    "link_01_joint", "link_02_joint", "link_03_joint", "link_04_joint", "link_05_joint", "link_06_joint",
+    "link_07_joint"};
+
+// A link of each body, parents before children: the order of wrench_influence's and regressor's columns.
+inline constexpr const char* body_names[] = {
+    "link_01", "link_02", "link_03", "link_04", "link_05", "link_06", "link_07"};
+
+// Positions; and velocities, accelerations or forces. Each is an Eigen::Matrix<Scalar, n, 1>; neither is taken for the
+// other.
+using VectorQ = dalembert::VectorQ<Scalar, nq>;
+using VectorV = dalembert::VectorV<Scalar, nv>;
+
+// A result: a matrix that looks into the workspace, column by column.
+template <int rows, int columns>
+using Result = Eigen::Map<const Eigen::Matrix<Scalar, rows, columns>, Eigen::Aligned64>;
+
+// Run-time inputs, results and scratch of a call: 1024 bytes, one per thread.
+struct Workspace;
+
+// Functions. They take pointers, or Eigen's vectors and expressions (dalembert/arguments.hpp): a wrong type or length
+// does not compile; where a length is known at run time only, the function returns whether it is right, and computes
+// nothing where it is not. They read their arguments and the workspace's run-time inputs and nothing else; they do not
+// allocate, lock, throw or call the system. Two calls with equal arguments give equal bits.
+
+// Computes mass_matrix, gravity, bias, jacobian_link_07.
+void evaluate(const Scalar* q, const Scalar* v, Workspace& workspace) noexcept;
+
+template <class Q = VectorQ, class V = VectorV>
+dalembert::Checked<void, Q, V> evaluate(
+    const Q& q, const V& v, Workspace& workspace) noexcept {
+  return dalembert::call<VectorQ, VectorV>(
+      [&](auto... numbers) { evaluate(numbers..., workspace); }, q, v);
+}
+
+// Results of the last call. They look into the workspace, which must outlive them: one made on the spot does not.
+// [unit of each kind of element]
+
+// M, nv x nv [kg, kg m, kg m^2]: joint-space inertia matrix M of M dv/dt + C v + g = tau: symmetric, positive definite,
+// T = v'M v/2.
+inline Result<7, 7> mass_matrix(const Workspace& workspace);
+
+// g, nv [N, N m]: gravity term of M dv/dt + C v + g = tau: what holds the robot still.
+inline Result<7, 1> gravity(const Workspace& workspace);
+
+// C v + g, nv [N, N m]: nonlinear effects C v + g, with the scene's damping, friction and springs: tau where dv/dt = 0.
+inline Result<7, 1> bias(const Workspace& workspace);
+
+// J, 6 x nv [m, 1]: Jacobian of link_07, its own axes, at its origin, linear rows first: its twist is J v.
+inline Result<6, 7> jacobian_link_07(const Workspace& workspace);
+// A rigid body welded to a link, given at run time.
+struct Payload {
+  Scalar mass = 0;          // kg
+  Scalar com[3] = {};       // centre of mass, m, in the link's frame
+  Scalar inertia[6] = {};   // xx xy xz yy yz zz about the centre of mass, kg m^2, the link's axes
+};
+
+// A new workspace is zero: the structural zeros of results are written here, once, and never again.
+struct Workspace {
+  // Results, column by column.
+  alignas(64) Scalar mass_matrix[7 * 7] = {};
+  alignas(64) Scalar gravity[7] = {};
+  alignas(64) Scalar bias[7] = {};
+  alignas(64) Scalar jacobian_link_07[6 * 7] = {};
+
+  // Run-time inputs: set them as you need, before a call.
+  Payload payload_link_07;  // carried by link link_07
+};
+
+inline Result<7, 7> mass_matrix(const Workspace& workspace) {
+  return Result<7, 7>(workspace.mass_matrix);
+}
+void mass_matrix(const Workspace&&) = delete;
+inline Result<7, 1> gravity(const Workspace& workspace) {
+  return Result<7, 1>(workspace.gravity);
+}
+void gravity(const Workspace&&) = delete;
+inline Result<7, 1> bias(const Workspace& workspace) {
+  return Result<7, 1>(workspace.bias);
+}
+void bias(const Workspace&&) = delete;
+inline Result<6, 7> jacobian_link_07(const Workspace& workspace) {
+  return Result<6, 7>(workspace.jacobian_link_07);
+}
+void jacobian_link_07(const Workspace&&) = delete;
+
+}  // namespace arm
+
+// Notes
+//
 // Scalar operations of one evaluation, per phase. Before: the URDF without a scene, as the equations are written
 // (--without fold,share,move_parameters), with the default outputs and those asked for. Here: what is left.
 //                                 multiply             add         sin/cos          divide
@@ -26,45 +147,12 @@
 //   III elements               348     159     261     114       0       0       0       0
 // evaluate, executed                  1931            1488               8               0
 // Left out: coriolis_matrix
-// Not read by mass_matrix: position of link_01_joint, velocities
+// Not read by mass_matrix: positions of link_01_joint, velocities
 // Not read by gravity: velocities
-// Not read by jacobian_link_07: position of link_01_joint, velocities
+// Not read by jacobian_link_07: positions of link_01_joint, velocities
 // Executed: by the code, which computes sines four at a time.
 // Workspace: 1024 bytes
-#pragma once
-
-#include <Eigen/Core>
-
-#include <dalembert/arguments.hpp>
-#include <dalembert/version.hpp>
-
-static_assert(dalembert::runtime_version == 5, "arm was generated for another runtime: generate it again");
-
-namespace arm {
-
-using Scalar = double;
-
-inline constexpr int nq = 7;  // joints
-inline constexpr int nv = 7;  // joint rates
-inline constexpr int joints = 7;
-inline constexpr int bodies = 7;
-
-// Joints, numbered as in joint_names. In q and v they stand behind a floating base's coordinates: a joint's position is
-// q[q_index(joint)], its rate v[v_index(joint)].
-enum class Joint : int {
-  link_01_joint, link_02_joint, link_03_joint, link_04_joint, link_05_joint, link_06_joint, link_07_joint
-};
-constexpr int q_index(Joint joint) noexcept { return nq - joints + static_cast<int>(joint); }
-constexpr int v_index(Joint joint) noexcept { return nv - joints + static_cast<int>(joint); }
-
-inline constexpr const char* joint_names[] = {
-    "link_01_joint", "link_02_joint", "link_03_joint", "link_04_joint", "link_05_joint", "link_06_joint",
-    "link_07_joint"};
-
-// Links that move as one body each, in the order of wrench_influence's columns.
-inline constexpr const char* body_names[] = {
-    "link_01", "link_02", "link_03", "link_04", "link_05", "link_06", "link_07"};
-
+//
 // Links and the bodies they move with:
 //   base                             base
 //   link_01                          link_01
@@ -74,12 +162,12 @@ inline constexpr const char* body_names[] = {
 //   link_05                          link_05
 //   link_06                          link_06
 //   link_07                          link_07
-
-// Inertial parameters that move in the same way with a body and with its parent count as the parent's: the results do not
-// change, and what is zero costs nothing. In a frame whose z is the joint's axis they are, of a body that turns, the mass m,
-// the first moment's h_z and the second moment's S_zz, a distribution of mass along the axis; of one that slides, S and t,
-// half the trace of its inertia.
-// From, to, what (with what the body got from those behind it):
+//
+// Base-parameter regrouping: inertial parameters that move in the same way with a body and with its parent count as the
+// parent's; the results do not change, and what is zero costs nothing. In a frame whose z is the joint's axis they are,
+// of a body that turns, the mass m, the first moment's h_z and the second moment's S_zz, a distribution of mass along
+// the axis; of one that slides, S and t, half the trace of its inertia.
+// From, to, what (with what the body got from its descendants):
 //   link_01                          base                             m, h_z, S_zz
 //   link_02                          link_01                          m, h_z, S_zz
 //   link_03                          link_02                          m, h_z, S_zz
@@ -87,54 +175,3 @@ inline constexpr const char* body_names[] = {
 //   link_05                          link_04                          m, h_z, S_zz
 //   link_06                          link_05                          m, h_z, S_zz
 //   link_07                          link_06                          m, h_z, S_zz
-
-// Positions; and velocities, accelerations or forces. Each is an Eigen::Matrix<Scalar, n, 1>, but neither is taken for the other.
-using VectorQ = dalembert::VectorQ<Scalar, nq>;
-using VectorV = dalembert::VectorV<Scalar, nv>;
-
-// A result as a matrix that looks into the workspace.
-template <int rows, int columns>
-using Result = Eigen::Map<const Eigen::Matrix<Scalar, rows, columns>, Eigen::Aligned64>;
-
-// A rigid body welded to a link, given at run time.
-struct Payload {
-  Scalar mass = 0;          // kg
-  Scalar com[3] = {};       // centre of mass, m, in the link's frame
-  Scalar inertia[6] = {};   // xx xy xz yy yz zz about the centre of mass, kg m^2, the link's axes
-};
-
-// Results, run-time inputs and room to work in. Matrices stand column by column. A new workspace is zero: the structural zeros of
-// the results are written here, once, and never again.
-struct Workspace {
-  alignas(64) Scalar mass_matrix[7 * 7] = {};
-  alignas(64) Scalar gravity[7] = {};
-  alignas(64) Scalar bias[7] = {};
-  alignas(64) Scalar jacobian_link_07[6 * 7] = {};
-
-  Payload payload_link_07;  // carried by link link_07: set it as you need
-};
-
-// Functions take pointers, or Eigen's vectors and expressions (dalembert/arguments.hpp). Of these a wrong type or length does not
-// compile; where a length is known at run time only, the function returns whether it is right, and computes nothing where it is not.
-
-// Computes mass_matrix, gravity, bias, jacobian_link_07.
-// q: nq positions, v: nv velocities, as laid out above. Reads nothing else than the workspace's run-time
-// inputs; does not allocate, lock, throw or call the system. Two calls with equal arguments give equal bits.
-void evaluate(const Scalar* q, const Scalar* v, Workspace& workspace) noexcept;
-
-template <class Q = VectorQ, class V = VectorV>
-dalembert::Checked<void, Q, V> evaluate(const Q& q, const V& v, Workspace& workspace) noexcept {
-  return dalembert::call<VectorQ, VectorV>([&](auto... numbers) { evaluate(numbers..., workspace); }, q, v);
-}
-
-// The results. They look into the workspace: it must live as long as they do, which one made on the spot does not.
-inline Result<7, 7> mass_matrix(const Workspace& workspace) { return Result<7, 7>(workspace.mass_matrix); }
-void mass_matrix(const Workspace&&) = delete;
-inline Result<7, 1> gravity(const Workspace& workspace) { return Result<7, 1>(workspace.gravity); }
-void gravity(const Workspace&&) = delete;
-inline Result<7, 1> bias(const Workspace& workspace) { return Result<7, 1>(workspace.bias); }
-void bias(const Workspace&&) = delete;
-inline Result<6, 7> jacobian_link_07(const Workspace& workspace) { return Result<6, 7>(workspace.jacobian_link_07); }
-void jacobian_link_07(const Workspace&&) = delete;
-
-}  // namespace arm

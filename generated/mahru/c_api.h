@@ -18,20 +18,21 @@ int mahru_nv(void);
 mahru_workspace* mahru_create(void);
 void mahru_destroy(mahru_workspace* workspace);
 
-// Computes mass_matrix, coriolis_matrix, gravity, bias.
-// q: mahru_nq() positions, v: mahru_nv() velocities. Does not allocate.
+// Computes mass_matrix, coriolis_matrix, gravity, bias. q: mahru_nq() positions, v: mahru_nv() velocities. Does not
+// allocate.
 void mahru_evaluate(const double* q, const double* v, mahru_workspace* workspace);
 
-// 31 x 31
+// M, nv x nv [kg, kg m, kg m^2]: joint-space inertia matrix M of M dv/dt + C v + g = tau: symmetric, positive definite,
+// T = v'M v/2.
 const double* mahru_mass_matrix(const mahru_workspace* workspace);
 
-// 31 x 31
+// C, nv x nv [kg/s, kg m/s, kg m^2/s]: Coriolis matrix: dM/dt = C + C', so dM/dt - 2 C is skew-symmetric.
 const double* mahru_coriolis_matrix(const mahru_workspace* workspace);
 
-// 31 x 1
+// g, nv [N, N m]: gravity term of M dv/dt + C v + g = tau: what holds the robot still.
 const double* mahru_gravity(const mahru_workspace* workspace);
 
-// 31 x 1
+// C v + g, nv [N, N m]: nonlinear effects C v + g, with the scene's damping, friction and springs: tau where dv/dt = 0.
 const double* mahru_bias(const mahru_workspace* workspace);
 
 // The element of the self-test that is worst, relative to what it is allowed; rows and columns are counted from 0, column -1

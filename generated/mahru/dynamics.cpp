@@ -9,7 +9,7 @@
 namespace mahru {
 namespace {
 
-// Limbs side by side in lanes; slot = first + step * width + lane.
+// Branches side by side in lanes; slot = first + step * width + lane.
 //   waist: 1 steps, 1 lane, slots 0 to 0
 //     lane 0: waist to waist
 //   left_hip_yaw_x4: 6 steps, 4 lanes, slots 8 to 31
@@ -162,114 +162,114 @@ namespace stages {
 
 void prepare(const Scalar* q, const Scalar* v, Workspace& workspace) noexcept {
   static_cast<void>(q), static_cast<void>(v);
-  Kept& kept = workspace.kept;
-  static_cast<void>(kept);
+  Workspace::Scratch& scratch = workspace.scratch;
+  static_cast<void>(scratch);
   // Sines and cosines of all angles together.
-  dalembert::sincos_of_slots_at<32, 7>(q + 7, slot_joint, first_of_four, kept.sine[0], kept.cosine[0]);
-  for (const int i : first_of_four) dalembert::store<4, Scalar>(kept.rate[0] + i, dalembert::gather<4>(v + 6, slot_joint + i));
+  dalembert::sincos_of_slots_at<32, 7>(q + 7, slot_joint, first_of_four, scratch.sine[0], scratch.cosine[0]);
+  for (const int i : first_of_four) dalembert::store<4, Scalar>(scratch.rate[0] + i, dalembert::gather<4>(v + 6, slot_joint + i));
   // The base: R = 1, p = 0, V; J = 1, dJ = ad(V) J
   // h = R hk + m p, S = R Sk R' + R hk p' + p (R hk)' + m p p'
   // gravity along the base's axes
   // w, dw = 0, a = w x u - gravity
   // f = m a + dw x h + w x (w x h), n = h x a + I dw + w x I w
-  kept.rotation[0][base_slot] = 1.0;
-  kept.rotation[4][base_slot] = 1.0;
-  kept.rotation[1][base_slot] = 0.0;
-  kept.rotation[3][base_slot] = 0.0;
-  kept.angular_acceleration[0][base_slot] = 0.0;
-  kept.angular_acceleration[1][base_slot] = 0.0;
-  kept.velocity[0][base_slot] = v[0];
-  kept.velocity[1][base_slot] = v[1];
-  kept.velocity[2][base_slot] = v[2];
-  kept.velocity[3][base_slot] = v[3];
-  kept.angular[0][base_slot] = v[3];
-  kept.velocity[4][base_slot] = v[4];
-  kept.angular[1][base_slot] = v[4];
-  kept.velocity[5][base_slot] = v[5];
-  kept.angular[2][base_slot] = v[5];
+  scratch.rotation[0][base_slot] = 1.0;
+  scratch.rotation[4][base_slot] = 1.0;
+  scratch.rotation[1][base_slot] = 0.0;
+  scratch.rotation[3][base_slot] = 0.0;
+  scratch.angular_acceleration[0][base_slot] = 0.0;
+  scratch.angular_acceleration[1][base_slot] = 0.0;
+  scratch.velocity[0][base_slot] = v[0];
+  scratch.velocity[1][base_slot] = v[1];
+  scratch.velocity[2][base_slot] = v[2];
+  scratch.velocity[3][base_slot] = v[3];
+  scratch.angular[0][base_slot] = v[3];
+  scratch.velocity[4][base_slot] = v[4];
+  scratch.angular[1][base_slot] = v[4];
+  scratch.velocity[5][base_slot] = v[5];
+  scratch.angular[2][base_slot] = v[5];
   const Scalar t1 = 12.11 * v[4];
-  kept.momentum[0][base_slot] = t1 + 65.0 * v[0];
+  scratch.momentum[0][base_slot] = t1 + 65.0 * v[0];
   const Scalar t2 = 12.11 * v[3];
-  kept.momentum[1][base_slot] = 65.0 * v[1] - t2;
-  kept.momentum[2][base_slot] = 65.0 * v[2];
+  scratch.momentum[1][base_slot] = 65.0 * v[1] - t2;
+  scratch.momentum[2][base_slot] = 65.0 * v[2];
   const Scalar t3 = 12.11 * v[2];
-  kept.bias_block[0][base_slot] = t3;
-  kept.bias_block[4][base_slot] = t3;
-  kept.bias_block[1][base_slot] = 0.3159 * v[5];
-  kept.bias_block[2][base_slot] = -(4.7481601699999985 * v[4] + 12.11 * v[0]);
-  kept.bias_block[3][base_slot] = -(0.1026 * v[5]);
-  kept.bias_block[5][base_slot] = -(12.11 * v[1] - 4.7481601699999985 * v[3]);
-  kept.bias_block[6][base_slot] = 0.1026 * v[4];
-  kept.bias_block[7][base_slot] = -(0.3159 * v[3]);
+  scratch.bias_block[0][base_slot] = t3;
+  scratch.bias_block[4][base_slot] = t3;
+  scratch.bias_block[1][base_slot] = 0.3159 * v[5];
+  scratch.bias_block[2][base_slot] = -(4.7481601699999985 * v[4] + 12.11 * v[0]);
+  scratch.bias_block[3][base_slot] = -(0.1026 * v[5]);
+  scratch.bias_block[5][base_slot] = -(12.11 * v[1] - 4.7481601699999985 * v[3]);
+  scratch.bias_block[6][base_slot] = 0.1026 * v[4];
+  scratch.bias_block[7][base_slot] = -(0.3159 * v[3]);
   const Scalar t4 = 9.81 * (2.0 * (q[3] * q[5] - q[4] * q[6]));
-  kept.down[0][base_slot] = -t4;
+  scratch.down[0][base_slot] = -t4;
   const Scalar t5 = 9.81 * (2.0 * (q[6] * q[3] + q[4] * q[5]));
-  kept.down[1][base_slot] = -t5;
+  scratch.down[1][base_slot] = -t5;
   const Scalar t6 = 9.81 * (1.0 - 2.0 * (q[4] * q[4] + q[3] * q[3]));
-  kept.down[2][base_slot] = -t6;
+  scratch.down[2][base_slot] = -t6;
   const Scalar t7 = t4 + (v[2] * v[4] - v[1] * v[5]);
-  kept.acceleration[0][base_slot] = t7;
+  scratch.acceleration[0][base_slot] = t7;
   const Scalar t8 = t5 + (v[0] * v[5] - v[2] * v[3]);
-  kept.acceleration[1][base_slot] = t8;
+  scratch.acceleration[1][base_slot] = t8;
   const Scalar t9 = t6 + (v[1] * v[3] - v[0] * v[4]);
-  kept.acceleration[2][base_slot] = t9;
-  kept.wrench[0][base_slot] = v[5] * t2 + 65.0 * t7;
-  kept.wrench[1][base_slot] = v[5] * t1 + 65.0 * t8;
-  kept.wrench[2][base_slot] = 65.0 * t9 - (v[4] * t1 + v[3] * t2);
+  scratch.acceleration[2][base_slot] = t9;
+  scratch.wrench[0][base_slot] = v[5] * t2 + 65.0 * t7;
+  scratch.wrench[1][base_slot] = v[5] * t1 + 65.0 * t8;
+  scratch.wrench[2][base_slot] = 65.0 * t9 - (v[4] * t1 + v[3] * t2);
   const Scalar t10 = 4.694160169999999 * v[4];
   const Scalar t11 = 0.2619 * v[5];
-  kept.wrench[3][base_slot] = v[4] * t11 - v[5] * t10 - 12.11 * t8;
+  scratch.wrench[3][base_slot] = v[4] * t11 - v[5] * t10 - 12.11 * t8;
   const Scalar t12 = 4.9074601699999985 * v[3];
-  kept.wrench[4][base_slot] = v[5] * t12 - v[3] * t11 + 12.11 * t7;
-  kept.wrench[5][base_slot] = v[3] * t10 - v[4] * t12;
+  scratch.wrench[4][base_slot] = v[5] * t12 - v[3] * t11 + 12.11 * t7;
+  scratch.wrench[5][base_slot] = v[3] * t10 - v[4] * t12;
 }
 
 void outwards_waist(Workspace& workspace) noexcept {
-  Kept& kept = workspace.kept;
-  static_cast<void>(kept);
+  Workspace::Scratch& scratch = workspace.scratch;
+  static_cast<void>(scratch);
   // R = Rp Rk Rz(q), p = pp + Rp pk, J = [p x z; z], V = Vp + J dq, dJ = ad(Vp) J
   {
     using V [[maybe_unused]] = dalembert::Lanes<Scalar, 1>;
-    V above_velocity[6] = {dalembert::broadcast<1, Scalar>(kept.velocity[0][base_slot]),
-        dalembert::broadcast<1, Scalar>(kept.velocity[1][base_slot]),
-        dalembert::broadcast<1, Scalar>(kept.velocity[2][base_slot]),
-        dalembert::broadcast<1, Scalar>(kept.velocity[3][base_slot]),
-        dalembert::broadcast<1, Scalar>(kept.velocity[4][base_slot]),
-        dalembert::broadcast<1, Scalar>(kept.velocity[5][base_slot])};
+    V above_velocity[6] = {dalembert::broadcast<1, Scalar>(scratch.velocity[0][base_slot]),
+        dalembert::broadcast<1, Scalar>(scratch.velocity[1][base_slot]),
+        dalembert::broadcast<1, Scalar>(scratch.velocity[2][base_slot]),
+        dalembert::broadcast<1, Scalar>(scratch.velocity[3][base_slot]),
+        dalembert::broadcast<1, Scalar>(scratch.velocity[4][base_slot]),
+        dalembert::broadcast<1, Scalar>(scratch.velocity[5][base_slot])};
     for (int i = 0; i < 1; i += 1) {
       const int slot = 0 + i;
       V next_above_velocity[6];
-      dalembert::store<1, Scalar>(kept.joint_linear[0] + slot, dalembert::broadcast<1, Scalar>(0.0));
-      dalembert::store<1, Scalar>(kept.joint_linear[1] + slot, dalembert::broadcast<1, Scalar>(0.0));
-      dalembert::store<1, Scalar>(kept.joint_linear[2] + slot, dalembert::broadcast<1, Scalar>(0.0));
-      dalembert::store<1, Scalar>(kept.joint_angular(0) + slot, dalembert::broadcast<1, Scalar>(0.0));
-      dalembert::store<1, Scalar>(kept.joint_angular(1) + slot, dalembert::broadcast<1, Scalar>(0.0));
-      dalembert::store<1, Scalar>(kept.joint_rate[2] + slot, dalembert::broadcast<1, Scalar>(0.0));
-      dalembert::store<1, Scalar>(kept.joint_rate[5] + slot, dalembert::broadcast<1, Scalar>(0.0));
-      dalembert::store<1, Scalar>(kept.joint_angular(2) + slot, dalembert::broadcast<1, Scalar>(1.0));
-      const V sine = dalembert::load<1>(kept.sine[0] + slot);
-      dalembert::store<1, Scalar>(kept.rotation[1] + slot, sine);
-      const V cosine = dalembert::load<1>(kept.cosine[0] + slot);
-      dalembert::store<1, Scalar>(kept.rotation[0] + slot, cosine);
-      dalembert::store<1, Scalar>(kept.rotation[4] + slot, cosine);
-      dalembert::store<1, Scalar>(kept.rotation[3] + slot, -sine);
-      dalembert::store<1, Scalar>(kept.velocity[0] + slot, above_velocity[0]);
+      dalembert::store<1, Scalar>(scratch.joint_linear[0] + slot, dalembert::broadcast<1, Scalar>(0.0));
+      dalembert::store<1, Scalar>(scratch.joint_linear[1] + slot, dalembert::broadcast<1, Scalar>(0.0));
+      dalembert::store<1, Scalar>(scratch.joint_linear[2] + slot, dalembert::broadcast<1, Scalar>(0.0));
+      dalembert::store<1, Scalar>(scratch.joint_angular(0) + slot, dalembert::broadcast<1, Scalar>(0.0));
+      dalembert::store<1, Scalar>(scratch.joint_angular(1) + slot, dalembert::broadcast<1, Scalar>(0.0));
+      dalembert::store<1, Scalar>(scratch.joint_rate[2] + slot, dalembert::broadcast<1, Scalar>(0.0));
+      dalembert::store<1, Scalar>(scratch.joint_rate[5] + slot, dalembert::broadcast<1, Scalar>(0.0));
+      dalembert::store<1, Scalar>(scratch.joint_angular(2) + slot, dalembert::broadcast<1, Scalar>(1.0));
+      const V sine = dalembert::load<1>(scratch.sine[0] + slot);
+      dalembert::store<1, Scalar>(scratch.rotation[1] + slot, sine);
+      const V cosine = dalembert::load<1>(scratch.cosine[0] + slot);
+      dalembert::store<1, Scalar>(scratch.rotation[0] + slot, cosine);
+      dalembert::store<1, Scalar>(scratch.rotation[4] + slot, cosine);
+      dalembert::store<1, Scalar>(scratch.rotation[3] + slot, -sine);
+      dalembert::store<1, Scalar>(scratch.velocity[0] + slot, above_velocity[0]);
       next_above_velocity[0] = above_velocity[0];
-      dalembert::store<1, Scalar>(kept.velocity[1] + slot, above_velocity[1]);
-      dalembert::store<1, Scalar>(kept.joint_rate[0] + slot, above_velocity[1]);
+      dalembert::store<1, Scalar>(scratch.velocity[1] + slot, above_velocity[1]);
+      dalembert::store<1, Scalar>(scratch.joint_rate[0] + slot, above_velocity[1]);
       next_above_velocity[1] = above_velocity[1];
-      dalembert::store<1, Scalar>(kept.velocity[2] + slot, above_velocity[2]);
+      dalembert::store<1, Scalar>(scratch.velocity[2] + slot, above_velocity[2]);
       next_above_velocity[2] = above_velocity[2];
-      dalembert::store<1, Scalar>(kept.velocity[3] + slot, above_velocity[3]);
+      dalembert::store<1, Scalar>(scratch.velocity[3] + slot, above_velocity[3]);
       next_above_velocity[3] = above_velocity[3];
-      dalembert::store<1, Scalar>(kept.velocity[4] + slot, above_velocity[4]);
-      dalembert::store<1, Scalar>(kept.joint_rate[3] + slot, above_velocity[4]);
+      dalembert::store<1, Scalar>(scratch.velocity[4] + slot, above_velocity[4]);
+      dalembert::store<1, Scalar>(scratch.joint_rate[3] + slot, above_velocity[4]);
       next_above_velocity[4] = above_velocity[4];
-      const V t1 = above_velocity[5] + dalembert::load<1>(kept.rate[0] + slot);
-      dalembert::store<1, Scalar>(kept.velocity[5] + slot, t1);
+      const V t1 = above_velocity[5] + dalembert::load<1>(scratch.rate[0] + slot);
+      dalembert::store<1, Scalar>(scratch.velocity[5] + slot, t1);
       next_above_velocity[5] = t1;
-      dalembert::store<1, Scalar>(kept.joint_rate[1] + slot, -above_velocity[0]);
-      dalembert::store<1, Scalar>(kept.joint_rate[4] + slot, -above_velocity[3]);
+      dalembert::store<1, Scalar>(scratch.joint_rate[1] + slot, -above_velocity[0]);
+      dalembert::store<1, Scalar>(scratch.joint_rate[4] + slot, -above_velocity[3]);
       dalembert::carry(above_velocity, next_above_velocity);
     }
   }
@@ -278,39 +278,39 @@ void outwards_waist(Workspace& workspace) noexcept {
     using V [[maybe_unused]] = dalembert::Lanes<Scalar, dalembert::short_lanes>;
     for (int i = 0; i < 1; i += dalembert::short_lanes) {
       const int slot = 0 + i;
-      const V rotation_yx = dalembert::load<dalembert::short_lanes>(kept.rotation[3] + slot);
-      const V rotation_yy = dalembert::load<dalembert::short_lanes>(kept.rotation[4] + slot);
-      const V rotation_xx = dalembert::load<dalembert::short_lanes>(kept.rotation[0] + slot);
-      const V rotation_xy = dalembert::load<dalembert::short_lanes>(kept.rotation[1] + slot);
+      const V rotation_yx = dalembert::load<dalembert::short_lanes>(scratch.rotation[3] + slot);
+      const V rotation_yy = dalembert::load<dalembert::short_lanes>(scratch.rotation[4] + slot);
+      const V rotation_xx = dalembert::load<dalembert::short_lanes>(scratch.rotation[0] + slot);
+      const V rotation_xy = dalembert::load<dalembert::short_lanes>(scratch.rotation[1] + slot);
       const V t1 = 0.03 * rotation_xx;
-      dalembert::store<dalembert::short_lanes, Scalar>(kept.first[0] + slot, t1);
+      dalembert::store<dalembert::short_lanes, Scalar>(scratch.first[0] + slot, t1);
       const V t2 = 0.03 * rotation_xy;
-      dalembert::store<dalembert::short_lanes, Scalar>(kept.first[1] + slot, t2);
+      dalembert::store<dalembert::short_lanes, Scalar>(scratch.first[1] + slot, t2);
       const V t3 = 0.03544675 * rotation_xx;
       const V t4 = 0.03544675 * rotation_xy;
       const V t5 = 0.3012167505000001 * rotation_yx;
       const V t6 = 0.3012167505000001 * rotation_yy;
       const V t7 = rotation_yx * t5 + rotation_xx * t3;
       const V t8 = t7 + t7;
-      dalembert::store<dalembert::short_lanes, Scalar>(kept.second[0] + slot, t8);
+      dalembert::store<dalembert::short_lanes, Scalar>(scratch.second[0] + slot, t8);
       const V t9 = rotation_yx * t6 + rotation_xx * t4 + rotation_yy * t5 + rotation_xy * t3;
-      dalembert::store<dalembert::short_lanes, Scalar>(kept.second[1] + slot, t9);
+      dalembert::store<dalembert::short_lanes, Scalar>(scratch.second[1] + slot, t9);
       const V t10 = 0.017699999999999997 * rotation_xx;
-      dalembert::store<dalembert::short_lanes, Scalar>(kept.second[2] + slot, t10);
+      dalembert::store<dalembert::short_lanes, Scalar>(scratch.second[2] + slot, t10);
       const V t11 = rotation_yy * t6 + rotation_xy * t4;
       const V t12 = t11 + t11;
-      dalembert::store<dalembert::short_lanes, Scalar>(kept.second[3] + slot, t12);
+      dalembert::store<dalembert::short_lanes, Scalar>(scratch.second[3] + slot, t12);
       const V t13 = 0.017699999999999997 * rotation_xy;
-      dalembert::store<dalembert::short_lanes, Scalar>(kept.second[4] + slot, t13);
-      const V velocity_vx = dalembert::load<dalembert::short_lanes>(kept.velocity[0] + slot);
-      const V velocity_vy = dalembert::load<dalembert::short_lanes>(kept.velocity[1] + slot);
-      const V velocity_vz = dalembert::load<dalembert::short_lanes>(kept.velocity[2] + slot);
-      const V velocity_wx = dalembert::load<dalembert::short_lanes>(kept.velocity[3] + slot);
-      const V velocity_wy = dalembert::load<dalembert::short_lanes>(kept.velocity[4] + slot);
-      const V velocity_wz = dalembert::load<dalembert::short_lanes>(kept.velocity[5] + slot);
-      dalembert::store<dalembert::short_lanes, Scalar>(kept.momentum[0] + slot, -(t2 * velocity_wz));
-      dalembert::store<dalembert::short_lanes, Scalar>(kept.momentum[1] + slot, t1 * velocity_wz);
-      dalembert::store<dalembert::short_lanes, Scalar>(kept.momentum[2] + slot, t2 * velocity_wx - t1 * velocity_wy);
+      dalembert::store<dalembert::short_lanes, Scalar>(scratch.second[4] + slot, t13);
+      const V velocity_vx = dalembert::load<dalembert::short_lanes>(scratch.velocity[0] + slot);
+      const V velocity_vy = dalembert::load<dalembert::short_lanes>(scratch.velocity[1] + slot);
+      const V velocity_vz = dalembert::load<dalembert::short_lanes>(scratch.velocity[2] + slot);
+      const V velocity_wx = dalembert::load<dalembert::short_lanes>(scratch.velocity[3] + slot);
+      const V velocity_wy = dalembert::load<dalembert::short_lanes>(scratch.velocity[4] + slot);
+      const V velocity_wz = dalembert::load<dalembert::short_lanes>(scratch.velocity[5] + slot);
+      dalembert::store<dalembert::short_lanes, Scalar>(scratch.momentum[0] + slot, -(t2 * velocity_wz));
+      dalembert::store<dalembert::short_lanes, Scalar>(scratch.momentum[1] + slot, t1 * velocity_wz);
+      dalembert::store<dalembert::short_lanes, Scalar>(scratch.momentum[2] + slot, t2 * velocity_wx - t1 * velocity_wy);
       const V t14 = 0.6104350454545454 + t8;
       const V t15 = 0.6104350454545454 + t12;
       const V t16 = t2 * velocity_vy;
@@ -319,35 +319,35 @@ void outwards_waist(Workspace& workspace) noexcept {
       const V t19 = t10 * velocity_wy;
       const V t20 = t13 * velocity_wx;
       const V t21 = t9 * velocity_wz;
-      dalembert::store<dalembert::short_lanes, Scalar>(kept.bias_block[0] + slot, t18 + t21 - t17 - t19);
-      dalembert::store<dalembert::short_lanes, Scalar>(kept.bias_block[1] + slot, -(t13 * velocity_wy + t2 * velocity_vx - velocity_wz * t15));
-      dalembert::store<dalembert::short_lanes, Scalar>(kept.bias_block[2] + slot, -(0.6104350454545454 * velocity_wy - t13 * velocity_wz));
-      dalembert::store<dalembert::short_lanes, Scalar>(kept.bias_block[3] + slot, -(velocity_wz * t14 + t1 * velocity_vy - t10 * velocity_wx));
-      dalembert::store<dalembert::short_lanes, Scalar>(kept.bias_block[4] + slot, t18 + t20 - t16 - t21);
-      dalembert::store<dalembert::short_lanes, Scalar>(kept.bias_block[5] + slot, -(t10 * velocity_wz - 0.6104350454545454 * velocity_wx));
-      dalembert::store<dalembert::short_lanes, Scalar>(kept.bias_block[6] + slot, -(t9 * velocity_wx + t1 * velocity_vz - velocity_wy * t14));
-      dalembert::store<dalembert::short_lanes, Scalar>(kept.bias_block[7] + slot, -(velocity_wx * t15 + t2 * velocity_vz - t9 * velocity_wy));
-      dalembert::store<dalembert::short_lanes, Scalar>(kept.bias_block[8] + slot, t18 + t19 - t20);
+      dalembert::store<dalembert::short_lanes, Scalar>(scratch.bias_block[0] + slot, t18 + t21 - t17 - t19);
+      dalembert::store<dalembert::short_lanes, Scalar>(scratch.bias_block[1] + slot, -(t13 * velocity_wy + t2 * velocity_vx - velocity_wz * t15));
+      dalembert::store<dalembert::short_lanes, Scalar>(scratch.bias_block[2] + slot, -(0.6104350454545454 * velocity_wy - t13 * velocity_wz));
+      dalembert::store<dalembert::short_lanes, Scalar>(scratch.bias_block[3] + slot, -(velocity_wz * t14 + t1 * velocity_vy - t10 * velocity_wx));
+      dalembert::store<dalembert::short_lanes, Scalar>(scratch.bias_block[4] + slot, t18 + t20 - t16 - t21);
+      dalembert::store<dalembert::short_lanes, Scalar>(scratch.bias_block[5] + slot, -(t10 * velocity_wz - 0.6104350454545454 * velocity_wx));
+      dalembert::store<dalembert::short_lanes, Scalar>(scratch.bias_block[6] + slot, -(t9 * velocity_wx + t1 * velocity_vz - velocity_wy * t14));
+      dalembert::store<dalembert::short_lanes, Scalar>(scratch.bias_block[7] + slot, -(velocity_wx * t15 + t2 * velocity_vz - t9 * velocity_wy));
+      dalembert::store<dalembert::short_lanes, Scalar>(scratch.bias_block[8] + slot, t18 + t19 - t20);
     }
   }
   // down = (Rk Rz(q))' down_p
   {
     using V [[maybe_unused]] = dalembert::Lanes<Scalar, 1>;
-    V above_down[3] = {dalembert::broadcast<1, Scalar>(kept.down[0][base_slot]),
-        dalembert::broadcast<1, Scalar>(kept.down[1][base_slot]),
-        dalembert::broadcast<1, Scalar>(kept.down[2][base_slot])};
+    V above_down[3] = {dalembert::broadcast<1, Scalar>(scratch.down[0][base_slot]),
+        dalembert::broadcast<1, Scalar>(scratch.down[1][base_slot]),
+        dalembert::broadcast<1, Scalar>(scratch.down[2][base_slot])};
     for (int i = 0; i < 1; i += 1) {
       const int slot = 0 + i;
       V next_above_down[3];
-      dalembert::store<1, Scalar>(kept.down[2] + slot, above_down[2]);
+      dalembert::store<1, Scalar>(scratch.down[2] + slot, above_down[2]);
       next_above_down[2] = above_down[2];
-      const V sine = dalembert::load<1>(kept.sine[0] + slot);
-      const V cosine = dalembert::load<1>(kept.cosine[0] + slot);
+      const V sine = dalembert::load<1>(scratch.sine[0] + slot);
+      const V cosine = dalembert::load<1>(scratch.cosine[0] + slot);
       const V t1 = above_down[1] * sine + above_down[0] * cosine;
-      dalembert::store<1, Scalar>(kept.down[0] + slot, t1);
+      dalembert::store<1, Scalar>(scratch.down[0] + slot, t1);
       next_above_down[0] = t1;
       const V t2 = above_down[1] * cosine - above_down[0] * sine;
-      dalembert::store<1, Scalar>(kept.down[1] + slot, t2);
+      dalembert::store<1, Scalar>(scratch.down[1] + slot, t2);
       next_above_down[1] = t2;
       dalembert::carry(above_down, next_above_down);
     }
@@ -356,56 +356,56 @@ void outwards_waist(Workspace& workspace) noexcept {
   // f = m a + dw x h + w x (w x h), n = h x a + I dw + w x I w
   {
     using V [[maybe_unused]] = dalembert::Lanes<Scalar, 1>;
-    V above_angular[3] = {dalembert::broadcast<1, Scalar>(kept.angular[0][base_slot]),
-        dalembert::broadcast<1, Scalar>(kept.angular[1][base_slot]),
-        dalembert::broadcast<1, Scalar>(kept.angular[2][base_slot])};
-    V above_acceleration[3] = {dalembert::broadcast<1, Scalar>(kept.acceleration[0][base_slot]),
-        dalembert::broadcast<1, Scalar>(kept.acceleration[1][base_slot]),
-        dalembert::broadcast<1, Scalar>(kept.acceleration[2][base_slot])};
+    V above_angular[3] = {dalembert::broadcast<1, Scalar>(scratch.angular[0][base_slot]),
+        dalembert::broadcast<1, Scalar>(scratch.angular[1][base_slot]),
+        dalembert::broadcast<1, Scalar>(scratch.angular[2][base_slot])};
+    V above_acceleration[3] = {dalembert::broadcast<1, Scalar>(scratch.acceleration[0][base_slot]),
+        dalembert::broadcast<1, Scalar>(scratch.acceleration[1][base_slot]),
+        dalembert::broadcast<1, Scalar>(scratch.acceleration[2][base_slot])};
     for (int i = 0; i < 1; i += 1) {
       const int slot = 0 + i;
       V next_above_angular[3];
       V next_above_acceleration[3];
-      const V rate = dalembert::load<1>(kept.rate[0] + slot);
-      const V sine = dalembert::load<1>(kept.sine[0] + slot);
-      const V cosine = dalembert::load<1>(kept.cosine[0] + slot);
+      const V rate = dalembert::load<1>(scratch.rate[0] + slot);
+      const V sine = dalembert::load<1>(scratch.sine[0] + slot);
+      const V cosine = dalembert::load<1>(scratch.cosine[0] + slot);
       const V t1 = 0.41 * above_angular[1];
       const V t2 = 0.41 * above_angular[0];
       const V t3 = above_acceleration[0] + above_angular[2] * t2;
       const V t4 = above_acceleration[1] + above_angular[2] * t1;
       const V t5 = above_acceleration[2] - above_angular[1] * t1 - above_angular[0] * t2;
-      dalembert::store<1, Scalar>(kept.acceleration[2] + slot, t5);
+      dalembert::store<1, Scalar>(scratch.acceleration[2] + slot, t5);
       next_above_acceleration[2] = t5;
       const V t6 = above_angular[1] * sine + above_angular[0] * cosine;
-      dalembert::store<1, Scalar>(kept.angular[0] + slot, t6);
+      dalembert::store<1, Scalar>(scratch.angular[0] + slot, t6);
       next_above_angular[0] = t6;
       const V t7 = above_angular[1] * cosine - above_angular[0] * sine;
-      dalembert::store<1, Scalar>(kept.angular[1] + slot, t7);
+      dalembert::store<1, Scalar>(scratch.angular[1] + slot, t7);
       next_above_angular[1] = t7;
       const V t8 = above_angular[2] + rate;
-      dalembert::store<1, Scalar>(kept.angular[2] + slot, t8);
+      dalembert::store<1, Scalar>(scratch.angular[2] + slot, t8);
       next_above_angular[2] = t8;
       const V t9 = rate * t7;
-      dalembert::store<1, Scalar>(kept.angular_acceleration[0] + slot, t9);
+      dalembert::store<1, Scalar>(scratch.angular_acceleration[0] + slot, t9);
       const V t10 = rate * t6;
-      dalembert::store<1, Scalar>(kept.angular_acceleration[1] + slot, -t10);
+      dalembert::store<1, Scalar>(scratch.angular_acceleration[1] + slot, -t10);
       const V t11 = sine * t4 + cosine * t3;
-      dalembert::store<1, Scalar>(kept.acceleration[0] + slot, t11);
+      dalembert::store<1, Scalar>(scratch.acceleration[0] + slot, t11);
       next_above_acceleration[0] = t11;
       const V t12 = cosine * t4 - sine * t3;
-      dalembert::store<1, Scalar>(kept.acceleration[1] + slot, t12);
+      dalembert::store<1, Scalar>(scratch.acceleration[1] + slot, t12);
       next_above_acceleration[1] = t12;
       const V t13 = 0.03 * t8;
       const V t14 = 0.03 * t7;
-      dalembert::store<1, Scalar>(kept.wrench[0] + slot, -(t8 * t13 + t7 * t14));
-      dalembert::store<1, Scalar>(kept.wrench[1] + slot, t6 * t14);
-      dalembert::store<1, Scalar>(kept.wrench[2] + slot, t6 * t13 + 0.03 * t10);
+      dalembert::store<1, Scalar>(scratch.wrench[0] + slot, -(t8 * t13 + t7 * t14));
+      dalembert::store<1, Scalar>(scratch.wrench[1] + slot, t6 * t14);
+      dalembert::store<1, Scalar>(scratch.wrench[2] + slot, t6 * t13 + 0.03 * t10);
       const V t15 = 0.6024335010000001 * t6 - 0.0053999999999999986 * t8;
       const V t16 = 0.0708935 * t7;
       const V t17 = 0.6733270010000001 * t8 - 0.0053999999999999986 * t6;
-      dalembert::store<1, Scalar>(kept.wrench[3] + slot, t7 * t17 + 0.6024335010000001 * t9 - t8 * t16);
-      dalembert::store<1, Scalar>(kept.wrench[4] + slot, t8 * t15 - t6 * t17 - 0.0708935 * t10 - 0.03 * t5);
-      dalembert::store<1, Scalar>(kept.wrench[5] + slot, t6 * t16 + 0.03 * t12 - t7 * t15 - 0.0053999999999999986 * t9);
+      dalembert::store<1, Scalar>(scratch.wrench[3] + slot, t7 * t17 + 0.6024335010000001 * t9 - t8 * t16);
+      dalembert::store<1, Scalar>(scratch.wrench[4] + slot, t8 * t15 - t6 * t17 - 0.0708935 * t10 - 0.03 * t5);
+      dalembert::store<1, Scalar>(scratch.wrench[5] + slot, t6 * t16 + 0.03 * t12 - t7 * t15 - 0.0053999999999999986 * t9);
       dalembert::carry(above_angular, next_above_angular);
       dalembert::carry(above_acceleration, next_above_acceleration);
     }
@@ -413,8 +413,8 @@ void outwards_waist(Workspace& workspace) noexcept {
 }
 
 void outwards_left_hip_yaw_x4(Workspace& workspace) noexcept {
-  Kept& kept = workspace.kept;
-  static_cast<void>(kept);
+  Workspace::Scratch& scratch = workspace.scratch;
+  static_cast<void>(scratch);
   // R = Rp Rk Rz(q), p = pp + Rp pk, J = [p x z; z], V = Vp + J dq, dJ = ad(Vp) J
   {
     dalembert::each_part<Scalar, 4>([&](auto some, int lane) DALEMBERT_IN_BLOCK {
@@ -422,11 +422,11 @@ void outwards_left_hip_yaw_x4(Workspace& workspace) noexcept {
       using V [[maybe_unused]] = dalembert::Lanes<Scalar, together>;
       static constexpr int parents[] = {base_slot, base_slot, 0, 0};
       static constexpr Scalar above_position_2_of_parent[] = {0.0, 0.0, 0.41, 0.41};
-      V above_rotation[9] = {dalembert::gather<together>(kept.rotation[0], parents + lane),
-          dalembert::gather<together>(kept.rotation[1], parents + lane),
+      V above_rotation[9] = {dalembert::gather<together>(scratch.rotation[0], parents + lane),
+          dalembert::gather<together>(scratch.rotation[1], parents + lane),
           dalembert::broadcast<together, Scalar>(0.0),
-          dalembert::gather<together>(kept.rotation[3], parents + lane),
-          dalembert::gather<together>(kept.rotation[4], parents + lane),
+          dalembert::gather<together>(scratch.rotation[3], parents + lane),
+          dalembert::gather<together>(scratch.rotation[4], parents + lane),
           dalembert::broadcast<together, Scalar>(0.0),
           dalembert::broadcast<together, Scalar>(0.0),
           dalembert::broadcast<together, Scalar>(0.0),
@@ -434,12 +434,12 @@ void outwards_left_hip_yaw_x4(Workspace& workspace) noexcept {
       V above_position[3] = {dalembert::broadcast<together, Scalar>(0.0),
           dalembert::broadcast<together, Scalar>(0.0),
           dalembert::load<together>(above_position_2_of_parent + lane)};
-      V above_velocity[6] = {dalembert::gather<together>(kept.velocity[0], parents + lane),
-          dalembert::gather<together>(kept.velocity[1], parents + lane),
-          dalembert::gather<together>(kept.velocity[2], parents + lane),
-          dalembert::gather<together>(kept.velocity[3], parents + lane),
-          dalembert::gather<together>(kept.velocity[4], parents + lane),
-          dalembert::gather<together>(kept.velocity[5], parents + lane)};
+      V above_velocity[6] = {dalembert::gather<together>(scratch.velocity[0], parents + lane),
+          dalembert::gather<together>(scratch.velocity[1], parents + lane),
+          dalembert::gather<together>(scratch.velocity[2], parents + lane),
+          dalembert::gather<together>(scratch.velocity[3], parents + lane),
+          dalembert::gather<together>(scratch.velocity[4], parents + lane),
+          dalembert::gather<together>(scratch.velocity[5], parents + lane)};
       for (int i = lane; i < 24; i += 4) {
         const int slot = 8 + i;
         V next_above_rotation[9];
@@ -450,16 +450,16 @@ void outwards_left_hip_yaw_x4(Workspace& workspace) noexcept {
         const V rotation_xz_yx_zy_k = dalembert::load<together>(left_hip_yaw_x4_rotation_xz_yx_zy + i);
         const V translation_x_k = dalembert::load<together>(left_hip_yaw_x4_translation_x + i);
         const V translation_y_k = dalembert::load<together>(left_hip_yaw_x4_translation_y + i);
-        const V sine = dalembert::load<together>(kept.sine[0] + slot);
-        const V cosine = dalembert::load<together>(kept.cosine[0] + slot);
+        const V sine = dalembert::load<together>(scratch.sine[0] + slot);
+        const V cosine = dalembert::load<together>(scratch.cosine[0] + slot);
         const V t1 = above_rotation[6] * rotation_xx_yy_zz_k + above_rotation[3] * rotation_xy_yz_zx_k + above_rotation[0] * rotation_xz_yx_zy_k;
-        dalembert::store<together, Scalar>(kept.rotation[6] + slot, t1);
+        dalembert::store<together, Scalar>(scratch.rotation[6] + slot, t1);
         next_above_rotation[6] = t1;
         const V t2 = above_rotation[7] * rotation_xx_yy_zz_k + above_rotation[4] * rotation_xy_yz_zx_k + above_rotation[1] * rotation_xz_yx_zy_k;
-        dalembert::store<together, Scalar>(kept.rotation[7] + slot, t2);
+        dalembert::store<together, Scalar>(scratch.rotation[7] + slot, t2);
         next_above_rotation[7] = t2;
         const V t3 = above_rotation[8] * rotation_xx_yy_zz_k + above_rotation[5] * rotation_xy_yz_zx_k + above_rotation[2] * rotation_xz_yx_zy_k;
-        dalembert::store<together, Scalar>(kept.rotation[8] + slot, t3);
+        dalembert::store<together, Scalar>(scratch.rotation[8] + slot, t3);
         next_above_rotation[8] = t3;
         const V t4 = above_rotation[6] * rotation_xz_yx_zy_k + above_rotation[3] * rotation_xx_yy_zz_k + above_rotation[0] * rotation_xy_yz_zx_k;
         const V t5 = above_rotation[7] * rotation_xz_yx_zy_k + above_rotation[4] * rotation_xx_yy_zz_k + above_rotation[1] * rotation_xy_yz_zx_k;
@@ -468,63 +468,63 @@ void outwards_left_hip_yaw_x4(Workspace& workspace) noexcept {
         const V t8 = above_rotation[7] * rotation_xy_yz_zx_k + above_rotation[4] * rotation_xz_yx_zy_k + above_rotation[1] * rotation_xx_yy_zz_k;
         const V t9 = above_rotation[8] * rotation_xy_yz_zx_k + above_rotation[5] * rotation_xz_yx_zy_k + above_rotation[2] * rotation_xx_yy_zz_k;
         const V t10 = cosine * t4 - sine * t7;
-        dalembert::store<together, Scalar>(kept.rotation[3] + slot, t10);
+        dalembert::store<together, Scalar>(scratch.rotation[3] + slot, t10);
         next_above_rotation[3] = t10;
         const V t11 = cosine * t5 - sine * t8;
-        dalembert::store<together, Scalar>(kept.rotation[4] + slot, t11);
+        dalembert::store<together, Scalar>(scratch.rotation[4] + slot, t11);
         next_above_rotation[4] = t11;
         const V t12 = cosine * t6 - sine * t9;
-        dalembert::store<together, Scalar>(kept.rotation[5] + slot, t12);
+        dalembert::store<together, Scalar>(scratch.rotation[5] + slot, t12);
         next_above_rotation[5] = t12;
         const V t13 = sine * t4 + cosine * t7;
-        dalembert::store<together, Scalar>(kept.rotation[0] + slot, t13);
+        dalembert::store<together, Scalar>(scratch.rotation[0] + slot, t13);
         next_above_rotation[0] = t13;
         const V t14 = sine * t5 + cosine * t8;
-        dalembert::store<together, Scalar>(kept.rotation[1] + slot, t14);
+        dalembert::store<together, Scalar>(scratch.rotation[1] + slot, t14);
         next_above_rotation[1] = t14;
         const V t15 = sine * t6 + cosine * t9;
-        dalembert::store<together, Scalar>(kept.rotation[2] + slot, t15);
+        dalembert::store<together, Scalar>(scratch.rotation[2] + slot, t15);
         next_above_rotation[2] = t15;
         const V t16 = above_position[0] + above_rotation[3] * translation_y_k + above_rotation[0] * translation_x_k;
-        dalembert::store<together, Scalar>(kept.position[0] + slot, t16);
+        dalembert::store<together, Scalar>(scratch.position[0] + slot, t16);
         next_above_position[0] = t16;
         const V t17 = above_position[1] + above_rotation[4] * translation_y_k + above_rotation[1] * translation_x_k;
-        dalembert::store<together, Scalar>(kept.position[1] + slot, t17);
+        dalembert::store<together, Scalar>(scratch.position[1] + slot, t17);
         next_above_position[1] = t17;
         const V t18 = above_position[2] + above_rotation[5] * translation_y_k + above_rotation[2] * translation_x_k;
-        dalembert::store<together, Scalar>(kept.position[2] + slot, t18);
+        dalembert::store<together, Scalar>(scratch.position[2] + slot, t18);
         next_above_position[2] = t18;
         const V t19 = t3 * t17 - t2 * t18;
-        dalembert::store<together, Scalar>(kept.joint_linear[0] + slot, t19);
+        dalembert::store<together, Scalar>(scratch.joint_linear[0] + slot, t19);
         const V t20 = t1 * t18 - t3 * t16;
-        dalembert::store<together, Scalar>(kept.joint_linear[1] + slot, t20);
+        dalembert::store<together, Scalar>(scratch.joint_linear[1] + slot, t20);
         const V t21 = t2 * t16 - t1 * t17;
-        dalembert::store<together, Scalar>(kept.joint_linear[2] + slot, t21);
-        const V rate = dalembert::load<together>(kept.rate[0] + slot);
+        dalembert::store<together, Scalar>(scratch.joint_linear[2] + slot, t21);
+        const V rate = dalembert::load<together>(scratch.rate[0] + slot);
         const V t22 = above_velocity[0] + t19 * rate;
-        dalembert::store<together, Scalar>(kept.velocity[0] + slot, t22);
+        dalembert::store<together, Scalar>(scratch.velocity[0] + slot, t22);
         next_above_velocity[0] = t22;
         const V t23 = above_velocity[1] + t20 * rate;
-        dalembert::store<together, Scalar>(kept.velocity[1] + slot, t23);
+        dalembert::store<together, Scalar>(scratch.velocity[1] + slot, t23);
         next_above_velocity[1] = t23;
         const V t24 = above_velocity[2] + t21 * rate;
-        dalembert::store<together, Scalar>(kept.velocity[2] + slot, t24);
+        dalembert::store<together, Scalar>(scratch.velocity[2] + slot, t24);
         next_above_velocity[2] = t24;
         const V t25 = above_velocity[3] + t1 * rate;
-        dalembert::store<together, Scalar>(kept.velocity[3] + slot, t25);
+        dalembert::store<together, Scalar>(scratch.velocity[3] + slot, t25);
         next_above_velocity[3] = t25;
         const V t26 = above_velocity[4] + t2 * rate;
-        dalembert::store<together, Scalar>(kept.velocity[4] + slot, t26);
+        dalembert::store<together, Scalar>(scratch.velocity[4] + slot, t26);
         next_above_velocity[4] = t26;
         const V t27 = above_velocity[5] + t3 * rate;
-        dalembert::store<together, Scalar>(kept.velocity[5] + slot, t27);
+        dalembert::store<together, Scalar>(scratch.velocity[5] + slot, t27);
         next_above_velocity[5] = t27;
-        dalembert::store<together, Scalar>(kept.joint_rate[0] + slot, t3 * above_velocity[1] + t21 * above_velocity[4] - t2 * above_velocity[2] - t20 * above_velocity[5]);
-        dalembert::store<together, Scalar>(kept.joint_rate[1] + slot, t1 * above_velocity[2] + t19 * above_velocity[5] - t3 * above_velocity[0] - t21 * above_velocity[3]);
-        dalembert::store<together, Scalar>(kept.joint_rate[2] + slot, t2 * above_velocity[0] + t20 * above_velocity[3] - t1 * above_velocity[1] - t19 * above_velocity[4]);
-        dalembert::store<together, Scalar>(kept.joint_rate[3] + slot, t3 * above_velocity[4] - t2 * above_velocity[5]);
-        dalembert::store<together, Scalar>(kept.joint_rate[4] + slot, t1 * above_velocity[5] - t3 * above_velocity[3]);
-        dalembert::store<together, Scalar>(kept.joint_rate[5] + slot, t2 * above_velocity[3] - t1 * above_velocity[4]);
+        dalembert::store<together, Scalar>(scratch.joint_rate[0] + slot, t3 * above_velocity[1] + t21 * above_velocity[4] - t2 * above_velocity[2] - t20 * above_velocity[5]);
+        dalembert::store<together, Scalar>(scratch.joint_rate[1] + slot, t1 * above_velocity[2] + t19 * above_velocity[5] - t3 * above_velocity[0] - t21 * above_velocity[3]);
+        dalembert::store<together, Scalar>(scratch.joint_rate[2] + slot, t2 * above_velocity[0] + t20 * above_velocity[3] - t1 * above_velocity[1] - t19 * above_velocity[4]);
+        dalembert::store<together, Scalar>(scratch.joint_rate[3] + slot, t3 * above_velocity[4] - t2 * above_velocity[5]);
+        dalembert::store<together, Scalar>(scratch.joint_rate[4] + slot, t1 * above_velocity[5] - t3 * above_velocity[3]);
+        dalembert::store<together, Scalar>(scratch.joint_rate[5] + slot, t2 * above_velocity[3] - t1 * above_velocity[4]);
         dalembert::carry(above_rotation, next_above_rotation);
         dalembert::carry(above_position, next_above_position);
         dalembert::carry(above_velocity, next_above_velocity);
@@ -544,24 +544,24 @@ void outwards_left_hip_yaw_x4(Workspace& workspace) noexcept {
       const V half_second_xx_k = dalembert::load<dalembert::native_lanes>(left_hip_yaw_x4_half_second_xx + i);
       const V half_second_yy_k = dalembert::load<dalembert::native_lanes>(left_hip_yaw_x4_half_second_yy + i);
       const V half_trace_k = dalembert::load<dalembert::native_lanes>(left_hip_yaw_x4_half_trace + i);
-      const V rotation_zx = dalembert::load<dalembert::native_lanes>(kept.rotation[6] + slot);
-      const V rotation_zy = dalembert::load<dalembert::native_lanes>(kept.rotation[7] + slot);
-      const V rotation_zz = dalembert::load<dalembert::native_lanes>(kept.rotation[8] + slot);
-      const V rotation_yx = dalembert::load<dalembert::native_lanes>(kept.rotation[3] + slot);
-      const V rotation_yy = dalembert::load<dalembert::native_lanes>(kept.rotation[4] + slot);
-      const V rotation_yz = dalembert::load<dalembert::native_lanes>(kept.rotation[5] + slot);
-      const V rotation_xx = dalembert::load<dalembert::native_lanes>(kept.rotation[0] + slot);
-      const V rotation_xy = dalembert::load<dalembert::native_lanes>(kept.rotation[1] + slot);
-      const V rotation_xz = dalembert::load<dalembert::native_lanes>(kept.rotation[2] + slot);
-      const V position_x = dalembert::load<dalembert::native_lanes>(kept.position[0] + slot);
-      const V position_y = dalembert::load<dalembert::native_lanes>(kept.position[1] + slot);
-      const V position_z = dalembert::load<dalembert::native_lanes>(kept.position[2] + slot);
+      const V rotation_zx = dalembert::load<dalembert::native_lanes>(scratch.rotation[6] + slot);
+      const V rotation_zy = dalembert::load<dalembert::native_lanes>(scratch.rotation[7] + slot);
+      const V rotation_zz = dalembert::load<dalembert::native_lanes>(scratch.rotation[8] + slot);
+      const V rotation_yx = dalembert::load<dalembert::native_lanes>(scratch.rotation[3] + slot);
+      const V rotation_yy = dalembert::load<dalembert::native_lanes>(scratch.rotation[4] + slot);
+      const V rotation_yz = dalembert::load<dalembert::native_lanes>(scratch.rotation[5] + slot);
+      const V rotation_xx = dalembert::load<dalembert::native_lanes>(scratch.rotation[0] + slot);
+      const V rotation_xy = dalembert::load<dalembert::native_lanes>(scratch.rotation[1] + slot);
+      const V rotation_xz = dalembert::load<dalembert::native_lanes>(scratch.rotation[2] + slot);
+      const V position_x = dalembert::load<dalembert::native_lanes>(scratch.position[0] + slot);
+      const V position_y = dalembert::load<dalembert::native_lanes>(scratch.position[1] + slot);
+      const V position_z = dalembert::load<dalembert::native_lanes>(scratch.position[2] + slot);
       const V t1 = first_y_k * rotation_yx + first_x_k * rotation_xx;
-      dalembert::store<dalembert::native_lanes, Scalar>(kept.first[0] + slot, t1);
+      dalembert::store<dalembert::native_lanes, Scalar>(scratch.first[0] + slot, t1);
       const V t2 = first_y_k * rotation_yy + first_x_k * rotation_xy;
-      dalembert::store<dalembert::native_lanes, Scalar>(kept.first[1] + slot, t2);
+      dalembert::store<dalembert::native_lanes, Scalar>(scratch.first[1] + slot, t2);
       const V t3 = first_y_k * rotation_yz + first_x_k * rotation_xz;
-      dalembert::store<dalembert::native_lanes, Scalar>(kept.first[2] + slot, t3);
+      dalembert::store<dalembert::native_lanes, Scalar>(scratch.first[2] + slot, t3);
       const V t4 = second_xz_k * rotation_zx + second_xy_k * rotation_yx + half_second_xx_k * rotation_xx + first_x_k * position_x;
       const V t5 = second_xz_k * rotation_zy + second_xy_k * rotation_yy + half_second_xx_k * rotation_xy + first_x_k * position_y;
       const V t6 = second_xz_k * rotation_zz + second_xy_k * rotation_yz + half_second_xx_k * rotation_xz + first_x_k * position_z;
@@ -570,28 +570,28 @@ void outwards_left_hip_yaw_x4(Workspace& workspace) noexcept {
       const V t9 = second_yz_k * rotation_zz + half_second_yy_k * rotation_yz + first_y_k * position_z;
       const V t10 = rotation_yx * t7 + rotation_xx * t4;
       const V t11 = t10 + t10;
-      dalembert::store<dalembert::native_lanes, Scalar>(kept.second[0] + slot, t11);
+      dalembert::store<dalembert::native_lanes, Scalar>(scratch.second[0] + slot, t11);
       const V t12 = rotation_yx * t8 + rotation_xx * t5 + rotation_yy * t7 + rotation_xy * t4;
-      dalembert::store<dalembert::native_lanes, Scalar>(kept.second[1] + slot, t12);
+      dalembert::store<dalembert::native_lanes, Scalar>(scratch.second[1] + slot, t12);
       const V t13 = rotation_yx * t9 + rotation_xx * t6 + rotation_yz * t7 + rotation_xz * t4;
-      dalembert::store<dalembert::native_lanes, Scalar>(kept.second[2] + slot, t13);
+      dalembert::store<dalembert::native_lanes, Scalar>(scratch.second[2] + slot, t13);
       const V t14 = rotation_yy * t8 + rotation_xy * t5;
       const V t15 = t14 + t14;
-      dalembert::store<dalembert::native_lanes, Scalar>(kept.second[3] + slot, t15);
+      dalembert::store<dalembert::native_lanes, Scalar>(scratch.second[3] + slot, t15);
       const V t16 = rotation_yy * t9 + rotation_xy * t6 + rotation_yz * t8 + rotation_xz * t5;
-      dalembert::store<dalembert::native_lanes, Scalar>(kept.second[4] + slot, t16);
+      dalembert::store<dalembert::native_lanes, Scalar>(scratch.second[4] + slot, t16);
       const V t17 = rotation_yz * t9 + rotation_xz * t6;
       const V t18 = t17 + t17;
-      dalembert::store<dalembert::native_lanes, Scalar>(kept.second[5] + slot, t18);
-      const V velocity_vx = dalembert::load<dalembert::native_lanes>(kept.velocity[0] + slot);
-      const V velocity_vy = dalembert::load<dalembert::native_lanes>(kept.velocity[1] + slot);
-      const V velocity_vz = dalembert::load<dalembert::native_lanes>(kept.velocity[2] + slot);
-      const V velocity_wx = dalembert::load<dalembert::native_lanes>(kept.velocity[3] + slot);
-      const V velocity_wy = dalembert::load<dalembert::native_lanes>(kept.velocity[4] + slot);
-      const V velocity_wz = dalembert::load<dalembert::native_lanes>(kept.velocity[5] + slot);
-      dalembert::store<dalembert::native_lanes, Scalar>(kept.momentum[0] + slot, t3 * velocity_wy - t2 * velocity_wz);
-      dalembert::store<dalembert::native_lanes, Scalar>(kept.momentum[1] + slot, t1 * velocity_wz - t3 * velocity_wx);
-      dalembert::store<dalembert::native_lanes, Scalar>(kept.momentum[2] + slot, t2 * velocity_wx - t1 * velocity_wy);
+      dalembert::store<dalembert::native_lanes, Scalar>(scratch.second[5] + slot, t18);
+      const V velocity_vx = dalembert::load<dalembert::native_lanes>(scratch.velocity[0] + slot);
+      const V velocity_vy = dalembert::load<dalembert::native_lanes>(scratch.velocity[1] + slot);
+      const V velocity_vz = dalembert::load<dalembert::native_lanes>(scratch.velocity[2] + slot);
+      const V velocity_wx = dalembert::load<dalembert::native_lanes>(scratch.velocity[3] + slot);
+      const V velocity_wy = dalembert::load<dalembert::native_lanes>(scratch.velocity[4] + slot);
+      const V velocity_wz = dalembert::load<dalembert::native_lanes>(scratch.velocity[5] + slot);
+      dalembert::store<dalembert::native_lanes, Scalar>(scratch.momentum[0] + slot, t3 * velocity_wy - t2 * velocity_wz);
+      dalembert::store<dalembert::native_lanes, Scalar>(scratch.momentum[1] + slot, t1 * velocity_wz - t3 * velocity_wx);
+      dalembert::store<dalembert::native_lanes, Scalar>(scratch.momentum[2] + slot, t2 * velocity_wx - t1 * velocity_wy);
       const V t19 = half_trace_k + t11;
       const V t20 = half_trace_k + t15;
       const V t21 = half_trace_k + t18;
@@ -602,15 +602,15 @@ void outwards_left_hip_yaw_x4(Workspace& workspace) noexcept {
       const V t26 = t13 * velocity_wy;
       const V t27 = t16 * velocity_wx;
       const V t28 = t12 * velocity_wz;
-      dalembert::store<dalembert::native_lanes, Scalar>(kept.bias_block[0] + slot, t25 + t28 - t24 - t26);
-      dalembert::store<dalembert::native_lanes, Scalar>(kept.bias_block[1] + slot, -(t16 * velocity_wy + t2 * velocity_vx - velocity_wz * t20));
-      dalembert::store<dalembert::native_lanes, Scalar>(kept.bias_block[2] + slot, -(velocity_wy * t21 + t3 * velocity_vx - t16 * velocity_wz));
-      dalembert::store<dalembert::native_lanes, Scalar>(kept.bias_block[3] + slot, -(velocity_wz * t19 + t1 * velocity_vy - t13 * velocity_wx));
-      dalembert::store<dalembert::native_lanes, Scalar>(kept.bias_block[4] + slot, t25 + t27 - t23 - t28);
-      dalembert::store<dalembert::native_lanes, Scalar>(kept.bias_block[5] + slot, -(t13 * velocity_wz + t3 * velocity_vy - velocity_wx * t21));
-      dalembert::store<dalembert::native_lanes, Scalar>(kept.bias_block[6] + slot, -(t12 * velocity_wx + t1 * velocity_vz - velocity_wy * t19));
-      dalembert::store<dalembert::native_lanes, Scalar>(kept.bias_block[7] + slot, -(velocity_wx * t20 + t2 * velocity_vz - t12 * velocity_wy));
-      dalembert::store<dalembert::native_lanes, Scalar>(kept.bias_block[8] + slot, t25 + t26 - t22 - t27);
+      dalembert::store<dalembert::native_lanes, Scalar>(scratch.bias_block[0] + slot, t25 + t28 - t24 - t26);
+      dalembert::store<dalembert::native_lanes, Scalar>(scratch.bias_block[1] + slot, -(t16 * velocity_wy + t2 * velocity_vx - velocity_wz * t20));
+      dalembert::store<dalembert::native_lanes, Scalar>(scratch.bias_block[2] + slot, -(velocity_wy * t21 + t3 * velocity_vx - t16 * velocity_wz));
+      dalembert::store<dalembert::native_lanes, Scalar>(scratch.bias_block[3] + slot, -(velocity_wz * t19 + t1 * velocity_vy - t13 * velocity_wx));
+      dalembert::store<dalembert::native_lanes, Scalar>(scratch.bias_block[4] + slot, t25 + t27 - t23 - t28);
+      dalembert::store<dalembert::native_lanes, Scalar>(scratch.bias_block[5] + slot, -(t13 * velocity_wz + t3 * velocity_vy - velocity_wx * t21));
+      dalembert::store<dalembert::native_lanes, Scalar>(scratch.bias_block[6] + slot, -(t12 * velocity_wx + t1 * velocity_vz - velocity_wy * t19));
+      dalembert::store<dalembert::native_lanes, Scalar>(scratch.bias_block[7] + slot, -(velocity_wx * t20 + t2 * velocity_vz - t12 * velocity_wy));
+      dalembert::store<dalembert::native_lanes, Scalar>(scratch.bias_block[8] + slot, t25 + t26 - t22 - t27);
     }
   }
   // down = (Rk Rz(q))' down_p
@@ -619,14 +619,14 @@ void outwards_left_hip_yaw_x4(Workspace& workspace) noexcept {
       constexpr int together = decltype(some)::value;
       using V [[maybe_unused]] = dalembert::Lanes<Scalar, together>;
       static constexpr int parents[] = {base_slot, base_slot, 0, 0};
-      V above_down[3] = {dalembert::gather<together>(kept.down[0], parents + lane),
-          dalembert::gather<together>(kept.down[1], parents + lane),
-          dalembert::gather<together>(kept.down[2], parents + lane)};
+      V above_down[3] = {dalembert::gather<together>(scratch.down[0], parents + lane),
+          dalembert::gather<together>(scratch.down[1], parents + lane),
+          dalembert::gather<together>(scratch.down[2], parents + lane)};
       for (int i = lane; i < 24; i += 4) {
         const int slot = 8 + i;
         V next_above_down[3];
-        const V sine = dalembert::load<together>(kept.sine[0] + slot);
-        const V cosine = dalembert::load<together>(kept.cosine[0] + slot);
+        const V sine = dalembert::load<together>(scratch.sine[0] + slot);
+        const V cosine = dalembert::load<together>(scratch.cosine[0] + slot);
         const V rotation_xx_yy_zz_k = dalembert::load<together>(left_hip_yaw_x4_rotation_xx_yy_zz + i);
         const V rotation_xy_yz_zx_k = dalembert::load<together>(left_hip_yaw_x4_rotation_xy_yz_zx + i);
         const V rotation_xz_yx_zy_k = dalembert::load<together>(left_hip_yaw_x4_rotation_xz_yx_zy + i);
@@ -634,10 +634,10 @@ void outwards_left_hip_yaw_x4(Workspace& workspace) noexcept {
         const V t2 = above_down[2] * rotation_xz_yx_zy_k + above_down[1] * rotation_xx_yy_zz_k + above_down[0] * rotation_xy_yz_zx_k;
         next_above_down[2] = above_down[2] * rotation_xx_yy_zz_k + above_down[1] * rotation_xy_yz_zx_k + above_down[0] * rotation_xz_yx_zy_k;
         const V t3 = sine * t2 + cosine * t1;
-        dalembert::store<together, Scalar>(kept.down[0] + slot, t3);
+        dalembert::store<together, Scalar>(scratch.down[0] + slot, t3);
         next_above_down[0] = t3;
         const V t4 = cosine * t2 - sine * t1;
-        dalembert::store<together, Scalar>(kept.down[1] + slot, t4);
+        dalembert::store<together, Scalar>(scratch.down[1] + slot, t4);
         next_above_down[1] = t4;
         dalembert::carry(above_down, next_above_down);
       }
@@ -650,15 +650,15 @@ void outwards_left_hip_yaw_x4(Workspace& workspace) noexcept {
       constexpr int together = decltype(some)::value;
       using V [[maybe_unused]] = dalembert::Lanes<Scalar, together>;
       static constexpr int parents[] = {base_slot, base_slot, 0, 0};
-      V above_angular[3] = {dalembert::gather<together>(kept.angular[0], parents + lane),
-          dalembert::gather<together>(kept.angular[1], parents + lane),
-          dalembert::gather<together>(kept.angular[2], parents + lane)};
-      V above_angular_acceleration[3] = {dalembert::gather<together>(kept.angular_acceleration[0], parents + lane),
-          dalembert::gather<together>(kept.angular_acceleration[1], parents + lane),
+      V above_angular[3] = {dalembert::gather<together>(scratch.angular[0], parents + lane),
+          dalembert::gather<together>(scratch.angular[1], parents + lane),
+          dalembert::gather<together>(scratch.angular[2], parents + lane)};
+      V above_angular_acceleration[3] = {dalembert::gather<together>(scratch.angular_acceleration[0], parents + lane),
+          dalembert::gather<together>(scratch.angular_acceleration[1], parents + lane),
           dalembert::broadcast<together, Scalar>(0.0)};
-      V above_acceleration[3] = {dalembert::gather<together>(kept.acceleration[0], parents + lane),
-          dalembert::gather<together>(kept.acceleration[1], parents + lane),
-          dalembert::gather<together>(kept.acceleration[2], parents + lane)};
+      V above_acceleration[3] = {dalembert::gather<together>(scratch.acceleration[0], parents + lane),
+          dalembert::gather<together>(scratch.acceleration[1], parents + lane),
+          dalembert::gather<together>(scratch.acceleration[2], parents + lane)};
       for (int i = lane; i < 24; i += 4) {
         const int slot = 8 + i;
         V next_above_angular[3];
@@ -669,9 +669,9 @@ void outwards_left_hip_yaw_x4(Workspace& workspace) noexcept {
         const V rotation_xz_yx_zy_k = dalembert::load<together>(left_hip_yaw_x4_rotation_xz_yx_zy + i);
         const V translation_x_k = dalembert::load<together>(left_hip_yaw_x4_translation_x + i);
         const V translation_y_k = dalembert::load<together>(left_hip_yaw_x4_translation_y + i);
-        const V rate = dalembert::load<together>(kept.rate[0] + slot);
-        const V sine = dalembert::load<together>(kept.sine[0] + slot);
-        const V cosine = dalembert::load<together>(kept.cosine[0] + slot);
+        const V rate = dalembert::load<together>(scratch.rate[0] + slot);
+        const V sine = dalembert::load<together>(scratch.sine[0] + slot);
+        const V cosine = dalembert::load<together>(scratch.cosine[0] + slot);
         const V t1 = above_angular[2] * translation_y_k;
         const V t2 = above_angular[2] * translation_x_k;
         const V t3 = above_angular[0] * translation_y_k - above_angular[1] * translation_x_k;
@@ -712,16 +712,16 @@ void outwards_left_hip_yaw_x4(Workspace& workspace) noexcept {
         const V t22 = t11 * first_y_k;
         const V t23 = t11 * first_x_k;
         const V t24 = t9 * first_y_k - t10 * first_x_k;
-        dalembert::store<together, Scalar>(kept.wrench[0] + slot, t10 * t24 - t11 * t23 - t14 * first_y_k);
-        dalembert::store<together, Scalar>(kept.wrench[1] + slot, t14 * first_x_k - t9 * t24 - t11 * t22);
-        dalembert::store<together, Scalar>(kept.wrench[2] + slot, t10 * t22 + t9 * t23 + t15 * first_y_k - t16 * first_x_k);
+        dalembert::store<together, Scalar>(scratch.wrench[0] + slot, t10 * t24 - t11 * t23 - t14 * first_y_k);
+        dalembert::store<together, Scalar>(scratch.wrench[1] + slot, t14 * first_x_k - t9 * t24 - t11 * t22);
+        dalembert::store<together, Scalar>(scratch.wrench[2] + slot, t10 * t22 + t9 * t23 + t15 * first_y_k - t16 * first_x_k);
         const V t25 = second_xx_k + second_yy_k;
         const V t26 = t9 * second_yy_k - t10 * second_xy_k - t11 * second_xz_k;
         const V t27 = t10 * second_xx_k - t9 * second_xy_k - t11 * second_yz_k;
         const V t28 = t11 * t25 - t10 * second_yz_k - t9 * second_xz_k;
-        dalembert::store<together, Scalar>(kept.wrench[3] + slot, t10 * t28 + t15 * second_yy_k + t19 * first_y_k - t11 * t27 - t16 * second_xy_k - t14 * second_xz_k);
-        dalembert::store<together, Scalar>(kept.wrench[4] + slot, t11 * t26 + t16 * second_xx_k - t9 * t28 - t15 * second_xy_k - t14 * second_yz_k - t19 * first_x_k);
-        dalembert::store<together, Scalar>(kept.wrench[5] + slot, t9 * t27 + t14 * t25 + t21 * first_x_k - t10 * t26 - t16 * second_yz_k - t15 * second_xz_k - t20 * first_y_k);
+        dalembert::store<together, Scalar>(scratch.wrench[3] + slot, t10 * t28 + t15 * second_yy_k + t19 * first_y_k - t11 * t27 - t16 * second_xy_k - t14 * second_xz_k);
+        dalembert::store<together, Scalar>(scratch.wrench[4] + slot, t11 * t26 + t16 * second_xx_k - t9 * t28 - t15 * second_xy_k - t14 * second_yz_k - t19 * first_x_k);
+        dalembert::store<together, Scalar>(scratch.wrench[5] + slot, t9 * t27 + t14 * t25 + t21 * first_x_k - t10 * t26 - t16 * second_yz_k - t15 * second_xz_k - t20 * first_y_k);
         dalembert::carry(above_angular, next_above_angular);
         dalembert::carry(above_angular_acceleration, next_above_angular_acceleration);
         dalembert::carry(above_acceleration, next_above_acceleration);
@@ -731,8 +731,8 @@ void outwards_left_hip_yaw_x4(Workspace& workspace) noexcept {
 }
 
 void inwards_left_hip_yaw_x4(Workspace& workspace) noexcept {
-  Kept& kept = workspace.kept;
-  static_cast<void>(kept);
+  Workspace::Scratch& scratch = workspace.scratch;
+  static_cast<void>(scratch);
   // m of the subtree
   // h, S, P, D summed over the subtree
   // F = A* J, G = A* dJ + B* J, H = P x Jv + D' Jw
@@ -754,102 +754,102 @@ void inwards_left_hip_yaw_x4(Workspace& workspace) noexcept {
         V next_below_second[6];
         V next_below_momentum[3];
         V next_below_bias_block[9];
-        const V t1 = below_first[0] + dalembert::load<together>(kept.first[0] + slot);
+        const V t1 = below_first[0] + dalembert::load<together>(scratch.first[0] + slot);
         next_below_first[0] = t1;
-        const V t2 = below_first[1] + dalembert::load<together>(kept.first[1] + slot);
+        const V t2 = below_first[1] + dalembert::load<together>(scratch.first[1] + slot);
         next_below_first[1] = t2;
-        const V t3 = below_first[2] + dalembert::load<together>(kept.first[2] + slot);
+        const V t3 = below_first[2] + dalembert::load<together>(scratch.first[2] + slot);
         next_below_first[2] = t3;
-        const V t4 = below_second[0] + dalembert::load<together>(kept.second[0] + slot);
+        const V t4 = below_second[0] + dalembert::load<together>(scratch.second[0] + slot);
         next_below_second[0] = t4;
-        const V t5 = below_second[1] + dalembert::load<together>(kept.second[1] + slot);
+        const V t5 = below_second[1] + dalembert::load<together>(scratch.second[1] + slot);
         next_below_second[1] = t5;
-        const V t6 = below_second[2] + dalembert::load<together>(kept.second[2] + slot);
+        const V t6 = below_second[2] + dalembert::load<together>(scratch.second[2] + slot);
         next_below_second[2] = t6;
-        const V t7 = below_second[3] + dalembert::load<together>(kept.second[3] + slot);
+        const V t7 = below_second[3] + dalembert::load<together>(scratch.second[3] + slot);
         next_below_second[3] = t7;
-        const V t8 = below_second[4] + dalembert::load<together>(kept.second[4] + slot);
+        const V t8 = below_second[4] + dalembert::load<together>(scratch.second[4] + slot);
         next_below_second[4] = t8;
-        const V t9 = below_second[5] + dalembert::load<together>(kept.second[5] + slot);
+        const V t9 = below_second[5] + dalembert::load<together>(scratch.second[5] + slot);
         next_below_second[5] = t9;
-        const V t10 = below_momentum[0] + dalembert::load<together>(kept.momentum[0] + slot);
+        const V t10 = below_momentum[0] + dalembert::load<together>(scratch.momentum[0] + slot);
         next_below_momentum[0] = t10;
-        const V t11 = below_momentum[1] + dalembert::load<together>(kept.momentum[1] + slot);
+        const V t11 = below_momentum[1] + dalembert::load<together>(scratch.momentum[1] + slot);
         next_below_momentum[1] = t11;
-        const V t12 = below_momentum[2] + dalembert::load<together>(kept.momentum[2] + slot);
+        const V t12 = below_momentum[2] + dalembert::load<together>(scratch.momentum[2] + slot);
         next_below_momentum[2] = t12;
-        const V t13 = below_bias_block[0] + dalembert::load<together>(kept.bias_block[0] + slot);
+        const V t13 = below_bias_block[0] + dalembert::load<together>(scratch.bias_block[0] + slot);
         next_below_bias_block[0] = t13;
-        const V t14 = below_bias_block[1] + dalembert::load<together>(kept.bias_block[1] + slot);
+        const V t14 = below_bias_block[1] + dalembert::load<together>(scratch.bias_block[1] + slot);
         next_below_bias_block[1] = t14;
-        const V t15 = below_bias_block[2] + dalembert::load<together>(kept.bias_block[2] + slot);
+        const V t15 = below_bias_block[2] + dalembert::load<together>(scratch.bias_block[2] + slot);
         next_below_bias_block[2] = t15;
-        const V t16 = below_bias_block[3] + dalembert::load<together>(kept.bias_block[3] + slot);
+        const V t16 = below_bias_block[3] + dalembert::load<together>(scratch.bias_block[3] + slot);
         next_below_bias_block[3] = t16;
-        const V t17 = below_bias_block[4] + dalembert::load<together>(kept.bias_block[4] + slot);
+        const V t17 = below_bias_block[4] + dalembert::load<together>(scratch.bias_block[4] + slot);
         next_below_bias_block[4] = t17;
-        const V t18 = below_bias_block[5] + dalembert::load<together>(kept.bias_block[5] + slot);
+        const V t18 = below_bias_block[5] + dalembert::load<together>(scratch.bias_block[5] + slot);
         next_below_bias_block[5] = t18;
-        const V t19 = below_bias_block[6] + dalembert::load<together>(kept.bias_block[6] + slot);
+        const V t19 = below_bias_block[6] + dalembert::load<together>(scratch.bias_block[6] + slot);
         next_below_bias_block[6] = t19;
-        const V t20 = below_bias_block[7] + dalembert::load<together>(kept.bias_block[7] + slot);
+        const V t20 = below_bias_block[7] + dalembert::load<together>(scratch.bias_block[7] + slot);
         next_below_bias_block[7] = t20;
-        const V t21 = below_bias_block[8] + dalembert::load<together>(kept.bias_block[8] + slot);
+        const V t21 = below_bias_block[8] + dalembert::load<together>(scratch.bias_block[8] + slot);
         next_below_bias_block[8] = t21;
-        const V joint_rate_vx = dalembert::load<together>(kept.joint_rate[0] + slot);
-        const V joint_rate_vy = dalembert::load<together>(kept.joint_rate[1] + slot);
-        const V joint_rate_vz = dalembert::load<together>(kept.joint_rate[2] + slot);
-        const V joint_rate_wx = dalembert::load<together>(kept.joint_rate[3] + slot);
-        const V joint_rate_wy = dalembert::load<together>(kept.joint_rate[4] + slot);
-        const V joint_rate_wz = dalembert::load<together>(kept.joint_rate[5] + slot);
-        const V joint_linear_x = dalembert::load<together>(kept.joint_linear[0] + slot);
-        const V joint_linear_y = dalembert::load<together>(kept.joint_linear[1] + slot);
-        const V joint_linear_z = dalembert::load<together>(kept.joint_linear[2] + slot);
-        const V joint_angular_x = dalembert::load<together>(kept.joint_angular(0) + slot);
-        const V joint_angular_y = dalembert::load<together>(kept.joint_angular(1) + slot);
-        const V joint_angular_z = dalembert::load<together>(kept.joint_angular(2) + slot);
+        const V joint_rate_vx = dalembert::load<together>(scratch.joint_rate[0] + slot);
+        const V joint_rate_vy = dalembert::load<together>(scratch.joint_rate[1] + slot);
+        const V joint_rate_vz = dalembert::load<together>(scratch.joint_rate[2] + slot);
+        const V joint_rate_wx = dalembert::load<together>(scratch.joint_rate[3] + slot);
+        const V joint_rate_wy = dalembert::load<together>(scratch.joint_rate[4] + slot);
+        const V joint_rate_wz = dalembert::load<together>(scratch.joint_rate[5] + slot);
+        const V joint_linear_x = dalembert::load<together>(scratch.joint_linear[0] + slot);
+        const V joint_linear_y = dalembert::load<together>(scratch.joint_linear[1] + slot);
+        const V joint_linear_z = dalembert::load<together>(scratch.joint_linear[2] + slot);
+        const V joint_angular_x = dalembert::load<together>(scratch.joint_angular(0) + slot);
+        const V joint_angular_y = dalembert::load<together>(scratch.joint_angular(1) + slot);
+        const V joint_angular_z = dalembert::load<together>(scratch.joint_angular(2) + slot);
         const V t22 = t3 * joint_angular_y - t2 * joint_angular_z;
-        dalembert::store<together, Scalar>(kept.mass_matrix_columns[0] + slot, t22);
+        dalembert::store<together, Scalar>(scratch.mass_matrix_columns[0] + slot, t22);
         const V t23 = t1 * joint_angular_z - t3 * joint_angular_x;
-        dalembert::store<together, Scalar>(kept.mass_matrix_columns[1] + slot, t23);
+        dalembert::store<together, Scalar>(scratch.mass_matrix_columns[1] + slot, t23);
         const V t24 = t2 * joint_angular_x - t1 * joint_angular_y;
-        dalembert::store<together, Scalar>(kept.mass_matrix_columns[2] + slot, t24);
+        dalembert::store<together, Scalar>(scratch.mass_matrix_columns[2] + slot, t24);
         const V t25 = t7 + t9;
         const V t26 = t4 + t9;
         const V t27 = t4 + t7;
         const V t28 = joint_angular_x * t25 + t2 * joint_linear_z - t5 * joint_angular_y - t6 * joint_angular_z - t3 * joint_linear_y;
-        dalembert::store<together, Scalar>(kept.mass_matrix_columns[3] + slot, t28);
+        dalembert::store<together, Scalar>(scratch.mass_matrix_columns[3] + slot, t28);
         const V t29 = joint_angular_y * t26 + t3 * joint_linear_x - t5 * joint_angular_x - t8 * joint_angular_z - t1 * joint_linear_z;
-        dalembert::store<together, Scalar>(kept.mass_matrix_columns[4] + slot, t29);
+        dalembert::store<together, Scalar>(scratch.mass_matrix_columns[4] + slot, t29);
         const V t30 = joint_angular_z * t27 + t1 * joint_linear_y - t8 * joint_angular_y - t6 * joint_angular_x - t2 * joint_linear_x;
-        dalembert::store<together, Scalar>(kept.mass_matrix_columns[5] + slot, t30);
+        dalembert::store<together, Scalar>(scratch.mass_matrix_columns[5] + slot, t30);
         const V t31 = t13 * joint_angular_x;
         const V t32 = t17 * joint_angular_y;
         const V t33 = t21 * joint_angular_z;
-        dalembert::store<together, Scalar>(kept.coriolis_matrix_columns[0] + slot, t3 * joint_rate_wy + t12 * joint_angular_y - t2 * joint_rate_wz - t11 * joint_angular_z);
-        dalembert::store<together, Scalar>(kept.coriolis_matrix_columns[1] + slot, t1 * joint_rate_wz + t10 * joint_angular_z - t3 * joint_rate_wx - t12 * joint_angular_x);
-        dalembert::store<together, Scalar>(kept.coriolis_matrix_columns[2] + slot, t2 * joint_rate_wx + t11 * joint_angular_x - t1 * joint_rate_wy - t10 * joint_angular_y);
-        dalembert::store<together, Scalar>(kept.coriolis_matrix_columns[3] + slot, t31 + joint_rate_wx * t25 + t2 * joint_rate_vz + t15 * joint_angular_z + t14 * joint_angular_y - t5 * joint_rate_wy - t6 * joint_rate_wz - t3 * joint_rate_vy);
-        dalembert::store<together, Scalar>(kept.coriolis_matrix_columns[4] + slot, t32 + joint_rate_wy * t26 + t3 * joint_rate_vx + t18 * joint_angular_z + t16 * joint_angular_x - t5 * joint_rate_wx - t8 * joint_rate_wz - t1 * joint_rate_vz);
-        dalembert::store<together, Scalar>(kept.coriolis_matrix_columns[5] + slot, t33 + joint_rate_wz * t27 + t1 * joint_rate_vy + t20 * joint_angular_y + t19 * joint_angular_x - t8 * joint_rate_wy - t6 * joint_rate_wx - t2 * joint_rate_vx);
+        dalembert::store<together, Scalar>(scratch.coriolis_matrix_columns[0] + slot, t3 * joint_rate_wy + t12 * joint_angular_y - t2 * joint_rate_wz - t11 * joint_angular_z);
+        dalembert::store<together, Scalar>(scratch.coriolis_matrix_columns[1] + slot, t1 * joint_rate_wz + t10 * joint_angular_z - t3 * joint_rate_wx - t12 * joint_angular_x);
+        dalembert::store<together, Scalar>(scratch.coriolis_matrix_columns[2] + slot, t2 * joint_rate_wx + t11 * joint_angular_x - t1 * joint_rate_wy - t10 * joint_angular_y);
+        dalembert::store<together, Scalar>(scratch.coriolis_matrix_columns[3] + slot, t31 + joint_rate_wx * t25 + t2 * joint_rate_vz + t15 * joint_angular_z + t14 * joint_angular_y - t5 * joint_rate_wy - t6 * joint_rate_wz - t3 * joint_rate_vy);
+        dalembert::store<together, Scalar>(scratch.coriolis_matrix_columns[4] + slot, t32 + joint_rate_wy * t26 + t3 * joint_rate_vx + t18 * joint_angular_z + t16 * joint_angular_x - t5 * joint_rate_wx - t8 * joint_rate_wz - t1 * joint_rate_vz);
+        dalembert::store<together, Scalar>(scratch.coriolis_matrix_columns[5] + slot, t33 + joint_rate_wz * t27 + t1 * joint_rate_vy + t20 * joint_angular_y + t19 * joint_angular_x - t8 * joint_rate_wy - t6 * joint_rate_wx - t2 * joint_rate_vx);
         const V t34 = t31 + t19 * joint_angular_z + t16 * joint_angular_y + t11 * joint_linear_z - t12 * joint_linear_y;
-        dalembert::store<together, Scalar>(kept.transposed(0) + slot, t34);
+        dalembert::store<together, Scalar>(scratch.transposed(0) + slot, t34);
         const V t35 = t32 + t20 * joint_angular_z + t14 * joint_angular_x + t12 * joint_linear_x - t10 * joint_linear_z;
-        dalembert::store<together, Scalar>(kept.transposed(1) + slot, t35);
+        dalembert::store<together, Scalar>(scratch.transposed(1) + slot, t35);
         const V t36 = t33 + t18 * joint_angular_y + t15 * joint_angular_x + t10 * joint_linear_y - t11 * joint_linear_x;
-        dalembert::store<together, Scalar>(kept.transposed(2) + slot, t36);
-        const V base_velocity_wz = dalembert::broadcast<together, Scalar>(kept.velocity[5][base_slot]);
-        const V base_velocity_wy = dalembert::broadcast<together, Scalar>(kept.velocity[4][base_slot]);
-        dalembert::store<together, Scalar>(kept.coriolis_matrix_rows[0] + slot, t23 * base_velocity_wz - t24 * base_velocity_wy);
-        const V base_velocity_wx = dalembert::broadcast<together, Scalar>(kept.velocity[3][base_slot]);
-        dalembert::store<together, Scalar>(kept.coriolis_matrix_rows[1] + slot, t24 * base_velocity_wx - t22 * base_velocity_wz);
-        dalembert::store<together, Scalar>(kept.coriolis_matrix_rows[2] + slot, t22 * base_velocity_wy - t23 * base_velocity_wx);
-        const V base_velocity_vz = dalembert::broadcast<together, Scalar>(kept.velocity[2][base_slot]);
-        const V base_velocity_vy = dalembert::broadcast<together, Scalar>(kept.velocity[1][base_slot]);
-        dalembert::store<together, Scalar>(kept.coriolis_matrix_rows[3] + slot, t34 + t23 * base_velocity_vz + t29 * base_velocity_wz - t24 * base_velocity_vy - t30 * base_velocity_wy);
-        const V base_velocity_vx = dalembert::broadcast<together, Scalar>(kept.velocity[0][base_slot]);
-        dalembert::store<together, Scalar>(kept.coriolis_matrix_rows[4] + slot, t35 + t24 * base_velocity_vx + t30 * base_velocity_wx - t22 * base_velocity_vz - t28 * base_velocity_wz);
-        dalembert::store<together, Scalar>(kept.coriolis_matrix_rows[5] + slot, t36 + t22 * base_velocity_vy + t28 * base_velocity_wy - t23 * base_velocity_vx - t29 * base_velocity_wx);
+        dalembert::store<together, Scalar>(scratch.transposed(2) + slot, t36);
+        const V base_velocity_wz = dalembert::broadcast<together, Scalar>(scratch.velocity[5][base_slot]);
+        const V base_velocity_wy = dalembert::broadcast<together, Scalar>(scratch.velocity[4][base_slot]);
+        dalembert::store<together, Scalar>(scratch.coriolis_matrix_rows[0] + slot, t23 * base_velocity_wz - t24 * base_velocity_wy);
+        const V base_velocity_wx = dalembert::broadcast<together, Scalar>(scratch.velocity[3][base_slot]);
+        dalembert::store<together, Scalar>(scratch.coriolis_matrix_rows[1] + slot, t24 * base_velocity_wx - t22 * base_velocity_wz);
+        dalembert::store<together, Scalar>(scratch.coriolis_matrix_rows[2] + slot, t22 * base_velocity_wy - t23 * base_velocity_wx);
+        const V base_velocity_vz = dalembert::broadcast<together, Scalar>(scratch.velocity[2][base_slot]);
+        const V base_velocity_vy = dalembert::broadcast<together, Scalar>(scratch.velocity[1][base_slot]);
+        dalembert::store<together, Scalar>(scratch.coriolis_matrix_rows[3] + slot, t34 + t23 * base_velocity_vz + t29 * base_velocity_wz - t24 * base_velocity_vy - t30 * base_velocity_wy);
+        const V base_velocity_vx = dalembert::broadcast<together, Scalar>(scratch.velocity[0][base_slot]);
+        dalembert::store<together, Scalar>(scratch.coriolis_matrix_rows[4] + slot, t35 + t24 * base_velocity_vx + t30 * base_velocity_wx - t22 * base_velocity_vz - t28 * base_velocity_wz);
+        dalembert::store<together, Scalar>(scratch.coriolis_matrix_rows[5] + slot, t36 + t22 * base_velocity_vy + t28 * base_velocity_wy - t23 * base_velocity_vx - t29 * base_velocity_wx);
         dalembert::carry(below_first, next_below_first);
         dalembert::carry(below_second, next_below_second);
         dalembert::carry(below_momentum, next_below_momentum);
@@ -860,17 +860,17 @@ void inwards_left_hip_yaw_x4(Workspace& workspace) noexcept {
       dalembert::keep_lanes(all_below_momentum, below_momentum, lane);
       dalembert::keep_lanes(all_below_bias_block, below_bias_block, lane);
     });
-    dalembert::set_lanes<4, 3, 0, 1>(all_below_first, 0, kept.received_first[0] + base_slot, 40);
-    dalembert::add_lanes<4, 2, 2, 3>(all_below_first, 0, kept.first[0] + 0, 40);
-    dalembert::set_lanes<4, 1, 2, 3>(all_below_first, 2, kept.received_first[2] + 0, 40);
-    dalembert::set_lanes<4, 6, 0, 1>(all_below_second, 0, kept.received_second[0] + base_slot, 40);
-    dalembert::add_lanes<4, 5, 2, 3>(all_below_second, 0, kept.second[0] + 0, 40);
-    dalembert::set_lanes<4, 1, 2, 3>(all_below_second, 5, kept.received_second[5] + 0, 40);
-    dalembert::add_lanes<4, 3, 0, 1>(all_below_momentum, 0, kept.momentum[0] + base_slot, 40);
-    dalembert::add_lanes<4, 3, 2, 3>(all_below_momentum, 0, kept.momentum[0] + 0, 40);
-    dalembert::add_lanes<4, 8, 0, 1>(all_below_bias_block, 0, kept.bias_block[0] + base_slot, 40);
-    dalembert::add_lanes<4, 9, 2, 3>(all_below_bias_block, 0, kept.bias_block[0] + 0, 40);
-    dalembert::set_lanes<4, 1, 0, 1>(all_below_bias_block, 8, kept.received_bias_block[8] + base_slot, 40);
+    dalembert::set_lanes<4, 3, 0, 1>(all_below_first, 0, scratch.received_first[0] + base_slot, 40);
+    dalembert::add_lanes<4, 2, 2, 3>(all_below_first, 0, scratch.first[0] + 0, 40);
+    dalembert::set_lanes<4, 1, 2, 3>(all_below_first, 2, scratch.received_first[2] + 0, 40);
+    dalembert::set_lanes<4, 6, 0, 1>(all_below_second, 0, scratch.received_second[0] + base_slot, 40);
+    dalembert::add_lanes<4, 5, 2, 3>(all_below_second, 0, scratch.second[0] + 0, 40);
+    dalembert::set_lanes<4, 1, 2, 3>(all_below_second, 5, scratch.received_second[5] + 0, 40);
+    dalembert::add_lanes<4, 3, 0, 1>(all_below_momentum, 0, scratch.momentum[0] + base_slot, 40);
+    dalembert::add_lanes<4, 3, 2, 3>(all_below_momentum, 0, scratch.momentum[0] + 0, 40);
+    dalembert::add_lanes<4, 8, 0, 1>(all_below_bias_block, 0, scratch.bias_block[0] + base_slot, 40);
+    dalembert::add_lanes<4, 9, 2, 3>(all_below_bias_block, 0, scratch.bias_block[0] + 0, 40);
+    dalembert::set_lanes<4, 1, 0, 1>(all_below_bias_block, 8, scratch.received_bias_block[8] + base_slot, 40);
   }
   // g = -(h x down)_z (revolute), -m down_z (prismatic); h_p += Rk Rz(q) h + m p
   {
@@ -885,11 +885,11 @@ void inwards_left_hip_yaw_x4(Workspace& workspace) noexcept {
         const V rotation_xx_yy_zz_k = dalembert::load<together>(left_hip_yaw_x4_rotation_xx_yy_zz + i);
         const V rotation_xy_yz_zx_k = dalembert::load<together>(left_hip_yaw_x4_rotation_xy_yz_zx + i);
         const V rotation_xz_yx_zy_k = dalembert::load<together>(left_hip_yaw_x4_rotation_xz_yx_zy + i);
-        const V sine = dalembert::load<together>(kept.sine[0] + slot);
-        const V cosine = dalembert::load<together>(kept.cosine[0] + slot);
+        const V sine = dalembert::load<together>(scratch.sine[0] + slot);
+        const V cosine = dalembert::load<together>(scratch.cosine[0] + slot);
         const V t1 = dalembert::load<together>(left_hip_yaw_x4_first_x + i) + below_gravity_first[0];
         const V t2 = dalembert::load<together>(left_hip_yaw_x4_first_y + i) + below_gravity_first[1];
-        dalembert::store<together, Scalar>(kept.gravity_torque(0) + slot, -(dalembert::load<together>(kept.down[1] + slot) * t1 - dalembert::load<together>(kept.down[0] + slot) * t2));
+        dalembert::store<together, Scalar>(scratch.gravity_torque(0) + slot, -(dalembert::load<together>(scratch.down[1] + slot) * t1 - dalembert::load<together>(scratch.down[0] + slot) * t2));
         const V t3 = cosine * t1 - sine * t2;
         const V t4 = cosine * t2 + sine * t1;
         next_below_gravity_first[0] = rotation_xz_yx_zy_k * below_gravity_first[2] + rotation_xy_yz_zx_k * t4 + rotation_xx_yy_zz_k * t3;
@@ -899,8 +899,8 @@ void inwards_left_hip_yaw_x4(Workspace& workspace) noexcept {
       }
       dalembert::keep_lanes(all_below_gravity_first, below_gravity_first, lane);
     });
-    dalembert::set_lanes<4, 3, 0, 1>(all_below_gravity_first, 0, kept.received_gravity_first[0] + base_slot, 40);
-    dalembert::set_lanes<4, 3, 2, 3>(all_below_gravity_first, 0, kept.received_gravity_first[0] + 0, 40);
+    dalembert::set_lanes<4, 3, 0, 1>(all_below_gravity_first, 0, scratch.received_gravity_first[0] + base_slot, 40);
+    dalembert::set_lanes<4, 3, 2, 3>(all_below_gravity_first, 0, scratch.received_gravity_first[0] + 0, 40);
   }
   // C v + g = n_z (revolute), f_z (prismatic); f_p += R f, n_p += R n + p x R f
   {
@@ -917,15 +917,15 @@ void inwards_left_hip_yaw_x4(Workspace& workspace) noexcept {
         const V rotation_xz_yx_zy_k = dalembert::load<together>(left_hip_yaw_x4_rotation_xz_yx_zy + i);
         const V translation_x_k = dalembert::load<together>(left_hip_yaw_x4_translation_x + i);
         const V translation_y_k = dalembert::load<together>(left_hip_yaw_x4_translation_y + i);
-        const V sine = dalembert::load<together>(kept.sine[0] + slot);
-        const V cosine = dalembert::load<together>(kept.cosine[0] + slot);
-        const V t1 = below_wrench[0] + dalembert::load<together>(kept.wrench[0] + slot);
-        const V t2 = below_wrench[1] + dalembert::load<together>(kept.wrench[1] + slot);
-        const V t3 = below_wrench[2] + dalembert::load<together>(kept.wrench[2] + slot);
-        const V t4 = below_wrench[3] + dalembert::load<together>(kept.wrench[3] + slot);
-        const V t5 = below_wrench[4] + dalembert::load<together>(kept.wrench[4] + slot);
-        const V t6 = below_wrench[5] + dalembert::load<together>(kept.wrench[5] + slot);
-        dalembert::store<together, Scalar>(kept.bias_torque(0) + slot, t6);
+        const V sine = dalembert::load<together>(scratch.sine[0] + slot);
+        const V cosine = dalembert::load<together>(scratch.cosine[0] + slot);
+        const V t1 = below_wrench[0] + dalembert::load<together>(scratch.wrench[0] + slot);
+        const V t2 = below_wrench[1] + dalembert::load<together>(scratch.wrench[1] + slot);
+        const V t3 = below_wrench[2] + dalembert::load<together>(scratch.wrench[2] + slot);
+        const V t4 = below_wrench[3] + dalembert::load<together>(scratch.wrench[3] + slot);
+        const V t5 = below_wrench[4] + dalembert::load<together>(scratch.wrench[4] + slot);
+        const V t6 = below_wrench[5] + dalembert::load<together>(scratch.wrench[5] + slot);
+        dalembert::store<together, Scalar>(scratch.bias_torque(0) + slot, t6);
         const V t7 = cosine * t1 - sine * t2;
         const V t8 = cosine * t2 + sine * t1;
         const V t9 = rotation_xz_yx_zy_k * t3 + rotation_xy_yz_zx_k * t8 + rotation_xx_yy_zz_k * t7;
@@ -943,14 +943,14 @@ void inwards_left_hip_yaw_x4(Workspace& workspace) noexcept {
       }
       dalembert::keep_lanes(all_below_wrench, below_wrench, lane);
     });
-    dalembert::add_lanes<4, 6, 0, 1>(all_below_wrench, 0, kept.wrench[0] + base_slot, 40);
-    dalembert::add_lanes<4, 6, 2, 3>(all_below_wrench, 0, kept.wrench[0] + 0, 40);
+    dalembert::add_lanes<4, 6, 0, 1>(all_below_wrench, 0, scratch.wrench[0] + base_slot, 40);
+    dalembert::add_lanes<4, 6, 2, 3>(all_below_wrench, 0, scratch.wrench[0] + 0, 40);
   }
 }
 
 void inwards_waist(Workspace& workspace) noexcept {
-  Kept& kept = workspace.kept;
-  static_cast<void>(kept);
+  Workspace::Scratch& scratch = workspace.scratch;
+  static_cast<void>(scratch);
   // m of the subtree
   // h, S, P, D summed over the subtree
   // F = A* J, G = A* dJ + B* J, H = P x Jv + D' Jw
@@ -966,83 +966,83 @@ void inwards_waist(Workspace& workspace) noexcept {
       V next_below_second[6];
       V next_below_momentum[3];
       V next_below_bias_block[9];
-      dalembert::store<1, Scalar>(kept.mass_matrix_columns[2] + slot, dalembert::broadcast<1, Scalar>(0.0));
-      const V t1 = below_first[0] + dalembert::load<1>(kept.first[0] + slot);
-      dalembert::store<1, Scalar>(kept.mass_matrix_columns[1] + slot, t1);
+      dalembert::store<1, Scalar>(scratch.mass_matrix_columns[2] + slot, dalembert::broadcast<1, Scalar>(0.0));
+      const V t1 = below_first[0] + dalembert::load<1>(scratch.first[0] + slot);
+      dalembert::store<1, Scalar>(scratch.mass_matrix_columns[1] + slot, t1);
       next_below_first[0] = t1;
-      const V t2 = below_first[1] + dalembert::load<1>(kept.first[1] + slot);
+      const V t2 = below_first[1] + dalembert::load<1>(scratch.first[1] + slot);
       next_below_first[1] = t2;
-      const V t3 = below_first[2] + dalembert::load<1>(kept.received_first[2] + slot);
+      const V t3 = below_first[2] + dalembert::load<1>(scratch.received_first[2] + slot);
       next_below_first[2] = t3;
-      const V t4 = below_second[0] + dalembert::load<1>(kept.second[0] + slot);
+      const V t4 = below_second[0] + dalembert::load<1>(scratch.second[0] + slot);
       next_below_second[0] = t4;
-      const V t5 = below_second[1] + dalembert::load<1>(kept.second[1] + slot);
+      const V t5 = below_second[1] + dalembert::load<1>(scratch.second[1] + slot);
       next_below_second[1] = t5;
-      const V t6 = below_second[2] + dalembert::load<1>(kept.second[2] + slot);
+      const V t6 = below_second[2] + dalembert::load<1>(scratch.second[2] + slot);
       next_below_second[2] = t6;
-      const V t7 = below_second[3] + dalembert::load<1>(kept.second[3] + slot);
+      const V t7 = below_second[3] + dalembert::load<1>(scratch.second[3] + slot);
       next_below_second[3] = t7;
-      const V t8 = below_second[4] + dalembert::load<1>(kept.second[4] + slot);
+      const V t8 = below_second[4] + dalembert::load<1>(scratch.second[4] + slot);
       next_below_second[4] = t8;
-      const V t9 = below_second[5] + dalembert::load<1>(kept.received_second[5] + slot);
+      const V t9 = below_second[5] + dalembert::load<1>(scratch.received_second[5] + slot);
       next_below_second[5] = t9;
-      const V t10 = below_momentum[0] + dalembert::load<1>(kept.momentum[0] + slot);
+      const V t10 = below_momentum[0] + dalembert::load<1>(scratch.momentum[0] + slot);
       next_below_momentum[0] = t10;
-      const V t11 = below_momentum[1] + dalembert::load<1>(kept.momentum[1] + slot);
+      const V t11 = below_momentum[1] + dalembert::load<1>(scratch.momentum[1] + slot);
       next_below_momentum[1] = t11;
-      next_below_momentum[2] = below_momentum[2] + dalembert::load<1>(kept.momentum[2] + slot);
-      next_below_bias_block[0] = below_bias_block[0] + dalembert::load<1>(kept.bias_block[0] + slot);
-      next_below_bias_block[1] = below_bias_block[1] + dalembert::load<1>(kept.bias_block[1] + slot);
-      const V t12 = below_bias_block[2] + dalembert::load<1>(kept.bias_block[2] + slot);
+      next_below_momentum[2] = below_momentum[2] + dalembert::load<1>(scratch.momentum[2] + slot);
+      next_below_bias_block[0] = below_bias_block[0] + dalembert::load<1>(scratch.bias_block[0] + slot);
+      next_below_bias_block[1] = below_bias_block[1] + dalembert::load<1>(scratch.bias_block[1] + slot);
+      const V t12 = below_bias_block[2] + dalembert::load<1>(scratch.bias_block[2] + slot);
       next_below_bias_block[2] = t12;
-      next_below_bias_block[3] = below_bias_block[3] + dalembert::load<1>(kept.bias_block[3] + slot);
-      next_below_bias_block[4] = below_bias_block[4] + dalembert::load<1>(kept.bias_block[4] + slot);
-      const V t13 = below_bias_block[5] + dalembert::load<1>(kept.bias_block[5] + slot);
+      next_below_bias_block[3] = below_bias_block[3] + dalembert::load<1>(scratch.bias_block[3] + slot);
+      next_below_bias_block[4] = below_bias_block[4] + dalembert::load<1>(scratch.bias_block[4] + slot);
+      const V t13 = below_bias_block[5] + dalembert::load<1>(scratch.bias_block[5] + slot);
       next_below_bias_block[5] = t13;
-      const V t14 = below_bias_block[6] + dalembert::load<1>(kept.bias_block[6] + slot);
-      dalembert::store<1, Scalar>(kept.transposed(0) + slot, t14);
+      const V t14 = below_bias_block[6] + dalembert::load<1>(scratch.bias_block[6] + slot);
+      dalembert::store<1, Scalar>(scratch.transposed(0) + slot, t14);
       next_below_bias_block[6] = t14;
-      const V t15 = below_bias_block[7] + dalembert::load<1>(kept.bias_block[7] + slot);
-      dalembert::store<1, Scalar>(kept.transposed(1) + slot, t15);
+      const V t15 = below_bias_block[7] + dalembert::load<1>(scratch.bias_block[7] + slot);
+      dalembert::store<1, Scalar>(scratch.transposed(1) + slot, t15);
       next_below_bias_block[7] = t15;
-      const V t16 = below_bias_block[8] + dalembert::load<1>(kept.bias_block[8] + slot);
-      dalembert::store<1, Scalar>(kept.transposed(2) + slot, t16);
+      const V t16 = below_bias_block[8] + dalembert::load<1>(scratch.bias_block[8] + slot);
+      dalembert::store<1, Scalar>(scratch.transposed(2) + slot, t16);
       next_below_bias_block[8] = t16;
-      const V joint_rate_vx = dalembert::load<1>(kept.joint_rate[0] + slot);
-      const V joint_rate_vy = dalembert::load<1>(kept.joint_rate[1] + slot);
-      const V joint_rate_wx = dalembert::load<1>(kept.joint_rate[3] + slot);
-      const V joint_rate_wy = dalembert::load<1>(kept.joint_rate[4] + slot);
-      dalembert::store<1, Scalar>(kept.mass_matrix_columns[0] + slot, -t2);
+      const V joint_rate_vx = dalembert::load<1>(scratch.joint_rate[0] + slot);
+      const V joint_rate_vy = dalembert::load<1>(scratch.joint_rate[1] + slot);
+      const V joint_rate_wx = dalembert::load<1>(scratch.joint_rate[3] + slot);
+      const V joint_rate_wy = dalembert::load<1>(scratch.joint_rate[4] + slot);
+      dalembert::store<1, Scalar>(scratch.mass_matrix_columns[0] + slot, -t2);
       const V t17 = t4 + t7;
-      dalembert::store<1, Scalar>(kept.mass_matrix_columns[5] + slot, t17);
-      dalembert::store<1, Scalar>(kept.mass_matrix_columns[3] + slot, -t6);
-      dalembert::store<1, Scalar>(kept.mass_matrix_columns[4] + slot, -t8);
-      dalembert::store<1, Scalar>(kept.coriolis_matrix_columns[2] + slot, t2 * joint_rate_wx - t1 * joint_rate_wy);
-      dalembert::store<1, Scalar>(kept.coriolis_matrix_columns[0] + slot, t3 * joint_rate_wy - t11);
-      dalembert::store<1, Scalar>(kept.coriolis_matrix_columns[1] + slot, t10 - t3 * joint_rate_wx);
-      dalembert::store<1, Scalar>(kept.coriolis_matrix_columns[3] + slot, t12 + joint_rate_wx * (t7 + t9) - t5 * joint_rate_wy - t3 * joint_rate_vy);
-      dalembert::store<1, Scalar>(kept.coriolis_matrix_columns[4] + slot, t13 + joint_rate_wy * (t4 + t9) + t3 * joint_rate_vx - t5 * joint_rate_wx);
-      dalembert::store<1, Scalar>(kept.coriolis_matrix_columns[5] + slot, t16 + t1 * joint_rate_vy - t2 * joint_rate_vx - t8 * joint_rate_wy - t6 * joint_rate_wx);
-      const V base_velocity_wz = dalembert::broadcast<1, Scalar>(kept.velocity[5][base_slot]);
-      dalembert::store<1, Scalar>(kept.coriolis_matrix_rows[0] + slot, t1 * base_velocity_wz);
-      const V base_velocity_wy = dalembert::broadcast<1, Scalar>(kept.velocity[4][base_slot]);
-      dalembert::store<1, Scalar>(kept.coriolis_matrix_rows[1] + slot, t2 * base_velocity_wz);
-      const V base_velocity_wx = dalembert::broadcast<1, Scalar>(kept.velocity[3][base_slot]);
-      dalembert::store<1, Scalar>(kept.coriolis_matrix_rows[2] + slot, -(t2 * base_velocity_wy + t1 * base_velocity_wx));
-      const V base_velocity_vz = dalembert::broadcast<1, Scalar>(kept.velocity[2][base_slot]);
-      dalembert::store<1, Scalar>(kept.coriolis_matrix_rows[3] + slot, t14 + t1 * base_velocity_vz - t8 * base_velocity_wz - t17 * base_velocity_wy);
-      dalembert::store<1, Scalar>(kept.coriolis_matrix_rows[4] + slot, t15 + t2 * base_velocity_vz + t6 * base_velocity_wz + t17 * base_velocity_wx);
-      dalembert::store<1, Scalar>(kept.coriolis_matrix_rows[5] + slot, t16 + t8 * base_velocity_wx - t6 * base_velocity_wy - t2 * dalembert::broadcast<1, Scalar>(kept.velocity[1][base_slot]) - t1 * dalembert::broadcast<1, Scalar>(kept.velocity[0][base_slot]));
+      dalembert::store<1, Scalar>(scratch.mass_matrix_columns[5] + slot, t17);
+      dalembert::store<1, Scalar>(scratch.mass_matrix_columns[3] + slot, -t6);
+      dalembert::store<1, Scalar>(scratch.mass_matrix_columns[4] + slot, -t8);
+      dalembert::store<1, Scalar>(scratch.coriolis_matrix_columns[2] + slot, t2 * joint_rate_wx - t1 * joint_rate_wy);
+      dalembert::store<1, Scalar>(scratch.coriolis_matrix_columns[0] + slot, t3 * joint_rate_wy - t11);
+      dalembert::store<1, Scalar>(scratch.coriolis_matrix_columns[1] + slot, t10 - t3 * joint_rate_wx);
+      dalembert::store<1, Scalar>(scratch.coriolis_matrix_columns[3] + slot, t12 + joint_rate_wx * (t7 + t9) - t5 * joint_rate_wy - t3 * joint_rate_vy);
+      dalembert::store<1, Scalar>(scratch.coriolis_matrix_columns[4] + slot, t13 + joint_rate_wy * (t4 + t9) + t3 * joint_rate_vx - t5 * joint_rate_wx);
+      dalembert::store<1, Scalar>(scratch.coriolis_matrix_columns[5] + slot, t16 + t1 * joint_rate_vy - t2 * joint_rate_vx - t8 * joint_rate_wy - t6 * joint_rate_wx);
+      const V base_velocity_wz = dalembert::broadcast<1, Scalar>(scratch.velocity[5][base_slot]);
+      dalembert::store<1, Scalar>(scratch.coriolis_matrix_rows[0] + slot, t1 * base_velocity_wz);
+      const V base_velocity_wy = dalembert::broadcast<1, Scalar>(scratch.velocity[4][base_slot]);
+      dalembert::store<1, Scalar>(scratch.coriolis_matrix_rows[1] + slot, t2 * base_velocity_wz);
+      const V base_velocity_wx = dalembert::broadcast<1, Scalar>(scratch.velocity[3][base_slot]);
+      dalembert::store<1, Scalar>(scratch.coriolis_matrix_rows[2] + slot, -(t2 * base_velocity_wy + t1 * base_velocity_wx));
+      const V base_velocity_vz = dalembert::broadcast<1, Scalar>(scratch.velocity[2][base_slot]);
+      dalembert::store<1, Scalar>(scratch.coriolis_matrix_rows[3] + slot, t14 + t1 * base_velocity_vz - t8 * base_velocity_wz - t17 * base_velocity_wy);
+      dalembert::store<1, Scalar>(scratch.coriolis_matrix_rows[4] + slot, t15 + t2 * base_velocity_vz + t6 * base_velocity_wz + t17 * base_velocity_wx);
+      dalembert::store<1, Scalar>(scratch.coriolis_matrix_rows[5] + slot, t16 + t8 * base_velocity_wx - t6 * base_velocity_wy - t2 * dalembert::broadcast<1, Scalar>(scratch.velocity[1][base_slot]) - t1 * dalembert::broadcast<1, Scalar>(scratch.velocity[0][base_slot]));
       dalembert::carry(below_first, next_below_first);
       dalembert::carry(below_second, next_below_second);
       dalembert::carry(below_momentum, next_below_momentum);
       dalembert::carry(below_bias_block, next_below_bias_block);
     }
-    dalembert::add_lanes<1, 3, 0>(below_first, 0, kept.received_first[0] + base_slot, 40);
-    dalembert::add_lanes<1, 6, 0>(below_second, 0, kept.received_second[0] + base_slot, 40);
-    dalembert::add_lanes<1, 3, 0>(below_momentum, 0, kept.momentum[0] + base_slot, 40);
-    dalembert::add_lanes<1, 8, 0>(below_bias_block, 0, kept.bias_block[0] + base_slot, 40);
-    dalembert::add_lanes<1, 1, 0>(below_bias_block, 8, kept.received_bias_block[8] + base_slot, 40);
+    dalembert::add_lanes<1, 3, 0>(below_first, 0, scratch.received_first[0] + base_slot, 40);
+    dalembert::add_lanes<1, 6, 0>(below_second, 0, scratch.received_second[0] + base_slot, 40);
+    dalembert::add_lanes<1, 3, 0>(below_momentum, 0, scratch.momentum[0] + base_slot, 40);
+    dalembert::add_lanes<1, 8, 0>(below_bias_block, 0, scratch.bias_block[0] + base_slot, 40);
+    dalembert::add_lanes<1, 1, 0>(below_bias_block, 8, scratch.received_bias_block[8] + base_slot, 40);
   }
   // g = -(h x down)_z (revolute), -m down_z (prismatic); h_p += Rk Rz(q) h + m p
   {
@@ -1051,17 +1051,17 @@ void inwards_waist(Workspace& workspace) noexcept {
     for (int i = 0; i >= 0; i -= 1) {
       const int slot = 0 + i;
       V next_below_gravity_first[3];
-      const V sine = dalembert::load<1>(kept.sine[0] + slot);
-      const V cosine = dalembert::load<1>(kept.cosine[0] + slot);
-      const V t1 = below_gravity_first[1] + dalembert::load<1>(kept.received_gravity_first[1] + slot);
-      next_below_gravity_first[2] = below_gravity_first[2] + dalembert::load<1>(kept.received_gravity_first[2] + slot);
-      const V t2 = 0.03 + below_gravity_first[0] + dalembert::load<1>(kept.received_gravity_first[0] + slot);
-      dalembert::store<1, Scalar>(kept.gravity_torque(0) + slot, -(dalembert::load<1>(kept.down[1] + slot) * t2 - dalembert::load<1>(kept.down[0] + slot) * t1));
+      const V sine = dalembert::load<1>(scratch.sine[0] + slot);
+      const V cosine = dalembert::load<1>(scratch.cosine[0] + slot);
+      const V t1 = below_gravity_first[1] + dalembert::load<1>(scratch.received_gravity_first[1] + slot);
+      next_below_gravity_first[2] = below_gravity_first[2] + dalembert::load<1>(scratch.received_gravity_first[2] + slot);
+      const V t2 = 0.03 + below_gravity_first[0] + dalembert::load<1>(scratch.received_gravity_first[0] + slot);
+      dalembert::store<1, Scalar>(scratch.gravity_torque(0) + slot, -(dalembert::load<1>(scratch.down[1] + slot) * t2 - dalembert::load<1>(scratch.down[0] + slot) * t1));
       next_below_gravity_first[0] = cosine * t2 - sine * t1;
       next_below_gravity_first[1] = cosine * t1 + sine * t2;
       dalembert::carry(below_gravity_first, next_below_gravity_first);
     }
-    dalembert::add_lanes<1, 3, 0>(below_gravity_first, 0, kept.received_gravity_first[0] + base_slot, 40);
+    dalembert::add_lanes<1, 3, 0>(below_gravity_first, 0, scratch.received_gravity_first[0] + base_slot, 40);
   }
   // C v + g = n_z (revolute), f_z (prismatic); f_p += R f, n_p += R n + p x R f
   {
@@ -1070,15 +1070,15 @@ void inwards_waist(Workspace& workspace) noexcept {
     for (int i = 0; i >= 0; i -= 1) {
       const int slot = 0 + i;
       V next_below_wrench[6];
-      const V sine = dalembert::load<1>(kept.sine[0] + slot);
-      const V cosine = dalembert::load<1>(kept.cosine[0] + slot);
-      const V t1 = below_wrench[0] + dalembert::load<1>(kept.wrench[0] + slot);
-      const V t2 = below_wrench[1] + dalembert::load<1>(kept.wrench[1] + slot);
-      next_below_wrench[2] = below_wrench[2] + dalembert::load<1>(kept.wrench[2] + slot);
-      const V t3 = below_wrench[3] + dalembert::load<1>(kept.wrench[3] + slot);
-      const V t4 = below_wrench[4] + dalembert::load<1>(kept.wrench[4] + slot);
-      const V t5 = below_wrench[5] + dalembert::load<1>(kept.wrench[5] + slot);
-      dalembert::store<1, Scalar>(kept.bias_torque(0) + slot, t5);
+      const V sine = dalembert::load<1>(scratch.sine[0] + slot);
+      const V cosine = dalembert::load<1>(scratch.cosine[0] + slot);
+      const V t1 = below_wrench[0] + dalembert::load<1>(scratch.wrench[0] + slot);
+      const V t2 = below_wrench[1] + dalembert::load<1>(scratch.wrench[1] + slot);
+      next_below_wrench[2] = below_wrench[2] + dalembert::load<1>(scratch.wrench[2] + slot);
+      const V t3 = below_wrench[3] + dalembert::load<1>(scratch.wrench[3] + slot);
+      const V t4 = below_wrench[4] + dalembert::load<1>(scratch.wrench[4] + slot);
+      const V t5 = below_wrench[5] + dalembert::load<1>(scratch.wrench[5] + slot);
+      dalembert::store<1, Scalar>(scratch.bias_torque(0) + slot, t5);
       next_below_wrench[5] = t5;
       const V t6 = cosine * t1 - sine * t2;
       next_below_wrench[0] = t6;
@@ -1088,13 +1088,13 @@ void inwards_waist(Workspace& workspace) noexcept {
       next_below_wrench[4] = 0.41 * t6 + cosine * t4 + sine * t3;
       dalembert::carry(below_wrench, next_below_wrench);
     }
-    dalembert::add_lanes<1, 6, 0>(below_wrench, 0, kept.wrench[0] + base_slot, 40);
+    dalembert::add_lanes<1, 6, 0>(below_wrench, 0, scratch.wrench[0] + base_slot, 40);
   }
 }
 
 void base(Workspace& workspace) noexcept {
-  Kept& kept = workspace.kept;
-  static_cast<void>(kept);
+  Workspace::Scratch& scratch = workspace.scratch;
+  static_cast<void>(scratch);
   // The base: M_BB = A*, C_BB = A* ad(V) + B*
   // h, S, P, D summed over the subtree
   // g = -[m down; h x down]
@@ -1104,146 +1104,146 @@ void base(Workspace& workspace) noexcept {
   workspace.mass_matrix[0] = 65.0;
   workspace.mass_matrix[32] = 65.0;
   workspace.mass_matrix[64] = 65.0;
-  const Scalar t1 = kept.received_first[2][base_slot] + 12.11;
+  const Scalar t1 = scratch.received_first[2][base_slot] + 12.11;
   workspace.mass_matrix[4] = t1;
   workspace.mass_matrix[124] = t1;
-  workspace.mass_matrix[65] = kept.received_first[1][base_slot];
-  workspace.mass_matrix[95] = kept.received_first[1][base_slot];
-  workspace.mass_matrix[5] = -kept.received_first[1][base_slot];
-  workspace.mass_matrix[155] = -kept.received_first[1][base_slot];
+  workspace.mass_matrix[65] = scratch.received_first[1][base_slot];
+  workspace.mass_matrix[95] = scratch.received_first[1][base_slot];
+  workspace.mass_matrix[5] = -scratch.received_first[1][base_slot];
+  workspace.mass_matrix[155] = -scratch.received_first[1][base_slot];
   const Scalar t2 = -t1;
   workspace.mass_matrix[34] = t2;
   workspace.mass_matrix[94] = t2;
-  workspace.mass_matrix[36] = kept.received_first[0][base_slot];
-  workspace.mass_matrix[156] = kept.received_first[0][base_slot];
-  workspace.mass_matrix[66] = -kept.received_first[0][base_slot];
-  workspace.mass_matrix[126] = -kept.received_first[0][base_slot];
-  const Scalar t3 = kept.received_second[3][base_slot] + 0.2376;
-  const Scalar t4 = kept.received_second[5][base_slot] + 4.669860169999999;
+  workspace.mass_matrix[36] = scratch.received_first[0][base_slot];
+  workspace.mass_matrix[156] = scratch.received_first[0][base_slot];
+  workspace.mass_matrix[66] = -scratch.received_first[0][base_slot];
+  workspace.mass_matrix[126] = -scratch.received_first[0][base_slot];
+  const Scalar t3 = scratch.received_second[3][base_slot] + 0.2376;
+  const Scalar t4 = scratch.received_second[5][base_slot] + 4.669860169999999;
   const Scalar t5 = t3 + t4;
   workspace.mass_matrix[96] = t5;
-  workspace.mass_matrix[97] = -kept.received_second[1][base_slot];
-  workspace.mass_matrix[127] = -kept.received_second[1][base_slot];
-  workspace.mass_matrix[98] = -kept.received_second[2][base_slot];
-  workspace.mass_matrix[158] = -kept.received_second[2][base_slot];
-  const Scalar t6 = kept.received_second[0][base_slot] + 0.024299999999999995;
+  workspace.mass_matrix[97] = -scratch.received_second[1][base_slot];
+  workspace.mass_matrix[127] = -scratch.received_second[1][base_slot];
+  workspace.mass_matrix[98] = -scratch.received_second[2][base_slot];
+  workspace.mass_matrix[158] = -scratch.received_second[2][base_slot];
+  const Scalar t6 = scratch.received_second[0][base_slot] + 0.024299999999999995;
   const Scalar t7 = t4 + t6;
   workspace.mass_matrix[128] = t7;
-  workspace.mass_matrix[129] = -kept.received_second[4][base_slot];
-  workspace.mass_matrix[159] = -kept.received_second[4][base_slot];
+  workspace.mass_matrix[129] = -scratch.received_second[4][base_slot];
+  workspace.mass_matrix[159] = -scratch.received_second[4][base_slot];
   const Scalar t8 = t3 + t6;
   workspace.mass_matrix[160] = t8;
-  const Scalar t9 = 65.0 * kept.velocity[5][base_slot];
+  const Scalar t9 = 65.0 * scratch.velocity[5][base_slot];
   workspace.coriolis_matrix[1] = t9;
-  const Scalar t10 = 65.0 * kept.velocity[4][base_slot];
+  const Scalar t10 = 65.0 * scratch.velocity[4][base_slot];
   workspace.coriolis_matrix[62] = t10;
   workspace.coriolis_matrix[2] = -t10;
-  const Scalar t11 = t1 * kept.velocity[5][base_slot];
-  const Scalar t12 = kept.received_first[1][base_slot] * kept.velocity[4][base_slot];
+  const Scalar t11 = t1 * scratch.velocity[5][base_slot];
+  const Scalar t12 = scratch.received_first[1][base_slot] * scratch.velocity[4][base_slot];
   const Scalar t13 = t11 + t12;
   workspace.coriolis_matrix[93] = t13;
   workspace.coriolis_matrix[3] = -t13;
-  const Scalar t14 = kept.received_first[0][base_slot] * kept.velocity[4][base_slot];
+  const Scalar t14 = scratch.received_first[0][base_slot] * scratch.velocity[4][base_slot];
   workspace.coriolis_matrix[4] = t14;
-  const Scalar t15 = kept.received_first[0][base_slot] * kept.velocity[5][base_slot];
+  const Scalar t15 = scratch.received_first[0][base_slot] * scratch.velocity[5][base_slot];
   workspace.coriolis_matrix[5] = t15;
   workspace.coriolis_matrix[31] = -t9;
-  const Scalar t16 = 65.0 * kept.velocity[3][base_slot];
+  const Scalar t16 = 65.0 * scratch.velocity[3][base_slot];
   workspace.coriolis_matrix[33] = t16;
-  const Scalar t17 = kept.received_first[1][base_slot] * kept.velocity[3][base_slot];
+  const Scalar t17 = scratch.received_first[1][base_slot] * scratch.velocity[3][base_slot];
   workspace.coriolis_matrix[34] = t17;
-  const Scalar t18 = kept.received_first[0][base_slot] * kept.velocity[3][base_slot];
+  const Scalar t18 = scratch.received_first[0][base_slot] * scratch.velocity[3][base_slot];
   const Scalar t19 = t11 + t18;
   workspace.coriolis_matrix[125] = t19;
   workspace.coriolis_matrix[35] = -t19;
-  const Scalar t20 = kept.received_first[1][base_slot] * kept.velocity[5][base_slot];
+  const Scalar t20 = scratch.received_first[1][base_slot] * scratch.velocity[5][base_slot];
   workspace.coriolis_matrix[36] = t20;
   workspace.coriolis_matrix[63] = -t16;
-  const Scalar t21 = t1 * kept.velocity[3][base_slot];
+  const Scalar t21 = t1 * scratch.velocity[3][base_slot];
   workspace.coriolis_matrix[65] = t21;
-  const Scalar t22 = t1 * kept.velocity[4][base_slot];
+  const Scalar t22 = t1 * scratch.velocity[4][base_slot];
   workspace.coriolis_matrix[66] = t22;
   const Scalar t23 = t12 + t18;
   workspace.coriolis_matrix[157] = t23;
   workspace.coriolis_matrix[67] = -t23;
-  const Scalar t24 = 65.0 * kept.velocity[2][base_slot];
-  workspace.coriolis_matrix[94] = t24 - t14 - kept.momentum[2][base_slot];
-  const Scalar t25 = 65.0 * kept.velocity[1][base_slot];
-  workspace.coriolis_matrix[95] = kept.momentum[1][base_slot] - (t15 + t25);
-  const Scalar t26 = kept.received_second[2][base_slot] * kept.velocity[4][base_slot];
-  const Scalar t27 = kept.received_second[1][base_slot] * kept.velocity[5][base_slot];
-  const Scalar t28 = t1 * kept.velocity[2][base_slot];
-  const Scalar t29 = kept.received_first[1][base_slot] * kept.velocity[1][base_slot];
-  workspace.coriolis_matrix[96] = kept.bias_block[0][base_slot] + (t26 - t27 - (t28 + t29));
-  workspace.coriolis_matrix[97] = kept.bias_block[3][base_slot] + (kept.received_second[4][base_slot] * kept.velocity[4][base_slot] + t7 * kept.velocity[5][base_slot] + kept.received_first[0][base_slot] * kept.velocity[1][base_slot]);
-  workspace.coriolis_matrix[98] = kept.bias_block[6][base_slot] + (kept.received_first[0][base_slot] * kept.velocity[2][base_slot] - (t8 * kept.velocity[4][base_slot] + kept.received_second[4][base_slot] * kept.velocity[5][base_slot]));
-  workspace.coriolis_matrix[124] = kept.momentum[2][base_slot] - (t17 + t24);
-  const Scalar t30 = 65.0 * kept.velocity[0][base_slot];
-  workspace.coriolis_matrix[126] = t30 - t20 - kept.momentum[0][base_slot];
-  workspace.coriolis_matrix[127] = kept.bias_block[1][base_slot] + (kept.received_first[1][base_slot] * kept.velocity[0][base_slot] - (kept.received_second[2][base_slot] * kept.velocity[3][base_slot] + t5 * kept.velocity[5][base_slot]));
-  const Scalar t31 = kept.received_second[4][base_slot] * kept.velocity[3][base_slot];
-  const Scalar t32 = kept.received_first[0][base_slot] * kept.velocity[0][base_slot];
-  workspace.coriolis_matrix[128] = kept.bias_block[4][base_slot] + (t27 - t31 - (t28 + t32));
-  workspace.coriolis_matrix[129] = kept.bias_block[7][base_slot] + (t8 * kept.velocity[3][base_slot] + kept.received_second[2][base_slot] * kept.velocity[5][base_slot] + kept.received_first[1][base_slot] * kept.velocity[2][base_slot]);
-  workspace.coriolis_matrix[155] = t25 - t21 - kept.momentum[1][base_slot];
-  workspace.coriolis_matrix[156] = kept.momentum[0][base_slot] - (t22 + t30);
-  workspace.coriolis_matrix[158] = kept.bias_block[2][base_slot] + (kept.received_second[1][base_slot] * kept.velocity[3][base_slot] + t5 * kept.velocity[4][base_slot] + t1 * kept.velocity[0][base_slot]);
-  workspace.coriolis_matrix[159] = kept.bias_block[5][base_slot] + (t1 * kept.velocity[1][base_slot] - (t7 * kept.velocity[3][base_slot] + kept.received_second[1][base_slot] * kept.velocity[4][base_slot]));
-  workspace.coriolis_matrix[160] = kept.received_bias_block[8][base_slot] + (t31 - t26 - (t29 + t32));
-  workspace.gravity[0] = -(65.0 * kept.down[0][base_slot]);
-  workspace.gravity[1] = -(65.0 * kept.down[1][base_slot]);
-  workspace.gravity[2] = -(65.0 * kept.down[2][base_slot]);
-  const Scalar t33 = 12.11 + kept.received_gravity_first[2][base_slot];
-  workspace.gravity[3] = -(kept.down[2][base_slot] * kept.received_gravity_first[1][base_slot] - kept.down[1][base_slot] * t33);
-  workspace.gravity[4] = -(kept.down[0][base_slot] * t33 - kept.down[2][base_slot] * kept.received_gravity_first[0][base_slot]);
-  workspace.gravity[5] = -(kept.down[1][base_slot] * kept.received_gravity_first[0][base_slot] - kept.down[0][base_slot] * kept.received_gravity_first[1][base_slot]);
-  workspace.bias[0] = kept.wrench[0][base_slot];
-  workspace.bias[1] = kept.wrench[1][base_slot];
-  workspace.bias[2] = kept.wrench[2][base_slot];
-  workspace.bias[3] = kept.wrench[3][base_slot];
-  workspace.bias[4] = kept.wrench[4][base_slot];
-  workspace.bias[5] = kept.wrench[5][base_slot];
+  const Scalar t24 = 65.0 * scratch.velocity[2][base_slot];
+  workspace.coriolis_matrix[94] = t24 - t14 - scratch.momentum[2][base_slot];
+  const Scalar t25 = 65.0 * scratch.velocity[1][base_slot];
+  workspace.coriolis_matrix[95] = scratch.momentum[1][base_slot] - (t15 + t25);
+  const Scalar t26 = scratch.received_second[2][base_slot] * scratch.velocity[4][base_slot];
+  const Scalar t27 = scratch.received_second[1][base_slot] * scratch.velocity[5][base_slot];
+  const Scalar t28 = t1 * scratch.velocity[2][base_slot];
+  const Scalar t29 = scratch.received_first[1][base_slot] * scratch.velocity[1][base_slot];
+  workspace.coriolis_matrix[96] = scratch.bias_block[0][base_slot] + (t26 - t27 - (t28 + t29));
+  workspace.coriolis_matrix[97] = scratch.bias_block[3][base_slot] + (scratch.received_second[4][base_slot] * scratch.velocity[4][base_slot] + t7 * scratch.velocity[5][base_slot] + scratch.received_first[0][base_slot] * scratch.velocity[1][base_slot]);
+  workspace.coriolis_matrix[98] = scratch.bias_block[6][base_slot] + (scratch.received_first[0][base_slot] * scratch.velocity[2][base_slot] - (t8 * scratch.velocity[4][base_slot] + scratch.received_second[4][base_slot] * scratch.velocity[5][base_slot]));
+  workspace.coriolis_matrix[124] = scratch.momentum[2][base_slot] - (t17 + t24);
+  const Scalar t30 = 65.0 * scratch.velocity[0][base_slot];
+  workspace.coriolis_matrix[126] = t30 - t20 - scratch.momentum[0][base_slot];
+  workspace.coriolis_matrix[127] = scratch.bias_block[1][base_slot] + (scratch.received_first[1][base_slot] * scratch.velocity[0][base_slot] - (scratch.received_second[2][base_slot] * scratch.velocity[3][base_slot] + t5 * scratch.velocity[5][base_slot]));
+  const Scalar t31 = scratch.received_second[4][base_slot] * scratch.velocity[3][base_slot];
+  const Scalar t32 = scratch.received_first[0][base_slot] * scratch.velocity[0][base_slot];
+  workspace.coriolis_matrix[128] = scratch.bias_block[4][base_slot] + (t27 - t31 - (t28 + t32));
+  workspace.coriolis_matrix[129] = scratch.bias_block[7][base_slot] + (t8 * scratch.velocity[3][base_slot] + scratch.received_second[2][base_slot] * scratch.velocity[5][base_slot] + scratch.received_first[1][base_slot] * scratch.velocity[2][base_slot]);
+  workspace.coriolis_matrix[155] = t25 - t21 - scratch.momentum[1][base_slot];
+  workspace.coriolis_matrix[156] = scratch.momentum[0][base_slot] - (t22 + t30);
+  workspace.coriolis_matrix[158] = scratch.bias_block[2][base_slot] + (scratch.received_second[1][base_slot] * scratch.velocity[3][base_slot] + t5 * scratch.velocity[4][base_slot] + t1 * scratch.velocity[0][base_slot]);
+  workspace.coriolis_matrix[159] = scratch.bias_block[5][base_slot] + (t1 * scratch.velocity[1][base_slot] - (t7 * scratch.velocity[3][base_slot] + scratch.received_second[1][base_slot] * scratch.velocity[4][base_slot]));
+  workspace.coriolis_matrix[160] = scratch.received_bias_block[8][base_slot] + (t31 - t26 - (t29 + t32));
+  workspace.gravity[0] = -(65.0 * scratch.down[0][base_slot]);
+  workspace.gravity[1] = -(65.0 * scratch.down[1][base_slot]);
+  workspace.gravity[2] = -(65.0 * scratch.down[2][base_slot]);
+  const Scalar t33 = 12.11 + scratch.received_gravity_first[2][base_slot];
+  workspace.gravity[3] = -(scratch.down[2][base_slot] * scratch.received_gravity_first[1][base_slot] - scratch.down[1][base_slot] * t33);
+  workspace.gravity[4] = -(scratch.down[0][base_slot] * t33 - scratch.down[2][base_slot] * scratch.received_gravity_first[0][base_slot]);
+  workspace.gravity[5] = -(scratch.down[1][base_slot] * scratch.received_gravity_first[0][base_slot] - scratch.down[0][base_slot] * scratch.received_gravity_first[1][base_slot]);
+  workspace.bias[0] = scratch.wrench[0][base_slot];
+  workspace.bias[1] = scratch.wrench[1][base_slot];
+  workspace.bias[2] = scratch.wrench[2][base_slot];
+  workspace.bias[3] = scratch.wrench[3][base_slot];
+  workspace.bias[4] = scratch.wrench[4][base_slot];
+  workspace.bias[5] = scratch.wrench[5][base_slot];
 }
 
 void elements_waist(Workspace& workspace) noexcept {
-  Kept& kept = workspace.kept;
-  static_cast<void>(kept);
+  Workspace::Scratch& scratch = workspace.scratch;
+  static_cast<void>(scratch);
   // M_ik = F_k.J_i. C_ik = G_k.J_i, C_ki = F_k.dJ_i + H_k.J_i
-  const dalembert::Factors<Scalar, 5> lower{{kept.inertia_force(0), kept.inertia_force(3), kept.transposed(0), kept.bias_force(0), kept.bias_force(3)}, 40};
-  const dalembert::Factors<Scalar, 4> upper{{kept.joint_linear[0], kept.joint_angular(0), kept.joint_rate[0], kept.joint_rate[3]}, 40};
+  const dalembert::Factors<Scalar, 5> lower{{scratch.inertia_force(0), scratch.inertia_force(3), scratch.transposed(0), scratch.bias_force(0), scratch.bias_force(3)}, 40};
+  const dalembert::Factors<Scalar, 4> upper{{scratch.joint_linear[0], scratch.joint_angular(0), scratch.joint_rate[0], scratch.joint_rate[3]}, 40};
   Scalar* const matrices[] = {workspace.mass_matrix, workspace.coriolis_matrix};
   dalembert::run_block<Elements, Scalar>(lower, upper, 0, 18, 1, matrices, nv, 0, 1);
   // The base's rows and columns.
-  dalembert::run_base_columns<Scalar>(kept.mass_matrix_columns[0], 40, 0, 18, 1, workspace.mass_matrix, nv);
-  dalembert::run_base_rows<Scalar>(kept.mass_matrix_columns[0], 40, 0, 18, 1, workspace.mass_matrix, nv);
-  dalembert::run_base_columns<Scalar>(kept.coriolis_matrix_columns[0], 40, 0, 18, 1, workspace.coriolis_matrix, nv);
-  dalembert::run_base_rows<Scalar>(kept.coriolis_matrix_rows[0], 40, 0, 18, 1, workspace.coriolis_matrix, nv);
+  dalembert::run_base_columns<Scalar>(scratch.mass_matrix_columns[0], 40, 0, 18, 1, workspace.mass_matrix, nv);
+  dalembert::run_base_rows<Scalar>(scratch.mass_matrix_columns[0], 40, 0, 18, 1, workspace.mass_matrix, nv);
+  dalembert::run_base_columns<Scalar>(scratch.coriolis_matrix_columns[0], 40, 0, 18, 1, workspace.coriolis_matrix, nv);
+  dalembert::run_base_rows<Scalar>(scratch.coriolis_matrix_rows[0], 40, 0, 18, 1, workspace.coriolis_matrix, nv);
 }
 
 void elements_left_hip_yaw_x4(Workspace& workspace) noexcept {
-  Kept& kept = workspace.kept;
-  static_cast<void>(kept);
+  Workspace::Scratch& scratch = workspace.scratch;
+  static_cast<void>(scratch);
   // M_ik = F_k.J_i. C_ik = G_k.J_i, C_ki = F_k.dJ_i + H_k.J_i
-  const dalembert::Factors<Scalar, 5> lower{{kept.inertia_force(0), kept.inertia_force(3), kept.transposed(0), kept.bias_force(0), kept.bias_force(3)}, 40};
-  const dalembert::Factors<Scalar, 4> upper{{kept.joint_linear[0], kept.joint_angular(0), kept.joint_rate[0], kept.joint_rate[3]}, 40};
+  const dalembert::Factors<Scalar, 5> lower{{scratch.inertia_force(0), scratch.inertia_force(3), scratch.transposed(0), scratch.bias_force(0), scratch.bias_force(3)}, 40};
+  const dalembert::Factors<Scalar, 4> upper{{scratch.joint_linear[0], scratch.joint_angular(0), scratch.joint_rate[0], scratch.joint_rate[3]}, 40};
   Scalar* const matrices[] = {workspace.mass_matrix, workspace.coriolis_matrix};
-  constexpr dalembert::LimbTable limbs{left_hip_yaw_x4_row, left_hip_yaw_x4_length, 8};
-  dalembert::limb_blocks<Elements, 4, 6, Scalar>(lower, upper, limbs, matrices, nv, 0, 6);
-  constexpr dalembert::LimbTable above_1{left_hip_yaw_x4_above_1_row, left_hip_yaw_x4_above_1_length, 0};
-  dalembert::shared_cross_blocks<Elements, 4, 6, 1, Scalar>(lower, upper, limbs, 0, 0, above_1, matrices, nv, 0, 6);
+  constexpr dalembert::BranchTable branches{left_hip_yaw_x4_row, left_hip_yaw_x4_length, 8};
+  dalembert::branch_blocks<Elements, 4, 6, Scalar>(lower, upper, branches, matrices, nv, 0, 6);
+  constexpr dalembert::BranchTable above_1{left_hip_yaw_x4_above_1_row, left_hip_yaw_x4_above_1_length, 0};
+  dalembert::shared_cross_blocks<Elements, 4, 6, 1, Scalar>(lower, upper, branches, 0, 0, above_1, matrices, nv, 0, 6);
   // The base's rows and columns.
-  dalembert::base_columns<4, 6, Scalar>(kept.mass_matrix_columns[0], 40, limbs, workspace.mass_matrix, nv);
-  dalembert::base_rows<4, 6, Scalar>(kept.mass_matrix_columns[0], 40, limbs, workspace.mass_matrix, nv);
-  dalembert::base_columns<4, 6, Scalar>(kept.coriolis_matrix_columns[0], 40, limbs, workspace.coriolis_matrix, nv);
-  dalembert::base_rows<4, 6, Scalar>(kept.coriolis_matrix_rows[0], 40, limbs, workspace.coriolis_matrix, nv);
+  dalembert::base_columns<4, 6, Scalar>(scratch.mass_matrix_columns[0], 40, branches, workspace.mass_matrix, nv);
+  dalembert::base_rows<4, 6, Scalar>(scratch.mass_matrix_columns[0], 40, branches, workspace.mass_matrix, nv);
+  dalembert::base_columns<4, 6, Scalar>(scratch.coriolis_matrix_columns[0], 40, branches, workspace.coriolis_matrix, nv);
+  dalembert::base_rows<4, 6, Scalar>(scratch.coriolis_matrix_rows[0], 40, branches, workspace.coriolis_matrix, nv);
 }
 
 void results(Workspace& workspace) noexcept {
-  Kept& kept = workspace.kept;
-  static_cast<void>(kept);
+  Workspace::Scratch& scratch = workspace.scratch;
+  static_cast<void>(scratch);
   for (int k = 0; k < 25; ++k) {
-    workspace.gravity[6 + k] = kept.gravity_torque(0)[joint_slot[k]];
-    workspace.bias[6 + k] = kept.bias_torque(0)[joint_slot[k]];
+    workspace.gravity[6 + k] = scratch.gravity_torque(0)[joint_slot[k]];
+    workspace.bias[6 + k] = scratch.bias_torque(0)[joint_slot[k]];
   }
 }
 

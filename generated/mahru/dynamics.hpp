@@ -2,6 +2,183 @@
 //   dalembert generate mahru.urdf --parallel tasks --name mahru
 // This file is yours: no licence of the generator applies to it.
 //
+// One call fills a workspace; results are matrices that look into it:
+//   mahru::Workspace workspace;
+//   mahru::evaluate(q, v, workspace);
+//   const auto result = mahru::mass_matrix(workspace);
+// Behind the interface: operations counted, inputs not read, which link moves with which body.
+#pragma once
+
+#include <Eigen/Core>
+
+#include <dalembert/arguments.hpp>
+#include <dalembert/version.hpp>
+
+static_assert(dalembert::runtime_version == 6,
+              "mahru was generated for another runtime: generate it again");
+
+namespace mahru {
+
+using Scalar = double;
+
+inline constexpr int nq = 32;  // positions q: base position in the world (3), quaternion x y z w (4), joints [m, rad]
+inline constexpr int nv = 31;  // velocities v: base linear (3), angular (3) in base axes, joint rates [m/s, rad/s]
+inline constexpr int joints = 25;  // with a coordinate of their own
+inline constexpr int bodies = 26;  // that move; links welded together are one
+
+// Joints, in the order of q and v: a joint's position is q[q_index(joint)], its rate v[v_index(joint)].
+enum class Joint : int {
+  left_hip_yaw, left_hip_roll, left_hip_pitch, left_knee, left_ankle_pitch, left_ankle_roll, right_hip_yaw,
+  right_hip_roll, right_hip_pitch, right_knee, right_ankle_pitch, right_ankle_roll, waist, left_shoulder_pitch,
+  left_shoulder_roll, left_shoulder_yaw, left_elbow, left_wrist_yaw, left_wrist_pitch, right_shoulder_pitch,
+  right_shoulder_roll, right_shoulder_yaw, right_elbow, right_wrist_yaw, right_wrist_pitch
+};
+constexpr int q_index(Joint joint) noexcept { return nq - joints + static_cast<int>(joint); }
+constexpr int v_index(Joint joint) noexcept { return nv - joints + static_cast<int>(joint); }
+
+inline constexpr const char* joint_names[] = {
+    "left_hip_yaw", "left_hip_roll", "left_hip_pitch", "left_knee", "left_ankle_pitch", "left_ankle_roll",
+    "right_hip_yaw", "right_hip_roll", "right_hip_pitch", "right_knee", "right_ankle_pitch", "right_ankle_roll",
+    "waist", "left_shoulder_pitch", "left_shoulder_roll", "left_shoulder_yaw", "left_elbow", "left_wrist_yaw",
+    "left_wrist_pitch", "right_shoulder_pitch", "right_shoulder_roll", "right_shoulder_yaw", "right_elbow",
+    "right_wrist_yaw", "right_wrist_pitch"};
+
+// A link of each body, parents before children: the order of wrench_influence's and regressor's columns.
+inline constexpr const char* body_names[] = {
+    "pelvis", "left_hip_yaw_link", "left_hip_roll_link", "left_thigh", "left_shin", "left_ankle_link", "left_foot",
+    "right_hip_yaw_link", "right_hip_roll_link", "right_thigh", "right_shin", "right_ankle_link", "right_foot",
+    "torso", "left_shoulder_pitch_link", "left_shoulder_roll_link", "left_upper_arm", "left_forearm",
+    "left_wrist_link", "left_hand", "right_shoulder_pitch_link", "right_shoulder_roll_link", "right_upper_arm",
+    "right_forearm", "right_wrist_link", "right_hand"};
+
+// Positions; and velocities, accelerations or forces. Each is an Eigen::Matrix<Scalar, n, 1>; neither is taken for the
+// other.
+using VectorQ = dalembert::VectorQ<Scalar, nq>;
+using VectorV = dalembert::VectorV<Scalar, nv>;
+
+// A result: a matrix that looks into the workspace, column by column.
+template <int rows, int columns>
+using Result = Eigen::Map<const Eigen::Matrix<Scalar, rows, columns>, Eigen::Aligned64>;
+
+// Run-time inputs, results and scratch of a call: 50560 bytes, one per thread.
+struct Workspace;
+
+// Functions. They take pointers, or Eigen's vectors and expressions (dalembert/arguments.hpp): a wrong type or length
+// does not compile; where a length is known at run time only, the function returns whether it is right, and computes
+// nothing where it is not. They read their arguments and the workspace's run-time inputs and nothing else; they do not
+// allocate, lock, throw or call the system. Two calls with equal arguments give equal bits.
+
+// Computes mass_matrix, coriolis_matrix, gravity, bias.
+void evaluate(const Scalar* q, const Scalar* v, Workspace& workspace) noexcept;
+
+template <class Q = VectorQ, class V = VectorV>
+dalembert::Checked<void, Q, V> evaluate(
+    const Q& q, const V& v, Workspace& workspace) noexcept {
+  return dalembert::call<VectorQ, VectorV>(
+      [&](auto... numbers) { evaluate(numbers..., workspace); }, q, v);
+}
+
+// Results of the last call. They look into the workspace, which must outlive them: one made on the spot does not.
+// [unit of each kind of element]
+
+// M, nv x nv [kg, kg m, kg m^2]: joint-space inertia matrix M of M dv/dt + C v + g = tau: symmetric, positive definite,
+// T = v'M v/2.
+inline Result<31, 31> mass_matrix(const Workspace& workspace);
+
+// C, nv x nv [kg/s, kg m/s, kg m^2/s]: Coriolis matrix: dM/dt = C + C', so dM/dt - 2 C is skew-symmetric.
+inline Result<31, 31> coriolis_matrix(const Workspace& workspace);
+
+// g, nv [N, N m]: gravity term of M dv/dt + C v + g = tau: what holds the robot still.
+inline Result<31, 1> gravity(const Workspace& workspace);
+
+// C v + g, nv [N, N m]: nonlinear effects C v + g, with the scene's damping, friction and springs: tau where dv/dt = 0.
+inline Result<31, 1> bias(const Workspace& workspace);
+// A new workspace is zero: the structural zeros of results are written here, once, and never again.
+struct Workspace {
+  // Results, column by column.
+  alignas(64) Scalar mass_matrix[31 * 31] = {};
+  alignas(64) Scalar coriolis_matrix[31 * 31] = {};
+  alignas(64) Scalar gravity[31] = {};
+  alignas(64) Scalar bias[31] = {};
+
+  // Scratch, which nobody needs to read.
+  // One value per slot, a slot per body of a branch and lane, and one of the base.
+  struct Scratch {
+    alignas(64) Scalar rotation[9][40] = {};  // R, column by column
+    alignas(64) Scalar position[3][40] = {};  // p, the origin, m
+    alignas(64) Scalar joint_linear[3][40] = {};  // J, motion subspace in base axes: linear part, m
+    alignas(64) Scalar velocity[6][40] = {};  // V = [u; w], m/s, rad/s
+    alignas(64) Scalar joint_rate[6][40] = {};  // dJ, m/s, rad/s
+    alignas(64) Scalar sine[1][40] = {};  // sin q
+    alignas(64) Scalar cosine[1][40] = {};  // cos q
+    alignas(64) Scalar rate[1][40] = {};  // dq, rad/s or m/s
+    alignas(64) Scalar first[3][40] = {};  // h of the body, kg m
+    alignas(64) Scalar second[6][40] = {};  // S of the body: xx xy xz yy yz zz, kg m^2
+    alignas(64) Scalar momentum[3][40] = {};  // P of the body, kg m/s
+    alignas(64) Scalar bias_block[9][40] = {};  // D of the body, row by row, kg m^2/s
+    alignas(64) Scalar down[3][40] = {};  // gravity along the body's axes, m/s^2
+    alignas(64) Scalar angular[3][40] = {};  // w along the body's axes, rad/s
+    alignas(64) Scalar angular_acceleration[3][40] = {};  // dw along the body's axes, rad/s^2
+    // the origin's acceleration less gravity, along the body's axes, m/s^2
+    alignas(64) Scalar acceleration[3][40] = {};
+    alignas(64) Scalar wrench[6][40] = {};  // f, n of the body along its axes, N, N m
+    alignas(64) Scalar mass_matrix_columns[6][40] = {};  // the base's rows of the joint's column of mass_matrix
+    alignas(64) Scalar coriolis_matrix_columns[6][40] = {};  // the base's rows of the joint's column of coriolis_matrix
+    alignas(64) Scalar coriolis_matrix_rows[6][40] = {};  // the base's columns of the joint's row of coriolis_matrix
+    alignas(64) Scalar received_first[3][40] = {};  // h of the body, accumulated from attached branches
+    // S of the body: xx xy xz yy yz zz, accumulated from attached branches
+    alignas(64) Scalar received_second[6][40] = {};
+    // D of the body, row by row, accumulated from attached branches
+    alignas(64) Scalar received_bias_block[9][40] = {};
+    // h of the subtree along the body's axes, accumulated from attached branches
+    alignas(64) Scalar received_gravity_first[3][40] = {};
+    Scalar* joint_angular(int i) noexcept { return rotation[6 + i]; }  // J, motion subspace in base axes: angular part
+    // F = A* J, kg m, kg m^2 per unit of the coordinate
+    Scalar* inertia_force(int i) noexcept { return mass_matrix_columns[i]; }
+    Scalar* bias_force(int i) noexcept { return coriolis_matrix_columns[i]; }  // G = A* dJ + B* J, kg m/s, kg m^2/s
+    Scalar* transposed(int i) noexcept { return rotation[i]; }  // H = P x Jv + D' Jw, kg m^2/s
+    Scalar* gravity_torque(int i) noexcept { return rotation[3 + i]; }  // g, N m or N
+    Scalar* bias_torque(int i) noexcept { return rotation[4 + i]; }  // C v + g, N m or N
+  };
+  Scratch scratch;
+};
+
+inline Result<31, 31> mass_matrix(const Workspace& workspace) {
+  return Result<31, 31>(workspace.mass_matrix);
+}
+void mass_matrix(const Workspace&&) = delete;
+inline Result<31, 31> coriolis_matrix(const Workspace& workspace) {
+  return Result<31, 31>(workspace.coriolis_matrix);
+}
+void coriolis_matrix(const Workspace&&) = delete;
+inline Result<31, 1> gravity(const Workspace& workspace) {
+  return Result<31, 1>(workspace.gravity);
+}
+void gravity(const Workspace&&) = delete;
+inline Result<31, 1> bias(const Workspace& workspace) {
+  return Result<31, 1>(workspace.bias);
+}
+void bias(const Workspace&&) = delete;
+
+// What evaluate() is made of, for the task graph.
+namespace stages {
+
+void prepare(const Scalar* q, const Scalar* v, Workspace& workspace) noexcept;
+void outwards_waist(Workspace& workspace) noexcept;
+void outwards_left_hip_yaw_x4(Workspace& workspace) noexcept;
+void inwards_left_hip_yaw_x4(Workspace& workspace) noexcept;
+void inwards_waist(Workspace& workspace) noexcept;
+void base(Workspace& workspace) noexcept;
+void elements_waist(Workspace& workspace) noexcept;
+void elements_left_hip_yaw_x4(Workspace& workspace) noexcept;
+void results(Workspace& workspace) noexcept;
+
+}  // namespace stages
+
+}  // namespace mahru
+
+// Notes
+//
 // Scalar operations of one evaluation, per phase. Before: the URDF without a scene, as the equations are written
 // (--without fold,share,move_parameters), with the default outputs and those asked for. Here: what is left.
 //                                 multiply             add         sin/cos          divide
@@ -32,50 +209,7 @@
 // Not read by gravity: base position, velocities
 // Executed: by the rolled code, whose loops compute padding, to four lanes, and zeros and ones as well.
 // Workspace: 50560 bytes
-#pragma once
-
-#include <Eigen/Core>
-
-#include <dalembert/arguments.hpp>
-#include <dalembert/version.hpp>
-
-static_assert(dalembert::runtime_version == 5, "mahru was generated for another runtime: generate it again");
-
-namespace mahru {
-
-using Scalar = double;
-
-inline constexpr int nq = 32;  // base position in the world (3), quaternion x y z w (4), joints
-inline constexpr int nv = 31;  // base linear (3) and angular velocity (3) in base axes, joint rates
-inline constexpr int joints = 25;
-inline constexpr int bodies = 26;
-
-// Joints, numbered as in joint_names. In q and v they stand behind a floating base's coordinates: a joint's position is
-// q[q_index(joint)], its rate v[v_index(joint)].
-enum class Joint : int {
-  left_hip_yaw, left_hip_roll, left_hip_pitch, left_knee, left_ankle_pitch, left_ankle_roll, right_hip_yaw,
-  right_hip_roll, right_hip_pitch, right_knee, right_ankle_pitch, right_ankle_roll, waist, left_shoulder_pitch,
-  left_shoulder_roll, left_shoulder_yaw, left_elbow, left_wrist_yaw, left_wrist_pitch, right_shoulder_pitch,
-  right_shoulder_roll, right_shoulder_yaw, right_elbow, right_wrist_yaw, right_wrist_pitch
-};
-constexpr int q_index(Joint joint) noexcept { return nq - joints + static_cast<int>(joint); }
-constexpr int v_index(Joint joint) noexcept { return nv - joints + static_cast<int>(joint); }
-
-inline constexpr const char* joint_names[] = {
-    "left_hip_yaw", "left_hip_roll", "left_hip_pitch", "left_knee", "left_ankle_pitch", "left_ankle_roll",
-    "right_hip_yaw", "right_hip_roll", "right_hip_pitch", "right_knee", "right_ankle_pitch", "right_ankle_roll",
-    "waist", "left_shoulder_pitch", "left_shoulder_roll", "left_shoulder_yaw", "left_elbow", "left_wrist_yaw",
-    "left_wrist_pitch", "right_shoulder_pitch", "right_shoulder_roll", "right_shoulder_yaw", "right_elbow",
-    "right_wrist_yaw", "right_wrist_pitch"};
-
-// Links that move as one body each, in the order of wrench_influence's columns.
-inline constexpr const char* body_names[] = {
-    "pelvis", "left_hip_yaw_link", "left_hip_roll_link", "left_thigh", "left_shin", "left_ankle_link", "left_foot",
-    "right_hip_yaw_link", "right_hip_roll_link", "right_thigh", "right_shin", "right_ankle_link", "right_foot",
-    "torso", "left_shoulder_pitch_link", "left_shoulder_roll_link", "left_upper_arm", "left_forearm",
-    "left_wrist_link", "left_hand", "right_shoulder_pitch_link", "right_shoulder_roll_link", "right_upper_arm",
-    "right_forearm", "right_wrist_link", "right_hand"};
-
+//
 // Links and the bodies they move with:
 //   pelvis                           pelvis
 //   left_hip_yaw_link                left_hip_yaw_link
@@ -104,13 +238,13 @@ inline constexpr const char* body_names[] = {
 //   right_forearm                    right_forearm
 //   right_wrist_link                 right_wrist_link
 //   right_hand                       right_hand
-
-// Inertial parameters that move in the same way with a body and with its parent count as the parent's: the results do not
-// change, and what is zero costs nothing. In a frame whose z is the joint's axis they are, of a body that turns, the mass m,
-// the first moment's h_z and the second moment's S_zz, a distribution of mass along the axis; of one that slides, S and t,
-// half the trace of its inertia.
+//
+// Base-parameter regrouping: inertial parameters that move in the same way with a body and with its parent count as the
+// parent's; the results do not change, and what is zero costs nothing. In a frame whose z is the joint's axis they are,
+// of a body that turns, the mass m, the first moment's h_z and the second moment's S_zz, a distribution of mass along
+// the axis; of one that slides, S and t, half the trace of its inertia.
 // No body that moves has mass left, and no subtree: F = A* J and G = A* dJ + B* J have no term with m.
-// From, to, what (with what the body got from those behind it):
+// From, to, what (with what the body got from its descendants):
 //   left_hip_yaw_link                pelvis                           m, S_zz
 //   left_hip_roll_link               left_hip_yaw_link                m, S_zz
 //   left_thigh                       left_hip_roll_link               m, h_z, S_zz
@@ -136,96 +270,3 @@ inline constexpr const char* body_names[] = {
 //   right_forearm                    right_upper_arm                  m, S_zz
 //   right_wrist_link                 right_forearm                    m, h_z, S_zz
 //   right_hand                       right_wrist_link                 m, S_zz
-
-// Positions; and velocities, accelerations or forces. Each is an Eigen::Matrix<Scalar, n, 1>, but neither is taken for the other.
-using VectorQ = dalembert::VectorQ<Scalar, nq>;
-using VectorV = dalembert::VectorV<Scalar, nv>;
-
-// A result as a matrix that looks into the workspace.
-template <int rows, int columns>
-using Result = Eigen::Map<const Eigen::Matrix<Scalar, rows, columns>, Eigen::Aligned64>;
-
-// Room to work in: one value per slot, a slot per body of a limb and lane, and one of the base.
-struct Kept {
-  alignas(64) Scalar rotation[9][40] = {};  // R, column by column
-  alignas(64) Scalar position[3][40] = {};  // p, the origin, m
-  alignas(64) Scalar joint_linear[3][40] = {};  // J, linear part, m
-  alignas(64) Scalar velocity[6][40] = {};  // V = [u; w], m/s, rad/s
-  alignas(64) Scalar joint_rate[6][40] = {};  // dJ, m/s, rad/s
-  alignas(64) Scalar sine[1][40] = {};  // sin q
-  alignas(64) Scalar cosine[1][40] = {};  // cos q
-  alignas(64) Scalar rate[1][40] = {};  // dq, rad/s or m/s
-  alignas(64) Scalar first[3][40] = {};  // h of the body, kg m
-  alignas(64) Scalar second[6][40] = {};  // S of the body: xx xy xz yy yz zz, kg m^2
-  alignas(64) Scalar momentum[3][40] = {};  // P of the body, kg m/s
-  alignas(64) Scalar bias_block[9][40] = {};  // D of the body, row by row, kg m^2/s
-  alignas(64) Scalar down[3][40] = {};  // gravity along the body's axes, m/s^2
-  alignas(64) Scalar angular[3][40] = {};  // w along the body's axes, rad/s
-  alignas(64) Scalar angular_acceleration[3][40] = {};  // dw along the body's axes, rad/s^2
-  alignas(64) Scalar acceleration[3][40] = {};  // the origin's acceleration less gravity, along the body's axes, m/s^2
-  alignas(64) Scalar wrench[6][40] = {};  // f, n of the body along its axes, N, N m
-  alignas(64) Scalar mass_matrix_columns[6][40] = {};  // the base's rows of the joint's column of mass_matrix
-  alignas(64) Scalar coriolis_matrix_columns[6][40] = {};  // the base's rows of the joint's column of coriolis_matrix
-  alignas(64) Scalar coriolis_matrix_rows[6][40] = {};  // the base's columns of the joint's row of coriolis_matrix
-  alignas(64) Scalar received_first[3][40] = {};  // h of the body, as attached limbs hand it on
-  alignas(64) Scalar received_second[6][40] = {};  // S of the body: xx xy xz yy yz zz, as attached limbs hand it on
-  alignas(64) Scalar received_bias_block[9][40] = {};  // D of the body, row by row, as attached limbs hand it on
-  alignas(64) Scalar received_gravity_first[3][40] = {};  // h of the subtree along the body's axes, as attached limbs hand it on
-  Scalar* joint_angular(int i) noexcept { return rotation[6 + i]; }  // J, angular part
-  Scalar* inertia_force(int i) noexcept { return mass_matrix_columns[i]; }  // F = A* J, kg m, kg m^2 per unit of the coordinate
-  Scalar* bias_force(int i) noexcept { return coriolis_matrix_columns[i]; }  // G = A* dJ + B* J, kg m/s, kg m^2/s
-  Scalar* transposed(int i) noexcept { return rotation[i]; }  // H = P x Jv + D' Jw, kg m^2/s
-  Scalar* gravity_torque(int i) noexcept { return rotation[3 + i]; }  // g, N m or N
-  Scalar* bias_torque(int i) noexcept { return rotation[4 + i]; }  // C v + g, N m or N
-};
-
-// Results, run-time inputs and room to work in. Matrices stand column by column. A new workspace is zero: the structural zeros of
-// the results are written here, once, and never again.
-struct Workspace {
-  alignas(64) Scalar mass_matrix[31 * 31] = {};
-  alignas(64) Scalar coriolis_matrix[31 * 31] = {};
-  alignas(64) Scalar gravity[31] = {};
-  alignas(64) Scalar bias[31] = {};
-
-  Kept kept;
-};
-
-// Functions take pointers, or Eigen's vectors and expressions (dalembert/arguments.hpp). Of these a wrong type or length does not
-// compile; where a length is known at run time only, the function returns whether it is right, and computes nothing where it is not.
-
-// Computes mass_matrix, coriolis_matrix, gravity, bias.
-// q: nq positions, v: nv velocities, as laid out above. Reads nothing else than the workspace's run-time
-// inputs; does not allocate, lock, throw or call the system. Two calls with equal arguments give equal bits.
-void evaluate(const Scalar* q, const Scalar* v, Workspace& workspace) noexcept;
-
-template <class Q = VectorQ, class V = VectorV>
-dalembert::Checked<void, Q, V> evaluate(const Q& q, const V& v, Workspace& workspace) noexcept {
-  return dalembert::call<VectorQ, VectorV>([&](auto... numbers) { evaluate(numbers..., workspace); }, q, v);
-}
-
-// The results. They look into the workspace: it must live as long as they do, which one made on the spot does not.
-inline Result<31, 31> mass_matrix(const Workspace& workspace) { return Result<31, 31>(workspace.mass_matrix); }
-void mass_matrix(const Workspace&&) = delete;
-inline Result<31, 31> coriolis_matrix(const Workspace& workspace) { return Result<31, 31>(workspace.coriolis_matrix); }
-void coriolis_matrix(const Workspace&&) = delete;
-inline Result<31, 1> gravity(const Workspace& workspace) { return Result<31, 1>(workspace.gravity); }
-void gravity(const Workspace&&) = delete;
-inline Result<31, 1> bias(const Workspace& workspace) { return Result<31, 1>(workspace.bias); }
-void bias(const Workspace&&) = delete;
-
-// What evaluate() is made of, for the task graph.
-namespace stages {
-
-void prepare(const Scalar* q, const Scalar* v, Workspace& workspace) noexcept;
-void outwards_waist(Workspace& workspace) noexcept;
-void outwards_left_hip_yaw_x4(Workspace& workspace) noexcept;
-void inwards_left_hip_yaw_x4(Workspace& workspace) noexcept;
-void inwards_waist(Workspace& workspace) noexcept;
-void base(Workspace& workspace) noexcept;
-void elements_waist(Workspace& workspace) noexcept;
-void elements_left_hip_yaw_x4(Workspace& workspace) noexcept;
-void results(Workspace& workspace) noexcept;
-
-}  // namespace stages
-
-}  // namespace mahru

@@ -13,8 +13,8 @@ const ir::EmittedFunction& function_of(const CodeInput& code);
 struct Symbol {
   std::string name, linkage;
 };
-// The names of what is one function's own: a member or namespace, "kept" or "inverse_dynamics_kept", and a type, "Kept" or
-// "InverseDynamicsKept".
+// The names of what is one function's own: a member or namespace, "scratch" or "inverse_dynamics_scratch", and a type, "Scratch" or
+// "InverseDynamicsScratch".
 std::string own_name(const CodeInput& code, const std::string& name);
 std::string own_type(const CodeInput& code, const std::string& type);
 // What it takes: q, v and what its row says. As parameters, each after `pointer`; and as arguments.

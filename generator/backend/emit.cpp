@@ -20,6 +20,7 @@
 #include "backend/templates.hpp"
 #include "dalembert/version.hpp"
 #include "ir/identifier.hpp"
+#include "ir/joint_words.hpp"
 
 namespace dalembert::backend {
 namespace {
@@ -27,9 +28,9 @@ namespace {
 std::string banner(const Folder& folder) {
   return fmt::format(
       "// {} from {} (FNV-1a {}). Do not edit; remake with\n"
-      "//   {}\n"
+      "{}"
       "// This file is yours: no licence of the generator applies to it.",
-      banner_mark, comment_text(folder.source), folder.source_hash, comment_text(folder.command_line));
+      banner_mark, comment_text(folder.source), folder.source_hash, comment_lines("  " + folder.command_line, 0, 4));
 }
 
 std::vector<const ir::Body*> own_coordinates(const CodeInput& code) {
@@ -74,15 +75,15 @@ std::string results(const Folder& folder) {
   for (const CodeInput& code : folder.functions) {
     for (const ir::OutputArray& a : stored_arrays(code)) {
       const std::string size = a.columns == 1 ? std::to_string(a.rows) : fmt::format("{} * {}", a.rows, a.columns);
-      text += fmt::format("  alignas(64) Scalar {}[{}] = {{}};{}\n", a.name, size, a.internal ? "  // between" : "");
+      text += fmt::format("  alignas(64) Scalar {}[{}] = {{}};{}\n", a.name, size, a.internal ? "  // scratch" : "");
     }
     if (const std::optional<ir::Guard>& guard = code.algorithm.guard; guard && is_called(code)) {
       std::vector<std::string> names;
       for (const int array : guard->arrays) names.push_back(code.program.arrays[static_cast<size_t>(array)].name);
-      text += fmt::format(
-          "  // Whether the mass matrix is positive definite, to rounding; where it is not, {} {} zero.\n"
-          "  dalembert::FactorStatus<Scalar> {};\n",
-          fmt::join(names, ", "), names.size() == 1 ? "is" : "are", own_name(code, "status"));
+      text += comment_lines(fmt::format("Whether M is positive definite, to rounding; where it is not, {} {} zero.",
+                                        fmt::join(names, ", "), names.size() == 1 ? "is" : "are"),
+                            2) +
+              fmt::format("  dalembert::FactorStatus<Scalar> {};\n", own_name(code, "status"));
     }
     for (const ir::ConstraintStep& step : code.algorithm.constraint_steps)
       if (const char* status = status_of(step); *status)
@@ -96,31 +97,31 @@ std::string run_time_inputs(const CodeInput& code) {
   std::string text;
   const ir::Scene& s = code.scene;
   if (s.gravity_kind == ir::GravityKind::run_time)
-    text += fmt::format("\n  Scalar gravity_vector[3] = {{{}, {}, {}}};  // m/s^2, world axes: set it as you need\n",
-                        literal(s.gravity[0], s.scalar), literal(s.gravity[1], s.scalar), literal(s.gravity[2], s.scalar));
+    text += with_comment(fmt::format("  Scalar gravity_vector[3] = {{{}, {}, {}}};", literal(s.gravity[0], s.scalar),
+                                     literal(s.gravity[1], s.scalar), literal(s.gravity[2], s.scalar)),
+                         "acceleration of free fall, m/s^2, world axes");
   for (const std::string& link : s.payloads)
-    text += fmt::format("\n  Payload payload_{};  // carried by link {}: set it as you need\n", ir::identifier(link),
-                        comment_text(link));
+    text += with_comment(fmt::format("  Payload payload_{};", ir::identifier(link)), "carried by link " + link);
   for (const ir::Contact& contact : s.contacts)
-    text += fmt::format("\n  Contact contact_{};  // of link {}: set it as you need\n", ir::identifier(contact.name),
-                        comment_text(contact.link));
+    text += with_comment(fmt::format("  Contact contact_{};", ir::identifier(contact.name)), "of link " + contact.link);
   for (const ir::ExternalWrench& wrench : s.wrenches)
-    text += fmt::format(
-        "\n  // On link {} at its origin, along {} axes: force, N, and moment, N m. Set it as you need.\n"
-        "  Scalar wrench_{}[6] = {{}};\n",
-        comment_text(wrench.link), wrench.in_world ? "the world's" : "its", ir::identifier(wrench.link));
-  return text;
+    text += with_comment(fmt::format("  Scalar wrench_{}[6] = {{}};", ir::identifier(wrench.link)),
+                         fmt::format("external force, N, and moment, N m, on link {} at its origin, along {} axes", wrench.link,
+                                     wrench.in_world ? "the world's" : "its"));
+  return text.empty() ? "" : "\n  // Run-time inputs: set them as you need, before a call.\n" + text;
 }
 
 std::string contact_type(const CodeInput& code) {
   if (code.scene.contacts.empty()) return "";
-  return "// How a contact acts, given at run time. Its rows' accelerations shall be -kd J v - kp e, e being how far it is from\n"
+  return "// How a contact acts, given at run time. Its rows' accelerations shall be -kd J v - kp e, e being how far it is "
+         "from\n"
          "// its anchor.\n"
          "struct Contact {\n"
          "  bool active = true;             // else it exerts nothing\n"
          "  Scalar kp = 0, kd = 0;          // 1/s^2, 1/s\n"
          "  Scalar restitution = 0;         // of an impact: J v becomes -restitution J v\n"
-         "  Scalar anchor[7] = {0, 0, 0, 0, 0, 0, 1};  // place in the world, m, and quaternion x y z w; matters where kp does\n"
+         "  Scalar anchor[7] = {0, 0, 0, 0, 0, 0, 1};  // place in the world, m, and quaternion x y z w; matters where kp "
+         "does\n"
          "  Scalar regularization[6] = {};  // added to the diagonal of J M^-1 J', per row: rows give way\n"
          "};\n\n";
 }
@@ -135,15 +136,44 @@ std::string payload_type(const CodeInput& code) {
          "};\n\n";
 }
 
+// What stands at a result: symbol, shape, unit, meaning; the shape alone of what no registry knows.
+std::string result_words(const Folder& folder, const ir::OutputArray& array) {
+  const auto words = [&](const char* symbol, const std::string& shape, const char* unit, const std::string& help) {
+    return fmt::format("{}{}{} [{}]: {}.", symbol, shape.empty() ? "" : ", ", shape, unit, help);
+  };
+  for (const CodeInput& code : folder.functions) {
+    const ir::EmittedFunction& function = function_of(code);
+    for (const ir::Quantity quantity : function.quantities) {
+      const ir::QuantityRow& row = ir::row_of(quantity);
+      if (function.result(quantity) == array.name)
+        return words(row.symbol, ir::shape(row.rows, row.columns), row.unit, row.help);
+    }
+    for (const ir::LinkOutput& output : function.of_links) {
+      const ir::LinkQuantityRow& row = ir::row_of(output.quantity);
+      if (function.result(output) == array.name)
+        return words(row.symbol, ir::shape(row.rows, row.columns), row.unit, ir::help_of(output));
+    }
+  }
+  return fmt::format("{} x {}", array.rows, array.columns);
+}
+
 std::string views(const Folder& folder) {
-  std::string text =
-      "// The results. They look into the workspace: it must live as long as they do, which one made on the spot does not.\n";
-  for (const ir::OutputArray& a : folder.arrays()) {
+  std::string text;
+  for (const ir::OutputArray& a : folder.arrays())
+    text += "\n" + comment_lines(result_words(folder, a)) +
+            fmt::format("inline Result<{}, {}> {}(const Workspace& workspace);\n", a.rows, a.columns, a.name);
+  return text;
+}
+
+std::string view_definitions(const Folder& folder) {
+  std::string text;
+  for (const ir::OutputArray& a : folder.arrays())
     text += fmt::format(
-        "inline Result<{1}, {2}> {0}(const Workspace& workspace) {{ return Result<{1}, {2}>(workspace.{0}); }}\n"
+        "inline Result<{1}, {2}> {0}(const Workspace& workspace) {{\n"
+        "  return Result<{1}, {2}>(workspace.{0});\n"
+        "}}\n"
         "void {0}(const Workspace&&) = delete;\n",
         a.name, a.rows, a.columns);
-  }
   return text;
 }
 
@@ -151,20 +181,33 @@ std::string link_table(const CodeInput& code) {
   std::string text = "// Links and the bodies they move with:\n";
   for (const ir::LinkPlacement& link : code.tree.links)
     text +=
-        fmt::format("//   {:<32} {}\n", comment_text(link.link),
-                    comment_text(link.body < 0 ? code.tree.base_link : code.tree.bodies[static_cast<size_t>(link.body)].name));
+        comment_lines(fmt::format("  {:<32} {}", link.link,
+                                  link.body < 0 ? code.tree.base_link : code.tree.bodies[static_cast<size_t>(link.body)].name),
+                      0, 4);
   return text;
+}
+
+// Of a floating base, indices into q or v that are its joints'; those of them that are not read.
+std::vector<int> joints_not_read(const std::set<int>& read, int base, int all) {
+  std::vector<int> joints;
+  for (int i = base; i < all; ++i)
+    if (!read.contains(i)) joints.push_back(i - base);
+  return joints;
 }
 
 std::string unread(const CodeInput& code) {
   const ir::InputsRead read = ir::inputs_read(code.program, ir::uses(code.program.graph, code.program.roots()));
   const std::string input = function_of(code).input();
+  const bool floating = code.tree.floating_base;
   std::vector<std::string> parts;
-  if (!read.joint_positions()) parts.push_back("joint positions");
-  if (code.tree.floating_base && !read.base_pose()) parts.push_back("the base's pose");
-  if (read.velocities.empty()) parts.push_back("velocities");
+  if (floating && !read.base_pose()) parts.emplace_back("the base's pose");
+  const std::vector<int> still = joints_not_read(read.positions, floating ? 7 : 0, code.tree.nq()),
+                         slow = joints_not_read(read.velocities, floating ? 6 : 0, code.tree.nv());
+  if (!still.empty()) parts.push_back("positions of " + ir::joints_in_words(still, code.tree));
+  if (read.velocities.empty()) parts.emplace_back("v");
+  else if (!slow.empty()) parts.push_back("rates of " + ir::joints_in_words(slow, code.tree));
   if (!input.empty() && !read.input) parts.push_back(input);
-  return parts.empty() ? "" : fmt::format(" (not read: {})", fmt::join(parts, ", "));
+  return parts.empty() ? "" : comment_lines(fmt::format("Not read: {}.", fmt::join(parts, "; ")));
 }
 
 // The functions that the function calls in this order, for the task graph.
@@ -177,51 +220,35 @@ std::string stage_declarations(const CodeInput& code) {
   return text + "\n}  // namespace " + scope + "\n\n";
 }
 
-// What the results of a function that the scene names are: its user sees them under no other name.
-std::string shapes(const CodeInput& code) {
-  const ir::EmittedFunction& function = function_of(code);
-  if (!function.named) return "";
-  std::string text;
-  for (const ir::Quantity quantity : function.quantities) {
-    const ir::QuantityRow& row = ir::row_of(quantity);
-    text += fmt::format("//   {}: {}, {} x {}, {}\n", function.result(quantity), row.help, ir::extent(row.rows, code.tree),
-                        ir::extent(row.columns, code.tree), row.unit);
-  }
-  for (const ir::LinkOutput& output : function.of_links) {
-    const ir::LinkQuantityRow& row = ir::row_of(output.quantity);
-    text += fmt::format("//   {}: link {}: {}, {} x {}, {}\n", function.result(output), comment_text(output.link), row.help,
-                        ir::extent(row.rows, code.tree), ir::extent(row.columns, code.tree), row.unit);
-  }
-  return text;
-}
-
 // What a function takes besides q and v: for the comment above it.
 std::string input_meaning(const CodeInput& code) {
   const ir::EmittedFunction& function = function_of(code);
   if (!*function.input()) return "";
-  return fmt::format("// {}: nv {}.\n", function.input(), function.meaning());
+  return comment_lines(fmt::format("{}: {}.", function.input(), function.meaning()));
 }
 
 std::string solve_declaration(const CodeInput& code) {
   if (code.algorithm.factor < 0) return "";
   const std::string name = own_name(code, "solve");
-  return fmt::format(
-      "// b becomes M^-1 b, by the factors that {}() left: nv numbers each in columns that begin `stride` apart. Zero, and\n"
-      "// false, where there are none, M not being positive definite. Does not allocate, lock, throw or call the system.\n"
-      "bool {}(Scalar* b, int columns, int stride, const Workspace& workspace) noexcept;\n\n"
-      "// A vector, a matrix or a block of one; where its rows, known at run time only, are not nv, false and b as it was.\n"
-      "template <class B>\n"
-      "dalembert::Checked<bool, B> {}(B&& b, const Workspace& workspace) noexcept {{\n"
-      "  return dalembert::call_on_columns<VectorV>(b, [&](auto... columns) {{ return {}(columns..., workspace); }});\n"
-      "}}\n\n",
-      function_of(code).name, name, name, name);
+  return comment_lines(fmt::format("b becomes M^-1 b, by the factors that {}() left: nv numbers each in columns that begin "
+                                   "`stride` apart. Zero, and false, where there are none, M not being positive definite.",
+                                   function_of(code).name)) +
+         fmt::format(
+             "bool {0}(Scalar* b, int columns, int stride, const Workspace& workspace) noexcept;\n\n"
+             "// A vector, a matrix or a block of one; where its rows, known at run time only, are not nv, false and b as it "
+             "was.\n"
+             "template <class B>\n"
+             "dalembert::Checked<bool, B> {0}(B&& b, const Workspace& workspace) noexcept {{\n"
+             "  return dalembert::call_on_columns<VectorV>(\n"
+             "      b, [&](auto... columns) {{ return {0}(columns..., workspace); }});\n"
+             "}}\n\n",
+             name);
 }
 
 std::string function_declaration(const CodeInput& code) {
   if (!is_called(code)) return "";
   const EigenVectors eigen = eigen_vectors_of(code);
-  return render("function.hpp", {{"quantities", quantities(code)},
-                                 {"shapes", shapes(code)},
+  return render("function.hpp", {{"computes", comment_lines("Computes " + quantities(code) + ".")},
                                  {"unread", unread(code)},
                                  {"input", input_meaning(code)},
                                  {"function", function_of(code).name},
@@ -242,12 +269,26 @@ std::string of_functions(const Folder& folder, const Of& of) {
   return text;
 }
 
-std::string kept_types(const CodeInput& code) {
-  const CodeInput* const rolled = code.rolled_form();
-  return rolled ? kept_definition(*rolled) + "\n" : "";
+// Room to work in of every function that needs it, at the end of the workspace.
+std::string scratch_members(const Folder& folder) {
+  std::string text;
+  for (const CodeInput& code : folder.functions)
+    if (const CodeInput* const rolled = code.rolled_form())
+      text += kept_definition(*rolled) + fmt::format("  {} {};\n", own_type(code, "Scratch"), own_name(code, "scratch"));
+  return text.empty() ? "" : "\n  // Scratch, which nobody needs to read.\n" + text;
 }
-std::string kept_member(const CodeInput& code) {
-  return code.rolled_form() ? fmt::format("\n  {} {};\n", own_type(code, "Kept"), own_name(code, "kept")) : "";
+
+// How the code is called, for the first lines of the header.
+std::string usage(const Folder& folder) {
+  const std::vector<ir::OutputArray> arrays = folder.arrays();
+  const auto called = std::find_if(folder.functions.begin(), folder.functions.end(), is_called);
+  if (called == folder.functions.end() || arrays.empty()) return "";
+  const std::string name = called->name, result = arrays.front().name;
+  return "// One call fills a workspace; results are matrices that look into it:\n" +
+         fmt::format("//   {}::Workspace workspace;\n", name) +
+         fmt::format("//   {}::{}({}, workspace);\n", name, function_of(*called).name, arguments_of(*called)) +
+         fmt::format("//   const auto result = {}::{}(workspace);\n", name, result) +
+         "// Behind the interface: operations counted, inputs not read, which link moves with which body.\n";
 }
 
 bool any_guard(const Folder& folder) {
@@ -271,11 +312,12 @@ OutputFile header(const Folder& folder) {
   for (const ir::Body& b : code.tree.bodies) body_names.push_back(quoted(b.name));
   const bool floating = code.tree.floating_base;
   std::string report;
-  for (const std::string& line : folder.report) report += "// " + comment_text(line) + "\n";
+  for (const std::string& line : folder.report) report += comment_lines(line, 0, 2);
   return {"dynamics.hpp",
           render("dynamics.hpp",
                  {{"banner", banner(folder)},
-                  {"report", report.empty() ? "" : "//\n" + report},
+                  {"usage", usage(folder)},
+                  {"report", report},
                   {"includes", (any_constraints(folder) ? "#include <dalembert/constraints.hpp>\n" : "") +
                                    std::string(any_guard(folder) ? "#include <dalembert/factor.hpp>\n" : "")},
                   {"runtime_version", std::to_string(runtime_version)},
@@ -283,21 +325,24 @@ OutputFile header(const Folder& folder) {
                   {"scalar", scalar_name(code.scene.scalar)},
                   {"nq", std::to_string(code.tree.nq())},
                   {"nv", std::to_string(code.tree.nv())},
-                  {"position_layout", floating ? "base position in the world (3), quaternion x y z w (4), joints" : "joints"},
-                  {"velocity_layout",
-                   floating ? "base linear (3) and angular velocity (3) in base axes, joint rates" : "joint rates"},
+                  {"position_layout",
+                   floating ? "base position in the world (3), quaternion x y z w (4), joints [m, rad]" : "joints [m, rad]"},
+                  {"velocity_layout", floating ? "base linear (3), angular (3) in base axes, joint rates [m/s, rad/s]"
+                                               : "joint rates [m/s, rad/s]"},
                   {"joints", std::to_string(joints.size())},
                   {"bodies", std::to_string(body_names.size())},
                   {"joint_enum", wrapped(joints, 2)},
                   {"joint_names", joint_names.empty() ? "nullptr" : wrapped(joint_names, 4)},
                   {"body_names", wrapped(body_names, 4)},
                   {"link_table", link_table(code) + moved_parameters(code)},
-                  {"types", payload_type(code) + contact_type(code) + of_functions(folder, kept_types)},
+                  {"types", payload_type(code) + contact_type(code)},
                   {"results", results(folder)},
                   {"run_time_inputs", run_time_inputs(code)},
-                  {"scratch", of_functions(folder, kept_member)},
+                  {"scratch", scratch_members(folder)},
                   {"functions", of_functions(folder, function_declaration)},
                   {"views", views(folder)},
+                  {"view_definitions", view_definitions(folder)},
+                  {"workspace_bytes", std::to_string(workspace_bytes(folder))},
                   {"stages", of_functions(folder, stage_declarations)}})};
 }
 
@@ -306,15 +351,15 @@ void c_functions(const Folder& folder, std::string& declarations, std::string& d
   const CodeInput& code = folder.common();
   const std::string n = code.name, s = scalar_name(code.scene.scalar);
   const auto add = [&](const std::string& comment, const std::string& signature, const std::string& body) {
-    declarations += fmt::format("// {}\n{};\n\n", comment, signature);
+    declarations += comment_lines(comment) + signature + ";\n\n";
     definitions += fmt::format("{} {{\n{}}}\n\n", signature, body);
   };
   for (const CodeInput& f : folder.functions) {
     if (!is_called(f)) continue;
     const ir::EmittedFunction& function = function_of(f);
     const std::string input = *function.input() ? fmt::format(", {}: {}_nv() {}", function.input(), n, function.meaning()) : "";
-    add(fmt::format("Computes {}.\n{}// q: {}_nq() positions, v: {}_nv() velocities{}. Does not allocate.", quantities(f),
-                    shapes(f), n, n, input),
+    add(fmt::format("Computes {}. q: {}_nq() positions, v: {}_nv() velocities{}. Does not allocate.", quantities(f), n, n,
+                    input),
         fmt::format("void {}_{}({}, {}_workspace* workspace)", n, function.name, parameters_of(f, fmt::format("const {}* ", s)),
                     n),
         fmt::format("  {}::{}({}, *workspace);\n", n, function.name, arguments_of(f)));
@@ -330,15 +375,14 @@ void c_functions(const Folder& folder, std::string& declarations, std::string& d
   for (const CodeInput& f : folder.functions) {
     if (f.algorithm.factor < 0) continue;
     const std::string name = own_name(f, "solve");
-    add(fmt::format("b becomes M^-1 b, by the factors that {}_{}() left: columns of {}_nv() numbers, one after another. 1; 0\n"
-                    "// where M is not positive definite, and b is zero then",
+    add(fmt::format("b becomes M^-1 b, by the factors that {}_{}() left: columns of {}_nv() numbers, one after another. 1; 0 "
+                    "where M is not positive definite, and b is zero then",
                     n, function_of(f).name, n),
         fmt::format("int {}_{}({}* b, int columns, const {}_workspace* workspace)", n, name, s, n),
         fmt::format("  return {0}::{1}(b, columns, {0}::nv, *workspace) ? 1 : 0;\n", n, name));
   }
   for (const ir::OutputArray& a : folder.arrays())
-    add(fmt::format("{} x {}", a.rows, a.columns),
-        fmt::format("const {}* {}_{}(const {}_workspace* workspace)", s, n, ir::c_accessor(a.name), n),
+    add(result_words(folder, a), fmt::format("const {}* {}_{}(const {}_workspace* workspace)", s, n, ir::c_accessor(a.name), n),
         fmt::format("  return workspace->{};\n", a.name));
   if (code.scene.gravity_kind == ir::GravityKind::run_time)
     add("gravity: 3 numbers, m/s^2, world axes",
@@ -353,9 +397,10 @@ void c_functions(const Folder& folder, std::string& declarations, std::string& d
   }
   for (const ir::Contact& contact : code.scene.contacts) {
     const std::string id = ir::identifier(contact.name);
-    add(fmt::format("active: 1 or 0, kp (1/s^2), kd (1/s), restitution: as in {}::Contact; anchor: 7 numbers, regularization: {};\n"
-                    "// null: as they are",
-                    n, contact.rows()),
+    add(fmt::format(
+            "active: 1 or 0, kp (1/s^2), kd (1/s), restitution: as in {}::Contact; anchor: 7 numbers, regularization: {}; "
+            "null: as they are",
+            n, contact.rows()),
         fmt::format("void {0}_set_contact_{1}(int active, {2} kp, {2} kd, {2} restitution, const {2}* anchor,\n"
                     "    const {2}* regularization, {0}_workspace* workspace)",
                     n, id, s),
@@ -371,8 +416,8 @@ void c_functions(const Folder& folder, std::string& declarations, std::string& d
   for (const CodeInput& f : folder.functions)
     for (const ir::ConstraintStep& step : f.algorithm.constraint_steps)
       if (const char* status = status_of(step); *status)
-        add("The largest error that is left of a contact's row; least_pivot, rank: as in dalembert::ConstraintStatus; null: not\n"
-            "// wanted",
+        add("The largest error that is left of a contact's row; least_pivot, rank: as in dalembert::ConstraintStatus; null: "
+            "not wanted",
             fmt::format("{0} {1}_{2}({0}* least_pivot, int* rank, const {1}_workspace* workspace)", s, n, own_name(f, status)),
             fmt::format("  if (least_pivot) *least_pivot = workspace->{0}.least_pivot;\n"
                         "  if (rank) *rank = workspace->{0}.rank;\n"

@@ -64,17 +64,17 @@ std::string driven_tables(const CodeInput& code) {
     rows.push_back(code.tree.bodies[static_cast<size_t>(k)].driven() ? -1 - driven++
                                                                      : base_rows(code) + coordinates[static_cast<size_t>(k)]);
   const DrivenElements elements(code);
-  return "// Rows of the base and of every joint in the matrices; -1, -2, ... for driven joints, which are added to their "
-         "drivers'.\n" +
-         int_table("coordinate", rows) + int_table("driven_from", elements.from) + int_table("driven_to", elements.to);
+  return "// Rows of the base and of every joint in the matrices; -1, -2, ... for mimic joints, which are added to those of "
+         "the joints they follow.\n" +
+         int_table("coordinate", rows) + int_table("mimic_from", elements.from) + int_table("mimic_to", elements.to);
 }
 
 std::string driven_statements(const CodeInput& code) {
   if (!has_driven(code) || code.algorithm.pairs.empty()) return "";
   const DrivenElements elements(code);
-  std::string text = "  // Rows and columns of driven joints are added to their drivers'.\n";
+  std::string text = "  // Rows and columns of mimic joints are added to those of the joints they follow.\n";
   for (const ir::Pairs& p : code.algorithm.pairs)
-    text += fmt::format("  dalembert::add_driven(kept.driven_{0}[0], driven_from, driven_to, {1}, {2}, workspace.{0});\n",
+    text += fmt::format("  dalembert::add_mimic(scratch.mimic_{0}[0], mimic_from, mimic_to, {1}, {2}, workspace.{0});\n",
                         code.algorithm.arrays[static_cast<size_t>(p.array)].name, elements.set, elements.to.size());
   return text;
 }

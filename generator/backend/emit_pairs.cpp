@@ -136,7 +136,7 @@ std::string factors_text(const CodeInput& code, const std::string& name, const s
 // Where the elements of a matrix go: to the result, and beside it what is driven joints'.
 std::string matrix_of(const CodeInput& code, const ir::Pairs& p) {
   const std::string& name = code.algorithm.arrays[static_cast<size_t>(p.array)].name;
-  return has_driven(code) ? fmt::format("{{workspace.{0}, kept.driven_{0}[0], coordinate, {1}, {2}}}", name,
+  return has_driven(code) ? fmt::format("{{workspace.{0}, scratch.mimic_{0}[0], coordinate, {1}, {2}}}", name,
                                         expanded_rows(code), driven_joints(code))
                           : "workspace." + name;
 }
@@ -207,14 +207,14 @@ std::string elements_stage(const CodeInput& code, size_t segment) {
   const std::string end = elements_split(s) ? "nv, begin, end" : fmt::format("nv, 0, {}", s.steps);
   const int row = s.width > 1 ? 0 : base_rows(code) + s.bodies[0].front();
   if (s.width > 1) {
-    text += fmt::format("  constexpr dalembert::LimbTable limbs{{{0}_row, {0}_length, {1}}};\n", s.name, s.first_slot);
-    text += fmt::format("  dalembert::limb_blocks<Elements, {}, {}, Scalar>(lower, upper, limbs, matrices, {});\n", s.limbs(),
-                        s.steps, end);
+    text += fmt::format("  constexpr dalembert::BranchTable branches{{{0}_row, {0}_length, {1}}};\n", s.name, s.first_slot);
+    text += fmt::format("  dalembert::branch_blocks<Elements, {}, {}, Scalar>(lower, upper, branches, matrices, {});\n",
+                        s.limbs(), s.steps, end);
     for (size_t level = 0; level < levels.size(); ++level) {
       const Crossing crossing = crossing_of(code, s, level, levels[level]);
       text += fmt::format(
-          "  constexpr dalembert::LimbTable above_{1}{{{0}_above_{1}_row, {0}_above_{1}_length, 0}};\n"
-          "  dalembert::{2}<Elements, {3}, {4}, {5}, Scalar{6}>(lower, upper, limbs, {7}, above_{1}, matrices, {8});\n",
+          "  constexpr dalembert::BranchTable above_{1}{{{0}_above_{1}_row, {0}_above_{1}_length, 0}};\n"
+          "  dalembert::{2}<Elements, {3}, {4}, {5}, Scalar{6}>(lower, upper, branches, {7}, above_{1}, matrices, {8});\n",
           s.name, level + 1, crossing.function, s.limbs(), s.steps, levels[level].steps, crossing.type, crossing.slots, end);
     }
   } else {
@@ -227,8 +227,8 @@ std::string elements_stage(const CodeInput& code, size_t segment) {
   }
   if (!code.tree.floating_base) return text;
   const auto base = [&](const char* what, int role, const std::string& matrix) {
-    return s.width > 1 ? fmt::format("  dalembert::base_{}<{}, {}, Scalar>({}, {}, limbs, {}, nv);\n", what, s.limbs(), s.steps,
-                                     kept(code, role, 0), stride(code), matrix)
+    return s.width > 1 ? fmt::format("  dalembert::base_{}<{}, {}, Scalar>({}, {}, branches, {}, nv);\n", what, s.limbs(),
+                                     s.steps, kept(code, role, 0), stride(code), matrix)
                        : fmt::format("  dalembert::run_base_{}<Scalar>({}, {}, {}, {}, {}, {}, nv);\n", what,
                                      kept(code, role, 0), stride(code), s.first_slot, row, s.steps, matrix);
   };

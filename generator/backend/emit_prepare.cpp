@@ -80,7 +80,7 @@ std::string spread(const CodeInput& code, const std::string& array, const std::s
     const bool rests = held && code.tree.carries_reference(static_cast<size_t>(k));
     if (rests) apart.push_back(fmt::format("k == {}", i));
     if (joint.driven() && !rests)
-      text += fmt::format("  {}[{}] = {};  // driven\n", array, slot_of(code, k), position(code, k));
+      text += fmt::format("  {}[{}] = {};  // mimic joint\n", array, slot_of(code, k), position(code, k));
   }
   if (!apart.empty()) skip = fmt::format("if (!({})) ", fmt::join(apart, " || "));
   // Driven joints are set after the loop, which takes their drivers' positions for them.
@@ -105,8 +105,8 @@ std::string sines_text(const CodeInput& code, bool held) {
   const std::string s = kept(code, sine, 0), c = kept(code, cosine, 0);
   if (!plain(code))
     return "  // Sines and cosines of all angles together; slots without a turning joint stay at zero.\n" +
-           spread(code, "kept.angle[0]", "turning", joints.turning, held) +
-           fmt::format("  dalembert::sincos_of_slots<{}, {}>(kept.angle[0], first_of_four, {}, {});\n", code.plan.slots,
+           spread(code, "scratch.angle[0]", "turning", joints.turning, held) +
+           fmt::format("  dalembert::sincos_of_slots<{}, {}>(scratch.angle[0], first_of_four, {}, {});\n", code.plan.slots,
                        fours(code).size(), s, c);
   return fmt::format(
       "  // Sines and cosines of all angles together.\n"

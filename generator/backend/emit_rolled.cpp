@@ -26,7 +26,7 @@ namespace {
 using ir::InputKind;
 
 std::string layout(const CodeInput& code) {
-  std::string text = "// Limbs side by side in lanes; slot = first + step * width + lane.\n";
+  std::string text = "// Branches side by side in lanes; slot = first + step * width + lane.\n";
   for (const ir::Segment& s : code.plan.segments) {
     text += fmt::format("//   {}: {} steps, {} lane{}, slots {} to {}\n", s.name, s.steps, s.width, s.width > 1 ? "s" : "",
                         s.first_slot, s.first_slot + s.slots() - 1);
@@ -312,9 +312,10 @@ std::string rolled_source(const CodeInput& code, const Symbol& symbol) {
   bool state = false;
   for (const Stage& s : rolled_stages(code)) {
     // A stage's function has the same head whatever its body needs of it.
-    text += fmt::format("{}void {}({}) noexcept {{\n{}  {}& kept = workspace.{};\n  static_cast<void>(kept);\n{}}}\n\n",
-                        code.plan.tasks ? "" : "static ", s.name, arguments_of(code, s), s.reads_state ? unused + ";\n" : "",
-                        own_type(code, "Kept"), own_name(code, "kept"), s.body);
+    text += fmt::format(
+        "{}void {}({}) noexcept {{\n{}  Workspace::{}& scratch = workspace.{};\n  static_cast<void>(scratch);\n{}}}\n\n",
+        code.plan.tasks ? "" : "static ", s.name, arguments_of(code, s), s.reads_state ? unused + ";\n" : "",
+        own_type(code, "Scratch"), own_name(code, "scratch"), s.body);
     calls += fmt::format("  {}{}({});\n", scoped ? scope + "::" : "", s.name, call_of(code, s));
     state = state || s.reads_state;
   }

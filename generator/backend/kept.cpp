@@ -6,13 +6,15 @@
 
 #include "backend/code_text.hpp"
 #include "backend/emit_prepare.hpp"
+#include "backend/literals.hpp"
 
 namespace dalembert::backend {
 namespace {
 
 std::string at(const CodeInput& code, const ir::Place& place, const std::string& own, int component) {
   const std::string& array = code.rolled.arrays.at(static_cast<size_t>(place.array)).name;
-  return array == own ? fmt::format("kept.{}[{}]", array, place.from + component) : fmt::format("kept.{}({})", own, component);
+  return array == own ? fmt::format("scratch.{}[{}]", array, place.from + component)
+                      : fmt::format("scratch.{}({})", own, component);
 }
 
 std::string type_of(const CodeInput& code) { return code.scene.scalar == ir::ScalarType::float32 ? "float" : "double"; }
@@ -29,8 +31,8 @@ std::vector<Array> arrays(const CodeInput& code) {
   for (const ir::KeptArray& a : code.rolled.arrays) all.push_back({a.name, a.components, stride(code), a.meaning});
   for (const ir::Pairs& p : code.algorithm.pairs)
     if (has_driven(code))
-      all.push_back({"driven_" + code.algorithm.arrays[static_cast<size_t>(p.array)].name, 2 * driven_joints(code),
-                     expanded_rows(code), "columns of driven joints, then their rows"});
+      all.push_back({"mimic_" + code.algorithm.arrays[static_cast<size_t>(p.array)].name, 2 * driven_joints(code),
+                     expanded_rows(code), "columns of mimic joints, then their rows"});
   return all;
 }
 
@@ -65,22 +67,22 @@ bool has_driven(const CodeInput& code) { return driven_joints(code) > 0; }
 int expanded_rows(const CodeInput& code) { return base_rows(code) + code.tree.joints(); }
 
 std::string kept_definition(const CodeInput& code) {
-  std::string text = fmt::format(
-      "// Room to work in: one value per slot, a slot per body of a limb and lane, and one of the base.\nstruct {} {{\n",
-      own_type(code, "Kept"));
+  std::string text =
+      fmt::format("  // One value per slot, a slot per body of a branch and lane, and one of the base.\n  struct {} {{\n",
+                  own_type(code, "Scratch"));
   for (const Array& a : arrays(code))
-    text += fmt::format("  alignas(64) Scalar {}[{}][{}] = {{}};  // {}\n", a.name, a.components, a.slots, a.meaning);
+    text += with_comment(fmt::format("    alignas(64) Scalar {}[{}][{}] = {{}};", a.name, a.components, a.slots), a.meaning);
   for (size_t r = 0; r < code.rolled.roles.size(); ++r) {
     const ir::Place& place = code.rolled.places[r];
     const ir::Role& role = code.rolled.roles[r];
     if (place.array < 0) continue;
     const std::string& array = code.rolled.arrays[static_cast<size_t>(place.array)].name;
     if (array == role.name) continue;
-    text += fmt::format("  Scalar* {}(int i) noexcept {{ return {}[{}i]; }}  // {}{}\n", role.name, array,
-                        place.from > 0 ? fmt::format("{} + ", place.from) : "", role.meaning,
-                        role.unit.empty() ? "" : ", " + role.unit);
+    text += with_comment(fmt::format("    Scalar* {}(int i) noexcept {{ return {}[{}i]; }}", role.name, array,
+                                     place.from > 0 ? fmt::format("{} + ", place.from) : ""),
+                         role.meaning + (role.unit.empty() ? "" : ", " + role.unit));
   }
-  return text + "};\n";
+  return text + "  };\n";
 }
 
 std::size_t kept_bytes(const CodeInput& code) {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "diagnostics.hpp"
@@ -61,6 +62,46 @@ std::string comment_text(std::string_view text) {
   for (const char c : text) out += static_cast<unsigned char>(c) < 0x20 || c == 0x7f ? ' ' : c;
   while (!out.empty() && out.back() == '\\') out.pop_back();  // a comment line must not continue
   return out;
+}
+
+std::string comment_lines(std::string_view text, int indent, int hanging) {
+  const std::string safe = comment_text(text), head = std::string(static_cast<size_t>(indent), ' ') + "//";
+  std::string out, line = head;
+  const auto finish = [&] {
+    while (line.ends_with(' ') || line.ends_with('\\')) line.pop_back();  // it must not continue
+    out += line + "\n";
+  };
+  bool any = false;
+  const auto next_line = [&] {
+    finish();
+    line = head + std::string(static_cast<size_t>(hanging), ' ');
+  };
+  const size_t width = static_cast<size_t>(header_width);
+  for (size_t at = 0; at < safe.size();) {
+    const size_t end = std::min(safe.find(' ', at), safe.size());
+    if (any && line.size() + 1 + end - at > width) next_line();
+    line += ' ';
+    // A list longer than a line is broken behind commas.
+    while (line.size() + end - at > width) {
+      const size_t comma = safe.rfind(',', at + width - line.size() - 1);
+      if (comma == safe.npos || comma < at) break;
+      line += safe.substr(at, comma + 1 - at);
+      at = comma + 1;
+      next_line();
+      line += ' ';
+    }
+    line += safe.substr(at, end - at);
+    any = true;
+    at = end + 1;
+  }
+  finish();
+  return out;
+}
+
+std::string with_comment(const std::string& code, std::string_view comment) {
+  const std::string safe = comment_text(comment);
+  if (code.size() + 5 + safe.size() <= static_cast<size_t>(header_width)) return code + "  // " + safe + "\n";
+  return comment_lines(comment, static_cast<int>(code.find_first_not_of(' '))) + code + "\n";
 }
 
 }  // namespace dalembert::backend

@@ -28,4 +28,12 @@ std::string quoted(std::string_view text);
 // A text safe inside a // comment: one line, printable.
 std::string comment_text(std::string_view text);
 
+// The letters that a line of a generated header holds, and a comment of such lines: `text` as // lines behind `indent` blanks,
+// broken at its blanks (a word longer than a line: behind commas), those after the first set in by `hanging` more.
+inline constexpr int header_width = 120;
+std::string comment_lines(std::string_view text, int indent = 0, int hanging = 0);
+
+// A line of code and a comment: beside it where both fit a line, else above it. Ends its line.
+std::string with_comment(const std::string& code, std::string_view comment);
+
 }  // namespace dalembert::backend

@@ -28,7 +28,7 @@ std::string list_of(const ir::Moments& moved, bool prismatic) {
 std::string moved_parameters(const CodeInput& code) {
   std::string text;
   const auto name_of = [&](int body) {
-    return comment_text(body < 0 ? code.tree.base_link : code.tree.bodies[static_cast<size_t>(body)].name);
+    return body < 0 ? code.tree.base_link : code.tree.bodies[static_cast<size_t>(body)].name;
   };
   bool weightless = code.scene.payloads.empty(), turns = false;
   for (size_t k = 0; k < code.normal.bodies.size(); ++k) {
@@ -36,20 +36,20 @@ std::string moved_parameters(const CodeInput& code) {
     weightless = weightless && n.moments.mass == 0;
     turns = turns || !n.prismatic;
     if (const std::string list = list_of(n.moved, n.prismatic); !list.empty())
-      text += fmt::format("//   {:<32} {:<32} {}\n", name_of(static_cast<int>(k)), name_of(n.parent), list);
+      text += comment_lines(fmt::format("  {:<32} {:<32} {}", name_of(static_cast<int>(k)), name_of(n.parent), list), 0, 4);
   }
   if (text.empty()) return "";
   std::string head =
-      "\n// Inertial parameters that move in the same way with a body and with its parent count as the parent's: the results "
-      "do not\n"
-      "// change, and what is zero costs nothing. In a frame whose z is the joint's axis they are, of a body that turns, the "
-      "mass m,\n"
-      "// the first moment's h_z and the second moment's S_zz, a distribution of mass along the axis; of one that slides, S "
-      "and t,\n"
-      "// half the trace of its inertia.\n";
+      "//\n" + comment_lines(
+                   "Base-parameter regrouping: inertial parameters that move in the same way with a body and with its "
+                   "parent count as the parent's; the results do not change, and what is zero costs nothing. In a frame "
+                   "whose z is the joint's axis they are, of a body that turns, the mass m, the first moment's h_z and the "
+                   "second moment's S_zz, a distribution of mass along the axis; of one that slides, S and t, half the "
+                   "trace of its inertia.");
   if (weightless && turns)
-    head += "// No body that moves has mass left, and no subtree: F = A* J and G = A* dJ + B* J have no term with m.\n";
-  return head + "// From, to, what (with what the body got from those behind it):\n" + text;
+    head +=
+        comment_lines("No body that moves has mass left, and no subtree: F = A* J and G = A* dJ + B* J have no term with m.");
+  return head + "// From, to, what (with what the body got from its descendants):\n" + text;
 }
 
 }  // namespace dalembert::backend

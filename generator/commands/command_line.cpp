@@ -64,7 +64,7 @@ std::shared_ptr<CompilerOptions> add_compiler_options(CLI::App& parser) {
   parser.add_option("--flags", options->flags, "all of the compiler's flags")->capture_default_str()->type_name("FLAGS");
   parser
       .add_option("--lanes", options->lanes,
-                  "numbers side by side in loops over limbs; default: what the target's registers hold")
+                  "numbers side by side in loops over branches; default: what the target's registers hold")
       ->check(CLI::IsMember({1, 2, 4, 8}))
       ->type_name("1|2|4|8");
   return options;

@@ -37,7 +37,7 @@ std::string tree_text(const ir::KinematicTree& tree) {
   for (const ir::Body& b : tree.bodies) {
     text += fmt::format("{} ({}, on {}) -> {}\n", b.joint, b.prismatic() ? "prismatic" : "revolute", joint_name(tree, b.parent),
                         b.name);
-    if (b.driven()) text += fmt::format("    driven: {} * {} + {}\n", b.multiplier, joint_name(tree, b.driven_by), b.offset);
+    if (b.driven()) text += fmt::format("    mimic: {} * {} + {}\n", b.multiplier, joint_name(tree, b.driven_by), b.offset);
     text += fmt::format("    axis {}\n    rotation {}\n    translation {} m\n", text_of(b.axis),
                         text_of(Eigen::Matrix3d(b.placement.linear())), text_of(Eigen::Vector3d(b.placement.translation())));
     text += text_of(b.inertia);
@@ -128,7 +128,7 @@ std::string paragraph_text(const ir::Segment& segment, int level, const ir::Para
   for (const ir::Value& v : paragraph.stores) roots.push_back(v.node);
   for (const ir::Carried& c : paragraph.carried) roots.push_back(c.node);
   const ir::Operations per_slot = ir::count(paragraph.graph, ir::uses(paragraph.graph, roots));
-  return fmt::format("    level {}, {}: values kept: {}, carried: {}; slots: {}, each {}\n      {}\n", level,
+  return fmt::format("    level {}, {}: values stored: {}, carried: {}; slots: {}, each {}\n      {}\n", level,
                      directions[static_cast<size_t>(paragraph.direction)], paragraph.stores.size(), paragraph.carried.size(),
                      segment.slots(), text_of(per_slot), fmt::join(paragraph.equations, ". "));
 }
@@ -143,7 +143,7 @@ std::string rolled_text(const ir::Algorithm& algorithm, const ir::Plan& plan, co
       for (const ir::Paragraph& paragraph : stage.paragraphs) text += paragraph_text(plan.segments[s], stage.level, paragraph);
   }
   for (const ir::Pairs& p : algorithm.pairs)
-    text += fmt::format("{} between two limbs: block products of the runtime, {}\n",
+    text += fmt::format("{} between two branches: block products of the runtime, {}\n",
                         algorithm.arrays[static_cast<size_t>(p.array)].name, p.equation);
   return text;
 }

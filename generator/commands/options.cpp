@@ -27,13 +27,13 @@ constexpr Help scene_help[] = {
     {"forward_dynamics", "articulated_bodies|factorization",
      "how equations with M are solved; default: whichever is estimated to be faster"},
     {"locked", "JOINT=VALUE,...", "joints held at a value (rad or m)"},
-    {"cut", "LINK,...", "links removed with everything beyond them"},
-    {"mimic", "urdf|{JOINT: {of: JOINT, multiplier: 1, offset: 0}}", "joints driven by another"},
+    {"cut", "LINK,...", "links removed, with their descendants"},
+    {"mimic", "urdf|{JOINT: {of: JOINT, multiplier: 1, offset: 0}}", "mimic joints: each follows another"},
     {"jacobians", "LINK,...", "links whose body Jacobian is an output too"},
     {"frames", "LINK,...|{LINK: [QUANTITY, ...]}", "links whose pose, twist, Jacobian and bias acceleration are outputs too"},
     {"payloads", "LINK,...", "links that carry a payload given at run time"},
     {"wrenches", "LINK,...|LINK=link|world,...",
-     "links that are pushed from outside, by a force and moment given at run time along their axes or the world's"},
+     "links with an external force and moment given at run time, along their axes or the world's"},
     {"contacts", "LINK=weld|point,...|{NAME: {link: LINK, type: weld, at: [X, Y, Z], axes: world}}",
      "where the world holds links, all six ways or at a point; rows of constraint_jacobian, in this order"},
     {"armature", "JOINT=VALUE,...", "rotor inertia at the joint, kg m² or kg"},
@@ -42,7 +42,7 @@ constexpr Help scene_help[] = {
     {"stiffness", "JOINT=K,...|{JOINT: {k: K, rest: Q}}", "springs: k (q - rest), N m/rad or N/m, and rad or m"},
     {"elastic", "{JOINT: {k: K, inertia: B, damping: D}}",
      "joints whose motor, of this inertia (kg m² or kg), moves the link through a spring: two coordinates each"},
-    {"massless", "keep|lock", "joints that move no mass: kept, with a warning (default), or locked"},
+    {"massless", "keep|lock", "joints that move no mass: left as they are, with a warning (default), or locked"},
     {"inertia", "refuse|accept|repair", "inertias that no body has: refused (default), used as given, or made the nearest one"},
     {"rates_zero", "true|false", "statics: all velocities are zero"},
     {"scalar", "double|float", "number type of the generated code, default double"},
@@ -72,7 +72,8 @@ SharedOptions::SharedOptions(CLI::App& command) {
       ->type_name("FILE");
   command.add_option("--name", request_.name, "namespace of the generated code, default: the robot's name")->type_name("NAME");
   command
-      .add_option("--form", request_.form, "shape of the code: one straight line, or loops over limbs in lanes; default auto")
+      .add_option("--form", request_.form,
+                  "shape of the code: one straight line, or loops over branches in lanes; default auto")
       ->check(CLI::IsMember({"auto", "straight", "rolled"}))
       ->type_name("auto|straight|rolled");
   command.add_option("--without", request_.without, "passes to leave out, to see what they are worth")

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "frontend/nearest.hpp"
+#include "ir/aliases.hpp"
 #include "ir/identifier.hpp"
 
 namespace dalembert {
@@ -56,7 +57,7 @@ Output output_named(const Model& model, const std::string& name) {
   const auto refuse = [&](std::string message, std::string remedy) {
     throw InputError({Severity::error, "", "option --output", std::move(message), std::move(remedy)});
   };
-  if (const std::optional<ir::Quantity> quantity = ir::quantity_named(name)) {
+  if (const auto quantity = ir::quantity_named(ir::named_by_us(name, ir::quantity_aliases()))) {
     if (model.scene.rates_zero && *quantity == ir::Quantity::coriolis_matrix)
       refuse("coriolis_matrix is zero when rates_zero is set", "remove one of the two");
     if (model.scene.contacts.empty() && ir::is_of_constraints(*quantity))
@@ -76,7 +77,7 @@ Output output_named(const Model& model, const std::string& name) {
     for (const ir::LinkPlacement& placement : model.tree.links) {
       if (placement.link != link && ir::identifier(placement.link) != link) continue;
       if (placement.body < 0 && !model.tree.floating_base)
-        refuse(fmt::format("link '{}' does not move: the base is fixed", link), "name a link beyond a moving joint");
+        refuse(fmt::format("link '{}' does not move: the base is fixed", link), "name a descendant of a joint that moves");
       return output_of(model, ir::LinkOutput{row.quantity, placement.link});
     }
   }

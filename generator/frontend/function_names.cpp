@@ -63,25 +63,25 @@ constexpr const char* of_the_folder[] = {"Scalar",
                                          "input_1",
                                          "input_2"};
 // What a function may have of its own, besides its results.
-constexpr const char* own[] = {"kept",         "status",        "stages",          "run",      "run_batch",      "results",
+constexpr const char* own[] = {"scratch",      "status",        "stages",          "run",      "run_batch",      "results",
                                "inverse",      "factor",        "pivots",          "diagonal", "padded_inverse", "efforts_dq",
                                "efforts_dv",   "mass",          "unscaled_factor", "solve",    "batch",          "batch_tasks",
                                "batch_blocks", "batch_results", "check_batch",     "gain",     "joint"};
 // What one in two halves has besides.
 constexpr const char* of_halves[] = {"accelerations",          "derivatives",
-                                     "derivatives_kept",       "derivatives_stages",
+                                     "derivatives_scratch",    "derivatives_stages",
                                      "derivatives_efforts_dq", "derivatives_efforts_dv"};
 
 // What the code has of a function besides its results.
 std::vector<std::string> names_of(const ir::EmittedFunction& function) {
-  std::vector<std::string> names{function.name, function.type + "Kept", function.type + "TaskGraph", "batch_" + function.name};
+  std::vector<std::string> names{function.name, function.type + "Scratch", function.type + "TaskGraph", "batch_" + function.name};
   for (const char* type : {"BatchResults", "BatchBlock", "BatchProgram"}) names.push_back(function.type + type);
   for (const char* word : {"_batch", "_batch_tasks", "_batch_blocks", "_batch_results"}) names.push_back(function.name + word);
   for (const char* word : own) names.push_back(function.own_name(word));
   const bool may_be_halved =
       function.named ? function.computes(ir::Quantity::forward_dynamics_dq) : function.inputs == ir::Function::forward_dynamics;
   if (!may_be_halved) return names;
-  names.push_back(function.type + "DerivativesKept");
+  names.push_back(function.type + "DerivativesScratch");
   for (const char* word : of_halves) names.push_back(function.own_name(word));
   return names;
 }

@@ -118,7 +118,7 @@ class SceneCheck {
       if (!known("cut", "link", name, links_)) continue;
       const int link = links_.at(name);
       if (link == robot_.root)
-        error("cut/" + name, fmt::format("link '{}' is the root: nothing would be left", name), "name a link beyond a joint");
+        error("cut/" + name, fmt::format("link '{}' is the root: nothing would be left", name), "name a link below a joint");
       beyond.push_back(link);
     }
     while (!beyond.empty()) {
@@ -158,7 +158,7 @@ class SceneCheck {
       if (!free_joint(key, name) || !free_joint(of, relation.of)) continue;
       if (relation.of == name) error(key, fmt::format("joint '{}' drives itself", name), "name another joint as its driver");
       else if (scene_.mimic.count(relation.of))
-        error(key, fmt::format("joint '{}' is driven by '{}', which is driven itself", name, relation.of),
+        error(key, fmt::format("joint '{}' mimics '{}', which is a mimic joint itself", name, relation.of),
               "name the joint at the end of the chain as the driver, which has a coordinate of its own");
       if (!std::isfinite(relation.multiplier) || !std::isfinite(relation.offset))
         error(key, fmt::format("the URDF's <mimic> of joint '{}' has no finite multiplier and offset", name),
@@ -174,7 +174,7 @@ class SceneCheck {
     for (const auto& [joint, spring] : scene_.stiffness) {
       if (!free_joint("stiffness", joint)) continue;
       if (const auto relation = scene_.mimic.find(joint); relation != scene_.mimic.end())
-        error("stiffness/" + joint, fmt::format("joint '{}' is driven by '{}'", joint, relation->second.of),
+        error("stiffness/" + joint, fmt::format("joint '{}' mimics '{}'", joint, relation->second.of),
               fmt::format("give the spring to '{}'", relation->second.of));
     }
   }

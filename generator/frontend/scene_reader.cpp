@@ -15,6 +15,7 @@
 #include "frontend/text_encoding.hpp"
 #include "frontend/text_file.hpp"
 #include "frontend/yaml_text.hpp"
+#include "ir/aliases.hpp"
 #include "ir/plan_words.hpp"
 
 namespace dalembert::frontend {
@@ -30,32 +31,20 @@ class SceneReader {
     Handler read;
   };
   static const std::vector<Key>& keys() {
-    static const std::vector<Key> keys = {{"base", &SceneReader::base},
-                                          {"gravity", &SceneReader::gravity},
-                                          {"outputs", &SceneReader::outputs},
-                                          {"functions", &SceneReader::functions},
-                                          {"coriolis", &SceneReader::coriolis},
-                                          {"forward_dynamics", &SceneReader::forward_dynamics},
-                                          {"locked", &SceneReader::locked},
-                                          {"cut", &SceneReader::cut},
-                                          {"mimic", &SceneReader::mimic},
-                                          {"jacobians", &SceneReader::jacobians},
-                                          {"frames", &SceneReader::frames},
-                                          {"payloads", &SceneReader::payloads},
-                                          {"wrenches", &SceneReader::wrenches},
-                                          {"contacts", &SceneReader::contacts},
-                                          {"armature", &SceneReader::armature},
-                                          {"damping", &SceneReader::damping},
-                                          {"friction", &SceneReader::friction},
-                                          {"stiffness", &SceneReader::stiffness},
-                                          {"elastic", &SceneReader::elastic},
-                                          {"massless", &SceneReader::massless},
-                                          {"inertia", &SceneReader::inertia},
-                                          {"rates_zero", &SceneReader::rates_zero},
-                                          {"scalar", &SceneReader::scalar},
-                                          {"parallel", &SceneReader::parallel},
-                                          {"plan", &SceneReader::plan},
-                                          {"batch", &SceneReader::batch}};
+    static const std::vector<Key> keys = {
+        {"base", &SceneReader::base},         {"gravity", &SceneReader::gravity},
+        {"outputs", &SceneReader::outputs},   {"functions", &SceneReader::functions},
+        {"coriolis", &SceneReader::coriolis}, {"forward_dynamics", &SceneReader::forward_dynamics},
+        {"locked", &SceneReader::locked},     {"cut", &SceneReader::cut},
+        {"mimic", &SceneReader::mimic},       {"jacobians", &SceneReader::jacobians},
+        {"frames", &SceneReader::frames},     {"payloads", &SceneReader::payloads},
+        {"wrenches", &SceneReader::wrenches}, {"contacts", &SceneReader::contacts},
+        {"armature", &SceneReader::armature}, {"damping", &SceneReader::damping},
+        {"friction", &SceneReader::friction}, {"stiffness", &SceneReader::stiffness},
+        {"elastic", &SceneReader::elastic},   {"massless", &SceneReader::massless},
+        {"inertia", &SceneReader::inertia},   {"rates_zero", &SceneReader::rates_zero},
+        {"scalar", &SceneReader::scalar},     {"parallel", &SceneReader::parallel},
+        {"plan", &SceneReader::plan},         {"batch", &SceneReader::batch}};
     return keys;
   }
 
@@ -175,7 +164,7 @@ class SceneReader {
     std::vector<std::string> known;
     for (const ir::QuantityRow& row : ir::quantities()) known.emplace_back(row.name);
     scene_.outputs.clear();
-    for (const YamlNode& item : list(node, "a list of quantities")) {
+    for (const YamlNode& item : list(in_our_names(node, ir::quantity_aliases()), "a list of quantities")) {
       const std::optional<ir::Quantity> quantity = ir::quantity_named(item.scalar);
       if (!quantity) refuse(item, fmt::format("the quantity '{}' is unknown", item.scalar), suggestion(item.scalar, known));
       scene_.outputs.push_back(*quantity);
@@ -193,9 +182,10 @@ class SceneReader {
       ir::NamedFunction function{entry_name(entry.key), {}};
       if (const std::string fault = fault_of_function_name(function.name); !fault.empty())
         refuse(entry.key, fault, "give another name: letters, digits, and '_' between them, not starting with a digit");
-      std::vector<YamlNode> items = entry.value.items;
-      if (entry.value.is_scalar()) items = {entry.value};
-      else if (!entry.value.is_sequence()) refuse(entry.value, "the value is not a list", remedy);
+      const YamlNode value = in_our_names(entry.value, ir::quantity_aliases());
+      std::vector<YamlNode> items = value.items;
+      if (value.is_scalar()) items = {value};
+      else if (!value.is_sequence()) refuse(value, "the value is not a list", remedy);
       for (const YamlNode& item : items) {
         if (!item.is_scalar()) refuse(item, "an item of the list is not a name", remedy);
         entry_name(item, function.name);
@@ -270,9 +260,10 @@ class SceneReader {
     forget_entries();
     for (const auto& entry : node.entries) {
       const std::string link = entry_name(entry.key);
-      std::vector<YamlNode> items = entry.value.items;
-      if (entry.value.is_scalar()) items = {entry.value};
-      else if (!entry.value.is_sequence()) refuse(entry.value, "the value is not a list", "write " + expected);
+      const YamlNode value = in_our_names(entry.value, ir::link_quantity_aliases());
+      std::vector<YamlNode> items = value.items;
+      if (value.is_scalar()) items = {value};
+      else if (!value.is_sequence()) refuse(value, "the value is not a list", "write " + expected);
       for (const YamlNode& item : items) {
         if (!item.is_scalar()) refuse(item, "an item of the list is not a name", "write " + expected);
         const std::optional<ir::LinkQuantity> quantity = ir::link_quantity_named(item.scalar);
@@ -513,6 +504,14 @@ class SceneReader {
     return values;
   }
 
+  // A name, or a list of names, with ours for the field's.
+  static YamlNode in_our_names(YamlNode node, const std::vector<ir::Alias>& aliases) {
+    if (node.is_scalar()) node.scalar = ir::named_by_us(node.scalar, aliases);
+    for (YamlNode& item : node.items)
+      if (item.is_scalar()) item.scalar = ir::named_by_us(item.scalar, aliases);
+    return node;
+  }
+
   static bool says_urdf(const YamlNode& node) { return node.is_scalar() && node.scalar == "urdf"; }
 
   // The name of an entry; notes its place, and refuses one that is given twice.
@@ -543,7 +542,7 @@ void read_file(SceneDocument& document, const std::string& file, const std::stri
     const bool is_yaml = !error.remedy.empty();
     throw InputError({Severity::error, file, fmt::format("line {}, column {}", error.line, error.column),
                       (is_yaml ? "" : "this is not YAML: ") + std::string(error.what()),
-                      is_yaml ? error.remedy : "docs/scene.md shows how a scene is written"});
+                      is_yaml ? error.remedy : "share/doc/dalembert/docs/scene.md shows how a scene is written"});
   }
   if (!root) return;
   SceneReader reader(document, file);
@@ -584,7 +583,7 @@ SceneDocument read_scene_text(const std::string& file, const std::string& text, 
       const bool is_yaml = !error.remedy.empty();
       throw InputError({Severity::error, "", "option --" + setting.key,
                         (is_yaml ? "" : "the value is not YAML: ") + std::string(error.what()),
-                        is_yaml ? error.remedy : "docs/scene.md shows how it is written"});
+                        is_yaml ? error.remedy : "share/doc/dalembert/docs/scene.md shows how it is written"});
     }
     SceneReader(document, "").read(setting.key, scalar_node(setting.key), value);
   }

@@ -30,7 +30,7 @@ struct EmittedFunction {
   const char* meaning() const { return row_of(inputs).meaning; }
   // Whether it is evaluate(q, v), the one whose own names begin with nothing.
   bool is_evaluate() const { return !named && inputs == Function::evaluate; }
-  // The name of what is its own in a robot's workspace or namespace: "kept", "inverse_dynamics_kept", "balance_kept".
+  // The name of what is its own in a robot's workspace or namespace: "scratch", "inverse_dynamics_scratch", "balance_scratch".
   std::string own_name(const std::string& what) const { return is_evaluate() ? what : name + "_" + what; }
   // The same of the function that users call, be this the whole or one half of it.
   std::string called_name(const std::string& what) const {

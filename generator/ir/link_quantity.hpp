@@ -21,7 +21,7 @@ enum class LinkScale { own, rate, rate_squared };
 
 struct LinkQuantityRow {
   LinkQuantity quantity;
-  const char* name;
+  const char *name, *symbol;
   Extent rows, columns;
   const char* unit;
   bool by_default;
@@ -42,5 +42,7 @@ struct LinkOutput {
 };
 // "jacobian_left_hand", an identifier.
 std::string name_of(const LinkOutput& output);
+// What it is, in a sentence with the link's name.
+std::string help_of(const LinkOutput& output);
 
 }  // namespace dalembert::ir

@@ -43,6 +43,24 @@ int extent(Extent extent, const KinematicTree& tree) {
   return 0;
 }
 
+std::string shape(Extent rows, Extent columns) {
+  const auto text = [](Extent extent) -> std::string {
+    switch (extent) {
+      case Extent::one: return "1";
+      case Extent::three: return "3";
+      case Extent::four: return "4";
+      case Extent::six: return "6";
+      case Extent::nv: return "nv";
+      case Extent::six_per_body: return "6 bodies";
+      case Extent::ten_per_body: return "10 bodies";
+      case Extent::constraint_rows: return "rows";
+    }
+    return "";
+  };
+  if (columns == Extent::one) return rows == Extent::one ? "" : text(rows);
+  return text(rows) + " x " + text(columns);
+}
+
 std::string_view name_of(Quantity quantity) { return row_of(quantity).name; }
 
 std::optional<Quantity> quantity_named(std::string_view name) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -52,6 +53,8 @@ bool is_of_constraints(Quantity quantity);
 
 struct KinematicTree;
 int extent(Extent extent, const KinematicTree& tree);
+// A shape in the names of the generated header: "nv x nv", "6 x nv", "nv"; empty for a single number.
+std::string shape(Extent rows, Extent columns);
 
 // "mass_matrix" and so on, and back; nothing for a name that is none.
 std::string_view name_of(Quantity quantity);

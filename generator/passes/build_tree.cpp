@@ -212,10 +212,10 @@ class TreeBuilder {
       if (std::any_of(scene_.wrenches.begin(), scene_.wrenches.end(),
                       [&](const ir::ExternalWrench& wrench) { return wrench.link == placement.link; }))
         error(element, "a wrench is asked for on a link that does not move",
-              "name a link beyond a moving joint, or ask for base: floating");
+              "name a descendant of a joint that moves, or ask for base: floating");
       if (is_payload(placement.link))
         error(element, "a payload is asked for at a link that does not move",
-              "name a link beyond a moving joint, or ask for base: floating");
+              "name a descendant of a joint that moves, or ask for base: floating");
       std::vector<ir::LinkOutput> outputs = scene_.link_outputs();
       for (const ir::NamedFunction& function : scene_.functions)
         outputs.insert(outputs.end(), function.of_links.begin(), function.of_links.end());
@@ -223,7 +223,7 @@ class TreeBuilder {
                                       [&](const ir::LinkOutput& output) { return output.link == placement.link; });
       if (asked != outputs.end())
         error(element, fmt::format("{} is asked for of a link that does not move: the base is fixed", ir::name_of(*asked)),
-              "name a link beyond a moving joint, or ask for base: floating");
+              "name a descendant of a joint that moves, or ask for base: floating");
     }
   }
 
@@ -243,7 +243,7 @@ class TreeBuilder {
       const std::string element = fmt::format("contact '{}'", contact.name);
       if (held.body < 0 && !tree_.floating_base)
         error(element, fmt::format("link '{}' is welded to a fixed base: there is nothing to hold", contact.link),
-              "name a link beyond a moving joint, or ask for base: floating");
+              "name a descendant of a joint that moves, or ask for base: floating");
       const bool weld = contact.type == ir::ContactType::weld;
       for (const Held& other : all)
         if (other.body == held.body && other.contact->type == contact.type &&

@@ -43,7 +43,7 @@ class Placing {
         ir::Place& to = program_.received[static_cast<std::size_t>(h.role)];
         if (!h.received || to.array >= 0) continue;
         const ir::Role& r = program_.roles[static_cast<std::size_t>(h.role)];
-        to = new_array("received_" + r.name, r.meaning + ", as attached limbs hand it on", r.components());
+        to = new_array("received_" + r.name, r.meaning + ", accumulated from attached branches", r.components());
       }
   }
 

@@ -306,10 +306,10 @@ function facts() {
   p.append("span").text("workspace ");
   figure(p, one({section: "form", metric: "workspace"}));
   p.append("span").text(".");
-  const limbs = pick({section: "form", metric: "limbs"});
-  if (limbs.length) {
-    const body = table(box, ["segment", "limbs side by side", "steps"]);
-    limbs.forEach((row) => {
+  const branches = pick({section: "form", metric: "branches"});
+  if (branches.length) {
+    const body = table(box, ["segment", "branches side by side", "steps"]);
+    branches.forEach((row) => {
       const tr = body.append("tr");
       tr.append("td").attr("data-row", row.index).text(row.case);
       figure(tr.append("td").attr("class", "number"), row, "");
@@ -320,7 +320,7 @@ function facts() {
   const list = box.append("ul");
   alone.forEach((row) => {
     const item = list.append("li");
-    item.append("span").text(`${spoken(row.quantity)} by itself: `);
+    item.append("span").text(`${spoken(row.quantity)} alone: `);
     word(item, row);
   });
   pick({section: "left_out"}).forEach((row) => {

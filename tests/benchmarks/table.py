@@ -5,7 +5,7 @@
                                       [--output docs/performance.md] [--readme]
 
 Sections of other kinds of machines stay as they are. README's table, which names its machine, is written on the same kind of
-machine, or with --readme. Run it on an idle machine. It first builds what it measures, so that the commit it names is the one measured. Times are CPU
+machine, or with --readme. Run it on an idle machine. It first builds what it measures, so that what is checked out is what is measured. Times are CPU
 times of one core; each is the median of the repetitions, which are interleaved at random among all benchmarks of a robot;
 ratios are medians of ratios, repetition by repetition. Nothing is written unless everything succeeded.
 """
@@ -51,10 +51,9 @@ def table(header, rows):
 def provenance(build):
     cache = dict(re.findall(r"^(CMAKE_CXX_COMPILER|CMAKE_BUILD_TYPE):\w+=(.*)$", (build / "CMakeCache.txt").read_text(), re.M))
     compiler = output_of(cache["CMAKE_CXX_COMPILER"], "--version").splitlines()[0]
-    commit = output_of("git", "-C", ROOT, "rev-parse", "--short=12", "HEAD").strip()
     changed = output_of("git", "-C", ROOT, "status", "--porcelain", "--untracked-files=no", "--", ".", ":!docs", ":!README.md").strip()
     return (f"{datetime.date.today().isoformat()}, one core of {machine.text(build / 'bin/dalembert')}; {compiler}, "
-            f"generated code with -O3 -march=native; commit {commit}{' with local changes' if changed else ''}; "
+            f"generated code with -O3 -march=native{'; with changes that no commit has' if changed else ''}; "
             f"load average {os.getloadavg()[0]:.1f} before the measurement (0 on an idle machine).")
 
 
@@ -206,9 +205,14 @@ def readme_kind(readme):
     return found[1] if found else None
 
 
+README_ROWS = ("MAHRU M+C", "MAHRU bias", "MAHRU fd", "WAM M")
+
+
 def with_summary(readme, kind, text):
-    """README with the machine's table between its markers."""
-    ours = text[text.index(AGAINST_MUJOCO) + len(AGAINST_MUJOCO):text.index("### Among ours")].strip()
+    """README with four rows of the machine's table between its markers."""
+    head, rule, *rows = text[text.index(AGAINST_MUJOCO) + len(AGAINST_MUJOCO):text.index("### Among ours")].strip().splitlines()
+    rows = [row for name in README_ROWS for row in rows if row.startswith(f"| {name} |")]
+    ours = "\n".join([head, rule, *rows])
     date, compiler = re.search(r"^(\d{4}-\d\d-\d\d), one core of .*?; ([^;]*?), generated", text, re.M).groups()
     summary = f"On {kind}: one core, {compiler}, -O3 -march=native, {date}.\n\n{ours}\n"
     start, end = "<!-- performance -->\n", "<!-- /performance -->"

@@ -1,4 +1,4 @@
-"""Runs the commands of README.md and docs/*.md, in order, from the top of the project.
+"""Runs the commands of README.md, docs/*.md and the pages beside tests and examples, in order, from the top of the project.
 
 usage: docs_test.py PROJECT BUILD [--update]    BUILD takes the place of build/release
 
@@ -6,7 +6,10 @@ usage: docs_test.py PROJECT BUILD [--update]    BUILD takes the place of build/r
 ```console  after each line "$ command" what it prints, word for word; its exit status may be anything. With --update what
             stands there is replaced by what is printed, and the other commands are not run.
 
-Relative links must lead to a file. Commands that would build everything again are run by whoever started this test; they are
+```cpp behind a line "<!-- file PATH -->" is written to PATH, for the commands behind it to compile; behind a line
+"<!-- from PATH NAME -->" it is what stands in PATH between "// [NAME]" and "// [end of NAME]" (updated by --update).
+
+Relative links must lead to a file. No page says a word of words.txt, nor the hash of a commit; nor do help and messages. Commands that would build everything again are run by whoever started this test; they are
 listed here with who that is.
 """
 
@@ -27,7 +30,10 @@ RUN_ELSEWHERE = {
     "sh tests/fuzz/run.sh scene 10000000": "the same",
     "build/release/bin/dalembert report examples/mahru/mahru.urdf -o build/try/report":
         "minutes of compiling; the test report makes one of a smaller robot",
+    "build/example/bin/dalembert report examples/mahru/mahru.urdf -o build/try/report": "the same",
     "sh cmake/format.sh": "changes the sources",
+    "sh cmake/setup.sh build": "tests/run.sh",
+    "cmake --preset example && cmake --build --preset example --target dalembert": "builds again what tests/run.sh has built",
     "cmake --workflow --preset dev": "builds everything again, with sanitizers",
     "cmake --workflow --preset tsan": "builds everything again, with sanitizers",
     "sh cmake/setup.sh build test matrix": "installs compilers that nothing else needs",
@@ -41,7 +47,7 @@ update = "--update" in sys.argv[3:]
 
 def output_of(script):
     """Exit status and output of a script, in which build/release stands for BUILD."""
-    script = script.replace("build/release", f"'{build}'")
+    script = re.sub("build/(release|example)(?=/)", f"'{build}'", script)
     result = subprocess.run(["sh", "-e", "-c", script], cwd=project, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
     return result.returncode, result.stdout
 
@@ -51,11 +57,16 @@ def blocks(text, language):
 
 
 def run_commands(page, text):
-    """Runs the page's ```sh blocks; returns how many there are."""
+    """Writes the page's files and runs its ```sh blocks; returns how many of the latter there are."""
     count = 0
-    for block in blocks(text, "sh"):
+    for block in re.finditer(r"^(?:<!-- file (\S+) -->\n```cpp|```sh)\n(.*?)^```$", text, re.MULTILINE | re.DOTALL):
+        if block[1]:
+            path = project / block[1]
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(block[2], encoding="utf-8")
+            continue
         count += 1
-        lines = [re.sub(r"\s+# .*", "", line) for line in block[1].splitlines()]
+        lines = [re.sub(r"\s+# .*", "", line) for line in block[2].splitlines()]
         script = "\n".join(line for line in lines if line not in RUN_ELSEWHERE)
         if not script:
             continue
@@ -65,6 +76,38 @@ def run_commands(page, text):
         if status != 0:
             sys.exit(f"{page}: exit status {status}")
     return count
+
+
+def with_listing(block):
+    """The ```cpp block as it stands in its source."""
+    source = (project / block[1]).read_text(encoding="utf-8")
+    part = re.search(rf"^ *// \[{block[2]}\]\n(.*?)^ *// \[end of {block[2]}\]$", source, re.MULTILINE | re.DOTALL)
+    if not part:
+        sys.exit(f"{block[1]}: there is no part [{block[2]}]")
+    return f"<!-- from {block[1]} {block[2]} -->\n```cpp\n{part[1]}```"
+
+
+def check_words(where, text, words):
+    for number, line in enumerate(text.splitlines(), 1):
+        for word, instead in words:
+            if re.search(word, line, re.IGNORECASE):
+                sys.exit(f"{where}:{number}: '{word}' is not what we say, but {instead}: {line.strip()}")
+
+
+def check_hashes(page, text):
+    """A diary's: seven to twelve hexadecimal digits with letters and figures among them, as git prints commits."""
+    for match in re.finditer(r"(?<![\w.#/-])(?=[0-9a-f]*[a-f])(?=[0-9a-f]*[0-9])[0-9a-f]{7,12}(?![\w-]|\.\w)", text):
+        sys.exit(f"{page}: '{match[0]}' looks like a commit; say what holds now")
+
+
+def messages():
+    """What the generator and the build can say: the literals of its sources, and CMake's texts."""
+    for path in sorted((project / "generator").rglob("*.cpp")):
+        for line in path.read_text(encoding="utf-8").splitlines():
+            if not line.lstrip().startswith("#include"):
+                yield path, "\n".join(re.findall(r'"((?:[^"\\]|\\.)*)"', line))
+    for path in [*sorted((project / "cmake").glob("*.cmake")), *sorted((project / "templates").rglob("*.*"))]:
+        yield path, path.read_text(encoding="utf-8")
 
 
 def with_output(block):
@@ -83,13 +126,25 @@ def check_links(page, text):
 
 
 shutil.rmtree(project / "build" / "try", ignore_errors=True)
+words = [line.split("\t") for line in (project / "tests/docs/words.txt").read_text(encoding="utf-8").splitlines()
+         if line and not line.startswith("#")]
 found = 0
-for page in [project / "README.md", *sorted((project / "docs").glob("*.md"))]:
+pages = [project / "README.md", *sorted((project / "docs").glob("*.md")), *sorted((project / "examples").rglob("*.md")),
+         *sorted((project / "tests").rglob("*.md"))]
+if not update:
+    for command in ["", *(f" {name}" for name in ("info", "generate", "eval", "check", "report"))]:
+        check_words(f"dalembert{command} --help", output_of(f"build/release/bin/dalembert{command} --help")[1], words)
+    for path, text in messages():
+        check_words(path, text, words)
+for page in pages:
     text = page.read_text(encoding="utf-8")
     if not update:
+        check_words(page, text, words)
+        check_hashes(page, text)
         found += run_commands(page, text)
         check_links(page, text)
     printed = re.sub(r"^```console\n(.*?)^```$", with_output, text, flags=re.MULTILINE | re.DOTALL)
+    printed = re.sub(r"^<!-- from (\S+) (.+?) -->\n```cpp\n.*?^```$", with_listing, printed, flags=re.MULTILINE | re.DOTALL)
     if printed != text and not update:
         sys.exit(f"{page}: an example's output is not what is printed today:\n{printed}\n"
                  "If the change is meant: cmake --build --preset release --target regenerate")

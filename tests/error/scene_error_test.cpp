@@ -29,7 +29,7 @@ const Case defects[] = {
      "scene.yaml: line 1, column 1: key 'colour': error: the key 'colour' is unknown; choose from base, gravity, outputs, functions, coriolis, forward_dynamics, locked, cut, mimic, jacobians, frames, payloads and 13 more\n"},
     {"comma_first",
      ", b\n",
-     "scene.yaml: line 1, column 1: error: this is not YAML: a value was expected; docs/scene.md shows how a scene is written\n"},
+     "scene.yaml: line 1, column 1: error: this is not YAML: a value was expected; share/doc/dalembert/docs/scene.md shows how a scene is written\n"},
     {"nested",
      "locked: [[[[[[[[[[[[[[[[waist]]]]]]]]]]]]]]]]\n",
      "scene.yaml: line 1, column 24: error: lists and maps are nested more than 16 deep; a scene needs three levels\n"},
@@ -95,7 +95,7 @@ const Case defects[] = {
      "scene.yaml: line 1, column 36: key 'functions': error: link 'hand' is cut off; remove it here, or remove the link it hangs on from 'cut'\n"},
     {"function_of_a_link_that_rests",
      "base: fixed\nfunctions: {balance: [mass_matrix, jacobian_base]}\n",
-     "arm.urdf: link 'base': error: jacobian_base is asked for of a link that does not move: the base is fixed; name a link beyond a moving joint, or ask for base: floating\n"},
+     "arm.urdf: link 'base': error: jacobian_base is asked for of a link that does not move: the base is fixed; name a descendant of a joint that moves, or ask for base: floating\n"},
     {"function_of_a_link_twice",
      "functions: {look: [pose_hand, pose_hand]}\n",
      "scene.yaml: line 1, column 31: key 'functions': error: 'pose_hand' is given twice; keep one of them\n"},
@@ -185,7 +185,7 @@ const Case defects[] = {
      "scene.yaml: line 1, column 6: key 'cut': error: the value is not a list; write a list of links\n"},
     {"cut_root",
      "cut: [base]\n",
-     "scene.yaml: line 1, column 7: key 'cut': error: link 'base' is the root: nothing would be left; name a link beyond a joint\n"},
+     "scene.yaml: line 1, column 7: key 'cut': error: link 'base' is the root: nothing would be left; name a link below a joint\n"},
     {"mimic_word",
      "mimic: all\n",
      "scene.yaml: line 1, column 8: key 'mimic': error: the value is no map of mimic relations; write {joint: {of: other_joint, multiplier: 1, offset: 0}}, or urdf to take the URDF's relations\n"},
@@ -212,10 +212,10 @@ const Case defects[] = {
      "scene.yaml: line 1, column 9: key 'mimic': error: joint 'wrist' drives itself; name another joint as its driver\n"},
     {"mimic_chain",
      "mimic: {wrist: {of: elbow}, elbow: {of: shoulder}}\n",
-     "scene.yaml: line 1, column 9: key 'mimic': error: joint 'wrist' is driven by 'elbow', which is driven itself; name the joint at the end of the chain as the driver, which has a coordinate of its own\n"},
+     "scene.yaml: line 1, column 9: key 'mimic': error: joint 'wrist' mimics 'elbow', which is a mimic joint itself; name the joint at the end of the chain as the driver, which has a coordinate of its own\n"},
     {"mimic_cycle",
      "mimic: {wrist: {of: elbow}, elbow: {of: wrist}}\n",
-     "scene.yaml: line 1, column 29: key 'mimic': error: joint 'elbow' is driven by 'wrist', which is driven itself; name the joint at the end of the chain as the driver, which has a coordinate of its own\nscene.yaml: line 1, column 9: key 'mimic': error: joint 'wrist' is driven by 'elbow', which is driven itself; name the joint at the end of the chain as the driver, which has a coordinate of its own\n"},
+     "scene.yaml: line 1, column 29: key 'mimic': error: joint 'elbow' mimics 'wrist', which is a mimic joint itself; name the joint at the end of the chain as the driver, which has a coordinate of its own\nscene.yaml: line 1, column 9: key 'mimic': error: joint 'wrist' mimics 'elbow', which is a mimic joint itself; name the joint at the end of the chain as the driver, which has a coordinate of its own\n"},
     {"mimic_of_locked",
      "mimic: {wrist: {of: elbow}}\nlocked: [elbow]\n",
      "scene.yaml: line 1, column 17: key 'mimic': error: joint 'elbow' is locked; remove it here, or from 'locked'\n"},
@@ -242,7 +242,7 @@ const Case defects[] = {
      "scene.yaml: line 1, column 13: key 'jacobians': error: link 'hand' is cut off; remove it here, or remove the link it hangs on from 'cut'\n"},
     {"jacobian_of_fixed_base",
      "base: fixed\njacobians: [base]\n",
-     "arm.urdf: link 'base': error: jacobian_base is asked for of a link that does not move: the base is fixed; name a link beyond a moving joint, or ask for base: floating\n"},
+     "arm.urdf: link 'base': error: jacobian_base is asked for of a link that does not move: the base is fixed; name a descendant of a joint that moves, or ask for base: floating\n"},
     {"frame_of_nothing",
      "frames: {fore: []}\n",
      "scene.yaml: line 1, column 10: key 'frames': error: nothing is asked for of link 'fore'; name at least one quantity, such as pose\n"},
@@ -257,7 +257,7 @@ const Case defects[] = {
      "scene.yaml: line 1, column 12: key 'payloads': error: link 'hand' is cut off; remove it here, or remove the link it hangs on from 'cut'\n"},
     {"payload_on_fixed_base",
      "base: fixed\npayloads: [base]\n",
-     "arm.urdf: link 'base': error: a payload is asked for at a link that does not move; name a link beyond a moving joint, or ask for base: floating\n"},
+     "arm.urdf: link 'base': error: a payload is asked for at a link that does not move; name a descendant of a joint that moves, or ask for base: floating\n"},
     {"payload_twice",
      "payloads: [hand, hand]\n",
      "scene.yaml: line 1, column 18: key 'payloads': error: 'hand' is given twice; keep one of them\n"},
@@ -272,7 +272,7 @@ const Case defects[] = {
      "scene.yaml: line 1, column 18: key 'wrenches': error: 'hand' is given twice; keep one of them\n"},
     {"wrench_on_fixed_base",
      "base: fixed\nwrenches: [base]\noutputs: inverse_dynamics\n",
-     "arm.urdf: link 'base': error: a wrench is asked for on a link that does not move; name a link beyond a moving joint, or ask for base: floating\n"},
+     "arm.urdf: link 'base': error: a wrench is asked for on a link that does not move; name a descendant of a joint that moves, or ask for base: floating\n"},
     {"contacts_list",
      "contacts: [hand]\n",
      "scene.yaml: line 1, column 11: key 'contacts': error: the value is no map of contacts; write contacts: {left_foot: weld, toe: {link: right_foot, type: point, at: [0.1, 0, -0.02], axes: world}}\n"},
@@ -302,7 +302,7 @@ const Case defects[] = {
      "scene.yaml: line 1, column 24: key 'contacts': error: 'hand' is given twice; keep one of them\n"},
     {"contact_on_fixed_base",
      "base: fixed\ncontacts: {base: weld}\n",
-     "arm.urdf: contact 'base': error: link 'base' is welded to a fixed base: there is nothing to hold; name a link beyond a moving joint, or ask for base: floating\n"},
+     "arm.urdf: contact 'base': error: link 'base' is welded to a fixed base: there is nothing to hold; name a descendant of a joint that moves, or ask for base: floating\n"},
     {"contact_again",
      "contacts: {hand: weld, grip: {link: hand, at: [0.1, 0, 0]}}\n",
      "arm.urdf: contact 'grip': error: it is contact 'hand' again: both weld the same body; keep one of the two\n"},
@@ -356,7 +356,7 @@ const Case defects[] = {
      "scene.yaml: line 1, column 13: key 'stiffness': error: joint 'elbow' is locked; remove it here, or from 'locked'\n"},
     {"stiffness_of_driven",
      "stiffness: {wrist: 1}\nmimic: {wrist: {of: elbow}}\n",
-     "scene.yaml: line 1, column 13: key 'stiffness': error: joint 'wrist' is driven by 'elbow'; give the spring to 'elbow'\n"},
+     "scene.yaml: line 1, column 13: key 'stiffness': error: joint 'wrist' mimics 'elbow'; give the spring to 'elbow'\n"},
     {"elastic_without_inertia",
      "elastic: {elbow: {k: 10}}\n",
      "scene.yaml: line 1, column 11: key 'elastic': error: the spring of 'elbow' has no inertia; write elastic: {joint: {k: 1000, inertia: 0.3, damping: 1}}\n"},
@@ -446,7 +446,7 @@ const Case defects[] = {
      "scene.yaml: line 2, column 1: key 'base': error: the key is given twice; keep one of them\n"},
     {"not_yaml",
      "base: fixed\n  gravity: [\n",
-     "scene.yaml: line 2, column 10: error: this is not YAML: illegal map value; docs/scene.md shows how a scene is written\n"},
+     "scene.yaml: line 2, column 10: error: this is not YAML: illegal map value; share/doc/dalembert/docs/scene.md shows how a scene is written\n"},
     {"not_a_map",
      "- base\n",
      "scene.yaml: line 1, column 1: error: a scene is a map of keys to values; write lines such as 'base: fixed'\n"},
@@ -537,7 +537,7 @@ TEST(SceneOptions, ComplaintsNameTheOption) {
   EXPECT_EQ(complaint({"--outputs", ""}),
             "option --outputs: error: no output is asked for; name at least one quantity, such as mass_matrix\n");
   EXPECT_EQ(complaint({"--mimic", "{elbow: {"}),
-            "option --mimic: error: the value is not YAML: end of map flow not found; docs/scene.md shows how it is written\n");
+            "option --mimic: error: the value is not YAML: end of map flow not found; share/doc/dalembert/docs/scene.md shows how it is written\n");
 }
 
 // As URDFs exported with namespaces have them.
@@ -598,7 +598,7 @@ TEST(SceneOptions, KeysThatNoOutputHasToDoWithAreToldOf) {
   EXPECT_EQ(
       info({"--forward_dynamics", "articulated_bodies", "--outputs", "forward_dynamics", "--mimic", "{wrist: {of: elbow}}"})
           .err,
-      "scene key 'forward_dynamics': warning: joints that are driven by others are solved for by factorization all the "
+      "scene key 'forward_dynamics': warning: mimic joints are solved for by factorization all the "
       "same; leave the key out, or the mimic relations\n");
 }
 

@@ -1,4 +1,4 @@
-// The robots that hurt: one list, for the test and for the table in docs/extremes.md.
+// The robots that hurt: one list, for the test and for the table in docs/exactness.md.
 #pragma once
 
 #include <string>

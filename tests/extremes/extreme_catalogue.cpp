@@ -1,4 +1,4 @@
-// The catalogue as the table of docs/extremes.md.
+// The catalogue as the table of docs/exactness.md.
 //
 //   extreme_catalogue [--states N] [--slow] [--robot NAME]
 //
@@ -24,7 +24,7 @@ int main(int argc, char** argv) {
     else if (!std::strcmp(argv[i], "--robot") && i + 1 < argc) only = argv[++i];
     else return std::fprintf(stderr, "usage: extreme_catalogue [--states N] [--slow] [--robot NAME]\n"), 2;
   }
-  std::printf("| robot | what it is | M | C | g | bias | M | C | g | bias | condition | v̇ | v̇ | promised | kept |\n");
+  std::printf("| robot | what it is | M | C | g | bias | M | C | g | bias | condition | v̇ | v̇ | promised | met |\n");
   std::printf("|---|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---|\n");
   bool good = true;
   for (const Robot& robot : robots()) {

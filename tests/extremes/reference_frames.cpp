@@ -1,5 +1,5 @@
 // What another reference frame would be worth to M where small links follow large ones, and what it would cost: the second
-// table of docs/extremes.md.
+// table of docs/exactness.md.
 //
 //   reference_frames [--states N]
 //
@@ -161,7 +161,7 @@ int main(int argc, char** argv) {
   int states = 100;
   if (argc == 3 && !std::strcmp(argv[1], "--states") && std::atoi(argv[2]) > 0) states = std::atoi(argv[2]);
   else if (argc > 1) return std::fprintf(stderr, "usage: reference_frames [--states N]\n"), 2;
-  fmt::print("| robot | what it is | base: M | M | products | limb: M | M | products | body: M | M | products |\n");
+  fmt::print("| robot | what it is | base: M | M | products | branch: M | M | products | body: M | M | products |\n");
   fmt::print("|---|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|\n");
   bool right = true;
   for (const Robot& robot : robots()) {

@@ -76,7 +76,7 @@ def parts(program):
 
 
 def whole(robots):
-    """Four parts, see docs/matrix.md: the defect's neighbourhood in full, aarch64, scenes, and every toolchain on programs that
+    """Four parts, see tests/README.md: the defect's neighbourhood in full, aarch64, scenes, and every toolchain on programs that
     take turns."""
     cells = [(program, tools)
              for program in itertools.product(["mahru", "gantry_arms", "hand"], ["rolled"], ["gravity"])

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Compiles generated code in many ways, runs its self-test, and tabulates what is right and what is not.
 
-    python3 tests/matrix/run.py                  the whole matrix (three quarters of an hour on two idle cores), and docs/matrix.md's table anew
+    python3 tests/matrix/run.py                  the whole matrix (three quarters of an hour on two idle cores), and tests/README.md's table anew
     python3 tests/matrix/run.py --slice ci       what `sh tests/run.sh` runs: two minutes
 
 The self-test compares with results that the generator computed in 50 digits. It is compiled once by the machine's own g++; a
@@ -156,7 +156,7 @@ def main():
     parser.add_argument("--eigen", default="/usr/include/eigen3")
     parser.add_argument("--precompiled", default="", help="flags by which g++ need not read Eigen for every self-test")
     parser.add_argument("--work", default=ROOT / "build/matrix")
-    parser.add_argument("--page", help="the page whose table is written; default: docs/matrix.md for the whole matrix, else none")
+    parser.add_argument("--page", help="the page whose table is written; default: tests/README.md for the whole matrix, else none")
     options = parser.parse_args()
 
     robots = [name for name, path in design.ROBOTS.items() if (ROOT / path).exists()]
@@ -164,7 +164,7 @@ def main():
     verdicts = Matrix(options).run(cells)
     machine = run([options.dalembert, "--machine"])[1].splitlines()[0]
     text = table.written(verdicts, machine)
-    page = options.page or (ROOT / "docs/matrix.md" if options.slice == "whole" else None)
+    page = options.page or (ROOT / "tests/README.md" if options.slice == "whole" else None)
     if page:
         table.insert(pathlib.Path(page), text)
     print(text)

@@ -3,7 +3,6 @@ import collections
 import datetime
 import pathlib
 import re
-import subprocess
 
 import design
 import toolchain
@@ -43,13 +42,11 @@ def written(verdicts, machine):
     total = collections.Counter(verdict for verdict, _ in verdicts.values())
     used = sorted({tools[0] for (_, tools), (verdict, _) in verdicts.items() if verdict in ("right", "wrong", "compiled")}, key=order)
     short = {c: c for c in design.COMPILERS} | {design.AARCH64: "aarch64"}
-    commit = subprocess.run(["git", "-C", pathlib.Path(__file__).parent, "rev-parse", "--short=7", "HEAD"], capture_output=True,
-                            text=True).stdout.strip()
     lines = [
         f"{len(verdicts)} cells: {total['right']} right, {total['wrong']} wrong, {total['compiled']} compiled and not run, "
         f"{total['absent']} left out for want of the compiler"
         f"{', ' + str(total['not visited']) + ' not visited for want of time' if total['not visited'] else ''}. "
-        f"{machine}, {datetime.date.today()}, commit {commit}.",
+        f"{machine}, {datetime.date.today()}.",
         "",
         crossed(verdicts, "", lambda p, t: t[2], lambda p, t: short.get(t[0], t[0])),
         "",

@@ -18,6 +18,9 @@ function(run_well what)
 endfunction()
 
 run_well("install" ${CMAKE_COMMAND} --install "${BUILD}" --prefix "${WORK}/prefix")
+if(NOT EXISTS "${WORK}/prefix/share/doc/dalembert/docs/scene.md")  # which errors cite
+  message(FATAL_ERROR "the pages should be installed")
+endif()
 file(COPY "${PROJECT}/" DESTINATION "${WORK}/project")
 run_well("configure" ${CMAKE_COMMAND} -S "${WORK}/project" -B "${WORK}/build" -G "${GENERATOR}" "-DCMAKE_CXX_FLAGS=${CXX_FLAGS}"
          "-DCMAKE_PREFIX_PATH=${WORK}/prefix" -DCMAKE_BUILD_TYPE=Release)

@@ -111,7 +111,7 @@ std::string page() {
                      times.at("full_mass_coriolis")[static_cast<size_t>(i)]);
   return text + fmt::format(
                     "\nThe legs alone, waist and arms locked, take {} of the full robot's time for M and C (paired, round\n"
-                    "by round; at most 60 % are wanted).\n",
+                    "by round).\n",
                     with_spread(ratios, "{:.0f} %"));
 }
 

@@ -56,7 +56,7 @@ TEST(Backend, KnowsNoRoleByName) {
   ASSERT_GT(names.size(), 20u);
   for (const auto& [file, text] : sources())
     for (const std::string& name : names)
-      for (const std::string& word : {"\"" + name + "\"", "kept." + name})
+      for (const std::string& word : {"\"" + name + "\"", "scratch." + name})
         EXPECT_EQ(text.find(word), text.npos) << file << ": " << word;
 }
 

@@ -89,7 +89,7 @@ TEST(NamedFunctions, AreNotCalledLikeWhatAnotherKeeps) {
   for (const ir::Scene& scene : {whole, in_halves})
     for (const LoweredFunction& f : lower(model_of(scene)).functions) {
       names.insert(f.algorithm.function.name);
-      for (const char* word : {"kept", "stages"}) names.insert(f.algorithm.function.own_name(word));
+      for (const char* word : {"scratch", "stages"}) names.insert(f.algorithm.function.own_name(word));
       for (const ir::OutputArray& array : f.algorithm.arrays) names.insert(array.name);
     }
   EXPECT_TRUE(names.contains("forward_dynamics_derivatives") && names.contains("forward_dynamics_accelerations"));

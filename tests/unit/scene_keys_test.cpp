@@ -1,7 +1,9 @@
 // The scene's schema: every key works in a file and as an option of the same name, and stands in docs/scene.md with an example.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <fstream>
 #include <iterator>
 #include <set>
@@ -11,6 +13,7 @@
 #include "frontend/scene_plan.hpp"
 #include "frontend/scene_reader.hpp"
 #include "frontend/urdf_reader.hpp"
+#include "ir/aliases.hpp"
 #include "passes/build_tree.hpp"
 
 namespace dalembert {
@@ -185,6 +188,20 @@ TEST(ScenePlan, IsNotPutWhereAFileLeavesNoPlace) {
           << "what to paste is not said";
     }
   }
+}
+
+// A row per quantity: "| `crba`, `joint_space_inertia` | `mass_matrix` |".
+TEST(SceneKeys, TheFieldsNamesStandInTheDocumentation) {
+  std::ifstream file(DOCS "/scene.md");
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(file, line);) lines.push_back(line);
+  for (const auto* aliases : {&ir::quantity_aliases(), &ir::link_quantity_aliases()})
+    for (const ir::Alias& alias : *aliases) {
+      const std::string ours = fmt::format("| `{}` |", alias.name), theirs = fmt::format("`{}`", alias.alias);
+      EXPECT_TRUE(std::any_of(lines.begin(), lines.end(), [&](const std::string& line) {
+        return line.ends_with(ours) && line.find(theirs) < line.find(ours);
+      })) << alias.alias;
+    }
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Prints the table of docs/extremes.md: where ok ends as robots near a singular M.
+// Prints the table of docs/exactness.md: where ok ends as robots near a singular M.
 #include <fmt/format.h>
 
 #include <cstring>

@@ -18,8 +18,8 @@ namespace {
 
 // The stores of `code` whose value is what was just loaded from a table.
 std::vector<std::string> stored_tables(const std::string& code) {
-  static const std::regex load(R"(const V (\w+) = dalembert::load<[^(]*\((?!kept)[^;]*\);)"),
-      store(R"(dalembert::store<[^(]*\(kept[^,]*, (\w+|dalembert::load<[^(]*\((?!kept)[^()]*\))\);)");
+  static const std::regex load(R"(const V (\w+) = dalembert::load<[^(]*\((?!scratch)[^;]*\);)"),
+      store(R"(dalembert::store<[^(]*\(scratch[^,]*, (\w+|dalembert::load<[^(]*\((?!scratch)[^()]*\))\);)");
   std::vector<std::string> found, names;
   std::istringstream lines(code);
   for (std::string line; std::getline(lines, line);) {
@@ -35,14 +35,14 @@ std::vector<std::string> stored_tables(const std::string& code) {
 }
 
 TEST(TableCopies, AreFoundInText) {
-  EXPECT_EQ(stored_tables("dalembert::store<4, Scalar>(kept.first[0] + slot, dalembert::load<4>(arm_first_x + i));").size(), 1);
+  EXPECT_EQ(stored_tables("dalembert::store<4, Scalar>(scratch.first[0] + slot, dalembert::load<4>(arm_first_x + i));").size(), 1);
   EXPECT_EQ(stored_tables("const V first_x_k = dalembert::load<4>(arm_first_x + i);\n"
-                          "dalembert::store<4, Scalar>(kept.first[0] + slot, first_x_k);")
+                          "dalembert::store<4, Scalar>(scratch.first[0] + slot, first_x_k);")
                 .size(),
             1);
-  EXPECT_TRUE(stored_tables("const V sine = dalembert::load<4>(kept.sine[0] + slot);\n"
-                            "dalembert::store<4, Scalar>(kept.first[0] + slot, sine);\n"
-                            "dalembert::store<4, Scalar>(kept.first[0] + slot, 2.0 * dalembert::load<4>(arm_first_x + i));")
+  EXPECT_TRUE(stored_tables("const V sine = dalembert::load<4>(scratch.sine[0] + slot);\n"
+                            "dalembert::store<4, Scalar>(scratch.first[0] + slot, sine);\n"
+                            "dalembert::store<4, Scalar>(scratch.first[0] + slot, 2.0 * dalembert::load<4>(arm_first_x + i));")
                   .empty());
 }
 

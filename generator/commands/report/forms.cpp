@@ -21,7 +21,7 @@ void add_plan(const Subject& subject, const Lowered& lowered, Rows& rows) {
     const std::string& name = function.algorithm.function.name;
     rows.text("form", "function " + name, "all", "", "form", name_of(function.plan.form));
     for (const ir::Segment& segment : function.plan.segments) {
-      rows.number("form", name + ": " + segment.name, "all", "", "limbs", segment.width, "limbs");
+      rows.number("form", name + ": " + segment.name, "all", "", "branches", segment.width, "branches");
       rows.number("form", name + ": " + segment.name, "all", "", "steps", segment.steps, "steps");
     }
   }

@@ -91,7 +91,7 @@ Mujoco::Quantity* Mujoco::function(ir::Quantity quantity) const {
 std::string Mujoco::obstacle(const Output& output) const {
   using enum ir::Quantity;
   if (any_body(model_.tree, [](const ir::Body& b) { return b.driven(); }))
-    return "joints are driven by others: MuJoCo has constraints for that, which its M and bias know nothing of";
+    return "there are mimic joints: MuJoCo has constraints for that, which its M and bias know nothing of";
   if (!model_.scene.payloads.empty()) return "payloads are given at run time, which MuJoCo's model has none of";
   if (!obstacle_.empty()) return obstacle_;
   if (!output.quantity || !function(*output.quantity)) return "the report asks MuJoCo for no such quantity";
@@ -99,7 +99,7 @@ std::string Mujoco::obstacle(const Output& output) const {
   if (computed_by.named && computed_by.quantities.size() + computed_by.of_links.size() > 1)
     return "one call computes this and more, none of MuJoCo's does";
   if (is_any_of(*output.quantity, {inverse_dynamics, forward_dynamics}) && !model_.scene.wrenches.empty())
-    return "links are pushed by wrenches given at run time, which MuJoCo's functions of this do not take";
+    return "there are external forces given at run time, which MuJoCo's functions of this do not take";
   if (is_any_of(*output.quantity, {bias, inverse_dynamics, forward_dynamics}) &&
       any_body(model_.tree, [](const ir::Body& b) { return b.friction != 0; }))
     return "Coulomb friction is a constraint in MuJoCo, and no part of its bias";

@@ -126,7 +126,7 @@ BaseFactors base_factors_of(Builder& b, SweepBuilder& base) {
 Articulated articulated_bodies(Builder& b) {
   const Poses p = poses(b);
   const int force = forces(b).inertia;
-  const BlockRoles handed = block_roles(b, "removed", "Kh", "the limbs beyond"), total = removed_below(b);
+  const BlockRoles handed = block_roles(b, "removed", "Kh", "the descendants"), total = removed_below(b);
   const Articulated r{b.role({"gain", "V", "V = U / D", "1, m per unit of the coordinate", Shape::wrench}),
                       b.role({"inverse_pivot", "Dinv", "1 / D", "1/kg or 1/(kg m^2)", Shape::scalar}),
                       b.role({"pivot", "D", "D", "kg or kg m^2", Shape::scalar}),
@@ -193,7 +193,7 @@ SolvedRoles solved_accelerations(Builder& b) {
   const int own_forces = bias_is_gravity(b) ? gravity_torques(b).torque : newton_euler(b, Driven::at_rest).torque;
   const int bias = less_external(b, own_forces), external = external_wrenches(b);
   const int solved = b.role({"solved_acceleration", "ddq", "dv", "m/s^2 or rad/s^2", Shape::scalar});
-  const int handed = b.role({"reaction", "ph", "reaction of the limbs beyond", "N, N m", Shape::wrench});
+  const int handed = b.role({"reaction", "ph", "reaction of the descendants", "N, N m", Shape::wrench});
   const int total = b.role({"reaction_below", "p", "reaction of the subtree", "N, N m", Shape::wrench});
   const int start = b.role({"free_acceleration", "ddq0", "dv with the parent at rest", "m/s^2 or rad/s^2", Shape::scalar});
   const int motion =

@@ -25,8 +25,8 @@ Poses poses(Builder& b, Frame frame) {
   // The axes one after another: the third is the joint's.
   const Poses r{b.role({in + "rotation", "R", "R, column by column", "", Shape::matrix}),
                 b.role({in + "position", "p", "p, the origin", "m", Shape::vector}),
-                b.role({in + "joint_linear", "J", "J, linear part", "m", Shape::vector}),
-                b.role({in + "joint_angular", "Jw", "J, angular part", "", Shape::vector}),
+                b.role({in + "joint_linear", "J", "J, motion subspace in base axes: linear part", "m", Shape::vector}),
+                b.role({in + "joint_angular", "Jw", "J, motion subspace in base axes: angular part", "", Shape::vector}),
                 b.role({in + "velocity", "V", "V = [u; w]", "m/s, rad/s", Shape::wrench}),
                 b.role({in + "joint_rate", "dJ", "dJ", "m/s, rad/s", Shape::wrench})};
   if (b.has(in + "poses")) return r;

@@ -16,12 +16,12 @@
 namespace dalembert {
 
 // Where the limbs of a segment stand. Rows are rows of M and C.
-struct LimbTable {
+struct BranchTable {
   const int* first_row;  // per lane
   const int* length;     // per lane: real steps, 0 for an empty lane
   int first_slot;
 
-  DALEMBERT_INLINE LimbTable from(int lane) const { return {first_row + lane, length + lane, first_slot + lane}; }
+  DALEMBERT_INLINE BranchTable from(int lane) const { return {first_row + lane, length + lane, first_slot + lane}; }
 };
 
 namespace detail {
@@ -46,8 +46,8 @@ DALEMBERT_BLOCK void each_tile_part(const F& f) {
 
 // The tiles between limbs side by side and the joints above them; columns [begin, end).
 template <class Kinds, class Standing, int width, int steps, int above_steps, class T, int nl, int nu, class To>
-DALEMBERT_BLOCK void cross_tiles(const Joints<T, nl>& lower, const LimbTable& limbs, const Joints<T, nu>& up,
-                                 const LimbTable& above, const To* matrices, int leading, int begin, int end) {
+DALEMBERT_BLOCK void cross_tiles(const Joints<T, nl>& lower, const BranchTable& limbs, const Joints<T, nu>& up,
+                                 const BranchTable& above, const To* matrices, int leading, int begin, int end) {
   constexpr bool out = block_written_out(steps, above_steps, nl);
   each_tile<out, steps>(begin, end, [&](int c0, auto below) DALEMBERT_IN_BLOCK {
     const Joints<T, nl> p = lower.from(c0);
@@ -65,7 +65,7 @@ DALEMBERT_BLOCK void cross_tiles(const Joints<T, nl>& lower, const LimbTable& li
 
 // The tiles between limbs side by side and themselves.
 template <class Kinds, int width, int steps, class T, int nl, int nu, class To>
-DALEMBERT_BLOCK void limb_tiles(const Joints<T, nl>& lower, const Joints<T, nu>& upper, const LimbTable& limbs,
+DALEMBERT_BLOCK void limb_tiles(const Joints<T, nl>& lower, const Joints<T, nu>& upper, const BranchTable& limbs,
                                 const To* matrices, int leading, int begin, int end) {
   constexpr bool out = block_written_out(steps);
   each_tile<out, steps>(begin, end, [&](int c0, auto below) DALEMBERT_IN_BLOCK {
@@ -90,10 +90,10 @@ DALEMBERT_BLOCK void limb_tiles(const Joints<T, nl>& lower, const Joints<T, nu>&
 // The block of every limb of a segment with itself, `count` limbs side by side.
 // matrices: column by column, `leading` apart; the columns of steps [begin, end), begin a multiple of four.
 template <class Kinds, int count, int steps, class T, int nl, int nu, class To>
-DALEMBERT_BLOCK void limb_blocks(const Factors<T, nl>& lower, const Factors<T, nu>& upper, const LimbTable& limbs,
-                                 const To* matrices, int leading, int begin, int end) {
+DALEMBERT_BLOCK void branch_blocks(const Factors<T, nl>& lower, const Factors<T, nu>& upper, const BranchTable& limbs,
+                                   const To* matrices, int leading, int begin, int end) {
   detail::each_tile_part<T, count>([&](auto some, auto lane) DALEMBERT_IN_BLOCK {
-    const LimbTable these = limbs.from(lane);
+    const BranchTable these = limbs.from(lane);
     detail::limb_tiles<Kinds, decltype(some)::value, steps, T>(detail::joints_of(lower, these.first_slot, lanes_for(count)),
                                                                detail::joints_of(upper, these.first_slot, lanes_for(count)),
                                                                these, matrices, leading, begin, end);
@@ -103,8 +103,8 @@ DALEMBERT_BLOCK void limb_blocks(const Factors<T, nl>& lower, const Factors<T, n
 // The blocks between the limbs of a segment and a limb above each of them, which may be another one for every lane.
 // above_slot: [step][lane], the slots of the limbs above (any slot where a lane has none); above: their rows and lengths.
 template <class Kinds, int count, int steps, int above_steps, class T, int nl, int nu, class To>
-DALEMBERT_BLOCK void cross_blocks(const Factors<T, nl>& lower, const Factors<T, nu>& upper, const LimbTable& limbs,
-                                  const int* above_slot, const LimbTable& above, const To* matrices, int leading, int begin,
+DALEMBERT_BLOCK void cross_blocks(const Factors<T, nl>& lower, const Factors<T, nu>& upper, const BranchTable& limbs,
+                                  const int* above_slot, const BranchTable& above, const To* matrices, int leading, int begin,
                                   int end) {
   constexpr int width = lanes_for(count), stride = above_steps * width;
   T gathered[3 * nu * stride];
@@ -117,7 +117,7 @@ DALEMBERT_BLOCK void cross_blocks(const Factors<T, nl>& lower, const Factors<T, 
                         gather<width, T>(upper.at[f] + j * upper.stride, above_slot + i * width));
   }
   detail::each_tile_part<T, count>([&](auto some, auto lane) DALEMBERT_IN_BLOCK {
-    const LimbTable these = limbs.from(lane);
+    const BranchTable these = limbs.from(lane);
     detail::Joints<T, nu> above_these = up;
     for (int f = 0; f < nu; ++f) above_these.at[f] += lane;
     detail::cross_tiles<Kinds, detail::EachAbove, decltype(some)::value, steps, above_steps, T>(
@@ -130,12 +130,12 @@ namespace detail {
 
 // The same where limbs above are read where they stand: as Standing says, in slots first, first + step, ….
 template <class Kinds, class Standing, int count, int steps, int above_steps, class T, int nl, int nu, class To>
-DALEMBERT_BLOCK void cross_blocks_in_place(const Factors<T, nl>& lower, const Factors<T, nu>& upper, const LimbTable& limbs,
-                                           int first, int step, const LimbTable& above, const To* matrices, int leading,
+DALEMBERT_BLOCK void cross_blocks_in_place(const Factors<T, nl>& lower, const Factors<T, nu>& upper, const BranchTable& limbs,
+                                           int first, int step, const BranchTable& above, const To* matrices, int leading,
                                            int begin, int end) {
   each_tile_part<T, count>([&](auto some, auto lane) DALEMBERT_IN_BLOCK {
     using These = typename Standing::template Some<decltype(lane)::value, decltype(some)::value>;
-    const LimbTable these = limbs.from(lane);
+    const BranchTable these = limbs.from(lane);
     cross_tiles<Kinds, These, decltype(some)::value, steps, above_steps, T>(
         joints_of(lower, these.first_slot, lanes_for(count)), these, joints_of(upper, first, step), above.from(lane), matrices,
         leading, begin, end);
@@ -146,8 +146,8 @@ DALEMBERT_BLOCK void cross_blocks_in_place(const Factors<T, nl>& lower, const Fa
 
 // The same where one limb is above all lanes that have one: its joints stand in slots first, first + step, ….
 template <class Kinds, int count, int steps, int above_steps, class T, int nl, int nu, class To>
-DALEMBERT_BLOCK void shared_cross_blocks(const Factors<T, nl>& lower, const Factors<T, nu>& upper, const LimbTable& limbs,
-                                         int first, int step, const LimbTable& above, const To* matrices, int leading,
+DALEMBERT_BLOCK void shared_cross_blocks(const Factors<T, nl>& lower, const Factors<T, nu>& upper, const BranchTable& limbs,
+                                         int first, int step, const BranchTable& above, const To* matrices, int leading,
                                          int begin, int end) {
   detail::cross_blocks_in_place<Kinds, detail::OneAbove, count, steps, above_steps, T>(lower, upper, limbs, first, step, above,
                                                                                        matrices, leading, begin, end);
@@ -156,8 +156,9 @@ DALEMBERT_BLOCK void shared_cross_blocks(const Factors<T, nl>& lower, const Fact
 // The same where the limbs above stand side by side themselves, from slot `first` on; Standing: LanesAbove, which of them is
 // above which lane.
 template <class Kinds, int count, int steps, int above_steps, class T, class Standing, int nl, int nu, class To>
-DALEMBERT_BLOCK void lane_cross_blocks(const Factors<T, nl>& lower, const Factors<T, nu>& upper, const LimbTable& limbs,
-                                       int first, const LimbTable& above, const To* matrices, int leading, int begin, int end) {
+DALEMBERT_BLOCK void lane_cross_blocks(const Factors<T, nl>& lower, const Factors<T, nu>& upper, const BranchTable& limbs,
+                                       int first, const BranchTable& above, const To* matrices, int leading, int begin,
+                                       int end) {
   detail::cross_blocks_in_place<Kinds, Standing, count, steps, above_steps, T>(
       lower, upper, limbs, first, Standing::side_by_side, above, matrices, leading, begin, end);
 }
@@ -166,7 +167,7 @@ namespace detail {
 
 // `count` steps of a floating base's columns, from step c on.
 template <int width, int count, class T, class To>
-DALEMBERT_BLOCK void base_columns_from(int c, int step, const T* force, int stride, const LimbTable& limbs, const To& matrix,
+DALEMBERT_BLOCK void base_columns_from(int c, int step, const T* force, int stride, const BranchTable& limbs, const To& matrix,
                                        int leading) {
   Lanes<T, width * count> f[6];
   load_all<width * count, T>(f, force + limbs.first_slot + c * step, 6, stride);
@@ -196,7 +197,7 @@ DALEMBERT_BLOCK void base_columns_from(int c, int step, const T* force, int stri
 
 // Up to four steps of its rows, from step r0 on; so many of them in a register.
 template <int width, int rows, int pack, class T, class To>
-DALEMBERT_BLOCK void base_rows_from(int r0, int step, const T* force, int stride, const LimbTable& limbs, const To& matrix,
+DALEMBERT_BLOCK void base_rows_from(int r0, int step, const T* force, int stride, const BranchTable& limbs, const To& matrix,
                                     int leading) {
   DALEMBERT_KEEP_LOOP
   for (int j = 0; j < 6; ++j) {
@@ -224,11 +225,11 @@ DALEMBERT_BLOCK void base_rows_from(int r0, int step, const T* force, int stride
 // Rows and columns of a floating base for the limbs of a segment. force: the six elements per slot. The base's six rows come
 // first.
 template <int count, int steps, class T, class To>
-DALEMBERT_BLOCK void base_columns(const T* force, int stride, const LimbTable& limbs, To matrix, int leading) {
+DALEMBERT_BLOCK void base_columns(const T* force, int stride, const BranchTable& limbs, To matrix, int leading) {
   detail::each_tile_part<T, count>([&](auto some, auto lane) DALEMBERT_IN_BLOCK {
     constexpr int n = decltype(some)::value;
     constexpr int pack = std::is_same_v<To, T*> ? detail::together<T>(n, steps) : 1, packs = steps / pack;
-    const LimbTable these = limbs.from(lane);
+    const BranchTable these = limbs.from(lane);
     detail::repeat<block_written_out(steps), packs>(packs, [&](int i) DALEMBERT_IN_BLOCK {
       detail::base_columns_from<n, pack, T>(pack * i, lanes_for(count), force, stride, these, matrix, leading);
     });
@@ -237,10 +238,10 @@ DALEMBERT_BLOCK void base_columns(const T* force, int stride, const LimbTable& l
   });
 }
 template <int count, int steps, class T, class To>
-DALEMBERT_BLOCK void base_rows(const T* force, int stride, const LimbTable& limbs, To matrix, int leading) {
+DALEMBERT_BLOCK void base_rows(const T* force, int stride, const BranchTable& limbs, To matrix, int leading) {
   detail::each_tile_part<T, count>([&](auto some, auto lane) DALEMBERT_IN_BLOCK {
     constexpr int n = decltype(some)::value;
-    const LimbTable these = limbs.from(lane);
+    const BranchTable these = limbs.from(lane);
     detail::each_tile<block_written_out(steps), steps>(0, steps, [&](int r0, auto size) DALEMBERT_IN_BLOCK {
       constexpr int rows = decltype(size)::value;
       constexpr int pack = std::is_same_v<To, T*> && rows > 2 ? detail::together<T>(n, rows) : 1;

@@ -13,7 +13,7 @@
 namespace dalembert {
 
 // Where a matrix over all joints goes when some joints are driven by others: what stands between the other joints to `matrix`,
-// the driven joints' columns, `size` elements each, to `driven`, and behind all of these their rows. add_driven() adds
+// the driven joints' columns, `size` elements each, to `driven`, and behind all of these their rows. add_mimic() adds
 // those to their drivers'. coordinate: per joint, base's coordinates first, its row of `matrix`; −1, −2, … for driven ones.
 template <class T>
 struct Reduced {
@@ -34,7 +34,7 @@ struct Reduced {
 // Adds columns and rows of driven joints to their drivers': matrix[to[i]] = or += driven[from[i]]. The first `set` elements
 // are nobody else's and are set.
 template <class T>
-static inline void add_driven(const T* driven, const int* from, const int* to, int set, int count, T* matrix) {
+static inline void add_mimic(const T* driven, const int* from, const int* to, int set, int count, T* matrix) {
   for (int i = 0; i < set; ++i) matrix[to[i]] = driven[from[i]];
   for (int i = set; i < count; ++i) matrix[to[i]] += driven[from[i]];
 }

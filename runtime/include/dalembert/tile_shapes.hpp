@@ -15,7 +15,7 @@ constexpr bool block_written_out(int steps, int above_steps, int factors) {
 
 // Whether a tile's sums of products run in a loop over components. Code that is written out runs once: it costs its fetching,
 // and from 30 joints on there is more of it than the instruction cache holds. Code that loops run again and again, and that of
-// small tiles, is better without a loop of its own. Measured: docs/size.md.
+// small tiles, is better without a loop of its own. Measured: docs/compiler.md.
 constexpr bool products_loop(bool written_out, int rows, int columns, bool diagonal) {
   return written_out && (diagonal ? rows == 4 : rows * columns >= 9);
 }
