@@ -17,8 +17,8 @@ using ir::no_node;
 using ir::NodeId;
 using ir::Op;
 
-// Of a part: as many as the first-level cache of instructions holds.
-constexpr long most_operations = 2500;
+// Of a part. Measured: what a register file cannot hold is then still near, and the text of a part stays in first-level caches.
+constexpr long most_operations = 1300;
 
 size_t at(NodeId id) { return static_cast<size_t>(id); }
 
