@@ -92,7 +92,8 @@ class Lowering {
     // What contacts are solved by is no line of operations.
     if (operations(chosen.program) > most_operations || !model_.scene.contacts.empty()) return;
     LoweredFunction line = straight_line();
-    if (operations(line.program) <= most_operations) chosen.batch.push_back(std::move(line));
+    const bool whole = line.algorithm.steps.empty();
+    if (whole && operations(line.program) <= most_operations) chosen.batch.push_back(std::move(line));
   }
 
   // For batches: the way of the fewest operations, a division being several.

@@ -207,9 +207,23 @@ class Writing {
 
 }  // namespace
 
+namespace {
+
+// Whether a matrix has elements all along its diagonal: a body without mass may have none in any state, and what then is to be
+// divided by is left to the runtime, which tells.
+bool has_diagonal(const ir::Program& program, int array, int size) {
+  return size == std::count_if(program.elements.begin(), program.elements.end(), [&](const ir::OutputElement& e) {
+           return e.array == array && e.row == e.column;
+         });
+}
+
+}  // namespace
+
 void write_out_steps(ir::Algorithm& algorithm, ir::Program& program, const ir::CoordinateTree& tree, bool products) {
   const ir::EmittedFunction& function = algorithm.function;
   if (algorithm.steps.empty() || !function.first_half.empty() || !function.second_half.empty()) return;
+  for (const ir::MatrixStep& step : algorithm.steps)
+    if (step.kind == Kind::factor && !has_diagonal(program, step.a, tree.size())) return;
   Writing(algorithm, program, tree, products).run();
 }
 
