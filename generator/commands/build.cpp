@@ -162,6 +162,7 @@ Library library_of(const Model& model, Diagnostics& warnings) {
                         "give many states at once: they are computed on all cores"});
   const auto add_part = [&](Model part) {
     part.scene.parallel = ir::Parallel::serial;
+    if (!library.parts.empty()) part.scene.batch = false;  // the controller's, in the whole scene's folder
     library.parts.push_back({std::move(part), {}});
     return library.parts.size() - 1;
   };
@@ -379,7 +380,9 @@ void compile_library(const Library& library, const CompilerOptions& options, con
   std::vector<Unit> units;
   std::string self_tests;
   for (const Part& part : library.parts) {
-    units.push_back({sources / part.model.name / "dynamics.cpp", true});
+    for (const backend::OutputFile& file : part.files)
+      if (file.name.ends_with(".cpp") && file.name != "c_api.cpp" && file.name != "self_test.cpp")
+        units.push_back({sources / part.model.name / file.name, true});
     self_tests += fmt::format("#include \"{}/self_test.cpp\"\n", part.model.name);
   }
   write_text(objects / "self_tests.cpp", self_tests);
