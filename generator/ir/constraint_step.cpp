@@ -31,7 +31,7 @@ int shared(const ConstraintPaths& paths, std::size_t a, std::size_t b) {
 std::vector<int> ConstraintStep::read() const {
   std::vector<int> arrays{jacobian, factor, pivots};
   if (right >= 0) arrays.push_back(right);
-  if (kind == Kind::solve) arrays.push_back(to);
+  if (kind != Kind::delassus) arrays.push_back(to);
   return arrays;
 }
 

@@ -48,7 +48,8 @@ double condition(const Wanted& wanted, const ir::KinematicTree& tree, const ir::
   }
   const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(D, Eigen::EigenvaluesOnly).eigenvalues();
   const double largest = values.maxCoeff(), mu = Proximal<double>::mu;
-  return of_mass * std::min(1 / mu, largest / std::max(values.minCoeff(), mu * largest));
+  const bool redundant = values.minCoeff() <= 100 * mu * largest;
+  return of_mass * (redundant ? 16 / mu : largest / values.minCoeff());
 }
 
 double LeastScale::largest_mass() {
@@ -70,6 +71,16 @@ double LeastScale::largest_weight(ir::Quantity quantity) {
   return largest;
 }
 
+// Contacts may leave no motion at all: then it is measured against what there were without them.
+double LeastScale::largest_free(ir::Quantity quantity) {
+  if (ir::row_of(quantity).rows != ir::Extent::nv) return 0;
+  if (quantity == ir::Quantity::impact) return inputs_.v.cwiseAbs().maxCoeff();
+  return evaluate(tree_, scene_, {{ir::Quantity::forward_dynamics, ""}}, inputs_, Precision::float64)
+      .front()
+      .cwiseAbs()
+      .maxCoeff();
+}
+
 double LeastScale::of(const Wanted& wanted) {
   const double rate = inputs_.v.cwiseAbs().maxCoeff();
   double scale = 0;
@@ -84,8 +95,8 @@ double LeastScale::of(const Wanted& wanted) {
   }
   switch (ir::row_of(*wanted.quantity).scale) {
     case ir::Scale::own:
-    case ir::Scale::solved:
-    case ir::Scale::constrained: break;
+    case ir::Scale::solved: break;
+    case ir::Scale::constrained: return largest_free(*wanted.quantity);
     case ir::Scale::turning:
       scale = evaluate(tree_, scene_, {{ir::Quantity::constraint_jacobian, ""}}, inputs_, Precision::float64)
                   .front()

@@ -56,6 +56,7 @@ class LeastScale {
  private:
   double largest_mass();
   double largest_weight(ir::Quantity quantity);  // over directions of gravity
+  double largest_free(ir::Quantity quantity);    // of accelerations and velocities that contacts keep down
 
   const ir::KinematicTree& tree_;
   const ir::Scene& scene_;

@@ -217,8 +217,7 @@ ir::SelfTest self_test(const ir::KinematicTree& original, const ir::Scene& origi
     LeastScale least(tree, scene, inputs);
     for (size_t a = 0; a < wanted.size(); ++a) {
       const Comparison comparison(static_cast<int>(a), s, exact[a], generic[a], least.of(wanted[a]),
-                                  condition(wanted[a], tree, scene, inputs),
-                                  scene.scalar);
+                                  condition(wanted[a], tree, scene, inputs), scene.scalar);
       const bool vector = exact[a].cols() == 1, symmetric = wanted[a].quantity == ir::Quantity::mass_matrix;
       if (s == 0 || vector) test.expectations.push_back(comparison.elements(symmetric));
       if (!vector) test.expectations.push_back(comparison.rows());

@@ -1,5 +1,5 @@
-// Generated code of robots with contacts: what it solves for against dense algebra on its own M, bias and J, and what is given at
-// run time.
+// Generated code of robots with contacts: what it solves for against dense algebra on its own M, bias and J, and what is given
+// at run time.
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
@@ -37,11 +37,11 @@ struct Results {
   Vector h, bias, acceleration, forces, after;
 };
 
-#define RESULTS_OF(robot)                                                                                             \
-  Results results_of(const State& s, robot::Workspace& w) {                                                           \
-    robot::evaluate(s.q.data(), s.v.data(), w);                                                                       \
-    robot::forward_dynamics(s.q.data(), s.v.data(), s.tau.data(), w);                                                 \
-    return {robot::mass_matrix(w),     robot::constraint_jacobian(w), robot::delassus_matrix(w), robot::bias(w),      \
+#define RESULTS_OF(robot)                                                                                                      \
+  Results results_of(const State& s, robot::Workspace& w) {                                                                    \
+    robot::evaluate(s.q.data(), s.v.data(), w);                                                                                \
+    robot::forward_dynamics(s.q.data(), s.v.data(), s.tau.data(), w);                                                          \
+    return {robot::mass_matrix(w),     robot::constraint_jacobian(w),          robot::delassus_matrix(w),   robot::bias(w),    \
             robot::constraint_bias(w), robot::constrained_forward_dynamics(w), robot::constraint_forces(w), robot::impact(w)}; \
   }
 RESULTS_OF(standing_biped)
@@ -57,7 +57,8 @@ void expect_identities(int nq, int nv) {
     const Results r = results_of(s, w);
     const Matrix inverse = r.M.inverse(), along = r.J * inverse * r.J.transpose();
     EXPECT_LT(largest(r.along - along), 1e-10 * largest(along));
-    EXPECT_LT(largest(r.M * r.acceleration + r.h - s.tau - r.J.transpose() * r.forces), 1e-10 * largest(r.J.transpose() * r.forces));
+    EXPECT_LT(largest(r.M * r.acceleration + r.h - s.tau - r.J.transpose() * r.forces),
+              1e-10 * largest(r.J.transpose() * r.forces));
     EXPECT_LT(largest(r.J * r.acceleration + r.bias), 1e-8 * largest(r.bias));
     EXPECT_LT(largest(r.J * r.after), 1e-8 * largest(r.J * s.v));
     EXPECT_EQ(w.forward_dynamics_constraint_status.rank, r.J.rows());
@@ -69,7 +70,9 @@ void expect_identities(int nq, int nv) {
   }
 }
 
-TEST(Contacts, OfABipedsFeetKeepThemStill) { expect_identities<standing_biped::Workspace>(standing_biped::nq, standing_biped::nv); }
+TEST(Contacts, OfABipedsFeetKeepThemStill) {
+  expect_identities<standing_biped::Workspace>(standing_biped::nq, standing_biped::nv);
+}
 TEST(Contacts, OfAQuadrupedsFeetKeepThemStill) {
   expect_identities<standing_quadruped::Workspace>(standing_quadruped::nq, standing_quadruped::nv);
 }
