@@ -26,7 +26,7 @@ const Case defects[] = {
      "scene.yaml: line 2, column 1: key 'gravty': error: the key 'gravty' is unknown; did you mean 'gravity'?\n"},
     {"unknown_key_without_neighbour",
      "colour: red\n",
-     "scene.yaml: line 1, column 1: key 'colour': error: the key 'colour' is unknown; choose from base, gravity, outputs, functions, coriolis, forward_dynamics, locked, cut, mimic, jacobians, frames, payloads and 13 more\n"},
+     "scene.yaml: line 1, column 1: key 'colour': error: the key 'colour' is unknown; choose from base, gravity, outputs, functions, coriolis, forward_dynamics, locked, cut, mimic, jacobians, frames, payloads and 14 more\n"},
     {"comma_first",
      ", b\n",
      "scene.yaml: line 1, column 1: error: this is not YAML: a value was expected; share/doc/dalembert/docs/scene.md shows how a scene is written\n"},

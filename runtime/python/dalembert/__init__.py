@@ -18,4 +18,4 @@ __all__ = [
     "Contact", "InputError", "InputWarning", "Payload", "Robot", "SelfTestError", "SingularError", "SingularWarning", "check", "clear_cache",
     "info", "link_quantities", "load", "quantities", "report", "scene_keys", "threads",
 ]
-__version__ = "0.2.0"
+__version__ = "0.1.0"
