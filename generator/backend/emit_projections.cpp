@@ -24,6 +24,28 @@ std::vector<int> projected_bodies(const CodeInput& code) {
   return bodies;
 }
 
+bool has_base_rows(const CodeInput& code) { return code.is_rolled() && code.tree.floating_base; }
+
+// The base's coordinates are constants: what is left of the projection's graph for its rows.
+struct BaseRow {
+  int row, column;
+  ir::NodeId node;
+};
+std::vector<BaseRow> base_rows_of(const CodeInput& code, const ir::Projection& projection, ir::Graph& graph) {
+  std::vector<BaseRow> elements;
+  for (int row = 0; row < base_rows(code); ++row) {
+    ir::Copy copy(projection.graph, graph);
+    for (int column = 0; column < static_cast<int>(projection.columns.size()); ++column) {
+      const ir::NodeId node = copy.node(projection.columns[static_cast<size_t>(column)], [&](const ir::Input& in) {
+        return in.kind == InputKind::state ? graph.input(in)
+                                           : graph.constant(code.rolled.base_coordinates.at({in.index, in.component, row}));
+      });
+      if (!graph.is_constant(node, 0)) elements.push_back({row, column, node});
+    }
+  }
+  return elements;
+}
+
 class ProjectionWriter {
  public:
   ProjectionWriter(const CodeInput& code, const ir::Projection& projection)
@@ -35,7 +57,7 @@ class ProjectionWriter {
 
   std::string run() const {
     std::string text = fmt::format("  {{  // {}\n", projection_.equation) + tables();
-    if (code_.is_rolled()) text += joints() + base_rows();
+    if (code_.is_rolled()) text += joints() + base_statements();
     text +=
         "    const auto rows = [&](auto some, int k, int joint, Scalar* to) DALEMBERT_IN_BLOCK {\n"
         "      using V = typename decltype(some)::template Values<Scalar>;\n";
@@ -61,11 +83,10 @@ class ProjectionWriter {
     text += print(projection_.graph, sinks, style);
     return text + fmt::format("    }};\n    dalembert::project<{}>(projected, {}, runs, workspace.{}, rows, {});\n  }}\n",
                               has_driven(code_) ? "true" : "false", projected_bodies(code_).size(), array_.name,
-                              has_base_rows() ? "base_rows" : "dalembert::NoBaseRows{}");
+                              has_base_rows(code_) ? "base_rows" : "dalembert::NoBaseRows{}");
   }
 
  private:
-  bool has_base_rows() const { return code_.is_rolled() && code_.tree.floating_base; }
   int place(const std::vector<ir::Input>& inputs, const ir::Input& in) const {
     return static_cast<int>(std::find(inputs.begin(), inputs.end(), in) - inputs.begin());
   }
@@ -112,22 +133,12 @@ class ProjectionWriter {
     return text;
   }
 
-  // The base's coordinates are constants: what is left of the graph.
-  std::string base_rows() const {
-    if (!has_base_rows()) return "";
+  std::string base_statements() const {
+    if (!has_base_rows(code_)) return "";
     ir::Graph graph;
     std::vector<Sink> sinks;
-    const int columns = static_cast<int>(projection_.columns.size());
-    for (int j = 0; j < backend::base_rows(code_); ++j) {
-      ir::Copy copy(projection_.graph, graph);
-      for (int c = 0; c < columns; ++c) {
-        const ir::NodeId node = copy.node(projection_.columns[static_cast<size_t>(c)], [&](const ir::Input& in) {
-          return in.kind == InputKind::state ? graph.input(in)
-                                             : graph.constant(code_.rolled.base_coordinates.at({in.index, in.component, j}));
-        });
-        if (!graph.is_constant(node, 0)) sinks.push_back({node, fmt::format("to[{}] = ", array_.rows * c + j), ";"});
-      }
-    }
+    for (const BaseRow& e : base_rows_of(code_, projection_, graph))
+      sinks.push_back({e.node, fmt::format("to[{}] = ", array_.rows * e.column + e.row), ";"});
     PrintStyle style;
     style.type = "Scalar";
     style.scalar = code_.scene.scalar;
@@ -157,6 +168,17 @@ std::string projection_statements(const CodeInput& code) {
   for (const ir::Projection& p : code.algorithm.projections)
     if (projects_by_rows(code, p)) text += ProjectionWriter(code, p).run();
   return text;
+}
+
+ir::Operations base_row_operations(const CodeInput& code, const ir::Projection& projection) {
+  if (!has_base_rows(code)) return {};
+  ir::Graph graph;
+  std::vector<ir::NodeId> roots;
+  for (const BaseRow& e : base_rows_of(code, projection, graph)) roots.push_back(e.node);
+  const ir::Operations each = ir::count(graph, ir::uses(graph, roots));
+  ir::Operations all;
+  for (size_t body = 0; body < projected_bodies(code).size(); ++body) all += each;
+  return all;
 }
 
 RowCounts row_counts(const CodeInput& code, int lanes) {

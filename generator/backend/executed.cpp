@@ -70,6 +70,7 @@ void add_projections(const CodeInput& code, ir::Operations& sum) {
   for (const ir::Projection& p : code.algorithm.projections) {
     if (!projects_by_rows(code, p)) continue;
     sum += of(p.graph, p.columns, computed.rows);
+    sum += base_row_operations(code, p);
     sum.add += computed.added * static_cast<long>(p.columns.size());
   }
 }

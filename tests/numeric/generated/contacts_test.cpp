@@ -11,6 +11,8 @@
 #include "standing_biped/dynamics.hpp"
 #include "standing_quadruped/dynamics.hpp"
 
+struct standing_biped_workspace : standing_biped::Workspace {};  // as in c_api.cpp
+
 namespace {
 
 using Matrix = Eigen::MatrixXd;
