@@ -146,7 +146,7 @@ const Case defects[] = {
      "scene.yaml: line 1, column 25: key 'functions': error: the generated code has another 'plan_bias'; call the function 'plan_bias' otherwise\n"},
     {"functions_of_one_type",
      "functions: {plan_step: bias, planStep: gravity}\n",
-     "scene.yaml: line 1, column 30: key 'functions': error: the generated code has another 'PlanStepKept'; call the function 'planStep' otherwise\n"},
+     "scene.yaml: line 1, column 30: key 'functions': error: the generated code has another 'PlanStepScratch'; call the function 'planStep' otherwise\n"},
     {"function_of_coriolis_in_statics",
      "functions: {balance: [mass_matrix, coriolis_matrix]}\nrates_zero: true\n",
      "scene.yaml: line 1, column 36: key 'functions': error: coriolis_matrix is zero when rates_zero is set; remove one of the two\n"},

@@ -501,7 +501,6 @@ TEST(Urdf, WhatBaseIsTakenIsSaidWhereNobodySays) {
   for (const std::vector<std::string>& command : std::vector<std::vector<std::string>>{
            {"info", "sound.urdf"},
            {"info", "sound.urdf", "--json"},
-           {"generate", "sound.urdf", "-o", folder.path() + "/out"},
            {"eval", "sound.urdf", "--state", states, "--output", "bias", "--engine", "generic"}}) {
     const Outcome silent = run_dalembert(command, ERROR_ROBOTS);
     EXPECT_EQ(silent.status, 0);
