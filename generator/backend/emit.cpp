@@ -278,13 +278,16 @@ std::string scratch_members(const Folder& folder) {
   return text.empty() ? "" : "\n  // Scratch, which nobody needs to read.\n" + text;
 }
 
-// How the code is called, for the first lines of the header.
-std::string usage(const Folder& folder) {
+// How the code is called, for the first lines of the header; left out behind a command of many lines, so that the interface
+// begins on the first page all the same.
+std::string usage(const Folder& folder, const std::string& top) {
+  constexpr std::ptrdiff_t most_lines = 5;
+  if (std::count(top.begin(), top.end(), '\n') >= most_lines) return "";
   const std::vector<ir::OutputArray> arrays = folder.arrays();
   const auto called = std::find_if(folder.functions.begin(), folder.functions.end(), is_called);
   if (called == folder.functions.end() || arrays.empty()) return "";
   const std::string name = called->name, result = arrays.front().name;
-  return "// One call fills a workspace; results are matrices that look into it:\n" +
+  return "//\n// One call fills a workspace; results are matrices that look into it:\n" +
          fmt::format("//   {}::Workspace workspace;\n", name) +
          fmt::format("//   {}::{}({}, workspace);\n", name, function_of(*called).name, arguments_of(*called)) +
          fmt::format("//   const auto result = {}::{}(workspace);\n", name, result) +
@@ -316,7 +319,7 @@ OutputFile header(const Folder& folder) {
   return {"dynamics.hpp",
           render("dynamics.hpp",
                  {{"banner", banner(folder)},
-                  {"usage", usage(folder)},
+                  {"usage", usage(folder, banner(folder))},
                   {"report", report},
                   {"includes", (any_constraints(folder) ? "#include <dalembert/constraints.hpp>\n" : "") +
                                    std::string(any_guard(folder) ? "#include <dalembert/factor.hpp>\n" : "")},

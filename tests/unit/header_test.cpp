@@ -35,9 +35,9 @@ std::string every_output(bool of_contacts = false) {
 const std::vector<Case>& cases() {
   static const std::vector<Case> all{
       {"all_rolled",
-       "humanoid",
+       "two_levels_of_branching",
        "rolled",
-       {{"outputs", every_output()}, {"wrenches", "leg_left_6_ankle_roll"}, {"parallel", "tasks"}}},
+       {{"contacts", "c_01=weld"}, {"outputs", every_output(true)}, {"wrenches", "c_01"}, {"parallel", "tasks"}}},
       {"all_straight", "skew_axes", "straight", {{"base", "fixed"}, {"outputs", every_output()}, {"gravity", "run_time"}}},
       {"frames",
        "two_levels_of_branching",
@@ -48,7 +48,6 @@ const std::vector<Case>& cases() {
         {"payloads", "c_01"},
         {"functions",
          "{reach: [mass_matrix_factor, bias, jacobian_mixed_c_01], plan: [forward_dynamics, forward_dynamics_dq]}"}}},
-      {"contacts", "two_levels_of_branching", "rolled", {{"contacts", "c_01=weld"}, {"outputs", every_output(true)}}},
       {"mimic",
        "chain_7",
        "rolled",
