@@ -184,7 +184,7 @@ std::string BatchProgram::input_text(const ir::Input& input) const {
     case ir::InputKind::velocity: return fmt::format("block.v[{}]", input.index);
     case ir::InputKind::acceleration:
     case ir::InputKind::effort: return fmt::format("block.input[{}]", input.index);
-    case ir::InputKind::state: return fmt::format("block.kept[{}]", input.index);
+    case ir::InputKind::state: return fmt::format("block.scratch[{}]", input.index);
     case ir::InputKind::received: return fmt::format("block.values[{}]", input.index);
     case ir::InputKind::table: return fmt::format("block.{}[{}]", input.component == 0 ? "sine" : "cosine", input.index);
     default: return fmt::format("block.given[{}]", given_place(code_, input));
@@ -236,7 +236,7 @@ std::string BatchProgram::part_statements(int part) const {
       sinks.push_back({made, to + " = " + (constant ? broadcast_begin : ""), constant ? ");" : ";"});
     };
     for (const int place : places_[at(id)]) sink(fmt::format("block.values[{}]", place));
-    if (slot_of_[at(id)] >= 0) sink(fmt::format("block.kept[{}]", slot_of_[at(id)]));
+    if (slot_of_[at(id)] >= 0) sink(fmt::format("block.scratch[{}]", slot_of_[at(id)]));
   }
   names.resize(at(graph.size()));
   PrintStyle style;

@@ -25,7 +25,7 @@ inline constexpr int batch_width = native_lanes* static_cast<int>(sizeof(double)
 template <class T>
 using BatchLanes = Lanes<T, batch_width<T>>;
 
-// What is known of a block of states: `kept` is what one part of the program leaves to later ones, `values` the results'
+// What is known of a block of states: `scratch` is what one part of the program leaves to later ones, `values` the results'
 // elements, and a zero behind them.
 template <class T, int nq, int nv, int more, int given_numbers, int angles, int kept_values, int elements>
 struct BatchBlock {
@@ -34,7 +34,7 @@ struct BatchBlock {
   static constexpr int angle_count = angles, element_count = elements;
   alignas(64) V q[at_least_one(nq)], v[at_least_one(nv)], input[at_least_one(more)], given[at_least_one(given_numbers)];
   alignas(64) V angle[at_least_one(angles)], sine[at_least_one(angles)], cosine[at_least_one(angles)];
-  alignas(64) V kept[at_least_one(kept_values)], values[elements + 1];
+  alignas(64) V scratch[at_least_one(kept_values)], values[elements + 1];
   int status[batch_width<T>];  // where the function solves equations with M
 };
 
