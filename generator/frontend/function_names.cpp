@@ -66,7 +66,8 @@ constexpr const char* of_the_folder[] = {"Scalar",
 constexpr const char* own[] = {"scratch",      "status",        "stages",          "run",      "run_batch",      "results",
                                "inverse",      "factor",        "pivots",          "diagonal", "padded_inverse", "efforts_dq",
                                "efforts_dv",   "mass",          "unscaled_factor", "solve",    "batch",          "batch_tasks",
-                               "batch_blocks", "batch_results", "check_batch",     "gain",     "joint"};
+                               "batch_blocks", "batch_results", "check_batch",     "gain",     "joint",
+                               "constrained_accelerations"};
 // What one in two halves has besides.
 constexpr const char* of_halves[] = {"accelerations",          "derivatives",
                                      "derivatives_scratch",    "derivatives_stages",

@@ -338,7 +338,7 @@ const Case defects[] = {
      "scene.yaml: line 1, column 13: key 'stiffness': error: the spring of 'elbow' has no k; write stiffness: {joint: {k: 100, rest: 0}}, or {joint: 100} for a spring at rest at zero\n"},
     {"stiffness_part",
      "stiffness: {elbow: {k: 1, rset: 0.1}}\n",
-     "scene.yaml: line 1, column 27: key 'stiffness': error: 'rset' is no part of a spring; choose from k, rest\n"},
+     "scene.yaml: line 1, column 27: key 'stiffness': error: 'rset' is no part of a spring; did you mean 'rest'?\n"},
     {"stiffness_list",
      "stiffness: [elbow]\n",
      "scene.yaml: line 1, column 12: key 'stiffness': error: the value is not a map; write stiffness: {joint: {k: 100, rest: 0}}, or {joint: 100} for a spring at rest at zero\n"},

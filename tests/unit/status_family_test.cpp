@@ -39,7 +39,12 @@ TEST_P(StatusFamily, IsOkWhereDigitsAreRight) {
         EXPECT_LT(way.coordinate, first + GetParam().joints - 1) << way.name;
       }
   }
-  EXPECT_GT(ok, 20);
+  // A body has six ways to move: of seven joints with no mass between them M is singular wherever they are.
+  if (GetParam().joints > 6 && GetParam().between == 0) {
+    EXPECT_EQ(ok, 0);
+  } else {
+    EXPECT_GT(ok, 20);
+  }
   EXPECT_GT(singular, GetParam().between > 0 ? 10 : 20);  // what stands between the joints keeps M from being singular
 }
 

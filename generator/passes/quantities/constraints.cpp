@@ -268,7 +268,7 @@ void solve_constrained(Builder& b) {
     if (made.kind == ir::ConstraintStep::Kind::solve) return;
   const int rows = b.tree().constraint_rows;
   const auto nothing = [](int) {};
-  const int to = array_of(b, ir::Quantity::constrained_forward_dynamics, "accelerations", b.tree().nv(), 1, nothing);
+  const int to = array_of(b, ir::Quantity::constrained_forward_dynamics, "constrained_accelerations", b.tree().nv(), 1, nothing);
   ir::ConstraintStep s = step(b, ir::ConstraintStep::Kind::solve, to);
   s.forces = array_of(b, ir::Quantity::constraint_forces, "forces", rows, 1, nothing);
   s.right = b.internal_array(b.own_name("right"), rows, 1);
