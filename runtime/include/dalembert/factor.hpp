@@ -43,7 +43,7 @@ DALEMBERT_INLINE void along(const int* path, int count, int first, int end, cons
 
 // to[i] = -the sum over k of factors[k] from[k][i], for `eights` times eight elements; k: as in along().
 template <int n, int eights, class T>
-DALEMBERT_INLINE void negative_sum(const int* path, int count, int first, int end, const T* factors, const T* from, T* to) {
+DALEMBERT_BLOCK void negative_sum(const int* path, int count, int first, int end, const T* factors, const T* from, T* to) {
   constexpr int w = native_lanes, pieces = eights * 8 / w;
   Lanes<T, w> sum[pieces]{};
   along(path, count, first, end, [&](int k) DALEMBERT_IN_BLOCK {
