@@ -2,6 +2,7 @@
 // dense algebra.
 #include <gtest/gtest.h>
 
+#include <Eigen/Eigenvalues>
 #include <dalembert/generic/constraints.hpp>
 
 #include "identities.hpp"
