@@ -54,6 +54,17 @@ class Constraints : public ::testing::TestWithParam<RobotAndBase> {
     M = scale.asDiagonal() * M * scale.asDiagonal();
     return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(M, Eigen::EigenvaluesOnly).eigenvalues().minCoeff() < 1e-13;
   }
+  // Rows that only the file's decimals keep from depending on each other: no number of proximal steps tells which they are.
+  bool are_doubtful(const std::vector<Contact<Multi>>& contacts) const {
+    const Matrix J = jacobian(contacts, c.q), along = J * generic::inverse_mass_matrix<Multi>(c.model, c.q).value * J.transpose();
+    const auto rank = [&](const char* threshold) {
+      Eigen::CompleteOrthogonalDecomposition<Matrix> rows(along.rows(), along.cols());
+      rows.setThreshold(Multi(threshold));
+      rows.compute(along);
+      return rows.rank();
+    };
+    return rank("1e-12") != rank("1e-60");
+  }
   Vector accelerations(const Vector& efforts) const {
     return generic::forward_dynamics<Multi>(c.model, c.q, c.v, efforts).value;
   }
@@ -79,6 +90,7 @@ TEST_P(Constraints, AccelerationsAndForcesAreThoseOfDenseAlgebra) {
   if (is_singular()) GTEST_SKIP() << "M is singular";
   const Matrix inverse = generic::inverse_mass_matrix<Multi>(c.model, c.q).value;
   for (const auto& contacts : sets) {
+    if (are_doubtful(contacts)) continue;
     const auto result = generic::constrained_forward_dynamics<Multi>(c.model, contacts, c.q, c.v, tau, {}, options);
     const Matrix J = jacobian(contacts, c.q), along = J * inverse * J.transpose();
     const Vector free = accelerations(tau), right = -generic::constraint_bias<Multi>(c.model, contacts, c.q, c.v);
@@ -108,6 +120,7 @@ TEST_P(Constraints, AnImpactStopsTheRows) {
   options.mu = mu;
   if (is_singular()) GTEST_SKIP() << "M is singular";
   for (const auto& contacts : sets) {
+    if (are_doubtful(contacts)) continue;
     const auto after = generic::impact<Multi>(c.model, contacts, c.q, c.v, options);
     const Matrix J = jacobian(contacts, c.q);
     EXPECT_LT(largest(J * after.value).convert_to<double>(), 1e-20);
