@@ -227,7 +227,7 @@ std::vector<RunTimeInput> run_time_inputs(const Model& model) {
     inputs.push_back(
         {name,
          "kg, m, kg m^2",
-         fmt::format("what link {} carries: mass, centre of mass, inertia xx xy xz yy yz zz about it; link axes", link),
+         fmt::format("what {} carries: mass, centre of mass, inertia xx xy xz yy yz zz about it; its axes", scene.called(link)),
          {{name + ".mass", 0}, {name + ".com", 3}, {name + ".inertia", 6}},
          std::vector<double>(10, 0.0)});
   }
@@ -235,7 +235,7 @@ std::vector<RunTimeInput> run_time_inputs(const Model& model) {
     const std::string name = "wrench_" + ir::identifier(wrench.link);
     inputs.push_back({name,
                       "N, N m",
-                      fmt::format("force and moment on link {} at its origin, along {} axes", wrench.link,
+                      fmt::format("force and moment on {} at its origin, along {} axes", scene.called(wrench.link),
                                   wrench.in_world ? "the world's" : "its"),
                       {{name, 6}},
                       std::vector<double>(6, 0.0)});
@@ -247,9 +247,9 @@ std::vector<RunTimeInput> run_time_inputs(const Model& model) {
     start[0] = start[10] = 1;  // active; the anchor's quaternion
     inputs.push_back({name,
                       "1, 1/s^2, 1/s, 1, m, 1/kg",
-                      fmt::format("how link {} is held: active (1 or 0), kp, kd, restitution, anchor (3, quaternion x y z w), "
+                      fmt::format("how {} is held: active (1 or 0), kp, kd, restitution, anchor (3, quaternion x y z w), "
                                   "regularization ({})",
-                                  contact.link, rows),
+                                  scene.called(contact.link), rows),
                       {{name + ".active", 0},
                        {name + ".kp", 0},
                        {name + ".kd", 0},

@@ -76,10 +76,19 @@ std::string bodies(const ir::KinematicTree& tree) {
 std::string links(const ir::KinematicTree& tree) {
   std::string text = "\nlinks (link: body, position in the body's frame in m):\n";
   for (const ir::LinkPlacement& link : tree.links) {
+    if (!link.on.empty()) continue;
     const std::string& body = link.body < 0 ? tree.base_link : tree.bodies[static_cast<size_t>(link.body)].name;
     text +=
         fmt::format("  {}: {}, {}\n", link.link, link.body < 0 ? "base " + body : body, vector(link.placement.translation()));
   }
+  return text;
+}
+
+std::string frames(const ir::Scene& scene) {
+  if (scene.placed.empty()) return "";
+  std::string text = "\nframes of the scene (frame: link, position in the link's frame in m, roll pitch yaw in rad):\n";
+  for (const ir::Frame& frame : scene.placed)
+    text += fmt::format("  {}: {}, {}, {}\n", frame.name, frame.link, vector(frame.xyz), vector(frame.rpy));
   return text;
 }
 
@@ -186,8 +195,8 @@ std::string plan_text(const Lowered& lowered) {
 
 std::string describe(const Model& model) {
   const Lowered lowered = lower(model);
-  std::string text =
-      summary(model) + coordinates(model.tree) + bodies(model.tree) + links(model.tree) + sparsity(model.tree) + "\n";
+  std::string text = summary(model) + coordinates(model.tree) + bodies(model.tree) + links(model.tree) + frames(model.scene) +
+                     sparsity(model.tree) + "\n";
   for (const std::string& line : left_out(model, lowered)) text += line + "\n";
   return text + plan_text(lowered);
 }

@@ -32,7 +32,7 @@ const Case defects[] = {
      "scene.yaml: line 1, column 1: error: this is not YAML: a value was expected; share/doc/dalembert/docs/scene.md shows how a scene is written\n"},
     {"nested",
      "locked: [[[[[[[[[[[[[[[[waist]]]]]]]]]]]]]]]]\n",
-     "scene.yaml: line 1, column 24: error: lists and maps are nested more than 16 deep; a scene needs three levels\n"},
+     "scene.yaml: line 1, column 24: error: lists and maps are nested more than 16 deep; a scene needs six levels\n"},
     {"two_documents",
      "base: fixed\n---\nbase: floating\n",
      "scene.yaml: line 3, column 1: error: a second document begins here; a scene is one document: remove the line '---' and what is not needed\n"},
@@ -246,6 +246,57 @@ const Case defects[] = {
     {"frame_of_nothing",
      "frames: {fore: []}\n",
      "scene.yaml: line 1, column 10: key 'frames': error: nothing is asked for of link 'fore'; name at least one quantity, such as pose\n"},
+    {"frame_of_an_unknown_part",
+     "frames: {sole: {lnk: hand, at: [0.1, 0, 0]}}\n",
+     "scene.yaml: line 1, column 17: key 'frames': error: 'lnk' is no part of a frame; did you mean 'link'?\n"},
+    {"frame_on_an_unknown_link",
+     "frames: {sole: {link: hnad, at: [0.1, 0, 0]}}\n",
+     "scene.yaml: line 1, column 17: key 'frames': error: there is no link 'hnad'; did you mean 'hand'?\n"},
+    {"frame_on_no_link",
+     "frames: {sole: {at: [0.1, 0, 0]}}\n",
+     "scene.yaml: line 1, column 10: key 'frames': error: frame 'sole' does not say which link it is on; write link: left_foot\n"},
+    {"frame_on_a_list",
+     "frames: {sole: {link: [hand]}}\n",
+     "scene.yaml: line 1, column 23: key 'frames': error: what frame 'sole' is on is not the name of a link; write link: left_foot\n"},
+    {"frame_on_another",
+     "frames: {sole: {link: hand, at: [0, 0, 1]}, toe: {link: sole, at: [1, 0, 0]}}\n",
+     "scene.yaml: line 1, column 51: key 'frames': error: 'sole' is a frame, and frames are on links; write link: hand, and where on it\n"},
+    {"frame_at_four_numbers",
+     "frames: {sole: {link: hand, at: [0, 0, 1, 0]}}\n",
+     "scene.yaml: line 1, column 33: key 'frames': error: the place has neither three numbers nor six; write at: [0.1, 0, -0.02] or at: [0.1, 0, -0.02, 0, 0, 1.57], m and rad in the link's frame\n"},
+    {"frame_at_words",
+     "frames: {sole: {link: hand, at: [0, 0, 1, 0, 0, left]}}\n",
+     "scene.yaml: line 1, column 49: key 'frames': error: 'left' is not a finite number; write a finite decimal number\n"},
+    {"frame_called_as_a_link",
+     "frames: {hand: {link: fore, at: [0, 0, 1]}}\n",
+     "scene.yaml: line 1, column 10: key 'frames': error: frame 'hand' is called as link 'hand' is; give it a name of its own: {my_frame: {link: fore, ...}}\n"},
+    {"frames_of_one_name_in_cpp",
+     "frames: {a-b: {link: fore, at: [0, 0, 1]}, a_b: {link: hand, at: [0, 0, 1]}}\n",
+     "scene.yaml: line 1, column 44: key 'frames': error: frame 'a_b' is called as frame 'a-b' is; call one of them otherwise; what stands under frames, functions may name\n"},
+    {"frame_twice",
+     "functions: {reach: [{sole: {link: fore, at: [0, 0, 1]}}]}\nframes: {sole: {link: fore, at: [0, 0, 1]}}\n",
+     "scene.yaml: line 2, column 10: key 'frames': error: frame 'sole' is called as frame 'sole' is; call one of them otherwise; what stands under frames, functions may name\n"},
+    {"frame_of_an_unknown_quantity",
+     "frames: {sole: {link: hand, at: [0, 0, 1], outputs: [pos]}}\n",
+     "scene.yaml: line 1, column 54: key 'frames': error: the quantity 'pos' of a link is unknown; did you mean 'pose'?\n"},
+    {"frame_on_a_cut_link",
+     "frames: {sole: {link: hand, at: [0, 0, 1]}}\ncut: [fore]\n",
+     "scene.yaml: line 1, column 17: key 'frames': error: link 'hand' is cut off; remove it here, or remove the link it hangs on from 'cut'\n"},
+    {"frame_on_the_fixed_base",
+     "base: fixed\nframes: {sole: {link: base, at: [0, 0, 1], outputs: [pose]}}\n",
+     "arm.urdf: frame 'sole': error: pose_sole is asked for of a link that does not move: the base is fixed; name a descendant of a joint that moves, or ask for base: floating\n"},
+    {"frame_far_away",
+     "frames: {sole: {link: hand, at: [0, 0, 1e70]}}\n",
+     "frame 'sole': error: a length, mass or other number is larger than 1e+60; check the numbers of the URDF and the scene: lengths are m, masses kg\n"},
+    {"function_of_an_unknown_frame",
+     "functions: {reach: [bias, sloe]}\nframes: {sole: {link: hand, at: [0, 0, 1]}}\n",
+     "scene.yaml: line 1, column 27: key 'functions': error: the quantity 'sloe' is unknown; did you mean 'sole'?\n"},
+    {"function_of_nothing_of_a_frame",
+     "functions: {reach: [{sole: {link: hand, at: [0, 0, 1], outputs: []}}]}\n",
+     "scene.yaml: line 1, column 13: key 'functions': error: function 'reach' computes nothing; name at least one quantity, such as mass_matrix\n"},
+    {"wrench_on_an_unknown_frame",
+     "outputs: [inverse_dynamics]\nwrenches: {sloe: link}\nframes: {sole: {link: hand, at: [0, 0, 1]}}\n",
+     "scene.yaml: line 2, column 12: key 'wrenches': error: there is no link 'sloe'; did you mean 'sole'?\n"},
     {"unknown_payload",
      "payloads: [handle]\n",
      "scene.yaml: line 1, column 12: key 'payloads': error: there is no link 'handle'; did you mean 'hand'?\n"},
@@ -537,7 +588,8 @@ TEST(SceneOptions, ComplaintsNameTheOption) {
   EXPECT_EQ(complaint({"--outputs", ""}),
             "option --outputs: error: no output is asked for; name at least one quantity, such as mass_matrix\n");
   EXPECT_EQ(complaint({"--mimic", "{elbow: {"}),
-            "option --mimic: error: the value is not YAML: end of map flow not found; share/doc/dalembert/docs/scene.md shows how it is written\n");
+            "option --mimic: error: the value is not YAML: end of map flow not found; share/doc/dalembert/docs/scene.md shows "
+            "how it is written\n");
 }
 
 // As URDFs exported with namespaces have them.
@@ -579,6 +631,10 @@ TEST(SceneOptions, KeysThatNoOutputHasToDoWithAreToldOf) {
   EXPECT_TRUE(idle("gravity", "run_time", "mass_matrix,kinetic_energy"));
   for (const std::string output : {"gravity", "bias", "potential_energy", "regressor", "forward_dynamics"})
     EXPECT_FALSE(idle("gravity", "run_time", output)) << output;
+  const std::string sole = "{sole: {link: hand, at: [0, 0, 1], outputs: []}}";
+  EXPECT_TRUE(idle("frames", sole, "bias"));
+  EXPECT_EQ(info({"--frames", sole, "--functions", "reach=bias,sole"}).err, "");
+  EXPECT_EQ(info({"--frames", sole, "--jacobians", "sole"}).err, "");
   EXPECT_TRUE(idle("payloads", "hand", "wrench_influence"));
   EXPECT_FALSE(idle("payloads", "hand", "mass_matrix"));
 
