@@ -70,3 +70,11 @@ def duration(nanoseconds):
         if nanoseconds < limit:
             return f"{nanoseconds / scale:.3g} {unit}"
     return f"{nanoseconds / 1e9:.3g} s"
+
+
+def context(program):
+    """What benchmark_peers says of itself, and of peers that it was built with."""
+    answer = subprocess.run([str(program), "--benchmark_filter=^none$", "--benchmark_format=json"], stdout=subprocess.PIPE,
+                            stderr=subprocess.DEVNULL, text=True)
+    start = answer.stdout.find("{")
+    return json.loads(answer.stdout[start:]).get("context", {}) if start >= 0 else {}

@@ -26,7 +26,7 @@ def section(kind, time):
 
 
 def with_run(page, kind, time):
-    return table.page(machine_sections.with_section(page, kind, section(kind, time)))
+    return table.page(machine_sections.with_section(page, kind, section(kind, time)), table.more(page))
 
 
 old, new = "A chip, Zen 5; L1d 48 kB; AVX-512", "A chip, Zen 3; L1d 32 kB; AVX2"
@@ -42,9 +42,14 @@ demand("A chip, Zen 5: ours | A chip, Zen 5: times faster | A chip, Zen 3: ours"
 # The pages there are: what a run on another machine would leave of them, and what README says it shows.
 page, readme = table.PAGE.read_text(), table.README.read_text()
 there = machine_sections.sections(page)
-demand(there and table.page(there) == page, "docs/performance.md is not as table.py writes it: python3 tests/benchmarks/table.py")
+demand(there and table.page(there, table.more(page)) == page, "docs/performance.md is not as table.py writes it: python3 tests/benchmarks/table.py")
 after = with_run(page, "no machine; there is none", "1 ns")
 demand(all(machine_sections.sections(after)[kind] == text for kind, text in there.items()), "a run elsewhere changes a section")
+demand(table.more(page) and table.more(after) == table.more(page), "a run changes what stands behind the machines' sections")
+both = {f"WAM/M/{who}": {"times": [time], "relative_error": 1e-16} for who, time in (("dalembert", 1e-7), ("pinocchio", 3e-7))}
+demand("| WAM M | 100 ns | 1e-16 | 300 ns | 1e-16 | 3.00 |" in table.times(both, [{"name": "WAM", "base": "fixed"}], ["M"], "Pinocchio 3"),
+       "Pinocchio's figures are not those measured")
+demand("Pinocchio" not in table.times({}, [], ["M"]), "Pinocchio is missed where there is none")
 kind = table.readme_kind(readme)
 demand(kind in there, f"README's table is of '{kind}', of which docs/performance.md has no section")
 demand(table.with_summary(readme, kind, there[kind]) == readme, "README's table is not that of its machine in docs/performance.md")
