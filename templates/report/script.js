@@ -196,7 +196,7 @@ function rounding() {
 }
 
 // Whose figure is not in ulp says what it counts.
-const counted = {elements_changed: "changed", change: "of change", elements_not_finite: "not finite"};
+const counted = {elements_changed: "changed", change: "change", elements_not_finite: "not finite"};
 
 // A matrix for code in double and one for float: cases from the worst to the best, a column per quantity.
 function stability() {
