@@ -10,6 +10,7 @@
 
 #include "frontend/function_names.hpp"
 #include "frontend/nearest.hpp"
+#include "ir/aliases.hpp"
 #include "ir/emitted_function.hpp"
 #include "ir/identifier.hpp"
 
@@ -199,8 +200,20 @@ class SceneCheck {
     std::vector<std::string> all;
     for (const auto& entry : names) all.push_back(entry.first);
     std::sort(all.begin(), all.end());
-    error(locate(key, name), fmt::format("there is no {} '{}'", kind, name), suggestion(name, all));
+    error(locate(key, name), fmt::format("there is no {} '{}'", kind, name), other_kind(name, suggestion(name, all)));
     return false;
+  }
+
+  // Of a joint where a link is wanted, or the other way round; else the remedy as it is.
+  std::string other_kind(const std::string& name, std::string remedy) const {
+    if (const auto joint = joints_.find(name); joint != joints_.end())
+      return fmt::format("'{}' is a joint; the link that it moves is '{}'", name,
+                         robot_.links[static_cast<size_t>(robot_.joints[static_cast<size_t>(joint->second)].child)].name);
+    if (const auto link = links_.find(name); link != links_.end())
+      for (const ir::Joint& joint : robot_.joints)
+        if (joint.child == link->second)
+          return fmt::format("'{}' is a link; the joint that moves it is '{}'", name, joint.name);
+    return remedy;
   }
 
   // A joint that exists, moves and is not cut.
@@ -323,6 +336,7 @@ class SceneCheck {
     }
     std::vector<std::string> known;
     for (const ir::QuantityRow& row : ir::quantities()) known.emplace_back(row.name);
+    for (const ir::Alias& alias : ir::quantity_aliases()) known.emplace_back(alias.alias);
     for (const ir::LinkQuantityRow& row : ir::link_quantities()) known.push_back(std::string(row.name) + "_LINK");
     for (const ir::Frame& frame : scene_.placed) known.push_back(frame.name);
     error(where, fmt::format("the quantity '{}' is unknown", name), suggestion(name, known));
