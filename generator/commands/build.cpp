@@ -25,6 +25,7 @@
 #include "commands/cache.hpp"
 #include "commands/json.hpp"
 #include "commands/output.hpp"
+#include "ir/aliases.hpp"
 #include "ir/identifier.hpp"
 #include "lower.hpp"
 
@@ -593,8 +594,12 @@ std::string registry_json() {
   for (const ir::LinkQuantityRow& row : ir::link_quantities())
     of_links.push_back(fmt::format("\n    {{\"name\": {}, \"unit\": {}, \"by_default\": {}, \"help\": {}}}",
                                    json_string(row.name), json_string(row.unit), row.by_default, json_string(row.help)));
-  return fmt::format("{{\n  \"quantities\": {},\n  \"link_quantities\": {},\n  \"scene_keys\": {}\n}}\n", array(quantities),
-                     array(of_links), json_array(frontend::scene_keys()));
+  std::vector<std::string> aliases;
+  for (const ir::Alias& alias : ir::quantity_aliases())
+    aliases.push_back(fmt::format("{}: {}", json_string(alias.alias), json_string(alias.name)));
+  return fmt::format(
+      "{{\n  \"quantities\": {},\n  \"link_quantities\": {},\n  \"aliases\": {{{}}},\n  \"scene_keys\": {}\n}}\n",
+      array(quantities), array(of_links), fmt::join(aliases, ", "), json_array(frontend::scene_keys()));
 }
 
 }  // namespace dalembert

@@ -157,7 +157,8 @@ class Registry(unittest.TestCase):
         urdf, link = robots.robot("double_pendulum"), "link_02"
         frames = {link: list(dalembert.link_quantities()),
                   "sole": {"link": link, "at": [0.1, -0.2, 0.3, 0.4, 0, -0.5], "outputs": ["pose", "jacobian_mixed"]}}
-        robot = dalembert.load(urdf, base="floating", outputs=list(dalembert.quantities()), frames=frames,
+        ours = [{"mass_matrix": "crba", "bias": "nle"}.get(name, name) for name in dalembert.quantities()]  # the field's names
+        robot = dalembert.load(urdf, base="floating", outputs=ours, frames=frames,
                                contacts={link: "weld"}, flags=robots.quick)
         names = [*dalembert.quantities(), *(f"{q}_{link}" for q in dalembert.link_quantities()), "pose_sole",
                  "jacobian_mixed_sole"]
