@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "commands/json.hpp"
+#include "commands/timing.hpp"
 #include "compile.hpp"
 #include "ir/plan_words.hpp"
 #include "left_out.hpp"
@@ -173,17 +174,20 @@ std::string features_json(const Model& model, const Lowered& lowered) {
 
 // What was chosen of each function, and what the other ways would cost.
 std::string plan_text(const Lowered& lowered) {
-  std::string text = fmt::format("\nestimated ns a call on registers of {} doubles, the way that was chosen first:\n",
+  std::string text = fmt::format("\nestimated time of a call on registers of {} doubles, the way that was chosen first:\n",
                                  fmt::join(backend::register_widths, ", "));
   for (const LoweredFunction& f : lowered.functions) {
     if (f.candidates.empty()) continue;
     text += fmt::format("  {}\n", f.algorithm.function.name);
-    for (const Candidate& c : f.candidates)
+    for (const Candidate& c : f.candidates) {
+      std::string times;
+      for (const double nanoseconds : c.nanoseconds) times += fmt::format("{:>10}", time_text(nanoseconds));
       text += fmt::format(
-          "    {:<40}{:>8.0f}\n",
+          "    {:<40}{}\n",
           (f.candidates.size() > 2 ? fmt::format("{} by {}", name_of(c.form), name_of(c.solver)) : name_of(c.form)) +
               (c.order == ir::Order::as_written ? "" : ", " + word_of(ir::order_words(), c.order)),
-          fmt::join(c.nanoseconds, " "));
+          times);
+    }
     if (!f.elsewhere.empty())
       text += fmt::format("    {} where registers hold {}\n", name_of(f.elsewhere.front().plan.form),
                           fmt::join(f.elsewhere_lanes, " or "));
