@@ -330,10 +330,12 @@ class SceneCheck {
         if (row.by_default) outputs.push_back({row.quantity, link});
       return outputs;
     }
-    for (const ir::LinkQuantityRow& row : ir::link_quantities()) {
-      const std::string prefix = std::string(row.name) + "_";
-      if (name.starts_with(prefix) && name != prefix) return {{row.quantity, name.substr(prefix.size())}};
-    }
+    // Of no link: the longest quantity was meant.
+    const ir::LinkQuantityRow* meant = nullptr;
+    for (const ir::LinkQuantityRow& row : ir::link_quantities())
+      if (const std::string prefix = std::string(row.name) + "_"; name.starts_with(prefix) && name != prefix)
+        if (!meant || std::string_view(meant->name).size() < prefix.size()) meant = &row;
+    if (meant) return {{meant->quantity, name.substr(std::string_view(meant->name).size() + 1)}};
     std::vector<std::string> known;
     for (const ir::QuantityRow& row : ir::quantities()) known.emplace_back(row.name);
     for (const ir::Alias& alias : ir::quantity_aliases()) known.emplace_back(alias.alias);
