@@ -113,15 +113,16 @@ std::optional<double> cost(std::string_view name, std::string_view other) {
 }
 }  // namespace
 
-std::string suggestion(std::string_view name, const std::vector<std::string>& names) {
+std::string suggestion(std::string_view name, const std::vector<std::string>& names, const std::vector<std::string>& also) {
   if (names.empty()) return "there is none to choose from";
   constexpr size_t many = 5000;  // of so many, edits alone are looked at
   std::vector<std::pair<double, const std::string*>> near;
   if (name.size() <= 200 && !name.empty())
-    for (const std::string& other : names)
-      if (!other.empty() && other.size() <= 200)
-        if (const auto its_cost = names.size() > many ? cost_of_edits(name, other) : cost(name, other))
-          near.emplace_back(*its_cost, &other);
+    for (const auto* list : {&names, &also})
+      for (const std::string& other : *list)
+        if (!other.empty() && other.size() <= 200)
+          if (const auto its_cost = names.size() + also.size() > many ? cost_of_edits(name, other) : cost(name, other))
+            near.emplace_back(*its_cost, &other);
   if (!near.empty()) {
     std::stable_sort(near.begin(), near.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
     const double least = near.front().first;

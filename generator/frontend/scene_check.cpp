@@ -338,10 +338,13 @@ class SceneCheck {
     if (meant) return {{meant->quantity, name.substr(std::string_view(meant->name).size() + 1)}};
     std::vector<std::string> known;
     for (const ir::QuantityRow& row : ir::quantities()) known.emplace_back(row.name);
-    for (const ir::Alias& alias : ir::quantity_aliases()) known.emplace_back(alias.alias);
     for (const ir::LinkQuantityRow& row : ir::link_quantities()) known.push_back(std::string(row.name) + "_LINK");
     for (const ir::Frame& frame : scene_.placed) known.push_back(frame.name);
-    error(where, fmt::format("the quantity '{}' is unknown", name), suggestion(name, known));
+    std::vector<std::string> also = ir::names_of(ir::quantity_aliases());
+    for (const std::string& link : in_order_)
+      for (const ir::LinkQuantityRow& row : ir::link_quantities())
+        also.push_back(std::string(row.name) + "_" + ir::identifier(link));
+    error(where, fmt::format("the quantity '{}' is unknown", name), suggestion(name, known, also));
     return {};
   }
 

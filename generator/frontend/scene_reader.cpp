@@ -163,7 +163,6 @@ class SceneReader {
   void outputs(const YamlNode& node) {
     std::vector<std::string> known;
     for (const ir::QuantityRow& row : ir::quantities()) known.emplace_back(row.name);
-    for (const ir::Alias& alias : ir::quantity_aliases()) known.emplace_back(alias.alias);
     scene_.outputs.clear();
     for (const YamlNode& item : list(in_our_names(node, ir::quantity_aliases()), "a list of quantities")) {
       const std::optional<ir::Quantity> quantity = ir::quantity_named(item.scalar);
@@ -171,7 +170,7 @@ class SceneReader {
         const std::string of_link = ir::named_by_us(item.scalar, ir::link_quantity_aliases());
         refuse(item, fmt::format("the quantity '{}' is unknown", item.scalar),
                ir::link_quantity_named(of_link) ? fmt::format("it is asked of a link: frames: {{left_foot: [{}]}}", of_link)
-                                                : suggestion(item.scalar, known));
+                                                : suggestion(item.scalar, known, ir::names_of(ir::quantity_aliases())));
       }
       scene_.outputs.push_back(*quantity);
     }
@@ -302,11 +301,10 @@ class SceneReader {
       if (!quantity) {
         std::vector<std::string> known;
         for (const ir::LinkQuantityRow& row : ir::link_quantities()) known.emplace_back(row.name);
-        for (const ir::Alias& alias : ir::link_quantity_aliases()) known.emplace_back(alias.alias);
         const std::string of_robot = ir::named_by_us(item.scalar, ir::quantity_aliases());
         refuse(item, fmt::format("the quantity '{}' of a link is unknown", item.scalar),
                ir::quantity_named(of_robot) ? fmt::format("it is the whole robot's: outputs: [{}]", of_robot)
-                                            : suggestion(item.scalar, known));
+                                            : suggestion(item.scalar, known, ir::names_of(ir::link_quantity_aliases())));
       }
       entry_name(item, inside);
       outputs.push_back({*quantity, frame});

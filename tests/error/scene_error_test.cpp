@@ -101,7 +101,7 @@ const Case defects[] = {
      "scene.yaml: line 1, column 31: key 'functions': error: 'pose_hand' is given twice; keep one of them\n"},
     {"function_of_an_unknown_quantity_of_a_link",
      "functions: {look: [poses_hand]}\n",
-     "scene.yaml: line 1, column 20: key 'functions': error: the quantity 'poses_hand' is unknown; choose from mass_matrix, coriolis_matrix, gravity, bias, wrench_influence, inverse_dynamics, inverse_dynamics_dq, inverse_dynamics_dv, forward_dynamics, kinetic_energy, potential_energy, center_of_mass and 22 more\n"},
+     "scene.yaml: line 1, column 20: key 'functions': error: the quantity 'poses_hand' is unknown; did you mean 'pose_hand'?\n"},
     {"function_of_nothing",
      "functions: {balance: []}\n",
      "scene.yaml: line 1, column 13: key 'functions': error: function 'balance' computes nothing; name at least one quantity, such as mass_matrix\n"},

@@ -163,6 +163,10 @@ std::string Pinocchio::obstacle(const Output& output) const {
   if ((of_motion || is_any_of(quantity, {bias, potential_energy})) &&
       any([](const ir::Body& b) { return b.friction != 0 || b.damping != 0 || b.spring.k != 0; }))
     return "Pinocchio's functions know neither springs nor dampers nor friction";
+  // Of 3.7: JointModelRevoluteUnaligned keeps no joint_v, which computeKineticEnergy multiplies the armature by.
+  if (quantity == kinetic_energy &&
+      any([](const ir::Body& b) { return b.armature != 0 && !b.prismatic() && (b.axis.array() == 1).count() == 0; }))
+    return "Pinocchio's kinetic energy lacks the armature of revolute joints about oblique axes";
   return "";
 }
 
