@@ -187,6 +187,7 @@ TEST(Check, GivesEachFunctionOneTime) {
   std::istringstream text(outcome.out);
   std::vector<std::string> timed, headings;
   for (std::string line; std::getline(text, line);) {
+    if (line.empty()) continue;
     const std::string name = line.substr(2, line.find("  ", 2) - 2);
     if (line.ends_with(" a call")) headings.push_back(name);
     if (line.ends_with(" ns") || line.ends_with(" µs")) timed.push_back(name);
