@@ -167,6 +167,7 @@ Model whole_robot(const Model& model) {
   whole.scene.functions = model.scene.functions;
   whole.scene.jacobians = model.scene.jacobians;
   whole.scene.frames = model.scene.frames;
+  whole.scene.placed = model.scene.placed;
   whole.scene.contacts = model.scene.contacts;
   Diagnostics warnings;
   whole.tree = passes::build_tree(whole.description, whole.scene, warnings);

@@ -25,6 +25,7 @@
 #include "commands/cache.hpp"
 #include "commands/json.hpp"
 #include "commands/output.hpp"
+#include "ir/aliases.hpp"
 #include "ir/identifier.hpp"
 #include "lower.hpp"
 
@@ -227,7 +228,7 @@ std::vector<RunTimeInput> run_time_inputs(const Model& model) {
     inputs.push_back(
         {name,
          "kg, m, kg m^2",
-         fmt::format("what link {} carries: mass, centre of mass, inertia xx xy xz yy yz zz about it; link axes", link),
+         fmt::format("what {} carries: mass, centre of mass, inertia xx xy xz yy yz zz about it; its axes", scene.called(link)),
          {{name + ".mass", 0}, {name + ".com", 3}, {name + ".inertia", 6}},
          std::vector<double>(10, 0.0)});
   }
@@ -235,7 +236,7 @@ std::vector<RunTimeInput> run_time_inputs(const Model& model) {
     const std::string name = "wrench_" + ir::identifier(wrench.link);
     inputs.push_back({name,
                       "N, N m",
-                      fmt::format("force and moment on link {} at its origin, along {} axes", wrench.link,
+                      fmt::format("force and moment on {} at its origin, along {} axes", scene.called(wrench.link),
                                   wrench.in_world ? "the world's" : "its"),
                       {{name, 6}},
                       std::vector<double>(6, 0.0)});
@@ -247,9 +248,9 @@ std::vector<RunTimeInput> run_time_inputs(const Model& model) {
     start[0] = start[10] = 1;  // active; the anchor's quaternion
     inputs.push_back({name,
                       "1, 1/s^2, 1/s, 1, m, 1/kg",
-                      fmt::format("how link {} is held: active (1 or 0), kp, kd, restitution, anchor (3, quaternion x y z w), "
+                      fmt::format("how {} is held: active (1 or 0), kp, kd, restitution, anchor (3, quaternion x y z w), "
                                   "regularization ({})",
-                                  contact.link, rows),
+                                  scene.called(contact.link), rows),
                       {{name + ".active", 0},
                        {name + ".kp", 0},
                        {name + ".kd", 0},
@@ -593,8 +594,12 @@ std::string registry_json() {
   for (const ir::LinkQuantityRow& row : ir::link_quantities())
     of_links.push_back(fmt::format("\n    {{\"name\": {}, \"unit\": {}, \"by_default\": {}, \"help\": {}}}",
                                    json_string(row.name), json_string(row.unit), row.by_default, json_string(row.help)));
-  return fmt::format("{{\n  \"quantities\": {},\n  \"link_quantities\": {},\n  \"scene_keys\": {}\n}}\n", array(quantities),
-                     array(of_links), json_array(frontend::scene_keys()));
+  std::vector<std::string> aliases;
+  for (const ir::Alias& alias : ir::quantity_aliases())
+    aliases.push_back(fmt::format("{}: {}", json_string(alias.alias), json_string(alias.name)));
+  return fmt::format(
+      "{{\n  \"quantities\": {},\n  \"link_quantities\": {},\n  \"aliases\": {{{}}},\n  \"scene_keys\": {}\n}}\n",
+      array(quantities), array(of_links), fmt::join(aliases, ", "), json_array(frontend::scene_keys()));
 }
 
 }  // namespace dalembert

@@ -124,6 +124,7 @@ void add_info(Command& command) {
 void add_eval(Command& command) {
   struct Options {
     std::string state, output, engine = "generated";
+    bool labels = false, json = false;
   };
   const auto options = std::make_shared<Options>();
   command.parser
@@ -143,6 +144,10 @@ void add_eval(Command& command) {
       .add_option("--engine", options->engine, "who computes; default generated, which as batch needs a C++ compiler")
       ->check(CLI::IsMember({"generic", "generated", "batch"}))
       ->type_name("generic|generated|batch");
+  CLI::Option* const labels = command.parser.add_flag("--labels", options->labels,
+                                                      "names of joints and axes beside the numbers, which have six digits");
+  command.parser.add_flag("--json", options->json, "one JSON object: names of rows and columns, unit, and the numbers")
+      ->excludes(labels);
   const auto compiler = add_compiler_options(command.parser);
   command.run = [&command, options, compiler](Diagnostics& warnings) {
     Request request = command.shared.request();
@@ -151,7 +156,8 @@ void add_eval(Command& command) {
     const Engine engine = options->engine == "generic" ? Engine::generic
                           : options->engine == "batch" ? Engine::batch
                                                        : Engine::generated;
-    return print_result(evaluate(model, options->state, options->output, engine, *compiler, warnings));
+    const Style style = options->labels ? Style::labels : options->json ? Style::json : Style::numbers;
+    return print_result(evaluate(model, options->state, options->output, engine, style, *compiler, warnings));
   };
 }
 

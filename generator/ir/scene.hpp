@@ -11,6 +11,7 @@
 
 #include "ir/compile_options.hpp"
 #include "ir/contact.hpp"
+#include "ir/frame.hpp"
 #include "ir/link_quantity.hpp"
 #include "ir/quantity.hpp"
 #include "ir/robot_description.hpp"
@@ -71,6 +72,7 @@ struct Scene {
   std::map<std::string, Mimic> mimic;      // driven joint → relation (no coordinate of its own)
   std::vector<std::string> jacobians;      // links whose body Jacobian (6 × nv) is asked for
   std::vector<LinkOutput> frames;          // what else is asked of links
+  std::vector<Frame> placed;               // frames of the user's own, which count as links
   std::vector<std::string> payloads;       // links that carry a payload given at run time
   std::vector<ExternalWrench> wrenches;    // what inverse and forward dynamics reckon with, in the order of a state file
   std::vector<Contact> contacts;           // constraints, in the order of their rows
@@ -96,6 +98,12 @@ struct Scene {
       for (const Quantity quantity : function.quantities)
         if (std::find(all.begin(), all.end(), quantity) == all.end()) all.push_back(quantity);
     return all;
+  }
+
+  // "link left_foot", or "frame sole" of a frame of the scene's own.
+  std::string called(const std::string& link) const {
+    const bool own = std::any_of(placed.begin(), placed.end(), [&](const Frame& frame) { return frame.name == link; });
+    return (own ? "frame " : "link ") + link;
   }
 
   int constraint_rows() const {

@@ -1,5 +1,6 @@
 """Numbers from Python: the same bits as from C++, every quantity of the registry, batches as single states, threads, speed."""
 
+import json
 import os
 import pickle
 import threading
@@ -154,9 +155,14 @@ class Registry(unittest.TestCase):
 
     def test_every_quantity(self):
         urdf, link = robots.robot("double_pendulum"), "link_02"
-        robot = dalembert.load(urdf, base="floating", outputs=list(dalembert.quantities()),
-                               frames={link: list(dalembert.link_quantities())}, contacts={link: "weld"}, flags=robots.quick)
-        names = [*dalembert.quantities(), *(f"{q}_{link}" for q in dalembert.link_quantities())]
+        frames = {link: list(dalembert.link_quantities()),
+                  "sole": {"link": link, "at": [0.1, -0.2, 0.3, 0.4, 0, -0.5], "outputs": ["pose", "jacobian_mixed"]}}
+        ours = [{"mass_matrix": "crba", "bias": "nle"}.get(name, name) for name in dalembert.quantities()]  # the field's names
+        robot = dalembert.load(urdf, base="floating", outputs=ours, frames=frames,
+                               contacts={link: "weld"}, flags=robots.quick)
+        names = [*dalembert.quantities(), *(f"{q}_{link}" for q in dalembert.link_quantities()), "pose_sole",
+                 "jacobian_mixed_sole"]
+        self.assertIn("sole", robot.frame_names)
         self.assertGreater(len(names), 25)
         rng = np.random.default_rng(1)
         n = 3
@@ -168,7 +174,8 @@ class Registry(unittest.TestCase):
                 function = robot[name]
                 values = function(q, v, more) if takes else function(q, v)
                 expected = np.array(robots.eval_lines(urdf, name, states, "--base", "floating", "--contacts",
-                                                          f"{link}=weld", "--engine", "generic"))
+                                                          f"{link}=weld", "--frames", json.dumps(frames), "--engine",
+                                                          "generic"))
                 self.assertEqual(values.shape[0], n)
                 self.assertEqual(values.size, expected.size)
                 scale = np.abs(expected).max()

@@ -117,7 +117,7 @@ def arguments(urdf, keywords):
             raise TypeError(f"load() has no keyword '{key}'" + did_you_mean(key, names + list(OPTIONS)))
     outputs = keywords.get("outputs")
     if outputs is not None:
-        known = [row["name"] for row in _registry()["quantities"]]
+        known = [*(row["name"] for row in _registry()["quantities"]), *_registry()["aliases"]]
         for name in outputs.strip("[]").split(",") if isinstance(outputs, str) else outputs:
             if str(name).strip() and str(name).strip() not in known:
                 raise KeyError(f"there is no quantity '{name}'" + did_you_mean(name, known))
