@@ -429,6 +429,16 @@ std::vector<const CodeInput*> batched(const Folder& folder) {
 
 }  // namespace
 
+std::vector<std::string> functions_in_lanes(const Folder& folder) {
+  std::vector<std::string> names;
+  for (const CodeInput* f : batched(folder)) {
+    const BatchProgram program(*f);
+    if (program.elements() > BatchFunction::most_elements) return {};
+    if (!program.by_calls()) names.push_back(function_of(*f).name);
+  }
+  return names;
+}
+
 std::string batch_c_declarations(const Folder& folder) {
   if (batched(folder).empty()) return "";
   const CodeInput& code = folder.common();

@@ -22,6 +22,7 @@
 #include "commands/measure_plan.hpp"
 #include "commands/options.hpp"
 #include "commands/package.hpp"
+#include "commands/registry.hpp"
 #include "commands/report.hpp"
 
 namespace dalembert {
@@ -216,6 +217,25 @@ PlainCommand add_cache(CLI::App& app) {
           }};
 }
 
+// For programs that have loaded what 'build' made.
+PlainCommand add_build_batches(CLI::App& app) {
+  CLI::App* const parser = app.add_subcommand("build-batches", "Compile batches of what 'build' has made, where there are none yet");
+  parser->group("");
+  const auto entry = std::make_shared<std::string>();
+  const auto parts = std::make_shared<std::vector<size_t>>();
+  parser->add_option("FOLDER", *entry, "the entry of the cache")->required();
+  parser->add_option("PART", *parts, "numbers of its parts")->required();
+  return {parser, [entry, parts] {
+            try {
+              build_batches(*entry, *parts);
+            } catch (const SelfTestFailure& failure) {
+              print({{Severity::error, *entry, "self-test", failure.what(), "load the robot with batch=False, or with other flags"}});
+              return check_failed;
+            }
+            return good;
+          }};
+}
+
 PlainCommand add_quantities(CLI::App& app) {
   CLI::App* const parser =
       app.add_subcommand("quantities", "List what can be asked for: the values of --outputs, and of --frames");
@@ -254,7 +274,7 @@ int parse_and_run(int argc, const char* const* argv, Diagnostics& warnings, bool
   Command check(app, "check", "Compare generated code with the generic engine, in double and in 50 digits, and time it");
   Command report(app, "report", "Measure error against time, extreme cases and forms, as a page and a table");
   Command build(app, "build", "Compile a robot's functions for programs that load them, such as Python; print the folder");
-  const PlainCommand plain[] = {add_cache(app), add_quantities(app)};
+  const PlainCommand plain[] = {add_cache(app), add_build_batches(app), add_quantities(app)};
   add_generate(generate);
   add_info(info);
   add_eval(eval);
