@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <numeric>
 #include <string_view>
 #include <thread>
 
@@ -29,7 +30,7 @@ const backend::OutputFile* find(const std::vector<backend::OutputFile>& files, s
 }
 
 // A part's files: with batches where these are worth their time. Its self-test without them goes to `self_test`.
-void generate_part(const Library& library, size_t p, bool batches, std::vector<backend::OutputFile>& files,
+void generate_part(const Library& library, size_t p, std::vector<backend::OutputFile>& files,
                    std::string& self_test, std::vector<std::string>& batched) {
   constexpr size_t longest = 1'500'000;  // of a batch.cpp, which takes compilers some 10 s
   Model model = library.parts[p].model;
@@ -37,44 +38,61 @@ void generate_part(const Library& library, size_t p, bool batches, std::vector<b
   model.scene.batch = false;
   files = compile(model);
   self_test = find(files, "self_test.cpp")->text;
-  if (!batches && !for_controller) return;
   model.scene.batch = true;
   std::vector<std::string> found = functions_in_lanes(model, lower(model));
   if (found.empty() && !for_controller) return;
   std::vector<backend::OutputFile> with = compile(model);
-  const bool worth = batches && find(with, "batch.cpp")->text.size() <= longest;
+  const bool worth = find(with, "batch.cpp")->text.size() <= longest;
   if (worth || for_controller) files = std::move(with);
   if (worth) batched = std::move(found);
 }
 
-// The units of code.so. Files of few lines are mostly headers: together they are as many files as there are cores.
+// Whether it is lines of operations alone: no function of the runtime in it is inlined here and called there.
+bool is_straight(const std::string& text) {
+  constexpr std::string_view include = "#include <dalembert/";
+  for (size_t at = 0; (at = text.find(include, at)) != text.npos;) {
+    const std::string_view file = std::string_view(text).substr(at += include.size());
+    if (!file.starts_with("sincos.hpp") && !file.starts_with("straight_line.hpp")) return false;
+  }
+  return true;
+}
+
+// The units of code.so: each file of the parts is one, as users compile them, since what else a compiler sees may decide how it
+// rounds. But straight lines and short files are mostly headers: of these there are as many as there are cores, or one.
 std::vector<Unit> units_of(const Library& library, const std::vector<std::string>& self_tests, const fs::path& folder) {
-  constexpr size_t long_enough = 150'000;
+  constexpr size_t long_enough = 15'000;
   struct File {
     std::string include;
     size_t size;
+    bool alone = false;
   };
-  std::vector<File> files;
-  size_t all = 0;
+  std::vector<File> files{{table_source(library), 10'000}};
   std::string tests;
   for (size_t p = 0; p < library.parts.size(); ++p) {
     const Part& part = library.parts[p];
     for (const backend::OutputFile& file : part.files) {
       if (!file.name.ends_with(".cpp")) continue;
       if (file.name == "c_api.cpp" || file.name == "self_test.cpp" || file.name == "batch.cpp") continue;
-      files.push_back({fmt::format("#include \"{}/{}\"\n", part.model.name, file.name), file.text.size()});
-      all += file.text.size();
+      files.push_back({fmt::format("#include \"{}/{}\"\n", part.model.name, file.name), file.text.size(),
+                       file.text.size() >= long_enough && !is_straight(file.text)});
     }
     const std::string test = part.model.name + "/" + one_state_test;
     write_text(folder / "source" / test, self_tests[p]);
     tests += fmt::format("#include \"{}\"\n", test);
   }
-  std::sort(files.begin(), files.end(), [](const File& a, const File& b) { return a.size > b.size; });
-  std::vector<File> groups(std::min(files.size(), std::max<size_t>({1, std::thread::hardware_concurrency(), all / long_enough})));
-  for (const File& file : files) {
-    File& least = *std::min_element(groups.begin(), groups.end(), [](const File& a, const File& b) { return a.size < b.size; });
-    least.include += file.include;
-    least.size += file.size;
+  std::stable_sort(files.begin(), files.end(), [](const File& a, const File& b) { return a.size > b.size; });
+  const auto own = std::stable_partition(files.begin(), files.end(), [](const File& file) { return file.alone; });
+  std::vector<File> groups(files.begin(), own);
+  const size_t begin = groups.size(), others = static_cast<size_t>(files.end() - own);
+  const size_t all = std::accumulate(own, files.end(), size_t{0}, [](size_t sum, const File& file) { return sum + file.size; });
+  const size_t cores = std::max(1u, std::thread::hardware_concurrency());
+  groups.resize(begin + (all < long_enough ? 1 : std::min(others, std::max(cores, all / 150'000))));
+  for (auto file = own; file != files.end(); ++file) {
+    File& least =
+        *std::min_element(groups.begin() + static_cast<std::ptrdiff_t>(begin), groups.end(),
+                          [](const File& a, const File& b) { return a.size < b.size; });
+    least.include += file->include;
+    least.size += file->size;
   }
   std::vector<Unit> units;
   for (const File& group : groups) {
@@ -83,14 +101,7 @@ std::vector<Unit> units_of(const Library& library, const std::vector<std::string
   }
   units.push_back({folder / "objects" / "self_tests.cpp", false});
   write_text(units.back().source, tests);
-  units.push_back({folder / "objects" / "function_table.cpp", true});
-  write_text(units.back().source, table_source(library));
   return units;
-}
-
-bool wants_batches(const Request& request) {
-  return std::none_of(request.settings.begin(), request.settings.end(),
-                      [](const frontend::Setting& s) { return s.key == "batch" && s.text == "false"; });
 }
 
 void make(const Request& request, const CompilerOptions& options, Diagnostics& warnings, const fs::path& folder) {
@@ -99,10 +110,9 @@ void make(const Request& request, const CompilerOptions& options, Diagnostics& w
   const size_t count = library.parts.size();
   std::vector<std::string> self_tests(count);
   std::vector<std::vector<std::string>> batched(count);
-  const bool batches = wants_batches(request);
   in_parallel(count, [&](size_t p) {
     Part& part = library.parts[p];
-    generate_part(library, p, batches, part.files, self_tests[p], batched[p]);
+    generate_part(library, p, part.files, self_tests[p], batched[p]);
     backend::write_files((folder / "source" / part.model.name).string(), part.files);
   });
   find_what_is_read(library);
@@ -123,7 +133,10 @@ void make(const Request& request, const CompilerOptions& options, Diagnostics& w
 
   const fs::path objects = folder / "objects", code = folder / "code.so";
   fs::create_directory(objects);
-  compile_units(units_of(library, self_tests, folder), {compiler_and_flags(options), folder / "source"}, objects, code);
+  keep_temporary_files_in(objects);
+  // By the entry's key: the loader takes libraries of one name for one.
+  const std::string soname = fmt::format("-Wl,-soname,dalembert.{}.so", folder.filename().string().substr(0, 32));
+  compile_units(units_of(library, self_tests, folder), {compiler_and_flags(options), folder / "source", {soname}}, objects, code);
   std::error_code ignored;
   fs::remove_all(objects, ignored);
   for (const Part& part : library.parts) fs::remove(folder / "source" / part.model.name / one_state_test, ignored);

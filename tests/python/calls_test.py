@@ -24,9 +24,9 @@ def setUpModule():
     urdf = robots.robot("double_pendulum")
     scene = dict(base="floating", outputs=["mass_matrix", "kinetic_energy", "forward_dynamics", "inverse_dynamics"],
                  gravity="run_time", payloads=["link_02"], wrenches={"link_02": "world"},
-                 functions={"both": ["bias", "center_of_mass", "pose_link_02"], "info": ["bias"]}, flags=robots.quick)
+                 functions={"both": ["bias", "center_of_mass", "pose_link_02"], "info": ["bias"]}, flags=robots.quick, batch=True)
     double = dalembert.load(urdf, **scene)
-    single = dalembert.load(urdf, scalar=np.float32, base="fixed", outputs=["mass_matrix", "bias"], flags=robots.quick)
+    single = dalembert.load(urdf, scalar=np.float32, base="fixed", outputs=["mass_matrix", "bias"], flags=robots.quick, batch=False)
     arm = dalembert.load(urdf, base="fixed", outputs="forward_dynamics", flags=robots.quick, payloads=["link_02"])
 
 
@@ -76,7 +76,7 @@ class Shapes(unittest.TestCase):
 
     def test_other_layouts_give_the_same(self):
         M, f, Q, V, TAU = double.mass_matrix, double.forward_dynamics, self.Q, self.V, self.TAU
-        expected, accelerations = M(Q), f(Q, V, TAU)
+        expected, accelerations, of_one = M(Q), f(Q, V, TAU), M(Q[2])
         wide = np.zeros((12, 3 * double.nq))
         wide[::2, ::3] = Q
         read_only = Q.copy()
@@ -88,7 +88,7 @@ class Shapes(unittest.TestCase):
                             ("longdouble", Q.astype(np.longdouble)), ("subclass", Q.view(np.recarray)), ("matrix", np.matrix(Q))):
             with self.subTest(name):
                 self.assertTrue(np.array_equal(M(other), expected))
-                self.assertTrue(np.array_equal(M(np.asarray(other)[2]), expected[2]))
+                self.assertTrue(np.array_equal(M(np.asarray(other)[2]), of_one))
         self.assertTrue(np.array_equal(M(Q[::-1]), expected[::-1]))
         self.assertTrue(np.array_equal(M(np.broadcast_to(Q[1], Q.shape)), expected[[1] * 6]))
         self.assertTrue(np.array_equal(f(Q, v=V, tau=TAU), accelerations))
@@ -104,7 +104,7 @@ class Shapes(unittest.TestCase):
             self.assertTrue(np.array_equal(out, expected))
         one = np.full((nv, nv), np.nan)
         self.assertIs(M(Q[0], out=one), one)
-        self.assertTrue(np.array_equal(one, expected[0]))
+        self.assertTrue(np.array_equal(one, M(Q[0])))
         # Results that share memory with an argument.
         memory = np.zeros(6 * nv * nv)
         shared = memory[-6 * double.nq:].reshape(6, double.nq)
@@ -178,7 +178,8 @@ class RunTime(unittest.TestCase):
         G = np.array([[0, 0, -9.81], [0, 0, -1.62]] * 2)
         mixed = r.inverse_dynamics(Q, V, A, gravity_vector=G)
         self.assertTrue(np.array_equal(mixed[::2], before[::2]) and np.array_equal(mixed[1::2], moon[1::2]))
-        self.assertTrue(np.array_equal(r.inverse_dynamics(Q[0], V[0], A[0], gravity_vector=G[1]), moon[0]))
+        self.assertTrue(np.array_equal(r.inverse_dynamics(Q[:1], V[0], A[0], gravity_vector=G[1]), moon[:1]))
+        self.assertTrue(np.allclose(r.inverse_dynamics(Q[0], V[0], A[0], gravity_vector=G[1]), moon[0], rtol=1e-13))
         # One state, many gravities.
         self.assertTrue(np.array_equal(r.inverse_dynamics(Q[1], V[1], A[1], gravity_vector=G[:2])[1], moon[1]))
         self.assertTrue(np.array_equal(r.inverse_dynamics(Q, V, A), before))  # the robot's own is as it was
@@ -247,7 +248,7 @@ class States(unittest.TestCase):
         self.assertIn("mass_matrix", dir(double))
         self.assertIn("gravity_vector", dir(double))
         self.assertEqual(double.info and dalembert.info(robots.robot("double_pendulum"), base="fixed")["nq"], 2)
-        mahru = dalembert.load(robots.mahru, base="floating", outputs=["center_of_mass"], flags=robots.quick)
+        mahru = dalembert.load(robots.mahru, base="floating", outputs=["mass_matrix", "bias", "forward_dynamics"])  # numbers_test's
         self.assertTrue(np.isfinite(mahru.lower_limits).all() and (mahru.effort_limits > 0).all())
         q = mahru.random(0, 100)[:, 7:]
         self.assertTrue((q >= mahru.lower_limits).all() and (q <= mahru.upper_limits).all())
