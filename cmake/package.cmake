@@ -49,10 +49,17 @@ set(CPACK_DEBIAN_PACKAGE_SUGGESTS "cmake, libtbb-dev, python3-torch")
 if(DALEMBERT_PYTHON_INTERPRETER)
   execute_process(COMMAND ${DALEMBERT_PYTHON_INTERPRETER} -c "import sys; print('python3 (>= %d.%d), python3 (<< %d.%d), python3-numpy' % (sys.version_info[:2] + (sys.version_info[0], sys.version_info[1] + 1)))"
                   OUTPUT_VARIABLE python_depends OUTPUT_STRIP_TRAILING_WHITESPACE)
+  execute_process(COMMAND dpkg-query -W -f "\${Provides}" python3-numpy OUTPUT_VARIABLE provides ERROR_QUIET RESULT_VARIABLE ignored)
+  string(REGEX MATCH "python3-numpy-abi[0-9]+" numpy_abi "${provides}")
+  if(numpy_abi)
+    string(APPEND python_depends ", ${numpy_abi}")
+  endif()
   string(APPEND CPACK_DEBIAN_PACKAGE_DEPENDS ", ${python_depends}")
 endif()
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "dynamics compiler for robots")
-set(CPACK_DEBIAN_PACKAGE_DESCRIPTION "A robot's description goes in, URDF or SDF; C++ for that one robot and the one use there is
-for it comes out: M, bias, inverse and forward dynamics with derivatives, Jacobians, contacts, without heap, lock or exception.
-With the runtime's headers, a CMake function, and a Python package that compiles robots when they are loaded.")
+set(CPACK_DEBIAN_PACKAGE_DESCRIPTION "A robot's description goes in, URDF or SDF; C++ for that one robot and
+the one use there is for it comes out: inertia, bias, inverse and forward
+dynamics with derivatives, Jacobians, contacts; without heap, lock or
+exception. With the runtime's headers, a CMake function, and a Python
+package that compiles robots when they are loaded.")
 include(CPack)
