@@ -30,8 +30,8 @@ const backend::OutputFile* find(const std::vector<backend::OutputFile>& files, s
 }
 
 // A part's files: with batches where these are worth their time. Its self-test without them goes to `self_test`.
-void generate_part(const Library& library, size_t p, std::vector<backend::OutputFile>& files,
-                   std::string& self_test, std::vector<std::string>& batched) {
+void generate_part(const Library& library, size_t p, std::vector<backend::OutputFile>& files, std::string& self_test,
+                   std::vector<std::string>& batched) {
   constexpr size_t longest = 1'500'000;  // of a batch.cpp, which takes compilers some 10 s
   Model model = library.parts[p].model;
   const bool for_controller = model.scene.batch;
@@ -88,9 +88,8 @@ std::vector<Unit> units_of(const Library& library, const std::vector<std::string
   const size_t cores = std::max(1u, std::thread::hardware_concurrency());
   groups.resize(begin + (all < long_enough ? 1 : std::min(others, std::max(cores, all / 150'000))));
   for (auto file = own; file != files.end(); ++file) {
-    File& least =
-        *std::min_element(groups.begin() + static_cast<std::ptrdiff_t>(begin), groups.end(),
-                          [](const File& a, const File& b) { return a.size < b.size; });
+    File& least = *std::min_element(groups.begin() + static_cast<std::ptrdiff_t>(begin), groups.end(),
+                                    [](const File& a, const File& b) { return a.size < b.size; });
     least.include += file->include;
     least.size += file->size;
   }
@@ -120,14 +119,12 @@ void make(const Request& request, const CompilerOptions& options, Diagnostics& w
     std::vector<size_t> functions;
     for (size_t f = 0; f < library.functions.size(); ++f) {
       TableFunction& function = library.functions[f];
-      if (function.part != p ||
-          std::find(batched[p].begin(), batched[p].end(), function.function.name) == batched[p].end())
+      if (function.part != p || std::find(batched[p].begin(), batched[p].end(), function.function.name) == batched[p].end())
         continue;
       function.batch_entry = static_cast<int>(functions.size());
       functions.push_back(f);
     }
-    if (!functions.empty())
-      write_text(folder / "source" / batches_table_file(p), batch_table_source(library, functions));
+    if (!functions.empty()) write_text(folder / "source" / batches_table_file(p), batch_table_source(library, functions));
   }
   write_compiler(folder, compiler_and_flags(options));
 
@@ -136,7 +133,8 @@ void make(const Request& request, const CompilerOptions& options, Diagnostics& w
   keep_temporary_files_in(objects);
   // By the entry's key: the loader takes libraries of one name for one.
   const std::string soname = fmt::format("-Wl,-soname,dalembert.{}.so", folder.filename().string().substr(0, 32));
-  compile_units(units_of(library, self_tests, folder), {compiler_and_flags(options), folder / "source", {soname}}, objects, code);
+  compile_units(units_of(library, self_tests, folder), {compiler_and_flags(options), folder / "source", {soname}}, objects,
+                code);
   std::error_code ignored;
   fs::remove_all(objects, ignored);
   for (const Part& part : library.parts) fs::remove(folder / "source" / part.model.name / one_state_test, ignored);

@@ -229,7 +229,8 @@ PlainCommand add_cache(CLI::App& app) {
 
 // For programs that have loaded what 'build' made.
 PlainCommand add_build_batches(CLI::App& app) {
-  CLI::App* const parser = app.add_subcommand("build-batches", "Compile batches of what 'build' has made, where there are none yet");
+  CLI::App* const parser =
+      app.add_subcommand("build-batches", "Compile batches of what 'build' has made, where there are none yet");
   parser->group("");
   const auto entry = std::make_shared<std::string>();
   const auto parts = std::make_shared<std::vector<size_t>>();
@@ -239,7 +240,8 @@ PlainCommand add_build_batches(CLI::App& app) {
             try {
               build_batches(*entry, *parts);
             } catch (const SelfTestFailure& failure) {
-              print({{Severity::error, *entry, "self-test", failure.what(), "load the robot with batch=False, or with other flags"}});
+              print({{Severity::error, *entry, "self-test", failure.what(),
+                      "load the robot with batch=False, or with other flags"}});
               return check_failed;
             }
             return good;
@@ -255,7 +257,8 @@ PlainCommand add_quantities(CLI::App& app) {
 }
 
 // For those who make packages.
-PlainCommand add_page(CLI::App& app, const char* name, const char* help, const std::function<std::string(const CLI::App&)>& page) {
+PlainCommand add_page(CLI::App& app, const char* name, const char* help,
+                      const std::function<std::string(const CLI::App&)>& page) {
   CLI::App* const parser = app.add_subcommand(name, help);
   parser->group("");
   return {parser, [&app, page] { return print_result(page(app)); }};

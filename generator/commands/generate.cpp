@@ -43,10 +43,11 @@ std::string generate_c(const Model& whole, const std::string& folder) {
   backend::OutputFile header{model.name + ".h", c_api->text};
   const std::string banner = banner_of(c_api->text);
   const size_t at = header.text.find("#ifndef");
-  header.text.insert(at == header.text.npos ? banner.size() : at,
-                     "// This header is all that is promised. The code behind it stands in code/ and is C++17: compile the files there with\n"
-                     "// Eigen's and dalembert's headers, where there are neither exceptions nor run-time types, too, and link with the C++\n"
-                     "// library, whose `new` create() calls and nothing else.\n");
+  header.text.insert(
+      at == header.text.npos ? banner.size() : at,
+      "// This header is all that is promised. The code behind it stands in code/ and is C++17: compile the files there with\n"
+      "// Eigen's and dalembert's headers, where there are neither exceptions nor run-time types, too, and link with the C++\n"
+      "// library, whose `new` create() calls and nothing else.\n");
   c_api->text = banner + fmt::format("#include \"../{}.h\"\n", model.name);
   backend::write_files(code.string(), files);
   backend::add_files(folder, {header});

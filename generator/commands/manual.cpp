@@ -24,7 +24,8 @@ std::string roff(const std::string& text) {
 }
 
 std::vector<const CLI::App*> shown_commands(const CLI::App& app) {
-  std::vector<const CLI::App*> commands = app.get_subcommands([](const CLI::App* command) { return !command->get_group().empty(); });
+  std::vector<const CLI::App*> commands =
+      app.get_subcommands([](const CLI::App* command) { return !command->get_group().empty(); });
   return commands;
 }
 
@@ -59,8 +60,9 @@ std::vector<std::string> words_of(const CLI::Option& option) {
   std::vector<std::string> words;
   std::istringstream stream(option.get_type_name());
   for (std::string word; std::getline(stream, word, '|');) {
-    const bool plain =
-        !word.empty() && std::all_of(word.begin(), word.end(), [](unsigned char c) { return std::islower(c) || std::isdigit(c) || c == '_'; });
+    const bool plain = !word.empty() && std::all_of(word.begin(), word.end(), [](unsigned char c) {
+      return std::islower(c) || std::isdigit(c) || c == '_';
+    });
     if (plain) words.push_back(word);
   }
   return words;
@@ -73,8 +75,8 @@ std::string case_of(const std::string& what, const std::vector<std::string>& wor
 }  // namespace
 
 std::string manual_page(const CLI::App& app, const std::string& version) {
-  std::string text = fmt::format(".TH DALEMBERT 1 \"\" \"dalembert {}\" \"User Commands\"\n.SH NAME\ndalembert \\- a dynamics compiler\n",
-                                 version);
+  std::string text = fmt::format(
+      ".TH DALEMBERT 1 \"\" \"dalembert {}\" \"User Commands\"\n.SH NAME\ndalembert \\- a dynamics compiler\n", version);
   text += ".SH SYNOPSIS\n";
   for (const CLI::App* command : shown_commands(app)) {
     text += fmt::format(".B dalembert {}\n", command->get_name());

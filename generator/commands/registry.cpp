@@ -34,8 +34,8 @@ std::string registry_json() {
   for (const ir::LinkQuantityRow& row : ir::link_quantities())
     of_links.push_back(fmt::format("\n    {{\"name\": {}, \"unit\": {}, \"by_default\": {}, \"help\": {}}}",
                                    json_string(row.name), json_string(row.unit), row.by_default, json_string(row.help)));
-  return fmt::format("{{\n  \"quantities\": [{}],\n  \"link_quantities\": [{}],\n  \"scene_keys\": {}\n}}\n", fmt::join(quantities, ", "),
-                     fmt::join(of_links, ", "), json_array(frontend::scene_keys()));
+  return fmt::format("{{\n  \"quantities\": [{}],\n  \"link_quantities\": [{}],\n  \"scene_keys\": {}\n}}\n",
+                     fmt::join(quantities, ", "), fmt::join(of_links, ", "), json_array(frontend::scene_keys()));
 }
 
 }  // namespace dalembert

@@ -35,9 +35,7 @@ using ignition::math::Pose3d;
 
 constexpr double same_place = 1e-12;  // m, rad: rounding of resolved poses
 
-bool is_identity(const Pose3d& pose) {
-  return pose.Pos().Length() < same_place && pose.Rot().Euler().Length() < same_place;
-}
+bool is_identity(const Pose3d& pose) { return pose.Pos().Length() < same_place && pose.Rot().Euler().Length() < same_place; }
 
 Eigen::Vector3d vector(const ignition::math::Vector3d& v) { return {v.X(), v.Y(), v.Z()}; }
 
@@ -45,7 +43,7 @@ Frame frame(const Pose3d& pose) { return {vector(pose.Pos()), vector(pose.Rot().
 
 // The numbers of an element as they are written.
 template <size_t count>
-std::optional<std::array<double, count>> written_numbers(const sdf::ElementPtr& element) {
+std::optional<std::array<double, count> > written_numbers(const sdf::ElementPtr& element) {
   if (!element->GetValue()) return std::nullopt;
   const std::string text = element->GetValue()->GetAsString();
   std::array<double, count> numbers;
@@ -59,7 +57,8 @@ std::optional<std::array<double, count>> written_numbers(const sdf::ElementPtr& 
   return numbers;
 }
 
-// The six numbers of an element's <pose> as they are written; none where it has other units, another format, or no such element.
+// The six numbers of an element's <pose> as they are written; none where it has other units, another format, or no such
+// element.
 std::optional<Frame> written_pose(const sdf::ElementPtr& element) {
   if (!element || !element->HasElement("pose")) return std::nullopt;
   const sdf::ElementPtr pose = element->GetElement("pose");
@@ -85,7 +84,8 @@ class SdfReader {
     const sdf::Model& model = only_model(root);
     outline_.robot = model.Name();
     if (!is_identity(model.RawPose()) && model.PoseRelativeTo().empty())
-      ignore("model", model.Name(), "its pose in the world", "a fixed base's frame is the model's; a floating base's pose is in q");
+      ignore("model", model.Name(), "its pose in the world",
+             "a fixed base's frame is the model's; a floating base's pose is in q");
     add_model(model, "");
     stop_on_errors();
     return std::move(outline_);
@@ -94,9 +94,9 @@ class SdfReader {
  private:
   void take(const sdf::Errors& errors) {
     for (const sdf::Error& error : errors)
-      add_error(errors_, {Severity::error, file_,
-                          error.LineNumber() ? fmt::format("line {}", *error.LineNumber()) : std::string("SDF"),
-                          "libsdformat says: " + error.Message(), "correct the element it names"});
+      add_error(errors_,
+                {Severity::error, file_, error.LineNumber() ? fmt::format("line {}", *error.LineNumber()) : std::string("SDF"),
+                 "libsdformat says: " + error.Message(), "correct the element it names"});
   }
   void stop_on_errors() const {
     if (!errors_.empty()) throw InputError(errors_);
@@ -117,9 +117,10 @@ class SdfReader {
     if (models.size() == 1) return *models.front();
     std::vector<std::string> names;
     for (const sdf::Model* model : models) names.push_back("'" + model->Name() + "'");
-    throw InputError({Severity::error, file_, "SDF",
-                      models.empty() ? "there is no model" : fmt::format("there are {} models: {}", models.size(), fmt::join(names, ", ")),
-                      "leave one, the robot, in the file"});
+    throw InputError(
+        {Severity::error, file_, "SDF",
+         models.empty() ? "there is no model" : fmt::format("there are {} models: {}", models.size(), fmt::join(names, ", ")),
+         "leave one, the robot, in the file"});
   }
 
   void add_model(const sdf::Model& model, const std::string& prefix) {
@@ -175,9 +176,10 @@ class SdfReader {
       case sdf::JointType::PRISMATIC: out.type = "prismatic"; break;
       case sdf::JointType::FIXED: out.type = "fixed"; break;
       default:
-        return refuse(fmt::format("joints of type '{}' are not known here", joint.Element()->Get<std::string>("type")),
-                      "there are revolute, continuous, prismatic and fixed ones: write it as several of these, with massless links "
-                      "between them");
+        return refuse(
+            fmt::format("joints of type '{}' are not known here", joint.Element()->Get<std::string>("type")),
+            "there are revolute, continuous, prismatic and fixed ones: write it as several of these, with massless links "
+            "between them");
     }
     std::string parent, child;
     const size_t before = errors_.size();

@@ -26,8 +26,8 @@ struct Results {
   std::vector<Owned> written_to;  // another array where the caller's is not plain, or shares memory with an argument
 };
 
-// The argument as rows of the function's scalar: as it is where its rows are whole and lie at equal distances, else a copy. These
-// return false with an error set.
+// The argument as rows of the function's scalar: as it is where its rows are whole and lie at equal distances, else a copy.
+// These return false with an error set.
 bool take(const Contents& f, PyObject* object, PyObject* name, npy_intp size, Argument& to);
 
 // Which argument is which, by place and by name.

@@ -1,5 +1,5 @@
-// dalembert._core: the functions of a robot's compiled code as Python objects that take and give numpy arrays. function.cpp has the
-// type, call.cpp its calls, arguments.cpp what may be given; here is the module.
+// dalembert._core: the functions of a robot's compiled code as Python objects that take and give numpy arrays. function.cpp has
+// the type, call.cpp its calls, arguments.cpp what may be given; here is the module.
 #define DALEMBERT_IMPORTS_NUMPY
 #include <dlfcn.h>
 

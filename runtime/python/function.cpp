@@ -23,7 +23,8 @@ void deallocate(PyObject* self) {
       Py_XDECREF(code->library);
     }
     for (RunTimeInput& input : f->run_time_inputs) Py_DECREF(input.name);
-    for (PyObject* object : {f->find_batch, f->name, f->more, f->result_type, f->run_time, f->coordinates, f->doc, f->signature})
+    for (PyObject* object :
+         {f->find_batch, f->name, f->more, f->result_type, f->run_time, f->coordinates, f->doc, f->signature})
       Py_XDECREF(object);
     delete f;
   }
@@ -43,12 +44,13 @@ bool read_shapes(PyObject* list, Contents& f) {
 }
 
 PyObject* new_function(PyTypeObject* type, PyObject* args, PyObject*) {
-  PyObject *library, *name, *more, *shapes, *result_type, *run_time, *run_time_inputs, *coordinates, *doc, *signature, *find_batch;
+  PyObject *library, *name, *more, *shapes, *result_type, *run_time, *run_time_inputs, *coordinates, *doc, *signature,
+      *find_batch;
   int entry, needs_v;
   Py_ssize_t nq, nv;
   if (!PyArg_ParseTuple(args, "OiUOpnnO!OOO!O!UOO", &library, &entry, &name, &more, &needs_v, &nq, &nv, &PyTuple_Type, &shapes,
-                        &result_type, &run_time, &PyTuple_Type, &run_time_inputs, &PyTuple_Type, &coordinates, &doc,
-                        &signature, &find_batch))
+                        &result_type, &run_time, &PyTuple_Type, &run_time_inputs, &PyTuple_Type, &coordinates, &doc, &signature,
+                        &find_batch))
     return nullptr;
   const FunctionTable* const functions = table_of(library);
   if (!functions) return nullptr;

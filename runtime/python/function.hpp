@@ -30,9 +30,9 @@ struct RunTimeInput {
 // A function of compiled code, and what calls of it need.
 struct Code {
   const FunctionEntry* entry = nullptr;
-  PyObject* library = nullptr;       // a capsule
-  std::vector<void*> workspaces{};   // that nobody uses
-  double nanoseconds = 0;            // of one state, as measured last; 0: not yet
+  PyObject* library = nullptr;      // a capsule
+  std::vector<void*> workspaces{};  // that nobody uses
+  double nanoseconds = 0;           // of one state, as measured last; 0: not yet
 };
 
 struct Contents {
@@ -42,8 +42,8 @@ struct Contents {
   bool needs_v = true;
   int type = NPY_DOUBLE;
   std::size_t scalar = sizeof(double);
-  PyObject *name = nullptr, *more = nullptr, *result_type = nullptr, *run_time = nullptr,
-           *coordinates = nullptr, *doc = nullptr, *signature = nullptr;
+  PyObject *name = nullptr, *more = nullptr, *result_type = nullptr, *run_time = nullptr, *coordinates = nullptr,
+           *doc = nullptr, *signature = nullptr;
   std::vector<Shape> shapes;
   std::vector<RunTimeInput> run_time_inputs;
   std::vector<double> zeros;  // where v is not read and not given

@@ -29,14 +29,13 @@ def best_time(call, rounds=30, calls=300):
 class Mahru(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.keywords = dict(base="floating", outputs=["mass_matrix", "bias", "forward_dynamics"])
+        cls.keywords = dict(base="floating", outputs=["mass_matrix", "bias"])
         start = time.perf_counter()
         cls.robot = dalembert.load(robots.mahru, **cls.keywords)
         cls.first_load = time.perf_counter() - start
         rng = np.random.default_rng(33)
         cls.Q = cls.robot.random(rng, 64)
         cls.V = rng.uniform(-2, 2, (64, cls.robot.nv))
-        cls.TAU = rng.uniform(-20, 20, (64, cls.robot.nv))
 
     def test_the_same_bits_as_the_generated_folder(self):
         """robot.source is what several quantities in one call are: compiled and called as C, it gives these bits. A quantity alone is
@@ -74,8 +73,8 @@ class Mahru(unittest.TestCase):
 
     def test_a_state_has_the_same_bits_wherever_it_stands(self):
         r = self.robot
-        Q, V, TAU = (np.tile(x, (65, 1)) for x in (self.Q, self.V, self.TAU))  # enough for threads
-        for function, arguments in ((r.mass_matrix, (Q,)), (r.forward_dynamics, (Q, V, TAU))):
+        Q, V = (np.tile(x, (65, 1)) for x in (self.Q, self.V))  # enough for threads
+        for function, arguments in ((r.mass_matrix, (Q,)), (r.bias, (Q, V))):
             many = function(*arguments)
             for s in (0, 1, 63, 64, 2000, len(Q) - 1):
                 one = function(*(x[s] for x in arguments))
@@ -85,8 +84,7 @@ class Mahru(unittest.TestCase):
             self.assertEqual(many[::-3].tobytes(), function(*(x[::-3] for x in arguments)).tobytes())
             wide = [np.hstack([x, x])[:, :x.shape[1]] for x in arguments]  # rows apart
             self.assertEqual(many.tobytes(), function(*wide).tobytes())
-        one_v = r.forward_dynamics(Q[:130], V[0], TAU[:130])
-        self.assertEqual(one_v.tobytes(), r.forward_dynamics(Q[:130], np.tile(V[0], (130, 1)), TAU[:130]).tobytes())
+        self.assertEqual(r.bias(Q[:130], V[0]).tobytes(), r.bias(Q[:130], np.tile(V[0], (130, 1))).tobytes())
 
     def test_state_by_state_where_batches_are_not_wanted(self):
         r = dalembert.load(robots.robot("double_pendulum"), base="fixed", outputs=["mass_matrix", "bias"], batch=False, flags=robots.quick)
@@ -100,17 +98,16 @@ class Mahru(unittest.TestCase):
 
     def test_ten_threads_call_one_robot(self):
         r = self.robot
-        expected = [r.forward_dynamics(*x) for x in zip(self.Q, self.V, self.TAU)]
-        batch = r.forward_dynamics(self.Q, self.V, self.TAU)
+        expected, batch = [r.bias(*x) for x in zip(self.Q, self.V)], r.bias(self.Q, self.V)
         wrong = []
 
         def work(seed):
             rng = np.random.default_rng(seed)
             for _ in range(200):
                 s = rng.integers(64)
-                if not np.array_equal(r.forward_dynamics(self.Q[s], self.V[s], self.TAU[s]), expected[s]):
+                if not np.array_equal(r.bias(self.Q[s], self.V[s]), expected[s]):
                     wrong.append(s)
-                if not np.array_equal(r.forward_dynamics(self.Q, self.V, self.TAU), batch):
+                if not np.array_equal(r.bias(self.Q, self.V), batch):
                     wrong.append("batch")
 
         threads = [threading.Thread(target=work, args=(i,)) for i in range(10)]

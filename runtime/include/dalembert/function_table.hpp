@@ -97,9 +97,9 @@ void run(const FunctionCall& call, void* untyped) noexcept {
   }
 }
 
-// Of states in lanes, a glue class says: Scalar, Workspace, nq, nv, more (0 where it takes q and v alone), run_time_inputs; set() as
-// above; set_each(from, step, n, room, batch) for run-time inputs of n states; call(batch, results, state, status) for the states
-// of a batch whose results begin at those of `state`.
+// Of states in lanes, a glue class says: Scalar, Workspace, nq, nv, more (0 where it takes q and v alone), run_time_inputs;
+// set() as above; set_each(from, step, n, room, batch) for run-time inputs of n states; call(batch, results, state, status) for
+// the states of a batch whose results begin at those of `state`.
 
 // States whose arguments are copied together, where they do not stand one after another.
 constexpr int states_together = 64;
@@ -114,7 +114,8 @@ struct BatchWorkspace {
 // n rows of `width` numbers, one after another in `room`.
 template <class Scalar>
 inline const Scalar* gathered(const Scalar* from, std::ptrdiff_t step, int width, std::ptrdiff_t n, Scalar* room) noexcept {
-  for (std::ptrdiff_t s = 0; s < n; ++s) std::memcpy(room + s * width, from + s * step, sizeof(Scalar) * static_cast<std::size_t>(width));
+  for (std::ptrdiff_t s = 0; s < n; ++s)
+    std::memcpy(room + s * width, from + s * step, sizeof(Scalar) * static_cast<std::size_t>(width));
   return room;
 }
 
@@ -140,7 +141,8 @@ void run_batch(const FunctionCall& call, void* untyped) noexcept {
     if (Function::reads_v) batch.v = rows(call.v, Function::nv, s, n, own.v);
     if (Function::more > 0) batch.input = rows(call.more, Function::more, s, n, own.more);
     if (given_each)
-      Function::set_each(static_cast<const Scalar*>(call.run_time.first) + s * call.run_time.step, call.run_time.step, n, own.given, batch);
+      Function::set_each(static_cast<const Scalar*>(call.run_time.first) + s * call.run_time.step, call.run_time.step, n,
+                         own.given, batch);
     else if (Function::run_time_inputs > 0) Function::set_all(own.workspace, batch);
     Function::call(batch, call.results, s, call.status ? call.status + s : nullptr);
   }
