@@ -2,6 +2,7 @@
 
 import os
 import pickle
+import resource
 import threading
 import time
 import unittest
@@ -30,9 +31,10 @@ class Mahru(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.keywords = dict(base="floating", outputs=["mass_matrix", "bias"])
-        start = time.perf_counter()
+        start, before = time.perf_counter(), resource.getrusage(resource.RUSAGE_CHILDREN)
         cls.robot = dalembert.load(robots.mahru, **cls.keywords)
-        cls.first_load = time.perf_counter() - start
+        cls.first_load, after = time.perf_counter() - start, resource.getrusage(resource.RUSAGE_CHILDREN)
+        cls.first_cores = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
         rng = np.random.default_rng(33)
         cls.Q = cls.robot.random(rng, 64)
         cls.V = rng.uniform(-2, 2, (64, cls.robot.nv))
@@ -133,14 +135,19 @@ class Mahru(unittest.TestCase):
         self.assertEqual(again.mass_matrix(self.Q).tobytes(), self.robot.mass_matrix(self.Q).tobytes())
 
     def test_the_second_load_is_quick(self):
-        # Under 50 ms on a core of one's own; here the least of several, with room for whoever else is computing.
-        times = []
+        # Under 50 ms of a core, the generator's time among it: what others compute meanwhile does not count.
+        spent = lambda: sum(resource.getrusage(who).ru_utime + resource.getrusage(who).ru_stime
+                            for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
+        times, cores = [], []
         for _ in range(10):
-            start = time.perf_counter()
+            start, before = time.perf_counter(), spent()
             dalembert.load(robots.mahru, **self.keywords)
             times.append(time.perf_counter() - start)
-        print(f"MAHRU: first load {self.first_load:.1f} s, second {min(times) * 1e3:.1f} ms")
-        self.assertLess(min(times), 0.2)
+            cores.append(spent() - before)
+        print(f"MAHRU: first load {self.first_load:.1f} s, {self.first_cores:.1f} s of a core; second {min(times) * 1e3:.1f} ms, "
+              f"{min(cores) * 1e3:.1f} ms of a core")
+        self.assertLess(min(cores), 0.05)
+        self.assertLess(self.first_cores, 30)  # 15 s on two cores of one's own
 
     def test_what_a_call_costs(self):
         r, q, v = self.robot, self.Q[0], self.V[0]
