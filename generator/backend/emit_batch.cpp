@@ -448,10 +448,10 @@ class BatchFunction {
   std::string finish() const {
     const auto& checked = program_.checked();
     if (checked.size() < 2) return "";
-    std::string text =
-        fmt::format("    if (!dalembert::batch_holds<nv, Scalar>(block.values + {}, block.values + {}, block.status)) {{\n"
-                    "      Program::find_status(block);\n",
-                    checked[0].first, checked[1].first);
+    std::string text = fmt::format(
+        "    if (!dalembert::batch_holds<nv, Scalar>(block.values + {}, block.values + {}, block.status)) {{\n"
+        "      Program::find_status(block);\n",
+        checked[0].first, checked[1].first);
     for (const BatchArray& a : program_.results())
       if (a.cleared)
         text += fmt::format("      dalembert::batch_clear<Scalar>(block.status, block.values + {}, {});\n", a.first,
@@ -491,6 +491,16 @@ std::vector<const CodeInput*> batched(const Folder& folder) {
 }
 
 }  // namespace
+
+std::vector<std::string> functions_in_lanes(const Folder& folder) {
+  std::vector<std::string> names;
+  for (const CodeInput* f : batched(folder)) {
+    const BatchProgram program(*f);
+    if (program.elements() > BatchFunction::most_elements) return {};
+    if (!program.by_calls()) names.push_back(function_of(*f).name);
+  }
+  return names;
+}
 
 std::string batch_c_declarations(const Folder& folder) {
   if (batched(folder).empty()) return "";

@@ -109,8 +109,8 @@ def arguments(urdf, keywords):
         if key in OPTIONS:
             if value is not None:
                 words.append(f"--{key}={os.fspath(value) if key == 'scene' else value}")
-        elif key in names and value is None and key != "gravity":
-            continue  # not given
+        elif key in names and (value is None and key != "gravity" or value is False and key == "batch"):
+            continue  # not given; whether a robot's batches are used makes no other code
         elif key in names:
             words.append(f"--{key}={setting(key, value)}")
         else:
