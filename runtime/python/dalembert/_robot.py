@@ -398,7 +398,10 @@ class Robot:
     def interpolate(self, start, end, fraction):
         """`start` at fraction 0, `end` at 1, between them along the step that leads there: on a floating base a screw. A fraction may
         be a number or an array of n."""
-        fraction = numpy.asarray(fraction, dtype=float)
+        fraction = numpy.asarray(fraction)
+        if fraction.dtype.kind not in "biuf":
+            raise ValueError(f"fraction has dtype {fraction.dtype}, expected a number or (n,)")
+        fraction = fraction.astype(float, copy=False)
         (start, end), single = self._rows(start=(start, self.nq), end=(end, self.nq))
         step = _core.difference(start, end, self.floating_base)
         if fraction.ndim not in (0, 1):
