@@ -23,6 +23,7 @@ constexpr const char* of_the_folder[] = {"Scalar",
                                          "joint_names",
                                          "body_names",
                                          "q_index",
+                                         "quaternion_joints",
                                          "v_index",
                                          "VectorQ",
                                          "VectorV",
@@ -91,7 +92,7 @@ std::vector<std::string> names_of(const ir::EmittedFunction& function) {
 void add_names_of_result(const std::string& result, std::vector<std::string>& names) {
   names.push_back(result);
   if (ir::c_accessor(result) != result) names.push_back(ir::c_accessor(result));
-  for (const char* word : {"_packed", "_packed_size", "_of_batch"}) names.push_back(result + word);
+  for (const char* word : {"_packed", "_packed_size", "_of_batch", "_bodies", "_joints"}) names.push_back(result + word);
   for (const int state : {0, 1, 2})
     for (const char* table : {"{}_{}", "{}_rows_{}", "{}_{}_columns", "{}_rows_{}_columns"})
       names.push_back(fmt::format(fmt::runtime(table), result, state));

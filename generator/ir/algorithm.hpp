@@ -83,6 +83,7 @@ struct Pairs {
   std::vector<PairTerm> below;  // element (k, i); empty: none
   bool symmetric = false;       // element (k, i) is element (i, k)
   int diagonal = -1;            // parameter added to element (k, k)
+  int between = -1;             // role added, with its sign, to element (i, k) of two parts of one joint that do not commute
 };
 
 // A matrix with some columns per body and a row per coordinate: what the body sees of every joint above it, itself included.

@@ -68,6 +68,7 @@ struct Scene {
   std::optional<Solver> forward_dynamics;  // unless asked for: articulated bodies, where they will do
   std::map<std::string, double> locked;    // joint name → value (rad or m)
   std::set<std::string> cut;               // link names: each and everything beyond it is removed
+  std::map<std::string, JointKind> joints; // joint → what it is instead of what the URDF says
   std::map<std::string, Mimic> mimic;      // driven joint → relation (no coordinate of its own)
   std::vector<std::string> jacobians;      // links whose body Jacobian (6 × nv) is asked for
   std::vector<LinkOutput> frames;          // what else is asked of links

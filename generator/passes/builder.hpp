@@ -36,6 +36,8 @@ class SweepBuilder {
   Mat3 parameter9(int first) { return {parameter3(first), parameter3(first + 3), parameter3(first + 6)}; }
   BodyConstants body(bool reference = false);  // `reference`: with the frames that poses are made of
   JointPosition position(bool reference = false);
+  // Where joints have quaternions: the motion of the body against the one above it, along its own axes.
+  Twist joint_twist();
   Sym coordinate();  // of the joint, rad or m
   Sym rate();
   Sym acceleration();  // of the joint, as inverse dynamics takes it

@@ -41,7 +41,7 @@ std::vector<int> joints_without_mass(const ir::KinematicTree& tree, const ir::Sc
   std::vector<bool> carries(tree.bodies.size(), false);
   for (size_t k = 0; k < carries.size(); ++k) {
     const ir::Body& body = tree.bodies[k];
-    if (moved.mass[k + 1] || (!body.prismatic() && moved.inertia[k + 1]) || body.armature > 0)
+    if (moved.mass[k + 1] || (body.turns() && moved.inertia[k + 1]) || body.armature > 0)
       carries[body.driven() ? at(body.driven_by) : k] = true;
   }
   std::vector<int> joints;
@@ -84,7 +84,7 @@ ir::Scene with_massless_locked(const ir::RobotDescription& robot, const ir::Kine
                           "leave it out of 'elastic'"});
       continue;
     }
-    lock(body.joint, 0);
+    lock(body.of.empty() ? body.joint : body.of, 0);
     names.push_back("'" + body.joint + "'");
     for (const ir::Body& driven : tree.bodies)
       if (driven.driven_by == k) lock(driven.joint, driven.offset);
