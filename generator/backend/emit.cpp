@@ -365,7 +365,7 @@ OutputFile header(const Folder& folder) {
                  {{"banner", banner(folder)},
                   {"usage", usage(folder, banner(folder))},
                   {"report", report},
-                  {"standard_includes", code.tree.any_quaternion() ? "#include <array>\n#include <cstddef>\n" : ""},
+                  {"standard_includes", code.tree.any_quaternion() ? "#include <array>\n#include <cstddef>\n\n" : ""},
                   {"includes", (any_constraints(folder) ? "#include <dalembert/constraints.hpp>\n" : "") +
                                    std::string(any_guard(folder) ? "#include <dalembert/factor.hpp>\n" : "") +
                                    (code.tree.any_quaternion() ? "#include <dalembert/quaternion_joint.hpp>\n" : "")},
