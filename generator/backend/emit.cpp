@@ -201,7 +201,8 @@ std::string unread(const CodeInput& code) {
   const bool floating = code.tree.floating_base;
   std::vector<std::string> parts;
   if (floating && !read.base_pose()) parts.emplace_back("the base's pose");
-  const std::vector<int> still = ir::coordinates_at(joints_not_read(read.positions, floating ? 7 : 0, code.tree.nq()), code.tree),
+  const std::vector<int> still =
+                             ir::coordinates_at(joints_not_read(read.positions, floating ? 7 : 0, code.tree.nq()), code.tree),
                          slow = joints_not_read(read.velocities, floating ? 6 : 0, code.tree.nv());
   if (!still.empty()) parts.push_back("positions of " + ir::joints_in_words(still, code.tree));
   if (read.velocities.empty()) parts.emplace_back("v");
@@ -317,11 +318,11 @@ std::string joint_indices(const CodeInput& code) {
     const int q = base_positions(code) + positions[k], v = base_rows(code) + coordinates[k];
     const bool flies = body.kind == ir::JointType::floating;
     if (body.of_quaternion())
-      text += comment_lines(fmt::format("{}: {}quaternion x y z w q[{}] to q[{}]; {}angular velocity along its own axes v[{}] to v[{}].",
-                                        body.of, flies ? fmt::format("position q[{}] to q[{}], ", q, q + 2) : "",
-                                        flies ? q + 3 : q, flies ? q + 6 : q + 3, flies ? fmt::format("linear v[{}] to v[{}], ", v, v + 2) : "",
-                                        flies ? v + 3 : v, flies ? v + 5 : v + 2),
-                            0, 2);
+      text += comment_lines(
+          fmt::format("{}: {}quaternion x y z w q[{}] to q[{}]; {}angular velocity along its own axes v[{}] to v[{}].", body.of,
+                      flies ? fmt::format("position q[{}] to q[{}], ", q, q + 2) : "", flies ? q + 3 : q, flies ? q + 6 : q + 3,
+                      flies ? fmt::format("linear v[{}] to v[{}], ", v, v + 2) : "", flies ? v + 3 : v, flies ? v + 5 : v + 2),
+          0, 2);
   }
   return text;
 }
@@ -334,9 +335,10 @@ std::string quaternion_joints(const CodeInput& code) {
       all.push_back(fmt::format("{{{}, {}, {}}}", base_positions(code) + positions[k], base_rows(code) + coordinates[k],
                                 body.kind == ir::JointType::floating));
   if (all.empty()) return "";
-  return fmt::format("// Joints with a quaternion, for dalembert/integrators: a member of that name of your dynamics.\n"
-                     "inline constexpr dalembert::QuaternionJoint quaternion_joints[] = {{\n    {}}};\n\n",
-                     wrapped(all, 4));
+  return fmt::format(
+      "// Joints with a quaternion, for dalembert/integrators: a member of that name of your dynamics.\n"
+      "inline constexpr dalembert::QuaternionJoint quaternion_joints[] = {{\n    {}}};\n\n",
+      wrapped(all, 4));
 }
 std::string position_index(const CodeInput& code) {
   if (!code.tree.any_quaternion()) return "nq - joints + static_cast<int>(joint)";

@@ -193,7 +193,7 @@ std::string prepare_statements(const CodeInput& code) {
         "i));\n",
         kept(code, g.role, 0), g.vector, g.first,
         joints.quaternions && code.rolled.roles[static_cast<size_t>(g.role)].source == Source::position ? "slot_position"
-                                                                                                       : "slot_joint");
+                                                                                                        : "slot_joint");
   return text;
 }
 

@@ -539,13 +539,14 @@ std::string robot_json(const Library& library, const Request& request, const Com
   return fmt::format(
       "{{\n  \"command_line\": {},\n  \"robot\": {},\n  \"name\": {},\n  \"file\": {},\n  \"base\": \"{}\",\n  \"base_link\": "
       "{},\n  \"nq\": {},\n"
-      "  \"nv\": {},\n  \"scalar\": \"{}\",\n  \"quaternions\": {},\n  \"joints\": {},\n  \"joint_types\": {},\n  \"bodies\": {},\n  \"links\": {},\n"
+      "  \"nv\": {},\n  \"scalar\": \"{}\",\n  \"quaternions\": {},\n  \"joints\": {},\n  \"joint_types\": {},\n  \"bodies\": "
+      "{},\n  \"links\": {},\n"
       "  \"lower\": {},\n  \"upper\": {},\n  \"velocity\": {},\n  \"effort\": {},\n  \"functions\": {},\n  \"run_time\": {},\n"
       "  \"compiled_by\": {},\n  \"code_bytes\": {},\n  \"said\": {}\n}}\n",
       json_string(command), json_string(tree.robot), json_string(model.name), json_string(request.robot),
       tree.floating_base ? "floating" : "fixed", json_string(tree.base_link), tree.nq(), tree.nv(),
-      model.scene.scalar == ir::ScalarType::float32 ? "float32" : "float64", array(quaternions), json_array(joints), json_array(types),
-      json_array(bodies), json_array(links), array(lower), array(upper), array(velocity), array(effort),
+      model.scene.scalar == ir::ScalarType::float32 ? "float32" : "float64", array(quaternions), json_array(joints),
+      json_array(types), json_array(bodies), json_array(links), array(lower), array(upper), array(velocity), array(effort),
       functions_json(library), run_time_json(model),
       json_string(fmt::format("{}", fmt::join(compiler_and_flags(options), " "))), code_bytes, array(said));
 }

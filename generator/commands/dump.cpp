@@ -37,8 +37,7 @@ std::string tree_text(const ir::KinematicTree& tree) {
   std::string text = fmt::format("{} base {}\n", tree.floating_base ? "floating" : "fixed", tree.base_link);
   if (tree.floating_base) text += text_of(tree.base);
   for (const ir::Body& b : tree.bodies) {
-    text += fmt::format("{} ({}, on {}) -> {}\n", b.joint, way_of(b.turns(), b.slides()), joint_name(tree, b.parent),
-                        b.name);
+    text += fmt::format("{} ({}, on {}) -> {}\n", b.joint, way_of(b.turns(), b.slides()), joint_name(tree, b.parent), b.name);
     if (b.driven()) text += fmt::format("    mimic: {} * {} + {}\n", b.multiplier, joint_name(tree, b.driven_by), b.offset);
     text += fmt::format("    axis {}\n    rotation {}\n    translation {} m\n", text_of(b.axis),
                         text_of(Eigen::Matrix3d(b.placement.linear())), text_of(Eigen::Vector3d(b.placement.translation())));

@@ -29,8 +29,7 @@ std::string summary(const Model& model) {
       "nq = {}, nv = {}\n",
       tree.robot, model.name, tree.floating_base ? "floating" : "fixed", tree.base_link,
       std::count_if(tree.bodies.begin(), tree.bodies.end(), [](const ir::Body& body) { return body.part == 0; }),
-      tree.links.size(), mass,
-      tree.nq(), tree.nv());
+      tree.links.size(), mass, tree.nq(), tree.nv());
 }
 
 bool any_of_several(const ir::KinematicTree& tree) {
@@ -90,11 +89,11 @@ std::string bodies(const ir::KinematicTree& tree) {
                                    ? fmt::format("= {:.6g} q[{}] + {:.6g}", body.multiplier, coordinate[k], body.offset)
                                : body.parts > 1 ? fmt::format("{}-{}", coordinate[k], coordinate[k] + body.parts - 1)
                                                 : fmt::format("{}", coordinate[k]);
-    text += fmt::format("  {:>{}}{} {}: {}, {}{} -> {}, {:.6g} kg{}\n", "", 2 * depth[k], number,
-                        body.of.empty() ? body.joint : body.of,
-                        passes::kind_of(body.of.empty() ? body.type : body.kind).name, axes_of(tree, k),
-                        body.type == ir::JointType::helical ? fmt::format(", {:.6g} m per turn", body.pitch) : "", moved.name,
-                        moved.inertia.mass, losses_and_springs(body));
+    text +=
+        fmt::format("  {:>{}}{} {}: {}, {}{} -> {}, {:.6g} kg{}\n", "", 2 * depth[k], number,
+                    body.of.empty() ? body.joint : body.of, passes::kind_of(body.of.empty() ? body.type : body.kind).name,
+                    axes_of(tree, k), body.type == ir::JointType::helical ? fmt::format(", {:.6g} m per turn", body.pitch) : "",
+                    moved.name, moved.inertia.mass, losses_and_springs(body));
   }
   return text;
 }

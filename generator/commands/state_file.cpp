@@ -17,7 +17,8 @@ void normalise_quaternion(State& state, int first, bool of_base, const std::stri
   auto quaternion = state.q.segment<4>(first);
   const double length = quaternion.norm();
   if (std::isnan(length)) return;
-  const std::string whose = of_base ? "the base's quaternion" : fmt::format("the quaternion of q[{}] to q[{}]", first, first + 3);
+  const std::string whose =
+      of_base ? "the base's quaternion" : fmt::format("the quaternion of q[{}] to q[{}]", first, first + 3);
   if (length == 0 || std::isinf(length))
     throw InputError({Severity::error, file, state.place, fmt::format("{} has length {}", whose, length),
                       of_base ? "give a unit quaternion x y z w as the 4th to 7th number, for example 0 0 0 1"

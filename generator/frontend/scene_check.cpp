@@ -139,7 +139,8 @@ class SceneCheck {
         error("joints/" + name, fmt::format("the second axis of joint '{}' is its first: together they turn one way", name),
               "give the axis of the cross's other pin, in the child link's frame");
       if (joint.type == ir::JointType::prismatic && kind.type == ir::JointType::helical)
-        error("joints/" + name, fmt::format("joint '{}' is prismatic: limits and losses of a screw are those of its angle", name),
+        error("joints/" + name,
+              fmt::format("joint '{}' is prismatic: limits and losses of a screw are those of its angle", name),
               "make it revolute or continuous in the URDF");
     }
   }

@@ -31,21 +31,33 @@ class SceneReader {
     Handler read;
   };
   static const std::vector<Key>& keys() {
-    static const std::vector<Key> keys = {
-        {"base", &SceneReader::base},         {"gravity", &SceneReader::gravity},
-        {"outputs", &SceneReader::outputs},   {"functions", &SceneReader::functions},
-        {"coriolis", &SceneReader::coriolis}, {"forward_dynamics", &SceneReader::forward_dynamics},
-        {"locked", &SceneReader::locked},     {"cut", &SceneReader::cut},
-        {"joints", &SceneReader::joints},
-        {"mimic", &SceneReader::mimic},       {"jacobians", &SceneReader::jacobians},
-        {"frames", &SceneReader::frames},     {"payloads", &SceneReader::payloads},
-        {"wrenches", &SceneReader::wrenches}, {"contacts", &SceneReader::contacts},
-        {"armature", &SceneReader::armature}, {"damping", &SceneReader::damping},
-        {"friction", &SceneReader::friction}, {"stiffness", &SceneReader::stiffness},
-        {"elastic", &SceneReader::elastic},   {"massless", &SceneReader::massless},
-        {"inertia", &SceneReader::inertia},   {"rates_zero", &SceneReader::rates_zero},
-        {"scalar", &SceneReader::scalar},     {"parallel", &SceneReader::parallel},
-        {"plan", &SceneReader::plan},         {"batch", &SceneReader::batch}};
+    static const std::vector<Key> keys = {{"base", &SceneReader::base},
+                                          {"gravity", &SceneReader::gravity},
+                                          {"outputs", &SceneReader::outputs},
+                                          {"functions", &SceneReader::functions},
+                                          {"coriolis", &SceneReader::coriolis},
+                                          {"forward_dynamics", &SceneReader::forward_dynamics},
+                                          {"locked", &SceneReader::locked},
+                                          {"cut", &SceneReader::cut},
+                                          {"joints", &SceneReader::joints},
+                                          {"mimic", &SceneReader::mimic},
+                                          {"jacobians", &SceneReader::jacobians},
+                                          {"frames", &SceneReader::frames},
+                                          {"payloads", &SceneReader::payloads},
+                                          {"wrenches", &SceneReader::wrenches},
+                                          {"contacts", &SceneReader::contacts},
+                                          {"armature", &SceneReader::armature},
+                                          {"damping", &SceneReader::damping},
+                                          {"friction", &SceneReader::friction},
+                                          {"stiffness", &SceneReader::stiffness},
+                                          {"elastic", &SceneReader::elastic},
+                                          {"massless", &SceneReader::massless},
+                                          {"inertia", &SceneReader::inertia},
+                                          {"rates_zero", &SceneReader::rates_zero},
+                                          {"scalar", &SceneReader::scalar},
+                                          {"parallel", &SceneReader::parallel},
+                                          {"plan", &SceneReader::plan},
+                                          {"batch", &SceneReader::batch}};
     return keys;
   }
 
@@ -419,7 +431,7 @@ class SceneReader {
     for (const auto& entry : node.entries) {
       const std::string joint = entry_name(entry.key);
       if (!entry.value.is_scalar() && !(entry.value.is_map() && entry.value.entries.size() == 1))
-        refuse(entry.value, fmt::format("what joint '{}' is is neither a word nor a map of one", joint), remedy);
+        refuse(entry.value, fmt::format("what is said of joint '{}' is neither a word nor a map of one", joint), remedy);
       const bool alone = entry.value.is_scalar();
       const YamlNode& word = alone ? entry.value : entry.value.entries.front().key;
       ir::JointKind& kind = scene_.joints[joint];

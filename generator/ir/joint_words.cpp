@@ -37,7 +37,8 @@ std::vector<int> coordinates_at(const std::vector<int>& positions, const Kinemat
     if (body.driven()) continue;
     const int count = body.of_quaternion() ? positions_of(body.kind) : 1;
     bool all = true;
-    for (int i = first[k]; i < first[k] + count; ++i) all = all && std::find(positions.begin(), positions.end(), i) != positions.end();
+    for (int i = first[k]; i < first[k] + count; ++i)
+      all = all && std::find(positions.begin(), positions.end(), i) != positions.end();
     if (all) coordinates.push_back(coordinate);
     ++coordinate;
   }

@@ -113,7 +113,8 @@ class TreeBuilder {
     return body;
   }
 
-  int start_body(Visit& visit, const ir::Joint& joint, const JointPart& part, const std::string& name, const std::string& moved) {
+  int start_body(Visit& visit, const ir::Joint& joint, const JointPart& part, const std::string& name,
+                 const std::string& moved) {
     ir::Body body;
     body.name = moved;
     body.joint = name;
@@ -195,7 +196,8 @@ class TreeBuilder {
     if (moves_no_mass(tree_, scene_)) return;  // check_mass says it once
     const std::vector<int> massless = joints_without_mass(tree_, scene_);
     std::vector<std::string> names;
-    for (int k : massless) names.push_back(in_words(tree_.bodies[at(k)]));
+    for (int k : massless)
+      if (const std::string name = in_words(tree_.bodies[at(k)]); names.empty() || names.back() != name) names.push_back(name);
     if (!names.empty() && !scene_.lock_massless)
       warnings_.push_back({Severity::warning, robot_.file,
                            fmt::format("joint{} {}", names.size() > 1 ? "s" : "", fmt::join(names, ", ")),

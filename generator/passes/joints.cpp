@@ -40,7 +40,8 @@ ir::NodeId coordinate_node(ir::Graph& graph, const ir::Role& role, const ir::Kin
                            const std::vector<int>& coordinates, const std::vector<int>& positions, bool rates_zero, int body) {
   const ir::Body& joint = tree.bodies[static_cast<std::size_t>(body)];
   const JointModel root = root_joint(tree);
-  const int coordinate = coordinates[static_cast<std::size_t>(body)], position = root.nq + positions[static_cast<std::size_t>(body)];
+  const int coordinate = coordinates[static_cast<std::size_t>(body)],
+            position = root.nq + positions[static_cast<std::size_t>(body)];
   if (role.source == Source::position)
     return joint.of_quaternion() ? graph.constant(0) : graph.input({InputKind::position, position, 0});
   if (role.source == Source::rate)

@@ -59,7 +59,8 @@ bool moves_no_mass(const ir::KinematicTree& tree, const ir::Scene& scene) {
 }
 
 std::string in_words(const ir::Body& body) {
-  return body.elastic.empty() ? "'" + body.joint + "'" : "'" + body.elastic + "' (spring)";
+  if (!body.elastic.empty()) return "'" + body.elastic + "' (spring)";
+  return "'" + (body.of.empty() ? body.joint : body.of) + "'";
 }
 
 ir::Scene with_massless_locked(const ir::RobotDescription& robot, const ir::KinematicTree& tree, ir::Scene scene,
@@ -85,7 +86,7 @@ ir::Scene with_massless_locked(const ir::RobotDescription& robot, const ir::Kine
       continue;
     }
     lock(body.of.empty() ? body.joint : body.of, 0);
-    names.push_back("'" + body.joint + "'");
+    if (names.empty() || names.back() != in_words(body)) names.push_back(in_words(body));
     for (const ir::Body& driven : tree.bodies)
       if (driven.driven_by == k) lock(driven.joint, driven.offset);
   }

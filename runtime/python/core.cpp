@@ -731,7 +731,8 @@ Vector row_of(PyArrayObject* array, npy_intp row) {
 
 // Joints with a quaternion, from rows of a C-contiguous int64 array: where they begin in q and v, and whether they slide.
 bool quaternion_joints(PyArrayObject* array, std::vector<QuaternionJoint>& joints) {
-  if (PyArray_NDIM(array) != 2 || PyArray_DIM(array, 1) != 3 || PyArray_TYPE(array) != NPY_INT64 || !PyArray_ISCARRAY_RO(array)) {
+  if (PyArray_NDIM(array) != 2 || PyArray_DIM(array, 1) != 3 || PyArray_TYPE(array) != NPY_INT64 ||
+      !PyArray_ISCARRAY_RO(array)) {
     PyErr_SetString(PyExc_ValueError, "an array of int64 with three columns was expected");
     return false;
   }
@@ -764,8 +765,7 @@ PyObject* difference(PyObject*, PyObject* args) {
   const Owned both(Py_BuildValue("(OO)", from, to));
   std::vector<QuaternionJoint> joints;
   if (!both || !two_arrays(both.get(), from, to) || !quaternion_joints(quaternions, joints)) return nullptr;
-  npy_intp sizes[] = {PyArray_DIM(from, 0),
-                      PyArray_DIM(from, 1) - (floating ? 1 : 0) - static_cast<npy_intp>(joints.size())};
+  npy_intp sizes[] = {PyArray_DIM(from, 0), PyArray_DIM(from, 1) - (floating ? 1 : 0) - static_cast<npy_intp>(joints.size())};
   Owned step(PyArray_SimpleNew(2, sizes, NPY_FLOAT64));
   if (!step) return nullptr;
   for (npy_intp s = 0; s < sizes[0]; ++s) {

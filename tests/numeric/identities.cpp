@@ -123,7 +123,8 @@ std::vector<Transform<Multi>> world_poses(const Model& model, const Vector& q) {
     Transform<Multi> pose{parent.rotation * body.rotation, parent.rotation * body.translation + parent.translation};
     if (body.part == 0) {
       if (body.parts == 6) pose.translation += pose.rotation * q.segment<3>(next), next += 3;
-      pose.rotation = pose.rotation * Eigen::Quaternion<Multi>(q[next + 3], q[next], q[next + 1], q[next + 2]).toRotationMatrix();
+      pose.rotation =
+          pose.rotation * Eigen::Quaternion<Multi>(q[next + 3], q[next], q[next + 1], q[next + 2]).toRotationMatrix();
       next += 4;
     }
     if (body.part >= 0) {
@@ -222,8 +223,8 @@ double influence_error(const Case& c, const Dynamics& result) {
       const auto column = static_cast<Eigen::Index>(6 * b);
       // Of a joint with a quaternion the last body alone is one.
       const size_t body = b + first_moving(c.model);
-      const bool is_part = body > 0 && c.model.bodies[body - 1].part >= 0 &&
-                           c.model.bodies[body - 1].part + 1 < c.model.bodies[body - 1].parts;
+      const bool is_part =
+          body > 0 && c.model.bodies[body - 1].part >= 0 && c.model.bodies[body - 1].part + 1 < c.model.bodies[body - 1].parts;
       if (is_part) expected.row(i).segment<6>(column) = result.wrench_influence.row(i).segment<6>(column);
       else expected.row(i).segment<6>(column) = motion[b].transpose();
     }

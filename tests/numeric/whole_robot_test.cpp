@@ -161,7 +161,8 @@ TEST_P(WholeRobot, ChristoffelsCIsMadeOfDerivativesOfM) {
       tolerance);
 }
 
-INSTANTIATE_TEST_SUITE_P(Robots, WholeRobot, ::testing::Combine(::testing::ValuesIn(test_robots_and_kinds()), ::testing::Bool()),
+INSTANTIATE_TEST_SUITE_P(Robots, WholeRobot,
+                         ::testing::Combine(::testing::ValuesIn(test_robots_and_kinds()), ::testing::Bool()),
                          [](const auto& info) {
                            return std::string(std::get<0>(info.param).name) +
                                   (std::get<1>(info.param) ? "_floating" : "_fixed");

@@ -262,7 +262,8 @@ KindsAnswer dart_answer(const KindsRobot& robot, const std::vector<KindsCoordina
     dof.push_back(static_cast<Eigen::Index>(joint->getIndexInSkeleton(static_cast<size_t>(flies ? (part + 3) % 6 : part))));
     const auto first = static_cast<Eigen::Index>(joint->getIndexInSkeleton(0));
     if (flies) own_q.segment<6>(first) = FreeJoint::convertToPositions(pose(positions[i], true));
-    else if (turns) own_q.segment<3>(first) = BallJoint::convertToPositions(Eigen::Matrix3d(pose(positions[i], false).linear()));
+    else if (turns)
+      own_q.segment<3>(first) = BallJoint::convertToPositions(Eigen::Matrix3d(pose(positions[i], false).linear()));
     else own_q[dof.back()] = q[positions[i]];
   }
   for (size_t i = 0; i < dof.size(); ++i) {

@@ -1,5 +1,5 @@
-// Robots with the kinds of joints that URDF's files cannot say or other tests do not have: at the base, behind and before joints of
-// one axis, at a branching, and behind one another.
+// Robots with the kinds of joints that URDF's files cannot say or other tests do not have: at the base, behind and before
+// joints of one axis, at a branching, and behind one another.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -19,7 +19,9 @@ struct KindsRobot {
   std::map<std::string, ir::JointKind> joints;  // of the scene
 };
 
-inline std::vector<std::string> joint_kind_robots() { return {"helical", "universal", "planar", "spherical", "floating", "mixed"}; }
+inline std::vector<std::string> joint_kind_robots() {
+  return {"helical", "universal", "planar", "spherical", "floating", "mixed"};
+}
 
 // K: the kind, R: revolute, P: prismatic. mixed: every K another.
 //
@@ -31,7 +33,8 @@ inline KindsRobot joint_kinds_robot(const std::string& kind) {
     const char type;
     int parent;
   };
-  const std::vector<Row> rows = {{'R', 0}, {'K', 1}, {'R', 2}, {'K', 3}, {'P', 4}, {'R', 5}, {'P', 2}, {'K', 7}, {'K', 0}, {'K', 9}, {'R', 10}};
+  const std::vector<Row> rows = {{'R', 0}, {'K', 1}, {'R', 2}, {'K', 3}, {'P', 4}, {'R', 5},
+                                 {'P', 2}, {'K', 7}, {'K', 0}, {'K', 9}, {'R', 10}};
   const std::map<std::string, ir::JointType> types = {{"helical", ir::JointType::helical},
                                                       {"universal", ir::JointType::universal},
                                                       {"planar", ir::JointType::planar},
@@ -50,7 +53,8 @@ inline KindsRobot joint_kinds_robot(const std::string& kind) {
     const Eigen::Matrix3d axes = ir::rotation_from_rpy({wave(x + 3), 0.7 * wave(x + 4), wave(x + 5)});
     ir::Link link;
     link.name = "l" + std::to_string(i);
-    link.inertia = ir::Inertia{1.5 + wave(x + 6), {0.1 * wave(x + 7), 0.2 * wave(x + 8), 0.1 * wave(x + 9)}, ir::rotated(central.asDiagonal(), axes)};
+    link.inertia = ir::Inertia{
+        1.5 + wave(x + 6), {0.1 * wave(x + 7), 0.2 * wave(x + 8), 0.1 * wave(x + 9)}, ir::rotated(central.asDiagonal(), axes)};
     robot.links.push_back(link);
   }
   std::size_t which = 0;

@@ -268,7 +268,8 @@ class RolledRun {
         for (int s = 0; s < plan_.slots; ++s) kept(static_cast<int>(r), 0, s) = 0.7;
       for (int k = 0; k < tree_.joints(); ++k) {
         Graph graph;
-        const NodeId node = passes::coordinate_node(graph, program_.roles[r], tree_, coordinates_, tree_.positions(), rates_zero_, k);
+        const NodeId node =
+            passes::coordinate_node(graph, program_.roles[r], tree_, coordinates_, tree_.positions(), rates_zero_, k);
         kept(static_cast<int>(r), 0, slot(k)) = interpret<double>(graph, input_)[static_cast<std::size_t>(node)];
       }
     }

@@ -1,10 +1,11 @@
 // Joints that are no hinge and no slide: all quantities, interpreted in both forms, against the generic engine, which
 // oracle_dart_test and generic_dynamics_test hold to others.
+#include "joint_kinds.hpp"
+
 #include <dalembert/generic/whole_robot.hpp>
 #include <dalembert/integrators/rk4.hpp>
 
 #include "both_forms.hpp"
-#include "joint_kinds.hpp"
 #include "reference/generic_model.hpp"
 #include "reference/instances.hpp"
 
@@ -93,8 +94,7 @@ TEST_P(JointKinds, MoveOnTheirGroups) {
   EXPECT_LT((back - step).cwiseAbs().maxCoeff(), 1e-13);
 }
 
-INSTANTIATE_TEST_SUITE_P(Kinds, JointKinds,
-                         testing::Combine(testing::ValuesIn(joint_kind_robots()), testing::Bool()),
+INSTANTIATE_TEST_SUITE_P(Kinds, JointKinds, testing::Combine(testing::ValuesIn(joint_kind_robots()), testing::Bool()),
                          [](const auto& info) {
                            return std::get<0>(info.param) + (std::get<1>(info.param) ? "_floating" : "_fixed");
                          });

@@ -196,8 +196,7 @@ State start_state(const ir::KinematicTree& tree) {
   State state = random_states(tree, 1).front();
   const std::vector<int> coordinates = tree.positions();
   for (size_t k = 0; k < tree.bodies.size(); ++k)
-    if (tree.bodies[k].spring.k != 0)
-      state.q[tree.base_positions() + coordinates[k]] = tree.bodies[k].spring.rest;
+    if (tree.bodies[k].spring.k != 0) state.q[tree.base_positions() + coordinates[k]] = tree.bodies[k].spring.rest;
   return state;
 }
 

@@ -1,6 +1,6 @@
-// Two displacements in a plane and an angle about its normal. Where the normal is z the directions are x and y, as Pinocchio and
-// DART have it, which do not read the axis; elsewhere those to which the shortest turn from z to the normal takes x and y, as
-// MuJoCo does.
+// Two displacements in a plane and an angle about its normal. Where the normal is z the directions are x and y, as Pinocchio
+// and DART have it, which do not read the axis; elsewhere those to which the shortest turn from z to the normal takes x and y,
+// as MuJoCo does.
 #include "passes/joints/kinds.hpp"
 
 namespace dalembert::passes {

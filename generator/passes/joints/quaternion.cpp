@@ -27,7 +27,8 @@ std::map<int, ir::NodeId> quaternion_parameters(ir::Graph& graph, const ir::Kine
   const Vec3 vector = to_body * three(ir::InputKind::position, quaternion);
   const Mat3 turned = base_rotation(
       [&](int i) {
-        return i < 3 ? vector[static_cast<std::size_t>(i)] : Sym{&graph, graph.input({ir::InputKind::position, quaternion + 3, 0})};
+        return i < 3 ? vector[static_cast<std::size_t>(i)]
+                     : Sym{&graph, graph.input({ir::InputKind::position, quaternion + 3, 0})};
       },
       constant);
   const Mat3 rotation = placed * turned;

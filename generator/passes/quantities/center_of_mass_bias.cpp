@@ -1,5 +1,5 @@
-// dJc/dt v: the acceleration of the centre of mass, world axes, where v̇ = 0: the force on the base that Newton-Euler finds without
-// gravity, per mass.
+// dJc/dt v: the acceleration of the centre of mass, world axes, where v̇ = 0: the force on the base that Newton-Euler finds
+// without gravity, per mass.
 #include "passes/quantities/mass_center.hpp"
 #include "passes/quantities/quantities.hpp"
 #include "passes/quantities/shared.hpp"

@@ -8,8 +8,8 @@
 //   dtau_i/dq_j = S_i.(2 B_i Psi'_j + I_i Psi''_j)     dtau_j/dq_i = S_j.(2 B_i Psi'_i + I_i Psi''_i + S_i x* f_i)
 //   dtau_i/dv_j = S_i.(2 B_i S_j + I_i (Psi'_j + S'_j))  dtau_j/dv_i = S_j.(2 B_i S_i + I_i (Psi'_i + S'_i)).
 //
-// Of a joint with a quaternion p is the same body for all parts, and S' of each is that of the link; among them f turns with S_j,
-// too: dtau_j/dq_i has no S_i x* f_i, or f_i.(S_i x S_j) more than the above.
+// Of a joint with a quaternion p is the same body for all parts, and S' of each is that of the link; among them f turns with
+// S_j, too: dtau_j/dq_i has no S_i x* f_i, or f_i.(S_i x S_j) more than the above.
 #include "passes/quantities/quantities.hpp"
 #include "passes/quantities/shared.hpp"
 
@@ -46,7 +46,8 @@ Hung hung(Builder& b, const Poses& p, int acceleration) {
   if (b.has("joint_bases")) return r;
   SweepBuilder root = b.sweep("base_of_joints", "Vp, Ap", Direction::root);
   for (const int role : {r.velocity, r.acceleration}) root.store(role, Twist{root.zero(), root.zero()});
-  SweepBuilder s = b.sweep("joint_bases", "Vp, Ap: of the body above, or, behind a joint's first part, its", Direction::outwards);
+  SweepBuilder s =
+      b.sweep("joint_bases", "Vp, Ap: of the body above, or, behind a joint's first part, its", Direction::outwards);
   const Sym first = s.parameter(first_part_p), behind = s.constant(1) - first;
   for (int i = 0; i < 6; ++i) {
     const auto pick = [&](int own, int above) {
@@ -102,8 +103,9 @@ Factors factors(Builder& b) {
 
   const int axis_rates = quaternions ? b.role({"axis_drift", "Psid", "Psi'", "m/s, rad/s", Shape::wrench}) : p.joint_rate;
   const Hung parent = quaternions ? hung(b, p, acceleration) : Hung{p.velocity, acceleration};
-  SweepBuilder axes = b.sweep("axes", quaternions ? "Psi' = Vp x S, Psi'' = Ap x S + Vp x Psi'" : "Psi' = V x S, Psi'' = A x S + V x Psi'",
-                              Direction::anywhere);
+  SweepBuilder axes =
+      b.sweep("axes", quaternions ? "Psi' = Vp x S, Psi'' = Ap x S + Vp x Psi'" : "Psi' = V x S, Psi'' = A x S + V x Psi'",
+              Direction::anywhere);
   const Twist joint = joint_of(axes, p), turned_with{axes.own3(p.joint_rate, 0), axes.own3(p.joint_rate, 3)};
   Twist rate = turned_with;
   if (quaternions) {

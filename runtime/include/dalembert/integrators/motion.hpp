@@ -153,8 +153,8 @@ constexpr const std::array<QuaternionJoint, 0>& quaternions_of(const Dynamics&, 
 }  // namespace detail
 
 // q, moved by the twist `step` (m, rad: velocity times time, in the base's own axes): next = q · exp(step). The base turns and
-// slides along a screw, as do floating joints; spherical ones turn; other joints add. A quaternion's length returns to 1 to first
-// order, so that rounding never adds up. q and next may be the same; otherwise next has q's size.
+// slides along a screw, as do floating joints; spherical ones turn; other joints add. A quaternion's length returns to 1 to
+// first order, so that rounding never adds up. q and next may be the same; otherwise next has q's size.
 template <class Q, class V, class Joints = decltype(no_quaternions)>
 void move(const Q& q, const V& step, Q& next, const Joints& joints = no_quaternions) {
   detail::each_part(
@@ -165,8 +165,8 @@ void move(const Q& q, const V& step, Q& next, const Joints& joints = no_quaterni
       });
 }
 
-// The step that leads from one q to another: to = from · exp(step), with the base and quaternions turned by at most half a turn;
-// other joints subtract. The quaternions are of unit length; `step` has v's size.
+// The step that leads from one q to another: to = from · exp(step), with the base and quaternions turned by at most half a
+// turn; other joints subtract. The quaternions are of unit length; `step` has v's size.
 template <class Q, class V, class Joints = decltype(no_quaternions)>
 void difference(const Q& from, const Q& to, V& step, const Joints& joints = no_quaternions) {
   detail::each_part(
@@ -191,7 +191,8 @@ V rate_of_step(const Q& q, const V& step, const V& v, const Joints& joints = no_
         rate.template segment<6>(i) += once / 2 + bracket * once / 12;
       },
       [&](auto, auto i) {
-        const Vector3<Scalar> turning = step.template segment<3>(i), once = turning.cross(Vector3<Scalar>(v.template segment<3>(i)));
+        const Vector3<Scalar> turning = step.template segment<3>(i),
+                              once = turning.cross(Vector3<Scalar>(v.template segment<3>(i)));
         rate.template segment<3>(i) += once / 2 + turning.cross(once) / 12;
       },
       [](Eigen::Index, Eigen::Index, Eigen::Index) {});
