@@ -33,8 +33,9 @@ STAGES = {
     "tsan": ("every test with the thread sanitizer", workflow("tsan"), {}),
     "matrix": ("emitted code in many compilers", [["python3", "tests/matrix/run.py"]], {}),
     "fuzz": ("URDFs and scenes, a million each", [["sh", "tests/fuzz/run.sh", "all", "1000000"]], {}),
-    "random": ("scenes drawn at random for every robot, interpreted",
-               [["ctest", "--preset", "release", "-j", JOBS, "-R", "RandomScenes"]], {"DALEMBERT_RANDOM_SCENES": "300"}),
+    "random": ("scenes and robots drawn at random, interpreted",
+               [["ctest", "--preset", "release", "-j", JOBS, "-R", "RandomScenes|RandomRobots"]],
+               {"DALEMBERT_RANDOM_SCENES": "300", "DALEMBERT_RANDOM_ROBOTS": "10000"}),
 }
 
 
@@ -105,14 +106,15 @@ def main():
     parser.add_argument("stages", nargs="*", metavar="STAGE", help="which, of " + ", ".join(STAGES) + "; all unless said")
     parser.add_argument("--list", action="store_true", help="say what there is, and what has passed here")
     parser.add_argument("--again", action="store_true", help="run also what has passed on this tree")
-    parser.add_argument("--random", type=int, metavar="N", help="so many random scenes per robot")
+    parser.add_argument("--random", type=int, metavar="N", help="so many random robots, and a thirtieth of it scenes for each test robot")
     options = parser.parse_args()
     for stage in options.stages:
         if stage not in STAGES:
             print(f"long.sh: there is no stage '{stage}'; there are {', '.join(STAGES)}", file=sys.stderr)
             return 2
     if options.random:
-        STAGES["random"][2]["DALEMBERT_RANDOM_SCENES"] = str(options.random)
+        STAGES["random"][2].update(DALEMBERT_RANDOM_ROBOTS=str(options.random),
+                                   DALEMBERT_RANDOM_SCENES=str(max(1, options.random // 30)))
     tree = state_of_tree()
     if options.list:
         for stage, (what, _, _) in STAGES.items():
