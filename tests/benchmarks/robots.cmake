@@ -199,6 +199,11 @@ function(batch_robot robot urdf base)
     endforeach()
     list(GET outputs_of_${label} 0 first)
     list(JOIN pointers ", " pointers)
+    set(rollout "  static constexpr bool rolls_out = false;")
+    if(label STREQUAL "fd")
+      set(rollout "  static constexpr bool rolls_out = true;
+  static void rollout(const Batch& batch, const dalembert::Rollout<double>& motions) { (void)${name}::together_rollout(batch, motions); }")
+    endif()
     list(APPEND batch_libraries ${name})
     string(APPEND batch_includes "#include \"${name}/batch_tasks.hpp\"\n")
     string(APPEND batch_structs "struct ${name}_robot {
@@ -218,6 +223,7 @@ function(batch_robot robot urdf base)
     (void)${name}::together_batch_blocks(
         batch, [](const ${name}::TogetherBatchBlock& block, void*) { benchmark::DoNotOptimize(block.together_${first}); }, nullptr);
   }
+${rollout}
 };
 ")
     string(APPEND batch_names " \\\n  DALEMBERT_BATCH_ROBOT(${name}_robot, \"${robot}/${label}\")")
