@@ -132,7 +132,8 @@ struct KinematicTree {
     if (floating_base) first.push_back(3);
     const std::vector<int> position = positions();
     for (size_t k = 0; k < bodies.size(); ++k)
-      if (bodies[k].has_quaternion()) first.push_back(base_positions() + position[k] + (bodies[k].kind == JointType::floating ? 3 : 0));
+      if (bodies[k].has_quaternion())
+        first.push_back(base_positions() + position[k] + (bodies[k].kind == JointType::floating ? 3 : 0));
     return first;
   }
   int base_positions() const { return floating_base ? 7 : 0; }

@@ -1,5 +1,5 @@
-// The bodies that users see, in the order of W's and the regressor's columns and of body_names: the base first when it floats. Of
-// a joint of several coordinates the last body alone is one.
+// The bodies that users see, in the order of W's and the regressor's columns and of body_names: the base first when it floats.
+// Of a joint of several coordinates the last body alone is one.
 #pragma once
 
 #include <vector>

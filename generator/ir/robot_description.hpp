@@ -27,8 +27,8 @@ enum class JointType { revolute, continuous, prismatic, fixed, helical, universa
 // What a joint is: its type, with what the type needs besides an axis.
 struct JointKind {
   JointType type = JointType::fixed;
-  double pitch = 0;                                         // helical: how far it slides per turn, m
-  Eigen::Vector3d second = Eigen::Vector3d::UnitY();        // universal: the axis nearer the child, unit, in the child link's frame
+  double pitch = 0;                                   // helical: how far it slides per turn, m
+  Eigen::Vector3d second = Eigen::Vector3d::UnitY();  // universal: the axis nearer the child, unit, in the child link's frame
   bool operator==(const JointKind&) const = default;
 };
 
@@ -51,8 +51,11 @@ inline int positions_of(JointType type) {
 
 // What a scene may make of a joint, by name.
 inline std::vector<std::pair<std::string, JointType>> joint_words() {
-  return {{"helical", JointType::helical},     {"universal", JointType::universal}, {"planar", JointType::planar},
-          {"spherical", JointType::spherical}, {"floating", JointType::floating}};
+  return {{"helical", JointType::helical},
+          {"universal", JointType::universal},
+          {"planar", JointType::planar},
+          {"spherical", JointType::spherical},
+          {"floating", JointType::floating}};
 }
 
 // Of a joint of one coordinate: whether it turns, whether it slides, and by how much per rad or m.

@@ -116,8 +116,8 @@ class Evaluation {
     for (const ir::Contact& contact : scene_.contacts) {
       const Place at = place(contact.link);
       const Transform<S> point{Matrix3<S>::Identity(), contact.at.template cast<S>()};
-      all.push_back({at.body, at.frame * point, contact.rows(),
-                     contact.along_link ? generic::Axes::body : generic::Axes::mixed});
+      all.push_back(
+          {at.body, at.frame * point, contact.rows(), contact.along_link ? generic::Axes::body : generic::Axes::mixed});
     }
     return all;
   }

@@ -9,6 +9,7 @@
 #include <random>
 
 #include "both_forms.hpp"
+#include "ir/rotation.hpp"
 
 namespace dalembert {
 namespace {

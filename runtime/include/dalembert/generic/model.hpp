@@ -7,9 +7,10 @@
 //
 // Coordinates. Fixed base: q and v = q̇ have one entry per coordinate of the joints. Floating base: q = [base position in
 // the world (3), unit quaternion x y z w (4), joints], v = [base linear velocity (3), angular velocity (3), both in base
-// axes, joint rates]. A spherical or floating joint is three or six bodies in a row, about (floating: along, then about) x, y and
-// z of the last one's frame, whose axes all share: q has its quaternion x y z w (floating: before it the position in the frame at
-// q = 0), v its twist along these axes. A joint may be driven by another's coordinate (Coordinate below); reduction.hpp takes care of that.
+// axes, joint rates]. A spherical or floating joint is three or six bodies in a row, about (floating: along, then about) x, y
+// and z of the last one's frame, whose axes all share: q has its quaternion x y z w (floating: before it the position in the
+// frame at q = 0), v its twist along these axes. A joint may be driven by another's coordinate (Coordinate below);
+// reduction.hpp takes care of that.
 #pragma once
 
 #include <algorithm>

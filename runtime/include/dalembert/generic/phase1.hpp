@@ -14,11 +14,11 @@ struct BodyKinematics {
   Matrix6<S> Ad_base;          // ⁰Ad_k
   Matrix6<S> Ad_base_inverse;  // (⁰Ad_k)⁻¹
   Vector6<S> E;                // joint's twist per unit of rate, in k (eq. 33)
-  Vector6<S> E_dot;            // Ė: zero but for parts of a joint with a quaternion, whose axes stand still in the last of them
-  Vector6<S> V;                // twist of k, in k
-  Vector6<S> V_relative;       // twist of k relative to the base, in k
-  Matrix6<S> ad_parent;        // ᵖad_k = ad(E_k q̇_k): motion relative to the parent
-  Matrix6<S> ad_base;          // ⁰ad_k = ad(V_relative): motion relative to the base
+  Vector6<S> E_dot;       // Ė: zero but for parts of a joint with a quaternion, whose axes stand still in the last of them
+  Vector6<S> V;           // twist of k, in k
+  Vector6<S> V_relative;  // twist of k relative to the base, in k
+  Matrix6<S> ad_parent;   // ᵖad_k = ad(E_k q̇_k): motion relative to the parent
+  Matrix6<S> ad_base;     // ⁰ad_k = ad(V_relative): motion relative to the base
 };
 
 template <class S>
