@@ -60,7 +60,8 @@ std::string not_read(const OperationCost& cost, const ir::KinematicTree& tree) {
   };
   if (tree.floating_base && !cost.reads_base_pose) parts.emplace_back("base pose");
   else if (tree.floating_base && !cost.reads_base_position) parts.emplace_back("base position");
-  joints("positions", behind_base(cost.positions_not_read, tree.floating_base ? 7 : 0), cost.reads_position);
+  joints("positions", ir::coordinates_at(behind_base(cost.positions_not_read, tree.base_positions()), tree),
+         cost.reads_position);
   if (!cost.reads_velocity) parts.push_back("velocities");
   else joints("rates", behind_base(cost.velocities_not_read, tree.floating_base ? 6 : 0), true);
   return fmt::format("{}", fmt::join(parts, ", "));

@@ -208,7 +208,8 @@ std::string unread(const CodeInput& code) {
   const bool floating = code.tree.floating_base;
   std::vector<std::string> parts;
   if (floating && !read.base_pose()) parts.emplace_back("the base's pose");
-  const std::vector<int> still = joints_not_read(read.positions, floating ? 7 : 0, code.tree.nq()),
+  const std::vector<int> still =
+                             ir::coordinates_at(joints_not_read(read.positions, floating ? 7 : 0, code.tree.nq()), code.tree),
                          slow = joints_not_read(read.velocities, floating ? 6 : 0, code.tree.nv());
   if (!still.empty()) parts.push_back("positions of " + ir::joints_in_words(still, code.tree));
   if (read.velocities.empty()) parts.emplace_back("v");
@@ -311,6 +312,50 @@ bool any_constraints(const Folder& folder) {
                      [](const CodeInput& f) { return !f.algorithm.constraint_steps.empty(); });
 }
 
+// Where a joint's numbers are: in a row, but where quaternions have one more than their joints have coordinates.
+std::string joint_indices(const CodeInput& code) {
+  const ir::KinematicTree& tree = code.tree;
+  if (!tree.any_quaternion())
+    return "// Joints, in the order of q and v: a joint's position is q[q_index(joint)], its rate v[v_index(joint)].\n";
+  std::string text = "// Joints' coordinates, in the order of v: a coordinate's rate is v[v_index(joint)].\n";
+  const std::vector<int> positions = tree.positions(), coordinates = tree.coordinates();
+  for (std::size_t k = 0; k < tree.bodies.size(); ++k) {
+    const ir::Body& body = tree.bodies[k];
+    if (body.parts < 2 || body.part > 0) continue;
+    const int q = base_positions(code) + positions[k], v = base_rows(code) + coordinates[k];
+    const bool flies = body.kind == ir::JointType::floating;
+    if (body.of_quaternion())
+      text += comment_lines(
+          fmt::format("{}: {}quaternion x y z w q[{}] to q[{}]; {}angular velocity along its own axes v[{}] to v[{}].", body.of,
+                      flies ? fmt::format("position q[{}] to q[{}], ", q, q + 2) : "", flies ? q + 3 : q, flies ? q + 6 : q + 3,
+                      flies ? fmt::format("linear v[{}] to v[{}], ", v, v + 2) : "", flies ? v + 3 : v, flies ? v + 5 : v + 2),
+          0, 2);
+  }
+  return text;
+}
+// What integrators ask for.
+std::string quaternion_joints(const CodeInput& code) {
+  std::vector<std::string> all;
+  const std::vector<int> positions = code.tree.positions(), coordinates = code.tree.coordinates();
+  for (std::size_t k = 0; k < code.tree.bodies.size(); ++k)
+    if (const ir::Body& body = code.tree.bodies[k]; body.has_quaternion())
+      all.push_back(fmt::format("{{{}, {}, {}}}", base_positions(code) + positions[k], base_rows(code) + coordinates[k],
+                                body.kind == ir::JointType::floating));
+  if (all.empty()) return "";
+  return fmt::format(
+      "// Joints with a quaternion, for dalembert/integrators: a member of that name of your dynamics.\n"
+      "inline constexpr dalembert::QuaternionJoint quaternion_joints[] = {{\n    {}}};\n\n",
+      wrapped(all, 4));
+}
+std::string position_index(const CodeInput& code) {
+  if (!code.tree.any_quaternion()) return "nq - joints + static_cast<int>(joint)";
+  std::vector<int> first;
+  const std::vector<int> positions = code.tree.positions();
+  for (std::size_t k = 0; k < code.tree.bodies.size(); ++k)
+    if (!code.tree.bodies[k].driven()) first.push_back(base_positions(code) + positions[k]);
+  return fmt::format("std::array<int, {}>{{{}}}[static_cast<std::size_t>(joint)]", first.size(), fmt::join(first, ", "));
+}
+
 OutputFile header(const Folder& folder) {
   const CodeInput& code = folder.common();
   std::vector<std::string> joints, joint_names, body_names;
@@ -319,7 +364,8 @@ OutputFile header(const Folder& folder) {
     joint_names.push_back(quoted(b->joint));
   }
   if (code.tree.floating_base) body_names.push_back(quoted(code.tree.base_link));
-  for (const ir::Body& b : code.tree.bodies) body_names.push_back(quoted(b.name));
+  for (const ir::Body& b : code.tree.bodies)
+    if (b.part + 1 == b.parts) body_names.push_back(quoted(b.name));
   const bool floating = code.tree.floating_base;
   std::string report;
   for (const std::string& line : folder.report) report += comment_lines(line, 0, 2);
@@ -328,8 +374,10 @@ OutputFile header(const Folder& folder) {
                  {{"banner", banner(folder)},
                   {"usage", usage(folder, banner(folder))},
                   {"report", report},
+                  {"standard_includes", code.tree.any_quaternion() ? "#include <array>\n#include <cstddef>\n\n" : ""},
                   {"includes", (any_constraints(folder) ? "#include <dalembert/constraints.hpp>\n" : "") +
-                                   std::string(any_guard(folder) ? "#include <dalembert/factor.hpp>\n" : "")},
+                                   std::string(any_guard(folder) ? "#include <dalembert/factor.hpp>\n" : "") +
+                                   (code.tree.any_quaternion() ? "#include <dalembert/quaternion_joint.hpp>\n" : "")},
                   {"runtime_version", std::to_string(runtime_version)},
                   {"name", code.name},
                   {"scalar", scalar_name(code.scene.scalar)},
@@ -340,7 +388,10 @@ OutputFile header(const Folder& folder) {
                   {"velocity_layout", floating ? "base linear (3), angular (3) in base axes, joint rates [m/s, rad/s]"
                                                : "joint rates [m/s, rad/s]"},
                   {"joints", std::to_string(joints.size())},
+                  {"joint_indices", joint_indices(code)},
+                  {"quaternion_joints", quaternion_joints(code)},
                   {"bodies", std::to_string(body_names.size())},
+                  {"position_index", position_index(code)},
                   {"joint_enum", wrapped(joints, 2)},
                   {"joint_names", joint_names.empty() ? "nullptr" : wrapped(joint_names, 4)},
                   {"body_names", wrapped(body_names, 4)},

@@ -159,18 +159,21 @@ class BatchFunction {
     std::string members;
     for (const BatchArray& a : program_.results()) members += fmt::format("  {}* {};  // {}\n", s, a.array.name, shape(a));
     return fmt::format(
-        "// What is computed of each state, one after another: NULL where it is not wanted.\n"
-        "typedef struct {0}_{1}_batch_results {{\n{2}}} {0}_{1}_batch_results;\n\n"
-        "// {0}_{1}() at n states. q: n times {0}_nq() numbers, v: n times {0}_nv(){3}. status, which may be NULL{4}. options "
-        "may be\n"
-        "// NULL. 0, or what is wrong: see {0}_batch_error().\n"
-        "int {0}_batch_{1}(const {5}* q, const {5}* v, const {5}* input, size_t n, const {0}_{1}_batch_results* results,\n"
-        "    int* status, const {0}_batch_options* options);\n\n",
-        n, f.name, members,
-        *f.input() ? fmt::format(", input: {}, n times {}_nv()", f.input(), n) : std::string("; input is not read"),
-        code_.algorithm.guard ? ": of each state the coordinate whose pivot shows that M is not positive definite, or -1"
-                              : ", is set to -1 for each state",
-        s) + (rolls_out() ? rollout_declaration() : "");
+               "// What is computed of each state, one after another: NULL where it is not wanted.\n"
+               "typedef struct {0}_{1}_batch_results {{\n{2}}} {0}_{1}_batch_results;\n\n"
+               "// {0}_{1}() at n states. q: n times {0}_nq() numbers, v: n times {0}_nv(){3}. status, which may be NULL{4}. "
+               "options "
+               "may be\n"
+               "// NULL. 0, or what is wrong: see {0}_batch_error().\n"
+               "int {0}_batch_{1}(const {5}* q, const {5}* v, const {5}* input, size_t n, const {0}_{1}_batch_results* "
+               "results,\n"
+               "    int* status, const {0}_batch_options* options);\n\n",
+               n, f.name, members,
+               *f.input() ? fmt::format(", input: {}, n times {}_nv()", f.input(), n) : std::string("; input is not read"),
+               code_.algorithm.guard ? ": of each state the coordinate whose pivot shows that M is not positive definite, or -1"
+                                     : ", is set to -1 for each state",
+               s) +
+           (rolls_out() ? rollout_declaration() : "");
   }
   std::string c_definitions() const {
     const ir::EmittedFunction& f = function_of(code_);
@@ -180,32 +183,35 @@ class BatchFunction {
     for (const Given& g : given_inputs(code_)) given += fmt::format("    batch.{0} = options->{0};\n", g.each);
     if (!given.empty()) given = "    batch.workspace = options->workspace;\n" + given;
     return fmt::format(
-        "int {0}_batch_{1}(const {2}* q, const {2}* v, const {2}* input, size_t n, const {0}_{1}_batch_results* results,\n"
-        "    int* status, const {0}_batch_options* options) {{\n"
-        "  {0}::Batch batch;\n"
-        "  batch.count = n, batch.q = q, batch.v = v, batch.input = input;\n"
-        "  if (options) {{\n"
-        "    batch.states = static_cast<dalembert::BatchLayout>(options->states_in_lanes);\n"
-        "    batch.results = static_cast<dalembert::BatchLayout>(options->results_in_lanes);\n"
-        "    batch.matrices = static_cast<dalembert::MatrixLayout>(options->matrices);\n"
-        "{3}"
-        "  }}\n"
-        "  {0}::{4} to;\n"
-        "  if (results) {{\n{5}  }}\n{6}"
-        "  const dalembert::BatchError error = {0}::{1}_batch(batch, to);\n{7}"
-        "  return static_cast<int>(error);\n}}\n\n",
-        n, f.name, s, given, results_type(code_, "BatchResults"), fields,
-        code_.algorithm.guard ? "  to.status = status;\n" : "",
-        code_.algorithm.guard ? ""
-                              : "  if (status && error == dalembert::BatchError::none)\n"
-                                "    for (size_t i = 0; i < n; ++i) status[i] = -1;\n") +
+               "int {0}_batch_{1}(const {2}* q, const {2}* v, const {2}* input, size_t n, const {0}_{1}_batch_results* "
+               "results,\n"
+               "    int* status, const {0}_batch_options* options) {{\n"
+               "  {0}::Batch batch;\n"
+               "  batch.count = n, batch.q = q, batch.v = v, batch.input = input;\n"
+               "  if (options) {{\n"
+               "    batch.states = static_cast<dalembert::BatchLayout>(options->states_in_lanes);\n"
+               "    batch.results = static_cast<dalembert::BatchLayout>(options->results_in_lanes);\n"
+               "    batch.matrices = static_cast<dalembert::MatrixLayout>(options->matrices);\n"
+               "{3}"
+               "  }}\n"
+               "  {0}::{4} to;\n"
+               "  if (results) {{\n{5}  }}\n{6}"
+               "  const dalembert::BatchError error = {0}::{1}_batch(batch, to);\n{7}"
+               "  return static_cast<int>(error);\n}}\n\n",
+               n, f.name, s, given, results_type(code_, "BatchResults"), fields,
+               code_.algorithm.guard ? "  to.status = status;\n" : "",
+               code_.algorithm.guard ? ""
+                                     : "  if (status && error == dalembert::BatchError::none)\n"
+                                       "    for (size_t i = 0; i < n; ++i) status[i] = -1;\n") +
            (rolls_out() ? rollout_definition(given) : "");
   }
 
   std::string rollout_declaration() const {
     return fmt::format(
-        "// n motions that {0}_{1}() makes from q and v on, `steps` steps of time_step seconds each. input: {2}, n times steps times\n"
-        "// {0}_nv() numbers, or NULL: zero. method: 0 semi-implicit Euler, 1 the classical Runge-Kutta method. Results may be NULL:\n"
+        "// n motions that {0}_{1}() makes from q and v on, `steps` steps of time_step seconds each. input: {2}, n times steps "
+        "times\n"
+        "// {0}_nv() numbers, or NULL: zero. method: 0 semi-implicit Euler, 1 the classical Runge-Kutta method. Results may be "
+        "NULL:\n"
         "// where motions end, where they are behind each step, and of each motion the step that it could not make, or -1.\n"
         "int {0}_rollout_{1}(const {3}* q, const {3}* v, const {3}* input, size_t n, size_t steps, {3} time_step, int method,\n"
         "    {3}* last_q, {3}* last_v, {3}* path_q, {3}* path_v, int* stopped, const {0}_batch_options* options);\n\n",
@@ -246,10 +252,11 @@ class BatchFunction {
     const long wanted = 20000L * 32 / std::max(1L, program_.operations());
     long together = 64;
     while (2 * together <= wanted && together < 4096) together *= 2;
-    return render("batch_tasks_function.hpp", {{"function", f.name},
-                                               {"type", f.type},
-                                               {"together", std::to_string(together)},
-                                               {"rollout", rolls_out() ? render("rollout_tasks.hpp", {{"function", f.name}}) : ""}});
+    return render("batch_tasks_function.hpp",
+                  {{"function", f.name},
+                   {"type", f.type},
+                   {"together", std::to_string(together)},
+                   {"rollout", rolls_out() ? render("rollout_tasks.hpp", {{"function", f.name}}) : ""}});
   }
 
  private:
@@ -418,6 +425,7 @@ class BatchFunction {
                                   {"type", f.type},
                                   {"more_members", program_.by_calls() ? ", {}" : ""},
                                   {"acceleration", std::to_string(acceleration()->first)},
+                                  {"joints", code_.tree.any_quaternion() ? ", quaternion_joints" : ""},
                                   {"finish", finish()}});
   }
 
@@ -555,13 +563,11 @@ std::vector<OutputFile> batch_files(const Folder& folder, const std::string& ban
                                              {"includes", rolls_out ? "#include <dalembert/rollout_layout.hpp>\n" : ""},
                                              {"given", given_members(code)},
                                              {"functions", declarations}})},
-          {"batch.cpp",
-           render("batch.cpp",
-                  {{"banner", banner},
-                   {"name", code.name},
-                   {"includes", rolls_out ? "#include <dalembert/rollout.hpp>\n" : ""},
-                   {"functions", definitions},
-                   {"c_functions", c_functions}})},
+          {"batch.cpp", render("batch.cpp", {{"banner", banner},
+                                             {"name", code.name},
+                                             {"includes", rolls_out ? "#include <dalembert/rollout.hpp>\n" : ""},
+                                             {"functions", definitions},
+                                             {"c_functions", c_functions}})},
           {"batch_tasks.hpp", render("batch_tasks.hpp", {{"banner", banner}, {"name", code.name}, {"functions", tasks}})}};
 }
 

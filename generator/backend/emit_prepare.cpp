@@ -24,9 +24,15 @@ int role_of(const CodeInput& code, Source source, bool held) {
 
 struct Joints {
   std::vector<int> turning, sliding;
+  bool quaternions = false;  // some joints' positions are not one number each
   explicit Joints(const CodeInput& code) {
-    for (int k = 0; k < code.tree.joints(); ++k)
-      (code.tree.bodies[static_cast<size_t>(k)].prismatic() ? sliding : turning).push_back(k);
+    for (int k = 0; k < code.tree.joints(); ++k) {
+      const ir::Body& joint = code.tree.bodies[static_cast<size_t>(k)];
+      quaternions = quaternions || joint.of_quaternion();
+      if (joint.of_quaternion()) continue;  // its pose is a parameter
+      if (joint.turns()) turning.push_back(k);
+      if (joint.slides()) sliding.push_back(k);
+    }
   }
 };
 
@@ -35,11 +41,14 @@ bool sines(const CodeInput& code, bool held) {
 }
 
 // All joints turn, and each by a coordinate of its own.
-bool plain(const CodeInput& code) { return Joints(code).sliding.empty() && !has_driven(code); }
+bool plain(const CodeInput& code) {
+  const Joints joints(code);
+  return joints.sliding.empty() && !joints.quaternions && !has_driven(code);
+}
 
-// The coordinate of every slot's joint; where a lane has no body left, its last joint's.
-std::vector<int> coordinates_of_slots(const CodeInput& code) {
-  const std::vector<int> coordinates = code.tree.coordinates();
+// The coordinate of every slot's joint, as a number of q or of v; where a lane has no body left, its last joint's.
+std::vector<int> coordinates_of_slots(const CodeInput& code, bool of_q) {
+  const std::vector<int> coordinates = of_q ? code.tree.positions() : code.tree.coordinates();
   std::vector<int> of(static_cast<size_t>(code.plan.slots), 0);
   for (const ir::Segment& s : code.plan.segments)
     for (int lane = 0; lane < s.width; ++lane) {
@@ -64,9 +73,17 @@ std::vector<int> fours(const CodeInput& code) {
 // The position of a joint as a number of q.
 std::string position(const CodeInput& code, int body) {
   const ir::Body& joint = code.tree.bodies[static_cast<size_t>(body)];
-  const std::string q = fmt::format("q[{}]", base_positions(code) + code.tree.coordinates()[static_cast<size_t>(body)]);
+  const std::string q = fmt::format("q[{}]", base_positions(code) + code.tree.positions()[static_cast<size_t>(body)]);
   if (!joint.driven()) return q;
   return fmt::format("{} * {} + {}", literal(joint.multiplier, code.scene.scalar), q, literal(joint.offset, code.scene.scalar));
+}
+
+// Of a screw: how far it slides for its angle.
+bool is_screw(const ir::Body& joint) { return joint.turns() && joint.slides(); }
+std::string slide(const CodeInput& code, int body) {
+  const ir::Body& joint = code.tree.bodies[static_cast<size_t>(body)];
+  const std::string q = position(code, body);
+  return fmt::format("{} * {}", literal(joint.slide_per_unit(), code.scene.scalar), joint.driven() ? "(" + q + ")" : q);
 }
 
 // The positions of the joints of one kind, to an array with a place per slot; joints that are held are left out.
@@ -79,11 +96,14 @@ std::string spread(const CodeInput& code, const std::string& array, const std::s
     const ir::Body& joint = code.tree.bodies[static_cast<size_t>(k)];
     const bool rests = held && code.tree.carries_reference(static_cast<size_t>(k));
     if (rests) apart.push_back(fmt::format("k == {}", i));
-    if (joint.driven() && !rests)
+    if (rests) continue;
+    if (kind == "sliding" && is_screw(joint))
+      text += fmt::format("  {}[{}] = {};  // helical joint\n", array, slot_of(code, k), slide(code, k));
+    else if (joint.driven())
       text += fmt::format("  {}[{}] = {};  // mimic joint\n", array, slot_of(code, k), position(code, k));
   }
   if (!apart.empty()) skip = fmt::format("if (!({})) ", fmt::join(apart, " || "));
-  // Driven joints are set after the loop, which takes their drivers' positions for them.
+  // Driven joints are set after the loop, which takes their drivers' positions for them; so are the slides of screws.
   return fmt::format("  for (int k = 0; k < {0}; ++k) {1}{2}[{3}_slot[k]] = q[{4} + {3}_joint[k]];\n{5}", joints.size(), skip,
                      array, kind, base_positions(code), text);
 }
@@ -169,15 +189,17 @@ std::string prepare_statements(const CodeInput& code) {
       text += spread(code, kept(code, slide, 0), "sliding", joints.sliding, rest);
   for (const Gathered& g : gathered(code))
     text += fmt::format(
-        "  for (const int i : first_of_four) dalembert::store<4, Scalar>({} + i, dalembert::gather<4>({} + {}, slot_joint + "
+        "  for (const int i : first_of_four) dalembert::store<4, Scalar>({} + i, dalembert::gather<4>({} + {}, {} + "
         "i));\n",
-        kept(code, g.role, 0), g.vector, g.first);
+        kept(code, g.role, 0), g.vector, g.first,
+        joints.quaternions && code.rolled.roles[static_cast<size_t>(g.role)].source == Source::position ? "slot_position"
+                                                                                                        : "slot_joint");
   return text;
 }
 
 std::string prepare_tables(const CodeInput& code) {
   const Joints joints(code);
-  const std::vector<int> coordinates = code.tree.coordinates();
+  const std::vector<int> coordinates = code.tree.positions();
   std::string text;
   const auto tables = [&](const std::string& kind, const std::vector<int>& of) {
     std::vector<int> slots, from;
@@ -185,7 +207,9 @@ std::string prepare_tables(const CodeInput& code) {
     text += int_table(kind + "_slot", slots) + int_table(kind + "_joint", from);
   };
   const bool any_sines = sines(code, false) || sines(code, true);
-  if (prepare_spreads(code) || (plain(code) && any_sines)) text += int_table("slot_joint", coordinates_of_slots(code));
+  if (prepare_spreads(code) || (plain(code) && any_sines)) text += int_table("slot_joint", coordinates_of_slots(code, false));
+  if (joints.quaternions && role_of(code, Source::position, false) >= 0)
+    text += int_table("slot_position", coordinates_of_slots(code, true));
   if (prepare_spreads(code) || (!joints.turning.empty() && any_sines)) text += int_table("first_of_four", fours(code));
   if (needs_angles(code)) tables("turning", joints.turning);
   const bool slides = role_of(code, Source::slide, false) >= 0 || role_of(code, Source::slide, true) >= 0;
@@ -208,7 +232,13 @@ ir::Operations prepare_operations(const CodeInput& code) {
     sum.sincos = 4 * static_cast<long>(fours(code).size());
   }
   for (const bool rest : {false, true})
-    if (role_of(code, Source::slide, rest) >= 0) positions(joints.sliding, rest);
+    if (role_of(code, Source::slide, rest) >= 0) {
+      positions(joints.sliding, rest);
+      for (const int k : joints.sliding)
+        if (is_screw(code.tree.bodies[static_cast<size_t>(k)]) &&
+            !(rest && code.tree.carries_reference(static_cast<size_t>(k))))
+          ++sum.multiply;
+    }
   return sum;
 }
 

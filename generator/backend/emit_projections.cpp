@@ -9,6 +9,7 @@
 #include "backend/graph_printer.hpp"
 #include "backend/kept.hpp"
 #include "backend/literals.hpp"
+#include "ir/moved_links.hpp"
 #include "ir/row_runs.hpp"
 
 namespace dalembert::backend {
@@ -19,8 +20,9 @@ using ir::InputKind;
 // Bodies whose columns lanes give.
 std::vector<int> projected_bodies(const CodeInput& code) {
   std::vector<int> bodies;
+  const std::vector<int> links = ir::numbers_of_links(code.tree);
   for (int k = 0; k < code.tree.joints(); ++k)
-    if (code.is_rolled() || ir::by_rows(code.tree, k)) bodies.push_back(k);
+    if (links[static_cast<size_t>(k)] >= 0 && (code.is_rolled() || ir::by_rows(code.tree, k))) bodies.push_back(k);
   return bodies;
 }
 
@@ -105,11 +107,12 @@ class ProjectionWriter {
 
   std::string tables() const {
     std::vector<std::string> bodies, runs;
+    const std::vector<int> links = ir::numbers_of_links(code_.tree);
     for (const int k : projected_bodies(code_)) {
       for (const ir::RowRun& r : ir::row_runs(code_.tree, k))
         runs.push_back(fmt::format("{{{}, {}, {}, {}}}", r.joint, r.row, r.count, r.adds));
       const int at = code_.is_rolled() ? slot_of(code_, k) : k * array(projection_.bodies).rows;
-      const int columns = static_cast<int>(projection_.columns.size()) * (k + (code_.tree.floating_base ? 1 : 0));
+      const int columns = static_cast<int>(projection_.columns.size()) * links[static_cast<size_t>(k)];
       bodies.push_back(fmt::format("{{{}, {}, {}}}", at, array_.rows * columns, runs.size()));
     }
     return fmt::format(

@@ -201,11 +201,15 @@ std::string results_statements(const CodeInput& code) {
   std::string text = driven_statements(code) + joint_results(code);
   for (const ir::AddedConstant& a : code.rolled.added) {
     const ir::OutputArray& array = code.algorithm.arrays[static_cast<size_t>(a.array)];
-    text += fmt::format("  workspace.{}[{}] += {};  // added on the diagonal\n", array.name,
-                        element_index(array, a.row, a.column), literal(a.value, code.scene.scalar));
+    const auto index = element_index(array, a.row, a.column);
+    if (a.role >= 0)
+      text += fmt::format("  workspace.{}[{}] {}= {}[{}];  // between axes of one joint\n", array.name, index,
+                          a.value > 0 ? "+" : "-", kept(code, a.role, 0), slot_of(code, a.body));
+    else
+      text += fmt::format("  workspace.{}[{}] += {};  // added on the diagonal\n", array.name, index,
+                          literal(a.value, code.scene.scalar));
   }
-  return text + projection_statements(code) + matrix_statements(code) + constraint_statements(code) +
-         pivots_statements(code);
+  return text + projection_statements(code) + matrix_statements(code) + constraint_statements(code) + pivots_statements(code);
 }
 
 std::string tables_text(const CodeInput& code) {

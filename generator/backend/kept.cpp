@@ -59,7 +59,7 @@ std::string slot_text(const CodeInput& code, int body) { return body < 0 ? "base
 int stride(const CodeInput& code) { return code.plan.slots + 8; }
 
 int base_rows(const CodeInput& code) { return code.tree.nv() - code.tree.independent_joints(); }
-int base_positions(const CodeInput& code) { return code.tree.nq() - code.tree.independent_joints(); }
+int base_positions(const CodeInput& code) { return code.tree.base_positions(); }
 
 int driven_joints(const CodeInput& code) { return code.tree.joints() - code.tree.independent_joints(); }
 bool has_driven(const CodeInput& code) { return driven_joints(code) > 0; }

@@ -11,14 +11,14 @@
 namespace dalembert::backend {
 namespace {
 
-std::string list_of(const ir::Moments& moved, bool prismatic) {
+std::string list_of(const ir::Moments& moved, bool turns) {
   std::vector<std::string> parts;
   const auto add = [&](bool any, const char* name) {
     if (any) parts.emplace_back(name);
   };
   add(moved.mass != 0, "m");
   add(!moved.first.isZero(0), "h_z");
-  add(!moved.second.isZero(0), prismatic ? "S" : "S_zz");
+  add(!moved.second.isZero(0), turns ? "S_zz" : "S");
   add(moved.half_trace != 0, "t");
   return fmt::format("{}", fmt::join(parts, ", "));
 }
@@ -34,8 +34,8 @@ std::string moved_parameters(const CodeInput& code) {
   for (size_t k = 0; k < code.normal.bodies.size(); ++k) {
     const ir::NormalBody& n = code.normal.bodies[k];
     weightless = weightless && n.moments.mass == 0;
-    turns = turns || !n.prismatic;
-    if (const std::string list = list_of(n.moved, n.prismatic); !list.empty())
+    turns = turns || n.turning != 0;
+    if (const std::string list = list_of(n.moved, n.turning != 0); !list.empty())
       text += comment_lines(fmt::format("  {:<32} {:<32} {}", name_of(static_cast<int>(k)), name_of(n.parent), list), 0, 4);
   }
   if (text.empty()) return "";

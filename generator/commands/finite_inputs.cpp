@@ -48,7 +48,8 @@ void check_finite_inputs(const Model& model, const Output& output, const std::st
                         "give a finite number; 'dalembert info' lists the coordinates"});
   };
   const auto result = [&](State other) {
-    if (model.tree.floating_base && other.q.segment<4>(3).allFinite()) other.q.segment<4>(3).normalize();
+    for (const int first : model.tree.quaternions())
+      if (other.q.segment<4>(first).allFinite()) other.q.segment<4>(first).normalize();
     return evaluate_generic(model, output, other);
   };
   // What does not count all the same moves the last digits: on a fixed base the first joint turns the frame of reference.

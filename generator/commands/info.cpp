@@ -10,20 +10,11 @@
 #include "compile.hpp"
 #include "ir/plan_words.hpp"
 #include "left_out.hpp"
+#include "passes/joints/kinds.hpp"
 
 namespace dalembert {
 
 namespace {
-
-std::string_view name_of(ir::JointType type) {
-  switch (type) {
-    case ir::JointType::revolute: return "revolute";
-    case ir::JointType::continuous: return "continuous";
-    case ir::JointType::prismatic: return "prismatic";
-    case ir::JointType::fixed: return "fixed";
-  }
-  return "";
-}
 
 // -0 and 0 print alike.
 std::string vector(const Eigen::Vector3d& v) {
@@ -37,14 +28,33 @@ std::string summary(const Model& model) {
   return fmt::format(
       "robot {} ({}): {} base '{}', {} moving joints, {} links, {:.6g} kg that move\n"
       "nq = {}, nv = {}\n",
-      tree.robot, model.name, tree.floating_base ? "floating" : "fixed", tree.base_link, tree.joints(), tree.links.size(), mass,
-      tree.nq(), tree.nv());
+      tree.robot, model.name, tree.floating_base ? "floating" : "fixed", tree.base_link,
+      std::count_if(tree.bodies.begin(), tree.bodies.end(), [](const ir::Body& body) { return body.part == 0; }),
+      tree.links.size(), mass, tree.nq(), tree.nv());
+}
+
+bool any_of_several(const ir::KinematicTree& tree) {
+  return std::any_of(tree.bodies.begin(), tree.bodies.end(), [](const ir::Body& body) { return body.parts > 1; });
 }
 
 std::string coordinates(const ir::KinematicTree& tree) {
-  if (!tree.floating_base) return "q = [joints], v = [joint rates]\n";
+  std::string rows;  // of joints whose numbers are not one of q and one of v, in the same order
+  const std::vector<int> position = tree.positions(), coordinate = tree.coordinates();
+  for (size_t k = 0; k < tree.bodies.size() && any_of_several(tree); ++k) {
+    const ir::Body& body = tree.bodies[k];
+    if (body.part > 0 || body.driven()) continue;
+    const passes::JointKindRow kind = passes::kind_of(body.of.empty() ? body.type : body.kind);
+    const auto range = [](const char* of, int first, int count) {
+      return count == 1 ? fmt::format("{}[{}]", of, first) : fmt::format("{}[{}-{}]", of, first, first + count - 1);
+    };
+    rows += fmt::format("  {}: {}, {}; {}\n", body.of.empty() ? body.joint : body.of,
+                        range("q", tree.base_positions() + position[k], kind.nq),
+                        range("v", tree.nv() - tree.independent_joints() + coordinate[k], kind.nv), kind.coordinates);
+  }
+  if (!tree.floating_base) return "q = [joints], v = [joint rates]\n" + rows;
   return "q = [base position in the world (0-2), quaternion x y z w (3-6), joints (7-)]\n"
-         "v = [base linear velocity (0-2), angular velocity (3-5), both in base axes, joint rates (6-)]\n";
+         "v = [base linear velocity (0-2), angular velocity (3-5), both in base axes, joint rates (6-)]\n" +
+         rows;
 }
 
 // What the scene puts into a joint.
@@ -57,6 +67,14 @@ std::string losses_and_springs(const ir::Body& body) {
   return text;
 }
 
+// The axis of the joint that moves body k; of several coordinates, theirs.
+std::string axes_of(const ir::KinematicTree& tree, size_t k) {
+  std::string text;
+  for (size_t i = k; i < k + static_cast<size_t>(tree.bodies[k].parts); ++i)
+    text += (text.empty() ? "" : " | ") + vector(tree.bodies[i].axis);
+  return text;
+}
+
 std::string bodies(const ir::KinematicTree& tree) {
   std::string text = "\ntree (joint: type, axis -> body, mass, and what the scene puts into the joint):\n";
   text += fmt::format("  base {}{}\n", tree.base_link, tree.floating_base ? fmt::format(", {:.6g} kg", tree.base.mass) : "");
@@ -64,12 +82,19 @@ std::string bodies(const ir::KinematicTree& tree) {
   std::vector<int> depth(tree.bodies.size());
   for (size_t k = 0; k < tree.bodies.size(); ++k) {
     const ir::Body& body = tree.bodies[k];
-    depth[k] = body.parent < 0 ? 1 : depth[static_cast<size_t>(body.parent)] + 1;
+    const int above = body.parent < 0 ? 0 : depth[static_cast<size_t>(body.parent)];
+    depth[k] = body.part == 0 ? above + 1 : above;
+    if (body.part > 0) continue;  // said with the first
+    const ir::Body& moved = tree.bodies[k + static_cast<size_t>(body.parts) - 1];
     const std::string number = body.driven()
                                    ? fmt::format("= {:.6g} q[{}] + {:.6g}", body.multiplier, coordinate[k], body.offset)
-                                   : fmt::format("{}", coordinate[k]);
-    text += fmt::format("  {:>{}}{} {}: {}, {} -> {}, {:.6g} kg{}\n", "", 2 * depth[k], number, body.joint, name_of(body.type),
-                        vector(body.axis), body.name, body.inertia.mass, losses_and_springs(body));
+                               : body.parts > 1 ? fmt::format("{}-{}", coordinate[k], coordinate[k] + body.parts - 1)
+                                                : fmt::format("{}", coordinate[k]);
+    text +=
+        fmt::format("  {:>{}}{} {}: {}, {}{} -> {}, {:.6g} kg{}\n", "", 2 * depth[k], number,
+                    body.of.empty() ? body.joint : body.of, passes::kind_of(body.of.empty() ? body.type : body.kind).name,
+                    axes_of(tree, k), body.type == ir::JointType::helical ? fmt::format(", {:.6g} m per turn", body.pitch) : "",
+                    moved.name, moved.inertia.mass, losses_and_springs(body));
   }
   return text;
 }

@@ -28,6 +28,8 @@ constexpr Help scene_help[] = {
      "how equations with M are solved; default: whichever is estimated to be faster"},
     {"locked", "JOINT=VALUE,...", "joints held at a value (rad or m)"},
     {"cut", "LINK,...", "links removed, with their descendants"},
+    {"joints", "{JOINT: {helical: M_PER_TURN}|{universal: [X, Y, Z]}|planar|spherical|floating}",
+     "what joints are that the URDF calls otherwise: a screw, two axes through one point, a plane, a ball, free"},
     {"mimic", "urdf|{JOINT: {of: JOINT, multiplier: 1, offset: 0}}", "mimic joints: each follows another"},
     {"jacobians", "LINK,...", "links whose body Jacobian is an output too"},
     {"frames",

@@ -13,6 +13,7 @@
 #include "commands/compiler.hpp"
 #include "commands/output.hpp"
 #include "compile.hpp"
+#include "passes/joints/kinds.hpp"
 
 namespace dalembert {
 
@@ -68,7 +69,13 @@ std::string coordinates_table(const Model& model) {
         "| the base | 0–6 | 0–5 | position in the world, quaternion x y z w; linear and angular velocity in the base's axes "
         "|\n";
   for (const ir::Body& body : tree.bodies)
-    if (!body.driven()) text += fmt::format("| {} | {} | {} | {} |\n", body.joint, q++, v++, body.prismatic() ? "m" : "rad");
+    if (body.has_quaternion()) {
+      const passes::JointKindRow kind = passes::kind_of(body.kind);
+      text += fmt::format("| {} | {}–{} | {}–{} | {} |\n", body.of, q, q + kind.nq - 1, v, v + kind.nv - 1, kind.coordinates);
+      q += kind.nq, v += kind.nv;
+    } else if (!body.driven() && !body.of_quaternion()) {
+      text += fmt::format("| {} | {} | {} | {} |\n", body.joint, q++, v++, body.turns() ? "rad" : "m");
+    }
   return text;
 }
 

@@ -28,11 +28,13 @@ std::vector<State> random_states(const ir::KinematicTree& tree, int count) {
     State state{fmt::format("random state {}", s), Eigen::VectorXd(tree.nq()), Eigen::VectorXd(tree.nv()),
                 Eigen::VectorXd(tree.nv()), Eigen::VectorXd(6 * static_cast<Eigen::Index>(tree.pushed.size()))};
     for (int i = 0; i < base; ++i) state.q[i] = uniform(-1, 1);
-    if (tree.floating_base) state.q.segment<4>(3).normalize();
     int coordinate = base;
     for (const ir::Body& body : tree.bodies)
-      if (!body.driven())
-        state.q[coordinate++] = body.prismatic() ? uniform(-0.5, 0.5) : uniform(-std::numbers::pi, std::numbers::pi);
+      for (int i = 0; i < body.positions(); ++i)
+        state.q[coordinate++] = body.has_quaternion() ? uniform(-1, 1)
+                                : body.prismatic()    ? uniform(-0.5, 0.5)
+                                                      : uniform(-std::numbers::pi, std::numbers::pi);
+    for (const int first : tree.quaternions()) state.q.segment<4>(first).normalize();
     for (int i = 0; i < tree.nv(); ++i) state.v[i] = uniform(-2, 2);
     for (int i = 0; i < tree.nv(); ++i) state.more[i] = uniform(-2, 2);
     for (double& x : state.wrenches) x = uniform(-20, 20);

@@ -13,15 +13,18 @@ namespace dalembert {
 
 namespace {
 
-void normalise_quaternion(State& state, const std::string& file, Diagnostics& warnings) {
-  auto quaternion = state.q.segment<4>(3);
+void normalise_quaternion(State& state, int first, bool of_base, const std::string& file, Diagnostics& warnings) {
+  auto quaternion = state.q.segment<4>(first);
   const double length = quaternion.norm();
   if (std::isnan(length)) return;
+  const std::string whose =
+      of_base ? "the base's quaternion" : fmt::format("the quaternion of q[{}] to q[{}]", first, first + 3);
   if (length == 0 || std::isinf(length))
-    throw InputError({Severity::error, file, state.place, fmt::format("the base's quaternion has length {}", length),
-                      "give a unit quaternion x y z w as the 4th to 7th number, for example 0 0 0 1"});
+    throw InputError({Severity::error, file, state.place, fmt::format("{} has length {}", whose, length),
+                      of_base ? "give a unit quaternion x y z w as the 4th to 7th number, for example 0 0 0 1"
+                              : "give a unit quaternion x y z w, for example 0 0 0 1"});
   if (std::abs(length - 1) > 1e-6)
-    warnings.push_back({Severity::warning, file, state.place, fmt::format("the base's quaternion has length {:.9g}", length),
+    warnings.push_back({Severity::warning, file, state.place, fmt::format("{} has length {:.9g}", whose, length),
                         "it is normalised; give a unit quaternion x y z w"});
   quaternion /= length;
 }
@@ -58,7 +61,8 @@ std::vector<State> read_states_text(const std::string& file, const std::string& 
           {Severity::error, file, place, fmt::format("there are {} numbers instead of {}", values->size(), count), layout});
     const Eigen::Map<const Eigen::VectorXd> all(values->data(), count);
     State state{place, all.head(nq), all.segment(nq, nv), all.segment(nq + nv, more), all.tail(wrenches)};
-    if (tree.floating_base) normalise_quaternion(state, file, warnings);
+    for (const int first : tree.quaternions())
+      normalise_quaternion(state, first, tree.floating_base && first == 3, file, warnings);
     states.push_back(std::move(state));
   }
   if (states.empty()) throw InputError({Severity::error, file, "", "there is no state in it", layout});

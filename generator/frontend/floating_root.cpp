@@ -30,13 +30,6 @@ std::unordered_set<std::string> in_the_world(const Children& children, const std
   return links;
 }
 
-[[noreturn]] void refuse(const std::string& file, const std::vector<const JointOutline*>& joints, const std::string& message,
-                         const std::string& remedy) {
-  Diagnostics errors;
-  for (const JointOutline* joint : joints) add_error(errors, {Severity::error, file, place(*joint), message, remedy});
-  throw InputError(errors);
-}
-
 }  // namespace
 
 void take_floating_root(const std::string& file, UrdfOutline& outline, Diagnostics& warnings) {
@@ -49,30 +42,21 @@ void take_floating_root(const std::string& file, UrdfOutline& outline, Diagnosti
     if (joint.type == "floating") floating.push_back(&joint);
   }
   if (floating.empty()) return;
-  std::vector<const JointOutline*> further_out;
-  for (const JointOutline* joint : floating) {
+  // One behind a joint that moves is a joint of the tree, and so are all where the world has more that moves.
+  std::erase_if(floating, [&](const JointOutline* joint) {
     auto up = above.find(joint->parent);
     while (up != above.end() && up->second->type == "fixed") up = above.find(up->second->parent);
-    if (up != above.end()) further_out.push_back(joint);
-  }
-  if (!further_out.empty())
-    refuse(file, further_out, "joints of type 'floating' are supported only at the root",
-           "replace it by three prismatic and three revolute joints, or make it fixed");
-  if (floating.size() > 1)
-    refuse(file, floating, "there is more than one floating joint at the root: more than one robot",
-           "keep one of the robots in this file");
-
+    return up != above.end();
+  });
+  if (floating.size() != 1) return;
   const JointOutline& joint = *floating.front();
   std::string root = joint.parent;
   for (auto up = above.find(root); up != above.end(); up = above.find(root)) root = up->second->parent;
   const std::unordered_set<std::string> lost = in_the_world(children, root, joint);
-  std::vector<const JointOutline*> moving;
-  for (const JointOutline& other : outline.joints)
-    if (&other != &joint && lost.count(other.parent) && other.type != "fixed") moving.push_back(&other);
-  if (!moving.empty())
-    refuse(file, moving, fmt::format("it moves in the world, beside the robot below the floating joint '{}'", joint.name),
-           "keep one of the two in this file");
-
+  const bool moves_beside = std::any_of(outline.joints.begin(), outline.joints.end(), [&](const JointOutline& other) {
+    return &other != &joint && lost.count(other.parent) && other.type != "fixed";
+  });
+  if (moves_beside) return;
   std::vector<std::string> with_mass;
   for (const LinkOutline& link : outline.links)
     if (lost.count(link.name) && link.inertial) with_mass.push_back("'" + link.name + "'");

@@ -31,7 +31,8 @@ class SceneCheck {
     if (!document_.given.count("base")) scene_.base = default_base(robot_);
     outputs();
     cut();
-    for (const auto& [joint, value] : scene_.locked) moving_joint("locked", joint);
+    kinds();
+    locked();
     mimic();
     placed();
     links_asked("jacobians", scene_.jacobians);
@@ -132,6 +133,42 @@ class SceneCheck {
     }
   }
 
+  void kinds() {
+    for (const auto& [name, kind] : scene_.joints) {
+      if (!moving_joint("joints", name)) continue;
+      const ir::Joint& joint = robot_.joints[static_cast<size_t>(joints_.at(name))];
+      if (kind.type == ir::JointType::universal && joint.axis.cross(kind.second).norm() < 1e-9)
+        error("joints/" + name, fmt::format("the second axis of joint '{}' is its first: together they turn one way", name),
+              "give the axis of the cross's other pin, in the child link's frame");
+      if (joint.type == ir::JointType::prismatic && kind.type == ir::JointType::helical)
+        error("joints/" + name,
+              fmt::format("joint '{}' is prismatic: limits and losses of a screw are those of its angle", name),
+              "make it revolute or continuous in the URDF");
+    }
+  }
+
+  // Of those of several coordinates only where they are zero.
+  void locked() {
+    for (const auto& [name, value] : scene_.locked)
+      if (moving_joint("locked", name) && value != 0 && coordinates_of(name) > 1)
+        error("locked/" + name, fmt::format("joint '{}' has {} coordinates", name, coordinates_of(name)),
+              "lock it at zero, and say in the URDF's <origin> where that is");
+  }
+
+  ir::JointType type_of(const std::string& name) const {
+    const auto kind = scene_.joints.find(name);
+    return kind == scene_.joints.end() ? robot_.joints[static_cast<size_t>(joints_.at(name))].type : kind->second.type;
+  }
+  int coordinates_of(const std::string& name) const { return ir::coordinates_of(type_of(name)); }
+
+  // A relation or spring is of one coordinate.
+  bool of_one_coordinate(const std::string& key, const std::string& name) {
+    if (coordinates_of(name) == 1) return true;
+    error(locate(key, name), fmt::format("joint '{}' has {} coordinates", name, coordinates_of(name)),
+          "name a joint of one coordinate, or remove it here");
+    return false;
+  }
+
   // What <dynamics> says of joints that move, asked for by the scene.
   void urdf_values(const char* kind, double ir::Joint::*value) {
     for (const ir::Joint& joint : robot_.joints)
@@ -158,6 +195,7 @@ class SceneCheck {
         continue;
       }
       if (!free_joint(key, name) || !free_joint(of, relation.of)) continue;
+      if (!of_one_coordinate(key, name) || !of_one_coordinate(of, relation.of)) continue;
       if (relation.of == name) error(key, fmt::format("joint '{}' drives itself", name), "name another joint as its driver");
       else if (scene_.mimic.count(relation.of))
         error(key, fmt::format("joint '{}' mimics '{}', which is a mimic joint itself", name, relation.of),
@@ -174,7 +212,7 @@ class SceneCheck {
   // A driven joint's spring would not be at rest where its driver's is.
   void stiffness() {
     for (const auto& [joint, spring] : scene_.stiffness) {
-      if (!free_joint("stiffness", joint)) continue;
+      if (!free_joint("stiffness", joint) || !of_one_coordinate("stiffness", joint)) continue;
       if (const auto relation = scene_.mimic.find(joint); relation != scene_.mimic.end())
         error("stiffness/" + joint, fmt::format("joint '{}' mimics '{}'", joint, relation->second.of),
               fmt::format("give the spring to '{}'", relation->second.of));
@@ -183,7 +221,7 @@ class SceneCheck {
 
   void elastic() {
     for (const auto& [joint, spring] : scene_.elastic)
-      if (free_joint("elastic", joint) && scene_.armature.count(joint))
+      if (free_joint("elastic", joint) && of_one_coordinate("elastic", joint) && scene_.armature.count(joint))
         error("armature/" + joint, fmt::format("joint '{}' is elastic", joint),
               "remove it here: the inertia in 'elastic' is that of the motor");
   }

@@ -31,20 +31,33 @@ class SceneReader {
     Handler read;
   };
   static const std::vector<Key>& keys() {
-    static const std::vector<Key> keys = {
-        {"base", &SceneReader::base},         {"gravity", &SceneReader::gravity},
-        {"outputs", &SceneReader::outputs},   {"functions", &SceneReader::functions},
-        {"coriolis", &SceneReader::coriolis}, {"forward_dynamics", &SceneReader::forward_dynamics},
-        {"locked", &SceneReader::locked},     {"cut", &SceneReader::cut},
-        {"mimic", &SceneReader::mimic},       {"jacobians", &SceneReader::jacobians},
-        {"frames", &SceneReader::frames},     {"payloads", &SceneReader::payloads},
-        {"wrenches", &SceneReader::wrenches}, {"contacts", &SceneReader::contacts},
-        {"armature", &SceneReader::armature}, {"damping", &SceneReader::damping},
-        {"friction", &SceneReader::friction}, {"stiffness", &SceneReader::stiffness},
-        {"elastic", &SceneReader::elastic},   {"massless", &SceneReader::massless},
-        {"inertia", &SceneReader::inertia},   {"rates_zero", &SceneReader::rates_zero},
-        {"scalar", &SceneReader::scalar},     {"parallel", &SceneReader::parallel},
-        {"plan", &SceneReader::plan},         {"batch", &SceneReader::batch}};
+    static const std::vector<Key> keys = {{"base", &SceneReader::base},
+                                          {"gravity", &SceneReader::gravity},
+                                          {"outputs", &SceneReader::outputs},
+                                          {"functions", &SceneReader::functions},
+                                          {"coriolis", &SceneReader::coriolis},
+                                          {"forward_dynamics", &SceneReader::forward_dynamics},
+                                          {"locked", &SceneReader::locked},
+                                          {"cut", &SceneReader::cut},
+                                          {"joints", &SceneReader::joints},
+                                          {"mimic", &SceneReader::mimic},
+                                          {"jacobians", &SceneReader::jacobians},
+                                          {"frames", &SceneReader::frames},
+                                          {"payloads", &SceneReader::payloads},
+                                          {"wrenches", &SceneReader::wrenches},
+                                          {"contacts", &SceneReader::contacts},
+                                          {"armature", &SceneReader::armature},
+                                          {"damping", &SceneReader::damping},
+                                          {"friction", &SceneReader::friction},
+                                          {"stiffness", &SceneReader::stiffness},
+                                          {"elastic", &SceneReader::elastic},
+                                          {"massless", &SceneReader::massless},
+                                          {"inertia", &SceneReader::inertia},
+                                          {"rates_zero", &SceneReader::rates_zero},
+                                          {"scalar", &SceneReader::scalar},
+                                          {"parallel", &SceneReader::parallel},
+                                          {"plan", &SceneReader::plan},
+                                          {"batch", &SceneReader::batch}};
     return keys;
   }
 
@@ -460,6 +473,37 @@ class SceneReader {
     for (const std::string& name : needed)
       if (!parts.contains(name)) refuse(entry.key, fmt::format("the spring of '{}' has no {}", joint, name), remedy);
     return parts;
+  }
+
+  // {joint: planar | {helical: pitch} | {universal: [x, y, z]}, ...}
+  void joints(const YamlNode& node) {
+    scene_.joints.clear();
+    forget_entries();
+    const std::string remedy = "write joints: {lead: {helical: 0.005}, wrist: {universal: [0, 1, 0]}, plate: planar}";
+    if (node.is_sequence() && node.items.empty()) return;
+    if (!node.is_map()) refuse(node, "the value is no map from joints to what they are", remedy);
+    for (const auto& entry : node.entries) {
+      const std::string joint = entry_name(entry.key);
+      if (!entry.value.is_scalar() && !(entry.value.is_map() && entry.value.entries.size() == 1))
+        refuse(entry.value, fmt::format("what is said of joint '{}' is neither a word nor a map of one", joint), remedy);
+      const bool alone = entry.value.is_scalar();
+      const YamlNode& word = alone ? entry.value : entry.value.entries.front().key;
+      ir::JointKind& kind = scene_.joints[joint];
+      kind.type = this->word(word, ir::joint_words());
+      const bool takes = kind.type == ir::JointType::helical || kind.type == ir::JointType::universal;
+      if (alone == takes)
+        refuse(word,
+               alone ? fmt::format("joint '{}' is {}, which needs {}", joint, word.scalar,
+                                   kind.type == ir::JointType::helical ? "a pitch in m per turn" : "a second axis")
+                     : fmt::format("'{}' takes no value", word.scalar),
+               remedy);
+      if (kind.type == ir::JointType::helical) kind.pitch = number(entry.value.entries.front().value);
+      if (kind.type == ir::JointType::universal) {
+        kind.second = vector(entry.value.entries.front().value, "write three numbers, in the child link's frame: " + remedy);
+        if (!(kind.second.norm() > 0)) refuse(word, fmt::format("the second axis of joint '{}' is zero", joint), remedy);
+        kind.second = kind.second.stableNormalized();
+      }
+    }
   }
 
   // {joint: {of: joint, multiplier: 1, offset: 0}, ...} or urdf

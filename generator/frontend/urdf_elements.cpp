@@ -96,13 +96,13 @@ Eigen::Matrix3d inertia(ElementReader& read, const TiXmlElement& inertial) {
 
 std::string joint_type(ElementReader& read, const TiXmlElement& element) {
   const std::string type =
-      read.required(element, "type", "write type=\"revolute\", continuous, prismatic or fixed").value_or("");
-  if (type == "planar")
-    read.error(element, "joints of type 'planar' are not supported", "write it as two prismatic joints and a revolute one");
-  else if (!type.empty() && type != "revolute" && type != "continuous" && type != "prismatic" && type != "fixed" &&
-           type != "floating")
+      read.required(element, "type", "write type=\"revolute\", continuous, prismatic, planar or fixed").value_or("");
+  if (!type.empty() && type != "revolute" && type != "continuous" && type != "prismatic" && type != "planar" &&
+      type != "fixed" && type != "floating")
     read.error(element, fmt::format("joints of type '{}' are not supported", type),
-               "use revolute, continuous, prismatic or fixed");
+               type == "spherical" || type == "ball" || type == "helical" || type == "screw" || type == "universal"
+                   ? "write a type of URDF's, and what the joint is in the scene: joints: {joint: ...}"
+                   : "use revolute, continuous, prismatic, planar or fixed");
   return type;
 }
 
@@ -186,7 +186,7 @@ JointOutline read_joint(ElementReader& read, const TiXmlElement& element, const 
   outline.parent = end(read, element, "parent");
   outline.child = end(read, element, "child");
   outline.origin = frame(read, element);
-  if (outline.type == "revolute" || outline.type == "continuous" || outline.type == "prismatic")
+  if (outline.type == "revolute" || outline.type == "continuous" || outline.type == "prismatic" || outline.type == "planar")
     outline.axis = axis(read, element);
   if (const TiXmlElement* dynamics = element.FirstChildElement("dynamics")) {
     read.data_in_attributes(*dynamics, "write <dynamics damping=\"...\" friction=\"...\"/>");

@@ -36,7 +36,7 @@ struct LinkOutline {
 struct JointOutline {
   std::string name;
   int line = 0;
-  std::string type;    // revolute, continuous, prismatic, fixed or floating
+  std::string type;    // revolute, continuous, prismatic, planar, fixed or floating
   std::string parent;  // link names
   std::string child;
   Frame origin;

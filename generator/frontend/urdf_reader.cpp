@@ -97,6 +97,8 @@ ir::JointType type(const std::string& name) {
   if (name == "revolute") return ir::JointType::revolute;
   if (name == "continuous") return ir::JointType::continuous;
   if (name == "prismatic") return ir::JointType::prismatic;
+  if (name == "planar") return ir::JointType::planar;
+  if (name == "floating") return ir::JointType::floating;
   return ir::JointType::fixed;  // the outline refused every other type
 }
 

@@ -83,6 +83,7 @@ struct Pairs {
   std::vector<PairTerm> below;  // element (k, i); empty: none
   bool symmetric = false;       // element (k, i) is element (i, k)
   int diagonal = -1;            // parameter added to element (k, k)
+  int between = -1;             // role added, with its sign, to element (i, k) of two parts of one joint that do not commute
 };
 
 // A matrix with some columns per body and a row per coordinate: what the body sees of every joint above it, itself included.
@@ -152,9 +153,9 @@ struct Algorithm {
   std::vector<Pairs> pairs;
   std::vector<Projection> projections;
   std::vector<Result> results;
-  std::vector<MatrixStep> steps;         // in order, after all results
+  std::vector<MatrixStep> steps;                 // in order, after all results
   std::vector<ConstraintStep> constraint_steps;  // behind them
-  std::vector<std::string> written_out;  // equations of steps that became nodes; tags count on to them
+  std::vector<std::string> written_out;          // equations of steps that became nodes; tags count on to them
   std::optional<Guard> guard;
   int factor = -1;  // the array that equations with M are solved by, if the code is to offer that
 

@@ -1,5 +1,7 @@
 #include "ir/joint_words.hpp"
 
+#include <algorithm>
+
 namespace dalembert::ir {
 namespace {
 
@@ -24,6 +26,24 @@ std::string listed(const std::vector<std::string>& parts) {
 }
 
 }  // namespace
+
+std::vector<int> coordinates_at(const std::vector<int>& positions, const KinematicTree& tree) {
+  if (!tree.any_quaternion()) return positions;
+  const std::vector<int> first = tree.positions();
+  std::vector<int> coordinates;
+  int coordinate = 0;
+  for (size_t k = 0; k < tree.bodies.size(); ++k) {
+    const Body& body = tree.bodies[k];
+    if (body.driven()) continue;
+    const int count = body.of_quaternion() ? positions_of(body.kind) : 1;
+    bool all = true;
+    for (int i = first[k]; i < first[k] + count; ++i)
+      all = all && std::find(positions.begin(), positions.end(), i) != positions.end();
+    if (all) coordinates.push_back(coordinate);
+    ++coordinate;
+  }
+  return coordinates;
+}
 
 std::string joints_in_words(const std::vector<int>& numbers, const KinematicTree& tree) {
   std::vector<std::string> names;

@@ -3,6 +3,8 @@
 // Invariants: bodies[k].parent < k (-1 is the base); a subtree is the contiguous range [k, k + subtree_size). The base's
 // inertia matters only when it floats.
 //
+// A joint of several coordinates is as many bodies in a row, all but the last without mass (passes/joints).
+//
 // An elastic joint is two on the same axis: the one of the URDF's name moves the motor, a body without mass, and the one behind
 // it deflects the spring and moves the link.
 //
@@ -25,7 +27,7 @@ namespace dalembert::ir {
 struct Body {
   std::string name;                                             // the moving joint's child link
   std::string joint;                                            // the joint that moves it
-  JointType type = JointType::revolute;                         // revolute, continuous or prismatic
+  JointType type = JointType::revolute;                         // revolute, continuous, prismatic or helical
   int parent = -1;                                              // body index, -1: the base
   Eigen::Isometry3d placement = Eigen::Isometry3d::Identity();  // body frame in the parent body's frame at q = 0
   Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();              // unit, in the body frame
@@ -39,8 +41,22 @@ struct Body {
   double armature = 0, damping = 0, friction = 0;  // as the scene asks; a driven body's are its driver's
   Spring spring;                                   // of the joint's own coordinate: a driven body has none
   std::string elastic;                             // the elastic joint whose deflection this body's joint is; else empty
+  double pitch = 0;                                // of a helical joint: how far it slides per turn, m
+  // Of a joint of several coordinates, which are as many bodies: what the URDF calls it, what it is, and which of them this is.
+  std::string of;
+  JointType kind = JointType::fixed;
+  int part = 0, parts = 1;
 
+  bool turns() const { return ir::turns(type); }
+  bool slides() const { return ir::slides(type); }
   bool prismatic() const { return type == JointType::prismatic; }
+  double slide_per_unit() const { return ir::slide_per_unit(type, pitch); }
+  // Whether it is part of a joint whose orientation is a quaternion: then all parts have the axes of the link at hand, and the
+  // first has the joint's pose and motion.
+  bool of_quaternion() const { return kind == JointType::spherical || kind == JointType::floating; }
+  bool has_quaternion() const { return of_quaternion() && part == 0; }
+  // Numbers of q: those of a joint of several coordinates are its first body's where it has a quaternion, else one each.
+  int positions() const { return driven() ? 0 : !of_quaternion() ? 1 : part == 0 ? positions_of(kind) : 0; }
   bool driven() const { return driven_by >= 0; }
 };
 
@@ -75,6 +91,21 @@ struct KinematicTree {
       if (bodies[k].driven()) index[k] = index[static_cast<size_t>(bodies[k].driven_by)];
     return index;
   }
+  // Per body: where in q its joint's own numbers begin, counted from 0 behind the base's; of parts that have none, the first's.
+  std::vector<int> positions() const {
+    std::vector<int> index(bodies.size());
+    int next = 0;
+    for (size_t k = 0; k < bodies.size(); ++k) {
+      index[k] = bodies[k].of_quaternion() && bodies[k].part > 0 ? index[k - 1] : next;
+      next += bodies[k].positions();
+    }
+    for (size_t k = 0; k < bodies.size(); ++k)
+      if (bodies[k].driven()) index[k] = index[static_cast<size_t>(bodies[k].driven_by)];
+    return index;
+  }
+  bool any_quaternion() const {
+    return std::any_of(bodies.begin(), bodies.end(), [](const Body& b) { return b.has_quaternion(); });
+  }
   // Joints with a coordinate of their own.
   int independent_joints() const {
     return static_cast<int>(std::count_if(bodies.begin(), bodies.end(), [](const Body& b) { return !b.driven(); }));
@@ -98,7 +129,22 @@ struct KinematicTree {
     while (below > body) below = bodies[static_cast<size_t>(below)].parent;
     return below == body;
   }
-  int nq() const { return independent_joints() + (floating_base ? 7 : 0); }
+  // Where in q unit quaternions x y z w begin: the base's first.
+  std::vector<int> quaternions() const {
+    std::vector<int> first;
+    if (floating_base) first.push_back(3);
+    const std::vector<int> position = positions();
+    for (size_t k = 0; k < bodies.size(); ++k)
+      if (bodies[k].has_quaternion())
+        first.push_back(base_positions() + position[k] + (bodies[k].kind == JointType::floating ? 3 : 0));
+    return first;
+  }
+  int base_positions() const { return floating_base ? 7 : 0; }
+  int nq() const {
+    int numbers = base_positions();
+    for (const Body& body : bodies) numbers += body.positions();
+    return numbers;
+  }
   int nv() const { return independent_joints() + (floating_base ? 6 : 0); }
 };
 

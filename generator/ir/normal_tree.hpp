@@ -20,8 +20,8 @@ struct Moments {
 };
 
 struct NormalBody {
-  int parent = -1;  // −1: the base
-  bool prismatic = false;
+  int parent = -1;                                         // −1: the base
+  double turning = 1, sliding = 0;                         // per unit of the coordinate, about z and along it: rad, m
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();  // this frame in the parent's frame at q = 0
   Eigen::Vector3d translation = Eigen::Vector3d::Zero();
   Moments moments;                                              // after moving

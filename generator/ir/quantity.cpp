@@ -1,6 +1,7 @@
 #include "ir/quantity.hpp"
 
 #include "ir/kinematic_tree.hpp"
+#include "ir/moved_links.hpp"
 
 namespace dalembert::ir {
 
@@ -26,7 +27,7 @@ std::vector<Quantity> default_quantities() {
 
 bool is_of_constraints(Quantity quantity) {
   const QuantityRow& row = row_of(quantity);
-  return row.scale == Scale::turning || row.scale == Scale::constrained || row.rows == Extent::constraint_rows;
+  return row.scale == Scale::constrained || row.rows == Extent::constraint_rows;
 }
 
 int extent(Extent extent, const KinematicTree& tree) {
@@ -36,8 +37,8 @@ int extent(Extent extent, const KinematicTree& tree) {
     case Extent::four: return 4;
     case Extent::six: return 6;
     case Extent::nv: return tree.nv();
-    case Extent::six_per_body: return 6 * (tree.joints() + (tree.floating_base ? 1 : 0));
-    case Extent::ten_per_body: return 10 * (tree.joints() + (tree.floating_base ? 1 : 0));
+    case Extent::six_per_body: return 6 * count_of_links(tree);
+    case Extent::ten_per_body: return 10 * count_of_links(tree);
     case Extent::constraint_rows: return tree.constraint_rows;
   }
   return 0;

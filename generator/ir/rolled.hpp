@@ -108,10 +108,11 @@ struct RolledPairs {
   int rows = -1;     // role, six components: elements (k, 0…5)
 };
 
-// A constant added to an element: armature.
+// A constant added to an element: armature; or that much of a body's role.
 struct AddedConstant {
   int array = 0, row = 0, column = 0;
   double value = 0;
+  int role = -1, body = 0;
 };
 
 struct RolledProgram {

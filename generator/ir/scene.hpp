@@ -66,16 +66,17 @@ struct Scene {
   std::vector<Quantity> outputs = default_quantities();
   std::vector<NamedFunction> functions;
   Coriolis coriolis = Coriolis::balance;
-  std::optional<Solver> forward_dynamics;  // unless asked for: articulated bodies, where they will do
-  std::map<std::string, double> locked;    // joint name → value (rad or m)
-  std::set<std::string> cut;               // link names: each and everything beyond it is removed
-  std::map<std::string, Mimic> mimic;      // driven joint → relation (no coordinate of its own)
-  std::vector<std::string> jacobians;      // links whose body Jacobian (6 × nv) is asked for
-  std::vector<LinkOutput> frames;          // what else is asked of links
-  std::vector<Frame> placed;               // frames of the user's own, which count as links
-  std::vector<std::string> payloads;       // links that carry a payload given at run time
-  std::vector<ExternalWrench> wrenches;    // what inverse and forward dynamics reckon with, in the order of a state file
-  std::vector<Contact> contacts;           // constraints, in the order of their rows
+  std::optional<Solver> forward_dynamics;   // unless asked for: articulated bodies, where they will do
+  std::map<std::string, double> locked;     // joint name → value (rad or m)
+  std::set<std::string> cut;                // link names: each and everything beyond it is removed
+  std::map<std::string, JointKind> joints;  // joint → what it is instead of what the URDF says
+  std::map<std::string, Mimic> mimic;       // driven joint → relation (no coordinate of its own)
+  std::vector<std::string> jacobians;       // links whose body Jacobian (6 × nv) is asked for
+  std::vector<LinkOutput> frames;           // what else is asked of links
+  std::vector<Frame> placed;                // frames of the user's own, which count as links
+  std::vector<std::string> payloads;        // links that carry a payload given at run time
+  std::vector<ExternalWrench> wrenches;     // what inverse and forward dynamics reckon with, in the order of a state file
+  std::vector<Contact> contacts;            // constraints, in the order of their rows
   ScalarType scalar = ScalarType::float64;
   Parallel parallel = Parallel::automatic;
   bool batch = false;                      // functions take many states at once, too

@@ -11,6 +11,7 @@
 #include "ir/identifier.hpp"
 #include "ir/rotation.hpp"
 #include "passes/combine_inertia.hpp"
+#include "passes/joints/kinds.hpp"
 #include "passes/joints_without_mass.hpp"
 #include "passes/magnitudes.hpp"
 
@@ -63,7 +64,7 @@ class TreeBuilder {
     while (!stack.empty()) {
       Visit visit = std::move(stack.back());
       stack.pop_back();
-      const int body = visit.joint >= 0 && moves(robot_.joints[at(visit.joint)]) ? start_body(visit) : visit.parent_body;
+      const int body = visit.joint >= 0 && moves(robot_.joints[at(visit.joint)]) ? start_bodies(visit) : visit.parent_body;
       const ir::Link& link = robot_.links[at(visit.link)];
       tree_.links.push_back({link.name, body, visit.placement});
       if (link.inertia) parts_[at(body + 1)].push_back(moved(*link.inertia, visit.placement));
@@ -90,26 +91,50 @@ class TreeBuilder {
 
   // The joint's displacement where it is locked; the identity elsewhere.
   Eigen::Isometry3d lock(const ir::Joint& joint) const {
-    Eigen::Isometry3d displacement = Eigen::Isometry3d::Identity();
     const auto locked = scene_.locked.find(joint.name);
-    if (locked == scene_.locked.end()) return displacement;
-    if (joint.type == ir::JointType::prismatic) displacement.translation() = joint.axis * locked->second;
-    else displacement.linear() = ir::rotation_about(joint.axis, locked->second);
-    return displacement;
+    if (locked == scene_.locked.end()) return Eigen::Isometry3d::Identity();
+    return displacement(as_asked(joint), locked->second);
   }
 
-  // The link begins a body: its frame becomes the body's.
-  int start_body(Visit& visit) {
-    const ir::Joint& joint = robot_.joints[at(visit.joint)];
+  // With the kind that the scene gives it.
+  ir::Joint as_asked(const ir::Joint& joint) const {
+    const auto kind = scene_.joints.find(joint.name);
+    return kind == scene_.joints.end() ? joint : with_kind(joint, kind->second);
+  }
+
+  // The link begins a body, or the last of several in a row: its frame becomes theirs.
+  int start_bodies(Visit& visit) {
+    const ir::Joint joint = as_asked(robot_.joints[at(visit.joint)]);
+    const std::vector<JointPart> parts = kind_of(joint.type).parts(joint);
+    const std::string& link = robot_.links[at(visit.link)].name;
+    if (parts.size() == 1) return start_body(visit, joint, parts.front(), joint.name, link);
+    int body = visit.parent_body;
+    for (size_t i = 0; i < parts.size(); ++i) {
+      const bool last = i + 1 == parts.size();
+      const std::string name = distinct(joint.name + "_" + parts[i].suffix);
+      body = start_body(visit, joint, parts[i], name, last ? link : distinct(joint.name + "_" + parts[i].suffix + "_body"));
+      ir::Body& made = tree_.bodies[at(body)];
+      made.of = joint.name;
+      made.kind = joint.type;
+      made.part = static_cast<int>(i);
+      made.parts = static_cast<int>(parts.size());
+      visit.parent_body = body;
+    }
+    return body;
+  }
+
+  int start_body(Visit& visit, const ir::Joint& joint, const JointPart& part, const std::string& name,
+                 const std::string& moved) {
     ir::Body body;
-    body.name = robot_.links[at(visit.link)].name;
-    body.joint = joint.name;
-    body.type = joint.type;
+    body.name = moved;
+    body.joint = name;
+    body.type = part.type;
+    body.pitch = joint.pitch;
     body.parent = visit.parent_body;
     // Here rather than in a later pass: what counts as the robot is the same for generated code and for its references.
     body.placement = visit.placement;
     body.placement.linear() = ir::without_rounding_dust(body.placement.linear());
-    body.axis = joint.axis;
+    body.axis = part.axis;
     const auto asked = [&](const std::map<std::string, double>& values, double otherwise) {
       const auto value = values.find(joint.name);
       return value == values.end() ? otherwise : value->second;
@@ -181,7 +206,8 @@ class TreeBuilder {
     if (moves_no_mass(tree_, scene_)) return;  // check_mass says it once
     const std::vector<int> massless = joints_without_mass(tree_, scene_);
     std::vector<std::string> names;
-    for (int k : massless) names.push_back(in_words(tree_.bodies[at(k)]));
+    for (int k : massless)
+      if (const std::string name = in_words(tree_.bodies[at(k)]); names.empty() || names.back() != name) names.push_back(name);
     if (!names.empty() && !scene_.lock_massless)
       warnings_.push_back({Severity::warning, robot_.file,
                            fmt::format("joint{} {}", names.size() > 1 ? "s" : "", fmt::join(names, ", ")),
@@ -199,7 +225,7 @@ class TreeBuilder {
   }
 
   bool no_inertia_about_axis(const ir::Body& body) const {
-    if (body.prismatic() || body.driven() || body.subtree_size > 1 || body.armature > 0) return false;
+    if (body.slides() || body.driven() || body.subtree_size > 1 || body.armature > 0) return false;
     const Eigen::Vector3d lever = body.axis.cross(body.inertia.com);
     return body.axis.dot(body.inertia.inertia * body.axis) + body.inertia.mass * lever.squaredNorm() == 0;
   }

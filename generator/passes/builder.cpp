@@ -44,6 +44,13 @@ JointPosition SweepBuilder::position(bool reference) {
   return {own(roles.sine), own(roles.cosine), own(roles.slide)};
 }
 
+Twist SweepBuilder::joint_twist() {
+  const BodyConstants constants = body();
+  Twist own = joint_motion(constants, parameter(moves_p) * rate());
+  const Vec3 linear = parameter3(joint_twist_p), angular = parameter3(joint_twist_p + 3);
+  return {own.linear + linear, own.angular + angular};
+}
+
 Sym SweepBuilder::coordinate() { return own(joint_position_role(builder_)); }
 Sym SweepBuilder::rate() { return own(joint_rate_role(builder_)); }
 Sym SweepBuilder::acceleration() { return own(joint_acceleration_role(builder_)); }

@@ -36,6 +36,8 @@ class SweepBuilder {
   Mat3 parameter9(int first) { return {parameter3(first), parameter3(first + 3), parameter3(first + 6)}; }
   BodyConstants body(bool reference = false);  // `reference`: with the frames that poses are made of
   JointPosition position(bool reference = false);
+  // Where joints have quaternions: the motion of the body against the one above it, along its own axes.
+  Twist joint_twist();
   Sym coordinate();  // of the joint, rad or m
   Sym rate();
   Sym acceleration();  // of the joint, as inverse dynamics takes it
@@ -52,14 +54,14 @@ class SweepBuilder {
   Sym of(int body, int role, int component = 0) { return input(ir::InputKind::of_body, role, component, body); }
   Vec3 of3(int body, int role, int from = 0) { return three(ir::InputKind::of_body, role, from, body); }
 
-  Twist base_twist();          // floating base: v's first six; fixed, and in statics: zero
-  Twist base_acceleration();   // floating base: the first six of dv/dt; fixed: zero
-  Twist base_effort();         // floating base: the first six of tau; fixed: zero
-  Twist external(int wrench);  // of the scene's wrenches: force and moment as they are given
+  Twist base_twist();                       // floating base: v's first six; fixed, and in statics: zero
+  Twist base_acceleration();                // floating base: the first six of dv/dt; fixed: zero
+  Twist base_effort();                      // floating base: the first six of tau; fixed: zero
+  Twist external(int wrench);               // of the scene's wrenches: force and moment as they are given
   Sym contact(int contact, int component);  // what it is given at run time (ir/contact.hpp)
-  Mat3 base_axes();            // in the world; of a fixed base the world's
-  Vec3 base_position();        // in the world; of a fixed base zero
-  Vec3 gravity_in_base();      // along the base's axes: the world's on a fixed base
+  Mat3 base_axes();                         // in the world; of a fixed base the world's
+  Vec3 base_position();                     // in the world; of a fixed base zero
+  Vec3 gravity_in_base();                   // along the base's axes: the world's on a fixed base
   Vec3 gravity_in_world();
 
   // `coordinate`: of a root sweep, for a role of one of the base's coordinates.

@@ -150,6 +150,20 @@ Twist body_velocity(const Twist& parent, const BodyConstants& body, const JointP
   return velocity;
 }
 
+Twist joint_motion(const BodyConstants& body, Sym rate) {
+  const Sym zero{rate.graph, rate.graph->constant(0)};
+  return {Vec3{zero, zero, body.sliding * rate}, Vec3{zero, zero, body.turning * rate}};
+}
+
+Motion propagate(const Motion& parent, const BodyConstants& body, const JointPosition& q, const Twist& joint) {
+  const Vec3 &w = parent.angular, &a = parent.angular_acceleration;
+  const Vec3 p = placed_origin(body, q);
+  const Vec3 centripetal = cross(w, cross(w, p)), origin = parent.acceleration + cross(a, p) + centripetal;
+  const Vec3 carried = to_child(body, q, w), gyroscopic = cross(carried, joint.angular);
+  const Vec3 coriolis = cross(carried, joint.linear), turned = cross(joint.angular, joint.linear);
+  return {carried + joint.angular, to_child(body, q, a) + gyroscopic, to_child(body, q, origin) + coriolis + coriolis + turned};
+}
+
 Motion propagate(const Motion& parent, const BodyConstants& body, const JointPosition& q, Sym rate) {
   const Vec3 &w = parent.angular, &a = parent.angular_acceleration;
   const Vec3 p = placed_origin(body, q);

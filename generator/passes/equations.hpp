@@ -100,6 +100,9 @@ struct Force {
 // u, w of the body's frame along its own axes.
 Twist body_velocity(const Twist& parent, const BodyConstants& body, const JointPosition& q, Sym rate);
 Motion propagate(const Motion& parent, const BodyConstants& body, const JointPosition& q, Sym rate);
+// The joint's motion along the body's axes, which stand still in it: of one axis, and of any.
+Twist joint_motion(const BodyConstants& body, Sym rate);
+Motion propagate(const Motion& parent, const BodyConstants& body, const JointPosition& q, const Twist& joint);
 // Adds the joint's own acceleration.
 void accelerate(Motion& motion, const BodyConstants& body, Sym acceleration);
 Force body_force(const Motion& motion, const BodyConstants& body);

@@ -37,19 +37,21 @@ int joint_effort_role(Builder& builder) {
 }
 
 ir::NodeId coordinate_node(ir::Graph& graph, const ir::Role& role, const ir::KinematicTree& tree,
-                           const std::vector<int>& coordinates, bool rates_zero, int body) {
+                           const std::vector<int>& coordinates, const std::vector<int>& positions, bool rates_zero, int body) {
   const ir::Body& joint = tree.bodies[static_cast<std::size_t>(body)];
   const JointModel root = root_joint(tree);
-  const int coordinate = coordinates[static_cast<std::size_t>(body)];
-  if (role.source == Source::position) return graph.input({InputKind::position, root.nq + coordinate, 0});
+  const int coordinate = coordinates[static_cast<std::size_t>(body)],
+            position = root.nq + positions[static_cast<std::size_t>(body)];
+  if (role.source == Source::position)
+    return joint.of_quaternion() ? graph.constant(0) : graph.input({InputKind::position, position, 0});
   if (role.source == Source::rate)
     return rates_zero ? graph.constant(0) : graph.input({InputKind::velocity, root.nv + coordinate, 0});
   if (role.source == Source::acceleration) return graph.input({InputKind::acceleration, root.nv + coordinate, 0});
   if (role.source == Source::effort) return graph.input({InputKind::effort, root.nv + coordinate, 0});
   const bool at_rest = role.held && tree.carries_reference(static_cast<std::size_t>(body));
-  const bool moves = joint.prismatic() == (role.source == Source::slide) && !at_rest;
+  const bool moves = (role.source == Source::slide ? joint.slides() : joint.turns()) && !at_rest && !joint.of_quaternion();
   if (!moves) return graph.constant(role.source == Source::cosine ? 1 : 0);
-  ir::NodeId q = graph.input({InputKind::position, root.nq + coordinate, 0});
+  ir::NodeId q = graph.input({InputKind::position, position, 0});
   if (joint.driven()) {
     const ir::NodeId offset = graph.constant(joint.offset), scaled = graph.multiply(graph.constant(joint.multiplier), q);
     q = graph.add(scaled, offset);
@@ -57,7 +59,7 @@ ir::NodeId coordinate_node(ir::Graph& graph, const ir::Role& role, const ir::Kin
   switch (role.source) {
     case Source::sine: return graph.sine(q);
     case Source::cosine: return graph.cosine(q);
-    default: return q;
+    default: return joint.turns() ? graph.multiply(graph.constant(joint.slide_per_unit()), q) : q;
   }
 }
 

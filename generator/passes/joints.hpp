@@ -1,7 +1,7 @@
 // Joints as data: how many coordinates each has, what of them the equations read, and its motion.
 //
-// A revolute or prismatic joint has one coordinate and moves about or along the z axis of its body's frame; its motion column
-// is [sliding z; turning z], from the parameters. The floating base is the joint of the root: its coordinates are a position
+// A body's joint has one coordinate and moves about or along the z axis of its body's frame, or both; its motion column is
+// [sliding z; turning z], from the parameters. The floating base is the joint of the root: its coordinates are a position
 // and a quaternion (7) and a twist in the base's axes (6), its motion columns the identity.
 #pragma once
 
@@ -33,8 +33,9 @@ int joint_effort_role(Builder& builder);
 
 // A role that is the joint's coordinate, as a node: of any source but sweep. A driven joint's sine, cosine and slide are of its
 // driver's position, scaled; its position, rate and acceleration are its driver's own, the scale being in its motion column.
+// coordinates, positions: of the tree.
 ir::NodeId coordinate_node(ir::Graph& graph, const ir::Role& role, const ir::KinematicTree& tree,
-                           const std::vector<int>& coordinates, bool rates_zero, int body);
+                           const std::vector<int>& coordinates, const std::vector<int>& positions, bool rates_zero, int body);
 
 // The base's axes in the world, from the quaternion x y z w of unit length; component(i) is its i-th number.
 template <class Component, class Constant>

@@ -41,7 +41,7 @@ std::vector<int> joints_without_mass(const ir::KinematicTree& tree, const ir::Sc
   std::vector<bool> carries(tree.bodies.size(), false);
   for (size_t k = 0; k < carries.size(); ++k) {
     const ir::Body& body = tree.bodies[k];
-    if (moved.mass[k + 1] || (!body.prismatic() && moved.inertia[k + 1]) || body.armature > 0)
+    if (moved.mass[k + 1] || (body.turns() && moved.inertia[k + 1]) || body.armature > 0)
       carries[body.driven() ? at(body.driven_by) : k] = true;
   }
   std::vector<int> joints;
@@ -59,7 +59,8 @@ bool moves_no_mass(const ir::KinematicTree& tree, const ir::Scene& scene) {
 }
 
 std::string in_words(const ir::Body& body) {
-  return body.elastic.empty() ? "'" + body.joint + "'" : "'" + body.elastic + "' (spring)";
+  if (!body.elastic.empty()) return "'" + body.elastic + "' (spring)";
+  return "'" + (body.of.empty() ? body.joint : body.of) + "'";
 }
 
 ir::Scene with_massless_locked(const ir::RobotDescription& robot, const ir::KinematicTree& tree, ir::Scene scene,
@@ -84,8 +85,8 @@ ir::Scene with_massless_locked(const ir::RobotDescription& robot, const ir::Kine
                           "leave it out of 'elastic'"});
       continue;
     }
-    lock(body.joint, 0);
-    names.push_back("'" + body.joint + "'");
+    lock(body.of.empty() ? body.joint : body.of, 0);
+    if (names.empty() || names.back() != in_words(body)) names.push_back(in_words(body));
     for (const ir::Body& driven : tree.bodies)
       if (driven.driven_by == k) lock(driven.joint, driven.offset);
   }

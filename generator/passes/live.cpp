@@ -17,12 +17,14 @@ class Walk {
         if (floating_base) live_.coordinate[live_.at(role, i)] = true;
       }
     };
-    for (const ir::Pairs& p : algorithm.pairs)
+    for (const ir::Pairs& p : algorithm.pairs) {
       for (const auto* terms : {&p.above, &p.below})
         for (const ir::PairTerm& t : *terms) {
           need(t.upper, t.upper_from, 3);
           need(t.lower, t.lower_from, 3);
         }
+      if (p.between >= 0) live_.body[live_.at(p.between, 0)] = true;
+    }
     for (const ir::Projection& p : algorithm.projections)
       each_input(p.graph, p.columns, [&](const ir::Input& in) {
         if (in.kind == InputKind::carried) return need(in.index, in.component, 1);

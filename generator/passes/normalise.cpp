@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "ir/rotation.hpp"
+#include "passes/joints/kinds.hpp"
 
 namespace dalembert::passes {
 namespace {
@@ -48,20 +49,6 @@ ir::Moments moments_of(const ir::Inertia& body, const Matrix3d& frame) {
   return m;
 }
 
-// The part of a body's moments that the parent can carry as well, in the body's frame; taken out of `moments`.
-ir::Moments take_movable(ir::Moments& moments, bool prismatic) {
-  ir::Moments moved;
-  if (prismatic) {  // no relative rotation: the whole second moment and the trace; mass and first moment stay
-    std::swap(moved.second, moments.second);
-    std::swap(moved.half_trace, moments.half_trace);
-    return moved;
-  }
-  std::swap(moved.mass, moments.mass);  // a distribution along the axis
-  std::swap(moved.first.z(), moments.first.z());
-  std::swap(moved.second(2, 2), moments.second(2, 2));
-  return moved;
-}
-
 bool has_inertia(const ir::Moments& own) { return own.mass != 0 || !own.second.isZero(0); }
 
 void add_to_parent(ir::Moments& parent, const ir::Moments& m, const Matrix3d& r, const Vector3d& p) {
@@ -81,12 +68,12 @@ void shift_origin(ir::Moments& m, double by) {
 
 int nonzeros(const Vector3d& v) { return static_cast<int>((v.array() != 0).count()); }
 
-// The origin of a revolute joint's frame may be anywhere on its axis: level with the next joint's, where that makes more
+// The origin of the frame of a joint that turns may be anywhere on its axis: level with the next joint's, where that makes more
 // components of translations zero: fewer operations, and as a rule shorter levers and less rounding.
 void slide_origins(ir::NormalTree& tree) {
   for (size_t k = tree.bodies.size(); k-- > 0;) {
     ir::NormalBody& n = tree.bodies[k];
-    if (n.prismatic) continue;
+    if (n.turning == 0) continue;
     std::vector<ir::NormalBody*> children;
     for (size_t c = k + 1; c < tree.bodies.size(); ++c)
       if (tree.bodies[c].parent == static_cast<int>(k)) children.push_back(&tree.bodies[c]);
@@ -126,7 +113,8 @@ ir::NormalTree normalise(const ir::KinematicTree& tree, const NormaliseOptions& 
     Matrix3d parent_frame = Matrix3d::Identity();
     if (body.parent >= 0) parent_frame = normal.bodies[static_cast<size_t>(body.parent)].link_rotation.transpose();
     n.parent = body.parent;
-    n.prismatic = body.prismatic();
+    n.turning = body.turns() ? 1 : 0;
+    n.sliding = body.slide_per_unit();
     n.rotation = ir::without_rounding_dust(parent_frame.transpose() * body.placement.linear() * frame);
     n.translation = parent_frame.transpose() * body.placement.translation();
     n.link_rotation = frame.transpose();
@@ -138,7 +126,7 @@ ir::NormalTree normalise(const ir::KinematicTree& tree, const NormaliseOptions& 
     ir::NormalBody& n = normal.bodies[k];
     // A link without inertia, as in a joint of several axes, costs nothing as long as nothing moves there.
     if (n.parent >= 0 && !has_inertia(normal.bodies[static_cast<size_t>(n.parent)].own)) continue;
-    n.moved = take_movable(n.moments, n.prismatic);
+    n.moved = take_movable(n.moments, n.turning != 0, n.sliding != 0);
     // A prismatic joint displaces along z, which changes nothing in what moves: no mass, no first moment.
     ir::Moments& parent = n.parent < 0 ? normal.base : normal.bodies[static_cast<size_t>(n.parent)].moments;
     add_to_parent(parent, n.moved, n.rotation, n.translation);

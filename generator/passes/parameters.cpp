@@ -34,6 +34,9 @@ constexpr Group groups[] = {
     {own_coordinate_p, ir::Shape::scalar, "own_coordinate", "", false},
     {link_rotation_p, ir::Shape::matrix, "link_rotation", "", false},
     {link_translation_p, ir::Shape::vector, "link_translation", "m", false},
+    {moves_p, ir::Shape::scalar, "moves", "", false},
+    {first_part_p, ir::Shape::scalar, "first_part", "", false},
+    {joint_twist_p, ir::Shape::wrench, "joint_twist", "m/s, rad/s", false},
     {bears_p, ir::Shape::scalar, "bears", "", false},
 };
 
@@ -79,6 +82,7 @@ double parameter_value(int parameter, const ir::KinematicTree& tree, const ir::N
   if (parameter >= bears_p) return tree.is_above(body, tree.pushed[static_cast<size_t>(parameter - bears_p)]) ? 1 : 0;
   const bool of_moments = parameter >= mass_p && parameter <= half_trace_p;
   if (body < 0) {  // the base's link is the frame of reference
+    if (parameter == first_part_p || parameter == moves_p) return 1;
     if (of_moments) return moment_value(parameter, normal.base);
     return parameter >= link_rotation_p && parameter < link_translation_p
                ? entry(Eigen::Matrix3d::Identity(), parameter - link_rotation_p)
@@ -88,10 +92,15 @@ double parameter_value(int parameter, const ir::KinematicTree& tree, const ir::N
   const ir::Body& joint = tree.bodies[static_cast<size_t>(body)];
   if (of_moments) return moment_value(parameter, n.moments);
   const bool reference = !tree.floating_base && n.parent < 0;
+  // Where the pose is a quaternion's it is given at run time (passes/joints/quaternion.hpp).
+  const bool of_rotation = parameter < translation_p || (parameter >= pose_rotation_p && parameter < pose_translation_p);
+  if (joint.has_quaternion() && parameter < turning_p && !(reference && parameter >= pose_rotation_p) &&
+      (of_rotation || joint.kind == ir::JointType::floating))
+    return 0;
   const double per_unit = joint.driven() ? joint.multiplier : 1;
   switch (parameter) {
-    case turning_p: return n.prismatic ? 0 : per_unit;
-    case sliding_p: return n.prismatic ? per_unit : 0;
+    case turning_p: return n.turning * per_unit;
+    case sliding_p: return n.sliding * per_unit;
     case armature_p: return joint.driven() ? 0 : joint.armature;  // a driven joint's are counted at its driver
     case half_armature_p: return joint.driven() ? 0 : 0.5 * joint.armature;
     case damping_p: return joint.driven() ? 0 : joint.damping;
@@ -100,8 +109,11 @@ double parameter_value(int parameter, const ir::KinematicTree& tree, const ir::N
     case half_stiffness_p: return 0.5 * joint.spring.k;
     case rest_p: return joint.spring.rest;
     case own_coordinate_p: return joint.driven() ? 0 : 1;
+    case moves_p: return joint.of_quaternion() ? 0 : 1;
+    case first_part_p: return joint.of_quaternion() && joint.part > 0 ? 0 : 1;
     default: break;
   }
+  if (parameter >= joint_twist_p) return 0;
   if (parameter >= link_translation_p) return n.link_translation[parameter - link_translation_p];
   if (parameter >= link_rotation_p) return entry(n.link_rotation, parameter - link_rotation_p);
   if (parameter >= pose_translation_p) return reference ? 0 : n.translation[parameter - pose_translation_p];

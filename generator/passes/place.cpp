@@ -18,6 +18,7 @@ class Placing {
     program_.received.resize(roles);
     used_.resize(roles, false);
     at_base_.resize(roles, false);
+    of_few_.resize(roles, false);
     read_.resize(roles);
     written_.resize(roles);
     for (std::size_t r = 0; r < roles; ++r) {
@@ -104,6 +105,7 @@ class Placing {
       for (const ir::BodyStore& v : stage.body_stores) {
         note_write(v.role, v.component, stage.level);
         at_base_[static_cast<std::size_t>(v.role)] = true;
+        of_few_[static_cast<std::size_t>(v.role)] = true;
       }
       for (const ir::BlockElement& e : stage.elements) roots.push_back(e.node);
       each_input(stage.graph, roots, [&](const ir::Input& in) {
@@ -118,6 +120,7 @@ class Placing {
         for (const ir::PairTerm& t : *terms)
           for (int i = 0; i < 3; ++i)
             note_read(t.lower, t.lower_from + i, always), note_read(t.upper, t.upper_from + i, always);
+      if (a.pairs[p].between >= 0) note_read(a.pairs[p].between, 0, always);
       for (const int role : {program_.pairs[p].columns, program_.pairs[p].rows})
         for (int i = 0; i < 6 && role >= 0; ++i) note_read(role, i, always);
     }
@@ -258,7 +261,7 @@ class Placing {
           for (int i = 0; i < program_.roles[o].components(); ++i) {
             const bool touched = place.from + i >= from && place.from + i < from + components;
             const int last = std::max(read_[o][static_cast<std::size_t>(i)], written_[o][static_cast<std::size_t>(i)]);
-            free = free && !(touched && (last >= first || program_.roles[o].source != ir::Source::sweep));
+            free = free && !(touched && (last >= first || program_.roles[o].source != ir::Source::sweep || of_few_[o]));
           }
         }
         if (free) return {array, from};
@@ -269,6 +272,7 @@ class Placing {
   RollState& state_;
   ir::RolledProgram& program_;
   std::vector<bool> used_, at_base_;              // per role; at_base_: stored for the base, or for single bodies
+  std::vector<bool> of_few_;                      // per role: stored for single bodies; the others' zeros are from the start
   std::vector<std::vector<int>> read_, written_;  // per role and component: the last level that does, −1: none
   std::vector<int> first_written_;                // per role
   std::vector<std::pair<int, int>> equal_to_;     // per role: the role, and the component from which on, that it equals

@@ -2,16 +2,18 @@
 
 #include <algorithm>
 
+#include "ir/moved_links.hpp"
 #include "ir/row_runs.hpp"
 
 namespace dalembert::passes {
 
 void project_by_rows(ir::Algorithm& algorithm, ir::Program& program, Unroll& unroll, const ir::KinematicTree& tree) {
   std::vector<int> bodies;
+  const std::vector<int> links = ir::numbers_of_links(tree);
   for (int k = 0; k < tree.joints(); ++k)
-    if (ir::by_rows(tree, k)) bodies.push_back(k);
+    if (links[static_cast<std::size_t>(k)] >= 0 && ir::by_rows(tree, k)) bodies.push_back(k);
   if (bodies.empty() || algorithm.projections.empty()) return;
-  const int base_rows = tree.nv() - tree.independent_joints(), first = tree.floating_base ? 1 : 0;
+  const int base_rows = tree.nv() - tree.independent_joints();
   const auto array = [&](const std::string& name, int rows, int columns) {
     algorithm.arrays.push_back({name, rows, columns, true});
     return static_cast<int>(algorithm.arrays.size()) - 1;
@@ -24,8 +26,9 @@ void project_by_rows(ir::Algorithm& algorithm, ir::Program& program, Unroll& unr
     const int columns = static_cast<int>(p.columns.size());
     if (columns <= most_in_line) continue;
     std::erase_if(program.elements, [&](const ir::OutputElement& e) {
-      const int body = e.column / columns - first;
-      return e.array == p.array && e.row >= base_rows && body >= 0 && ir::by_rows(tree, body);
+      const auto body = std::find(links.begin(), links.end(), e.column / columns);
+      return e.array == p.array && e.row >= base_rows && body != links.end() &&
+             ir::by_rows(tree, static_cast<int>(body - links.begin()));
     });
     const std::vector<ir::Input> of_body = p.inputs(ir::InputKind::state), of_joint = p.inputs(ir::InputKind::carried);
     const std::string name = algorithm.arrays[static_cast<std::size_t>(p.array)].name;

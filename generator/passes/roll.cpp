@@ -4,6 +4,7 @@
 #include <functional>
 
 #include "passes/joints.hpp"
+#include "passes/joints/quaternion.hpp"
 #include "passes/levels.hpp"
 #include "passes/parameters.hpp"
 #include "passes/roll_state.hpp"
@@ -43,9 +44,11 @@ std::vector<bool> added_in_place(const ir::Algorithm& algorithm, const std::vect
       if (from >= 0 && level[s] >= from && !sums[static_cast<std::size_t>(in.index)]) refuse(in.index);
     });
   }
-  for (const ir::Pairs& p : algorithm.pairs)
+  for (const ir::Pairs& p : algorithm.pairs) {
     for (const auto* terms : {&p.above, &p.below})
       for (const ir::PairTerm& t : *terms) refuse(t.lower), refuse(t.upper);
+    if (p.between >= 0) refuse(p.between);
+  }
   for (const ir::Result& r : algorithm.results) refuse(r.role);
   return in_place;
 }
@@ -120,12 +123,15 @@ void add_roles(RollState& state) {
     }
     state.program.pairs.push_back(rolled);
   }
-  for (int parameter = mass_p; parameter <= half_trace_p; ++parameter)
+  for (int parameter = rotation_p; parameter < bears_p; ++parameter)
     for (int body = 0; body < state.tree.joints(); ++body)
-      if (state.unroll.added_parameter(parameter, body) != ir::no_node && !state.added_parameters.contains(parameter))
-        state.added_parameters[parameter] =
-            add_role(state, {"payload_" + parameter_name(parameter), "", "what payloads add to " + parameter_name(parameter),
-                             parameter_unit(parameter)});
+      if (state.unroll.added_parameter(parameter, body) != ir::no_node && !state.added_parameters.contains(parameter)) {
+        const std::string name = parameter_name(parameter);
+        const bool payload = is_inertial(parameter);
+        state.added_parameters[parameter] = add_role(
+            state, {(payload ? "payload_" : "quaternion_") + name, "",
+                    (payload ? "what payloads add to " : "of joints with a quaternion: ") + name, parameter_unit(parameter)});
+      }
 }
 
 }  // namespace
@@ -177,6 +183,15 @@ ir::RolledProgram roll(const ir::Algorithm& algorithm, Unroll& unroll, const ir:
       const int row = root_joint(tree).nv + coordinates[static_cast<std::size_t>(k)];
       const double value = unroll.program().graph[unroll.plain_parameter(p.diagonal, k)].value;
       if (value != 0) state.program.added.push_back({p.array, row, row, value});
+    }
+  for (const ir::Pairs& p : algorithm.pairs)
+    for (int k = 0; k < tree.joints() && p.between >= 0; ++k) {
+      if (!tree.bodies[static_cast<std::size_t>(k)].has_quaternion()) continue;
+      each_bracket(tree, k, [&](int lower, int upper, int body, int sign) {
+        const auto row = [&](int of) { return root_joint(tree).nv + coordinates[static_cast<std::size_t>(of)]; };
+        if (!state.constant(unroll.role(p.between, 0, body)))
+          state.program.added.push_back({p.array, row(upper), row(lower), static_cast<double>(sign), p.between, body});
+      });
     }
   roll_segments(state);
   prune(state);

@@ -131,6 +131,7 @@ class Pruning {
     for (std::size_t p = 0; p < a.pairs.size(); ++p) {
       for (const auto* terms : {&a.pairs[p].above, &a.pairs[p].below})
         for (const ir::PairTerm& t : *terms) need(t.lower, t.lower_from, 3), need(t.upper, t.upper_from, 3);
+      need(a.pairs[p].between, 0, 1);
       need(state_.program.pairs[p].columns, 0, 6);
       need(state_.program.pairs[p].rows, 0, 6);
     }

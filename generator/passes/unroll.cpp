@@ -5,7 +5,9 @@
 #include <set>
 
 #include "ir/identifier.hpp"
+#include "ir/moved_links.hpp"
 #include "passes/joints.hpp"
+#include "passes/joints/quaternion.hpp"
 #include "passes/levels.hpp"
 #include "passes/parameters.hpp"
 #include "passes/payload.hpp"
@@ -26,6 +28,8 @@ Unroll::Unroll(const ir::Algorithm& algorithm, const ir::KinematicTree& tree, co
       options_(options),
       live_(passes::live(algorithm, tree.floating_base)),
       coordinates_(tree.coordinates()),
+      positions_(tree.positions()),
+      links_(ir::numbers_of_links(tree)),
       base_rows_(root_joint(tree).nv),
       producer_(algorithm.roles.size(), -1),
       base_producer_(algorithm.roles.size(), -1),
@@ -50,6 +54,9 @@ Unroll::Unroll(const ir::Algorithm& algorithm, const ir::KinematicTree& tree, co
           static_cast<int>(s);
   for (int body = -1; body < tree.joints(); ++body)
     payload_.push_back(payload_parameters(program_.graph, tree, normal, scene, body));
+  for (int body = 0; body < tree.joints(); ++body)
+    payload_[place(body, -1)].merge(
+        quaternion_parameters(program_.graph, tree, normal, positions_, coordinates_, scene.rates_zero, body));
   find_companions();
   for (const Loop& loop : loops()) run_loop(loop);
   collect_results();
@@ -250,7 +257,7 @@ NodeId Unroll::value(int role, int component, int body, int coordinate) {
   if (values_[at] != no_node) return values_[at];
   const ir::Role& r = algorithm_.roles[static_cast<std::size_t>(role)];
   if (r.source != ir::Source::sweep && body >= 0) {
-    const NodeId node = coordinate_node(program_.graph, r, tree_, coordinates_, scene_.rates_zero, body);
+    const NodeId node = coordinate_node(program_.graph, r, tree_, coordinates_, positions_, scene_.rates_zero, body);
     name(node, r, component, body);
     return values_[at] = node;
   }
@@ -320,6 +327,13 @@ void Unroll::run_pairs(int pairs, int body) {
     if (p.symmetric) put(p.array, row_of(body), row_of(i), above);
     if (!p.below.empty()) put(p.array, row_of(body), row_of(i), dot(p.below, lower, place(i, -1)));
   }
+  // Of a joint's parts the first comes last: all forces are there.
+  if (p.between >= 0 && tree_.bodies[static_cast<std::size_t>(body)].has_quaternion())
+    each_bracket(tree_, body, [&](int under, int over, int along, int sign) {
+      const NodeId force = value(p.between, 0, along);
+      program_.graph.set_tag(tag_);
+      put(p.array, row_of(over), row_of(under), sign > 0 ? force : program_.graph.negate(force));
+    });
   for (int j = 0; j < base_rows_; ++j) {
     const NodeId above = dot(p.above, lower, place(-1, j));
     put(p.array, j, row_of(body), above);
@@ -331,7 +345,9 @@ void Unroll::run_pairs(int pairs, int body) {
 void Unroll::run_projection(int projection, int body) {
   const ir::Projection& p = algorithm_.projections[static_cast<std::size_t>(projection)];
   const std::size_t number = algorithm_.sweeps.size() + algorithm_.pairs.size() + static_cast<std::size_t>(projection);
-  const int columns = static_cast<int>(p.columns.size()), first = columns * (body + (tree_.floating_base ? 1 : 0));
+  const int columns = static_cast<int>(p.columns.size()), link = body < 0 ? 0 : links_[static_cast<std::size_t>(body)];
+  if (link < 0) return;
+  const int first = columns * link;
   const auto project = [&](int row, int above, int coordinate) {
     tag_ = {static_cast<std::int16_t>(number), body};
     ir::Copy copy(p.graph, program_.graph);

@@ -46,8 +46,8 @@ class Unroll {
   // What the children of the body hand on, summed; no_node where they hand nothing on.
   ir::NodeId handed(int role, int component, int body) const { return handed_[index(place(body, -1), role, component)]; }
   ir::NodeId parameter(int parameter, int body);
-  ir::NodeId plain_parameter(int parameter, int body);  // without what payloads add
-  // What the scene's payloads add to it; no_node: nothing.
+  ir::NodeId plain_parameter(int parameter, int body);  // without what is known at run time
+  // What the scene's payloads or a joint's quaternion add to it; no_node: nothing.
   ir::NodeId added_parameter(int parameter, int body) const;
 
   const Live& live() const { return live_; }
@@ -86,7 +86,7 @@ class Unroll {
   const ir::Scene& scene_;
   const UnrollOptions options_;
   const Live live_;
-  const std::vector<int> coordinates_;
+  const std::vector<int> coordinates_, positions_, links_;
   const int base_rows_;
   std::vector<int> producer_;                       // per role: the sweep that stores it for bodies, −1: none
   std::vector<int> base_producer_;                  // … for the base or its coordinates, by a root sweep

@@ -81,6 +81,14 @@ double LeastScale::largest_free(ir::Quantity quantity) {
       .maxCoeff();
 }
 
+namespace {
+
+ir::Quantity jacobian_of(ir::Quantity bias) {
+  return bias == ir::Quantity::center_of_mass_bias ? ir::Quantity::center_of_mass_jacobian : ir::Quantity::constraint_jacobian;
+}
+
+}  // namespace
+
 double LeastScale::of(const Wanted& wanted) {
   const double rate = inputs_.v.cwiseAbs().maxCoeff();
   double scale = 0;
@@ -98,7 +106,7 @@ double LeastScale::of(const Wanted& wanted) {
     case ir::Scale::solved: break;
     case ir::Scale::constrained: return largest_free(*wanted.quantity);
     case ir::Scale::turning:
-      scale = evaluate(tree_, scene_, {{ir::Quantity::constraint_jacobian, ""}}, inputs_, Precision::float64)
+      scale = evaluate(tree_, scene_, {{jacobian_of(*wanted.quantity), ""}}, inputs_, Precision::float64)
                   .front()
                   .cwiseAbs()
                   .maxCoeff() *

@@ -10,6 +10,7 @@
 #include <dalembert/generic/energy.hpp>
 #include <dalembert/generic/frames.hpp>
 
+#include "ir/moved_links.hpp"
 #include "reference/engine.hpp"
 #include "reference/generic_model.hpp"
 
@@ -69,14 +70,16 @@ class Evaluation {
       case ir::Quantity::impact: return constrained(generic::impact<S>(robot_, contacts(), own_q_, own_v_, options()), false);
       case ir::Quantity::constrained_forward_dynamics: return constrained(constrained_motion(), false);
       case ir::Quantity::constraint_forces: return constrained(constrained_motion(), true);
-      case ir::Quantity::regressor: return generic::regressor<S>(robot_, own_q_, own_v_, more_);
+      case ir::Quantity::regressor: return of_links(generic::regressor<S>(robot_, own_q_, own_v_, more_), 10);
       case ir::Quantity::wrench_influence:
-        return reduction_.reduce_rows(generic::expanded_wrench_influence<S>(robot_, kinematics_));
+        return of_links(reduction_.reduce_rows(generic::expanded_wrench_influence<S>(robot_, kinematics_)), 6);
       case ir::Quantity::kinetic_energy: return scalar(generic::expanded_kinetic_energy<S>(robot_, kinematics_, v_));
       case ir::Quantity::potential_energy: return scalar(generic::potential_energy<S>(robot_, kinematics_, q_));
       case ir::Quantity::center_of_mass: return column(generic::center_of_mass<S>(robot_, kinematics_, q_));
       case ir::Quantity::center_of_mass_jacobian:
         return reduction_.reduce_columns(generic::expanded_center_of_mass_jacobian<S>(robot_, kinematics_, q_));
+      case ir::Quantity::center_of_mass_bias:
+        return column(generic::expanded_center_of_mass_bias<S>(robot_, kinematics_, q_, v_));
       case ir::Quantity::momentum_matrix:
         return reduction_.reduce_columns(generic::expanded_momentum_matrix<S>(robot_, kinematics_, composites_, q_));
       case ir::Quantity::momentum_bias: return generic::expanded_momentum_bias<S>(robot_, kinematics_, q_, v_);
@@ -113,10 +116,21 @@ class Evaluation {
     for (const ir::Contact& contact : scene_.contacts) {
       const Place at = place(contact.link);
       const Transform<S> point{Matrix3<S>::Identity(), contact.at.template cast<S>()};
-      all.push_back({at.body, at.frame * point, contact.rows(),
-                     contact.along_link ? generic::Axes::body : generic::Axes::mixed});
+      all.push_back(
+          {at.body, at.frame * point, contact.rows(), contact.along_link ? generic::Axes::body : generic::Axes::mixed});
     }
     return all;
+  }
+
+  // Of so many columns per body those of links.
+  MatrixX<S> of_links(const MatrixX<S>& all, Eigen::Index columns) const {
+    const std::vector<int> links = ir::numbers_of_links(tree_);
+    MatrixX<S> kept = all.leftCols(columns * ir::count_of_links(tree_));
+    for (size_t k = 0; k < links.size(); ++k)
+      if (links[k] >= 0)
+        kept.middleCols(columns * links[k], columns) =
+            all.middleCols(columns * (static_cast<Eigen::Index>(k) + (tree_.floating_base ? 1 : 0)), columns);
+    return kept;
   }
 
   static MatrixX<S> scalar(const S& value) { return MatrixX<S>::Constant(1, 1, value); }

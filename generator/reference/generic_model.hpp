@@ -29,7 +29,8 @@ generic::Model<S> to_generic(const ir::KinematicTree& tree, const Eigen::Vector3
   for (const ir::Body& body : tree.bodies)
     model.bodies.push_back({body.parent, body.prismatic(), body.axis.cast<S>(), body.placement.linear().cast<S>(),
                             body.placement.translation().cast<S>(), to_generic<S>(body.inertia), S(body.armature),
-                            S(body.damping), S(body.friction), S(body.spring.k), S(body.spring.rest)});
+                            S(body.damping), S(body.friction), S(body.spring.k), S(body.spring.rest),
+                            body.turns() ? S(body.slide_per_unit()) : S(0), body.of_quaternion() ? body.part : -1, body.parts});
   const std::vector<int> coordinates = tree.coordinates();
   const auto driven = [](const ir::Body& body) { return body.driven(); };
   if (std::any_of(tree.bodies.begin(), tree.bodies.end(), driven))

@@ -101,12 +101,14 @@ struct Elimination {
       Vector3<S> position = body.placement.translation().cast<S>();
       using std::cos, std::sin;
       const S angle(q[k - 1]);
-      if (body.prismatic()) position += rotation * direction * angle;
+      if (!body.turns()) position += rotation * direction * angle;
       else {
         const Matrix3<S> a = cross<S>(direction);
+        position += rotation * direction * (S(body.slide_per_unit()) * angle);
         rotation = (rotation * (Matrix3<S>::Identity() + sin(angle) * a + (S(1) - cos(angle)) * a * a)).eval();
       }
-      axis[k].template segment<3>(body.prismatic() ? 0 : 3) = direction;
+      axis[k].template head<3>() = S(body.slide_per_unit()) * direction;
+      if (body.turns()) axis[k].template tail<3>() = direction;
       to_child[k] << rotation.transpose(), -rotation.transpose() * cross<S>(position), Matrix3<S>::Zero(), rotation.transpose();
     }
     const ir::Inertia something{1, {0.2, -0.3, 0.5}, Eigen::Vector3d(1, 1.2, 1.5).asDiagonal()};

@@ -45,15 +45,19 @@ ir::SelfTest::State make_state(const ir::KinematicTree& tree, int turns, Uniform
   int coordinate = 0;
   if (tree.floating_base) {
     for (int i = 0; i < 7; ++i) state.q[i] = uniform.either_sign(0.3, 0.8);
-    state.q.segment<4>(3).normalize();
     coordinate = 7;
   }
   for (const ir::Body& body : tree.bodies) {
     if (body.driven()) continue;
+    if (body.of_quaternion()) {
+      for (int i = 0; i < body.positions(); ++i) state.q[coordinate++] = uniform.either_sign(0.3, 0.8);
+      continue;
+    }
     const double quadrant = std::floor(uniform(-2, 2)), angle = (quadrant + uniform(0.1, 0.9)) * std::numbers::pi / 2;
     state.q[coordinate++] =
         body.prismatic() ? uniform.either_sign(0.1, 0.5) : angle + uniform.either_sign(turns, turns) * 2 * std::numbers::pi;
   }
+  for (const int first : tree.quaternions()) state.q.segment<4>(first).normalize();
   for (int i = 0; i < tree.nv(); ++i) state.v[i] = uniform.either_sign(1, 5);
   state.input = state.v.reverse();
   return state;

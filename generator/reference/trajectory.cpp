@@ -33,12 +33,35 @@ class FreeMotion {
       q_rate.head<3>() = rotation_of_quaternion<Long>(q[3], q[4], q[5], q[6]) * v.head<3>();
       q_rate.segment<4>(3) = (turned * turning).coeffs() / 2;
     }
-    q_rate.tail(nv_ - base) = v.tail(nv_ - base);
+    Eigen::Index at = base ? 7 : 0;  // in q
+    for (Eigen::Index i = base; i < nv_;) {
+      const generic::Body<Long>* const joint = with_quaternion(static_cast<int>(i - base));
+      if (!joint) {
+        q_rate[at++] = v[i++];
+        continue;
+      }
+      if (joint->parts == 6) {
+        q_rate.segment<3>(at) = rotation_of_quaternion<Long>(q[at + 3], q[at + 4], q[at + 5], q[at + 6]) * v.segment<3>(i);
+        at += 3, i += 3;
+      }
+      const Eigen::Quaternion<Long> turned(q[at + 3], q[at], q[at + 1], q[at + 2]), turning(0, v[i], v[i + 1], v[i + 2]);
+      q_rate.segment<4>(at) = (turned * turning).coeffs() / 2;
+      at += 4, i += 3;
+    }
     v_rate = -generic::mass_matrix<Long>(robot_, q).ldlt().solve(generic::bias<Long>(robot_, q, v));
     if (!v_rate.allFinite()) throw NoTrajectory("the mass matrix is singular");
   }
 
  private:
+  // The joint whose coordinates begin there, if it has a quaternion.
+  const generic::Body<Long>* with_quaternion(int coordinate) const {
+    for (int k = 0; k < robot_.joints(); ++k)
+      if (const auto& body = robot_.bodies[static_cast<size_t>(k)];
+          body.part == 0 && (robot_.coordinates.empty() ? k : robot_.coordinates[static_cast<size_t>(k)].index) == coordinate)
+        return &body;
+    return nullptr;
+  }
+
   generic::Model<Long> robot_;
   Eigen::Index nq_, nv_;
   std::shared_ptr<int> evaluations_ = std::make_shared<int>(0);  // the integrator copies us

@@ -4,7 +4,7 @@ import itertools
 
 # All that evaluate() computes, and all that the functions beside it do.
 ALL = ("mass_matrix,coriolis_matrix,gravity,bias,wrench_influence,kinetic_energy,potential_energy,center_of_mass,"
-       "center_of_mass_jacobian,momentum_matrix,momentum_bias,inverse_mass_matrix")
+       "center_of_mass_jacobian,center_of_mass_bias,momentum_matrix,momentum_bias,inverse_mass_matrix")
 FUNCTIONS = ("inverse_dynamics,inverse_dynamics_dq,inverse_dynamics_dv,regressor,forward_dynamics,forward_dynamics_dq,"
              "forward_dynamics_dv")
 SINGLE = ["gravity", "mass_matrix", "bias", "mass_matrix,coriolis_matrix"]

@@ -38,10 +38,10 @@ void complicate(generic::Model<S>& model) {
     body.armature = S(1 + k) / 16;
     body.damping = S(3 + k) / 8;
     body.friction = S(2 + k) / 4;
-    body.stiffness = S(4 + k) / 2;
+    body.stiffness = body.part < 0 ? S(4 + k) / 2 : S(0);
     body.rest = S(1 + k) / 8;
   }
-  if (n < 4) return;
+  if (n < 4 || model.quaternions() > 0) return;
   for (int k = 0; k < n; ++k) model.coordinates.push_back({k < 2 ? k : k < n - 1 ? k - 1 : 0, S(1), S(0)});
   model.coordinates[2] = {1, S(-0.5), S(0.25)};
   model.coordinates[static_cast<size_t>(n - 1)] = {0, S(1.5), S(-0.125)};
@@ -53,12 +53,22 @@ Setting<S> setting(generic::Model<S> model, bool complicated, std::uint64_t seed
   Random random(seed);
   Setting<S> result{model, random_vector<S>(random, model.nq()), {}, {}, {}, {}};
   if (model.floating_base) result.q.template segment<4>(3).normalize();
+  Eigen::Index at = model.floating_base ? 7 : 0;
+  for (const generic::Body<S>& body : model.bodies) {
+    if (body.part == 0) {
+      result.q.template segment<4>(at + body.parts - 3).normalize();
+      at += body.parts + 1;
+    } else if (body.part < 0) {
+      ++at;
+    }
+  }
   for (VectorX<S>* vector : {&result.v, &result.v_dot, &result.tau}) *vector = random_vector<S>(random, model.nv());
   result.wrenches = random_vector<S>(random, 6 * model.moving_bodies());
   return result;
 }
 
 ir::KinematicTree tree_named(const std::string& name, bool floating) {
+  if (name == kinds_robot.name) return load_robot(kinds_robot, floating);
   for (const TestRobot& robot : test_robots)
     if (robot.name == name) return load_robot(robot, floating);
   throw std::invalid_argument("no test robot " + name);
@@ -168,7 +178,7 @@ TEST_P(In100Digits, RegressorTimesParametersIsInverseDynamics) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Robots, In100Digits,
-                         ::testing::Combine(::testing::Values("branch_below_base", "prismatic_mix", "skew_axes"),
+                         ::testing::Combine(::testing::Values("branch_below_base", "prismatic_mix", "skew_axes", "kinds_mixed"),
                                             ::testing::Bool(), ::testing::Bool()),
                          robot_base_and_effects);
 

@@ -81,19 +81,33 @@ Vector6<Multi> in_base_axes(const Case& robot, const Vector6<Multi>& vector) {
 }  // namespace
 
 Vector integrate(const Model& model, const Vector& q, const Vector& v, const Multi& h) {
-  if (!model.floating_base) return q + h * v;
-  const Eigen::Quaternion<Multi> now(q[6], q[3], q[4], q[5]);
-  const Vector3<Multi> linear = v.head<3>(), angular = h * v.segment<3>(3);
-  const Multi angle = angular.norm();
-  const Matrix3<Multi> R = now.toRotationMatrix();
-  // The base turns half-way while it moves; what is left out is of order h³.
   Vector result = q;
-  result.head<3>() += R * (h * linear + h * angular.cross(linear) / 2);
-  if (angle > 0) {
-    const Eigen::Quaternion<Multi> next = now * Eigen::Quaternion<Multi>(Eigen::AngleAxis<Multi>(angle, angular / angle));
-    result.segment<4>(3) = next.coeffs();
+  Eigen::Index at = 0, i = 0;  // in q and v
+  // A pose moves by the twist that begins at i, along its own axes. It turns half-way while it slides; what is left out is of
+  // order h³.
+  const auto move_pose = [&](bool slides) {
+    const Eigen::Index turn = slides ? at + 3 : at;
+    const Eigen::Quaternion<Multi> now(q[turn + 3], q[turn], q[turn + 1], q[turn + 2]);
+    const Vector3<Multi> angular = h * v.segment<3>(slides ? i + 3 : i);
+    if (slides) {
+      const Vector3<Multi> linear = v.segment<3>(i);
+      result.segment<3>(at) += now.toRotationMatrix() * (h * linear + h * angular.cross(linear) / 2);
+    }
+    if (const Multi angle = angular.norm(); angle > 0) {
+      const Eigen::Quaternion<Multi> next = now * Eigen::Quaternion<Multi>(Eigen::AngleAxis<Multi>(angle, angular / angle));
+      result.segment<4>(turn) = next.coeffs();
+    }
+    at = turn + 4, i += slides ? 6 : 3;
+  };
+  if (model.floating_base) move_pose(true);
+  if (model.quaternions() == 0) {  // driven joints have no number of their own
+    result.tail(q.size() - at) += h * v.tail(v.size() - i);
+    return result;
   }
-  result.tail(q.size() - 7) += h * v.tail(q.size() - 7);
+  for (const generic::Body<Multi>& body : model.bodies) {
+    if (body.part == 0) move_pose(body.parts == 6);
+    else if (body.part < 0) result[at++] += h * v[i++];
+  }
   return result;
 }
 
@@ -106,8 +120,19 @@ std::vector<Transform<Multi>> world_poses(const Model& model, const Vector& q) {
   }
   for (const generic::Body<Multi>& body : model.bodies) {
     const Transform<Multi>& parent = poses[static_cast<size_t>(body.parent + 1)];
-    const Multi position = q[next++];
     Transform<Multi> pose{parent.rotation * body.rotation, parent.rotation * body.translation + parent.translation};
+    if (body.part == 0) {
+      if (body.parts == 6) pose.translation += pose.rotation * q.segment<3>(next), next += 3;
+      pose.rotation =
+          pose.rotation * Eigen::Quaternion<Multi>(q[next + 3], q[next], q[next + 1], q[next + 2]).toRotationMatrix();
+      next += 4;
+    }
+    if (body.part >= 0) {
+      poses.push_back(pose);
+      continue;
+    }
+    const Multi position = q[next++];
+    if (!body.prismatic) pose.translation += pose.rotation * body.axis * (body.pitch * position);
     if (body.prismatic) {
       pose.translation += pose.rotation * body.axis * position;
     } else {
@@ -194,8 +219,15 @@ double influence_error(const Case& c, const Dynamics& result) {
   for (Eigen::Index i = 0; i < expected.rows(); ++i) {
     const auto motion = twists(c.model, c.q, Vector::Unit(expected.rows(), i));
     if (expected.cols() != static_cast<Eigen::Index>(6 * motion.size())) return 1;
-    for (size_t b = 0; b < motion.size(); ++b)
-      expected.row(i).segment<6>(static_cast<Eigen::Index>(6 * b)) = motion[b].transpose();
+    for (size_t b = 0; b < motion.size(); ++b) {
+      const auto column = static_cast<Eigen::Index>(6 * b);
+      // Of a joint with a quaternion the last body alone is one.
+      const size_t body = b + first_moving(c.model);
+      const bool is_part =
+          body > 0 && c.model.bodies[body - 1].part >= 0 && c.model.bodies[body - 1].part + 1 < c.model.bodies[body - 1].parts;
+      if (is_part) expected.row(i).segment<6>(column) = result.wrench_influence.row(i).segment<6>(column);
+      else expected.row(i).segment<6>(column) = motion[b].transpose();
+    }
   }
   return relative(expected, result.wrench_influence);
 }

@@ -42,7 +42,8 @@ TEST_P(Identities, CoriolisMatrixIsLinearInVelocity) {
   EXPECT_EQ(C(0 * u).cwiseAbs().maxCoeff(), 0);
 }
 
-INSTANTIATE_TEST_SUITE_P(Robots, Identities, ::testing::Combine(::testing::ValuesIn(test_robots), ::testing::Bool()),
+INSTANTIATE_TEST_SUITE_P(Robots, Identities,
+                         ::testing::Combine(::testing::ValuesIn(test_robots_and_kinds()), ::testing::Bool()),
                          [](const auto& info) {
                            return std::string(std::get<0>(info.param).name) +
                                   (std::get<1>(info.param) ? "_floating" : "_fixed");

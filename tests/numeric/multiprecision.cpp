@@ -23,7 +23,7 @@ generic::Model<Multi> exact_model(const ir::KinematicTree& tree, const Eigen::Ve
 
 VectorX<Multi> exact_position(const ir::KinematicTree& tree, const Eigen::VectorXd& q) {
   VectorX<Multi> exact = q.cast<Multi>();
-  if (tree.floating_base) exact.segment<4>(3).normalize();
+  for (const int first : tree.quaternions()) exact.segment<4>(first).normalize();
   return exact;
 }
 

@@ -75,11 +75,20 @@ double restatement_error(const Case& robot, const Dynamics& result) {
     if (body.prismatic) {
       joint << axis, Vector3m::Zero();
     } else {
-      joint << pose.translation.cross(axis), axis;
+      joint << pose.translation.cross(axis) + body.pitch * axis, axis;
+    }
+    Vector6m V_link = V[static_cast<size_t>(body.parent + 1)];  // axes of a joint with a quaternion turn with its last body
+    for (int i = 1; body.part >= 0 && i < body.parts - body.part; ++i) {
+      const generic::Body<Multi>& later = model.bodies[static_cast<size_t>(k + i)];
+      const Vector3m along = pose.rotation * later.axis;
+      Vector6m axis_of_later;
+      if (later.prismatic) axis_of_later << along, Vector3m::Zero();
+      else axis_of_later << pose.translation.cross(along), along;
+      V_link += axis_of_later * robot.v[base + k + i];
     }
     const Vector6m V_parent = V[static_cast<size_t>(body.parent + 1)];
     J.push_back(joint);
-    J_dot.push_back(ad(V_parent) * joint);
+    J_dot.push_back(ad(V_link) * joint);
     V.push_back(V_parent + joint * robot.v[base + k]);
     subtree.push_back(one_body(body.inertia, pose, V.back()));
   }

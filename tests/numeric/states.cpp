@@ -14,10 +14,10 @@ State moderate_state(const ir::KinematicTree& tree, std::uint64_t seed) {
   Random random(seed);
   State state{"moderate " + std::to_string(seed), Eigen::VectorXd(tree.nq()), Eigen::VectorXd(tree.nv())};
   for (double& q : state.q) q = random.uniform(-1, 1);
-  if (tree.floating_base) state.q.segment<4>(3).normalize();
-  const std::vector<int> coordinates = tree.coordinates();
+  for (const int first : tree.quaternions()) state.q.segment<4>(first).normalize();
+  const std::vector<int> coordinates = tree.positions();
   for (size_t k = 0; k < tree.bodies.size(); ++k)
-    if (!tree.bodies[k].driven())
+    if (!tree.bodies[k].driven() && !tree.bodies[k].of_quaternion())
       state.q[(tree.floating_base ? 7 : 0) + coordinates[k]] *= tree.bodies[k].prismatic() ? 0.5 : 3;
   for (double& v : state.v) v = random.uniform(-2, 2);
   return state;

@@ -109,6 +109,16 @@ TEST_P(WholeRobot, CentreOfMassMovesAsItsJacobianSays) {
   for (const Vector& v : {c.v, other}) EXPECT_LE(relative(rate(c, v, of), at(c.q, c.v).center_of_mass_jacobian * v), tolerance);
 }
 
+TEST_P(WholeRobot, CentreOfMassAcceleratesAsItsBiasSays) {
+  for (const Vector& v : {c.v, other}) {
+    const auto of = [&](const Vector& q) { return Matrix(at(q, v).center_of_mass_jacobian * v); };
+    const Multi size = largest(at(c.q, v).center_of_mass_jacobian) * largest(v) * largest(v) / 1000;
+    const Vector expected = rate(c, v, of);
+    EXPECT_LE(relative_error(expected, Vector(at(c.q, v).center_of_mass_bias), std::max<Multi>(size, largest(expected))),
+              tolerance);
+  }
+}
+
 TEST_P(WholeRobot, MomentumMatrixGivesTheMomentumOfTheBodies) {
   const Matrix A = at(c.q, c.v).momentum_matrix;
   for (const Vector& v : {c.v, other}) EXPECT_LE(relative(A * v, momentum(c.q, v, center(c.q))), tolerance);
@@ -151,7 +161,8 @@ TEST_P(WholeRobot, ChristoffelsCIsMadeOfDerivativesOfM) {
       tolerance);
 }
 
-INSTANTIATE_TEST_SUITE_P(Robots, WholeRobot, ::testing::Combine(::testing::ValuesIn(test_robots), ::testing::Bool()),
+INSTANTIATE_TEST_SUITE_P(Robots, WholeRobot,
+                         ::testing::Combine(::testing::ValuesIn(test_robots_and_kinds()), ::testing::Bool()),
                          [](const auto& info) {
                            return std::string(std::get<0>(info.param).name) +
                                   (std::get<1>(info.param) ? "_floating" : "_fixed");

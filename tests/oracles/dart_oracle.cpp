@@ -170,4 +170,120 @@ Response DartOracle::respond(const Question& question) {
   return result;
 }
 
+namespace {
+
+using namespace dart::dynamics;
+
+// The joint of the given kind between two bodies.
+template <class Kind>
+BodyNode* add(Skeleton& skeleton, BodyNode* parent, typename Kind::Properties properties, const ir::Joint& joint,
+              const BodyNode::AspectProperties& body) {
+  properties.mName = joint.name;
+  properties.mT_ParentBodyToJoint = joint.origin;
+  return skeleton.createJointAndBodyNodePair<Kind>(parent, properties, BodyNode::Properties(body)).second;
+}
+
+BodyNode* add_joint(Skeleton& skeleton, BodyNode* parent, const ir::Joint& joint, const ir::JointKind* kind,
+                    const BodyNode::AspectProperties& body) {
+  switch (kind ? kind->type : joint.type) {
+    case ir::JointType::prismatic: {
+      PrismaticJoint::Properties p;
+      p.mAxis = joint.axis;
+      return add<PrismaticJoint>(skeleton, parent, p, joint, body);
+    }
+    case ir::JointType::helical: {
+      ScrewJoint::Properties p;
+      p.mAxis = joint.axis;
+      p.mPitch = kind->pitch;
+      return add<ScrewJoint>(skeleton, parent, p, joint, body);
+    }
+    case ir::JointType::universal: {
+      UniversalJoint::Properties p;
+      p.mAxis = {joint.axis, kind->second};
+      return add<UniversalJoint>(skeleton, parent, p, joint, body);
+    }
+    case ir::JointType::planar: {
+      PlanarJoint::Properties p;
+      const Eigen::Quaterniond turn = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), joint.axis);
+      p.setArbitraryPlane(turn * Eigen::Vector3d::UnitX(), turn * Eigen::Vector3d::UnitY());
+      return add<PlanarJoint>(skeleton, parent, p, joint, body);
+    }
+    case ir::JointType::spherical: return add<BallJoint>(skeleton, parent, {}, joint, body);
+    case ir::JointType::floating: return add<FreeJoint>(skeleton, parent, {}, joint, body);
+    default: {
+      RevoluteJoint::Properties p;
+      p.mAxis = joint.axis;
+      return add<RevoluteJoint>(skeleton, parent, p, joint, body);
+    }
+  }
+}
+
+}  // namespace
+
+KindsAnswer dart_answer(const KindsRobot& robot, const std::vector<KindsCoordinate>& coordinates,
+                        const std::vector<int>& positions, bool floating, const Eigen::Vector3d& gravity,
+                        const Eigen::VectorXd& q, const Eigen::VectorXd& v, const Eigen::VectorXd& tau) {
+  const auto skeleton = Skeleton::create("kinds");
+  skeleton->setGravity(gravity);
+  std::vector<BodyNode*> bodies;
+  const auto properties = [&](size_t link) {
+    BodyNode::AspectProperties body(robot.robot.links[link].name);
+    const ir::Inertia& inertia = *robot.robot.links[link].inertia;
+    body.mInertia = Inertia(inertia.mass, inertia.com, inertia.inertia);
+    return body;
+  };
+  const BodyNode::Properties base(properties(0));
+  bodies.push_back(floating ? skeleton->createJointAndBodyNodePair<FreeJoint>(nullptr, FreeJoint::Properties(), base).second
+                            : skeleton->createJointAndBodyNodePair<WeldJoint>(nullptr, WeldJoint::Properties(), base).second);
+  for (const ir::Joint& joint : robot.robot.joints) {  // parents stand before their children
+    const auto kind = robot.joints.find(joint.name);
+    bodies.push_back(add_joint(*skeleton, bodies[static_cast<size_t>(joint.parent)], joint,
+                               kind == robot.joints.end() ? nullptr : &kind->second,
+                               properties(static_cast<size_t>(joint.child))));
+  }
+  std::vector<Eigen::Index> dof;
+  Eigen::VectorXd own_q = Eigen::VectorXd::Zero(v.size()), own_v(v.size()), own_tau(v.size());
+  const auto pose = [&](Eigen::Index at, bool flies) {
+    Eigen::Isometry3d moved = Eigen::Isometry3d::Identity();
+    if (flies) moved.translation() = q.segment<3>(at);
+    if (flies) at += 3;
+    moved.linear() = Eigen::Quaterniond(q[at + 3], q[at], q[at + 1], q[at + 2]).toRotationMatrix();
+    return moved;
+  };
+  if (floating) {
+    const auto& joint = *skeleton->getJoint(0);
+    for (const size_t i : {3u, 4u, 5u, 0u, 1u, 2u}) dof.push_back(static_cast<Eigen::Index>(joint.getIndexInSkeleton(i)));
+    own_q.segment<6>(static_cast<Eigen::Index>(joint.getIndexInSkeleton(0))) = FreeJoint::convertToPositions(pose(0, true));
+  }
+  for (size_t i = 0; i < coordinates.size(); ++i) {
+    const auto* joint = skeleton->getJoint(coordinates[i].joint);
+    const bool flies = joint->getType() == FreeJoint::getStaticType(), turns = joint->getType() == BallJoint::getStaticType();
+    const int part = coordinates[i].part;  // DART has the angular velocity first
+    dof.push_back(static_cast<Eigen::Index>(joint->getIndexInSkeleton(static_cast<size_t>(flies ? (part + 3) % 6 : part))));
+    const auto first = static_cast<Eigen::Index>(joint->getIndexInSkeleton(0));
+    if (flies) own_q.segment<6>(first) = FreeJoint::convertToPositions(pose(positions[i], true));
+    else if (turns)
+      own_q.segment<3>(first) = BallJoint::convertToPositions(Eigen::Matrix3d(pose(positions[i], false).linear()));
+    else own_q[dof.back()] = q[positions[i]];
+  }
+  for (size_t i = 0; i < dof.size(); ++i) {
+    own_v[dof[i]] = v[static_cast<Eigen::Index>(i)];
+    own_tau[dof[i]] = tau[static_cast<Eigen::Index>(i)];
+  }
+  skeleton->setPositions(own_q);
+  skeleton->setVelocities(own_v);
+  const auto ours = [&](const Eigen::VectorXd& theirs) {
+    Eigen::VectorXd result(theirs.size());
+    for (size_t i = 0; i < dof.size(); ++i) result[static_cast<Eigen::Index>(i)] = theirs[dof[i]];
+    return result;
+  };
+  KindsAnswer answer{Eigen::MatrixXd(v.size(), v.size()), ours(skeleton->getCoriolisAndGravityForces()), {}};
+  const Eigen::MatrixXd M = skeleton->getMassMatrix();
+  for (size_t i = 0; i < dof.size(); ++i) answer.mass_matrix.col(static_cast<Eigen::Index>(i)) = ours(M.col(dof[i]));
+  skeleton->setForces(own_tau);
+  skeleton->computeForwardDynamics();
+  answer.forward_dynamics = ours(skeleton->getAccelerations());
+  return answer;
+}
+
 }  // namespace dalembert::oracle

@@ -7,6 +7,7 @@
 
 #include <memory>
 
+#include "joint_kinds.hpp"
 #include "oracle.hpp"
 
 namespace dalembert::oracle {
@@ -38,5 +39,20 @@ class DartOracle {
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
+
+// What DART's own joints of every kind answer: screw, universal, planar, ball and free, built one by one and not from a URDF.
+struct KindsAnswer {
+  Eigen::MatrixXd mass_matrix;
+  Eigen::VectorXd bias, forward_dynamics;
+};
+// A coordinate of v behind the base's, in our order: the joint, and which of its coordinates.
+struct KindsCoordinate {
+  std::string joint;
+  int part = 0;
+};
+// q, v, tau: as ours; position: per coordinate, where in q its joint's numbers begin.
+KindsAnswer dart_answer(const KindsRobot& robot, const std::vector<KindsCoordinate>& coordinates,
+                        const std::vector<int>& positions, bool floating, const Eigen::Vector3d& gravity,
+                        const Eigen::VectorXd& q, const Eigen::VectorXd& v, const Eigen::VectorXd& tau);
 
 }  // namespace dalembert::oracle

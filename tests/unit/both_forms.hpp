@@ -52,7 +52,7 @@ inline State some_state(const ir::KinematicTree& tree) {
   for (int i = 0; i < tree.nq(); ++i) state.q[i] = std::sin(1.0 + 1.7 * i);
   for (int i = 0; i < tree.nv(); ++i) state.v[i] = std::cos(2.0 + 1.3 * i);
   for (int i = 0; i < tree.nv(); ++i) state.more[i] = std::cos(1.0 + 1.9 * i);
-  if (tree.floating_base) state.q.segment<4>(3).normalize();
+  for (const int first : tree.quaternions()) state.q.segment<4>(first).normalize();
   return state;
 }
 

@@ -15,6 +15,7 @@
 #include "ir/coordinate_tree.hpp"
 #include "ir/guard_arrays.hpp"
 #include "ir/kinematic_tree.hpp"
+#include "ir/moved_links.hpp"
 #include "ir/plan.hpp"
 #include "ir/program.hpp"
 #include "ir/rolled.hpp"
@@ -176,8 +177,9 @@ inline void run_projections(const Algorithm& algorithm, const KinematicTree& tre
       return std::find(inputs.begin(), inputs.end(), in) - inputs.begin();
     };
     const int columns = static_cast<int>(p.columns.size());
+    const std::vector<int> links = numbers_of_links(tree);
     for (int body = 0; body < tree.joints(); ++body) {
-      if (!by_rows(tree, body)) continue;
+      if (links[static_cast<std::size_t>(body)] < 0 || !by_rows(tree, body)) continue;
       for (const RowRun& run : row_runs(tree, body))
         for (int i = 0; i < run.count; ++i) {
           const std::vector<double> values = interpret<double>(p.graph, [&](const Input& in) {
@@ -185,7 +187,7 @@ inline void run_projections(const Algorithm& algorithm, const KinematicTree& tre
                                                : array(p.joints)(run.joint + i, place(joints, in));
           });
           for (int c = 0; c < columns; ++c) {
-            double& to = array(p.array)(run.row + i, columns * (body + (tree.floating_base ? 1 : 0)) + c);
+            double& to = array(p.array)(run.row + i, columns * links[static_cast<std::size_t>(body)] + c);
             to = (run.adds ? to : 0) + values[static_cast<std::size_t>(p.columns[static_cast<std::size_t>(c)])];
           }
         }
@@ -266,7 +268,8 @@ class RolledRun {
         for (int s = 0; s < plan_.slots; ++s) kept(static_cast<int>(r), 0, s) = 0.7;
       for (int k = 0; k < tree_.joints(); ++k) {
         Graph graph;
-        const NodeId node = passes::coordinate_node(graph, program_.roles[r], tree_, coordinates_, rates_zero_, k);
+        const NodeId node =
+            passes::coordinate_node(graph, program_.roles[r], tree_, coordinates_, tree_.positions(), rates_zero_, k);
         kept(static_cast<int>(r), 0, slot(k)) = interpret<double>(graph, input_)[static_cast<std::size_t>(node)];
       }
     }
@@ -368,10 +371,13 @@ class RolledRun {
       }
     }
     for (const AddedConstant& a : program_.added)
-      arrays_[algorithm_.arrays[static_cast<std::size_t>(a.array)].name](a.row, a.column) += a.value;
+      arrays_[algorithm_.arrays[static_cast<std::size_t>(a.array)].name](a.row, a.column) +=
+          a.role < 0 ? a.value : a.value * kept(a.role, 0, slot(a.body));
+    const std::vector<int> links = numbers_of_links(tree_);
     for (const Projection& p : algorithm_.projections)
       for (int body = 0; body < tree_.joints(); ++body) {
-        const int columns = static_cast<int>(p.columns.size()), first = columns * (body + (tree_.floating_base ? 1 : 0));
+        if (links[static_cast<std::size_t>(body)] < 0) continue;
+        const int columns = static_cast<int>(p.columns.size()), first = columns * links[static_cast<std::size_t>(body)];
         const auto project = [&](int at, const std::function<double(const Input&)>& upper) {
           const std::vector<double> values = interpret<double>(p.graph, [&](const Input& in) {
             return in.kind == InputKind::state ? kept(in.index, in.component, slot(body)) : upper(in);

@@ -1,11 +1,15 @@
 // Scenes drawn at random: what one output keeps and another overwrites shows where both are asked for, and nobody lists all
-// such pairs. DALEMBERT_RANDOM_SCENES=1000 draws so many for each robot.
+// such pairs. DALEMBERT_RANDOM_SCENES=1000 draws so many for each robot. Robots drawn at random too, with joints of every kind:
+// DALEMBERT_RANDOM_ROBOTS=10000 draws so many. What fails is made smaller as long as it fails, and said in words, with its
+// seed.
 #include <fmt/format.h>
+#include <gtest/gtest-spi.h>
 
 #include <cstdlib>
 #include <random>
 
 #include "both_forms.hpp"
+#include "ir/rotation.hpp"
 
 namespace dalembert {
 namespace {
@@ -49,6 +53,19 @@ std::vector<ir::LinkOutput> of_links(Draw& draw, const std::vector<std::string>&
 struct Movable {
   std::vector<std::string> joints, links;
 };
+
+// Some joints, one in so many, become others.
+void draw_kinds(Draw& draw, const Movable& robot, const std::string& driver, unsigned rare, ir::Scene& scene) {
+  for (const std::string& joint : robot.joints) {
+    const bool of_one =
+        joint == driver || scene.mimic.contains(joint) || scene.elastic.contains(joint) || scene.stiffness.contains(joint);
+    if (!draw.one_in(rare)) continue;
+    const auto words = ir::joint_words();
+    ir::JointKind kind{of_one ? ir::JointType::helical : draw.of(words).second, 0, Eigen::Vector3d(0.36, -0.48, 0.8)};
+    if (kind.type == ir::JointType::helical) kind.pitch = draw.one_in(2) ? 0.7 : -2;
+    scene.joints[joint] = kind;
+  }
+}
 
 ir::Scene scene_of(Draw& draw, Movable robot) {
   ir::Scene scene;
@@ -98,6 +115,7 @@ ir::Scene scene_of(Draw& draw, Movable robot) {
   }
   if (draw.one_in(4)) scene.payloads.push_back(draw.of(robot.links));
   if (draw.one_in(4)) scene.wrenches.push_back({draw.of(robot.links), draw.one_in(2)});
+  if (draw.one_in(3)) draw_kinds(draw, robot, driver, 5, scene);
   return scene;
 }
 
@@ -122,6 +140,9 @@ std::string in_words(unsigned seed, const ir::Scene& scene) {
   add("stiffness", scene.stiffness);
   add("elastic", scene.elastic);
   for (const ir::Frame& frame : scene.placed) text += fmt::format("; frame {} on {}", frame.name, frame.link);
+  for (const auto& [joint, kind] : scene.joints)
+    for (const auto& [word, type] : ir::joint_words())
+      if (type == kind.type) text += fmt::format("; {} {}", word, joint);
   for (const std::string& link : scene.payloads) text += "; payload " + link;
   for (const ir::Contact& contact : scene.contacts)
     text += fmt::format("; {} on {} along {} axes", contact.type == ir::ContactType::weld ? "weld" : "point", contact.link,
@@ -130,31 +151,172 @@ std::string in_words(unsigned seed, const ir::Scene& scene) {
   return text;
 }
 
+// Not for the last digits: what is in the wrong place is wrong in the first. Whether something was compared.
+bool compare(const ir::RobotDescription& robot, const ir::Scene& scene) {
+  try {
+    const Model model = model_of(robot, scene);
+    expect_generic_values(model, tool, 1000);
+    return !outputs_of(model).empty();
+  } catch (const InputError&) {
+    return false;  // the robot refuses the scene: a base without inertia that is to float
+  }
+}
+
+struct Outcome {
+  bool compared = false, failed = false;
+};
+Outcome outcome_of(const ir::RobotDescription& robot, const ir::Scene& scene) {
+  testing::TestPartResultArray found;
+  Outcome outcome;
+  {
+    const testing::ScopedFakeTestPartResultReporter reporter(
+        testing::ScopedFakeTestPartResultReporter::INTERCEPT_ONLY_CURRENT_THREAD, &found);
+    outcome.compared = compare(robot, scene);
+  }
+  for (int i = 0; i < found.size(); ++i) outcome.failed = outcome.failed || found.GetTestPartResult(i).failed();
+  return outcome;
+}
+bool fails(const ir::RobotDescription& robot, const ir::Scene& scene) { return outcome_of(robot, scene).failed; }
+
+// One entry less of one of the scene's lists or maps after another, as long as what is left fails.
+ir::Scene smaller(const ir::RobotDescription& robot, ir::Scene scene) {
+  const auto shrink = [&](auto of) {
+    for (size_t i = 0; i < of(scene).size();) {
+      ir::Scene less = scene;
+      of(less).erase(std::next(of(less).begin(), static_cast<std::ptrdiff_t>(i)));
+      if (fails(robot, less)) scene = less;
+      else ++i;
+    }
+  };
+  for (size_t before = 0, after = 1; before != after;) {
+    const auto size = [&] { return in_words(0, scene).size(); };
+    before = size();
+    shrink([](ir::Scene & s) -> auto& { return s.functions; });
+    shrink([](ir::Scene & s) -> auto& { return s.outputs; });
+    shrink([](ir::Scene & s) -> auto& { return s.frames; });
+    shrink([](ir::Scene & s) -> auto& { return s.jacobians; });
+    shrink([](ir::Scene & s) -> auto& { return s.contacts; });
+    shrink([](ir::Scene & s) -> auto& { return s.wrenches; });
+    shrink([](ir::Scene & s) -> auto& { return s.payloads; });
+    shrink([](ir::Scene & s) -> auto& { return s.joints; });
+    shrink([](ir::Scene & s) -> auto& { return s.mimic; });
+    shrink([](ir::Scene & s) -> auto& { return s.elastic; });
+    shrink([](ir::Scene & s) -> auto& { return s.stiffness; });
+    shrink([](ir::Scene & s) -> auto& { return s.friction; });
+    shrink([](ir::Scene & s) -> auto& { return s.damping; });
+    shrink([](ir::Scene & s) -> auto& { return s.armature; });
+    after = size();
+  }
+  return scene;
+}
+
+// Joints locked one after another as long as what is left fails.
+ir::RobotDescription smaller_robot(ir::RobotDescription robot, const ir::Scene& scene) {
+  for (ir::Joint& joint : robot.joints) {
+    const auto named = [&](const auto& map) { return map.contains(joint.name); };
+    bool driver = false;
+    for (const auto& [driven, relation] : scene.mimic) driver = driver || relation.of == joint.name;
+    if (driver || named(scene.joints) || named(scene.mimic) || named(scene.elastic) || named(scene.stiffness) ||
+        named(scene.friction) || named(scene.damping) || named(scene.armature))
+      continue;
+    const ir::JointType type = joint.type;
+    joint.type = ir::JointType::fixed;
+    if (!fails(robot, scene)) joint.type = type;
+  }
+  return robot;
+}
+
+// Links and joints from light to none, axes along the frame's or askew, branches of equal and unequal length. Every tip has a
+// mass.
+ir::RobotDescription random_robot(Draw& draw) {
+  ir::RobotDescription robot;
+  robot.name = robot.file = "random";
+  robot.root = 0;
+  const auto number = [&] { return (static_cast<double>(draw.below(2001)) - 1000) / 1000; };
+  const auto some = [&](double size) { return draw.one_in(3) ? 0.0 : size * number(); };
+  const int joints = 1 + static_cast<int>(draw.below(12));
+  robot.children.resize(static_cast<size_t>(joints) + 1);
+  for (int i = 0; i < joints; ++i) {
+    ir::Joint joint;
+    joint.name = fmt::format("j{:02}", i);
+    joint.parent = draw.one_in(3) ? static_cast<int>(draw.below(static_cast<unsigned>(i) + 1)) : i;
+    joint.child = i + 1;
+    joint.origin.translation() << some(0.4), some(0.4), some(0.4);
+    joint.origin.linear() = ir::rotation_from_rpy({some(3), some(1.5), some(3)});
+    joint.axis = Eigen::Vector3d::Unit(static_cast<int>(draw.below(3)));
+    if (draw.one_in(3)) joint.axis = Eigen::Vector3d(number(), number(), 1.1).normalized();
+    const std::vector<ir::JointType> types = {ir::JointType::revolute, ir::JointType::continuous, ir::JointType::prismatic,
+                                              ir::JointType::revolute, ir::JointType::planar,     ir::JointType::floating,
+                                              ir::JointType::revolute, ir::JointType::fixed};
+    joint.type = i == 0 ? ir::JointType::revolute : draw.of(types);
+    robot.children[static_cast<size_t>(joint.parent)].push_back(i);
+    robot.joints.push_back(joint);
+  }
+  for (int i = 0; i <= joints; ++i) {
+    ir::Link link;
+    link.name = fmt::format("l{:02}", i);
+    const bool tip = robot.children[static_cast<size_t>(i)].empty();
+    const double mass = draw.one_in(6) ? 0.01 : 1 + 0.9 * number();
+    const Eigen::Vector3d central = mass * Eigen::Vector3d(0.02, 0.03 + 0.005 * number(), 0.025);
+    if (tip || i == 0 || !draw.one_in(5))
+      link.inertia = ir::Inertia{mass,
+                                 {some(0.2), some(0.2), some(0.2)},
+                                 ir::rotated(central.asDiagonal(), ir::rotation_from_rpy({some(1), some(1), some(1)}))};
+    robot.links.push_back(link);
+  }
+  return robot;
+}
+
+Movable movable_of(const ir::RobotDescription& robot) {
+  Movable movable;
+  for (const ir::Joint& joint : robot.joints) {
+    movable.links.push_back(robot.links[static_cast<size_t>(joint.child)].name);
+    // What has several coordinates of its own takes part in no relation and no spring.
+    if (ir::coordinates_of(joint.type) == 1) movable.joints.push_back(joint.name);
+  }
+  return movable;
+}
+
+// Whether the case was compared; where it fails, it is said again, smaller.
+bool try_case(const ir::RobotDescription& robot, unsigned seed, const ir::Scene& scene) {
+  if (const Outcome outcome = outcome_of(robot, scene); !outcome.failed) return outcome.compared;
+  const ir::Scene least = smaller(robot, scene);
+  const ir::RobotDescription fewest = smaller_robot(robot, least);
+  std::string joints;
+  for (const ir::Joint& joint : fewest.joints)
+    if (joint.type != ir::JointType::fixed) joints += " " + joint.name;
+  SCOPED_TRACE(fmt::format("{}\nmade smaller: {}\njoints that move:{}", in_words(seed, scene), in_words(seed, least), joints));
+  compare(fewest, least);
+  return true;
+}
+
+TEST(RandomRobots, AreWhatTheGenericEngineComputes) {
+  const char* const asked_for = std::getenv("DALEMBERT_RANDOM_ROBOTS");
+  const unsigned robots = asked_for ? static_cast<unsigned>(std::atoi(asked_for)) : 30;
+  ASSERT_GT(robots, 0u) << "DALEMBERT_RANDOM_ROBOTS=" << asked_for << " is no number of robots";
+  unsigned compared = 0;
+  for (unsigned seed = 0; seed < robots && !HasFailure(); ++seed) {
+    Draw draw(seed);
+    const ir::RobotDescription robot = random_robot(draw);
+    const ir::Scene scene = scene_of(draw, movable_of(robot));
+    compared += try_case(robot, seed, scene);
+  }
+  EXPECT_GE(compared, robots / 2) << "of " << robots << " robots; the others refuse their scenes";
+}
+
 class RandomScenes : public testing::TestWithParam<TestRobot> {};
 
 TEST_P(RandomScenes, AreWhatTheGenericEngineComputes) {
   const char* const asked_for = std::getenv("DALEMBERT_RANDOM_SCENES");
   const ir::RobotDescription description = robot(GetParam().name);
-  Movable movable;
-  for (const ir::Joint& joint : description.joints) {
-    movable.links.push_back(description.links[static_cast<size_t>(joint.child)].name);
-    if (joint.type != ir::JointType::fixed) movable.joints.push_back(joint.name);
-  }
+  const Movable movable = movable_of(description);
   const unsigned scenes = asked_for ? static_cast<unsigned>(std::atoi(asked_for)) : 24;
   ASSERT_GT(scenes, 0u) << "DALEMBERT_RANDOM_SCENES=" << asked_for << " is no number of scenes";
   unsigned compared = 0;
   for (unsigned seed = 0; seed < scenes; ++seed) {
     Draw draw(seed);
     const ir::Scene scene = scene_of(draw, movable);
-    SCOPED_TRACE(in_words(seed, scene));
-    try {
-      // Not for the last digits: what is in the wrong place is wrong in the first.
-      const Model model = model_of(description, scene);
-      expect_generic_values(model, tool, 1000);
-      compared += !outputs_of(model).empty();
-    } catch (const InputError&) {
-      // A scene that the robot refuses: a base without inertia that is to float.
-    }
+    compared += try_case(description, seed, scene);
     if (HasFailure()) return;
   }
   // At least 20 of the first 24 with each of the robots, all with most.

@@ -34,6 +34,7 @@ const Example examples[] = {
     {"forward_dynamics", "factorization", "factorization"},
     {"locked", "{b: 0.25}", "b=0.25"},
     {"cut", "[l3]", "l3"},
+    {"joints", "{b: {helical: 0.01}}", "{b: {helical: 0.01}}"},
     {"mimic", "{b: {of: a, multiplier: -2}}", "{b: {of: a, multiplier: -2}}"},
     {"jacobians", "[l2, l3]", "l2,l3"},
     {"frames", "{l2: [pose, jacobian_mixed], sole: {link: l3, at: [0.1, 0, -0.02, 0, 0.3, 0], outputs: [pose]}}",

@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "commands/json.hpp"
+#include "passes/joints/kinds.hpp"
 
 namespace dalembert {
 
@@ -82,10 +83,10 @@ std::string robot_json(const Library& library, const Request& request, const Com
   std::vector<std::string> joints, types, bodies, links, said, lower, upper, velocity, effort;
   if (tree.floating_base) bodies.push_back(tree.base_link);
   for (const ir::Body& body : tree.bodies) {
-    bodies.push_back(body.name);
+    if (body.part + 1 == body.parts) bodies.push_back(body.name);
     if (body.driven()) continue;
     joints.push_back(body.joint);
-    types.push_back(body.prismatic() ? "prismatic" : body.type == ir::JointType::continuous ? "continuous" : "revolute");
+    types.push_back(passes::kind_of(body.type).name);
     ir::Limits limits;
     for (const ir::Joint& joint : model.description.joints)
       if (joint.name == body.joint) limits = joint.limits;
@@ -94,6 +95,13 @@ std::string robot_json(const Library& library, const Request& request, const Com
     velocity.push_back(number(limits.velocity));
     effort.push_back(number(limits.effort));
   }
+  std::vector<std::string> quaternions;
+  const std::vector<int> positions = tree.positions(), coordinates = tree.coordinates();
+  for (size_t k = 0; k < tree.bodies.size(); ++k)
+    if (tree.bodies[k].has_quaternion())
+      quaternions.push_back(fmt::format("[{}, {}, {}]", tree.base_positions() + positions[k],
+                                        tree.nv() - tree.independent_joints() + coordinates[k],
+                                        tree.bodies[k].kind == ir::JointType::floating ? 1 : 0));
   for (const ir::LinkPlacement& link : tree.links) links.push_back(link.link);
   for (const Diagnostic& d : warnings)
     if (d.severity != Severity::error)
@@ -105,13 +113,14 @@ std::string robot_json(const Library& library, const Request& request, const Com
   return fmt::format(
       "{{\n  \"command_line\": {},\n  \"robot\": {},\n  \"name\": {},\n  \"file\": {},\n  \"base\": \"{}\",\n  \"base_link\": "
       "{},\n  \"nq\": {},\n"
-      "  \"nv\": {},\n  \"scalar\": \"{}\",\n  \"joints\": {},\n  \"joint_types\": {},\n  \"bodies\": {},\n  \"links\": {},\n"
+      "  \"nv\": {},\n  \"scalar\": \"{}\",\n  \"quaternions\": {},\n  \"joints\": {},\n  \"joint_types\": {},\n  \"bodies\": "
+      "{},\n  \"links\": {},\n"
       "  \"lower\": {},\n  \"upper\": {},\n  \"velocity\": {},\n  \"effort\": {},\n  \"functions\": {},\n  \"run_time\": {},\n"
       "  \"compiled_by\": {},\n  \"code_bytes\": {},\n  \"said\": {}\n}}\n",
       json_string(command), json_string(tree.robot), json_string(model.name), json_string(request.robot),
       tree.floating_base ? "floating" : "fixed", json_string(tree.base_link), tree.nq(), tree.nv(),
-      model.scene.scalar == ir::ScalarType::float32 ? "float32" : "float64", json_array(joints), json_array(types),
-      json_array(bodies), json_array(links), array(lower), array(upper), array(velocity), array(effort),
+      model.scene.scalar == ir::ScalarType::float32 ? "float32" : "float64", array(quaternions), json_array(joints),
+      json_array(types), json_array(bodies), json_array(links), array(lower), array(upper), array(velocity), array(effort),
       functions_json(library), run_time_json(model),
       json_string(fmt::format("{}", fmt::join(compiler_and_flags(options), " "))), code_bytes, array(said));
 }

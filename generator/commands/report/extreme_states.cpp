@@ -11,10 +11,16 @@ namespace {
 void scale_angles(const ir::KinematicTree& tree, State& state, double largest) {
   Eigen::Index at = first_joint(tree);
   for (const ir::Body& body : tree.bodies) {
-    if (body.driven()) continue;
-    if (!body.prismatic()) state.q[at] *= largest / std::numbers::pi;
-    ++at;
+    if (!body.driven() && !body.of_quaternion() && !body.prismatic()) state.q[at] *= largest / std::numbers::pi;
+    at += body.positions();
   }
+}
+
+// All joints' numbers; quaternions at no turn.
+void set_joints(const ir::KinematicTree& tree, State& state, double value) {
+  state.q.tail(state.q.size() - first_joint(tree)).setConstant(value);
+  for (const int first : tree.quaternions())
+    if (first >= first_joint(tree)) state.q.segment<4>(first) << 0, 0, 0, 1;
 }
 
 // A driven joint's position as code in the scalar has it.
@@ -35,7 +41,7 @@ const std::vector<ExtremeCase>& extreme_cases() {
   using Tree = ir::KinematicTree;
   static const std::vector<ExtremeCase> cases = {
       {"random states", [](const Tree&, State&) {}},
-      {"all joints at zero", [](const Tree& tree, State& s) { s.q.tail(s.q.size() - first_joint(tree)).setZero(); }},
+      {"all joints at zero", [](const Tree& tree, State& s) { set_joints(tree, s, 0); }},
       {"statics: all speeds zero", [](const Tree&, State& s) { s.v.setZero(); }},
       {"angles to 1e6 rad", [](const Tree& tree, State& s) { scale_angles(tree, s, 1e6); }, true},
       {"angles to 1e15 rad", [](const Tree& tree, State& s) { scale_angles(tree, s, 1e15); }, true},
@@ -44,7 +50,7 @@ const std::vector<ExtremeCase>& extreme_cases() {
       {"speeds to 1e-9", [](const Tree&, State& s) { scale_speeds(s, 1e-9); }},
       {"joints and speeds denormal",
        [](const Tree& tree, State& s) {
-         s.q.tail(s.q.size() - first_joint(tree)).setConstant(std::numeric_limits<double>::denorm_min());
+         set_joints(tree, s, std::numeric_limits<double>::denorm_min());
          s.v.setConstant(std::numeric_limits<double>::denorm_min());
        }},
   };
@@ -52,7 +58,7 @@ const std::vector<ExtremeCase>& extreme_cases() {
 }
 
 ir::KinematicTree with_rounded_angles(ir::KinematicTree tree, const State& state, ir::ScalarType scalar, bool fused) {
-  const std::vector<int> coordinates = tree.coordinates();
+  const std::vector<int> coordinates = tree.positions();
   for (size_t k = 0; k < tree.bodies.size(); ++k) {
     ir::Body& body = tree.bodies[k];
     if (!body.driven()) continue;

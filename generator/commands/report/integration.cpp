@@ -44,7 +44,7 @@ class Simulated {
         damping_(VectorXd::Zero(tree_.nv())),
         own_stiffness_(VectorXd::Zero(tree_.nv())),
         rest_(VectorXd::Zero(tree_.nq())) {
-    const std::vector<int> coordinates = tree_.coordinates();
+    const std::vector<int> coordinates = tree_.positions();
     for (size_t k = 0; k < tree_.bodies.size(); ++k)
       if (!tree_.bodies[k].driven()) {
         damping_[base() + coordinates[k]] = tree_.bodies[k].damping;
@@ -194,10 +194,9 @@ void add_springs(Simulated& simulated, Motion start, Progress& progress, Rows& r
 // A random state with the scene's springs at rest: pulled at random, a stiff one would hold more energy than all the rest.
 State start_state(const ir::KinematicTree& tree) {
   State state = random_states(tree, 1).front();
-  const std::vector<int> coordinates = tree.coordinates();
+  const std::vector<int> coordinates = tree.positions();
   for (size_t k = 0; k < tree.bodies.size(); ++k)
-    if (tree.bodies[k].spring.k != 0)
-      state.q[tree.nq() - tree.independent_joints() + coordinates[k]] = tree.bodies[k].spring.rest;
+    if (tree.bodies[k].spring.k != 0) state.q[tree.base_positions() + coordinates[k]] = tree.bodies[k].spring.rest;
   return state;
 }
 

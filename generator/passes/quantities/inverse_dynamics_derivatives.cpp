@@ -7,6 +7,9 @@
 //
 //   dtau_i/dq_j = S_i.(2 B_i Psi'_j + I_i Psi''_j)     dtau_j/dq_i = S_j.(2 B_i Psi'_i + I_i Psi''_i + S_i x* f_i)
 //   dtau_i/dv_j = S_i.(2 B_i S_j + I_i (Psi'_j + S'_j))  dtau_j/dv_i = S_j.(2 B_i S_i + I_i (Psi'_i + S'_i)).
+//
+// Of a joint with a quaternion p is the same body for all parts, and S' of each is that of the link; among them f turns with
+// S_j, too: dtau_j/dq_i has no S_i x* f_i, or f_i.(S_i x S_j) more than the above.
 #include "passes/quantities/quantities.hpp"
 #include "passes/quantities/shared.hpp"
 
@@ -18,6 +21,7 @@ using ir::Shape;
 namespace {
 
 struct Factors {
+  int between = -1;  // where joints have quaternions: the force along the joint, of the subtree
   int inertia, transposed, by_position, by_velocity;  // of the lower joint: I S, 2 Bᵀ S, and what stands in the sums above
   int joint_linear, joint_angular, rate, rates, curvature;  // of the upper one: S, Psi', Psi' + S', Psi''
   int unturned;  // of the lower one, where wrenches keep to the world's axes; -1: none does
@@ -30,6 +34,30 @@ Twist twice(const Twist& a) { return sum(a, a); }
 Twist turned(const Twist& m, const Twist& f) {
   const Vec3 lever = cross(m.linear, f.linear);
   return {cross(m.angular, f.linear), cross(m.angular, f.angular) + lever};
+}
+
+// Where joints have quaternions: how the body moves that a joint hangs on, for all its parts.
+struct Hung {
+  int velocity, acceleration;
+};
+Hung hung(Builder& b, const Poses& p, int acceleration) {
+  const Hung r{b.role({"joint_base_velocity", "Vp", "V of what the joint hangs on", "m/s, rad/s", Shape::wrench}),
+               b.role({"joint_base_acceleration", "Ap", "A of what the joint hangs on", "m/s^2, rad/s^2", Shape::wrench})};
+  if (b.has("joint_bases")) return r;
+  SweepBuilder root = b.sweep("base_of_joints", "Vp, Ap", Direction::root);
+  for (const int role : {r.velocity, r.acceleration}) root.store(role, Twist{root.zero(), root.zero()});
+  SweepBuilder s =
+      b.sweep("joint_bases", "Vp, Ap: of the body above, or, behind a joint's first part, its", Direction::outwards);
+  const Sym first = s.parameter(first_part_p), behind = s.constant(1) - first;
+  for (int i = 0; i < 6; ++i) {
+    const auto pick = [&](int own, int above) {
+      const Sym begins = first * s.carried(above, i), goes_on = behind * s.carried(own, i);
+      s.store(own, i, begins + goes_on);
+    };
+    pick(r.velocity, p.velocity);
+    pick(r.acceleration, acceleration);
+  }
+  return r;
 }
 
 // f = I A + B V of a body, summed over the subtree.
@@ -59,7 +87,9 @@ Factors factors(Builder& b) {
   const int wrench = subtree_wrench(b, p, sums.body, acceleration);
   const int external = external_wrenches(b);
   const WorldWrenchRoles in_world = world_wrenches(b);
-  const Factors r{forces(b, Frame::base).inertia,
+  const bool quaternions = b.tree().any_quaternion();
+  const Factors r{quaternions ? b.role({"joint_force", "fJ", "f.S", "N, N m", Shape::scalar}) : -1,
+                  forces(b, Frame::base).inertia,
                   b.role({"twice_transposed", "H", "H = 2 B' S, its angular part", "kg m^2/s", Shape::vector}),
                   b.role({"by_position", "Nq", "2 B Psi' + I Psi'' + S x* f", "N, N m", Shape::wrench}),
                   b.role({"by_velocity", "Nv", "2 B S + I (Psi' + S')", "N s, N m s", Shape::wrench}),
@@ -71,18 +101,28 @@ Factors factors(Builder& b) {
                   in_world.lower};
   if (b.has("axes")) return r;
 
-  SweepBuilder axes = b.sweep("axes", "Psi' = V x S, Psi'' = A x S + V x Psi'", Direction::anywhere);
-  const Twist joint = joint_of(axes, p), rate{axes.own3(p.joint_rate, 0), axes.own3(p.joint_rate, 3)};
-  const Twist turning = joint_twist_rate(acceleration_of(axes, acceleration), joint);
-  axes.store(r.curvature, sum(turning, joint_twist_rate(velocity_of(axes, p), rate)));
+  const int axis_rates = quaternions ? b.role({"axis_drift", "Psid", "Psi'", "m/s, rad/s", Shape::wrench}) : p.joint_rate;
+  const Hung parent = quaternions ? hung(b, p, acceleration) : Hung{p.velocity, acceleration};
+  SweepBuilder axes =
+      b.sweep("axes", quaternions ? "Psi' = Vp x S, Psi'' = Ap x S + Vp x Psi'" : "Psi' = V x S, Psi'' = A x S + V x Psi'",
+              Direction::anywhere);
+  const Twist joint = joint_of(axes, p), turned_with{axes.own3(p.joint_rate, 0), axes.own3(p.joint_rate, 3)};
+  Twist rate = turned_with;
+  if (quaternions) {
+    rate = joint_twist_rate({axes.own3(parent.velocity, 0), axes.own3(parent.velocity, 3)}, joint);
+    axes.store(axis_rates, rate);
+  }
+  const Twist turning = joint_twist_rate(acceleration_of(axes, parent.acceleration), joint);
+  const Twist velocity{axes.own3(parent.velocity, 0), axes.own3(parent.velocity, 3)};
+  axes.store(r.curvature, sum(turning, joint_twist_rate(velocity, rate)));
   axes.store(r.rate, rate.angular);
-  axes.store(r.rates, twice(rate));
+  axes.store(r.rates, sum(rate, turned_with));
 
   SweepBuilder s =
       b.sweep("derivative_factors", "H = 2 B' S, Nq = 2 B Psi' + I Psi'' + S x* f, Nv = 2 B S + 2 I Psi'", Direction::anywhere);
   const Sym m = s.own(mass);
   const Sums subtree = sums_of(s, sums.subtree);
-  const Twist axis = joint_of(s, p), axis_rate{s.own3(p.joint_rate, 0), s.own3(p.joint_rate, 3)};
+  const Twist axis = joint_of(s, p), axis_rate{s.own3(axis_rates, 0), s.own3(axis_rates, 3)};
   Twist f{s.own3(wrench, 0), s.own3(wrench, 3)};
   if (external >= 0) f = {f.linear - s.own3(external, 0), f.angular - s.own3(external, 3)};
   const Vec3 transposed = apply_bias_transposed(subtree, axis);
@@ -93,8 +133,14 @@ Factors factors(Builder& b) {
   if (in_world.derivative >= 0)
     by_position = sum(by_position, {s.own3(in_world.derivative, 0), s.own3(in_world.derivative, 3)});
   s.store(r.by_position, by_position);
-  const Twist moving = apply_inertia(m, subtree, axis_rate), drifting = apply_bias(subtree, axis);
-  s.store(r.by_velocity, twice(sum(moving, drifting)));
+  if (quaternions) {
+    s.store(r.between, element(f, axis));
+    const Twist moving = apply_inertia(m, subtree, {s.own3(r.rates, 0), s.own3(r.rates, 3)});
+    s.store(r.by_velocity, sum(moving, twice(apply_bias(subtree, axis))));
+  } else {
+    const Twist moving = apply_inertia(m, subtree, axis_rate), drifting = apply_bias(subtree, axis);
+    s.store(r.by_velocity, twice(sum(moving, drifting)));
+  }
   if (!b.floating()) return r;
 
   // Its own wrench turns with the base: S x* f has no part in the base's rows of its own columns.
@@ -127,6 +173,7 @@ void describe_inverse_dynamics_dq(Builder& b, int array) {
   p.below = {{f.inertia, 0, f.curvature, 0}, {f.inertia, 3, f.curvature, 3}, {f.transposed, 0, f.rate, 0}};
   if (f.unturned >= 0) p.below.push_back({f.unturned, 0, f.joint_angular, 0});
   if (b.tree().any_spring()) p.diagonal = stiffness_p;
+  p.between = f.between;
   b.pairs(p);
 }
 

@@ -39,7 +39,12 @@ void describe_kinetic_energy(Builder& b, int array) {
   const Twist parent{out.carried3(velocity, 0), out.carried3(velocity, 3)};
   const BodyConstants k = out.body();
   const JointPosition q = out.position();
-  out.store(velocity, body_velocity(parent, k, q, out.rate()));
+  if (b.tree().any_quaternion()) {
+    const Twist still = body_velocity(parent, k, q, out.constant(0)), own = out.joint_twist();
+    out.store(velocity, Twist{still.linear + own.linear, still.angular + own.angular});
+  } else {
+    out.store(velocity, body_velocity(parent, k, q, out.rate()));
+  }
 
   SweepBuilder in = b.sweep("energies", "T = T_below + (m u.u + 2 h.(u x w) + w.I w + armature dq^2)/2", Direction::inwards);
   const BodyConstants body = in.body();

@@ -29,8 +29,11 @@ NewtonEuler newton_euler(Builder& b, Driven driven) {
   const bool gravity_acts = b.scene().gravity_kind != ir::GravityKind::none;
   const bool weightless = driven == Driven::weightless && gravity_acts;
   // A function may give what it finds at rest beside what it is given accelerations for.
-  const bool both = accelerated && (b.function().computes(ir::Quantity::bias) ||
-                                    (b.function().computes(ir::Quantity::momentum_bias) && !gravity_acts));
+  const bool both =
+      accelerated &&
+      (b.function().computes(ir::Quantity::bias) ||
+       ((b.function().computes(ir::Quantity::momentum_bias) || b.function().computes(ir::Quantity::center_of_mass_bias)) &&
+        !gravity_acts));
   const std::string motions = weightless ? "weightless_" : both ? "accelerated_" : "";
   const MotionRoles motion{
       b.role({motions + "angular", "w", "w along the body's axes", "rad/s", Shape::vector}),
@@ -61,7 +64,8 @@ NewtonEuler newton_euler(Builder& b, Driven driven) {
   const Motion parent{out.carried3(motion.angular), out.carried3(motion.angular_acceleration),
                       out.carried3(motion.acceleration)};
   const BodyConstants body = out.body();
-  Motion state = propagate(parent, body, out.position(), out.rate());
+  Motion state = b.tree().any_quaternion() ? propagate(parent, body, out.position(), out.joint_twist())
+                                           : propagate(parent, body, out.position(), out.rate());
   if (accelerated) accelerate(state, body, out.acceleration());
   store(out, motion, state);
 

@@ -51,13 +51,22 @@ Poses poses(Builder& b, Frame frame) {
   const Pose here = pose(parent, c, s.position(reference));
   const Twist joint = joint_twist(here, c);
   const Twist above{s.carried3(r.velocity, 0), s.carried3(r.velocity, 3)};
-  const Twist velocity = body_twist(above, joint, s.rate());
+  // Axes of a joint with a quaternion turn with the link, as if their body were the link's parent.
+  Twist before = above, velocity;
+  if (b.tree().any_quaternion()) {
+    const Vec3 turning = here.rotation * s.parameter3(joint_twist_p + 3), sliding = here.rotation * s.parameter3(joint_twist_p),
+               lever = cross(here.position, turning);
+    before = {above.linear + sliding + lever, above.angular + turning};
+    velocity = body_twist(before, joint, s.parameter(moves_p) * s.rate());
+  } else {
+    velocity = body_twist(above, joint, s.rate());
+  }
   for (int i = 0; i < 3; ++i) s.store(r.rotation, column(here.rotation, static_cast<std::size_t>(i)), 3 * i);
   s.store(r.position, here.position);
   s.store(r.joint_linear, joint.linear);
   s.store(r.joint_angular, joint.angular);
   s.store(r.velocity, velocity);
-  s.store(r.joint_rate, joint_twist_rate(above, joint));
+  s.store(r.joint_rate, joint_twist_rate(before, joint));
   return r;
 }
 

@@ -248,8 +248,8 @@ static inline BatchError check_batch(std::size_t count, std::size_t first, std::
   return BatchError::none;
 }
 
-// Whether no pivot of M of any state needs a bound (dalembert/pivots.hpp), of n pivots and M's diagonal. status: -1 for each state
-// of which that is so, 0 for others.
+// Whether no pivot of M of any state needs a bound (dalembert/pivots.hpp), of n pivots and M's diagonal. status: -1 for each
+// state of which that is so, 0 for others.
 template <int n, class T>
 static inline bool batch_holds(const BatchLanes<T>* pivots, const BatchLanes<T>* diagonal, int* status) noexcept {
   constexpr int w = batch_width<T>;
@@ -260,8 +260,7 @@ static inline bool batch_holds(const BatchLanes<T>* pivots, const BatchLanes<T>*
   } else {
     using I = Lanes<detail::CountOf<T>, w>;
     I holds = I{} - 1;
-    for (int k = 0; k < n; ++k)
-      holds &= (pivots[k] > detail::least_ratio<T>() * diagonal[k]) & (pivots[k] > BatchLanes<T>{});
+    for (int k = 0; k < n; ++k) holds &= (pivots[k] > detail::least_ratio<T>() * diagonal[k]) & (pivots[k] > BatchLanes<T>{});
     for (int j = 0; j < w; ++j) {
       status[j] = holds[j] ? -1 : 0;
       all &= status[j] < 0;

@@ -153,6 +153,7 @@ class Robot:
             frame_names=tuple(facts["links"]),
             compiled_by=facts["compiled_by"],
             notices=tuple(text for _, text in facts["said"]),
+            _quaternions=numpy.array(facts["quaternions"], dtype=numpy.int64).reshape(-1, 3),
         )
         for key, name in (("lower", "lower_limits"), ("upper", "upper_limits"), ("velocity", "velocity_limits"),
                           ("effort", "effort_limits")):
@@ -340,11 +341,15 @@ class Robot:
     # ---- States
 
     def neutral(self):
-        """The state with every coordinate at zero, a floating base at the world's origin, upright: (nq,)."""
+        """The state with every coordinate at zero, a floating base at the world's origin, upright; quaternions at no turn: (nq,)."""
         q = numpy.zeros(self.nq, self.dtype)
-        if self.floating_base:
-            q[6] = 1
+        for first in self._first_of_quaternions():
+            q[first + 3] = 1
         return q
+
+    def _first_of_quaternions(self):
+        """Where in q quaternions begin."""
+        return [3] * self.floating_base + [int(q) + 3 * int(slides) for q, _, slides in self._quaternions]
 
     def random(self, rng=None, n=None):
         """A random state, or n of them: joints uniform within their limits (without limits ±π rad or ±1 m), a floating base within
@@ -357,11 +362,15 @@ class Robot:
         low, high = numpy.minimum(lower, upper), numpy.maximum(lower, upper)
         q = numpy.empty((count, self.nq))
         base = 7 if self.floating_base else 0
-        q[:, base:] = rng.uniform(low, high, (count, self.nq - base))
+        firsts = self._first_of_quaternions()
+        # Every coordinate has a number of q, and a quaternion one more than its coordinates.
+        places = [i for i in range(base, self.nq) if i - 3 not in firsts[len(firsts) - len(self._quaternions):]]
+        q[:, places] = rng.uniform(low, high, (count, len(places)))
         if base:
             q[:, :3] = rng.uniform(-1, 1, (count, 3))
+        for first in firsts:
             quaternion = rng.standard_normal((count, 4))
-            q[:, 3:7] = quaternion / numpy.linalg.norm(quaternion, axis=1, keepdims=True)
+            q[:, first:first + 4] = quaternion / numpy.linalg.norm(quaternion, axis=1, keepdims=True)
         q = q.astype(self.dtype, copy=False)
         return q[0] if n is None else q
 
@@ -386,14 +395,15 @@ class Robot:
 
     def integrate(self, q, step):
         """Where the motion `step` (velocity times time: m, rad; (nv,) or (n, nv)) leads from q. A floating base turns and slides
-        along a screw, on its group SE(3), as in dalembert/integrators of the C++ runtime; joints add."""
+        along a screw, on its group SE(3), as in dalembert/integrators of the C++ runtime, as do floating joints; spherical ones turn,
+        others add."""
         (q, step), single = self._rows(q=(q, self.nq), step=(step, self.nv))
-        return self._as_given(_core.integrate(q, step), single)
+        return self._as_given(_core.integrate(q, step, self._quaternions), single)
 
     def difference(self, start, end):
         """The step that integrate() leads from `start` to `end`: (nv,) or (n, nv). A floating base turns by at most half a turn."""
         (start, end), single = self._rows(start=(start, self.nq), end=(end, self.nq))
-        return self._as_given(_core.difference(start, end, self.floating_base), single)
+        return self._as_given(_core.difference(start, end, self.floating_base, self._quaternions), single)
 
     def interpolate(self, start, end, fraction):
         """`start` at fraction 0, `end` at 1, between them along the step that leads there: on a floating base a screw. A fraction may
@@ -403,7 +413,7 @@ class Robot:
             raise ValueError(f"fraction has dtype {fraction.dtype}, expected a number or (n,)")
         fraction = fraction.astype(float, copy=False)
         (start, end), single = self._rows(start=(start, self.nq), end=(end, self.nq))
-        step = _core.difference(start, end, self.floating_base)
+        step = _core.difference(start, end, self.floating_base, self._quaternions)
         if fraction.ndim not in (0, 1):
             raise ValueError(f"fraction has shape {fraction.shape}, expected a number or (n,)")
         if fraction.ndim == 1:
@@ -412,7 +422,7 @@ class Robot:
             single = False
         step = fraction[..., None] * step
         start = numpy.ascontiguousarray(numpy.broadcast_to(start, (len(step), self.nq)))
-        return self._as_given(_core.integrate(start, numpy.ascontiguousarray(step)), single)
+        return self._as_given(_core.integrate(start, numpy.ascontiguousarray(step), self._quaternions), single)
 
     # ---- The generator's other commands, of this robot and scene
 

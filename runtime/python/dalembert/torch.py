@@ -39,18 +39,26 @@ def _times(gradient, matrix):
 
 
 def _to_positions(robot, q, gradient):
-    """A gradient along v's coordinates as one by q's: a floating base's are turned into the world's axes and the quaternion's."""
-    if not robot.floating_base:
-        return gradient
-    x, y, z, w = (q[..., i] for i in (3, 4, 5, 6))
-    rotation = numpy.stack([
-        numpy.stack([1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)], -1),
-        numpy.stack([2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)], -1),
-        numpy.stack([2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)], -1)], -2)
-    a, b, c = (gradient[..., i] for i in (3, 4, 5))
-    # The quaternion's rate is q (w/2, 0): a turn by a small vector moves it by half of these columns, which are orthonormal.
-    quaternion = 2 * numpy.stack([w * a - z * b + y * c, z * a + w * b - x * c, -y * a + x * b + w * c, -x * a - y * b - z * c], -1)
-    return numpy.concatenate([numpy.einsum("...ij,...j->...i", rotation, gradient[..., :3]), quaternion, gradient[..., 6:]], -1)
+    """A gradient along v's coordinates as one by q's: a pose's linear part is turned out of its own axes, the angular one made the
+    quaternion's."""
+    parts, at = [], 0  # at: in v
+    poses = [(0, 0, 1)] * robot.floating_base + [tuple(row) for row in robot._quaternions]
+    for first, start, slides in poses:
+        parts.append(gradient[..., at:start])
+        x, y, z, w = (q[..., first + 3 * slides + i] for i in range(4))
+        if slides:
+            rotation = numpy.stack([
+                numpy.stack([1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)], -1),
+                numpy.stack([2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)], -1),
+                numpy.stack([2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)], -1)], -2)
+            parts.append(numpy.einsum("...ij,...j->...i", rotation, gradient[..., start:start + 3]))
+        turn = start + 3 * slides
+        a, b, c = (gradient[..., turn + i] for i in range(3))
+        # The quaternion's rate is q (w/2, 0): a turn by a small vector moves it by half of these columns, which are orthonormal.
+        parts.append(2 * numpy.stack([w * a - z * b + y * c, z * a + w * b - x * c, -y * a + x * b + w * c,
+                                      -x * a - y * b - z * c], -1))
+        at = turn + 3
+    return numpy.concatenate(parts + [gradient[..., at:]], -1)
 
 
 class _InverseDynamics(torch.autograd.Function):

@@ -186,10 +186,10 @@ TEST_P(Generated, ReadsNothingItDoesNotNeed) {
     return std::any_of(model.scene.outputs.begin(), model.scene.outputs.end(),
                        [&](ir::Quantity quantity) { return any.contains(ir::row_of(quantity).name); });
   };
-  const bool rates = asked({"coriolis_matrix", "bias", "kinetic_energy", "momentum_bias"});
+  const bool rates = asked({"coriolis_matrix", "bias", "kinetic_energy", "momentum_bias", "center_of_mass_bias"});
   const bool base_position = asked({"potential_energy", "center_of_mass"});
-  const bool world = asked(
-      {"gravity", "bias", "potential_energy", "center_of_mass", "center_of_mass_jacobian", "momentum_matrix", "momentum_bias"});
+  const bool world = asked({"gravity", "bias", "potential_energy", "center_of_mass", "center_of_mass_jacobian",
+                            "momentum_matrix", "momentum_bias", "center_of_mass_bias"});
   const bool in_base = asked({"wrench_influence"});
   const auto expect_unread = [&](const State& spoilt, const char* what) {
     evaluate(spoilt, Variant::serial);

@@ -48,11 +48,20 @@ Vector6<S> expanded_momentum_bias(const Model<S>& model, const Kinematics<S>& ki
     const BodyKinematics<S>& at_k = kinematics.bodies[at];
     if (const int parent = model.bodies[at].parent; parent >= 0)
       accelerations[at] = at_k.Ad_inverse * accelerations[static_cast<size_t>(parent)];
-    accelerations[at] += ad(at_k.V) * (at_k.E * v[model.base_rows() + k]);
+    accelerations[at] += (ad(at_k.V) * at_k.E + at_k.E_dot) * v[model.base_rows() + k];
     in_base += at_k.Ad_base_inverse.transpose() * wrench(model.bodies[at].inertia, at_k.V, accelerations[at]);
   }
   const VectorX<S> near = at_origin(model, q);
   return about_center<S>(base_pose(model, near), center_of_mass<S>(model, kinematics, near), in_base);
+}
+
+// J̇ v of the centre of mass: its acceleration is J v̇ + J̇ v, world axes, m/s². v: one entry per joint behind the base's.
+template <class S>
+Vector3<S> expanded_center_of_mass_bias(const Model<S>& model, const Kinematics<S>& kinematics, const VectorX<S>& q,
+                                        const VectorX<S>& v) {
+  S mass = model.floating_base ? model.base.mass : S(0);
+  for (const Body<S>& body : model.bodies) mass += body.inertia.mass;
+  return expanded_momentum_bias<S>(model, kinematics, q, v).template head<3>() / mass;
 }
 
 }  // namespace dalembert::generic

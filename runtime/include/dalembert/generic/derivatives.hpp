@@ -29,7 +29,7 @@ struct InverseDynamicsDerivatives {
 
 namespace detail {
 
-// A joint and the body behind it, in base axes at the base's origin.
+// A joint, all its parts, and the body behind it, in base axes at the base's origin.
 template <class S>
 struct MovingBody {
   using Axes = Eigen::Matrix<S, 6, Eigen::Dynamic>;
@@ -67,6 +67,7 @@ std::vector<MovingBody<S>> moving_bodies(const Model<S>& model, const Kinematics
   world_acceleration.template head<3>() = -gravity_in_base(model, q);
 
   std::vector<MovingBody<S>> bodies;
+  std::vector<int> moved_by;  // per body, from the first that moves on: which of these it is part of
   for (int k = first; k < model.joints(); ++k) {
     const bool base = k < 0;
     const size_t at = static_cast<size_t>(base ? 0 : k);
@@ -76,27 +77,38 @@ std::vector<MovingBody<S>> moving_bodies(const Model<S>& model, const Kinematics
                      own_acceleration = base ? moving.base : moving.bodies[at];
     const Matrix6<S> own_inertia = inertia_matrix(base ? model.base : model.bodies[at].inertia);
 
-    MovingBody<S> body;
-    body.parent = base ? -1 : model.bodies[at].parent - first;
-    body.row = base ? 0 : model.base_rows() + k;
+    const Vector6<S> wrench = from_base.transpose() *
+                              (body_wrench<S>(own_inertia, own_twist, own_acceleration) - external_wrench(model, wrenches, k));
+    const bool goes_on = !base && model.bodies[at].part > 0;  // of the joint of the body before
+    if (!goes_on) {
+      MovingBody<S> begun;
+      const int above = base ? -1 : model.bodies[at].parent - first;
+      begun.parent = above < 0 ? -1 : moved_by[static_cast<size_t>(above)];
+      begun.row = base ? 0 : model.base_rows() + k;
+      begun.axes = base ? typename MovingBody<S>::Axes(still) : typename MovingBody<S>::Axes(6, 0);
+      for (Vector6<S>* vector : {&begun.V, &begun.A, &begun.force}) vector->setZero();
+      for (Matrix6<S>* matrix : {&begun.inertia, &begun.bias}) matrix->setZero();
+      bodies.push_back(begun);
+    }
+    moved_by.push_back(static_cast<int>(bodies.size()) - 1);
+    MovingBody<S>& body = bodies.back();
     body.V = to_base * own_twist;
     body.A = to_base * own_acceleration;
-    if (base) {
-      body.axes = still;
-    } else {
-      body.axes = to_base * kinematics.bodies[at].E;
+    if (!base) {
+      body.axes.conservativeResize(6, body.axes.cols() + 1);
+      body.axes.col(body.axes.cols() - 1) = to_base * kinematics.bodies[at].E;
     }
+    body.inertia += from_base.transpose() * own_inertia * from_base;
+    body.force += wrench;
+  }
+  for (MovingBody<S>& body : bodies) {
     const bool on_world = body.parent < 0;
     const Vector6<S> V_p = on_world ? Vector6<S>(Vector6<S>::Zero()) : bodies[static_cast<size_t>(body.parent)].V,
                      A_p = on_world ? world_acceleration : bodies[static_cast<size_t>(body.parent)].A;
     body.psi_dot = ad(V_p) * body.axes;
     body.psi_ddot = ad(A_p) * body.axes + ad(V_p) * body.psi_dot;
     body.axes_dot = ad(body.V) * body.axes;
-    body.inertia = from_base.transpose() * own_inertia * from_base;
     body.bias = bias_of<S>(body.inertia, body.V);
-    body.force = from_base.transpose() *
-                 (body_wrench<S>(own_inertia, own_twist, own_acceleration) - external_wrench(model, wrenches, k));
-    bodies.push_back(body);
   }
   for (size_t k = bodies.size(); k-- > 0;) {
     if (bodies[k].parent < 0) continue;

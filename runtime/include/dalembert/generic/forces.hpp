@@ -55,7 +55,7 @@ struct Accelerations {
   std::vector<Vector6<S>> bodies;
 };
 
-// V̇_k = (ᵖAd_k)⁻¹ V̇_p + E_k q̈_k + ad(V_k) E_k q̇_k. q, v, v_dot: of every joint, behind the base's.
+// V̇_k = (ᵖAd_k)⁻¹ V̇_p + E_k q̈_k + (ad(V_k) E_k + Ė_k) q̇_k. q, v, v_dot: of every joint, behind the base's.
 template <class S>
 Accelerations<S> accelerations(const Model<S>& model, const Kinematics<S>& kinematics, const VectorX<S>& q, const VectorX<S>& v,
                                const VectorX<S>& v_dot) {
@@ -68,7 +68,7 @@ Accelerations<S> accelerations(const Model<S>& model, const Kinematics<S>& kinem
     const int parent = model.bodies[at].parent;
     const BodyKinematics<S>& at_k = kinematics.bodies[at];
     result.bodies[at] = at_k.Ad_inverse * (parent < 0 ? result.base : result.bodies[static_cast<size_t>(parent)]) +
-                        at_k.E * v_dot[base + k] + ad(at_k.V) * (at_k.E * v[base + k]);
+                        at_k.E * v_dot[base + k] + ad(at_k.V) * (at_k.E * v[base + k]) + at_k.E_dot * v[base + k];
   }
   return result;
 }

@@ -48,7 +48,7 @@ Vector6<S> frame_acceleration_bias(const Model<S>& model, const Kinematics<S>& k
   Transform<S> in_body = frame;
   for (int i = k; i >= 0; i = model.bodies[static_cast<size_t>(i)].parent) {
     const BodyKinematics<S>& at_i = kinematics.bodies[static_cast<size_t>(i)];
-    spatial += adjoint_inverse(in_body) * (ad(at_i.V) * (at_i.E * v[model.base_rows() + i]));
+    spatial += adjoint_inverse(in_body) * ((ad(at_i.V) * at_i.E + at_i.E_dot) * v[model.base_rows() + i]);
     in_body = at_i.in_parent * in_body;
   }
   const Transform<S> pose = frame_pose(model, kinematics, q, k, frame);

@@ -87,6 +87,7 @@ MatrixX<S> expanded_center_of_mass_jacobian(const Model<S>& model, const Kinemat
     const Vector3<S> axis = pose.rotation * body.axis;
     if (body.prismatic) slid(rows + k, axis, subtree);
     else turned(rows + k, axis, subtree, pose.translation);
+    if (!body.prismatic && body.pitch != S(0)) J.col(rows + k) += body.pitch * subtree.mass * axis;
   }
   return J / sums.whole.mass;
 }

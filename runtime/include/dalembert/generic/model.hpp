@@ -1,4 +1,5 @@
-// The robot as the generic engine sees it: any tree of bodies joined by one-degree-of-freedom joints, as plain numbers.
+// The robot as the generic engine sees it: any tree of bodies joined by one-degree-of-freedom joints, as plain numbers. A joint
+// of more is a row of bodies, all but the last without mass.
 //
 // Problem. Evaluate the dynamics M v̇ + C v + g = τ of any tree in any scalar, as the paper prints it: the yardstick that
 // generated code is measured against. It allocates, throws and multiplies by zeros: it is not the real-time path.
@@ -6,7 +7,10 @@
 //
 // Coordinates. Fixed base: q and v = q̇ have one entry per coordinate of the joints. Floating base: q = [base position in
 // the world (3), unit quaternion x y z w (4), joints], v = [base linear velocity (3), angular velocity (3), both in base
-// axes, joint rates]. A joint may be driven by another's coordinate (Coordinate below); reduction.hpp takes care of that.
+// axes, joint rates]. A spherical or floating joint is three or six bodies in a row, about (floating: along, then about) x, y
+// and z of the last one's frame, whose axes all share: q has its quaternion x y z w (floating: before it the position in the
+// frame at q = 0), v its twist along these axes. A joint may be driven by another's coordinate (Coordinate below);
+// reduction.hpp takes care of that.
 #pragma once
 
 #include <algorithm>
@@ -30,6 +34,9 @@ struct Body {
   S friction = S(0);                             // Coulomb: friction · sign(v_i) is added to the bias, N m or N
   S stiffness = S(0);  // of a spring: stiffness · (q_i − rest) is added to the bias, N m/rad or N/m
   S rest = S(0);       // where that spring is at rest, rad or m
+  S pitch = S(0);      // of a joint that turns: how far it slides along the axis per radian, m
+  int part = -1;       // of a joint with a quaternion: which of its bodies; else -1
+  int parts = 1;       // how many they are
 };
 
 // q_joint = multiplier · q[index] + offset, index counting the joints' independent coordinates.
@@ -60,7 +67,12 @@ struct Model {
     for (const Coordinate<S>& coordinate : coordinates) count = std::max(count, coordinate.index + 1);
     return count;
   }
-  int nq() const { return coordinate_count() + (floating_base ? 7 : 0); }
+  // Joints with a quaternion, before body `end`.
+  int quaternions(int end) const {
+    return static_cast<int>(std::count_if(bodies.begin(), bodies.begin() + end, [](const Body<S>& b) { return b.part == 0; }));
+  }
+  int quaternions() const { return quaternions(joints()); }
+  int nq() const { return coordinate_count() + quaternions() + (floating_base ? 7 : 0); }
   int nv() const { return coordinate_count() + (floating_base ? 6 : 0); }
   int base_rows() const { return floating_base ? 6 : 0; }
   // Bodies that can move, as W's columns count them: the base first when it floats.

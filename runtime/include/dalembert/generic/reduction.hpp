@@ -24,15 +24,27 @@ class Reduction {
     }
   }
 
-  // Position of every joint, behind the base's pose.
+  // Position of every joint, behind the base's pose; then the w of every quaternion.
   VectorX<S> expand_position(const VectorX<S>& q) const {
-    if (!driven_) return q;
+    const int quaternions = model_.quaternions();
+    if (!driven_ && quaternions == 0) return q;
     const Eigen::Index base = model_.floating_base ? 7 : 0;
-    VectorX<S> full(base + model_.joints());
+    const auto coordinate = [&](int k) {
+      return driven_ ? model_.coordinates[static_cast<size_t>(k)] : Coordinate<S>{k, S(1), S(0)};
+    };
+    VectorX<S> full(base + model_.joints() + quaternions);
     full.head(base) = q.head(base);
+    int found = 0;
     for (int k = 0; k < model_.joints(); ++k) {
-      const Coordinate<S>& coordinate = model_.coordinates[static_cast<size_t>(k)];
-      full[base + k] = coordinate.multiplier * q[base + coordinate.index] + coordinate.offset;
+      const Coordinate<S> of = coordinate(k);
+      Eigen::Index at = base + of.index;  // q has a number more for each quaternion before
+      for (int i = 0; i < model_.joints(); ++i) {
+        const Body<S>& body = model_.bodies[static_cast<size_t>(i)];
+        if (body.part == 0 && coordinate(i).index + body.parts <= of.index) ++at;
+      }
+      full[base + k] = of.multiplier * q[at] + of.offset;
+      const Body<S>& body = model_.bodies[static_cast<size_t>(k)];
+      if (body.part == 0) full[base + model_.joints() + found++] = q[at + body.parts];
     }
     return full;
   }

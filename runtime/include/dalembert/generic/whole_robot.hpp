@@ -16,6 +16,7 @@ struct WholeRobot {
   MatrixX<S> center_of_mass_jacobian;  // 3 × nv: the centre's velocity, world axes, is J v
   MatrixX<S> momentum_matrix;          // A, 6 × nv: momentum about the centre of mass, world axes, linear part first, is A v
   Vector6<S> momentum_bias;            // Ȧ v: the momentum's rate is A v̇ + Ȧ v
+  Vector3<S> center_of_mass_bias;      // J̇ v: the centre's acceleration, world axes, is J v̇ + J̇ v
 };
 
 template <class S>
@@ -30,7 +31,8 @@ WholeRobot<S> whole_robot(const Model<S>& model, In<S> q, In<S> v) {
           center_of_mass<S>(model, kinematics, positions),
           reduction.reduce_columns(expanded_center_of_mass_jacobian<S>(model, kinematics, positions)),
           reduction.reduce_columns(expanded_momentum_matrix<S>(model, kinematics, phase2(model, kinematics), positions)),
-          expanded_momentum_bias<S>(model, kinematics, positions, rates)};
+          expanded_momentum_bias<S>(model, kinematics, positions, rates),
+          expanded_center_of_mass_bias<S>(model, kinematics, positions, rates)};
 }
 
 }  // namespace dalembert::generic

@@ -27,7 +27,7 @@ bool implicit_midpoint(Dynamics& dynamics, typename Q::Scalar h, Q& q, V& v) {
   const Scalar start_speed = v.template lpNorm<Eigen::Infinity>();  // the middle one may vanish: stiff joints swing to and fro
   Scalar before = std::numeric_limits<Scalar>::infinity();
   for (int i = 0; i < 50; ++i) {
-    move(q, V((h / 2) * middle), at);
+    move(q, V((h / 2) * middle), at, detail::quaternions_of(dynamics, 0));
     const auto near = dynamics.linearised(at, middle);
     const V correction = solver.solve(V((h / 2) * near.force - near.mass * (middle - v)));
     middle += correction;
@@ -36,7 +36,7 @@ bool implicit_midpoint(Dynamics& dynamics, typename Q::Scalar h, Q& q, V& v) {
     // Rounding is reached where corrections are tiny; where M is ill-conditioned, as soon as small ones no longer shrink.
     const Scalar epsilon = std::numeric_limits<Scalar>::epsilon();
     if (size <= 2 * epsilon * scale || (size >= before && size <= std::sqrt(epsilon) * scale)) {
-      move(q, V(h * middle), q);
+      move(q, V(h * middle), q, detail::quaternions_of(dynamics, 0));
       v = 2 * middle - v;
       return true;
     }

@@ -16,7 +16,7 @@ void linearly_implicit(Dynamics& dynamics, typename Q::Scalar h, Q& q, V& v) {
   using Matrix = decltype(near.mass);
   const Matrix system = near.mass + h * near.damping + (h * h) * near.stiffness;
   v += Eigen::PartialPivLU<Matrix>(system).solve(V(h * (near.force - h * (near.stiffness * v))));
-  move(q, V(h * v), q);
+  move(q, V(h * v), q, detail::quaternions_of(dynamics, 0));
 }
 
 }  // namespace dalembert::integrators

@@ -2,20 +2,26 @@
 //
 // q and v as everywhere: on a floating base q has one entry more than v, begins with the base's position in the world and its
 // quaternion x y z w, and v begins with the base's twist in its own axes; on a fixed base both are the joints'. All sizes may
-// be fixed at compile time, and nothing allocates then.
+// be fixed at compile time, and nothing allocates then. Where joints have quaternions, generated code lists them:
+// `quaternion_joints`, in the order of q, which every function here takes last.
 #pragma once
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <array>
 #include <cmath>
+#include <dalembert/quaternion_joint.hpp>
 #include <dalembert/spatial.hpp>
 
 namespace dalembert::integrators {
 
+// No joint has a quaternion.
+inline constexpr std::array<QuaternionJoint, 0> no_quaternions{};
+
 // Whether the base floats; and whether it may, as far as sizes fixed at compile time tell.
 template <class Q, class V>
-bool floats(const Q& q, const V& v) {
-  return q.size() != v.size();
+bool floats(const Q& q, const V& v, Eigen::Index quaternions = 0) {
+  return q.size() != v.size() + quaternions;
 }
 template <class Q, class V>
 inline constexpr bool may_float = Q::RowsAtCompileTime == Eigen::Dynamic || Q::RowsAtCompileTime != V::RowsAtCompileTime;
@@ -49,93 +55,147 @@ void half_angle(Scalar squared, Scalar& sine, Scalar& cosine) {
   sine = squared < Scalar(1e-8) ? Scalar(0.5) - squared / 48 : sin(angle / 2) / angle;
 }
 
-// The base's seven entries of q, moved by the first six of `step`; written over those of `next`.
+// The quaternion at q[at], turned by the angular step at step[from]; written to next.
 template <class Q, class V>
-void move_base(const Q& q, const V& step, Q& next) {
+void turn(const Q& q, const V& step, Q& next, Eigen::Index at, Eigen::Index from) {
   using Scalar = typename Q::Scalar;
-  const Vector3<Scalar> slide = step.template head<3>(), turn = step.template segment<3>(3);
-  const Scalar squared = turn.squaredNorm();
-  Scalar first, second, sine, cosine;
-  exponential_coefficients(squared, first, second);
-  half_angle(squared, sine, cosine);
-  const Vector3<Scalar> across = turn.cross(slide);
-  const Vector3<Scalar> along = slide + first * across + second * turn.cross(across);
-  const Scalar x = q[3], y = q[4], z = q[5], w = q[6];
-  next.template head<3>() = q.template head<3>() + rotation_of_quaternion<Scalar>(x, y, z, w) * along;
-  const Scalar a = sine * turn[0], b = sine * turn[1], c = sine * turn[2], d = cosine;
+  Scalar sine, cosine;
+  half_angle(Scalar(step.template segment<3>(from).squaredNorm()), sine, cosine);
+  const Scalar x = q[at], y = q[at + 1], z = q[at + 2], w = q[at + 3];
+  const Scalar a = sine * step[from], b = sine * step[from + 1], c = sine * step[from + 2], d = cosine;
   Eigen::Matrix<Scalar, 4, 1> turned(w * a + x * d + y * c - z * b, w * b - x * c + y * d + z * a,
                                      w * c + x * b - y * a + z * d, w * d - x * a - y * b - z * c);
   turned *= (3 - turned.squaredNorm()) / 2;
-  next.template segment<4>(3) = turned;
+  next.template segment<4>(at) = turned;
 }
 
-// The first six of `step`, such that move_base(from, step) is the base of `to`.
+// The pose at q[at], seven entries, moved by the twist at step[from]; written to next.
 template <class Q, class V>
-void base_difference(const Q& from, const Q& to, V& step) {
-  using std::atan2;
-  using std::cos;
-  using std::sin;
-  using std::sqrt;
+void move_pose(const Q& q, const V& step, Q& next, Eigen::Index at, Eigen::Index from) {
   using Scalar = typename Q::Scalar;
-  const Scalar x = from[3], y = from[4], z = from[5], w = from[6], a = to[3], b = to[4], c = to[5], d = to[6];
+  const Vector3<Scalar> slide = step.template segment<3>(from), turning = step.template segment<3>(from + 3);
+  Scalar first, second;
+  exponential_coefficients(Scalar(turning.squaredNorm()), first, second);
+  const Vector3<Scalar> across = turning.cross(slide);
+  const Vector3<Scalar> along = slide + first * across + second * turning.cross(across);
+  next.template segment<3>(at) =
+      q.template segment<3>(at) + rotation_of_quaternion<Scalar>(q[at + 3], q[at + 4], q[at + 5], q[at + 6]) * along;
+  turn(q, step, next, at + 3, from + 3);
+}
+
+// The angular step at step[into], such that turn(from, step) is the quaternion of `to`; its angle, and half that one's sine.
+template <class Q, class V>
+typename Q::Scalar turn_difference(const Q& from, const Q& to, V& step, Eigen::Index at, Eigen::Index into) {
+  using std::atan2;
+  using Scalar = typename Q::Scalar;
+  const Scalar x = from[at], y = from[at + 1], z = from[at + 2], w = from[at + 3], a = to[at], b = to[at + 1], c = to[at + 2],
+               d = to[at + 3];
   Eigen::Matrix<Scalar, 4, 1> turned(w * a - x * d - y * c + z * b, w * b + x * c - y * d - z * a,
                                      w * c - x * b + y * a - z * d, w * d + x * a + y * b + z * c);
   if (turned[3] < 0) turned = -turned;  // of the two ways round the shorter
   const Scalar half_sine = turned.template head<3>().norm(), angle = 2 * atan2(half_sine, turned[3]);
-  // angle / sin(angle/2), and (1 − angle/2 · cot(angle/2)) / angle², or their series.
+  // angle / sin(angle/2), or its series.
   const Scalar ratio = half_sine < Scalar(1e-6) ? 2 + half_sine * half_sine / 3 : angle / half_sine;
-  const Vector3<Scalar> turn = ratio * turned.template head<3>();
-  const Scalar squared = angle * angle;
+  step.template segment<3>(into) = ratio * turned.template head<3>();
+  return angle;
+}
+
+// The twist at step[into], such that move_pose(from, step) is the pose of `to`.
+template <class Q, class V>
+void pose_difference(const Q& from, const Q& to, V& step, Eigen::Index at, Eigen::Index into) {
+  using std::cos;
+  using std::sin;
+  using Scalar = typename Q::Scalar;
+  const Scalar angle = turn_difference(from, to, step, at + 3, into + 3), squared = angle * angle;
+  const Vector3<Scalar> turning = step.template segment<3>(into + 3);
+  // (1 − angle/2 · cot(angle/2)) / angle², or its series.
   const Scalar second = squared < Scalar(1e-2) ? (1 + squared / 60 * (1 + squared / 42 * (1 + squared / 40))) / 12
                                                : (1 - angle / 2 * cos(angle / 2) / sin(angle / 2)) / squared;
   const Vector3<Scalar> apart =
-      rotation_of_quaternion<Scalar>(x, y, z, w).transpose() * (to.template head<3>() - from.template head<3>());
-  const Vector3<Scalar> across = turn.cross(apart);
-  step.template head<3>() = apart - across / 2 + second * turn.cross(across);
-  step.template segment<3>(3) = turn;
+      rotation_of_quaternion<Scalar>(from[at + 3], from[at + 4], from[at + 5], from[at + 6]).transpose() *
+      (to.template segment<3>(at) - from.template segment<3>(at));
+  const Vector3<Scalar> across = turning.cross(apart);
+  step.template segment<3>(into) = apart - across / 2 + second * turning.cross(across);
+}
+
+// Calls of_pose(at, i), of_turn(at, i) and of_rest(at, i, count) for the parts of q and v in their order.
+template <class Q, class V, class Joints, class Pose, class Turn, class Rest>
+void each_part(const Q& q, const V& v, const Joints& joints, const Pose& of_pose, const Turn& of_turn, const Rest& of_rest) {
+  Eigen::Index at = 0, i = 0;
+  if constexpr (may_float<Q, V>) {
+    Eigen::Index quaternions = 0;
+    for (const QuaternionJoint& joint : joints) (void)joint, ++quaternions;
+    if (floats(q, v, quaternions)) {
+      of_pose(at, i);
+      at = 7, i = 6;
+    }
+    for (const QuaternionJoint& joint : joints) {
+      of_rest(at, i, joint.v - i);
+      if (joint.slides) of_pose(joint.q, joint.v);
+      else of_turn(joint.q, joint.v);
+      at = joint.q + (joint.slides ? 7 : 4);
+      i = joint.v + (joint.slides ? 6 : 3);
+    }
+  }
+  of_rest(at, i, v.size() - i);
+}
+
+// The quaternion joints that a robot's dynamics know of.
+template <class Dynamics>
+constexpr auto quaternions_of(const Dynamics& dynamics, int) -> decltype((dynamics.quaternion_joints)) {
+  return dynamics.quaternion_joints;
+}
+template <class Dynamics>
+constexpr const std::array<QuaternionJoint, 0>& quaternions_of(const Dynamics&, long) {
+  return no_quaternions;
 }
 
 }  // namespace detail
 
 // q, moved by the twist `step` (m, rad: velocity times time, in the base's own axes): next = q · exp(step). The base turns and
-// slides along a screw; joints add. The quaternion's length returns to 1 to first order, so that rounding never adds up.
-// q and next may be the same; otherwise next has q's size.
-template <class Q, class V>
-void move(const Q& q, const V& step, Q& next) {
-  Eigen::Index joints = step.size();
-  if constexpr (may_float<Q, V>)
-    if (floats(q, step)) {
-      detail::move_base(q, step, next);
-      joints -= 6;
-    }
-  next.tail(joints) = q.tail(joints) + step.tail(joints);
+// slides along a screw, as do floating joints; spherical ones turn; other joints add. A quaternion's length returns to 1 to
+// first order, so that rounding never adds up. q and next may be the same; otherwise next has q's size.
+template <class Q, class V, class Joints = decltype(no_quaternions)>
+void move(const Q& q, const V& step, Q& next, const Joints& joints = no_quaternions) {
+  detail::each_part(
+      q, step, joints, [&](auto at, auto i) { detail::move_pose(q, step, next, at, i); },
+      [&](auto at, auto i) { detail::turn(q, step, next, at, i); },
+      [&](Eigen::Index at, Eigen::Index i, Eigen::Index count) {
+        next.segment(at, count) = q.segment(at, count) + step.segment(i, count);
+      });
 }
 
-// The step that leads from one q to another: to = from · exp(step), with the base turned by at most half a turn; joints
-// subtract. The quaternions are of unit length; `step` has v's size.
-template <class Q, class V>
-void difference(const Q& from, const Q& to, V& step) {
-  Eigen::Index joints = step.size();
-  if constexpr (may_float<Q, V>)
-    if (floats(from, step)) {
-      detail::base_difference(from, to, step);
-      joints -= 6;
-    }
-  step.tail(joints) = to.tail(joints) - from.tail(joints);
+// The step that leads from one q to another: to = from · exp(step), with the base and quaternions turned by at most half a
+// turn; other joints subtract. The quaternions are of unit length; `step` has v's size.
+template <class Q, class V, class Joints = decltype(no_quaternions)>
+void difference(const Q& from, const Q& to, V& step, const Joints& joints = no_quaternions) {
+  detail::each_part(
+      from, step, joints, [&](auto at, auto i) { detail::pose_difference(from, to, step, at, i); },
+      [&](auto at, auto i) { detail::turn_difference(from, to, step, at, i); },
+      [&](Eigen::Index at, Eigen::Index i, Eigen::Index count) {
+        step.segment(i, count) = to.segment(at, count) - from.segment(at, count);
+      });
 }
 
 // The rate of `step` when q · exp(step) moves with v: dexp⁻¹ of −step, applied to v, to third order in the step, which is what
 // a method of fourth order needs (Munthe-Kaas, BIT 38, 1998; Hairer, Lubich, Wanner, Geometric Numerical Integration, IV.8).
-template <class Q, class V>
-V rate_of_step(const Q& q, const V& step, const V& v) {
+template <class Q, class V, class Joints = decltype(no_quaternions)>
+V rate_of_step(const Q& q, const V& step, const V& v, const Joints& joints = no_quaternions) {
+  using Scalar = typename V::Scalar;
   V rate = v;
-  if constexpr (may_float<Q, V>)
-    if (floats(q, v)) {
-      using Scalar = typename V::Scalar;
-      const Matrix6<Scalar> bracket = ad<Scalar>(Vector6<Scalar>(step.template head<6>()));
-      const Vector6<Scalar> once = bracket * v.template head<6>();
-      rate.template head<6>() += once / 2 + bracket * once / 12;
-    }
+  detail::each_part(
+      q, v, joints,
+      [&](auto, auto i) {
+        const Matrix6<Scalar> bracket = ad<Scalar>(Vector6<Scalar>(step.template segment<6>(i)));
+        const Vector6<Scalar> once = bracket * v.template segment<6>(i);
+        rate.template segment<6>(i) += once / 2 + bracket * once / 12;
+      },
+      [&](auto, auto i) {
+        const Vector3<Scalar> turning = step.template segment<3>(i),
+                              once = turning.cross(Vector3<Scalar>(v.template segment<3>(i)));
+        rate.template segment<3>(i) += once / 2 + turning.cross(once) / 12;
+      },
+      [](Eigen::Index, Eigen::Index, Eigen::Index) {});
   return rate;
 }
 

@@ -16,15 +16,16 @@ void rk4(Dynamics& dynamics, typename Q::Scalar h, Q& q, V& v) {
   const Scalar forward[] = {h / 2, h / 2, h, 0}, weight[] = {h / 6, h / 3, h / 3, h / 6};
   for (int i = 0; i < 4; ++i) {
     const V speed = v + change;
-    const V rate = rate_of_step(q, step, speed), acceleration = dynamics.acceleration(at, speed);
+    const V rate = rate_of_step(q, step, speed, detail::quaternions_of(dynamics, 0)),
+            acceleration = dynamics.acceleration(at, speed);
     steps += weight[i] * rate;
     changes += weight[i] * acceleration;
     if (i == 3) break;
     step = forward[i] * rate;
     change = forward[i] * acceleration;
-    move(q, step, at);
+    move(q, step, at, detail::quaternions_of(dynamics, 0));
   }
-  move(q, steps, q);
+  move(q, steps, q, detail::quaternions_of(dynamics, 0));
   v += changes;
 }
 

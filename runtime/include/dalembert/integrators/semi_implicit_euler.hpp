@@ -10,7 +10,7 @@ namespace dalembert::integrators {
 template <class Dynamics, class Q, class V>
 void semi_implicit_euler(Dynamics& dynamics, typename Q::Scalar h, Q& q, V& v) {
   v += h * dynamics.acceleration(q, v);
-  move(q, V(h * v), q);
+  move(q, V(h * v), q, detail::quaternions_of(dynamics, 0));
 }
 
 }  // namespace dalembert::integrators

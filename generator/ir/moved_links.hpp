@@ -1,0 +1,25 @@
+// The bodies that users see, in the order of W's and the regressor's columns and of body_names: the base first when it floats.
+// Of a joint of several coordinates the last body alone is one.
+#pragma once
+
+#include <vector>
+
+#include "ir/kinematic_tree.hpp"
+
+namespace dalembert::ir {
+
+// Per body: its number among them; -1: it is none.
+inline std::vector<int> numbers_of_links(const KinematicTree& tree) {
+  std::vector<int> numbers;
+  int next = tree.floating_base ? 1 : 0;
+  for (const Body& body : tree.bodies) numbers.push_back(body.part + 1 == body.parts ? next++ : -1);
+  return numbers;
+}
+// How many they are.
+inline int count_of_links(const KinematicTree& tree) {
+  int count = tree.floating_base ? 1 : 0;
+  for (const Body& body : tree.bodies) count += body.part + 1 == body.parts;
+  return count;
+}
+
+}  // namespace dalembert::ir

@@ -1,0 +1,12 @@
+// A screw: one angle about the axis, along which it slides by its pitch per turn.
+#include "passes/joints/kinds.hpp"
+
+namespace dalembert::passes {
+
+namespace {
+std::vector<JointPart> parts(const ir::Joint& joint) { return {{"", joint.type, joint.axis}}; }
+}  // namespace
+
+JointKindRow helical() { return {"helical", "angle [rad]", 1, 1, parts}; }
+
+}  // namespace dalembert::passes

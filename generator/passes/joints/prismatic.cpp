@@ -1,0 +1,12 @@
+// One displacement along the axis.
+#include "passes/joints/kinds.hpp"
+
+namespace dalembert::passes {
+
+namespace {
+std::vector<JointPart> parts(const ir::Joint& joint) { return {{"", joint.type, joint.axis}}; }
+}  // namespace
+
+JointKindRow prismatic() { return {"prismatic", "displacement [m]", 1, 1, parts}; }
+
+}  // namespace dalembert::passes

@@ -1,0 +1,103 @@
+// Joints that are no hinge and no slide: all quantities, interpreted in both forms, against the generic engine, which
+// oracle_dart_test and generic_dynamics_test hold to others.
+#include "joint_kinds.hpp"
+
+#include <dalembert/generic/whole_robot.hpp>
+#include <dalembert/integrators/rk4.hpp>
+
+#include "both_forms.hpp"
+#include "reference/generic_model.hpp"
+#include "reference/instances.hpp"
+
+namespace dalembert {
+namespace {
+
+ir::Scene everything(const KindsRobot& robot, bool floating) {
+  ir::Scene scene;
+  scene.base = floating ? ir::Base::floating : ir::Base::fixed;
+  scene.gravity = {0.7, -1.3, -9.81};
+  scene.joints = robot.joints;
+  scene.outputs.clear();
+  for (const ir::QuantityRow& row : ir::quantities())
+    if (!ir::is_of_constraints(row.quantity)) scene.outputs.push_back(row.quantity);
+  scene.jacobians = {"l6"};
+  for (const ir::LinkQuantityRow& row : ir::link_quantities()) scene.frames.push_back({row.quantity, "l8"});
+  return scene;
+}
+
+using KindAndBase = std::tuple<std::string, bool>;
+class JointKinds : public testing::TestWithParam<KindAndBase> {
+ protected:
+  const KindsRobot robot = joint_kinds_robot(std::get<0>(GetParam()));
+  ir::Scene scene = everything(robot, std::get<1>(GetParam()));
+};
+
+TEST_P(JointKinds, BothFormsGiveWhatTheGenericEngineGives) { expect_generic_values(model_of(robot.robot, scene), {}, 10); }
+
+TEST_P(JointKinds, SoTheyDoByFactorsWithLossesAndOtherC) {
+  scene.forward_dynamics = ir::Solver::factorization;
+  scene.coriolis = ir::Coriolis::christoffel;
+  for (const ir::Joint& joint : robot.robot.joints) {
+    scene.armature[joint.name] = 0.3;
+    scene.damping[joint.name] = 0.7;
+    scene.friction[joint.name] = 0.4;
+  }
+  scene.stiffness["j6"] = {3, 0.4};
+  scene.mimic["j11"] = {"j1", -0.5, 0.2};
+  scene.payloads = {"l4"};
+  scene.wrenches = {{"l5", false}, {"l10", true}, {"l4", true}};
+  scene.contacts = {{"foot", "l6", ir::ContactType::weld, {0.1, -0.2, 0.05}, false},
+                    {"toe", "l8", ir::ContactType::point, {0.02, 0.1, -0.3}, true}};
+  scene.outputs.clear();
+  for (const ir::QuantityRow& row : ir::quantities()) scene.outputs.push_back(row.quantity);
+  expect_generic_values(model_of(robot.robot, scene), tool, 1000);
+}
+
+struct Falling {
+  generic::Model<double> model;
+  std::vector<QuaternionJoint> quaternion_joints;
+
+  Eigen::VectorXd acceleration(const Eigen::VectorXd& q, const Eigen::VectorXd& v) const {
+    return generic::forward_dynamics<double>(model, q, v, Eigen::VectorXd::Zero(v.size())).value;
+  }
+  double energy(const Eigen::VectorXd& q, const Eigen::VectorXd& v) const {
+    const auto whole = generic::whole_robot<double>(model, q, v);
+    return whole.kinetic_energy + whole.potential_energy;
+  }
+};
+
+// On their groups: RK4 keeps its order and so the energy, and steps lead from one position to another.
+TEST_P(JointKinds, MoveOnTheirGroups) {
+  const ir::KinematicTree tree = model_of(robot.robot, scene).tree;
+  Falling falling{to_generic<double>(tree, scene.gravity), {}};
+  const std::vector<int> positions = tree.positions(), coordinates = tree.coordinates();
+  for (size_t k = 0; k < tree.bodies.size(); ++k)
+    if (tree.bodies[k].has_quaternion())
+      falling.quaternion_joints.push_back({tree.base_positions() + positions[k],
+                                           tree.nv() - tree.independent_joints() + coordinates[k],
+                                           tree.bodies[k].kind == ir::JointType::floating});
+  const State start = some_state(tree);
+  const auto end = [&](int steps) {
+    std::pair<Eigen::VectorXd, Eigen::VectorXd> at{start.q, start.v};
+    for (int i = 0; i < steps; ++i) integrators::rk4(falling, 0.02 / steps, at.first, at.second);
+    return at;
+  };
+  const auto coarse = end(2), middle = end(4), fine = end(8);
+  const double first = (coarse.first - middle.first).norm(), second = (middle.first - fine.first).norm();
+  EXPECT_GT(first, 11 * second);
+  EXPECT_LT(first, 24 * second);
+  const double energy = falling.energy(start.q, start.v);
+  EXPECT_LT(std::abs(falling.energy(fine.first, fine.second) - energy), 1e-6 * std::abs(energy));
+  Eigen::VectorXd step = start.v, there = start.q, back = start.v;
+  integrators::move(start.q, step, there, falling.quaternion_joints);
+  integrators::difference(start.q, there, back, falling.quaternion_joints);
+  EXPECT_LT((back - step).cwiseAbs().maxCoeff(), 1e-13);
+}
+
+INSTANTIATE_TEST_SUITE_P(Kinds, JointKinds, testing::Combine(testing::ValuesIn(joint_kind_robots()), testing::Bool()),
+                         [](const auto& info) {
+                           return std::get<0>(info.param) + (std::get<1>(info.param) ? "_floating" : "_fixed");
+                         });
+
+}  // namespace
+}  // namespace dalembert
