@@ -168,6 +168,7 @@ Model whole_robot(const Model& model) {
   whole.scene.jacobians = model.scene.jacobians;
   whole.scene.frames = model.scene.frames;
   whole.scene.contacts = model.scene.contacts;
+  whole.scene.loops = model.scene.loops;
   Diagnostics warnings;
   whole.tree = passes::build_tree(whole.description, whole.scene, warnings);
   return whole;

@@ -48,10 +48,12 @@ void warn_of_idle_keys(const ir::Scene& scene, const ir::KinematicTree& tree, Di
     keys.warn("wrenches", "no output depends on the wrenches",
               "ask for inverse_dynamics, forward_dynamics or their derivatives");
 
-  if (!scene.contacts.empty() && !keys.any(ir::is_of_constraints))
-    keys.warn("contacts", "no output depends on the contacts",
+  if (scene.any_constraint() && !keys.any(ir::is_of_constraints))
+    keys.warn(scene.contacts.empty() ? "loops" : "contacts", "no output depends on the contacts and loops",
               "ask for constraint_jacobian, constraint_bias, delassus_matrix, impact, constrained_forward_dynamics or "
               "constraint_forces");
+  if (!scene.passive.empty() && !keys.any([](Quantity output) { return ir::row_of(output).scale == ir::Scale::supported; }))
+    keys.warn("passive", "no output depends on which joints are passive", "ask for constrained_inverse_dynamics");
 
   const bool solved = keys.any([](Quantity output) { return ir::is_solved(ir::row_of(output).scale); });
   if (scene.forward_dynamics && !solved)
