@@ -180,7 +180,8 @@ std::string tree_type(const ir::CoordinateTree& tree) {
 std::string constraint_statements(const CodeInput& code) {
   if (code.algorithm.constraint_steps.empty()) return "";
   const auto name = [&](int index) { return "workspace." + code.algorithm.arrays[static_cast<size_t>(index)].name; };
-  std::string text = fmt::format("  using ConstraintsOfScene = {};\n", rows_type(code.algorithm.constraint_steps.front().paths));
+  std::string text =
+      fmt::format("  using ConstraintsOfScene = {};\n", rows_type(code.algorithm.constraint_steps.front().paths));
   using Kind = ir::ConstraintStep::Kind;
   const auto any = [&](const auto& of) {
     return std::any_of(code.algorithm.constraint_steps.begin(), code.algorithm.constraint_steps.end(),
@@ -205,8 +206,8 @@ std::string constraint_statements(const CodeInput& code) {
   }
   for (const ir::ConstraintStep& s : code.algorithm.constraint_steps) {
     if (s.kind == ir::ConstraintStep::Kind::delassus) {
-      text += fmt::format("  dalembert::delassus<nv, ConstraintsOfScene>({}, {}, {}, {}, {});\n", name(s.jacobian), name(s.factor),
-                          name(s.pivots), name(s.room), name(s.to));
+      text += fmt::format("  dalembert::delassus<nv, ConstraintsOfScene>({}, {}, {}, {}, {});\n", name(s.jacobian),
+                          name(s.factor), name(s.pivots), name(s.room), name(s.to));
       continue;
     }
     if (s.kind == Kind::support) {

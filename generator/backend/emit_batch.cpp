@@ -384,10 +384,10 @@ class BatchFunction {
   std::string finish() const {
     const auto& checked = program_.checked();
     if (checked.size() < 2) return "";
-    std::string text =
-        fmt::format("    if (!dalembert::batch_holds<nv, Scalar>(block.values + {}, block.values + {}, block.status)) {{\n"
-                    "      Program::find_status(block);\n",
-                    checked[0].first, checked[1].first);
+    std::string text = fmt::format(
+        "    if (!dalembert::batch_holds<nv, Scalar>(block.values + {}, block.values + {}, block.status)) {{\n"
+        "      Program::find_status(block);\n",
+        checked[0].first, checked[1].first);
     for (const BatchArray& a : program_.results())
       if (a.cleared)
         text += fmt::format("      dalembert::batch_clear<Scalar>(block.status, block.values + {}, {});\n", a.first,

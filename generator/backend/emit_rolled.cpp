@@ -204,8 +204,7 @@ std::string results_statements(const CodeInput& code) {
     text += fmt::format("  workspace.{}[{}] += {};  // added on the diagonal\n", array.name,
                         element_index(array, a.row, a.column), literal(a.value, code.scene.scalar));
   }
-  return text + projection_statements(code) + matrix_statements(code) + constraint_statements(code) +
-         pivots_statements(code);
+  return text + projection_statements(code) + matrix_statements(code) + constraint_statements(code) + pivots_statements(code);
 }
 
 std::string tables_text(const CodeInput& code) {

@@ -152,8 +152,7 @@ ir::Operations executed_operations(const CodeInput& code) {
   sum.multiply = guard_products(code);
   for (const ir::MatrixStep& step : code.algorithm.steps) sum += step_operations(step, ir::coordinate_tree(code.tree));
   add_projections(code, sum);
-  for (const ir::ConstraintStep& step : code.algorithm.constraint_steps)
-    sum += ir::operations_of(step, code.tree, true);
+  for (const ir::ConstraintStep& step : code.algorithm.constraint_steps) sum += ir::operations_of(step, code.tree, true);
   if (code.plan.form != ir::Form::rolled) return sum += straight_operations(code);
   sum += prepare_operations(code);
   for (const ir::BaseStage& stage : code.rolled.base) sum += base(stage);

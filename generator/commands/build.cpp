@@ -247,17 +247,18 @@ std::vector<RunTimeInput> run_time_inputs(const Model& model) {
       std::vector<double> start(static_cast<size_t>(4 + 2 * rows), 0.0);
       start[0] = 1;  // active
       std::fill(start.end() - rows, start.end(), 1.0);
-      inputs.push_back({name,
-                        "1, 1/s^2, 1/s, 1, 1/kg",
-                        fmt::format("how {0} hold each other: active (1 or 0), kp, kd, restitution, regularization ({1}), weight ({1})",
-                                    c.of, rows),
-                        {{name + ".active", 0},
-                         {name + ".kp", 0},
-                         {name + ".kd", 0},
-                         {name + ".restitution", 0},
-                         {name + ".regularization", rows},
-                       {name + ".weight", rows}},
-                        start});
+      inputs.push_back(
+          {name,
+           "1, 1/s^2, 1/s, 1, 1/kg",
+           fmt::format("how {0} hold each other: active (1 or 0), kp, kd, restitution, regularization ({1}), weight ({1})",
+                       c.of, rows),
+           {{name + ".active", 0},
+            {name + ".kp", 0},
+            {name + ".kd", 0},
+            {name + ".restitution", 0},
+            {name + ".regularization", rows},
+            {name + ".weight", rows}},
+           start});
       continue;
     }
     std::vector<double> start(static_cast<size_t>(11 + 2 * rows), 0.0);

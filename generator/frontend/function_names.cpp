@@ -65,11 +65,11 @@ constexpr const char* of_the_folder[] = {"Scalar",
                                          "input_1",
                                          "input_2"};
 // What a function may have of its own, besides its results.
-constexpr const char* own[] = {"scratch",      "status",        "stages",          "run",      "run_batch",      "results",
-                               "inverse",      "factor",        "pivots",          "diagonal", "padded_inverse", "efforts_dq",
-                               "efforts_dv",   "mass",          "unscaled_factor", "solve",    "batch",          "batch_tasks",
-                               "batch_blocks", "batch_results", "check_batch",     "gain",     "joint",
-                               "constrained_accelerations"};
+constexpr const char* own[] = {
+    "scratch",      "status",        "stages",          "run",      "run_batch",      "results",
+    "inverse",      "factor",        "pivots",          "diagonal", "padded_inverse", "efforts_dq",
+    "efforts_dv",   "mass",          "unscaled_factor", "solve",    "batch",          "batch_tasks",
+    "batch_blocks", "batch_results", "check_batch",     "gain",     "joint",          "constrained_accelerations"};
 // What one in two halves has besides.
 constexpr const char* of_halves[] = {"accelerations",          "derivatives",
                                      "derivatives_scratch",    "derivatives_stages",
@@ -77,7 +77,8 @@ constexpr const char* of_halves[] = {"accelerations",          "derivatives",
 
 // What the code has of a function besides its results.
 std::vector<std::string> names_of(const ir::EmittedFunction& function) {
-  std::vector<std::string> names{function.name, function.type + "Scratch", function.type + "TaskGraph", "batch_" + function.name};
+  std::vector<std::string> names{function.name, function.type + "Scratch", function.type + "TaskGraph",
+                                 "batch_" + function.name};
   for (const char* type : {"BatchResults", "BatchBlock", "BatchProgram"}) names.push_back(function.type + type);
   for (const char* word : {"_batch", "_batch_tasks", "_batch_blocks", "_batch_results"}) names.push_back(function.name + word);
   for (const char* word : own) names.push_back(function.own_name(word));

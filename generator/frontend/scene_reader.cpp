@@ -371,7 +371,8 @@ class SceneReader {
         refuse(part.value, fmt::format("what loop '{}' holds together is not two links", loop.name), remedy);
       for (std::size_t i = 0; i < 2; ++i) {
         const YamlNode& link = part.value.items[i];
-        if (!link.is_scalar() || link.scalar.empty()) refuse(link, fmt::format("a link of loop '{}' is no name", loop.name), remedy);
+        if (!link.is_scalar() || link.scalar.empty())
+          refuse(link, fmt::format("a link of loop '{}' is no name", loop.name), remedy);
         loop.links[i] = link.scalar;
       }
     } else if (name == "at") {
@@ -392,8 +393,9 @@ class SceneReader {
   ir::LoopType loop_type(const YamlNode& node) const {
     using ir::LoopType;
     static const std::vector<std::pair<std::string, LoopType>> types = {
-        {"point", LoopType::point},   {"weld", LoopType::weld}, {"hinge", LoopType::hinge},      {"cylinder", LoopType::cylinder},
-        {"planar", LoopType::planar}, {"pin", LoopType::pin},   {"distance", LoopType::distance}};
+        {"point", LoopType::point},       {"weld", LoopType::weld},     {"hinge", LoopType::hinge},
+        {"cylinder", LoopType::cylinder}, {"planar", LoopType::planar}, {"pin", LoopType::pin},
+        {"distance", LoopType::distance}};
     std::vector<std::string> names;
     for (const auto& [name, type] : types) {
       if (node.is_scalar() && node.scalar == name) return type;
@@ -403,8 +405,9 @@ class SceneReader {
     refuse(node, given.empty() ? "the type of a loop is no word" : fmt::format("'{}' is no type of loop", given),
            suggestion(given, names));
   }
-  static constexpr const char* pose_remedy = "write at: [[0.1, 0, 0, 0, 0, 0], [0, 0, 0.2, 0, 0, 1.57]], on each link x y z (m) "
-                                             "and roll pitch yaw (rad), or x y z alone";
+  static constexpr const char* pose_remedy =
+      "write at: [[0.1, 0, 0, 0, 0, 0], [0, 0, 0.2, 0, 0, 1.57]], on each link x y z (m) "
+      "and roll pitch yaw (rad), or x y z alone";
   Eigen::Isometry3d pose(const YamlNode& node) const {
     if (!node.is_sequence() || (node.items.size() != 3 && node.items.size() != 6))
       refuse(node, "a pose does not have six numbers, or three", pose_remedy);

@@ -154,9 +154,9 @@ struct Algorithm {
   std::vector<Pairs> pairs;
   std::vector<Projection> projections;
   std::vector<Result> results;
-  std::vector<MatrixStep> steps;         // in order, after all results
+  std::vector<MatrixStep> steps;                 // in order, after all results
   std::vector<ConstraintStep> constraint_steps;  // behind them
-  std::vector<std::string> written_out;  // equations of steps that became nodes; tags count on to them
+  std::vector<std::string> written_out;          // equations of steps that became nodes; tags count on to them
   std::optional<Guard> guard;
   int factor = -1;  // the array that equations with M are solved by, if the code is to offer that
 

@@ -28,8 +28,7 @@ int shared(const ConstraintPaths& paths, std::size_t a, std::size_t b) {
 
 // The coordinates above a link's body, the tree's root first.
 std::vector<int> coordinates_above(const KinematicTree& tree, const CoordinateTree& coordinates, const std::string& name) {
-  const auto link =
-      std::find_if(tree.links.begin(), tree.links.end(), [&](const LinkPlacement& l) { return l.link == name; });
+  const auto link = std::find_if(tree.links.begin(), tree.links.end(), [&](const LinkPlacement& l) { return l.link == name; });
   std::vector<int> above;
   for (int k = last_coordinate(tree, link->body); k >= 0; k = coordinates.above[static_cast<std::size_t>(k)])
     above.push_back(k);

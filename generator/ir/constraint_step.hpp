@@ -1,5 +1,5 @@
-// What is done with rows of constraints once their elements are there, behind all steps with whole matrices: a row each, with what
-// it costs.
+// What is done with rows of constraints once their elements are there, behind all steps with whole matrices: a row each, with
+// what it costs.
 #pragma once
 
 #include <vector>
@@ -13,9 +13,9 @@ struct Scene;
 
 // Where the constraints' rows and the coordinates that move them are.
 struct ConstraintPaths {
-  std::vector<int> first;   // row of each, and behind the last how many there are
-  std::vector<int> path;    // the coordinates above the body of each, or its two bodies, that M's factors tie together, in order
-  std::vector<int> begin;   // where each list begins, and behind the last its end
+  std::vector<int> first;  // row of each, and behind the last how many there are
+  std::vector<int> path;   // the coordinates above the body of each, or its two bodies, that M's factors tie together, in order
+  std::vector<int> begin;  // where each list begins, and behind the last its end
   std::vector<int> linear;  // how many rows of each are linear: those come first
   // Of each list: how many stand above both bodies of a loop, the first of the list, and, counting these, where those above one
   // of them alone end; the others follow. Of a contact: the length.

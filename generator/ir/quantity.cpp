@@ -26,7 +26,8 @@ std::vector<Quantity> default_quantities() {
 
 bool is_of_constraints(Quantity quantity) {
   const QuantityRow& row = row_of(quantity);
-  return row.scale == Scale::turning || row.scale == Scale::constrained || row.scale == Scale::supported || row.rows == Extent::constraint_rows;
+  return row.scale == Scale::turning || row.scale == Scale::constrained || row.scale == Scale::supported ||
+         row.rows == Extent::constraint_rows;
 }
 
 int extent(Extent extent, const KinematicTree& tree) {

@@ -270,9 +270,8 @@ class TreeBuilder {
       Held held{&loop, {}, {}};
       bool there = true;
       for (std::size_t i = 0; i < 2; ++i) {
-        const auto link = std::find_if(tree_.links.begin(), tree_.links.end(), [&](const ir::LinkPlacement& placement) {
-          return placement.link == loop.links[i];
-        });
+        const auto link = std::find_if(tree_.links.begin(), tree_.links.end(),
+                                       [&](const ir::LinkPlacement& placement) { return placement.link == loop.links[i]; });
         there = there && link != tree_.links.end();
         if (!there) break;  // the scene's check has said so
         held.bodies[i] = link->body;

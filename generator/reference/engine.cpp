@@ -36,8 +36,8 @@ double mass_condition(const ir::KinematicTree& tree, const ir::Scene& scene, con
 
 namespace {
 
-// The largest eigenvalue by the least, of a symmetric matrix with a diagonal of ones; where that is none to a proximal step, what
-// is lost there.
+// The largest eigenvalue by the least, of a symmetric matrix with a diagonal of ones; where that is none to a proximal step,
+// what is lost there.
 double symmetric_condition(Eigen::MatrixXd D) {
   for (Eigen::Index i = 0; i < D.rows(); ++i) {
     const double length = std::sqrt(D(i, i));
@@ -72,8 +72,8 @@ double condition(const Wanted& wanted, const ir::KinematicTree& tree, const ir::
   if (ir::row_of(*wanted.quantity).scale == ir::Scale::solved) return of_mass;
   // Rows of one length, so that units do not count. Where rows say the same, and at velocities that contradict them, forces are
   // 1/mu of what is asked for, and cancel.
-  return of_mass * symmetric_condition(
-                       evaluate(tree, scene, {{ir::Quantity::delassus_matrix, ""}}, inputs, Precision::extended).front());
+  return of_mass *
+         symmetric_condition(evaluate(tree, scene, {{ir::Quantity::delassus_matrix, ""}}, inputs, Precision::extended).front());
 }
 
 double LeastScale::largest_mass() {

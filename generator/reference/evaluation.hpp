@@ -68,7 +68,8 @@ class Evaluation {
       case ir::Quantity::constraint_jacobian: return generic::constraint_jacobian<S>(robot_, constraints(), own_q_);
       case ir::Quantity::constraint_bias: return generic::constraint_bias<S>(robot_, constraints(), own_q_, own_v_);
       case ir::Quantity::delassus_matrix: return delassus_matrix();
-      case ir::Quantity::impact: return constrained(generic::impact<S>(robot_, constraints(), own_q_, own_v_, options()), false);
+      case ir::Quantity::impact:
+        return constrained(generic::impact<S>(robot_, constraints(), own_q_, own_v_, options()), false);
       case ir::Quantity::constrained_forward_dynamics: return constrained(constrained_motion(), false);
       case ir::Quantity::constraint_forces: return constrained(constrained_motion(), true);
       case ir::Quantity::constrained_inverse_dynamics: return supported().value;
@@ -121,16 +122,16 @@ class Evaluation {
     for (const ir::Contact& contact : scene_.contacts) {
       const Place at = place(contact.link);
       const Transform<S> point{Matrix3<S>::Identity(), contact.at.template cast<S>()};
-      all.contacts.push_back({at.body, at.frame * point, contact.rows(),
-                     contact.along_link ? generic::Axes::body : generic::Axes::mixed});
+      all.contacts.push_back(
+          {at.body, at.frame * point, contact.rows(), contact.along_link ? generic::Axes::body : generic::Axes::mixed});
     }
     for (const ir::Loop& loop : scene_.loops) {
       generic::Loop<S> held;
       for (std::size_t i = 0; i < 2; ++i) {
         const Place at = place(loop.links[i]);
         held.bodies[i] = at.body;
-        held.frames[i] = at.frame * Transform<S>{loop.at[i].linear().template cast<S>(),
-                                                 loop.at[i].translation().template cast<S>()};
+        held.frames[i] =
+            at.frame * Transform<S>{loop.at[i].linear().template cast<S>(), loop.at[i].translation().template cast<S>()};
       }
       held.linear = loop.linear_axes();
       held.angular = loop.angular_axes();

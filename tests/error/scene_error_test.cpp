@@ -582,7 +582,8 @@ TEST(SceneOptions, ComplaintsNameTheOption) {
   EXPECT_EQ(complaint({"--outputs", ""}),
             "option --outputs: error: no output is asked for; name at least one quantity, such as mass_matrix\n");
   EXPECT_EQ(complaint({"--mimic", "{elbow: {"}),
-            "option --mimic: error: the value is not YAML: end of map flow not found; share/doc/dalembert/docs/scene.md shows how it is written\n");
+            "option --mimic: error: the value is not YAML: end of map flow not found; share/doc/dalembert/docs/scene.md shows "
+            "how it is written\n");
 }
 
 // As URDFs exported with namespaces have them.

@@ -1,5 +1,5 @@
-// The generic engine's contacts and loops to a hundred digits, on every test robot: rows against differences, what keeps to them
-// against dense algebra.
+// The generic engine's contacts and loops to a hundred digits, on every test robot: rows against differences, what keeps to
+// them against dense algebra.
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
@@ -50,8 +50,10 @@ class Constraints : public ::testing::TestWithParam<RobotAndBase> {
     const generic::Loop<Multi> rod{{last / 2, last}, {sole, tip}, {}, {}, Multi("0.6")};
     sets.push_back({{}, {rod}});
     sets.push_back({{}, {between(0, last, {0, 1, 2}, {0, 1})}});
-    sets.push_back({{{last, tip, 3, Axes::mixed}}, {between(-1, last / 2, {0, 1}, {0, 1}), between(last / 3, last, {2}, {0, 1})}});
-    sets.push_back({{{last, sole, 6, Axes::mixed}}, {between(last, last - 1, {0, 1}, {}), rod, between(0, last, {0, 1, 2}, {0, 1, 2})}});
+    sets.push_back(
+        {{{last, tip, 3, Axes::mixed}}, {between(-1, last / 2, {0, 1}, {0, 1}), between(last / 3, last, {2}, {0, 1})}});
+    sets.push_back(
+        {{{last, sole, 6, Axes::mixed}}, {between(last, last - 1, {0, 1}, {}), rod, between(0, last, {0, 1, 2}, {0, 1, 2})}});
   }
 
   Matrix jacobian(const Rows& contacts, const Vector& q) const {
@@ -67,7 +69,8 @@ class Constraints : public ::testing::TestWithParam<RobotAndBase> {
   }
   // Rows that only the file's decimals keep from depending on each other: no number of proximal steps tells which they are.
   bool are_doubtful(const Rows& contacts) const {
-    const Matrix J = jacobian(contacts, c.q), along = J * generic::inverse_mass_matrix<Multi>(c.model, c.q).value * J.transpose();
+    const Matrix J = jacobian(contacts, c.q),
+                 along = J * generic::inverse_mass_matrix<Multi>(c.model, c.q).value * J.transpose();
     const auto rank = [&](const char* threshold) {
       Eigen::CompleteOrthogonalDecomposition<Matrix> rows(along.rows(), along.cols());
       rows.setThreshold(Multi(threshold));
@@ -109,7 +112,8 @@ TEST_P(Constraints, AccelerationsAndForcesAreThoseOfDenseAlgebra) {
     Eigen::Index row = 0;
     for (const auto& [own, linear] : contacts.rows()) {
       for (int begin = 0, end = linear; begin < own; begin = end, end = own) {
-        const Multi mean = along.diagonal().segment(row + begin, end - begin).sum() / (end - begin) + Multi(1e-6) * along.trace();
+        const Multi mean =
+            along.diagonal().segment(row + begin, end - begin).sum() / (end - begin) + Multi(1e-6) * along.trace();
         weight.segment(row + begin, end - begin).setConstant(1 / sqrt(mean > 0 ? mean : Multi(1)));
       }
       row += own;
@@ -137,7 +141,8 @@ TEST_P(Constraints, ALoopsRowsAreTheRatesOfWhatTheyHold) {
     const generic::detail::State<Multi> at(c.model, q, rest);
     const generic::detail::LoopFrames<Multi> frames(c.model, at, loop, false);
     const Vector3<Multi> between = frames.between();
-    if (loop.distance > 0) return Vector::Constant(1, (between.squaredNorm() - loop.distance * loop.distance) / (2 * loop.distance));
+    if (loop.distance > 0)
+      return Vector::Constant(1, (between.squaredNorm() - loop.distance * loop.distance) / (2 * loop.distance));
     const Vector3<Multi> along = frames.poses[0].rotation.transpose() * between;
     Vector rows(loop.linear_rows());
     for (size_t i = 0; i < loop.linear.size(); ++i) rows[static_cast<Eigen::Index>(i)] = along[loop.linear[i]];
@@ -145,14 +150,15 @@ TEST_P(Constraints, ALoopsRowsAreTheRatesOfWhatTheyHold) {
   };
   for (const auto& constraints : sets)
     for (const generic::Loop<Multi>& loop : constraints.loops) {
-      const Vector before = held(loop, integrate(c.model, c.q, c.v, -step)), after = held(loop, integrate(c.model, c.q, c.v, step)),
-                   rate = (after - before) / (2 * step), velocity = jacobian({{}, {loop}}, c.q) * c.v;
+      const Vector before = held(loop, integrate(c.model, c.q, c.v, -step)),
+                   after = held(loop, integrate(c.model, c.q, c.v, step)), rate = (after - before) / (2 * step),
+                   velocity = jacobian({{}, {loop}}, c.q) * c.v;
       EXPECT_LT(relative_error(velocity.head(loop.linear_rows()), rate, std::max<Multi>(largest(rate), Multi(1))), tolerance);
     }
 }
 
-// The base, and what has no motor, is borne by the constraints, with the least forces; the robot moves as it was asked to, as far
-// as its constraints let it.
+// The base, and what has no motor, is borne by the constraints, with the least forces; the robot moves as it was asked to, as
+// far as its constraints let it.
 TEST_P(Constraints, InverseDynamicsLeavesNothingToWhatHasNoMotor) {
   if (is_singular()) GTEST_SKIP() << "M is singular";
   generic::ConstraintOptions<Multi> options;
@@ -164,7 +170,8 @@ TEST_P(Constraints, InverseDynamicsLeavesNothingToWhatHasNoMotor) {
   const Vector wanted = c.v.reverse() * Multi("0.7");
   for (const auto& constraints : sets) {
     if (are_doubtful(constraints)) continue;
-    const auto result = generic::constrained_inverse_dynamics<Multi>(c.model, constraints, c.q, c.v, wanted, undriven, {}, options);
+    const auto result =
+        generic::constrained_inverse_dynamics<Multi>(c.model, constraints, c.q, c.v, wanted, undriven, {}, options);
     const Matrix J = jacobian(constraints, c.q);
     const Vector balance = generic::inverse_dynamics<Multi>(c.model, c.q, c.v, wanted);
     EXPECT_LT(relative_error(Vector(result.value + J.transpose() * result.forces), balance, largest(balance)), tolerance);

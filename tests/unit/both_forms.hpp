@@ -86,10 +86,14 @@ inline std::vector<ir::Loop> some_loops(const ir::RobotDescription& robot) {
     return at;
   };
   const std::string& base = robot.links[static_cast<size_t>(robot.root)].name;
-  if (moved.size() > 2) loops.push_back({"rod", {moved.front(), moved.back()}, {pose(0.1, 0.4), pose(-0.2, 1)}, ir::LoopType::distance, {}});
-  if (moved.size() > 4) loops.push_back({"knee", {moved[1], moved.back()}, {pose(0, -0.3), pose(0.3, 2)}, ir::LoopType::hinge, {}});
-  if (moved.size() > 6) loops.push_back({"hip", {moved[moved.size() / 2], base}, {pose(0.2, 0), pose(0, 0.7)}, ir::LoopType::cylinder, {}});
-  if (moved.size() > 12) loops.push_back({"arm", {moved[moved.size() / 3], moved[2]}, {pose(0.2, 0.1), pose(-0.1, 0.7)}, ir::LoopType::pin, {}});
+  if (moved.size() > 2)
+    loops.push_back({"rod", {moved.front(), moved.back()}, {pose(0.1, 0.4), pose(-0.2, 1)}, ir::LoopType::distance, {}});
+  if (moved.size() > 4)
+    loops.push_back({"knee", {moved[1], moved.back()}, {pose(0, -0.3), pose(0.3, 2)}, ir::LoopType::hinge, {}});
+  if (moved.size() > 6)
+    loops.push_back({"hip", {moved[moved.size() / 2], base}, {pose(0.2, 0), pose(0, 0.7)}, ir::LoopType::cylinder, {}});
+  if (moved.size() > 12)
+    loops.push_back({"arm", {moved[moved.size() / 3], moved[2]}, {pose(0.2, 0.1), pose(-0.1, 0.7)}, ir::LoopType::pin, {}});
   return loops;
 }
 

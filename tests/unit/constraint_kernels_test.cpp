@@ -177,8 +177,8 @@ TEST(ConstraintKernels, SupportIsTheLeastByItsWeights) {
   for (int r = 0; r < 14; ++r) weights.push_back(0.5 + 0.1 * r), weight[r] = weights.back();
   for (const std::vector<double>& active : {std::vector<double>{1, 1, 1}, {1, 0, 1}}) {
     Eigen::VectorXd forces(14), to = effort.cast<double>();
-    const auto status = support<n, Rows, Undriven<0, 1, 2, 3, 4, 5, 11>>(J.data(), active.data(), weights.data(), forces.data(),
-                                                                              to.data());
+    const auto status =
+        support<n, Rows, Undriven<0, 1, 2, 3, 4, 5, 11>>(J.data(), active.data(), weights.data(), forces.data(), to.data());
     Vector W = weight;
     if (active[1] == 0) W.segment(6, 5).setZero();
     const Matrix G = own.transpose() * W.asDiagonal() * own;

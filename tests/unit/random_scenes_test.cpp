@@ -74,7 +74,8 @@ ir::Scene scene_of(Draw& draw, const Movable& robot) {
     if (loop.links[0] == loop.links[1]) continue;
     loop.type = static_cast<ir::LoopType>(draw.below(7));
     if (loop.type == ir::LoopType::distance) loop.length = 0.4;
-    loop.at[0] = Eigen::Translation3d(0.1 * (1 + i), 0.2, -0.03) * Eigen::AngleAxisd(0.3 * draw.below(5), Eigen::Vector3d::UnitX());
+    loop.at[0] =
+        Eigen::Translation3d(0.1 * (1 + i), 0.2, -0.03) * Eigen::AngleAxisd(0.3 * draw.below(5), Eigen::Vector3d::UnitX());
     loop.at[1] = Eigen::Translation3d(-0.1, 0.05 * draw.below(3), 0.1) * Eigen::AngleAxisd(0.7, Eigen::Vector3d(2, 1, -2) / 3);
     scene.loops.push_back(std::move(loop));
   }

@@ -36,7 +36,8 @@ void describe_right(Builder& b, const ConstraintRows& rows, bool impact, int arr
     const auto of = [&](const RowRoles& values) { return s.of(-1, values[row].first, values[row].second); };
     Sym right;
     if (impact) {
-      const Sym one = s.constant(1), restitution = s.constraint(rows.index(), ir::contact_restitution), whole = one + restitution;
+      const Sym one = s.constant(1), restitution = s.constraint(rows.index(), ir::contact_restitution),
+                whole = one + restitution;
       const Sym now = of(velocity);
       right = -(whole * now);
     } else {
@@ -141,7 +142,8 @@ void solve_constrained(Builder& b) {
     if (made.kind == ir::ConstraintStep::Kind::solve) return;
   const int rows = b.tree().constraint_rows;
   const auto nothing = [](int) {};
-  const int to = array_of(b, ir::Quantity::constrained_forward_dynamics, "constrained_accelerations", b.tree().nv(), 1, nothing);
+  const int to =
+      array_of(b, ir::Quantity::constrained_forward_dynamics, "constrained_accelerations", b.tree().nv(), 1, nothing);
   ir::ConstraintStep s = step(b, ir::ConstraintStep::Kind::solve, to);
   s.forces = array_of(b, ir::Quantity::constraint_forces, "forces", rows, 1, nothing);
   s.right = b.internal_array(b.own_name("right"), rows, 1);

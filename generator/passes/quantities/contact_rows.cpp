@@ -87,8 +87,7 @@ RowRoles ContactRows::velocities(Builder& b) const {
   const RowAxes axes(b, *this);
   const int role = b.role({"velocity_" + name(), "Jcv", "velocity of contact " + contact_.name, "m/s, rad/s", shape()});
   if (b.has("velocity_" + name())) return roles(role);
-  SweepBuilder s =
-      b.sweep("velocity_" + name(), weld() ? "J v = R [u + w x x; w]" : "J v = R (u + w x x)", Direction::root);
+  SweepBuilder s = b.sweep("velocity_" + name(), weld() ? "J v = R [u + w x x; w]" : "J v = R (u + w x x)", Direction::root);
   const Vec3 u = s.of3(frame_.body, p.velocity, 0), w = s.of3(frame_.body, p.velocity, 3);
   const Vec3 lever = cross(w, axes.point(s)), velocity = u + lever;
   const Vec3 linear = axes.turned(s, velocity), angular = weld() ? axes.turned(s, w) : w;
@@ -101,13 +100,12 @@ RowRoles ContactRows::biases(Builder& b) const {
   const Poses p = poses(b, poses_frame());
   const int of_bodies = bias_accelerations(b, poses_frame() == Frame::base);
   const RowAxes axes(b, *this);
-  const int role =
-      b.role({"bias_" + name(), "dJcv", "dJ/dt v of contact " + contact_.name, "m/s^2, rad/s^2", shape()});
+  const int role = b.role({"bias_" + name(), "dJcv", "dJ/dt v of contact " + contact_.name, "m/s^2, rad/s^2", shape()});
   if (b.has("bias_" + name())) return roles(role);
-  SweepBuilder s = b.sweep(
-      "bias_" + name(),
-      contact_.along_link ? "dJ v = R [a + alpha x x; alpha]" : "dJ v = R [a + alpha x x + w x (u + w x x); alpha]",
-      Direction::root);
+  SweepBuilder s =
+      b.sweep("bias_" + name(),
+              contact_.along_link ? "dJ v = R [a + alpha x x; alpha]" : "dJ v = R [a + alpha x x + w x (u + w x x); alpha]",
+              Direction::root);
   const int body = frame_.body;
   const Vec3 a = s.of3(body, of_bodies, 0), alpha = s.of3(body, of_bodies, 3), x = axes.point(s);
   const Vec3 tangential = cross(alpha, x);
@@ -125,8 +123,7 @@ RowRoles ContactRows::biases(Builder& b) const {
 // From its anchor, along the rows' axes: x − x₀, and ½ Σ aᵢ × rᵢ over the axes of anchor and link.
 RowRoles ContactRows::errors(Builder& b) const {
   const LinkPlace at = link_place(b, frame_, Frame::base), base = base_in_world(b);
-  const int role =
-      b.role({"error_" + name(), "ec", "from its anchor to contact " + contact_.name, "m, rad", shape()});
+  const int role = b.role({"error_" + name(), "ec", "from its anchor to contact " + contact_.name, "m, rad", shape()});
   if (b.has("error_" + name())) return roles(role);
   SweepBuilder s = b.sweep("error_" + name(), "e = x - x0, and half the sum of a_i x r_i", Direction::root);
   const Mat3 to_world =

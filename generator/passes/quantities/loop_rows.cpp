@@ -42,9 +42,9 @@ class LoopRows : public ConstraintRows {
     const Motion m(b, *this);
     const RowRoles roles = row_roles(b, "velocity_", "v", "velocity", "m/s", "rad/s");
     if (b.has("velocity_" + name())) return roles;
-    SweepBuilder s = b.sweep(
-        "velocity_" + name(), is_distance() ? "J v = (xb - xa).(dxb - dxa)/l" : "J v = e'[du + dw x x; dw], b less a",
-        Direction::root);
+    SweepBuilder s =
+        b.sweep("velocity_" + name(), is_distance() ? "J v = (xb - xa).(dxb - dxa)/l" : "J v = e'[du + dw x x; dw], b less a",
+                Direction::root);
     const Twist d = m.difference(s, m.velocity);
     const Vec3 lever = cross(d.angular, m.point(s, 1)), linear = d.linear + lever;
     store(s, m, roles, linear, d.angular);
@@ -90,10 +90,10 @@ class LoopRows : public ConstraintRows {
     const RowRoles roles = row_roles(b, "error_", "e", "error", "m", "rad");
     if (b.has("error_" + name())) return roles;
     SweepBuilder s = b.sweep("error_" + name(),
-                             is_distance()                       ? "e = (|xb - xa|^2 - l^2)/(2 l)"
-                             : loop_.type == ir::LoopType::weld  ? "e = xb - xa, and half the sum of a_i x b_i"
-                             : loop_.angular_axes().empty()      ? "e = xb - xa"
-                                                                 : "e = xb - xa, and za x zb",
+                             is_distance()                      ? "e = (|xb - xa|^2 - l^2)/(2 l)"
+                             : loop_.type == ir::LoopType::weld ? "e = xb - xa, and half the sum of a_i x b_i"
+                             : loop_.angular_axes().empty()     ? "e = xb - xa"
+                                                                : "e = xb - xa, and za x zb",
                              Direction::root);
     const Vec3 from = m.point(s, 0), between = m.point(s, 1) - from;
     if (is_distance()) {
@@ -164,7 +164,8 @@ class LoopRows : public ConstraintRows {
       return roles;
     }
     for (const int i : loop_.linear_axes()) add(axis_names[i], std::string(" along ") + axis_names[i], linear);
-    for (const int i : loop_.angular_axes()) add(std::string("r") + axis_names[i], std::string(" about ") + axis_names[i], angular);
+    for (const int i : loop_.angular_axes())
+      add(std::string("r") + axis_names[i], std::string(" about ") + axis_names[i], angular);
     return roles;
   }
 

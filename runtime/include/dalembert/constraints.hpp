@@ -40,7 +40,8 @@ struct LoopPath {
 };
 // One between a body and the world: the coordinates above it, the tree's root first.
 template <int own_rows, int... coordinates>
-using RowPath = LoopPath<own_rows, (own_rows < 3 ? own_rows : 3), sizeof...(coordinates), sizeof...(coordinates), coordinates...>;
+using RowPath =
+    LoopPath<own_rows, (own_rows < 3 ? own_rows : 3), sizeof...(coordinates), sizeof...(coordinates), coordinates...>;
 
 // Where two lists of coordinates have the same, in pieces: from which place of each, and how many.
 struct SharedPieces {
@@ -277,8 +278,9 @@ struct ConstraintBlocks {
       // One more number than asked for is no harm where J goes on; two cost as much as they save.
       if constexpr (own - begin > 2 && from + w <= n * all) to[i] = load<w>(jacobian + from) * acts[i];
       else
-        to[i] = each_lane<w, T>([&](int lane) { return begin + lane < own ? jacobian[least(from + lane, n * all - 1)] : T(0); }) *
-                acts[i];
+        to[i] =
+            each_lane<w, T>([&](int lane) { return begin + lane < own ? jacobian[least(from + lane, n * all - 1)] : T(0); }) *
+            acts[i];
     });
   }
 
@@ -294,8 +296,8 @@ struct ConstraintBlocks {
     });
     if constexpr (length <= 16) {
       Lanes<T, w> own[length][pieces];
-      for_constants<length>(
-          [&](auto k) DALEMBERT_IN_BLOCK { load_rows<c, Path::at[decltype(k)::value]>(jacobian, acts, own[k]); });
+      for_constants<length>([&](auto k)
+                                DALEMBERT_IN_BLOCK { load_rows<c, Path::at[decltype(k)::value]>(jacobian, acts, own[k]); });
       for_constants<length>([&](auto step) DALEMBERT_IN_BLOCK {
         constexpr int k = length - 1 - decltype(step)::value;
         for_constants<k>([&](auto above) DALEMBERT_IN_BLOCK {
@@ -465,7 +467,8 @@ __attribute__((noinline)) static ConstraintStatus<T> solve_constrained(const T* 
     T* const block = blocks.of(c, c);
     alignas(64) T rest[padded] = {}, hold[padded] = {};
     T means[2] = {T(least_share) * sum, T(least_share) * sum};
-    for (int r = 0; r < own; ++r) means[r < linear ? 0 : 1] += block[r * padded + r] * (T(1) / T(r < linear ? linear : own - linear));
+    for (int r = 0; r < own; ++r)
+      means[r < linear ? 0 : 1] += block[r * padded + r] * (T(1) / T(r < linear ? linear : own - linear));
     const bool acts = active[c] > T(0);
     for (int r = 0; r < rows; ++r) {
       const T mean = means[r < linear ? 0 : 1];
@@ -570,9 +573,9 @@ struct Undriven {
   static constexpr int at[sizeof...(coordinates) + 1] = {coordinates..., 0};
 };
 
-// to becomes to - J' f, f = W J_u y being what makes it zero at the coordinates u that have no motor: of all such f the one with
-// the least sum of f^2 / W. y is found by proximal steps as above, with N the diagonal of J_u' W J_u: what no constraint can bear
-// stays, and is the residual.
+// to becomes to - J' f, f = W J_u y being what makes it zero at the coordinates u that have no motor: of all such f the one
+// with the least sum of f^2 / W. y is found by proximal steps as above, with N the diagonal of J_u' W J_u: what no constraint
+// can bear stays, and is the residual.
 template <int n, class Rows, class Without, class T>
 __attribute__((noinline)) static ConstraintStatus<T> support(const T* jacobian, const T* active, const T* weights, T* forces,
                                                              T* to) noexcept {

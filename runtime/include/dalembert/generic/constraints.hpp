@@ -4,12 +4,12 @@
 // velocity along them. f is what the world exerts on the robot along them. Rows that say the same twice make J M⁻¹ Jᵀ singular:
 // f is found by proximal steps, (J M⁻¹ Jᵀ + R + μ N) f' = c + μ N f, f = 0 at first (Carpentier, Budhiraja, Mansard, "Proximal
 // and sparse resolution of constrained dynamic equations", RSS 2021), as many as generated code takes; N is the mean of the
-// diagonal over a constraint's linear rows, or its angular ones. A loop's rows are the velocity of one link against another; its
-// f is what the first exerts on the second.
+// diagonal over a constraint's linear rows, or its angular ones. A loop's rows are the velocity of one link against another;
+// its f is what the first exerts on the second.
 #pragma once
 
-#include <dalembert/generic/forward_dynamics.hpp>
 #include <dalembert/generic/dynamics.hpp>
+#include <dalembert/generic/forward_dynamics.hpp>
 #include <dalembert/generic/frames.hpp>
 #include <initializer_list>
 #include <utility>
@@ -125,16 +125,14 @@ MatrixX<S> loop_jacobian(const Model<S>& model, const State<S>& at, const Loop<S
 template <class S>
 VectorX<S> loop_bias(const Model<S>& model, const State<S>& at, const Loop<S>& loop) {
   const LoopFrames<S> frames(model, at, loop, true);
-  const Vector3<S> d = frames.between(), w = frames.twists[0].template tail<3>(),
-                   alpha = frames.biases[0].template tail<3>(),
+  const Vector3<S> d = frames.between(), w = frames.twists[0].template tail<3>(), alpha = frames.biases[0].template tail<3>(),
                    moving = frames.twists[1].template head<3>() - frames.twists[0].template head<3>(),
                    changing = frames.biases[1].template head<3>() - frames.biases[0].template head<3>();
-  if (loop.distance > S(0))
-    return VectorX<S>::Constant(1, S((d.dot(changing) + moving.squaredNorm()) / loop.distance));
+  if (loop.distance > S(0)) return VectorX<S>::Constant(1, S((d.dot(changing) + moving.squaredNorm()) / loop.distance));
   const Vector3<S> w_other = frames.twists[1].template tail<3>(), alpha_other = frames.biases[1].template tail<3>();
   const auto cross = [](const Vector3<S>& a, const Vector3<S>& b) -> Vector3<S> { return cross_matrix<S>(a) * b; };
-  const Vector3<S> linear = changing - cross(alpha, d) - cross(w, cross(w, d)) -
-                            S(2) * cross(w, Vector3<S>(moving - cross(w, d))),
+  const Vector3<S> linear =
+                       changing - cross(alpha, d) - cross(w, cross(w, d)) - S(2) * cross(w, Vector3<S>(moving - cross(w, d))),
                    angular = alpha_other - alpha - cross(w, w_other);
   const MatrixX<S> back = frames.poses[0].rotation.transpose();
   return rows_of_loop<S, MatrixX<S>>(loop, back * linear, back * angular);
@@ -258,10 +256,10 @@ Constrained<S> constrained_forward_dynamics(const Model<S>& model, const Constra
   return detail::constrained<S>(model, constraints, q, right, free.value, options);
 }
 
-// τ and f for accelerations given, M v̇ + C v + g = τ + Jᵀ f: at the coordinates `undriven` τ is zero, as far as the constraints can
-// bear it, and of all f that will do it is the least, Σ f² / weight. Where v̇ is not what the constraints allow, τ moves the robot
-// as near to it as they do, in M's measure; f then is what they exert beside what takes v̇ there.
-// residual: the largest τ that is left at those coordinates.
+// τ and f for accelerations given, M v̇ + C v + g = τ + Jᵀ f: at the coordinates `undriven` τ is zero, as far as the constraints
+// can bear it, and of all f that will do it is the least, Σ f² / weight. Where v̇ is not what the constraints allow, τ moves the
+// robot as near to it as they do, in M's measure; f then is what they exert beside what takes v̇ there. residual: the largest τ
+// that is left at those coordinates.
 template <class S>
 Constrained<S> constrained_inverse_dynamics(const Model<S>& model, const Constraints<S>& constraints, In<S> q, In<S> v,
                                             In<S> v_dot, const std::vector<int>& undriven, In<S> wrenches = VectorX<S>(),
