@@ -5,6 +5,8 @@
 #   example   the controller's plant (MuJoCo) and pictures (gnuplot, matplotlib)
 #   test      test framework, second compiler, and the programs that results are compared with
 #   fuzz      the compiler with a fuzzer in it
+#   sdf       libsdformat, by which the generator reads SDF; it is built without where there is none
+#   package   what the Debian package is checked with; its test is skipped without
 #   torch     PyTorch, whose tensors dalembert.torch differentiates; its test is skipped without
 #   matrix    further compilers and an emulator, for tests/matrix/run.py alone
 set -eu
@@ -15,6 +17,8 @@ example="libmujoco-dev gnuplot-nox python3-matplotlib"
 test="libgtest-dev clang g++-aarch64-linux-gnu make python3 libmujoco-dev libdart-dev libdart-utils-dev libdart-utils-urdf-dev
       libdart-external-ikfast-dev libassimp-dev libtinyxml2-dev dart-doc liborocos-kdl-dev libbenchmark-dev chromium-headless-shell python3-hypothesis"
 fuzz="clang libclang-rt-dev"
+sdf="libsdformat-dev"
+package="lintian dpkg-dev"
 torch="python3-torch"
 matrix="g++-11 g++-12 clang-14 clang-16 clang-19 g++-aarch64-linux-gnu qemu-user"
 
@@ -25,9 +29,11 @@ for group in "$@"; do
     example) wanted="$wanted $example" ;;
     test) wanted="$wanted $test" ;;
     fuzz) wanted="$wanted $fuzz" ;;
+    sdf) wanted="$wanted $sdf" ;;
+    package) wanted="$wanted $package" ;;
     torch) wanted="$wanted $torch" ;;
     matrix) wanted="$wanted $matrix" ;;
-    *) echo "setup.sh: no group '$group'; there are build, example, test, fuzz, torch and matrix" >&2; exit 2 ;;
+    *) echo "setup.sh: no group '$group'; there are build, example, test, fuzz, sdf, package, torch and matrix" >&2; exit 2 ;;
   esac
 done
 

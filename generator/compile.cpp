@@ -7,6 +7,7 @@
 #include <iterator>
 
 #include "backend/emit.hpp"
+#include "backend/emit_batch.hpp"
 #include "backend/executed.hpp"
 #include "left_out.hpp"
 #include "reference/self_test.hpp"
@@ -78,6 +79,10 @@ std::vector<std::pair<std::string, backend::Features>> features(const Model& mod
     for (size_t i = 0; i < own.size(); ++i) all.back().second[i] += own[i];
   }
   return all;
+}
+
+std::vector<std::string> functions_in_lanes(const Model& model, const Lowered& lowered) {
+  return backend::functions_in_lanes(folder(model, lowered));
 }
 
 std::vector<backend::OutputFile> compile(const Model& model) {

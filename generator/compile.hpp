@@ -20,4 +20,8 @@ std::vector<std::pair<std::string, ir::Operations>> executed_operations(const Mo
 // What the estimate of each generated function's time is made of (backend/estimate.hpp), for registers of so many doubles.
 std::vector<std::pair<std::string, backend::Features>> features(const Model& model, const Lowered& lowered, int lanes);
 
+// The functions of a scene with batches that compute states in lanes: others are called state by state. None where the results
+// of one are more than batches take.
+std::vector<std::string> functions_in_lanes(const Model& model, const Lowered& lowered);
+
 }  // namespace dalembert

@@ -167,6 +167,7 @@ Model whole_robot(const Model& model) {
   whole.scene.functions = model.scene.functions;
   whole.scene.jacobians = model.scene.jacobians;
   whole.scene.frames = model.scene.frames;
+  whole.scene.placed = model.scene.placed;
   whole.scene.contacts = model.scene.contacts;
   whole.scene.loops = model.scene.loops;
   Diagnostics warnings;

@@ -1,5 +1,7 @@
 #include "idle_keys.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <initializer_list>
 #include <string>
@@ -47,6 +49,18 @@ void warn_of_idle_keys(const ir::Scene& scene, const ir::KinematicTree& tree, Di
       !keys.any([](Quantity output) { return of_motion(output) && output != Quantity::inverse_dynamics_dv; }))
     keys.warn("wrenches", "no output depends on the wrenches",
               "ask for inverse_dynamics, forward_dynamics or their derivatives");
+
+  std::vector<std::string> named = scene.payloads;
+  for (const ir::LinkOutput& output : scene.link_outputs()) named.push_back(output.link);
+  for (const ir::NamedFunction& function : scene.functions)
+    for (const ir::LinkOutput& output : function.of_links) named.push_back(output.link);
+  for (const ir::ExternalWrench& wrench : scene.wrenches) named.push_back(wrench.link);
+  for (const ir::Contact& contact : scene.contacts) named.push_back(contact.link);
+  for (const ir::Loop& loop : scene.loops) named.insert(named.end(), loop.links.begin(), loop.links.end());
+  for (const ir::Frame& frame : scene.placed)
+    if (std::find(named.begin(), named.end(), frame.name) == named.end())
+      keys.warn("frames", fmt::format("nothing is asked of frame '{}'", frame.name),
+                "name what it is for under its outputs, or name the frame in functions, wrenches, payloads or contacts");
 
   if (scene.any_constraint() && !keys.any(ir::is_of_constraints))
     keys.warn(scene.contacts.empty() ? "loops" : "contacts", "no output depends on the contacts and loops",

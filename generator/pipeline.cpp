@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "frontend/robot_file.hpp"
 #include "frontend/scene_check.hpp"
-#include "frontend/urdf_reader.hpp"
 #include "idle_keys.hpp"
 #include "ir/emitted_function.hpp"
 #include "ir/identifier.hpp"
@@ -127,7 +127,7 @@ void check_form(const ir::RobotDescription& robot, const ir::KinematicTree& tree
 Model read_model(const Request& request, Diagnostics& warnings) {
   const frontend::SceneDocument document = frontend::read_scene(request.scene_file, request.settings);
   Model model;
-  model.description = frontend::read_urdf(request.robot, warnings);
+  model.description = frontend::read_robot(request.robot, warnings);
   model.name = code_name(request, model.description, warnings);
   model.options = compile_options(request);
   model.command_line = command_line(request, model.name);

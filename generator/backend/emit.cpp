@@ -102,13 +102,13 @@ std::string run_time_inputs(const CodeInput& code) {
                                      literal(s.gravity[1], s.scalar), literal(s.gravity[2], s.scalar)),
                          "acceleration of free fall, m/s^2, world axes");
   for (const std::string& link : s.payloads)
-    text += with_comment(fmt::format("  Payload payload_{};", ir::identifier(link)), "carried by link " + link);
+    text += with_comment(fmt::format("  Payload payload_{};", ir::identifier(link)), "carried by " + s.called(link));
   for (const ir::Constraint& c : s.constraints())
     text += with_comment(fmt::format("  {} {};", c.loop ? "Loop" : "Contact", c.member), "of " + c.of);
   for (const ir::ExternalWrench& wrench : s.wrenches)
     text += with_comment(fmt::format("  Scalar wrench_{}[6] = {{}};", ir::identifier(wrench.link)),
-                         fmt::format("external force, N, and moment, N m, on link {} at its origin, along {} axes", wrench.link,
-                                     wrench.in_world ? "the world's" : "its"));
+                         fmt::format("external force, N, and moment, N m, on {} at its origin, along {} axes",
+                                     s.called(wrench.link), wrench.in_world ? "the world's" : "its"));
   return text.empty() ? "" : "\n  // Run-time inputs: set them as you need, before a call.\n" + text;
 }
 
@@ -197,10 +197,17 @@ std::string view_definitions(const Folder& folder) {
 std::string link_table(const CodeInput& code) {
   std::string text = "// Links and the bodies they move with:\n";
   for (const ir::LinkPlacement& link : code.tree.links)
-    text +=
-        comment_lines(fmt::format("  {:<32} {}", link.link,
-                                  link.body < 0 ? code.tree.base_link : code.tree.bodies[static_cast<size_t>(link.body)].name),
-                      0, 4);
+    if (link.on.empty())
+      text += comment_lines(
+          fmt::format("  {:<32} {}", link.link,
+                      link.body < 0 ? code.tree.base_link : code.tree.bodies[static_cast<size_t>(link.body)].name),
+          0, 4);
+  if (code.scene.placed.empty()) return text;
+  text += "// Frames of the scene, the links that they are on, their origins there, m, and roll, pitch, yaw, rad:\n";
+  for (const ir::Frame& frame : code.scene.placed)
+    text += comment_lines(fmt::format("  {:<32} {}, {:.6g} {:.6g} {:.6g}, {:.6g} {:.6g} {:.6g}", frame.name, frame.link,
+                                      frame.xyz.x(), frame.xyz.y(), frame.xyz.z(), frame.rpy.x(), frame.rpy.y(), frame.rpy.z()),
+                          0, 4);
   return text;
 }
 

@@ -99,8 +99,12 @@ class BatchFunction {
                    {"pointers", pointers},
                    {"blocks", blocks},
                    {"packed", packed},
-                   {"input", *f.input() ? fmt::format(", `input` being {}: {}", f.input(), f.meaning()) : ""}});
+                   {"input", *f.input() ? fmt::format(", `input` being {}: {}", f.input(), f.meaning()) : ""},
+                   {"rollout", rolls_out() ? render("rollout.hpp", {{"function", f.name}}) : ""}});
   }
+
+  // Whether it tells how a robot moves, so that motions can be computed in one call.
+  bool rolls_out() const { return acceleration() != nullptr; }
 
   std::string source() const {
     const ir::EmittedFunction& f = function_of(code_);
@@ -131,13 +135,15 @@ class BatchFunction {
          {"parts", std::to_string(program_.parts())},
          {"widest", std::to_string(widest())},
          {"fill", fill()},
+         {"with_given", with_given()},
          {"run", run},
          {"definitions", definitions},
          {"tables", tables()},
          {"checks", checks()},
          {"finish", finish()},
          {"write", write()},
-         {"block", block()}});
+         {"block", block()},
+         {"rollout", rollout()}});
   }
 
   // Whether it calls the function itself.
@@ -164,7 +170,7 @@ class BatchFunction {
         *f.input() ? fmt::format(", input: {}, n times {}_nv()", f.input(), n) : std::string("; input is not read"),
         code_.algorithm.guard ? ": of each state the coordinate whose pivot shows that M is not positive definite, or -1"
                               : ", is set to -1 for each state",
-        s);
+        s) + (rolls_out() ? rollout_declaration() : "");
   }
   std::string c_definitions() const {
     const ir::EmittedFunction& f = function_of(code_);
@@ -192,14 +198,45 @@ class BatchFunction {
         code_.algorithm.guard ? "  to.status = status;\n" : "",
         code_.algorithm.guard ? ""
                               : "  if (status && error == dalembert::BatchError::none)\n"
-                                "    for (size_t i = 0; i < n; ++i) status[i] = -1;\n");
+                                "    for (size_t i = 0; i < n; ++i) status[i] = -1;\n") +
+           (rolls_out() ? rollout_definition(given) : "");
+  }
+
+  std::string rollout_declaration() const {
+    return fmt::format(
+        "// n motions that {0}_{1}() makes from q and v on, `steps` steps of time_step seconds each. input: {2}, n times steps times\n"
+        "// {0}_nv() numbers, or NULL: zero. method: 0 semi-implicit Euler, 1 the classical Runge-Kutta method. Results may be NULL:\n"
+        "// where motions end, where they are behind each step, and of each motion the step that it could not make, or -1.\n"
+        "int {0}_rollout_{1}(const {3}* q, const {3}* v, const {3}* input, size_t n, size_t steps, {3} time_step, int method,\n"
+        "    {3}* last_q, {3}* last_v, {3}* path_q, {3}* path_v, int* stopped, const {0}_batch_options* options);\n\n",
+        code_.name, function_of(code_).name, function_of(code_).input(), scalar_name(code_.scene.scalar));
+  }
+  std::string rollout_definition(const std::string& given) const {
+    return fmt::format(
+        "int {0}_rollout_{1}(const {2}* q, const {2}* v, const {2}* input, size_t n, size_t steps, {2} time_step, int method,\n"
+        "    {2}* last_q, {2}* last_v, {2}* path_q, {2}* path_v, int* stopped, const {0}_batch_options* options) {{\n"
+        "  {0}::Batch batch;\n"
+        "  batch.count = n, batch.q = q, batch.v = v, batch.input = input;\n"
+        "  if (options) {{\n"
+        "    batch.states = static_cast<dalembert::BatchLayout>(options->states_in_lanes);\n"
+        "    batch.results = static_cast<dalembert::BatchLayout>(options->results_in_lanes);\n"
+        "{3}  }}\n"
+        "  dalembert::Rollout<{2}> rollout;\n"
+        "  rollout.steps = steps, rollout.time_step = time_step;\n"
+        "  rollout.method = static_cast<dalembert::RolloutMethod>(method);\n"
+        "  rollout.last_q = last_q, rollout.last_v = last_v, rollout.path_q = path_q, rollout.path_v = path_v;\n"
+        "  rollout.stopped = stopped;\n"
+        "  return static_cast<int>({0}::{1}_rollout(batch, rollout));\n}}\n\n",
+        code_.name, function_of(code_).name, scalar_name(code_.scene.scalar), given);
   }
 
   // Of a call.
   std::size_t bytes() const {
     const std::size_t registers = static_cast<std::size_t>(code_.tree.nq() + 2 * code_.tree.nv() + given_count(code_) +
                                                            3 * program_.angles() + program_.kept() + program_.elements() + 1);
-    return registers * 64 * (program_.parts() > 1 ? std::clamp<std::size_t>(192 * 1024 / (registers * 64), 1, 8) : 1);
+    const std::size_t moving = rolls_out() ? static_cast<std::size_t>(2 * code_.tree.nq() + 7 * code_.tree.nv()) : 0;
+    const std::size_t strip = program_.parts() > 1 ? std::clamp<std::size_t>(192 * 1024 / (registers * 64), 1, 8) : 1;
+    return (registers + moving) * 64 * strip;
   }
 
   // For threads: states that are handed out together, some 20 us of them.
@@ -209,7 +246,10 @@ class BatchFunction {
     const long wanted = 20000L * 32 / std::max(1L, program_.operations());
     long together = 64;
     while (2 * together <= wanted && together < 4096) together *= 2;
-    return render("batch_tasks_function.hpp", {{"function", f.name}, {"type", f.type}, {"together", std::to_string(together)}});
+    return render("batch_tasks_function.hpp", {{"function", f.name},
+                                               {"type", f.type},
+                                               {"together", std::to_string(together)},
+                                               {"rollout", rolls_out() ? render("rollout_tasks.hpp", {{"function", f.name}}) : ""}});
   }
 
  private:
@@ -328,6 +368,11 @@ class BatchFunction {
     read("q", "nq", program_.reads_positions());
     read("v", "nv", program_.reads_velocities());
     read("input", "nv", program_.reads_input());
+    return text;
+  }
+
+  std::string with_given() const {
+    std::string text;
     int at = 0;
     for (const Given& g : given_inputs(code_)) {
       text += fmt::format(
@@ -355,6 +400,24 @@ class BatchFunction {
     int widest = std::max({code_.tree.nq(), 10});
     for (const BatchArray& a : program_.results()) widest = std::max(widest, a.array.rows * a.array.columns);
     return widest;
+  }
+
+  // v̇ among the values.
+  const BatchArray* acceleration() const {
+    const std::string name = function_of(code_).acceleration_result();
+    const auto& all = program_.results();
+    const auto found = std::find_if(all.begin(), all.end(), [&](const BatchArray& a) { return a.array.name == name; });
+    return name.empty() || found == all.end() ? nullptr : &*found;
+  }
+
+  std::string rollout() const {
+    const ir::EmittedFunction& f = function_of(code_);
+    if (!rolls_out()) return "";
+    return render("rollout.cpp", {{"function", f.name},
+                                  {"type", f.type},
+                                  {"more_members", program_.by_calls() ? ", {}" : ""},
+                                  {"acceleration", std::to_string(acceleration()->first)},
+                                  {"finish", finish()}});
   }
 
   static std::string matrix_name(const BatchArray& a) { return a.array.name + "_of_batch"; }
@@ -428,6 +491,16 @@ std::vector<const CodeInput*> batched(const Folder& folder) {
 
 }  // namespace
 
+std::vector<std::string> functions_in_lanes(const Folder& folder) {
+  std::vector<std::string> names;
+  for (const CodeInput* f : batched(folder)) {
+    const BatchProgram program(*f);
+    if (program.elements() > BatchFunction::most_elements) return {};
+    if (!program.by_calls()) names.push_back(function_of(*f).name);
+  }
+  return names;
+}
+
 std::string batch_c_declarations(const Folder& folder) {
   if (batched(folder).empty()) return "";
   const CodeInput& code = folder.common();
@@ -460,6 +533,7 @@ std::vector<OutputFile> batch_files(const Folder& folder, const std::string& ban
   const CodeInput& code = folder.common();
   std::string declarations, definitions, c_functions, tasks;
   std::size_t bytes = 0;
+  bool rolls_out = false;
   for (const CodeInput* f : batched(folder)) {
     const BatchFunction function(*f);
     if (function.elements() > BatchFunction::most_elements)
@@ -471,16 +545,22 @@ std::vector<OutputFile> batch_files(const Folder& folder, const std::string& ban
     definitions += function.source();
     c_functions += function.c_definitions();
     tasks += function.tasks();
+    rolls_out |= function.rolls_out();
     bytes = std::max(bytes, function.bytes() + (function.has_workspace() ? workspace_bytes(folder) : 0));
   }
   return {{"batch.hpp", render("batch.hpp", {{"banner", banner},
                                              {"name", code.name},
                                              {"stack", std::to_string(bytes / 1024 + 4)},
+                                             {"includes", rolls_out ? "#include <dalembert/rollout_layout.hpp>\n" : ""},
                                              {"given", given_members(code)},
                                              {"functions", declarations}})},
           {"batch.cpp",
            render("batch.cpp",
-                  {{"banner", banner}, {"name", code.name}, {"functions", definitions}, {"c_functions", c_functions}})},
+                  {{"banner", banner},
+                   {"name", code.name},
+                   {"includes", rolls_out ? "#include <dalembert/rollout.hpp>\n" : ""},
+                   {"functions", definitions},
+                   {"c_functions", c_functions}})},
           {"batch_tasks.hpp", render("batch_tasks.hpp", {{"banner", banner}, {"name", code.name}, {"functions", tasks}})}};
 }
 

@@ -86,6 +86,12 @@ void remove_tree(const fs::path& path) {
   fs::remove_all(path, ignored);
 }
 
+std::string new_folder(const fs::path& folder, const std::string& key) {
+  std::string making = (folder / (key + std::string(making_infix) + "XXXXXX")).string();
+  if (!mkdtemp(making.data())) refuse(making, std::strerror(errno));
+  return making;
+}
+
 // Onto the disk, so that a name never stands for a file that a power cut took.
 void synchronise(const fs::path& folder) {
   std::error_code error;
@@ -139,8 +145,7 @@ fs::path cached(const std::string& key, const std::function<void(const fs::path&
   if (is_whole(entry)) return entry;
   for (const fs::path& left : in_the_making(folder, key)) remove_tree(left);
   remove_tree(entry);  // of another's making
-  std::string making = (folder / (key + std::string(making_infix) + "XXXXXX")).string();
-  if (!mkdtemp(making.data())) refuse(making, std::strerror(errno));
+  const std::string making = new_folder(folder, key);
   try {
     make(making);
     if (!is_whole(making)) refuse(making, "an entry was not finished");
@@ -152,6 +157,38 @@ fs::path cached(const std::string& key, const std::function<void(const fs::path&
     throw;
   }
   return entry;
+}
+
+void add_to_entry(const fs::path& entry, const std::vector<std::string>& names,
+                  const std::function<Made(const std::vector<size_t>& missing, const fs::path& folder)>& make) {
+  const auto lacking = [&] {
+    std::vector<size_t> missing;
+    for (size_t i = 0; i < names.size(); ++i)
+      if (!fs::exists(entry / names[i])) missing.push_back(i);
+    return missing;
+  };
+  if (lacking().empty()) return;
+  const fs::path folder = entry.parent_path();
+  const std::string key = entry.filename().string();
+  const Lock lock(folder / (key + std::string(lock_suffix)), true);
+  const std::vector<size_t> missing = lacking();
+  if (missing.empty()) return;
+  if (!is_whole(entry)) refuse(entry, "there is no such entry");
+  for (const fs::path& left : in_the_making(folder, key)) remove_tree(left);
+  const std::string making = new_folder(folder, key);
+  try {
+    const Made made = make(missing, making);
+    synchronise(making);
+    std::error_code error;
+    for (const auto& [path, name] : made) {
+      fs::rename(path, entry / name, error);
+      if (error) refuse(entry / name, error.message());
+    }
+  } catch (...) {
+    remove_tree(making);
+    throw;
+  }
+  remove_tree(making);
 }
 
 std::vector<CacheEntry> cache_entries() {

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace dalembert {
@@ -31,6 +32,13 @@ class Hash {
 // The entry of that key. Where there is none yet, `make` is called with an empty folder to fill, once among all processes that
 // ask at the same time. Throws what `make` throws, and InputError where the cache cannot be written.
 std::filesystem::path cached(const std::string& key, const std::function<void(const std::filesystem::path& folder)>& make);
+
+// Adds to an entry what it lacks of these files: `make` is called with the numbers of those that are not there and an empty
+// folder, and returns what it made as (path, name in the entry), in the order to appear in. Once among all processes, as
+// cached().
+using Made = std::vector<std::pair<std::filesystem::path, std::string>>;
+void add_to_entry(const std::filesystem::path& entry, const std::vector<std::string>& names,
+                  const std::function<Made(const std::vector<size_t>& missing, const std::filesystem::path& folder)>& make);
 
 // The file by which an entry is known to be whole: written last.
 inline constexpr const char* entry_file = "robot.json";

@@ -64,72 +64,121 @@ References references(const Model& model, const Output& output, const std::vecto
   return references;
 }
 
-}  // namespace
+// The outputs that one piece of code computes: each of the standard functions' alone, and those of a function that the scene
+// names together, since a call gives them all.
+std::vector<std::vector<size_t>> pieces(const std::vector<Output>& outputs) {
+  std::vector<std::vector<size_t>> pieces;
+  for (size_t o = 0; o < outputs.size(); ++o) {
+    const auto of_same = [&](const std::vector<size_t>& piece) {
+      const Output& other = outputs[piece.front()];
+      return outputs[o].function.named && other.function.named && other.function.name == outputs[o].function.name;
+    };
+    const auto found = std::find_if(pieces.begin(), pieces.end(), of_same);
+    if (found == pieces.end()) pieces.push_back({o});
+    else found->push_back(o);
+  }
+  return pieces;
+}
 
-CheckReport check(const Model& model, const CompilerOptions& options) {
-  const std::vector<Output> outputs = outputs_of(model);
-  const std::vector<State> states = random_states(model.tree, 20);
-  CheckReport report;
-  report.text = fmt::format("{}: {} base, {} random states; errors relative to the largest element\n", model.name,
-                            model.tree.floating_base ? "floating" : "fixed", states.size());
-  report.text +=
-      fmt::format("  {:<34}{:>16}{:>16}{:>16}{:>14}\n", "output", "to generic", "to 50 digits", "at most", "ns per call");
+class Check {
+ public:
+  Check(const Model& model, const CompilerOptions& options)
+      : model_(model), options_(options), outputs_(outputs_of(model)), states_(random_states(model.tree, 20)) {}
+
+  CheckReport run() {
+    report_.text = fmt::format("{}: {} base, {} random states; errors relative to the largest element\n", model_.name,
+                               model_.tree.floating_base ? "floating" : "fixed", states_.size());
+    for (const Output& output : outputs_) expected_.push_back(references(model_, output, states_));
+    const std::vector<std::vector<size_t>> all = pieces(outputs_);
+    const bool one = all.size() == 1;
+    heading(one ? "its code" : "each by code of its own");
+    for (const std::vector<size_t>& piece : all) {
+      std::vector<Output> own;
+      for (const size_t o : piece) own.push_back(outputs_[o]);
+      GeneratedEngine alone(model_, own, options_, one ? Besides::self_test : Besides::nothing);
+      const bool line_of_its_own = own.size() > 1;
+      const std::string time = line_of_its_own ? "" : time_text(alone.time_per_call(states_).median);
+      for (const size_t o : piece) compare(alone, o, time);
+      if (line_of_its_own) function_lines(alone.time_per_function(states_));
+      if (one) run_self_test(alone);
+    }
+    if (!one) {
+      GeneratedEngine together(model_, outputs_, options_, Besides::self_test);
+      heading("all by one code");
+      for (size_t o = 0; o < outputs_.size(); ++o) compare(together, o, "");
+      function_lines(together.time_per_function(states_));
+      run_self_test(together);
+    }
+    if (model_.scene.batch) batch();
+    report_.text += fmt::format("  compiled by {}\n  timed on {}\n", command_, this_machine().text());
+    return std::move(report_);
+  }
+
+ private:
+  void line(const std::string& what, const std::string& errors, const std::string& time, const char* mark = "") {
+    std::string text = fmt::format("  {:<34}{:>40}{:>12}", what, errors, time);
+    text.erase(text.find_last_not_of(' ') + 1);
+    report_.text += text + mark + "\n";
+  }
+  void heading(const std::string& what) {
+    report_.text += "\n";
+    line(what, fmt::format("{:>14}{:>14}{:>12}", "to generic", "to 50 digits", "at most"), "a call");
+  }
+  void function_lines(const std::vector<GeneratedEngine::FunctionTime>& times) {
+    for (const auto& [function, time] : times) line(function + "()", "", time_text(time.median));
+  }
 
   // result_at: the number of a state → what is computed there.
-  const auto compare_results = [&](const auto& result_at, const Output& output, const References& expected,
-                                   const std::string& time) {
+  template <class ResultAt>
+  void compare_results(const ResultAt& result_at, size_t o, const std::string& time) {
+    const References& expected = expected_[o];
     RelativeError to_generic(expected.least_scale), to_multiprecision(expected.least_scale);
-    for (size_t s = 0; s < states.size(); ++s) {
+    for (size_t s = 0; s < states_.size(); ++s) {
       const Eigen::MatrixXd result = result_at(s);
       to_generic.add(result, expected.generic[s]);
       to_multiprecision.add(result, expected.multiprecision[s]);
     }
     const bool good = to_generic.value() <= expected.tolerance && to_multiprecision.value() <= expected.tolerance;
-    report.passed = report.passed && good;
-    report.text += fmt::format("  {:<34}{:>16.2e}{:>16.2e}{:>16.2g}{:>14}{}\n", output.name, to_generic.value(),
-                               to_multiprecision.value(), expected.tolerance, time, good ? "" : "  DIFFERS");
-  };
-  const auto compare = [&](GeneratedEngine& engine, const Output& output, const References& expected, const std::string& time) {
+    report_.passed = report_.passed && good;
+    line(outputs_[o].name,
+         fmt::format("{:>14.2e}{:>14.2e}{:>12.2g}", to_generic.value(), to_multiprecision.value(), expected.tolerance), time,
+         good ? "" : "  DIFFERS");
+  }
+  void compare(GeneratedEngine& engine, size_t o, const std::string& time) {
     compare_results(
         [&](size_t s) {
-          engine.evaluate(states[s]);
-          return engine.result(output);
+          engine.evaluate(states_[s]);
+          return engine.result(outputs_[o]);
         },
-        output, expected, time);
-  };
+        o, time);
+  }
 
-  std::string command;
-  const auto run_self_test = [&](const GeneratedEngine& engine) {
+  void batch() {
+    BatchEngine batch(model_, outputs_, options_);
+    batch.evaluate(states_);
+    heading("all as a batch");
+    for (size_t o = 0; o < outputs_.size(); ++o) compare_results([&](size_t s) { return batch.result(outputs_[o], s); }, o, "");
+    line("a state", "", time_text(batch.time_per_state(states_)));
+  }
+
+  void run_self_test(const GeneratedEngine& engine) {
     const std::string wrong = engine.self_test();
-    report.passed = report.passed && wrong.empty();
-    report.text += fmt::format("  {:<34}{}\n", "self-test", wrong.empty() ? "passes" : "FAILS: " + wrong);
-    command = engine.command();
-  };
+    report_.passed = report_.passed && wrong.empty();
+    report_.text += fmt::format("\n  {:<34}{}\n", "self-test", wrong.empty() ? "passes" : "FAILS: " + wrong);
+    command_ = engine.command();
+  }
 
-  std::vector<References> expected;
-  for (const Output& output : outputs) {
-    expected.push_back(references(model, output, states));
-    GeneratedEngine alone(model, {output}, options, outputs.size() == 1 ? Besides::self_test : Besides::nothing);
-    compare(alone, output, expected.back(), fmt::format("{:.0f}", alone.time_per_call(states).median));
-    if (outputs.size() == 1) run_self_test(alone);
-  }
-  if (outputs.size() > 1) {
-    GeneratedEngine together(model, outputs, options, Besides::self_test);
-    report.text +=
-        fmt::format("  {:<34}{:>16}{:>16}{:>16}{:>14.0f}\n", "all together", "", "", "", together.time_per_call(states).median);
-    for (size_t i = 0; i < outputs.size(); ++i) compare(together, outputs[i], expected[i], "");
-    run_self_test(together);
-  }
-  if (model.scene.batch) {
-    BatchEngine batch(model, outputs, options);
-    batch.evaluate(states);
-    report.text += fmt::format("  {:<34}{:>16}{:>16}{:>16}{:>14.0f}\n", "as a batch, per state", "", "", "",
-                               batch.time_per_state(states));
-    for (size_t i = 0; i < outputs.size(); ++i)
-      compare_results([&](size_t s) { return batch.result(outputs[i], s); }, outputs[i], expected[i], "");
-  }
-  report.text += fmt::format("  compiled by {}\n  timed on {}\n", command, this_machine().text());
-  return report;
-}
+  const Model& model_;
+  const CompilerOptions& options_;
+  std::vector<Output> outputs_;
+  std::vector<State> states_;
+  std::vector<References> expected_;
+  CheckReport report_;
+  std::string command_;
+};
+
+}  // namespace
+
+CheckReport check(const Model& model, const CompilerOptions& options) { return Check(model, options).run(); }
 
 }  // namespace dalembert

@@ -9,13 +9,13 @@
 namespace dalembert {
 
 struct CheckReport {
-  std::string text;  // a table: output, errors, time per call
+  std::string text;  // tables: outputs and their errors, functions and their times
   bool passed = true;
 };
 
-// Generates and compiles each of the scene's outputs alone and all together, and compares them at random states, the same
-// ones in every run. Errors are relative to the output's largest element over all states. Passes when none exceeds 1e-12
-// (1e-5 for float) and the emitted self-test passes.
+// Generates and compiles each of the scene's outputs alone (those of a function that it names in one) and all together, and
+// compares them at random states, the same ones in every run. Errors are relative to the output's largest element over all
+// states. Passes when none exceeds 1e-12 (1e-5 for float) and the emitted self-test passes.
 CheckReport check(const Model& model, const CompilerOptions& options);
 
 }  // namespace dalembert

@@ -19,9 +19,11 @@
 #include "commands/generate.hpp"
 #include "commands/info.hpp"
 #include "commands/machine.hpp"
+#include "commands/manual.hpp"
 #include "commands/measure_plan.hpp"
 #include "commands/options.hpp"
 #include "commands/package.hpp"
+#include "commands/registry.hpp"
 #include "commands/report.hpp"
 
 namespace dalembert {
@@ -91,13 +93,22 @@ void add_generate(Command& command) {
       "--package", *package,
       "a package of its own instead, that needs no generator: the code in a folder below, headers, CMakeLists.txt, "
       "package.xml, README.md");
+  const auto language = std::make_shared<std::string>("c++");
+  command.parser
+      .add_option("--language", *language,
+                  "c: code of which the C header NAME.h is promised and nothing else, for hosts in C; default c++")
+      ->check(CLI::IsMember({"c++", "c"}))
+      ->excludes("--package")
+      ->type_name("c++|c");
   const auto compiler = add_compiler_options(command.parser);
-  command.run = [&command, folder, package, compiler](Diagnostics& warnings) {
+  command.run = [&command, folder, package, language, compiler](Diagnostics& warnings) {
     backend::check_folder(*folder);
     std::string told;
     const Request request = planned_request(command, *compiler, told);
     const Model model = read_model(request, warnings);
-    return print_result(told + (*package ? generate_package(model, *folder) : generate(model, *folder)));
+    return print_result(told + (*package           ? generate_package(model, *folder)
+                                : *language == "c" ? generate_c(model, *folder)
+                                                   : generate(model, *folder)));
   };
 }
 
@@ -124,6 +135,7 @@ void add_info(Command& command) {
 void add_eval(Command& command) {
   struct Options {
     std::string state, output, engine = "generated";
+    bool labels = false, json = false;
   };
   const auto options = std::make_shared<Options>();
   command.parser
@@ -143,6 +155,10 @@ void add_eval(Command& command) {
       .add_option("--engine", options->engine, "who computes; default generated, which as batch needs a C++ compiler")
       ->check(CLI::IsMember({"generic", "generated", "batch"}))
       ->type_name("generic|generated|batch");
+  CLI::Option* const labels = command.parser.add_flag("--labels", options->labels,
+                                                      "names of joints and axes beside the numbers, which have six digits");
+  command.parser.add_flag("--json", options->json, "one JSON object: names of rows and columns, unit, and the numbers")
+      ->excludes(labels);
   const auto compiler = add_compiler_options(command.parser);
   command.run = [&command, options, compiler](Diagnostics& warnings) {
     Request request = command.shared.request();
@@ -151,7 +167,8 @@ void add_eval(Command& command) {
     const Engine engine = options->engine == "generic" ? Engine::generic
                           : options->engine == "batch" ? Engine::batch
                                                        : Engine::generated;
-    return print_result(evaluate(model, options->state, options->output, engine, *compiler, warnings));
+    const Style style = options->labels ? Style::labels : options->json ? Style::json : Style::numbers;
+    return print_result(evaluate(model, options->state, options->output, engine, style, *compiler, warnings));
   };
 }
 
@@ -216,12 +233,41 @@ PlainCommand add_cache(CLI::App& app) {
           }};
 }
 
+// For programs that have loaded what 'build' made.
+PlainCommand add_build_batches(CLI::App& app) {
+  CLI::App* const parser =
+      app.add_subcommand("build-batches", "Compile batches of what 'build' has made, where there are none yet");
+  parser->group("");
+  const auto entry = std::make_shared<std::string>();
+  const auto parts = std::make_shared<std::vector<size_t>>();
+  parser->add_option("FOLDER", *entry, "the entry of the cache")->required();
+  parser->add_option("PART", *parts, "numbers of its parts")->required();
+  return {parser, [entry, parts] {
+            try {
+              build_batches(*entry, *parts);
+            } catch (const SelfTestFailure& failure) {
+              print({{Severity::error, *entry, "self-test", failure.what(),
+                      "load the robot with batch=False, or with other flags"}});
+              return check_failed;
+            }
+            return good;
+          }};
+}
+
 PlainCommand add_quantities(CLI::App& app) {
   CLI::App* const parser =
       app.add_subcommand("quantities", "List what can be asked for: the values of --outputs, and of --frames");
   const auto json = std::make_shared<bool>(false);
   parser->add_flag("--json", *json, "one JSON object for machines, with the scene's keys");
   return {parser, [json] { return print_result(*json ? registry_json() : registry_text()); }};
+}
+
+// For those who make packages.
+PlainCommand add_page(CLI::App& app, const char* name, const char* help,
+                      const std::function<std::string(const CLI::App&)>& page) {
+  CLI::App* const parser = app.add_subcommand(name, help);
+  parser->group("");
+  return {parser, [&app, page] { return print_result(page(app)); }};
 }
 
 // Most likely a variable of the shell that is not set. The scene's keys check themselves: an empty list is a value.
@@ -254,7 +300,10 @@ int parse_and_run(int argc, const char* const* argv, Diagnostics& warnings, bool
   Command check(app, "check", "Compare generated code with the generic engine, in double and in 50 digits, and time it");
   Command report(app, "report", "Measure error against time, extreme cases and forms, as a page and a table");
   Command build(app, "build", "Compile a robot's functions for programs that load them, such as Python; print the folder");
-  const PlainCommand plain[] = {add_cache(app), add_quantities(app)};
+  const PlainCommand plain[] = {
+      add_cache(app), add_quantities(app), add_build_batches(app),
+      add_page(app, "manual", "Print the manual page", [](const CLI::App& of) { return manual_page(of, DALEMBERT_VERSION); }),
+      add_page(app, "completion", "Print the completion script of bash", bash_completion)};
   add_generate(generate);
   add_info(info);
   add_eval(eval);

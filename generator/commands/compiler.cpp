@@ -90,6 +90,13 @@ std::vector<std::string> include_folders() {
   return folders;
 }
 
+std::vector<std::string> include_words() {
+  std::vector<std::string> words;
+  for (const std::string& folder : include_folders())
+    if (folder != "/usr/include" && folder != "/usr/local/include") words.insert(words.end(), {"-isystem", folder});
+  return words;
+}
+
 std::vector<std::string> compiler_and_flags(const CompilerOptions& options) {
   std::vector<std::string> command = compiler_words(options);
   for (std::string& flag : split(options.flags, ' ')) command.push_back(std::move(flag));
@@ -127,10 +134,7 @@ LoadedCode::LoadedCode(const std::string& name, const std::vector<backend::Outpu
   command_ = fmt::format("{}", fmt::join(command, " "));
   for (const char* word : {"-shared", "-fPIC"}) command.push_back(word);
   command.push_back("-I" + folder.path().string());
-  for (const std::string& include : include_folders()) {
-    command.push_back("-isystem");
-    command.push_back(include);
-  }
+  for (const std::string& word : include_words()) command.push_back(word);
   for (const backend::OutputFile& file : files)
     if (file.name.ends_with(".cpp")) command.push_back((sources / file.name).string());
   for (const std::string& word : split(options.libraries, ' ')) command.push_back(word);

@@ -28,6 +28,9 @@ std::vector<std::string> compiler_and_flags(const CompilerOptions& options);
 // built or installed with.
 std::vector<std::string> include_folders();
 
+// As words for a compiler: {"-isystem", "/opt/include"}. Not those where it looks anyhow, whose order is its own affair.
+std::vector<std::string> include_words();
+
 // Runs a compiler's command; what it says goes to the file `log`. Throws InputError when it cannot be run or does not compile.
 void run_compiler(const std::vector<std::string>& command, const std::filesystem::path& log);
 

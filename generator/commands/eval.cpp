@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <memory>
@@ -10,6 +11,8 @@
 #include "commands/finite_inputs.hpp"
 #include "commands/generated_engine.hpp"
 #include "commands/generic_engine.hpp"
+#include "commands/json.hpp"
+#include "commands/labels.hpp"
 #include "passes/joints_without_mass.hpp"
 #include "reference/solvable.hpp"
 
@@ -26,9 +29,45 @@ void append_rows(std::string& text, const Eigen::MatrixXd& matrix) {
     }
 }
 
+// In columns as wide as their widest word.
+std::string labelled(const Labels& labels, const Eigen::MatrixXd& matrix) {
+  std::vector<std::vector<std::string>> lines;
+  if (!labels.columns.empty()) {
+    lines.push_back({""});
+    lines.back().insert(lines.back().end(), labels.columns.begin(), labels.columns.end());
+  }
+  for (Eigen::Index i = 0; i < matrix.rows(); ++i) {
+    lines.push_back({labels.rows.empty() ? "" : labels.rows[static_cast<size_t>(i)]});
+    for (Eigen::Index k = 0; k < matrix.cols(); ++k)
+      lines.back().push_back(std::isnan(matrix(i, k)) ? "nan" : fmt::format("{:.6g}", matrix(i, k)));
+  }
+  std::vector<size_t> widths(lines.front().size(), 0);
+  for (const std::vector<std::string>& line : lines)
+    for (size_t k = 0; k < line.size(); ++k) widths[k] = std::max(widths[k], line[k].size());
+  std::string text;
+  for (const std::vector<std::string>& line : lines) {
+    if (widths[0] > 0) text += fmt::format("{:<{}}", line[0], widths[0]);
+    for (size_t k = 1; k < line.size(); ++k) text += fmt::format("{}{:>{}}", text.empty() ? "" : "  ", line[k], widths[k]);
+    text += '\n';
+  }
+  return text;
+}
+
+// A list of rows, each a list.
+std::string json_rows(const Eigen::MatrixXd& matrix) {
+  std::string text;
+  for (Eigen::Index i = 0; i < matrix.rows(); ++i) {
+    text += i == 0 ? "[" : ", [";
+    for (Eigen::Index k = 0; k < matrix.cols(); ++k)
+      text += (k == 0 ? "" : ", ") + (std::isfinite(matrix(i, k)) ? fmt::format("{:.17g}", matrix(i, k)) : "null");
+    text += "]";
+  }
+  return "[" + text + "]";
+}
+
 }  // namespace
 
-std::string evaluate(const Model& model, const std::string& state_file, const std::string& output, Engine engine,
+std::string evaluate(const Model& model, const std::string& state_file, const std::string& output, Engine engine, Style style,
                      const CompilerOptions& options, Diagnostics& warnings) {
   const Output wanted = output_named(model, output);
   const ir::Scene scene = with_outputs(model, {wanted}).scene;
@@ -44,6 +83,7 @@ std::string evaluate(const Model& model, const std::string& state_file, const st
     batch->evaluate(states);
   }
 
+  const Labels labels = labels_of(model, wanted);
   std::string text;
   const std::string place = state_file == "-" ? "standard input" : state_file;
   for (size_t s = 0; s < states.size(); ++s) {
@@ -61,10 +101,21 @@ std::string evaluate(const Model& model, const std::string& state_file, const st
     if (!result.allFinite())
       warnings.push_back({Severity::warning, place, state.place, fmt::format("{} is not finite at this state", output),
                           "look for huge numbers on that line"});
+    if (style == Style::json) {
+      text += (text.empty() ? "\n    " : ",\n    ") + json_rows(result);
+      continue;
+    }
     if (!text.empty()) text += '\n';
-    append_rows(text, result);
+    if (style == Style::labels) text += labelled(labels, result);
+    else append_rows(text, result);
   }
-  return text;
+  if (style != Style::json) return text;
+  const Words words = words_of(wanted);
+  return fmt::format(
+      "{{\n  \"output\": {},\n  \"symbol\": {},\n  \"unit\": {},\n  \"help\": {},\n  \"rows\": {},\n  \"columns\": {},\n"
+      "  \"states\": [{}\n  ]\n}}\n",
+      json_string(wanted.name), json_string(words.symbol), json_string(words.unit), json_string(words.help),
+      json_array(labels.rows), json_array(labels.columns), text);
 }
 
 }  // namespace dalembert

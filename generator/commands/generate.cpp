@@ -2,15 +2,57 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <filesystem>
+#include <stdexcept>
+
 namespace dalembert {
+
+namespace {
+
+std::string written(const Model& model, const std::vector<backend::OutputFile>& files, const std::string& folder) {
+  size_t bytes = 0;
+  for (const backend::OutputFile& file : files) bytes += file.text.size();
+  return fmt::format("{}: {} files, {} kB, in {}\n", model.name, files.size(), (bytes + 999) / 1000, folder);
+}
+
+// The banner of a generated file: its first lines of comment.
+std::string banner_of(const std::string& text) {
+  size_t end = 0;
+  while (text.compare(end, 2, "//") == 0) end = text.find('\n', end) + 1;
+  return text.substr(0, end);
+}
+
+}  // namespace
 
 std::string generate(const Model& model, const std::string& folder) {
   backend::check_folder(folder);  // before minutes of work
   const std::vector<backend::OutputFile> files = compile(model);
   backend::write_files(folder, files);
-  size_t bytes = 0;
-  for (const backend::OutputFile& file : files) bytes += file.text.size();
-  return fmt::format("{}: {} files, {} kB, in {}\n", model.name, files.size(), (bytes + 999) / 1000, folder);
+  return written(model, files, folder);
+}
+
+std::string generate_c(const Model& whole, const std::string& folder) {
+  const std::filesystem::path code = std::filesystem::path(folder) / "code";
+  backend::check_folder(code.string());
+  Model model = whole;
+  model.scene.parallel = ir::Parallel::serial;  // which needs no library but Eigen
+  model.command_line += " --language c";
+  std::vector<backend::OutputFile> files = compile(model);
+  const auto c_api = std::find_if(files.begin(), files.end(), [](const auto& file) { return file.name == "c_api.h"; });
+  backend::OutputFile header{model.name + ".h", c_api->text};
+  const std::string banner = banner_of(c_api->text);
+  const size_t at = header.text.find("#ifndef");
+  header.text.insert(
+      at == header.text.npos ? banner.size() : at,
+      "// This header is all that is promised. The code behind it stands in code/ and is C++17: compile the files there with\n"
+      "// Eigen's and dalembert's headers, where there are neither exceptions nor run-time types, too, and link with the C++\n"
+      "// library, whose `new` create() calls and nothing else.\n");
+  c_api->text = banner + fmt::format("#include \"../{}.h\"\n", model.name);
+  backend::write_files(code.string(), files);
+  backend::add_files(folder, {header});
+  files.push_back(std::move(header));
+  return written(model, files, folder);
 }
 
 }  // namespace dalembert

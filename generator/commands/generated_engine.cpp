@@ -72,8 +72,8 @@ GeneratedEngine::GeneratedEngine(const Model& whole, const std::vector<Output>& 
   }
   const auto function = [&](const std::string& name) { return reinterpret_cast<void*>(code_.function<void()>(name)); };
   for (const ir::EmittedFunction& f : ir::functions_of(model.scene))
-    calls_.push_back(
-        {function(name_ + "_" + f.name), *f.input() != 0, task_graphs_ ? function(task_graphs_call(name_, f.name)) : nullptr});
+    calls_.push_back({f.name, function(name_ + "_" + f.name), *f.input() != 0,
+                      task_graphs_ ? function(task_graphs_call(name_, f.name)) : nullptr});
   for (const ir::ExternalWrench& wrench : model.scene.wrenches)
     wrench_setters_.push_back(function(name_ + "_set_wrench_" + ir::identifier(wrench.link)));
 }
@@ -120,7 +120,7 @@ int GeneratedEngine::status(const Output& output) const {
 }
 
 template <class Scalar>
-CallTime GeneratedEngine::time_in(const std::vector<State>& states) {
+CallTime GeneratedEngine::time_in(const std::vector<State>& states, const std::vector<Call>& calls) {
   set_wrenches<Scalar>(states.front());
   std::vector<Eigen::VectorX<Scalar>> q, v, more;
   for (const State& state : states) {
@@ -129,12 +129,19 @@ CallTime GeneratedEngine::time_in(const std::vector<State>& states) {
     more.push_back(state.more.cast<Scalar>());
   }
   return time_calls(states.size(), [&](size_t s) {
-    for (const Call& c : calls_) call<Scalar>(c, q[s].data(), v[s].data(), more[s].data());
+    for (const Call& c : calls) call<Scalar>(c, q[s].data(), v[s].data(), more[s].data());
   });
 }
 
 CallTime GeneratedEngine::time_per_call(const std::vector<State>& states) {
-  return single_precision_ ? time_in<float>(states) : time_in<double>(states);
+  return single_precision_ ? time_in<float>(states, calls_) : time_in<double>(states, calls_);
+}
+
+std::vector<GeneratedEngine::FunctionTime> GeneratedEngine::time_per_function(const std::vector<State>& states) {
+  std::vector<FunctionTime> times;
+  for (const Call& c : calls_)
+    times.push_back({c.name, single_precision_ ? time_in<float>(states, {c}) : time_in<double>(states, {c})});
+  return times;
 }
 
 std::string GeneratedEngine::self_test() const {

@@ -36,6 +36,13 @@ class GeneratedEngine {
   // The time of computing all outputs, state to result, over the states in turn. Takes some hundredths of a second.
   CallTime time_per_call(const std::vector<State>& states);
 
+  // The same of each function that is called for them.
+  struct FunctionTime {
+    std::string function;  // "evaluate"
+    CallTime time;
+  };
+  std::vector<FunctionTime> time_per_function(const std::vector<State>& states);
+
   // Where there are task graphs: whether evaluate() and time_per_call() run these, as they do at first, or the functions.
   void run_task_graphs(bool run) { by_task_graph_ = run; }
 
@@ -57,14 +64,16 @@ class GeneratedEngine {
   void set_wrenches(const State& state);
   template <class Scalar>
   Eigen::MatrixXd read(const Output& output) const;
+  struct Call;
   template <class Scalar>
-  CallTime time_in(const std::vector<State>& states);
+  CallTime time_in(const std::vector<State>& states, const std::vector<Call>& calls);
 
   std::string name_;
   bool single_precision_;
   LoadedCode code_;
   // One of the generated functions the outputs need.
   struct Call {
+    std::string name;
     void* function;  // void(const Scalar* q, const Scalar* v[, const Scalar* more], Workspace*)
     bool takes_more;
     void* by_task_graph;  // the same, but for TaskGraphs* at the end

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "commands/json.hpp"
+#include "commands/timing.hpp"
 #include "compile.hpp"
 #include "ir/plan_words.hpp"
 #include "left_out.hpp"
@@ -76,10 +77,19 @@ std::string bodies(const ir::KinematicTree& tree) {
 std::string links(const ir::KinematicTree& tree) {
   std::string text = "\nlinks (link: body, position in the body's frame in m):\n";
   for (const ir::LinkPlacement& link : tree.links) {
+    if (!link.on.empty()) continue;
     const std::string& body = link.body < 0 ? tree.base_link : tree.bodies[static_cast<size_t>(link.body)].name;
     text +=
         fmt::format("  {}: {}, {}\n", link.link, link.body < 0 ? "base " + body : body, vector(link.placement.translation()));
   }
+  return text;
+}
+
+std::string frames(const ir::Scene& scene) {
+  if (scene.placed.empty()) return "";
+  std::string text = "\nframes of the scene (frame: link, position in the link's frame in m, roll pitch yaw in rad):\n";
+  for (const ir::Frame& frame : scene.placed)
+    text += fmt::format("  {}: {}, {}, {}\n", frame.name, frame.link, vector(frame.xyz), vector(frame.rpy));
   return text;
 }
 
@@ -164,17 +174,20 @@ std::string features_json(const Model& model, const Lowered& lowered) {
 
 // What was chosen of each function, and what the other ways would cost.
 std::string plan_text(const Lowered& lowered) {
-  std::string text = fmt::format("\nestimated ns a call on registers of {} doubles, the way that was chosen first:\n",
+  std::string text = fmt::format("\nestimated time of a call on registers of {} doubles, the way that was chosen first:\n",
                                  fmt::join(backend::register_widths, ", "));
   for (const LoweredFunction& f : lowered.functions) {
     if (f.candidates.empty()) continue;
     text += fmt::format("  {}\n", f.algorithm.function.name);
-    for (const Candidate& c : f.candidates)
+    for (const Candidate& c : f.candidates) {
+      std::string times;
+      for (const double nanoseconds : c.nanoseconds) times += fmt::format("{:>10}", time_text(nanoseconds));
       text += fmt::format(
-          "    {:<40}{:>8.0f}\n",
+          "    {:<40}{}\n",
           (f.candidates.size() > 2 ? fmt::format("{} by {}", name_of(c.form), name_of(c.solver)) : name_of(c.form)) +
               (c.order == ir::Order::as_written ? "" : ", " + word_of(ir::order_words(), c.order)),
-          fmt::join(c.nanoseconds, " "));
+          times);
+    }
     if (!f.elsewhere.empty())
       text += fmt::format("    {} where registers hold {}\n", name_of(f.elsewhere.front().plan.form),
                           fmt::join(f.elsewhere_lanes, " or "));
@@ -186,8 +199,8 @@ std::string plan_text(const Lowered& lowered) {
 
 std::string describe(const Model& model) {
   const Lowered lowered = lower(model);
-  std::string text =
-      summary(model) + coordinates(model.tree) + bodies(model.tree) + links(model.tree) + sparsity(model.tree) + "\n";
+  std::string text = summary(model) + coordinates(model.tree) + bodies(model.tree) + links(model.tree) + frames(model.scene) +
+                     sparsity(model.tree) + "\n";
   for (const std::string& line : left_out(model, lowered)) text += line + "\n";
   return text + plan_text(lowered);
 }

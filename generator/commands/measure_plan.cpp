@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "commands/random_states.hpp"
+#include "commands/timing.hpp"
 #include "frontend/text_file.hpp"
 #include "frontend/yaml_text.hpp"
 #include "ir/emitted_function.hpp"
@@ -154,7 +155,7 @@ MeasuredPlan measure_plan(const Model& asked, const CompilerOptions& options) {
   for (std::size_t way = 0; way < count; ++way) variants.push_back(std::make_unique<Variant>(model, functions, way, options));
   MeasuredPlan measured;
   if (functions.empty()) return {{}, "plan: no function can be computed in more than one way\n"};
-  measured.text = fmt::format("measured ns a call, compiled by {}:\n", variants.front()->command());
+  measured.text = fmt::format("measured time of a call, compiled by {}:\n", variants.front()->command());
   for (Measured& f : functions) {
     if (model.scene.scalar == ir::ScalarType::float32) Timing<float>(model).run(f, variants);
     else Timing<double>(model).run(f, variants);
@@ -164,7 +165,7 @@ MeasuredPlan measure_plan(const Model& asked, const CompilerOptions& options) {
     measured.plan[f.function.name] = f.ways[chosen].plan;
     measured.text += fmt::format("  {}\n", f.function.name);
     for (std::size_t way = 0; way < f.ways.size(); ++way)
-      measured.text += fmt::format("    {:<50}{:>10.0f}{}\n", described(f.ways[way].plan), f.ways[way].nanoseconds,
+      measured.text += fmt::format("    {:<50}{:>10}{}\n", described(f.ways[way].plan), time_text(f.ways[way].nanoseconds),
                                    way == chosen ? "  chosen" : "");
   }
   return measured;

@@ -30,7 +30,9 @@ constexpr Help scene_help[] = {
     {"cut", "LINK,...", "links removed, with their descendants"},
     {"mimic", "urdf|{JOINT: {of: JOINT, multiplier: 1, offset: 0}}", "mimic joints: each follows another"},
     {"jacobians", "LINK,...", "links whose body Jacobian is an output too"},
-    {"frames", "LINK,...|{LINK: [QUANTITY, ...]}", "links whose pose, twist, Jacobian and bias acceleration are outputs too"},
+    {"frames",
+     "LINK,...|{LINK: [QUANTITY, ...], NAME: {link: LINK, at: [X, Y, Z, ROLL, PITCH, YAW], outputs: [QUANTITY, ...]}}",
+     "links, and frames of your own on links, whose pose, twist, Jacobian and bias acceleration are outputs too"},
     {"payloads", "LINK,...", "links that carry a payload given at run time"},
     {"wrenches", "LINK,...|LINK=link|world,...",
      "links with an external force and moment given at run time, along their axes or the world's"},
@@ -70,7 +72,10 @@ std::string outputs_help() {
 }  // namespace
 
 SharedOptions::SharedOptions(CLI::App& command) {
-  command.add_option("ROBOT", request_.robot, "URDF file")->required()->type_name("FILE");
+  command
+      .add_option("ROBOT", request_.robot, "URDF file; a .xacro is expanded by the program xacro, a .sdf read by libsdformat")
+      ->required()
+      ->type_name("FILE");
   command.add_option("--scene", request_.scene_file, "scene file (YAML); the options below are its keys and override it")
       ->type_name("FILE");
   command.add_option("--name", request_.name, "namespace of the generated code, default: the robot's name")->type_name("NAME");

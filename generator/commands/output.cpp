@@ -90,7 +90,8 @@ Output output_named(const Model& model, const std::string& name) {
   for (const ir::QuantityRow& row : ir::quantities()) names.emplace_back(row.name);
   for (const Output& output : named) names.push_back(output.name);
   for (const ir::LinkQuantityRow& row : ir::link_quantities()) names.push_back(std::string(row.name) + "_LINK");
-  refuse(fmt::format("the quantity '{}' is unknown", name), frontend::suggestion(name, names));
+  refuse(fmt::format("the quantity '{}' is unknown", name),
+         frontend::suggestion(name, names, ir::names_of(ir::quantity_aliases())));
   return {};
 }
 

@@ -21,7 +21,8 @@ ReportSummary write_report(const Model& model, const CompilerOptions& compiler, 
   using namespace reporting;
   backend::add_files(options.folder, {});  // where it cannot be made, says so now and not in minutes
   const Mujoco mujoco(model, compiler);
-  const Subject subject{model, outputs_of(model), compiler, options.quick, mujoco};
+  const Pinocchio pinocchio(model);
+  const Subject subject{model, outputs_of(model), compiler, options.quick, mujoco, pinocchio};
   Rows rows;
   add_heading(subject, rows);
   add_forms(subject, rows);

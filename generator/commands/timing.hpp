@@ -1,16 +1,30 @@
 // How long a call takes, and how much that moves from one measurement to the next.
 #pragma once
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <chrono>
 #include <cstddef>
+#include <string>
 
 namespace dalembert {
 
 struct CallTime {
   double median = 0, lower_quartile = 0, upper_quartile = 0;  // of the means, ns per call
 };
+
+// Three digits of a time in ns, in the unit that leaves no fourth before the point: "245 ns", "1.15 µs", "12 ms".
+inline std::string time_text(double nanoseconds) {
+  const char* unit = "ns";
+  for (const char* larger : {"µs", "ms", "s"}) {
+    if (nanoseconds < 999.5) break;
+    nanoseconds /= 1000;
+    unit = larger;
+  }
+  return fmt::format("{:.3g} {}", nanoseconds, unit);
+}
 
 // Calls call(0) … call(count − 1) in turn, again and again for some hundredths of a second: after a warm-up, 201 means of about
 // 0.1 ms each, or of one turn where that is longer. Of calls so slow that this would take seconds, fewer means.

@@ -10,6 +10,7 @@
 
 #include "frontend/function_names.hpp"
 #include "frontend/nearest.hpp"
+#include "ir/aliases.hpp"
 #include "ir/emitted_function.hpp"
 #include "ir/identifier.hpp"
 
@@ -32,6 +33,7 @@ class SceneCheck {
     cut();
     for (const auto& [joint, value] : scene_.locked) moving_joint("locked", joint);
     mimic();
+    placed();
     links_asked("jacobians", scene_.jacobians);
     std::vector<std::string> frames;
     for (const ir::LinkOutput& output : scene_.frames)
@@ -209,8 +211,20 @@ class SceneCheck {
     std::vector<std::string> all;
     for (const auto& entry : names) all.push_back(entry.first);
     std::sort(all.begin(), all.end());
-    error(locate(key, name), fmt::format("there is no {} '{}'", kind, name), suggestion(name, all));
+    error(locate(key, name), fmt::format("there is no {} '{}'", kind, name), other_kind(name, suggestion(name, all)));
     return false;
+  }
+
+  // Of a joint where a link is wanted, or the other way round; else the remedy as it is.
+  std::string other_kind(const std::string& name, std::string remedy) const {
+    if (const auto joint = joints_.find(name); joint != joints_.end())
+      return fmt::format("'{}' is a joint; the link that it moves is '{}'", name,
+                         robot_.links[static_cast<size_t>(robot_.joints[static_cast<size_t>(joint->second)].child)].name);
+    if (const auto link = links_.find(name); link != links_.end())
+      for (const ir::Joint& joint : robot_.joints)
+        if (joint.child == link->second)
+          return fmt::format("'{}' is a link; the joint that moves it is '{}'", name, joint.name);
+    return remedy;
   }
 
   // A joint that exists, moves and is not cut.
@@ -256,7 +270,7 @@ class SceneCheck {
           "functions",
           fmt::format("there are {} functions; no more than {} are supported", scene_.functions.size(), most_functions),
           "name fewer of them");
-    for (ir::NamedFunction& function : scene_.functions) links_of(function);
+    for (ir::NamedFunction& function : scene_.functions) of_frames(function);
     for (const ir::NamedFunction& function : scene_.functions)
       for (const ir::Quantity quantity : function.quantities)
         of_contacts("functions/" + function.name + part_of_entry + std::string(ir::name_of(quantity)), quantity);
@@ -278,37 +292,121 @@ class SceneCheck {
         error("plan/" + function, fmt::format("the scene asks for no function '{}'", function), suggestion(function, names));
   }
 
-  // The links that the names of a function's results mean: jacobian_world_hand is the jacobian of a link world_hand where there
-  // is one, else the jacobian_world of a hand. A result calls a link by its name or as an identifier.
-  void links_of(ir::NamedFunction& function) {
-    if (function.of_links.size() > most_links_asked)
-      return error("functions/" + function.name,
-                   fmt::format("there are {} results of links; no more than {} are supported", function.of_links.size(),
-                               most_links_asked),
-                   "name fewer of them");
+  // What a function is asked of frames: their results by name, all of a frame by its name, or as `frames` says it.
+  void of_frames(ir::NamedFunction& function) {
+    const auto all = document_.of_frames.find(function.name);
+    if (all == document_.of_frames.end()) return;
     std::set<std::string> names;
-    for (ir::LinkOutput& output : function.of_links) {
-      const std::string asked = std::string(ir::row_of(output.quantity).name) + "_" + output.link;
-      const ir::Link* found = nullptr;
-      for (const ir::LinkQuantityRow& row : ir::link_quantities())
-        for (const ir::Link& link : robot_.links) {
-          const std::string prefix = std::string(row.name) + "_";
-          if (found || (asked != prefix + link.name && asked != prefix + ir::identifier(link.name))) continue;
-          found = &link;
-          output = {row.quantity, link.name};
-        }
-      const std::string where = "functions/" + function.name + part_of_entry + asked;
-      kept_link(where, output.link);
-      if (!names.insert(ir::name_of(output)).second)
-        error(where, fmt::format("two outputs would be called '{}_{}'", function.name, ir::name_of(output)),
-              "leave one of them out");
+    for (const AskedOfFrame& asked : all->second) {
+      const std::string entry = asked.output ? asked.output->link : asked.name;
+      const std::string where = "functions/" + function.name + part_of_entry + entry;
+      for (const ir::LinkOutput& output : asked.output ? std::vector{*asked.output} : explained(where, asked.name)) {
+        kept_link(where, output.link);
+        if (!names.insert(ir::name_of(output)).second)
+          error(where, fmt::format("two outputs would be called '{}_{}'", function.name, ir::name_of(output)),
+                "leave one of them out");
+        function.of_links.push_back(output);
+      }
     }
+    if (function.quantities.empty() && function.of_links.empty() && errors_.empty())
+      error("functions/" + function.name, fmt::format("function '{}' computes nothing", function.name),
+            "name at least one quantity, such as mass_matrix");
+    if (function.of_links.size() > most_links_asked)
+      error("functions/" + function.name,
+            fmt::format("there are {} results of links; no more than {} are supported", function.of_links.size(),
+                        most_links_asked),
+            "name fewer of them");
+  }
+
+  // A name in a function: jacobian_world_hand is the jacobian of a link world_hand where there is one, else the jacobian_world
+  // of a hand; a link's name alone is all that `frames` asks of it, or what it asks by default. A link is called by its name or
+  // as an identifier.
+  std::vector<ir::LinkOutput> explained(const std::string& where, const std::string& name) {
+    const auto is = [](const std::string& link, std::string_view called) {
+      return called == link || called == ir::identifier(link);
+    };
+    for (const ir::LinkQuantityRow& row : ir::link_quantities()) {
+      const std::string prefix = std::string(row.name) + "_";
+      if (!name.starts_with(prefix)) continue;
+      for (const std::string& link : in_order_)
+        if (is(link, std::string_view(name).substr(prefix.size()))) return {{row.quantity, link}};
+    }
+    for (const std::string& link : in_order_) {
+      if (!is(link, name)) continue;
+      std::vector<ir::LinkOutput> outputs;
+      for (const ir::LinkOutput& output : scene_.link_outputs())
+        if (output.link == link) outputs.push_back(output);
+      if (!outputs.empty()) return outputs;
+      for (const ir::LinkQuantityRow& row : ir::link_quantities())
+        if (row.by_default) outputs.push_back({row.quantity, link});
+      return outputs;
+    }
+    // Of no link: the longest quantity was meant.
+    const ir::LinkQuantityRow* meant = nullptr;
+    for (const ir::LinkQuantityRow& row : ir::link_quantities())
+      if (const std::string prefix = std::string(row.name) + "_"; name.starts_with(prefix) && name != prefix)
+        if (!meant || std::string_view(meant->name).size() < prefix.size()) meant = &row;
+    if (meant) return {{meant->quantity, name.substr(std::string_view(meant->name).size() + 1)}};
+    std::vector<std::string> known;
+    for (const ir::QuantityRow& row : ir::quantities()) known.emplace_back(row.name);
+    for (const ir::LinkQuantityRow& row : ir::link_quantities()) known.push_back(std::string(row.name) + "_LINK");
+    for (const ir::Frame& frame : scene_.placed) known.push_back(frame.name);
+    std::vector<std::string> also = ir::names_of(ir::quantity_aliases());
+    for (const std::string& link : in_order_)
+      for (const ir::LinkQuantityRow& row : ir::link_quantities())
+        also.push_back(std::string(row.name) + "_" + ir::identifier(link));
+    error(where, fmt::format("the quantity '{}' is unknown", name), suggestion(name, known, also));
+    return {};
+  }
+
+  // Frames of the user's own, those that stand in functions among them.
+  void placed() {
+    scene_.placed.insert(scene_.placed.end(), document_.placed_by_functions.begin(), document_.placed_by_functions.end());
+    for (const ir::Link& link : robot_.links) in_order_.push_back(link.name);
+    if (scene_.placed.size() > most_links_asked)
+      return error("frames",
+                   fmt::format("there are {} frames; no more than {} are supported", scene_.placed.size(), most_links_asked),
+                   "name fewer of them");
+    std::map<std::string, std::string> names;  // as identifiers
+    for (const ir::Link& link : robot_.links) names.emplace(ir::identifier(link.name), "link '" + link.name + "'");
+    for (const ir::Frame& frame : scene_.placed) {
+      const std::string key = place_of(frame);
+      const std::string link = key + part_of_entry + "link";
+      if (const auto other = names.find(ir::identifier(frame.name)); other != names.end())
+        error(key, fmt::format("frame '{}' is called as {} is", frame.name, other->second),
+              links_.contains(frame.name)
+                  ? fmt::format("give it a name of its own: {{my_frame: {{link: {}, ...}}}}", frame.link)
+                  : "call one of them otherwise; what stands under frames, functions may name");
+      else names.emplace(ir::identifier(frame.name), "frame '" + frame.name + "'");
+      if (frame.link == frame.name && !links_.contains(frame.link))
+        error(key, fmt::format("frame '{}' does not say which link it is on", frame.name), "write link: left_foot");
+      else if (const auto other = frames_.find(frame.link); other != frames_.end())
+        error(document_.places.count(link) ? link : key, fmt::format("'{}' is a frame, and frames are on links", frame.link),
+              fmt::format("write link: {}, and where on it", robot_.links[static_cast<size_t>(other->second)].name));
+      else kept_link(document_.places.count(link) ? link : key, frame.link);
+      const auto on = links_.find(frame.link);
+      frames_.emplace(frame.name, on == links_.end() ? robot_.root : on->second);
+      in_order_.push_back(frame.name);
+    }
+  }
+  std::string place_of(const ir::Frame& frame) const {
+    if (document_.places.count("frames/" + frame.name)) return "frames/" + frame.name;
+    for (const ir::NamedFunction& function : scene_.functions)
+      if (const std::string key = "functions/" + function.name + part_of_entry + frame.name; document_.places.count(key))
+        return key;
+    return "frames";
   }
 
   void kept_link(const std::string& key, const std::string& name) {
-    if (known(key, "link", name, links_) && is_cut_[static_cast<size_t>(links_.at(name))])
+    if (frames_.contains(name)) return;  // its link has been looked at
+    if (!links_.contains(name)) {
+      std::map<std::string, int> places(links_.begin(), links_.end());
+      places.insert(frames_.begin(), frames_.end());
+      known(key, "link", name, places);
+    } else if (is_cut_[static_cast<size_t>(links_.at(name))]) {
       error(locate(key, name), fmt::format("link '{}' is cut off", name),
             "remove it here, or remove the link it hangs on from 'cut'");
+    }
   }
 
   bool is_cut(const ir::Joint& joint) const { return is_cut_[static_cast<size_t>(joint.child)]; }
@@ -362,7 +460,9 @@ class SceneCheck {
   Diagnostics& warnings_;
   ir::Scene scene_;
   std::unordered_map<std::string, int> links_, joints_;
-  std::vector<bool> is_cut_;  // per link
+  std::map<std::string, int> frames_;  // of the user's own → the link they are on
+  std::vector<std::string> in_order_;  // links, then frames
+  std::vector<bool> is_cut_;           // per link
   Diagnostics errors_;
 };
 

@@ -168,14 +168,21 @@ class SceneReader {
     scene_.outputs.clear();
     for (const YamlNode& item : list(in_our_names(node, ir::quantity_aliases()), "a list of quantities")) {
       const std::optional<ir::Quantity> quantity = ir::quantity_named(item.scalar);
-      if (!quantity) refuse(item, fmt::format("the quantity '{}' is unknown", item.scalar), suggestion(item.scalar, known));
+      if (!quantity) {
+        const std::string of_link = ir::named_by_us(item.scalar, ir::link_quantity_aliases());
+        refuse(item, fmt::format("the quantity '{}' is unknown", item.scalar),
+               ir::link_quantity_named(of_link) ? fmt::format("it is asked of a link: frames: {{left_foot: [{}]}}", of_link)
+                                                : suggestion(item.scalar, known, ir::names_of(ir::quantity_aliases())));
+      }
       scene_.outputs.push_back(*quantity);
     }
   }
 
-  // {name: [quantity, ...], ...}
+  // {name: [quantity, ..., frame, {what `frames` takes}], ...}
   void functions(const YamlNode& node) {
     scene_.functions.clear();
+    document_.of_frames.clear();
+    document_.placed_by_functions.clear();
     forget_entries();
     if (node.is_sequence() && node.items.empty()) return;
     const std::string remedy = "write functions: {balance: [mass_matrix, momentum_matrix]}";
@@ -186,40 +193,29 @@ class SceneReader {
         refuse(entry.key, fault, "give another name: letters, digits, and '_' between them, not starting with a digit");
       const YamlNode value = in_our_names(entry.value, ir::quantity_aliases());
       std::vector<YamlNode> items = value.items;
-      if (value.is_scalar()) items = {value};
-      else if (!value.is_sequence()) refuse(value, "the value is not a list", remedy);
+      if (!value.is_sequence()) items = {value};
+      std::vector<AskedOfFrame>& of_frames = document_.of_frames[function.name];
       for (const YamlNode& item : items) {
-        if (!item.is_scalar()) refuse(item, "an item of the list is not a name", remedy);
-        entry_name(item, function.name);
-        if (const std::optional<ir::LinkOutput> of_link = link_output(item.scalar)) {
-          function.of_links.push_back(*of_link);
+        if (item.is_map()) {
+          std::vector<ir::LinkOutput> outputs;
+          frame_map(item, function.name, outputs, document_.placed_by_functions);
+          for (const ir::LinkOutput& output : outputs) of_frames.push_back({"", output});
           continue;
         }
-        function.quantities.push_back(quantity_of_function(item));
-        takes_one_input(item, function);
+        if (!item.is_scalar()) refuse(item, "an item of the list is neither a name nor a map of frames", remedy);
+        entry_name(item, function.name);
+        if (const std::optional<ir::Quantity> quantity = ir::quantity_named(item.scalar)) {
+          function.quantities.push_back(*quantity);
+          takes_one_input(item, function);
+        } else {
+          of_frames.push_back({item.scalar, std::nullopt});
+        }
       }
       if (items.empty())
         refuse(entry.key, fmt::format("function '{}' computes nothing", function.name),
                "name at least one quantity, such as mass_matrix");
       scene_.functions.push_back(std::move(function));
     }
-  }
-
-  // "jacobian_left_hand" as the quantity of a link; which link that is, if several are possible, the robot tells.
-  static std::optional<ir::LinkOutput> link_output(const std::string& name) {
-    for (const ir::LinkQuantityRow& row : ir::link_quantities()) {
-      const std::string prefix = std::string(row.name) + "_";
-      if (name.starts_with(prefix) && name != prefix) return ir::LinkOutput{row.quantity, name.substr(prefix.size())};
-    }
-    return std::nullopt;
-  }
-
-  ir::Quantity quantity_of_function(const YamlNode& item) const {
-    if (const std::optional<ir::Quantity> quantity = ir::quantity_named(item.scalar)) return *quantity;
-    std::vector<std::string> known;
-    for (const ir::QuantityRow& row : ir::quantities()) known.emplace_back(row.name);
-    for (const ir::LinkQuantityRow& row : ir::link_quantities()) known.push_back(std::string(row.name) + "_LINK");
-    refuse(item, fmt::format("the quantity '{}' is unknown", item.scalar), suggestion(item.scalar, known));
   }
 
   // What the last quantity takes besides q and v is what those before it take, if anything.
@@ -247,35 +243,96 @@ class SceneReader {
     for (const YamlNode& item : list(node, "a list of links")) scene_.cut.insert(item.scalar);
   }
   void jacobians(const YamlNode& node) { scene_.jacobians = names(node, "a list of links"); }
-  // [link, ...] for what is given by default, or {link: [quantity, ...], ...}
+  // [link, ...] for what is given by default, or a map
   void frames(const YamlNode& node) {
     scene_.frames.clear();
-    const std::string expected = "a list of links, or a map from links to lists of quantities";
+    scene_.placed.clear();
     if (!node.is_map()) {
-      for (const std::string& link : names(node, expected))
+      for (const std::string& link : names(node, what_frames_take))
         for (const ir::LinkQuantityRow& row : ir::link_quantities())
           if (row.by_default) scene_.frames.push_back({row.quantity, link});
       return;
     }
-    std::vector<std::string> known;
-    for (const ir::LinkQuantityRow& row : ir::link_quantities()) known.emplace_back(row.name);
     forget_entries();
+    frame_map(node, "", scene_.frames, scene_.placed);
+  }
+  static constexpr const char* what_frames_take =
+      "a list of links, a map from links to lists of quantities, or {sole: {link: left_foot, at: [x, y, z, roll, pitch, yaw], "
+      "outputs: [pose]}}";
+
+  // {link: [quantity, ...], name: {link: link, at: [x, y, z, roll, pitch, yaw], outputs: [quantity, ...]}, ...}; `function`: in
+  // which it stands, if any.
+  void frame_map(const YamlNode& node, const std::string& function, std::vector<ir::LinkOutput>& outputs,
+                 std::vector<ir::Frame>& placed) {
     for (const auto& entry : node.entries) {
-      const std::string link = entry_name(entry.key);
-      const YamlNode value = in_our_names(entry.value, ir::link_quantity_aliases());
-      std::vector<YamlNode> items = value.items;
-      if (value.is_scalar()) items = {value};
-      else if (!value.is_sequence()) refuse(value, "the value is not a list", "write " + expected);
-      for (const YamlNode& item : items) {
-        if (!item.is_scalar()) refuse(item, "an item of the list is not a name", "write " + expected);
-        const std::optional<ir::LinkQuantity> quantity = ir::link_quantity_named(item.scalar);
-        if (!quantity)
-          refuse(item, fmt::format("the quantity '{}' of a link is unknown", item.scalar), suggestion(item.scalar, known));
-        entry_name(item, link);
-        scene_.frames.push_back({*quantity, link});
+      ir::Frame frame;
+      frame.name = frame.link = entry_name(entry.key, function);
+      const std::string inside = function.empty() ? frame.name : function + part_of_entry + frame.name;
+      if (!entry.value.is_map()) {
+        of_frame(frame.name, entry, entry.value, inside, outputs);
+        continue;
       }
-      if (items.empty())
-        refuse(entry.key, fmt::format("nothing is asked for of link '{}'", link), "name at least one quantity, such as pose");
+      const YamlNode* asked = nullptr;
+      bool has_place = false;
+      for (const auto& part : entry.value.entries) {
+        const std::string name = entry_name(part.key, inside);
+        if (name == "link") frame.link = link_of("frame", frame.name, part.value);
+        else if (name == "at") place_on_link(part.value, frame.xyz, &frame.rpy), has_place = true;
+        else if (name == "outputs") asked = &part.value;
+        else refuse(part.key, fmt::format("'{}' is no part of a frame", name), suggestion(name, {"link", "at", "outputs"}));
+      }
+      if (has_place || frame.link != frame.name) placed.push_back(frame);
+      // A frame may be there for others to name: for a wrench, a contact, a function.
+      const bool nothing = asked && asked->is_sequence() && asked->items.empty() && (has_place || frame.link != frame.name);
+      if (asked && !nothing) of_frame(frame.name, entry, *asked, inside, outputs);
+      else if (!asked)
+        for (const ir::LinkQuantityRow& row : ir::link_quantities())
+          if (row.by_default) outputs.push_back({row.quantity, frame.name});
+    }
+  }
+  void of_frame(const std::string& frame, const YamlEntry& entry, const YamlNode& asked, const std::string& inside,
+                std::vector<ir::LinkOutput>& outputs) {
+    const std::string remedy = fmt::format("write {}", what_frames_take);
+    const YamlNode value = in_our_names(asked, ir::link_quantity_aliases());
+    std::vector<YamlNode> items = value.items;
+    if (value.is_scalar()) items = {value};
+    else if (!value.is_sequence()) refuse(value, "the value is not a list", remedy);
+    for (const YamlNode& item : items) {
+      if (!item.is_scalar()) refuse(item, "an item of the list is not a name", remedy);
+      const std::optional<ir::LinkQuantity> quantity = ir::link_quantity_named(item.scalar);
+      if (!quantity) {
+        std::vector<std::string> known;
+        for (const ir::LinkQuantityRow& row : ir::link_quantities()) known.emplace_back(row.name);
+        const std::string of_robot = ir::named_by_us(item.scalar, ir::quantity_aliases());
+        refuse(item, fmt::format("the quantity '{}' of a link is unknown", item.scalar),
+               ir::quantity_named(of_robot) ? fmt::format("it is the whole robot's: outputs: [{}]", of_robot)
+                                            : suggestion(item.scalar, known, ir::names_of(ir::link_quantity_aliases())));
+      }
+      entry_name(item, inside);
+      outputs.push_back({*quantity, frame});
+    }
+    if (items.empty())
+      refuse(entry.key, fmt::format("nothing is asked for of link '{}'", frame), "name at least one quantity, such as pose");
+  }
+  // The link that a frame or a contact is on.
+  std::string link_of(const char* kind, const std::string& name, const YamlNode& node) const {
+    if (!node.is_scalar() || node.scalar.empty())
+      refuse(node, fmt::format("what {} '{}' is on is not the name of a link", kind, name), "write link: left_foot");
+    return node.scalar;
+  }
+  // [x, y, z], or, where it turns, [x, y, z, roll, pitch, yaw].
+  void place_on_link(const YamlNode& node, Eigen::Vector3d& xyz, Eigen::Vector3d* rpy) const {
+    const std::string remedy =
+        rpy ? "write at: [0.1, 0, -0.02] or at: [0.1, 0, -0.02, 0, 0, 1.57], m and rad in the link's frame"
+            : "write at: [0.1, 0, -0.02], m in the link's frame";
+    if (!rpy || !node.is_sequence() || node.items.size() == 3) {
+      xyz = vector(node, remedy);
+      return;
+    }
+    if (node.items.size() != 6) refuse(node, "the place has neither three numbers nor six", remedy);
+    for (int i = 0; i < 3; ++i) {
+      xyz[i] = number(node.items[static_cast<size_t>(i)]);
+      (*rpy)[i] = number(node.items[static_cast<size_t>(i) + 3]);
     }
   }
   // [link, …], or {link: link | world, …}
@@ -323,14 +380,11 @@ class SceneReader {
   void part_of_contact(ir::Contact& contact, const YamlEntry& part) {
     const std::string name = entry_name(part.key, contact.name);
     if (name == "link") {
-      if (!part.value.is_scalar() || part.value.scalar.empty())
-        refuse(part.value, fmt::format("what contact '{}' is on is not the name of a link", contact.name),
-               "write link: left_foot");
-      contact.link = part.value.scalar;
+      contact.link = link_of("contact", contact.name, part.value);
     } else if (name == "type") {
       contact.type = contact_type(part.value);
     } else if (name == "at") {
-      contact.at = vector(part.value, "write at: [0.1, 0, -0.02], m in the link's frame");
+      place_on_link(part.value, contact.at, nullptr);
     } else if (name == "axes") {
       contact.along_link = choice<bool>(part.value, {{"world", false}, {"link", true}});
     } else {

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -33,10 +34,19 @@ struct Place {
 // Between an entry's name and that of a part of it. Not '/', which may stand in either.
 inline constexpr char part_of_entry = '\0';
 
+// What a function is asked of frames: by a name that the robot explains, a result's or a frame's; or by the frame and the
+// quantity.
+struct AskedOfFrame {
+  std::string name;
+  std::optional<ir::LinkOutput> output;
+};
+
 struct SceneDocument {
-  ir::Scene scene;              // the keys given; the defaults elsewhere
-  std::set<std::string> given;  // the keys given
-  bool urdf_mimic = false;      // mimic: urdf
+  ir::Scene scene;                                             // the keys given; the defaults elsewhere
+  std::set<std::string> given;                                 // the keys given
+  bool urdf_mimic = false;                                     // mimic: urdf
+  std::map<std::string, std::vector<AskedOfFrame>> of_frames;  // per function
+  std::vector<ir::Frame> placed_by_functions;                  // frames that stand in functions
   // "locked" for a key, "locked/l_knee" for an entry of it, "mimic/l_knee" + part_of_entry + "of" for a part of that
   std::map<std::string, Place> places;
 };

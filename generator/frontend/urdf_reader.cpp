@@ -129,7 +129,10 @@ ir::RobotDescription read_urdf(const std::string& path, Diagnostics& warnings) {
 }
 
 ir::RobotDescription read_urdf_text(const std::string& file, const std::string& text, Diagnostics& warnings) {
-  UrdfOutline outline = read_outline(file, text, warnings);
+  return robot_of(file, read_outline(file, text, warnings), warnings);
+}
+
+ir::RobotDescription robot_of(const std::string& file, UrdfOutline outline, Diagnostics& warnings) {
   check_topology(file, outline);
   take_floating_root(file, outline, warnings);
   make_names_distinct(file, outline, warnings);

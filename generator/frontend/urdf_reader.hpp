@@ -5,6 +5,7 @@
 #include <string>
 
 #include "diagnostics.hpp"
+#include "frontend/urdf_outline.hpp"
 #include "ir/robot_description.hpp"
 
 namespace dalembert::frontend {
@@ -16,5 +17,8 @@ ir::RobotDescription read_urdf(const std::string& path, Diagnostics& warnings);
 
 // The same for a text; `file` is for the diagnostics.
 ir::RobotDescription read_urdf_text(const std::string& file, const std::string& text, Diagnostics& warnings);
+
+// The same of what another reader has outlined.
+ir::RobotDescription robot_of(const std::string& file, UrdfOutline outline, Diagnostics& warnings);
 
 }  // namespace dalembert::frontend

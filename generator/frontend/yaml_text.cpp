@@ -78,7 +78,7 @@ class TreeBuilder : public YAML::EventHandler {
 
   void open(const YAML::Mark& mark, YamlNode::Kind kind, YAML::anchor_t anchor) {
     if (open_.size() == yaml_depth)
-      fail(mark, fmt::format("lists and maps are nested more than {} deep", yaml_depth), "a scene needs three levels");
+      fail(mark, fmt::format("lists and maps are nested more than {} deep", yaml_depth), "a scene needs six levels");
     open_.push_back({begun(mark, kind), anchor, std::nullopt});
   }
 

@@ -34,4 +34,10 @@ std::string named_by_us(const std::string& name, const std::vector<Alias>& alias
   return name;
 }
 
+std::vector<std::string> names_of(const std::vector<Alias>& aliases) {
+  std::vector<std::string> names;
+  for (const Alias& alias : aliases) names.emplace_back(alias.alias);
+  return names;
+}
+
 }  // namespace dalembert::ir

@@ -25,6 +25,12 @@ bool EmittedFunction::computes(Quantity quantity) const {
   return std::find(quantities.begin(), quantities.end(), quantity) != quantities.end();
 }
 
+std::string EmittedFunction::acceleration_result() const {
+  for (const Quantity quantity : {Quantity::constrained_forward_dynamics, Quantity::forward_dynamics})
+    if (computes(quantity)) return result(quantity);
+  return "";
+}
+
 EmittedFunction standard_function(Function function) { return {row_of(function).name, row_of(function).type, function}; }
 
 EmittedFunction named_function(const std::string& name, const std::vector<Quantity>& quantities,

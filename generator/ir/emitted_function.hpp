@@ -43,6 +43,8 @@ struct EmittedFunction {
   }
   std::string result(const LinkOutput& output) const { return named ? called_name(name_of(output)) : name_of(output); }
   bool computes(Quantity quantity) const;
+  // Of its results, v̇ for the forces given, that which contacts allow first; empty: none is.
+  std::string acceleration_result() const;
 };
 
 // The standard function, with nothing to compute.

@@ -44,11 +44,14 @@ struct Body {
   bool driven() const { return driven_by >= 0; }
 };
 
-// Where a link of the URDF ended up.
+// Where a link of the URDF ended up, or a frame that the scene puts on one.
 struct LinkPlacement {
   std::string link;
   int body = -1;                                                // -1: the base
   Eigen::Isometry3d placement = Eigen::Isometry3d::Identity();  // link frame in the body's frame
+  std::string on = "";                                          // of a frame of the scene: its link
+
+  std::string in_words() const { return on.empty() ? "link '" + link + "'" : "frame '" + link + "'"; }
 };
 
 struct KinematicTree {
@@ -57,7 +60,7 @@ struct KinematicTree {
   bool floating_base = false;
   Inertia base;  // fused, in the base link's frame
   std::vector<Body> bodies;
-  std::vector<LinkPlacement> links;  // every link kept, in depth-first order
+  std::vector<LinkPlacement> links;  // every link kept, in depth-first order; then the scene's frames
   std::vector<int> pushed;           // per wrench of the scene: the body it acts on
   int constraint_rows = 0;           // of the scene's contacts and loops
 

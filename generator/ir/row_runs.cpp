@@ -30,7 +30,7 @@ std::vector<RowRun> row_runs(const KinematicTree& tree, int body) {
 }
 
 bool by_rows(const KinematicTree& tree, int body) {
-  constexpr int few = 2;
+  constexpr int few = 3;
   int above = 0;
   for (int i = body; i >= 0; i = tree.bodies[static_cast<std::size_t>(i)].parent) ++above;
   return above > few;

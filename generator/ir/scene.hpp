@@ -11,6 +11,7 @@
 
 #include "ir/compile_options.hpp"
 #include "ir/contact.hpp"
+#include "ir/frame.hpp"
 #include "ir/identifier.hpp"
 #include "ir/link_quantity.hpp"
 #include "ir/loop.hpp"
@@ -63,7 +64,7 @@ struct ExternalWrench {
 // Rows of constraints that belong together: a contact's, or a loop's.
 struct Constraint {
   std::string member;  // of the workspace: contact_NAME, loop_NAME
-  std::string of;      // "link left_foot", "links crank and rod"
+  std::string of;      // "link left_foot", "link crank and link rod"
   bool loop = false;
   int rows = 0, linear_rows = 0;
 };
@@ -81,6 +82,7 @@ struct Scene {
   std::map<std::string, Mimic> mimic;      // driven joint → relation (no coordinate of its own)
   std::vector<std::string> jacobians;      // links whose body Jacobian (6 × nv) is asked for
   std::vector<LinkOutput> frames;          // what else is asked of links
+  std::vector<Frame> placed;               // frames of the user's own, which count as links
   std::vector<std::string> payloads;       // links that carry a payload given at run time
   std::vector<ExternalWrench> wrenches;    // what inverse and forward dynamics reckon with, in the order of a state file
   std::vector<Contact> contacts;           // constraints, in the order of their rows
@@ -110,6 +112,12 @@ struct Scene {
     return all;
   }
 
+  // "link left_foot", or "frame sole" of a frame of the scene's own.
+  std::string called(const std::string& link) const {
+    const bool own = std::any_of(placed.begin(), placed.end(), [&](const Frame& frame) { return frame.name == link; });
+    return (own ? "frame " : "link ") + link;
+  }
+
   int constraint_rows() const {
     int rows = 0;
     for (const Contact& contact : contacts) rows += contact.rows();
@@ -119,10 +127,10 @@ struct Scene {
   // Contacts, then loops, in the order of their rows.
   std::vector<Constraint> constraints() const {
     std::vector<Constraint> all;
-    for (const Contact& c : contacts) all.push_back({"contact_" + identifier(c.name), "link " + c.link, false, c.rows(), 3});
+    for (const Contact& c : contacts) all.push_back({"contact_" + identifier(c.name), called(c.link), false, c.rows(), 3});
     for (const Loop& l : loops)
       all.push_back(
-          {"loop_" + identifier(l.name), "links " + l.links[0] + " and " + l.links[1], true, l.rows(), l.linear_rows()});
+          {"loop_" + identifier(l.name), called(l.links[0]) + " and " + called(l.links[1]), true, l.rows(), l.linear_rows()});
     return all;
   }
   bool any_constraint() const { return !contacts.empty() || !loops.empty(); }

@@ -32,6 +32,7 @@ class TreeBuilder {
     tree_.floating_base = scene_.base == ir::Base::floating;
     parts_.resize(1);
     walk();
+    place_frames();
     if (tree_.floating_base) tree_.base = combined(parts_[0]);
     for (size_t k = 0; k < tree_.bodies.size(); ++k) tree_.bodies[k].inertia = combined(parts_[k + 1]);
     for (size_t k = tree_.bodies.size(); k-- > 0;)
@@ -76,6 +77,15 @@ class TreeBuilder {
           stack.push_back({joint.child, *j, body, visit.placement * joint.origin * lock(joint)});
       }
     }
+  }
+
+  // Frames of the scene count as links from here on.
+  void place_frames() {
+    const size_t links = tree_.links.size();
+    for (const ir::Frame& frame : scene_.placed)
+      for (size_t l = 0; l < links; ++l)
+        if (const ir::LinkPlacement link = tree_.links[l]; link.link == frame.link)
+          tree_.links.push_back({frame.name, link.body, link.placement * frame.in_link(), frame.link});
   }
 
   bool moves(const ir::Joint& joint) const { return joint.type != ir::JointType::fixed && !scene_.locked.count(joint.name); }
@@ -210,7 +220,7 @@ class TreeBuilder {
     if (tree_.floating_base) return;
     for (const ir::LinkPlacement& placement : tree_.links) {
       if (placement.body >= 0) continue;
-      const std::string element = fmt::format("link '{}'", placement.link);
+      const std::string element = placement.in_words();
       if (std::any_of(scene_.wrenches.begin(), scene_.wrenches.end(),
                       [&](const ir::ExternalWrench& wrench) { return wrench.link == placement.link; }))
         error(element, "a wrench is asked for on a link that does not move",

@@ -44,7 +44,7 @@ void check_magnitudes(const ir::KinematicTree& tree, const ir::Scene& scene, con
   for (const ir::Body& body : tree.bodies)
     if (!range.holds(body)) refuse(fmt::format("joint '{}' and link '{}'", body.joint, body.name), file);
   for (const ir::LinkPlacement& link : tree.links)
-    if (!range.holds(link.placement.matrix())) refuse(fmt::format("link '{}'", link.link), file);
+    if (!range.holds(link.placement.matrix())) refuse(link.in_words(), link.on.empty() ? file : "");
   if (!range.holds(scene.gravity)) refuse("scene key 'gravity'", "");
   if (!errors.empty()) throw InputError(errors);
 }

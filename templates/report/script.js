@@ -22,9 +22,12 @@ function rounded(text) {
   return String(Number(x.toPrecision(3)));
 }
 
+// Nanoseconds with four digits before the point are microseconds, where the unit stands beside them.
 function figure(parent, row, unit = row.unit) {
-  const span = parent.append("span").attr("class", "figure").attr("data-row", row.index).text(rounded(row.value));
-  if (unit && unit !== "1") parent.append("span").text(" " + unit);
+  const long = unit === "ns" && Number(row.value) >= 999.5;
+  const span = parent.append("span").attr("class", "figure").attr("data-row", row.index)
+    .text(rounded(long ? String(Number(row.value) / 1000) : row.value));
+  if (unit && unit !== "1") parent.append("span").text(" " + (long ? "µs" : unit));
   return span;
 }
 const word = (parent, row) => parent.append("span").attr("data-row", row.index).text(row.value);
@@ -33,8 +36,13 @@ function heading() {
   const about = {};
   pick({section: "robot"}).forEach((row) => { about[row.metric] = row; });
   d3.select("h1").append("span").attr("data-row", about.base.index).text(about.base.case);
-  pick({section: "verdict"}).forEach((row) => word(d3.select("#verdict").append("p"), row));
-  const p = d3.select("#about");
+  const verdict = d3.select("#verdict"), of_quantities = pick({section: "verdict", metric: "of_a_quantity"});
+  pick({section: "verdict"}).filter((row) => !of_quantities.includes(row))
+    .forEach((row) => word(verdict.append("p").attr("class", row.metric), row));
+  const each = verdict.append("details");
+  each.append("summary").text("Quantity by quantity");
+  of_quantities.forEach((row) => word(each.append("p"), row));
+  const p = d3.select("#about p");
   word(p, about.base);
   p.append("span").text(" base, ");
   figure(p, about.joints);
@@ -69,7 +77,7 @@ function log_plot(parent, id, x_label, y_label, points, lines) {
   const x = d3.scale.log().domain(domain.x).range([margin.left, width - margin.right]);
   const y = d3.scale.log().domain(domain.y).range([height - margin.bottom, margin.top]).clamp(true);
   const at_y = (row) => y(Math.max(value(row), domain.y[0]));
-  const svg = parent.append("svg").attr("viewBox", `0 0 ${width} ${height}`).attr("class", "plot").attr("role", "img")
+  const svg = parent.append("svg").attr("viewBox", `0 0 ${width} ${height}`).attr("class", "plot diagram").attr("role", "img")
     .attr("aria-label", id).attr("data-plot", id).attr("data-x", x.domain().concat(x.range()).join(" "))
     .attr("data-y", y.domain().concat(y.range()).join(" "));
 
@@ -133,11 +141,11 @@ function rounding() {
     const points = Object.keys(by_variant).map((variant) => {
       const of = {};
       by_variant[variant].forEach((row) => { of[row.metric] = row; });
-      const other = variant.startsWith("generic") ? "generic" : variant === "MuJoCo" ? "mujoco" : "";
+      const other = variant.startsWith("generic") ? "generic" : {MuJoCo: "mujoco", Pinocchio: "pinocchio"}[variant] || "";
       return {
         x: of.time_median, x_bar: [of.time_lower_quartile, of.time_upper_quartile], y: of.norm_worst,
         y_bar: [of.norm_median, of.norm_worst], name: variant, of,
-        mark: {generic: "diamond", mujoco: "triangle-up"}[other] || (variant.startsWith("rolled") ? "square" : "circle"),
+        mark: {generic: "diamond", mujoco: "triangle-up", pinocchio: "triangle-down"}[other] || (variant.startsWith("rolled") ? "square" : "circle"),
         classes: (other || (variant.includes("float") ? "float" : "double")) +
           (variant.includes("not fused") ? " hollow" : ""),
       };
@@ -187,32 +195,42 @@ function rounding() {
   }
 }
 
+// Whose figure is not in ulp says what it counts.
+const counted = {elements_changed: "changed", change: "change", elements_not_finite: "not finite"};
+
+// A matrix for code in double and one for float: cases from the worst to the best, a column per quantity.
 function stability() {
   const all = pick({section: "stability"});
   const in_words = ["verdict", "violated", "ulp_allowed", "times_allowed", "largest_change"];  // the last are in the words of `violated`
-  unique(all.map((r) => r.case)).forEach((name) => {
-    const box = d3.select("#stability .cases").append("div").attr("class", "case");
-    const here = all.filter((r) => r.case === name);
-    box.append("h3").attr("data-row", here[0].index).text(name);
-    unique(here.map((r) => r.variant)).forEach((variant) => {
-      const line = box.append("p");
-      const own = here.filter((r) => r.variant === variant);
-      const measured = own.filter((r) => !in_words.includes(r.metric) &&
-        own.find((one) => one.quantity === r.quantity && !in_words.includes(one.metric)) === r);
-      line.append("span").attr("data-row", measured[0].index).text(variant);
-      line.append("span").text(measured[0].unit === "ulp" ? " " :
-        ` (${measured[0].metric.replace(/_/g, " ")}) `);
-      measured.forEach((row) => {
-        const verdict = here.find((r) => r.variant === variant && r.metric === "verdict" && r.quantity === row.quantity);
-        const chip = line.append("span").attr("class", "chip " + verdict.value).attr("data-verdict-row", verdict.index);
-        chip.append("span").text(short(row.quantity) + " ");
-        figure(chip, row, row.unit === "ulp" ? "ulp" : "");
-      });
-      own.filter((r) => r.metric === "violated").forEach((row) => {
-        const why = box.append("p").attr("class", "violated");
-        why.append("span").attr("data-row", row.index).text(short(row.quantity));
-        why.append("span").text(": ");
-        word(why, row);
+  const by_case = d3.nest().key((r) => r.variant).key((r) => r.case).key((r) => r.quantity).map(all);
+  const quantities = unique(all.map((r) => r.quantity));
+  all.filter((r) => r.metric === "violated").forEach((row) => {
+    const why = d3.select("#stability .violations").append("p").attr("class", "violated");
+    [row.variant, ", ", row.case, ", "].forEach((text, i) => (i % 2 ? why.append("span").text(text) : word(why, {index: row.index, value: text})));
+    why.append("span").attr("data-row", row.index).text(short(row.quantity));
+    why.append("span").text(": ");
+    word(why, row);
+  });
+  const rank = {bad: 0, weak: 1, good: 2};
+  unique(all.map((r) => r.variant)).forEach((variant) => {
+    const box = d3.select("#stability .cases").append("div").attr("class", "matrix");
+    const body = table(box, [""].concat(quantities.map(short)));
+    word(box.select("thead th").attr("class", ""), {index: all.find((r) => r.variant === variant).index, value: variant});
+    const cases = Object.keys(by_case[variant]).map((name, order) => {
+      const verdicts = d3.merge(Object.values(by_case[variant][name])).filter((r) => r.metric === "verdict");
+      return {name, order, worst: d3.min(verdicts, (r) => rank[r.value])};
+    }).sort((one, other) => one.worst - other.worst || one.order - other.order);
+    cases.forEach((one) => {
+      const cells = by_case[variant][one.name], tr = body.append("tr").attr("class", one.worst === 0 ? "has_bad" : "");
+      const any = Object.values(cells)[0][0];
+      tr.append("th").attr("scope", "row").attr("data-row", any.index).text(one.name);
+      quantities.forEach((quantity) => {
+        const td = tr.append("td"), own = cells[quantity] || [];
+        const row = own.find((r) => !in_words.includes(r.metric)), verdict = own.find((r) => r.metric === "verdict");
+        if (!row) return;
+        const chip = td.append("span").attr("class", "chip " + verdict.value).attr("data-verdict-row", verdict.index);
+        figure(chip, row, "");
+        if (row.unit !== "ulp") chip.append("span").text(" " + counted[row.metric]);
       });
     });
   });
@@ -323,8 +341,11 @@ function facts() {
     item.append("span").text(`${spoken(row.quantity)} alone: `);
     word(item, row);
   });
+  const unread = box.append("details");
+  unread.append("summary").text("What is not read, and what is not asked for");
+  const lines = unread.append("ul");
   pick({section: "left_out"}).forEach((row) => {
-    const item = list.append("li");
+    const item = lines.append("li");
     if (row.metric === "not_asked_for") {
       item.append("span").attr("data-row", row.index).text(row.quantity);
       item.append("span").text(" is not asked for");

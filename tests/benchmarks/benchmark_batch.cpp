@@ -4,7 +4,8 @@
 //
 // batch_rows: states and results row by row, M and C packed; batch_lanes: the same in lanes; batch_blocks: results handed on
 // block by block; single: a call per state, whose results stay in the workspace; batch_tasks: rows, on all threads of oneTBB,
-// by the clock on the wall. Results are compared before anything is timed.
+// by the clock on the wall; rollout: motions of 20 steps of semi-implicit Euler from each state, time per step. Results are compared
+// before anything is timed.
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 
@@ -109,6 +110,21 @@ void add(const char* name) {
   time("batch_lanes", [](Fixture<Robot>& f) { Robot::batch(f.lanes, f.results); });
   time("batch_blocks", [](Fixture<Robot>& f) { Robot::blocks(f.rows); });
   time("batch_tasks", [](Fixture<Robot>& f) { Robot::tasks(f.rows, f.results); })->UseRealTime();
+  if constexpr (Robot::rolls_out) {
+    constexpr std::size_t steps = 20;
+    benchmark::RegisterBenchmark(fmt::format("{}/rollout", name).c_str(), [=](benchmark::State& state) {
+      std::vector<double> last_q(states * Robot::nq), last_v(states * Robot::nv);
+      dalembert::Rollout<double> motions;
+      motions.steps = steps, motions.time_step = 1e-4, motions.last_q = last_q.data(), motions.last_v = last_v.data();
+      typename Robot::Batch from = fixture->rows;
+      from.input = nullptr;
+      while (state.KeepRunningBatch(states * steps)) {
+        Robot::rollout(from, motions);
+        benchmark::ClobberMemory();
+      }
+      state.SetItemsProcessed(state.iterations());
+    });
+  }
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
-// Generated code against MuJoCo, DART, KDL and the generic engine: benchmarks ROBOT/QUANTITIES/WHO, all in one process.
+// Generated code against MuJoCo, DART, KDL, Pinocchio where it is found, and the generic engine: benchmarks
+// ROBOT/QUANTITIES/WHO, all in one process.
 //
 //   benchmark_peers --benchmark_filter=MAHRU/                      one robot
 //   benchmark_peers --benchmark_filter='MAHRU/.*/dalembert'        generated code only
@@ -79,6 +80,7 @@ void register_all() {
       register_one(entry, quantities, "generic", generic_contestant);
       if (mujoco_offers(quantities)) register_one(entry, quantities, "mujoco", mujoco_contestant);
       if (dart_offers(quantities)) register_one(entry, quantities, "dart", dart_contestant);
+      if (pinocchio_offers(quantities)) register_one(entry, quantities, "pinocchio", pinocchio_contestant);
       if (entry.chain && kdl_offers(quantities)) register_one(entry, quantities, "kdl", kdl_contestant);
     }
   }
@@ -91,6 +93,8 @@ int main(int argc, char** argv) {
   dalembert::benchmarks::register_all();
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
+  if (dalembert::benchmarks::pinocchio_offers(dalembert::benchmarks::Quantities::M))
+    benchmark::AddCustomContext("pinocchio", dalembert::benchmarks::pinocchio_version());
   benchmark::RunSpecifiedBenchmarks();
   benchmark::Shutdown();
   return 0;

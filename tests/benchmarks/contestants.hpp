@@ -24,10 +24,14 @@ Contestant mujoco_contestant(const BenchmarkRobot& robot, Quantities quantities)
 Contestant dart_contestant(const BenchmarkRobot& robot, Quantities quantities);
 Contestant kdl_contestant(const BenchmarkRobot& robot, Quantities quantities);  // of chains on a fixed base
 
+Contestant pinocchio_contestant(const BenchmarkRobot& robot, Quantities quantities);  // where it is found
+
 // Known without reading a robot, so that a filtered run starts at once.
 bool has_generated(const std::string& robot, Quantities quantities);
 bool mujoco_offers(Quantities quantities);
 bool dart_offers(Quantities quantities);
 bool kdl_offers(Quantities quantities);
+bool pinocchio_offers(Quantities quantities);
+std::string pinocchio_version();  // with the compiler and its flags; only where it offers something
 
 }  // namespace dalembert::benchmarks

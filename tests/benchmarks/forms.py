@@ -3,6 +3,7 @@
 the constants of the estimate by which it chooses (generator/backend/estimate.cpp).
 
     python3 tests/benchmarks/forms.py [--robots A,B] [--quantities M,fd] [--targets native,avx2,sse2] [--save FILE]
+    python3 tests/benchmarks/forms.py --against TREE    what another checkout chooses (its release build made) beside what this one does
     python3 tests/benchmarks/forms.py --fit FILE        from what --save has kept; prints a row of constants per width of registers
 
 Each way of one robot and quantity is a shared object; all of them run in one process, in turn, from three copies each (code beyond
@@ -65,21 +66,21 @@ def label(way):
     return (form or "auto") + (" by " + solver if solver else "")
 
 
-def built(name, quantity, way, target):
-    """The shared object of one way, and what its estimate is made of."""
-    folder = FOLDER / name.replace(":", "_") / quantity / f"{label(way).replace(' ', '_')}_{target}"
+def built(name, quantity, way, target, tree=ROOT):
+    """The shared object of one way by a checkout's generator and runtime, what its estimate is made of, and the plan."""
+    folder = FOLDER / name.replace(":", "_") / quantity / f"{label(way).replace(' ', '_')}_{target}{'' if tree == ROOT else '_other'}"
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
-    dalembert = BUILD / "bin" / "dalembert"
+    dalembert = tree / "build" / "release" / "bin" / "dalembert"
     quiet = {"check": True, "stdout": subprocess.PIPE, "stderr": subprocess.DEVNULL, "text": True}
     subprocess.run([dalembert, "generate", *scene(name, quantity, way), "--name", "r", "-o", folder / "r"], **quiet)
     told = json.loads(subprocess.run([dalembert, "info", "--json", *scene(name, quantity, way)], **quiet).stdout)
     more = "more, " if "const Scalar* v, const Scalar* " in (folder / "r" / "dynamics.hpp").read_text() else ""
     (folder / "code.cpp").write_text(WRAPPER)
     subprocess.run(["c++", "-O3", *TARGETS[target].split(), "-std=c++17", "-shared", "-fPIC", f"-DMORE={more}", "-I", folder,
-                    "-I", ROOT / "runtime" / "include", "-isystem", "/usr/include/eigen3", folder / "code.cpp", "-o", folder / "code.so"],
+                    "-I", tree / "runtime" / "include", "-isystem", "/usr/include/eigen3", folder / "code.cpp", "-o", folder / "code.so"],
                    check=True)
-    return folder / "code.so", told["estimates"][f"together {LANES[target]}"], told["plan"]["together"][0]
+    return folder / "code.so", told.get("estimates", {}).get(f"together {LANES[target]}"), told.get("plan", {}).get("together", [None])[0]
 
 
 def timed(objects, rounds, prefix):
@@ -124,6 +125,22 @@ def measure(options):
                 if options.save:
                     pathlib.Path(options.save).write_text(json.dumps(kept))
     print(f"worst: {worst:.2f}")
+
+
+def against(options):
+    other = pathlib.Path(options.against).resolve()
+    pool = concurrent.futures.ThreadPoolExecutor(options.jobs)
+    for target in options.targets.split(","):
+        for quantity in options.quantities.split(","):
+            ratios = []
+            for name in options.robots.split(","):
+                if not pathlib.Path(robot(name)[0]).exists():
+                    continue
+                here, there = pool.map(lambda tree: built(name, quantity, ("", ""), target, tree), (ROOT, other))
+                new, old = timed([here[0], there[0]], options.rounds, options.prefix.split())
+                ratios.append(new / old)
+                print(f"{name + '/' + quantity + '/' + target:34} {old:9.1f} {new:9.1f} {new / old:6.3f}", flush=True)
+            print(f"{quantity + '/' + target:34} {'median':>9} {'worst':>9} {statistics.median(ratios):6.3f} {max(ratios):6.3f}", flush=True)
 
 
 def fitted(rows, names):
@@ -174,12 +191,13 @@ def main():
     parser.add_argument("--jobs", type=int, default=2, help="compilers at a time")
     parser.add_argument("--prefix", default="", help="of the command that times: 'taskset -c 1'")
     parser.add_argument("--save", help="a JSON file of times and features; what it has is not measured again")
+    parser.add_argument("--against", metavar="TREE", help="another checkout; prints robot/quantity/target, ns there, ns here, here / there")
     parser.add_argument("--fit", metavar="FILE")
     options = parser.parse_args()
     if options.fit:
         return fit(options.fit)
     FOLDER.mkdir(parents=True, exist_ok=True)
-    measure(options)
+    (against if options.against else measure)(options)
 
 
 if __name__ == "__main__":

@@ -1,6 +1,7 @@
 """Runs benchmark_peers and reads what it says. Shared by table.py and compare.py; Python's standard library only."""
 import contextlib
 import json
+import os
 import pathlib
 import re
 import shutil
@@ -23,10 +24,13 @@ def run(program, pattern, repetitions, min_time, copies=1):
     each of the copies."""
     options = [f"--benchmark_filter={pattern}", f"--benchmark_repetitions={repetitions}", f"--benchmark_min_time={min_time}",
                "--benchmark_enable_random_interleaving=true", "--benchmark_format=json"]
+    # A copy looks for what lies beside its original.
+    environment = {"DALEMBERT_PINOCCHIO": str(pathlib.Path(program).resolve().parents[1] / "lib/libdalembert_pinocchio.so")} | os.environ
     found = {}
     for copy in range(copies):
         with copied(program) as own:
-            answer = subprocess.run([str(own), *options], check=True, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True).stdout
+            answer = subprocess.run([str(own), *options], check=True, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
+                                    env=environment).stdout
         for entry in json.loads(answer)["benchmarks"]:
             if entry.get("run_type") != "iteration":
                 continue
@@ -70,3 +74,11 @@ def duration(nanoseconds):
         if nanoseconds < limit:
             return f"{nanoseconds / scale:.3g} {unit}"
     return f"{nanoseconds / 1e9:.3g} s"
+
+
+def context(program):
+    """What benchmark_peers says of itself, and of peers that it was built with."""
+    answer = subprocess.run([str(program), "--benchmark_filter=^none$", "--benchmark_format=json"], stdout=subprocess.PIPE,
+                            stderr=subprocess.DEVNULL, text=True)
+    start = answer.stdout.find("{")
+    return json.loads(answer.stdout[start:]).get("context", {}) if start >= 0 else {}

@@ -194,11 +194,15 @@ function(batch_robot robot urdf base)
     set(pointers "")
     foreach(quantity ${outputs_of_${label}})
       string(APPEND sizes "sizeof(Workspace::together_${quantity}) / sizeof(double), ")
-      list(LENGTH pointers index)
-      list(APPEND pointers "results[${index}].data()")
+      list(FIND outputs_of_${label} ${quantity} index)
+      string(APPEND pointers "    to.together_${quantity} = results[${index}].data();\n")
     endforeach()
     list(GET outputs_of_${label} 0 first)
-    list(JOIN pointers ", " pointers)
+    set(rollout "  static constexpr bool rolls_out = false;")
+    if(label STREQUAL "fd")
+      set(rollout "  static constexpr bool rolls_out = true;
+  static void rollout(const Batch& batch, const dalembert::Rollout<double>& motions) { (void)${name}::together_rollout(batch, motions); }")
+    endif()
     list(APPEND batch_libraries ${name})
     string(APPEND batch_includes "#include \"${name}/batch_tasks.hpp\"\n")
     string(APPEND batch_structs "struct ${name}_robot {
@@ -211,13 +215,19 @@ function(batch_robot robot urdf base)
   }
   static const double* first_result(const Workspace& workspace) { return workspace.together_${first}; }
   template <class Results>
-  static void batch(const Batch& batch, Results& results) { (void)${name}::together_batch(batch, {${pointers}}); }
+  static ${name}::TogetherBatchResults pointers(Results& results) {
+    ${name}::TogetherBatchResults to;
+${pointers}    return to;
+  }
   template <class Results>
-  static void tasks(const Batch& batch, Results& results) { (void)${name}::together_batch_tasks(batch, {${pointers}}); }
+  static void batch(const Batch& batch, Results& results) { (void)${name}::together_batch(batch, pointers(results)); }
+  template <class Results>
+  static void tasks(const Batch& batch, Results& results) { (void)${name}::together_batch_tasks(batch, pointers(results)); }
   static void blocks(const Batch& batch) {
     (void)${name}::together_batch_blocks(
         batch, [](const ${name}::TogetherBatchBlock& block, void*) { benchmark::DoNotOptimize(block.together_${first}); }, nullptr);
   }
+${rollout}
 };
 ")
     string(APPEND batch_names " \\\n  DALEMBERT_BATCH_ROBOT(${name}_robot, \"${robot}/${label}\")")

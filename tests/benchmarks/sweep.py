@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The paper's experiments, measured and drawn: docs/sweep.csv, docs/sweep_*.svg and the tables of docs/sweep.md.
+"""The paper's experiments, measured and drawn: docs/sweep.csv, docs/sweep_*.svg and their tables in docs/performance.md.
 
     python3 tests/benchmarks/sweep.py [--build build/release] [--repetitions 5] [--results FILE.json] [--output docs]
 
@@ -174,12 +174,12 @@ def main():
                                                 ["dalembert_tasks"], log=False)
     files["sweep_error.svg"] = plot(found, "M+C", lambda k: found[k].error, "error of the largest element",
                                     ["generic", "dalembert"])
-    page = (ROOT / "docs/sweep.md").read_text()
+    page = (ROOT / "docs/performance.md").read_text()
     page = between(page, "where", where + "\n")
     for q in QUANTITIES:
         page = between(page, f"times {q}", time_table(found, q))
     page = between(page, "crossover", crossover_table(found))
-    files["sweep.md"] = between(page, "errors", error_table(found))
+    files["performance.md"] = between(page, "errors", error_table(found))
     for name, text in files.items():
         (options.output / name).write_text(text)
         print(options.output / name)

@@ -4,7 +4,8 @@
     python3 tests/benchmarks/table.py [--build build/release] [--repetitions 21] [--states 10000] [--robots MAHRU,WAM] [--print]
                                       [--output docs/performance.md] [--readme]
 
-Sections of other kinds of machines stay as they are. README's table, which names its machine, is written on the same kind of
+Sections of other kinds of machines stay as they are, and so does what stands behind them: what scenes save (the target scenes_page)
+and the paper's experiments (sweep.py). README's table, which names its machine, is written on the same kind of
 machine, or with --readme. Run it on an idle machine. It first builds what it measures, so that what is checked out is what is measured. Times are CPU
 times of one core; each is the median of the repetitions, which are interleaved at random among all benchmarks of a robot;
 ratios are medians of ratios, repetition by repetition. Nothing is written unless everything succeeded.
@@ -26,7 +27,8 @@ import measure
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PAGE, README = ROOT / "docs/performance.md", ROOT / "README.md"
-WHO = ["dalembert", "mujoco", "dart", "kdl", "generic"]
+WHO = ["dalembert", "pinocchio", "mujoco", "dart", "kdl", "generic"]
+MORE = "<!-- more -->\n"  # what others write stands behind it
 
 # Ours, and what MuJoCo computes instead.
 BESIDE_MUJOCO = [("MAHRU", "M+C", "M"), ("MAHRU", "M", "M"), ("MAHRU", "bias", "bias"), ("Atlas", "M+C", "M"), ("Atlas", "M", "M"),
@@ -36,6 +38,7 @@ BESIDE_MUJOCO = [("MAHRU", "M+C", "M"), ("MAHRU", "M", "M"), ("MAHRU", "bias", "
 # Among ours: the first's time over the second's.
 BESIDE_OURS = [("minv", "M"), ("did", "M+C"), ("dfd", "M+C")]
 AGAINST_MUJOCO, SIDE_BY_SIDE = "### Against MuJoCo", "## Machines side by side"
+AGAINST_PINOCCHIO = "### Against Pinocchio"
 
 
 def output_of(*command, **more):
@@ -52,7 +55,8 @@ def provenance(build):
     cache = dict(re.findall(r"^(CMAKE_CXX_COMPILER|CMAKE_BUILD_TYPE):\w+=(.*)$", (build / "CMakeCache.txt").read_text(), re.M))
     compiler = output_of(cache["CMAKE_CXX_COMPILER"], "--version").splitlines()[0]
     changed = output_of("git", "-C", ROOT, "status", "--porcelain", "--untracked-files=no", "--", ".", ":!docs", ":!README.md").strip()
-    return (f"{datetime.date.today().isoformat()}, one core of {machine.text(build / 'bin/dalembert')}; {compiler}, "
+    version = output_of(build / "bin/dalembert", "--version").split(",")[0]
+    return (f"{datetime.date.today().isoformat()}, {version}, one core of {machine.text(build / 'bin/dalembert')}; {compiler}, "
             f"generated code with -O3 -march=native{'; with changes that no commit has' if changed else ''}; "
             f"load average {os.getloadavg()[0]:.1f} before the measurement (0 on an idle machine).")
 
@@ -70,6 +74,17 @@ def mujoco_table(results):
                          f"{theirs}: {measure.duration(measure.median(b['times']))}", f"{b['relative_error']:.0e}",
                          f"{1 / measure.ratio(a, b):.2f}"])
     return table(["", "ours", "error", "MuJoCo", "error", "times faster"], rows)
+
+
+def pinocchio_table(results, robots, quantities):
+    rows = []
+    for robot in robots:
+        for q in quantities:
+            a, b = (results.get(f"{robot['name']}/{q}/{who}") for who in ("dalembert", "pinocchio"))
+            if a and b:
+                rows.append([f"{robot['name']} {q}", measure.duration(measure.median(a["times"])), f"{a['relative_error']:.0e}",
+                             measure.duration(measure.median(b["times"])), f"{b['relative_error']:.0e}", f"{1 / measure.ratio(a, b):.2f}"])
+    return table(["", "ours", "error", "Pinocchio", "error", "times faster"], rows) if rows else ""
 
 
 def own_table(results, robots):
@@ -138,11 +153,12 @@ def accuracy_table(build, robots, states):
     return table(["robot", "base", "library", "quantity", "states", "max ulp", "median ulp", "over", "generic max"], rows)
 
 
-def times(results, robots, quantities):
+def times(results, robots, quantities, pinocchio=None):
+    beside = f"{AGAINST_PINOCCHIO}\n\n{pinocchio}.\n\n{pinocchio_table(results, robots, quantities)}\n" if pinocchio else ""
     return f"""{AGAINST_MUJOCO}
 
 {mujoco_table(results)}
-### Among ours
+{beside}### Among ours
 
 {own_table(results, robots)}
 ### Times
@@ -150,13 +166,13 @@ def times(results, robots, quantities):
 {time_tables(results, robots, quantities)}"""
 
 
-def section(kind, build, robots, results, outputs, states, measured_on):
+def section(kind, build, robots, results, outputs, states, measured_on, pinocchio=None):
     """What the page says of one machine."""
     return f"""## {kind}
 
 {measured_on}
 
-{times(results, robots, outputs)}### Code
+{times(results, robots, outputs, pinocchio)}### Code
 
 {code_table(build, robots, results, outputs)}
 ### Accuracy
@@ -165,13 +181,18 @@ def section(kind, build, robots, results, outputs, states, measured_on):
 """
 
 
-def page(all_sections):
+def more(old):
+    """What stands in the old page behind the machines' sections."""
+    return old[old.index(MORE):] if MORE in old else ""
+
+
+def page(all_sections, behind=""):
     head, rows = machine_sections.side_by_side(all_sections, AGAINST_MUJOCO, ["ours", "times faster"])
     below = "".join(machine_sections.section_text(kind, text) for kind, text in all_sections.items())
     return f"""# Performance
 
 Written by `python3 tests/benchmarks/table.py`, which replaces the section of the kind of machine it runs on and leaves the others; do
-not edit.
+not edit. Behind them: [what scenes save](#what-scenes-save), and [the paper's experiments](#the-papers-experiments-drawn-again).
 
 All programs compute the same fused robot from the same 64 states in turn: state in, finished dense results out. *id* is inverse
 dynamics, *did* its derivatives by q and by v; *fd* is forward dynamics, *dfd* its derivatives by q, v and τ, the latter being *minv*,
@@ -181,8 +202,12 @@ MuJoCo (Debian's build) works in its own coordinates of the floating base and wi
 M `mj_crb, mj_fullM`; for bias and g `mj_comVel, mj_rne`, for id the same with accelerations; for fd `mj_crb, mj_factorM, mj_comVel,
 mj_rne, mj_solveM`; for minv `mj_crb, mj_factorM, mj_solveM` of the identity; for com `mj_jacSubtreeCom`; for energy `mj_crb,
 mj_energyPos, mj_energyVel`. DART and KDL are Debian's builds as well; DART's inverse of M is wrong beyond welded links and left out.
-*generic* is this project's generic engine, which is made to be read, not to be fast. An empty cell: not computed there. No peer
-computes C.
+Pinocchio, where a section has it, is built from its headers by the compiler named there, once for all robots: joints about
+coordinate axes of their own types, the free flyer as the floating base; of M and forward dynamics the faster of its two conventions,
+M and its inverse filled to both triangles, *did* with M and *dfd* with its inverse in one call; its C is of Christoffel symbols.
+Whatever of a peer's is wrong by more than 1e-9 of the largest element is not timed: that there is a figure says that they agree.
+*generic* is this project's generic engine, which is made to be read, not to be fast. An empty cell: not computed there. But for
+Pinocchio no peer computes C.
 
 *Against MuJoCo* and *among ours*: medians of times and of their ratios; largest errors relative to the largest element, against 50
 digits. From run to run on a shared machine the ratios move by a few per cent, by ten when others keep it busy. *Times*: median ± half
@@ -196,7 +221,7 @@ random states; *over* counts the states beyond 32, *generic max* is the generic 
 Our time, and how many times faster that is than MuJoCo on the same machine.
 
 {table(head, rows)}
-{below}"""
+{below}{behind}"""
 
 
 def readme_kind(readme):
@@ -241,19 +266,20 @@ def main():
     if options.robots:
         robots = [robot for robot in robots if robot["name"] in options.robots.split(",")]
     measured_on = provenance(build)
+    pinocchio = measure.context(build / "bin/benchmark_peers").get("pinocchio")
     results = {}
     for robot in robots:
         print(f"== Timing {robot['name']}", flush=True)
         results.update(measure.run(build / "bin/benchmark_peers", f"^{robot['name']}/", 1, 0.02, options.repetitions))
     if options.print:
-        print(f"{measured_on}\n\n{times(results, robots, outputs)}", end="")
+        print(f"{measured_on}\n\n{times(results, robots, outputs, pinocchio)}", end="")
         return
     print("== Code and accuracy", flush=True)
     kind, _ = machine.described(build / "bin/dalembert")
-    text = section(kind, build, robots, results, outputs, options.states, measured_on)
+    text = section(kind, build, robots, results, outputs, options.states, measured_on, pinocchio)
     old = options.output.read_text() if options.output.exists() else ""
     options.output.parent.mkdir(parents=True, exist_ok=True)
-    options.output.write_text(page(machine_sections.with_section(old, kind, text)))
+    options.output.write_text(page(machine_sections.with_section(old, kind, text), more(old)))
     readme = README.read_text()
     if options.output.resolve() == PAGE and (options.readme or readme_kind(readme) == kind):
         README.write_text(with_summary(readme, kind, text))

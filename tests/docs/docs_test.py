@@ -38,6 +38,9 @@ RUN_ELSEWHERE = {
     "cmake --workflow --preset tsan": "builds everything again, with sanitizers",
     "sh cmake/setup.sh build test matrix": "installs compilers that nothing else needs",
     "python3 tests/benchmarks/sweep.py": "four minutes of measuring; the test benchmark_sweep runs a slice of it",
+    "/usr/bin/python3 tests/python/fuzz.py --cases 10000": "minutes under sanitizers; a slice of it is in the test python_calls_test",
+    "cmake --preset release && cmake --build --preset release": "tests/run.sh",
+    "(cd build/release && cpack)": "the test packaging (.deb)",
     "python3 tests/matrix/run.py": "three quarters of an hour; a slice of it is the test matrix.slice",
 }
 

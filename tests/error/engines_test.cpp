@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <iterator>
 #include <sstream>
 
 #include "run_dalembert.hpp"
@@ -75,6 +76,42 @@ TEST(Eval, EnginesAgreeAndShapesAreThoseOfTheQuantity) {
   }
 }
 
+// The generic engine's numbers: nothing is compiled.
+TEST(Eval, NamesRowsAndColumnsWhereAskedTo) {
+  const auto eval = [](const std::string& output, const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{"eval",    arm,        "--base", "fixed",   "--engine",
+                                       "generic", "--output", output,   "--state", "-"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_dalembert(arguments, ".", "0 0 0 0 0 0 0 0\n0 0 0 0.5 0 0 0 0\n");
+  };
+  const Outcome matrix = eval("mass_matrix", {"--labels"});
+  EXPECT_EQ(matrix.status, 0) << matrix.err;
+  std::istringstream lines(matrix.out);
+  std::string line, first, row;
+  std::getline(lines, line);
+  std::istringstream head(line);
+  std::vector<std::string> names{std::istream_iterator<std::string>(head), {}};
+  EXPECT_EQ(names, (std::vector<std::string>{"shoulder", "elbow", "grip", "wrist"})) << matrix.out;
+  std::getline(lines, row);
+  EXPECT_TRUE(row.starts_with("shoulder  ")) << matrix.out;
+  EXPECT_EQ(std::count(matrix.out.begin(), matrix.out.end(), '\n'), 2 * 5 + 1) << matrix.out;
+  const Outcome pose =
+      eval("pose_tip", {"--frames", "{tip: {link: hand, at: [0, 0, 0.25, 0, 0, 0], outputs: [pose]}}", "--labels"});
+  EXPECT_EQ(pose.out.substr(0, pose.out.find("\n\n")),
+            "   x_axis  y_axis  z_axis  origin\nx       1       0       0     0.3\ny       0       1       0       0\n"
+            "z       0       0       1    0.85")
+      << pose.err;
+  EXPECT_EQ(eval("kinetic_energy", {"--labels"}).out, "0\n\n0\n");
+  const Outcome json = eval("gravity", {"--json"});
+  EXPECT_EQ(json.out,
+            "{\n  \"output\": \"gravity\",\n  \"symbol\": \"g\",\n  \"unit\": \"N, N m\",\n"
+            "  \"help\": \"gravity term of M dv/dt + C v + g = tau: what holds the robot still\",\n  \"rows\": [\"shoulder\", "
+            "\"elbow\", \"grip\", \"wrist\"],\n  \"columns\": [],\n"
+            "  \"states\": [\n    [[0], [0], [9.8100000000000005], [0]],\n    [[0], [0], [9.8100000000000005], [0]]\n  ]\n}\n")
+      << json.err;
+  EXPECT_EQ(eval("gravity", {"--json", "--labels"}).status, 2);
+}
+
 // NaN where the scene says nothing is read.
 TEST(Eval, DoesNotReadWhatTheQuantityDoesNotDependOn) {
   struct Case {
@@ -139,6 +176,24 @@ TEST(Check, PassesInDoubleAndFloat) {
     EXPECT_EQ(outcome.status, 0) << outcome.err << outcome.out;
     EXPECT_EQ(outcome.out.find("DIFFERS"), std::string::npos);
   }
+}
+
+// A function that the scene names has one line with its time, and no result of it has one.
+TEST(Check, GivesEachFunctionOneTime) {
+  const Outcome outcome = run_dalembert({"check", arm, "--base", "fixed", "--outputs", "gravity", "--functions",
+                                         "{plan: [mass_matrix, center_of_mass]}", quickly[0], quickly[1]},
+                                        ".");
+  EXPECT_EQ(outcome.status, 0) << outcome.err << outcome.out;
+  std::istringstream text(outcome.out);
+  std::vector<std::string> timed, headings;
+  for (std::string line; std::getline(text, line);) {
+    if (line.empty()) continue;
+    const std::string name = line.substr(2, line.find("  ", 2) - 2);
+    if (line.ends_with(" a call")) headings.push_back(name);
+    if (line.ends_with(" ns") || line.ends_with(" µs")) timed.push_back(name);
+  }
+  EXPECT_EQ(headings, (std::vector<std::string>{"each by code of its own", "all by one code"})) << outcome.out;
+  EXPECT_EQ(timed, (std::vector<std::string>{"gravity", "plan()", "evaluate()", "plan()"})) << outcome.out;
 }
 
 // What users are told to build with is what is tested, and times are its; another compiler, flags and lanes can be had. Scripts

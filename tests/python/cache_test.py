@@ -18,6 +18,15 @@ import sys, dalembert, numpy
 robot = dalembert.load(sys.argv[1], base="fixed", outputs=["mass_matrix"], compiler=sys.argv[2] or None, flags="-O0 -std=c++17")
 print(robot.mass_matrix(numpy.zeros(robot.nq))[0, 0])
 """
+BATCH = LOAD + "print(*robot.mass_matrix(numpy.zeros((3, robot.nq)))[:, 0, 0])\n"
+# The cache is cleared, and the robot perhaps another, before batches are asked for first.
+LATER = LOAD + """
+import os, pathlib, subprocess
+subprocess.run([os.environ["DALEMBERT_EXECUTABLE"], "cache", "--clear"], check=True, stdout=subprocess.DEVNULL)
+if len(sys.argv) > 3:
+    pathlib.Path(sys.argv[1]).write_text(sys.argv[3])
+print(*robot.mass_matrix(numpy.zeros((3, robot.nq)))[:, 0, 0])
+"""
 
 
 class Cache(unittest.TestCase):
@@ -28,10 +37,30 @@ class Cache(unittest.TestCase):
         self.environment = dict(os.environ, XDG_CACHE_HOME=str(self.folder / "cache"))
         self.entries = self.folder / "cache/dalembert"
 
+    @classmethod
+    def setUpClass(cls):
+        folder = tempfile.TemporaryDirectory(prefix="dalembert.objects.")
+        cls.addClassCleanup(folder.cleanup)
+        cls.objects = folder.name
+
     def compiler(self, before=""):
-        """A compiler that writes down each time it is called."""
+        """A compiler that writes down each time it is called, and has the objects of all tests at hand: what it is given again, it
+        does not compile again."""
         path = self.folder / "compiler"
-        path.write_text(f"#!/bin/sh\necho x >> {self.folder}/calls\n{before}\nexec c++ \"$@\"\n")
+        text = f"""#!/bin/sh
+echo x >> {self.folder}/calls
+{before}
+for word; do
+  case $before in -c) from=$word ;; -o) to=$word ;; esac
+  before=$word
+done
+[ -z "$from" ] && exec c++ "$@"
+kept={self.objects}/$({{ basename "$from"; cat "$from" "${{from%/objects/*}}"/source/*/*.?pp; }} | md5sum | cut -c1-32)
+[ -e "$kept" ] || {{ c++ "$@" && cp "$to" "$kept.$$" && mv "$kept.$$" "$kept"; }} || exit 1
+exec cp "$kept" "$to"
+"""
+        if not path.exists() or path.read_text() != text:  # its date is part of what an entry is known by
+            path.write_text(text)
         path.chmod(path.stat().st_mode | stat.S_IXUSR)
         return path
 
@@ -39,12 +68,12 @@ class Cache(unittest.TestCase):
         log = self.folder / "calls"
         return len(log.read_text().split()) if log.exists() else 0
 
-    def start(self, compiler="", urdf=URDF, **more):
-        return subprocess.Popen([sys.executable, "-W", "ignore", "-c", LOAD, str(urdf), str(compiler)], env=self.environment,
-                                stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, **more)
+    def start(self, compiler="", urdf=URDF, program=LOAD, arguments=(), **more):
+        return subprocess.Popen([sys.executable, "-W", "ignore", "-c", program, str(urdf), str(compiler), *arguments],
+                                env=self.environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, **more)
 
-    def load(self, *arguments, **more):
-        process = self.start(*arguments, **more)
+    def load(self, compiler="", *arguments, **more):
+        process = self.start(compiler or self.compiler(), *arguments, **more)
         out, err = process.communicate()
         self.assertEqual(process.returncode, 0, err)
         return out
@@ -54,14 +83,14 @@ class Cache(unittest.TestCase):
 
     def test_twenty_processes_compile_once(self):
         compiler = self.compiler()
-        processes = [self.start(compiler) for _ in range(20)]
+        processes = [self.start(compiler, program=BATCH) for _ in range(20)]
         results = {p.communicate() for p in processes}
         self.assertEqual(len(results), 1, results)
         self.assertTrue(all(p.returncode == 0 for p in processes), results)
-        self.assertEqual(self.calls(), 4)  # the code, self-tests, the table, the linker
+        self.assertEqual(self.calls(), 5)  # the code, its self-test, the linker; the batch, the linker
         self.assertEqual(len(self.left()), 1)
-        self.load(compiler)
-        self.assertEqual(self.calls(), 4)
+        self.load(compiler, program=BATCH)
+        self.assertEqual(self.calls(), 5)
 
     def test_killed_while_compiling(self):
         compiler = self.compiler(f"[ -e {self.folder}/go ] || sleep 600")
@@ -82,7 +111,7 @@ class Cache(unittest.TestCase):
             self.assertTrue(any(".making." in name for name in self.left()))
             if not whole_group:
                 (self.folder / "go").touch()
-        expected = self.load()  # by another compiler: another entry
+        expected = self.load("c++")  # by another compiler: another entry
         start = time.perf_counter()
         self.assertEqual(self.load(compiler), expected)
         self.assertLess(time.perf_counter() - start, 300)  # it does not wait for those who sleep
@@ -124,6 +153,21 @@ class Cache(unittest.TestCase):
         self.assertIn("2 removed", cleared.stdout)
         self.assertEqual(self.left(), [])
         self.assertEqual(self.load("", urdf), first)
+
+    def test_batches_after_the_cache_was_cleared(self):
+        urdf = self.folder / "robot.urdf"
+        urdf.write_text(URDF.read_text())
+        one, many = self.load("", urdf, program=LATER).split("\n", 1)
+        self.assertEqual(many.split(), [one] * 3)
+        process = self.start(self.compiler(), urdf, LATER, [URDF.read_text().replace("<mass value=\"", "<mass value=\"1")])
+        out, err = process.communicate()
+        self.assertIn("InputError: " + str(urdf) + " is not what it was when it was loaded", err)
+        # Half a batch, a disk's doing, is compiled again.
+        urdf.write_text(URDF.read_text())
+        self.load("", urdf, program=BATCH)
+        for code in self.entries.glob("*/batches_*.so"):
+            code.write_bytes(code.read_bytes()[:100])
+        self.assertEqual(self.load("", urdf, program=BATCH).split()[0], one)
 
     def test_a_folder_that_is_none(self):
         (self.folder / "cache").write_text("")

@@ -1,7 +1,9 @@
 """Numbers from Python: the same bits as from C++, every quantity of the registry, batches as single states, threads, speed."""
 
+import json
 import os
 import pickle
+import resource
 import threading
 import time
 import unittest
@@ -29,48 +31,77 @@ def best_time(call, rounds=30, calls=300):
 class Mahru(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.keywords = dict(base="floating", outputs=["mass_matrix", "bias", "forward_dynamics"])
-        start = time.perf_counter()
+        cls.keywords = dict(base="floating", outputs=["mass_matrix", "bias"])
+        start, before = time.perf_counter(), resource.getrusage(resource.RUSAGE_CHILDREN)
         cls.robot = dalembert.load(robots.mahru, **cls.keywords)
-        cls.first_load = time.perf_counter() - start
+        cls.first_load, after = time.perf_counter() - start, resource.getrusage(resource.RUSAGE_CHILDREN)
+        cls.first_cores = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
         rng = np.random.default_rng(33)
         cls.Q = cls.robot.random(rng, 64)
         cls.V = rng.uniform(-2, 2, (64, cls.robot.nv))
-        cls.TAU = rng.uniform(-20, 20, (64, cls.robot.nv))
 
     def test_the_same_bits_as_the_generated_folder(self):
-        """robot.source is what ran: compiled and called as C, it gives these bits; so does each output's own folder."""
-        whole = robots.CFunctions(self.robot.source)
-        alone = robots.CFunctions(self.robot.source.parent / f"mass_matrix_of_{self.robot.source.name}")
-        nv = self.robot.nv
-        for q, v, tau in zip(self.Q[:8], self.V, self.TAU):
+        """robot.source is what several quantities in one call are: compiled and called as C, it gives these bits. A quantity alone is
+        the folder that source_of() names. Of batches, too: the C++ batch's bits, in the time that it takes."""
+        r = self.robot
+        self.assertEqual(r.source_of("mass_matrix").name, f"mass_matrix_of_{r.source.name}")
+        whole, alone = robots.CFunctions(r.source, batches=False), robots.CFunctions(r.source_of("mass_matrix"))
+        nv = r.nv
+        for q, v in zip(self.Q[:8], self.V):
             whole.call("evaluate", q, v)
-            together = self.robot.evaluate(q, v)
+            together = r.evaluate(q, v)
             for name, columns in (("mass_matrix", nv), ("bias", 1)):
                 self.assertEqual(getattr(together, name).tobytes(), np.ascontiguousarray(whole.result(name, nv, columns)).tobytes())
-            whole.call("forward_dynamics", q, v, tau)
-            self.assertEqual(self.robot.forward_dynamics(q, v, tau).tobytes(),
-                             np.ascontiguousarray(whole.result("forward_dynamics_result", nv, 1)).tobytes())
             alone.call("evaluate", q, v)
-            self.assertEqual(self.robot.mass_matrix(q).tobytes(), np.ascontiguousarray(alone.result("mass_matrix", nv, nv)).tobytes())
+            self.assertEqual(r.mass_matrix(q).tobytes(), np.ascontiguousarray(alone.result("mass_matrix", nv, nv)).tobytes())
+        n = 4096
+        Q = np.tile(self.Q, (n // 64, 1))
+        expected, result = np.empty((n, nv, nv)), np.empty((n, nv, nv))
+        in_c = alone.batch("evaluate", Q, None, None, expected)
+        in_c()
+        r.mass_matrix(Q, out=result)
+        self.assertEqual(result.tobytes(), expected.tobytes())
+        before = dalembert.threads()
+        dalembert.threads(1)
+        times = ([], [])
+        for _ in range(30):  # side by side, so that whoever else computes slows both
+            for call, taken in ((in_c, times[0]), (lambda: r.mass_matrix(Q, out=result), times[1])):
+                start = time.perf_counter()
+                call()
+                taken.append(time.perf_counter() - start)
+        dalembert.threads(before)
+        ratio = min(times[1]) / min(times[0])
+        print(f"MAHRU: M of {n} states on one thread: {min(times[1]) / n * 1e9:.0f} ns a state, {ratio:.3f} of the C++ batch")
+        self.assertLess(ratio, 1.1)
 
-    def test_batches_are_single_states(self):
+    def test_a_state_has_the_same_bits_wherever_it_stands(self):
         r = self.robot
-        Q, V, TAU = (np.tile(x, (65, 1)) for x in (self.Q, self.V, self.TAU))  # enough for threads
-        for function, arguments in ((r.mass_matrix, (Q,)), (r.bias, (Q, V)), (r.forward_dynamics, (Q, V, TAU))):
+        Q, V = (np.tile(x, (65, 1)) for x in (self.Q, self.V))  # enough for threads
+        for function, arguments in ((r.mass_matrix, (Q,)), (r.bias, (Q, V))):
             many = function(*arguments)
             for s in (0, 1, 63, 64, 2000, len(Q) - 1):
-                self.assertEqual(many[s].tobytes(), function(*(x[s] for x in arguments)).tobytes())
+                one = function(*(x[s] for x in arguments))
+                self.assertEqual(many[s].tobytes(), function(*(x[s:s + 1] for x in arguments))[0].tobytes())
+                self.assertLess(np.abs(many[s] - one).max(), 1e-11 * np.abs(one).max())  # a call's, to rounding
             self.assertEqual(many[:64].tobytes(), many[-64:].tobytes())
-        one_v = r.bias(Q[:64], V[0])
-        self.assertEqual(one_v.tobytes(), r.bias(Q[:64], np.tile(V[0], (64, 1))).tobytes())
-        M, h = r.evaluate(Q[:64], V[:64])
+            self.assertEqual(many[::-3].tobytes(), function(*(x[::-3] for x in arguments)).tobytes())
+            wide = [np.hstack([x, x])[:, :x.shape[1]] for x in arguments]  # rows apart
+            self.assertEqual(many.tobytes(), function(*wide).tobytes())
+        self.assertEqual(r.bias(Q[:130], V[0]).tobytes(), r.bias(Q[:130], np.tile(V[0], (130, 1))).tobytes())
+
+    def test_state_by_state_where_batches_are_not_wanted(self):
+        r = dalembert.load(robots.robot("double_pendulum"), base="fixed", outputs=["mass_matrix", "bias"], batch=False, flags=robots.quick)
+        rng = np.random.default_rng(4)
+        Q, V = r.random(rng, 300), rng.normal(size=(300, r.nv))
+        M, h = r.evaluate(Q, V)
         self.assertEqual(M[5].tobytes(), r.evaluate(Q[5], V[5]).mass_matrix.tobytes())
-        self.assertEqual(h.shape, (64, r.nv))
+        self.assertEqual(h.shape, (300, r.nv))
+        self.assertEqual(r.bias(Q, V)[299].tobytes(), r.bias(Q[299], V[299]).tobytes())
+        self.assertEqual(list(r.source.parent.parent.glob("batches_*.so")), [])
 
     def test_ten_threads_call_one_robot(self):
-        r, expected = self.robot, [self.robot.bias(q, v) for q, v in zip(self.Q, self.V)]
-        batch = self.robot.bias(self.Q, self.V)
+        r = self.robot
+        expected, batch = [r.bias(*x) for x in zip(self.Q, self.V)], r.bias(self.Q, self.V)
         wrong = []
 
         def work(seed):
@@ -91,28 +122,33 @@ class Mahru(unittest.TestCase):
 
     def test_a_child_of_fork_computes_too(self):
         r = self.robot
-        Q, V = np.tile(self.Q, (64, 1)), np.tile(self.V, (64, 1))
-        expected = r.bias(Q, V)  # the threads are there
+        Q = np.tile(self.Q, (64, 1))
+        expected, one = r.mass_matrix(Q), r.mass_matrix(Q[0])  # the threads are there
         child = os.fork()
         if child == 0:
-            os._exit(0 if np.array_equal(r.bias(Q, V), expected) and np.array_equal(r.bias(Q[0], V[0]), expected[0]) else 1)
+            os._exit(0 if np.array_equal(r.mass_matrix(Q), expected) and np.array_equal(r.mass_matrix(Q[0]), one) else 1)
         self.assertEqual(os.waitpid(child, 0)[1], 0)
 
     def test_pickled_it_is_loaded_again(self):
         start = time.perf_counter()
         again = pickle.loads(pickle.dumps(self.robot))
         self.assertLess(time.perf_counter() - start, self.first_load / 3)
-        self.assertEqual(again.bias(self.Q, self.V).tobytes(), self.robot.bias(self.Q, self.V).tobytes())
+        self.assertEqual(again.mass_matrix(self.Q).tobytes(), self.robot.mass_matrix(self.Q).tobytes())
 
     def test_the_second_load_is_quick(self):
-        # Under 50 ms on a core of one's own; here the least of several, with room for whoever else is computing.
-        times = []
+        # Under 50 ms of a core, the generator's time among it: what others compute meanwhile does not count.
+        spent = lambda: sum(resource.getrusage(who).ru_utime + resource.getrusage(who).ru_stime
+                            for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
+        times, cores = [], []
         for _ in range(10):
-            start = time.perf_counter()
+            start, before = time.perf_counter(), spent()
             dalembert.load(robots.mahru, **self.keywords)
             times.append(time.perf_counter() - start)
-        print(f"MAHRU: first load {self.first_load:.1f} s, second {min(times) * 1e3:.1f} ms")
-        self.assertLess(min(times), 0.2)
+            cores.append(spent() - before)
+        print(f"MAHRU: first load {self.first_load:.1f} s, {self.first_cores:.1f} s of a core; second {min(times) * 1e3:.1f} ms, "
+              f"{min(cores) * 1e3:.1f} ms of a core")
+        self.assertLess(min(cores), 0.05)
+        self.assertLess(self.first_cores, 30)  # 15 s on two cores of one's own
 
     def test_what_a_call_costs(self):
         r, q, v = self.robot, self.Q[0], self.V[0]
@@ -120,33 +156,31 @@ class Mahru(unittest.TestCase):
         mass_matrix = r.mass_matrix
         call = best_time(lambda: mass_matrix(q, out=out)) - best_time(lambda: None)
         small = best_time(lambda: r.bias(q, v)) - best_time(lambda: None)
-        n = 4096
-        Q = np.tile(self.Q, (64, 1))
-        OUT = np.empty((n, r.nv, r.nv))
+        one_by_one = dalembert.load(robots.mahru, batch=False, **self.keywords)
+        n = 1024
+        Q, OUT = np.tile(self.Q, (n // 64, 1)), np.empty((n, r.nv, r.nv))
         before = dalembert.threads()
         dalembert.threads(1)
-        batch = best_time(lambda: r.mass_matrix(Q, out=OUT), 10, 1) / n
+        in_c = best_time(lambda: one_by_one.mass_matrix(Q, out=OUT), 20, 1) / n
         dalembert.threads(before)
-        print(f"MAHRU: M with out= {call * 1e9:.0f} ns, bias {small * 1e9:.0f} ns, M in a batch of {n} on one thread {batch * 1e9:.0f} ns "
-              f"a state")
-        self.assertLess(call - batch, 5e-6)  # 1 µs on a core of one's own
+        print(f"MAHRU: M with out= {call * 1e9:.0f} ns, {in_c * 1e9:.0f} ns of them the function's; bias {small * 1e9:.0f} ns")
+        self.assertLess(call, 6e-6)  # 1.2 µs on a core of one's own
+        self.assertLess(call - in_c, 5e-6)  # 1 µs likewise
 
 
 class Eval(unittest.TestCase):
-    # What is solved for may be found in another way there, and is the same to rounding.
-    def test_the_same_numbers_as_eval(self):
-        urdf = robots.robot("skew_axes")
-        robot = dalembert.load(urdf, base="fixed", outputs=["mass_matrix", "bias", "forward_dynamics"])
+    def test_the_same_bits_as_eval(self):
+        """Of one state, and of a batch those of eval's engine `batch`."""
+        urdf, flags = robots.robot("skew_axes"), "-O1 -std=c++17"
+        robot = dalembert.load(urdf, base="fixed", outputs=["mass_matrix", "bias", "forward_dynamics"], flags=flags)
         rng = np.random.default_rng(8)
         n = 5
         q, v, tau = robot.random(rng, n), rng.normal(size=(n, robot.nv)), rng.normal(size=(n, robot.nv))
-        for name, arguments in (("mass_matrix", (q, v)), ("bias", (q, v)), ("forward_dynamics", (q, v, tau))):
-            expected = robots.eval_lines(urdf, name, np.hstack(arguments), "--base", "fixed", "--engine", "generated")
-            result = robot[name](*arguments).reshape(n, -1)
-            if name == "forward_dynamics":
-                np.testing.assert_allclose(result, expected, rtol=0, atol=1e-12 * np.abs(expected).max())
-            else:
-                self.assertEqual(result.tolist(), expected, name)
+        states, options = np.hstack((q, v, tau)), ("--base", "fixed", "--flags", flags, "--engine")
+        expected = robots.eval_lines(urdf, "forward_dynamics", states, *options, "generated")
+        self.assertEqual([robot.forward_dynamics(*state).tolist() for state in zip(q, v, tau)], expected)
+        expected = robots.eval_lines(urdf, "forward_dynamics", states, *options, "batch")
+        self.assertEqual(robot.forward_dynamics(q, v, tau).tolist(), expected)
 
 
 class Registry(unittest.TestCase):
@@ -154,9 +188,14 @@ class Registry(unittest.TestCase):
 
     def test_every_quantity(self):
         urdf, link = robots.robot("double_pendulum"), "link_02"
-        robot = dalembert.load(urdf, base="floating", outputs=list(dalembert.quantities()),
-                               frames={link: list(dalembert.link_quantities())}, contacts={link: "weld"}, flags=robots.quick)
-        names = [*dalembert.quantities(), *(f"{q}_{link}" for q in dalembert.link_quantities())]
+        frames = {link: list(dalembert.link_quantities()),
+                  "sole": {"link": link, "at": [0.1, -0.2, 0.3, 0.4, 0, -0.5], "outputs": ["pose", "jacobian_mixed"]}}
+        ours = [{"mass_matrix": "crba", "bias": "nle"}.get(name, name) for name in dalembert.quantities()]  # the field's names
+        robot = dalembert.load(urdf, base="floating", outputs=ours, frames=frames,
+                               contacts={link: "weld"}, flags=robots.quick, batch=False)
+        names = [*dalembert.quantities(), *(f"{q}_{link}" for q in dalembert.link_quantities()), "pose_sole",
+                 "jacobian_mixed_sole"]
+        self.assertIn("sole", robot.frame_names)
         self.assertGreater(len(names), 25)
         rng = np.random.default_rng(1)
         n = 3
@@ -168,7 +207,8 @@ class Registry(unittest.TestCase):
                 function = robot[name]
                 values = function(q, v, more) if takes else function(q, v)
                 expected = np.array(robots.eval_lines(urdf, name, states, "--base", "floating", "--contacts",
-                                                          f"{link}=weld", "--engine", "generic"))
+                                                          f"{link}=weld", "--frames", json.dumps(frames), "--engine",
+                                                          "generic"))
                 self.assertEqual(values.shape[0], n)
                 self.assertEqual(values.size, expected.size)
                 scale = np.abs(expected).max()

@@ -11,7 +11,7 @@ import tempfile
 project = pathlib.Path(os.environ["DALEMBERT_TEST_PROJECT"])
 mahru = project / "examples/mahru/mahru.urdf"
 
-# Compiled anew in each run, but where a developer names a cache to keep: what is tested is what this build makes.
+# The tests' own cache, which they share: what several load is compiled once. The suite begins with an empty one.
 cache = os.environ.get("DALEMBERT_TEST_CACHE") or tempfile.mkdtemp(prefix="dalembert.python.")
 os.environ["XDG_CACHE_HOME"] = cache
 if not os.environ.get("DALEMBERT_TEST_CACHE"):
@@ -46,13 +46,15 @@ def include_folders():
 class CFunctions:
     """A folder of generated code, compiled as docs tell users to and called through its C interface."""
 
-    def __init__(self, folder):
+    def __init__(self, folder, batches=True):
         self.name = folder.name
-        library = pathlib.Path(cache) / f"{folder.name}.so"
-        subprocess.run(["c++", "-O3", "-march=native", "-std=c++17", "-shared", "-fPIC",
-                        *(word for include in include_folders() for word in ("-isystem", include)),
-                        str(folder / "dynamics.cpp"), str(folder / "c_api.cpp"), "-o", str(library)], check=True)
-        self.library = ctypes.CDLL(str(library))
+        with tempfile.TemporaryDirectory(prefix="dalembert.c.") as temporary:
+            library = pathlib.Path(temporary) / "code.so"
+            sources = [str(folder / name) for name in ("dynamics.cpp", "c_api.cpp") + (("batch.cpp",) if batches else ())]
+            subprocess.run(["c++", "-O3", "-march=native", "-std=c++17", "-shared", "-fPIC",
+                            *(word for include in include_folders() for word in ("-isystem", include)), *sources, "-o", str(library)],
+                           check=True)
+            self.library = ctypes.CDLL(str(library))
         self.workspace = ctypes.c_void_p(self._function("create", ctypes.c_void_p)())
 
     def _function(self, name, result=None):
@@ -67,3 +69,15 @@ class CFunctions:
         import numpy
         at = self._function(name, ctypes.POINTER(ctypes.c_double))(self.workspace)
         return numpy.ctypeslib.as_array(at, (rows * columns,)).reshape(columns, rows).T.copy()
+
+    def batch(self, function, q, v, more, *results):
+        """A call that computes results of as many states as q has rows, in the order of c_api.h."""
+        pointer = lambda array: ctypes.c_void_p(None if array is None else array.ctypes.data)
+        into = (ctypes.c_void_p * len(results))(*(r.ctypes.data for r in results))
+        called, arguments = self._function(f"batch_{function}", ctypes.c_int), (
+            pointer(q), pointer(v), pointer(more), ctypes.c_size_t(len(q)), into, None, None)
+
+        def call():
+            if called(*arguments) != 0:
+                raise RuntimeError(f"{function}: a batch was refused")
+        return call

@@ -24,7 +24,7 @@ OUTPUTS = ["mass_matrix", "inverse_mass_matrix", "inverse_dynamics", "inverse_dy
 
 class Gradients(unittest.TestCase):
     def check(self, base):
-        robot = dalembert.load(robots.robot("double_pendulum"), base=base, outputs=OUTPUTS, flags=robots.quick)
+        robot = dalembert.load(robots.robot("double_pendulum"), base=base, outputs=OUTPUTS, flags=robots.quick, batch=False)
         rng = np.random.default_rng(2)
         for n in (None, 3):
             rows = () if n is None else (n,)
@@ -50,12 +50,12 @@ class Gradients(unittest.TestCase):
         self.check("floating")
 
     def test_what_is_missing_is_said(self):
-        robot = dalembert.load(robots.robot("pendulum"), base="fixed", outputs=["forward_dynamics"], flags=robots.quick)
+        robot = dalembert.load(robots.robot("pendulum"), base="fixed", outputs=["mass_matrix"], flags=robots.quick, batch=False)
         one = torch.zeros(1, dtype=torch.float64)
         self.assertRaisesRegex(KeyError, "forward_dynamics_dq.* is missing", forward_dynamics, robot, one, one, one)
 
     def test_tensors_share_their_memory(self):
-        robot = dalembert.load(robots.robot("pendulum"), base="fixed", outputs=["mass_matrix"], flags=robots.quick)
+        robot = dalembert.load(robots.robot("pendulum"), base="fixed", outputs=["mass_matrix"], flags=robots.quick, batch=False)
         q = torch.zeros(4, 1, dtype=torch.float64)
         out = torch.empty(4, 1, 1, dtype=torch.float64)
         robot.mass_matrix(q, out=out.numpy())

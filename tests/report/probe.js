@@ -20,8 +20,12 @@
     scroll_width: document.documentElement.scrollWidth,
     paper: getComputedStyle(document.body).backgroundColor,
     loose,
-    figures: [...document.querySelectorAll(".figure")].map((e) => ({row: row_of(e), text: e.textContent, box: shown(e)})),
-    words: [...document.querySelectorAll("[data-row]:not(.figure):not(path)")].map((e) => ({row: row_of(e), text: e.textContent})),
+    figures: [...document.querySelectorAll(".figure")].map((e) => ({
+      row: row_of(e), text: e.textContent, unit: e.nextElementSibling?.textContent ?? "", box: shown(e)})),
+    words: [...document.querySelectorAll("[data-row]:not(.figure):not(path)")].map((e) => ({
+      row: row_of(e), text: e.textContent, box: shown(e), in_verdict: e.closest("#verdict") !== null,
+      colour: getComputedStyle(e.parentElement).backgroundColor})),
+    first_case: document.querySelector("#stability tbody th")?.textContent ?? "",
     chips: [...document.querySelectorAll("[data-verdict-row]")].map((e) => ({
       row: e.getAttribute("data-verdict-row"), classes: e.getAttribute("class"), colour: getComputedStyle(e).backgroundColor})),
     fronts: [...document.querySelectorAll(".pareto li")].map((e) => e.textContent),

@@ -13,6 +13,7 @@ import json
 import math
 import os
 import pathlib
+import pty
 import re
 import shutil
 import signal
@@ -23,6 +24,7 @@ import time
 dalembert, browser, robot, work, flags = *sys.argv[1:4], pathlib.Path(sys.argv[4]), sys.argv[5]
 probe_script = (pathlib.Path(__file__).parent / "probe.js").read_text()
 columns = ["section", "case", "quantity", "variant", "metric", "value", "unit"]
+os.environ["DALEMBERT_PINOCCHIO"] = "none"  # the same everywhere
 quantities = ["coriolis_matrix", "gravity"]
 command = [dalembert, "report", robot, "--base", "floating", "--outputs", ",".join(quantities), "--quick",
            "--flags", f"-O1 -march=native -std=c++17 {flags}", "-o", str(work / "out")]
@@ -116,6 +118,10 @@ def check_rows(rows):
     demand(len(steps) == 12 and steps["springs of 1e+09", "linearly implicit"] == 8e-3 and
            0 < steps["springs of 1e+09", "RK4"] < 1e-4 < steps["springs of 1e+03", "RK4"], f"{steps}")
     numbers = {f"{float(row['value']):{form}}" for row in rows if row["unit"] for form in (".2g", ".3g", "g")}
+    numbers |= {f"{float(row['value']) / 1000:.3g}" for row in rows if row["unit"] == "ns" and float(row["value"]) >= 999.5}
+    said = [row["metric"] for row in rows if row["section"] == "verdict"]
+    order = ["goes_badly", "beside_peers", "goes_well", "weakest", "of_a_quantity"]
+    demand(said == sorted(said, key=order.index) and "beside_peers" in said, f"the verdict says {said}")
     for row in rows:
         if row["section"] == "verdict":
             cases = {r["case"] for r in rows if r["section"] == "stability"}
@@ -142,11 +148,21 @@ def check_others(rows):
     chosen = only(rows, **of, variant=form, metric="time_median")
     times = float(only(rows, **of, variant=form, metric="times_faster_than_mujoco"))
     demand(abs(times - slower / float(chosen)) < 1e-9 * times, f"{slower} over {chosen} is not {times}")
-    said = [row["value"] for row in rows if row["section"] == "verdict" and "MuJoCo" in row["value"]]
+    said = [row["value"] for row in rows if row["metric"] == "of_a_quantity" and "MuJoCo" in row["value"]]
     demand(len(said) == 1 and said[0].startswith("g: ") and f"{times:.3g} times" in said[0], f"the verdict says {said}")
+    demand(only(rows, metric="beside_peers") == f"{times:.3g} times as fast as MuJoCo (g).", "the verdict is of another peer")
+    demand(not any("generic" in row["value"] for row in rows if row["section"] == "verdict"), "the verdict is against ourselves")
     together = {"section": "rounding", "quantity": "all", "variant": "task graph"}
     demand(float(only(rows, **together, metric="time_median")) > 0, "the task graph takes no time")
     demand(only(rows, **together, metric="elements_changed") == "0", "the task graph computes something else")
+
+
+def read_or_end(screen):
+    """What a terminal shows, until nobody writes to it."""
+    try:
+        return os.read(screen, 65536)
+    except OSError:
+        return b""
 
 
 def without_others():
@@ -162,10 +178,17 @@ done
 exec c++ "$@"
 """)
     compiler.chmod(0o755)
+    screen, terminal = pty.openpty()  # on a terminal one line tells how far it is, and is gone at the end
     run = subprocess.run([dalembert, "report", robot, "--base", "fixed", "--outputs", "gravity", "--quick", "--compiler",
                           str(compiler), "--flags", f"-O0 -std=c++17 {flags}", "-o", str(work / "without")],
-                         capture_output=True, text=True, timeout=300)
-    demand(run.returncode == 0, f"exit status {run.returncode} without MuJoCo: {run.stdout}{run.stderr}")
+                         stdout=subprocess.PIPE, stderr=terminal, text=True, timeout=300)
+    os.close(terminal)
+    shown = b""
+    while chunk := read_or_end(screen):
+        shown += chunk
+    shown = shown.decode()
+    demand(run.returncode == 0, f"exit status {run.returncode} without MuJoCo: {run.stdout}{shown}")
+    demand(shown.count("report: ") > 10 and "\n" not in shown and shown.endswith("\r\033[K"), f"the terminal shows {shown!r}")
     rows = read_rows((work / "without" / "report.csv").read_text())
     compared = only(rows, metric="compared_with")
     demand("not with MuJoCo, which is not found (cannot find -lmujoco: no such file): install" in compared,
@@ -205,7 +228,10 @@ def check_page(page, rows, seen):
 
     demand(len(seen["figures"]) > 100, "there are few figures")
     for figure in seen["figures"]:
-        demand(figure["text"] == rounded(rows[int(figure["row"])]["value"]), f"{figure} is not of {rows[int(figure['row'])]}")
+        row = rows[int(figure["row"])]
+        in_microseconds = row["unit"] == "ns" and float(row["value"]) >= 999.5 and figure["unit"] == " µs"
+        value = str(float(row["value"]) / 1000) if in_microseconds else row["value"]
+        demand(figure["text"] == rounded(value), f"{figure} is not of {row}")
         left, top, right, bottom = figure["box"]
         demand(right > left and bottom > top, f"{figure} is not to be seen")
     symbols = {"g": "gravity", "C": "coriolis_matrix"}
@@ -281,6 +307,30 @@ def shows_what_was_violated(page, rows):
            "the page does not say what was violated")
 
 
+def begins_with_what_goes_badly(page, rows):
+    """A case made to go badly is the first thing seen, and marked, on every screen; and the first row of the matrix."""
+    words, why = "Goes badly in double: made up (gravity: made to).", "made to"
+    case = {"section": "stability", "case": "made up", "quantity": "gravity", "variant": "generated double"}
+    new = list(rows)
+    last = max(i for i, row in enumerate(new) if row["section"] == "stability")
+    new[last + 1:last + 1] = [dict(case, metric="ulp_worst", value="1e9", unit="ulp"), dict(case, metric="verdict", value="bad", unit=""),
+                              dict(case, metric="violated", value=why, unit="")]
+    first = min(i for i, row in enumerate(new) if row["section"] == "verdict")
+    new.insert(first, {"section": "verdict", "case": "", "quantity": "", "variant": "", "metric": "goes_badly", "value": words, "unit": ""})
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerows([columns] + [[row[c] for c in columns] for row in new])
+    bad = re.sub(r'(?m)^const report_csv = ".*";$', lambda _: f"const report_csv = {json.dumps(text.getvalue())};".replace("<", "\\u003c"),
+                 page)
+    for width, scheme in [(360, "light"), (360, "dark"), (1200, "light"), (1200, "dark")]:
+        seen = look(bad, width, scheme)
+        check_page(bad, new, seen)
+        said = [word for word in seen["words"] if word["in_verdict"]]
+        demand(said[0]["text"] == words and said[0]["box"][3] < 900, f"first of all the page says {said[0]}")
+        demand(said[0]["colour"] != seen["paper"] and said[0]["colour"] != "rgba(0, 0, 0, 0)", "what goes badly is not marked")
+        demand(all(said[0]["box"][1] <= word["box"][1] for word in said), "something stands above what goes badly")
+        demand(seen["first_case"] == "made up", f"the matrix begins with {seen['first_case']}")
+
+
 def interrupt():
     """An interrupted run leaves what was there."""
     before = {path.name: path.read_bytes() for path in (work / "out").iterdir()}
@@ -317,6 +367,7 @@ def main():
     must_find(page, rows, lambda p: p.replace("main { max-width", "main { min-width: 500px; max-width"), "the page is too wide")
     must_find(page, rows, lambda p: p.replace('"chip " + verdict.value', '"chip weak"'), "a verdict is another")
     shows_what_was_violated(page, rows)
+    begins_with_what_goes_badly(page, rows)
     interrupt()
     without_others()
     stiff_series()

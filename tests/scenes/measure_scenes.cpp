@@ -1,4 +1,5 @@
-// Writes docs/scenes.md: operations, time, bytes and error of each scene example, measured here and now.
+// Writes the part of docs/performance.md between "<!-- scenes -->" and "<!-- /scenes -->": operations, time, bytes and error of
+// each scene example, measured here and now.
 //
 // Times are processor times of one thread, so that others on the machine count as little as possible: the median of many short
 // batches, the examples taking turns, with the distance between the quartiles as spread.
@@ -10,6 +11,7 @@
 #include <cstdlib>
 #include <ctime>
 #include <fstream>
+#include <iterator>
 #include <map>
 #include <string>
 
@@ -85,7 +87,7 @@ std::string page() {
   if (getloadavg(load, 1) < 1) load[0] = 0;
   const Times times = measure();
   std::string text = fmt::format(
-      "# What scenes save\n\n"
+      "## What scenes save\n\n"
       "Written by `cmake --build build/release --target scenes_page` on {}: {}, one thread, load average {:.1f} before the\n"
       "measurement (0 on an idle machine); {}.\n\n"
       "The scenes are those of [examples/scenes](../examples/scenes), in the order of their cost. *Operations* are additions,\n"
@@ -120,12 +122,21 @@ std::string page() {
 
 int main(int argc, char** argv) {
   if (argc != 2) {
-    std::fputs("usage: measure_scenes FILE.md\n", stderr);
+    std::fputs("usage: measure_scenes PAGE.md\n", stderr);
+    return 2;
+  }
+  std::ifstream old(argv[1], std::ios::binary);
+  std::string page(std::istreambuf_iterator<char>(old), {});
+  const std::string from = "<!-- scenes -->\n", to = "<!-- /scenes -->";
+  const size_t begin = page.find(from), end = page.find(to);
+  if (begin == page.npos || end == page.npos) {
+    std::fprintf(stderr, "measure_scenes: %s has no place between %s and %s\n", argv[1], "<!-- scenes -->", to.c_str());
     return 2;
   }
   const std::string text = dalembert::scenes::page();
+  page.replace(begin + from.size(), end - begin - from.size(), text);
   std::ofstream file(argv[1], std::ios::binary);
-  file << text;
+  file << page;
   file.close();
   if (!file) {
     std::fprintf(stderr, "measure_scenes: cannot write %s\n", argv[1]);

@@ -205,6 +205,130 @@ TEST(AlgorithmAt, DerivativesWithWrenchesAreDifferences) {
   }
 }
 
+// A frame of the scene's own against its link's results, computed in fifty digits and moved by hand.
+TEST(AlgorithmAt, AFrameOfTheScenesOwnIsItsLinkMovedByHand) {
+  using Matrix = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
+  using Matrix3 = Eigen::Matrix<long double, 3, 3>;
+  using Vector3 = Eigen::Matrix<long double, 3, 1>;
+  using Turn = Eigen::AngleAxis<long double>;
+  const ir::RobotDescription description = robot("two_levels_of_branching");
+  for (const ir::Base base : {ir::Base::fixed, ir::Base::floating}) {
+    ir::Scene scene;
+    scene.base = base;
+    scene.outputs.clear();
+    const std::string link = description.links.back().name;
+    scene.placed = {{"sole", link, {0.1, -0.2, 0.3}, {0.4, -0.5, 2.6}}, {"heel", link, {-0.3, 0, 0.05}, {}}};
+    for (const ir::LinkQuantityRow& row : ir::link_quantities())
+      for (const std::string& name : {link, std::string("sole"), std::string("heel")})
+        scene.frames.push_back({row.quantity, name});
+    const Model model = model_of(description, scene);
+    expect_generic_values(model);
+    const State state = some_state(model.tree);
+    std::map<ir::LinkQuantity, Matrix> of_link;
+    const auto exactly = [&](const std::string& name, ir::LinkQuantity quantity) {
+      return reference::evaluate(model.tree, scene, {{std::nullopt, name, quantity}}, {state.q, state.v},
+                                 reference::Precision::digits_50)
+          .front();
+    };
+    for (const ir::LinkQuantityRow& row : ir::link_quantities())
+      of_link[row.quantity] = exactly(link, row.quantity).cast<long double>();
+    for (const ir::Frame& frame : scene.placed) {
+      SCOPED_TRACE(frame.name);
+      const Matrix3 turn = (Turn(frame.rpy.z(), Vector3::UnitZ()) * Turn(frame.rpy.y(), Vector3::UnitY()) *
+                            Turn(frame.rpy.x(), Vector3::UnitX()))
+                               .toRotationMatrix();
+      const Vector3 x = frame.xyz.cast<long double>();
+      const Matrix& pose = of_link.at(ir::LinkQuantity::pose);
+      const Matrix3 R = pose.leftCols(3);
+      // Six rows at the link's origin, or columns of them, to the frame's: the same axes, then turned.
+      const auto moved = [](const Matrix& rows, const Vector3& lever) {
+        Matrix result = rows;
+        for (Eigen::Index c = 0; c < rows.cols(); ++c) result.block<3, 1>(0, c) += Vector3(rows.block<3, 1>(3, c)).cross(lever);
+        return result;
+      };
+      const auto turned = [&](Matrix rows) {
+        rows.topRows(3) = (turn.transpose() * rows.topRows(3)).eval();
+        rows.bottomRows(3) = (turn.transpose() * rows.bottomRows(3)).eval();
+        return rows;
+      };
+      const auto expect = [&](ir::LinkQuantity quantity, const Matrix& expected) {
+        const Matrix ours = exactly(frame.name, quantity).cast<long double>();
+        EXPECT_LE((ours - expected).cwiseAbs().maxCoeff(), 1e-15L * std::max(expected.cwiseAbs().maxCoeff(), 1.0L))
+            << ir::row_of(quantity).name;
+      };
+      Matrix placed(3, 4);
+      placed << R * turn, R * x + pose.col(3);
+      expect(ir::LinkQuantity::pose, placed);
+      for (const auto quantity : {ir::LinkQuantity::twist, ir::LinkQuantity::jacobian, ir::LinkQuantity::acceleration_bias})
+        expect(quantity, turned(moved(of_link.at(quantity), x)));
+      for (const auto quantity : {ir::LinkQuantity::jacobian_world, ir::LinkQuantity::acceleration_bias_world})
+        expect(quantity, of_link.at(quantity));
+      expect(ir::LinkQuantity::jacobian_mixed, moved(of_link.at(ir::LinkQuantity::jacobian_mixed), R * x));
+      const Vector3 w = R * of_link.at(ir::LinkQuantity::twist).bottomRows(3);
+      Matrix bias = moved(of_link.at(ir::LinkQuantity::acceleration_bias_mixed), R * x);
+      bias.topRows(3) += w.cross(w.cross(R * x));
+      expect(ir::LinkQuantity::acceleration_bias_mixed, bias);
+    }
+  }
+}
+
+// What is done to a frame of the scene's own is the same done to its link elsewhere.
+TEST(AlgorithmAt, AFrameOfTheScenesOwnIsPushedLoadedAndHeldAsItsLinkIs) {
+  const ir::RobotDescription description = robot("two_levels_of_branching");
+  const std::string link = description.links.back().name;
+  const ir::Frame sole{"sole", link, {0.1, -0.2, 0.3}, {0.4, -0.5, 2.6}};
+  const Eigen::Matrix3d turn = sole.in_link().linear();
+  ir::Scene scene;
+  scene.placed = {sole};
+  scene.outputs = {ir::Quantity::inverse_dynamics, ir::Quantity::inverse_dynamics_dq, ir::Quantity::mass_matrix,
+                   ir::Quantity::constraint_jacobian, ir::Quantity::constraint_bias};
+  for (const bool in_world : {false, true}) {
+    ir::Scene by_link = scene, by_frame = scene;
+    by_frame.payloads = by_frame.jacobians = {"sole"};
+    by_link.payloads = {link};
+    by_frame.wrenches = {{"sole", in_world}};
+    by_link.wrenches = {{link, in_world}};
+    by_frame.contacts = {{"foot", "sole", ir::ContactType::weld, {0.1, 0, 0}, in_world}};
+    by_link.contacts = {{"foot", link, ir::ContactType::weld, sole.in_link() * Eigen::Vector3d(0.1, 0, 0), in_world}};
+    const Model framed = model_of(description, by_frame), linked = model_of(description, by_link);
+    expect_generic_values(framed, tool);
+    State at_frame = some_state(framed.tree), at_link = at_frame;
+    ir::KinematicTree loaded = linked.tree;
+    Payload moved = tool;
+    const Eigen::Vector3d center = sole.in_link() * Eigen::Vector3d(tool[1], tool[2], tool[3]);
+    std::copy(center.begin(), center.end(), &moved[1]);
+    Eigen::Matrix3d inertia;
+    inertia << tool[4], tool[5], tool[6], tool[5], tool[7], tool[8], tool[6], tool[8], tool[9];
+    inertia = (turn * inertia * turn.transpose()).eval();
+    std::copy_n(std::array{inertia(0, 0), inertia(0, 1), inertia(0, 2), inertia(1, 1), inertia(1, 2), inertia(2, 2)}.begin(), 6,
+                &moved[4]);
+    Model loaded_frame = framed, loaded_link = linked;
+    loaded_frame.tree = welded(framed.tree, "sole", tool);
+    loaded_link.tree = welded(linked.tree, link, moved);
+    const auto generic = [](const Model& model, ir::Quantity quantity, const State& state) {
+      return evaluate_generic(model, output_named(model, std::string(ir::name_of(quantity))), state);
+    };
+    const Eigen::Vector3d force = at_frame.wrenches.head<3>(), moment = at_frame.wrenches.tail<3>();
+    if (in_world) {
+      Model frames = framed;
+      const Eigen::MatrixXd pose = evaluate_generic(frames, output_named(frames, "pose_" + link), at_frame);
+      at_link.wrenches << force, moment + Eigen::Vector3d(pose.leftCols(3) * sole.xyz).cross(force);
+    } else {
+      at_link.wrenches << turn * force, turn * moment + sole.xyz.cross(turn * force);
+    }
+    for (const ir::Quantity quantity : scene.outputs) {
+      // A wrench along the world's axes keeps to its point: what that adds differs between the two points.
+      if (in_world && quantity == ir::Quantity::inverse_dynamics_dq) continue;
+      Eigen::MatrixXd theirs = generic(loaded_link, quantity, at_link);
+      if (in_world && !theirs.isZero() && theirs.rows() == 6)  // rows along the contact's own axes
+        for (Eigen::Index block : {0, 3}) theirs.middleRows(block, 3) = (turn.transpose() * theirs.middleRows(block, 3)).eval();
+      EXPECT_LE((generic(loaded_frame, quantity, at_frame) - theirs).cwiseAbs().maxCoeff(),
+                1e-12 * std::max(theirs.cwiseAbs().maxCoeff(), 1.0))
+          << ir::name_of(quantity) << (in_world ? ", world" : ", link");
+    }
+  }
+}
+
 TEST(AlgorithmAt, APayloadOnALinkWithoutMassMayBeEmpty) {
   ir::RobotDescription chain = robot("chain_7");
   chain.links.back().inertia.reset();

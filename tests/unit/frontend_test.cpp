@@ -4,6 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 #include <cstdlib>
+#include <iterator>
 #include <locale>
 
 #include "frontend/nearest.hpp"
@@ -134,6 +135,102 @@ TEST(UrdfReader, PassesOverGeometryAndMissingLimits) {
     <drake:declare_convex xmlns:drake="d"/></robot>)",
                            warnings);
   EXPECT_TRUE(warnings.empty()) << to_string(warnings.front());
+}
+
+// Each answered with the right name, and where two are as right with both.
+TEST(Suggestion, FindsWhatWasMeant) {
+  const std::vector<std::string> quantities{"mass_matrix",
+                                            "coriolis_matrix",
+                                            "gravity",
+                                            "bias",
+                                            "wrench_influence",
+                                            "kinetic_energy",
+                                            "potential_energy",
+                                            "center_of_mass",
+                                            "center_of_mass_jacobian",
+                                            "momentum_matrix",
+                                            "momentum_bias",
+                                            "inverse_mass_matrix",
+                                            "mass_matrix_factor",
+                                            "inverse_dynamics",
+                                            "inverse_dynamics_dq",
+                                            "inverse_dynamics_dv",
+                                            "regressor",
+                                            "forward_dynamics",
+                                            "forward_dynamics_dq",
+                                            "forward_dynamics_dv",
+                                            "constrained_forward_dynamics",
+                                            "constraint_forces",
+                                            "constraint_jacobian",
+                                            "delassus_matrix",
+                                            "impact",
+                                            "crba",
+                                            "rnea",
+                                            "aba",
+                                            "com",
+                                            "com_jacobian"},
+      links{"base",       "head",      "left_foot",         "right_foot",         "left_hand",
+            "right_hand", "left_shin", "left_hip_yaw_link", "right_hip_yaw_link", "left_shoulder_pitch_link"},
+      joints{"waist",     "left_hip_yaw", "left_hip_roll", "left_hip_pitch",
+             "left_knee", "right_knee",   "left_elbow",    "right_elbow"},
+      keys{"gravity", "outputs", "locked", "frames", "payloads", "wrenches", "contacts", "damping", "friction", "armature"};
+  struct Misspelt {
+    const char* name;
+    const std::vector<std::string>& among;
+    const char* meant;
+  };
+  const Misspelt all[] = {{"mass_matirx", quantities, "'mass_matrix'"},
+                          {"massmatrix", quantities, "'mass_matrix'"},
+                          {"MassMatrix", quantities, "'mass_matrix'"},
+                          {"mass-matrix", quantities, "'mass_matrix'"},
+                          {"mass", quantities, "'mass_matrix' or 'center_of_mass'"},
+                          {"coriolis", quantities, "'coriolis_matrix'"},
+                          {"coriolis_matirx", quantities, "'coriolis_matrix'"},
+                          {"gravty", quantities, "'gravity'"},
+                          {"gravity_vector", quantities, "'gravity'"},
+                          {"forward_dynamic", quantities, "'forward_dynamics'"},
+                          {"forwad_dynamics", quantities, "'forward_dynamics'"},
+                          {"fwd_dynamics", quantities, "'forward_dynamics'"},
+                          {"inv_dynamics", quantities, "'inverse_dynamics'"},
+                          {"dynamics_inverse", quantities, "'inverse_dynamics'"},
+                          {"inverse_dynamics_dq_dv", quantities, "'inverse_dynamics_dq' or 'inverse_dynamics'"},
+                          {"centre_of_mass", quantities, "'center_of_mass'"},
+                          {"center_mass", quantities, "'center_of_mass'"},
+                          {"com_jac", quantities, "'com_jacobian'"},
+                          {"momentum", quantities, "'momentum_bias' or 'momentum_matrix'"},
+                          {"energy_kinetic", quantities, "'kinetic_energy'"},
+                          {"potental_energy", quantities, "'potential_energy'"},
+                          {"rnae", quantities, "'rnea'"},
+                          {"cbra", quantities, "'crba'"},
+                          {"mass_matrix_inverse", quantities, "'inverse_mass_matrix'"},
+                          {"regresor", quantities, "'regressor'"},
+                          {"constrained_dynamics", quantities, "'constrained_forward_dynamics'"},
+                          {"constraint_force", quantities, "'constraint_forces'"},
+                          {"delassus", quantities, "'delassus_matrix'"},
+                          {"foot", links, "'left_foot' or 'right_foot'"},
+                          {"lfoot", links, "'left_foot'"},
+                          {"l_foot", links, "'left_foot'"},
+                          {"foot_left", links, "'left_foot'"},
+                          {"LeftFoot", links, "'left_foot'"},
+                          {"left_foot_link", links, "'left_foot'"},
+                          {"left_hip_link", links, "'left_hip_yaw_link'"},
+                          {"rigth_hand", links, "'right_hand'"},
+                          {"left_shoulder", links, "'left_shoulder_pitch_link'"},
+                          {"knee", joints, "'left_knee' or 'right_knee'"},
+                          {"lknee", joints, "'left_knee'"},
+                          {"left_hip", joints, "'left_hip_yaw' or 'left_hip_roll' or 'left_hip_pitch'"},
+                          {"hip_yaw_left", joints, "'left_hip_yaw'"},
+                          {"left_knee_joint", joints, "'left_knee'"},
+                          {"rigth_elbow", joints, "'right_elbow'"},
+                          {"frame", keys, "'frames'"},
+                          {"lock", keys, "'locked'"},
+                          {"joint_damping", keys, "'damping'"},
+                          {"external_wrenches", keys, "'wrenches'"}};
+  static_assert(std::size(all) >= 40);
+  for (const Misspelt& one : all)
+    EXPECT_EQ(frontend::suggestion(one.name, one.among), std::string("did you mean ") + one.meant + "?") << one.name;
+  EXPECT_EQ(frontend::suggestion("colour", keys).substr(0, 12), "choose from ");
+  EXPECT_EQ(frontend::suggestion("", {}), "there is none to choose from");
 }
 
 }  // namespace

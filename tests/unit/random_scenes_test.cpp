@@ -50,8 +50,13 @@ struct Movable {
   std::vector<std::string> joints, links;
 };
 
-ir::Scene scene_of(Draw& draw, const Movable& robot) {
+ir::Scene scene_of(Draw& draw, Movable robot) {
   ir::Scene scene;
+  if (draw.one_in(3)) {
+    scene.placed = {{"sole", draw.of(robot.links), {0.1, -0.2, 0.3}, {0.4, 0, -0.7}},
+                    {"heel", draw.of(robot.links), {0, 0, 0.1}, {}}};
+    for (const ir::Frame& frame : scene.placed) robot.links.push_back(frame.name);
+  }
   scene.base = draw.one_in(2) ? ir::Base::fixed : ir::Base::floating;
   scene.gravity = {0.7, -1.3, -9.81};
   if (draw.one_in(4)) scene.gravity_kind = ir::GravityKind::run_time;
@@ -128,6 +133,7 @@ std::string in_words(unsigned seed, const ir::Scene& scene) {
   add("friction", scene.friction);
   add("stiffness", scene.stiffness);
   add("elastic", scene.elastic);
+  for (const ir::Frame& frame : scene.placed) text += fmt::format("; frame {} on {}", frame.name, frame.link);
   for (const std::string& link : scene.payloads) text += "; payload " + link;
   for (const ir::Contact& contact : scene.contacts)
     text += fmt::format("; {} on {} along {} axes", contact.type == ir::ContactType::weld ? "weld" : "point", contact.link,

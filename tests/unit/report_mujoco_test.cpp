@@ -1,12 +1,15 @@
-// MuJoCo beside the generated code in a report: the same quantities, in our coordinates, and why not where it has them not.
+// Other programs beside the generated code in a report: the same quantities, in our coordinates, and why not where they have
+// them not.
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <robots.hpp>
 
 #include "commands/random_states.hpp"
 #include "commands/report/errors.hpp"
 #include "commands/report/mujoco.hpp"
 #include "commands/report/mujoco_model.hpp"
+#include "commands/report/pinocchio.hpp"
 #include "commands/report/subject.hpp"
 #include "commands/temporary_folder.hpp"
 #include "read_robot.hpp"
@@ -117,6 +120,68 @@ TEST(ReportMujoco, SaysThatItRefusesTheModel) {
   EXPECT_TRUE(mujoco.found());
   EXPECT_TRUE(mujoco.obstacle(outputs_of(model).front()).starts_with("MuJoCo refuses the model: "))
       << mujoco.obstacle(outputs_of(model).front());
+}
+
+// Where there is no library, nothing is missing: a report has neither its figures nor a word of it.
+TEST(ReportPinocchio, IsNotMissedWhereItIsNotFound) {
+  const char* const given = std::getenv("DALEMBERT_PINOCCHIO");
+  const std::string before = given ? given : "";
+  setenv("DALEMBERT_PINOCCHIO", "/nowhere/libdalembert_pinocchio.so", 1);
+  EXPECT_FALSE(Pinocchio(read_robot("chain_7", {})).found());
+  given ? setenv("DALEMBERT_PINOCCHIO", before.c_str(), 1) : unsetenv("DALEMBERT_PINOCCHIO");
+}
+
+// Every quantity that it has, of every robot, with either base: to 1e-9 of the largest element, or to what the condition of M
+// allows.
+TEST(ReportPinocchio, AgreesOnEveryQuantityAndRobotWhereItIsFound) {
+  const Model any = read_robot("chain_7", {});
+  if (!Pinocchio(any).found()) GTEST_SKIP() << "configure with -DDALEMBERT_PINOCCHIO=FOLDER and build dalembert_pinocchio";
+  const std::string all =
+      "mass_matrix,coriolis_matrix,gravity,bias,inverse_dynamics,inverse_dynamics_dq,inverse_dynamics_dv,forward_dynamics,"
+      "forward_dynamics_dq,forward_dynamics_dv,inverse_mass_matrix,momentum_matrix,center_of_mass,center_of_mass_jacobian,"
+      "kinetic_energy,potential_energy,regressor";
+  int compared = 0;
+  for (const TestRobot& robot : test_robots)
+    for (const char* base : {"fixed", "floating"}) {
+      SCOPED_TRACE(std::string(robot.name) + ", " + base);
+      try {
+        Settings settings{{"base", base}, {"outputs", all}, {"coriolis", "christoffel"}, {"gravity", "0.3,-0.2,-9.7"}};
+        Model model = read_robot(robot.name, settings);
+        for (size_t k = 0; k < model.tree.bodies.size(); k += 3) model.tree.bodies[k].armature = 0.2;
+        const Pinocchio pinocchio(model);
+        const std::vector<Output> outputs = outputs_of(model);
+        for (const State& state : random_states(model.tree, 2)) {
+          const Exact exact = exact_at(model, outputs, state);
+          for (size_t o = 0; o < outputs.size(); ++o) {
+            const std::string obstacle = pinocchio.obstacle(outputs[o]);
+            if (outputs[o].quantity == ir::Quantity::kinetic_energy && !obstacle.empty()) continue;  // oblique axes
+            ASSERT_EQ(obstacle, "") << outputs[o].name;
+            const double condition = reference::condition({outputs[o].quantity, ""}, model.tree, model.scene,
+                                                          {state.q, state.v, state.more, state.wrenches});
+            if (!std::isfinite(condition)) continue;
+            // Where the exact result vanishes, rounding of larger terms is left.
+            const double error = error_of(pinocchio.result(outputs[o], state), exact.results[o],
+                                          std::max(exact.least_scales[o], 1e-6), ir::ScalarType::float64)
+                                     .norm;
+            EXPECT_LE(error, std::max(1e-9, 10 * condition * 0x1p-53)) << outputs[o].name;
+            ++compared;
+          }
+        }
+      } catch (const InputError&) {
+        // A floating base without inertia.
+      }
+    }
+  EXPECT_GE(compared, 1000);
+}
+
+TEST(ReportPinocchio, SaysWhatItHasNot) {
+  Model model = read_robot(
+      "skew_axes", {{"base", "fixed"}, {"outputs", "coriolis_matrix,bias,wrench_influence"}, {"damping", "{link_2_joint: 1}"}});
+  const Pinocchio pinocchio(model);
+  if (!pinocchio.found()) GTEST_SKIP();
+  std::vector<std::string> said;
+  for (const Output& output : outputs_of(model)) said.push_back(pinocchio.obstacle(output).substr(0, 20));
+  EXPECT_EQ(said, (std::vector<std::string>{"Pinocchio's C is of ", "Pinocchio's function", "the report asks Pino"}));
 }
 
 TEST(ReportMujoco, ReadsBodiesWithinThoseThatCarryThem) {

@@ -1,13 +1,17 @@
 // The report's table and its measures of error.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "commands/report/errors.hpp"
+#include "commands/report/progress.hpp"
+#include "commands/report/rounding.hpp"
 #include "commands/report/rows.hpp"
 #include "commands/report/task_graph.hpp"
 #include "commands/report/verdict.hpp"
+#include "commands/timing.hpp"
 
 namespace dalembert::reporting {
 namespace {
@@ -41,6 +45,63 @@ TEST(ReportVerdict, SaysWhatGoesBadlyByWhatWasViolated) {
   EXPECT_NE(rows.csv().find("Goes badly in double: base at 1e12 m (gravity: does not read it, yet 3 elements change)."),
             std::string::npos)
       << rows.csv();
+}
+
+// Against the fastest other program of each quantity, never against our own reference.
+TEST(ReportVerdict, IsAgainstTheBestPeer) {
+  Rows rows;
+  const auto quantity = [&](const char* name, double pinocchio, double mujoco) {
+    rows.text("rounding", random_case, name, "straight double", "chosen", "yes");
+    const auto add = [&](const char* metric, double value, const char* unit) {
+      if (value > 0) rows.number("rounding", random_case, name, "straight double", metric, value, unit);
+    };
+    add("time_median", 1150, "ns");
+    add("times_faster", 63, "times");
+    add("times_faster_than_pinocchio", pinocchio, "times");
+    add("times_faster_than_mujoco", mujoco, "times");
+  };
+  const auto said = [&](const char* metric) {
+    add_verdict(rows);
+    for (const Row& row : rows.all())
+      if (row.section == "verdict" && row.metric == metric) return row.value;
+    return std::string();
+  };
+  quantity("coriolis_matrix", 0, 0);
+  EXPECT_EQ(said("beside_peers"), "") << "there is none";
+  rows = {};
+  quantity("mass_matrix", 0, 12.5);
+  EXPECT_EQ(said("beside_peers"), "12.5 times as fast as MuJoCo (M).");
+  quantity("gravity", 9.25, 20);
+  quantity("bias", 7.5, 3.25);
+  rows.text("stability", "base at 1e12 m", "gravity", "generated double", "violated", "it changes");
+  Rows fresh = rows;
+  add_verdict(fresh);
+  std::vector<std::string> sentences;
+  for (const Row& row : fresh.all())
+    if (row.section == "verdict" && row.value.find("12.5 times as fast as MuJoCo (M).") == std::string::npos)
+      sentences.push_back(row.value);
+  EXPECT_NE(std::find(sentences.begin(), sentences.end(),
+                      "3.25 (C v + g) to 12.5 (M) times as fast as the faster of Pinocchio and MuJoCo."),
+            sentences.end())
+      << fresh.csv();
+  EXPECT_EQ(fresh.csv().find("63 times"), std::string::npos);
+  EXPECT_NE(fresh.csv().find("1.15 µs a call"), std::string::npos) << fresh.csv();
+}
+
+TEST(ReportProgress, TellsWhatIsLeftOnceItKnows) {
+  EXPECT_EQ(time_left(0.5, 1, 10), "");
+  EXPECT_EQ(time_left(30, 0, 10), "");
+  EXPECT_EQ(time_left(30, 10, 10), "");
+  EXPECT_EQ(time_left(30, 5, 10), ", about 30 s left");
+  EXPECT_EQ(time_left(60, 5, 50), ", about 9 min left");
+}
+
+TEST(Timing, IsToldInTheUnitThatLeavesNoFourthDigit) {
+  EXPECT_EQ(time_text(0.5), "0.5 ns");
+  EXPECT_EQ(time_text(999.4), "999 ns");
+  EXPECT_EQ(time_text(999.6), "1 µs");
+  EXPECT_EQ(time_text(1150), "1.15 µs");
+  EXPECT_EQ(time_text(2.5e7), "25 ms");
 }
 
 TEST(ReportErrors, ChangesAreCountedByTheBitAndMeasuredInTheLastPlaceOfTheLargest) {

@@ -29,14 +29,15 @@ const Example examples[] = {
     {"base", "fixed", "fixed"},
     {"gravity", "[1, 0, -3]", "1,0,-3"},
     {"outputs", "[bias]", "bias"},
-    {"functions", "{balance: [mass_matrix, momentum_matrix]}", "balance=mass_matrix,momentum_matrix"},
+    {"functions", "{balance: [mass_matrix, momentum_matrix, l2]}", "balance=mass_matrix,momentum_matrix,l2"},
     {"coriolis", "christoffel", "christoffel"},
     {"forward_dynamics", "factorization", "factorization"},
     {"locked", "{b: 0.25}", "b=0.25"},
     {"cut", "[l3]", "l3"},
     {"mimic", "{b: {of: a, multiplier: -2}}", "{b: {of: a, multiplier: -2}}"},
     {"jacobians", "[l2, l3]", "l2,l3"},
-    {"frames", "{l2: [pose, jacobian_mixed]}", "{l2: [pose, jacobian_mixed]}"},
+    {"frames", "{l2: [pose, jacobian_mixed], sole: {link: l3, at: [0.1, 0, -0.02, 0, 0.3, 0], outputs: [pose]}}",
+     "{l2: [pose, jacobian_mixed], sole: {link: l3, at: [0.1, 0, -0.02, 0, 0.3, 0], outputs: [pose]}}"},
     {"payloads", "[l3]", "l3"},
     {"wrenches", "{l2: world, l3: link}", "l2=world,l3=link"},
     {"contacts", "{l3: point, l2: {type: weld}}", "{l3: point, l2: weld}"},
@@ -114,6 +115,45 @@ TEST(SceneKeys, EachIsAnOptionThatDoesWhatTheFileDoes) {
     EXPECT_TRUE(same(by_option, by_file));
     EXPECT_FALSE(same(by_option, without)) << "the key has no effect";
   }
+}
+
+ir::Scene scene_of(const std::string& text) {
+  Diagnostics warnings;
+  const ir::RobotDescription robot = frontend::read_urdf_text("r.urdf", robot_text(), warnings);
+  return frontend::check_scene(frontend::read_scene_text("r.yaml", text, {}), robot, warnings);
+}
+
+TEST(SceneFrames, AreNamedInFunctionsAsTheyAreAskedForUnderFrames) {
+  using ir::LinkQuantity;
+  const std::string frames = "frames: {l2: [twist], sole: {link: l3, at: [0, 0, 1], outputs: [pose, jacobian_mixed]}}\n";
+  const auto asked = [&](const std::string& items) {
+    return scene_of(frames + "functions: {reach: " + items + "}\n").functions.front().of_links;
+  };
+  using All = std::vector<ir::LinkOutput>;
+  const All of_sole{{LinkQuantity::pose, "sole"}, {LinkQuantity::jacobian_mixed, "sole"}};
+  EXPECT_EQ(asked("[bias, sole]"), of_sole);
+  EXPECT_EQ(asked("sole"), of_sole);
+  EXPECT_EQ(asked("[l2, pose_sole]"), (All{{LinkQuantity::twist, "l2"}, {LinkQuantity::pose, "sole"}}));
+  EXPECT_EQ(asked("{sole: twist, l3: [pose]}"), (All{{LinkQuantity::twist, "sole"}, {LinkQuantity::pose, "l3"}}));
+  EXPECT_EQ(asked("[bias, {sole: [local_world_aligned]}, {heel: {link: l3, at: [0, 1, 0], outputs: [pose]}}]"),
+            (All{{LinkQuantity::jacobian_mixed, "sole"}, {LinkQuantity::pose, "heel"}}));
+  // What `frames` says nothing of has what a link in a list has.
+  EXPECT_EQ(asked("l1"), (All{{LinkQuantity::pose, "l1"},
+                              {LinkQuantity::twist, "l1"},
+                              {LinkQuantity::jacobian, "l1"},
+                              {LinkQuantity::acceleration_bias, "l1"}}));
+}
+
+TEST(SceneFrames, OfAnOptionReplaceThoseOfTheFile) {
+  Diagnostics warnings;
+  const ir::RobotDescription robot = frontend::read_urdf_text("r.urdf", robot_text(), warnings);
+  const frontend::SceneDocument document = frontend::read_scene_text(
+      "r.yaml", "frames: {sole: {link: l3, at: [0, 0, 1]}}\nfunctions: {f: [{heel: {link: l3, at: [0, 1, 0]}}]}\n",
+      {{"frames", "{toe: {link: l2, at: [1, 0, 0, 0, 0, 0.5], outputs: []}}"}, {"functions", "f=toe"}});
+  const ir::Scene scene = frontend::check_scene(document, robot, warnings);
+  EXPECT_EQ(scene.placed, (std::vector<ir::Frame>{{"toe", "l2", {1, 0, 0}, {0, 0, 0.5}}}));
+  EXPECT_TRUE(scene.frames.empty());
+  EXPECT_EQ(scene.functions.front().of_links.size(), 4u);
 }
 
 // The blocks of docs/scene.md between ```yaml and ```.

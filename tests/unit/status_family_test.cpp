@@ -2,6 +2,7 @@
 // still is ok.
 #include <gtest/gtest.h>
 
+#include "both_forms.hpp"
 #include "status_measured.hpp"
 
 namespace dalembert {

@@ -31,11 +31,15 @@ std::string with_mujoco(const Subject& subject) {
   return fmt::format("; not with MuJoCo {}: {}", mujoco.version(), mujoco.obstacle(subject.outputs.front()));
 }
 
+std::string with_pinocchio(const Subject& subject) {
+  if (!subject.pinocchio.found()) return "";
+  return fmt::format(", Pinocchio {} ({})", subject.pinocchio.version(), subject.pinocchio.compiled());
+}
+
 // Every program whose figures stand beside ours.
 std::string compared_with(const Subject& subject) {
-  return fmt::format(
-      "dalembert's generic engine in double (for time) and in 50 decimal digits (for error), {} (for trajectories){}",
-      reference::trajectory_program(), with_mujoco(subject));
+  return fmt::format("dalembert's generic engine in 50 decimal digits (for error) and in double, {} (for trajectories){}{}",
+                     reference::trajectory_program(), with_pinocchio(subject), with_mujoco(subject));
 }
 
 }  // namespace

@@ -19,6 +19,7 @@ namespace dalembert::reporting {
 namespace {
 
 constexpr long long_straight_line = 10000;  // operations
+constexpr size_t few_outputs = 4;           // of more, a quick report compiles the form alone that users get
 
 // One point of the diagram of one output; the generic engine's is the first.
 struct Point {
@@ -48,6 +49,11 @@ Point generated_point(const Variant& way, GeneratedEngine& engine, const Output&
 Point mujoco_point(const Mujoco& mujoco, const Output& output) {
   return {mujoco_variant, ir::ScalarType::float64, [&](const State& state) { return mujoco.result(output, state); },
           [&](const std::vector<State>& states) { return mujoco.time_per_call(output, states); }};
+}
+
+Point pinocchio_point(const Pinocchio& pinocchio, const Output& output) {
+  return {pinocchio_variant, ir::ScalarType::float64, [&](const State& state) { return pinocchio.result(output, state); },
+          [&](const std::vector<State>& states) { return pinocchio.time_per_call(output, states); }};
 }
 
 // As many states as 50 digits get through in about a minute and a half of one core; at least fifty.
@@ -94,7 +100,10 @@ Spread of(const std::vector<Error>& errors, double Error::*kind) {
 
 void add_rows(const std::string& quantity, const std::vector<Point>& points, Rows& rows) {
   const auto worst = [](const Point& p) { return of(p.errors, &Error::norm).worst; };
-  const auto mujoco = std::find_if(points.begin(), points.end(), [](const Point& p) { return p.variant == mujoco_variant; });
+  const auto point_of = [&](const char* variant) {
+    return std::find_if(points.begin(), points.end(), [&](const Point& p) { return p.variant == variant; });
+  };
+  const auto mujoco = point_of(mujoco_variant), pinocchio = point_of(pinocchio_variant);
   for (const Point& point : points) {
     const auto add = [&](const char* metric, double value, const char* unit) {
       rows.number("rounding", random_case, quantity, point.variant, metric, value, unit);
@@ -104,6 +113,7 @@ void add_rows(const std::string& quantity, const std::vector<Point>& points, Row
     add("time_upper_quartile", point.time.upper_quartile, "ns");
     add("times_faster", points.front().time.median / point.time.median, "times");
     if (mujoco != points.end()) add("times_faster_than_mujoco", mujoco->time.median / point.time.median, "times");
+    if (pinocchio != points.end()) add("times_faster_than_pinocchio", pinocchio->time.median / point.time.median, "times");
     const Spread norm = of(point.errors, &Error::norm), ulp = of(point.errors, &Error::ulp),
                  component = of(point.errors, &Error::component);
     add("norm_lower_quartile", norm.lower_quartile, "1");
@@ -138,6 +148,8 @@ void add_rounding(const Subject& subject, Rows& rows) {
     const long operations = operation_costs(lowered, subject.model.tree).front().operations.total();
     if (subject.quick && operations > long_straight_line)
       std::erase_if(ways.back(), [&](const Variant& v) { return v.form != chosen; });
+    if (subject.quick && subject.outputs.size() > few_outputs)
+      ways.back() = {plain(ways.back(), chosen, ir::ScalarType::float64), plain(ways.back(), chosen, ir::ScalarType::float32)};
     for (const Variant& way : ways.back())
       orders.push_back({model_of(subject.model, way), {output}, options_of(subject.compiler, way)});
     rows.text("rounding", random_case, output.name, plain(ways.back(), chosen, ir::ScalarType::float64).name, "chosen", "yes");
@@ -149,10 +161,14 @@ void add_rounding(const Subject& subject, Rows& rows) {
     const Output& output = subject.outputs[o];
     points[o].push_back(generic_point(subject, output));
     for (const Variant& way : ways[o]) points[o].push_back(generated_point(way, *engines[next++], output));
-    if (!subject.mujoco.found()) continue;
-    const std::string obstacle = subject.mujoco.obstacle(output);
-    if (obstacle.empty()) points[o].push_back(mujoco_point(subject.mujoco, output));
-    else rows.text("rounding", random_case, output.name, mujoco_variant, "left_out", obstacle);
+    const auto add_peer = [&](const auto& peer, const char* variant, const auto& point) {
+      if (!peer.found()) return;
+      const std::string obstacle = peer.obstacle(output);
+      if (obstacle.empty()) points[o].push_back(point(peer, output));
+      else rows.text("rounding", random_case, output.name, variant, "left_out", obstacle);
+    };
+    add_peer(subject.mujoco, mujoco_variant, mujoco_point);
+    add_peer(subject.pinocchio, pinocchio_variant, pinocchio_point);
   }
   const std::vector<State> states = states_of(subject);
   measure_errors(subject, states, ir::ScalarType::float64, points);

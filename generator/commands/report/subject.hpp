@@ -7,6 +7,7 @@
 #include "commands/compiler.hpp"
 #include "commands/output.hpp"
 #include "commands/report/mujoco.hpp"
+#include "commands/report/pinocchio.hpp"
 #include "commands/state_file.hpp"
 #include "pipeline.hpp"
 #include "reference/engine.hpp"
@@ -19,6 +20,7 @@ struct Subject {
   CompilerOptions compiler;
   bool quick = false;
   const Mujoco& mujoco;
+  const Pinocchio& pinocchio;
 };
 
 // What is exact at a state, per output, and what its errors are measured against at least.

@@ -7,9 +7,12 @@
 #include <cstdlib>
 #include <vector>
 
+#include "commands/report/mujoco.hpp"
+#include "commands/report/pinocchio.hpp"
 #include "commands/report/rounding.hpp"
 #include "commands/report/stability.hpp"
 #include "commands/report/task_graph.hpp"
+#include "commands/timing.hpp"
 #include "ir/quantity.hpp"
 
 namespace dalembert::reporting {
@@ -21,7 +24,7 @@ class Verdict {
  public:
   explicit Verdict(const Rows& rows) : rows_(rows.all()) {}
 
-  // M: 1.5 ulp at worst, 179 ns, 63 times faster than the generic engine and 4 times faster than MuJoCo.
+  // M: 1.5 ulp at worst, 179 ns a call, 4 times as fast as MuJoCo.
   std::vector<std::string> quantities() const {
     std::vector<std::string> sentences;
     for (const Row& chosen : rows_) {
@@ -29,16 +32,48 @@ class Verdict {
       const std::string& q = chosen.quantity;
       const double time = of(q, chosen.variant, "time_median");
       if (q == "all") {
-        sentences.push_back(fmt::format("All together: {}.", nanoseconds(time)));
+        sentences.push_back(fmt::format("All together: {}.", time_text(time)));
         continue;
       }
-      const auto known = ir::quantity_named(q);
-      sentences.push_back(fmt::format(
-          "{}: at worst {:.2g} ulp off in {:g} random states, {} a call, {:.3g} times faster than the generic engine{}.",
-          known ? ir::row_of(*known).symbol : q, of(q, chosen.variant, "ulp_worst"), of(q, chosen.variant, "states"),
-          nanoseconds(time), of(q, chosen.variant, "times_faster"), beside_mujoco(q, chosen.variant)));
+      std::string beside;
+      for (const Peer& peer : peers)
+        if (const double times = of(q, chosen.variant, peer.metric); times > 0)
+          beside += fmt::format(", {:.3g} times as fast as {}", times, peer.name);
+      sentences.push_back(fmt::format("{}: at worst {:.2g} ulp off in {:g} random states, {} a call{}.", symbol(q),
+                                      of(q, chosen.variant, "ulp_worst"), of(q, chosen.variant, "states"), time_text(time),
+                                      beside));
     }
     return sentences;
+  }
+
+  // Against the fastest other program of each quantity; empty: there is none.
+  std::string against_peers() const {
+    struct Best {
+      std::string quantity;
+      const Peer* peer;
+      double times;
+    };
+    std::vector<Best> list;
+    for (const Row& chosen : rows_) {
+      if (chosen.metric != "chosen" || chosen.quantity == "all") continue;
+      const Peer* fastest = nullptr;
+      double times = 0;
+      for (const Peer& peer : peers) {
+        const double own = of(chosen.quantity, chosen.variant, peer.metric);
+        if (own > 0 && (!fastest || own < times)) fastest = &peer, times = own;
+      }
+      if (fastest) list.push_back({symbol(chosen.quantity), fastest, times});
+    }
+    if (list.empty()) return "";
+    const auto [least, most] =
+        std::minmax_element(list.begin(), list.end(), [](const Best& a, const Best& b) { return a.times < b.times; });
+    std::vector<std::string> names;
+    for (const Peer& peer : peers)
+      if (std::any_of(list.begin(), list.end(), [&](const Best& b) { return b.peer == &peer; })) names.emplace_back(peer.name);
+    if (list.size() == 1)
+      return fmt::format("{:.3g} times as fast as {} ({}).", least->times, least->peer->name, least->quantity);
+    return fmt::format("{:.3g} ({}) to {:.3g} ({}) times as fast as {}{}.", least->times, least->quantity, most->times,
+                       most->quantity, names.size() > 1 ? "the faster of " : "", fmt::join(names, " and "));
   }
 
   std::string weakest() const {
@@ -66,11 +101,14 @@ class Verdict {
   }
 
  private:
-  std::string beside_mujoco(const std::string& quantity, const std::string& variant) const {
-    const double times = of(quantity, variant, "times_faster_than_mujoco");
-    if (times == 0) return "";
-    return times < 1 ? fmt::format("; MuJoCo takes {:.3g} times as long", times)
-                     : fmt::format(" and {:.3g} times faster than MuJoCo", times);
+  struct Peer {
+    const char *name, *metric;
+  };
+  static constexpr Peer peers[] = {{pinocchio_variant, "times_faster_than_pinocchio"},
+                                   {mujoco_variant, "times_faster_than_mujoco"}};
+  static std::string symbol(const std::string& quantity) {
+    const auto known = ir::quantity_named(quantity);
+    return known ? ir::row_of(*known).symbol : quantity;
   }
   double of(const std::string& quantity, const std::string& variant, const char* metric) const {
     for (const Row& row : rows_)
@@ -78,30 +116,35 @@ class Verdict {
         return number(row);
     return 0;  // no such row
   }
-  static std::string nanoseconds(double time) { return fmt::format("{:.3g} ns", time); }
 
   const std::vector<Row>& rows_;
 };
 
 }  // namespace
 
+// What goes badly first. The metric tells the page what to make of a sentence.
 bool add_verdict(Rows& rows) {
   const Verdict verdict(rows);
-  std::vector<std::string> sentences = verdict.quantities();
-  sentences.push_back(verdict.weakest());
-  const std::vector<std::string> in_double = verdict.failures("generated double"),
-                                 in_float = verdict.failures("generated float");
-  const auto tell = [](const char* scalar, const std::vector<std::string>& list) {
-    if (list.empty()) return fmt::format("No case goes badly in {}.", scalar);
-    return fmt::format("Goes badly in {}: {}.", scalar, fmt::join(list, "; "));
+  const std::string peers = verdict.against_peers(), weakest = verdict.weakest(), changed = verdict.changed_by_tasks();
+  const std::vector<std::string> quantities = verdict.quantities();
+  const auto add = [&](const char* metric, const std::string& sentence) {
+    if (!sentence.empty()) rows.text("verdict", "", "", "", metric, sentence);
   };
-  sentences.push_back(tell("double", in_double));
-  sentences.push_back(tell("float", in_float));
-  const std::string changed = verdict.changed_by_tasks();
-  sentences.push_back(changed);
-  for (const std::string& sentence : sentences)
-    if (!sentence.empty()) rows.text("verdict", "", "", "", "sentence", sentence);
-  return in_double.empty() && changed.empty();
+  struct Scalar {
+    const char* name;
+    std::vector<std::string> failures;
+  };
+  const Scalar scalars[] = {{"double", verdict.failures("generated double")}, {"float", verdict.failures("generated float")}};
+  add("goes_badly", changed);
+  for (const Scalar& scalar : scalars)
+    if (!scalar.failures.empty())
+      add("goes_badly", fmt::format("Goes badly in {}: {}.", scalar.name, fmt::join(scalar.failures, "; ")));
+  add("beside_peers", peers);
+  for (const Scalar& scalar : scalars)
+    if (scalar.failures.empty()) add("goes_well", fmt::format("No case goes badly in {}.", scalar.name));
+  add("weakest", weakest);
+  for (const std::string& sentence : quantities) add("of_a_quantity", sentence);
+  return scalars[0].failures.empty() && changed.empty();
 }
 
 }  // namespace dalembert::reporting

@@ -62,22 +62,22 @@ DALEMBERT_INLINE void transpose(V (&row)[n]) {
   }
 }
 
-// `count` numbers of each of batch_width states, row by row.
+// `count` numbers of each of batch_width states, row by row, a state's `apart` behind the one's before it.
 template <int count, class T>
-DALEMBERT_BLOCK void read_rows(const T* from, BatchLanes<T>* to) {
+DALEMBERT_BLOCK void read_rows(const T* from, std::size_t apart, BatchLanes<T>* to) {
   constexpr int w = batch_width<T>;
   if constexpr (w == 1) {
     for (int i = 0; i < count; ++i) to[i] = from[i];
   } else if constexpr (count < w) {
     for (int i = 0; i < count; ++i) {
       T number[w];
-      for (int j = 0; j < w; ++j) number[j] = from[j * count + i];
+      for (int j = 0; j < w; ++j) number[j] = from[static_cast<std::size_t>(j) * apart + static_cast<std::size_t>(i)];
       to[i] = load<w>(number);
     }
   } else {
     const auto tile = [&](int i) DALEMBERT_IN_BLOCK {
       BatchLanes<T> row[w];
-      for_constants<w>([&](auto j) DALEMBERT_ALWAYS { row[j] = load<w>(from + j * count + i); });
+      for_constants<w>([&](auto j) DALEMBERT_ALWAYS { row[j] = load<w>(from + j * apart + i); });
       transpose<T, w>(row);
       for_constants<w>([&](auto j) DALEMBERT_ALWAYS { to[i + j] = row[j]; });
     };
@@ -88,12 +88,14 @@ DALEMBERT_BLOCK void read_rows(const T* from, BatchLanes<T>* to) {
 
 }  // namespace detail
 
-// `count` numbers of each of `states` states, from state `first` of the array on.
+// `count` numbers of each of `states` states, from state `first` of the array on; of an array of `all` numbers a state, those from
+// number `begin` on.
 template <int count, class T>
-static inline void read_states(const T* from, BatchLayout layout, std::size_t first, int states, BatchLanes<T>* to) noexcept {
+static inline void read_states(const T* from, BatchLayout layout, std::size_t first, int states, BatchLanes<T>* to,
+                               std::size_t all = count, std::size_t begin = 0) noexcept {
   constexpr int w = batch_width<T>, lanes = batch_lanes<T>;
   if (layout == BatchLayout::lanes) {
-    const T* const at = from + batch_index<T>(layout, first, 0, count);
+    const T* const at = from + batch_index<T>(layout, first, begin, all);
     if (states == w) {
       for (int i = 0; i < count; ++i) to[i] = load<w>(at + i * lanes);
       return;
@@ -105,11 +107,12 @@ static inline void read_states(const T* from, BatchLayout layout, std::size_t fi
     }
     return;
   }
-  const T* const row = from + first * count;
-  if (states == w) return detail::read_rows<count>(row, to);
+  const T* const row = from + first * all + begin;
+  if (states == w) return detail::read_rows<count>(row, all, to);
   T padded_rows[w * count];
-  for (int j = 0; j < w; ++j) std::memcpy(padded_rows + j * count, row + least(j, states - 1) * count, sizeof(T) * count);
-  detail::read_rows<count>(padded_rows, to);
+  for (int j = 0; j < w; ++j)
+    std::memcpy(padded_rows + j * count, row + static_cast<std::size_t>(least(j, states - 1)) * all, sizeof(T) * count);
+  detail::read_rows<count>(padded_rows, count, to);
 }
 
 // Run-time inputs: those of each state, or where there are none, one for all of them.
@@ -121,38 +124,40 @@ static inline void read_given(const T* of_each, const T* of_all, BatchLayout lay
 }
 
 // values[at[0]], values[at[1]], …, `count` of them, or without `at` those in order: into the array that `to` is, states from
-// `first` on.
+// `first` on. Of an array of `all` numbers a state (0: `count`), those from number `begin` on.
 template <class T>
 static inline void write_states(const BatchLanes<T>* values, const std::uint16_t* at, int count, BatchLayout layout,
-                                std::size_t first, int states, T* to) noexcept {
+                                std::size_t first, int states, T* to, std::size_t all = 0, std::size_t begin = 0) noexcept {
+  if (all == 0) all = static_cast<std::size_t>(count);
   constexpr int w = batch_width<T>, lanes = batch_lanes<T>;
   const auto value = [&](int i) DALEMBERT_ALWAYS -> const BatchLanes<T>& { return values[at ? at[i] : i]; };
   if (layout == BatchLayout::lanes) {
-    T* const begin = to + batch_index<T>(layout, first, 0, static_cast<std::size_t>(count));
+    T* const place = to + batch_index<T>(layout, first, begin, all);
     for (int i = 0; i < count; ++i) {
-      if (states == w) store<w, T>(begin + i * lanes, value(i));
+      if (states == w) store<w, T>(place + i * lanes, value(i));
       else
-        for (int j = 0; j < states; ++j) begin[i * lanes + j] = lane<w, T>(value(i), j);
+        for (int j = 0; j < states; ++j) place[i * lanes + j] = lane<w, T>(value(i), j);
     }
     return;
   }
-  T* const row = to + first * static_cast<std::size_t>(count);
+  T* const first_row = to + first * all + begin;
+  const auto row = [&](int j) DALEMBERT_ALWAYS { return first_row + static_cast<std::size_t>(j) * all; };
   if (count < w) {
     for (int i = 0; i < count; ++i)
-      for (int j = 0; j < states; ++j) row[j * count + i] = lane<w, T>(value(i), j);
+      for (int j = 0; j < states; ++j) row(j)[i] = lane<w, T>(value(i), j);
     return;
   }
   if constexpr (w == 1) {
-    for (int i = 0; i < count; ++i) row[i] = value(i);
+    for (int i = 0; i < count; ++i) first_row[i] = value(i);
   } else {
     const auto tile = [&](int i) DALEMBERT_IN_BLOCK {
       BatchLanes<T> of_state[w];
       detail::for_constants<w>([&](auto j) DALEMBERT_ALWAYS { of_state[j] = value(i + j); });
       detail::transpose<T, w>(of_state);
       if (states == w) {
-        detail::for_constants<w>([&](auto j) DALEMBERT_ALWAYS { store<w, T>(row + j * count + i, of_state[j]); });
+        detail::for_constants<w>([&](auto j) DALEMBERT_ALWAYS { store<w, T>(row(j) + i, of_state[j]); });
       } else {
-        for (int j = 0; j < states; ++j) store<w, T>(row + j * count + i, of_state[j]);
+        for (int j = 0; j < states; ++j) store<w, T>(row(j) + i, of_state[j]);
       }
     };
     for (int i = 0; i + w <= count; i += w) tile(i);

@@ -47,6 +47,11 @@ enum class BatchError : int {
   input,    // likewise
   layout,   // no value of BatchLayout or MatrixLayout
   results,  // null: no function to hand blocks to
+  // Of rollouts:
+  steps,      // more of them than memory can hold
+  time_step,  // not finite
+  method,     // no value of RolloutMethod
+  control,    // a function, and an input too
 };
 
 constexpr const char* describe(BatchError error) noexcept {
@@ -59,6 +64,10 @@ constexpr const char* describe(BatchError error) noexcept {
     case BatchError::input: return "what the function takes besides q and v is null, and read";
     case BatchError::layout: return "a layout is none of those there are";
     case BatchError::results: return "the function that takes blocks is null";
+    case BatchError::steps: return "the number of steps is larger than memory can hold; is it negative?";
+    case BatchError::time_step: return "the time step is not a finite number of seconds";
+    case BatchError::method: return "the method is none of those there are";
+    case BatchError::control: return "what acts is given by an array and by a function; one of them has to be null";
   }
   return "no error of batches has this number";
 }

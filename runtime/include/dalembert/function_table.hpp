@@ -1,5 +1,5 @@
 // What a shared object tells of the functions in it, for programs that load it at run time: each is called for one state or for
-// many, on plain rows of numbers.
+// many, on plain rows of numbers. An entry computes one state after another, or, of batches, states in the lanes of registers.
 //
 // The object exports `extern "C" const dalembert::FunctionTable* dalembert_function_table()`. Numbers are the table's scalar,
 // so that pointers to them are untyped here. A state is a row: q, v and what the function takes besides. Results are written
@@ -11,6 +11,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <dalembert/batch_layout.hpp>
 #include <dalembert/self_test.hpp>
 #include <new>
 
@@ -94,6 +95,71 @@ void run(const FunctionCall& call, void* untyped) noexcept {
     Function::copy(workspace, call.results, s);
     if (call.status) call.status[s] = Function::status(workspace, 0);
   }
+}
+
+// Of states in lanes, a glue class says: Scalar, Workspace, nq, nv, more (0 where it takes q and v alone), run_time_inputs;
+// set() as above; set_each(from, step, n, room, batch) for run-time inputs of n states; call(batch, results, state, status) for
+// the states of a batch whose results begin at those of `state`.
+
+// States whose arguments are copied together, where they do not stand one after another.
+constexpr int states_together = 64;
+
+template <class Function>
+struct BatchWorkspace {
+  typename Function::Workspace workspace{};
+  typename Function::Scalar q[states_together * (Function::nq + 1)], v[states_together * (Function::nv + 1)],
+      more[states_together * (Function::more + 1)], given[states_together * (Function::run_time_inputs + 1)];
+};
+
+// n rows of `width` numbers, one after another in `room`.
+template <class Scalar>
+inline const Scalar* gathered(const Scalar* from, std::ptrdiff_t step, int width, std::ptrdiff_t n, Scalar* room) noexcept {
+  for (std::ptrdiff_t s = 0; s < n; ++s)
+    std::memcpy(room + s * width, from + s * step, sizeof(Scalar) * static_cast<std::size_t>(width));
+  return room;
+}
+
+template <class Function>
+void run_batch(const FunctionCall& call, void* untyped) noexcept {
+  using Scalar = typename Function::Scalar;
+  auto& own = *static_cast<BatchWorkspace<Function>*>(untyped);
+  const bool given_each = Function::run_time_inputs > 0 && call.run_time.step != 0;
+  const bool in_a_row = call.q.step == Function::nq && (!Function::reads_v || call.v.step == Function::nv) &&
+                        (Function::more == 0 || call.more.step == Function::more) && !given_each;
+  const auto rows = [&](const StateRows& of, int width, std::ptrdiff_t state, std::ptrdiff_t n, Scalar* room) -> const Scalar* {
+    const Scalar* const from = static_cast<const Scalar*>(of.first) + state * of.step;
+    return of.step == width ? from : gathered(from, of.step, width, n, room);
+  };
+  if (Function::run_time_inputs > 0 && !given_each)
+    Function::set(static_cast<const Scalar*>(call.run_time.first), own.workspace);
+  for (std::ptrdiff_t s = call.begin, n; s < call.end; s += n) {
+    n = call.end - s;
+    if (!in_a_row && n > states_together) n = states_together;
+    typename Function::Batch batch;
+    batch.count = static_cast<std::size_t>(n);
+    batch.q = rows(call.q, Function::nq, s, n, own.q);
+    if (Function::reads_v) batch.v = rows(call.v, Function::nv, s, n, own.v);
+    if (Function::more > 0) batch.input = rows(call.more, Function::more, s, n, own.more);
+    if (given_each)
+      Function::set_each(static_cast<const Scalar*>(call.run_time.first) + s * call.run_time.step, call.run_time.step, n,
+                         own.given, batch);
+    else if (Function::run_time_inputs > 0) Function::set_all(own.workspace, batch);
+    Function::call(batch, call.results, s, call.status ? call.status + s : nullptr);
+  }
+}
+
+template <class Function>
+FunctionEntry batch_entry(const char* name, int results, bool (*self_test)(SelfTestReport*) noexcept) noexcept {
+  using Own = BatchWorkspace<Function>;
+  FunctionEntry entry{};
+  entry.name = name;
+  entry.results = results;
+  entry.has_status = Function::has_status();
+  entry.create = []() noexcept -> void* { return new (std::nothrow) Own(); };
+  entry.destroy = [](void* workspace) noexcept { delete static_cast<Own*>(workspace); };
+  entry.run = run_batch<Function>;
+  entry.self_test = self_test;
+  return entry;
 }
 
 template <class Function>

@@ -109,15 +109,15 @@ def arguments(urdf, keywords):
         if key in OPTIONS:
             if value is not None:
                 words.append(f"--{key}={os.fspath(value) if key == 'scene' else value}")
-        elif key in names and value is None and key != "gravity":
-            continue  # not given
+        elif key in names and (value is None and key != "gravity" or value is False and key == "batch"):
+            continue  # not given; whether a robot's batches are used makes no other code
         elif key in names:
             words.append(f"--{key}={setting(key, value)}")
         else:
             raise TypeError(f"load() has no keyword '{key}'" + did_you_mean(key, names + list(OPTIONS)))
     outputs = keywords.get("outputs")
     if outputs is not None:
-        known = [row["name"] for row in _registry()["quantities"]]
+        known = [*(row["name"] for row in _registry()["quantities"]), *_registry()["aliases"]]
         for name in outputs.strip("[]").split(",") if isinstance(outputs, str) else outputs:
             if str(name).strip() and str(name).strip() not in known:
                 raise KeyError(f"there is no quantity '{name}'" + did_you_mean(name, known))

@@ -7,6 +7,7 @@ import json
 import math
 import os
 import pathlib
+import threading
 import warnings
 from typing import NamedTuple
 
@@ -55,6 +56,8 @@ def load(urdf, **keywords):
 
     urdf: the file's name. Keywords: `scene`, a YAML file; the scene's keys (docs/scene.md), which override it: base, gravity,
     outputs, functions, frames, locked, ...; and compiler, flags, form, lanes, name, as of `dalembert generate` and `check`.
+    batch: True compiles the functions' batches now, False never, one state then being computed after another; without, a function's
+    batch is compiled when it is called for n states first.
     Raises InputError (a ValueError) where the input is wrong, KeyError for a quantity that there is not, TypeError for an unknown
     keyword, SelfTestError where the compiled code does not compute what it should. Whoever else loads the same at the same time
     waits; the code is compiled once.
@@ -80,6 +83,42 @@ def _results(name, fields, values):
     return _results_type(name, fields)(*values)
 
 
+class _Batches:
+    """The batches of a robot's functions, in libraries of their own, compiled where somebody asks for them first."""
+
+    def __init__(self, folder, urdf, keywords):
+        self._folder, self._urdf, self._keywords = folder, urdf, keywords
+        self._libraries, self._lock = {}, threading.Lock()
+
+    def prepare(self, parts):
+        """Compiles what there is not yet of the parts."""
+        if parts and not all((self._folder / f"batches_{part}.json").exists() for part in parts):
+            _build.run("build-batches", [os.fspath(self._folder), *map(str, parts)])
+
+    def find(self, part, entry):
+        with self._lock:
+            if part not in self._libraries:
+                self._libraries[part] = self._open(part)
+            return self._libraries[part], entry
+
+    def _open(self, part):
+        for _ in range(3):  # somebody may clear the cache in between
+            if not (self._folder / "robot.json").exists():
+                again = _build.run("build", _build.arguments(self._urdf, self._keywords))[1].rstrip("\n")
+                if pathlib.Path(again) != self._folder:
+                    raise _build.InputError(f"{self._urdf} is not what it was when it was loaded, and has no batches yet: load it again")
+            self.prepare([part])
+            marker, code = self._folder / f"batches_{part}.json", self._folder / f"batches_{part}.so"
+            try:
+                with open(marker, encoding="utf-8") as file:
+                    if json.load(file)["code_bytes"] == os.path.getsize(code):
+                        return _core.open(os.fspath(code))
+                marker.unlink(missing_ok=True)  # a disk's doing
+            except FileNotFoundError:
+                continue
+        raise RuntimeError(f"{self._folder} does not stay as it is made")
+
+
 def _axes(shape, symbol):
     return "(" + ", ".join(map(str, shape)) + (",)" if len(shape) == 1 else ")") if shape else "a number"
 
@@ -101,7 +140,10 @@ class Robot:
         self.__dict__["_folder"] = folder
         self._set_facts(facts)
         self._set_run_time(facts["run_time"])
-        self._set_functions(_core.open(os.fspath(code)), facts["functions"])
+        batches = None if keywords.get("batch") is False else _Batches(folder, self._urdf, self._keywords)
+        if keywords.get("batch"):
+            batches.prepare(sorted({f["part"] for f in facts["functions"] if f["batch_entry"] >= 0}))
+        self._set_functions(_core.open(os.fspath(code)), batches, facts["functions"])
         for kind, text in facts["said"]:
             if kind == "warning":
                 warnings.warn(text, InputWarning, stacklevel=3)
@@ -139,13 +181,14 @@ class Robot:
             places[i["name"]] = (at, len(i["start"]), i["unit"], i["help"])
             at += len(i["start"])
 
-    def _set_functions(self, library, functions):
+    def _set_functions(self, library, batches, functions):
         base = ["the base's linear velocity along x", "along y", "along z", "the base's angular velocity about x", "about y",
                 "about z"] if self.floating_base else []
         coordinates = tuple([f"{b} (v[{i}])" for i, b in enumerate(base)] +
                             [f"joint '{j}' (v[{len(base) + i}])" for i, j in enumerate(self.joint_names)])
         run_time = tuple((name, at, size) for name, (at, size, _, _) in self._run_time_at.items())
         whole, single, results, scene_functions = {}, {}, {}, {}
+        self.__dict__["_folders"] = {}
         for f in functions:
             one = len(f["results"]) == 1 and not f["named"]
             fields = tuple(r["field"] for r in f["results"])
@@ -153,7 +196,9 @@ class Robot:
             made = _core.Function(
                 library, f["entry"], name, f["takes"] or None, f["reads_velocities"], self.nq, self.nv,
                 tuple(tuple(r["shape"]) for r in f["results"]), None if one else _results_type(f["name"], fields),
-                self._run_time if run_time else None, run_time, coordinates, self._docstring(f, one), self._signature(f, run_time))
+                self._run_time if run_time else None, run_time, coordinates, self._docstring(f, one), self._signature(f, run_time),
+                functools.partial(batches.find, f["part"], f["batch_entry"]) if batches and f["batch_entry"] >= 0 else None)
+            self._folders[name if one else f["name"]] = self._folder / "source" / f["folder"]
             if one:
                 single[name] = made
             if not f["alone"]:
@@ -266,6 +311,12 @@ class Robot:
         if name in self._callables:
             return self._callables[name]
         raise KeyError(self._unknown(name))
+
+    def source_of(self, name):
+        """The folder of the C++ that a function of the robot is: that of the quantity alone; robot.source has the whole scene's."""
+        if name not in self._callables:
+            raise KeyError(self._unknown(name))
+        return self._folders[name]
 
     def _unknown(self, name):
         known = list(self.outputs)

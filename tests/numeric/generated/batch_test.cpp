@@ -5,9 +5,12 @@
 #include <tbb/global_control.h>
 #include <unistd.h>
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <dalembert/integrators/rk4.hpp>
+#include <dalembert/integrators/semi_implicit_euler.hpp>
 #include <limits>
 #include <random>
 #include <vector>
@@ -353,6 +356,180 @@ TYPED_TEST(Batches, NamesWhatIsWrong) {
   batch.count = static_cast<std::size_t>(-1);
   EXPECT_EQ(error(), BatchError::count);
   EXPECT_NE(std::string(describe(BatchError::count)).find("negative"), std::string::npos);
+}
+
+// Motions, beside those of the integrators with single calls.
+template <class Robot>
+struct Rollouts : testing::Test {
+  static constexpr std::size_t n = 19, steps = 12;
+  static constexpr auto nq = static_cast<std::size_t>(Robot::nq), nv = static_cast<std::size_t>(Robot::nv);
+
+  std::vector<double> q = std::vector<double>(n * nq), v = std::vector<double>(n * nv), tau = std::vector<double>(n * steps * nv);
+
+  Rollouts() {
+    std::mt19937 random(5);
+    std::uniform_real_distribution<double> number(-1, 1);
+    for (std::vector<double>* of : {&q, &v, &tau})
+      for (double& x : *of) x = number(random);
+    for (std::size_t s = 0; nq > nv && s < n; ++s) {
+      Eigen::Map<Eigen::Vector4d> quaternion(q.data() + s * nq + 3);
+      quaternion.normalize();
+    }
+  }
+
+  struct Motions {
+    std::vector<double> last_q, last_v, path_q, path_v;
+    std::vector<int> stopped;
+    bool operator==(const Motions& other) const {
+      return last_q == other.last_q && last_v == other.last_v && path_q == other.path_q && path_v == other.path_v &&
+             stopped == other.stopped;
+    }
+  };
+
+  // All motions, or `count` of them from `first` on, as an array of their own.
+  template <class Run>
+  Motions run(dalembert::RolloutMethod method, const Run& run, std::size_t first = 0, std::size_t count = n) {
+    Motions m{std::vector<double>(count * nq), std::vector<double>(count * nv), std::vector<double>(count * steps * nq),
+              std::vector<double>(count * steps * nv), std::vector<int>(count, 77)};
+    typename Robot::Batch batch;
+    batch.count = count, batch.q = q.data() + first * nq, batch.v = v.data() + first * nv,
+    batch.input = tau.data() + first * steps * nv;
+    dalembert::Rollout<double> rollout;
+    rollout.steps = steps, rollout.time_step = 0.01, rollout.method = method;
+    rollout.last_q = m.last_q.data(), rollout.last_v = m.last_v.data();
+    rollout.path_q = m.path_q.data(), rollout.path_v = m.path_v.data(), rollout.stopped = m.stopped.data();
+    EXPECT_EQ(run(batch, rollout), BatchError::none);
+    return m;
+  }
+};
+
+struct HeldForces {
+  const double* tau;
+};
+template <class Robot>
+struct SingleDynamics : HeldForces {
+  typename Robot::Workspace workspace{};
+  using V = Eigen::Matrix<double, Robot::nv, 1>;
+  V acceleration(const Eigen::Matrix<double, Robot::nq, 1>& q, const V& v) {
+    Robot::single(q.data(), v.data(), tau, workspace);
+    return Eigen::Map<const V>(Robot::acceleration(workspace));
+  }
+};
+
+using RolloutRobots = testing::Types<batch_arm_1_robot, batch_arm_4_robot, batch_biped_2_robot, batch_biped_8_robot>;
+TYPED_TEST_SUITE(Rollouts, RolloutRobots);
+
+TYPED_TEST(Rollouts, AreWhatIntegratorsMake) {
+  using Q = Eigen::Matrix<double, TypeParam::nq, 1>;
+  using V = Eigen::Matrix<double, TypeParam::nv, 1>;
+  const std::size_t nq = this->nq, nv = this->nv;
+  for (const auto method : {dalembert::RolloutMethod::semi_implicit_euler, dalembert::RolloutMethod::rk4}) {
+    const auto motions = this->run(method, [](const auto& batch, const auto& to) { return TypeParam::rollout(batch, to); });
+    for (std::size_t s = 0; s < this->n; ++s) {
+      Q q = Eigen::Map<const Q>(this->q.data() + s * nq);
+      V v = Eigen::Map<const V>(this->v.data() + s * nv);
+      SingleDynamics<TypeParam> dynamics;
+      for (std::size_t step = 0; step < this->steps; ++step) {
+        const std::size_t at = s * this->steps + step;
+        dynamics.tau = this->tau.data() + at * nv;
+        if (method == dalembert::RolloutMethod::rk4) dalembert::integrators::rk4(dynamics, 0.01, q, v);
+        else dalembert::integrators::semi_implicit_euler(dynamics, 0.01, q, v);
+        const double scale = 1 + v.template lpNorm<Eigen::Infinity>();
+        EXPECT_LT((Eigen::Map<const Q>(motions.path_q.data() + at * nq) - q).template lpNorm<Eigen::Infinity>(), 1e-10 * scale);
+        EXPECT_LT((Eigen::Map<const V>(motions.path_v.data() + at * nv) - v).template lpNorm<Eigen::Infinity>(), 1e-10 * scale);
+      }
+      EXPECT_EQ(motions.stopped[s], -1);
+      const std::size_t last = (s + 1) * this->steps - 1;
+      EXPECT_EQ(std::memcmp(motions.last_q.data() + s * nq, motions.path_q.data() + last * nq, sizeof(double) * nq), 0);
+      EXPECT_EQ(std::memcmp(motions.last_v.data() + s * nv, motions.path_v.data() + last * nv, sizeof(double) * nv), 0);
+    }
+  }
+}
+
+TYPED_TEST(Rollouts, AreTheSameBitsWhereverAMotionStands) {
+  const auto method = dalembert::RolloutMethod::rk4;
+  const auto serial = [](const auto& batch, const auto& to) { return TypeParam::rollout(batch, to); };
+  const auto all = this->run(method, serial);
+  EXPECT_TRUE(all == this->run(method, [](const auto& batch, const auto& to) { return TypeParam::rollout_tasks(batch, to); }));
+  for (std::size_t s = 0; s < this->n; s += 5) {
+    const auto one = this->run(method, serial, s, 1);
+    EXPECT_EQ(std::memcmp(one.path_q.data(), all.path_q.data() + s * this->steps * this->nq, sizeof(double) * one.path_q.size()), 0);
+    EXPECT_EQ(std::memcmp(one.last_v.data(), all.last_v.data() + s * this->nv, sizeof(double) * one.last_v.size()), 0);
+  }
+  // What acts as a function says it, before each step.
+  struct Given {
+    const double* tau;
+    std::size_t steps;
+  } given{this->tau.data(), this->steps};
+  EXPECT_TRUE(all == this->run(method, [&](auto batch, auto to) {
+    batch.input = nullptr;
+    to.user = &given;
+    to.control = [](const dalembert::RolloutStep<double>& at, void* user) {
+      const Given& g = *static_cast<const Given*>(user);
+      for (int k = 0; k < at.count; ++k)
+        for (int i = 0; i < TypeParam::nv; ++i)
+          at.input[i * at.stride + k] =
+              g.tau[((at.first + static_cast<std::size_t>(k)) * g.steps + at.step) * TypeParam::nv + static_cast<std::size_t>(i)];
+    };
+    return TypeParam::rollout(batch, to);
+  }));
+  // Lanes, there and back.
+  this->run(method, [&](auto batch, auto to) {
+    const std::size_t n = this->n, nq = this->nq, nv = this->nv, steps = this->steps;
+    Guarded<double> q(room<double>(BatchLayout::lanes, n, nq)), v(room<double>(BatchLayout::lanes, n, nv)),
+        input(room<double>(BatchLayout::lanes, n, nv * steps)), path(room<double>(BatchLayout::lanes, n, nq * steps), -77.0);
+    lay_out(this->q, n, nq, BatchLayout::lanes, q);
+    lay_out(this->v, n, nv, BatchLayout::lanes, v);
+    lay_out(this->tau, n, nv * steps, BatchLayout::lanes, input);
+    batch.q = q.data(), batch.v = v.data(), batch.input = input.data();
+    batch.states = batch.results = BatchLayout::lanes;
+    to.path_q = path.data(), to.path_v = to.last_q = to.last_v = nullptr, to.stopped = nullptr;
+    const BatchError error = TypeParam::rollout(batch, to);
+    for (std::size_t s = 0; s < n; ++s)
+      for (std::size_t i = 0; i < nq * steps; ++i)
+        EXPECT_EQ(path[batch_index<double>(BatchLayout::lanes, s, i, nq * steps)], all.path_q[s * nq * steps + i]);
+    return error;
+  });
+}
+
+TYPED_TEST(Rollouts, StopWhereNumbersEnd) {
+  const auto serial = [](const auto& batch, const auto& to) { return TypeParam::rollout(batch, to); };
+  const auto method = dalembert::RolloutMethod::semi_implicit_euler;
+  const auto all = this->run(method, serial);
+  constexpr std::size_t bad = 6, at = 4;
+  this->tau[(bad * this->steps + at) * this->nv + 2] = std::numeric_limits<double>::quiet_NaN();
+  const auto some = this->run(method, serial);
+  for (std::size_t s = 0; s < this->n; ++s) {
+    SCOPED_TRACE(s);
+    EXPECT_EQ(some.stopped[s], s == bad ? static_cast<int>(at) : -1);
+    const double* const before = all.path_q.data() + (s * this->steps + (s == bad ? at - 1 : this->steps - 1)) * this->nq;
+    EXPECT_EQ(std::memcmp(some.last_q.data() + s * this->nq, before, sizeof(double) * this->nq), 0);
+  }
+}
+
+TYPED_TEST(Rollouts, NameWhatIsWrong) {
+  typename TypeParam::Batch batch;
+  dalembert::Rollout<double> rollout;
+  EXPECT_EQ(TypeParam::rollout(batch, rollout), BatchError::none);
+  batch.count = 1;
+  EXPECT_EQ(TypeParam::rollout(batch, rollout), BatchError::q);
+  batch.q = this->q.data();
+  EXPECT_EQ(TypeParam::rollout(batch, rollout), BatchError::v);
+  batch.v = this->v.data();
+  rollout.steps = 2;
+  EXPECT_EQ(TypeParam::rollout(batch, rollout), BatchError::none) << "nothing acts";
+  rollout.steps = static_cast<std::size_t>(-3);
+  EXPECT_EQ(TypeParam::rollout(batch, rollout), BatchError::steps);
+  rollout.steps = 2;
+  rollout.time_step = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(TypeParam::rollout(batch, rollout), BatchError::time_step);
+  rollout.time_step = 1e-3;
+  rollout.method = static_cast<dalembert::RolloutMethod>(2);
+  EXPECT_EQ(TypeParam::rollout(batch, rollout), BatchError::method);
+  rollout.method = dalembert::RolloutMethod::rk4;
+  rollout.control = [](const dalembert::RolloutStep<double>&, void*) {};
+  batch.input = this->tau.data();
+  EXPECT_EQ(TypeParam::rollout(batch, rollout), BatchError::control);
 }
 
 // A leaf without mass, but for a payload given at run time: where there is none, M is singular.

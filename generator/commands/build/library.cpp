@@ -1,0 +1,148 @@
+#include "commands/build/library.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+
+#include "ir/identifier.hpp"
+#include "lower.hpp"
+
+namespace dalembert {
+
+namespace {
+
+std::vector<Output> results_of(const std::vector<Output>& outputs, const ir::EmittedFunction& function) {
+  std::vector<Output> results;
+  for (const Output& output : outputs)
+    if (output.function.name == function.name && output.function.named == function.named) results.push_back(output);
+  return results;
+}
+
+// What steps with rows of constraints do with v is theirs, not the program's.
+bool steps_read_velocities(const ir::Algorithm& algorithm) {
+  return std::any_of(algorithm.constraint_steps.begin(), algorithm.constraint_steps.end(),
+                     [](const ir::ConstraintStep& step) { return step.kind != ir::ConstraintStep::Kind::delassus; });
+}
+
+}  // namespace
+
+Library library_of(const Model& model, Diagnostics& warnings) {
+  Library library;
+  if (model.scene.parallel == ir::Parallel::tasks)
+    warnings.push_back({Severity::warning, "", "key 'parallel'", "task graphs are left out of what programs load",
+                        "give many states at once: they are computed on all cores"});
+  const auto add_part = [&](Model part) {
+    part.scene.parallel = ir::Parallel::serial;
+    library.parts.push_back({std::move(part), {}});
+    return library.parts.size() - 1;
+  };
+  add_part(model);
+  const std::vector<Output> outputs = outputs_of(model);
+  const std::vector<ir::EmittedFunction> functions = ir::functions_of(model.scene);
+  std::vector<TableFunction> alone;
+  for (const ir::EmittedFunction& function : functions) {
+    const std::vector<Output> results = results_of(outputs, function);
+    if (function.named || outputs.size() == 1) {
+      library.functions.push_back({0, function, results});
+      continue;
+    }
+    const bool several = results.size() > 1;
+    if (several) library.functions.push_back({0, function, results});
+    for (const Output& output : results) {
+      Model part = with_outputs(model, {output});
+      part.scene.batch = false;  // the controller's, in the whole scene's folder
+      part.name = ir::identifier(output.name) + "_of_" + model.name;  // as no C function of the whole is called
+      const ir::EmittedFunction of_one = ir::functions_of(part.scene).front();
+      alone.push_back({add_part(std::move(part)), of_one, {output}, several});
+    }
+  }
+  library.functions.insert(library.functions.end(), alone.begin(), alone.end());
+  return library;
+}
+
+void find_what_is_read(Library& library) {
+  for (size_t p = 0; p < library.parts.size(); ++p) {
+    std::map<std::string, bool> reads;
+    for (const LoweredFunction& f : lower_to_programs(library.parts[p].model).functions) {
+      const ir::EmittedFunction& function = f.algorithm.function;
+      const std::string& called = function.first_half.empty() ? function.name : function.first_half;
+      reads[called] |= steps_read_velocities(f.algorithm) ||
+                       !ir::inputs_read(f.program, ir::uses(f.program.graph, f.program.roots())).velocities.empty();
+    }
+    for (TableFunction& f : library.functions)
+      if (f.part == p) f.reads_velocities = reads[f.function.name];
+  }
+}
+
+std::string table_name(const TableFunction& f) { return f.of_one ? f.results.front().name : f.function.name; }
+
+std::vector<RunTimeInput> run_time_inputs(const Model& model) {
+  std::vector<RunTimeInput> inputs;
+  const ir::Scene& scene = model.scene;
+  if (scene.gravity_kind == ir::GravityKind::run_time)
+    inputs.push_back({"gravity_vector",
+                      "m/s^2",
+                      "gravity along the world's axes",
+                      {{"gravity_vector", 3}},
+                      {scene.gravity[0], scene.gravity[1], scene.gravity[2]}});
+  for (const std::string& link : scene.payloads) {
+    const std::string name = "payload_" + ir::identifier(link);
+    inputs.push_back(
+        {name,
+         "kg, m, kg m^2",
+         fmt::format("what {} carries: mass, centre of mass, inertia xx xy xz yy yz zz about it; its axes", scene.called(link)),
+         {{name + ".mass", 0}, {name + ".com", 3}, {name + ".inertia", 6}},
+         std::vector<double>(10, 0.0)});
+  }
+  for (const ir::ExternalWrench& wrench : scene.wrenches) {
+    const std::string name = "wrench_" + ir::identifier(wrench.link);
+    inputs.push_back({name,
+                      "N, N m",
+                      fmt::format("force and moment on {} at its origin, along {} axes", scene.called(wrench.link),
+                                  wrench.in_world ? "the world's" : "its"),
+                      {{name, 6}},
+                      std::vector<double>(6, 0.0)});
+  }
+  for (const ir::Constraint& c : scene.constraints()) {
+    const std::string& name = c.member;
+    const int rows = c.rows;
+    if (c.loop) {
+      std::vector<double> start(static_cast<size_t>(4 + 2 * rows), 0.0);
+      start[0] = 1;  // active
+      std::fill(start.end() - rows, start.end(), 1.0);
+      inputs.push_back(
+          {name,
+           "1, 1/s^2, 1/s, 1, 1/kg",
+           fmt::format("how {0} hold each other: active (1 or 0), kp, kd, restitution, regularization ({1}), weight ({1})",
+                       c.of, rows),
+           {{name + ".active", 0},
+            {name + ".kp", 0},
+            {name + ".kd", 0},
+            {name + ".restitution", 0},
+            {name + ".regularization", rows},
+            {name + ".weight", rows}},
+           start});
+      continue;
+    }
+    std::vector<double> start(static_cast<size_t>(11 + 2 * rows), 0.0);
+    start[0] = start[10] = 1;  // active; the anchor's quaternion
+    std::fill(start.end() - rows, start.end(), 1.0);
+    inputs.push_back({name,
+                      "1, 1/s^2, 1/s, 1, m, 1/kg",
+                      fmt::format("how {0} is held: active (1 or 0), kp, kd, restitution, anchor (3, quaternion x y z w), "
+                                  "regularization ({1}), weight ({1})",
+                                  c.of, rows),
+                      {{name + ".active", 0},
+                       {name + ".kp", 0},
+                       {name + ".kd", 0},
+                       {name + ".restitution", 0},
+                       {name + ".anchor", 7},
+                       {name + ".regularization", rows},
+                       {name + ".weight", rows}},
+                      start});
+  }
+  return inputs;
+}
+
+}  // namespace dalembert

@@ -1,0 +1,119 @@
+#include "commands/build/robot_json.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <cmath>
+#include <cstring>
+
+#include "commands/json.hpp"
+
+namespace dalembert {
+
+namespace {
+
+std::string number(double x) {
+  if (std::isnan(x)) return "NaN";
+  if (std::isinf(x)) return x > 0 ? "Infinity" : "-Infinity";  // as Python's json reads and writes them
+  return fmt::format("{:.17g}", x);
+}
+
+std::string array(const std::vector<std::string>& items) { return fmt::format("[{}]", fmt::join(items, ", ")); }
+
+// The registry's row of an output: its axes without those of extent one, symbol, unit and help.
+std::string output_json(const Output& output, const std::string& of_function) {
+  std::vector<std::string> shape;
+  std::string symbol, unit, help, quantity;
+  const auto read = [&](const auto& row) {
+    if (row.rows != ir::Extent::one) shape.push_back(std::to_string(output.rows));
+    if (row.columns != ir::Extent::one) shape.push_back(std::to_string(output.columns));
+    quantity = row.name;
+    unit = row.unit;
+    help = row.help;
+  };
+  if (output.quantity) {
+    read(ir::row_of(*output.quantity));
+    symbol = ir::row_of(*output.quantity).symbol;
+  } else {
+    read(ir::row_of(output.of_link));
+  }
+  std::string field = output.name;  // "mass_matrix" of the scene's "balance_mass_matrix"
+  if (!of_function.empty() && field.starts_with(of_function + "_")) field = field.substr(of_function.size() + 1);
+  return fmt::format(
+      "{{\"name\": {}, \"field\": {}, \"quantity\": {}, \"link\": {}, \"shape\": {}, \"symbol\": {}, \"unit\": {}, \"help\": "
+      "{}}}",
+      json_string(output.name), json_string(field), json_string(quantity), json_string(output.link), array(shape),
+      json_string(symbol), json_string(unit), json_string(help));
+}
+
+std::string functions_json(const Library& library) {
+  std::vector<std::string> all;
+  for (size_t i = 0; i < library.functions.size(); ++i) {
+    const TableFunction& f = library.functions[i];
+    std::vector<std::string> results;
+    for (const Output& output : f.results) results.push_back(output_json(output, f.function.named ? f.function.name : ""));
+    all.push_back(fmt::format(
+        "\n    {{\"name\": {}, \"function\": {}, \"entry\": {}, \"takes\": {}, \"meaning\": {}, \"reads_velocities\": {}, "
+        "\"named\": {}, \"alone\": {}, \"part\": {}, \"folder\": {}, \"batch_entry\": {}, \"results\": {}}}",
+        json_string(table_name(f)), json_string(f.function.named ? f.function.name : ir::row_of(f.function.inputs).name), i,
+        json_string(f.function.input()), json_string(f.function.meaning()), f.reads_velocities, f.function.named, f.of_one,
+        f.part, json_string(library.parts[f.part].model.name), f.batch_entry, array(results)));
+  }
+  return array(all);
+}
+
+std::string run_time_json(const Model& model) {
+  std::vector<std::string> all;
+  for (const RunTimeInput& input : run_time_inputs(model)) {
+    std::vector<std::string> start;
+    for (const double x : input.start) start.push_back(number(x));
+    all.push_back(fmt::format("{{\"name\": {}, \"unit\": {}, \"help\": {}, \"start\": {}}}", json_string(input.name),
+                              json_string(input.unit), json_string(input.help), array(start)));
+  }
+  return array(all);
+}
+
+}  // namespace
+
+std::string robot_json(const Library& library, const Request& request, const CompilerOptions& options,
+                       std::uintmax_t code_bytes, const Diagnostics& warnings) {
+  const Model& model = library.parts.front().model;
+  const ir::KinematicTree& tree = model.tree;
+  std::vector<std::string> joints, types, bodies, links, said, lower, upper, velocity, effort;
+  if (tree.floating_base) bodies.push_back(tree.base_link);
+  for (const ir::Body& body : tree.bodies) {
+    bodies.push_back(body.name);
+    if (body.driven()) continue;
+    joints.push_back(body.joint);
+    types.push_back(body.prismatic() ? "prismatic" : body.type == ir::JointType::continuous ? "continuous" : "revolute");
+    ir::Limits limits;
+    for (const ir::Joint& joint : model.description.joints)
+      if (joint.name == body.joint) limits = joint.limits;
+    lower.push_back(number(limits.lower));
+    upper.push_back(number(limits.upper));
+    velocity.push_back(number(limits.velocity));
+    effort.push_back(number(limits.effort));
+  }
+  for (const ir::LinkPlacement& link : tree.links) links.push_back(link.link);
+  for (const Diagnostic& d : warnings)
+    if (d.severity != Severity::error)
+      said.push_back(fmt::format("[{}, {}]", json_string(d.severity == Severity::warning ? "warning" : "notice"),
+                                 json_string(to_string(d))));
+  std::string command = model.command_line;
+  for (const char* words : {"dalembert ", "generate "})
+    if (command.starts_with(words)) command = command.substr(std::strlen(words));
+  return fmt::format(
+      "{{\n  \"command_line\": {},\n  \"robot\": {},\n  \"name\": {},\n  \"file\": {},\n  \"base\": \"{}\",\n  \"base_link\": "
+      "{},\n  \"nq\": {},\n"
+      "  \"nv\": {},\n  \"scalar\": \"{}\",\n  \"joints\": {},\n  \"joint_types\": {},\n  \"bodies\": {},\n  \"links\": {},\n"
+      "  \"lower\": {},\n  \"upper\": {},\n  \"velocity\": {},\n  \"effort\": {},\n  \"functions\": {},\n  \"run_time\": {},\n"
+      "  \"compiled_by\": {},\n  \"code_bytes\": {},\n  \"said\": {}\n}}\n",
+      json_string(command), json_string(tree.robot), json_string(model.name), json_string(request.robot),
+      tree.floating_base ? "floating" : "fixed", json_string(tree.base_link), tree.nq(), tree.nv(),
+      model.scene.scalar == ir::ScalarType::float32 ? "float32" : "float64", json_array(joints), json_array(types),
+      json_array(bodies), json_array(links), array(lower), array(upper), array(velocity), array(effort),
+      functions_json(library), run_time_json(model),
+      json_string(fmt::format("{}", fmt::join(compiler_and_flags(options), " "))), code_bytes, array(said));
+}
+
+}  // namespace dalembert

@@ -1,0 +1,219 @@
+// Rollouts, inside: a block of motions stays in registers' lanes from step to step, blocks in strips as in batch.hpp.
+#pragma once
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <initializer_list>
+#include <limits>
+
+#include "dalembert/batch.hpp"
+#include "dalembert/integrators/motion.hpp"
+#include "dalembert/rollout_layout.hpp"
+
+namespace dalembert {
+
+namespace detail {
+
+// A motion of each lane: where it is, where the step leads, and what the stages of a step leave to later ones.
+template <class T, int nq, int nv>
+struct RolloutBlock {
+  using V = BatchLanes<T>;
+  V q[nq], v[nv], next_q[nq], next_v[nv], step[nv], change[nv], steps[nv], changes[nv];
+  int stopped[batch_width<T>];
+};
+
+template <class T, int n, class V>
+DALEMBERT_BLOCK void copy_numbers(const V* from, V* to) {
+  for (int i = 0; i < n; ++i) to[i] = from[i];
+}
+
+// next = q · exp(step), and on a fixed base q + step.
+template <class T, int nq, int nv, class V, class... Joints>
+DALEMBERT_BLOCK void move_lanes(const V* q, const V* step, V* next, const Joints&... joints) {
+  if constexpr (nq == nv) {
+    (void)std::initializer_list<int>{((void)joints, 0)...};
+    for (int i = 0; i < nq; ++i) next[i] = q[i] + step[i];
+  } else {
+    for (int lane = 0; lane < batch_width<T>; ++lane) {
+      Eigen::Matrix<T, nq, 1> from, to;
+      Eigen::Matrix<T, nv, 1> by;
+      take_state<T>(q, nq, lane, from.data());
+      take_state<T>(step, nv, lane, by.data());
+      integrators::move(from, by, to, joints...);
+      put_state<T>(to.data(), nq, lane, next);
+    }
+  }
+}
+
+// rate: how `step` changes when q · exp(step) moves with `speed` (integrators::rate_of_step).
+template <class T, int nq, int nv, class V, class... Joints>
+DALEMBERT_BLOCK void rate_lanes(const V* q, const V* step, const V* speed, V* rate, const Joints&... joints) {
+  copy_numbers<T, nv>(speed, rate);
+  if constexpr (nq != nv)
+    for (int lane = 0; lane < batch_width<T>; ++lane) {
+      Eigen::Matrix<T, nq, 1> at;
+      Eigen::Matrix<T, nv, 1> by, moving;
+      take_state<T>(q, nq, lane, at.data());
+      take_state<T>(step, nv, lane, by.data());
+      take_state<T>(speed, nv, lane, moving.data());
+      const Eigen::Matrix<T, nv, 1> r = integrators::rate_of_step(at, by, moving, joints...);
+      put_state<T>(r.data(), nv, lane, rate);
+    }
+}
+
+// Motions that cannot make the step stay where they are.
+template <class T, int nq, int nv>
+DALEMBERT_BLOCK void accept_step(RolloutBlock<T, nq, nv>& motion, const int* status, std::size_t step) {
+  constexpr int w = batch_width<T>;
+  using V = BatchLanes<T>;
+  V not_finite{};  // x − x is zero of a finite number, and NaN of others
+  for (int i = 0; i < nq; ++i) not_finite += motion.next_q[i] - motion.next_q[i];
+  for (int i = 0; i < nv; ++i) not_finite += motion.next_v[i] - motion.next_v[i];
+  bool stays = false;
+  for (int j = 0; j < w; ++j) {
+    const bool bad = status[j] >= 0 || !(lane<w, T>(not_finite, j) == T(0));
+    if (motion.stopped[j] < 0 && bad) motion.stopped[j] = static_cast<int>(step);
+    stays |= motion.stopped[j] >= 0;
+  }
+  if (__builtin_expect(stays, 0))
+    for (int j = 0; j < w; ++j) {
+      if (motion.stopped[j] < 0) continue;
+      T q[nq], v[nv];
+      take_state<T>(motion.q, nq, j, q);
+      take_state<T>(motion.v, nv, j, v);
+      put_state<T>(q, nq, j, motion.next_q);
+      put_state<T>(v, nv, j, motion.next_v);
+    }
+  copy_numbers<T, nq>(motion.next_q, motion.q);
+  copy_numbers<T, nv>(motion.next_v, motion.v);
+}
+
+}  // namespace detail
+
+// What a rollout has to be, beyond what a batch has to be.
+template <class T>
+static inline BatchError check_rollout(const Rollout<T>& rollout, const T* input, std::size_t count, int nq) noexcept {
+  if (static_cast<unsigned>(rollout.method) > static_cast<unsigned>(RolloutMethod::rk4)) return BatchError::method;
+  if (!std::isfinite(rollout.time_step)) return BatchError::time_step;
+  if (rollout.control && input) return BatchError::control;
+  constexpr std::size_t most = std::numeric_limits<std::size_t>::max() / 2 / sizeof(double);
+  const std::size_t numbers = static_cast<std::size_t>(nq + 10);
+  if (rollout.steps > static_cast<std::size_t>(std::numeric_limits<int>::max()) ||
+      (rollout.steps > 0 && count > most / numbers / rollout.steps - 16))
+    return BatchError::steps;
+  return BatchError::none;
+}
+
+// The motions from `first` up to `end`. Program: as in run_batch(); with_given(block, first state, how many) reads all but q, v and
+// the input. finish(block): behind run(), its status. v̇ stands at values + acceleration. layout: of the input and the states.
+template <int nq, int nv, class T, class Program, class Finish, class... Joints>
+static inline void roll_out(Program&& program, const Rollout<T>& rollout, const T* q, const T* v, const T* input,
+                            BatchLayout states_in, BatchLayout results_in, std::size_t first, std::size_t end, int acceleration,
+                            const Finish& finish, const Joints&... joints) noexcept {
+  using P = std::decay_t<Program>;
+  using Block = typename P::Block;
+  using V = BatchLanes<T>;
+  constexpr int w = batch_width<T>, strip = P::strip;
+  Block blocks[strip];
+  detail::RolloutBlock<T, nq, nv> motions[strip];
+  const V h = broadcast<w, T>(rollout.time_step);
+  for (Block& block : blocks) {
+    block.values[Block::element_count] = V{};
+    for (V& x : block.input) x = V{};
+    for (int& s : block.status) s = -1;
+  }
+  while (first < end) {
+    std::size_t at[strip];
+    int states[strip], count = 0;
+    for (; first < end && count < strip; first += static_cast<std::size_t>(w), ++count) {
+      at[count] = first;
+      states[count] = end - first < static_cast<std::size_t>(w) ? static_cast<int>(end - first) : w;
+      read_states<nq, T>(q, states_in, first, states[count], motions[count].q);
+      read_states<nv, T>(v, states_in, first, states[count], motions[count].v);
+      program.with_given(blocks[count], first, states[count]);
+      for (int& s : motions[count].stopped) s = -1;
+    }
+    // v̇ of all blocks, at the positions and velocities that stand in them.
+    const auto accelerate = [&] {
+      program.run(blocks, count);
+      for (int b = 0; b < count; ++b) finish(blocks[b]);
+    };
+    for (std::size_t step = 0; step < rollout.steps; ++step) {
+      for (int b = 0; b < count; ++b) {
+        Block& block = blocks[b];
+        detail::copy_numbers<T, nq>(motions[b].q, block.q);
+        detail::copy_numbers<T, nv>(motions[b].v, block.v);
+        if (input) {
+          read_states<nv, T>(input, states_in, at[b], states[b], block.input, rollout.steps * nv, step * nv);
+        } else if (rollout.control) {
+          rollout.control({at[b], states[b], w, step, reinterpret_cast<const T*>(motions[b].q),
+                           reinterpret_cast<const T*>(motions[b].v), reinterpret_cast<T*>(block.input)},
+                          rollout.user);
+        }
+      }
+      int status[strip][w];
+      const auto keep_status = [&](bool begins) {
+        for (int b = 0; b < count; ++b)
+          for (int j = 0; j < w; ++j) status[b][j] = begins ? blocks[b].status[j] : std::max(status[b][j], blocks[b].status[j]);
+      };
+      if (rollout.method == RolloutMethod::semi_implicit_euler) {
+        accelerate();
+        keep_status(true);
+        for (int b = 0; b < count; ++b) {
+          auto& m = motions[b];
+          const V* const a = blocks[b].values + acceleration;
+          for (int i = 0; i < nv; ++i) m.next_v[i] = m.v[i] + h * a[i], m.step[i] = h * m.next_v[i];
+          detail::move_lanes<T, nq, nv>(m.q, m.step, m.next_q, joints...);
+        }
+      } else {
+        // As integrators::rk4(): a stage at q · exp(step), v + change.
+        const T t = rollout.time_step, forward[] = {t / 2, t / 2, t, T(0)}, weight[] = {t / 6, t / 3, t / 3, t / 6};
+        for (int b = 0; b < count; ++b)
+          for (int i = 0; i < nv; ++i) motions[b].step[i] = motions[b].change[i] = motions[b].steps[i] = motions[b].changes[i] = V{};
+        for (int stage = 0; stage < 4; ++stage) {
+          accelerate();
+          keep_status(stage == 0);
+          const V ahead = broadcast<w, T>(forward[stage]), share = broadcast<w, T>(weight[stage]);
+          for (int b = 0; b < count; ++b) {
+            auto& m = motions[b];
+            Block& block = blocks[b];
+            const V* const a = block.values + acceleration;
+            V rate[nv];
+            detail::rate_lanes<T, nq, nv>(m.q, m.step, block.v, rate, joints...);
+            for (int i = 0; i < nv; ++i) {
+              m.steps[i] += share * rate[i], m.changes[i] += share * a[i];
+              m.step[i] = ahead * rate[i], m.change[i] = ahead * a[i];
+            }
+            if (stage == 3) continue;
+            detail::move_lanes<T, nq, nv>(m.q, m.step, block.q, joints...);
+            for (int i = 0; i < nv; ++i) block.v[i] = m.v[i] + m.change[i];
+          }
+        }
+        for (int b = 0; b < count; ++b) {
+          auto& m = motions[b];
+          detail::move_lanes<T, nq, nv>(m.q, m.steps, m.next_q, joints...);
+          for (int i = 0; i < nv; ++i) m.next_v[i] = m.v[i] + m.changes[i];
+        }
+      }
+      for (int b = 0; b < count; ++b) {
+        detail::accept_step<T, nq, nv>(motions[b], status[b], step);
+        const auto write = [&](const V* values, int numbers, T* to) {
+          if (!to) return;
+          const auto k = static_cast<std::size_t>(numbers);
+          write_states<T>(values, nullptr, numbers, results_in, at[b], states[b], to, rollout.steps * k, step * k);
+        };
+        write(motions[b].q, nq, rollout.path_q);
+        write(motions[b].v, nv, rollout.path_v);
+      }
+    }
+    for (int b = 0; b < count; ++b) {
+      if (rollout.last_q) write_states<T>(motions[b].q, nullptr, nq, results_in, at[b], states[b], rollout.last_q);
+      if (rollout.last_v) write_states<T>(motions[b].v, nullptr, nv, results_in, at[b], states[b], rollout.last_v);
+      for (int j = 0; rollout.stopped && j < states[b]; ++j)
+        rollout.stopped[at[b] + static_cast<std::size_t>(j)] = motions[b].stopped[j];
+    }
+  }
+}
+
+}  // namespace dalembert

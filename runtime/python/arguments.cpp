@@ -1,0 +1,237 @@
+#include "arguments.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <new>
+#include <string>
+#include <utility>
+
+namespace dalembert::python {
+
+namespace {
+
+std::string described(PyArrayObject* array) {
+  std::string text = "(";
+  for (int i = 0; i < PyArray_NDIM(array); ++i) text += (i ? ", " : "") + std::to_string(PyArray_DIM(array, i));
+  return text + (PyArray_NDIM(array) == 1 ? ",)" : ")");
+}
+
+bool same(PyObject* a, PyObject* b) { return a == b || PyUnicode_Compare(a, b) == 0; }
+
+// The lowest and the byte behind the highest that an array has.
+std::pair<const char*, const char*> bytes_of(PyArrayObject* array) {
+  const char *low = PyArray_BYTES(array), *high = low + PyArray_ITEMSIZE(array);
+  for (int i = 0; i < PyArray_NDIM(array); ++i) {
+    if (PyArray_DIM(array, i) == 0) return {low, low};
+    const npy_intp reach = PyArray_STRIDE(array, i) * (PyArray_DIM(array, i) - 1);
+    (reach < 0 ? low : high) += reach;
+  }
+  return {low, high};
+}
+
+bool overlap(PyArrayObject* a, PyArrayObject* b) {
+  const auto [a_low, a_high] = bytes_of(a);
+  const auto [b_low, b_high] = bytes_of(b);
+  return a_low < b_high && b_low < a_high;
+}
+
+}  // namespace
+
+PyObject* new_result(const Contents& f, const Shape& shape, npy_intp states) {
+  npy_intp sizes[3];
+  int dimensions = 0;
+  if (states >= 0) sizes[dimensions++] = states;
+  for (int i = 0; i < shape.dimensions; ++i) sizes[dimensions++] = shape.size[i];
+  return PyArray_SimpleNew(dimensions, sizes, f.type);
+}
+
+bool take(const Contents& f, PyObject* object, PyObject* name, npy_intp size, Argument& to) {
+  Owned array(PyArray_Check(object) ? Py_NewRef(object) : PyArray_FromAny(object, nullptr, 0, 0, 0, nullptr));
+  if (!array) return false;
+  const int type = PyArray_TYPE(array.array());
+  const auto wanted = [&] { return f.type == NPY_DOUBLE ? "float64" : "float32"; };
+  if (!PyTypeNum_ISBOOL(type) && !PyTypeNum_ISINTEGER(type) && !PyTypeNum_ISFLOAT(type)) {
+    PyErr_Format(PyExc_ValueError, "%U: %U has dtype %S, expected %s or what converts to it", f.name, name,
+                 PyArray_DESCR(array.array()), wanted());
+    return false;
+  }
+  const int dimensions = PyArray_NDIM(array.array());
+  if (dimensions < 1 || dimensions > 2 || PyArray_DIM(array.array(), dimensions - 1) != size) {
+    PyErr_Format(PyExc_ValueError, "%U: %U has shape %s, expected (%zd,) for one state or (n, %zd) for n", f.name, name,
+                 described(array.array()).c_str(), static_cast<Py_ssize_t>(size), static_cast<Py_ssize_t>(size));
+    return false;
+  }
+  const npy_intp bytes = static_cast<npy_intp>(f.scalar);
+  const bool as_it_is = type == f.type && PyArray_ISALIGNED(array.array()) && PyArray_ISNOTSWAPPED(array.array()) &&
+                        (size <= 1 || PyArray_STRIDE(array.array(), dimensions - 1) == bytes) &&
+                        (dimensions == 1 || PyArray_STRIDE(array.array(), 0) % bytes == 0);
+  if (!as_it_is) {
+    array = Owned(PyArray_FROM_OTF(array.get(), f.type, NPY_ARRAY_CARRAY_RO | NPY_ARRAY_FORCECAST));
+    if (!array) return false;
+  }
+  to.rows.first = PyArray_DATA(array.array());
+  if (dimensions == 2) {
+    to.states = PyArray_DIM(array.array(), 0);
+    to.rows.step = PyArray_STRIDE(array.array(), 0) / bytes;
+  }
+  to.array = std::move(array);
+  return true;
+}
+
+bool sort_arguments(const Contents& f, PyObject* const* args, Py_ssize_t given, PyObject* keywords, Given& to) {
+  const Py_ssize_t most = f.more ? 3 : 2;
+  PyObject** const places[] = {&to.q, &to.v, &to.more};
+  to.run_time.assign(f.run_time_inputs.size(), nullptr);
+  if (given > most) {
+    PyErr_Format(PyExc_TypeError, "%U takes q%s%s%V, and %zd arguments were given", f.name, ", v", f.more ? ", " : "", f.more,
+                 "", given);
+    return false;
+  }
+  for (Py_ssize_t i = 0; i < given; ++i) *places[i] = args[i];
+  for (Py_ssize_t k = 0; keywords && k < PyTuple_GET_SIZE(keywords); ++k) {
+    PyObject *const name = PyTuple_GET_ITEM(keywords, k), *const value = args[given + k];
+    PyObject** place = nullptr;
+    if (same(name, name_out)) place = &to.out;
+    else if (PyUnicode_CompareWithASCIIString(name, "q") == 0) place = &to.q;
+    else if (same(name, name_v)) place = &to.v;
+    else if (f.more && same(name, f.more)) place = &to.more;
+    for (std::size_t r = 0; r < f.run_time_inputs.size(); ++r)
+      if (same(name, f.run_time_inputs[r].name)) place = &to.run_time[r];
+    if (same(name, name_status)) {
+      const int truth = PyObject_IsTrue(value);
+      if (truth < 0) return false;
+      to.return_status = truth > 0;
+    } else if (!place) {
+      std::string known = f.more ? std::string("q, v, ") + PyUnicode_AsUTF8(f.more) : "q, v";
+      for (const RunTimeInput& input : f.run_time_inputs) known += std::string(", ") + PyUnicode_AsUTF8(input.name);
+      PyErr_Format(PyExc_TypeError, "%U has no argument '%U'; there are %s, out and return_status", f.name, name,
+                   known.c_str());
+      return false;
+    } else if (*place) {
+      PyErr_Format(PyExc_TypeError, "%U: '%U' is given twice", f.name, name);
+      return false;
+    } else {
+      *place = value;
+    }
+  }
+  if (to.out == Py_None) to.out = nullptr;
+  if (to.v == Py_None && !f.needs_v && !f.more) to.v = nullptr;
+  const char* missing = !to.q ? "q" : !to.v && (f.needs_v || f.more) ? "v" : nullptr;
+  if (!missing && f.more && !to.more) missing = PyUnicode_AsUTF8(f.more);
+  if (missing) {
+    PyErr_Format(PyExc_TypeError, "%U needs %s: it takes q%s%s%V", f.name, missing, f.needs_v || f.more ? ", v" : "",
+                 f.more ? ", " : "", f.more, "");
+    return false;
+  }
+  return true;
+}
+
+bool prepare_results(const Contents& f, PyObject* out, npy_intp states, const std::vector<const Argument*>& arguments,
+                     Results& results) {
+  const std::size_t count = f.shapes.size();
+  std::vector<PyObject*> given(count, nullptr);
+  if (out && !f.result_type) given[0] = out;
+  Owned sequence;
+  if (out && f.result_type) {
+    sequence = Owned(PySequence_Fast(out, "out is one array per result, in a tuple"));
+    if (!sequence) return false;
+    if (PySequence_Fast_GET_SIZE(sequence.get()) != static_cast<Py_ssize_t>(count)) {
+      PyErr_Format(PyExc_ValueError, "%U: out has %zd arrays, expected one for each of %zd results", f.name,
+                   PySequence_Fast_GET_SIZE(sequence.get()), static_cast<Py_ssize_t>(count));
+      return false;
+    }
+    for (std::size_t i = 0; i < count; ++i) given[i] = PySequence_Fast_GET_ITEM(sequence.get(), static_cast<Py_ssize_t>(i));
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    const Shape& shape = f.shapes[i];
+    if (!given[i]) {
+      results.arrays.emplace_back(new_result(f, shape, states));
+      if (!results.arrays.back()) return false;
+      results.written_to.emplace_back();
+      continue;
+    }
+    if (!PyArray_Check(given[i])) {
+      PyErr_Format(PyExc_ValueError, "%U: out is of type %s, expected a numpy array", f.name, Py_TYPE(given[i])->tp_name);
+      return false;
+    }
+    auto* const array = reinterpret_cast<PyArrayObject*>(given[i]);
+    std::vector<npy_intp> sizes;
+    if (states >= 0) sizes.push_back(states);
+    sizes.insert(sizes.end(), shape.size, shape.size + shape.dimensions);
+    const bool fits =
+        PyArray_NDIM(array) == static_cast<int>(sizes.size()) && std::equal(sizes.begin(), sizes.end(), PyArray_DIMS(array));
+    if (!fits) {
+      std::string expected = "(";
+      for (const npy_intp size : sizes) expected += (expected.size() > 1 ? ", " : "") + std::to_string(size);
+      expected += sizes.size() == 1 ? ",)" : ")";
+      PyErr_Format(PyExc_ValueError, "%U: out has shape %s, expected %s", f.name, described(array).c_str(), expected.c_str());
+      return false;
+    }
+    if (PyArray_TYPE(array) != f.type) {
+      PyErr_Format(PyExc_ValueError, "%U: out has dtype %S, expected %s", f.name, PyArray_DESCR(array),
+                   f.type == NPY_DOUBLE ? "float64" : "float32");
+      return false;
+    }
+    if (!PyArray_ISWRITEABLE(array)) {
+      PyErr_Format(PyExc_ValueError, "%U: out is read-only", f.name);
+      return false;
+    }
+    bool aside = !PyArray_ISCARRAY(array);
+    for (const Argument* argument : arguments)
+      if (argument->array) aside = aside || overlap(array, argument->array.array());
+    results.arrays.emplace_back(Py_NewRef(given[i]));
+    results.written_to.emplace_back(aside ? new_result(f, shape, states) : nullptr);
+    if (aside && !results.written_to.back()) return false;
+  }
+  return true;
+}
+
+bool take_run_time(const Contents& f, const Given& given, std::vector<Argument>& own, npy_intp& states,
+                   std::vector<unsigned char>& memory, StateRows& rows) {
+  if (!f.run_time) return true;
+  auto* const common = reinterpret_cast<PyArrayObject*>(f.run_time);
+  const std::size_t width = static_cast<std::size_t>(PyArray_SIZE(common));
+  bool per_state = false;
+  own.resize(f.run_time_inputs.size());
+  for (std::size_t r = 0; r < own.size(); ++r) {
+    const RunTimeInput& input = f.run_time_inputs[r];
+    if (!given.run_time[r]) continue;
+    if (!take(f, given.run_time[r], input.name, input.size, own[r])) return false;
+    per_state = per_state || own[r].states >= 0;
+  }
+  for (std::size_t r = 0; r < own.size(); ++r) {
+    if (own[r].states < 0) continue;
+    if (states >= 0 && own[r].states != states) {
+      PyErr_Format(PyExc_ValueError, "%U: %U has %zd states, and other arguments have %zd", f.name, f.run_time_inputs[r].name,
+                   static_cast<Py_ssize_t>(own[r].states), static_cast<Py_ssize_t>(states));
+      return false;
+    }
+    states = own[r].states;
+  }
+  const std::size_t count = per_state ? static_cast<std::size_t>(std::max<npy_intp>(states, 0)) : 1;
+  if (count > (std::size_t{1} << 40) / std::max<std::size_t>(1, width * f.scalar)) {
+    PyErr_NoMemory();
+    return false;
+  }
+  try {
+    memory.resize(std::max<std::size_t>(1, count) * width * f.scalar);
+  } catch (const std::bad_alloc&) {
+    PyErr_NoMemory();
+    return false;
+  }
+  for (std::size_t s = 0; s < count; ++s) {
+    unsigned char* const to = memory.data() + s * width * f.scalar;
+    std::memcpy(to, PyArray_DATA(common), width * f.scalar);
+    for (std::size_t r = 0; r < own.size(); ++r)
+      if (given.run_time[r])
+        std::memcpy(to + static_cast<std::size_t>(f.run_time_inputs[r].at) * f.scalar,
+                    static_cast<const unsigned char*>(own[r].rows.first) +
+                        static_cast<std::ptrdiff_t>(s) * own[r].rows.step * static_cast<std::ptrdiff_t>(f.scalar),
+                    static_cast<std::size_t>(f.run_time_inputs[r].size) * f.scalar);
+  }
+  rows.first = memory.data();
+  rows.step = per_state ? static_cast<std::ptrdiff_t>(width) : 0;
+  return true;
+}
+
+}  // namespace dalembert::python
