@@ -51,7 +51,7 @@ Library library_of(const Model& model, Diagnostics& warnings) {
     if (several) library.functions.push_back({0, function, results});
     for (const Output& output : results) {
       Model part = with_outputs(model, {output});
-      part.scene.batch = false;  // the controller's, in the whole scene's folder
+      part.scene.batch = false;                                       // the controller's, in the whole scene's folder
       part.name = ir::identifier(output.name) + "_of_" + model.name;  // as no C function of the whole is called
       const ir::EmittedFunction of_one = ir::functions_of(part.scene).front();
       alone.push_back({add_part(std::move(part)), of_one, {output}, several});
