@@ -111,9 +111,15 @@ template <class S>
 MatrixX<S> loop_jacobian(const Model<S>& model, const State<S>& at, const Loop<S>& loop) {
   const LoopFrames<S> frames(model, at, loop, false);
   MatrixX<S> J[2];
-  for (int i = 0; i < 2; ++i)
-    J[i] = at.reduction.reduce_columns(
-        expanded_frame_jacobian<S>(model, at.kinematics, at.q, loop.bodies[i], loop.frames[i], Axes::mixed));
+  for (int i = 0; i < 2; ++i) {
+    MatrixX<S> whole = expanded_frame_jacobian<S>(model, at.kinematics, at.q, loop.bodies[i], loop.frames[i], Axes::mixed);
+    // What moves both bodies moves neither against the other: no rounding is left of it.
+    whole.leftCols(model.base_rows()).setZero();
+    for (int one = loop.bodies[0]; one >= 0; one = model.bodies[static_cast<size_t>(one)].parent)
+      for (int other = loop.bodies[1]; other >= 0; other = model.bodies[static_cast<size_t>(other)].parent)
+        if (one == other) whole.col(model.base_rows() + one).setZero();
+    J[i] = at.reduction.reduce_columns(whole);
+  }
   const MatrixX<S> moving = J[1].topRows(3) - J[0].topRows(3);
   if (loop.distance > S(0)) return frames.between().transpose() * moving / loop.distance;
   const MatrixX<S> back = frames.poses[0].rotation.transpose();
