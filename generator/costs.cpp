@@ -169,6 +169,7 @@ Model whole_robot(const Model& model) {
   whole.scene.frames = model.scene.frames;
   whole.scene.placed = model.scene.placed;
   whole.scene.contacts = model.scene.contacts;
+  whole.scene.loops = model.scene.loops;
   Diagnostics warnings;
   whole.tree = passes::build_tree(whole.description, whole.scene, warnings);
   return whole;

@@ -56,15 +56,18 @@ void warn_of_idle_keys(const ir::Scene& scene, const ir::KinematicTree& tree, Di
     for (const ir::LinkOutput& output : function.of_links) named.push_back(output.link);
   for (const ir::ExternalWrench& wrench : scene.wrenches) named.push_back(wrench.link);
   for (const ir::Contact& contact : scene.contacts) named.push_back(contact.link);
+  for (const ir::Loop& loop : scene.loops) named.insert(named.end(), loop.links.begin(), loop.links.end());
   for (const ir::Frame& frame : scene.placed)
     if (std::find(named.begin(), named.end(), frame.name) == named.end())
       keys.warn("frames", fmt::format("nothing is asked of frame '{}'", frame.name),
                 "name what it is for under its outputs, or name the frame in functions, wrenches, payloads or contacts");
 
-  if (!scene.contacts.empty() && !keys.any(ir::is_of_constraints))
-    keys.warn("contacts", "no output depends on the contacts",
+  if (scene.any_constraint() && !keys.any(ir::is_of_constraints))
+    keys.warn(scene.contacts.empty() ? "loops" : "contacts", "no output depends on the contacts and loops",
               "ask for constraint_jacobian, constraint_bias, delassus_matrix, impact, constrained_forward_dynamics or "
               "constraint_forces");
+  if (!scene.passive.empty() && !keys.any([](Quantity output) { return ir::row_of(output).scale == ir::Scale::supported; }))
+    keys.warn("passive", "no output depends on which joints are passive", "ask for constrained_inverse_dynamics");
 
   const bool solved = keys.any([](Quantity output) { return ir::is_solved(ir::row_of(output).scale); });
   if (scene.forward_dynamics && !solved)

@@ -90,7 +90,7 @@ class Lowering {
       return ir::count(program.graph, ir::uses(program.graph, program.roots())).total();
     };
     // What contacts are solved by is no line of operations.
-    if (operations(chosen.program) > most_operations || !model_.scene.contacts.empty()) return;
+    if (operations(chosen.program) > most_operations || model_.scene.any_constraint()) return;
     LoweredFunction line = straight_line();
     const bool whole = line.algorithm.steps.empty();
     if (whole && operations(line.program) <= most_operations) chosen.batch.push_back(std::move(line));

@@ -25,9 +25,8 @@ std::string input_text(const CodeInput& code, const ir::Input& input) {
     case ir::InputKind::wrench:
       return fmt::format("workspace.wrench_{}[{}]",
                          ir::identifier(code.scene.wrenches.at(static_cast<size_t>(input.index)).link), input.component);
-    case ir::InputKind::contact: {
-      const std::string contact =
-          "workspace.contact_" + ir::identifier(code.scene.contacts.at(static_cast<size_t>(input.index)).name);
+    case ir::InputKind::constraint: {
+      const std::string contact = "workspace." + code.scene.constraints().at(static_cast<size_t>(input.index)).member;
       if (input.component == ir::contact_kp) return contact + ".kp";
       if (input.component == ir::contact_kd) return contact + ".kd";
       if (input.component == ir::contact_restitution) return contact + ".restitution";
@@ -145,9 +144,15 @@ namespace {
 // dalembert::ConstraintRows of the steps' constraints.
 std::string rows_type(const ir::ConstraintPaths& paths) {
   std::vector<std::string> all;
-  for (size_t c = 0; c + 1 < paths.first.size(); ++c)
-    all.push_back(fmt::format("dalembert::RowPath<{}, {}>", paths.first[c + 1] - paths.first[c],
-                              fmt::join(paths.path.begin() + paths.begin[c], paths.path.begin() + paths.begin[c + 1], ", ")));
+  for (size_t c = 0; c + 1 < paths.first.size(); ++c) {
+    const int rows = paths.first[c + 1] - paths.first[c], length = paths.length(c);
+    const bool forked = paths.common[c] < length;
+    std::string type = fmt::format("RowPath<{}", rows);
+    if (forked || paths.linear[c] != std::min(rows, 3))
+      type = fmt::format("LoopPath<{}, {}, {}, {}", rows, paths.linear[c], paths.common[c], paths.split[c]);
+    for (int i = 0; i < length; ++i) type += fmt::format(", {}", paths.path[static_cast<size_t>(paths.begin[c] + i)]);
+    all.push_back("dalembert::" + type + ">");
+  }
   return fmt::format("dalembert::ConstraintRows<\n      {}>", fmt::join(all, ",\n      "));
 }
 
@@ -175,30 +180,46 @@ std::string tree_type(const ir::CoordinateTree& tree) {
 std::string constraint_statements(const CodeInput& code) {
   if (code.algorithm.constraint_steps.empty()) return "";
   const auto name = [&](int index) { return "workspace." + code.algorithm.arrays[static_cast<size_t>(index)].name; };
-  std::string text = fmt::format("  using RowsOfContacts = {};\n", rows_type(code.algorithm.constraint_steps.front().paths));
-  const bool solved = std::any_of(code.algorithm.constraint_steps.begin(), code.algorithm.constraint_steps.end(),
-                                  [&](const ir::ConstraintStep& s) { return s.kind != ir::ConstraintStep::Kind::delassus; });
-  if (solved) {
-    std::vector<std::string> active, regularization;
-    for (const ir::Contact& contact : code.scene.contacts) {
-      const std::string member = "workspace.contact_" + ir::identifier(contact.name);
+  std::string text =
+      fmt::format("  using ConstraintsOfScene = {};\n", rows_type(code.algorithm.constraint_steps.front().paths));
+  using Kind = ir::ConstraintStep::Kind;
+  const auto any = [&](const auto& of) {
+    return std::any_of(code.algorithm.constraint_steps.begin(), code.algorithm.constraint_steps.end(),
+                       [&](const ir::ConstraintStep& s) { return of(s.kind); });
+  };
+  const bool solved = any([](Kind kind) { return kind == Kind::solve || kind == Kind::impact; }),
+             supported = any([](Kind kind) { return kind == Kind::support; });
+  if (solved || supported) {
+    std::vector<std::string> active, regularization, weights;
+    for (const ir::Constraint& constraint : code.scene.constraints()) {
+      const std::string member = "workspace." + constraint.member;
       active.push_back(fmt::format("{}.active ? Scalar(1) : Scalar(0)", member));
-      for (int i = 0; i < contact.rows(); ++i) regularization.push_back(fmt::format("{}.regularization[{}]", member, i));
+      for (int i = 0; i < constraint.rows; ++i) {
+        regularization.push_back(fmt::format("{}.regularization[{}]", member, i));
+        weights.push_back(fmt::format("{}.weight[{}]", member, i));
+      }
     }
-    text += fmt::format(
-        "  using CoordinateTree = {};\n"
-        "  const Scalar row_active[] = {{{}}};\n  const Scalar row_regularization[] = {{\n      {}}};\n",
-        tree_type(ir::coordinate_tree(code.tree)), fmt::join(active, ", "), wrapped(regularization, 6));
+    if (solved) text += fmt::format("  using CoordinateTree = {};\n", tree_type(ir::coordinate_tree(code.tree)));
+    text += fmt::format("  const Scalar row_active[] = {{{}}};\n", fmt::join(active, ", "));
+    if (solved) text += fmt::format("  const Scalar row_regularization[] = {{\n      {}}};\n", wrapped(regularization, 6));
+    if (supported) text += fmt::format("  const Scalar row_weight[] = {{\n      {}}};\n", wrapped(weights, 6));
   }
   for (const ir::ConstraintStep& s : code.algorithm.constraint_steps) {
     if (s.kind == ir::ConstraintStep::Kind::delassus) {
-      text += fmt::format("  dalembert::delassus<nv, RowsOfContacts>({}, {}, {}, {}, {});\n", name(s.jacobian), name(s.factor),
-                          name(s.pivots), name(s.room), name(s.to));
+      text += fmt::format("  dalembert::delassus<nv, ConstraintsOfScene>({}, {}, {}, {}, {});\n", name(s.jacobian),
+                          name(s.factor), name(s.pivots), name(s.room), name(s.to));
+      continue;
+    }
+    if (s.kind == Kind::support) {
+      text += fmt::format(
+          "  workspace.{} = dalembert::support<nv, ConstraintsOfScene, dalembert::Undriven<{}>>(\n"
+          "      {}, row_active, row_weight, {}, {});\n",
+          own_name(code, "support_status"), fmt::join(s.undriven, ", "), name(s.jacobian), name(s.forces), name(s.to));
       continue;
     }
     const bool impact = s.kind == ir::ConstraintStep::Kind::impact;
     text += fmt::format(
-        "  workspace.{} = dalembert::{}<nv, RowsOfContacts, CoordinateTree>(\n"
+        "  workspace.{} = dalembert::{}<nv, ConstraintsOfScene, CoordinateTree>(\n"
         "      {}, {}, {}, {}, row_active, row_regularization,\n      {}, {}, {});\n",
         own_name(code, impact ? "impact_status" : "constraint_status"), impact ? "solve_impact" : "solve_constrained",
         name(s.jacobian), name(s.factor), name(s.pivots), name(s.right), name(s.room), name(s.forces), name(s.to));

@@ -66,6 +66,7 @@ const char* status_of(const ir::ConstraintStep& step) {
     case ir::ConstraintStep::Kind::delassus: return "";
     case ir::ConstraintStep::Kind::solve: return "constraint_status";
     case ir::ConstraintStep::Kind::impact: return "impact_status";
+    case ir::ConstraintStep::Kind::support: return "support_status";
   }
   return "";
 }
@@ -87,7 +88,7 @@ std::string results(const Folder& folder) {
     }
     for (const ir::ConstraintStep& step : code.algorithm.constraint_steps)
       if (const char* status = status_of(step); *status)
-        text += fmt::format("  dalembert::ConstraintStatus<Scalar> {};  // what is left of the contacts' rows\n",
+        text += fmt::format("  dalembert::ConstraintStatus<Scalar> {};  // what is left of the constraints' rows\n",
                             own_name(code, status));
   }
   return text;
@@ -102,8 +103,8 @@ std::string run_time_inputs(const CodeInput& code) {
                          "acceleration of free fall, m/s^2, world axes");
   for (const std::string& link : s.payloads)
     text += with_comment(fmt::format("  Payload payload_{};", ir::identifier(link)), "carried by " + s.called(link));
-  for (const ir::Contact& contact : s.contacts)
-    text += with_comment(fmt::format("  Contact contact_{};", ir::identifier(contact.name)), "of " + s.called(contact.link));
+  for (const ir::Constraint& c : s.constraints())
+    text += with_comment(fmt::format("  {} {};", c.loop ? "Loop" : "Contact", c.member), "of " + c.of);
   for (const ir::ExternalWrench& wrench : s.wrenches)
     text += with_comment(fmt::format("  Scalar wrench_{}[6] = {{}};", ir::identifier(wrench.link)),
                          fmt::format("external force, N, and moment, N m, on {} at its origin, along {} axes",
@@ -123,6 +124,22 @@ std::string contact_type(const CodeInput& code) {
          "  Scalar anchor[7] = {0, 0, 0, 0, 0, 0, 1};  // place in the world, m, and quaternion x y z w; matters where kp "
          "does\n"
          "  Scalar regularization[6] = {};  // added to the diagonal of J M^-1 J', per row: rows give way\n"
+         "  Scalar weight[6] = {1, 1, 1, 1, 1, 1};  // per row, of its force in inverse dynamics against others': 0: it bears "
+         "nothing\n"
+         "};\n\n";
+}
+
+std::string loop_type(const CodeInput& code) {
+  if (code.scene.loops.empty()) return "";
+  return "// How a loop acts, given at run time. Its rows' accelerations shall be -kd J v - kp e, e being how far it is from "
+         "closed.\n"
+         "struct Loop {\n"
+         "  bool active = true;             // else it exerts nothing\n"
+         "  Scalar kp = 0, kd = 0;          // 1/s^2, 1/s\n"
+         "  Scalar restitution = 0;         // of an impact: J v becomes -restitution J v\n"
+         "  Scalar regularization[6] = {};  // added to the diagonal of J M^-1 J', per row: rows give way\n"
+         "  Scalar weight[6] = {1, 1, 1, 1, 1, 1};  // per row, of its force in inverse dynamics against others': 0: it bears "
+         "nothing\n"
          "};\n\n";
 }
 
@@ -396,7 +413,7 @@ OutputFile header(const Folder& folder) {
                   {"joint_names", joint_names.empty() ? "nullptr" : wrapped(joint_names, 4)},
                   {"body_names", wrapped(body_names, 4)},
                   {"link_table", link_table(code) + moved_parameters(code)},
-                  {"types", payload_type(code) + contact_type(code)},
+                  {"types", payload_type(code) + contact_type(code) + loop_type(code)},
                   {"results", results(folder)},
                   {"run_time_inputs", run_time_inputs(code)},
                   {"scratch", scratch_members(folder)},
@@ -474,10 +491,28 @@ void c_functions(const Folder& folder, std::string& declarations, std::string& d
                     "  for (int i = 0; regularization && i < {2}; ++i) contact.regularization[i] = regularization[i];\n",
                     n, id, contact.rows()));
   }
+  for (const ir::Constraint& c : code.scene.constraints()) {
+    add(fmt::format("weight: {} numbers, of the rows' forces in inverse dynamics", c.rows),
+        fmt::format("void {0}_weigh_{1}(const {2}* weight, {0}_workspace* workspace)", n, c.member, s),
+        fmt::format("  for (int i = 0; i < {1}; ++i) workspace->{0}.weight[i] = weight[i];\n", c.member, c.rows));
+    if (!c.loop) continue;
+    add(fmt::format("active: 1 or 0, kp (1/s^2), kd (1/s), restitution: as in {}::Loop; regularization: {}; null: as it is", n,
+                    c.rows),
+        fmt::format("void {0}_set_{1}(int active, {2} kp, {2} kd, {2} restitution, const {2}* regularization,\n"
+                    "    {0}_workspace* workspace)",
+                    n, c.member, s),
+        fmt::format("  {0}::Loop& loop = workspace->{1};\n"
+                    "  loop.active = active != 0;\n"
+                    "  loop.kp = kp;\n"
+                    "  loop.kd = kd;\n"
+                    "  loop.restitution = restitution;\n"
+                    "  for (int i = 0; regularization && i < {2}; ++i) loop.regularization[i] = regularization[i];\n",
+                    n, c.member, c.rows));
+  }
   for (const CodeInput& f : folder.functions)
     for (const ir::ConstraintStep& step : f.algorithm.constraint_steps)
       if (const char* status = status_of(step); *status)
-        add("The largest error that is left of a contact's row; least_pivot, rank: as in dalembert::ConstraintStatus; null: "
+        add("The largest error that is left of a constraint's row; least_pivot, rank: as in dalembert::ConstraintStatus; null: "
             "not wanted",
             fmt::format("{0} {1}_{2}({0}* least_pivot, int* rank, const {1}_workspace* workspace)", s, n, own_name(f, status)),
             fmt::format("  if (least_pivot) *least_pivot = workspace->{0}.least_pivot;\n"
@@ -581,7 +616,8 @@ std::size_t workspace_bytes(const Folder& folder) {
   for (const CodeInput& f : folder.functions)
     for (const ir::ConstraintStep& step : f.algorithm.constraint_steps)
       if (*status_of(step)) bytes += 3 * scalar;
-  bytes += scene.contacts.size() * 17 * scalar;  // whether it acts, gains, restitution, anchor, regularization
+  bytes += scene.contacts.size() * 23 * scalar;  // whether it acts, gains, restitution, anchor, regularization, weight
+  bytes += scene.loops.size() * 16 * scalar;     // the same without an anchor
   if (scene.gravity_kind == ir::GravityKind::run_time) bytes += 3 * scalar;
   bytes += (scene.payloads.size() * 10 + scene.wrenches.size() * 6) * scalar;  // mass, centre of mass, inertia; force, moment
   align();

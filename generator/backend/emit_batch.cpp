@@ -325,9 +325,8 @@ class BatchFunction {
       given(payload + ".inertia", 6);
     }
     for (const ir::ExternalWrench& wrench : scene.wrenches) given("workspace.wrench_" + ir::identifier(wrench.link), 6);
-    for (const ir::Contact& contact : scene.contacts)
-      text += fmt::format("      if (batch.workspace) workspace.contact_{0} = batch.workspace->contact_{0};\n",
-                          ir::identifier(contact.name));
+    for (const ir::Constraint& c : scene.constraints())
+      text += fmt::format("      if (batch.workspace) workspace.{0} = batch.workspace->{0};\n", c.member);
     return text + fmt::format("      {}({}, workspace);\n", function_of(code_).name, arguments_of(code_));
   }
 

@@ -97,7 +97,7 @@ struct PivotRoles {
 std::vector<int> bodies_of(const CodeInput& code, const ir::Result& r) {
   std::vector<int> bodies;
   for (int k = 0; k < code.tree.joints(); ++k)
-    if (r.only_above == ir::all_bodies || code.tree.is_above(k, r.only_above)) bodies.push_back(k);
+    if (r.only_above == ir::all_bodies || code.tree.is_above_only(k, r.only_above, r.beside)) bodies.push_back(k);
   return bodies;
 }
 

@@ -84,7 +84,7 @@ long driven_results(const CodeInput& code) {
     if (r.layout == ir::Layout::base || !is_kept(code, r.role)) continue;
     std::set<int> rows;
     for (int k = 0; k < code.tree.joints(); ++k)
-      if ((r.only_above == ir::all_bodies || code.tree.is_above(k, r.only_above)) &&
+      if ((r.only_above == ir::all_bodies || code.tree.is_above_only(k, r.only_above, r.beside)) &&
           !rows.insert(coordinates[static_cast<size_t>(k)]).second)
         additions += code.rolled.roles[static_cast<size_t>(r.role)].components();
   }
@@ -152,8 +152,7 @@ ir::Operations executed_operations(const CodeInput& code) {
   sum.multiply = guard_products(code);
   for (const ir::MatrixStep& step : code.algorithm.steps) sum += step_operations(step, ir::coordinate_tree(code.tree));
   add_projections(code, sum);
-  for (const ir::ConstraintStep& step : code.algorithm.constraint_steps)
-    sum += ir::operations_of(step, code.tree, true);
+  for (const ir::ConstraintStep& step : code.algorithm.constraint_steps) sum += ir::operations_of(step, code.tree, true);
   if (code.plan.form != ir::Form::rolled) return sum += straight_operations(code);
   sum += prepare_operations(code);
   for (const ir::BaseStage& stage : code.rolled.base) sum += base(stage);

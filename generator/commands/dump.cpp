@@ -68,8 +68,8 @@ std::string input_text(const ir::KinematicTree& tree, const ir::Scene& scene, co
     case ir::InputKind::gravity: return fmt::format("gravity[{}]", input.component);
     case ir::InputKind::wrench:
       return fmt::format("wrench {}[{}]", scene.wrenches.at(static_cast<size_t>(input.index)).link, input.component);
-    case ir::InputKind::contact:
-      return fmt::format("contact {}[{}]", scene.contacts.at(static_cast<size_t>(input.index)).name, input.component);
+    case ir::InputKind::constraint:
+      return fmt::format("{}[{}]", scene.constraints().at(static_cast<size_t>(input.index)).member, input.component);
     case ir::InputKind::payload:
       return fmt::format("payload {}[{}]", scene.payloads.at(static_cast<size_t>(input.index)), input.component);
     default: return joint_name(tree, input.index);

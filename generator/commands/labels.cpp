@@ -42,6 +42,16 @@ Names contact_rows(const ir::Scene& scene) {
   Names names;
   for (const ir::Contact& contact : scene.contacts)
     append(names, behind(contact.name, contact.type == ir::ContactType::weld ? linear_and_angular : axes));
+  for (const ir::Loop& loop : scene.loops) {
+    Names own;
+    if (loop.type == ir::LoopType::distance) {
+      own = {"distance"};
+    } else {
+      for (const int i : loop.linear_axes()) own.push_back(linear_and_angular[static_cast<size_t>(i)]);
+      for (const int i : loop.angular_axes()) own.push_back(linear_and_angular[static_cast<size_t>(3 + i)]);
+    }
+    append(names, behind(loop.name, own));
+  }
   return names;
 }
 

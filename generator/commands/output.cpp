@@ -60,9 +60,9 @@ Output output_named(const Model& model, const std::string& name) {
   if (const auto quantity = ir::quantity_named(ir::named_by_us(name, ir::quantity_aliases()))) {
     if (model.scene.rates_zero && *quantity == ir::Quantity::coriolis_matrix)
       refuse("coriolis_matrix is zero when rates_zero is set", "remove one of the two");
-    if (model.scene.contacts.empty() && ir::is_of_constraints(*quantity))
-      refuse(fmt::format("{} is asked for, and there is no contact", name),
-             "say where the robot is held: --contacts left_foot=weld");
+    if (!model.scene.any_constraint() && ir::is_of_constraints(*quantity))
+      refuse(fmt::format("{} is asked for, and there is neither a contact nor a loop", name),
+             "say where the robot is held: --contacts left_foot=weld, or which links hold each other: --loops");
     return output_of(model, *quantity);
   }
   const std::vector<Output> named = named_outputs(model);

@@ -29,6 +29,8 @@ constexpr const char* of_the_folder[] = {"Scalar",
                                          "VectorV",
                                          "Result",
                                          "Payload",
+                                         "Contact",
+                                         "Loop",
                                          "Batch",
                                          "batch_options",
                                          "batch_error",
@@ -126,8 +128,8 @@ std::vector<TakenName> taken_names(const ir::Scene& scene) {
     for (const char* of_payload : {"payload_", "set_payload_"}) taken.insert(of_payload + ir::identifier(link));
   for (const ir::ExternalWrench& wrench : scene.wrenches)
     for (const char* of_wrench : {"wrench_", "set_wrench_"}) taken.insert(of_wrench + ir::identifier(wrench.link));
-  for (const ir::Contact& contact : scene.contacts)
-    for (const char* of_contact : {"contact_", "set_contact_"}) taken.insert(of_contact + ir::identifier(contact.name));
+  for (const ir::Constraint& c : scene.constraints())
+    for (const char* of_constraint : {"", "set_", "weigh_"}) taken.insert(of_constraint + c.member);
   std::vector<std::string> of_links;
   for (const ir::LinkOutput& output : scene.link_outputs()) add_names_of_result(ir::name_of(output), of_links);
   taken.insert(of_links.begin(), of_links.end());

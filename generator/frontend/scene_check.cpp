@@ -45,6 +45,9 @@ class SceneCheck {
     links_asked("payloads", scene_.payloads);
     wrenches();
     contacts();
+    for (const std::string& joint : scene_.passive)
+      if (free_joint("passive", joint) && scene_.mimic.count(joint))
+        error("passive/" + joint, fmt::format("joint '{}' is driven by another", joint), "name the joint that drives it");
     for (const auto& [joint, value] : scene_.armature) free_joint("armature", joint);
     for (const auto& [joint, value] : scene_.damping) free_joint("damping", joint);
     for (const auto& [joint, value] : scene_.friction) free_joint("friction", joint);
@@ -103,16 +106,24 @@ class SceneCheck {
       if (const std::string id = ir::identifier(contact.name); !names.insert(id).second)
         error(key, fmt::format("two contacts would be called '{}' in C++", id), "call one of them otherwise");
     }
+    std::set<std::string> loops;
+    for (const ir::Loop& loop : scene_.loops) {
+      const std::string key = "loops/" + loop.name;
+      for (const std::string& link : loop.links) kept_link(key + part_of_entry + "links", link);
+      if (const std::string id = ir::identifier(loop.name); !loops.insert(id).second)
+        error(key, fmt::format("two loops would be called '{}' in C++", id), "call one of them otherwise");
+    }
     if (const int rows = scene_.constraint_rows(); rows > ir::most_constraint_rows)
-      error("contacts", fmt::format("the contacts have {} rows; no more than {} are supported", rows, ir::most_constraint_rows),
+      error(scene_.loops.empty() ? "contacts" : "loops",
+            fmt::format("contacts and loops have {} rows; no more than {} are supported", rows, ir::most_constraint_rows),
             "name fewer of them, or take three points or more of one link as one weld");
   }
 
   // A quantity of constraints is none where there are none.
   void of_contacts(const std::string& key, ir::Quantity quantity) {
-    if (scene_.contacts.empty() && ir::is_of_constraints(quantity))
-      error(key, fmt::format("{} is asked for, and there is no contact", ir::name_of(quantity)),
-            "say where the robot is held: contacts: {left_foot: weld}");
+    if (!scene_.any_constraint() && ir::is_of_constraints(quantity))
+      error(key, fmt::format("{} is asked for, and there is neither a contact nor a loop", ir::name_of(quantity)),
+            "say where the robot is held: contacts: {left_foot: weld}, or which links hold each other: loops");
   }
 
   void cut() {

@@ -17,6 +17,7 @@
 #include "frontend/yaml_text.hpp"
 #include "ir/aliases.hpp"
 #include "ir/plan_words.hpp"
+#include "ir/rotation.hpp"
 
 namespace dalembert::frontend {
 
@@ -46,6 +47,8 @@ class SceneReader {
                                           {"payloads", &SceneReader::payloads},
                                           {"wrenches", &SceneReader::wrenches},
                                           {"contacts", &SceneReader::contacts},
+                                          {"loops", &SceneReader::loops},
+                                          {"passive", &SceneReader::passive},
                                           {"armature", &SceneReader::armature},
                                           {"damping", &SceneReader::damping},
                                           {"friction", &SceneReader::friction},
@@ -402,6 +405,88 @@ class SceneReader {
       refuse(part.key, fmt::format("'{}' is no part of a contact", name), suggestion(name, {"link", "type", "at", "axes"}));
     }
   }
+  // {name: {links: [a, b], at: [pose, pose], type: hinge}, ...}
+  void loops(const YamlNode& node) {
+    scene_.loops.clear();
+    forget_entries();
+    if (node.is_sequence() && node.items.empty()) return;
+    const std::string remedy =
+        "write loops: {rod: {links: [crank, rod], at: [[0.1, 0, 0, 0, 0, 0], [0, 0, 0, 0, 0, 0]], type: hinge}}";
+    if (!node.is_map()) refuse(node, "the value is no map of loops", remedy);
+    for (const auto& entry : node.entries) {
+      ir::Loop loop;
+      loop.name = entry_name(entry.key);
+      if (!entry.value.is_map()) refuse(entry.value, fmt::format("loop '{}' is no map", loop.name), remedy);
+      bool typed = false;
+      for (const auto& part : entry.value.entries) {
+        part_of_loop(loop, part);
+        typed = typed || part.key.scalar == "type";
+      }
+      if (loop.links[0].empty())
+        refuse(entry.key, fmt::format("loop '{}' does not say which links it holds together", loop.name), remedy);
+      if (!typed) refuse(entry.key, fmt::format("loop '{}' does not say of which type it is", loop.name), remedy);
+      if (loop.length && loop.type != ir::LoopType::distance)
+        refuse(entry.key, fmt::format("loop '{}' has a length and is no distance", loop.name),
+               "remove length, or write type: distance");
+      scene_.loops.push_back(std::move(loop));
+    }
+  }
+  void part_of_loop(ir::Loop& loop, const YamlEntry& part) {
+    const std::string name = entry_name(part.key, loop.name);
+    if (name == "links") {
+      const std::string remedy = "write links: [crank, rod]";
+      if (!part.value.is_sequence() || part.value.items.size() != 2)
+        refuse(part.value, fmt::format("what loop '{}' holds together is not two links", loop.name), remedy);
+      for (std::size_t i = 0; i < 2; ++i) {
+        const YamlNode& link = part.value.items[i];
+        if (!link.is_scalar() || link.scalar.empty())
+          refuse(link, fmt::format("a link of loop '{}' is no name", loop.name), remedy);
+        loop.links[i] = link.scalar;
+      }
+    } else if (name == "at") {
+      if (!part.value.is_sequence() || part.value.items.size() != 2)
+        refuse(part.value, fmt::format("where loop '{}' holds is not two poses", loop.name), pose_remedy);
+      for (std::size_t i = 0; i < 2; ++i) loop.at[i] = pose(part.value.items[i]);
+    } else if (name == "type") {
+      loop.type = loop_type(part.value);
+    } else if (name == "length") {
+      loop.length = number(part.value);
+      if (!(*loop.length > 0))
+        refuse(part.value, fmt::format("the length of loop '{}' is not positive", loop.name),
+               "give a value above zero; points that coincide are type: point");
+    } else {
+      refuse(part.key, fmt::format("'{}' is no part of a loop", name), suggestion(name, {"links", "at", "type", "length"}));
+    }
+  }
+  ir::LoopType loop_type(const YamlNode& node) const {
+    using ir::LoopType;
+    static const std::vector<std::pair<std::string, LoopType>> types = {
+        {"point", LoopType::point},       {"weld", LoopType::weld},     {"hinge", LoopType::hinge},
+        {"cylinder", LoopType::cylinder}, {"planar", LoopType::planar}, {"pin", LoopType::pin},
+        {"distance", LoopType::distance}};
+    std::vector<std::string> names;
+    for (const auto& [name, type] : types) {
+      if (node.is_scalar() && node.scalar == name) return type;
+      names.push_back(name);
+    }
+    const std::string given = node.is_scalar() ? node.scalar : "";
+    refuse(node, given.empty() ? "the type of a loop is no word" : fmt::format("'{}' is no type of loop", given),
+           suggestion(given, names));
+  }
+  static constexpr const char* pose_remedy =
+      "write at: [[0.1, 0, 0, 0, 0, 0], [0, 0, 0.2, 0, 0, 1.57]], on each link x y z (m) "
+      "and roll pitch yaw (rad), or x y z alone";
+  Eigen::Isometry3d pose(const YamlNode& node) const {
+    if (!node.is_sequence() || (node.items.size() != 3 && node.items.size() != 6))
+      refuse(node, "a pose does not have six numbers, or three", pose_remedy);
+    Eigen::Vector3d parts[2] = {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
+    for (std::size_t i = 0; i < node.items.size(); ++i) parts[i / 3][static_cast<Eigen::Index>(i % 3)] = number(node.items[i]);
+    Eigen::Isometry3d made = Eigen::Isometry3d::Identity();
+    made.linear() = ir::without_rounding_dust(ir::rotation_from_rpy(parts[1]));
+    made.translation() = parts[0];
+    return made;
+  }
+  void passive(const YamlNode& node) { scene_.passive = names(node, "a list of joints"); }
   void payloads(const YamlNode& node) { scene_.payloads = names(node, "a list of links"); }
 
   void armature(const YamlNode& node) { scene_.armature = positive_values(node, false); }

@@ -57,7 +57,7 @@ struct Value {
   int coordinate = -1;  // root sweeps: which of the base's coordinates it belongs to; −1: to the base itself
 };
 
-inline constexpr int all_bodies = -2;
+inline constexpr int all_bodies = -2, no_body = -3;
 
 struct Sweep {
   std::string name;      // "poses"
@@ -67,6 +67,7 @@ struct Sweep {
   std::vector<Value> stores;    // roles of the body
   std::vector<Value> carries;   // inwards: what is handed on to the parent, in the parent's terms
   int only_above = all_bodies;  // else: of this body and those above it alone, zero elsewhere
+  int beside = no_body;         // and not of those above this one too
 };
 
 // Three components of a role of the lower body times three of a role of the upper one.
@@ -111,6 +112,7 @@ struct Result {
   int role = 0;
   int from = 0;                 // columns: first row; base: first element
   int only_above = all_bodies;  // as of the sweep that stores the role
+  int beside = no_body;         // likewise
 };
 
 // A matrix or vector the emitted code offers.

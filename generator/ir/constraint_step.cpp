@@ -23,12 +23,23 @@ int last_coordinate(const KinematicTree& tree, int body) {
 int shared(const ConstraintPaths& paths, std::size_t a, std::size_t b) {
   const auto of = [&](std::size_t c) { return paths.path.begin() + paths.begin[c]; };
   const auto end = [&](std::size_t c) { return paths.path.begin() + paths.begin[c + 1]; };
-  return static_cast<int>(std::mismatch(of(a), end(a), of(b), end(b)).first - of(a));
+  return static_cast<int>(std::count_if(of(a), end(a), [&](int k) { return std::binary_search(of(b), end(b), k); }));
+}
+
+// The coordinates above a link's body, the tree's root first.
+std::vector<int> coordinates_above(const KinematicTree& tree, const CoordinateTree& coordinates, const std::string& name) {
+  const auto link = std::find_if(tree.links.begin(), tree.links.end(), [&](const LinkPlacement& l) { return l.link == name; });
+  std::vector<int> above;
+  for (int k = last_coordinate(tree, link->body); k >= 0; k = coordinates.above[static_cast<std::size_t>(k)])
+    above.push_back(k);
+  std::reverse(above.begin(), above.end());
+  return above;
 }
 
 }  // namespace
 
 std::vector<int> ConstraintStep::read() const {
+  if (kind == Kind::support) return {jacobian, to};
   std::vector<int> arrays{jacobian, factor, pivots};
   if (right >= 0) arrays.push_back(right);
   if (kind != Kind::delassus) arrays.push_back(to);
@@ -49,17 +60,37 @@ int ConstraintPaths::block_rows() const {
 
 ConstraintPaths constraint_paths(const KinematicTree& tree, const Scene& scene) {
   const CoordinateTree coordinates = coordinate_tree(tree);
-  ConstraintPaths paths{{0}, {}, {0}};
-  for (const Contact& contact : scene.contacts) {
-    const auto link =
-        std::find_if(tree.links.begin(), tree.links.end(), [&](const LinkPlacement& l) { return l.link == contact.link; });
-    std::vector<int> above;
-    for (int k = last_coordinate(tree, link->body); k >= 0; k = coordinates.above[static_cast<std::size_t>(k)])
-      above.push_back(k);
-    paths.path.insert(paths.path.end(), above.rbegin(), above.rend());
+  ConstraintPaths paths{{0}, {}, {0}, {}, {}, {}};
+  const auto add = [&](const std::vector<int>& one, const std::vector<int>& other, int rows, int linear) {
+    const auto fork = std::mismatch(one.begin(), one.end(), other.begin(), other.end());
+    const auto tail = [&](const std::vector<int>& list, std::vector<int>::const_iterator from) {
+      paths.path.insert(paths.path.end(), from, list.end());
+    };
+    // The branches one behind the other, so that the whole is in order.
+    const bool swap = fork.first != one.end() && fork.second != other.end() && *fork.second < *fork.first;
+    paths.common.push_back(static_cast<int>(fork.first - one.begin()));
+    paths.path.insert(paths.path.end(), one.begin(), fork.first);
+    if (swap) tail(other, fork.second);
+    else tail(one, fork.first);
+    paths.split.push_back(static_cast<int>(paths.path.size()) - paths.begin.back());
+    if (swap) tail(one, fork.first);
+    else tail(other, fork.second);
+    // With driven joints branches may be interleaved: M's factors are zero between them, and are read.
+    if (const auto begin = paths.path.begin() + paths.begin.back(); !std::is_sorted(begin, paths.path.end())) {
+      std::sort(begin, paths.path.end());
+      paths.common.back() = paths.split.back() = static_cast<int>(paths.path.end() - begin);
+    }
     paths.begin.push_back(static_cast<int>(paths.path.size()));
-    paths.first.push_back(paths.first.back() + contact.rows());
+    paths.first.push_back(paths.first.back() + rows);
+    paths.linear.push_back(linear);
+  };
+  for (const Contact& contact : scene.contacts) {
+    const std::vector<int> above = coordinates_above(tree, coordinates, contact.link);
+    add(above, above, contact.rows(), 3);
   }
+  for (const Loop& loop : scene.loops)
+    add(coordinates_above(tree, coordinates, loop.links[0]), coordinates_above(tree, coordinates, loop.links[1]), loop.rows(),
+        loop.linear_rows());
   return paths;
 }
 
@@ -67,7 +98,38 @@ int constraint_room(const ConstraintPaths& paths) {
   return dalembert::constraint_room(paths.count(), paths.block_rows(), paths.longest());
 }
 
+std::vector<int> undriven_coordinates(const KinematicTree& tree, const Scene& scene) {
+  const std::vector<int> coordinates = tree.coordinates();
+  const int base = tree.nv() - tree.independent_joints();
+  std::vector<int> undriven;
+  for (int j = 0; j < base; ++j) undriven.push_back(j);
+  for (int k = 0; k < tree.joints(); ++k)
+    if (std::count(scene.passive.begin(), scene.passive.end(), tree.bodies[static_cast<std::size_t>(k)].joint) > 0)
+      undriven.push_back(base + coordinates[static_cast<std::size_t>(k)]);
+  std::sort(undriven.begin(), undriven.end());
+  undriven.erase(std::unique(undriven.begin(), undriven.end()), undriven.end());
+  return undriven;
+}
+
+namespace {
+
+Operations operations_of_support(const ConstraintStep& step) {
+  Operations o;
+  const auto multiply_adds = [&](long times) { o.multiply += times, o.add += times; };
+  const long u = static_cast<long>(step.undriven.size()), rows = step.paths.first.back();
+  multiply_adds(u * (u + 1) / 2 * rows + u * rows);
+  o.multiply += u * rows + rows;
+  multiply_adds(u * (u - 1) * (u + 1) / 6 + step.solutions * u * u);
+  o.divide += u;
+  for (std::size_t c = 0; c + 1 < step.paths.first.size(); ++c)
+    multiply_adds(static_cast<long>(step.paths.length(c)) * (step.paths.first[c + 1] - step.paths.first[c]));
+  return o;
+}
+
+}  // namespace
+
 Operations operations_of(const ConstraintStep& step, const KinematicTree& tree, bool executed) {
+  if (step.kind == ConstraintStep::Kind::support) return operations_of_support(step);
   const ConstraintPaths& paths = step.paths;
   const CoordinateTree coordinates = coordinate_tree(tree);
   const long block = paths.block_rows(), padded = dalembert::block_lanes(paths.block_rows()), n = tree.nv();
@@ -79,8 +141,9 @@ Operations operations_of(const ConstraintStep& step, const KinematicTree& tree, 
   const auto multiply_adds = [&](long times) { o.multiply += times, o.add += times; };
   o.divide += n;
   for (std::size_t a = 0; a < count; ++a) {
-    const long length = paths.begin[a + 1] - paths.begin[a];
-    multiply_adds(length * (length - 1) / 2 * lanes(a));
+    const long length = paths.length(a), common = paths.common[a], one = paths.split[a] - common, other = length - common - one;
+    const auto in_chain = [](long count) { return count * (count - 1) / 2; };
+    multiply_adds((in_chain(common) + in_chain(one) + in_chain(other) + common * (one + other)) * lanes(a));
     o.multiply += length * lanes(a);
     for (std::size_t b = a; b < count; ++b) {
       const long elements = rows(a) * lanes(b);

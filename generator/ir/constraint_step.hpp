@@ -1,5 +1,5 @@
-// What is done with rows of constraints once their elements are there, behind all steps with whole matrices: a row each, with what
-// it costs.
+// What is done with rows of constraints once their elements are there, behind all steps with whole matrices: a row each, with
+// what it costs.
 #pragma once
 
 #include <vector>
@@ -11,24 +11,34 @@ namespace dalembert::ir {
 struct KinematicTree;
 struct Scene;
 
-// Where the contacts' rows and the coordinates that move them are.
+// Where the constraints' rows and the coordinates that move them are.
 struct ConstraintPaths {
   std::vector<int> first;  // row of each, and behind the last how many there are
-  std::vector<int> path;   // the coordinates above the body of each that M's factors tie together, the tree's root first
+  std::vector<int> path;   // the coordinates above the body of each, or its two bodies, that M's factors tie together, in order
   std::vector<int> begin;  // where each list begins, and behind the last its end
+  std::vector<int> linear;  // how many rows of each are linear: those come first
+  // Of each list: how many stand above both bodies of a loop, the first of the list, and, counting these, where those above one
+  // of them alone end; the others follow. Of a contact: the length.
+  std::vector<int> common, split;
 
   int count() const { return static_cast<int>(first.size()) - 1; }
+  int length(std::size_t c) const { return begin[c + 1] - begin[c]; }
+  // Whether the i-th of a list stands above its k-th.
+  bool is_above(std::size_t c, int i, int k) const { return i < k && (k < split[c] || i < common[c] || i >= split[c]); }
   int longest() const;
   int block_rows() const;  // of the blocks that rows are solved in
 };
 ConstraintPaths constraint_paths(const KinematicTree& tree, const Scene& scene);
 int constraint_room(const ConstraintPaths& paths);
+// Coordinates without a motor: a floating base's, and those of the scene's passive joints.
+std::vector<int> undriven_coordinates(const KinematicTree& tree, const Scene& scene);
 
 struct ConstraintStep {
   enum class Kind {
     delassus,  // to = J M^-1 J'
     solve,     // to, which is e, becomes M^-1 (e + J' f), and f what makes J to = right
     impact,    // to = v + M^-1 J' f, and f what makes J M^-1 J' f = right
+    support,   // to becomes to - J' f, and f = W J_u' y what makes it zero at the coordinates u without a motor; no factors
   };
   Kind kind;
   ConstraintPaths paths;
@@ -36,8 +46,9 @@ struct ConstraintStep {
   // Arrays: J; M's U, above its diagonal, and D; room to work in.
   int jacobian = 0, factor = 0, pivots = 0, room = 0;
   int right = -1;   // solve, impact: per row
-  int forces = -1;  // likewise
+  int forces = -1;  // solve, impact, support: per row
   int to = 0;
+  std::vector<int> undriven{};  // support: the coordinates u
 
   std::vector<int> read() const;
 };

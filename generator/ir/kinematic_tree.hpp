@@ -78,7 +78,7 @@ struct KinematicTree {
   std::vector<Body> bodies;
   std::vector<LinkPlacement> links;  // every link kept, in depth-first order; then the scene's frames
   std::vector<int> pushed;           // per wrench of the scene: the body it acts on
-  int constraint_rows = 0;           // of the scene's contacts
+  int constraint_rows = 0;           // of the scene's contacts and loops
 
   int joints() const { return static_cast<int>(bodies.size()); }  // moving joints, driven ones included
   // Per body: which of the joint coordinates is its own, or its driver's, counted from 0 behind the base's.
@@ -145,6 +145,8 @@ struct KinematicTree {
     for (const Body& body : bodies) numbers += body.positions();
     return numbers;
   }
+  // … and not above another body too.
+  bool is_above_only(int body, int below, int beside) const { return is_above(body, below) && !is_above(body, beside); }
   int nv() const { return independent_joints() + (floating_base ? 6 : 0); }
 };
 

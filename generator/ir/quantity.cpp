@@ -27,7 +27,7 @@ std::vector<Quantity> default_quantities() {
 
 bool is_of_constraints(Quantity quantity) {
   const QuantityRow& row = row_of(quantity);
-  return row.scale == Scale::constrained || row.rows == Extent::constraint_rows;
+  return row.scale == Scale::constrained || row.scale == Scale::supported || row.rows == Extent::constraint_rows;
 }
 
 int extent(Extent extent, const KinematicTree& tree) {

@@ -22,9 +22,9 @@ enum class Extent { one, three, four, six, nv, six_per_body, ten_per_body, const
 
 // What errors are measured against at least where a quantity vanishes by cancellation (see check): nothing but its own largest
 // element; |M| |v|; the quantity with gravity in other directions; |M| |v|²; that and the gravity term. Solved: its own, where
-// errors grow by the condition of M. Turning: |J| |v|², of the Jacobian whose rate it is. Constrained: solved, where errors
-// grow by the condition of the constraints too.
-enum class Scale { own, momentum, weight, centrifugal, force, solved, turning, constrained };
+// errors grow by the condition of M. Turning: |J| |v|², of the Jacobian whose rate it is. Constrained: solved, where errors grow by the condition
+// of the constraints too. Supported: as force, where errors grow by the condition of what constraints bear.
+enum class Scale { own, momentum, weight, centrifugal, force, solved, turning, constrained, supported };
 
 // What of the robot a quantity makes no sense without: nothing, a mass or an inertia that moves, a mass.
 enum class Needs { nothing, mass, center };

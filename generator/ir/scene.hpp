@@ -12,7 +12,9 @@
 #include "ir/compile_options.hpp"
 #include "ir/contact.hpp"
 #include "ir/frame.hpp"
+#include "ir/identifier.hpp"
 #include "ir/link_quantity.hpp"
+#include "ir/loop.hpp"
 #include "ir/quantity.hpp"
 #include "ir/robot_description.hpp"
 
@@ -59,6 +61,14 @@ struct ExternalWrench {
   bool operator==(const ExternalWrench&) const = default;
 };
 
+// Rows of constraints that belong together: a contact's, or a loop's.
+struct Constraint {
+  std::string member;  // of the workspace: contact_NAME, loop_NAME
+  std::string of;      // "link left_foot", "link crank and link rod"
+  bool loop = false;
+  int rows = 0, linear_rows = 0;
+};
+
 struct Scene {
   Base base = Base::floating;
   GravityKind gravity_kind = GravityKind::constant;
@@ -77,6 +87,8 @@ struct Scene {
   std::vector<std::string> payloads;        // links that carry a payload given at run time
   std::vector<ExternalWrench> wrenches;     // what inverse and forward dynamics reckon with, in the order of a state file
   std::vector<Contact> contacts;            // constraints, in the order of their rows
+  std::vector<Loop> loops;                  // behind them
+  std::vector<std::string> passive;         // joints without a motor, for inverse dynamics with constraints
   ScalarType scalar = ScalarType::float64;
   Parallel parallel = Parallel::automatic;
   bool batch = false;                      // functions take many states at once, too
@@ -110,8 +122,19 @@ struct Scene {
   int constraint_rows() const {
     int rows = 0;
     for (const Contact& contact : contacts) rows += contact.rows();
+    for (const Loop& loop : loops) rows += loop.rows();
     return rows;
   }
+  // Contacts, then loops, in the order of their rows.
+  std::vector<Constraint> constraints() const {
+    std::vector<Constraint> all;
+    for (const Contact& c : contacts) all.push_back({"contact_" + identifier(c.name), called(c.link), false, c.rows(), 3});
+    for (const Loop& l : loops)
+      all.push_back(
+          {"loop_" + identifier(l.name), called(l.links[0]) + " and " + called(l.links[1]), true, l.rows(), l.linear_rows()});
+    return all;
+  }
+  bool any_constraint() const { return !contacts.empty() || !loops.empty(); }
 
   // What evaluate() is asked of links, by either key, each once.
   std::vector<LinkOutput> link_outputs() const {

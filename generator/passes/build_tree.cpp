@@ -9,6 +9,7 @@
 #include <unordered_set>
 
 #include "ir/identifier.hpp"
+#include "ir/loop_length.hpp"
 #include "ir/rotation.hpp"
 #include "passes/combine_inertia.hpp"
 #include "passes/joints/kinds.hpp"
@@ -46,6 +47,7 @@ class TreeBuilder {
         if (placement.link == wrench.link) tree_.pushed.push_back(placement.body);
     tree_.constraint_rows = scene_.constraint_rows();
     check_contacts();
+    check_loops();
     check_links();
     if (!errors_.empty()) throw InputError(errors_);
     check_magnitudes(tree_, scene_, robot_.file);
@@ -288,6 +290,51 @@ class TreeBuilder {
                 fmt::format("it is contact '{}' again: {}", other.contact->name,
                             weld ? "both weld the same body" : "both hold the same point of one body"),
                 "keep one of the two");
+      all.push_back(held);
+    }
+  }
+
+  // Two points of one body hold nothing that could move; the same twice says nothing the second time.
+  void check_loops() {
+    struct Held {
+      const ir::Loop* loop;
+      int bodies[2];
+      Eigen::Isometry3d at[2];  // in the bodies
+    };
+    std::vector<Held> all;
+    for (const ir::Loop& loop : scene_.loops) {
+      Held held{&loop, {}, {}};
+      bool there = true;
+      for (std::size_t i = 0; i < 2; ++i) {
+        const auto link = std::find_if(tree_.links.begin(), tree_.links.end(),
+                                       [&](const ir::LinkPlacement& placement) { return placement.link == loop.links[i]; });
+        there = there && link != tree_.links.end();
+        if (!there) break;  // the scene's check has said so
+        held.bodies[i] = link->body;
+        held.at[i] = link->placement * loop.at[i];
+      }
+      if (!there) continue;
+      const std::string element = fmt::format("loop '{}'", loop.name);
+      if (held.bodies[0] == held.bodies[1]) {
+        error(element,
+              loop.links[0] == loop.links[1]
+                  ? fmt::format("it holds link '{}' to itself", loop.links[0])
+                  : fmt::format("links '{}' and '{}' are one body: no joint between them moves", loop.links[0], loop.links[1]),
+              "name two links that move against each other");
+        continue;
+      }
+      if (loop.type == ir::LoopType::distance && !(ir::loop_length(tree_, loop) > 1e-9))
+        error(element, "its points coincide where all joints are at zero, and nothing says how far apart they are",
+              "write its length, m, or type: point");
+      for (const Held& other : all) {
+        if (other.loop->type != loop.type) continue;
+        const auto same = [&](std::size_t i, std::size_t k) {
+          return held.bodies[i] == other.bodies[k] && held.at[i].isApprox(other.at[k], 1e-9);
+        };
+        if ((same(0, 0) && same(1, 1)) || (same(0, 1) && same(1, 0)))
+          error(element, fmt::format("it is loop '{}' again: both hold the same frames of the same bodies", other.loop->name),
+                "keep one of the two");
+      }
       all.push_back(held);
     }
   }

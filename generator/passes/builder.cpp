@@ -83,7 +83,7 @@ Twist SweepBuilder::external(int wrench) {
   return given;
 }
 
-Sym SweepBuilder::contact(int contact, int component) { return input(InputKind::contact, contact, component); }
+Sym SweepBuilder::constraint(int constraint, int component) { return input(InputKind::constraint, constraint, component); }
 
 Vec3 SweepBuilder::gravity_in_world() {
   switch (builder_.scene().gravity_kind) {
@@ -149,7 +149,7 @@ int Builder::array_called(const std::string& name) const {
 }
 
 SweepBuilder Builder::sweep(const std::string& name, const std::string& equation, ir::Direction direction) {
-  algorithm_.sweeps.push_back({name, equation, direction, ir::Graph(options_), {}, {}, ir::all_bodies});
+  algorithm_.sweeps.push_back({name, equation, direction, ir::Graph(options_), {}, {}, ir::all_bodies, ir::no_body});
   return {*this, algorithm_.sweeps.size() - 1};
 }
 

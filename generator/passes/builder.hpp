@@ -54,14 +54,14 @@ class SweepBuilder {
   Sym of(int body, int role, int component = 0) { return input(ir::InputKind::of_body, role, component, body); }
   Vec3 of3(int body, int role, int from = 0) { return three(ir::InputKind::of_body, role, from, body); }
 
-  Twist base_twist();                       // floating base: v's first six; fixed, and in statics: zero
-  Twist base_acceleration();                // floating base: the first six of dv/dt; fixed: zero
-  Twist base_effort();                      // floating base: the first six of tau; fixed: zero
-  Twist external(int wrench);               // of the scene's wrenches: force and moment as they are given
-  Sym contact(int contact, int component);  // what it is given at run time (ir/contact.hpp)
-  Mat3 base_axes();                         // in the world; of a fixed base the world's
-  Vec3 base_position();                     // in the world; of a fixed base zero
-  Vec3 gravity_in_base();                   // along the base's axes: the world's on a fixed base
+  Twist base_twist();                             // floating base: v's first six; fixed, and in statics: zero
+  Twist base_acceleration();                      // floating base: the first six of dv/dt; fixed: zero
+  Twist base_effort();                            // floating base: the first six of tau; fixed: zero
+  Twist external(int wrench);                     // of the scene's wrenches: force and moment as they are given
+  Sym constraint(int constraint, int component);  // what it is given at run time (ir/contact.hpp); loops behind contacts
+  Mat3 base_axes();                               // in the world; of a fixed base the world's
+  Vec3 base_position();                           // in the world; of a fixed base zero
+  Vec3 gravity_in_base();                         // along the base's axes: the world's on a fixed base
   Vec3 gravity_in_world();
 
   // `coordinate`: of a root sweep, for a role of one of the base's coordinates.
@@ -73,6 +73,11 @@ class SweepBuilder {
   void hand_on(int role, const Vec3& x, int from = 0);
   // The sweep is for this body and those above it alone.
   void only_above(int body) { sweep().only_above = body; }
+  // … and not above the other one too.
+  void only_above(int body, int beside) {
+    sweep().only_above = body;
+    sweep().beside = beside;
+  }
 
  private:
   ir::Sweep& sweep();

@@ -90,7 +90,7 @@ class SegmentRoll {
   bool any_body(const ir::Sweep& sweep) const {
     if (sweep.only_above == ir::all_bodies) return true;
     for (int b = sweep.only_above; b >= 0; b = state_.tree.bodies[static_cast<std::size_t>(b)].parent)
-      if (state_.plan.segment_of(b) == static_cast<int>(number_)) return true;
+      if (state_.plan.segment_of(b) == static_cast<int>(number_) && !state_.tree.is_above(b, sweep.beside)) return true;
     return false;
   }
 

@@ -197,7 +197,7 @@ void Unroll::run_sweep(int sweep, int body) {
   if (done_[s][place(body, -1)]) return;
   done_[s][place(body, -1)] = true;
   const ir::Sweep& from = algorithm_.sweeps[s];
-  if (from.only_above != ir::all_bodies && !tree_.is_above(body, from.only_above)) return;
+  if (from.only_above != ir::all_bodies && !tree_.is_above_only(body, from.only_above, from.beside)) return;
   const ir::Tag outer = tag_;
   const auto set_tag = [&] { program_.graph.set_tag(tag_ = {static_cast<std::int16_t>(sweep), body}); };
   set_tag();

@@ -6,6 +6,7 @@
 #include <dalembert/constraint_shapes.hpp>
 #include <limits>
 
+#include "ir/constraint_step.hpp"
 #include "reference/digits50.hpp"
 
 namespace dalembert::reference {
@@ -33,13 +34,11 @@ double mass_condition(const ir::KinematicTree& tree, const ir::Scene& scene, con
   return least > 0 ? largest / least : std::numeric_limits<double>::infinity();
 }
 
-double condition(const Wanted& wanted, const ir::KinematicTree& tree, const ir::Scene& scene, const Inputs& inputs) {
-  if (!wanted.quantity || !ir::is_solved(ir::row_of(*wanted.quantity).scale)) return 0;
-  const double of_mass = mass_condition(tree, scene, inputs);
-  if (ir::row_of(*wanted.quantity).scale == ir::Scale::solved) return of_mass;
-  // Rows of one length, so that units do not count. Where rows say the same, and at velocities that contradict them, forces are
-  // 1/mu of what is asked for, and cancel.
-  Eigen::MatrixXd D = evaluate(tree, scene, {{ir::Quantity::delassus_matrix, ""}}, inputs, Precision::extended).front();
+namespace {
+
+// The largest eigenvalue by the least, of a symmetric matrix with a diagonal of ones; where that is none to a proximal step,
+// what is lost there.
+double symmetric_condition(Eigen::MatrixXd D) {
   for (Eigen::Index i = 0; i < D.rows(); ++i) {
     const double length = std::sqrt(D(i, i));
     if (!(length > 0)) continue;
@@ -49,7 +48,32 @@ double condition(const Wanted& wanted, const ir::KinematicTree& tree, const ir::
   const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(D, Eigen::EigenvaluesOnly).eigenvalues();
   const double largest = values.maxCoeff(), mu = Proximal<double>::mu;
   const bool redundant = values.minCoeff() <= 100 * mu * largest;
-  return of_mass * (redundant ? 16 / mu : largest / values.minCoeff());
+  return redundant ? 16 / mu : largest / values.minCoeff();
+}
+
+// Of what constraints can do for coordinates without a motor.
+double support_condition(const ir::KinematicTree& tree, const ir::Scene& scene, const Inputs& inputs) {
+  const std::vector<int> undriven = ir::undriven_coordinates(tree, scene);
+  if (undriven.empty()) return 0;
+  const Eigen::MatrixXd J =
+      evaluate(tree, scene, {{ir::Quantity::constraint_jacobian, ""}}, inputs, Precision::extended).front();
+  Eigen::MatrixXd own(J.rows(), static_cast<Eigen::Index>(undriven.size()));
+  for (std::size_t i = 0; i < undriven.size(); ++i) own.col(static_cast<Eigen::Index>(i)) = J.col(undriven[i]);
+  return symmetric_condition(own.transpose() * own);
+}
+
+}  // namespace
+
+double condition(const Wanted& wanted, const ir::KinematicTree& tree, const ir::Scene& scene, const Inputs& inputs) {
+  if (!wanted.quantity) return 0;
+  if (ir::row_of(*wanted.quantity).scale == ir::Scale::supported) return support_condition(tree, scene, inputs);
+  if (!ir::is_solved(ir::row_of(*wanted.quantity).scale)) return 0;
+  const double of_mass = mass_condition(tree, scene, inputs);
+  if (ir::row_of(*wanted.quantity).scale == ir::Scale::solved) return of_mass;
+  // Rows of one length, so that units do not count. Where rows say the same, and at velocities that contradict them, forces are
+  // 1/mu of what is asked for, and cancel.
+  return of_mass *
+         symmetric_condition(evaluate(tree, scene, {{ir::Quantity::delassus_matrix, ""}}, inputs, Precision::extended).front());
 }
 
 double LeastScale::largest_mass() {
@@ -115,6 +139,7 @@ double LeastScale::of(const Wanted& wanted) {
     case ir::Scale::momentum: scale = largest_mass() * rate; break;
     case ir::Scale::weight: scale = largest_weight(*wanted.quantity); break;
     case ir::Scale::centrifugal: scale = largest_mass() * rate * rate; break;
+    case ir::Scale::supported:
     case ir::Scale::force: scale = std::max(largest_mass() * rate * rate, largest_weight(ir::Quantity::gravity)); break;
   }
   return scale / 1000;

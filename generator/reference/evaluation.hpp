@@ -10,6 +10,8 @@
 #include <dalembert/generic/energy.hpp>
 #include <dalembert/generic/frames.hpp>
 
+#include "ir/constraint_step.hpp"
+#include "ir/loop_length.hpp"
 #include "ir/moved_links.hpp"
 #include "reference/engine.hpp"
 #include "reference/generic_model.hpp"
@@ -64,12 +66,15 @@ class Evaluation {
       case ir::Quantity::forward_dynamics_dq: return solved(forward_dynamics_dq(), robot_.nv(), robot_.nv());
       case ir::Quantity::forward_dynamics_dv:
         return solved(generic::forward_dynamics_dv<S>(robot_, own_q_, own_v_, more_, wrenches_), robot_.nv(), robot_.nv());
-      case ir::Quantity::constraint_jacobian: return generic::constraint_jacobian<S>(robot_, contacts(), own_q_);
-      case ir::Quantity::constraint_bias: return generic::constraint_bias<S>(robot_, contacts(), own_q_, own_v_);
+      case ir::Quantity::constraint_jacobian: return generic::constraint_jacobian<S>(robot_, constraints(), own_q_);
+      case ir::Quantity::constraint_bias: return generic::constraint_bias<S>(robot_, constraints(), own_q_, own_v_);
       case ir::Quantity::delassus_matrix: return delassus_matrix();
-      case ir::Quantity::impact: return constrained(generic::impact<S>(robot_, contacts(), own_q_, own_v_, options()), false);
+      case ir::Quantity::impact:
+        return constrained(generic::impact<S>(robot_, constraints(), own_q_, own_v_, options()), false);
       case ir::Quantity::constrained_forward_dynamics: return constrained(constrained_motion(), false);
       case ir::Quantity::constraint_forces: return constrained(constrained_motion(), true);
+      case ir::Quantity::constrained_inverse_dynamics: return supported().value;
+      case ir::Quantity::inverse_constraint_forces: return supported().forces;
       case ir::Quantity::regressor: return of_links(generic::regressor<S>(robot_, own_q_, own_v_, more_), 10);
       case ir::Quantity::wrench_influence:
         return of_links(reduction_.reduce_rows(generic::expanded_wrench_influence<S>(robot_, kinematics_)), 6);
@@ -97,27 +102,44 @@ class Evaluation {
 
   MatrixX<S> delassus_matrix() const {
     const auto rows = static_cast<Eigen::Index>(scene_.constraint_rows());
-    return solved(generic::delassus_matrix<S>(robot_, contacts(), own_q_), rows, rows);
+    return solved(generic::delassus_matrix<S>(robot_, constraints(), own_q_), rows, rows);
   }
   // As many proximal steps as code of the scene's number type takes.
   generic::ConstraintOptions<S> options() const {
-    if (scene_.scalar == ir::ScalarType::float32) return {S(Proximal<float>::mu), Proximal<float>::steps, {}, {}, {}};
-    return {S(Proximal<double>::mu), Proximal<double>::steps, {}, {}, {}};
+    if (scene_.scalar == ir::ScalarType::float32) return {S(Proximal<float>::mu), Proximal<float>::steps, {}, {}, {}, {}};
+    return {S(Proximal<double>::mu), Proximal<double>::steps, {}, {}, {}, {}};
   }
   generic::Constrained<S> constrained_motion() const {
-    return generic::constrained_forward_dynamics<S>(robot_, contacts(), own_q_, own_v_, more_, wrenches_, options());
+    return generic::constrained_forward_dynamics<S>(robot_, constraints(), own_q_, own_v_, more_, wrenches_, options());
+  }
+  generic::Constrained<S> supported() const {
+    return generic::constrained_inverse_dynamics<S>(robot_, constraints(), own_q_, own_v_, more_,
+                                                    ir::undriven_coordinates(tree_, scene_), wrenches_, options());
   }
   MatrixX<S> constrained(const generic::Constrained<S>& solution, bool forces) const {
     if (!solution.status.ok()) return MatrixX<S>::Zero(forces ? scene_.constraint_rows() : robot_.nv(), 1);
     return forces ? solution.forces : solution.value;
   }
-  std::vector<generic::Contact<S>> contacts() const {
-    std::vector<generic::Contact<S>> all;
+  generic::Constraints<S> constraints() const {
+    generic::Constraints<S> all;
     for (const ir::Contact& contact : scene_.contacts) {
       const Place at = place(contact.link);
       const Transform<S> point{Matrix3<S>::Identity(), contact.at.template cast<S>()};
-      all.push_back(
+      all.contacts.push_back(
           {at.body, at.frame * point, contact.rows(), contact.along_link ? generic::Axes::body : generic::Axes::mixed});
+    }
+    for (const ir::Loop& loop : scene_.loops) {
+      generic::Loop<S> held;
+      for (std::size_t i = 0; i < 2; ++i) {
+        const Place at = place(loop.links[i]);
+        held.bodies[i] = at.body;
+        held.frames[i] =
+            at.frame * Transform<S>{loop.at[i].linear().template cast<S>(), loop.at[i].translation().template cast<S>()};
+      }
+      held.linear = loop.linear_axes();
+      held.angular = loop.angular_axes();
+      if (loop.type == ir::LoopType::distance) held.distance = S(ir::loop_length(tree_, loop));
+      all.loops.push_back(std::move(held));
     }
     return all;
   }

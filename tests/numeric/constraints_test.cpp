@@ -1,5 +1,5 @@
-// The generic engine's contacts to a hundred digits, on every test robot: rows against differences, what keeps to them against
-// dense algebra.
+// The generic engine's contacts and loops to a hundred digits, on every test robot: rows against differences, what keeps to
+// them against dense algebra.
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
@@ -19,6 +19,7 @@ using generic::Contact;
 const Multi step("1e-30"), mu("1e-30");
 constexpr double tolerance = 1e-25;
 
+using Rows = generic::Constraints<Multi>;
 using RobotAndBase = std::tuple<TestRobot, bool>;
 
 class Constraints : public ::testing::TestWithParam<RobotAndBase> {
@@ -41,9 +42,21 @@ class Constraints : public ::testing::TestWithParam<RobotAndBase> {
              {last, tip, 3, Axes::mixed},
              {last / 2, tip, 3, Axes::body}}};
     if (floating) sets.push_back({{-1, sole, 6, Axes::mixed}, {last, tip, 3, Axes::mixed}});
+    if (last < 1) return;
+    // Of every type, between the last body and others: of its own limb, of another, and the base.
+    const auto between = [&](int one, int other, std::vector<int> linear, std::vector<int> angular) {
+      return generic::Loop<Multi>{{one, other}, {sole, tip}, std::move(linear), std::move(angular), Multi(0)};
+    };
+    const generic::Loop<Multi> rod{{last / 2, last}, {sole, tip}, {}, {}, Multi("0.6")};
+    sets.push_back({{}, {rod}});
+    sets.push_back({{}, {between(0, last, {0, 1, 2}, {0, 1})}});
+    sets.push_back(
+        {{{last, tip, 3, Axes::mixed}}, {between(-1, last / 2, {0, 1}, {0, 1}), between(last / 3, last, {2}, {0, 1})}});
+    sets.push_back(
+        {{{last, sole, 6, Axes::mixed}}, {between(last, last - 1, {0, 1}, {}), rod, between(0, last, {0, 1, 2}, {0, 1, 2})}});
   }
 
-  Matrix jacobian(const std::vector<Contact<Multi>>& contacts, const Vector& q) const {
+  Matrix jacobian(const Rows& contacts, const Vector& q) const {
     return generic::constraint_jacobian<Multi>(c.model, contacts, q);
   }
   // A hundred digits tell an M from a singular one that only the file's decimals keep from it; nobody solves with that.
@@ -55,8 +68,9 @@ class Constraints : public ::testing::TestWithParam<RobotAndBase> {
     return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(M, Eigen::EigenvaluesOnly).eigenvalues().minCoeff() < 1e-13;
   }
   // Rows that only the file's decimals keep from depending on each other: no number of proximal steps tells which they are.
-  bool are_doubtful(const std::vector<Contact<Multi>>& contacts) const {
-    const Matrix J = jacobian(contacts, c.q), along = J * generic::inverse_mass_matrix<Multi>(c.model, c.q).value * J.transpose();
+  bool are_doubtful(const Rows& contacts) const {
+    const Matrix J = jacobian(contacts, c.q),
+                 along = J * generic::inverse_mass_matrix<Multi>(c.model, c.q).value * J.transpose();
     const auto rank = [&](const char* threshold) {
       Eigen::CompleteOrthogonalDecomposition<Matrix> rows(along.rows(), along.cols());
       rows.setThreshold(Multi(threshold));
@@ -71,7 +85,7 @@ class Constraints : public ::testing::TestWithParam<RobotAndBase> {
 
   Case c;
   Vector tau;
-  std::vector<std::vector<Contact<Multi>>> sets;
+  std::vector<Rows> sets;
 };
 
 TEST_P(Constraints, BiasIsTheRateOfTheRowsVelocities) {
@@ -95,9 +109,14 @@ TEST_P(Constraints, AccelerationsAndForcesAreThoseOfDenseAlgebra) {
     const Matrix J = jacobian(contacts, c.q), along = J * inverse * J.transpose();
     const Vector free = accelerations(tau), right = -generic::constraint_bias<Multi>(c.model, contacts, c.q, c.v);
     Vector weight(J.rows());
-    for (Eigen::Index r = 0; r < J.rows(); r += 3) {
-      const Multi mean = along.diagonal().segment(r, 3).sum() / 3 + Multi(1e-6) * along.trace();
-      weight.segment(r, 3).setConstant(1 / sqrt(mean));
+    Eigen::Index row = 0;
+    for (const auto& [own, linear] : contacts.rows()) {
+      for (int begin = 0, end = linear; begin < own; begin = end, end = own) {
+        const Multi mean =
+            along.diagonal().segment(row + begin, end - begin).sum() / (end - begin) + Multi(1e-6) * along.trace();
+        weight.segment(row + begin, end - begin).setConstant(1 / sqrt(mean > 0 ? mean : Multi(1)));
+      }
+      row += own;
     }
     Eigen::CompleteOrthogonalDecomposition<Matrix> rows(J.rows(), J.rows());
     rows.setThreshold(Multi("1e-12"));
@@ -112,6 +131,72 @@ TEST_P(Constraints, AccelerationsAndForcesAreThoseOfDenseAlgebra) {
     // What the robot is given and what the contacts give it make the motion.
     const Vector balance = generic::inverse_dynamics<Multi>(c.model, c.q, c.v, result.value);
     EXPECT_LT(relative_error(balance, Vector(tau + J.transpose() * result.forces), largest(balance)), tolerance);
+  }
+}
+
+// Where b's point is as a sees it, and its distance, whatever else moves: J is their gradient, closed or not.
+TEST_P(Constraints, ALoopsRowsAreTheRatesOfWhatTheyHold) {
+  const auto held = [&](const generic::Loop<Multi>& loop, const Vector& q) -> Vector {
+    const Vector rest = Vector::Zero(c.v.size());
+    const generic::detail::State<Multi> at(c.model, q, rest);
+    const generic::detail::LoopFrames<Multi> frames(c.model, at, loop, false);
+    const Vector3<Multi> between = frames.between();
+    if (loop.distance > 0)
+      return Vector::Constant(1, (between.squaredNorm() - loop.distance * loop.distance) / (2 * loop.distance));
+    const Vector3<Multi> along = frames.poses[0].rotation.transpose() * between;
+    Vector rows(loop.linear_rows());
+    for (size_t i = 0; i < loop.linear.size(); ++i) rows[static_cast<Eigen::Index>(i)] = along[loop.linear[i]];
+    return rows;
+  };
+  for (const auto& constraints : sets)
+    for (const generic::Loop<Multi>& loop : constraints.loops) {
+      const Vector before = held(loop, integrate(c.model, c.q, c.v, -step)),
+                   after = held(loop, integrate(c.model, c.q, c.v, step)), rate = (after - before) / (2 * step),
+                   velocity = jacobian({{}, {loop}}, c.q) * c.v;
+      EXPECT_LT(relative_error(velocity.head(loop.linear_rows()), rate, std::max<Multi>(largest(rate), Multi(1))), tolerance);
+    }
+}
+
+// The base, and what has no motor, is borne by the constraints, with the least forces; the robot moves as it was asked to, as
+// far as its constraints let it.
+TEST_P(Constraints, InverseDynamicsLeavesNothingToWhatHasNoMotor) {
+  if (is_singular()) GTEST_SKIP() << "M is singular";
+  generic::ConstraintOptions<Multi> options;
+  options.mu = mu;
+  const bool floating = std::get<1>(GetParam());
+  std::vector<int> undriven;
+  for (int j = 0; j < (floating ? 6 : 0); ++j) undriven.push_back(j);
+  if (!floating) undriven.push_back(static_cast<int>(c.v.size()) - 1);
+  const Vector wanted = c.v.reverse() * Multi("0.7");
+  for (const auto& constraints : sets) {
+    if (are_doubtful(constraints)) continue;
+    const auto result =
+        generic::constrained_inverse_dynamics<Multi>(c.model, constraints, c.q, c.v, wanted, undriven, {}, options);
+    const Matrix J = jacobian(constraints, c.q);
+    const Vector balance = generic::inverse_dynamics<Multi>(c.model, c.q, c.v, wanted);
+    EXPECT_LT(relative_error(Vector(result.value + J.transpose() * result.forces), balance, largest(balance)), tolerance);
+    Matrix own(J.rows(), static_cast<Eigen::Index>(undriven.size()));
+    Vector lacking(own.cols());
+    for (Eigen::Index i = 0; i < own.cols(); ++i) {
+      own.col(i) = J.col(undriven[static_cast<size_t>(i)]);
+      lacking[i] = balance[undriven[static_cast<size_t>(i)]];
+    }
+    Eigen::CompleteOrthogonalDecomposition<Matrix> support(own.transpose().rows(), own.rows());
+    support.setThreshold(Multi("1e-12"));
+    support.compute(own.transpose());
+    if (support.rank() < own.cols()) continue;  // it cannot be borne
+    EXPECT_LT(result.residual.convert_to<double>(), 1e-20 * largest(balance).convert_to<double>());
+    const Vector least = support.solve(lacking);
+    EXPECT_LT(relative_error(result.forces, least, largest(least)), tolerance);
+    const auto moved = generic::constrained_forward_dynamics<Multi>(c.model, constraints, c.q, c.v, result.value, {}, options);
+    const Matrix inverse = generic::inverse_mass_matrix<Multi>(c.model, c.q).value, along = J * inverse * J.transpose();
+    Eigen::CompleteOrthogonalDecomposition<Matrix> rows(J.rows(), J.rows());
+    rows.setThreshold(Multi("1e-12"));
+    rows.compute(along);
+    if (rows.rank() < J.rows()) continue;
+    const Vector right = -generic::constraint_bias<Multi>(c.model, constraints, c.q, c.v), rest = right - J * wanted,
+                 nearest = wanted + inverse * (J.transpose() * rows.solve(rest));
+    EXPECT_LT(relative_error(moved.value, nearest, std::max<Multi>(largest(nearest), largest(wanted))), tolerance);
   }
 }
 
@@ -135,7 +220,7 @@ TEST_P(Constraints, AnImpactStopsTheRows) {
 // A contact that does not act is none: not even by a digit of the hundred.
 TEST_P(Constraints, AMaskedContactIsNone) {
   if (!generic::inverse_mass_matrix<Multi>(c.model, c.q).status.ok()) GTEST_SKIP() << "M is singular";
-  const std::vector<Contact<Multi>>& all = sets[3];
+  const std::vector<Contact<Multi>>& all = sets[3].contacts;
   generic::ConstraintOptions<Multi> options;
   options.active = {true, false, true, false};
   const auto masked = generic::constrained_forward_dynamics<Multi>(c.model, all, c.q, c.v, tau, {}, options);

@@ -225,6 +225,11 @@ class Registry(unittest.TestCase):
             self.assertFalse(np.allclose(held, free))
             robot.contact_link_02 = dalembert.Contact()
             self.assertTrue(np.array_equal(robot.constrained_forward_dynamics(q, v, more), held))
+        with self.subTest("weights of forces"):
+            borne = robot.inverse_constraint_forces(q, v, more)
+            robot.contact_link_02 = dalembert.Contact(weight=(1, 1, 1, 0.1, 0.1, 0.1))
+            self.assertTrue(np.allclose(robot.inverse_constraint_forces(q, v, more), borne))  # one weld alone has no choice
+            robot.contact_link_02 = dalembert.Contact()
         together = robot.evaluate(q, v, a=more, tau=more, outputs=names)
         for name, values in zip(names, together):
             self.assertEqual(np.shape(values)[0], n, name)

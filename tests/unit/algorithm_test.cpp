@@ -21,6 +21,7 @@ TEST_P(Algorithm, RunsInBothFormsAsTheGenericEngineDoes) {
     all.base = base;
     all.gravity = {0.7, -1.3, -9.81};
     all.contacts = some_contacts(description);
+    all.loops = some_loops(description);
     for (const ir::QuantityRow& row : ir::quantities()) {
       ir::Scene alone = all;
       alone.outputs = {row.quantity};

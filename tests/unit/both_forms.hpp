@@ -75,6 +75,28 @@ inline std::vector<ir::Contact> some_contacts(const ir::RobotDescription& robot)
   return contacts;
 }
 
+// Between links of different limbs, or of one: what closes a linkage. Some are redundant, and none is closed.
+inline std::vector<ir::Loop> some_loops(const ir::RobotDescription& robot) {
+  std::vector<std::string> moved;
+  for (const ir::Joint& joint : robot.joints)
+    if (joint.type != ir::JointType::fixed) moved.push_back(robot.links[static_cast<size_t>(joint.child)].name);
+  std::vector<ir::Loop> loops;
+  const auto pose = [](double x, double angle) {
+    Eigen::Isometry3d at = Eigen::Translation3d(x, 0.1, -0.2) * Eigen::AngleAxisd(angle, Eigen::Vector3d(1, 2, -2) / 3);
+    return at;
+  };
+  const std::string& base = robot.links[static_cast<size_t>(robot.root)].name;
+  if (moved.size() > 2)
+    loops.push_back({"rod", {moved.front(), moved.back()}, {pose(0.1, 0.4), pose(-0.2, 1)}, ir::LoopType::distance, {}});
+  if (moved.size() > 4)
+    loops.push_back({"knee", {moved[1], moved.back()}, {pose(0, -0.3), pose(0.3, 2)}, ir::LoopType::hinge, {}});
+  if (moved.size() > 6)
+    loops.push_back({"hip", {moved[moved.size() / 2], base}, {pose(0.2, 0), pose(0, 0.7)}, ir::LoopType::cylinder, {}});
+  if (moved.size() > 12)
+    loops.push_back({"arm", {moved[moved.size() / 3], moved[2]}, {pose(0.2, 0.1), pose(-0.1, 0.7)}, ir::LoopType::pin, {}});
+  return loops;
+}
+
 // The payload welded to the link.
 inline ir::KinematicTree welded(ir::KinematicTree tree, const std::string& link, const Payload& p) {
   ir::Inertia inertia{p[0], {p[1], p[2], p[3]}, {}};
@@ -105,7 +127,7 @@ inline std::array<ir::Arrays, 2> run_half(const ir::EmittedFunction& function, c
       case ir::InputKind::effort: return state.more[in.index];
       case ir::InputKind::gravity: return model.scene.gravity[in.component];
       case ir::InputKind::wrench: return state.wrenches[6 * in.index + in.component];
-      case ir::InputKind::contact: return in.component == ir::contact_anchor + 6 ? 1.0 : 0.0;  // as in a new workspace
+      case ir::InputKind::constraint: return in.component == ir::contact_anchor + 6 ? 1.0 : 0.0;  // as in a new workspace
       case ir::InputKind::payload: return payload[static_cast<size_t>(in.component)];
       default: return std::nan("");
     }

@@ -31,6 +31,14 @@ using At16 = RowPath<rows, 0, 1, 2, 3, 4, 5, 6, 7, 8, 13, 14, 15, 16>;
 template <int rows>
 using At21 = RowPath<rows, 0, 1, 2, 3, 4, 5, 17, 18, 19, 20, 21>;
 
+// Loops between two bodies: of neighbouring limbs, of the base's two, and of one limb.
+template <int rows, int linear>
+using From12To16 = LoopPath<rows, linear, 9, 13, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16>;
+template <int rows, int linear>
+using From12To21 = LoopPath<rows, linear, 6, 13, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 17, 18, 19, 20, 21>;
+template <int rows, int linear>
+using From8To12 = LoopPath<rows, linear, 9, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12>;
+
 template <class Rows>
 struct System {
   using AllRows = Rows;
@@ -148,6 +156,51 @@ TEST(ConstraintKernels, PointsWhoseBodiesShareALimbAre) {
 }
 TEST(ConstraintKernels, WeldsAndPointsMixedAre) { expect_dense<ConstraintRows<At16<3>, At21<6>, At12<3>>>(1e-9); }
 TEST(ConstraintKernels, TheBaseItselfIs) { expect_dense<ConstraintRows<AtBase<3>, At21<6>>>(1e-9); }
+
+TEST(ConstraintKernels, LoopsAre) {
+  expect_dense<ConstraintRows<From12To16<5, 3>>>(1e-9);
+  expect_dense<ConstraintRows<From12To21<2, 2>, From8To12<3, 1>, At16<3>>>(1e-9);
+  expect_dense<ConstraintRows<At21<6>, From12To16<4, 2>, From12To21<1, 1>, From8To12<6, 3>>>(1e-8);
+}
+
+// f = W J_u y, J_u' f what is lacking at the coordinates u.
+TEST(ConstraintKernels, SupportIsTheLeastByItsWeights) {
+  using Rows = ConstraintRows<At12<6>, From12To16<5, 3>, At21<3>>;
+  const System<Rows> s(6);
+  const auto J = in<double>(s.J);
+  const Vector effort = numbers(n, 1);
+  const int undriven[] = {0, 1, 2, 3, 4, 5, 11};
+  Matrix own(14, 7);
+  Vector lacking(7), weight(14);
+  for (int i = 0; i < 7; ++i) own.col(i) = s.J.col(undriven[i]), lacking[i] = effort[undriven[i]];
+  std::vector<double> weights;
+  for (int r = 0; r < 14; ++r) weights.push_back(0.5 + 0.1 * r), weight[r] = weights.back();
+  for (const std::vector<double>& active : {std::vector<double>{1, 1, 1}, {1, 0, 1}}) {
+    Eigen::VectorXd forces(14), to = effort.cast<double>();
+    const auto status =
+        support<n, Rows, Undriven<0, 1, 2, 3, 4, 5, 11>>(J.data(), active.data(), weights.data(), forces.data(), to.data());
+    Vector W = weight;
+    if (active[1] == 0) W.segment(6, 5).setZero();
+    const Matrix G = own.transpose() * W.asDiagonal() * own;
+    const Vector expected = W.asDiagonal() * own * G.ldlt().solve(lacking);
+    EXPECT_LT(error(forces.cast<Real>(), expected), 1e-9);
+    EXPECT_LT((to.cast<Real>() - effort + s.J.transpose() * expected).cwiseAbs().maxCoeff(), 1e-9);
+    EXPECT_LT(status.residual, 1e-9);
+    EXPECT_EQ(status.rank, 7);
+    if (active[1] == 0) {
+      EXPECT_EQ(forces.segment(6, 5).cwiseAbs().maxCoeff(), 0);
+    }
+  }
+  // Nobody bears the base: it is left, and told.
+  Eigen::VectorXd forces(14), to = effort.cast<double>();
+  const double none[] = {0, 0, 0};
+  const auto status =
+      support<n, Rows, Undriven<0, 1, 2, 3, 4, 5, 11>>(J.data(), none, weights.data(), forces.data(), to.data());
+  EXPECT_EQ(forces.cwiseAbs().maxCoeff(), 0);
+  EXPECT_EQ(status.rank, 0);
+  EXPECT_GT(status.residual, 0.5);
+  EXPECT_TRUE(to.allFinite());
+}
 
 TEST(ConstraintKernels, FloatsAre) {
   const System<ConstraintRows<At12<6>, At21<3>>> s(3);

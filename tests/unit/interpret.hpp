@@ -100,6 +100,25 @@ inline void run_constraint_steps(const Algorithm& algorithm, Arrays& arrays) {
     const auto array = [&](int index) -> Eigen::MatrixXd& {
       return arrays[algorithm.arrays[static_cast<std::size_t>(index)].name];
     };
+    if (s.kind == ConstraintStep::Kind::support) {
+      const Eigen::MatrixXd& J = array(s.jacobian);
+      const auto count = static_cast<Eigen::Index>(s.undriven.size());
+      Eigen::MatrixXd own(J.rows(), count);
+      Eigen::VectorXd lacking(count), y = Eigen::VectorXd::Zero(count);
+      for (Eigen::Index i = 0; i < count; ++i) {
+        own.col(i) = J.col(s.undriven[static_cast<std::size_t>(i)]);
+        lacking[i] = array(s.to)(s.undriven[static_cast<std::size_t>(i)], 0);
+      }
+      array(s.forces).setZero();
+      if (count == 0) continue;
+      const Eigen::MatrixXd along = own.transpose() * own;
+      const Eigen::VectorXd held = 1e-8 * along.diagonal().unaryExpr([](double x) { return x > 0 ? x : 1.0; });
+      const Eigen::LDLT<Eigen::MatrixXd> factors(along + Eigen::MatrixXd(held.asDiagonal()));
+      for (int step = 0; step < s.solutions; ++step) y = factors.solve(lacking + held.cwiseProduct(y)).eval();
+      array(s.forces) = own * y;
+      array(s.to) -= J.transpose() * array(s.forces);
+      continue;
+    }
     Eigen::MatrixXd upper = array(s.factor).triangularView<Eigen::StrictlyUpper>();
     upper.diagonal().setOnes();
     const Eigen::MatrixXd J = array(s.jacobian),
@@ -113,8 +132,14 @@ inline void run_constraint_steps(const Algorithm& algorithm, Arrays& arrays) {
     const Eigen::VectorXd free = impact ? Eigen::VectorXd::Zero(J.cols()) : Eigen::VectorXd(inverse * array(s.to)),
                           rest = array(s.right) - J * free;
     Eigen::VectorXd held(J.rows()), forces = Eigen::VectorXd::Zero(J.rows());
-    for (Eigen::Index r = 0; r < J.rows(); r += 3)
-      held.segment<3>(r).setConstant(1e-8 * (along.diagonal().segment<3>(r).sum() / 3 + 1e-6 * along.trace()));
+    for (std::size_t c = 0; c + 1 < s.paths.first.size(); ++c) {
+      const int first = s.paths.first[c], middle = first + s.paths.linear[c], behind = s.paths.first[c + 1];
+      for (const auto& [begin, end] : {std::pair(first, middle), std::pair(middle, behind)}) {
+        if (begin == end) continue;
+        const double mean = along.diagonal().segment(begin, end - begin).mean() + 1e-6 * along.trace();
+        held.segment(begin, end - begin).setConstant(1e-8 * (mean > 0 ? mean : 1));
+      }
+    }
     along.diagonal() += held;
     const Eigen::LDLT<Eigen::MatrixXd> factors(along);
     for (int step = 0; step < s.solutions; ++step) forces = factors.solve(rest + held.cwiseProduct(forces)).eval();
@@ -394,7 +419,7 @@ class RolledRun {
     for (const Result& r : algorithm_.results)
       for (int k = 0; k < tree_.joints() && r.layout != Layout::base; ++k)
         for (int i = 0; i < program_.roles[static_cast<std::size_t>(r.role)].components(); ++i) {
-          if (r.only_above != all_bodies && !tree_.is_above(k, r.only_above)) continue;
+          if (r.only_above != all_bodies && !tree_.is_above_only(k, r.only_above, r.beside)) continue;
           Eigen::MatrixXd& m = arrays_[algorithm_.arrays[static_cast<std::size_t>(r.array)].name];
           if (r.layout == Layout::columns) m(r.from + i, row(k)) += kept(r.role, i, slot(k));
           else m(row(k), 0) += kept(r.role, i, slot(k));

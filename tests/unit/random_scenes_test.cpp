@@ -35,7 +35,7 @@ std::vector<ir::Quantity> quantities(Draw& draw, ir::Function function, const ir
   for (const ir::QuantityRow& row : ir::quantities()) {
     if (row.function != ir::Function::evaluate && row.function != function) continue;
     if (row.quantity == ir::Quantity::coriolis_matrix && scene.rates_zero) continue;
-    if (scene.contacts.empty() && ir::is_of_constraints(row.quantity)) continue;
+    if (!scene.any_constraint() && ir::is_of_constraints(row.quantity)) continue;
     if (draw.one_in(rare)) some.push_back(row.quantity);
   }
   return some;
@@ -88,6 +88,18 @@ ir::Scene scene_of(Draw& draw, Movable robot) {
     if (std::any_of(scene.contacts.begin(), scene.contacts.end(), held)) continue;
     const Eigen::Vector3d at(0.1 * (1 + i), -0.07, 0.03 * draw.below(4));
     scene.contacts.push_back({fmt::format("contact {}", i), link, type, at, draw.one_in(3)});
+  }
+  for (unsigned i = draw.below(3); i-- > 0;) {
+    ir::Loop loop;
+    loop.name = fmt::format("loop {}", i);
+    loop.links = {draw.of(robot.links), draw.of(robot.links)};
+    if (loop.links[0] == loop.links[1]) continue;
+    loop.type = static_cast<ir::LoopType>(draw.below(7));
+    if (loop.type == ir::LoopType::distance) loop.length = 0.4;
+    loop.at[0] =
+        Eigen::Translation3d(0.1 * (1 + i), 0.2, -0.03) * Eigen::AngleAxisd(0.3 * draw.below(5), Eigen::Vector3d::UnitX());
+    loop.at[1] = Eigen::Translation3d(-0.1, 0.05 * draw.below(3), 0.1) * Eigen::AngleAxisd(0.7, Eigen::Vector3d(2, 1, -2) / 3);
+    scene.loops.push_back(std::move(loop));
   }
   scene.outputs = quantities(draw, ir::Function::evaluate, scene);
   for (const ir::Function function : {ir::Function::inverse_dynamics, ir::Function::forward_dynamics})
@@ -147,6 +159,8 @@ std::string in_words(unsigned seed, const ir::Scene& scene) {
   for (const ir::Contact& contact : scene.contacts)
     text += fmt::format("; {} on {} along {} axes", contact.type == ir::ContactType::weld ? "weld" : "point", contact.link,
                         contact.along_link ? "its" : "the world's");
+  for (const ir::Loop& loop : scene.loops)
+    text += fmt::format("; loop of type {} between {} and {}", static_cast<int>(loop.type), loop.links[0], loop.links[1]);
   for (const ir::ExternalWrench& wrench : scene.wrenches) text += "; wrench " + wrench.link;
   return text;
 }

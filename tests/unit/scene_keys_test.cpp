@@ -42,6 +42,8 @@ const Example examples[] = {
     {"payloads", "[l3]", "l3"},
     {"wrenches", "{l2: world, l3: link}", "l2=world,l3=link"},
     {"contacts", "{l3: point, l2: {type: weld}}", "{l3: point, l2: weld}"},
+    {"loops", "{rod: {links: [l1, l3], type: pin}}", "{rod: {links: [l1, l3], type: pin}}"},
+    {"passive", "[b]", "b"},
     {"armature", "{a: 0.5, c: 0.25}", "a=0.5,c=0.25"},
     {"damping", "urdf", "urdf"},
     {"friction", "{a: 2}", "a=2"},
@@ -82,6 +84,9 @@ std::vector<backend::OutputFile> code_of(const frontend::SceneDocument& document
   model.name = "r";
   apply_scene(model, document, warnings);
   model.scene.outputs.push_back(ir::Quantity::forward_dynamics);  // which some keys are about
+  if (!model.scene.any_constraint()) model.scene.contacts.push_back({"held", "l2"});
+  model.tree.constraint_rows = model.scene.constraint_rows();
+  model.scene.outputs.push_back(ir::Quantity::constrained_inverse_dynamics);
   return compile(model);
 }
 

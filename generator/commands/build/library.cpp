@@ -51,7 +51,7 @@ Library library_of(const Model& model, Diagnostics& warnings) {
     if (several) library.functions.push_back({0, function, results});
     for (const Output& output : results) {
       Model part = with_outputs(model, {output});
-      part.scene.batch = false;  // the controller's, in the whole scene's folder
+      part.scene.batch = false;                                       // the controller's, in the whole scene's folder
       part.name = ir::identifier(output.name) + "_of_" + model.name;  // as no C function of the whole is called
       const ir::EmittedFunction of_one = ir::functions_of(part.scene).front();
       alone.push_back({add_part(std::move(part)), of_one, {output}, several});
@@ -104,22 +104,42 @@ std::vector<RunTimeInput> run_time_inputs(const Model& model) {
                       {{name, 6}},
                       std::vector<double>(6, 0.0)});
   }
-  for (const ir::Contact& contact : scene.contacts) {
-    const std::string name = "contact_" + ir::identifier(contact.name);
-    const int rows = contact.rows();
-    std::vector<double> start(static_cast<size_t>(11 + rows), 0.0);
+  for (const ir::Constraint& c : scene.constraints()) {
+    const std::string& name = c.member;
+    const int rows = c.rows;
+    if (c.loop) {
+      std::vector<double> start(static_cast<size_t>(4 + 2 * rows), 0.0);
+      start[0] = 1;  // active
+      std::fill(start.end() - rows, start.end(), 1.0);
+      inputs.push_back(
+          {name,
+           "1, 1/s^2, 1/s, 1, 1/kg",
+           fmt::format("how {0} hold each other: active (1 or 0), kp, kd, restitution, regularization ({1}), weight ({1})",
+                       c.of, rows),
+           {{name + ".active", 0},
+            {name + ".kp", 0},
+            {name + ".kd", 0},
+            {name + ".restitution", 0},
+            {name + ".regularization", rows},
+            {name + ".weight", rows}},
+           start});
+      continue;
+    }
+    std::vector<double> start(static_cast<size_t>(11 + 2 * rows), 0.0);
     start[0] = start[10] = 1;  // active; the anchor's quaternion
+    std::fill(start.end() - rows, start.end(), 1.0);
     inputs.push_back({name,
                       "1, 1/s^2, 1/s, 1, m, 1/kg",
-                      fmt::format("how {} is held: active (1 or 0), kp, kd, restitution, anchor (3, quaternion x y z w), "
-                                  "regularization ({})",
-                                  scene.called(contact.link), rows),
+                      fmt::format("how {0} is held: active (1 or 0), kp, kd, restitution, anchor (3, quaternion x y z w), "
+                                  "regularization ({1}), weight ({1})",
+                                  c.of, rows),
                       {{name + ".active", 0},
                        {name + ".kp", 0},
                        {name + ".kd", 0},
                        {name + ".restitution", 0},
                        {name + ".anchor", 7},
-                       {name + ".regularization", rows}},
+                       {name + ".regularization", rows},
+                       {name + ".weight", rows}},
                       start});
   }
   return inputs;

@@ -1,10 +1,7 @@
-// Rows of contacts, J v̇ + J̇ v = b, and what keeps to them. Everything is along the base's axes and about its origin: the point
-// x of a body of twist [u; w] and acceleration [a; α] has the velocity u + w × x and the acceleration a + α × x + w × (u + w ×
-// x); rows are these turned to the axes asked for.
+// Rows of contacts and loops, J v̇ + J̇ v = b, and what keeps to them.
 #include "dalembert/constraint_shapes.hpp"
 #include "ir/constraint_step.hpp"
-#include "ir/identifier.hpp"
-#include "passes/joints.hpp"
+#include "passes/quantities/constraint_rows.hpp"
 #include "passes/quantities/quantities.hpp"
 #include "passes/quantities/shared.hpp"
 
@@ -15,173 +12,44 @@ using ir::Shape;
 
 namespace {
 
-// A contact's point as a frame, and the axes of its rows.
-struct Held {
-  const ir::Contact* contact;
-  int index, first;  // among the contacts; its first row
-  LinkFrame frame;
-  std::string name;
-
-  bool weld() const { return contact->type == ir::ContactType::weld; }
-  // What is along the link's axes does not depend on the first joints of a fixed base.
-  Frame poses() const { return contact->along_link ? Frame::cheapest : Frame::base; }
-  Shape shape() const { return weld() ? Shape::wrench : Shape::vector; }
-};
-
-std::vector<Held> held_links(const Builder& b) {
-  std::vector<Held> all;
-  int row = 0;
-  for (const ir::Contact& contact : b.scene().contacts) {
-    Held held{&contact, static_cast<int>(all.size()), row, link_frame(contact.link, b.tree(), b.normal()), ""};
-    held.name = held.frame.name = "contact_" + ir::identifier(contact.name);
-    held.frame.translation += held.frame.rotation * contact.at;
-    all.push_back(held);
-    row += contact.rows();
-  }
-  return all;
-}
-
-// Twists at the point, turned to the rows' axes.
-class RowAxes {
- public:
-  RowAxes(Builder& b, const Held& held)
-      : link_(held.contact->along_link),
-        at_(link_place(b, held.frame, held.poses())),
-        base_(link_ || !b.floating() ? LinkPlace{-1, -1} : base_in_world(b)) {}
-
-  Vec3 point(SweepBuilder& s) const { return s.of3(-1, at_.origin); }
-  Vec3 turned(SweepBuilder& s, const Vec3& x) const {
-    if (link_) return transpose(three_columns(s, -1, at_.axes)) * x;
-    return base_.axes < 0 ? x : three_columns(s, -1, base_.axes) * x;  // a fixed base's axes are the world's
-  }
-
- private:
-  bool link_;
-  LinkPlace at_, base_;
-};
-
-void store_rows(SweepBuilder& s, const Held& held, int role, const Vec3& linear, const Vec3& angular, int coordinate = -1) {
-  s.store(role, linear, 0, coordinate);
-  if (held.weld()) s.store(role, angular, 3, coordinate);
-}
-
-void describe_rows(Builder& b, const Held& held, int array) {
-  const Poses p = poses(b, held.poses());
-  const RowAxes axes(b, held);
-  const std::string equation = held.weld() ? "J = R [Jv + Jw x x; Jw]" : "J = R (Jv + Jw x x)";
-  const int rows =
-      b.role({"rows_" + held.name, "Jc", "column of the rows of contact " + held.contact->name, "m", held.shape()});
-  SweepBuilder s = b.sweep("rows_" + held.name, equation, Direction::anywhere);
-  s.only_above(held.frame.body);
-  const auto store = [&](SweepBuilder& sweep, const Twist& twist, int coordinate) {
-    const Vec3 lever = cross(twist.angular, axes.point(sweep)), velocity = twist.linear + lever;
-    const Vec3 linear = axes.turned(sweep, velocity), angular = held.weld() ? axes.turned(sweep, twist.angular) : twist.angular;
-    store_rows(sweep, held, rows, linear, angular, coordinate);
-  };
-  store(s, joint_of(s, p), -1);
-  if (b.floating()) {
-    SweepBuilder base = b.sweep("base_rows_" + held.name, equation, Direction::root);
-    for (int j = 0; j < 6; ++j) store(base, unit_twist(base, j), j);
-  }
-  b.result({array, ir::Layout::columns, rows, held.first, held.frame.body});
-}
-
-// The rows' velocities, or, of an impact, what they shall become less what they are.
-int row_velocities(Builder& b, const Held& held) {
-  const Poses p = poses(b, held.poses());
-  const RowAxes axes(b, held);
-  const int role =
-      b.role({"velocity_" + held.name, "Jcv", "velocity of contact " + held.contact->name, "m/s, rad/s", held.shape()});
-  if (b.has("velocity_" + held.name)) return role;
-  SweepBuilder s =
-      b.sweep("velocity_" + held.name, held.weld() ? "J v = R [u + w x x; w]" : "J v = R (u + w x x)", Direction::root);
-  const Vec3 u = s.of3(held.frame.body, p.velocity, 0), w = s.of3(held.frame.body, p.velocity, 3);
-  const Vec3 lever = cross(w, axes.point(s)), velocity = u + lever;
-  const Vec3 linear = axes.turned(s, velocity), angular = held.weld() ? axes.turned(s, w) : w;
-  store_rows(s, held, role, linear, angular);
-  return role;
-}
-
-// J̇ v. Along the link's axes: the spatial acceleration, for these turn with the link.
-int row_biases(Builder& b, const Held& held) {
-  const Poses p = poses(b, held.poses());
-  const int of_bodies = bias_accelerations(b, held.poses() == Frame::base);
-  const RowAxes axes(b, held);
-  const int role =
-      b.role({"bias_" + held.name, "dJcv", "dJ/dt v of contact " + held.contact->name, "m/s^2, rad/s^2", held.shape()});
-  if (b.has("bias_" + held.name)) return role;
-  SweepBuilder s = b.sweep(
-      "bias_" + held.name,
-      held.contact->along_link ? "dJ v = R [a + alpha x x; alpha]" : "dJ v = R [a + alpha x x + w x (u + w x x); alpha]",
-      Direction::root);
-  const int body = held.frame.body;
-  const Vec3 a = s.of3(body, of_bodies, 0), alpha = s.of3(body, of_bodies, 3), x = axes.point(s);
-  const Vec3 tangential = cross(alpha, x);
-  Vec3 linear = a + tangential;
-  if (!held.contact->along_link) {
-    const Vec3 u = s.of3(body, p.velocity, 0), w = s.of3(body, p.velocity, 3);
-    const Vec3 lever = cross(w, x), velocity = u + lever, centripetal = cross(w, velocity);
-    linear = linear + centripetal;
-  }
-  const Vec3 turned = axes.turned(s, linear), angular = held.weld() ? axes.turned(s, alpha) : alpha;
-  store_rows(s, held, role, turned, angular);
-  return role;
-}
-
-// How far the contact is from its anchor, along the rows' axes: x − x₀, and ½ Σ aᵢ × rᵢ over the axes of anchor and link.
-int row_errors(Builder& b, const Held& held) {
-  const LinkPlace at = link_place(b, held.frame, Frame::base), base = base_in_world(b);
-  const int role =
-      b.role({"error_" + held.name, "ec", "from its anchor to contact " + held.contact->name, "m, rad", held.shape()});
-  if (b.has("error_" + held.name)) return role;
-  SweepBuilder s = b.sweep("error_" + held.name, "e = x - x0, and half the sum of a_i x r_i", Direction::root);
-  const Mat3 to_world =
-      b.floating() ? three_columns(s, -1, base.axes) : s.constant(Eigen::Matrix3d(Eigen::Matrix3d::Identity()));
-  const Mat3 in_base = three_columns(s, -1, at.axes), own = to_world * in_base;
-  const Vec3 offset = to_world * s.of3(-1, at.origin), place = s.of3(-1, base.origin) + offset;
-  const auto given = [&](int component) { return s.contact(held.index, component); };
-  const Vec3 wanted{given(ir::contact_anchor), given(ir::contact_anchor + 1), given(ir::contact_anchor + 2)};
-  Vec3 linear = place - wanted;
-  Vec3 angular = s.zero();
-  if (held.weld()) {
-    const Mat3 anchor = base_rotation([&](int i) { return given(ir::contact_anchor + 3 + i); },
-                                      [&](double value) { return s.constant(value); });
-    for (std::size_t i = 0; i < 3; ++i) {
-      const Vec3 from = column(anchor, i), to = column(own, i), turning = cross(from, to);
-      angular = angular + turning;
-    }
-    const Sym half = s.constant(0.5);
-    angular = half * angular;
-  }
-  if (held.contact->along_link) {
-    linear = transpose(own) * linear;
-    if (held.weld()) angular = transpose(own) * angular;
-  }
-  store_rows(s, held, role, linear, angular);
-  return role;
-}
-
 // What the rows' accelerations shall be less J̇ v: − J̇ v − kd J v − kp e. Of an impact: − (1 + restitution) J v.
-void describe_right(Builder& b, const Held& held, bool impact, int array) {
-  const std::string name = (impact ? "bounce_" : "right_") + held.name;
-  const int velocity = row_velocities(b, held), bias = impact ? -1 : row_biases(b, held),
-            error = impact ? -1 : row_errors(b, held);
-  const int role = b.role({name, "bc", "what J dv of contact " + held.contact->name + " shall be",
-                           impact ? "m/s, rad/s" : "m/s^2, rad/s^2", held.shape()});
-  SweepBuilder s = b.sweep(name, impact ? "b = -(1 + restitution) J v" : "b = -(dJ v + kd J v + kp e)", Direction::root);
-  for (int i = 0; i < held.contact->rows(); ++i) {
-    if (impact) {
-      const Sym one = s.constant(1), restitution = s.contact(held.index, ir::contact_restitution), whole = one + restitution;
-      const Sym now = s.of(-1, velocity, i);
-      s.store(role, i, -(whole * now));
-    } else {
-      const Sym kd = s.contact(held.index, ir::contact_kd), rate = s.of(-1, velocity, i), damped = kd * rate;
-      const Sym kp = s.contact(held.index, ir::contact_kp), distance = s.of(-1, error, i), drawn = kp * distance;
-      const Sym own = s.of(-1, bias, i);
-      s.store(role, i, -(own + damped + drawn));
-    }
+void describe_right(Builder& b, const ConstraintRows& rows, bool impact, int array) {
+  const std::string name = (impact ? "bounce_" : "right_") + rows.name();
+  const RowRoles velocity = rows.velocities(b), bias = impact ? RowRoles{} : rows.biases(b),
+                 error = impact ? RowRoles{} : rows.errors(b);
+  const int count = rows.constraint().rows;
+  std::vector<int> roles;
+  if (count == 3 || count == 6) {
+    const int role = b.role({name, "bc", "what J dv of " + rows.constraint().of + " shall be",
+                             impact ? "m/s, rad/s" : "m/s^2, rad/s^2", count == 6 ? Shape::wrench : Shape::vector});
+    roles.assign(static_cast<std::size_t>(count), role);
+  } else {
+    for (int i = 0; i < count; ++i)
+      roles.push_back(b.role({name + "_row_" + std::to_string(i), "bc" + std::to_string(i),
+                              "what J dv of " + rows.constraint().of + " shall be", impact ? "m/s, rad/s" : "m/s^2, rad/s^2",
+                              Shape::scalar}));
   }
-  b.result({array, ir::Layout::base, role, held.first});
+  const bool together = count == 3 || count == 6;
+  SweepBuilder s = b.sweep(name, impact ? "b = -(1 + restitution) J v" : "b = -(dJ v + kd J v + kp e)", Direction::root);
+  for (int i = 0; i < count; ++i) {
+    const auto row = static_cast<std::size_t>(i);
+    const auto of = [&](const RowRoles& values) { return s.of(-1, values[row].first, values[row].second); };
+    Sym right;
+    if (impact) {
+      const Sym one = s.constant(1), restitution = s.constraint(rows.index(), ir::contact_restitution),
+                whole = one + restitution;
+      const Sym now = of(velocity);
+      right = -(whole * now);
+    } else {
+      const Sym kd = s.constraint(rows.index(), ir::contact_kd), rate = of(velocity), damped = kd * rate;
+      const Sym kp = s.constraint(rows.index(), ir::contact_kp), distance = of(error), drawn = kp * distance;
+      const Sym own = of(bias);
+      right = -(own + damped + drawn);
+    }
+    s.store(roles[row], together ? i : 0, right);
+    if (!together) b.result({array, ir::Layout::base, roles[row], rows.first() + i});
+  }
+  if (together) b.result({array, ir::Layout::base, roles.front(), rows.first()});
 }
 
 // The output, or an array that is none; made once.
@@ -217,11 +85,17 @@ ir::ConstraintStep step(Builder& b, ir::ConstraintStep::Kind kind, int to) {
 }  // namespace
 
 void describe_constraint_jacobian(Builder& b, int array) {
-  for (const Held& held : held_links(b)) describe_rows(b, held, array);
+  for (const auto& rows : constraint_rows(b)) rows->columns(b, array);
 }
 
 void describe_constraint_bias(Builder& b, int array) {
-  for (const Held& held : held_links(b)) b.result({array, ir::Layout::base, row_biases(b, held), held.first});
+  for (const auto& rows : constraint_rows(b)) {
+    const RowRoles roles = rows->biases(b);
+    for (std::size_t i = 0; i < roles.size(); ++i) {
+      const int row = rows->first() + static_cast<int>(i);
+      if (roles[i].second == 0) b.result({array, ir::Layout::base, roles[i].first, row});
+    }
+  }
 }
 
 void describe_delassus_matrix(Builder& b, int array) {
@@ -256,7 +130,7 @@ void describe_impact(Builder& b, int array) {
   ir::ConstraintStep s = step(b, ir::ConstraintStep::Kind::impact, array);
   s.right = b.internal_array(b.own_name("bounce"), b.tree().constraint_rows, 1);
   s.forces = b.internal_array(b.own_name("impulses"), b.tree().constraint_rows, 1);
-  for (const Held& held : held_links(b)) describe_right(b, held, true, s.right);
+  for (const auto& rows : constraint_rows(b)) describe_right(b, *rows, true, s.right);
   b.constraint_step(s);
 }
 
@@ -268,12 +142,13 @@ void solve_constrained(Builder& b) {
     if (made.kind == ir::ConstraintStep::Kind::solve) return;
   const int rows = b.tree().constraint_rows;
   const auto nothing = [](int) {};
-  const int to = array_of(b, ir::Quantity::constrained_forward_dynamics, "constrained_accelerations", b.tree().nv(), 1, nothing);
+  const int to =
+      array_of(b, ir::Quantity::constrained_forward_dynamics, "constrained_accelerations", b.tree().nv(), 1, nothing);
   ir::ConstraintStep s = step(b, ir::ConstraintStep::Kind::solve, to);
   s.forces = array_of(b, ir::Quantity::constraint_forces, "forces", rows, 1, nothing);
   s.right = b.internal_array(b.own_name("right"), rows, 1);
   b.result({to, ir::Layout::per_coordinate, unbalanced(b)});
-  for (const Held& held : held_links(b)) describe_right(b, held, false, s.right);
+  for (const auto& rows : constraint_rows(b)) describe_right(b, *rows, false, s.right);
   b.constraint_step(s);
 }
 
@@ -288,5 +163,30 @@ void describe_constraint_forces(Builder& b, int array) {
   guard(b, array);
   solve_constrained(b);
 }
+
+namespace {
+
+// Torques and forces come of one step, whichever is asked for.
+void support(Builder& b) {
+  for (const ir::ConstraintStep& made : b.constraint_steps())
+    if (made.kind == ir::ConstraintStep::Kind::support) return;
+  const auto nothing = [](int) {};
+  const int to = array_of(b, ir::Quantity::constrained_inverse_dynamics, "efforts", b.tree().nv(), 1, nothing);
+  ir::ConstraintStep s{ir::ConstraintStep::Kind::support, ir::constraint_paths(b.tree(), b.scene())};
+  s.solutions = b.scene().scalar == ir::ScalarType::float32 ? Proximal<float>::steps : Proximal<double>::steps;
+  s.jacobian = jacobian(b);
+  s.forces = array_of(b, ir::Quantity::inverse_constraint_forces, "borne", b.tree().constraint_rows, 1, nothing);
+  s.to = to;
+  s.undriven = ir::undriven_coordinates(b.tree(), b.scene());
+  const NewtonEuler all = newton_euler(b, Driven::accelerated);
+  b.result({to, ir::Layout::per_coordinate, less_external(b, all.torque, all.subtree_wrench)});
+  b.constraint_step(s);
+}
+
+}  // namespace
+
+void describe_constrained_inverse_dynamics(Builder& b, int) { support(b); }
+
+void describe_inverse_constraint_forces(Builder& b, int) { support(b); }
 
 }  // namespace dalembert::passes

@@ -4,7 +4,7 @@
 
 namespace dalembert {
 
-// Rows of a block: three where all constraints have three, else six.
+// Rows of a block: three where no constraint has more, else six.
 constexpr int block_rows(int most_rows) { return most_rows <= 3 ? 3 : 6; }
 constexpr int block_lanes(int rows) { return rows <= 3 ? 4 : 8; }
 

@@ -8,8 +8,9 @@
 //
 //   (Y' D^-1 Y + R + mu N) f' = c + mu N f,   f = 0 at first,
 //
-// a fixed number of times. N is the mean inverse inertia along a block's three rows. A constraint that does not act has rows of
-// zeros, a one on its diagonal and nothing on the right: its forces are zero, and nobody else's numbers change.
+// a fixed number of times. N is the mean inverse inertia along a constraint's linear rows, or its angular ones. A constraint
+// that does not act has rows of zeros, a one on its diagonal and nothing on the right: its forces are zero, and nobody else's
+// numbers change. A loop's Y has elements where coordinates stand above both of its bodies, though its J has none there.
 //
 // Nothing allocates; loops depend on the robot and its constraints alone.
 #pragma once
@@ -28,18 +29,40 @@ struct ConstraintStatus {
   int rank = 0;          // how many rows that act say something new
 };
 
-// A constraint: its rows, and the coordinates above its body, the tree's root first.
-template <int own_rows, int... coordinates>
-struct RowPath {
-  static constexpr int rows = own_rows, length = sizeof...(coordinates);
+// A constraint between two bodies: its rows, linear ones first, and the coordinates above one of them or both, in order. The
+// first `own_common` are above both, those up to `own_split` and those behind above one each.
+template <int own_rows, int own_linear, int own_common, int own_split, int... coordinates>
+struct LoopPath {
+  static constexpr int rows = own_rows, linear = own_linear, length = sizeof...(coordinates);
   static constexpr int at[] = {coordinates...};
+  // Whether the i-th of them stands above the k-th.
+  static constexpr bool is_above(int i, int k) { return i < k && (k < own_split || i < own_common || i >= own_split); }
+};
+// One between a body and the world: the coordinates above it, the tree's root first.
+template <int own_rows, int... coordinates>
+using RowPath =
+    LoopPath<own_rows, (own_rows < 3 ? own_rows : 3), sizeof...(coordinates), sizeof...(coordinates), coordinates...>;
+
+// Where two lists of coordinates have the same, in pieces: from which place of each, and how many.
+struct SharedPieces {
+  static constexpr int most = 6;
+  int count = 0, a[most] = {}, b[most] = {}, size[most] = {};
+
+  constexpr void add(int at_a, int at_b) {
+    if (count > 0 && a[count - 1] + size[count - 1] == at_a && b[count - 1] + size[count - 1] == at_b) {
+      ++size[count - 1];
+      return;
+    }
+    a[count] = at_a, b[count] = at_b, size[count] = 1;
+    ++count;
+  }
 };
 
 // All constraints, in the order of their rows.
 template <class... Paths>
 struct ConstraintRows {
   static constexpr int count = sizeof...(Paths);
-  static constexpr int rows[] = {Paths::rows...}, lengths[] = {Paths::length...};
+  static constexpr int rows[] = {Paths::rows...}, linear[] = {Paths::linear...}, lengths[] = {Paths::length...};
   static constexpr const int* paths[] = {Paths::at...};
   template <int c>
   using path = std::tuple_element_t<c, std::tuple<Paths...>>;
@@ -60,12 +83,23 @@ struct ConstraintRows {
     for (const int length : lengths) most = length > most ? length : most;
     return most;
   }
-  // How many coordinates stand above both.
-  static constexpr int shared(int a, int b) {
-    int both = 0;
-    while (both < least(lengths[a], lengths[b]) && paths[a][both] == paths[b][both]) ++both;
-    return both;
+  static constexpr int pair(int a, int b) { return a * count - a * (a - 1) / 2 + b - a; }  // b is not before a
+  // The coordinates above both, per pair.
+  struct Shared {
+    SharedPieces pieces[count * (count + 1) / 2] = {};
+  };
+  static constexpr Shared shared_pieces() {
+    Shared all;
+    for (int a = 0; a < count; ++a)
+      for (int b = a; b < count; ++b)
+        for (int i = 0, k = 0; i < lengths[a] && k < lengths[b];) {
+          if (paths[a][i] == paths[b][k]) all.pieces[pair(a, b)].add(i++, k++);
+          else if (paths[a][i] < paths[b][k]) ++i;
+          else ++k;
+        }
+    return all;
   }
+  static constexpr Shared shared = shared_pieces();
 };
 
 // A chain of coordinates as in factor.hpp, and where those above it stand, in runs: begin, behind, begin, behind …
@@ -87,20 +121,6 @@ namespace constraint_detail {
 using detail::for_constants;
 
 constexpr int lanes_in_block(int padded) { return least(native_lanes, padded); }
-
-// x[0] y[0] + … of a block's lanes.
-template <int padded, class T>
-DALEMBERT_INLINE T block_dot(const T* x, const T* y) {
-  constexpr int w = lanes_in_block(padded);
-  Lanes<T, w> sum = load<w>(x) * load<w>(y);
-  for_constants<padded / w - 1>([&](auto i) DALEMBERT_IN_BLOCK {
-    constexpr int at = (decltype(i)::value + 1) * w;
-    sum += load<w>(x + at) * load<w>(y + at);
-  });
-  T total = lane<w, T>(sum, 0);
-  for_constants<w - 1>([&](auto i) DALEMBERT_IN_BLOCK { total += lane<w, T>(sum, decltype(i)::value + 1); });
-  return total;
-}
 
 enum class Into { set, add, subtract };
 
@@ -133,21 +153,76 @@ DALEMBERT_INLINE void products(const T* a, const T* b, int count, T* to) {
   });
 }
 
-// to[s] += the sum over r of x[r] a[r][s], or less it.
-template <int rows, int padded, bool negative, class T>
-DALEMBERT_INLINE void add_rows(const T* a, const T* x, T* to) {
-  constexpr int w = lanes_in_block(padded), pieces = padded / w;
-  Lanes<T, w> sum[pieces];
-  for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK { sum[i] = load<w>(to + i * w); });
-  for_constants<rows>([&](auto r) DALEMBERT_IN_BLOCK {
-    const Lanes<T, w> factor = broadcast<w, T>(x[r]);
-    for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK {
-      if constexpr (negative) sum[i] -= factor * load<w>(a + r * padded + i * w);
-      else sum[i] += factor * load<w>(a + r * padded + i * w);
-    });
-  });
-  for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK { store<w, T>(to + i * w, sum[i]); });
+// f(0), …, f(count - 1): with constants where they are few.
+template <int count, bool constants = count <= 4, class F>
+DALEMBERT_INLINE void each_index(const F& f) {
+  if constexpr (constants) {
+    for_constants<count>(f);
+  } else {
+    for (int i = 0; i < count; ++i) f(i);
+  }
 }
+
+// The numbers of a block's row, in registers.
+template <class T, int w, int pieces>
+struct BlockRow {
+  Lanes<T, w> piece[pieces];
+
+  static DALEMBERT_INLINE BlockRow load(const T* from) {
+    BlockRow row;
+    for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK { row.piece[i] = dalembert::load<w>(from + i * w); });
+    return row;
+  }
+  DALEMBERT_INLINE void store(T* to) const {
+    for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK { dalembert::store<w, T>(to + i * w, piece[i]); });
+  }
+  // This and a b, element by element.
+  DALEMBERT_INLINE BlockRow plus(const BlockRow& a, const BlockRow& b) const {
+    BlockRow row;
+    for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK { row.piece[i] = piece[i] + a.piece[i] * b.piece[i]; });
+    return row;
+  }
+  // More by a b[i], element by element.
+  DALEMBERT_INLINE void add(const BlockRow& a, const T* b) {
+    for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK { piece[i] += a.piece[i] * dalembert::load<w>(b + i * w); });
+  }
+  // More by `times` row, or less.
+  template <bool negative>
+  DALEMBERT_INLINE void add(T times, const T* row) {
+    const Lanes<T, w> factor = broadcast<w, T>(times);
+    for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK {
+      if constexpr (negative) piece[i] -= factor * dalembert::load<w>(row + i * w);
+      else piece[i] += factor * dalembert::load<w>(row + i * w);
+    });
+  }
+  // More by the sum over r of x[r] a[r], or less: a's rows are as long as this.
+  template <bool negative, int rows>
+  DALEMBERT_INLINE void add_rows(const BlockRow& x, const T* a) {
+    for_constants<rows>([&](auto r) DALEMBERT_IN_BLOCK {
+      constexpr int at = decltype(r)::value;
+      add<negative>(lane<w, T>(x.piece[at / w], at % w), a + at * pieces * w);
+    });
+  }
+  // Less a x, row by row.
+  template <int rows>
+  DALEMBERT_INLINE void subtract_products(const BlockRow& x, const T* a) {
+    alignas(64) T sums[pieces * w] = {};
+    for_constants<rows>([&](auto r) DALEMBERT_IN_BLOCK {
+      BlockRow product{};
+      product.add(x, a + decltype(r)::value * pieces * w);
+      sums[decltype(r)::value] = product.total();
+    });
+    for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK { piece[i] -= dalembert::load<w>(sums + i * w); });
+  }
+  DALEMBERT_INLINE T total() const {
+    Lanes<T, w> sum = piece[0];
+    for_constants<pieces - 1>([&](auto i) DALEMBERT_IN_BLOCK { sum += piece[decltype(i)::value + 1]; });
+    if constexpr (w == 4) return (lane<w, T>(sum, 0) + lane<w, T>(sum, 2)) + (lane<w, T>(sum, 1) + lane<w, T>(sum, 3));
+    T all = lane<w, T>(sum, 0);
+    for_constants<w - 1>([&](auto i) DALEMBERT_IN_BLOCK { all += lane<w, T>(sum, decltype(i)::value + 1); });
+    return all;
+  }
+};
 
 // A symmetric positive definite block becomes its inverse (Gauss and Jordan); its pivots are kept.
 template <int rows, int padded, class T>
@@ -191,21 +266,21 @@ struct ConstraintBlocks {
       : y(room), inertia(y + count * longest * padded), scaled(inertia + count * (count + 1) / 2 * block) {}
   T* row(int c, int k) const { return y + (c * longest + k) * padded; }
   // b is not before a.
-  T* of(int a, int b) const { return inertia + (a * count - a * (a - 1) / 2 + b - a) * block; }
+  T* of(int a, int b) const { return inertia + Rows::pair(a, b) * block; }
   T* eliminated(int a, int b) const { return scaled + (a * (count - 1) - a * (a - 1) / 2 + b - a - 1) * block; }
 
-  // J's rows of a constraint, in one column, times `acts` where they are its own.
-  template <int c>
-  static DALEMBERT_INLINE void load_rows(const T* jacobian, int coordinate, const Lanes<T, w> (&acts)[pieces],
-                                         Lanes<T, w> (&to)[pieces]) {
-    constexpr int all = Rows::first(count), first = Rows::first(c), own = Rows::rows[c];
-    const T* const from = jacobian + coordinate * all + first;
+  // J's rows of a constraint, in one column, times `acts`, which is zero where they are another's.
+  template <int c, int coordinate>
+  static DALEMBERT_INLINE void load_rows(const T* jacobian, const Lanes<T, w> (&acts)[pieces], Lanes<T, w> (&to)[pieces]) {
+    constexpr int all = Rows::first(count), own = Rows::rows[c], first = coordinate * all + Rows::first(c);
     for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK {
-      constexpr int begin = decltype(i)::value * w;
-      if constexpr (begin + w <= own) to[i] = load<w>(from + begin) * acts[i];
+      constexpr int begin = decltype(i)::value * w, from = first + begin;
+      // One more number than asked for is no harm where J goes on; two cost as much as they save.
+      if constexpr (own - begin > 2 && from + w <= n * all) to[i] = load<w>(jacobian + from) * acts[i];
       else
         to[i] =
-            each_lane<w, T>([&](int lane) { return begin + lane < own ? from[least(begin + lane, own - 1)] : T(0); }) * acts[i];
+            each_lane<w, T>([&](int lane) { return begin + lane < own ? jacobian[least(from + lane, n * all - 1)] : T(0); }) *
+            acts[i];
     });
   }
 
@@ -215,28 +290,35 @@ struct ConstraintBlocks {
     using Path = typename Rows::template path<c>;
     constexpr int length = Path::length;
     Lanes<T, w> acts[pieces];
-    for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK { acts[i] = broadcast<w, T>(active); });
+    for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK {
+      constexpr int begin = decltype(i)::value * w;
+      acts[i] = each_lane<w, T>([&](int lane) { return begin + lane < Path::rows ? active : T(0); });
+    });
     if constexpr (length <= 16) {
       Lanes<T, w> own[length][pieces];
-      for_constants<length>([&](auto k) DALEMBERT_IN_BLOCK { load_rows<c>(jacobian, Path::at[k], acts, own[k]); });
+      for_constants<length>([&](auto k)
+                                DALEMBERT_IN_BLOCK { load_rows<c, Path::at[decltype(k)::value]>(jacobian, acts, own[k]); });
       for_constants<length>([&](auto step) DALEMBERT_IN_BLOCK {
         constexpr int k = length - 1 - decltype(step)::value;
         for_constants<k>([&](auto above) DALEMBERT_IN_BLOCK {
-          const Lanes<T, w> times = broadcast<w, T>(factor[Path::at[k] * n + Path::at[above]]);
-          for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK { own[above][i] -= times * own[k][i]; });
+          if constexpr (Path::is_above(decltype(above)::value, k)) {
+            const Lanes<T, w> times = broadcast<w, T>(factor[Path::at[k] * n + Path::at[above]]);
+            for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK { own[above][i] -= times * own[k][i]; });
+          }
         });
         for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK { store<w, T>(row(c, k) + i * w, own[k][i]); });
       });
     } else {
-      for (int k = 0; k < length; ++k) {
+      for_constants<length>([&](auto k) DALEMBERT_IN_BLOCK {
         Lanes<T, w> own[pieces];
-        load_rows<c>(jacobian, Path::at[k], acts, own);
+        load_rows<c, Path::at[decltype(k)::value]>(jacobian, acts, own);
         for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK { store<w, T>(row(c, k) + i * w, own[i]); });
-      }
+      });
       for (int k = length - 1; k > 0; --k) {
         Lanes<T, w> below[pieces];
         for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK { below[i] = load<w>(row(c, k) + i * w); });
         for (int above = 0; above < k; ++above) {
+          if (!Path::is_above(above, k)) continue;
           const Lanes<T, w> times = broadcast<w, T>(factor[Path::at[k] * n + Path::at[above]]);
           T* const to = row(c, above);
           for_constants<pieces>([&](auto i)
@@ -250,16 +332,23 @@ struct ConstraintBlocks {
   DALEMBERT_INLINE void fill(const T* jacobian, const T* factor, const T* reciprocals, const T* active) const {
     for_constants<count>(
         [&](auto c) DALEMBERT_IN_BLOCK { fill_rows<decltype(c)::value>(jacobian, factor, active ? active[c] : T(1)); });
-    for (int a = 0; a < count; ++a) {
-      T weighted[longest * padded];
+    constexpr bool small = rows <= 3 && count <= 4;  // larger blocks fill the registers by themselves
+    each_index<count, small>([&](auto a) DALEMBERT_IN_BLOCK {
+      alignas(64) T weighted[longest * padded];
       for (int k = 0; k < Rows::lengths[a]; ++k) {
         const Lanes<T, w> reciprocal = broadcast<w, T>(reciprocals[Rows::paths[a][k]]);
         for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK {
           store<w, T>(weighted + k * padded + i * w, reciprocal * load<w>(row(a, k) + i * w));
         });
       }
-      for (int b = a; b < count; ++b) products<rows, padded, Into::set, T>(weighted, row(b, 0), Rows::shared(a, b), of(a, b));
-    }
+      each_index<count, small>([&](auto b) DALEMBERT_IN_BLOCK {
+        if (b < a) return;
+        const SharedPieces& both = Rows::shared.pieces[Rows::pair(a, b)];
+        products<rows, padded, Into::set, T>(weighted + both.a[0] * padded, row(b, both.b[0]), both.size[0], of(a, b));
+        for (int i = 1; i < both.count; ++i)
+          products<rows, padded, Into::add, T>(weighted + both.a[i] * padded, row(b, both.b[i]), both.size[i], of(a, b));
+      });
+    });
   }
 };
 
@@ -356,7 +445,7 @@ __attribute__((noinline)) static ConstraintStatus<T> solve_constrained(const T* 
   using Blocks = constraint_detail::ConstraintBlocks<n, Rows, T>;
   using constraint_detail::for_constants;
   using constraint_detail::Into;
-  constexpr int count = Rows::count, rows = Blocks::rows, padded = Blocks::padded, all = count * padded, w = Blocks::w;
+  constexpr int count = Rows::count, rows = Blocks::rows, padded = Blocks::padded, w = Blocks::w;
   const Blocks blocks(room);
   T reciprocals[n];
   constraint_detail::reciprocals_of<n>(pivots, reciprocals);
@@ -364,82 +453,104 @@ __attribute__((noinline)) static ConstraintStatus<T> solve_constrained(const T* 
   blocks.fill(jacobian, factor, reciprocals, active);
 
   // c, mu N, and the diagonal. What no row stands for is a one.
-  T known[all], held[all], sum = T(0);
-  for (int c = 0; c < count; ++c)
-    for (int r = 0; r < rows; ++r) sum += blocks.of(c, c)[r * padded + r];
-  for (int c = 0; c < count; ++c) {
-    const int own = Rows::rows[c];
+  constexpr int pieces = Blocks::pieces;
+  using Row = constraint_detail::BlockRow<T, w, pieces>;
+  using constraint_detail::each_index;
+  Row known[count], held[count];
+  T scaled[n], sum = T(0);
+  for (int k = 0; k < n; ++k) scaled[k] = x[k] * reciprocals[k];
+  each_index<count>([&](auto c) DALEMBERT_IN_BLOCK {
+    for (int r = 0; r < Rows::rows[c]; ++r) sum += blocks.of(c, c)[r * padded + r];
+  });
+  each_index<count>([&](auto c) DALEMBERT_IN_BLOCK {
+    const int own = Rows::rows[c], linear = Rows::linear[c];
     T* const block = blocks.of(c, c);
-    T* const rest = known + c * padded;
-    for (int r = rows; r < padded; ++r) rest[r] = held[c * padded + r] = T(0);
-    for (int three = 0; three < rows; three += 3) {
-      T mean = T(least_share) * sum;
-      for (int r = three; r < three + 3; ++r) mean += block[r * padded + r] / T(3);
-      mean = mean > T(0) ? mean : T(1);
-      for (int r = three; r < three + 3; ++r) {
-        const bool acts = r < own && active[c] > T(0);
-        const T hold = acts ? Proximal<T>::mu * mean : T(0);
-        held[c * padded + r] = hold;
-        rest[r] = acts ? right[Rows::first(c) + r] : T(0);
-        block[r * padded + r] += acts ? hold + regularization[Rows::first(c) + r] : T(1);
-      }
+    alignas(64) T rest[padded] = {}, hold[padded] = {};
+    T means[2] = {T(least_share) * sum, T(least_share) * sum};
+    for (int r = 0; r < own; ++r)
+      means[r < linear ? 0 : 1] += block[r * padded + r] * (T(1) / T(r < linear ? linear : own - linear));
+    const bool acts = active[c] > T(0);
+    for (int r = 0; r < rows; ++r) {
+      const T mean = means[r < linear ? 0 : 1];
+      hold[r] = acts && r < own ? Proximal<T>::mu * (mean > T(0) ? mean : T(1)) : T(0);
+      rest[r] = acts && r < own ? right[Rows::first(c) + least(r, own - 1)] : T(0);
+      block[r * padded + r] += acts && r < own ? hold[r] + regularization[Rows::first(c) + least(r, own - 1)] : T(1);
     }
-    Lanes<T, w> left[Blocks::pieces];
-    for_constants<Blocks::pieces>([&](auto i) DALEMBERT_IN_BLOCK { left[i] = load<w>(rest + i * w); });
-    for (int k = 0; k < Rows::lengths[c]; ++k) {
-      const Lanes<T, w> rate = broadcast<w, T>(x[Rows::paths[c][k]] * reciprocals[Rows::paths[c][k]]);
-      for_constants<Blocks::pieces>([&](auto i) DALEMBERT_IN_BLOCK { left[i] -= rate * load<w>(blocks.row(c, k) + i * w); });
-    }
-    for_constants<Blocks::pieces>([&](auto i) DALEMBERT_IN_BLOCK { store<w, T>(rest + i * w, left[i]); });
-  }
+    Row left = Row::load(rest);
+    for (int k = 0; k < Rows::lengths[c]; ++k) left.template add<true>(scaled[Rows::paths[c][k]], blocks.row(c, k));
+    known[c] = left;
+    held[c] = Row::load(hold);
+  });
 
-  // Elimination of blocks, from the first.
-  T block_pivots[all];
-  for (int c = 0; c < count; ++c) {
+  // Elimination of blocks, from the first; where they are few, what is eliminated is had both ways round.
+  constexpr bool few = count <= 4;
+  alignas(64) T both_ways[few ? (count * (count - 1) / 2 + 1) * Blocks::block : 1];
+  const auto transposed = [&](int a, int b) { return both_ways + (blocks.eliminated(a, b) - blocks.scaled); };
+  alignas(64) T block_pivots[count * padded];
+  each_index<count>([&](auto c) DALEMBERT_IN_BLOCK {
     constraint_detail::invert_block<rows, padded, T>(blocks.of(c, c), block_pivots + c * padded);
-    for (int b = c + 1; b < count; ++b)
+    each_index<count>([&](auto b) DALEMBERT_IN_BLOCK {
+      if (b <= c) return;
       constraint_detail::products<rows, padded, Into::set, T>(blocks.of(c, c), blocks.of(c, b), rows, blocks.eliminated(c, b));
-    for (int a = c + 1; a < count; ++a)
-      for (int b = a; b < count; ++b)
+      if constexpr (few)
+        constraint_detail::products<rows, padded, Into::set, T>(blocks.of(c, b), blocks.of(c, c), rows, transposed(c, b));
+    });
+    each_index<count>([&](auto a) DALEMBERT_IN_BLOCK {
+      if (a <= c) return;
+      each_index<count>([&](auto b) DALEMBERT_IN_BLOCK {
+        if (b < a) return;
         constraint_detail::products<rows, padded, Into::subtract, T>(blocks.of(c, a), blocks.eliminated(c, b), rows,
                                                                      blocks.of(a, b));
-  }
+      });
+    });
+  });
 
-  T solved[all] = {}, before[all] = {};
+  Row solved[count] = {}, before[count] = {};
   for (int step = 0; step < Proximal<T>::steps; ++step) {
-    T rest[all];
-    for (int i = 0; i < all; ++i) {
-      before[i] = solved[i];
-      rest[i] = known[i] + held[i] * solved[i];
-      solved[i] = T(0);
-    }
-    for (int c = 0; c < count; ++c) {
-      for (int b = c + 1; b < count; ++b)
-        constraint_detail::add_rows<rows, padded, true, T>(blocks.eliminated(c, b), rest + c * padded, rest + b * padded);
-      constraint_detail::add_rows<rows, padded, false, T>(blocks.of(c, c), rest + c * padded, solved + c * padded);
-    }
-    for (int c = count - 2; c >= 0; --c)
-      for (int b = c + 1; b < count; ++b)
-        for (int r = 0; r < rows; ++r)
-          solved[c * padded + r] -=
-              constraint_detail::block_dot<padded, T>(blocks.eliminated(c, b) + r * padded, solved + b * padded);
+    Row rest[count];
+    each_index<count>([&](auto c) DALEMBERT_IN_BLOCK {
+      before[c] = solved[c];
+      rest[c] = known[c].plus(held[c], solved[c]);
+    });
+    each_index<count>([&](auto c) DALEMBERT_IN_BLOCK {
+      each_index<count>([&](auto b) DALEMBERT_IN_BLOCK {
+        if (b > c) rest[b].template add_rows<true, rows>(rest[c], blocks.eliminated(c, b));
+      });
+      solved[c] = Row{};
+      solved[c].template add_rows<false, rows>(rest[c], blocks.of(c, c));
+    });
+    each_index<count>([&](auto back) DALEMBERT_IN_BLOCK {
+      const int c = count - 1 - back;
+      each_index<count>([&](auto b) DALEMBERT_IN_BLOCK {
+        if (b <= c) return;
+        if constexpr (few) solved[c].template add_rows<true, rows>(solved[b], transposed(c, b));
+        else solved[c].template subtract_products<rows>(solved[b], blocks.eliminated(c, b));
+      });
+    });
   }
   ConstraintStatus<T> status;
-  for (int c = 0; c < count; ++c)
+  each_index<count>([&](auto c) DALEMBERT_IN_BLOCK {
+    alignas(64) T now[padded], last[padded], hold[padded];
+    solved[c].store(now), before[c].store(last), held[c].store(hold);
+    const bool acts = active[c] > T(0);
+    const T* const pivots_here = block_pivots + c * padded;
     for (int r = 0; r < Rows::rows[c]; ++r) {
-      const int i = c * padded + r;
-      forces[Rows::first(c) + r] = solved[i];
-      if (held[i] == T(0)) continue;
-      const T change = solved[i] - before[i], error = held[i] * (change < T(0) ? -change : change);
-      const T pivot = block_pivots[i] * Proximal<T>::mu / held[i];
+      forces[Rows::first(c) + r] = now[r];
+      if (!acts) continue;
+      const T change = now[r] - last[r], error = hold[r] * (change < T(0) ? -change : change);
+      const T pivot = pivots_here[r] * Proximal<T>::mu / hold[r];
       status.residual = error > status.residual ? error : status.residual;
       status.least_pivot = pivot < status.least_pivot ? pivot : status.least_pivot;
       status.rank += pivot > T(64) * Proximal<T>::mu ? 1 : 0;
     }
+  });
 
-  for (int c = 0; c < count; ++c)
-    for (int k = 0; k < Rows::lengths[c]; ++k)
-      x[Rows::paths[c][k]] += constraint_detail::block_dot<padded, T>(blocks.row(c, k), solved + c * padded);
+  // J' f, of each coordinate in lanes at first.
+  Row pushed[n] = {};
+  each_index<count>([&](auto c) DALEMBERT_IN_BLOCK {
+    for (int k = 0; k < Rows::lengths[c]; ++k) pushed[Rows::paths[c][k]].add(solved[c], blocks.row(c, k));
+  });
+  for (int k = 0; k < n; ++k) x[k] += pushed[k].total();
   constraint_detail::substitute_downwards<n, Tree>(factor, reciprocals, x);
   return status;
 }
@@ -452,6 +563,78 @@ static inline ConstraintStatus<T> solve_impact(const T* jacobian, const T* facto
   const ConstraintStatus<T> status =
       solve_constrained<n, Rows, Tree>(jacobian, factor, pivots, right, active, regularization, room, impulses, change);
   for (int k = 0; k < n; ++k) v[k] += change[k];
+  return status;
+}
+
+// Coordinates without a motor.
+template <int... coordinates>
+struct Undriven {
+  static constexpr int count = sizeof...(coordinates);
+  static constexpr int at[sizeof...(coordinates) + 1] = {coordinates..., 0};
+};
+
+// to becomes to - J' f, f = W J_u y being what makes it zero at the coordinates u that have no motor: of all such f the one
+// with the least sum of f^2 / W. y is found by proximal steps as above, with N the diagonal of J_u' W J_u: what no constraint
+// can bear stays, and is the residual.
+template <int n, class Rows, class Without, class T>
+__attribute__((noinline)) static ConstraintStatus<T> support(const T* jacobian, const T* active, const T* weights, T* forces,
+                                                             T* to) noexcept {
+  constexpr int all = Rows::first(Rows::count), u = Without::count, room = u > 0 ? u : 1;
+  ConstraintStatus<T> status;
+  T weight[all];
+  for (int c = 0; c < Rows::count; ++c)
+    for (int r = Rows::first(c); r < Rows::first(c + 1); ++r) {
+      weight[r] = active[c] > T(0) ? weights[r] : T(0);
+      forces[r] = T(0);
+    }
+  // J_u' W J_u = L D L', D's reciprocals on the diagonal.
+  T weighted[room * all], L[room * room], held[room], y[room] = {};
+  for (int i = 0; i < u; ++i) {
+    const T* const column = jacobian + Without::at[i] * all;
+    for (int r = 0; r < all; ++r) weighted[i * all + r] = weight[r] * column[r];
+    for (int j = 0; j <= i; ++j) {
+      const T* const other = weighted + j * all;
+      T sum = T(0);
+      for (int r = 0; r < all; ++r) sum += column[r] * other[r];
+      L[i * room + j] = sum;
+    }
+    const T own = L[i * room + i];
+    held[i] = Proximal<T>::mu * (own > T(0) ? own : T(1));
+    L[i * room + i] = own + held[i];
+  }
+  for (int i = 0; i < u; ++i) {
+    const T pivot = L[i * room + i], share = pivot * Proximal<T>::mu / held[i], reciprocal = T(1) / pivot;
+    status.least_pivot = share < status.least_pivot ? share : status.least_pivot;
+    status.rank += share > T(64) * Proximal<T>::mu ? 1 : 0;
+    L[i * room + i] = reciprocal;
+    for (int k = i + 1; k < u; ++k) {
+      const T factor = L[k * room + i] * reciprocal;
+      for (int j = i + 1; j <= k; ++j) L[k * room + j] -= factor * L[j * room + i];
+    }
+    for (int k = i + 1; k < u; ++k) L[k * room + i] *= reciprocal;
+  }
+  for (int step = 0; step < Proximal<T>::steps; ++step) {
+    for (int i = 0; i < u; ++i) y[i] = to[Without::at[i]] + held[i] * y[i];
+    for (int i = 0; i < u; ++i)
+      for (int j = 0; j < i; ++j) y[i] -= L[i * room + j] * y[j];
+    for (int i = u - 1; i >= 0; --i) {
+      y[i] *= L[i * room + i];
+      for (int k = i + 1; k < u; ++k) y[i] -= L[k * room + i] * y[k];
+    }
+  }
+  for (int i = 0; i < u; ++i)
+    for (int r = 0; r < all; ++r) forces[r] += weighted[i * all + r] * y[i];
+  for (int c = 0; c < Rows::count; ++c)
+    for (int k = 0; k < Rows::lengths[c]; ++k) {
+      const int at = Rows::paths[c][k];
+      T borne = T(0);
+      for (int r = Rows::first(c); r < Rows::first(c + 1); ++r) borne += jacobian[at * all + r] * forces[r];
+      to[at] -= borne;
+    }
+  for (int i = 0; i < u; ++i) {
+    const T left = to[Without::at[i]], size = left < T(0) ? -left : left;
+    status.residual = size > status.residual ? size : status.residual;
+  }
   return status;
 }
 

@@ -37,6 +37,18 @@ class Contact(NamedTuple):
     restitution: float = 0.0  # of an impact: J v becomes -restitution J v
     anchor: tuple = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)  # place in the world, m, and quaternion x y z w; matters where kp does
     regularization: tuple = (0.0,) * 6  # added to the diagonal of J M⁻¹ Jᵀ, per row; of a point the first three
+    weight: tuple = (1.0,) * 6  # likewise, of the row's force in constrained_inverse_dynamics
+
+
+class Loop(NamedTuple):
+    """How a loop acts, given at run time (scene key `loops`): its rows' accelerations shall be -kd J v - kp e."""
+
+    active: bool = True  # else it exerts nothing
+    kp: float = 0.0  # 1/s²
+    kd: float = 0.0  # 1/s
+    restitution: float = 0.0  # of an impact: J v becomes -restitution J v
+    regularization: tuple = (0.0,) * 6  # added to the diagonal of J M⁻¹ Jᵀ, per row; of a hinge the first five, and so on
+    weight: tuple = (1.0,) * 6  # likewise, of the row's force in constrained_inverse_dynamics
 
 
 def load(urdf, **keywords):
@@ -329,10 +341,11 @@ class Robot:
             raise AttributeError(f"'{name}' cannot be set" + (_build.did_you_mean(name, known) if known else
                                  ": a scene with gravity: run_time, payloads or wrenches has what can"))
         at, size, unit, text = places[name]
-        if isinstance(value, (Payload, Contact)):
+        if isinstance(value, (Contact, Loop)):
+            rows = (size - (11 if isinstance(value, Contact) else 4)) // 2
+            value = value[:-2] + tuple(part[:rows] if len(part) == 6 else part for part in value[-2:])
+        if isinstance(value, (Payload, Contact, Loop)) or type(value) is tuple:
             value = numpy.concatenate([numpy.ravel(part).astype(float) for part in value])
-            if name.startswith("contact_"):
-                value = value[:size]
         value = numpy.asarray(value)
         if value.shape != (size,) or value.dtype.kind not in "biuf":
             raise ValueError(f"{name} has shape {value.shape} and dtype {value.dtype}, expected ({size},): {text}, {unit}")

@@ -1,0 +1,22 @@
+#include "ir/loop_length.hpp"
+
+#include <algorithm>
+
+#include "ir/kinematic_tree.hpp"
+
+namespace dalembert::ir {
+
+double loop_length(const KinematicTree& tree, const Loop& loop) {
+  if (loop.length) return *loop.length;
+  Eigen::Vector3d points[2];
+  for (std::size_t i = 0; i < 2; ++i) {
+    const auto link =
+        std::find_if(tree.links.begin(), tree.links.end(), [&](const LinkPlacement& l) { return l.link == loop.links[i]; });
+    points[i] = link->placement * loop.at[i].translation();
+    for (int k = link->body; k >= 0; k = tree.bodies[static_cast<std::size_t>(k)].parent)
+      points[i] = tree.bodies[static_cast<std::size_t>(k)].placement * points[i];
+  }
+  return (points[1] - points[0]).norm();
+}
+
+}  // namespace dalembert::ir

@@ -1,0 +1,48 @@
+// Rows of constraints, J v̇ + J̇ v = b, whatever holds: a contact or a loop. Everything is along the base's axes and about its
+// origin, where the point x of a body of twist [u; w] and acceleration [a; α] has the velocity u + w × x and the acceleration
+// a + α × x + w × (u + w × x); rows are these turned to the axes asked for.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "passes/quantities/shared.hpp"
+
+namespace dalembert::passes {
+
+// Roles of the base, a row each: role and component.
+using RowRoles = std::vector<std::pair<int, int>>;
+
+class ConstraintRows {
+ public:
+  // index: among all constraints; first: its first row.
+  ConstraintRows(const ir::Constraint& constraint, int index, int first)
+      : constraint_(constraint), index_(index), first_(first) {}
+  virtual ~ConstraintRows() = default;
+
+  const ir::Constraint& constraint() const { return constraint_; }
+  const std::string& name() const { return constraint_.member; }
+  int index() const { return index_; }
+  int first() const { return first_; }
+
+  // J, to the array's rows from the first on.
+  virtual void columns(Builder& b, int array) const = 0;
+  virtual RowRoles velocities(Builder& b) const = 0;  // J v
+  virtual RowRoles biases(Builder& b) const = 0;      // J̇ v
+  virtual RowRoles errors(Builder& b) const = 0;      // how far from where it shall be; to first order J v is its rate
+
+ private:
+  ir::Constraint constraint_;
+  int index_, first_;
+};
+
+// Contacts, then loops.
+std::vector<std::unique_ptr<ConstraintRows>> constraint_rows(const Builder& b);
+std::unique_ptr<ConstraintRows> contact_rows(const Builder& b, const ir::Contact& contact, const ir::Constraint& constraint,
+                                             int index, int first);
+std::unique_ptr<ConstraintRows> loop_rows(const Builder& b, const ir::Loop& loop, const ir::Constraint& constraint, int index,
+                                          int first);
+
+}  // namespace dalembert::passes
