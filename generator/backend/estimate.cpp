@@ -161,7 +161,7 @@ void add_projections(const CodeInput& code, int lanes, Features& f) {
 struct Fetching {
   double cached, uncached;
 };
-constexpr Fetching fetching[3] = {{2300, 2700}, {1600, 1750}, {2300, 2700}};
+constexpr Fetching fetching[3] = {{2300, 2700}, {1750, 2000}, {2300, 2700}};
 
 int width_index(int lanes) { return lanes <= 2 ? 0 : lanes <= 4 ? 1 : 2; }
 
