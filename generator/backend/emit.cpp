@@ -124,7 +124,7 @@ std::string contact_type(const CodeInput& code) {
          "  Scalar anchor[7] = {0, 0, 0, 0, 0, 0, 1};  // place in the world, m, and quaternion x y z w; matters where kp "
          "does\n"
          "  Scalar regularization[6] = {};  // added to the diagonal of J M^-1 J', per row: rows give way\n"
-         "  Scalar weight[6] = {1, 1, 1, 1, 1, 1};  // per row, of its force in inverse dynamics against others': 0: it bears "
+         "  Scalar weight[6] = {1, 1, 1, 1, 1, 1};  // per row, of its force in inverse dynamics: 0: it bears "
          "nothing\n"
          "};\n\n";
 }
@@ -138,7 +138,7 @@ std::string loop_type(const CodeInput& code) {
          "  Scalar kp = 0, kd = 0;          // 1/s^2, 1/s\n"
          "  Scalar restitution = 0;         // of an impact: J v becomes -restitution J v\n"
          "  Scalar regularization[6] = {};  // added to the diagonal of J M^-1 J', per row: rows give way\n"
-         "  Scalar weight[6] = {1, 1, 1, 1, 1, 1};  // per row, of its force in inverse dynamics against others': 0: it bears "
+         "  Scalar weight[6] = {1, 1, 1, 1, 1, 1};  // per row, of its force in inverse dynamics: 0: it bears "
          "nothing\n"
          "};\n\n";
 }

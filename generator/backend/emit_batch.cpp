@@ -104,7 +104,7 @@ class BatchFunction {
   }
 
   // Whether it tells how a robot moves, so that motions can be computed in one call.
-  bool rolls_out() const { return acceleration() != nullptr; }
+  bool rolls_out() const { return moved_by() != nullptr; }
 
   std::string source() const {
     const ir::EmittedFunction& f = function_of(code_);
@@ -410,7 +410,7 @@ class BatchFunction {
   }
 
   // v̇ among the values.
-  const BatchArray* acceleration() const {
+  const BatchArray* moved_by() const {
     const std::string name = function_of(code_).acceleration_result();
     const auto& all = program_.results();
     const auto found = std::find_if(all.begin(), all.end(), [&](const BatchArray& a) { return a.array.name == name; });
@@ -423,7 +423,7 @@ class BatchFunction {
     return render("rollout.cpp", {{"function", f.name},
                                   {"type", f.type},
                                   {"more_members", program_.by_calls() ? ", {}" : ""},
-                                  {"acceleration", std::to_string(acceleration()->first)},
+                                  {"moved_by", std::to_string(moved_by()->first)},
                                   {"joints", code_.tree.any_quaternion() ? ", quaternion_joints" : ""},
                                   {"finish", finish()}});
   }

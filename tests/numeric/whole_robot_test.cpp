@@ -95,6 +95,7 @@ TEST_P(WholeRobot, PotentialEnergyIsThatOfTheCentreAndItsGradientGravity) {
 // What a robot at rest takes to be held is the gradient of the potential energy, springs included.
 TEST_P(WholeRobot, SpringsStorePotentialEnergy) {
   for (int k = 0; k < c.model.joints(); k += 2) {
+    if (c.model.bodies[static_cast<size_t>(k)].parts > 1) continue;  // no angle to store it by
     c.model.bodies[static_cast<size_t>(k)].stiffness = Multi(k + 1) * 3;
     c.model.bodies[static_cast<size_t>(k)].rest = Multi(k - 2) / 7;
   }
@@ -148,6 +149,8 @@ TEST_P(WholeRobot, ChristoffelsCIsMadeOfDerivativesOfM) {
   EXPECT_LE(relative_error(Matrix(C * c.v), Matrix(C_v), Multi(size * largest(c.v))), tolerance);
   EXPECT_LE(relative_error(Matrix(rate(c, c.v, M)), Matrix(C + C.transpose()), size), tolerance);
 
+  // Where a joint has a quaternion, v is not the rate of coordinates, and the formula has more terms.
+  if (c.q.size() - c.v.size() != (base > 0 ? 1 : 0)) return;
   Matrix expected = rate(c, c.v, M);  // Σ_k ∂M_ij/∂q_k v_k
   for (Eigen::Index j = 0; j < nv; ++j) {
     const Vector column = rate(c, Vector::Unit(nv, j), M) * c.v;  // Σ_k ∂M_ik/∂q_j v_k

@@ -21,8 +21,9 @@ using Case = std::map<std::string, std::map<std::string, std::string>>;
 
 std::vector<Row> stability_of(const Model& model, const CompilerOptions& options = compiler) {
   const Mujoco mujoco(model, options);
+  const Pinocchio pinocchio(model);
   Rows rows;
-  add_stability({model, outputs_of(model), options, true, mujoco}, rows);
+  add_stability({model, outputs_of(model), options, true, mujoco, pinocchio}, rows);
   return rows.all();
 }
 

@@ -50,7 +50,7 @@ TEST(YamlText, EmptyDocumentsAreNone) {
 }
 
 TEST(YamlText, DepthIsLimited) {
-  const std::string message = "lists and maps are nested more than 16 deep; a scene needs three levels";
+  const std::string message = "lists and maps are nested more than 16 deep; a scene needs six levels";
   EXPECT_EQ(refusal(repeated("[", 16) + "a" + repeated("]", 16)), "");
   EXPECT_EQ(refusal(repeated("[", 17) + "a" + repeated("]", 17)), "1:17: " + message);
   EXPECT_EQ(refusal(repeated("- ", 100'000)), "1:33: " + message);

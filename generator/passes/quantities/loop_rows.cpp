@@ -140,17 +140,7 @@ class LoopRows : public ConstraintRows {
   };
 
   bool is_distance() const { return loop_.type == ir::LoopType::distance; }
-  // What two bodies do against each other does not depend on the first joint of a fixed base that stands above both.
-  Frame frame() const {
-    if (tree_.floating_base) return Frame::cheapest;
-    const auto root = [&](int body) {
-      while (body >= 0 && tree_.bodies[static_cast<std::size_t>(body)].parent >= 0)
-        body = tree_.bodies[static_cast<std::size_t>(body)].parent;
-      return body;
-    };
-    const int one = root(frames_[0].body), other = root(frames_[1].body);
-    return one >= 0 && one == other ? Frame::cheapest : Frame::base;
-  }
+  Frame frame() const { return tree_.floating_base ? Frame::cheapest : Frame::base; }
 
   RowRoles row_roles(Builder& b, const std::string& begin, const std::string& symbol, const std::string& what,
                      const std::string& linear, const std::string& angular) const {
