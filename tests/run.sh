@@ -1,15 +1,15 @@
 #!/bin/sh
 # sh tests/run.sh [CTEST OPTION...]   Installs what is missing, builds and runs every test; ends with ctest's summary.
 #
-# The benchmarks and the tests that need them (label benchmarks) are left to tests/long.sh: they are a fifth of the build.
+# Without the benchmarks, which are a fifth of the build, and the tests that need them: tests/long.sh has those.
 set -eu
 cd "$(dirname "$0")/.."
 
 echo "== Packages"
 sh cmake/setup.sh build example test
 echo "== Configuring (build/release)"
-cmake --preset release
+cmake --preset release -DDALEMBERT_BUILD_BENCHMARKS=OFF
 echo "== Building"
-cmake --build --preset release -j "$(nproc)" --target runtime/all generator/all tests/all examples/all
+cmake --build --preset release -j "$(nproc)"
 echo "== Testing"
-exec ctest --preset release -j "$(nproc)" --label-exclude benchmarks "$@"
+exec ctest --preset release -j "$(nproc)" "$@"
