@@ -169,7 +169,11 @@ std::string in_words(unsigned seed, const ir::Scene& scene) {
 bool compare(const ir::RobotDescription& robot, const ir::Scene& scene) {
   try {
     const Model model = model_of(robot, scene);
-    if (model.tree.nv() == 0) return false;  // commands refuse it
+    // Commands refuse these.
+    if (model.tree.nv() == 0) return false;
+    const auto of_constraints = [](const Output& output) { return output.quantity && ir::is_of_constraints(*output.quantity); };
+    const std::vector<Output> outputs = outputs_of(model);
+    if (model.tree.constraint_rows == 0 && std::any_of(outputs.begin(), outputs.end(), of_constraints)) return false;
     expect_generic_values(model, tool, 1000);
     return !outputs_of(model).empty();
   } catch (const InputError&) {
