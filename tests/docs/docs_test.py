@@ -26,6 +26,7 @@ RUN_ELSEWHERE = {
     "cmake --preset release": "tests/run.sh",
     "cmake --build --preset release": "tests/run.sh",
     "cmake --build --preset release --target regenerate": "writes what the tests golden.mahru and docs compare",
+    "sh tests/long.sh": "everything that is too long for tests/run.sh",
     "sh tests/fuzz/run.sh": "builds everything with another compiler and runs for minutes; ctest -R fuzz_corpus replays what it has found",
     "sh tests/fuzz/run.sh scene 10000000": "the same",
     "build/release/bin/dalembert report examples/mahru/mahru.urdf -o build/try/report":
