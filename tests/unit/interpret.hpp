@@ -183,10 +183,11 @@ inline void run_steps(const Algorithm& algorithm, Arrays& arrays, const std::vec
     array(s.to) = array(s.room) = (transposed * array(s.b).col(0).asDiagonal() * transposed.transpose()).inverse();
   }
   run_constraint_steps(algorithm, arrays);
-  if (!algorithm.guard || algorithm.guard->pivots < 0) return;
-  const FactorStatus<double> status = guard_status(algorithm, arrays, above);
-  arrays["status"] = Eigen::MatrixXd::Constant(1, 1, status.coordinate);
-  if (status.ok()) return;
+  if (!algorithm.guard) return;
+  // A second half goes by what the first has found.
+  if (algorithm.guard->pivots >= 0)
+    arrays["status"] = Eigen::MatrixXd::Constant(1, 1, guard_status(algorithm, arrays, above).coordinate);
+  if (const auto status = arrays.find("status"); status == arrays.end() || status->second(0, 0) < 0) return;
   for (const int index : algorithm.guard->arrays) array(index).setZero();
 }
 

@@ -311,7 +311,7 @@ bool try_case(const ir::RobotDescription& robot, unsigned seed, const ir::Scene&
 
 TEST(RandomRobots, AreWhatTheGenericEngineComputes) {
   const char* const asked_for = std::getenv("DALEMBERT_RANDOM_ROBOTS");
-  const unsigned robots = asked_for ? static_cast<unsigned>(std::atoi(asked_for)) : 30;
+  const unsigned robots = asked_for ? static_cast<unsigned>(std::atoi(asked_for)) : 150;
   ASSERT_GT(robots, 0u) << "DALEMBERT_RANDOM_ROBOTS=" << asked_for << " is no number of robots";
   unsigned compared = 0;
   for (unsigned seed = 0; seed < robots && !HasFailure(); ++seed) {
