@@ -140,6 +140,8 @@ class LoopRows : public ConstraintRows {
   };
 
   bool is_distance() const { return loop_.type == ir::LoopType::distance; }
+  // Where two bodies are against each other is told by one frame for both: on a fixed base the cheapest frame of a body does without
+  // the positions of the first joints above it, which may be others for either.
   Frame frame() const { return tree_.floating_base ? Frame::cheapest : Frame::base; }
 
   RowRoles row_roles(Builder& b, const std::string& begin, const std::string& symbol, const std::string& what,
