@@ -177,7 +177,11 @@ bool compare(const ir::RobotDescription& robot, const ir::Scene& scene) {
     expect_generic_values(model, tool, 1000);
     return !outputs_of(model).empty();
   } catch (const InputError&) {
-    return false;  // the robot refuses the scene: a base without inertia that is to float
+    // The robot refuses the scene: a base without inertia that is to float, or a loop of a body with itself.
+    if (scene.loops.empty()) return false;
+    ir::Scene without = scene;
+    without.loops.clear();
+    return compare(robot, without);
   }
 }
 
@@ -338,8 +342,8 @@ TEST_P(RandomScenes, AreWhatTheGenericEngineComputes) {
     compared += try_case(description, seed, scene);
     if (HasFailure()) return;
   }
-  // Most of the first 24 with most of the robots; loops of a body with itself are among what is refused.
-  EXPECT_GE(compared, scenes / 3) << "of " << scenes << " scenes; the others are refused";
+  // At least 20 of the first 24 with each of the robots, all with most; fewer where a scene without its loops asks for constraints.
+  EXPECT_GE(compared, scenes / 2) << "of " << scenes << " scenes; the others are refused";
 }
 
 INSTANTIATE_TEST_SUITE_P(Robots, RandomScenes, testing::ValuesIn(test_robots),
