@@ -12,6 +12,13 @@
 // that does not act has rows of zeros, a one on its diagonal and nothing on the right: its forces are zero, and nobody else's
 // numbers change. A loop's Y has elements where coordinates stand above both of its bodies, though its J has none there.
 //
+// Derivatives: what solves both equations changes with what they ask for by
+//
+//   N = M^-1 - B J M^-1     B = M^-1 J' L     L = (J M^-1 J' + R)^-1:
+//
+// d(dv) = -N de' - B da and df = B' de' - L da, de' being what M dv + C v + g - J' f changes by at dv and f held, da the same
+// of J dv + dJ v - b (Carpentier, Budhiraja and Mansard 2021). L is what proximal steps make of the identity.
+//
 // Nothing allocates; loops depend on the robot and its constraints alone.
 #pragma once
 
@@ -636,6 +643,232 @@ __attribute__((noinline)) static ConstraintStatus<T> support(const T* jacobian, 
     status.residual = size > status.residual ? size : status.residual;
   }
   return status;
+}
+
+namespace constraint_detail {
+
+// The most registers that a sum of `padded` numbers fills at a time.
+template <int padded>
+struct Pieces {
+  static constexpr int w = least(native_lanes, 8), count = padded / w;
+  static constexpr int at_once = count % 4 == 0 ? 4 : count % 3 == 0 ? 3 : count % 2 == 0 ? 2 : 1;
+};
+
+// to = sign times the sum over k of factors[k * step] rows[k], and `to` itself where `more`; rows of `padded` numbers.
+template <int padded, bool negative, bool more, class T>
+DALEMBERT_INLINE void combine(int count, const T* factors, int step, const T* rows, T* to) {
+  using P = Pieces<padded>;
+  constexpr int w = P::w;
+  for (int begin = 0; begin < padded; begin += P::at_once * w) {
+    Lanes<T, w> sum[P::at_once];
+    for_constants<P::at_once>([&](auto i) DALEMBERT_IN_BLOCK {
+      if constexpr (more) sum[i] = load<w>(to + begin + i * w);
+      else sum[i] = Lanes<T, w>{};
+    });
+    DALEMBERT_KEEP_LOOP
+    for (int k = 0; k < count; ++k) {
+      const Lanes<T, w> factor = broadcast<w, T>(factors[k * step]);
+      const T* const row = rows + k * padded + begin;
+      for_constants<P::at_once>([&](auto i) DALEMBERT_IN_BLOCK {
+        if constexpr (negative) sum[i] -= factor * load<w>(row + i * w);
+        else sum[i] += factor * load<w>(row + i * w);
+      });
+    }
+    for_constants<P::at_once>([&](auto i) DALEMBERT_IN_BLOCK { store<w, T>(to + begin + i * w, sum[i]); });
+  }
+}
+
+// A symmetric positive definite matrix of m rows of `padded` numbers becomes its inverse (Gauss and Jordan).
+template <int m, int padded, class T>
+DALEMBERT_INLINE void invert_rows(T* a) {
+  using P = Pieces<padded>;
+  constexpr int w = P::w;
+  for (int j = 0; j < m; ++j) {
+    T* const own = a + j * padded;
+    const T reciprocal = T(1) / own[j];
+    own[j] = T(1);
+    const Lanes<T, w> times = broadcast<w, T>(reciprocal);
+    for (int i = 0; i < padded; i += w) store<w, T>(own + i, load<w>(own + i) * times);
+    for (int r = 0; r < m; ++r) {
+      if (r == j) continue;
+      T* const row = a + r * padded;
+      const Lanes<T, w> factor = broadcast<w, T>(row[j]);
+      row[j] = T(0);
+      for (int i = 0; i < padded; i += w) store<w, T>(row + i, load<w>(row + i) - factor * load<w>(own + i));
+    }
+  }
+}
+
+// Which constraints' rows know which coordinates.
+template <int n, class Rows>
+struct Known {
+  struct Table {
+    bool of[Rows::count][n] = {};
+  };
+  static constexpr Table table() {
+    Table all;
+    for (int c = 0; c < Rows::count; ++c)
+      for (int i = 0; i < Rows::lengths[c]; ++i) all.of[c][Rows::paths[c][i]] = true;
+    return all;
+  }
+  static constexpr Table value = table();
+};
+
+// Where what respond() makes stands in its room.
+template <int n, class Rows, class T>
+struct ResponseParts {
+  static constexpr int m = Rows::first(Rows::count), padded = padded_rows(m), stride = inverse_stride(n);
+  T* const columns;   // B, a column of `stride` numbers per row of a constraint
+  T* const rows;      // the same, `padded` numbers per coordinate
+  T* const along;     // L, m times `padded` numbers
+  T* const inverse;   // the inverse of J M^-1 J' + R + mu N, likewise
+  T* const jacobian;  // J', as `rows`
+  T* const moved;     // M^-1 J', likewise
+
+  explicit ResponseParts(T* room)
+      : columns(room),
+        rows(columns + stride * m),
+        along(rows + n * padded),
+        inverse(along + m * padded),
+        jacobian(inverse + m * padded),
+        moved(jacobian + n * padded) {}
+};
+
+}  // namespace constraint_detail
+
+// projected = N, laid out as `inverse`, which is M^-1 as invert_chain() leaves it. room: response_room(n, rows) numbers.
+template <int n, class Rows, class T>
+__attribute__((noinline)) static void respond(const T* jacobian, const T* inverse, const T* active, const T* regularization,
+                                              T* room, T* projected) noexcept {
+  using constraint_detail::combine;
+  using Parts = constraint_detail::ResponseParts<n, Rows, T>;
+  constexpr int m = Parts::m, padded = Parts::padded, stride = Parts::stride;
+  const Parts parts(room);
+  for (int k = 0; k < n; ++k) {
+    T* const row = parts.jacobian + k * padded;
+    for (int c = 0; c < Rows::count; ++c)
+      for (int r = Rows::first(c); r < Rows::first(c + 1); ++r) row[r] = jacobian[k * m + r] * active[c];
+    for (int r = m; r < padded; ++r) row[r] = T(0);
+  }
+  for (int i = 0; i < n; ++i)
+    combine<padded, false, false>(n, inverse + i * stride, 1, parts.jacobian, parts.moved + i * padded);
+
+  // J M^-1 J' + R + mu N, as solve_constrained() has it.
+  T held[m], sum = T(0);
+  for (int r = 0; r < m; ++r) {
+    combine<padded, false, false>(n, parts.jacobian + r, padded, parts.moved, parts.inverse + r * padded);
+    sum += parts.inverse[r * padded + r];
+  }
+  for (int c = 0; c < Rows::count; ++c) {
+    const int first = Rows::first(c), own = Rows::rows[c], linear = Rows::linear[c];
+    T means[2] = {T(least_share) * sum, T(least_share) * sum};
+    for (int r = 0; r < own; ++r)
+      means[r < linear ? 0 : 1] +=
+          parts.inverse[(first + r) * padded + first + r] * (T(1) / T(r < linear ? linear : own - linear));
+    for (int r = 0; r < own; ++r) {
+      const T mean = means[r < linear ? 0 : 1];
+      held[first + r] = active[c] > T(0) ? Proximal<T>::mu * (mean > T(0) ? mean : T(1)) : T(0);
+      parts.inverse[(first + r) * padded + first + r] += active[c] > T(0) ? held[first + r] + regularization[first + r] : T(1);
+    }
+  }
+  constraint_detail::invert_rows<m, padded>(parts.inverse);
+  // L = X + X mu N L, X the inverse, a few times over.
+  for (int i = 0; i < m * padded; ++i) parts.along[i] = parts.inverse[i];
+  for (int step = 1; step < Proximal<T>::steps; ++step) {
+    alignas(64) T scaled[m * padded];
+    for (int r = 0; r < m; ++r)
+      for (int i = 0; i < padded; ++i) scaled[r * padded + i] = held[r] * parts.along[r * padded + i];
+    for (int i = 0; i < m * padded; ++i) parts.along[i] = parts.inverse[i];
+    for (int r = 0; r < m; ++r)
+      combine<padded, false, true>(m, parts.inverse + r * padded, 1, scaled, parts.along + r * padded);
+  }
+  for (int c = 0; c < Rows::count; ++c)
+    if (!(active[c] > T(0)))
+      for (int r = Rows::first(c); r < Rows::first(c + 1); ++r) parts.along[r * padded + r] = T(0);
+
+  for (int i = 0; i < m * stride; ++i) parts.columns[i] = T(0);
+  for (int i = 0; i < n; ++i) {
+    T* const row = parts.rows + i * padded;
+    combine<padded, false, false>(m, parts.moved + i * padded, 1, parts.along, row);
+    for (int r = 0; r < m; ++r) parts.columns[r * stride + i] = row[r];
+  }
+  for (int j = 0; j < n; ++j) {
+    T* const to = projected + j * stride;
+    for (int i = 0; i < stride; ++i) to[i] = inverse[j * stride + i];
+    combine<stride, true, true>(m, parts.moved + j * padded, 1, parts.columns, to);
+  }
+}
+
+// What N = d(dv)/dtau is without its padding, and df/dtau = -B'.
+template <int n, class Rows, class T>
+static inline void response_of_forces(const T* room, T* to) noexcept {
+  using Parts = constraint_detail::ResponseParts<n, Rows, const T>;
+  const Parts parts(room);
+  for (int k = 0; k < n; ++k)
+    for (int r = 0; r < Parts::m; ++r) to[k * Parts::m + r] = -parts.rows[k * Parts::padded + r];
+}
+
+// to, which is -N efforts from column `first` on, becomes -N efforts - B changes: n x n. changes: rows x n, zero where no
+// constraint knows the coordinate.
+template <int n, class Rows, class T>
+__attribute__((noinline)) static void derive_accelerations(int first, const T* changes, const T* room, T* to) noexcept {
+  using Parts = constraint_detail::ResponseParts<n, Rows, const T>;
+  constexpr int m = Parts::m, stride = Parts::stride;
+  const Parts parts(room);
+  for (int k = 0; k < n; ++k) {
+    alignas(64) T column[stride] = {};
+    for (int c = 0; c < Rows::count; ++c)
+      if (constraint_detail::Known<n, Rows>::value.of[c][k])
+        constraint_detail::combine<stride, true, true>(Rows::rows[c], changes + k * m + Rows::first(c), 1,
+                                                       parts.columns + Rows::first(c) * stride, column);
+    T* const own = to + k * n;
+    for (int i = 0; i < n; ++i) own[i] = k < first ? column[i] : own[i] + column[i];
+  }
+}
+
+// to = B' efforts - L changes: rows x n.
+template <int n, class Rows, class T>
+__attribute__((noinline)) static void derive_forces(const T* efforts, const T* changes, const T* room, T* to) noexcept {
+  using Parts = constraint_detail::ResponseParts<n, Rows, const T>;
+  constexpr int m = Parts::m, padded = Parts::padded;
+  const Parts parts(room);
+  for (int k = 0; k < n; ++k) {
+    alignas(64) T column[padded];
+    constraint_detail::combine<padded, false, false>(n, efforts + k * n, 1, parts.rows, column);
+    for (int c = 0; c < Rows::count; ++c)
+      if (constraint_detail::Known<n, Rows>::value.of[c][k])
+        constraint_detail::combine<padded, true, true>(Rows::rows[c], changes + k * m + Rows::first(c), 1,
+                                                       parts.along + Rows::first(c) * padded, column);
+    for (int r = 0; r < m; ++r) to[k * m + r] = column[r];
+  }
+}
+
+// Where the forces of loops turn with one link and move with another, efforts are more by left' right, both `more` x n: what
+// the two derivatives have more of it. Either may be null. turning: turning_room(n, rows, more) numbers.
+template <int n, class Rows, int more, class T>
+__attribute__((noinline)) static void derive_turning(const T* left, const T* right, const T* projected, const T* room,
+                                                     T* turning, T* accelerations, T* forces) noexcept {
+  using constraint_detail::combine;
+  using Parts = constraint_detail::ResponseParts<n, Rows, const T>;
+  constexpr int m = Parts::m, padded = Parts::padded, stride = Parts::stride;
+  const Parts parts(room);
+  T* const of_forces = turning + more * stride;
+  for (int i = 0; i < more; ++i) {
+    combine<stride, false, false>(n, left + i, more, projected, turning + i * stride);
+    combine<padded, false, false>(n, left + i, more, parts.rows, of_forces + i * padded);
+  }
+  for (int k = 0; k < n; ++k) {
+    if (accelerations) {
+      alignas(64) T column[stride];
+      combine<stride, true, false>(more, right + k * more, 1, turning, column);
+      for (int i = 0; i < n; ++i) accelerations[k * n + i] += column[i];
+    }
+    if (forces) {
+      alignas(64) T column[padded];
+      combine<padded, false, false>(more, right + k * more, 1, of_forces, column);
+      for (int r = 0; r < m; ++r) forces[k * m + r] += column[r];
+    }
+  }
 }
 
 }  // namespace dalembert
