@@ -224,8 +224,8 @@ std::string constraint_statements(const CodeInput& code) {
     }
     if (s.kind == Kind::respond) {
       text +=
-          fmt::format("  dalembert::respond<nv, ConstraintsOfScene>({}, {}, row_active, row_regularization,\n      {}, {});\n",
-                      name(s.jacobian), name(s.inverse), name(s.room), name(s.to));
+          fmt::format("  dalembert::respond<nv, ConstraintsOfScene, {}>({}, {}, row_active, row_regularization,\n      {}, {});\n",
+                      s.of_forces, name(s.jacobian), name(s.inverse), name(s.room), name(s.to));
       if (s.plain >= 0) text += fmt::format("  dalembert::without_padding<nv>({}, {});\n", name(s.to), name(s.plain));
       if (s.forces >= 0)
         text += fmt::format("  dalembert::response_of_forces<nv, ConstraintsOfScene, Scalar>({}, {});\n", name(s.room),

@@ -54,6 +54,7 @@ struct ConstraintStep {
   int inverse = -1;
   // respond: N without room, an output; −1: nobody asks.
   int plain = -1;
+  bool of_forces = false;  // respond: whether derivatives of forces are asked for, here or later
   // derive: nv x nv and rows x nv; and where forces of loops turn with one link and move with another, the factors of what
   // efforts are more, a row each for all of them, and room.
   int efforts = -1, changes = -1, left = -1, turned = -1, turning_room = -1, turning_rows = 0;

@@ -288,7 +288,7 @@ Derived<Rows, more> derived(const System<Rows>& s, const Matrix& efforts, const 
   inverse.topLeftCorner(n, n) = in<T>(s.M.inverse());
   std::vector<T> room(static_cast<size_t>(response_room(n, m)), T(7)),
       turning(static_cast<size_t>(turning_room(n, m, more)), T(7));
-  respond<n, Rows>(J.data(), inverse.data(), active.data(), regularization.data(), room.data(), projected.data());
+  respond<n, Rows, true>(J.data(), inverse.data(), active.data(), regularization.data(), room.data(), projected.data());
   Numbers of_forces(m, n), to = -projected.topLeftCorner(n, n) * e, forces = Numbers::Constant(m, n, T(7));
   to.leftCols(first).setConstant(T(7));  // not there yet
   response_of_forces<n, Rows, T>(room.data(), of_forces.data());

@@ -196,6 +196,7 @@ Response response(Builder& b) {
   const auto output = [&](ir::Quantity quantity) { return b.function().computes(quantity) ? b.output(quantity) : -1; };
   s.plain = output(ir::Quantity::constrained_forward_dynamics_dtau);
   s.forces = output(ir::Quantity::constraint_forces_dtau);
+  s.of_forces = s.forces >= 0 || b.function().computes(of_forces[0]) || b.function().computes(of_forces[1]);
   b.constraint_step(s);
   return {s.to, s.room};
 }
