@@ -1,11 +1,14 @@
 #include "plant.hpp"
 
+#include <cmath>
 #include <fstream>
 #include <iterator>
 #include <stdexcept>
 
 namespace standing {
 namespace {
+
+using Rotation = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;  // as MuJoCo has it
 
 constexpr double timestep = 0.5e-3;     // s
 constexpr double contact_time = 10e-3;  // s, in which a sole that has sunk in comes up again
@@ -67,16 +70,16 @@ void Plant::ground(Vector12& forces) const noexcept {
       mjtNum local[6];
       mj_contactForce(model_.get(), data_.get(), i, local);
       // The normal, the first axis, points from the first geometry to the second, on which the force is.
-      using Rotation = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
       Vector3d force = Eigen::Map<const Rotation>(contact.frame).transpose() * Eigen::Map<const Vector3d>(local);
       if (contact.geom1 == geom) force = -force;
       const int body = model_->geom_bodyid[geom];
       const Eigen::Map<const Rotation> foot(data_->xmat + 9 * body);
       const Vector3d sole = Eigen::Map<const Vector3d>(data_->xpos + 3 * body) + foot * sole_in_foot(side);
-      forces.segment<3>(6 * side) += force;
       Vector3d lever = Eigen::Map<const Vector3d>(contact.pos) - sole;
       lever.z() = 0;  // MuJoCo's contacts are half as deep in the floor as the sole
-      forces.segment<3>(6 * side + 3) += lever.cross(force);
+      const Eigen::AngleAxisd heading(std::atan2(foot(1, 0), foot(0, 0)), Vector3d::UnitZ());
+      forces.segment<3>(6 * side) += heading.inverse() * force;
+      forces.segment<3>(6 * side + 3) += heading.inverse() * lever.cross(force);
     }
   }
 }

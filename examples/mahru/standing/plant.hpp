@@ -16,8 +16,8 @@ class Plant : public controller::Plant {
 
   // None of these allocates.
   void push(const Vector3d& force) noexcept;  // N, world axes, at the torso's centre of mass, until it is called again
-  // The ground's on the left and the right sole, as last stepped: along the world's axes, which are the feet's but for what a
-  // foot tilts while it comes down, since the floor's cone of friction is upright.
+  // The ground's on the left and the right sole, as last stepped. z is up, as the floor's cone of friction is, whatever a foot
+  // tilts while it comes down.
   void ground(Vector12& forces) const noexcept;
 
  private:

@@ -41,7 +41,7 @@ class Qp {
   Rows multipliers;  // H x + g = Aᵀ multipliers; not below zero at a lower bound, not above at an upper one, zero elsewhere
   int steps = 0;     // rows taken in and put out
 
-  // Rows are violated by at most `tolerance` times the row's length (and the bound, where that is above 1).
+  // tolerance: how much a row may be violated, of its bound and of its length times that of x (times 1 where x is shorter).
   QpStatus solve(double tolerance = 1e-10) noexcept {
     multipliers.setZero();
     active_ = steps = 0;
@@ -89,6 +89,7 @@ class Qp {
         }
         if (full <= longest) {
           take_in(row, multiplier, normal.dot(A.row(row)) < 0);
+          settle();
           break;
         }
         put_out(leaving);
@@ -129,13 +130,14 @@ class Qp {
 
   int most_violated(double tolerance, Vector& normal, double& missing) noexcept {
     const Rows values = A * x;
+    const double size = std::fmax(1, x.norm());
     double worst = 0;
     int row = -1;
     bool below = true;
     for (int i = 0; i < rows; ++i) {
       const double under = lower[i] - values[i], over = values[i] - upper[i], violated = std::fmax(under, over);
       const double bound = under > over ? lower[i] : upper[i];
-      if (!(violated > tolerance * (length_[i] + std::fabs(bound))) || is_active(i, under > over)) continue;
+      if (!(violated > tolerance * (length_[i] * size + std::fabs(bound))) || is_active(i, under > over)) continue;
       const double distance = length_[i] > 0 ? violated / length_[i] : std::numeric_limits<double>::infinity();
       if (distance > worst) worst = distance, row = i, below = under > over;
     }
@@ -171,6 +173,24 @@ class Qp {
     for (int i = 0; i <= active_; ++i) R_(i, active_) = d_[i];
     row_[active_] = row, u_[active_] = multiplier, at_upper_[active_] = at_upper;
     ++active_;
+  }
+
+  // x and the multipliers of the active rows by themselves, not as what steps from far away have added up to:
+  // x = J (y, −J₂ᵀ g) with Rᵀ y = bounds, R u = y + J₁ᵀ g.
+  void settle() noexcept {
+    d_.noalias() = J_.transpose() * g;
+    for (int i = 0; i < active_; ++i) {
+      r_[i] = at_upper_[i] ? -upper[row_[i]] : lower[row_[i]];
+      for (int k = 0; k < i; ++k) r_[i] -= R_(k, i) * r_[k];
+      r_[i] /= R_(i, i);
+    }
+    for (int i = active_ - 1; i >= 0; --i) {
+      double sum = r_[i] + d_[i];
+      for (int k = i + 1; k < active_; ++k) sum -= R_(i, k) * u_[k];
+      u_[i] = std::fmax(0, sum / R_(i, i));
+    }
+    for (int i = 0; i < n; ++i) d_[i] = i < active_ ? r_[i] : -d_[i];
+    x.noalias() = J_ * d_;
   }
 
   void put_out(int which) noexcept {
