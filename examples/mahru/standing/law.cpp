@@ -31,7 +31,7 @@ Eigen::Matrix3d cross(const Vector3d& r) {
   return m;
 }
 
-// The turning that leads back to the world's axes, world axes, rad.
+// The turning that leads back to the world's axes, rad; along the world's axes and the turned ones it is the same.
 Vector3d turn_back(const Eigen::Matrix3d& r) {
   const Eigen::AngleAxisd turn(r.transpose());
   return turn.angle() * turn.axis();
@@ -127,7 +127,7 @@ void Law::tasks(const Target& target) noexcept {
 
   const Eigen::Matrix3d pelvis = Eigen::Quaterniond(q_.segment<4>(3)).toRotationMatrix();
   wanted_.head<3>().setZero();
-  wanted_.segment<3>(3) = posture_kp * (pelvis.transpose() * turn_back(pelvis)) - posture_kd * v_.segment<3>(3);
+  wanted_.segment<3>(3) = posture_kp * turn_back(pelvis) - posture_kd * v_.segment<3>(3);
   wanted_.tail<joints>() = posture_kp * (posture_ - q_).tail<joints>() - posture_kd * v_.tail<joints>();
 
   // The nearest v̇ by the weights W: wanted + W⁻¹ Gᵀ (G W⁻¹ Gᵀ)⁻¹ (rate − G wanted).

@@ -113,6 +113,8 @@ set output {svg}
 data = {csv}
 set datafile separator ','
 set key noenhanced outside right
+set lmargin 9
+set rmargin 20
 set grid
 set multiplot layout 5,1
 set xlabel 'time, s'
@@ -143,12 +145,12 @@ set yrange [0:1]
 set xlabel 'time, µs'
 set ylabel 'share of ticks below'
 set title 'Distribution of times'
-plot data using 22:(1.0/{ticks}) smooth cumulative title 'dynamics call', data using 23:(1.0/{ticks}) smooth cumulative title 'whole law', data using 24:(1.0/{ticks}) smooth cumulative title 'plant'
+plot data every {every} using 22:({every}.0/{ticks}) smooth cumulative title 'dynamics call', data every {every} using 23:({every}.0/{ticks}) smooth cumulative title 'whole law', data every {every} using 24:({every}.0/{ticks}) smooth cumulative title 'plant'
 unset multiplot
 )",
                      fmt::arg("svg", controller::quoted(stem + ".svg")), fmt::arg("csv", controller::quoted(stem + ".csv")),
                      fmt::arg("marks", marks), fmt::arg("ticks", ticks), fmt::arg("seconds", ticks * period),
-                     fmt::arg("every", 1 + ticks / 3000));
+                     fmt::arg("every", 1 + ticks / 1200));
 }
 
 }  // namespace

@@ -1,11 +1,13 @@
-// The parts of the whole-body law that stand alone: the quadratic program, and what a sole can exert.
+// The whole-body law and its parts: the quadratic program, and what a sole can exert.
 #include <gtest/gtest.h>
 
+#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <cmath>
 #include <limits>
 #include <random>
 
+#include "law.hpp"
 #include "qp.hpp"
 #include "sole.hpp"
 
@@ -229,6 +231,81 @@ TEST(Sole, AFootInTheAirUsesNothing) {
   EXPECT_EQ(sole_use(wrench, 0.5, 0.12, 0.06).friction, 0);
   wrench[0] = 1;
   EXPECT_EQ(sole_use(wrench, 0.5, 0.12, 0.06).friction, none);
+}
+
+// With the law's torques and forces the equations of motion give accelerations with which the feet do as they are told: nothing
+// is lost by eliminating v̇. Forces and torques are inside their limits, tight ones too.
+TEST(Law, ForcesAndTorquesAreThoseOfTheEquationsOfMotion) {
+  using mahru_on_feet::Joint;
+  State stance;
+  const auto bend = [&](Joint hip, Joint knee, Joint ankle) {
+    stance.q[q_index(hip) - 7] = stance.q[q_index(ankle) - 7] = -0.4;
+    stance.q[q_index(knee) - 7] = 0.8;
+  };
+  bend(Joint::left_hip_pitch, Joint::left_knee, Joint::left_ankle_pitch);
+  bend(Joint::right_hip_pitch, Joint::right_knee, Joint::right_ankle_pitch);
+  VectorJ limits = VectorJ::Constant(100);
+  for (const Joint joint : {Joint::left_knee, Joint::right_knee}) limits[q_index(joint) - 7] = 80;
+  const Beliefs beliefs;
+  Law law(stance, limits, beliefs);
+  const Vector3d com = law.center_of_mass();
+  const auto C =
+      sole_constraints(beliefs.friction / std::sqrt(2.0), sole_x - beliefs.sole_margin, sole_y - beliefs.sole_margin);
+
+  mahru_on_feet::Workspace robot;
+  int at_limit = 0, gave_way = 0, on_one_foot = 0;
+  for (int draw = 0; draw < 500; ++draw) {
+    SCOPED_TRACE(draw);
+    State state = stance;
+    for (int i = 0; i < joints; ++i) state.q[i] += 0.05 * uniform(), state.v[i] = 0.2 * uniform();
+    state.base_rotation = Eigen::AngleAxisd(0.1 * uniform(), Vector3d(uniform(), uniform(), uniform()).normalized());
+    state.base_linear = 0.1 * Vector3d(uniform(), uniform(), uniform());
+    state.base_angular = 0.1 * Vector3d(uniform(), uniform(), uniform());
+    Target target;
+    target.com = com + 0.05 * Vector3d(uniform(), uniform(), uniform());
+    VectorJ torque;
+    law.evaluate(state);
+    if (draw % 3 == 0) target.foot[left].load = 0, target.foot[left].p = law.sole_pose(left).col(3), ++on_one_foot;
+    law.torque(target, torque);
+    gave_way += law.gave_way();
+    const double share = torque.cwiseQuotient(limits).cwiseAbs().maxCoeff();
+    at_limit += share > 1 - 1e-6;
+    EXPECT_LE(share, 1 + 1e-9);
+
+    mahru_on_feet::VectorQ q;
+    mahru_on_feet::VectorV v;
+    q << state.base_position, state.base_rotation.coeffs(), state.q;
+    v << state.base_linear, state.base_angular, state.v;
+    mahru_on_feet::evaluate(q, v, robot);
+    Eigen::Matrix<double, 12, nv> J;
+    J << mahru_on_feet::jacobian_mixed_left_sole(robot), mahru_on_feet::jacobian_mixed_right_sole(robot);
+    Vector12 forces = law.forces(), drift;
+    drift << mahru_on_feet::acceleration_bias_mixed_left_sole(robot), mahru_on_feet::acceleration_bias_mixed_right_sole(robot);
+    for (const Side side : sides) {
+      const Vector6 wrench = forces.segment<6>(6 * side);
+      EXPECT_GE((C * wrench).minCoeff(), -1e-6);
+      if (target.foot[side].load == 0) {
+        EXPECT_EQ(wrench.norm(), 0);
+      } else {
+        EXPECT_GE(wrench[2], beliefs.least_load - 1e-6);
+      }
+      const Eigen::Matrix3d axes = law.sole_pose(side).leftCols<3>();
+      forces.segment<3>(6 * side) = axes * wrench.head<3>();
+      forces.segment<3>(6 * side + 3) = axes * wrench.tail<3>();
+    }
+    if (law.gave_way()) continue;
+    mahru_on_feet::VectorV right = J.transpose() * forces - mahru_on_feet::bias(robot);
+    right.tail<joints>() += torque;
+    const mahru_on_feet::VectorV a = Eigen::Matrix<double, nv, nv>(mahru_on_feet::mass_matrix(robot)).llt().solve(right);
+    const Vector12 feet = J * a + drift, wanted = -20 * J * v;
+    for (const Side side : sides)
+      if (target.foot[side].load > 0) {
+        EXPECT_LE((feet - wanted).segment<6>(6 * side).norm(), 1e-6);
+      }
+  }
+  EXPECT_GT(at_limit - gave_way, 20);
+  EXPECT_LT(gave_way, 100);
+  EXPECT_GT(on_one_foot, 100);
 }
 
 }  // namespace
