@@ -150,7 +150,7 @@ unset multiplot
 )",
                      fmt::arg("svg", controller::quoted(stem + ".svg")), fmt::arg("csv", controller::quoted(stem + ".csv")),
                      fmt::arg("marks", marks), fmt::arg("ticks", ticks), fmt::arg("seconds", ticks * period),
-                     fmt::arg("every", 1 + ticks / 1200));
+                     fmt::arg("every", 1 + ticks / 600));
 }
 
 }  // namespace
