@@ -102,10 +102,13 @@ void write_csv(const std::string& file, const std::vector<Tick>& ticks, const Pl
 
 std::string plot_script(const std::string& stem, const Plan& plan, std::size_t ticks) {
   std::string marks;
+  double height = 0.6;  // of the part's name, in turns, so that short parts' do not overlap
   for (const Plan::Part& part : plan.parts) {
     if (part.begin >= ticks) break;
     marks += fmt::format("set arrow from {0}, graph 0 to {0}, graph 1 nohead lc 'grey' dt 3\n", part.begin * period);
-    marks += fmt::format("set label {} at {}, graph 0.95 font ',9'\n", controller::quoted(part.name), part.begin * period);
+    marks +=
+        fmt::format("set label {} at {}, graph {} font ',9'\n", controller::quoted(part.name), part.begin * period, height);
+    height = 1.1 - height;
   }
   return fmt::format(R"(
 set terminal svg size 1100,1300 dynamic background 'white' font 'sans,13'
@@ -145,12 +148,12 @@ set yrange [0:1]
 set xlabel 'time, µs'
 set ylabel 'share of ticks below'
 set title 'Distribution of times'
-plot data every {every} using 22:({every}.0/{ticks}) smooth cumulative title 'dynamics call', data every {every} using 23:({every}.0/{ticks}) smooth cumulative title 'whole law', data every {every} using 24:({every}.0/{ticks}) smooth cumulative title 'plant'
+plot data every {few} using 22:({few}.0/{ticks}) smooth cumulative title 'dynamics call', data every {few} using 23:({few}.0/{ticks}) smooth cumulative title 'whole law', data every {few} using 24:({few}.0/{ticks}) smooth cumulative title 'plant'
 unset multiplot
 )",
                      fmt::arg("svg", controller::quoted(stem + ".svg")), fmt::arg("csv", controller::quoted(stem + ".csv")),
                      fmt::arg("marks", marks), fmt::arg("ticks", ticks), fmt::arg("seconds", ticks * period),
-                     fmt::arg("every", 1 + ticks / 600));
+                     fmt::arg("every", 1 + ticks / 600), fmt::arg("few", 1 + ticks / 200));
 }
 
 }  // namespace
