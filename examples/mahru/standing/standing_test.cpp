@@ -82,11 +82,9 @@ void random_problems(int problems, int equations, double condition, double toler
 }
 
 TEST(Qp, RandomProblemsMeetTheConditionsOfOptimality) {
-  random_problems<2, 5>(300, 0, 1, 1e-9);
-  random_problems<3, 10>(300, 1, 10, 1e-9);
+  random_problems<6, 24>(300, 1, 10, 1e-9);
   random_problems<12, 59>(500, 0, 1e2, 1e-8);
   random_problems<12, 59>(200, 6, 1e4, 1e-7);
-  random_problems<18, 80>(200, 4, 1e2, 1e-8);
 }
 
 TEST(Qp, RowsThatSayTheSameAreTakenInOnce) {
@@ -112,9 +110,9 @@ TEST(Qp, RowsThatSayTheSameAreTakenInOnce) {
 TEST(Qp, EndsAtTheTipOfACone) {
   for (int problem = 0; problem < 100; ++problem) {
     SCOPED_TRACE(problem);
-    Qp<6, sole_rows> qp;
+    Qp<6, 24> qp;
     random_cost(qp, 100);
-    qp.A = sole_constraints(0.5, 0.11, 0.05);
+    qp.A << sole_constraints(0.5, 0.11, 0.05), Eigen::Matrix<double, 24 - sole_rows, 6>::Zero();
     qp.lower.setZero();
     qp.upper.setConstant(none);
     qp.g[2] = 100;  // wants to pull at the ground
@@ -127,7 +125,7 @@ TEST(Qp, EndsAtTheTipOfACone) {
 TEST(Qp, ContradictionsAreFoundOut) {
   for (int problem = 0; problem < 300; ++problem) {
     SCOPED_TRACE(problem);
-    Qp<6, 20> qp;
+    Qp<6, 24> qp;
     random_cost(qp, 100);
     random_rows(qp, 0);
     // A sum of three rows is to be above what their upper bounds allow.
@@ -197,7 +195,7 @@ TEST(Sole, RowsAreWhatTheCornersCanExert) {
 
   // The nearest sum of corner forces to a wrench: ‖corners f − wrench‖² with f inside the pyramids.
   const auto distance = [&](const Eigen::Matrix<double, 6, 1>& wrench) {
-    Qp<12, 20> qp;
+    Qp<12, 59> qp;
     qp.H = corners.transpose() * corners + 1e-9 * Eigen::Matrix<double, 12, 12>::Identity();
     qp.g = -corners.transpose() * wrench;
     qp.A.setZero(), qp.lower.setZero(), qp.upper.setConstant(none);
