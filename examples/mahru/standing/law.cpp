@@ -41,6 +41,7 @@ Vector3d turn_back(const Eigen::Matrix3d& r) {
 
 Law::Law(const State& start, const VectorJ& limits, const Beliefs& beliefs)
     : limits_(limits),
+      // The pyramid inside of the round cone.
       sole_(sole_constraints(beliefs.friction / std::sqrt(2.0), sole_x - beliefs.sole_margin, sole_y - beliefs.sole_margin)),
       least_load_(beliefs.least_load) {
   evaluate(start);
