@@ -4,6 +4,8 @@
 #include <dalembert/integrators/motion.hpp>
 
 #include "both_forms.hpp"
+#include "commands/generic_engine.hpp"
+#include "reference/engine.hpp"
 
 namespace dalembert {
 namespace {
