@@ -357,10 +357,8 @@ void expect_derivatives(double tolerance) {
 }
 
 TEST(ConstraintKernels, DerivativesAreWhatDenseAlgebraSays) {
-  expect_derivatives<double, ConstraintRows<At12<6>, At21<6>>>(1e-9);
-  expect_derivatives<double, ConstraintRows<At16<3>, AtBase<6>, At12<3>>>(1e-9);
-  expect_derivatives<double, ConstraintRows<At12<3>, From12To16<5, 3>, From12To21<2, 2>>>(1e-9);
-  expect_derivatives<float, ConstraintRows<At12<6>, At21<3>>>(1e-2);
+  expect_derivatives<double, ConstraintRows<At12<3>, From12To16<5, 3>, AtBase<6>>>(1e-9);
+  expect_derivatives<float, ConstraintRows<At12<3>, At21<3>>>(1e-2);
 }
 
 // Rows that say the same: d(dv) is what it is without those that say it again, for changes that do so, too.
