@@ -106,8 +106,11 @@ double LeastScale::largest_free(ir::Quantity quantity) {
     return evaluate(tree_, scene_, {{free, ""}}, inputs_, Precision::float64).front().cwiseAbs().maxCoeff();
   };
   switch (quantity) {
-    case ir::Quantity::constrained_forward_dynamics_dq: return largest(ir::Quantity::forward_dynamics_dq);
-    case ir::Quantity::constrained_forward_dynamics_dv: return largest(ir::Quantity::forward_dynamics_dv);
+    // Rows' accelerations change with velocities though those of a robot without them may not.
+    case ir::Quantity::constrained_forward_dynamics_dq:
+      return std::max(largest(ir::Quantity::forward_dynamics_dq), inputs_.v.cwiseAbs2().maxCoeff());
+    case ir::Quantity::constrained_forward_dynamics_dv:
+      return std::max(largest(ir::Quantity::forward_dynamics_dv), inputs_.v.cwiseAbs().maxCoeff());
     case ir::Quantity::constrained_forward_dynamics_dtau: return largest(ir::Quantity::inverse_mass_matrix);
     default: return largest(ir::Quantity::forward_dynamics);
   }
