@@ -92,7 +92,13 @@ class Results(Folder):
                 self.assertFalse(pathlib.Path(f"{out}.work").exists())
                 first = first or out.read_bytes()
                 self.assertEqual(out.read_bytes(), first, f"{name}, {ranks} ranks")
+        # Once more, and as if killed between its last two steps: all is there, and the folder goes.
+        left = pathlib.Path(f"{out}.work")
+        left.mkdir()
+        for file in ("lock", "settings", "journal.0.0"):
+            (left / file).write_text("")
         self.assertIn("complete already", self.good(farm(*arguments, "--out", out)).stdout)
+        self.assertFalse(left.exists())
         with h5py.File(self.folder / "sweep2.h5") as file:
             n = 9 * BLOCK + 7
             self.assertEqual({k: v.shape for k, v in file.items()},
