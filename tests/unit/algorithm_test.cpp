@@ -2,6 +2,8 @@
 #include <fmt/format.h>
 
 #include "both_forms.hpp"
+#include "commands/generic_engine.hpp"
+#include "reference/engine.hpp"
 
 namespace dalembert {
 namespace {

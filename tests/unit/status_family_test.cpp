@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "both_forms.hpp"
+#include "frontend/urdf_reader.hpp"
 #include "status_measured.hpp"
 
 namespace dalembert {

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "both_forms.hpp"
+#include "reference/engine.hpp"
 
 namespace dalembert::status_family {
 namespace {

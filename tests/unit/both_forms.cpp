@@ -1,0 +1,179 @@
+#include "both_forms.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <stdexcept>
+
+#include "commands/generic_engine.hpp"
+#include "frontend/urdf_reader.hpp"
+#include "ir/coordinate_tree.hpp"
+#include "passes/build_tree.hpp"
+#include "passes/combine_inertia.hpp"
+#include "passes/normalise.hpp"
+#include "passes/plan.hpp"
+#include "passes/project_by_rows.hpp"
+#include "passes/quantities/quantities.hpp"
+#include "passes/roll.hpp"
+#include "passes/unroll.hpp"
+#include "passes/write_out.hpp"
+#include "reference/engine.hpp"
+
+namespace dalembert {
+
+ir::RobotDescription robot(std::string_view name) {
+  Diagnostics warnings;
+  for (const TestRobot& r : test_robots)
+    if (r.name == name) return frontend::read_urdf(r.urdf, warnings);
+  throw std::invalid_argument(std::string(name));
+}
+
+Model model_of(const ir::RobotDescription& description, const ir::Scene& scene) {
+  Diagnostics warnings;
+  Model model;
+  model.description = description;
+  model.scene = scene;
+  model.tree = passes::build_tree(description, scene, warnings);
+  return model;
+}
+
+State some_state(const ir::KinematicTree& tree) {
+  State state{"", Eigen::VectorXd(tree.nq()), Eigen::VectorXd(tree.nv()), Eigen::VectorXd(tree.nv()),
+              Eigen::VectorXd(6 * static_cast<Eigen::Index>(tree.pushed.size()))};
+  for (Eigen::Index i = 0; i < state.wrenches.size(); ++i) state.wrenches[i] = 3 * std::cos(0.4 + 2.3 * static_cast<double>(i));
+  for (int i = 0; i < tree.nq(); ++i) state.q[i] = std::sin(1.0 + 1.7 * i);
+  for (int i = 0; i < tree.nv(); ++i) state.v[i] = std::cos(2.0 + 1.3 * i);
+  for (int i = 0; i < tree.nv(); ++i) state.more[i] = std::cos(1.0 + 1.9 * i);
+  for (const int first : tree.quaternions()) state.q.segment<4>(first).normalize();
+  return state;
+}
+
+std::string link_moved_by(const ir::RobotDescription& robot, const std::string& name) {
+  for (const ir::Joint& joint : robot.joints)
+    if (joint.name == name) return robot.links[static_cast<size_t>(joint.child)].name;
+  throw std::invalid_argument(name);
+}
+
+std::vector<ir::Contact> some_contacts(const ir::RobotDescription& robot) {
+  std::vector<std::string> moved;
+  for (const ir::Joint& joint : robot.joints)
+    if (joint.type != ir::JointType::fixed) moved.push_back(robot.links[static_cast<size_t>(joint.child)].name);
+  std::vector<ir::Contact> contacts;
+  if (!moved.empty()) contacts.push_back({"foot", moved.back(), ir::ContactType::weld, {0.1, -0.2, 0.05}, false});
+  if (moved.size() > 6) contacts.push_back({"toe", moved[moved.size() / 2], ir::ContactType::point, {0.02, 0.1, -0.3}, true});
+  if (moved.size() > 9) contacts.push_back({"knee", moved[moved.size() / 3], ir::ContactType::point, {-0.1, 0, 0.07}, false});
+  return contacts;
+}
+
+std::vector<ir::Loop> some_loops(const ir::RobotDescription& robot) {
+  std::vector<std::string> moved;
+  for (const ir::Joint& joint : robot.joints)
+    if (joint.type != ir::JointType::fixed) moved.push_back(robot.links[static_cast<size_t>(joint.child)].name);
+  std::vector<ir::Loop> loops;
+  const auto pose = [](double x, double angle) {
+    Eigen::Isometry3d at = Eigen::Translation3d(x, 0.1, -0.2) * Eigen::AngleAxisd(angle, Eigen::Vector3d(1, 2, -2) / 3);
+    return at;
+  };
+  const std::string& base = robot.links[static_cast<size_t>(robot.root)].name;
+  if (moved.size() > 2)
+    loops.push_back({"rod", {moved.front(), moved.back()}, {pose(0.1, 0.4), pose(-0.2, 1)}, ir::LoopType::distance, {}});
+  if (moved.size() > 4)
+    loops.push_back({"knee", {moved[1], moved.back()}, {pose(0, -0.3), pose(0.3, 2)}, ir::LoopType::hinge, {}});
+  if (moved.size() > 6)
+    loops.push_back({"hip", {moved[moved.size() / 2], base}, {pose(0.2, 0), pose(0, 0.7)}, ir::LoopType::cylinder, {}});
+  if (moved.size() > 12)
+    loops.push_back({"arm", {moved[moved.size() / 3], moved[2]}, {pose(0.2, 0.1), pose(-0.1, 0.7)}, ir::LoopType::pin, {}});
+  return loops;
+}
+
+ir::KinematicTree welded(ir::KinematicTree tree, const std::string& link, const Payload& p) {
+  ir::Inertia inertia{p[0], {p[1], p[2], p[3]}, {}};
+  inertia.inertia << p[4], p[5], p[6], p[5], p[7], p[8], p[6], p[8], p[9];
+  for (const ir::LinkPlacement& at : tree.links) {
+    if (at.link != link) continue;
+    inertia.com = at.placement * inertia.com;
+    inertia.inertia = at.placement.linear() * inertia.inertia * at.placement.linear().transpose();
+    ir::Inertia& body = at.body < 0 ? tree.base : tree.bodies[static_cast<size_t>(at.body)].inertia;
+    body = passes::combined({body, inertia});
+  }
+  return tree;
+}
+
+std::array<ir::Arrays, 2> run_half(const ir::EmittedFunction& function, const Model& model, const State& state,
+                                   const Payload& payload, const std::array<ir::Arrays, 2>& left,
+                                   std::optional<ir::Solver> solver) {
+  const ir::NormalTree normal = passes::normalise(model.tree, passes::normalise_options(model.scene, true));
+  if (!solver) solver = passes::solvers(function, model.tree, model.scene).front();
+  const ir::Algorithm algorithm = passes::describe(function, model.tree, normal, model.scene, *solver, {});
+  passes::Unroll unroll(algorithm, model.tree, normal, model.scene, {{}, false});
+  const ir::FunctionInput input = [&](const ir::Input& in) {
+    switch (in.kind) {
+      case ir::InputKind::position: return state.q[in.index];
+      case ir::InputKind::velocity: return state.v[in.index];
+      case ir::InputKind::acceleration:
+      case ir::InputKind::effort: return state.more[in.index];
+      case ir::InputKind::gravity: return model.scene.gravity[in.component];
+      case ir::InputKind::wrench: return state.wrenches[6 * in.index + in.component];
+      case ir::InputKind::constraint: return in.component == ir::contact_anchor + 6 ? 1.0 : 0.0;  // as in a new workspace
+      case ir::InputKind::payload: return payload[static_cast<size_t>(in.component)];
+      default: return std::nan("");
+    }
+  };
+  ir::Algorithm written_out = algorithm;
+  ir::Program line = unroll.program();
+  passes::project_by_rows(written_out, line, unroll, model.tree);
+  passes::write_out_steps(written_out, line, ir::coordinate_tree(model.tree));
+  ir::Arrays straight = ir::run(written_out, line, model.tree, input, left[0]);
+  if (model.tree.bodies.empty()) return {straight, straight};  // a base alone
+  const ir::Plan plan = passes::plan(model.tree, model.scene, ir::Form::rolled, {}, {});
+  const ir::RolledProgram program = passes::roll(algorithm, unroll, model.tree, model.scene, plan, {});
+  return {straight, ir::run(algorithm, program, plan, model.tree, model.scene.rates_zero, input, left[1])};
+}
+
+std::array<ir::Arrays, 2> run_function(const ir::EmittedFunction& function, const Model& model, const State& state,
+                                       const Payload& payload) {
+  const std::vector<ir::EmittedFunction> halves = passes::halves(function, model.tree);
+  std::array<ir::Arrays, 2> results = run_half(halves.front(), model, state, payload);
+  if (halves.size() == 1) return results;
+  for (size_t form : {0u, 1u}) {
+    State solved = state;
+    solved.more = results[form].at(halves.front().accelerations);
+    results[form] = run_half(halves.back(), model, solved, payload, results)[form];
+  }
+  return results;
+}
+
+std::array<ir::Arrays, 2> run_both(const Model& model, const State& state, const Payload& payload) {
+  std::array<ir::Arrays, 2> results;
+  for (const ir::EmittedFunction& function : ir::functions_of(model.scene)) {
+    std::array<ir::Arrays, 2> own = run_function(function, model, state, payload);
+    for (size_t form : {0u, 1u}) results[form].merge(own[form]);
+  }
+  return results;
+}
+
+void expect_generic_values(const Model& model, const Payload& payload, double slack) {
+  Model expected = model;
+  for (const std::string& link : model.scene.payloads) expected.tree = welded(expected.tree, link, payload);
+  const State state = some_state(model.tree);
+  const auto [straight, rolled] = run_both(model, state, payload);
+  for (const Output& output : outputs_of(model)) {
+    SCOPED_TRACE(output.name);
+    const Eigen::MatrixXd reference = evaluate_generic(expected, output, state);
+    // Where a robot makes a quantity vanish, rounding of larger terms is left.
+    double tolerance = 1e-12 * std::max(reference.cwiseAbs().maxCoeff(), 1e-3);
+    // What contacts keep down is as wrong as what there were without them.
+    const reference::Inputs inputs{state.q, state.v, state.more, state.wrenches};
+    const bool constrained = output.quantity && ir::row_of(*output.quantity).scale == ir::Scale::constrained;
+    const double least =
+        constrained ? reference::LeastScale(expected.tree, expected.scene, inputs).of({output.quantity, output.link}) : 0;
+    tolerance = std::max(tolerance, 10 * std::max(reference.cwiseAbs().maxCoeff(), least) * 0x1p-53 *
+                                        reference::condition({output.quantity, output.link, output.of_link}, expected.tree,
+                                                             expected.scene, {state.q, state.v, state.more, state.wrenches}));
+    tolerance *= slack;
+    EXPECT_LE((straight.at(output.name) - reference).cwiseAbs().maxCoeff<Eigen::PropagateNaN>(), tolerance) << "straight";
+    EXPECT_LE((rolled.at(output.name) - reference).cwiseAbs().maxCoeff<Eigen::PropagateNaN>(), tolerance) << "rolled";
+  }
+}
+
+}  // namespace dalembert
