@@ -46,7 +46,7 @@ def children(process):
             text = stat.read_text()
         except OSError:
             continue
-        if int(text.rsplit(")", 1)[1].split()[1]) == process.pid and "(farm)" in text:
+        if int(text.rsplit(")", 1)[1].split()[1]) == process.pid and f"({pathlib.Path(FARM).name[:15]})" in text:
             found.append(int(stat.parent.name))
     return sorted(found)
 
