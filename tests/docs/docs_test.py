@@ -22,6 +22,8 @@ import sys
 RUN_ELSEWHERE = {
     "sh examples/mahru/run.sh": "same steps, other build folder: test mahru_controller_fixed",
     "sh examples/mahru/run.sh --base floating": "same steps, other build folder: test mahru_controller_floating",
+    "sh examples/mahru/run.sh --stand": "same steps, other build folder: test mahru_standing",
+    "sh examples/mahru/run.sh --walk": "same steps, other build folder: test mahru_walking",
     "sh tests/run.sh": "runs this test; called by .ci/run",
     "cmake --preset release": "tests/run.sh",
     "cmake --build --preset release": "tests/run.sh",

@@ -12,7 +12,7 @@ constexpr int substeps = 2;
 
 // MuJoCo welds the root of a URDF to the world. A link named "world" and a floating joint release it. Fixed joints stay bodies
 // of their own ("fusestatic"): fusing would diagonalise the sum of their inertias, which MuJoCo does to few digits only.
-std::string prepare(const std::string& file, Base base) {
+std::string prepare(const std::string& file, Base base, const std::string& world) {
   std::ifstream in(file);
   if (!in) throw std::runtime_error(file + ": cannot be read");
   std::string text{std::istreambuf_iterator<char>(in), {}};
@@ -21,8 +21,7 @@ std::string prepare(const std::string& file, Base base) {
   std::string insert = "\n<mujoco><compiler fusestatic=\"false\"/></mujoco>";
   if (base == Base::floating)
     insert +=
-        "\n<link name=\"world\"/><joint name=\"release\" type=\"floating\">"
-        "<parent link=\"world\"/><child link=\"pelvis\"/></joint>";
+        "\n" + world + "<joint name=\"release\" type=\"floating\"><parent link=\"world\"/><child link=\"pelvis\"/></joint>";
   return text.insert(robot + 1, insert);
 }
 
@@ -44,8 +43,8 @@ Eigen::Matrix3d rotation_of(const mjData& data) {
 
 }  // namespace
 
-Plant::Plant(const std::string& urdf_file, Base base, const char* const* joint_names)
-    : model_(load(prepare(urdf_file, base))), data_(mj_makeData(model_.get())), base_(base), nv_(model_->nv) {
+Plant::Plant(const std::string& urdf_file, Base base, const char* const* joint_names, const std::string& world)
+    : model_(load(prepare(urdf_file, base, world))), data_(mj_makeData(model_.get())), base_(base), nv_(model_->nv) {
   model_->opt.integrator = mjINT_RK4;
   model_->opt.timestep = period / substeps;
   model_->opt.disableflags = mjDSBL_CONSTRAINT | mjDSBL_CONTACT | mjDSBL_LIMIT | mjDSBL_PASSIVE | mjDSBL_SENSOR;

@@ -17,8 +17,9 @@ namespace controller {
 class Plant {
  public:
   // `joint_names`: the order in which states and torques are exchanged. Throws std::runtime_error when MuJoCo refuses the
-  // model.
-  Plant(const std::string& urdf_file, Base base, const char* const* joint_names);
+  // model. `world`: what stands for the world of a released robot, as URDF.
+  Plant(const std::string& urdf_file, Base base, const char* const* joint_names,
+        const std::string& world = "<link name=\"world\"/>");
 
   const VectorJ& lower() const { return lower_; }  // joint limits, rad
   const VectorJ& upper() const { return upper_; }
@@ -37,17 +38,20 @@ class Plant {
   Account make_account() const { return {Eigen::MatrixXd::Zero(nv_, nv_), {}, {}}; }
   void account(Account& account) noexcept;
 
- private:
+ protected:
   struct Delete {
     void operator()(mjModel* m) const { mj_deleteModel(m); }
     void operator()(mjData* d) const { mj_deleteData(d); }
   };
   std::unique_ptr<mjModel, Delete> model_;
   std::unique_ptr<mjData, Delete> data_;
+  std::vector<int> velocity_index_;  // our joint → MuJoCo's qvel
+
+ private:
   Base base_;
   int nv_;
-  std::vector<int> position_index_, velocity_index_;  // our joint → MuJoCo's qpos, qvel
-  std::vector<int> order_;                            // our velocity coordinate → MuJoCo's
+  std::vector<int> position_index_;  // our joint → MuJoCo's qpos
+  std::vector<int> order_;           // our velocity coordinate → MuJoCo's
   VectorJ lower_, upper_;
   std::vector<double> full_mass_matrix_;  // scratch of account()
 };

@@ -2,19 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace controller {
 namespace {
 
-Percentiles percentiles(const std::vector<Tick>& ticks, std::int64_t Tick::*member) {
+Percentiles of(const std::vector<Tick>& ticks, std::int64_t Tick::*member) {
   std::vector<std::int64_t> values;
   values.reserve(ticks.size());
   for (const Tick& tick : ticks) values.push_back(tick.*member);
-  std::sort(values.begin(), values.end());
-  const auto at = [&](double p) {
-    return 1e-3 * values[std::min(values.size() - 1, static_cast<std::size_t>(p * values.size()))];
-  };
-  return {at(0.5), at(0.99), at(0.999), at(0.9999), at(1)};
+  return percentiles(std::move(values));
 }
 
 void track(const std::vector<Tick>& ticks, Summary& summary) {
@@ -50,15 +47,23 @@ void compare_momenta(const std::vector<Tick>& ticks, Summary& summary) {
 
 }  // namespace
 
+Percentiles percentiles(std::vector<std::int64_t> values) {
+  std::sort(values.begin(), values.end());
+  const auto at = [&](double p) {
+    return 1e-3 * values[std::min(values.size() - 1, static_cast<std::size_t>(p * values.size()))];
+  };
+  return {at(0.5), at(0.99), at(0.999), at(0.9999), at(1)};
+}
+
 Summary summarise(const std::vector<Tick>& ticks, Base base) {
   Summary summary;
   summary.ticks = static_cast<int>(ticks.size());
-  summary.woken = percentiles(ticks, &Tick::woken);
-  summary.rehearsal = percentiles(ticks, &Tick::rehearsal);
-  summary.begun = percentiles(ticks, &Tick::begun);
-  summary.dynamics = percentiles(ticks, &Tick::dynamics);
-  summary.law = percentiles(ticks, &Tick::law);
-  summary.plant = percentiles(ticks, &Tick::plant);
+  summary.woken = of(ticks, &Tick::woken);
+  summary.rehearsal = of(ticks, &Tick::rehearsal);
+  summary.begun = of(ticks, &Tick::begun);
+  summary.dynamics = of(ticks, &Tick::dynamics);
+  summary.law = of(ticks, &Tick::law);
+  summary.plant = of(ticks, &Tick::plant);
   constexpr std::int64_t period_ns = static_cast<std::int64_t>(1e9 * period);
   for (const Tick& tick : ticks) {
     if (tick.computed > period_ns) ++summary.missed_by_computing;

@@ -29,6 +29,8 @@ struct Percentiles {
   double p50, p99, p999, p9999, max;  // µs
 };
 
+Percentiles percentiles(std::vector<std::int64_t> values);  // of ns
+
 struct Summary {
   Percentiles woken, rehearsal, begun, dynamics, law, plant;
   int ticks = 0;

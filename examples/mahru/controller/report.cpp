@@ -6,6 +6,8 @@
 #include <filesystem>
 #include <stdexcept>
 
+#include "figures.hpp"
+
 namespace controller {
 namespace {
 
@@ -14,15 +16,6 @@ constexpr double self_test_target = 1000;  // µs
 constexpr double rms_target = 1e-3;        // rad
 constexpr double agreement_target = 1e-9;  // relative
 constexpr double drift_target = 1e-6;      // relative, over the whole run: the integrator's error, not the law's
-
-bool verdict(const std::string& what, bool met) {
-  fmt::print("  {:<58} {}\n", what, met ? "met" : "MISSED");
-  return met;
-}
-
-void print_row(const char* what, const Percentiles& p) {
-  fmt::print("  {:<34} {:>9.2f} {:>9.2f} {:>9.2f} {:>9.2f} {:>9.2f}\n", what, p.p50, p.p99, p.p999, p.p9999, p.max);
-}
 
 // The files are plotted by column number: time, then per joint angle and desired angle, then the times.
 void write_csv(const std::string& file, const std::vector<Tick>& ticks, const char* const* joint_names) {
@@ -40,13 +33,6 @@ void write_csv(const std::string& file, const std::vector<Tick>& ticks, const ch
                1e-3 * tick.woken);
   }
   if (std::fclose(out) != 0) throw std::runtime_error(file + ": cannot be written");
-}
-
-// Escapes a file name for a single-quoted string of gnuplot's.
-std::string quoted(const std::string& text) {
-  std::string result = "'";
-  for (const char c : text) result += c == '\'' ? std::string("''") : std::string(1, c);
-  return result + "'";
 }
 
 std::string plot_script(const std::string& csv, const std::string& svg, std::size_t ticks, const char* const* joint_names) {
@@ -96,7 +82,7 @@ unset multiplot
 }  // namespace
 
 bool print_table(const Summary& summary, Base base, const char* const* joint_names, bool timing_counts) {
-  fmt::print("\n  {:<34} {:>9} {:>9} {:>9} {:>9} {:>9}\n", "time per tick, µs", "p50", "p99", "p99.9", "p99.99", "max");
+  print_header();
   print_row("dynamics call (generated)", summary.dynamics);
   print_row("  rehearsal of it, caches cold", summary.rehearsal);
   print_row("whole control law", summary.law);
@@ -144,11 +130,7 @@ void write_files(const std::string& directory, const std::vector<Tick>& ticks, B
   fmt::print("\n  every tick: {}.csv\n", stem);
 
   const std::string script = plot_script(stem + ".csv", stem + ".svg", ticks.size(), joint_names);
-  std::fflush(stdout);
-  std::FILE* gnuplot = popen("gnuplot", "w");
-  if (gnuplot) fmt::print(gnuplot, "{}", script);
-  if (!gnuplot || pclose(gnuplot) != 0) fmt::print("  no picture: gnuplot failed; install gnuplot-nox\n");
-  else fmt::print("  picture:    {}.svg\n", stem);
+  draw(script, stem + ".svg");
 }
 
 }  // namespace controller

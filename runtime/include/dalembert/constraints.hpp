@@ -62,8 +62,8 @@ struct SharedPieces {
 template <class... Paths>
 struct ConstraintRows {
   static constexpr int count = sizeof...(Paths);
-  static constexpr int rows[] = {Paths::rows...}, linear[] = {Paths::linear...}, lengths[] = {Paths::length...};
-  static constexpr const int* paths[] = {Paths::at...};
+  static constexpr int rows[count] = {Paths::rows...}, linear[count] = {Paths::linear...}, lengths[count] = {Paths::length...};
+  static constexpr const int* paths[count] = {Paths::at...};
   template <int c>
   using path = std::tuple_element_t<c, std::tuple<Paths...>>;
 

@@ -1,0 +1,268 @@
+"""Robots and scenes drawn at random, written, generated, compiled and checked: what interpreted cases (random_scenes_test) leave out.
+
+    python3 tests/random/compiled.py DALEMBERT --cases 500 [--first SEED] [--jobs N] [--work FOLDER] [--native]
+
+A case is a robot (joints of every kind, light and massless links, axes along and askew, equal and unequal branches), a scene
+(any of the scene file's keys), a compiler, a level, a target and a width. `dalembert check` has to pass, or to refuse the scene
+by name (exit status 2). What fails is made smaller as long as it fails in the same way, and said with its seed and its files.
+Cases that have passed are remembered in the folder by their seed, as long as the generator stays the same. Exit status: 0 or 1.
+"""
+
+import argparse
+import concurrent.futures
+import hashlib
+import json
+import os
+import pathlib
+import random
+import re
+import shutil
+import subprocess
+import sys
+
+# From the joints' own table: what a joint may be turned into.
+KINDS = (lambda d: {"helical": d.choice([0.7, -2])}, lambda d: {"universal": [0.36, -0.48, 0.8]}, lambda d: "planar",
+         lambda d: "spherical", lambda d: "floating")
+OF_CONSTRAINTS = ("constraint_", "delassus", "impact", "constrained_", "inverse_constraint_")
+LOOPS = ("point", "weld", "hinge", "cylinder", "planar", "pin", "distance")
+
+
+class Draw(random.Random):
+    def one_in(self, n):
+        return self.randrange(n) == 0
+
+    def number(self, size=1.0):
+        return 0.0 if self.one_in(3) else round(self.uniform(-size, size), 4)
+
+    def some(self, of, rare):
+        return [x for x in of if self.one_in(rare)]
+
+
+def words(dalembert, option):
+    """The values `check --help` lists for an option: no list of quantities stands here."""
+    text = subprocess.run([dalembert, "check", "--help"], capture_output=True, text=True, check=True).stdout
+    return re.search(rf"--{re.escape(option)}\s+([a-z_, ]+);", text).group(1).split(", ")
+
+
+def robot_of(d):
+    """Joints (name, parent, kind, origin, rpy, axis) and links (mass, com, inertia), the root being link 0."""
+    count = 1 + d.randrange(8)
+    joints = []
+    for i in range(count):
+        axis = [0.0, 0.0, 0.0]
+        axis[d.randrange(3)] = 1.0
+        if d.one_in(3):
+            axis = [round(d.uniform(-1, 1), 3), round(d.uniform(-1, 1), 3), 1.1]
+        kind = "revolute" if i == 0 else d.choice(["revolute"] * 3 + ["continuous", "prismatic", "fixed", "planar", "floating"])
+        joints.append({"name": f"j{i}", "parent": d.randrange(i + 1) if d.one_in(3) else i, "kind": kind,
+                       "at": [d.number(0.4) for _ in range(3)], "rpy": [d.number(3), d.number(1.5), d.number(3)], "axis": axis})
+    links = []
+    for i in range(count + 1):
+        tip = all(j["parent"] != i for j in joints)
+        massless = not (tip or i == 0) and d.one_in(5)
+        mass = 0.01 if d.one_in(6) else round(1 + d.uniform(-0.9, 0.9), 3)
+        links.append(None if massless else
+                     {"mass": mass, "com": [d.number(0.2) for _ in range(3)], "rpy": [d.number() for _ in range(3)],
+                      "inertia": [0.02 * mass, (0.03 + d.uniform(-0.005, 0.005)) * mass, 0.025 * mass]})
+    return {"joints": joints, "links": links}
+
+
+def urdf_of(robot):
+    numbers = lambda xs: " ".join(f"{x:.17g}" for x in xs)
+    text = '<robot name="random">\n'
+    for i, link in enumerate(robot["links"]):
+        if link is None:
+            text += f'  <link name="l{i}"/>\n'
+            continue
+        xx, yy, zz = link["inertia"]
+        text += (f'  <link name="l{i}"><inertial><origin xyz="{numbers(link["com"])}" rpy="{numbers(link["rpy"])}"/><mass value="{link["mass"]:.17g}"/>'
+                 f'<inertia ixx="{xx:.17g}" iyy="{yy:.17g}" izz="{zz:.17g}" ixy="0" ixz="0" iyz="0"/></inertial></link>\n')
+    for i, j in enumerate(robot["joints"]):
+        limit = '<limit lower="-2" upper="2" effort="9" velocity="9"/>' if j["kind"] in ("revolute", "prismatic") else ""
+        axis = f'<axis xyz="{numbers(j["axis"])}"/>' if j["kind"] not in ("fixed", "floating") else ""
+        text += (f'  <joint name="{j["name"]}" type="{j["kind"]}"><parent link="l{j["parent"]}"/><child link="l{i + 1}"/>'
+                 f'<origin xyz="{numbers(j["at"])}" rpy="{numbers(j["rpy"])}"/>{axis}{limit}</joint>\n')
+    return text + "</robot>\n"
+
+
+def scene_of(d, robot, quantities):
+    moving = [(j["name"], f"l{i + 1}") for i, j in enumerate(robot["joints"])]
+    single = [j["name"] for j in robot["joints"] if j["kind"] in ("revolute", "continuous", "prismatic")]
+    links = [link for _, link in moving]
+    scene = {"base": d.choice(["fixed", "floating"])}
+    if d.one_in(2):
+        scene["gravity"] = d.choice(["none", "run_time", [0.7, -1.3, -9.81]])
+    if d.one_in(6):
+        scene["rates_zero"] = True
+    if d.one_in(3):
+        scene["coriolis"] = "christoffel"
+    if d.one_in(3):
+        scene["forward_dynamics"] = d.choice(["factorization", "articulated_bodies"])
+    if d.one_in(5):
+        scene["scalar"] = "float"
+    if d.one_in(3):
+        scene["batch"] = True
+    scene["parallel"] = d.choice(["serial", "tasks", "auto"])
+    if d.one_in(3):
+        scene["contacts"] = {f"c{i}": {"link": link, "type": d.choice(["weld", "point", "point"]), "at": [0.1 * (i + 1), -0.07, 0.03],
+                                       "axes": d.choice(["world", "link"])}
+                             for i, link in enumerate(d.sample(links, min(len(links), 1 + d.randrange(3))))}
+    if d.one_in(4) and len(links) > 1:
+        kind = d.choice(LOOPS)
+        scene["loops"] = {"loop": {"links": d.sample(links + ["l0"], 2), "type": kind,
+                                   "at": [[0.1, 0.2, -0.03, 0.3, 0, 0], [-0.1, 0.05, 0.1, 0.7, 0.2, 0]]}}
+        if kind == "distance":
+            scene["loops"]["loop"]["length"] = 0.4
+    rare = 1 + d.randrange(8)
+    constrained = "contacts" in scene or "loops" in scene
+    usable = [q for q in quantities if (constrained or not q.startswith(OF_CONSTRAINTS))
+              and not (q == "coriolis_matrix" and scene.get("rates_zero"))]
+    scene["outputs"] = d.some(usable, rare) or [d.choice(usable)]
+    if d.one_in(3):
+        scene["functions"] = {"one": d.some(["mass_matrix", "bias", "gravity", "center_of_mass", "momentum_matrix",
+                                             d.choice(["inverse_dynamics", "forward_dynamics", "inverse_mass_matrix"])], 2) or ["bias"]}
+    if d.one_in(3):
+        scene["frames"] = {link: d.some(["pose", "twist", "jacobian", "acceleration_bias", "jacobian_world", "jacobian_mixed",
+                                         "acceleration_bias_mixed"], 3) or ["pose"] for link in d.sample(links, min(2, len(links)))}
+        if d.one_in(2):
+            scene["frames"]["sole"] = {"link": d.choice(links), "at": [0.1, -0.2, 0.3, 0.4, 0, -0.7], "outputs": ["pose", "jacobian_mixed"]}
+    if d.one_in(4):
+        scene["payloads"] = [d.choice(links)]
+    if d.one_in(4):
+        scene["wrenches"] = {d.choice(links): d.choice(["link", "world"])}
+    driver = d.choice(single)
+    for key, value, rare in (("armature", 0.3, 8), ("damping", 0.7, 8), ("friction", 1.1, 8), ("stiffness", {"k": 3, "rest": 0.4}, 8),
+                             ("elastic", {"k": 200, "inertia": 0.5, "damping": 0.3}, 16)):
+        some = d.some(single, rare)
+        if some:
+            scene[key] = {joint: value for joint in some}
+    mimic = [j for j in single if j != driver and d.one_in(8) and not any(j in scene.get(k, {}) for k in ("stiffness", "elastic"))]
+    if mimic:
+        scene["mimic"] = {j: {"of": driver, "multiplier": d.choice([-0.5, 1.5]), "offset": 0.2} for j in mimic}
+    if d.one_in(3):
+        used = {driver, *mimic, *scene.get("stiffness", {}), *scene.get("elastic", {})}
+        kinds = {j: (KINDS[0] if j in used else d.choice(KINDS))(d) for j in single if d.one_in(4)}
+        if kinds:
+            scene["joints"] = kinds
+    if d.one_in(6) and len(single) > 2:
+        held = [j for j in single if j != driver and j not in mimic and d.one_in(5)]
+        if held:
+            scene["locked"] = {j: 0.3 for j in held}
+    return scene
+
+
+def toolchain_of(d, native):
+    lanes, compiler = d.choice([1, 2, 4, 8]), d.choice(["g++", "g++", "clang++"])
+    target = "native" if native else d.choice(["native", "native", "x86-64", "x86-64-v3"])
+    return {"compiler": compiler, "form": d.choice(["auto", "auto", "straight", "rolled"]),
+            "flags": f"-std={d.choice(['c++17', 'c++20'])} {d.choice(['-O0', '-O1', '-O1', '-O1', '-O2', '-O2', '-O3'])} -march={target} -DDALEMBERT_LANES={lanes}"}
+
+
+def case_of(seed, quantities, native):
+    d = Draw(seed)
+    robot = robot_of(d)
+    return {"robot": robot, "scene": scene_of(d, robot, quantities), "toolchain": toolchain_of(d, native)}
+
+
+def run(dalembert, folder, case):
+    """'ok', 'refused', or the first line of what is wrong; and all that was said."""
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "robot.urdf").write_text(urdf_of(case["robot"]))
+    (folder / "scene.yaml").write_text(json.dumps(case["scene"], indent=1) + "\n")  # JSON is YAML
+    t = case["toolchain"]
+    command = [dalembert, "check", folder / "robot.urdf", "--scene", folder / "scene.yaml", "--form", t["form"],
+               "--compiler", t["compiler"], "--flags", t["flags"]]
+    (folder / "command").write_text(" ".join(f"'{word}'" if " " in str(word) else str(word) for word in command) + "\n")
+    try:
+        result = subprocess.run(command, capture_output=True, text=True, timeout=900)
+    except subprocess.TimeoutExpired:
+        return "takes more than a quarter of an hour", ""
+    said = result.stderr + result.stdout
+    if result.returncode == 0:
+        return "ok", said
+    if result.returncode == 2 and "error:" in result.stderr and "does not compile" not in said:
+        return "refused", said
+    wrong = "does not compile" if "does not compile" in said else f"exit status {result.returncode}"
+    return wrong, said
+
+
+def smaller(dalembert, folder, case, wrong):
+    """Entries of the scene left out one after another, and links' inertias and joints made plain, while it fails the same way."""
+    def fails(less):
+        return run(dalembert, folder, less)[0] == wrong
+
+    changed = True
+    while changed:
+        changed = False
+        for key in list(case["scene"]):
+            for part in ([None] + list(case["scene"][key]) if isinstance(case["scene"][key], (dict, list)) else [None]):
+                less = json.loads(json.dumps(case))
+                if key == "outputs" and part is None:
+                    continue
+                if part is None:
+                    del less["scene"][key]
+                elif isinstance(less["scene"].get(key), dict):
+                    less["scene"][key].pop(part, None)
+                elif isinstance(less["scene"].get(key), list) and part in less["scene"][key]:
+                    less["scene"][key].remove(part)
+                if less["scene"] != case["scene"] and less["scene"].get(key, True) not in ({}, []) and fails(less):
+                    case, changed = less, True
+                    if part is None:
+                        break
+        for i, joint in enumerate(case["robot"]["joints"]):
+            if joint["kind"] == "fixed":
+                continue
+            less = json.loads(json.dumps(case))
+            less["robot"]["joints"][i]["kind"] = "fixed"
+            if fails(less):
+                case, changed = less, True
+    run(dalembert, folder, case)  # leaves its files
+    return case
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n", 1)[0])
+    parser.add_argument("dalembert")
+    parser.add_argument("--cases", type=int, default=500)
+    parser.add_argument("--first", type=int, default=0, metavar="SEED")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count())
+    parser.add_argument("--work", type=pathlib.Path, default=pathlib.Path(__file__).resolve().parents[2] / "build" / "random")
+    parser.add_argument("--native", action="store_true", help="this machine's target alone")
+    options = parser.parse_args()
+    quantities = words(options.dalembert, "outputs A,B,...")
+    options.work.mkdir(parents=True, exist_ok=True)
+    key = hashlib.sha256(pathlib.Path(options.dalembert).read_bytes() + pathlib.Path(__file__).read_bytes()).hexdigest()
+    notes = options.work / "passed.json"
+    known = json.loads(notes.read_text()) if notes.exists() else {}
+    if known.get("key") != key:
+        known = {"key": key, "native": {}, "all": {}}
+    passed = known["native" if options.native else "all"]
+    seeds = [s for s in range(options.first, options.first + options.cases) if str(s) not in passed]
+    wrong = []
+    with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
+        futures = {pool.submit(run, options.dalembert, options.work / f"{s}", case_of(s, quantities, options.native)): s for s in seeds}
+        for done, future in enumerate(concurrent.futures.as_completed(futures), 1):
+            seed, (outcome, said) = futures[future], future.result()
+            if outcome in ("ok", "refused"):
+                passed[str(seed)] = outcome
+                notes.write_text(json.dumps(known))
+                shutil.rmtree(options.work / f"{seed}")
+            else:
+                wrong.append((seed, outcome))
+                print(f"case {seed}: {outcome}\n{said[-1500:]}", flush=True)
+            if done % 25 == 0:
+                print(f"{done} of {len(seeds)}", flush=True)
+    outcomes = [passed.get(str(s)) for s in range(options.first, options.first + options.cases)]
+    print(f"{options.cases} cases: {outcomes.count('ok')} right, {outcomes.count('refused')} refused by name, {len(wrong)} wrong")
+    for seed, outcome in wrong[:5]:
+        folder = options.work / f"{seed}"
+        least = smaller(options.dalembert, folder, case_of(seed, quantities, options.native), outcome)
+        print(f"case {seed}, {outcome}, made smaller: {(folder / 'command').read_text()}{json.dumps(least['scene'])}", flush=True)
+    if outcomes.count("ok") < len(outcomes) / 2:
+        print("more than half of the cases are refused or wrong: the draw is no test")
+        return 1
+    return 1 if wrong else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
