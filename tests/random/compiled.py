@@ -46,7 +46,7 @@ def words(dalembert, option):
 
 def robot_of(d):
     """Joints (name, parent, kind, origin, rpy, axis) and links (mass, com, inertia), the root being link 0."""
-    count = 1 + d.randrange(10)
+    count = 1 + d.randrange(8)
     joints = []
     for i in range(count):
         axis = [0.0, 0.0, 0.0]
@@ -155,7 +155,7 @@ def toolchain_of(d, native):
     lanes, compiler = d.choice([1, 2, 4, 8]), d.choice(["g++", "g++", "clang++"])
     target = "native" if native else d.choice(["native", "native", "x86-64", "x86-64-v3"])
     return {"compiler": compiler, "form": d.choice(["auto", "auto", "straight", "rolled"]),
-            "flags": f"-std={d.choice(['c++17', 'c++20'])} {d.choice(['-O0', '-O1', '-O1', '-O2', '-O3'])} -march={target} -DDALEMBERT_LANES={lanes}"}
+            "flags": f"-std={d.choice(['c++17', 'c++20'])} {d.choice(['-O0', '-O1', '-O1', '-O1', '-O2', '-O2', '-O3'])} -march={target} -DDALEMBERT_LANES={lanes}"}
 
 
 def case_of(seed, quantities, native):

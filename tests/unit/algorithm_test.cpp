@@ -1,6 +1,7 @@
 // The algorithms in both forms on every robot, and where numbers are awkward.
 #include <fmt/format.h>
 
+#include <cstdlib>
 #include <dalembert/integrators/motion.hpp>
 
 #include "both_forms.hpp"
@@ -12,7 +13,8 @@ namespace {
 
 class Algorithm : public testing::TestWithParam<TestRobot> {};
 
-// Everything the compiler knows, on every topology: each quantity alone, all together, statics, gravity at run time, Jacobians,
+// Everything the compiler knows, on every topology: each quantity alone (on large robots where DALEMBERT_LARGE_ROBOTS is set, as
+// tests/long.sh has it: they take most of the time), all together, statics, gravity at run time, Jacobians,
 // payloads, driven joints, armature, damping, friction and springs.
 TEST_P(Algorithm, RunsInBothFormsAsTheGenericEngineDoes) {
   const ir::RobotDescription description = robot(GetParam().name);
@@ -27,6 +29,7 @@ TEST_P(Algorithm, RunsInBothFormsAsTheGenericEngineDoes) {
     all.contacts = some_contacts(description);
     all.loops = some_loops(description);
     for (const ir::QuantityRow& row : ir::quantities()) {
+      if (description.joints.size() > 48 && !std::getenv("DALEMBERT_LARGE_ROBOTS")) continue;
       ir::Scene alone = all;
       alone.outputs = {row.quantity};
       scenes[row.name] = alone;

@@ -79,6 +79,13 @@ void find_what_is_read(Library& library) {
 
 std::string table_name(const TableFunction& f) { return f.of_one ? f.results.front().name : f.function.name; }
 
+int acceleration_of(const TableFunction& f) {
+  for (const ir::Quantity wanted : {ir::Quantity::constrained_forward_dynamics, ir::Quantity::forward_dynamics})
+    for (size_t i = 0; i < f.results.size(); ++i)
+      if (f.results[i].quantity == wanted) return static_cast<int>(i);
+  return -1;
+}
+
 std::vector<RunTimeInput> run_time_inputs(const Model& model) {
   std::vector<RunTimeInput> inputs;
   const ir::Scene& scene = model.scene;
