@@ -98,6 +98,16 @@ double LeastScale::largest_weight(ir::Quantity quantity) {
   return largest;
 }
 
+// Derivatives of v' vanish where a robot has one joint: what cancels then are terms like v' itself, and like rates.
+double LeastScale::largest_turned(ir::Quantity quantity) {
+  const double rate = inputs_.v.cwiseAbs().maxCoeff();
+  if (quantity == ir::Quantity::forward_dynamics_dv) return rate;
+  if (quantity != ir::Quantity::forward_dynamics_dq) return 0;
+  const Eigen::MatrixXd accelerations =
+      evaluate(tree_, scene_, {{ir::Quantity::forward_dynamics, ""}}, inputs_, Precision::float64).front();
+  return std::max(rate * rate, accelerations.cwiseAbs().maxCoeff());
+}
+
 // Contacts may leave no motion at all: then it is measured against what there were without them.
 double LeastScale::largest_free(ir::Quantity quantity) {
   if (ir::row_of(quantity).rows != ir::Extent::nv) return 0;
@@ -137,8 +147,8 @@ double LeastScale::of(const Wanted& wanted) {
     return (kind == ir::LinkScale::rate ? scale : scale * rate) / 1000;
   }
   switch (ir::row_of(*wanted.quantity).scale) {
-    case ir::Scale::own:
-    case ir::Scale::solved: break;
+    case ir::Scale::own: break;
+    case ir::Scale::solved: scale = largest_turned(*wanted.quantity); break;
     case ir::Scale::constrained: return largest_free(*wanted.quantity);
     case ir::Scale::turning:
       scale = evaluate(tree_, scene_, {{jacobian_of(*wanted.quantity), ""}}, inputs_, Precision::float64)

@@ -228,8 +228,8 @@ TEST(Check, RefusesAnOlderLanguageThanTheCodeIsWrittenIn) {
   EXPECT_NE(outcome.err.find("dalembert needs C++17"), std::string::npos) << outcome.err;
 }
 
-// At the edge: C of joints that do not meet is zero but for rounding, nothing is left but the base, angles are sums, numbers
-// are multiplied with numbers in lanes. What is compiled has no warning.
+// At the edge: C of joints that do not meet, and derivatives with one joint, are zero but for rounding, nothing is left but the
+// base, angles are sums, numbers are multiplied with numbers in lanes. What is compiled has no warning.
 TEST(Check, PassesAtTheEdge) {
   const std::string branches = ERROR_ROBOTS "/../robots/two_branches_at_base.urdf";
   setenv("CXX", "c++ -Wall -Wextra -Wpedantic -Werror", 1);
@@ -237,6 +237,8 @@ TEST(Check, PassesAtTheEdge) {
            {branches, "--base", "fixed", "--cut", "a_02,b_02", "--outputs", "coriolis_matrix"},
            {branches, "--base", "floating", "--cut", "a_01,b_01", "--payloads", "base", "--outputs", "gravity"},
            {branches, "--form", "rolled", "--without", "fold", "--outputs", "inverse_dynamics_dq"},
+           {ERROR_ROBOTS "/../robots/pendulum.urdf", "--base", "fixed", "--gravity", "none", "--outputs",
+            "forward_dynamics_dq,forward_dynamics_dv"},
            {ERROR_ROBOTS "/../robots/hand.urdf", "--base", "fixed", "--outputs", "inverse_mass_matrix", "--frames",
             "{a_palm: [twist]}"},
            {arm, "--base", "fixed", "--outputs", "mass_matrix", "--mimic",
