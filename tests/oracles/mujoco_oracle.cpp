@@ -4,6 +4,8 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cstring>
+#include <iomanip>
+#include <sstream>
 #include <stdexcept>
 
 #include "urdf_text.hpp"
@@ -11,21 +13,51 @@
 namespace dalembert::oracle {
 namespace {
 
+mjModel* loaded(const std::string& text, const char* name, const std::string& urdf) {
+  const auto files = std::make_unique<mjVFS>();  // 2 MB: too large for the stack
+  mj_defaultVFS(files.get());
+  mj_makeEmptyFileVFS(files.get(), name, static_cast<int>(text.size()));
+  std::memcpy(files->filedata[mj_findFileVFS(files.get(), name)], text.data(), text.size());
+  char message[1000] = "";
+  mjModel* model = mj_loadXML(name, files.get(), message, sizeof message);
+  mj_deleteVFS(files.get());
+  if (!model) throw std::runtime_error(urdf + ": MuJoCo: " + message);
+  return model;
+}
+
 mjModel* load(const Request& request, Inertias inertias) {
   UrdfEdit edit;
   edit.floating_joint = request.base == Base::floating;
   edit.placeholder_inertia = inertias == Inertias::overwritten;
-  const std::string text = edited_urdf(request.urdf, edit);
+  return loaded(edited_urdf(request.urdf, edit), "robot.urdf", request.urdf);
+}
 
-  const auto files = std::make_unique<mjVFS>();  // 2 MB: too large for the stack
-  mj_defaultVFS(files.get());
-  mj_makeEmptyFileVFS(files.get(), "robot.urdf", static_cast<int>(text.size()));
-  std::memcpy(files->filedata[mj_findFileVFS(files.get(), "robot.urdf")], text.data(), text.size());
-  char message[1000] = "";
-  mjModel* model = mj_loadXML("robot.urdf", files.get(), message, sizeof message);
-  mj_deleteVFS(files.get());
-  if (!model) throw std::runtime_error(request.urdf + ": MuJoCo: " + message);
-  return model;
+std::ostream& write(std::ostream& out, const char* name, const double* numbers, int count) {
+  out << ' ' << name << "='";
+  for (int i = 0; i < count; ++i) out << (i ? " " : "") << numbers[i];
+  return out << '\'';
+}
+
+// The bodies that hang on one, in MJCF, with placeholders for inertias: of a URDF, MuJoCo takes no constraints.
+void write_bodies_on(const mjModel& m, int parent, std::ostream& out) {
+  for (int body = 1; body < m.nbody; ++body) {
+    if (m.body_parentid[body] != parent) continue;
+    out << "<body name='" << mj_id2name(&m, mjOBJ_BODY, body) << '\'';
+    write(out, "pos", m.body_pos + 3 * body, 3);
+    write(out, "quat", m.body_quat + 4 * body, 4) << "><inertial pos='0 0 0' mass='1' diaginertia='1 1 1'/>";
+    for (int i = 0; i < m.body_jntnum[body]; ++i) {
+      const int joint = m.body_jntadr[body] + i;
+      const char* const type = m.jnt_type[joint] == mjJNT_FREE ? "free" : m.jnt_type[joint] == mjJNT_SLIDE ? "slide" : "hinge";
+      out << "<joint name='" << mj_id2name(&m, mjOBJ_JOINT, joint) << "' type='" << type << '\'';
+      if (m.jnt_type[joint] != mjJNT_FREE) {
+        write(out, "pos", m.jnt_pos + 3 * joint, 3);
+        write(out, "axis", m.jnt_axis + 3 * joint, 3);
+      }
+      out << "/>";
+    }
+    write_bodies_on(m, body, out);
+    out << "</body>";
+  }
 }
 
 Eigen::Matrix3d base_rotation(const Eigen::VectorXd& q) {
@@ -37,19 +69,24 @@ Eigen::Matrix3d base_rotation(const Eigen::VectorXd& q) {
 MujocoOracle::MujocoOracle(const Request& request, Inertias inertias)
     : model_(load(request, inertias)),
       data_(mj_makeData(model_.get())),
+      urdf_(request.urdf),
       floating_(request.base == Base::floating),
       joints_(request.joints) {
-  const mjModel& m = *model_;
-  const int base_dofs = floating_ ? 6 : 0;
-  if (m.nv != static_cast<int>(joints_.size()) + base_dofs) {
-    throw std::runtime_error(request.urdf + ": MuJoCo reads " + std::to_string(m.nv - base_dofs) + " moving joints, not " +
+  if (const int moving = model_->nv - (floating_ ? 6 : 0); moving != static_cast<int>(joints_.size()))
+    throw std::runtime_error(request.urdf + ": MuJoCo reads " + std::to_string(moving) + " moving joints, not " +
                              std::to_string(joints_.size()));
-  }
+  find_joints();
+  set_gravity(request.gravity);
+}
+
+void MujocoOracle::find_joints() {
+  const mjModel& m = *model_;
   const auto joint_named = [&](const std::string& name) {
     const int joint = mj_name2id(&m, mjOBJ_JOINT, name.c_str());
-    if (joint < 0) throw std::runtime_error(request.urdf + ": MuJoCo has no joint '" + name + "'");
+    if (joint < 0) throw std::runtime_error(urdf_ + ": MuJoCo has no joint '" + name + "'");
     return joint;
   };
+  qpos_.clear(), dof_.clear();
   for (const std::string& name : joints_) {
     const int joint = joint_named(name);
     qpos_.push_back(m.jnt_qposadr[joint]);
@@ -61,7 +98,76 @@ MujocoOracle::MujocoOracle(const Request& request, Inertias inertias)
     base_dof_ = m.jnt_dofadr[joint];
     base_body_ = m.jnt_bodyid[joint];
   }
-  set_gravity(request.gravity);
+}
+
+void MujocoOracle::hold(const std::vector<Held>& held, double stiffness, double damping, double impedance) {
+  const mjModel& m = *model_;
+  std::ostringstream out;
+  out << std::setprecision(17) << "<mujoco><compiler angle='radian'/><option gravity='" << m.opt.gravity[0] << ' '
+      << m.opt.gravity[1] << ' ' << m.opt.gravity[2]
+      << "' solver='Newton' jacobian='dense' tolerance='0' iterations='100'/><worldbody>";
+  write_bodies_on(m, 0, out);
+  out << "</worldbody><equality>";
+  const auto body = [&](const std::string& joint) {
+    const int id = mj_name2id(&m, mjOBJ_JOINT, joint.c_str());
+    if (id < 0) throw std::runtime_error(urdf_ + ": MuJoCo has no joint '" + joint + "'");
+    return mj_id2name(&m, mjOBJ_BODY, m.jnt_bodyid[id]);
+  };
+  for (const Held& one : held) {
+    out << (one.weld ? "<weld" : "<connect anchor='0 0 0'") << " body1='" << body(one.joint) << '\'';
+    if (!one.other.empty()) out << " body2='" << body(one.other) << '\'';
+    out << " solref='" << -stiffness << ' ' << -damping << "' solimp='" << impedance << ' ' << impedance << " 1'/>";
+  }
+  out << "</equality></mujoco>";
+  model_.reset(loaded(out.str(), "held.xml", urdf_));
+  data_.reset(mj_makeData(model_.get()));
+  model_->opt.disableflags |=
+      mjDSBL_CONTACT | mjDSBL_LIMIT | mjDSBL_FRICTIONLOSS | mjDSBL_PASSIVE | mjDSBL_ACTUATION | mjDSBL_WARMSTART;
+  find_joints();
+}
+
+void MujocoOracle::place(size_t i, const Eigen::Vector3d& at, const Eigen::Vector3d& at_other,
+                         const Eigen::Quaterniond& turned) {
+  double* const data = model_->eq_data + mjNEQDATA * i;
+  const bool weld = model_->eq_type[i] == mjEQ_WELD;  // whose points stand the other way round
+  Eigen::Map<Eigen::Vector3d>(data + (weld ? 3 : 0)) = at;
+  Eigen::Map<Eigen::Vector3d>(data + (weld ? 0 : 3)) = at_other;
+  if (!weld) return;
+  const Eigen::Quaterniond back = turned.conjugate();  // of the other in the body
+  Eigen::Map<Eigen::Vector4d>(data + 6) << back.w(), back.vec();
+  data[10] = 1;  // "torquescale"
+}
+
+Soft MujocoOracle::soft(const Eigen::VectorXd& q, const Eigen::VectorXd& v, const Eigen::VectorXd& tau) {
+  using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  const int nv = model_->nv;
+  set_state(q, v);
+  const auto [transform, drift] = change_of_coordinates(q, v);  // T is orthogonal
+  Eigen::Map<Eigen::VectorXd>(data_->qfrc_applied, nv) = transform * tau;
+  // Of a quaternion between two bodies and its negative, which are the same turn, the one near 1: else all its rows change
+  // sign.
+  mj_kinematics(model_.get(), data_.get());
+  for (int i = 0; i < model_->neq; ++i) {
+    if (model_->eq_type[i] != mjEQ_WELD) continue;
+    const auto turn = [](const double* x) { return Eigen::Quaterniond(x[0], x[1], x[2], x[3]); };
+    Eigen::Map<Eigen::Vector4d> back(model_->eq_data + mjNEQDATA * i + 6);
+    const Eigen::Quaterniond body = turn(data_->xquat + 4 * model_->eq_obj1id[i]),
+                             other = turn(data_->xquat + 4 * model_->eq_obj2id[i]);
+    if ((other.conjugate() * body * turn(back.data())).w() < 0) back = -back.eval();
+  }
+  mj_forward(model_.get(), data_.get());
+  const int rows = data_->nefc;
+  const auto of_rows = [&](const double* array) { return Eigen::Map<const Eigen::VectorXd>(array, rows); };
+  const Eigen::Map<const Eigen::Matrix<double, 4, Eigen::Dynamic>> gains(data_->efc_KBIP, 4, rows);  // K, B, I, I'
+  return {Eigen::Map<const RowMajor>(data_->efc_J, rows, nv) * transform,
+          of_rows(data_->efc_vel),
+          of_rows(data_->efc_pos),
+          of_rows(data_->efc_aref),
+          of_rows(data_->efc_R),
+          gains.row(0).cwiseProduct(gains.row(2)).transpose(),
+          gains.row(1).transpose(),
+          of_rows(data_->efc_force),
+          transform.transpose() * (Eigen::Map<const Eigen::VectorXd>(data_->qacc, nv) - drift)};
 }
 
 void MujocoOracle::set_gravity(const Eigen::Vector3d& gravity) { Eigen::Map<Eigen::Vector3d>(model_->opt.gravity) = gravity; }

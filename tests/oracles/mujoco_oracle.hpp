@@ -7,6 +7,7 @@
 
 #include <mujoco/mujoco.h>
 
+#include <Eigen/Geometry>
 #include <memory>
 
 #include "ir/kinematic_tree.hpp"
@@ -17,6 +18,22 @@ namespace dalembert::oracle {
 enum class Inertias {
   as_read,      // MuJoCo's own; refuses what breaks the triangle inequality; good to 1e-8
   overwritten,  // a placeholder until overwrite_inertias() is called
+};
+
+// An equality constraint: the body that `joint` moves is held by the one that `other` moves, or by the world.
+struct Held {
+  std::string joint, other = "";  // of a body, in the URDF's names; empty: the world
+  bool weld = false;              // else at a point: "connect"
+};
+
+// What MuJoCo makes of its constraints, in its rows and our coordinates. A row is of the held body against the other: along the
+// world's axes the velocity of its point less that of the other's point; then, of a weld, the rate of the vector part of the
+// quaternion between them, which is half the angular velocity, along the other's axes, where they agree.
+struct Soft {
+  Eigen::MatrixXd jacobian;  // efc_J, rows x nv
+  Eigen::VectorXd velocity, position, reference, regularization, stiffness, damping,
+      forces;             // efc_vel, _pos, _aref, _R, _KBIP's K I and B, _force
+  Eigen::VectorXd v_dot;  // of qacc
 };
 
 class MujocoOracle {
@@ -35,6 +52,14 @@ class MujocoOracle {
   Dynamics evaluate(const Eigen::VectorXd& q, const Eigen::VectorXd& v);
   WholeRobot whole_robot(const Eigen::VectorXd& q, const Eigen::VectorXd& v);
   Response respond(const Question& question);  // by mj_rne with accelerations, and by MuJoCo's factors of M
+
+  // Adds constraints, and leaves out all others; inertias are placeholders again. K and B, as in solref's direct form, are
+  // those of every constraint, and so is the impedance, at any distance.
+  void hold(const std::vector<Held>& held, double stiffness, double damping, double impedance);
+  // Where the i-th holds: a point in the body, one in the other (or in the world), and the body's axes in the other's when
+  // there is no error.
+  void place(size_t i, const Eigen::Vector3d& at, const Eigen::Vector3d& at_other, const Eigen::Quaterniond& turned);
+  Soft soft(const Eigen::VectorXd& q, const Eigen::VectorXd& v, const Eigen::VectorXd& tau);  // mj_forward, by Newton's method
 
   // For benchmarks and simulation: MuJoCo's own model, data and coordinates.
   const mjModel* model() const { return model_.get(); }
@@ -55,6 +80,7 @@ class MujocoOracle {
     void operator()(mjModel* model) const { mj_deleteModel(model); }
     void operator()(mjData* data) const { mj_deleteData(data); }
   };
+  void find_joints();  // by name
   void set_inertia(int body, const ir::Inertia& inertia);
   void compute_mass_matrix();                                // at the state set: mj_fullM and mj_factorM have what they need
   Eigen::VectorXd own_bias(const Eigen::Vector3d& gravity);  // mj_rne in MuJoCo's coordinates, at the state set
@@ -63,6 +89,7 @@ class MujocoOracle {
 
   std::unique_ptr<mjModel, Delete> model_;
   std::unique_ptr<mjData, Delete> data_;
+  std::string urdf_;
   bool floating_;
   std::vector<std::string> joints_;
   std::vector<int> qpos_, dof_;  // our joint → MuJoCo's addresses
