@@ -8,24 +8,32 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <ctime>
 #include <dalembert/integrators/rk4.hpp>
+#include <dalembert/quaternion_joint.hpp>
 #include <functional>
+#include <numbers>
 #include <string>
 #include <vector>
 
 #include "commands/machine.hpp"
 #include "commands/timing.hpp"
+#include "ir/loop_length.hpp"
 #include "pipeline.hpp"
 #include "reference/engine.hpp"
+
+// What code without quaternions in its joints does not say.
+static constexpr std::array<dalembert::QuaternionJoint, 0> quaternion_joints{};
 
 // The generated code of one namespace as a type.
 #define MECHANISM_CODE(space, ...)                                                                      \
   namespace space {                                                                                     \
   struct Code {                                                                                         \
     static constexpr const char* name = #space;                                                         \
+    static constexpr auto& quaternions = quaternion_joints;                                             \
     using VectorQ = space::VectorQ;                                                                     \
     using VectorV = space::VectorV;                                                                     \
     using Workspace = space::Workspace;                                                                 \
@@ -81,7 +89,7 @@ struct Run {
 
 // What came of one.
 struct Kept {
-  double energy = 0, gap = 0, moved = 0;
+  double energy = 0, gap = 0;
   int most_rank = 0;
   double least_pivot = 1;
 };
@@ -102,6 +110,7 @@ class Mechanism {
         efforts_(std::move(efforts)),
         more_(std::move(more)) {}
 
+  static constexpr auto& quaternion_joints = Code::quaternions;  // as the integrator asks for them
   const Model model;
 
   // As the integrator asks for it.
@@ -110,6 +119,10 @@ class Mechanism {
     kept_.most_rank = std::max(kept_.most_rank, workspace_.forward_dynamics_constraint_status.rank);
     kept_.least_pivot = std::min(kept_.least_pivot, workspace_.forward_dynamics_constraint_status.least_pivot);
     return Eigen::Map<const VectorV>(workspace_.constrained_forward_dynamics);
+  }
+
+  void release() {
+    Code::visit_loops(workspace_, [](auto& loop) { loop.active = false; });
   }
 
   // From the start; q and v are where it ends. States along the way are kept of the first run with gains.
@@ -122,7 +135,6 @@ class Mechanism {
     const int steps = static_cast<int>(std::lround(seconds / step)), looks = std::max(steps / 1000, 1);
     for (int i = 1; i <= steps; ++i) {
       integrators::rk4(*this, step, q, v);
-      kept_.moved = std::max(kept_.moved, largest(q - q_));
       if (i % looks != 0) continue;
       kept_.energy = std::max(kept_.energy, std::abs(energy() - before));
       kept_.gap = std::max(kept_.gap, gap());
@@ -159,7 +171,7 @@ class Mechanism {
       }
       const Eigen::Vector3d between = poses[1].translation() - poses[0].translation();
       if (loop.type == ir::LoopType::distance) {
-        most = std::max(most, std::abs(between.norm() - loop.length.value()));
+        most = std::max(most, std::abs(between.norm() - ir::loop_length(model.tree, loop)));
         continue;
       }
       const Eigen::Vector3d along = poses[0].linear().transpose() * between,
@@ -212,6 +224,32 @@ class Mechanism {
   Kept kept_;
   std::vector<std::pair<VectorQ, VectorV>> states_;
 };
+
+// All joints at zero.
+template <class Code>
+typename Code::VectorQ at_rest() {
+  typename Code::VectorQ q = Code::VectorQ::Zero();
+  for (const QuaternionJoint& joint : Code::quaternions) q[joint.q + (joint.slides ? 6 : 3)] = 1;
+  if (static_cast<std::size_t>(q.size() - Code::VectorV::RowsAtCompileTime) > std::size(Code::quaternions))
+    q[6] = 1;  // the base's
+  return q;
+}
+
+// The nearest velocities that the loops allow.
+template <class Code>
+typename Code::VectorV allowed(const Eigen::VectorXd& q, const Eigen::VectorXd& v) {
+  const Model model = read(Code::name);
+  const Eigen::MatrixXd J = reference::evaluate(model.tree, model.scene, {{ir::Quantity::constraint_jacobian, ""}}, {q, v},
+                                                reference::Precision::extended)
+                                .front();
+  return v - J.completeOrthogonalDecomposition().solve(J * v);
+}
+template <class Code>
+typename Code::VectorV some_velocity(const Eigen::VectorXd& q) {
+  typename Code::VectorV v;
+  for (int i = 0; i < v.size(); ++i) v[i] = 0.3 * std::sin(1 + 2 * i);
+  return allowed<Code>(q, v);
+}
 
 bool quick = false;
 std::vector<std::vector<std::string>> drifts, calls;
@@ -311,12 +349,90 @@ void show_slider_crank() {
   show("Slider-crank", robot, {});
 }
 
+// Forty: as two, the first joint of each upright and across in turn.
+void show_forty(std::vector<std::vector<std::string>>& reached) {
+  four_bars_40::VectorV v;
+  for (int i = 0; i < 81; ++i) v[i] = i % 2 == 0 ? -1 : 1;
+  Mechanism<four_bars_40::Code> bars(four_bars_40::VectorQ::Zero(), v);
+  bars.run(0, 1, 0, 0);
+  const double before = bars.energy();
+  bars.run(10, 1e-3, 400, 40);
+  reached.push_back(
+      {"Forty four-bars", "energy after 10 s, J", fmt::format("{:.10f}", before), fmt::format("{:.10f}", bars.energy())});
+  show("Forty four-bars", bars, {.most_energy = 1e-4});
+}
+
+// Couplers of 0.5 m that are rigid, then springs and dampers of the benchmark's.
+void show_governor(std::vector<std::vector<std::string>>& reached) {
+  using Q = governor::VectorQ;
+  using V = governor::VectorV;
+  constexpr int shaft = governor::v_index(governor::Joint::shaft_joint),
+                slider = governor::v_index(governor::Joint::slider_joint),
+                left = governor::v_index(governor::Joint::rod_left_joint),
+                right = governor::v_index(governor::Joint::rod_right_joint);
+  Q q = Q::Zero();
+  V v = V::Zero();
+  q[slider] = 0.5;
+  q[left] = q[right] = std::numbers::pi / 6;
+  v[shaft] = 2 * std::numbers::pi;
+  const auto momentum = [](const auto& robot) {
+    const Eigen::MatrixXd M = reference::evaluate(robot.model.tree, robot.model.scene, {{ir::Quantity::mass_matrix, ""}},
+                                                  {robot.q, robot.v}, reference::Precision::float64)
+                                  .front();
+    return M.row(shaft).dot(robot.v);
+  };
+  Mechanism<governor::Code> rigid(q, v);
+  show("Governor, rigid couplers", rigid, {});
+  Mechanism<governor::Code> stiff(q, v, [](const Q& at, const V& rate) {
+    V tau = V::Zero();
+    for (const int rod : {left, right}) {
+      const double x = 0.5 * std::cos(at[rod]), z = 1 - 0.5 * std::sin(at[rod]) - at[slider], length = std::hypot(x, z),
+                   by_rod = (x * -0.5 * std::sin(at[rod]) - z * 0.5 * std::cos(at[rod])) / length, by_slider = -z / length,
+                   force = -8e5 * (length - 0.5) - 4e4 * (by_rod * rate[rod] + by_slider * rate[slider]);
+      tau[rod] = by_rod * force;
+      tau[slider] += by_slider * force;
+    }
+    return tau;
+  });
+  stiff.release();
+  stiff.run(0, 1, 0, 0);
+  const double turning = momentum(stiff);
+  for (const double seconds : {1.0, 10.0}) {
+    stiff.run(seconds, 2.5e-5, 0, 0);
+    const double halved = stiff.q[slider];
+    stiff.run(seconds, 5e-5, 0, 0);
+    rigid.run(seconds, 1e-3, 400, 40);
+    reached.push_back({seconds == 1 ? "Stiff governor" : "",
+                       fmt::format("slider after {} s, m: with half the step; steps of 50 µs", seconds),
+                       fmt::format("{:.12f}", halved), fmt::format("{:.12f}", stiff.q[slider])});
+    reached.push_back({"", "the same with rigid couplers", "", fmt::format("{:.12f}", rigid.q[slider])});
+    demand(std::abs(halved - stiff.q[slider]) < 1e-8,
+           fmt::format("the stiff governor is at {} or {}", halved, stiff.q[slider]));
+  }
+  reached.push_back({"", "its angular momentum about the shaft, kg m²/s", fmt::format("{:.12f}", turning),
+                     fmt::format("{:.12f}", momentum(stiff))});
+  demand(std::abs(turning - momentum(stiff)) < 1e-8, "the governor does not keep its angular momentum");
+}
+
+// What is moved by nothing but springs and weight, from rest at zero, at some speed.
+template <class Code>
+void show_sprung(const char* title, const Run& run) {
+  const auto q = at_rest<Code>();
+  Mechanism<Code> robot(q, some_velocity<Code>(q));
+  show(title, robot, run);
+}
+
 int figures() {
   std::vector<std::vector<std::string>> reached;
   show_squeezer(reached);
   show_bricard(reached);
   show_four_bars(reached);
+  show_forty(reached);
   show_slider_crank();
+  show_governor(reached);
+  show_sprung<stewart::Code>("Stewart platform", {});
+  show_sprung<delta::Code>("Delta robot", {});
+  show_sprung<legs::Code>("Legs with four-bars, in flight", {});
   const std::time_t now = std::time(nullptr);
   char date[16];
   std::strftime(date, sizeof date, "%Y-%m-%d", std::gmtime(&now));
