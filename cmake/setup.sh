@@ -6,6 +6,7 @@
 #   test      test framework, second compiler, and the programs that results are compared with
 #   fuzz      the compiler with a fuzzer in it
 #   sdf       libsdformat, by which the generator reads SDF; it is built without where there is none
+#   farm      MPI and HDF5, for examples/farm, which is left out without; part of `test`
 #   package   what the Debian package is checked with; its test is skipped without
 #   torch     PyTorch, whose tensors dalembert.torch differentiates; its test is skipped without
 #   matrix    further compilers and an emulator, for tests/matrix/run.py alone
@@ -17,6 +18,8 @@ example="libmujoco-dev gnuplot-nox python3-matplotlib"
 test="libgtest-dev clang g++-aarch64-linux-gnu make python3 libmujoco-dev libdart-dev libdart-utils-dev libdart-utils-urdf-dev
       libdart-external-ikfast-dev libassimp-dev libtinyxml2-dev dart-doc liborocos-kdl-dev libbenchmark-dev chromium-headless-shell python3-hypothesis"
 fuzz="clang libclang-rt-dev"
+farm="openmpi-bin libopenmpi-dev libhdf5-dev python3-h5py"
+test="$test $farm"
 sdf="libsdformat-dev"
 package="lintian dpkg-dev"
 torch="python3-torch"
@@ -29,11 +32,12 @@ for group in "$@"; do
     example) wanted="$wanted $example" ;;
     test) wanted="$wanted $test" ;;
     fuzz) wanted="$wanted $fuzz" ;;
+    farm) wanted="$wanted $farm" ;;
     sdf) wanted="$wanted $sdf" ;;
     package) wanted="$wanted $package" ;;
     torch) wanted="$wanted $torch" ;;
     matrix) wanted="$wanted $matrix" ;;
-    *) echo "setup.sh: no group '$group'; there are build, example, test, fuzz, sdf, package, torch and matrix" >&2; exit 2 ;;
+    *) echo "setup.sh: no group '$group'; there are build, example, test, fuzz, farm, sdf, package, torch and matrix" >&2; exit 2 ;;
   esac
 done
 

@@ -68,8 +68,10 @@ Making making(const ir::Algorithm& algorithm, const std::set<int>& arrays) {
     const ir::GuardArrays told_by = ir::guard_arrays(algorithm);
     m.arrays.insert({guard->pivots, guard->diagonal, told_by.factor, told_by.gain, told_by.joint});  // some may be none
   }
+  const auto makes = [&](int array) { return array >= 0 && m.arrays.contains(array); };
   for (const ir::ConstraintStep& step : algorithm.constraint_steps)
-    if (m.arrays.contains(step.to) || m.arrays.contains(step.forces)) {
+    if (makes(step.to) || makes(step.forces) || makes(step.plain) ||
+        (step.kind == ir::ConstraintStep::Kind::respond && makes(step.room))) {
       for (const int array : step.read()) m.arrays.insert(array);
       m.constraint_steps.push_back(step);
     }
@@ -138,6 +140,13 @@ int array_called(const std::string& name, const ir::Algorithm& algorithm) {
   return -1;
 }
 
+// Whether a second half fills an array that the first has.
+bool fills(const LoweredFunction& half, const std::string& array) {
+  const std::vector<ir::Quantity>& own = half.algorithm.function.quantities;
+  return std::any_of(own.begin(), own.end(),
+                     [&](ir::Quantity quantity) { return half.algorithm.function.result(quantity) == array; });
+}
+
 // What two functions cost and read, one after the other.
 OperationCost sum(OperationCost a, const OperationCost& b) {
   a.operations += b.operations;
@@ -187,19 +196,24 @@ std::vector<OperationCost> operation_costs(const Lowered& lowered, const ir::Kin
   for (const LoweredFunction& f : lowered.functions) {
     const OperationCost all = cost_of("all", f, all_of(f.algorithm), tree);
     costs.front() = &f == &lowered.functions.front() ? all : sum(costs.front(), all);
-    // A second half stands behind its first.
-    const LoweredFunction* second = f.algorithm.function.second_half.empty() ? nullptr : &f + 1;
+    if (!f.algorithm.function.first_half.empty()) continue;
     for (size_t a = 0; a < f.program.arrays.size(); ++a) {
       const ir::OutputArray& array = f.program.arrays[a];
       if (array.internal) continue;
       std::set<int> made{static_cast<int>(a)};
-      const int later = second ? array_called(array.name, second->algorithm) : -1;
-      if (later < 0) {
+      // Second halves stand behind the first.
+      const LoweredFunction* second = &f;
+      for (const LoweredFunction* half = &f; !half->algorithm.function.second_half.empty();) {
+        ++half;
+        if (fills(*half, array.name)) second = half;
+      }
+      const int later = array_called(array.name, second->algorithm);
+      if (second == &f) {
         costs.push_back(cost_of(array.name, f, making(f.algorithm, made), tree));
         continue;
       }
       const Making rest = making(second->algorithm, {later});
-      if (takes_input(*second, rest)) made.insert(array_called(f.algorithm.function.accelerations, f.algorithm));
+      if (takes_input(*second, rest)) made.insert(array_called(second->algorithm.function.accelerations, f.algorithm));
       for (const int needed : rest.arrays)
         if (needed >= 0) made.insert(array_called(second->algorithm.arrays[static_cast<size_t>(needed)].name, f.algorithm));
       costs.push_back(sum(cost_of(array.name, f, making(f.algorithm, made), tree), cost_of(array.name, *second, rest, tree)));

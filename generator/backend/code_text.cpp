@@ -30,6 +30,9 @@ std::string input_text(const CodeInput& code, const ir::Input& input) {
       if (input.component == ir::contact_kp) return contact + ".kp";
       if (input.component == ir::contact_kd) return contact + ".kd";
       if (input.component == ir::contact_restitution) return contact + ".restitution";
+      if (input.component >= ir::contact_force)
+        return fmt::format("workspace.{}[{}]", function_of(code).forces,
+                           code.scene.first_row(input.index) + input.component - ir::contact_force);
       return fmt::format("{}.anchor[{}]", contact, input.component - ir::contact_anchor);
     }
     case ir::InputKind::payload: {
@@ -188,8 +191,9 @@ std::string constraint_statements(const CodeInput& code) {
                        [&](const ir::ConstraintStep& s) { return of(s.kind); });
   };
   const bool solved = any([](Kind kind) { return kind == Kind::solve || kind == Kind::impact; }),
+             responds = any([](Kind kind) { return kind == Kind::respond; }),
              supported = any([](Kind kind) { return kind == Kind::support; });
-  if (solved || supported) {
+  if (solved || responds || supported) {
     std::vector<std::string> active, regularization, weights;
     for (const ir::Constraint& constraint : code.scene.constraints()) {
       const std::string member = "workspace." + constraint.member;
@@ -201,7 +205,8 @@ std::string constraint_statements(const CodeInput& code) {
     }
     if (solved) text += fmt::format("  using CoordinateTree = {};\n", tree_type(ir::coordinate_tree(code.tree)));
     text += fmt::format("  const Scalar row_active[] = {{{}}};\n", fmt::join(active, ", "));
-    if (solved) text += fmt::format("  const Scalar row_regularization[] = {{\n      {}}};\n", wrapped(regularization, 6));
+    if (solved || responds)
+      text += fmt::format("  const Scalar row_regularization[] = {{\n      {}}};\n", wrapped(regularization, 6));
     if (supported) text += fmt::format("  const Scalar row_weight[] = {{\n      {}}};\n", wrapped(weights, 6));
   }
   for (const ir::ConstraintStep& s : code.algorithm.constraint_steps) {
@@ -215,6 +220,31 @@ std::string constraint_statements(const CodeInput& code) {
           "  workspace.{} = dalembert::support<nv, ConstraintsOfScene, dalembert::Undriven<{}>>(\n"
           "      {}, row_active, row_weight, {}, {});\n",
           own_name(code, "support_status"), fmt::join(s.undriven, ", "), name(s.jacobian), name(s.forces), name(s.to));
+      continue;
+    }
+    if (s.kind == Kind::respond) {
+      text +=
+          fmt::format("  dalembert::respond<nv, ConstraintsOfScene, {}>({}, {}, row_active, row_regularization,\n      {}, {});\n",
+                      s.of_forces, name(s.jacobian), name(s.inverse), name(s.room), name(s.to));
+      if (s.plain >= 0) text += fmt::format("  dalembert::without_padding<nv>({}, {});\n", name(s.to), name(s.plain));
+      if (s.forces >= 0)
+        text += fmt::format("  dalembert::response_of_forces<nv, ConstraintsOfScene, Scalar>({}, {});\n", name(s.room),
+                            name(s.forces));
+      continue;
+    }
+    if (s.kind == Kind::derive) {
+      if (s.to >= 0)
+        text += fmt::format("  dalembert::derive_accelerations<nv, ConstraintsOfScene, Scalar>({}, {}, {}, {});\n", s.first,
+                            name(s.changes), name(s.room), name(s.to));
+      if (s.forces >= 0)
+        text += fmt::format("  dalembert::derive_forces<nv, ConstraintsOfScene, Scalar>({}, {}, {}, {});\n", name(s.efforts),
+                            name(s.changes), name(s.room), name(s.forces));
+      const auto or_none = [&](int array) { return array < 0 ? std::string("nullptr") : name(array); };
+      if (s.turning_rows > 0)
+        text +=
+            fmt::format("  dalembert::derive_turning<nv, ConstraintsOfScene, {}, Scalar>({}, {}, {}, {},\n      {}, {}, {});\n",
+                        s.turning_rows, name(s.left), name(s.turned), name(s.inverse), name(s.room), name(s.turning_room),
+                        or_none(s.to), or_none(s.forces));
       continue;
     }
     const bool impact = s.kind == ir::ConstraintStep::Kind::impact;
@@ -289,7 +319,7 @@ std::string second_half_declaration(const CodeInput& second_half) {
 std::string second_half_call(const CodeInput& first_half) {
   const ir::EmittedFunction& function = function_of(first_half);
   if (function.second_half.empty()) return "";
-  return fmt::format("  {}(q, v, workspace.{}, workspace);\n", function.second_half, function.accelerations);
+  return fmt::format("  {}(q, v, workspace.{}, workspace);\n", function.second_half, function.hands_on);
 }
 
 int element_index(const ir::OutputArray& array, int row, int column) { return row + array.rows * column; }

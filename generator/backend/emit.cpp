@@ -63,7 +63,9 @@ std::vector<ir::OutputArray> stored_arrays(const CodeInput& code) {
 // The member that says what a step with rows of constraints came to; empty: none does.
 const char* status_of(const ir::ConstraintStep& step) {
   switch (step.kind) {
-    case ir::ConstraintStep::Kind::delassus: return "";
+    case ir::ConstraintStep::Kind::delassus:
+    case ir::ConstraintStep::Kind::respond:
+    case ir::ConstraintStep::Kind::derive: return "";
     case ir::ConstraintStep::Kind::solve: return "constraint_status";
     case ir::ConstraintStep::Kind::impact: return "impact_status";
     case ir::ConstraintStep::Kind::support: return "support_status";

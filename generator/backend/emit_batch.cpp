@@ -60,14 +60,19 @@ std::vector<Given> given_inputs(const CodeInput& code) {
   return all;
 }
 
+// Whether anything of a workspace acts on a batch: run-time inputs, and how contacts and loops hold.
+bool reads_workspace(const CodeInput& code) { return !given_inputs(code).empty() || !code.scene.constraints().empty(); }
+
 std::string given_members(const CodeInput& code) {
   const std::vector<Given> all = given_inputs(code);
-  if (all.empty()) return "";
+  if (!reads_workspace(code)) return "";
   std::string text =
-      "  // Run-time inputs: those of this workspace for all states, or without one what a new workspace has; or, where there "
-      "is a\n"
-      "  // pointer, one for each state, laid out as states are.\n"
-      "  const Workspace* workspace = nullptr;\n";
+      all.empty()
+          ? "  // How contacts and loops hold: as in this workspace, or without one as in a new workspace.\n"
+          : "  // Run-time inputs: those of this workspace for all states, or without one what a new workspace has; or, "
+            "where there is a\n"
+            "  // pointer, one for each state, laid out as states are.\n";
+  text += "  const Workspace* workspace = nullptr;\n";
   for (const Given& g : all) text += fmt::format("  const Scalar* {} = nullptr;  // {}\n", g.each, g.comment);
   return text;
 }
@@ -181,7 +186,7 @@ class BatchFunction {
     std::string fields, given;
     for (const BatchArray& a : program_.results()) fields += fmt::format("    to.{0} = results->{0};\n", a.array.name);
     for (const Given& g : given_inputs(code_)) given += fmt::format("    batch.{0} = options->{0};\n", g.each);
-    if (!given.empty()) given = "    batch.workspace = options->workspace;\n" + given;
+    if (reads_workspace(code_)) given = "    batch.workspace = options->workspace;\n" + given;
     return fmt::format(
                "int {0}_batch_{1}(const {2}* q, const {2}* v, const {2}* input, size_t n, const {0}_{1}_batch_results* "
                "results,\n"
@@ -515,7 +520,7 @@ std::string batch_c_declarations(const Folder& folder) {
   const std::string n = code.name, s = scalar_name(code.scene.scalar);
   std::string given;
   for (const Given& g : given_inputs(code)) given += fmt::format("  const {}* {};  // {}\n", s, g.each, g.comment);
-  if (!given.empty())
+  if (reads_workspace(code))
     given =
         fmt::format(
             "  // Run-time inputs: those of the workspace for all states, NULL: those of a new one; or, where they are not\n"

@@ -75,6 +75,11 @@ class SelfTestText {
             "dalembert::BatchError (*volatile const {})(const Batch&, const {}&, std::size_t, std::size_t) noexcept = "
             "{}_batch;\n",
             own_name(f, "run_batch"), own_type(f, "BatchResults"), function_of(f).name);
+      if (acceleration(f))
+        text += fmt::format(
+            "dalembert::BatchError (*volatile const {})(const Batch&, const dalembert::Rollout<Scalar>&, std::size_t, "
+            "std::size_t) noexcept = {}_rollout;\n",
+            own_name(f, "run_rollout"), function_of(f).name);
     }
     return text;
   }
@@ -106,16 +111,30 @@ class SelfTestText {
  private:
   bool any_batch() const { return code_.scene.batch; }
 
-  // The same results, of batches of that state alone, in place of those there are.
-  std::string batches(size_t s) const {
-    if (!any_batch()) return "";
-    std::string text =
-        "  {\n    Batch batch;\n    batch.count = 1;\n    batch.matrices = dalembert::MatrixLayout::by_columns;\n";
+  // The result of a function that its rollouts move by; null: it has none.
+  static const ir::OutputArray* acceleration(const CodeInput& f) {
+    if (!f.scene.batch) return nullptr;
+    const std::string name = function_of(f).acceleration_result();
+    for (const ir::OutputArray& a : f.program.arrays)
+      if (!a.internal && !name.empty() && a.name == name) return &a;
+    return nullptr;
+  }
+
+  // Declares a batch of that state alone.
+  std::string batch_of(size_t s) const {
+    std::string text = "    Batch batch;\n    batch.count = 1;\n    batch.matrices = dalembert::MatrixLayout::by_columns;\n";
     text += fmt::format("    batch.q = q_{0};\n    batch.v = v_{0};\n", s);
     if (takes_more()) text += fmt::format("    batch.input = input_{};\n", s);
     const ir::Scene& scene = code_.scene;
     if (scene.gravity_kind == ir::GravityKind::run_time || !scene.payloads.empty() || !scene.wrenches.empty())
       text += "    batch.workspace = &workspace;\n";
+    return text;
+  }
+
+  // The same results, of batches of that state alone, in place of those there are; then of a motion of one step.
+  std::string batches(size_t s) const {
+    if (!any_batch()) return "";
+    std::string text = "  {\n" + batch_of(s);
     std::vector<std::string> own;
     for (const CodeInput& f : folder_.functions) {
       if (!is_called(f)) continue;
@@ -133,6 +152,25 @@ class SelfTestText {
     for (const ir::Expectation& e : test_.expectations)
       if (e.state == static_cast<int>(s) && std::find(own.begin(), own.end(), array(e.array).name) != own.end())
         text += comparison(e);
+    return text + rollouts(s);
+  }
+
+  // Of semi-implicit Euler's step, which changes v by that many times dv/dt: so long that v's rounding does not show.
+  std::string rollouts(size_t s) const {
+    std::string text;
+    for (const CodeInput& f : folder_.functions) {
+      const ir::OutputArray* const a = is_called(f) ? acceleration(f) : nullptr;
+      if (!a) continue;
+      text += fmt::format(
+          "  {{\n{0}    Scalar last[nv];\n    dalembert::Rollout<Scalar> rollout;\n"
+          "    rollout.steps = 1, rollout.time_step = 1024, rollout.last_v = last;\n"
+          "    for (int i = 0; i < nv; ++i) last[i] = Scalar(-1);\n"
+          "    (void){1}(batch, rollout, 0, 1);\n"
+          "    for (int i = 0; i < nv; ++i) workspace.{2}[i] = (last[i] - v_{3}[i]) / 1024;\n  }}\n",
+          batch_of(s), own_name(f, "run_rollout"), a->name, s);
+      for (const ir::Expectation& e : test_.expectations)
+        if (e.state == static_cast<int>(s) && array(e.array).name == a->name) text += comparison(e);
+    }
     return text;
   }
 

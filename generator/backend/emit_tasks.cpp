@@ -149,8 +149,8 @@ std::string held_arguments(const CodeInput& code) {
   return "q_, v_, w->" + function_of(code).accelerations;
 }
 
-// Of a function, or of one half of it.
-Tasks tasks_of(const CodeInput& code) {
+// Of a function, or of one half of it, whose tasks' names begin with `prefix`.
+Tasks tasks_of(const CodeInput& code, const std::string& prefix) {
   Tasks t;
   if (code.plan.form != ir::Form::rolled) {  // one piece of code, one task
     const std::string name = function_of(code).name;
@@ -164,8 +164,8 @@ Tasks tasks_of(const CodeInput& code) {
     const std::string first = s.reads_state ? held_arguments(code) + ", *w" : "*w";
     const auto add = [&](const std::string& name, const std::string& arguments) {
       tasks_of_stage.back().push_back(static_cast<int>(t.tasks.size()));
-      t.tasks.push_back({is_called(code) ? name : "then_" + name,
-                         fmt::format("{}::{}({}{})", own_name(code, "stages"), s.name, first, arguments), s.reads_state});
+      t.tasks.push_back(
+          {prefix + name, fmt::format("{}::{}({}{})", own_name(code, "stages"), s.name, first, arguments), s.reads_state});
     };
     if (s.kind != Stage::Kind::elements) {
       add(s.name, "");
@@ -188,22 +188,24 @@ Tasks tasks_of(const CodeInput& code) {
 
 // Of a function that users call: first one half, then the other. Straight code calls the second half itself.
 Tasks tasks_of(const Folder& folder, const CodeInput& code) {
-  Tasks t = tasks_of(code);
-  const CodeInput* second = folder.second_half_of(code);
-  if (!second || code.plan.form != ir::Form::rolled) return t;
-  const int before = static_cast<int>(t.tasks.size());
-  const Tasks then = tasks_of(*second);
-  std::set<int> last, later;
-  for (int i = 0; i < before; ++i) last.insert(i);
-  for (const auto& [from, to] : t.edges) last.erase(from);
-  for (const auto& [from, to] : then.edges) {
-    later.insert(to);
-    t.edges.emplace_back(before + from, before + to);
-  }
-  for (int i = 0; i < static_cast<int>(then.tasks.size()); ++i) {
-    t.tasks.push_back(then.tasks[static_cast<size_t>(i)]);
-    for (const int from : last)
-      if (!later.contains(i)) t.edges.emplace_back(from, before + i);
+  Tasks t = tasks_of(code, "");
+  std::string prefix;
+  if (code.plan.form != ir::Form::rolled) return t;
+  for (const CodeInput* second = folder.second_half_of(code); second; second = folder.second_half_of(*second)) {
+    const int before = static_cast<int>(t.tasks.size());
+    const Tasks then = tasks_of(*second, prefix += "then_");
+    std::set<int> last, later;
+    for (int i = 0; i < before; ++i) last.insert(i);
+    for (const auto& [from, to] : t.edges) last.erase(from);
+    for (const auto& [from, to] : then.edges) {
+      later.insert(to);
+      t.edges.emplace_back(before + from, before + to);
+    }
+    for (int i = 0; i < static_cast<int>(then.tasks.size()); ++i) {
+      t.tasks.push_back(then.tasks[static_cast<size_t>(i)]);
+      for (const int from : last)
+        if (!later.contains(i)) t.edges.emplace_back(from, before + i);
+    }
   }
   return t;
 }

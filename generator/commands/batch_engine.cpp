@@ -62,7 +62,7 @@ BatchEngine::Columns BatchEngine::columns(const std::vector<State>& states) cons
   return columns;
 }
 
-void BatchEngine::run(const Columns& columns) {
+std::vector<char> BatchEngine::options(const Columns& columns) const {
   // NAME_batch_options of c_api.h: a workspace for all states, then an array each for gravity, payloads and wrenches.
   std::vector<const void*> given{nullptr};
   if (model_.scene.gravity_kind == ir::GravityKind::run_time) given.push_back(nullptr);
@@ -72,7 +72,11 @@ void BatchEngine::run(const Columns& columns) {
   const int numbers[] = {0, 0, static_cast<int>(MatrixLayout::by_columns), 0};
   std::memcpy(options.data(), numbers, sizeof numbers);
   std::memcpy(options.data() + sizeof numbers, given.data(), given.size() * sizeof(void*));
+  return options;
+}
 
+void BatchEngine::run(const Columns& columns) {
+  const std::vector<char> options = this->options(columns);
   const size_t bytes = scalar_bytes(model_);
   for (Call& call : calls_) {
     std::vector<void*> pointers;
@@ -115,6 +119,52 @@ Eigen::MatrixXd BatchEngine::result(const Output& output, size_t state) const {
 int BatchEngine::status(const Output& output, size_t state) const {
   size_t index = 0;
   return call_of(output, index).status[state];
+}
+
+std::vector<Output> BatchEngine::accelerations() const {
+  std::vector<Output> all;
+  for (const Call& call : calls_) {
+    const Output* found = nullptr;
+    for (const Output& output : call.outputs) {
+      if (output.quantity == ir::Quantity::constrained_forward_dynamics) found = &output;
+      if (output.quantity == ir::Quantity::forward_dynamics && !found) found = &output;
+    }
+    if (found) all.push_back(*found);
+  }
+  return all;
+}
+
+template <class Scalar>
+BatchEngine::Ends BatchEngine::roll_out_in(const Output& acceleration, const std::vector<State>& states, size_t steps,
+                                           double time_step, RolloutMethod method) {
+  size_t index = 0;
+  const std::string& function = call_of(acceleration, index).function;
+  Columns from = columns<Scalar>(states);
+  from.more.clear();
+  for (const State& state : states)
+    for (size_t step = 0; step < steps; ++step) append<Scalar>(from.more, state.more);
+  const std::vector<char> options = this->options(from);
+  const Eigen::Index nq = model_.tree.nq(), nv = model_.tree.nv(), n = static_cast<Eigen::Index>(states.size());
+  Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic> q(nq, n), v(nv, n);
+  Ends ends;
+  ends.stopped.resize(states.size());
+  using Function = int(const void* q, const void* v, const void* more, size_t n, size_t steps, Scalar time_step, int method,
+                       void* last_q, void* last_v, void* path_q, void* path_v, int* stopped, const void* options);
+  const int error = code_.function<Function>(model_.name + "_rollout_" + function)(
+      from.q.data(), from.v.data(), from.more.data(), states.size(), steps, static_cast<Scalar>(time_step),
+      static_cast<int>(method), q.data(), v.data(), nullptr, nullptr, ends.stopped.data(), options.data());
+  if (error != 0) throw std::runtime_error(function + ": " + describe(static_cast<BatchError>(error)));
+  for (Eigen::Index s = 0; s < n; ++s) {
+    ends.q.emplace_back(q.col(s).template cast<double>());
+    ends.v.emplace_back(v.col(s).template cast<double>());
+  }
+  return ends;
+}
+
+BatchEngine::Ends BatchEngine::roll_out(const Output& acceleration, const std::vector<State>& states, size_t steps,
+                                        double time_step, RolloutMethod method) {
+  return scalar_bytes(model_) == 4 ? roll_out_in<float>(acceleration, states, steps, time_step, method)
+                                   : roll_out_in<double>(acceleration, states, steps, time_step, method);
 }
 
 double BatchEngine::time_per_state(const std::vector<State>& states) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <dalembert/rollout_layout.hpp>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,18 @@ class BatchEngine {
   Eigen::MatrixXd result(const Output& output, size_t state) const;
   int status(const Output& output, size_t state) const;
 
+  // The outputs that rollouts move by: v̇, one of each function that tells it.
+  std::vector<Output> accelerations() const;
+
+  // Where motions end that such a function makes from the states on, what the states have besides acting in each step; and the
+  // step that a motion could not make, or −1.
+  struct Ends {
+    std::vector<Eigen::VectorXd> q, v;
+    std::vector<int> stopped;
+  };
+  Ends roll_out(const Output& acceleration, const std::vector<State>& states, size_t steps, double time_step,
+                RolloutMethod method);
+
   // The time of computing all outputs, per state, of a batch of at least a thousand: these states over and over.
   double time_per_state(const std::vector<State>& states);
 
@@ -44,6 +57,11 @@ class BatchEngine {
     size_t count = 0;
   };
 
+  // The options of c_api.h, matrices by columns.
+  std::vector<char> options(const Columns& columns) const;
+  template <class Scalar>
+  Ends roll_out_in(const Output& acceleration, const std::vector<State>& states, size_t steps, double time_step,
+                   RolloutMethod method);
   template <class Scalar>
   Columns columns(const std::vector<State>& states) const;
   void run(const Columns& columns);

@@ -4,7 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <dalembert/integrators/rk4.hpp>
+#include <dalembert/integrators/semi_implicit_euler.hpp>
 #include <limits>
+#include <utility>
 
 #include "commands/batch_engine.hpp"
 #include "commands/generated_engine.hpp"
@@ -79,6 +82,32 @@ std::vector<std::vector<size_t>> pieces(const std::vector<Output>& outputs) {
   }
   return pieces;
 }
+
+// What the integrators ask of the generic engine.
+class GenericDynamics {
+ public:
+  std::vector<QuaternionJoint> quaternion_joints;
+
+  GenericDynamics(const Model& model, const Output& output, const State& state) : model_(model), output_(output), at_(state) {
+    const ir::KinematicTree& tree = model.tree;
+    const std::vector<int> positions = tree.positions(), coordinates = tree.coordinates();
+    for (size_t k = 0; k < tree.bodies.size(); ++k)
+      if (tree.bodies[k].has_quaternion())
+        quaternion_joints.push_back({tree.base_positions() + positions[k],
+                                     tree.nv() - tree.independent_joints() + coordinates[k],
+                                     tree.bodies[k].kind == ir::JointType::floating});
+  }
+
+  Eigen::VectorXd acceleration(const Eigen::VectorXd& q, const Eigen::VectorXd& v) {
+    at_.q = q, at_.v = v;
+    return evaluate_generic(model_, output_, at_);
+  }
+
+ private:
+  const Model& model_;
+  const Output& output_;
+  State at_;
+};
 
 class Check {
  public:
@@ -159,6 +188,43 @@ class Check {
     heading("all as a batch");
     for (size_t o = 0; o < outputs_.size(); ++o) compare_results([&](size_t s) { return batch.result(outputs_[o], s); }, o, "");
     line("a state", "", time_text(batch.time_per_state(states_)));
+    const std::vector<Output> moving = batch.accelerations();
+    if (!moving.empty()) heading("its rollouts, 4 steps");
+    for (const Output& output : moving) rollouts(batch, output);
+  }
+
+  // Motions of a few steps, beside the integrators' with the generic engine's accelerations: by how far the changes of v, and
+  // where q ends, differ.
+  void rollouts(BatchEngine& batch, const Output& output) {
+    constexpr size_t steps = 4;
+    size_t o = 0;
+    while (outputs_[o].name != output.name) ++o;
+    double fastest = 0;
+    for (const Eigen::MatrixXd& acceleration : expected_[o].generic)
+      if (acceleration.allFinite()) fastest = std::max(fastest, acceleration.cwiseAbs().maxCoeff());
+    const double time_step = 0.05 / (1 + fastest);  // so that nothing grows beyond what the tolerance is for
+    const double tolerance = steps * expected_[o].tolerance;
+    for (const auto& [method, name] : {std::pair{RolloutMethod::semi_implicit_euler, "Euler"}, {RolloutMethod::rk4, "rk4"}}) {
+      const BatchEngine::Ends ends = batch.roll_out(output, states_, steps, time_step, method);
+      RelativeError turned(0), moved(1);
+      bool all_moved = true;
+      for (size_t s = 0; s < states_.size(); ++s) {
+        GenericDynamics dynamics(model_, output, states_[s]);
+        Eigen::VectorXd q = states_[s].q, v = states_[s].v;
+        for (size_t step = 0; step < steps; ++step) {
+          if (method == RolloutMethod::rk4) integrators::rk4(dynamics, time_step, q, v);
+          else integrators::semi_implicit_euler(dynamics, time_step, q, v);
+        }
+        all_moved = all_moved && ends.stopped[s] < 0;
+        turned.add(ends.v[s] - states_[s].v, v - states_[s].v);
+        moved.add(ends.q[s], q);
+      }
+      const double error = std::max(turned.value(), moved.value());
+      const bool good = all_moved && error <= tolerance;
+      report_.passed = report_.passed && good;
+      line(fmt::format("{}, {}", output.function.named ? output.function.name : output.name, name),
+           fmt::format("{:>14.2e}{:>14}{:>12.2g}", error, "", tolerance), "", good ? "" : "  DIFFERS");
+    }
   }
 
   void run_self_test(const GeneratedEngine& engine) {

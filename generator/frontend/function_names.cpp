@@ -67,14 +67,25 @@ constexpr const char* of_the_folder[] = {"Scalar",
                                          "input_2"};
 // What a function may have of its own, besides its results.
 constexpr const char* own[] = {
-    "scratch",      "status",        "stages",          "run",      "run_batch",      "results",
-    "inverse",      "factor",        "pivots",          "diagonal", "padded_inverse", "efforts_dq",
-    "efforts_dv",   "mass",          "unscaled_factor", "solve",    "batch",          "batch_tasks",
-    "batch_blocks", "batch_results", "check_batch",     "gain",     "joint",          "constrained_accelerations"};
+    "scratch",      "status",        "stages",           "run",      "run_batch",      "results",
+    "inverse",      "factor",        "pivots",           "diagonal", "padded_inverse", "efforts_dq",
+    "efforts_dv",   "mass",          "unscaled_factor",  "solve",    "batch",          "batch_tasks",
+    "batch_blocks", "batch_results", "check_batch",      "gain",     "joint",          "constrained_accelerations",
+    "forces",       "response",      "projected_inverse"};
 // What one in two halves has besides.
 constexpr const char* of_halves[] = {"accelerations",          "derivatives",
                                      "derivatives_scratch",    "derivatives_stages",
                                      "derivatives_efforts_dq", "derivatives_efforts_dv"};
+constexpr const char* of_constrained_halves[] = {"constrained_derivatives",
+                                                 "constrained_derivatives_scratch",
+                                                 "constrained_derivatives_stages",
+                                                 "constrained_derivatives_efforts_dq",
+                                                 "constrained_derivatives_efforts_dv",
+                                                 "constrained_derivatives_changes_dq",
+                                                 "constrained_derivatives_changes_dv",
+                                                 "constrained_derivatives_turning",
+                                                 "constrained_derivatives_turned",
+                                                 "constrained_derivatives_turning_room"};
 
 // What the code has of a function besides its results.
 std::vector<std::string> names_of(const ir::EmittedFunction& function) {
@@ -83,11 +94,20 @@ std::vector<std::string> names_of(const ir::EmittedFunction& function) {
   for (const char* type : {"BatchResults", "BatchBlock", "BatchProgram"}) names.push_back(function.type + type);
   for (const char* word : {"_batch", "_batch_tasks", "_batch_blocks", "_batch_results"}) names.push_back(function.name + word);
   for (const char* word : own) names.push_back(function.own_name(word));
-  const bool may_be_halved =
-      function.named ? function.computes(ir::Quantity::forward_dynamics_dq) : function.inputs == ir::Function::forward_dynamics;
-  if (!may_be_halved) return names;
-  names.push_back(function.type + "DerivativesScratch");
-  for (const char* word : of_halves) names.push_back(function.own_name(word));
+  const auto may_compute = [&](ir::Quantity quantity) {
+    return function.named ? function.computes(quantity) : function.inputs == ir::Function::forward_dynamics;
+  };
+  if (may_compute(ir::Quantity::forward_dynamics_dq)) {
+    names.push_back(function.type + "DerivativesScratch");
+    for (const char* word : of_halves) names.push_back(function.own_name(word));
+  }
+  const ir::Quantity constrained[] = {ir::Quantity::constrained_forward_dynamics_dq,
+                                      ir::Quantity::constrained_forward_dynamics_dv, ir::Quantity::constraint_forces_dq,
+                                      ir::Quantity::constraint_forces_dv};
+  if (std::any_of(std::begin(constrained), std::end(constrained), may_compute)) {
+    names.push_back(function.type + "ConstrainedDerivativesScratch");
+    for (const char* word : of_constrained_halves) names.push_back(function.own_name(word));
+  }
   return names;
 }
 

@@ -175,11 +175,17 @@ class SdfReader {
       case sdf::JointType::CONTINUOUS: out.type = "continuous"; break;
       case sdf::JointType::PRISMATIC: out.type = "prismatic"; break;
       case sdf::JointType::FIXED: out.type = "fixed"; break;
+      case sdf::JointType::SCREW: out.type = "helical"; break;
+      case sdf::JointType::BALL: out.type = "spherical"; break;
+      // Two axes in series, the first of them the parent's, the second the child's: in revolute2 at any angle to each other.
+      case sdf::JointType::UNIVERSAL:
+      case sdf::JointType::REVOLUTE2: out.type = "universal"; break;
+      case sdf::JointType::GEARBOX:
+        return refuse("gearbox joints couple two others, and are no joint by which a link hangs",
+                      "remove it, and say in the scene what it couples: mimic");
       default:
-        return refuse(
-            fmt::format("joints of type '{}' are not known here", joint.Element()->Get<std::string>("type")),
-            "there are revolute, continuous, prismatic and fixed ones: write it as several of these, with massless links "
-            "between them");
+        return refuse(fmt::format("joints of type '{}' are not known here", joint.Element()->Get<std::string>("type")),
+                      "there are revolute, continuous, prismatic, screw, ball, universal, revolute2 and fixed ones");
     }
     std::string parent, child;
     const size_t before = errors_.size();
@@ -204,7 +210,24 @@ class SdfReader {
                child_link->PoseRelativeTo() == (in_world ? "" : joint.ParentLinkName())) {
       if (const auto written = written_pose(child_link->Element())) out.origin = *written;
     }
-    if (const sdf::JointAxis* const axis = joint.Axis(0); axis && out.type != "fixed") read_axis(*axis, out);
+    const sdf::JointAxis *const axis = joint.Axis(0), *const second = joint.Axis(1);
+    if (axis && out.type != "fixed" && out.type != "spherical") read_axis(*axis, out);
+    if (out.type == "helical") {
+      out.pitch = pitch(joint, out);
+      if (!std::isfinite(out.pitch)) return refuse("its thread_pitch is 0: no turn moves it", "make it a prismatic joint");
+    }
+    if (out.type == "universal") {
+      if (!axis || !second) return refuse("it has no second axis", "write its <axis> and <axis2>");
+      JointOutline of_second = out;
+      read_axis(*second, of_second);
+      out.second = of_second.axis;
+      if (out.axis.cross(out.second).norm() < 1e-9 * out.axis.norm() * out.second.norm())
+        return refuse("its second axis is its first: together they turn one way",
+                      "correct <axis2>, or make it a revolute joint");
+      if (of_second.damping != out.damping || of_second.friction != out.friction)
+        ignore("joint", out.name, "the damping and friction of its second axis",
+               "those of the first are each coordinate's: say them in the scene, damping and friction");
+    }
     if (!is_identity(in_child)) {  // the child keeps its frame
       const LinkOutline between{out.name + "_frame", out.line, {}};
       JointOutline weld;
@@ -219,6 +242,23 @@ class SdfReader {
       outline_.joints.push_back(std::move(weld));
     }
     outline_.joints.push_back(std::move(out));
+  }
+
+  // m per turn of a right-handed thread. What SDF 1.10 calls screw_thread_pitch is this; the older thread_pitch is what Gazebo
+  // takes it for, rad per m of a left-handed one.
+  double pitch(const sdf::Joint& joint, const JointOutline& out) {
+    const sdf::ElementPtr element = joint.Element();
+    if (element->HasElement("screw_thread_pitch"))
+      if (const auto written = written_numbers<1>(element->GetElement("screw_thread_pitch"))) return (*written)[0];
+    constexpr double turn = 2 * 3.14159265358979323846;
+    const double result = -turn / joint.ThreadPitch();
+    if (std::isfinite(result))
+      warnings_.push_back({Severity::notice, file_, place(out),
+                           fmt::format("its thread_pitch is taken as Gazebo takes it, {} rad per m of a left-handed thread: "
+                                       "{:.6g} m per turn",
+                                       joint.ThreadPitch(), result),
+                           "where that is not meant, say it in the scene: joints"});
+    return result;
   }
 
   void read_axis(const sdf::JointAxis& axis, JointOutline& out) {

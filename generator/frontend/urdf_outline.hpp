@@ -36,13 +36,16 @@ struct LinkOutline {
 struct JointOutline {
   std::string name;
   int line = 0;
-  std::string type;    // revolute, continuous, prismatic, planar, fixed or floating
+  // revolute, continuous, prismatic, planar, fixed or floating; of an SDF also helical, universal or spherical
+  std::string type;
   std::string parent;  // link names
   std::string child;
   Frame origin;
-  Eigen::Vector3d axis = Eigen::Vector3d::UnitX();  // of any length but zero
-  double damping = 0, friction = 0;                 // NaN where the text is no number: refused by those who read it
-  std::optional<ir::Mimic> mimic;                   // likewise; `of` may be empty
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitX();    // of any length but zero
+  Eigen::Vector3d second = Eigen::Vector3d::UnitY();  // likewise: universal
+  double pitch = 0;                                   // helical: m per turn
+  double damping = 0, friction = 0;                   // NaN where the text is no number: refused by those who read it
+  std::optional<ir::Mimic> mimic;                     // likewise; `of` may be empty
   ir::Limits limits;
 };
 

@@ -99,6 +99,9 @@ ir::JointType type(const std::string& name) {
   if (name == "prismatic") return ir::JointType::prismatic;
   if (name == "planar") return ir::JointType::planar;
   if (name == "floating") return ir::JointType::floating;
+  if (name == "helical") return ir::JointType::helical;
+  if (name == "universal") return ir::JointType::universal;
+  if (name == "spherical") return ir::JointType::spherical;
   return ir::JointType::fixed;  // the outline refused every other type
 }
 
@@ -117,6 +120,8 @@ ir::Joint joint(const JointOutline& from) {
   joint.origin.linear() = ir::rotation_from_rpy(from.origin.rpy);
   joint.origin.translation() = from.origin.xyz;
   if (joint.type != ir::JointType::fixed) joint.axis = from.axis.stableNormalized();
+  if (joint.type == ir::JointType::universal) joint.second = from.second.stableNormalized();
+  joint.pitch = from.pitch;
   joint.damping = from.damping;
   joint.friction = from.friction;
   joint.mimic = from.mimic;

@@ -40,6 +40,13 @@ std::vector<int> coordinates_above(const KinematicTree& tree, const CoordinateTr
 
 std::vector<int> ConstraintStep::read() const {
   if (kind == Kind::support) return {jacobian, to};
+  if (kind == Kind::respond) return {jacobian, inverse};
+  if (kind == Kind::derive) {
+    std::vector<int> arrays{room, inverse, efforts, changes};
+    for (const int array : {to, left, turned})
+      if (array >= 0) arrays.push_back(array);
+    return arrays;
+  }
   std::vector<int> arrays{jacobian, factor, pivots};
   if (right >= 0) arrays.push_back(right);
   if (kind != Kind::delassus) arrays.push_back(to);
@@ -113,6 +120,43 @@ std::vector<int> undriven_coordinates(const KinematicTree& tree, const Scene& sc
 
 namespace {
 
+Operations operations_of_respond(const ConstraintStep& step, const KinematicTree& tree, bool executed) {
+  Operations o;
+  const auto multiply_adds = [&](long times) { o.multiply += times, o.add += times; };
+  const long n = tree.nv(), rows = step.paths.first.back(), lanes = executed ? padded_rows(static_cast<int>(rows)) : rows,
+             column = executed ? inverse_stride(static_cast<int>(n)) : n;
+  long known = 0;  // elements of J
+  for (std::size_t c = 0; c + 1 < step.paths.first.size(); ++c)
+    known += static_cast<long>(step.paths.length(c)) * (step.paths.first[c + 1] - step.paths.first[c]);
+  o.multiply += known;
+  multiply_adds(n * (executed ? n * lanes : known));                    // M^-1 J'
+  multiply_adds(executed ? rows * n * lanes : (rows + 1) * known / 2);  // J M^-1 J'
+  o.divide += rows;
+  o.multiply += rows * lanes;
+  multiply_adds(rows * (rows - 1) * lanes);
+  o.multiply += (step.solutions - 1) * rows * lanes;
+  multiply_adds((step.solutions - 1) * rows * rows * lanes);
+  multiply_adds(n * rows * lanes);   // B
+  multiply_adds(n * rows * column);  // N
+  return o;
+}
+
+Operations operations_of_derive(const ConstraintStep& step, const KinematicTree& tree, bool executed) {
+  Operations o;
+  const auto multiply_adds = [&](long times) { o.multiply += times, o.add += times; };
+  const long n = tree.nv(), rows = step.paths.first.back(), lanes = executed ? padded_rows(static_cast<int>(rows)) : rows,
+             column = executed ? inverse_stride(static_cast<int>(n)) : n, more = step.turning_rows;
+  long known = 0;
+  for (std::size_t c = 0; c + 1 < step.paths.first.size(); ++c)
+    known += static_cast<long>(step.paths.length(c)) * (step.paths.first[c + 1] - step.paths.first[c]);
+  if (step.to >= 0) multiply_adds(known * column);
+  if (step.forces >= 0) multiply_adds(known * lanes + n * n * lanes);
+  multiply_adds(more * n * (column + lanes));
+  if (step.to >= 0) multiply_adds(more * n * column);
+  if (step.forces >= 0) multiply_adds(more * n * lanes);
+  return o;
+}
+
 Operations operations_of_support(const ConstraintStep& step) {
   Operations o;
   const auto multiply_adds = [&](long times) { o.multiply += times, o.add += times; };
@@ -130,6 +174,8 @@ Operations operations_of_support(const ConstraintStep& step) {
 
 Operations operations_of(const ConstraintStep& step, const KinematicTree& tree, bool executed) {
   if (step.kind == ConstraintStep::Kind::support) return operations_of_support(step);
+  if (step.kind == ConstraintStep::Kind::respond) return operations_of_respond(step, tree, executed);
+  if (step.kind == ConstraintStep::Kind::derive) return operations_of_derive(step, tree, executed);
   const ConstraintPaths& paths = step.paths;
   const CoordinateTree coordinates = coordinate_tree(tree);
   const long block = paths.block_rows(), padded = dalembert::block_lanes(paths.block_rows()), n = tree.nv();

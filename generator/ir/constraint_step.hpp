@@ -38,6 +38,8 @@ struct ConstraintStep {
     delassus,  // to = J M^-1 J'
     solve,     // to, which is e, becomes M^-1 (e + J' f), and f what makes J to = right
     impact,    // to = v + M^-1 J' f, and f what makes J M^-1 J' f = right
+    respond,   // to = N = M^-1 - B J M^-1, as a room of M^-1; forces, if any, = -B'; B = M^-1 J' (J M^-1 J' + R)^-1
+    derive,    // to, which is -N efforts, becomes -N efforts - B changes, and forces = B' efforts - (J M^-1 J' + R)^-1 changes
     support,   // to becomes to - J' f, and f = W J_u' y what makes it zero at the coordinates u without a motor; no factors
   };
   Kind kind;
@@ -46,8 +48,17 @@ struct ConstraintStep {
   // Arrays: J; M's U, above its diagonal, and D; room to work in.
   int jacobian = 0, factor = 0, pivots = 0, room = 0;
   int right = -1;   // solve, impact: per row
-  int forces = -1;  // solve, impact, support: per row
-  int to = 0;
+  int forces = -1;  // solve, impact, support: per row; respond, derive: rows x nv; −1: nobody asks
+  int to = 0;       // derive: −1: nobody asks
+  // M^-1 with room (respond), N with room (derive): arrays.
+  int inverse = -1;
+  // respond: N without room, an output; −1: nobody asks.
+  int plain = -1;
+  bool of_forces = false;  // respond: whether derivatives of forces are asked for, here or later
+  // derive: nv x nv and rows x nv; and where forces of loops turn with one link and move with another, the factors of what
+  // efforts are more, a row each for all of them, and room.
+  int efforts = -1, changes = -1, left = -1, turned = -1, turning_room = -1, turning_rows = 0;
+  int first = 0;                // derive: efforts' columns before this one are zero, and so far to's
   std::vector<int> undriven{};  // support: the coordinates u
 
   std::vector<int> read() const;

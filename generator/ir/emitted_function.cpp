@@ -25,6 +25,8 @@ bool EmittedFunction::computes(Quantity quantity) const {
   return std::find(quantities.begin(), quantities.end(), quantity) != quantities.end();
 }
 
+bool EmittedFunction::leaves(Quantity quantity) const { return std::find(later.begin(), later.end(), quantity) != later.end(); }
+
 std::string EmittedFunction::acceleration_result() const {
   for (const Quantity quantity : {Quantity::constrained_forward_dynamics, Quantity::forward_dynamics})
     if (computes(quantity)) return result(quantity);

@@ -20,10 +20,13 @@ struct EmittedFunction {
   std::vector<Quantity> quantities{};    // of the whole robot, in the order of their results
   std::vector<LinkOutput> of_links{};    // of links, behind them
   // A function may be computed in two halves: the first is the function that users call, has all results, and ends by calling
-  // the second, which fills some of them.
-  std::string second_half{};    // of a first half: the name of the other
-  std::string first_half{};     // of a second half: likewise
-  std::string accelerations{};  // of both: the array by which the first hands v̇ to the second
+  // the second, which fills some of them. A second half may end by calling another.
+  std::string second_half{};      // the name of the half that it calls
+  std::string hands_on{};         // the array of v̇ for that
+  std::string first_half{};       // of a second half: the function that users call
+  std::string accelerations{};    // of a second half: the array by which the first hands v̇ to it
+  std::string forces{};           // likewise, where constraints act at that v̇: their forces
+  std::vector<Quantity> later{};  // what second halves fill
 
   // What it takes after q and v, as in FunctionRow.
   const char* input() const { return row_of(inputs).input; }
@@ -43,6 +46,7 @@ struct EmittedFunction {
   }
   std::string result(const LinkOutput& output) const { return named ? called_name(name_of(output)) : name_of(output); }
   bool computes(Quantity quantity) const;
+  bool leaves(Quantity quantity) const;  // to a second half
   // Of its results, v̇ for the forces given, that which contacts allow first; empty: none is.
   std::string acceleration_result() const;
 };

@@ -70,6 +70,8 @@ struct LinkPlacement {
   std::string in_words() const { return on.empty() ? "link '" + link + "'" : "frame '" + link + "'"; }
 };
 
+inline constexpr int nobody = -2;
+
 struct KinematicTree {
   std::string robot;  // the URDF's robot name
   std::string base_link;
@@ -78,7 +80,9 @@ struct KinematicTree {
   std::vector<Body> bodies;
   std::vector<LinkPlacement> links;  // every link kept, in depth-first order; then the scene's frames
   std::vector<int> pushed;           // per wrench of the scene: the body it acts on
-  int constraint_rows = 0;           // of the scene's contacts and loops
+  std::vector<std::pair<int, int>>
+      held;                 // per constraint: the body its forces act on, and that which has the opposite, or nobody
+  int constraint_rows = 0;  // of the scene's contacts and loops
 
   int joints() const { return static_cast<int>(bodies.size()); }  // moving joints, driven ones included
   // Per body: which of the joint coordinates is its own, or its driver's, counted from 0 behind the base's.

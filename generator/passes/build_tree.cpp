@@ -50,11 +50,18 @@ class TreeBuilder {
     check_loops();
     check_links();
     if (!errors_.empty()) throw InputError(errors_);
+    for (const ir::Contact& contact : scene_.contacts) tree_.held.emplace_back(body_of(contact.link), ir::nobody);
+    for (const ir::Loop& loop : scene_.loops) tree_.held.emplace_back(body_of(loop.links[1]), body_of(loop.links[0]));
     check_magnitudes(tree_, scene_, robot_.file);
     return std::move(tree_);
   }
 
  private:
+  int body_of(const std::string& link) const {
+    return std::find_if(tree_.links.begin(), tree_.links.end(), [&](const ir::LinkPlacement& at) { return at.link == link; })
+        ->body;
+  }
+
   // A link still to be visited: the joint above it (-1 for the root), and the body its parent link is part of.
   struct Visit {
     int link, joint, parent_body;

@@ -79,7 +79,12 @@ std::optional<double> value_elsewhere(int parameter) {
 }
 
 double parameter_value(int parameter, const ir::KinematicTree& tree, const ir::NormalTree& normal, int body) {
-  if (parameter >= bears_p) return tree.is_above(body, tree.pushed[static_cast<size_t>(parameter - bears_p)]) ? 1 : 0;
+  if (parameter >= bears_p) {
+    const auto which = static_cast<size_t>(parameter - bears_p), wrenches = tree.pushed.size();
+    if (which < wrenches) return tree.is_above(body, tree.pushed[which]) ? 1 : 0;
+    const auto [to, back] = tree.held[which - wrenches];
+    return (tree.is_above(body, to) ? 1 : 0) - (tree.is_above(body, back) ? 1 : 0);
+  }
   const bool of_moments = parameter >= mass_p && parameter <= half_trace_p;
   if (body < 0) {  // the base's link is the frame of reference
     if (parameter == first_part_p || parameter == moves_p) return 1;

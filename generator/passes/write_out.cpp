@@ -183,7 +183,7 @@ class Writing {
       const bool constrains =
           std::any_of(algorithm_.constraint_steps.begin(), algorithm_.constraint_steps.end(), [&](const auto& step) {
             const std::vector<int> arrays = step.read();
-            return index == step.room || index == step.forces || index == step.to ||
+            return index == step.room || index == step.forces || index == step.to || index == step.turning_room ||
                    std::find(arrays.begin(), arrays.end(), index) != arrays.end();
           });
       algorithm_.arrays[a].written_out = algorithm_.arrays[a].internal && !checked && !projected && !constrains &&
@@ -212,9 +212,8 @@ namespace {
 // Whether a matrix has elements all along its diagonal: a body without mass may have none in any state, and what then is to be
 // divided by is left to the runtime, which tells.
 bool has_diagonal(const ir::Program& program, int array, int size) {
-  return size == std::count_if(program.elements.begin(), program.elements.end(), [&](const ir::OutputElement& e) {
-           return e.array == array && e.row == e.column;
-         });
+  return size == std::count_if(program.elements.begin(), program.elements.end(),
+                               [&](const ir::OutputElement& e) { return e.array == array && e.row == e.column; });
 }
 
 }  // namespace

@@ -37,8 +37,8 @@ double mass_condition(const ir::KinematicTree& tree, const ir::Scene& scene, con
 namespace {
 
 // The largest eigenvalue by the least, of a symmetric matrix with a diagonal of ones; where that is none to a proximal step,
-// what is lost there.
-double symmetric_condition(Eigen::MatrixXd D) {
+// what is lost there, once or several times.
+double symmetric_condition(Eigen::MatrixXd D, int times = 1) {
   for (Eigen::Index i = 0; i < D.rows(); ++i) {
     const double length = std::sqrt(D(i, i));
     if (!(length > 0)) continue;
@@ -48,7 +48,7 @@ double symmetric_condition(Eigen::MatrixXd D) {
   const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(D, Eigen::EigenvaluesOnly).eigenvalues();
   const double largest = values.maxCoeff(), mu = Proximal<double>::mu;
   const bool redundant = values.minCoeff() <= 100 * mu * largest;
-  return redundant ? 16 / mu : largest / values.minCoeff();
+  return redundant ? std::pow(16 / mu, times) : largest / values.minCoeff();
 }
 
 // Of what constraints can do for coordinates without a motor.
@@ -71,9 +71,12 @@ double condition(const Wanted& wanted, const ir::KinematicTree& tree, const ir::
   const double of_mass = mass_condition(tree, scene, inputs);
   if (ir::row_of(*wanted.quantity).scale == ir::Scale::solved) return of_mass;
   // Rows of one length, so that units do not count. Where rows say the same, and at velocities that contradict them, forces are
-  // 1/mu of what is asked for, and cancel.
+  // 1/mu of what is asked for, and cancel; as they turn with q, forces without meaning ask for others 1/mu as large.
+  const bool by_q = *wanted.quantity == ir::Quantity::constrained_forward_dynamics_dq ||
+                    *wanted.quantity == ir::Quantity::constraint_forces_dq;
   return of_mass *
-         symmetric_condition(evaluate(tree, scene, {{ir::Quantity::delassus_matrix, ""}}, inputs, Precision::extended).front());
+         symmetric_condition(evaluate(tree, scene, {{ir::Quantity::delassus_matrix, ""}}, inputs, Precision::extended).front(),
+                             by_q ? 2 : 1);
 }
 
 double LeastScale::largest_mass() {
@@ -99,10 +102,18 @@ double LeastScale::largest_weight(ir::Quantity quantity) {
 double LeastScale::largest_free(ir::Quantity quantity) {
   if (ir::row_of(quantity).rows != ir::Extent::nv) return 0;
   if (quantity == ir::Quantity::impact) return inputs_.v.cwiseAbs().maxCoeff();
-  return evaluate(tree_, scene_, {{ir::Quantity::forward_dynamics, ""}}, inputs_, Precision::float64)
-      .front()
-      .cwiseAbs()
-      .maxCoeff();
+  const auto largest = [&](ir::Quantity free) {
+    return evaluate(tree_, scene_, {{free, ""}}, inputs_, Precision::float64).front().cwiseAbs().maxCoeff();
+  };
+  switch (quantity) {
+    // Rows' accelerations change with velocities though those of a robot without them may not.
+    case ir::Quantity::constrained_forward_dynamics_dq:
+      return std::max(largest(ir::Quantity::forward_dynamics_dq), inputs_.v.cwiseAbs2().maxCoeff());
+    case ir::Quantity::constrained_forward_dynamics_dv:
+      return std::max(largest(ir::Quantity::forward_dynamics_dv), inputs_.v.cwiseAbs().maxCoeff());
+    case ir::Quantity::constrained_forward_dynamics_dtau: return largest(ir::Quantity::inverse_mass_matrix);
+    default: return largest(ir::Quantity::forward_dynamics);
+  }
 }
 
 namespace {

@@ -5,10 +5,11 @@
 #include <algorithm>
 #include <dalembert/constraint_shapes.hpp>
 #include <dalembert/generic/centroidal.hpp>
-#include <dalembert/generic/constraints.hpp>
+#include <dalembert/generic/constraint_derivatives.hpp>
 #include <dalembert/generic/dynamics.hpp>
 #include <dalembert/generic/energy.hpp>
 #include <dalembert/generic/frames.hpp>
+#include <optional>
 
 #include "ir/constraint_step.hpp"
 #include "ir/loop_length.hpp"
@@ -73,6 +74,12 @@ class Evaluation {
         return constrained(generic::impact<S>(robot_, constraints(), own_q_, own_v_, options()), false);
       case ir::Quantity::constrained_forward_dynamics: return constrained(constrained_motion(), false);
       case ir::Quantity::constraint_forces: return constrained(constrained_motion(), true);
+      case ir::Quantity::constrained_forward_dynamics_dq: return derived(&Derivatives::dq);
+      case ir::Quantity::constrained_forward_dynamics_dv: return derived(&Derivatives::dv);
+      case ir::Quantity::constrained_forward_dynamics_dtau: return derived(&Derivatives::dtau);
+      case ir::Quantity::constraint_forces_dq: return derived(&Derivatives::forces_dq);
+      case ir::Quantity::constraint_forces_dv: return derived(&Derivatives::forces_dv);
+      case ir::Quantity::constraint_forces_dtau: return derived(&Derivatives::forces_dtau);
       case ir::Quantity::constrained_inverse_dynamics: return supported().value;
       case ir::Quantity::inverse_constraint_forces: return supported().forces;
       case ir::Quantity::regressor: return of_links(generic::regressor<S>(robot_, own_q_, own_v_, more_), 10);
@@ -119,6 +126,17 @@ class Evaluation {
   MatrixX<S> constrained(const generic::Constrained<S>& solution, bool forces) const {
     if (!solution.status.ok()) return MatrixX<S>::Zero(forces ? scene_.constraint_rows() : robot_.nv(), 1);
     return forces ? solution.forces : solution.value;
+  }
+  using Derivatives = generic::ConstrainedDerivatives<S>;
+  // All of them at once, when the first is asked for.
+  MatrixX<S> derived(MatrixX<S> Derivatives::*which) const {
+    if (!derivatives_)
+      derivatives_ = generic::constrained_derivatives<S>(robot_, constraints(), own_q_, own_v_, more_, wrenches_, options(),
+                                                         turned_wrenches());
+    if (derivatives_->status.ok()) return (*derivatives_).*which;
+    const bool forces =
+        which == &Derivatives::forces_dq || which == &Derivatives::forces_dv || which == &Derivatives::forces_dtau;
+    return MatrixX<S>::Zero(forces ? scene_.constraint_rows() : robot_.nv(), robot_.nv());
   }
   generic::Constraints<S> constraints() const {
     generic::Constraints<S> all;
@@ -195,7 +213,10 @@ class Evaluation {
   // A wrench along the world's axes does not turn with its link: as seen from there it turns back as the link turns by w,
   // dF = -[w x f; w x n], of which tau has -J' dF.
   MatrixX<S> inverse_dynamics_dq(const VectorX<S>& v_dot) const {
-    MatrixX<S> result = generic::inverse_dynamics_dq<S>(robot_, own_q_, own_v_, v_dot, wrenches_);
+    return generic::inverse_dynamics_dq<S>(robot_, own_q_, own_v_, v_dot, wrenches_) + turned_wrenches();
+  }
+  MatrixX<S> turned_wrenches() const {
+    MatrixX<S> result = MatrixX<S>::Zero(robot_.nv(), robot_.nv());
     for (size_t i = 0; i < scene_.wrenches.size() && given_.size() > 0; ++i) {
       if (!scene_.wrenches[i].in_world) continue;
       const Place at = place(scene_.wrenches[i].link);
@@ -252,7 +273,8 @@ class Evaluation {
   const generic::Reduction<S> reduction_;
   VectorX<S> q_, v_;                         // of every joint
   VectorX<S> own_q_, own_v_, more_, given_;  // as given; the last: wrenches on links
-  VectorX<S> wrenches_;                      // on bodies, along their axes and about their origins, in the order of W's columns
+  mutable std::optional<Derivatives> derivatives_;
+  VectorX<S> wrenches_;  // on bodies, along their axes and about their origins, in the order of W's columns
   generic::Kinematics<S> kinematics_;
   generic::Composites<S> composites_;
 };

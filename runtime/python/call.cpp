@@ -13,6 +13,49 @@
 
 namespace dalembert::python {
 
+PyObject* packed(const Contents& f, std::vector<Owned>& results, bool as_scalar) {
+  const auto item = [&](Owned& owned) {
+    PyObject* const object = owned.release();
+    return as_scalar && PyArray_NDIM(reinterpret_cast<PyArrayObject*>(object)) == 0
+               ? PyArray_Return(reinterpret_cast<PyArrayObject*>(object))
+               : object;
+  };
+  if (!f.result_type) return item(results[0]);
+  auto* const type = reinterpret_cast<PyTypeObject*>(f.result_type);
+  Owned tuple(type->tp_alloc(type, static_cast<Py_ssize_t>(results.size())));
+  if (!tuple) return nullptr;
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    PyObject* const object = item(results[i]);
+    if (!object) return nullptr;
+    PyTuple_SET_ITEM(tuple.get(), static_cast<Py_ssize_t>(i), object);
+  }
+  return tuple.release();
+}
+
+bool find_batch(Contents& f) {
+  if (f.batch.entry || !f.find_batch) return true;
+  const Owned found(PyObject_CallNoArgs(f.find_batch));
+  if (!found) return false;
+  if (f.batch.entry || !f.find_batch) return true;  // another thread's doing, meanwhile
+  if (found.get() == Py_None) {
+    Py_CLEAR(f.find_batch);
+    return true;
+  }
+  PyObject* library;
+  int entry;
+  if (!PyArg_ParseTuple(found.get(), "Oi", &library, &entry)) return false;
+  const FunctionTable* const table = table_of(library);
+  if (!table) return false;
+  if (entry < 0 || entry >= table->functions || table->entries[entry].results != f.single.entry->results ||
+      table->scalar_bytes != static_cast<std::int32_t>(f.scalar)) {
+    PyErr_SetString(PyExc_OSError, "the compiled batches are not of this robot");
+    return false;
+  }
+  f.batch.library = Py_NewRef(library);
+  f.batch.entry = &table->entries[entry];
+  return true;
+}
+
 namespace {
 
 // What the coordinate is called: "joint 'knee' (v[7])".
@@ -34,26 +77,6 @@ bool all_finite(const Contents& f, const char* what, const void* data, npy_intp 
     return false;
   }
   return true;
-}
-
-// The results as the caller gets them: one, or a named tuple.
-PyObject* packed(const Contents& f, std::vector<Owned>& results, bool as_scalar) {
-  const auto item = [&](Owned& owned) {
-    PyObject* const object = owned.release();
-    return as_scalar && PyArray_NDIM(reinterpret_cast<PyArrayObject*>(object)) == 0
-               ? PyArray_Return(reinterpret_cast<PyArrayObject*>(object))
-               : object;
-  };
-  if (!f.result_type) return item(results[0]);
-  auto* const type = reinterpret_cast<PyTypeObject*>(f.result_type);
-  Owned tuple(type->tp_alloc(type, static_cast<Py_ssize_t>(results.size())));
-  if (!tuple) return nullptr;
-  for (std::size_t i = 0; i < results.size(); ++i) {
-    PyObject* const object = item(results[i]);
-    if (!object) return nullptr;
-    PyTuple_SET_ITEM(tuple.get(), static_cast<Py_ssize_t>(i), object);
-  }
-  return tuple.release();
 }
 
 // ---- The long way
@@ -91,31 +114,6 @@ void run_states(const FunctionEntry& entry, FunctionCall call, const std::vector
       entry.run(part, workspaces[static_cast<std::size_t>(w)].get());
     }
   });
-}
-
-// The function's batch, found when it is asked for first. False with an error set.
-bool find_batch(Contents& f) {
-  if (f.batch.entry || !f.find_batch) return true;
-  const Owned found(PyObject_CallNoArgs(f.find_batch));
-  if (!found) return false;
-  if (f.batch.entry || !f.find_batch) return true;  // another thread's doing, meanwhile
-  if (found.get() == Py_None) {
-    Py_CLEAR(f.find_batch);
-    return true;
-  }
-  PyObject* library;
-  int entry;
-  if (!PyArg_ParseTuple(found.get(), "Oi", &library, &entry)) return false;
-  const FunctionTable* const table = table_of(library);
-  if (!table) return false;
-  if (entry < 0 || entry >= table->functions || table->entries[entry].results != f.single.entry->results ||
-      table->scalar_bytes != static_cast<std::int32_t>(f.scalar)) {
-    PyErr_SetString(PyExc_OSError, "the compiled batches are not of this robot");
-    return false;
-  }
-  f.batch.library = Py_NewRef(library);
-  f.batch.entry = &table->entries[entry];
-  return true;
 }
 
 PyObject* long_way(Contents& f, PyObject* const* args, Py_ssize_t given_count, PyObject* keywords) {

@@ -7,10 +7,18 @@
 #pragma once
 
 #include <cstddef>
+#include <vector>
 
+#include "function.hpp"
 #include "numpy.hpp"
 
 namespace dalembert::python {
+
+// The function's batch, found when it is asked for first; without one batch.entry stays null. False with an error set.
+bool find_batch(Contents& f);
+
+// Results as the caller gets them: one, or a named tuple; a number rather than an array without axes where `as_scalar`.
+PyObject* packed(const Contents& f, std::vector<Owned>& results, bool as_scalar);
 
 // The vectorcall of function_type.
 PyObject* call(PyObject* self, PyObject* const* args, std::size_t flagged, PyObject* keywords);

@@ -60,8 +60,12 @@ PyMODINIT_FUNC PyInit__core() {
   singular_warning = PyErr_NewExceptionWithDoc("dalembert.SingularWarning",
                                                "The mass matrix is not positive definite at some states of a batch.",
                                                PyExc_RuntimeWarning, nullptr);
-  if (!singular_error || !singular_warning || PyModule_AddObjectRef(module.get(), "SingularError", singular_error) < 0 ||
+  stopped_warning = PyErr_NewExceptionWithDoc(
+      "dalembert.StoppedWarning", "Motions of a rollout could not make all of their steps.", PyExc_RuntimeWarning, nullptr);
+  if (!singular_error || !singular_warning || !stopped_warning ||
+      PyModule_AddObjectRef(module.get(), "SingularError", singular_error) < 0 ||
       PyModule_AddObjectRef(module.get(), "SingularWarning", singular_warning) < 0 ||
+      PyModule_AddObjectRef(module.get(), "StoppedWarning", stopped_warning) < 0 ||
       PyModule_AddObjectRef(module.get(), "Function", reinterpret_cast<PyObject*>(&function_type)) < 0)
     return nullptr;
   return module.release();

@@ -6,10 +6,11 @@
 #include <cstddef>
 
 #include "call.hpp"
+#include "rollouts.hpp"
 
 namespace dalembert::python {
 
-PyObject *singular_error = nullptr, *singular_warning = nullptr;
+PyObject *singular_error = nullptr, *singular_warning = nullptr, *stopped_warning = nullptr;
 PyObject *name_out = nullptr, *name_status = nullptr, *name_q = nullptr, *name_v = nullptr;
 PyTypeObject function_type = {PyVarObject_HEAD_INIT(nullptr, 0)};
 
@@ -46,11 +47,11 @@ bool read_shapes(PyObject* list, Contents& f) {
 PyObject* new_function(PyTypeObject* type, PyObject* args, PyObject*) {
   PyObject *library, *name, *more, *shapes, *result_type, *run_time, *run_time_inputs, *coordinates, *doc, *signature,
       *find_batch;
-  int entry, needs_v;
+  int entry, needs_v, acceleration;
   Py_ssize_t nq, nv;
-  if (!PyArg_ParseTuple(args, "OiUOpnnO!OOO!O!UOO", &library, &entry, &name, &more, &needs_v, &nq, &nv, &PyTuple_Type, &shapes,
+  if (!PyArg_ParseTuple(args, "OiUOpnnO!OOO!O!UOOi", &library, &entry, &name, &more, &needs_v, &nq, &nv, &PyTuple_Type, &shapes,
                         &result_type, &run_time, &PyTuple_Type, &run_time_inputs, &PyTuple_Type, &coordinates, &doc, &signature,
-                        &find_batch))
+                        &find_batch, &acceleration))
     return nullptr;
   const FunctionTable* const functions = table_of(library);
   if (!functions) return nullptr;
@@ -69,6 +70,7 @@ PyObject* new_function(PyTypeObject* type, PyObject* args, PyObject*) {
   f->nq = nq;
   f->nv = nv;
   f->needs_v = needs_v;
+  f->acceleration = acceleration;
   f->type = table.scalar_bytes == 4 ? NPY_FLOAT32 : NPY_FLOAT64;
   f->scalar = static_cast<std::size_t>(table.scalar_bytes);
   f->single.library = keep(library);
@@ -111,6 +113,8 @@ PyObject* represent(PyObject* self) {
                             : PyUnicode_FromFormat("<%U>", of(self).name);
 }
 
+PyMethodDef function_methods[] = {{"roll_out", roll_out, METH_VARARGS, "Motions of many steps; see Robot."}, {}};
+
 PyGetSetDef function_attributes[] = {
     {"__name__", [](PyObject* self, void*) { return object_or_none(of(self).name); }, nullptr, nullptr, nullptr},
     {"__doc__", [](PyObject* self, void*) { return object_or_none(of(self).doc); }, nullptr, nullptr, nullptr},
@@ -143,6 +147,7 @@ bool prepare_function_type() {
   function_type.tp_dealloc = deallocate;
   function_type.tp_repr = represent;
   function_type.tp_getset = function_attributes;
+  function_type.tp_methods = function_methods;
   return PyType_Ready(&function_type) == 0;
 }
 

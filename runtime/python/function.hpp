@@ -13,7 +13,7 @@ namespace dalembert::python {
 inline constexpr const char* library_capsule = "dalembert.library";
 
 // Made with the module, and never given up.
-extern PyObject *singular_error, *singular_warning;
+extern PyObject *singular_error, *singular_warning, *stopped_warning;
 extern PyObject *name_out, *name_status, *name_q, *name_v;
 extern PyTypeObject function_type;
 
@@ -40,6 +40,7 @@ struct Contents {
   PyObject* find_batch = nullptr;  // returns (library, entry) of the batch, or None; null: batches are single states
   npy_intp nq = 0, nv = 0;
   bool needs_v = true;
+  int acceleration = -1;  // which result is v̇
   int type = NPY_DOUBLE;
   std::size_t scalar = sizeof(double);
   PyObject *name = nullptr, *more = nullptr, *result_type = nullptr, *run_time = nullptr, *coordinates = nullptr,

@@ -27,7 +27,8 @@ Vector row_of(PyArrayObject* array, npy_intp row) {
   return {static_cast<double*>(PyArray_DATA(array)) + row * PyArray_DIM(array, 1), PyArray_DIM(array, 1)};
 }
 
-// Joints with a quaternion, from rows of a C-contiguous int64 array: where they begin in q and v, and whether they slide.
+}  // namespace
+
 bool quaternion_joints(PyArrayObject* array, std::vector<QuaternionJoint>& joints) {
   if (PyArray_NDIM(array) != 2 || PyArray_DIM(array, 1) != 3 || PyArray_TYPE(array) != NPY_INT64 ||
       !PyArray_ISCARRAY_RO(array)) {
@@ -39,8 +40,6 @@ bool quaternion_joints(PyArrayObject* array, std::vector<QuaternionJoint>& joint
     joints.push_back({static_cast<int>(numbers[0]), static_cast<int>(numbers[1]), numbers[2] != 0});
   return true;
 }
-
-}  // namespace
 
 PyObject* integrate(PyObject*, PyObject* args) {
   PyArrayObject *q, *step, *quaternions;

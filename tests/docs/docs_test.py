@@ -44,6 +44,12 @@ RUN_ELSEWHERE = {
     "/usr/bin/python3 tests/python/fuzz.py --cases 10000": "minutes under sanitizers; a slice of it is in the test python_calls_test",
     "cmake --preset release && cmake --build --preset release": "tests/run.sh",
     "(cd build/release && cpack)": "the test packaging (.deb)",
+    "cmake --build --preset release --target farm": "tests/run.sh",
+    "mpirun -np 2 build/release/bin/farm sweep --states 10000000 --out build/try/sweep.h5": "gigabytes; the test farm computes fewer",
+    "build/release/bin/farm record --out build/try/recording.h5": "the test farm, where there is MPI",
+    "mpirun -np 2 build/release/bin/farm identify --candidates 100000 --recording build/try/recording.h5 --out build/try/loads.h5":
+        "the same",
+    "/usr/bin/python3 examples/farm/read.py build/try/loads.h5": "the same",
     "python3 tests/matrix/run.py": "three quarters of an hour; a slice of it is the test matrix.slice",
 }
 

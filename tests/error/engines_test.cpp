@@ -305,6 +305,39 @@ TEST(Check, FindsAWrongLine) {
   EXPECT_NE(outcome.out.find("FAILS: mass_matrix("), std::string::npos) << outcome.out;
 }
 
+// Rollouts beside the integrators with the generic engine's accelerations, of contacts and joints with quaternions too; and
+// where nothing acts that should, both check and self-test say so.
+TEST(Check, CoversRollouts) {
+  setenv("CXX", "c++ -Wall -Wextra -Wpedantic -Werror", 1);
+  const Outcome held =
+      run_dalembert({"check", arm, "--base", "fixed", "--batch", "true", "--outputs", "constrained_forward_dynamics",
+                     "--contacts", "hand=point", "--joints", "{elbow: spherical}", quickly[0], quickly[1]},
+                    ".");
+  EXPECT_EQ(held.status, 0) << held.err << held.out;
+  for (const char* line :
+       {"its rollouts, 4 steps ", "constrained_forward_dynamics, Euler ", "constrained_forward_dynamics, rk4 "})
+    EXPECT_NE(held.out.find(line), std::string::npos) << line << held.out;
+
+  const TemporaryFolder folder;
+  const std::string compiler = folder.path() + "/compiler";
+  write_text(
+      compiler,
+      "#!/bin/sh\nfor file; do case \"$file\" in */batch.cpp)\n"
+      "  sed -i '/rollout, batch.q, batch.v, batch.input/s/batch.input/nullptr/' \"$file\";;\nesac; done\nexec c++ \"$@\"\n");
+  chmod(compiler.c_str(), 0700);
+  setenv("CXX", compiler.c_str(), 1);
+  const Outcome spoilt = run_dalembert(
+      {"check", arm, "--base", "fixed", "--batch", "true", "--outputs", "forward_dynamics", quickly[0], quickly[1]}, ".");
+  unsetenv("CXX");
+  EXPECT_EQ(spoilt.status, 1) << spoilt.err << spoilt.out;
+  EXPECT_NE(spoilt.out.find("FAILS: forward_dynamics("), std::string::npos) << spoilt.out;
+  std::istringstream lines(spoilt.out);
+  for (std::string line; std::getline(lines, line);) {
+    const bool is_rollout = line.find("forward_dynamics, ") != std::string::npos;
+    EXPECT_EQ(line.ends_with("  DIFFERS"), is_rollout) << line;
+  }
+}
+
 // The file gets a plan, and with it the next generation is the same, byte for byte.
 TEST(Plan, IsMeasuredAndRepeated) {
   const TemporaryFolder folder;

@@ -4,6 +4,8 @@ usage: formats_test.py DALEMBERT PROJECT
 """
 
 import difflib
+import json
+import math
 import os
 import pathlib
 import re
@@ -14,6 +16,7 @@ import unittest
 import xml.etree.ElementTree as xml
 
 dalembert, project = sys.argv[1], pathlib.Path(sys.argv[2])
+JOINTS = ("link_1_joint", "link_2_joint", "link_3_joint")  # of tests/robots/skew_axes.urdf
 has_sdf = os.environ.get("DALEMBERT_TEST_SDF", "1") == "1"
 
 
@@ -30,8 +33,9 @@ def vector(element, tag, attribute, otherwise):
     return found.get(attribute, otherwise) if found is not None else otherwise
 
 
-def sdf_of(urdf):
-    """The robot in SDF, link by link, each placed in its parent link's frame as the URDF has it."""
+def sdf_of(urdf, kinds={}):
+    """The robot in SDF, link by link, each placed in its parent link's frame as the URDF has it. kinds: {joint: (type, more)} of
+    joints that a URDF has no word for."""
     robot = xml.parse(urdf).getroot()
     parents = {j.find("child").get("link"): j for j in robot.findall("joint")}
     pose = lambda at: vector(at, "origin", "xyz", "0 0 0") + " " + vector(at, "origin", "rpy", "0 0 0")
@@ -49,15 +53,16 @@ def sdf_of(urdf):
                      f"<inertia>{moments}</inertia></inertial>")
         text += "</link>\n"
     for joint in robot.findall("joint"):
-        text += (f'<joint name="{joint.get("name")}" type="{joint.get("type")}"><parent>{joint.find("parent").get("link")}</parent>'
+        kind, more = kinds.get(joint.get("name"), (joint.get("type"), ""))
+        text += (f'<joint name="{joint.get("name")}" type="{kind}"><parent>{joint.find("parent").get("link")}</parent>'
                  f'<child>{joint.find("child").get("link")}</child>')
-        if joint.get("type") != "fixed":
+        if kind not in ("fixed", "ball"):
             limit = joint.find("limit")
             text += f"<axis><xyz>{vector(joint, 'axis', 'xyz', '1 0 0')}</xyz>"
             if limit is not None:
                 text += f"<limit><lower>{limit.get('lower')}</lower><upper>{limit.get('upper')}</upper></limit>"
             text += "</axis>"
-        text += "</joint>\n"
+        text += f"{more}</joint>\n"
     return text + "</model>\n</sdf>\n"
 
 
@@ -127,12 +132,45 @@ class Sdf(Folder):
         distance = sum((a - b) ** 2 for a, b in zip(at_link[3::4], at_tip[3::4])) ** 0.5
         self.assertLess(abs(distance - 0.3), 1e-12)
 
+    def test_joints_that_a_urdf_has_no_word_for(self):
+        """Ball, universal, revolute2 and screw joints: the same numbers as of the URDF whose scene says what its joints are."""
+        urdf = project / "tests/robots/skew_axes.urdf"
+        axis2 = "<axis2><xyz>0.1 -0.7 0.4</xyz></axis2>"
+        pitch = 0.02  # m per turn
+        ours = {JOINTS[0]: {"universal": [0.1, -0.7, 0.4]}, JOINTS[1]: {"helical": pitch}, JOINTS[2]: "spherical"}
+        screws = (f"<thread_pitch>{-2 * math.pi / pitch!r}</thread_pitch>", f"<screw_thread_pitch>{pitch}</screw_thread_pitch>")
+        for two, screw in (("universal", screws[0]), ("revolute2", screws[1])):
+            sdf = self.write(f"{two}.sdf", sdf_of(urdf, {JOINTS[0]: (two, axis2), JOINTS[1]: ("screw", screw), JOINTS[2]: ("ball", "")}))
+            robots = (sdf, ()), (urdf, ("--joints", json.dumps(ours)))
+            infos = [json.loads(run("info", robot, "--json", "--base", "fixed", *options)[1]) for robot, options in robots]
+            self.assertEqual([i["joints"] for i in infos[:1]], [i["joints"] for i in infos[1:]])
+            nq, nv = infos[0]["nq"], infos[0]["nv"]
+            self.assertEqual((nq - nv, nv), (1, infos[1]["nv"]))
+            states = self.write("kinds", " ".join(str(0.3 + 0.17 * (i * i % 7)) for i in range(nq + 2 * nv)) + "\n")
+            for output in ("inverse_dynamics", "forward_dynamics"):
+                numbers = []
+                for robot, options in robots:
+                    status, printed, said = run("eval", robot, "--state", states, "--output", output, "--engine", "generic", "--base",
+                                                "fixed", *options)
+                    self.assertEqual(status, 0, said)
+                    numbers.append([float(x) for x in printed.split()])
+                    self.assertEqual("taken as Gazebo takes it" in said, robot == sdf and two == "universal", said)
+                largest = max(map(abs, numbers[1]))
+                self.assertEqual(len(numbers[0]), nv)
+                self.assertTrue(all(abs(a - b) < 1e-13 * largest for a, b in zip(*numbers)), numbers)
+
     def test_what_is_not_known_is_refused_by_name(self):
         link = '<link name="{}"/>'
         two = link.format("a") + link.format("b")
+        axes = lambda a, b: f"<axis><xyz>{a}</xyz></axis><axis2><xyz>{b}</xyz></axis2>"
         for text, said in (
-                (f'<model name="m">{two}<joint name="j" type="ball"><parent>a</parent><child>b</child></joint></model>',
-                 r"joint 'j' \(line 1\): error: joints of type 'ball' are not known here"),
+                (f'<model name="m">{two}<joint name="j" type="gearbox"><parent>a</parent><child>b</child>{axes("1 0 0", "1 0 0")}'
+                 "<gearbox_reference_body>a</gearbox_reference_body></joint></model>",
+                 r"joint 'j' \(line 1\): error: gearbox joints couple two others.*say in the scene what it couples: mimic"),
+                (f'<model name="m">{two}<joint name="j" type="universal"><parent>a</parent><child>b</child>{axes("1 0 0", "-2 0 0")}'
+                 "</joint></model>", r"joint 'j' \(line 1\): error: its second axis is its first"),
+                (f'<model name="m">{two}<joint name="j" type="screw"><parent>a</parent><child>b</child><axis><xyz>1 0 0</xyz></axis>'
+                 "<thread_pitch>0</thread_pitch></joint></model>", r"joint 'j' \(line 1\): error: its thread_pitch is 0"),
                 (f'<world name="w"><model name="m">{two}</model><model name="n">{two}</model></world>',
                  r"there are 2 models: 'm', 'n'; leave one"),
                 (f'<model name="m">{two}</model>', "two links|root"),

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
-#include <dalembert/generic/constraints.hpp>
+#include <dalembert/generic/constraint_derivatives.hpp>
 
 #include "identities.hpp"
 #include "load_robot.hpp"
@@ -214,6 +214,56 @@ TEST_P(Constraints, AnImpactStopsTheRows) {
     const Vector lost = c.v - after.value;
     const Multi before = c.v.dot(M * c.v), now = after.value.dot(M * after.value), taken = lost.dot(M * lost);
     EXPECT_LT(abs(before - now - taken).convert_to<double>(), 1e-20 * before.convert_to<double>());
+  }
+}
+
+// Of v̇ and of forces, along the tangent, with a constraint masked and rows that give way, too.
+TEST_P(Constraints, DerivativesAreDifferences) {
+  if (is_singular()) GTEST_SKIP() << "M is singular";
+  for (size_t set = 0; set < sets.size(); ++set) {
+    SCOPED_TRACE(set);
+    const Rows& constraints = sets[set];
+    if (are_doubtful(constraints)) continue;
+    const Matrix J = jacobian(constraints, c.q), inverse = generic::inverse_mass_matrix<Multi>(c.model, c.q).value;
+    Eigen::CompleteOrthogonalDecomposition<Matrix> rows(J.rows(), J.rows());
+    rows.setThreshold(Multi("1e-12"));
+    rows.compute(J * inverse * J.transpose());
+    generic::ConstraintOptions<Multi> options;
+    options.mu = mu;
+    // Where rows depend on each other at this posture alone there is no derivative: there they give way.
+    if (rows.rank() < J.rows() || set % 3 == 2) options.regularization = Vector::Constant(J.rows(), Multi("0.3"));
+    if (set % 2 == 1) {
+      options.active.assign(constraints.rows().size(), true);
+      options.active.back() = set == 1;
+    }
+    const auto motion = [&](const Vector& q, const Vector& v, const Vector& efforts) -> Vector {
+      const auto result = generic::constrained_forward_dynamics<Multi>(c.model, constraints, q, v, efforts, {}, options);
+      Vector both(result.value.size() + result.forces.size());
+      both << result.value, result.forces;
+      return both;
+    };
+    const auto result = generic::constrained_derivatives<Multi>(c.model, constraints, c.q, c.v, tau, {}, options);
+    const Eigen::Index n = c.v.size();
+    Matrix by_q(n + J.rows(), n), by_v = by_q, by_tau = by_q;
+    for (Eigen::Index k = 0; k < n; ++k) {
+      const Vector unit = Vector::Unit(n, k);
+      const auto difference = [&](const Vector& more, const Vector& less) -> Vector { return (more - less) / (2 * step); };
+      by_q.col(k) = difference(motion(integrate(c.model, c.q, unit, step), c.v, tau),
+                               motion(integrate(c.model, c.q, unit, -step), c.v, tau));
+      by_v.col(k) = difference(motion(c.q, c.v + step * unit, tau), motion(c.q, c.v - step * unit, tau));
+      by_tau.col(k) = difference(motion(c.q, c.v, tau + step * unit), motion(c.q, c.v, tau - step * unit));
+    }
+    const auto compare = [&](const char* what, const Matrix& value, const Matrix& forces, const Matrix& expected) {
+      SCOPED_TRACE(what);
+      Matrix all(expected.rows(), n);
+      all << value, forces;
+      const Multi least = largest(expected);
+      EXPECT_LT(relative_error(Matrix(all.topRows(n)), Matrix(expected.topRows(n)), least), tolerance);
+      EXPECT_LT(relative_error(forces, Matrix(expected.bottomRows(J.rows())), least), tolerance);
+    };
+    compare("q", result.dq, result.forces_dq, by_q);
+    compare("v", result.dv, result.forces_dv, by_v);
+    compare("tau", result.dtau, result.forces_dtau, by_tau);
   }
 }
 

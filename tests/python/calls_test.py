@@ -1,6 +1,7 @@
 """What functions take and refuse: shapes, dtypes, strides, keywords, run-time inputs, states on their group; made-up arguments."""
 
 import copy
+import ctypes
 import inspect
 import os
 import pickle
@@ -25,8 +26,170 @@ def setUpModule():
                  gravity="run_time", payloads=["link_02"], wrenches={"link_02": "world"},
                  functions={"both": ["bias", "center_of_mass", "pose_link_02"], "info": ["bias"]}, flags=robots.quick, batch=True)
     double = dalembert.load(urdf, **scene)
-    single = dalembert.load(urdf, scalar=np.float32, base="fixed", outputs=["mass_matrix", "bias"], flags=robots.quick, batch=False)
+    single = dalembert.load(urdf, scalar=np.float32, base="fixed", outputs=["mass_matrix", "bias", "forward_dynamics"], flags=robots.quick, batch=False)
     arm = dalembert.load(urdf, base="fixed", outputs="forward_dynamics", flags=robots.quick, payloads=["link_02"])
+
+
+class Rollouts(unittest.TestCase):
+    def setUp(self):
+        rng = np.random.default_rng(32)
+        self.n, self.steps, self.h = 21, 7, 0.01
+        self.Q, self.V = double.random(rng, self.n), rng.uniform(-1, 1, (self.n, double.nv))
+        self.TAU = rng.uniform(-1, 1, (self.n, self.steps, double.nv))
+        self.q, self.v = arm.random(rng, self.n), rng.uniform(-1, 1, (self.n, arm.nv))
+        self.tau = rng.uniform(-1, 1, (self.n, self.steps, arm.nv))
+
+    def test_single_steps_give_the_same_bits(self):
+        q, v = self.q, self.v
+        end = arm.forward_dynamics_rollout(q, v, self.tau, time_step=self.h)
+        path = arm.forward_dynamics_rollout(q, v, self.tau, time_step=self.h, path=True)
+        self.assertEqual((end.q.shape, path.v.shape), ((self.n, arm.nq), (self.n, self.steps, arm.nv)))
+        for step in range(self.steps):
+            one = arm.forward_dynamics_rollout(q, v, self.tau[:, step:step + 1], time_step=self.h)
+            # The code is compiled without fused operations, so that numpy rounds as it does.
+            v = v + self.h * arm.forward_dynamics(q, v, self.tau[:, step])
+            q = q + self.h * v
+            for result in (one, (path.q[:, step], path.v[:, step])):
+                self.assertEqual((result[0].tobytes(), result[1].tobytes()), (q.tobytes(), v.tobytes()))
+        self.assertEqual((end.q.tobytes(), end.v.tobytes()), (q.tobytes(), v.tobytes()))
+
+    def test_the_same_bits_as_from_c(self):
+        """The C function of the folder's batch, in the library that the robot has loaded; of every method."""
+        arguments = [np.ascontiguousarray(x) for x in (self.q, self.v, self.tau)]
+        arm.forward_dynamics_rollout(*arguments, time_step=self.h)  # compiles it
+        folder = arm.source_of("forward_dynamics")
+        for library in folder.parent.parent.glob("batches_*.so"):
+            function = getattr(ctypes.CDLL(str(library)), f"{folder.name}_rollout_forward_dynamics", None)
+        pointer = lambda x: ctypes.c_void_p(x.ctypes.data)
+        size = ctypes.c_size_t
+        for number, method in enumerate(("semi_implicit_euler", "rk4")):
+            last = [np.empty((self.n, k)) for k in (arm.nq, arm.nv)]
+            path = [np.empty((self.n, self.steps, k)) for k in (arm.nq, arm.nv)]
+            stopped = np.empty(self.n, np.int32)
+            self.assertEqual(function(*map(pointer, arguments), size(self.n), size(self.steps), ctypes.c_double(self.h), number,
+                                      *map(pointer, (*last, *path, stopped)), None), 0)
+            for expected, whole in ((last, False), (path, True)):
+                result, status = arm.forward_dynamics_rollout(*arguments, time_step=self.h, method=method, path=whole,
+                                                              return_status=True)
+                self.assertEqual([x.tobytes() for x in result], [x.tobytes() for x in expected])
+                self.assertEqual(status.tolist(), stopped.tolist())
+
+    def test_a_floating_base_as_integrate_has_it(self):
+        q, v = self.Q, self.V
+        result = double.forward_dynamics_rollout(q, v, self.TAU, time_step=self.h)
+        for step in range(self.steps):
+            v = v + self.h * double.forward_dynamics(q, v, self.TAU[:, step])
+            q = double.integrate(q, self.h * v)
+        np.testing.assert_allclose(result.q, q, rtol=0, atol=1e-12)
+        np.testing.assert_allclose(result.v, v, rtol=0, atol=1e-11)
+        exact = [double.forward_dynamics_rollout(self.Q, self.V, np.repeat(self.TAU, k, axis=1), time_step=self.h / k, method="rk4")
+                 for k in (1, 2, 16)]
+        errors = [np.abs(double.difference(x.q, exact[2].q)).max() for x in exact[:2]]
+        self.assertLess(errors[1], errors[0] / 10)  # of fourth order: 16
+
+    def test_layouts_and_shapes(self):
+        f = lambda *a, **k: double.forward_dynamics_rollout(*a, time_step=self.h, **k)
+        expected = f(self.Q, self.V, self.TAU)
+        same = lambda result, of=slice(None): self.assertEqual([x.tobytes() for x in result], [x[of].tobytes() for x in expected])
+        same(f(self.Q, self.V, tau=self.TAU, steps=self.steps))
+        same(f(self.Q, self.V, np.asfortranarray(self.TAU)))
+        same(f(self.Q, self.V, np.repeat(self.TAU, 2, axis=1)[:, ::2]))
+        same(f(self.Q[::-1], self.V[::-1], self.TAU[::-1]), slice(None, None, -1))
+        same(f(np.hstack([self.Q, self.Q])[:, :double.nq], self.V, self.TAU.astype(">f8")))
+        same(f(self.Q[3], self.V[3], self.TAU[3]), 3)
+        self.assertEqual(f(self.Q[3], self.V[3], self.TAU[3], path=True).q.shape, (self.steps, double.nq))
+        shared = f(self.Q, self.V, self.TAU[0])
+        same(f(self.Q[:1], self.V[:1], self.TAU[0]), slice(0, 1))
+        self.assertEqual(shared.q.tobytes(), f(self.Q, self.V, np.broadcast_to(self.TAU[0], self.TAU.shape)).q.tobytes())
+        from_one = f(self.Q[0], self.V[0], self.TAU)
+        self.assertEqual(from_one.q.tobytes(), f(np.tile(self.Q[0], (self.n, 1)), np.tile(self.V[0], (self.n, 1)), self.TAU).q.tobytes())
+        nothing = f(self.Q, self.V, steps=self.steps)
+        self.assertEqual(nothing.q.tobytes(), f(self.Q, self.V, np.zeros((self.steps, double.nv))).q.tobytes())
+        self.assertEqual(f(self.Q, self.V, steps=0).q.tobytes(), self.Q.tobytes())
+        self.assertEqual(f(self.Q, self.V, steps=0, path=True).q.shape, (self.n, 0, double.nq))
+        self.assertEqual(f(self.Q[:0], self.V[:0], self.TAU[:0]).q.shape, (0, double.nq))
+        out = (np.empty_like(expected.q), np.empty_like(expected.v))
+        result = f(self.Q, self.V, self.TAU, out=out)
+        self.assertIs(result.q, out[0])
+        same(out)
+        place = (self.Q.copy(), self.V.copy())
+        f(*place, self.TAU, out=place)  # into where the motions begin
+        same(place)
+        Q, V, TAU = (np.tile(x, (40,) + (1,) * (x.ndim - 1)) for x in (self.Q, self.V, self.TAU))  # enough for threads
+        before = dalembert.threads()
+        for threads in (1, 2):
+            dalembert.threads(threads)
+            many = f(Q, V, TAU)
+            self.assertEqual(many.q.tobytes(), np.tile(expected.q, (40, 1)).tobytes())
+        dalembert.threads(before)
+
+    def test_run_time_inputs(self):
+        f = lambda *a, **k: double.forward_dynamics_rollout(*a, time_step=self.h, **k)
+        gravity = np.linspace(-9, 3, 3 * self.n).reshape(self.n, 3)
+        each = f(self.Q, self.V, self.TAU, gravity_vector=gravity, wrench_link_02=np.ones(6))
+        for m in (0, 5, self.n - 1):
+            one = f(self.Q[m], self.V[m], self.TAU[m], gravity_vector=gravity[m], wrench_link_02=np.ones(6))
+            self.assertEqual((one.q.tobytes(), one.v.tobytes()), (each.q[m].tobytes(), each.v[m].tobytes()))
+        self.assertNotEqual(each.q.tobytes(), f(self.Q, self.V, self.TAU).q.tobytes())
+
+    def test_where_it_cannot_go_on_a_motion_stops_alone(self):
+        f = lambda tau, **k: arm.forward_dynamics_rollout(self.q, self.v, tau, time_step=self.h, path=True, **k)
+        good, bad = f(self.tau), self.tau.copy()
+        bad[4, 3] = np.nan
+        result, status = f(bad, return_status=True)
+        self.assertEqual(status.tolist(), [3 if m == 4 else -1 for m in range(self.n)])
+        others = np.arange(self.n) != 4
+        self.assertEqual(result.q[others].tobytes(), good.q[others].tobytes())
+        self.assertEqual(result.q[4, :3].tobytes(), good.q[4, :3].tobytes())
+        self.assertTrue((result.q[4, 3:] == good.q[4, 2]).all())
+        with self.assertWarnsRegex(dalembert.StoppedWarning, r"1 of 21 motions stopped, the first of them number 4 in step 3"):
+            f(bad)
+        _, one = arm.forward_dynamics_rollout(self.q[4], self.v[4], bad[4], time_step=self.h, return_status=True)
+        self.assertEqual(one, 3)
+
+    def test_without_batches_in_float32(self):
+        """State by state, as integrators of C++ have it: to rounding what batches give."""
+        q, v, tau = (x.astype(np.float32) for x in (self.q, self.v, self.tau))
+        for method in ("semi_implicit_euler", "rk4"):
+            more = dict(time_step=self.h, method=method, path=True)
+            result = single.forward_dynamics_rollout(q, v, tau, **more)
+            self.assertEqual(result.q.dtype, np.float32)
+            for a, b in zip(result, arm.forward_dynamics_rollout(q, v, tau, **more)):
+                np.testing.assert_allclose(a, b, rtol=0, atol=1e-4)
+        tau[2, 5, 0] = np.inf
+        _, status = single.forward_dynamics_rollout(q, v, tau, time_step=self.h, return_status=True)
+        self.assertEqual(status.tolist(), [5 if m == 2 else -1 for m in range(self.n)])
+
+    def test_wrong_ones_are_refused_by_name(self):
+        f, Q, V, TAU, nv = double.forward_dynamics_rollout, self.Q, self.V, self.TAU, double.nv
+        h = dict(time_step=self.h)
+        for error, text, call in (
+                (ValueError, rf"forward_dynamics_rollout: q has shape \(21, 8\), expected", lambda: f(Q[:, 1:], V, TAU, **h)),
+                (ValueError, rf"tau has shape \({nv},\), expected \(steps, {nv}\) for all motions or \(n, steps, {nv}\)",
+                 lambda: f(Q, V, TAU[0, 0], **h)),
+                (ValueError, r"tau has shape \(21, 7, 1\)", lambda: f(Q, V, TAU[:, :, :1], **h)),
+                (ValueError, r"tau has dtype <U1", lambda: f(Q, V, np.full(TAU.shape, "a"), **h)),
+                (ValueError, r"q has 21 motions and tau has 5", lambda: f(Q, V, TAU[:5], **h)),
+                (ValueError, r"tau has 7 steps, and `steps` is 6", lambda: f(Q, V, TAU, steps=6, **h)),
+                (ValueError, r"steps is -1, expected", lambda: f(Q, V, steps=-1, **h)),
+                (ValueError, r"steps is 1.5, expected", lambda: f(Q, V, steps=1.5, **h)),
+                (ValueError, r"3000000000 steps are more", lambda: f(Q, V, steps=3_000_000_000, **h)),
+                (TypeError, r"needs steps, or tau", lambda: f(Q, V, **h)),
+                (TypeError, r"time_step", lambda: f(Q, V, TAU)),
+                (TypeError, r"time_step is of type str", lambda: f(Q, V, TAU, time_step="a")),
+                (ValueError, r"time_step is not a finite", lambda: f(Q, V, TAU, time_step=np.nan)),
+                (ValueError, r"no method 'rk45'; did you mean 'rk4'", lambda: f(Q, V, TAU, method="rk45", **h)),
+                (TypeError, r"has no argument 'a'; there are q, v, tau, gravity_vector", lambda: f(Q, V, TAU, a=1, **h)),
+                (TypeError, r"tau once", lambda: f(Q, V, TAU, tau=TAU, **h)),
+                (ValueError, r"out has shape \(21, 9\), expected \(21, 7, 9\)", lambda: f(Q, V, TAU, path=True, out=(Q, V), **h)),
+                (ValueError, r"out has 1 arrays", lambda: f(Q, V, TAU, out=(Q,), **h)),
+                (ValueError, r"gravity_vector has 2 states", lambda: f(Q, V, TAU, gravity_vector=np.ones((2, 3)), **h)),
+                (AttributeError, r"loaded without 'constrained_forward_dynamics', which 'constrained_forward_dynamics_rollout' needs",
+                 lambda: single.constrained_forward_dynamics_rollout)):
+            with self.subTest(text=text), self.assertRaisesRegex(error, text):
+                call()
+        self.assertIn("time_step", inspect.signature(f).parameters)
+        self.assertIn("(steps, 8) for all motions", f.__doc__)
 
 
 class Shapes(unittest.TestCase):

@@ -50,7 +50,7 @@ def inside(options):
     made_up.right_or_refused([
         dalembert.load(urdf, base="floating", outputs=["mass_matrix", "forward_dynamics"], gravity="run_time", payloads=["link_02"],
                        wrenches={"link_02": "world"}, functions={"both": ["bias", "center_of_mass", "pose_link_02"]}, flags=flags, batch=True),
-        dalembert.load(urdf, scalar="float", base="fixed", outputs=["mass_matrix", "bias"], flags=flags, batch=False),
+        dalembert.load(urdf, scalar="float", base="fixed", outputs=["mass_matrix", "forward_dynamics"], flags=flags, batch=False),
         dalembert.load(urdf, base="fixed", outputs=["forward_dynamics"], payloads=["link_02"], flags=flags, batch=True),
     ], options.cases)
     print(f"{options.cases} cases: each right or refused, and nothing that the sanitizers object to")

@@ -78,6 +78,29 @@ def right_or_refused(robots, cases):
             except (ValueError, TypeError, MemoryError, OverflowError):
                 pass
             return
+        if data.draw(st.integers(0, 4)) == 0 and "forward_dynamics" in robot.outputs:
+            steps = data.draw(st.sampled_from([0, 1, 2, 3]))
+            acting = lambda: data.draw(st.one_of(
+                st.none(), arrays(), fitting(robot.nv).map(lambda a: a[..., None, :].repeat(steps, -2)),
+                huge(robot.nv).map(lambda a: np.broadcast_to(a[:, None], (len(a), steps, robot.nv)))))
+            keywords = {"time_step": data.draw(st.one_of(st.sampled_from([0.01, -0.1, 1e9]), numbers)),
+                        "method": data.draw(st.sampled_from(["rk4", "semi_implicit_euler", "euler", 1])),
+                        "path": data.draw(st.booleans())}
+            for key, value in (("tau", acting), ("out", lambda: (of(robot.nq), of(robot.nv))), ("return_status", st.booleans),
+                               *((name, lambda size=size: of(size)) for name, size in names)):
+                if data.draw(st.integers(0, 2)) == 0:
+                    keywords[key] = data.draw(value()) if key == "return_status" else value()
+            if "tau" not in keywords or data.draw(st.integers(0, 5)) == 0:
+                keywords["steps"] = data.draw(st.sampled_from([steps, steps, -1, 1.5, 2**40]))
+            try:
+                with warnings.catch_warnings():
+                    warnings.simplefilter("ignore")
+                    result = robot.forward_dynamics_rollout(of(robot.nq), of(robot.nv), **keywords)
+            except (ValueError, TypeError, MemoryError):
+                return
+            q, v = result[0] if keywords.get("return_status") else result
+            assert q.shape[:-1] == v.shape[:-1] and (q.shape[-1], v.shape[-1]) == (robot.nq, robot.nv), (q.shape, v.shape)
+            return
         function = robot[data.draw(st.sampled_from(robot.outputs))]
         arguments = [of(robot.nq), of(robot.nv), of(robot.nv)][:data.draw(st.integers(0, 3))]
         keywords = {}

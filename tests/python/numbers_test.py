@@ -225,6 +225,21 @@ class Registry(unittest.TestCase):
             self.assertFalse(np.allclose(held, free))
             robot.contact_link_02 = dalembert.Contact()
             self.assertTrue(np.array_equal(robot.constrained_forward_dynamics(q, v, more), held))
+        for name in ("forward_dynamics", "constrained_forward_dynamics"):
+            with self.subTest(f"rollouts of {name}"):  # without a batch: integrators of C++
+                h, acting = 0.01, np.stack([more, -more, 0 * more], 1)
+                at, speed = q, v
+                for step in range(3):
+                    speed = speed + h * robot[name](at, speed, acting[:, step])
+                    at = robot.integrate(at, h * speed)
+                roll_out = getattr(robot, f"{name}_rollout")
+                for one in (roll_out(q, v, acting, time_step=h), roll_out(q, v, acting, time_step=h, path=True)):
+                    last = [x[:, -1] if x.ndim == 3 else x for x in one]
+                    np.testing.assert_allclose(last[0], at, rtol=0, atol=1e-12)
+                    np.testing.assert_allclose(last[1], speed, rtol=0, atol=1e-11 * np.abs(speed).max())
+                fine = [roll_out(q, v, np.repeat(acting, k, 1), time_step=h / k, method="rk4").q for k in (1, 2, 16)]
+                errors = [np.abs(robot.difference(x, fine[2])).max() for x in fine[:2]]
+                self.assertLess(errors[1], errors[0] / 8)
         with self.subTest("weights of forces"):
             borne = robot.inverse_constraint_forces(q, v, more)
             robot.contact_link_02 = dalembert.Contact(weight=(1, 1, 1, 0.1, 0.1, 0.1))

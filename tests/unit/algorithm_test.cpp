@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <cstdlib>
+#include <dalembert/integrators/motion.hpp>
 
 #include "both_forms.hpp"
 #include "commands/generic_engine.hpp"
@@ -351,6 +352,100 @@ TEST(AlgorithmAt, APayloadMayBeAllThatIsLeft) {
   scene.cut = {pendulum.links.back().name};
   const Model model = model_of(pendulum, scene);
   expect_generic_values(model, tool);
+}
+
+// With gains, which the generic engine knows nothing of: along a direction, against differences of the sixth order.
+TEST(AlgorithmAt, DerivativesWithConstraintsDrawnToTheirPlacesAreDifferences) {
+  const auto pose = [](double x, double angle) {
+    Eigen::Isometry3d at = Eigen::Translation3d(x, 0.1, -0.2) * Eigen::AngleAxisd(angle, Eigen::Vector3d(1, 2, -2) / 3);
+    return at;
+  };
+  Gains gains;
+  gains.kp = 40;
+  gains.kd = 7;
+  const double anchor[] = {0.3, -0.2, 0.1, 0.36, -0.48, 0.64, 0.48};
+  std::copy(std::begin(anchor), std::end(anchor), gains.anchor);
+  for (const std::string name : {"quadruped", "chain_7", "grippers"}) {
+    const bool floating = name == "quadruped", arms = name == "grippers";
+    const ir::RobotDescription description = robot(name);
+    std::vector<std::string> moved;
+    for (const ir::Joint& joint : description.joints)
+      if (joint.type != ir::JointType::fixed) moved.push_back(description.links[static_cast<size_t>(joint.child)].name);
+    const std::string last = moved.back(), middle = moved[moved.size() / 2];
+    ir::Scene scene;
+    scene.base = floating ? ir::Base::floating : ir::Base::fixed;
+    scene.gravity = {0.7, -1.3, -9.81};
+    scene.outputs = {ir::Quantity::constrained_forward_dynamics,
+                     ir::Quantity::constraint_forces,
+                     ir::Quantity::constrained_forward_dynamics_dq,
+                     ir::Quantity::constrained_forward_dynamics_dv,
+                     ir::Quantity::constraint_forces_dq,
+                     ir::Quantity::constraint_forces_dv};
+    std::vector<ir::Scene> scenes;
+    const auto add = [&](const std::vector<ir::Contact>& contacts, const std::vector<ir::Loop>& loops) {
+      scenes.push_back(scene);
+      scenes.back().contacts = contacts;
+      scenes.back().loops = loops;
+    };
+    add({{"tip", last, ir::ContactType::point, {0.1, -0.2, 0.05}, false}}, {});
+    add({{"tip", last, ir::ContactType::point, {0.1, -0.2, 0.05}, true}}, {});
+    add({}, {{"tie", {middle, last}, {pose(0.1, 0.4), pose(-0.2, 1)}, ir::LoopType::distance, 0.4}});
+    add({}, {{"ball", {middle, last}, {pose(0.1, 0.4), pose(-0.2, 1)}, ir::LoopType::point, {}}});
+    if (floating) {
+      add({{"foot", last, ir::ContactType::weld, {0.1, -0.2, 0.05}, false},
+           {"toe", middle, ir::ContactType::point, {0.1, 0, 0.05}, true}},
+          {});
+      add({{"foot", last, ir::ContactType::weld, {0.1, -0.2, 0.05}, true}}, {});
+      add({{"toe", middle, ir::ContactType::point, {0.1, 0, 0.05}, false}},
+          {{"slide", {middle, last}, {pose(0.1, 0.4), pose(-0.2, 1)}, ir::LoopType::cylinder, {}}});
+    }
+    if (arms) {
+      const std::string other = moved[moved.size() / 2 - 1];
+      add({}, {{"rod", {last, other}, {pose(0.1, 0.4), pose(-0.2, 1)}, ir::LoopType::weld, {}}});
+      add({}, {{"grip", {other, last}, {pose(0.1, 0.4), pose(-0.2, 1)}, ir::LoopType::hinge, {}}});
+    }
+    for (size_t which = 0; which < scenes.size(); ++which) {
+      SCOPED_TRACE(name + ", " + std::to_string(which));
+      const Model model = model_of(description, scenes[which]);
+      const State state = some_state(model.tree);
+      const ir::EmittedFunction all = ir::functions_of(model.scene).front();
+      ir::EmittedFunction motion = all;
+      motion.quantities = {ir::Quantity::constrained_forward_dynamics, ir::Quantity::constraint_forces};
+      Eigen::VectorXd along(model.tree.nv());
+      for (Eigen::Index i = 0; i < along.size(); ++i) along[i] = std::cos(0.3 + 1.1 * static_cast<double>(i));
+      const auto moved_by = [&](double step, bool by_q) {
+        State there = state;
+        if (by_q) integrators::move(state.q, Eigen::VectorXd(step * along), there.q);
+        else there.v += step * along;
+        const ir::Arrays found = run_half(motion, model, there, {}, {}, {}, gains)[0];
+        return std::pair(Eigen::VectorXd(found.at("constrained_forward_dynamics")),
+                         Eigen::VectorXd(found.at("constraint_forces")));
+      };
+      const auto derived = run_function(all, model, state, {}, gains);
+      for (const bool by_q : {true, false}) {
+        SCOPED_TRACE(by_q ? "q" : "v");
+        std::vector<Eigen::VectorXd> accelerations, forces;
+        for (const double step : {0.02, 0.01, 0.005}) {
+          const auto more = moved_by(step, by_q), less = moved_by(-step, by_q);
+          accelerations.emplace_back((more.first - less.first) / (2 * step));
+          forces.emplace_back((more.second - less.second) / (2 * step));
+        }
+        const auto limit = [](const std::vector<Eigen::VectorXd>& d) -> Eigen::VectorXd {
+          const Eigen::VectorXd one = (4 * d[1] - d[0]) / 3, two = (4 * d[2] - d[1]) / 3;
+          return (16 * two - one) / 15;
+        };
+        for (const size_t form : {0u, 1u}) {
+          const auto near = [&](const char* name, const Eigen::VectorXd& expected) {
+            const Eigen::VectorXd ours = derived[form].at(std::string(name) + (by_q ? "_dq" : "_dv")) * along;
+            EXPECT_LE((ours - expected).cwiseAbs().maxCoeff<Eigen::PropagateNaN>(), 1e-7 * expected.cwiseAbs().maxCoeff())
+                << name << (form == 0 ? ", straight" : ", rolled");
+          };
+          near("constrained_forward_dynamics", limit(accelerations));
+          near("constraint_forces", limit(forces));
+        }
+      }
+    }
+  }
 }
 
 }  // namespace

@@ -101,11 +101,12 @@ ir::KinematicTree welded(ir::KinematicTree tree, const std::string& link, const 
 
 std::array<ir::Arrays, 2> run_half(const ir::EmittedFunction& function, const Model& model, const State& state,
                                    const Payload& payload, const std::array<ir::Arrays, 2>& left,
-                                   std::optional<ir::Solver> solver) {
+                                   std::optional<ir::Solver> solver, const Gains& gains) {
   const ir::NormalTree normal = passes::normalise(model.tree, passes::normalise_options(model.scene, true));
   if (!solver) solver = passes::solvers(function, model.tree, model.scene).front();
   const ir::Algorithm algorithm = passes::describe(function, model.tree, normal, model.scene, *solver, {});
   passes::Unroll unroll(algorithm, model.tree, normal, model.scene, {{}, false});
+  size_t form = 0;
   const ir::FunctionInput input = [&](const ir::Input& in) {
     switch (in.kind) {
       case ir::InputKind::position: return state.q[in.index];
@@ -114,7 +115,11 @@ std::array<ir::Arrays, 2> run_half(const ir::EmittedFunction& function, const Mo
       case ir::InputKind::effort: return state.more[in.index];
       case ir::InputKind::gravity: return model.scene.gravity[in.component];
       case ir::InputKind::wrench: return state.wrenches[6 * in.index + in.component];
-      case ir::InputKind::constraint: return in.component == ir::contact_anchor + 6 ? 1.0 : 0.0;  // as in a new workspace
+      case ir::InputKind::constraint:
+        if (in.component >= ir::contact_force)
+          return left[form].at(function.forces)(model.scene.first_row(in.index) + in.component - ir::contact_force, 0);
+        if (in.component >= ir::contact_anchor) return gains.anchor[in.component - ir::contact_anchor];
+        return in.component == ir::contact_kp ? gains.kp : in.component == ir::contact_kd ? gains.kd : 0.0;
       case ir::InputKind::payload: return payload[static_cast<size_t>(in.component)];
       default: return std::nan("");
     }
@@ -125,21 +130,22 @@ std::array<ir::Arrays, 2> run_half(const ir::EmittedFunction& function, const Mo
   passes::write_out_steps(written_out, line, ir::coordinate_tree(model.tree));
   ir::Arrays straight = ir::run(written_out, line, model.tree, input, left[0]);
   if (model.tree.bodies.empty()) return {straight, straight};  // a base alone
+  form = 1;
   const ir::Plan plan = passes::plan(model.tree, model.scene, ir::Form::rolled, {}, {});
   const ir::RolledProgram program = passes::roll(algorithm, unroll, model.tree, model.scene, plan, {});
   return {straight, ir::run(algorithm, program, plan, model.tree, model.scene.rates_zero, input, left[1])};
 }
 
 std::array<ir::Arrays, 2> run_function(const ir::EmittedFunction& function, const Model& model, const State& state,
-                                       const Payload& payload) {
+                                       const Payload& payload, const Gains& gains) {
   const std::vector<ir::EmittedFunction> halves = passes::halves(function, model.tree);
-  std::array<ir::Arrays, 2> results = run_half(halves.front(), model, state, payload);
-  if (halves.size() == 1) return results;
-  for (size_t form : {0u, 1u}) {
-    State solved = state;
-    solved.more = results[form].at(halves.front().accelerations);
-    results[form] = run_half(halves.back(), model, solved, payload, results)[form];
-  }
+  std::array<ir::Arrays, 2> results = run_half(halves.front(), model, state, payload, {}, {}, gains);
+  for (size_t half = 1; half < halves.size(); ++half)
+    for (size_t form : {0u, 1u}) {
+      State solved = state;
+      solved.more = results[form].at(halves[half].accelerations);
+      results[form] = run_half(halves[half], model, solved, payload, results, {}, gains)[form];
+    }
   return results;
 }
 

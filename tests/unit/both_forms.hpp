@@ -36,14 +36,19 @@ std::vector<ir::Loop> some_loops(const ir::RobotDescription& robot);
 // The payload welded to the link.
 ir::KinematicTree welded(ir::KinematicTree tree, const std::string& link, const Payload& payload);
 
-// The results of one function, or of one half of it behind what the other left, in both forms.
+// Of every constraint, as a new workspace has them.
+struct Gains {
+  double kp = 0, kd = 0, anchor[7] = {0, 0, 0, 0, 0, 0, 1};
+};
+
+// The results of one function, or of one half of it behind what the others left, in both forms.
 std::array<ir::Arrays, 2> run_half(const ir::EmittedFunction& function, const Model& model, const State& state,
                                    const Payload& payload, const std::array<ir::Arrays, 2>& left = {},
-                                   std::optional<ir::Solver> solver = {});
+                                   std::optional<ir::Solver> solver = {}, const Gains& gains = {});
 
 // The results of a function whole: a second half takes what the first finds in its form.
 std::array<ir::Arrays, 2> run_function(const ir::EmittedFunction& function, const Model& model, const State& state,
-                                       const Payload& payload);
+                                       const Payload& payload, const Gains& gains = {});
 
 // The results of every function of the scene, in both forms.
 std::array<ir::Arrays, 2> run_both(const Model& model, const State& state, const Payload& payload);

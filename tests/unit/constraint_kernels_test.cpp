@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <dalembert/constraints.hpp>
 #include <random>
 #include <vector>
@@ -269,6 +270,122 @@ TEST(ConstraintKernels, AMaskedConstraintChangesNothingByABit) {
   // It is not so that nothing reaches them.
   const Result<double> acting = solved<double>(s, effort, right, {1, 1, 1}, regularization);
   EXPECT_GT((acting.x - after.x).cwiseAbs().maxCoeff(), 1e-3);
+}
+
+// What respond() and those behind it make of a system: N, and derivatives for changes drawn.
+template <class Rows, int more>
+struct Derived {
+  Matrix N, of_forces, accelerations, forces;
+};
+template <class T, class Rows, int more>
+Derived<Rows, more> derived(const System<Rows>& s, const Matrix& efforts, const Matrix& changes, const Matrix& left,
+                            const Matrix& right, const std::vector<T>& active, const std::vector<T>& regularization,
+                            int first) {
+  const int m = Rows::first(Rows::count), stride = inverse_stride(n);
+  using Numbers = Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic>;
+  const Numbers J = in<T>(s.J), e = in<T>(efforts), c = in<T>(changes), l = in<T>(left), r = in<T>(right);
+  Numbers inverse = Numbers::Zero(stride, n + 7), projected = Numbers::Constant(stride, n + 7, T(7));
+  inverse.topLeftCorner(n, n) = in<T>(s.M.inverse());
+  std::vector<T> room(static_cast<size_t>(response_room(n, m)), T(7)),
+      turning(static_cast<size_t>(turning_room(n, m, more)), T(7));
+  respond<n, Rows, true>(J.data(), inverse.data(), active.data(), regularization.data(), room.data(), projected.data());
+  Numbers of_forces(m, n), to = -projected.topLeftCorner(n, n) * e, forces = Numbers::Constant(m, n, T(7));
+  to.leftCols(first).setConstant(T(7));  // not there yet
+  response_of_forces<n, Rows, T>(room.data(), of_forces.data());
+  derive_accelerations<n, Rows, T>(first, c.data(), room.data(), to.data());
+  derive_forces<n, Rows, T>(e.data(), c.data(), room.data(), forces.data());
+  derive_turning<n, Rows, more, T>(l.data(), r.data(), projected.data(), room.data(), turning.data(), to.data(), forces.data());
+  return {projected.topLeftCorner(n, n).template cast<Real>(), of_forces.template cast<Real>(), to.template cast<Real>(),
+          forces.template cast<Real>()};
+}
+
+// −K⁻¹ of what the equations change by.
+template <class T, class Rows>
+void expect_derivatives(double tolerance) {
+  constexpr int count = Rows::count, m = Rows::first(count), more = 9, first = 3;
+  for (unsigned seed = 1; seed < 4; ++seed) {
+    const System<Rows> s(seed);
+    std::mt19937 engine(seed + 10);
+    const auto draw = [&] { return std::uniform_real_distribution<double>(-1, 1)(engine); };
+    const auto drawn = [&](int rows) {
+      Matrix x(rows, n);
+      for (int k = 0; k < n; ++k)
+        for (int r = 0; r < rows; ++r) x(r, k) = draw();
+      return x;
+    };
+    Matrix efforts = drawn(n), changes = drawn(m);
+    const Matrix left = drawn(more), right = drawn(more);
+    efforts.leftCols(first).setZero();
+    for (int c = 0; c < count; ++c)
+      for (int k = 0; k < n; ++k)
+        if (std::find(Rows::paths[c], Rows::paths[c] + Rows::lengths[c], k) == Rows::paths[c] + Rows::lengths[c])
+          changes.col(k).segment(Rows::first(c), Rows::rows[c]).setZero();
+    for (unsigned mask = 0; mask < (1u << count); ++mask) {
+      std::vector<T> active, regularization;
+      for (int c = 0; c < count; ++c) active.push_back((mask >> c) & 1u ? T(1) : T(0));
+      for (int r = 0; r < m; ++r) regularization.push_back(mask % 2 == 0 ? T(0.01) * T(r + 1) : T(0));
+      Matrix K = Matrix::Zero(n + m, n + m), right_side = Matrix::Zero(n + m, n), of_tau = right_side;
+      K.topLeftCorner(n, n) = s.M;
+      for (int c = 0; c < count; ++c)
+        for (int r = Rows::first(c); r < Rows::first(c + 1); ++r) {
+          K(n + r, n + r) = active[static_cast<size_t>(c)] > T(0) ? -Real(regularization[static_cast<size_t>(r)]) : -1;
+          if (!(active[static_cast<size_t>(c)] > T(0))) continue;
+          K.row(n + r).head(n) = s.J.row(r);
+          K.col(n + r).head(n) = s.J.row(r).transpose();
+          right_side.row(n + r) = -changes.row(r);
+        }
+      right_side.topRows(n) = -efforts - left.transpose() * right;
+      of_tau.topRows(n).setIdentity();
+      // M d(dv) − Jᵀ df = −de: df with its sign turned.
+      const Eigen::FullPivLU<Matrix> solve(K);
+      const Matrix solution = solve.solve(right_side), response = solve.solve(of_tau);
+      const auto result = derived<T, Rows, more>(s, efforts, changes, left, right, active, regularization, first);
+      SCOPED_TRACE(testing::Message() << "seed " << seed << ", mask " << mask);
+      const auto near = [&](const Matrix& a, const Matrix& b) {
+        EXPECT_LT((a - b).cwiseAbs().maxCoeff(), tolerance * std::max<Real>(b.cwiseAbs().maxCoeff(), 1));
+      };
+      near(result.N, response.topRows(n));
+      near(result.of_forces, -response.bottomRows(m));
+      near(result.accelerations, solution.topRows(n));
+      near(result.forces, -solution.bottomRows(m));
+      for (int c = 0; c < count; ++c)
+        if (!(active[static_cast<size_t>(c)] > T(0))) {
+          EXPECT_EQ(result.forces.middleRows(Rows::first(c), Rows::rows[c]).cwiseAbs().maxCoeff(), 0);
+        }
+    }
+  }
+}
+
+TEST(ConstraintKernels, DerivativesAreWhatDenseAlgebraSays) {
+  expect_derivatives<double, ConstraintRows<At12<3>, From12To16<5, 3>, AtBase<6>>>(1e-8);
+  expect_derivatives<float, ConstraintRows<At12<3>, At21<3>>>(1e-2);
+}
+
+// Rows that say the same: d(dv) is what it is without those that say it again, for changes that do so, too.
+TEST(ConstraintKernels, RedundantRowsChangeNoDerivative) {
+  using Twice = ConstraintRows<At12<6>, At12<6>, At21<6>>;
+  System<Twice> s(4);
+  s.J.middleRows(6, 6) = s.J.topRows(6);
+  std::mt19937 engine(3);
+  Matrix efforts = Matrix::Zero(n, n), changes = Matrix::Zero(18, n);
+  const auto draw = [&] { return std::uniform_real_distribution<double>(-1, 1)(engine); };
+  for (int k = 0; k < n; ++k) {
+    for (int i = 0; i < n; ++i) efforts(i, k) = draw();
+    for (int r = 0; r < 18; ++r) changes(r, k) = draw();
+  }
+  for (int k = 13; k < 17; ++k) changes.col(k).setZero();
+  for (int k = 6; k < 13; ++k) changes.col(k).tail(6).setZero();
+  for (int k = 17; k < n; ++k) changes.col(k).head(12).setZero();
+  changes.middleRows(6, 6) = changes.topRows(6);
+  const Matrix none = Matrix::Zero(1, n);
+  const std::vector<double> zeros(18, 0.0);
+  const auto all = derived<double, Twice, 1>(s, efforts, changes, none, none, {1, 1, 1}, zeros, 0),
+             once = derived<double, Twice, 1>(s, efforts, changes, none, none, {1, 0, 1}, zeros, 0);
+  EXPECT_LT((all.accelerations - once.accelerations).cwiseAbs().maxCoeff(), 1e-6 * once.accelerations.cwiseAbs().maxCoeff());
+  EXPECT_LT((all.N - once.N).cwiseAbs().maxCoeff(), 1e-6 * once.N.cwiseAbs().maxCoeff());
+  // They share their forces.
+  EXPECT_LT((all.forces.topRows(6) - once.forces.topRows(6) / 2).cwiseAbs().maxCoeff(),
+            1e-4 * once.forces.cwiseAbs().maxCoeff());
 }
 
 }  // namespace

@@ -85,6 +85,13 @@ FactorStatus<double> guard_status(const Algorithm& algorithm, Arrays& arrays, co
   return {};
 }
 
+// M^-1 from its room: as straight lines leave it, or as it was made here.
+Eigen::MatrixXd inverse(const Eigen::MatrixXd& room, Eigen::Index n) {
+  if (room.cols() > 1) return room;
+  return Eigen::Map<const Eigen::MatrixXd, 0, Eigen::OuterStride<>>(room.data(), n, n,
+                                                                    Eigen::OuterStride<>(inverse_stride(static_cast<int>(n))));
+}
+
 // Steps with rows of constraints, likewise: all act, nothing gives way.
 void run_constraint_steps(const Algorithm& algorithm, Arrays& arrays) {
   for (const ConstraintStep& s : algorithm.constraint_steps) {
@@ -110,6 +117,47 @@ void run_constraint_steps(const Algorithm& algorithm, Arrays& arrays) {
       array(s.to) -= J.transpose() * array(s.forces);
       continue;
     }
+    const auto held_by = [&](const Eigen::MatrixXd& along) {
+      Eigen::VectorXd held(along.rows());
+      for (std::size_t c = 0; c + 1 < s.paths.first.size(); ++c) {
+        const int first = s.paths.first[c], middle = first + s.paths.linear[c], behind = s.paths.first[c + 1];
+        for (const auto& [begin, end] : {std::pair(first, middle), std::pair(middle, behind)}) {
+          if (begin == end) continue;
+          const double mean = along.diagonal().segment(begin, end - begin).mean() + 1e-6 * along.trace();
+          held.segment(begin, end - begin).setConstant(1e-8 * (mean > 0 ? mean : 1));
+        }
+      }
+      return held;
+    };
+    if (s.kind == ConstraintStep::Kind::respond) {
+      const Eigen::MatrixXd& J = array(s.jacobian);
+      const Eigen::MatrixXd M = inverse(array(s.inverse), J.cols()), along = J * M * J.transpose();
+      const Eigen::VectorXd held = held_by(along);
+      const Eigen::LDLT<Eigen::MatrixXd> factors(along + Eigen::MatrixXd(held.asDiagonal()));
+      const Eigen::MatrixXd one = Eigen::MatrixXd::Identity(J.rows(), J.rows());
+      Eigen::MatrixXd L = Eigen::MatrixXd::Zero(J.rows(), J.rows());
+      for (int step = 0; step < s.solutions; ++step) L = factors.solve(one + held.asDiagonal() * L).eval();
+      // B, and L beneath.
+      array(s.room).resize(J.cols() + J.rows(), J.rows());
+      array(s.room) << M * J.transpose() * L, L;
+      array(s.to) = M - M * J.transpose() * L * J * M;
+      if (s.plain >= 0) array(s.plain) = array(s.to);
+      if (s.forces >= 0) array(s.forces) = -(M * J.transpose() * L).transpose();
+      continue;
+    }
+    if (s.kind == ConstraintStep::Kind::derive) {
+      const Eigen::MatrixXd &changes = array(s.changes), &room = array(s.room);
+      const Eigen::MatrixXd B = room.topRows(changes.cols()), L = room.bottomRows(changes.rows());
+      Eigen::MatrixXd efforts = array(s.efforts);
+      if (s.turning_rows > 0) {
+        const Eigen::MatrixXd more = array(s.left).transpose() * array(s.turned);
+        efforts += more;
+        if (s.to >= 0) array(s.to) -= array(s.inverse) * more;
+      }
+      if (s.to >= 0) array(s.to) -= B * changes;
+      if (s.forces >= 0) array(s.forces) = B.transpose() * efforts - L * changes;
+      continue;
+    }
     Eigen::MatrixXd upper = array(s.factor).triangularView<Eigen::StrictlyUpper>();
     upper.diagonal().setOnes();
     const Eigen::MatrixXd J = array(s.jacobian),
@@ -122,28 +170,14 @@ void run_constraint_steps(const Algorithm& algorithm, Arrays& arrays) {
     const bool impact = s.kind == ConstraintStep::Kind::impact;
     const Eigen::VectorXd free = impact ? Eigen::VectorXd::Zero(J.cols()) : Eigen::VectorXd(inverse * array(s.to)),
                           rest = array(s.right) - J * free;
-    Eigen::VectorXd held(J.rows()), forces = Eigen::VectorXd::Zero(J.rows());
-    for (std::size_t c = 0; c + 1 < s.paths.first.size(); ++c) {
-      const int first = s.paths.first[c], middle = first + s.paths.linear[c], behind = s.paths.first[c + 1];
-      for (const auto& [begin, end] : {std::pair(first, middle), std::pair(middle, behind)}) {
-        if (begin == end) continue;
-        const double mean = along.diagonal().segment(begin, end - begin).mean() + 1e-6 * along.trace();
-        held.segment(begin, end - begin).setConstant(1e-8 * (mean > 0 ? mean : 1));
-      }
-    }
+    const Eigen::VectorXd held = held_by(along);
+    Eigen::VectorXd forces = Eigen::VectorXd::Zero(J.rows());
     along.diagonal() += held;
     const Eigen::LDLT<Eigen::MatrixXd> factors(along);
     for (int step = 0; step < s.solutions; ++step) forces = factors.solve(rest + held.cwiseProduct(forces)).eval();
     array(s.forces) = forces;
     array(s.to) = (impact ? Eigen::VectorXd(array(s.to)) : free) + inverse * J.transpose() * forces;
   }
-}
-
-// M^-1 from its room: as straight lines leave it, or as it was made here.
-Eigen::MatrixXd inverse(const Eigen::MatrixXd& room, Eigen::Index n) {
-  if (room.cols() > 1) return room;
-  return Eigen::Map<const Eigen::MatrixXd, 0, Eigen::OuterStride<>>(room.data(), n, n,
-                                                                    Eigen::OuterStride<>(inverse_stride(static_cast<int>(n))));
 }
 
 // Steps with whole matrices, in the terms of their definition.

@@ -21,8 +21,10 @@ std::vector<Output> results_of(const std::vector<Output>& outputs, const ir::Emi
 
 // What steps with rows of constraints do with v is theirs, not the program's.
 bool steps_read_velocities(const ir::Algorithm& algorithm) {
-  return std::any_of(algorithm.constraint_steps.begin(), algorithm.constraint_steps.end(),
-                     [](const ir::ConstraintStep& step) { return step.kind != ir::ConstraintStep::Kind::delassus; });
+  using Kind = ir::ConstraintStep::Kind;
+  return std::any_of(algorithm.constraint_steps.begin(), algorithm.constraint_steps.end(), [](const ir::ConstraintStep& step) {
+    return step.kind != Kind::delassus && step.kind != Kind::respond && step.kind != Kind::derive;
+  });
 }
 
 }  // namespace
@@ -76,6 +78,13 @@ void find_what_is_read(Library& library) {
 }
 
 std::string table_name(const TableFunction& f) { return f.of_one ? f.results.front().name : f.function.name; }
+
+int acceleration_of(const TableFunction& f) {
+  for (const ir::Quantity wanted : {ir::Quantity::constrained_forward_dynamics, ir::Quantity::forward_dynamics})
+    for (size_t i = 0; i < f.results.size(); ++i)
+      if (f.results[i].quantity == wanted) return static_cast<int>(i);
+  return -1;
+}
 
 std::vector<RunTimeInput> run_time_inputs(const Model& model) {
   std::vector<RunTimeInput> inputs;

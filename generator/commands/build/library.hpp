@@ -46,6 +46,9 @@ void find_what_is_read(Library& library);
 
 std::string table_name(const TableFunction& function);
 
+// Which of the function's results is v̇, so that motions can be computed with it; −1: none.
+int acceleration_of(const TableFunction& function);
+
 // The workspace's members that a scene has set at run time, and how many numbers they hold; 0: it is no array.
 struct RunTimeInput {
   std::string name, unit, help;

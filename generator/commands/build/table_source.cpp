@@ -75,8 +75,9 @@ std::string batch_class(const Library& library, size_t index) {
     if (member.starts_with("payload_")) member.insert(7, "s");
     else if (member.starts_with("wrench_")) member.insert(6, "es");
     else member += "s";
-    each += fmt::format("    batch.{} = dalembert::table::gathered(from + {}, step, {}, n, room + {} * dalembert::table::states_together);\n",
-                        member, given, input.size(), given);
+    each += fmt::format(
+        "    batch.{} = dalembert::table::gathered(from + {}, step, {}, n, room + {} * dalembert::table::states_together);\n",
+        member, given, input.size(), given);
     given += input.size();
   }
   for (size_t i = 0; i < f.results.size(); ++i)
@@ -108,7 +109,7 @@ std::string batch_class(const Library& library, size_t index) {
       "  static constexpr bool has_status() noexcept {{ return tells<Results>(0); }}\n"
       "  static bool call(const Batch& batch, void* const* results, std::ptrdiff_t state, std::int32_t* status) noexcept {{\n"
       "    Results into;\n{9}    put_status(into, status, 0);\n"
-      "    return {1}::{10}_batch(batch, into, 0, batch.count) == dalembert::BatchError::none;\n  }}\n"
+      "    return {1}::{10}_batch(batch, into, 0, batch.count) == dalembert::BatchError::none;\n  }}\n{11}"
       // That v may be left out where the function does not read it.
       "  static bool self_test(dalembert::SelfTestReport* report) noexcept {{\n"
       "    const Scalar numbers[nq + nv + 1] = {{}};\n"
@@ -117,7 +118,14 @@ std::string batch_class(const Library& library, size_t index) {
       "    return {1}::{10}_batch(batch, Results(), 0, 1) == dalembert::BatchError::none && {1}::self_test(report);\n  }}\n"
       "}};\n\n",
       index, name, *f.function.input() ? name + "::nv" : "0", given, f.reads_velocities, set_run_time_inputs(model),
-      inputs.empty() ? "" : "    batch.workspace = &workspace;\n", each, f.function.type, pointers, f.function.name);
+      inputs.empty() ? "" : "    batch.workspace = &workspace;\n", each, f.function.type, pointers, f.function.name,
+      acceleration_of(f) < 0
+          ? ""
+          : fmt::format("  static bool roll_out(const Batch& batch, const dalembert::Rollout<Scalar>& rollout) "
+                        "noexcept {{\n"
+                        "    return {0}::{1}_rollout(batch, rollout, 0, batch.count) == "
+                        "dalembert::BatchError::none;\n  }}\n",
+                        name, f.function.name));
 }
 
 }  // namespace

@@ -1,6 +1,11 @@
 // Rows of constraints, J v̇ + J̇ v = b, whatever holds: a contact or a loop. Everything is along the base's axes and about its
 // origin, where the point x of a body of twist [u; w] and acceleration [a; α] has the velocity u + w × x and the acceleration
 // a + α × x + w × (u + w × x); rows are these turned to the axes asked for.
+//
+// Derivatives are of what the world sees, its axes and points told by the base's as they stand now. For a joint of twist S
+// above a body, with Ψ̇, Ψ̈ and Ṡ as in derivatives of inverse dynamics and A the body's acceleration less gravity,
+//
+//   ∂V/∂q = Ψ̇ − V × S     ∂A/∂q = Ψ̈ − A × S − V × Ψ̇     ∂V/∂v = S     ∂A/∂v = Ψ̇ + Ṡ − V × S.
 #pragma once
 
 #include <memory>
@@ -11,6 +16,17 @@
 #include "passes/quantities/shared.hpp"
 
 namespace dalembert::passes {
+
+// Forces along rows that a function has found before, as a wrench on their body about the base's origin, and the moment about
+// the point where they act; roles of the base.
+struct HeldRoles {
+  int wrench, moment, point;
+  bool in_world;  // it keeps to the world's axes; else it turns with the body
+};
+
+// Of loops: what ∂(−Jᵀ f)/∂q is more than if forces turned and moved with the body that they act on, as a product of two
+// matrices of so many rows each.
+inline constexpr int turning_rows = 9;
 
 // Roles of the base, a row each: role and component.
 using RowRoles = std::vector<std::pair<int, int>>;
@@ -32,6 +48,12 @@ class ConstraintRows {
   virtual RowRoles velocities(Builder& b) const = 0;  // J v
   virtual RowRoles biases(Builder& b) const = 0;      // J̇ v
   virtual RowRoles errors(Builder& b) const = 0;      // how far from where it shall be; to first order J v is its rate
+
+  // How J v̇ + J̇ v + kd J v + kp e changes with q, or v, at v̇ held; to the array's rows from the first on.
+  virtual void changes(Builder& b, bool by_q, int array) const = 0;
+  virtual HeldRoles wrench(Builder& b) const = 0;
+  // Of loops: to the arrays' rows from `row` on.
+  virtual void turning(Builder&, int /*left*/, int /*right*/, int /*row*/) const {}
 
  private:
   ir::Constraint constraint_;

@@ -1,4 +1,5 @@
 // Rows of contacts and loops, J v̇ + J̇ v = b, and what keeps to them.
+#include "dalembert/chain_shapes.hpp"
 #include "dalembert/constraint_shapes.hpp"
 #include "ir/constraint_step.hpp"
 #include "passes/quantities/constraint_rows.hpp"
@@ -162,6 +163,117 @@ void describe_constrained_forward_dynamics(Builder& b, int array) {
 void describe_constraint_forces(Builder& b, int array) {
   guard(b, array);
   solve_constrained(b);
+}
+
+namespace {
+
+constexpr ir::Quantity of_accelerations[] = {ir::Quantity::constrained_forward_dynamics_dq,
+                                             ir::Quantity::constrained_forward_dynamics_dv},
+                       of_forces[] = {ir::Quantity::constraint_forces_dq, ir::Quantity::constraint_forces_dv};
+
+int rows_of(const Builder& b) { return b.tree().constraint_rows; }
+
+// N as M⁻¹ has it for products, and what else tells how the robot responds; of the first half, where there are two.
+struct Response {
+  int projected, room;
+};
+Response response(Builder& b) {
+  const int nv = b.tree().nv(), room = response_room(nv, rows_of(b));
+  if (!b.function().first_half.empty())
+    return {b.array_of_first_half(b.function().called_name("projected_inverse"), inverse_size(nv), 1),
+            b.array_of_first_half(b.function().called_name("response"), room, 1)};
+  for (const ir::ConstraintStep& made : b.constraint_steps())
+    if (made.kind == ir::ConstraintStep::Kind::respond) return {made.to, made.room};
+  // Some are made before their turn: results stand in the order asked for all the same.
+  for (const ir::Quantity quantity : b.function().quantities) b.output(quantity);
+  const int inverse = padded_inverse(b);
+  ir::ConstraintStep s{ir::ConstraintStep::Kind::respond, ir::constraint_paths(b.tree(), b.scene())};
+  s.solutions = b.scene().scalar == ir::ScalarType::float32 ? Proximal<float>::steps : Proximal<double>::steps;
+  s.jacobian = jacobian(b);
+  s.inverse = inverse;
+  s.room = b.internal_array(b.own_name("response"), room, 1);
+  s.to = b.internal_array(b.own_name("projected_inverse"), inverse_size(nv), 1);
+  const auto output = [&](ir::Quantity quantity) { return b.function().computes(quantity) ? b.output(quantity) : -1; };
+  s.plain = output(ir::Quantity::constrained_forward_dynamics_dtau);
+  s.forces = output(ir::Quantity::constraint_forces_dtau);
+  s.of_forces = s.forces >= 0 || b.function().computes(of_forces[0]) || b.function().computes(of_forces[1]);
+  b.constraint_step(s);
+  return {s.to, s.room};
+}
+
+// Behind v̇ and forces: by q, or by v.
+void derive(Builder& b, bool by_q) {
+  const std::size_t by = by_q ? 0 : 1;
+  const std::string efforts_name = b.own_name(by_q ? "efforts_dq" : "efforts_dv");
+  if (b.has_array(efforts_name)) return;
+  const int nv = b.tree().nv(), rows = rows_of(b);
+  const Response r = response(b);
+  const auto output = [&](ir::Quantity quantity) { return b.function().computes(quantity) ? b.output(quantity) : -1; };
+  ir::ConstraintStep s{ir::ConstraintStep::Kind::derive, ir::constraint_paths(b.tree(), b.scene())};
+  s.room = r.room;
+  s.inverse = r.projected;
+  s.to = output(of_accelerations[by]);
+  s.forces = output(of_forces[by]);
+  s.efforts = b.internal_array(efforts_name, nv, nv);
+  s.changes = b.internal_array(b.own_name(by_q ? "changes_dq" : "changes_dv"), rows, nv);
+  (by_q ? describe_inverse_dynamics_dq : describe_inverse_dynamics_dv)(b, s.efforts);
+  const auto all = constraint_rows(b);
+  for (const auto& own : all) own->changes(b, by_q, s.changes);
+  // Efforts do not depend on where a floating base is.
+  s.first = by_q && b.floating() ? 3 : 0;
+  if (s.to >= 0) b.step({ir::MatrixStep::Kind::negative_product, r.projected, s.efforts, s.to, -1, s.first});
+  if (by_q && !b.scene().loops.empty()) {
+    s.turning_rows = turning_rows * static_cast<int>(b.scene().loops.size());
+    s.left = b.internal_array(b.own_name("turning"), s.turning_rows, nv);
+    s.turned = b.internal_array(b.own_name("turned"), s.turning_rows, nv);
+    s.turning_room = b.internal_array(b.own_name("turning_room"), turning_room(nv, rows, s.turning_rows), 1);
+    int row = 0;
+    for (const auto& own : all) {
+      if (!own->constraint().loop) continue;
+      own->turning(b, s.left, s.turned, row);
+      row += turning_rows;
+    }
+  }
+  b.constraint_step(s);
+}
+
+// A first half finds what the second differentiates.
+void describe_derivative(Builder& b, ir::Quantity quantity, int array, bool by_q) {
+  guard(b, array);
+  if (b.function().leaves(quantity)) {
+    solve_constrained(b);
+    response(b);
+  } else {
+    derive(b, by_q);
+  }
+}
+
+}  // namespace
+
+void describe_constrained_forward_dynamics_dq(Builder& b, int array) {
+  describe_derivative(b, ir::Quantity::constrained_forward_dynamics_dq, array, true);
+}
+
+void describe_constrained_forward_dynamics_dv(Builder& b, int array) {
+  describe_derivative(b, ir::Quantity::constrained_forward_dynamics_dv, array, false);
+}
+
+void describe_constraint_forces_dq(Builder& b, int array) {
+  describe_derivative(b, ir::Quantity::constraint_forces_dq, array, true);
+}
+
+void describe_constraint_forces_dv(Builder& b, int array) {
+  describe_derivative(b, ir::Quantity::constraint_forces_dv, array, false);
+}
+
+void describe_constrained_forward_dynamics_dtau(Builder& b, int array) {
+  guard(b, array);
+  response(b);
+}
+
+void describe_constraint_forces_dtau(Builder& b, int array) {
+  guard(b, array);
+  response(b);
 }
 
 namespace {

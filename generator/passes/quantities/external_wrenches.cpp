@@ -1,7 +1,9 @@
 // Wrenches that push links from outside: tau = M a + C v + g - the sum of J_l' F_l. Brought to the base's axes and origin, one
-// is the same six numbers for every joint above its link.
+// is the same six numbers for every joint above its link. Where derivatives are those of what constraints hold, their forces
+// push likewise: a loop's the second link, and back the first.
 #include <algorithm>
 
+#include "passes/quantities/constraint_rows.hpp"
 #include "passes/quantities/shared.hpp"
 
 namespace dalembert::passes {
@@ -14,17 +16,19 @@ namespace {
 // Of one wrench, as roles of the base: about the base's origin, and its moment and the point about the link's own.
 struct Push {
   int wrench, moment, origin;
+  bool in_world;
 };
 
 std::string number(std::size_t wrench) { return std::to_string(wrench); }
 
-Push push(Builder& b, std::size_t which) {
+Push wrench(Builder& b, std::size_t which) {
   const ir::ExternalWrench& external = b.scene().wrenches[which];
   const LinkFrame link = link_frame(external.link, b.tree(), b.normal());
   const LinkPlace at = link_place(b, link, Frame::base);
   const std::string name = "push_" + number(which), of = " on link " + external.link;
   const Push roles{b.role({name, "Fl", "f, n" + of + " about the base's origin", "N, N m", Shape::wrench}),
-                   b.role({name + "_moment", "nl", "n" + of + " about the link's origin", "N m", Shape::vector}), at.origin};
+                   b.role({name + "_moment", "nl", "n" + of + " about the link's origin", "N m", Shape::vector}), at.origin,
+                   external.in_world};
   if (b.has(name)) return roles;
   SweepBuilder s =
       b.sweep(name, external.in_world ? "f = X0' f_l, n = X0' n_l + x x f" : "f = X f_l, n = X n_l + x x f", Direction::root);
@@ -36,15 +40,34 @@ Push push(Builder& b, std::size_t which) {
   return roles;
 }
 
+// The scene's, then those of its constraints.
+std::size_t count_of(const Builder& b) {
+  const std::size_t constraints = b.function().forces.empty() ? 0 : b.scene().constraints().size();
+  return b.scene().wrenches.size() + constraints;
+}
+
+Push push(Builder& b, std::size_t which) {
+  const std::size_t wrenches = b.scene().wrenches.size();
+  if (which < wrenches) return wrench(b, which);
+  const HeldRoles held = constraint_rows(b)[which - wrenches]->wrench(b);
+  return {held.wrench, held.moment, held.point, held.in_world};
+}
+
+// On the robot as a whole: a loop's are none.
+bool on_all(const Builder& b, std::size_t which) {
+  const std::size_t wrenches = b.scene().wrenches.size();
+  return which < wrenches || b.tree().held[which - wrenches].second == ir::nobody;
+}
+
 Sym bears(SweepBuilder& s, std::size_t which) { return s.parameter(bears_p + static_cast<int>(which)); }
 
 // Y of a joint's twist; share: how much of a wrench counts.
 template <class Share>
 Twist derivative_of(Builder& b, SweepBuilder& s, const Twist& joint, const Share& share) {
   Twist sum{s.zero(), s.zero()};
-  for (std::size_t i = 0; i < b.scene().wrenches.size(); ++i) {
-    if (!b.scene().wrenches[i].in_world) continue;
+  for (std::size_t i = 0; i < count_of(b); ++i) {
     const Push pushed = push(b, i);
+    if (!pushed.in_world) continue;
     const Vec3 turned = cross(joint.angular, s.of3(-1, pushed.wrench, 0));
     const Vec3 lever = cross(s.of3(-1, pushed.origin), turned), moment = lever + cross(joint.angular, s.of3(-1, pushed.moment));
     sum.linear = sum.linear + share(i) * turned;
@@ -56,7 +79,7 @@ Twist derivative_of(Builder& b, SweepBuilder& s, const Twist& joint, const Share
 }  // namespace
 
 int external_wrenches(Builder& b) {
-  const std::size_t count = b.scene().wrenches.size();
+  const std::size_t count = count_of(b);
   if (count == 0) return -1;
   const int sum = b.role({"external", "E", "f, n of what pushes the subtree", "N, N m", Shape::wrench});
   if (b.has("external")) return sum;
@@ -66,6 +89,7 @@ int external_wrenches(Builder& b) {
     for (int c = 0; c < 6; ++c) {
       Sym all = s.constant(0);
       for (std::size_t i = 0; i < count; ++i) {
+        if (of_base && !on_all(b, i)) continue;
         const Sym one = s.of(-1, each[i], c);
         all = all + (of_base ? one : bears(s, i) * one);
       }
@@ -97,22 +121,22 @@ int less_external(Builder& b, int torque, int base_wrench) {
 }
 
 WorldWrenchRoles world_wrenches(Builder& b) {
-  const std::vector<ir::ExternalWrench>& wrenches = b.scene().wrenches;
-  if (std::none_of(wrenches.begin(), wrenches.end(), [](const ir::ExternalWrench& w) { return w.in_world; })) return {};
+  std::vector<Push> pushes;  // whose sweeps stand before this one
+  for (std::size_t i = 0; i < count_of(b); ++i) pushes.push_back(push(b, i));
+  if (std::none_of(pushes.begin(), pushes.end(), [](const Push& pushed) { return pushed.in_world; })) return {};
   const WorldWrenchRoles roles{
       b.role({"unturned", "X", "f x (u + w x x) + n x w, summed over wrenches along the world's axes", "N m", Shape::vector}),
       b.role({"turned_back", "Y", "[w x f; x x (w x f) + w x n], summed likewise", "N, N m", Shape::wrench})};
   if (b.has("world_wrenches")) return roles;
   const Poses p = poses(b, Frame::base);
-  for (std::size_t i = 0; i < wrenches.size(); ++i) push(b, i);  // whose sweeps stand before this one
   SweepBuilder s =
       b.sweep("world_wrenches", "X = f x (u + w x x) + n x w, Y = [w x f; x x (w x f) + w x n]", Direction::anywhere);
   const Twist joint = joint_of(s, p);
   s.store(roles.derivative, derivative_of(b, s, joint, [&](std::size_t i) { return bears(s, i); }));
   Vec3 lower = s.zero();
-  for (std::size_t i = 0; i < wrenches.size(); ++i) {
-    if (!wrenches[i].in_world) continue;
-    const Push pushed = push(b, i);
+  for (std::size_t i = 0; i < pushes.size(); ++i) {
+    const Push& pushed = pushes[i];
+    if (!pushed.in_world) continue;
     const Vec3 f = s.of3(-1, pushed.wrench, 0), n = s.of3(-1, pushed.moment);
     const Vec3 velocity = joint.linear + cross(joint.angular, s.of3(-1, pushed.origin));
     const Vec3 own = cross(f, velocity) + cross(n, joint.angular);

@@ -164,6 +164,18 @@ Factors factors(Builder& b) {
 
 }  // namespace
 
+AxisMotion axis_motion(Builder& b) {
+  const Factors f = factors(b);
+  const int drift = b.tree().any_quaternion() ? b.role({"axis_drift", "Psid", "Psi'", "m/s, rad/s", Shape::wrench})
+                                              : poses(b, Frame::base).joint_rate;
+  return {drift, f.rates, f.curvature, accelerations(b)};
+}
+
+BaseAxisMotion base_axis_motion(Builder& b, SweepBuilder& base, const Twist& unit) {
+  const Twist weight{-base.gravity_in_base(), base.zero()};
+  return {joint_twist_rate(velocity_of(base, poses(b, Frame::base)), unit), joint_twist_rate(weight, unit)};
+}
+
 void describe_inverse_dynamics_dq(Builder& b, int array) {
   const Factors f = factors(b);
   ir::Pairs p;

@@ -27,6 +27,17 @@ Twist unit_twist(SweepBuilder& s, int coordinate);
 int accelerations(Builder& builder);
 Twist acceleration_of(SweepBuilder& s, int role);
 
+// What derivatives of inverse dynamics are made of, per joint: Ψ̇, Ψ̇ + Ṡ and Ψ̈ of its twist; and A of every body.
+struct AxisMotion {
+  int drift, rates, curvature, acceleration;
+};
+AxisMotion axis_motion(Builder& builder);
+// The same of a coordinate of the base, in a sweep of the root: Ψ̇ is zero.
+struct BaseAxisMotion {
+  Twist rates, curvature;
+};
+BaseAxisMotion base_axis_motion(Builder& builder, SweepBuilder& base, const Twist& unit);
+
 // Phase II (eq. 12, 13, 29, 30): sums over the subtree.
 int composite_mass(Builder& builder);
 struct SumRoles {
@@ -144,5 +155,7 @@ SolvedRoles solved_accelerations(Builder& builder);
 
 // M⁻¹ as an array: `array`, or, −1, one that is no output.
 int inverse_mass_matrix(Builder& builder, int array = -1);
+// M⁻¹ with room, as products take it; made where it is not there yet.
+int padded_inverse(Builder& builder);
 
 }  // namespace dalembert::passes

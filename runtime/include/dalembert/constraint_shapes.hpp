@@ -2,6 +2,8 @@
 // whole lanes. Of constants alone, for the compiler makes room by them too.
 #pragma once
 
+#include <dalembert/chain_shapes.hpp>
+
 namespace dalembert {
 
 // Rows of a block: three where no constraint has more, else six.
@@ -13,6 +15,13 @@ constexpr int block_lanes(int rows) { return rows <= 3 ? 4 : 8; }
 constexpr int constraint_room(int count, int rows, int longest) {
   return count * longest * block_lanes(rows) + (count * (count + 1) / 2 + count * (count - 1) / 2) * rows * block_lanes(rows);
 }
+
+// Numbers of what tells how n coordinates respond, of m rows: M^-1 J' and M^-1 J' L, a column per row, the latter a row per
+// coordinate, too; J; L, and what it is made of. In registers of eight: others want less.
+constexpr int padded_rows(int m) { return (m + 7) / 8 * 8; }
+constexpr int response_room(int n, int m) { return (2 * inverse_stride(n) + n) * m + (n + 4 * m) * padded_rows(m); }
+// Of how they respond to forces that turn with one link and move with another: `more` columns and rows likewise.
+constexpr int turning_room(int n, int m, int more) { return more * (inverse_stride(n) + padded_rows(m)); }
 
 // mu, and how often: what is left of a row's error is (mu N / (mu N + its inverse inertia))^steps.
 template <class T>

@@ -11,13 +11,15 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
-#include <dalembert/batch_layout.hpp>
+#include <dalembert/rollout_layout.hpp>
 #include <dalembert/self_test.hpp>
 #include <new>
+#include <type_traits>
+#include <utility>
 
 namespace dalembert {
 
-inline constexpr std::int32_t function_table_version = 1;
+inline constexpr std::int32_t function_table_version = 2;
 
 // The rows of one argument: that of state s begins s · step numbers behind the first; with a step of 0 all states share one.
 struct StateRows {
@@ -33,6 +35,21 @@ struct FunctionCall {
   std::ptrdiff_t begin, end;  // which states
 };
 
+// Motions that a function makes from many states on (dalembert/rollout_layout.hpp): results are nullable, nq or nv numbers of
+// each motion, or of each of its steps.
+struct RolloutCall {
+  StateRows q, v;                                      // where motions begin
+  const void* more;                                    // what acts, or null: nothing. Number i in step t of motion m stands
+  std::ptrdiff_t more_motion, more_step, more_number;  // m · more_motion + t · more_step + i · more_number behind it
+  StateRows run_time;                                  // the same in all steps
+  std::size_t steps;
+  double time_step;
+  RolloutMethod method;
+  void *last_q, *last_v, *path_q, *path_v;
+  std::int32_t* stopped;
+  std::ptrdiff_t begin, end;  // which motions
+};
+
 struct FunctionEntry {
   const char* name;
   std::int32_t results;
@@ -41,6 +58,7 @@ struct FunctionEntry {
   void (*destroy)(void* workspace) noexcept;
   void (*run)(const FunctionCall& call, void* workspace) noexcept;
   bool (*self_test)(SelfTestReport* report) noexcept;
+  void (*roll_out)(const RolloutCall& call, void* workspace) noexcept;  // null: no batch, or one that does not tell v̇
 };
 
 struct FunctionTable {
@@ -119,6 +137,74 @@ inline const Scalar* gathered(const Scalar* from, std::ptrdiff_t step, int width
   return room;
 }
 
+// Of batches that tell v̇ the class has roll_out(batch, rollout), too.
+template <class Function>
+void roll_out_batch(const RolloutCall& call, void* untyped) noexcept {
+  using Scalar = typename Function::Scalar;
+  auto& own = *static_cast<BatchWorkspace<Function>*>(untyped);
+  constexpr std::ptrdiff_t nq = Function::nq, nv = Function::nv;
+  const bool given_each = Function::run_time_inputs > 0 && call.run_time.step != 0;
+  if (Function::run_time_inputs > 0 && !given_each)
+    Function::set(static_cast<const Scalar*>(call.run_time.first), own.workspace);
+  const auto steps = static_cast<std::ptrdiff_t>(call.steps);
+  const bool acts_in_a_row =
+      call.more_number == 1 && call.more_step == nv && (call.more_motion == steps * nv || call.end - call.begin == 1);
+  const bool in_a_row = call.q.step == nq && call.v.step == nv && !given_each;
+  const auto at = [](void* results, std::ptrdiff_t numbers) {
+    return results ? static_cast<Scalar*>(results) + numbers : nullptr;
+  };
+  struct Acts {
+    const RolloutCall& call;
+    std::ptrdiff_t first;
+  };
+  for (std::ptrdiff_t m = call.begin, n; m < call.end; m += n) {
+    n = call.end - m;
+    if (!in_a_row && n > states_together) n = states_together;
+    typename Function::Batch batch;
+    batch.count = static_cast<std::size_t>(n);
+    const Scalar *const q = static_cast<const Scalar*>(call.q.first) + m * call.q.step, *const v = static_cast<const Scalar*>(
+                                                                                                       call.v.first) +
+                                                                                                   m * call.v.step;
+    batch.q = call.q.step == nq ? q : gathered(q, call.q.step, Function::nq, n, own.q);
+    batch.v = call.v.step == nv ? v : gathered(v, call.v.step, Function::nv, n, own.v);
+    if (given_each)
+      Function::set_each(static_cast<const Scalar*>(call.run_time.first) + m * call.run_time.step, call.run_time.step, n,
+                         own.given, batch);
+    else if (Function::run_time_inputs > 0) Function::set_all(own.workspace, batch);
+    Rollout<Scalar> rollout;
+    rollout.steps = call.steps, rollout.time_step = static_cast<Scalar>(call.time_step), rollout.method = call.method;
+    Acts acts{call, m};
+    if (call.more && acts_in_a_row) batch.input = static_cast<const Scalar*>(call.more) + m * call.more_motion;
+    else if (call.more)
+      rollout.user = &acts, rollout.control = [](const RolloutStep<Scalar>& step, void* user) {
+        const Acts& of = *static_cast<const Acts*>(user);
+        const Scalar* const from = static_cast<const Scalar*>(of.call.more) +
+                                   (of.first + static_cast<std::ptrdiff_t>(step.first)) * of.call.more_motion +
+                                   static_cast<std::ptrdiff_t>(step.step) * of.call.more_step;
+        for (std::ptrdiff_t i = 0; i < Function::nv; ++i)
+          for (std::ptrdiff_t k = 0; k < step.count; ++k)
+            step.input[i * step.stride + k] = from[k * of.call.more_motion + i * of.call.more_number];
+      };
+    rollout.last_q = at(call.last_q, m * nq), rollout.last_v = at(call.last_v, m * nv);
+    rollout.path_q = at(call.path_q, m * steps * nq), rollout.path_v = at(call.path_v, m * steps * nv);
+    rollout.stopped = call.stopped ? call.stopped + m : nullptr;
+    Function::roll_out(batch, rollout);
+  }
+}
+
+using RollOut = void (*)(const RolloutCall& call, void* workspace) noexcept;
+template <class Function>
+auto roll_out_of(int) noexcept
+    -> std::enable_if_t<sizeof(decltype(Function::roll_out(std::declval<typename Function::Batch&>(),
+                                                           std::declval<Rollout<typename Function::Scalar>&>()))) != 0,
+                        RollOut> {
+  return roll_out_batch<Function>;
+}
+template <class Function>
+RollOut roll_out_of(long) noexcept {
+  return nullptr;
+}
+
 template <class Function>
 void run_batch(const FunctionCall& call, void* untyped) noexcept {
   using Scalar = typename Function::Scalar;
@@ -159,6 +245,7 @@ FunctionEntry batch_entry(const char* name, int results, bool (*self_test)(SelfT
   entry.destroy = [](void* workspace) noexcept { delete static_cast<Own*>(workspace); };
   entry.run = run_batch<Function>;
   entry.self_test = self_test;
+  entry.roll_out = roll_out_of<Function>(0);
   return entry;
 }
 

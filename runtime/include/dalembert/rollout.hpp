@@ -124,8 +124,8 @@ static inline void roll_out(Program&& program, const Rollout<T>& rollout, const 
     for (int& s : block.status) s = -1;
   }
   while (first < end) {
-    std::size_t at[strip];
-    int states[strip], count = 0;
+    std::size_t at[strip] = {};  // g++ 12 does not see that `count` of them are set
+    int states[strip] = {}, count = 0;
     for (; first < end && count < strip; first += static_cast<std::size_t>(w), ++count) {
       at[count] = first;
       states[count] = end - first < static_cast<std::size_t>(w) ? static_cast<int>(end - first) : w;

@@ -5,6 +5,7 @@ import functools
 import inspect
 import json
 import math
+import numbers
 import os
 import pathlib
 import threading
@@ -119,6 +120,61 @@ class _Batches:
         raise RuntimeError(f"{self._folder} does not stay as it is made")
 
 
+class Rollout:
+    """Motions that a function of a robot makes from states on, many steps in one call (docs/python.md)."""
+
+    _METHODS = ("semi_implicit_euler", "rk4")
+
+    def __init__(self, function, name, takes, meaning, robot, run_time):
+        self._function, self._takes, self._quaternions = function, takes, robot._quaternions
+        self.__name__ = self.__qualname__ = f"{name}_rollout"
+        self._type = _results_type("Rollout", ("q", "v"))
+        self.__doc__ = "\n".join((
+            f"Motions of many steps, each with the acceleration that {name} computes; a named tuple.",
+            "",
+            f"q, v: ({robot.nq},) and ({robot.nv},), or (n, ...): where motions begin.",
+            f"{takes}: (steps, {robot.nv}) for all motions, or (n, steps, {robot.nv}): {meaning}, held during a step. Without it "
+            "nothing acts.",
+            *(f"{i}: ({size},) or (n, {size}), the same in all steps, in place of the robot's own." for i, _, size in run_time),
+            f"steps: how many, where {takes} does not say it.",
+            "time_step: seconds; may be negative.",
+            "method: 'semi_implicit_euler', of first order, one evaluation a step; or 'rk4', of fourth order, four.",
+            "path: whether the states behind each step are wanted, and not the last ones alone.",
+            "out: (q, v), arrays to write to.",
+            "return_status: also the step, from 0, that a motion could not make, or -1; of n motions an array.",
+            "",
+            "Returns, of n motions with n in front:",
+            f"    q: ({robot.nq},), or with `path` (steps, {robot.nq})",
+            f"    v: ({robot.nv},), or with `path` (steps, {robot.nv})"))
+        P = inspect.Parameter
+        self.__signature__ = inspect.Signature(
+            [P("q", P.POSITIONAL_OR_KEYWORD), P("v", P.POSITIONAL_OR_KEYWORD), P(takes, P.POSITIONAL_OR_KEYWORD, default=None),
+             P("time_step", P.KEYWORD_ONLY), P("steps", P.KEYWORD_ONLY, default=None),
+             P("method", P.KEYWORD_ONLY, default="semi_implicit_euler"), P("path", P.KEYWORD_ONLY, default=False),
+             *(P(i, P.KEYWORD_ONLY, default=None) for i, _, _ in run_time), P("out", P.KEYWORD_ONLY, default=None),
+             P("return_status", P.KEYWORD_ONLY, default=False)])
+
+    def __call__(self, q, v, *acting, time_step, steps=None, method="semi_implicit_euler", path=False, out=None,
+                 return_status=False, **more):
+        if len(acting) > 1 or acting and self._takes in more:
+            raise TypeError(f"{self.__name__} takes q, v, {self._takes} by place, and {self._takes} once")
+        tau = acting[0] if acting else more.pop(self._takes, None)
+        if method not in self._METHODS:
+            raise ValueError(f"{self.__name__}: there is no method {method!r}" + _build.did_you_mean(method, self._METHODS))
+        if steps is None and tau is None:
+            raise TypeError(f"{self.__name__} needs steps, or {self._takes}, whose steps they are")
+        if steps is not None and (not isinstance(steps, numbers.Integral) or steps < 0):
+            raise ValueError(f"{self.__name__}: steps is {steps!r}, expected a whole number, 0 or more")
+        if not isinstance(time_step, numbers.Real):
+            raise TypeError(f"{self.__name__}: time_step is of type {type(time_step).__name__}, expected a number of seconds")
+        return self._function.roll_out(
+            self.__name__, q, v, tau, -1 if steps is None else int(steps), float(time_step), self._METHODS.index(method), path,
+            out, return_status, {k: x for k, x in more.items() if x is not None}, self._quaternions, self._type)
+
+    def __repr__(self):
+        return f"<{self.__name__}{self.__signature__}>"
+
+
 def _axes(shape, symbol):
     return "(" + ", ".join(map(str, shape)) + (",)" if len(shape) == 1 else ")") if shape else "a number"
 
@@ -188,7 +244,7 @@ class Robot:
         coordinates = tuple([f"{b} (v[{i}])" for i, b in enumerate(base)] +
                             [f"joint '{j}' (v[{len(base) + i}])" for i, j in enumerate(self.joint_names)])
         run_time = tuple((name, at, size) for name, (at, size, _, _) in self._run_time_at.items())
-        whole, single, results, scene_functions = {}, {}, {}, {}
+        whole, single, results, scene_functions, rollouts = {}, {}, {}, {}, {}
         self.__dict__["_folders"] = {}
         for f in functions:
             one = len(f["results"]) == 1 and not f["named"]
@@ -198,7 +254,10 @@ class Robot:
                 library, f["entry"], name, f["takes"] or None, f["reads_velocities"], self.nq, self.nv,
                 tuple(tuple(r["shape"]) for r in f["results"]), None if one else _results_type(f["name"], fields),
                 self._run_time if run_time else None, run_time, coordinates, self._docstring(f, one), self._signature(f, run_time),
-                functools.partial(batches.find, f["part"], f["batch_entry"]) if batches and f["batch_entry"] >= 0 else None)
+                functools.partial(batches.find, f["part"], f["batch_entry"]) if batches and f["batch_entry"] >= 0 else None,
+                f["acceleration"])
+            if f["acceleration"] >= 0 and (one or f["named"]):
+                rollouts[f"{name}_rollout"] = Rollout(made, name, f["takes"], f["meaning"], self, run_time)
             self._folders[name if one else f["name"]] = self._folder / "source" / f["folder"]
             if one:
                 single[name] = made
@@ -212,7 +271,7 @@ class Robot:
         callables = {**single, **scene_functions}
         self.__dict__["_callables"] = callables
         # A function of the scene that is called like something of ours is robot["info"] only.
-        self.__dict__.update({name: made for name, made in callables.items() if not hasattr(type(self), name)})
+        self.__dict__.update({name: made for name, made in {**rollouts, **callables}.items() if not hasattr(type(self), name)})
         self.__dict__["_single"], self.__dict__["_whole"], self.__dict__["_function_of"] = single, whole, {
             name: f["function"] for name, f in results.items()}
         self.__dict__["outputs"] = tuple(callables)
@@ -323,6 +382,9 @@ class Robot:
         known = list(self.outputs)
         if name in _build.quantities():
             return f"{self.name} was loaded without '{name}': add it to outputs; there are {', '.join(known)}"
+        of = name[:-len("_rollout")] if isinstance(name, str) and name.endswith("_rollout") else ""
+        if of in ("forward_dynamics", "constrained_forward_dynamics"):
+            return f"{self.name} was loaded without '{of}', which '{name}' needs: add it to outputs; there are {', '.join(known)}"
         return f"there is no quantity '{name}'" + _build.did_you_mean(name, known + list(_build.quantities()))
 
     def __getattr__(self, name):  # of what is not in __dict__

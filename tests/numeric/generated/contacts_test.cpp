@@ -4,6 +4,7 @@
 
 #include <Eigen/Dense>
 #include <cstring>
+#include <dalembert/integrators/motion.hpp>
 #include <random>
 
 #include "heap_count.hpp"
@@ -49,6 +50,77 @@ struct Results {
 RESULTS_OF(standing_biped)
 RESULTS_OF(standing_quadruped)
 #undef RESULTS_OF
+
+// A column for every column of v̇'s derivative and that of the forces below it.
+struct Motion {
+  Vector both;
+  Matrix by_q, by_v, by_tau;
+};
+#define MOTION_OF(robot)                                                                             \
+  Motion motion_of(const State& s, robot::Workspace& w) {                                            \
+    robot::forward_dynamics(s.q.data(), s.v.data(), s.tau.data(), w);                                \
+    const auto stacked = [](const Matrix& a, const Matrix& b) {                                      \
+      Matrix all(a.rows() + b.rows(), a.cols());                                                     \
+      all << a, b;                                                                                   \
+      return all;                                                                                    \
+    };                                                                                               \
+    return {stacked(robot::constrained_forward_dynamics(w), robot::constraint_forces(w)),            \
+            stacked(robot::constrained_forward_dynamics_dq(w), robot::constraint_forces_dq(w)),      \
+            stacked(robot::constrained_forward_dynamics_dv(w), robot::constraint_forces_dv(w)),      \
+            stacked(robot::constrained_forward_dynamics_dtau(w), robot::constraint_forces_dtau(w))}; \
+  }
+MOTION_OF(standing_biped)
+MOTION_OF(standing_quadruped)
+#undef MOTION_OF
+
+// Against differences of the sixth order, exact by v and tau but for rounding; what is far smaller than the rest of its matrix
+// is compared with that.
+template <class Workspace>
+void expect_derivatives(const State& s, Workspace& w) {
+  const Motion here = motion_of(s, w);
+  const Eigen::Index n = s.v.size();
+  Matrix by_q(here.both.size(), n), by_v = by_q, by_tau = by_q;
+  const auto difference = [&](const auto& moved, double size) -> Vector {
+    Vector d[3];
+    const double steps[] = {size, size / 2, size / 4};
+    for (int i = 0; i < 3; ++i)
+      d[i] = (motion_of(moved(steps[i]), w).both - motion_of(moved(-steps[i]), w).both) / (2 * steps[i]);
+    const Vector one = (4 * d[1] - d[0]) / 3, two = (4 * d[2] - d[1]) / 3;
+    return (16 * two - one) / 15;
+  };
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const Vector unit = Vector::Unit(n, k);
+    by_q.col(k) = difference(
+        [&](double h) {
+          State moved = s;
+          dalembert::integrators::move(s.q, Vector(h * unit), moved.q);
+          return moved;
+        },
+        0.02);
+    by_v.col(k) = difference(
+        [&](double h) {
+          State moved = s;
+          moved.v += h * unit;
+          return moved;
+        },
+        1);
+    by_tau.col(k) = difference(
+        [&](double h) {
+          State moved = s;
+          moved.tau += h * unit;
+          return moved;
+        },
+        10);
+  }
+  const auto near = [&](const Matrix& ours, const Matrix& expected, double tolerance) {
+    EXPECT_LT(largest(ours.topRows(n) - expected.topRows(n)), tolerance * largest(expected.topRows(n)));
+    EXPECT_LT(largest(ours.bottomRows(ours.rows() - n) - expected.bottomRows(ours.rows() - n)),
+              tolerance * largest(expected.bottomRows(ours.rows() - n)));
+  };
+  near(here.by_q, by_q, 5e-7);
+  near(here.by_v, by_v, 1e-8);
+  near(here.by_tau, by_tau, 1e-8);
+}
 
 template <class Workspace>
 void expect_identities(int nq, int nv) {
@@ -160,6 +232,42 @@ TEST(Contacts, BounceByTheirRestitution) {
   Vector expected = Vector::Zero(12);
   expected.segment(3, 3) = -0.5 * (r.J * s.v).segment(3, 3);
   EXPECT_LT(largest(r.J * r.after - expected), 1e-9 * largest(r.J * s.v));
+}
+
+TEST(Contacts, OfABipedAreDifferentiatedAsTheyAreSet) {
+  using namespace standing_biped;
+  const State s(nq, nv, 8);
+  Workspace w;
+  expect_derivatives(s, w);
+  const double anchor[] = {0.1, -0.2, 0.3, 0.36, -0.48, 0.64, 0.48};
+  for (Contact* contact : {&w.contact_left_5_toe, &w.contact_heel}) {
+    std::copy(std::begin(anchor), std::end(anchor), contact->anchor);
+    contact->kp = 30;
+    contact->kd = 6;
+  }
+  for (int i = 0; i < 6; ++i) w.contact_heel.regularization[i] = 0.02 * (1 + i);
+  expect_derivatives(s, w);
+  w.contact_left_5_toe.active = false;
+  expect_derivatives(s, w);
+}
+
+TEST(Contacts, OfAQuadrupedAreDifferentiatedAsTheyAreSet) {
+  using namespace standing_quadruped;
+  const State s(nq, nv, 9);
+  Workspace w;
+  expect_derivatives(s, w);
+  w.contact_hind_left.kp = 30;
+  w.contact_hind_left.kd = w.contact_front_right.kd = 6;
+  w.contact_front_right.regularization[1] = 0.1;
+  w.contact_hind_right_3_knee.active = false;
+  const Motion before = motion_of(s, w);
+  expect_derivatives(s, w);
+  // Of one that does not act nothing reaches the others by a bit.
+  w.contact_hind_right_3_knee.kp = 1e6;
+  w.contact_hind_right_3_knee.regularization[0] = 7;
+  const Motion after = motion_of(s, w);
+  EXPECT_TRUE(before.by_q == after.by_q && before.by_v == after.by_v && before.by_tau == after.by_tau);
+  EXPECT_EQ(largest(after.by_q.bottomRows(3)) + largest(after.by_v.bottomRows(3)) + largest(after.by_tau.bottomRows(3)), 0);
 }
 
 TEST(Contacts, AreSetInCAndAllocateNothing) {

@@ -203,46 +203,62 @@ struct Constrained {
 
 namespace detail {
 
+// J, of rows of zeros where a constraint does not act, and what forces are solved for by: D = J M⁻¹ Jᵀ + R + μ N, a one on the
+// diagonal where none acts; held: μ N.
+template <class S>
+struct ActingRows {
+  MatrixX<S> J, D;
+  VectorX<S> held, acts;  // acts: one or zero, per row
+};
+
+template <class S>
+ActingRows<S> acting_rows(const Constraints<S>& constraints, const MatrixX<S>& J, const Factorisation<S>& mass,
+                          const ConstraintOptions<S>& options) {
+  ActingRows<S> rows{J, {}, VectorX<S>::Zero(J.rows()), VectorX<S>::Ones(J.rows())};
+  const std::vector<std::pair<int, int>> blocks = constraints.rows();
+  int row = 0;
+  for (size_t c = 0; c < blocks.size(); row += blocks[c++].first)
+    if (!options.active.empty() && !options.active[c]) {
+      rows.J.middleRows(row, blocks[c].first).setZero();
+      rows.acts.segment(row, blocks[c].first).setZero();
+    }
+  rows.D = rows.J * mass.solve(rows.J.transpose());
+  const S sum = rows.D.trace();
+  row = 0;
+  for (size_t c = 0; c < blocks.size(); row += blocks[c++].first) {
+    const bool acts = options.active.empty() || options.active[c];
+    const auto [own, linear] = blocks[c];
+    for (int begin = 0, end = linear; begin < own; begin = end, end = own) {
+      S scale = rows.D.diagonal().segment(row + begin, end - begin).sum() / S(end - begin) + S(1e-6) * sum;
+      if (!(scale > S(0))) scale = S(1);
+      for (int r = row + begin; r < row + end; ++r) {
+        rows.held[r] = acts ? S(options.mu * scale) : S(0);
+        rows.D(r, r) += acts ? S(rows.held[r] + (options.regularization.size() > 0 ? options.regularization[r] : S(0))) : S(1);
+      }
+    }
+  }
+  return rows;
+}
+
 // What of b is left to the constraints when `free` moves without them, and what they make of it.
 template <class S>
 Constrained<S> constrained(const Model<S>& model, const Constraints<S>& constraints, In<S> q, const VectorX<S>& right,
                            const VectorX<S>& free, const ConstraintOptions<S>& options) {
   const Factorisation<S> factors = factorised(model, State<S>(model, q));
   if (!factors.status().ok()) return {{}, {}, factors.status()};
-  MatrixX<S> J = constraint_jacobian<S>(model, constraints, q);
+  const MatrixX<S> J = constraint_jacobian<S>(model, constraints, q);
   const Eigen::Index m = J.rows();
-  VectorX<S> rest = right - J * free, held = VectorX<S>::Zero(m);
-  const std::vector<std::pair<int, int>> blocks = constraints.rows();
-  int row = 0;
-  for (size_t c = 0; c < blocks.size(); row += blocks[c++].first)
-    if (!options.active.empty() && !options.active[c]) {
-      J.middleRows(row, blocks[c].first).setZero();
-      rest.segment(row, blocks[c].first).setZero();
-    }
-  MatrixX<S> D = J * factors.solve(J.transpose());
-  const S sum = D.trace();
-  row = 0;
-  for (size_t c = 0; c < blocks.size(); row += blocks[c++].first) {
-    const bool acts = options.active.empty() || options.active[c];
-    const auto [own, linear] = blocks[c];
-    for (int begin = 0, end = linear; begin < own; begin = end, end = own) {
-      S scale = D.diagonal().segment(row + begin, end - begin).sum() / S(end - begin) + S(1e-6) * sum;
-      if (!(scale > S(0))) scale = S(1);
-      for (int r = row + begin; r < row + end; ++r) {
-        held[r] = acts ? S(options.mu * scale) : S(0);
-        D(r, r) += acts ? S(held[r] + (options.regularization.size() > 0 ? options.regularization[r] : S(0))) : S(1);
-      }
-    }
-  }
-  const Factorisation<S> along(D);
+  const ActingRows<S> rows = acting_rows<S>(constraints, J, factors, options);
+  const VectorX<S> rest = rows.acts.cwiseProduct(right - J * free);
+  const Factorisation<S> along(rows.D);
   VectorX<S> forces = VectorX<S>::Zero(m), before = forces;
   for (int step = 0; step < options.steps; ++step) {
     before = forces;
-    forces = along.solve(VectorX<S>(rest + held.cwiseProduct(before)));
+    forces = along.solve(VectorX<S>(rest + rows.held.cwiseProduct(before)));
   }
-  Constrained<S> result{free + factors.solve(J.transpose() * forces), forces, factors.status(), S(0)};
+  Constrained<S> result{free + factors.solve(rows.J.transpose() * forces), forces, factors.status(), S(0)};
   for (Eigen::Index r = 0; r < m; ++r) {
-    const S change = forces[r] - before[r], error = held[r] * (change < S(0) ? S(-change) : change);
+    const S change = forces[r] - before[r], error = rows.held[r] * (change < S(0) ? S(-change) : change);
     if (error > result.residual) result.residual = error;
   }
   return result;

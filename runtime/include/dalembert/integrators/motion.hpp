@@ -24,7 +24,8 @@ bool floats(const Q& q, const V& v, Eigen::Index quaternions = 0) {
   return q.size() != v.size() + quaternions;
 }
 template <class Q, class V>
-inline constexpr bool may_float = Q::RowsAtCompileTime == Eigen::Dynamic || Q::RowsAtCompileTime != V::RowsAtCompileTime;
+inline constexpr bool may_float = int(Q::RowsAtCompileTime) == Eigen::Dynamic ||
+                                  int(Q::RowsAtCompileTime) != int(V::RowsAtCompileTime);  // enumerations of Eigen's
 
 namespace detail {
 
