@@ -148,7 +148,7 @@ double LeastScale::of(const Wanted& wanted) {
   }
   switch (ir::row_of(*wanted.quantity).scale) {
     case ir::Scale::own: break;
-    case ir::Scale::solved: scale = largest_turned(*wanted.quantity); break;
+    case ir::Scale::solved: return largest_turned(*wanted.quantity);
     case ir::Scale::constrained: return largest_free(*wanted.quantity);
     case ir::Scale::turning:
       scale = evaluate(tree_, scene_, {{jacobian_of(*wanted.quantity), ""}}, inputs_, Precision::float64)
