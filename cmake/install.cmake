@@ -4,6 +4,9 @@ include(CMakePackageConfigHelpers)
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/dalembert)
 
 install(TARGETS dalembert dalembert_runtime EXPORT dalembert_targets)
+if(TARGET dalembert_sdf)
+  install(TARGETS dalembert_sdf LIBRARY DESTINATION lib/dalembert)  # where the generator looks for it
+endif()
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/runtime/include/dalembert DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 # Pages as they link to each other: README, docs and examples.
 install(FILES ${PROJECT_SOURCE_DIR}/README.md ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})

@@ -170,7 +170,4 @@ UrdfOutline read_outline(const std::string& file, const std::string& text, Diagn
   return OutlineReader(file, warnings).outline(text);
 }
 
-std::string place(const LinkOutline& link) { return fmt::format("link '{}' (line {})", link.name, link.line); }
-std::string place(const JointOutline& joint) { return fmt::format("joint '{}' (line {})", joint.name, joint.line); }
-
 }  // namespace dalembert::frontend

@@ -1,0 +1,299 @@
+// The SDF as an outline, by libsdformat: a library of its own, which the generator opens when it is given an SDF. libsdformat takes
+// longer to load than everything else that a command of the cache does.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+#include <optional>
+#include <sdf/sdf.hh>
+
+#include "frontend/sdf_outline.hpp"
+#include "frontend/urdf_outline.hpp"
+
+namespace dalembert::frontend {
+
+namespace {
+
+using ignition::math::Pose3d;
+
+constexpr double same_place = 1e-12;  // m, rad: rounding of resolved poses
+
+bool is_identity(const Pose3d& pose) { return pose.Pos().Length() < same_place && pose.Rot().Euler().Length() < same_place; }
+
+Eigen::Vector3d vector(const ignition::math::Vector3d& v) { return {v.X(), v.Y(), v.Z()}; }
+
+Frame frame(const Pose3d& pose) { return {vector(pose.Pos()), vector(pose.Rot().Euler())}; }
+
+// The numbers of an element as they are written.
+template <size_t count>
+std::optional<std::array<double, count> > written_numbers(const sdf::ElementPtr& element) {
+  if (!element->GetValue()) return std::nullopt;
+  const std::string text = element->GetValue()->GetAsString();
+  std::array<double, count> numbers;
+  const char* at = text.c_str();
+  for (double& number : numbers) {
+    char* end = nullptr;
+    number = std::strtod(at, &end);
+    if (end == at) return std::nullopt;
+    at = end;
+  }
+  return numbers;
+}
+
+// The six numbers of an element's <pose> as they are written; none where it has other units, another format, or no such
+// element.
+std::optional<Frame> written_pose(const sdf::ElementPtr& element) {
+  if (!element || !element->HasElement("pose")) return std::nullopt;
+  const sdf::ElementPtr pose = element->GetElement("pose");
+  if ((pose->HasAttribute("degrees") && pose->Get<bool>("degrees")) ||
+      (pose->HasAttribute("rotation_format") && pose->Get<std::string>("rotation_format") != "euler_rpy"))
+    return std::nullopt;
+  const auto n = written_numbers<6>(pose);
+  if (!n) return std::nullopt;
+  return Frame{{(*n)[0], (*n)[1], (*n)[2]}, {(*n)[3], (*n)[4], (*n)[5]}};
+}
+
+int line_of(const sdf::ElementPtr& element) { return element ? element->LineNumber().value_or(0) : 0; }
+
+class SdfReader {
+ public:
+  SdfReader(const std::string& file, Diagnostics& warnings) : file_(file), warnings_(warnings) {}
+
+  UrdfOutline read() {
+    sdf::Console::Instance()->SetQuiet(true);
+    sdf::Root root;
+    take(root.Load(file_));
+    stop_on_errors();
+    const sdf::Model& model = only_model(root);
+    outline_.robot = model.Name();
+    if (!is_identity(model.RawPose()) && model.PoseRelativeTo().empty())
+      ignore("model", model.Name(), "its pose in the world",
+             "a fixed base's frame is the model's; a floating base's pose is in q");
+    add_model(model, "");
+    stop_on_errors();
+    return std::move(outline_);
+  }
+
+ private:
+  void take(const sdf::Errors& errors) {
+    for (const sdf::Error& error : errors)
+      add_error(errors_,
+                {Severity::error, file_, error.LineNumber() ? fmt::format("line {}", *error.LineNumber()) : std::string("SDF"),
+                 "libsdformat says: " + error.Message(), "correct the element it names"});
+  }
+  void stop_on_errors() const {
+    if (!errors_.empty()) throw InputError(errors_);
+  }
+  void ignore(const char* kind, const std::string& name, const std::string& what, const char* remedy) {
+    warnings_.push_back({Severity::warning, file_, fmt::format("{} '{}'", kind, name), what + " is ignored", remedy});
+  }
+
+  const sdf::Model& only_model(const sdf::Root& root) {
+    std::vector<const sdf::Model*> models;
+    if (root.Model()) models.push_back(root.Model());
+    for (uint64_t w = 0; w < root.WorldCount(); ++w) {
+      const sdf::World& world = *root.WorldByIndex(w);
+      for (uint64_t m = 0; m < world.ModelCount(); ++m) models.push_back(world.ModelByIndex(m));
+      if (vector(world.Gravity()) != Eigen::Vector3d(0, 0, -9.8))  // what libsdformat has where nothing is said
+        ignore("world", world.Name(), "its gravity", "say it in the scene: gravity");
+    }
+    if (models.size() == 1) return *models.front();
+    std::vector<std::string> names;
+    for (const sdf::Model* model : models) names.push_back("'" + model->Name() + "'");
+    throw InputError(
+        {Severity::error, file_, "SDF",
+         models.empty() ? "there is no model" : fmt::format("there are {} models: {}", models.size(), fmt::join(names, ", ")),
+         "leave one, the robot, in the file"});
+  }
+
+  void add_model(const sdf::Model& model, const std::string& prefix) {
+    if (model.Static()) ignore("model", prefix + model.Name(), "that it is static", "say it in the scene: base: fixed");
+    if (model.Element() && model.Element()->HasElement("plugin"))
+      ignore("model", prefix + model.Name(), "what its plugins do", "the dynamics is of links and joints alone");
+    for (uint64_t i = 0; i < model.LinkCount(); ++i) add_link(*model.LinkByIndex(i), prefix);
+    for (uint64_t i = 0; i < model.ModelCount(); ++i)
+      add_model(*model.ModelByIndex(i), prefix + model.ModelByIndex(i)->Name() + "::");
+    for (uint64_t i = 0; i < model.JointCount(); ++i) add_joint(model, *model.JointByIndex(i), prefix);
+    for (uint64_t i = 0; i < model.FrameCount(); ++i) add_frame(*model.FrameByIndex(i), prefix);
+  }
+
+  void add_link(const sdf::Link& link, const std::string& prefix) {
+    LinkOutline out{prefix + link.Name(), line_of(link.Element()), {}};
+    const sdf::ElementPtr element = link.Element();
+    const bool has_inertial = element && element->HasElement("inertial");
+    const auto& inertial = link.Inertial();
+    const auto& m = inertial.MassMatrix();
+    InertialOutline is;
+    is.mass = m.Mass();
+    is.origin = frame(inertial.Pose());
+    if (has_inertial)
+      if (const auto written = written_pose(element->GetElement("inertial"))) is.origin = *written;
+    is.inertia << m.Ixx(), m.Ixy(), m.Ixz(), m.Ixy(), m.Iyy(), m.Iyz(), m.Ixz(), m.Iyz(), m.Izz();
+    if (!has_inertial)
+      warnings_.push_back({Severity::warning, file_, place(out), "it has no <inertial>: SDF gives it 1 kg and 1 kg m²",
+                           "write its inertial, of mass 0 where it is a frame"});
+    out.inertial = is;
+    if (element && element->HasElement("gravity") && !element->Get<bool>("gravity"))
+      ignore("link", out.name, "that gravity does not act on it", "there is no such thing here");
+    if (element && element->HasElement("velocity_decay"))
+      ignore("link", out.name, "its velocity_decay", "damping of joints can be said in the scene");
+    outline_.links.push_back(std::move(out));
+  }
+
+  Pose3d resolved(const sdf::SemanticPose& pose, const std::string& to) {
+    Pose3d result;
+    take(pose.Resolve(result, to));
+    return result;
+  }
+
+  void add_joint(const sdf::Model& model, const sdf::Joint& joint, const std::string& prefix) {
+    JointOutline out;
+    out.name = prefix + joint.Name();
+    out.line = line_of(joint.Element());
+    const auto refuse = [&](const std::string& what, const char* remedy) {
+      add_error(errors_, {Severity::error, file_, place(out), what, remedy});
+    };
+    switch (joint.Type()) {
+      case sdf::JointType::REVOLUTE: out.type = "revolute"; break;
+      case sdf::JointType::CONTINUOUS: out.type = "continuous"; break;
+      case sdf::JointType::PRISMATIC: out.type = "prismatic"; break;
+      case sdf::JointType::FIXED: out.type = "fixed"; break;
+      case sdf::JointType::SCREW: out.type = "helical"; break;
+      case sdf::JointType::BALL: out.type = "spherical"; break;
+      // Two axes in series, the first of them the parent's, the second the child's: in revolute2 at any angle to each other.
+      case sdf::JointType::UNIVERSAL:
+      case sdf::JointType::REVOLUTE2: out.type = "universal"; break;
+      case sdf::JointType::GEARBOX:
+        return refuse("gearbox joints couple two others, and are no joint by which a link hangs",
+                      "remove it, and say in the scene what it couples: mimic");
+      default:
+        return refuse(fmt::format("joints of type '{}' are not known here", joint.Element()->Get<std::string>("type")),
+                      "there are revolute, continuous, prismatic, screw, ball, universal, revolute2 and fixed ones");
+    }
+    std::string parent, child;
+    const size_t before = errors_.size();
+    take(joint.ResolveParentLink(parent));
+    take(joint.ResolveChildLink(child));
+    if (errors_.size() > before) return;
+    const bool in_world = parent == "world";
+    const Pose3d in_parent = resolved(joint.SemanticPose(), in_world ? "__model__" : parent),
+                 in_child = resolved(joint.SemanticPose(), child);
+    if (in_world && !has_world_) {
+      has_world_ = true;
+      outline_.links.push_back({"world", 0, {}});
+    }
+    out.parent = in_world ? "world" : prefix + parent;
+    out.child = prefix + child;
+    // As it is written, where it is written in the parent's frame: rounding has no part in it then.
+    out.origin = frame(in_parent);
+    const sdf::Link* const child_link = model.LinkByName(child);
+    if (joint.PoseRelativeTo() == joint.ParentLinkName() && !in_world) {
+      if (const auto written = written_pose(joint.Element())) out.origin = *written;
+    } else if (joint.PoseRelativeTo().empty() && is_identity(in_child) && child_link &&
+               child_link->PoseRelativeTo() == (in_world ? "" : joint.ParentLinkName())) {
+      if (const auto written = written_pose(child_link->Element())) out.origin = *written;
+    }
+    const sdf::JointAxis *const axis = joint.Axis(0), *const second = joint.Axis(1);
+    if (axis && out.type != "fixed" && out.type != "spherical") read_axis(*axis, out);
+    if (out.type == "helical") {
+      out.pitch = pitch(joint, out);
+      if (!std::isfinite(out.pitch)) return refuse("its thread_pitch is 0: no turn moves it", "make it a prismatic joint");
+    }
+    if (out.type == "universal") {
+      if (!axis || !second) return refuse("it has no second axis", "write its <axis> and <axis2>");
+      JointOutline of_second = out;
+      read_axis(*second, of_second);
+      out.second = of_second.axis;
+      if (out.axis.cross(out.second).norm() < 1e-9 * out.axis.norm() * out.second.norm())
+        return refuse("its second axis is its first: together they turn one way",
+                      "correct <axis2>, or make it a revolute joint");
+      if (of_second.damping != out.damping || of_second.friction != out.friction)
+        ignore("joint", out.name, "the damping and friction of its second axis",
+               "those of the first are each coordinate's: say them in the scene, damping and friction");
+    }
+    if (!is_identity(in_child)) {  // the child keeps its frame
+      const LinkOutline between{out.name + "_frame", out.line, {}};
+      JointOutline weld;
+      weld.name = out.name + "_to_" + child;
+      weld.line = out.line;
+      weld.type = "fixed";
+      weld.parent = between.name;
+      weld.child = out.child;
+      weld.origin = frame(in_child.Inverse());
+      out.child = between.name;
+      outline_.links.push_back(between);
+      outline_.joints.push_back(std::move(weld));
+    }
+    outline_.joints.push_back(std::move(out));
+  }
+
+  // m per turn of a right-handed thread. What SDF 1.10 calls screw_thread_pitch is this; the older thread_pitch is what Gazebo
+  // takes it for, rad per m of a left-handed one.
+  double pitch(const sdf::Joint& joint, const JointOutline& out) {
+    const sdf::ElementPtr element = joint.Element();
+    if (element->HasElement("screw_thread_pitch"))
+      if (const auto written = written_numbers<1>(element->GetElement("screw_thread_pitch"))) return (*written)[0];
+    constexpr double turn = 2 * 3.14159265358979323846;
+    const double result = -turn / joint.ThreadPitch();
+    if (std::isfinite(result))
+      warnings_.push_back({Severity::notice, file_, place(out),
+                           fmt::format("its thread_pitch is taken as Gazebo takes it, {} rad per m of a left-handed thread: "
+                                       "{:.6g} m per turn",
+                                       joint.ThreadPitch(), result),
+                           "where that is not meant, say it in the scene: joints"});
+    return result;
+  }
+
+  void read_axis(const sdf::JointAxis& axis, JointOutline& out) {
+    ignition::math::Vector3d xyz;
+    take(axis.ResolveXyz(xyz));
+    out.axis = vector(xyz);
+    if (axis.XyzExpressedIn().empty() && axis.Element() && axis.Element()->HasElement("xyz"))
+      if (const auto written = written_numbers<3>(axis.Element()->GetElement("xyz")))
+        out.axis = {(*written)[0], (*written)[1], (*written)[2]};
+    out.damping = axis.Damping();
+    out.friction = axis.Friction();
+    constexpr double unlimited = 1e16;  // SDF's own
+    const auto limit = [](double value, double otherwise) { return std::abs(value) < unlimited ? value : otherwise; };
+    constexpr double infinite = std::numeric_limits<double>::infinity();
+    out.limits = {limit(axis.Lower(), -infinite), limit(axis.Upper(), infinite),
+                  axis.MaxVelocity() >= 0 ? limit(axis.MaxVelocity(), infinite) : infinite,
+                  axis.Effort() >= 0 ? limit(axis.Effort(), infinite) : infinite};
+    if (axis.SpringStiffness() != 0)
+      ignore("joint", out.name, fmt::format("its spring of {} about {}", axis.SpringStiffness(), axis.SpringReference()),
+             "say it in the scene: stiffness");
+  }
+
+  void add_frame(const sdf::Frame& from, const std::string& prefix) {
+    std::string body;
+    const size_t before = errors_.size();
+    take(from.ResolveAttachedToBody(body));
+    if (errors_.size() > before || body == "__model__") return;
+    JointOutline weld;
+    weld.name = prefix + from.Name() + "_weld";
+    weld.line = line_of(from.Element());
+    weld.type = "fixed";
+    weld.parent = prefix + body;
+    weld.child = prefix + from.Name();
+    weld.origin = frame(resolved(from.SemanticPose(), body));
+    outline_.links.push_back({weld.child, weld.line, {}});
+    outline_.joints.push_back(std::move(weld));
+  }
+
+  const std::string& file_;
+  Diagnostics& warnings_;
+  Diagnostics errors_;
+  UrdfOutline outline_;
+  bool has_world_ = false;
+};
+
+}  // namespace
+
+}  // namespace dalembert::frontend
+
+void dalembert_sdf_outline(const std::string& path, dalembert::Diagnostics& warnings, dalembert::frontend::UrdfOutline& outline) {
+  outline = dalembert::frontend::SdfReader(path, warnings).read();
+}
