@@ -27,7 +27,8 @@ std::string hash_of_file(const std::string& path) {
 backend::Folder folder(const Model& model, const Lowered& lowered) {
   backend::Folder folder;
   const auto input = [&](const LoweredFunction& f) {
-    return backend::CodeInput{model.tree, lowered.normal, model.scene, f.algorithm, f.program, f.plan, f.rolled, model.name};
+    const Model& of = lowered.model_of(f, model);
+    return backend::CodeInput{of.tree, lowered.normal, of.scene, f.algorithm, f.program, f.plan, f.rolled, model.name};
   };
   for (const LoweredFunction& f : lowered.functions) {
     folder.functions.push_back(input(f));
@@ -64,7 +65,7 @@ std::vector<std::pair<std::string, ir::Operations>> executed_operations(const Mo
   std::vector<std::pair<std::string, ir::Operations>> all;
   for (const backend::CodeInput& code : folder(model, lowered).functions) {
     const ir::EmittedFunction& function = code.algorithm.function;
-    if (function.first_half.empty()) all.emplace_back(function.name, ir::Operations());
+    if (function.first_half.empty() && !function.of_opened) all.emplace_back(function.name, ir::Operations());
     all.back().second += backend::executed_operations(code);
   }
   return all;
@@ -74,7 +75,7 @@ std::vector<std::pair<std::string, backend::Features>> features(const Model& mod
   std::vector<std::pair<std::string, backend::Features>> all;
   for (const backend::CodeInput& code : folder(model, lowered).functions) {
     const ir::EmittedFunction& function = code.algorithm.function;
-    if (function.first_half.empty()) all.emplace_back(function.name, backend::Features{});
+    if (function.first_half.empty() && !function.of_opened) all.emplace_back(function.name, backend::Features{});
     const backend::Features own = backend::features(code, lanes);
     for (size_t i = 0; i < own.size(); ++i) all.back().second[i] += own[i];
   }

@@ -5,6 +5,7 @@
 
 #include "frontend/scene_check.hpp"
 #include "ir/coordinate_tree.hpp"
+#include "ir/embedding_cost.hpp"
 #include "ir/guard_arrays.hpp"
 #include "passes/build_tree.hpp"
 #include "passes/levels.hpp"
@@ -191,7 +192,53 @@ Model as_written(Model model) {
 
 }  // namespace
 
+namespace {
+
+// Of a function with embedded loops, what some of its arrays cost.
+OperationCost embedded_cost(const std::string& name, const LoweredFunction& f, const LoweredFunction& opened,
+                            const std::set<int>& arrays, const ir::KinematicTree& tree, const ir::KinematicTree& opened_tree) {
+  const Making made = making(f.algorithm, arrays);
+  const ir::Embedding& e = *f.algorithm.embedding;
+  std::set<int> from;
+  ir::Operations own;
+  for (const ir::Projected& p : e.projected) {
+    if (!made.arrays.contains(p.to)) continue;
+    own += ir::operations_of(p, tree);
+    for (const std::string& array : {p.from, p.more})
+      if (const int at = array_called(array, opened.algorithm); at >= 0) from.insert(at);
+  }
+  OperationCost cost = cost_of(name, opened, making(opened.algorithm, from), opened_tree);
+  for (const ir::MatrixStep& step : made.steps) own += operations_of(step, ir::coordinate_tree(tree));
+  own += ir::operations_of_linkages(tree, e.rates >= 0 && (cost.reads_velocity || e.accelerated));
+  cost.operations += own;
+  cost.phases[2] += own;
+  cost.reads_position = true;
+  cost.reads_velocity = cost.reads_velocity || (e.rates >= 0 && e.accelerated);
+  // Of followers nobody asks whether they are read.
+  cost.positions_not_read.clear();
+  cost.velocities_not_read.clear();
+  return cost;
+}
+
+std::vector<OperationCost> embedded_costs(const Lowered& lowered, const ir::KinematicTree& tree) {
+  std::vector<OperationCost> costs(1);
+  for (size_t i = 0; i + 1 < lowered.functions.size(); i += 2) {
+    const LoweredFunction &f = lowered.functions[i], &opened = lowered.functions[i + 1];
+    const auto cost = [&](const std::string& name, const std::set<int>& arrays) {
+      return embedded_cost(name, f, opened, arrays, tree, lowered.opened->tree);
+    };
+    const OperationCost all = cost("all", all_of(f.algorithm).arrays);
+    costs.front() = i == 0 ? all : sum(costs.front(), all);
+    for (size_t a = 0; a < f.algorithm.arrays.size(); ++a)
+      if (!f.algorithm.arrays[a].internal) costs.push_back(cost(f.algorithm.arrays[a].name, {static_cast<int>(a)}));
+  }
+  return costs;
+}
+
+}  // namespace
+
 std::vector<OperationCost> operation_costs(const Lowered& lowered, const ir::KinematicTree& tree) {
+  if (lowered.opened) return embedded_costs(lowered, tree);
   std::vector<OperationCost> costs(1);
   for (const LoweredFunction& f : lowered.functions) {
     const OperationCost all = cost_of("all", f, all_of(f.algorithm), tree);

@@ -57,6 +57,7 @@ void warn_of_idle_keys(const ir::Scene& scene, const ir::KinematicTree& tree, Di
   for (const ir::ExternalWrench& wrench : scene.wrenches) named.push_back(wrench.link);
   for (const ir::Contact& contact : scene.contacts) named.push_back(contact.link);
   for (const ir::Loop& loop : scene.loops) named.insert(named.end(), loop.links.begin(), loop.links.end());
+  for (const ir::Loop& loop : scene.embedded) named.insert(named.end(), loop.links.begin(), loop.links.end());
   for (const ir::Frame& frame : scene.placed)
     if (std::find(named.begin(), named.end(), frame.name) == named.end())
       keys.warn("frames", fmt::format("nothing is asked of frame '{}'", frame.name),

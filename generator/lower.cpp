@@ -4,6 +4,7 @@
 
 #include "backend/estimate.hpp"
 #include "ir/coordinate_tree.hpp"
+#include "passes/embedding.hpp"
 #include "passes/normalise.hpp"
 #include "passes/plan.hpp"
 #include "passes/project_by_rows.hpp"
@@ -173,8 +174,40 @@ class Lowering {
   const ir::Graph::Options options_;
 };
 
+// Arrays that users do not see.
+void make_internal(LoweredFunction& f) {
+  for (std::vector<ir::OutputArray>* arrays : {&f.algorithm.arrays, &f.program.arrays})
+    for (ir::OutputArray& array : *arrays) array.internal = true;
+  for (LoweredFunction& other : f.elsewhere) make_internal(other);
+}
+
+// Each function in two: the one that users call, which has no equations of its own, and what it calls.
+template <class Lower>
+Lowered lower_embedded(const Model& model, const Lower& lower) {
+  Lowered lowered;
+  auto opened = std::make_shared<Model>(model);
+  opened->tree = model.tree.opened();
+  opened->scene = passes::opened(model.scene);
+  lowered.opened = opened;
+  lowered.normal = passes::normalise(opened->tree, passes::normalise_options(opened->scene, model.options.move_parameters));
+  for (const ir::EmittedFunction& function : ir::functions_of(model.scene)) {
+    passes::EmbeddedFunction embedded = passes::embed(function, model.tree, model.scene);
+    LoweredFunction called;
+    called.algorithm = std::move(embedded.algorithm);
+    called.program.arrays = called.algorithm.arrays;
+    called.program.base_positions = model.tree.base_positions();
+    LoweredFunction whole = std::move(lower(Lowering(*opened, lowered.normal, embedded.of_opened)).front());
+    make_internal(whole);
+    called.candidates = whole.candidates;
+    lowered.functions.push_back(std::move(called));
+    lowered.functions.push_back(std::move(whole));
+  }
+  return lowered;
+}
+
 template <class Lower>
 Lowered lower_functions(const Model& model, const Lower& lower) {
+  if (!model.tree.linkages.empty()) return lower_embedded(model, lower);
   Lowered lowered;
   lowered.normal = passes::normalise(model.tree, passes::normalise_options(model.scene, model.options.move_parameters));
   for (const ir::EmittedFunction& function : ir::functions_of(model.scene))

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <vector>
 
 #include "backend/estimate.hpp"
@@ -37,8 +38,15 @@ struct LoweredFunction {
 };
 // A model on its way to text.
 struct Lowered {
-  ir::NormalTree normal;
+  // Where loops are embedded, what functions `of_opened` are computed on: the tree without them, and the scene. Else null.
+  std::shared_ptr<const Model> opened;
+  ir::NormalTree normal;  // of that tree
   std::vector<LoweredFunction> functions;  // those the scene asks something of, each half of one by itself
+
+  // What the function is computed on, `model` being what was lowered.
+  const Model& model_of(const LoweredFunction& function, const Model& model) const {
+    return function.algorithm.function.of_opened ? *opened : model;
+  }
 };
 // Runs the passes, those that the model's options leave in.
 Lowered lower(const Model& model);

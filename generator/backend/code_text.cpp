@@ -309,7 +309,7 @@ std::string guard_statements(const CodeInput& code) {
          clear_statements(code);
 }
 
-bool is_called(const CodeInput& code) { return function_of(code).first_half.empty(); }
+bool is_called(const CodeInput& code) { return function_of(code).first_half.empty() && !function_of(code).of_opened; }
 
 std::string second_half_declaration(const CodeInput& second_half) {
   return fmt::format("static void {}({}, Workspace& workspace) noexcept;\n", function_of(second_half).name,

@@ -9,6 +9,7 @@
 
 #include "backend/code_text.hpp"
 #include "backend/emit_batch.hpp"
+#include "backend/emit_embedded.hpp"
 #include "backend/emit_rolled.hpp"
 #include "backend/emit_self_test.hpp"
 #include "backend/emit_straight.hpp"
@@ -36,7 +37,7 @@ std::string banner(const Folder& folder) {
 std::vector<const ir::Body*> own_coordinates(const CodeInput& code) {
   std::vector<const ir::Body*> bodies;
   for (const ir::Body& b : code.tree.bodies)
-    if (!b.driven()) bodies.push_back(&b);
+    if (b.independent()) bodies.push_back(&b);
   return bodies;
 }
 
@@ -88,6 +89,11 @@ std::string results(const Folder& folder) {
                             2) +
               fmt::format("  dalembert::FactorStatus<Scalar> {};\n", own_name(code, "status"));
     }
+    if (code.algorithm.embedding)
+      text += comment_lines("What dependent joints came to; at a toggle point, where loops do not tell where they are, all results "
+                            "of the function are zero.",
+                            2) +
+              fmt::format("  dalembert::LinkageStatus<Scalar> {};\n", own_name(code, "linkage_status"));
     for (const ir::ConstraintStep& step : code.algorithm.constraint_steps)
       if (const char* status = status_of(step); *status)
         text += fmt::format("  dalembert::ConstraintStatus<Scalar> {};  // what is left of the constraints' rows\n",
@@ -222,6 +228,7 @@ std::vector<int> joints_not_read(const std::set<int>& read, int base, int all) {
 }
 
 std::string unread(const CodeInput& code) {
+  if (code.algorithm.embedding) return "";
   const ir::InputsRead read = ir::inputs_read(code.program, ir::uses(code.program.graph, code.program.roots()));
   const std::string input = function_of(code).input();
   const bool floating = code.tree.floating_base;
@@ -334,6 +341,7 @@ bool any_constraints(const Folder& folder) {
 // Where a joint's numbers are: in a row, but where quaternions have one more than their joints have coordinates.
 std::string joint_indices(const CodeInput& code) {
   const ir::KinematicTree& tree = code.tree;
+  if (!tree.linkages.empty()) return embedded_joint_indices(code);
   if (!tree.any_quaternion())
     return "// Joints, in the order of q and v: a joint's position is q[q_index(joint)], its rate v[v_index(joint)].\n";
   std::string text = "// Joints' coordinates, in the order of v: a coordinate's rate is v[v_index(joint)].\n";
@@ -367,11 +375,11 @@ std::string quaternion_joints(const CodeInput& code) {
       wrapped(all, 4));
 }
 std::string position_index(const CodeInput& code) {
-  if (!code.tree.any_quaternion()) return "nq - joints + static_cast<int>(joint)";
+  if (!code.tree.any_quaternion() && code.tree.linkages.empty()) return "nq - joints + static_cast<int>(joint)";
   std::vector<int> first;
   const std::vector<int> positions = code.tree.positions();
   for (std::size_t k = 0; k < code.tree.bodies.size(); ++k)
-    if (!code.tree.bodies[k].driven()) first.push_back(base_positions(code) + positions[k]);
+    if (code.tree.bodies[k].independent()) first.push_back(base_positions(code) + positions[k]);
   return fmt::format("std::array<int, {}>{{{}}}[static_cast<std::size_t>(joint)]", first.size(), fmt::join(first, ", "));
 }
 
@@ -393,8 +401,9 @@ OutputFile header(const Folder& folder) {
                  {{"banner", banner(folder)},
                   {"usage", usage(folder, banner(folder))},
                   {"report", report},
-                  {"standard_includes", code.tree.any_quaternion() ? "#include <array>\n#include <cstddef>\n\n" : ""},
+                  {"standard_includes", code.tree.any_quaternion() || !code.tree.linkages.empty() ? "#include <array>\n#include <cstddef>\n\n" : ""},
                   {"includes", (any_constraints(folder) ? "#include <dalembert/constraints.hpp>\n" : "") +
+                                   std::string(code.tree.linkages.empty() ? "" : "#include <dalembert/linkage.hpp>\n") +
                                    std::string(any_guard(folder) ? "#include <dalembert/factor.hpp>\n" : "") +
                                    (code.tree.any_quaternion() ? "#include <dalembert/quaternion_joint.hpp>\n" : "")},
                   {"runtime_version", std::to_string(runtime_version)},
@@ -419,7 +428,7 @@ OutputFile header(const Folder& folder) {
                   {"results", results(folder)},
                   {"run_time_inputs", run_time_inputs(code)},
                   {"scratch", scratch_members(folder)},
-                  {"functions", of_functions(folder, function_declaration)},
+                  {"functions", of_functions(folder, function_declaration) + closing_declaration(code)},
                   {"views", views(folder)},
                   {"view_definitions", view_definitions(folder)},
                   {"workspace_bytes", std::to_string(workspace_bytes(folder))},
@@ -443,6 +452,26 @@ void c_functions(const Folder& folder, std::string& declarations, std::string& d
         fmt::format("void {}_{}({}, {}_workspace* workspace)", n, function.name, parameters_of(f, fmt::format("const {}* ", s)),
                     n),
         fmt::format("  {}::{}({}, *workspace);\n", n, function.name, arguments_of(f)));
+  }
+  if (!code.tree.linkages.empty())
+    add("Closes the embedded loops: q's dependent joints move. error: the largest that is left, m or rad; least_pivot: as in "
+        "dalembert::LinkageStatus; null: not wanted. The linkage at a toggle point, counted from 0; -1: none is",
+        fmt::format("int {0}_close_loops({1}* q, {1}* error, {1}* least_pivot)", n, s),
+        fmt::format("  const dalembert::LinkageStatus<{1}> status = {0}::close_loops(q);\n"
+                    "  if (error) *error = status.error;\n"
+                    "  if (least_pivot) *least_pivot = status.least_pivot;\n"
+                    "  return status.linkage;\n",
+                    n, s));
+  for (const CodeInput& f : folder.functions) {
+    if (!f.algorithm.embedding) continue;
+    const std::string status = own_name(f, "linkage_status");
+    add("The linkage at a toggle point, counted from 0, as of the last call; -1: none is. error, m or rad, least_pivot: as in "
+        "dalembert::LinkageStatus; null: not wanted",
+        fmt::format("int {1}_{2}({0}* error, {0}* least_pivot, const {1}_workspace* workspace)", s, n, status),
+        fmt::format("  if (error) *error = workspace->{0}.error;\n"
+                    "  if (least_pivot) *least_pivot = workspace->{0}.least_pivot;\n"
+                    "  return workspace->{0}.linkage;\n",
+                    status));
   }
   for (const CodeInput& f : folder.functions) {
     if (!f.algorithm.guard || !is_called(f)) continue;
@@ -576,8 +605,12 @@ std::string source(const Folder& folder, const std::string& banner) {
   return render("dynamics.cpp", {{"banner", banner},
                                  {"name", folder.common().name},
                                  {"includes", includes},
-                                 {"functions", of_functions(folder, [&](const CodeInput& f) {
+                                 {"functions", linkage_tables(folder.common()) + of_functions(folder, [&](const CodeInput& f) {
+                                    if (function_of(f).of_opened) return std::string();  // stands before what calls it
                                     const CodeInput* second = folder.second_half_of(f);
+                                    if (const CodeInput* opened = folder.opened_of(f))
+                                      return opened_scope(*opened, function_source(*opened)) + function_source(f) +
+                                             solve_definition(f);
                                     return (second ? "\n" + second_half_declaration(*second) : "") + function_source(f) +
                                            solve_definition(f);
                                   })}});
@@ -599,6 +632,13 @@ const CodeInput* Folder::second_half_of(const CodeInput& code) const {
   return nullptr;
 }
 
+const CodeInput* Folder::opened_of(const CodeInput& code) const {
+  if (!code.algorithm.embedding) return nullptr;
+  for (const CodeInput& f : functions)
+    if (f.algorithm.function.name == code.algorithm.embedding->called) return &f;
+  return nullptr;
+}
+
 bool Folder::tasks() const {
   return std::any_of(functions.begin(), functions.end(), [](const CodeInput& f) { return f.plan.tasks; });
 }
@@ -613,6 +653,7 @@ std::size_t workspace_bytes(const Folder& folder) {
       align();
       bytes += scalar * static_cast<std::size_t>(a.rows) * static_cast<std::size_t>(a.columns);
     }
+    if (f.algorithm.embedding) bytes = (bytes + scalar - 1) / scalar * scalar + 2 * scalar + std::max<std::size_t>(scalar, 4);
     if (f.algorithm.guard && is_called(f)) bytes = (bytes + scalar - 1) / scalar * scalar + 2 * scalar;
   }
   for (const CodeInput& f : folder.functions)

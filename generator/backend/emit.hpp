@@ -57,6 +57,8 @@ struct Folder {
   bool tasks() const;  // whether any function has a task graph
   // Of a function in two halves (ir/emitted_function.hpp); null where it is whole.
   const CodeInput* second_half_of(const CodeInput& code) const;
+  // What a function with embedded loops calls; null where it has none.
+  const CodeInput* opened_of(const CodeInput& code) const;
 };
 
 // sizeof(Workspace) of the emitted code: results, run-time inputs and room to work in, each array at a multiple of 64 bytes.

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "backend/code_text.hpp"
+#include "backend/emit_embedded.hpp"
 #include "backend/emit_projections.hpp"
 #include "backend/graph_printer.hpp"
 #include "backend/literals.hpp"
@@ -102,6 +103,7 @@ std::string straight_heading(const CodeInput& code, const ir::Tag& tag) {
 }
 
 std::string straight_statements(const CodeInput& code, const ir::Program& program) {
+  if (code.algorithm.embedding) return embedded_statements(code);
   const Angles angles(program);
   PrintStyle style;
   style.type = "Scalar";
@@ -139,6 +141,7 @@ ir::Operations straight_operations(const CodeInput& code) {
 
 std::vector<std::string> straight_includes(const CodeInput& code) {
   std::vector<std::string> headers;
+  if (code.algorithm.embedding) headers.emplace_back("linkage");
   if (fills_matrices(code)) headers.emplace_back("straight_line");
   if (projects_by_rows(code)) headers.emplace_back("projections");
   if (Angles(code.program).count() > 0) headers.emplace_back("sincos");

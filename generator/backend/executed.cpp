@@ -12,6 +12,7 @@
 #include "backend/emit_straight.hpp"
 #include "backend/kept.hpp"
 #include "ir/coordinate_tree.hpp"
+#include "ir/embedding_cost.hpp"
 
 namespace dalembert::backend {
 namespace {
@@ -152,6 +153,10 @@ ir::Operations executed_operations(const CodeInput& code) {
   sum.multiply = guard_products(code);
   for (const ir::MatrixStep& step : code.algorithm.steps) sum += step_operations(step, ir::coordinate_tree(code.tree));
   add_projections(code, sum);
+  if (const std::optional<ir::Embedding>& embedding = code.algorithm.embedding) {
+    sum += ir::operations_of_linkages(code.tree, embedding->rates >= 0);
+    for (const ir::Projected& p : embedding->projected) sum += ir::operations_of(p, code.tree);
+  }
   for (const ir::ConstraintStep& step : code.algorithm.constraint_steps) sum += ir::operations_of(step, code.tree, true);
   if (code.plan.form != ir::Form::rolled) return sum += straight_operations(code);
   sum += prepare_operations(code);

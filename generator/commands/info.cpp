@@ -42,7 +42,7 @@ std::string coordinates(const ir::KinematicTree& tree) {
   const std::vector<int> position = tree.positions(), coordinate = tree.coordinates();
   for (size_t k = 0; k < tree.bodies.size() && any_of_several(tree); ++k) {
     const ir::Body& body = tree.bodies[k];
-    if (body.part > 0 || body.driven()) continue;
+    if (body.part > 0 || body.driven() || body.follows) continue;
     const passes::JointKindRow kind = passes::kind_of(body.of.empty() ? body.type : body.kind);
     const auto range = [](const char* of, int first, int count) {
       return count == 1 ? fmt::format("{}[{}]", of, first) : fmt::format("{}[{}-{}]", of, first, first + count - 1);
@@ -88,6 +88,7 @@ std::string bodies(const ir::KinematicTree& tree) {
     const ir::Body& moved = tree.bodies[k + static_cast<size_t>(body.parts) - 1];
     const std::string number = body.driven()
                                    ? fmt::format("= {:.6g} q[{}] + {:.6g}", body.multiplier, coordinate[k], body.offset)
+                               : body.follows   ? "follows"
                                : body.parts > 1 ? fmt::format("{}-{}", coordinate[k], coordinate[k] + body.parts - 1)
                                                 : fmt::format("{}", coordinate[k]);
     text +=
@@ -95,6 +96,25 @@ std::string bodies(const ir::KinematicTree& tree) {
                     body.of.empty() ? body.joint : body.of, passes::kind_of(body.of.empty() ? body.type : body.kind).name,
                     axes_of(tree, k), body.type == ir::JointType::helical ? fmt::format(", {:.6g} m per turn", body.pitch) : "",
                     moved.name, moved.inertia.mass, losses_and_springs(body));
+  }
+  return text;
+}
+
+// Who follows whom by loops.
+std::string linkages(const ir::KinematicTree& tree) {
+  if (tree.linkages.empty()) return "";
+  std::string text = "\nembedded loops (q has every joint; v, accelerations and forces are of the independent ones):\n";
+  const auto names = [&](const std::vector<int>& bodies) {
+    std::vector<std::string> all;
+    for (const int k : bodies) all.push_back(tree.bodies[static_cast<size_t>(k)].joint);
+    return fmt::format("{}", fmt::join(all, ", "));
+  };
+  for (const ir::Linkage& linkage : tree.linkages) {
+    std::vector<std::string> loops;
+    int rows = 0;
+    for (const ir::LinkageLoop& loop : linkage.loops) loops.push_back(loop.name), rows += loop.rows();
+    text += fmt::format("  {}, {} row{}: {} follow{} {}\n", fmt::join(loops, ", "), rows, rows == 1 ? "" : "s",
+                        names(linkage.dependent), linkage.dependent.size() == 1 ? "s" : "", names(linkage.independent));
   }
   return text;
 }
@@ -125,12 +145,21 @@ std::string sparsity(const ir::KinematicTree& tree) {
   std::vector<std::vector<bool>> filled(nv, std::vector<bool>(nv, false));
   for (size_t i = 0; i < base; ++i)
     for (size_t k = 0; k < nv; ++k) filled[i][k] = filled[k][i] = true;
+  // Those that move a joint: its own, or what it follows by loops.
+  const auto moving = [&](size_t k) {
+    std::vector<size_t> own;
+    if (coordinate[k] >= 0) own.push_back(base + static_cast<size_t>(coordinate[k]));
+    for (const ir::Linkage& linkage : tree.linkages)
+      if (std::count(linkage.dependent.begin(), linkage.dependent.end(), static_cast<int>(k)) > 0)
+        for (const int followed : linkage.independent)
+          own.push_back(base + static_cast<size_t>(coordinate[static_cast<size_t>(followed)]));
+    return own;
+  };
   size_t pairs = 0;
   for (size_t k = 0; k < tree.bodies.size(); ++k)
     for (int i = static_cast<int>(k); i >= 0; i = tree.bodies[static_cast<size_t>(i)].parent) {
-      const size_t row = base + static_cast<size_t>(coordinate[static_cast<size_t>(i)]),
-                   column = base + static_cast<size_t>(coordinate[k]);
-      filled[row][column] = filled[column][row] = true;
+      for (const size_t row : moving(static_cast<size_t>(i)))
+        for (const size_t column : moving(k)) filled[row][column] = filled[column][row] = true;
       if (static_cast<size_t>(i) != k) ++pairs;
     }
   size_t elements = 0;
@@ -224,7 +253,7 @@ std::string plan_text(const Lowered& lowered) {
 
 std::string describe(const Model& model) {
   const Lowered lowered = lower(model);
-  std::string text = summary(model) + coordinates(model.tree) + bodies(model.tree) + links(model.tree) + frames(model.scene) +
+  std::string text = summary(model) + coordinates(model.tree) + bodies(model.tree) + linkages(model.tree) + links(model.tree) + frames(model.scene) +
                      sparsity(model.tree) + "\n";
   for (const std::string& line : left_out(model, lowered)) text += line + "\n";
   return text + plan_text(lowered);
@@ -235,7 +264,7 @@ std::string describe_json(const Model& model) {
   std::vector<std::string> joints, bodies;
   if (tree.floating_base) bodies.push_back(tree.base_link);
   for (const ir::Body& body : tree.bodies) {
-    if (!body.driven()) joints.push_back(body.joint);
+    if (body.independent()) joints.push_back(body.joint);
     bodies.push_back(body.name);
   }
   const Lowered lowered = lower(model);

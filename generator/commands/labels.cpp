@@ -27,7 +27,7 @@ Names coordinates(const ir::KinematicTree& tree) {
   Names names;
   if (tree.floating_base) append(names, behind("base", linear_and_angular));
   for (const ir::Body& body : tree.bodies)
-    if (!body.driven()) names.push_back(body.joint);
+    if (body.independent()) names.push_back(body.joint);
   return names;
 }
 

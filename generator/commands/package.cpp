@@ -73,6 +73,8 @@ std::string coordinates_table(const Model& model) {
       const passes::JointKindRow kind = passes::kind_of(body.kind);
       text += fmt::format("| {} | {}–{} | {}–{} | {} |\n", body.of, q, q + kind.nq - 1, v, v + kind.nv - 1, kind.coordinates);
       q += kind.nq, v += kind.nv;
+    } else if (body.follows) {
+      text += fmt::format("| {} | {} | – | {}, follows by a loop |\n", body.joint, q++, body.turns() ? "rad" : "m");
     } else if (!body.driven() && !body.of_quaternion()) {
       text += fmt::format("| {} | {} | {} | {} |\n", body.joint, q++, v++, body.turns() ? "rad" : "m");
     }

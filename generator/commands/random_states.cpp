@@ -35,6 +35,7 @@ std::vector<State> random_states(const ir::KinematicTree& tree, int count) {
                                 : body.prismatic()    ? uniform(-0.5, 0.5)
                                                       : uniform(-std::numbers::pi, std::numbers::pi);
     for (const int first : tree.quaternions()) state.q.segment<4>(first).normalize();
+    if (!tree.linkages.empty()) ir::draw_closed(tree, state.q, 400, ir::well_off_toggle_points, true);
     for (int i = 0; i < tree.nv(); ++i) state.v[i] = uniform(-2, 2);
     for (int i = 0; i < tree.nv(); ++i) state.more[i] = uniform(-2, 2);
     for (double& x : state.wrenches) x = uniform(-20, 20);

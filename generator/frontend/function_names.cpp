@@ -150,6 +150,16 @@ std::vector<TakenName> taken_names(const ir::Scene& scene) {
     for (const char* of_wrench : {"wrench_", "set_wrench_"}) taken.insert(of_wrench + ir::identifier(wrench.link));
   for (const ir::Constraint& c : scene.constraints())
     for (const char* of_constraint : {"", "set_", "weigh_"}) taken.insert(of_constraint + c.member);
+  if (!scene.embedded.empty()) {
+    for (const char* name : {"close_loops", "of_all_joints", "independent_at", "followers"}) taken.insert(name);
+    for (size_t i = 0; i < scene.embedded.size(); ++i)  // linkages are no more
+      for (const char* part : {"", "_joints", "_loops", "_positions", "_coordinates", "_followed"})
+        taken.insert("linkage_" + std::to_string(i) + part);
+    for (const char* function : {"", "inverse_dynamics_", "forward_dynamics_"})
+      for (const char* member : {"linkage_status", "followers", "follower_rates", "speeds_of_all_joints",
+                                 "accelerations_of_all_joints", "forces_of_all_joints", "projected"})
+        taken.insert(std::string(function) + member);
+  }
   std::vector<std::string> of_links;
   for (const ir::LinkOutput& output : scene.link_outputs()) add_names_of_result(ir::name_of(output), of_links);
   taken.insert(of_links.begin(), of_links.end());

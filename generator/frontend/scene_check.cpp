@@ -107,20 +107,54 @@ class SceneCheck {
         error(key, fmt::format("two contacts would be called '{}' in C++", id), "call one of them otherwise");
     }
     std::set<std::string> loops;
-    for (const ir::Loop& loop : scene_.loops) {
-      const std::string key = "loops/" + loop.name;
-      for (const std::string& link : loop.links) kept_link(key + part_of_entry + "links", link);
-      if (const std::string id = ir::identifier(loop.name); !loops.insert(id).second)
-        error(key, fmt::format("two loops would be called '{}' in C++", id), "call one of them otherwise");
-    }
+    for (const std::vector<ir::Loop>* list : {&scene_.loops, &scene_.embedded})
+      for (const ir::Loop& loop : *list) {
+        const std::string key = "loops/" + loop.name;
+        for (const std::string& link : loop.links) kept_link(key + part_of_entry + "links", link);
+        for (const std::string& joint : loop.independent) free_joint(key + part_of_entry + "independent", joint);
+        if (const std::string id = ir::identifier(loop.name); !loops.insert(id).second)
+          error(key, fmt::format("two loops would be called '{}' in C++", id), "call one of them otherwise");
+      }
+    embedded();
     if (const int rows = scene_.constraint_rows(); rows > ir::most_constraint_rows)
       error(scene_.loops.empty() ? "contacts" : "loops",
             fmt::format("contacts and loops have {} rows; no more than {} are supported", rows, ir::most_constraint_rows),
             "name fewer of them, or take three points or more of one link as one weld");
   }
 
+  // What is not worked out beside loops that are embedded.
+  void embedded() {
+    if (scene_.embedded.empty()) return;
+    const std::string& name = scene_.embedded.front().name;
+    const std::string own = "loops/" + name + part_of_entry + "independent";
+    if (scene_.any_constraint())
+      error(own,
+            fmt::format("loop '{}' is embedded, and {} '{}' has rows: both together are not computed", name,
+                        scene_.contacts.empty() ? "loop" : "contact",
+                        scene_.contacts.empty() ? scene_.loops.front().name : scene_.contacts.front().name),
+            scene_.contacts.empty() ? "give all loops independent joints, or none" :
+            fmt::format("leave 'independent' out of loop '{}': it has rows beside those of contacts then", name));
+    if (scene_.batch)
+      error("batch", fmt::format("loop '{}' is embedded, and batches are of robots without", name),
+            "leave batch out, or 'independent' of all loops");
+    if (scene_.parallel == ir::Parallel::tasks)
+      error("parallel", fmt::format("loop '{}' is embedded, and task graphs are of robots without", name),
+            "leave parallel: tasks out");
+    if (scene_.forward_dynamics == ir::Solver::articulated_bodies)
+      error("forward_dynamics",
+            fmt::format("loop '{}' is embedded: what is solved with M is solved by factorization", name),
+            "leave the key out, or write forward_dynamics: factorization");
+  }
+
   // A quantity of constraints is none where there are none.
   void of_contacts(const std::string& key, ir::Quantity quantity) {
+    if (!scene_.embedded.empty() && !ir::is_of_linkages(quantity))
+      return error(key,
+                   fmt::format("{} is asked for, and loop '{}' is embedded: it is not computed of independent coordinates",
+                               ir::name_of(quantity), scene_.embedded.front().name),
+                   ir::is_of_constraints(quantity)
+                       ? "leave 'independent' out of all loops: they have rows and forces then"
+                       : "leave 'independent' out of all loops and ask for constrained_forward_dynamics and its derivatives");
     if (!scene_.any_constraint() && ir::is_of_constraints(quantity))
       error(key, fmt::format("{} is asked for, and there is neither a contact nor a loop", ir::name_of(quantity)),
             "say where the robot is held: contacts: {left_foot: weld}, or which links hold each other: loops");

@@ -408,6 +408,7 @@ class SceneReader {
   // {name: {links: [a, b], at: [pose, pose], type: hinge}, ...}
   void loops(const YamlNode& node) {
     scene_.loops.clear();
+    scene_.embedded.clear();
     forget_entries();
     if (node.is_sequence() && node.items.empty()) return;
     const std::string remedy =
@@ -428,7 +429,7 @@ class SceneReader {
       if (loop.length && loop.type != ir::LoopType::distance)
         refuse(entry.key, fmt::format("loop '{}' has a length and is no distance", loop.name),
                "remove length, or write type: distance");
-      scene_.loops.push_back(std::move(loop));
+      (loop.independent.empty() ? scene_.loops : scene_.embedded).push_back(std::move(loop));
     }
   }
   void part_of_loop(ir::Loop& loop, const YamlEntry& part) {
@@ -454,8 +455,20 @@ class SceneReader {
       if (!(*loop.length > 0))
         refuse(part.value, fmt::format("the length of loop '{}' is not positive", loop.name),
                "give a value above zero; points that coincide are type: point");
+    } else if (name == "independent") {
+      const std::string remedy = "write independent: [motor], or leave it out: the loop has rows then";
+      if (!part.value.is_sequence() || part.value.items.empty())
+        refuse(part.value, fmt::format("the independent joints of loop '{}' are no list of names", loop.name), remedy);
+      for (const YamlNode& joint : part.value.items) {
+        if (!joint.is_scalar() || joint.scalar.empty())
+          refuse(joint, fmt::format("an independent joint of loop '{}' is no name", loop.name), remedy);
+        if (std::find(loop.independent.begin(), loop.independent.end(), joint.scalar) != loop.independent.end())
+          refuse(joint, fmt::format("loop '{}' names the independent joint '{}' twice", loop.name, joint.scalar),
+                 "name it once");
+        loop.independent.push_back(joint.scalar);
+      }
     } else {
-      refuse(part.key, fmt::format("'{}' is no part of a loop", name), suggestion(name, {"links", "at", "type", "length"}));
+      refuse(part.key, fmt::format("'{}' is no part of a loop", name), suggestion(name, {"links", "at", "type", "length", "independent"}));
     }
   }
   ir::LoopType loop_type(const YamlNode& node) const {

@@ -22,12 +22,22 @@ std::vector<int> elimination(const KinematicTree& tree, int base) {
   const auto tie = [&](int i, int k) {
     if (i != k) tied[static_cast<std::size_t>(std::max(i, k))].insert(std::min(i, k));
   };
-  for (int k = 0; k < tree.joints(); ++k) {
-    const int own = base + coordinates[static_cast<std::size_t>(k)];
-    for (int j = 0; j < base; ++j) tie(j, own);
-    for (int i = tree.bodies[static_cast<std::size_t>(k)].parent; i >= 0; i = tree.bodies[static_cast<std::size_t>(i)].parent)
-      tie(base + coordinates[static_cast<std::size_t>(i)], own);
-  }
+  // Those that move a joint: its own, or what it follows by loops.
+  const auto moving = [&](int body) {
+    if (tree.bodies[static_cast<std::size_t>(body)].driven()) body = tree.bodies[static_cast<std::size_t>(body)].driven_by;
+    std::vector<int> own;
+    if (const int coordinate = coordinates[static_cast<std::size_t>(body)]; coordinate >= 0) own.push_back(base + coordinate);
+    for (const Linkage& linkage : tree.linkages)
+      if (std::find(linkage.dependent.begin(), linkage.dependent.end(), body) != linkage.dependent.end())
+        for (const int followed : linkage.independent) own.push_back(base + coordinates[static_cast<std::size_t>(followed)]);
+    return own;
+  };
+  for (int k = 0; k < tree.joints(); ++k)
+    for (const int own : moving(k)) {
+      for (int j = 0; j < base; ++j) tie(j, own);
+      for (int i = k; i >= 0; i = tree.bodies[static_cast<std::size_t>(i)].parent)
+        for (const int above : moving(i)) tie(above, own);
+    }
   for (int k = 0; k < base; ++k)
     for (int j = 0; j < k; ++j) tie(j, k);
   std::vector<int> above(tied.size(), -1);

@@ -27,6 +27,7 @@ struct EmittedFunction {
   std::string accelerations{};    // of a second half: the array by which the first hands v̇ to it
   std::string forces{};           // likewise, where constraints act at that v̇: their forces
   std::vector<Quantity> later{};  // what second halves fill
+  bool of_opened = false;         // of the tree without embedded loops: called by the function that users call
 
   // What it takes after q and v, as in FunctionRow.
   const char* input() const { return row_of(inputs).input; }

@@ -48,7 +48,7 @@ std::vector<int> coordinates_at(const std::vector<int>& positions, const Kinemat
 std::string joints_in_words(const std::vector<int>& numbers, const KinematicTree& tree) {
   std::vector<std::string> names;
   for (const Body& body : tree.bodies)
-    if (!body.driven()) names.push_back(body.joint);
+    if (body.independent()) names.push_back(body.joint);
   std::vector<bool> wanted(names.size(), false), others(names.size(), true);
   for (const int i : numbers) {
     wanted[static_cast<size_t>(i)] = true;

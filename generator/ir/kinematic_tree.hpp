@@ -11,6 +11,9 @@
 // Every body's joint has a coordinate of its own, in the order of the bodies, except where the scene drives it through a mimic
 // relation: such a body stays in the tree with its own position, q_body = multiplier · q_driver + offset, but nq and nv do
 // not count it, and what its row and column would hold belongs to the driver's.
+//
+// A body whose joint a loop of the scene's lets follow others (ir/linkage.hpp) has a position of its own in q, and no coordinate
+// in v. Such a tree is what users see; dynamics are computed on opened(), where every joint has its coordinate.
 #pragma once
 
 #include <Eigen/Core>
@@ -19,6 +22,7 @@
 #include <string>
 #include <vector>
 
+#include "ir/linkage.hpp"
 #include "ir/robot_description.hpp"
 #include "ir/scene.hpp"
 
@@ -37,6 +41,8 @@ struct Body {
   int driven_by = -1;     // the body whose joint drives this one, never driven itself; -1: a coordinate of its own
   double multiplier = 1;  // read only when driven: q = multiplier · q_driver + offset
   double offset = 0;
+
+  bool follows = false;  // by an embedded loop
 
   double armature = 0, damping = 0, friction = 0;  // as the scene asks; a driven body's are its driver's
   Spring spring;                                   // of the joint's own coordinate: a driven body has none
@@ -58,6 +64,7 @@ struct Body {
   // Numbers of q: those of a joint of several coordinates are its first body's where it has a quaternion, else one each.
   int positions() const { return driven() ? 0 : !of_quaternion() ? 1 : part == 0 ? positions_of(kind) : 0; }
   bool driven() const { return driven_by >= 0; }
+  bool independent() const { return !driven() && !follows; }  // has a coordinate in v of its own
 };
 
 // Where a link of the URDF ended up, or a frame that the scene puts on one.
@@ -83,14 +90,16 @@ struct KinematicTree {
   std::vector<std::pair<int, int>>
       held;                 // per constraint: the body its forces act on, and that which has the opposite, or nobody
   int constraint_rows = 0;  // of the scene's contacts and loops
+  std::vector<Linkage> linkages;  // whose loops are embedded
 
   int joints() const { return static_cast<int>(bodies.size()); }  // moving joints, driven ones included
-  // Per body: which of the joint coordinates is its own, or its driver's, counted from 0 behind the base's.
+  // Per body: which of the joint coordinates is its own, or its driver's, counted from 0 behind the base's; -1 of what follows
+  // by a loop.
   std::vector<int> coordinates() const {
-    std::vector<int> index(bodies.size());
+    std::vector<int> index(bodies.size(), -1);
     int next = 0;
     for (size_t k = 0; k < bodies.size(); ++k)
-      if (!bodies[k].driven()) index[k] = next++;
+      if (bodies[k].independent()) index[k] = next++;
     for (size_t k = 0; k < bodies.size(); ++k)
       if (bodies[k].driven()) index[k] = index[static_cast<size_t>(bodies[k].driven_by)];
     return index;
@@ -112,7 +121,21 @@ struct KinematicTree {
   }
   // Joints with a coordinate of their own.
   int independent_joints() const {
-    return static_cast<int>(std::count_if(bodies.begin(), bodies.end(), [](const Body& b) { return !b.driven(); }));
+    return static_cast<int>(std::count_if(bodies.begin(), bodies.end(), [](const Body& b) { return b.independent(); }));
+  }
+  // Whether it follows by a loop, or is followed.
+  bool in_linkage(int body) const {
+    return std::any_of(linkages.begin(), linkages.end(), [&](const Linkage& linkage) {
+      return std::count(linkage.dependent.begin(), linkage.dependent.end(), body) > 0 ||
+             std::count(linkage.independent.begin(), linkage.independent.end(), body) > 0;
+    });
+  }
+  // The same where no loop is embedded.
+  KinematicTree opened() const {
+    KinematicTree tree = *this;
+    tree.linkages.clear();
+    for (Body& body : tree.bodies) body.follows = false;
+    return tree;
   }
   // Whether M, C and W do not depend on the joint's position: on a fixed base the first joint of every branch carries the frame
   // of reference, and slides with nothing but slides before them only shift it.

@@ -30,6 +30,16 @@ bool is_of_constraints(Quantity quantity) {
   return row.scale == Scale::constrained || row.scale == Scale::supported || row.rows == Extent::constraint_rows;
 }
 
+bool is_of_linkages(Quantity quantity) {
+  switch (quantity) {
+    case Quantity::inverse_dynamics_dq:
+    case Quantity::inverse_dynamics_dv:
+    case Quantity::forward_dynamics_dq:
+    case Quantity::forward_dynamics_dv: return false;
+    default: return !is_of_constraints(quantity);
+  }
+}
+
 int extent(Extent extent, const KinematicTree& tree) {
   switch (extent) {
     case Extent::one: return 1;

@@ -50,6 +50,8 @@ const QuantityRow& row_of(Quantity quantity);
 std::vector<Quantity> default_quantities();
 // Whether it is of constraints, and there is none where the scene has none.
 bool is_of_constraints(Quantity quantity);
+// Whether it is computed where loops are embedded.
+bool is_of_linkages(Quantity quantity);
 
 struct KinematicTree;
 int extent(Extent extent, const KinematicTree& tree);

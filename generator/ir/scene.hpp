@@ -88,6 +88,7 @@ struct Scene {
   std::vector<ExternalWrench> wrenches;     // what inverse and forward dynamics reckon with, in the order of a state file
   std::vector<Contact> contacts;            // constraints, in the order of their rows
   std::vector<Loop> loops;                  // behind them
+  std::vector<Loop> embedded;               // loops with independent joints, which have no rows
   std::vector<std::string> passive;         // joints without a motor, for inverse dynamics with constraints
   ScalarType scalar = ScalarType::float64;
   Parallel parallel = Parallel::automatic;

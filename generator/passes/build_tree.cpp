@@ -12,6 +12,7 @@
 #include "ir/loop_length.hpp"
 #include "ir/rotation.hpp"
 #include "passes/combine_inertia.hpp"
+#include "passes/embed_loops.hpp"
 #include "passes/joints/kinds.hpp"
 #include "passes/joints_without_mass.hpp"
 #include "passes/magnitudes.hpp"
@@ -41,7 +42,7 @@ class TreeBuilder {
         tree_.bodies[at(parent)].subtree_size += tree_.bodies[k].subtree_size;
     drive();
     check_something_moves();
-    warn_of_massless_joints();
+    if (scene_.embedded.empty()) warn_of_massless_joints();
     for (const ir::ExternalWrench& wrench : scene_.wrenches)
       for (const ir::LinkPlacement& placement : tree_.links)
         if (placement.link == wrench.link) tree_.pushed.push_back(placement.body);
@@ -50,6 +51,10 @@ class TreeBuilder {
     check_loops();
     check_links();
     if (!errors_.empty()) throw InputError(errors_);
+    if (!scene_.embedded.empty()) {
+      embed_loops(tree_, scene_, robot_);
+      warn_of_massless_joints();
+    }
     for (const ir::Contact& contact : scene_.contacts) tree_.held.emplace_back(body_of(contact.link), ir::nobody);
     for (const ir::Loop& loop : scene_.loops) tree_.held.emplace_back(body_of(loop.links[1]), body_of(loop.links[0]));
     check_magnitudes(tree_, scene_, robot_.file);
@@ -234,6 +239,7 @@ class TreeBuilder {
   }
 
   bool no_inertia_about_axis(const ir::Body& body) const {
+    if (tree_.in_linkage(static_cast<int>(&body - tree_.bodies.data()))) return false;  // what it moves with counts
     if (body.slides() || body.driven() || body.subtree_size > 1 || body.armature > 0) return false;
     const Eigen::Vector3d lever = body.axis.cross(body.inertia.com);
     return body.axis.dot(body.inertia.inertia * body.axis) + body.inertia.mass * lever.squaredNorm() == 0;
@@ -309,7 +315,9 @@ class TreeBuilder {
       Eigen::Isometry3d at[2];  // in the bodies
     };
     std::vector<Held> all;
-    for (const ir::Loop& loop : scene_.loops) {
+    std::vector<ir::Loop> loops = scene_.loops;
+    loops.insert(loops.end(), scene_.embedded.begin(), scene_.embedded.end());
+    for (const ir::Loop& loop : loops) {
       Held held{&loop, {}, {}};
       bool there = true;
       for (std::size_t i = 0; i < 2; ++i) {

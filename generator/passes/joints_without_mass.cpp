@@ -46,7 +46,7 @@ std::vector<int> joints_without_mass(const ir::KinematicTree& tree, const ir::Sc
   }
   std::vector<int> joints;
   for (size_t k = 0; k < carries.size(); ++k)
-    if (!tree.bodies[k].driven() && !carries[k]) joints.push_back(static_cast<int>(k));
+    if (!tree.bodies[k].driven() && !carries[k] && !tree.in_linkage(static_cast<int>(k))) joints.push_back(static_cast<int>(k));
   return joints;
 }
 

@@ -64,7 +64,18 @@ double support_condition(const ir::KinematicTree& tree, const ir::Scene& scene, 
 
 }  // namespace
 
-double condition(const Wanted& wanted, const ir::KinematicTree& tree, const ir::Scene& scene, const Inputs& inputs) {
+namespace {
+
+// Pivots of what dependent joints are solved by: G has one below, its rate two.
+double linkage_condition(const ir::KinematicTree& tree, const Inputs& inputs) {
+  if (tree.linkages.empty()) return 0;
+  Eigen::VectorXd q = inputs.q;
+  const double pivot = ir::close_loops(tree, 1, q).least_pivot;
+  return pivot > 0 ? 4 / (pivot * pivot) : std::numeric_limits<double>::infinity();
+}
+
+double condition_of_solution(const Wanted& wanted, const ir::KinematicTree& tree, const ir::Scene& scene,
+                             const Inputs& inputs) {
   if (!wanted.quantity) return 0;
   if (ir::row_of(*wanted.quantity).scale == ir::Scale::supported) return support_condition(tree, scene, inputs);
   if (!ir::is_solved(ir::row_of(*wanted.quantity).scale)) return 0;
@@ -77,6 +88,12 @@ double condition(const Wanted& wanted, const ir::KinematicTree& tree, const ir::
   return of_mass *
          symmetric_condition(evaluate(tree, scene, {{ir::Quantity::delassus_matrix, ""}}, inputs, Precision::extended).front(),
                              by_q ? 2 : 1);
+}
+
+}  // namespace
+
+double condition(const Wanted& wanted, const ir::KinematicTree& tree, const ir::Scene& scene, const Inputs& inputs) {
+  return std::max(condition_of_solution(wanted, tree, scene, inputs), linkage_condition(tree, inputs));
 }
 
 double LeastScale::largest_mass() {

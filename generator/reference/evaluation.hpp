@@ -2,6 +2,7 @@
 // many digits that takes long.
 #pragma once
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <dalembert/constraint_shapes.hpp>
 #include <dalembert/generic/centroidal.hpp>
@@ -24,13 +25,21 @@ template <class S>
 class Evaluation {
  public:
   Evaluation(const ir::KinematicTree& tree, const ir::Scene& scene, const std::vector<Wanted>& wanted, const Inputs& inputs)
-      : tree_(tree), scene_(scene), robot_(to_generic<S>(tree, scene.gravity, scene.coriolis)), reduction_(robot_) {
-    generic::check_size<double>(inputs.q, robot_.nq(), "q");
-    generic::check_size<double>(inputs.v, robot_.nv(), "v");
-    own_q_ = inputs.q.cast<S>();
-    own_v_ = inputs.v.cast<S>();
-    more_ = inputs.more.cast<S>();
-    given_ = inputs.wrenches.cast<S>();
+      : Evaluation(tree, scene, wanted, inputs.q.cast<S>(), inputs.v.cast<S>(), inputs.more.cast<S>(),
+                   inputs.wrenches.cast<S>()) {}
+  // The same, of inputs in the scalar.
+  Evaluation(const ir::KinematicTree& tree, const ir::Scene& scene, const std::vector<Wanted>& wanted, const VectorX<S>& q,
+             const VectorX<S>& v, const VectorX<S>& more, const VectorX<S>& wrenches)
+      : tree_(tree),
+        scene_(scene),
+        robot_(to_generic<S>(tree, scene.gravity, scene.coriolis)),
+        reduction_(robot_),
+        own_q_(q),
+        own_v_(v),
+        more_(more),
+        given_(wrenches) {
+    generic::check_size<S>(q, robot_.nq(), "q");
+    generic::check_size<S>(v, robot_.nv(), "v");
     if (scene.rates_zero) own_v_.setZero();
     q_ = reduction_.expand_position(own_q_);
     v_ = reduction_.expand_velocity(own_v_);
@@ -138,6 +147,9 @@ class Evaluation {
         which == &Derivatives::forces_dq || which == &Derivatives::forces_dv || which == &Derivatives::forces_dtau;
     return MatrixX<S>::Zero(forces ? scene_.constraint_rows() : robot_.nv(), robot_.nv());
   }
+
+ public:
+  const generic::Model<S>& robot() const { return robot_; }
   generic::Constraints<S> constraints() const {
     generic::Constraints<S> all;
     for (const ir::Contact& contact : scene_.contacts) {
@@ -162,6 +174,7 @@ class Evaluation {
     return all;
   }
 
+ private:
   // Of so many columns per body those of links.
   MatrixX<S> of_links(const MatrixX<S>& all, Eigen::Index columns) const {
     const std::vector<int> links = ir::numbers_of_links(tree_);
@@ -279,9 +292,154 @@ class Evaluation {
   generic::Composites<S> composites_;
 };
 
+// Where loops are embedded: what the tree without them comes to, for the independent coordinates. With J of the loops as rows
+// (generic/constraints.hpp), J_d and J_y its dependent and independent columns: T = [1; -J_d^-1 J_y]; T' column by column from J
+// T e = 0, whose second derivative along v and e is symmetric in the two where both keep to the loops, so that differences of J'v
+// give it. Nothing of dalembert/linkage.hpp is used.
+template <class S>
+class EmbeddedEvaluation {
+ public:
+  EmbeddedEvaluation(const ir::KinematicTree& tree, const ir::Scene& scene, const std::vector<Wanted>& wanted,
+                     const Inputs& inputs)
+      : tree_(tree), opened_(tree.opened()), scene_(without_embedded(scene)) {
+    q_ = inputs.q.cast<S>();
+    y_ = inputs.v.cast<S>();
+    more_ = inputs.more.cast<S>();
+    wrenches_ = inputs.wrenches.cast<S>();
+    if (scene_.rates_zero) y_.setZero();
+    find_motion();
+    std::vector<Wanted> all = wanted;
+    for (const ir::Quantity quantity : {ir::Quantity::mass_matrix, ir::Quantity::momentum_matrix}) all.push_back({quantity, ""});
+    const VectorX<S> acceleration = more_.size() == y_.size() ? VectorX<S>(T_ * more_ + turning_) : turning_;
+    at_rest_.emplace(opened_, scene_, all, q_, VectorX<S>(T_ * y_), turning_, wrenches_);
+    accelerated_.emplace(opened_, scene_, all, q_, VectorX<S>(T_ * y_), acceleration, wrenches_);
+    mass_ = at_rest_->result({ir::Quantity::mass_matrix, ""});
+  }
+
+  MatrixX<S> result(const Wanted& wanted) const {
+    using Quantity = ir::Quantity;
+    if (!wanted.quantity) return of_link(wanted);
+    const auto whole = [&](Quantity quantity) { return at_rest_->result({quantity, ""}); };
+    switch (*wanted.quantity) {
+      case Quantity::mass_matrix: return T_.transpose() * mass_ * T_;
+      case Quantity::coriolis_matrix: return T_.transpose() * (whole(Quantity::coriolis_matrix) * T_ + mass_ * T_rate_);
+      case Quantity::bias: return T_.transpose() * (whole(Quantity::bias) + mass_ * turning_);
+      case Quantity::gravity:
+      case Quantity::wrench_influence: return T_.transpose() * whole(*wanted.quantity);
+      case Quantity::inverse_dynamics:
+      case Quantity::regressor: return T_.transpose() * accelerated_->result(wanted);
+      case Quantity::center_of_mass_jacobian:
+      case Quantity::momentum_matrix: return whole(*wanted.quantity) * T_;
+      case Quantity::center_of_mass_bias:
+        return whole(*wanted.quantity) + whole(Quantity::center_of_mass_jacobian) * turning_;
+      case Quantity::momentum_bias: return whole(*wanted.quantity) + whole(Quantity::momentum_matrix) * turning_;
+      case Quantity::forward_dynamics:
+      case Quantity::inverse_mass_matrix:
+      case Quantity::mass_matrix_factor: return solved(*wanted.quantity);
+      default: return whole(*wanted.quantity);
+    }
+  }
+
+ private:
+  static ir::Scene without_embedded(ir::Scene scene) {
+    scene.loops = scene.embedded;
+    scene.embedded.clear();
+    return scene;
+  }
+
+  void find_motion() {
+    const Evaluation<S> still(opened_, scene_, {}, q_, VectorX<S>::Zero(opened_.nv()), {}, wrenches_);
+    const generic::Constraints<S> loops = still.constraints();
+    const ir::Followers list = ir::followers(tree_);
+    const auto n = static_cast<Eigen::Index>(tree_.nv());
+    const MatrixX<S> J = generic::constraint_jacobian<S>(still.robot(), loops, q_);
+    std::vector<int> dependent;
+    for (const ir::Linkage& linkage : tree_.linkages)
+      for (const int k : linkage.dependent)
+        dependent.push_back(opened_.nv() - opened_.independent_joints() +
+                            opened_.coordinates()[static_cast<std::size_t>(k)]);
+    MatrixX<S> own(J.rows(), static_cast<Eigen::Index>(dependent.size())), others(J.rows(), n);
+    for (std::size_t i = 0; i < dependent.size(); ++i) own.col(static_cast<Eigen::Index>(i)) = J.col(dependent[i]);
+    for (Eigen::Index i = 0; i < n; ++i) others.col(i) = J.col(list.at[static_cast<std::size_t>(i)]);
+    T_ = T_rate_ = MatrixX<S>::Zero(opened_.nv(), n);
+    for (Eigen::Index i = 0; i < n; ++i) T_(list.at[static_cast<std::size_t>(i)], i) = S(1);
+    turning_ = VectorX<S>::Zero(opened_.nv());
+    Eigen::VectorXd q = q_.template cast<double>();
+    regular_ = ir::close_loops(tree_, 1, q).ok();
+    if (!regular_) return;
+    const Eigen::PartialPivLU<MatrixX<S>> solver(own);
+    const auto set = [&](MatrixX<S>& to, const MatrixX<S>& right) {
+      const MatrixX<S> moved = solver.solve(right);
+      for (std::size_t i = 0; i < dependent.size(); ++i) to.row(dependent[i]) = -moved.row(static_cast<Eigen::Index>(i));
+    };
+    set(T_, others);
+    const VectorX<S> v = T_ * y_;
+    MatrixX<S> rates(J.rows(), n);
+    const auto bias = [&](const VectorX<S>& at) { return generic::constraint_bias<S>(still.robot(), loops, q_, at); };
+    for (Eigen::Index i = 0; i < n; ++i)
+      rates.col(i) = (bias(VectorX<S>(v + T_.col(i))) - bias(VectorX<S>(v - T_.col(i)))) / S(4);
+    set(T_rate_, rates);
+    turning_ = T_rate_ * y_;
+  }
+
+  // Where loops do not tell where joints are, everything is zero.
+  MatrixX<S> solved(ir::Quantity quantity) const {
+    const auto n = static_cast<Eigen::Index>(tree_.nv());
+    const Eigen::Index columns = quantity == ir::Quantity::forward_dynamics ? 1 : n;
+    const generic::Factorisation<S> factors(T_.transpose() * mass_ * T_);
+    if (!factors.status().ok()) return MatrixX<S>::Zero(n, columns);
+    if (quantity == ir::Quantity::mass_matrix_factor) return factors.upper();
+    if (quantity == ir::Quantity::inverse_mass_matrix) return factors.solve(MatrixX<S>::Identity(n, n));
+    return factors.solve(MatrixX<S>(more_ - T_.transpose() * at_rest_->result({ir::Quantity::inverse_dynamics, ""})));
+  }
+
+  MatrixX<S> of_link(const Wanted& wanted) const {
+    using ir::LinkQuantity;
+    const auto with_jacobian = [&](LinkQuantity jacobian) -> MatrixX<S> {
+      return at_rest_->result(wanted) + at_rest_->result({std::nullopt, wanted.link, jacobian}) * turning_;
+    };
+    switch (wanted.of_link) {
+      case LinkQuantity::jacobian:
+      case LinkQuantity::jacobian_world:
+      case LinkQuantity::jacobian_mixed: return at_rest_->result(wanted) * T_;
+      case LinkQuantity::acceleration_bias: return with_jacobian(LinkQuantity::jacobian);
+      case LinkQuantity::acceleration_bias_world: return with_jacobian(LinkQuantity::jacobian_world);
+      case LinkQuantity::acceleration_bias_mixed: return with_jacobian(LinkQuantity::jacobian_mixed);
+      case LinkQuantity::pose:
+      case LinkQuantity::twist: break;
+    }
+    return at_rest_->result(wanted);
+  }
+
+ public:
+  bool regular() const { return regular_; }
+
+ private:
+  const ir::KinematicTree& tree_;
+  const ir::KinematicTree opened_;
+  const ir::Scene scene_;
+  VectorX<S> q_, y_, more_, wrenches_, turning_;  // turning: accelerations where y'' = 0
+  MatrixX<S> T_, T_rate_, mass_;
+  bool regular_ = true;
+  std::optional<Evaluation<S>> at_rest_, accelerated_;
+};
+
+template <class S>
+std::vector<Eigen::MatrixXd> evaluate_embedded(const ir::KinematicTree& tree, const ir::Scene& scene,
+                                               const std::vector<Wanted>& wanted, const Inputs& inputs) {
+  const EmbeddedEvaluation<S> evaluation(tree, scene, wanted, inputs);
+  std::vector<Eigen::MatrixXd> results;
+  for (const Wanted& w : wanted) {
+    results.push_back(evaluation.result(w).template cast<double>());
+    if (!evaluation.regular()) results.back().setZero();
+  }
+  return results;
+}
+
 template <class S>
 std::vector<Eigen::MatrixXd> evaluate_in(const ir::KinematicTree& tree, const ir::Scene& scene,
                                          const std::vector<Wanted>& wanted, const Inputs& inputs) {
+  if (!tree.linkages.empty()) return evaluate_embedded<S>(tree, scene, wanted, inputs);
   const Evaluation<S> evaluation(tree, scene, wanted, inputs);
   std::vector<Eigen::MatrixXd> results;
   for (const Wanted& w : wanted) results.push_back(evaluation.result(w).template cast<double>());

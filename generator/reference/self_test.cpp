@@ -58,6 +58,7 @@ ir::SelfTest::State make_state(const ir::KinematicTree& tree, int turns, Uniform
         body.prismatic() ? uniform.either_sign(0.1, 0.5) : angle + uniform.either_sign(turns, turns) * 2 * std::numbers::pi;
   }
   for (const int first : tree.quaternions()) state.q.segment<4>(first).normalize();
+  if (!tree.linkages.empty()) ir::draw_closed(tree, state.q, 400, ir::well_off_toggle_points, true);
   for (int i = 0; i < tree.nv(); ++i) state.v[i] = uniform.either_sign(1, 5);
   state.input = state.v.reverse();
   return state;

@@ -52,6 +52,7 @@ void check_solvable(const ir::RobotDescription& robot, const ir::KinematicTree& 
     throw InputError({Severity::error, robot.file, fmt::format("joint {}", fmt::join(massless, ", ")),
                       fmt::format("moves no mass: the mass matrix is singular, and there is no {}", name),
                       "give its descendants <inertial>, the joint an armature, or lock it (massless: lock)"});
+  if (!tree.linkages.empty()) return;  // who follows may move what has none
   if (const std::optional<MotionWithoutMass> motion = motion_without_mass(tree, scene))
     throw InputError({Severity::error, robot.file, place(tree, *motion),
                       fmt::format("can move without moving any mass, wherever the robot stands: the mass matrix is singular, "

@@ -10,6 +10,7 @@
 #include "ir/coordinate_tree.hpp"
 #include "passes/build_tree.hpp"
 #include "passes/combine_inertia.hpp"
+#include "passes/embedding.hpp"
 #include "passes/normalise.hpp"
 #include "passes/plan.hpp"
 #include "passes/project_by_rows.hpp"
@@ -45,6 +46,7 @@ State some_state(const ir::KinematicTree& tree) {
   for (int i = 0; i < tree.nv(); ++i) state.v[i] = std::cos(2.0 + 1.3 * i);
   for (int i = 0; i < tree.nv(); ++i) state.more[i] = std::cos(1.0 + 1.9 * i);
   for (const int first : tree.quaternions()) state.q.segment<4>(first).normalize();
+  if (!tree.linkages.empty()) ir::draw_closed(tree, state.q, 400, 0.1, true);
   return state;
 }
 
@@ -136,8 +138,75 @@ std::array<ir::Arrays, 2> run_half(const ir::EmittedFunction& function, const Mo
   return {straight, ir::run(algorithm, program, plan, model.tree, model.scene.rates_zero, input, left[1])};
 }
 
+Following following(const ir::KinematicTree& tree, const State& state) {
+  const ir::Followers list = ir::followers(tree);
+  const auto count = static_cast<Eigen::Index>(list.elements.size());
+  Eigen::VectorXd G = Eigen::VectorXd::Zero(count), G_rate = G;
+  Following f{Eigen::MatrixXd::Zero(list.all, tree.nv()), Eigen::MatrixXd::Zero(list.all, tree.nv()), {}};
+  Eigen::Index first = 0;
+  for (size_t i = 0; i < tree.linkages.size(); ++i) {
+    const ir::LinkageTable table = ir::linkage_table(tree.linkages[i], tree);
+    follow<ir::most_dependent_joints, ir::most_independent_joints>(table.view(), static_cast<int>(i), state.q.data(), state.v.data(),
+                                                                   G.data() + first, G_rate.data() + first, f.status);
+    first += table.dependent * table.independent;
+  }
+  for (int i = 0; i < tree.nv(); ++i) f.T(list.at[static_cast<size_t>(i)], i) = 1;
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const Follower& element = list.elements[static_cast<size_t>(i)];
+    f.T(element.coordinate, element.follows) += G[i];
+    f.T_rate(element.coordinate, element.follows) += G_rate[i];
+  }
+  return f;
+}
+
+namespace {
+
+// The function on the tree without embedded loops, in both forms, and what becomes of it with T and T' as dense matrices.
+std::array<ir::Arrays, 2> run_embedded(const ir::EmittedFunction& function, const Model& model, const State& state,
+                                       const Payload& payload) {
+  const passes::EmbeddedFunction embedded = passes::embed(function, model.tree, model.scene);
+  const ir::Embedding& e = *embedded.algorithm.embedding;
+  Model opened = model;
+  opened.tree = model.tree.opened();
+  opened.scene = passes::opened(model.scene);
+  State moving = state;
+  if (model.scene.rates_zero) moving.v.setZero();
+  const Following f = following(model.tree, moving);
+  const Eigen::VectorXd turning = f.T_rate * moving.v;
+  moving.more = turning;
+  if (e.of_input) moving.more += f.T * state.more;
+  moving.v = f.T * Eigen::VectorXd(moving.v);
+  const std::array<ir::Arrays, 2> whole = run_half(embedded.of_opened, opened, moving, payload);
+  std::array<ir::Arrays, 2> results;
+  for (size_t form : {0u, 1u}) {
+    ir::Arrays& arrays = results[form];
+    for (const ir::OutputArray& a : embedded.algorithm.arrays) arrays[a.name] = Eigen::MatrixXd::Zero(a.rows, a.columns);
+    for (const ir::Projected& p : e.projected) {
+      Eigen::MatrixXd& to = arrays.at(embedded.algorithm.arrays[static_cast<size_t>(p.to)].name);
+      const Eigen::MatrixXd& from = whole[form].at(p.from);
+      const auto more = [&] { return whole[form].at(p.more); };
+      using Kind = ir::Projected::Kind;
+      switch (p.kind) {
+        case Kind::same: to = from; break;
+        case Kind::columns: to = from * f.T; break;
+        case Kind::rows: to = f.T.transpose() * from; break;
+        case Kind::both: to = f.T.transpose() * from * f.T; break;
+        case Kind::coriolis: to = f.T.transpose() * (from * f.T + more() * f.T_rate); break;
+        case Kind::bias: to = from + more() * turning; break;
+        case Kind::force: to = f.T.transpose() * (from + more() * turning); break;
+        case Kind::unbalanced: to = state.more - f.T.transpose() * from; break;
+      }
+    }
+    arrays = ir::run(embedded.algorithm, ir::Program(), model.tree, [](const ir::Input&) { return std::nan(""); }, arrays);
+  }
+  return results;
+}
+
+}  // namespace
+
 std::array<ir::Arrays, 2> run_function(const ir::EmittedFunction& function, const Model& model, const State& state,
                                        const Payload& payload, const Gains& gains) {
+  if (!model.tree.linkages.empty()) return run_embedded(function, model, state, payload);
   const std::vector<ir::EmittedFunction> halves = passes::halves(function, model.tree);
   std::array<ir::Arrays, 2> results = run_half(halves.front(), model, state, payload, {}, {}, gains);
   for (size_t half = 1; half < halves.size(); ++half)

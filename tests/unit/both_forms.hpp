@@ -41,6 +41,13 @@ struct Gains {
   double kp = 0, kd = 0, anchor[7] = {0, 0, 0, 0, 0, 0, 1};
 };
 
+// Where loops are embedded: T and T' of the independent coordinates (dalembert/linkage.hpp), dense.
+struct Following {
+  Eigen::MatrixXd T, T_rate;
+  LinkageStatus<double> status;
+};
+Following following(const ir::KinematicTree& tree, const State& state);
+
 // The results of one function, or of one half of it behind what the others left, in both forms.
 std::array<ir::Arrays, 2> run_half(const ir::EmittedFunction& function, const Model& model, const State& state,
                                    const Payload& payload, const std::array<ir::Arrays, 2>& left = {},

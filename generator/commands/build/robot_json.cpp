@@ -85,7 +85,7 @@ std::string robot_json(const Library& library, const Request& request, const Com
   if (tree.floating_base) bodies.push_back(tree.base_link);
   for (const ir::Body& body : tree.bodies) {
     if (body.part + 1 == body.parts) bodies.push_back(body.name);
-    if (body.driven()) continue;
+    if (!body.independent()) continue;
     joints.push_back(body.joint);
     types.push_back(passes::kind_of(body.type).name);
     ir::Limits limits;

@@ -37,7 +37,8 @@ def rod(mass, length, width, middle):
 
 
 class Mechanism:
-    def __init__(self, name, about, gravity="[0, 0, -9.81]", base="fixed", root=None):
+    def __init__(self, name, about, gravity="[0, 0, -9.81]", base="fixed", root=None, outputs=""):
+        self.outputs = outputs
         self.name, self.about, self.gravity, self.base = name, about, gravity, base
         self.lines, self.loops, self.joints, self.stiffness = [], [], [], []
         self.link("world" if root is None else "base", root)
@@ -59,15 +60,16 @@ class Mechanism:
             self.stiffness.append(f"  {name}_joint: {k}")
         return name
 
-    def close(self, name, links, at, kind):
-        self.loops.append(f"  {name}: {{links: [{links[0]}, {links[1]}], at: [{listed(at[0])}, {listed(at[1])}], type: {kind}}}")
+    def close(self, name, links, at, kind, independent=()):
+        more = f", independent: [{', '.join(independent)}]" if independent else ""
+        self.loops.append(f"  {name}: {{links: [{links[0]}, {links[1]}], at: [{listed(at[0])}, {listed(at[1])}], type: {kind}{more}}}")
 
     def write(self):
         body = "\n".join(self.lines)
         (FOLDER / f"{self.name}.urdf").write_text(
             f'<?xml version="1.0"?>\n<!-- {self.about} Written by make_mechanisms.py. -->\n<robot name="{self.name}">\n{body}\n</robot>\n')
         parts = [f"# {self.about} Written by make_mechanisms.py.", f"base: {self.base}", f"gravity: {self.gravity}",
-                 f"outputs: [{ENERGIES if self.gravity != 'none' or self.stiffness else ENERGIES.replace('potential_energy, ', '')}]"]
+                 f"outputs: [{self.outputs}]" if self.outputs else f"outputs: [{ENERGIES if self.gravity != 'none' or self.stiffness else ENERGIES.replace('potential_energy, ', '')}]"]
         for key in ("joints", "stiffness", "loops"):
             if getattr(self, key):
                 parts += [f"{key}:"] + getattr(self, key)
@@ -162,6 +164,22 @@ def legs():
     robot.write()
 
 
+def ankle():
+    """Two motors in the shin turn cranks, whose rods turn the foot about pitch and roll together: loops are embedded."""
+    robot = Mechanism("ankle", "A parallel ankle: two cranks, and rods to the foot, which are embedded.",
+                      outputs="mass_matrix, coriolis_matrix, bias, kinetic_energy, potential_energy, inverse_dynamics, forward_dynamics")
+    shin = robot.add("shin", "world", "revolute", Inertial.box(2.5, [0, 0, -0.15], (0.08, 0.08, 0.3)), (0, 0, 0.6), axis=(0, 1, 0))
+    cross = robot.add("pitch", shin, "revolute", Inertial.box(0.1, [0, 0, 0], (0.03, 0.03, 0.03)), (0, 0, -0.35), axis=(0, 1, 0))
+    foot = robot.add("foot", cross, "revolute", Inertial.box(0.9, [0.03, 0, -0.05], (0.22, 0.09, 0.04)), axis=(1, 0, 0))
+    for side, y, z in (("left", 0.045, -0.08), ("right", -0.045, -0.14)):
+        crank = robot.add(f"{side}_crank", shin, "revolute", Inertial.box(0.15, [-0.03, 0, 0], (0.07, 0.02, 0.02)), (0, y, z), axis=(0, 1, 0))
+        length = 0.35 + z  # down to the foot, whose ball is as far behind the ankle as the crank is long
+        tie = robot.add(f"{side}_rod", crank, "revolute", rod(0.12, length, 0.01, -length / 2), (-0.06, 0, 0), axis=(0, 1, 0),
+                        universal="[1, 0, 0]")
+        robot.close(f"{side}_ball", (tie, foot), ((0, 0, -length, 0, 0, 0), (-0.06, y, 0.0, 0, 0, 0)), "point", [f"{side}_crank_joint"])
+    robot.write()
+
+
 if __name__ == "__main__":
-    for make in (four_bars, governor, stewart, delta, legs):
+    for make in (four_bars, governor, stewart, delta, legs, ankle):
         make()

@@ -1,0 +1,20 @@
+// Functions of a robot whose loops are embedded: text around what the tree without them computes.
+#pragma once
+
+#include <string>
+
+#include "backend/emit.hpp"
+
+namespace dalembert::backend {
+
+// The numbers of linkages, and close_loops(); empty where there are none.
+std::string linkage_tables(const CodeInput& code);
+std::string closing_declaration(const CodeInput& code);
+// Of a function that users call.
+std::string embedded_statements(const CodeInput& code);
+// A function of the tree without embedded loops, in a scope of its own: it has another nv.
+std::string opened_scope(const CodeInput& code, const std::string& text);
+// Where joints' numbers are in q and v, for the header.
+std::string embedded_joint_indices(const CodeInput& code);
+
+}  // namespace dalembert::backend
