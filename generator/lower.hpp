@@ -40,7 +40,7 @@ struct LoweredFunction {
 struct Lowered {
   // Where loops are embedded, what functions `of_opened` are computed on: the tree without them, and the scene. Else null.
   std::shared_ptr<const Model> opened;
-  ir::NormalTree normal;  // of that tree
+  ir::NormalTree normal;                   // of that tree
   std::vector<LoweredFunction> functions;  // those the scene asks something of, each half of one by itself
 
   // What the function is computed on, `model` being what was lowered.

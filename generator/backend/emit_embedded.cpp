@@ -54,7 +54,8 @@ std::string linkage_tables(const CodeInput& code) {
             fmt::format(
                 "constexpr dalembert::LinkedJoint<Scalar> linkage_{0}_joints[] = {{\n    {1}}};\n"
                 "constexpr dalembert::LinkedLoop<Scalar> linkage_{0}_loops[] = {{\n    {2}}};\n"
-                "constexpr int linkage_{0}_positions[] = {{{3}}}, linkage_{0}_coordinates[] = {{{4}}}, linkage_{0}_followed[] = {{{5}}};\n"
+                "constexpr int linkage_{0}_positions[] = {{{3}}}, linkage_{0}_coordinates[] = {{{4}}}, linkage_{0}_followed[] "
+                "= {{{5}}};\n"
                 "constexpr dalembert::Linkage<Scalar> linkage_{0}{{linkage_{0}_loops, {6}, linkage_{0}_joints, {7},\n"
                 "    linkage_{0}_positions, linkage_{0}_coordinates, linkage_{0}_followed}};\n\n",
                 i, fmt::join(joints, ",\n    "), fmt::join(loops, ",\n    "), fmt::join(table.dependent_positions, ", "),
@@ -67,16 +68,18 @@ std::string linkage_tables(const CodeInput& code) {
   for (const int i : f.at) at.push_back(std::to_string(i));
   text += fmt::format(
       "// Which of all coordinates those of v are; dependent ones, and what they follow.\n"
-      "constexpr int independent_at[] = {{\n    {}}};\nconstexpr dalembert::Follower followers[] = {{\n    {}}};\n\n}}  // namespace\n\n",
+      "constexpr int independent_at[] = {{\n    {}}};\nconstexpr dalembert::Follower followers[] = {{\n    {}}};\n\n}}  // "
+      "namespace\n\n",
       wrapped(at, 4), wrapped(elements, 4));
   text += fmt::format(
-      "// Where every joint has its coordinate.\nnamespace of_all_joints {{\n\n[[maybe_unused]] constexpr int nv = {};\n\n}}  // "
+      "// Where every joint has its coordinate.\nnamespace of_all_joints {{\n\n[[maybe_unused]] constexpr int nv = {};\n\n}}  "
+      "// "
       "namespace of_all_joints\n\n",
       f.all);
   text += "dalembert::LinkageStatus<Scalar> close_loops(Scalar* q) noexcept {\n  dalembert::LinkageStatus<Scalar> status;\n";
   for (size_t i = 0; i < code.tree.linkages.size(); ++i)
-    text += fmt::format("  dalembert::close_linkage<{1}>(linkage_{0}, {0}, {2}, q, status);\n", i,
-                        sizes(code.tree.linkages[i]), ir::closing_steps);
+    text += fmt::format("  dalembert::close_linkage<{1}>(linkage_{0}, {0}, {2}, q, status);\n", i, sizes(code.tree.linkages[i]),
+                        ir::closing_steps);
   return text + "  return status;\n}\n\n";
 }
 
@@ -106,9 +109,9 @@ std::string embedded_statements(const CodeInput& code) {
                     rate = moves ? array(e.rates) : "";
   std::string text = fmt::format("  {} = {{}};\n", status);
   if (!moves) text += "  (void)v;\n";
-  if (*function.input() && !e.of_input &&
-      std::none_of(e.projected.begin(), e.projected.end(),
-                   [](const ir::Projected& p) { return p.kind == ir::Projected::Kind::unbalanced; }))
+  if (*function.input() && !e.of_input && std::none_of(e.projected.begin(), e.projected.end(), [](const ir::Projected& p) {
+        return p.kind == ir::Projected::Kind::unbalanced;
+      }))
     text += fmt::format("  (void){};\n", function.input());
   text += "  // Dependent joints follow: v_d = G y', v_d' = G y'' + G' y'.\n";
   int first = 0;
@@ -121,7 +124,8 @@ std::string embedded_statements(const CodeInput& code) {
     first += static_cast<int>(linkage.dependent.size() * linkage.independent.size());
   }
   const auto spread = [&](const std::string& from, int to) {
-    return fmt::format("  dalembert::spread<nv, {}, {}>(independent_at, followers, {}, {}, {});\n", all, count, G, from, array(to));
+    return fmt::format("  dalembert::spread<nv, {}, {}>(independent_at, followers, {}, {}, {});\n", all, count, G, from,
+                       array(to));
   };
   if (moves) text += spread("v", e.speeds);
   if (e.accelerated) {
@@ -145,8 +149,8 @@ std::string embedded_statements(const CodeInput& code) {
   for (const ir::Projected& p : e.projected) {
     const std::string from = "workspace." + p.from, more = "workspace." + p.more, to = array(p.to);
     const auto add_bias = [&](const std::string& target) {
-      return moves ? fmt::format("  dalembert::add_bias<{}, {}>(followers, {}, v, {}, {}, {});\n", p.from_rows, count, rate, more,
-                                 from, target)
+      return moves ? fmt::format("  dalembert::add_bias<{}, {}>(followers, {}, v, {}, {}, {});\n", p.from_rows, count, rate,
+                                 more, from, target)
                    : fmt::format("  dalembert::copy_numbers<{}>({}, {});\n", p.from_rows, from, target);
     };
     switch (p.kind) {
@@ -178,8 +182,8 @@ std::string embedded_statements(const CodeInput& code) {
 }
 
 std::string opened_scope(const CodeInput& code, const std::string& text) {
-  return fmt::format(
-      "\nnamespace of_all_joints {{\n\n{}\n{}\n}}  // namespace of_all_joints\n", second_half_declaration(code), text);
+  return fmt::format("\nnamespace of_all_joints {{\n\n{}\n{}\n}}  // namespace of_all_joints\n", second_half_declaration(code),
+                     text);
 }
 
 std::string embedded_joint_indices(const CodeInput& code) {

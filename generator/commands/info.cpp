@@ -202,7 +202,7 @@ const std::string& name_of(ir::Solver solver) { return word_of(ir::solver_words(
 std::string plan_json(const Lowered& lowered) {
   std::string text;
   for (const LoweredFunction& f : lowered.functions) {
-    if (f.candidates.empty()) continue;  // a second half
+    if (f.candidates.empty() || f.algorithm.function.of_opened) continue;  // a second half
     std::string ways;
     for (const Candidate& c : f.candidates)
       ways += fmt::format("{}{{\"form\": \"{}\", \"solver\": \"{}\", \"nanoseconds\": [{:.1f}]}}", ways.empty() ? "" : ", ",
@@ -231,7 +231,7 @@ std::string plan_text(const Lowered& lowered) {
   std::string text = fmt::format("\nestimated time of a call on registers of {} doubles, the way that was chosen first:\n",
                                  fmt::join(backend::register_widths, ", "));
   for (const LoweredFunction& f : lowered.functions) {
-    if (f.candidates.empty()) continue;
+    if (f.candidates.empty() || f.algorithm.function.of_opened) continue;
     text += fmt::format("  {}\n", f.algorithm.function.name);
     for (const Candidate& c : f.candidates) {
       std::string times;

@@ -19,6 +19,10 @@ namespace dalembert {
 
 ReportSummary write_report(const Model& model, const CompilerOptions& compiler, const ReportOptions& options) {
   using namespace reporting;
+  if (!model.tree.linkages.empty())
+    throw InputError({Severity::error, "", fmt::format("loop '{}'", model.tree.linkages.front().loops.front().name),
+                      "it is embedded, and a report's oracles and integrators know no such loop",
+                      "leave 'independent' out of all loops, or ask for dalembert check"});
   backend::add_files(options.folder, {});  // where it cannot be made, says so now and not in minutes
   const Mujoco mujoco(model, compiler);
   const Pinocchio pinocchio(model);

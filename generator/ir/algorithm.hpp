@@ -146,29 +146,29 @@ struct Guard {
   std::vector<int> arrays;
 };
 
-// How what another function computes on the tree without embedded loops becomes what is asked for of the independent coordinates,
-// by T and T' of the followers (ir/linkage.hpp), before the steps with whole matrices.
+// How what another function computes on the tree without embedded loops becomes what is asked for of the independent
+// coordinates, by T and T' of the followers (ir/linkage.hpp), before the steps with whole matrices.
 struct Projected {
   enum class Kind {
-    same,         // to = from
-    columns,      // to = from T
-    rows,         // to = T' from
-    both,         // to = T' from T
-    coriolis,     // to = T' (from T + more T'), more being M
-    bias,         // to = from + more a, a = T' y': more is a Jacobian
-    force,        // to = T' (from + more a): more is M
-    unbalanced,   // to = input - T' from
+    same,        // to = from
+    columns,     // to = from T
+    rows,        // to = T' from
+    both,        // to = T' from T
+    coriolis,    // to = T' (from T + more T'), more being M
+    bias,        // to = from + more a, a = T' y': more is a Jacobian
+    force,       // to = T' (from + more a): more is M
+    unbalanced,  // to = input - T' from
   };
   Kind kind;
-  std::string from, more;         // arrays of that function
+  std::string from, more;  // arrays of that function
   int from_rows = 0, from_columns = 0;
-  int to = 0, room = -1;          // arrays
+  int to = 0, room = -1;  // arrays
 };
 struct Embedding {
-  std::string called;             // the function
-  bool accelerated = false;       // it takes accelerations: T' y', and T y'' where the input is y''
+  std::string called;        // the function
+  bool accelerated = false;  // it takes accelerations: T' y', and T y'' where the input is y''
   bool of_input = false;
-  int elements = -1, rates = -1;  // arrays: numbers of the followers; of G'; −1: velocities count as zero
+  int elements = -1, rates = -1;       // arrays: numbers of the followers; of G'; −1: velocities count as zero
   int speeds = 0, accelerations = -1;  // arrays: of all coordinates
   std::vector<Projected> projected;
 };
@@ -186,7 +186,7 @@ struct Algorithm {
   std::vector<ConstraintStep> constraint_steps;  // behind them
   std::vector<std::string> written_out;          // equations of steps that became nodes; tags count on to them
   std::optional<Guard> guard;
-  int factor = -1;  // the array that equations with M are solved by, if the code is to offer that
+  int factor = -1;                     // the array that equations with M are solved by, if the code is to offer that
   std::optional<Embedding> embedding;  // then there are no sweeps
 
   // First of a role's components among all of them.

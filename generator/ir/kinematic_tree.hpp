@@ -12,8 +12,8 @@
 // relation: such a body stays in the tree with its own position, q_body = multiplier · q_driver + offset, but nq and nv do
 // not count it, and what its row and column would hold belongs to the driver's.
 //
-// A body whose joint a loop of the scene's lets follow others (ir/linkage.hpp) has a position of its own in q, and no coordinate
-// in v. Such a tree is what users see; dynamics are computed on opened(), where every joint has its coordinate.
+// A body whose joint a loop of the scene's lets follow others (ir/linkage.hpp) has a position of its own in q, and no
+// coordinate in v. Such a tree is what users see; dynamics are computed on opened(), where every joint has its coordinate.
 #pragma once
 
 #include <Eigen/Core>
@@ -88,8 +88,8 @@ struct KinematicTree {
   std::vector<LinkPlacement> links;  // every link kept, in depth-first order; then the scene's frames
   std::vector<int> pushed;           // per wrench of the scene: the body it acts on
   std::vector<std::pair<int, int>>
-      held;                 // per constraint: the body its forces act on, and that which has the opposite, or nobody
-  int constraint_rows = 0;  // of the scene's contacts and loops
+      held;                       // per constraint: the body its forces act on, and that which has the opposite, or nobody
+  int constraint_rows = 0;        // of the scene's contacts and loops
   std::vector<Linkage> linkages;  // whose loops are embedded
 
   int joints() const { return static_cast<int>(bodies.size()); }  // moving joints, driven ones included

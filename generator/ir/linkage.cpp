@@ -113,9 +113,11 @@ ClosedState draw_closed(const KinematicTree& tree, Eigen::VectorXd& q, int tries
             if (i > tries / 4 || body.follows) position = drawn;
           }
         }
+    Eigen::VectorXd start = q;
+    const double pivot = close_loops(tree, 1, start).least_pivot;
     const LinkageStatus<double> status = close_loops(tree, patient, q);
     if (i == 0 || status.error < state.least_error) state.least_error = status.error;
-    state.most_regular = std::max(state.most_regular, status.least_pivot);
+    state.most_regular = std::max({state.most_regular, pivot, status.least_pivot});
     state.closed = status.error < closed && status.least_pivot > least_pivot;
   }
   return state;

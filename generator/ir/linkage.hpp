@@ -17,10 +17,10 @@ inline constexpr int most_dependent_joints = 24, most_independent_joints = 24;
 // A loop on the tree: the joints from the body that both links hang on to each.
 struct LinkageLoop {
   std::string name;
-  std::array<std::vector<int>, 2> joints;    // bodies, the upper ones first
-  std::array<Eigen::Isometry3d, 2> frames;   // on the last of them, or on what both hang on
-  std::vector<int> linear, angular;          // axes
-  double length = 0;                         // of a distance, m
+  std::array<std::vector<int>, 2> joints;   // bodies, the upper ones first
+  std::array<Eigen::Isometry3d, 2> frames;  // on the last of them, or on what both hang on
+  std::vector<int> linear, angular;         // axes
+  double length = 0;                        // of a distance, m
 
   int rows() const { return length > 0 ? 1 : static_cast<int>(linear.size() + angular.size()); }
 };
@@ -63,7 +63,8 @@ Followers followers(const KinematicTree& tree);
 LinkageStatus<double> close_loops(const KinematicTree& tree, int steps, Eigen::VectorXd& q);
 
 // Positions of all joints of linkages at which loops are closed, from where they are in q or else drawn at random, always the
-// same; off toggle points by a pivot of at least `least_pivot`. Others are left as they are. Where none was found q is the last.
+// same; off toggle points by a pivot of at least `least_pivot`. Others are left as they are. Where none was found q is the
+// last.
 struct ClosedState {
   bool closed = false;
   double least_error = 0, most_regular = 0;  // the least error and the largest pivot that were met

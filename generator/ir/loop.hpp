@@ -29,7 +29,8 @@ struct Loop {
   std::array<Eigen::Isometry3d, 2> at{Eigen::Isometry3d::Identity(), Eigen::Isometry3d::Identity()};  // on each, in its frame
   LoopType type = LoopType::point;
   std::optional<double> length;  // of a distance, m; else what it is where all joints are at zero
-  std::vector<std::string> independent{};  // joints that others between the links follow: the loop is embedded; else it has rows
+  std::vector<std::string>
+      independent{};  // joints that others between the links follow: the loop is embedded; else it has rows
 
   // Numbers of axes, and 0 of a distance.
   std::vector<int> linear_axes() const {

@@ -65,8 +65,10 @@ class Embedding {
     for (const int k : path(own)) {
       const ir::Body& moved = body(k);
       const std::string leave = "leave 'independent' out of the loop: it has rows then";
+      if (moved.of_quaternion() && moved.part > 0) continue;  // said of the first
       if (moved.of_quaternion())
-        error(loop, fmt::format("joint {} between its links has a quaternion, and can neither follow nor be followed", joint(k)),
+        error(loop,
+              fmt::format("joint {} between its links has a quaternion, and can neither follow nor be followed", joint(k)),
               "make it universal, or " + leave);
       else if (moved.driven())
         error(loop, fmt::format("joint {} between its links is a mimic joint, of {}", joint(k), joint(moved.driven_by)),
@@ -153,8 +155,7 @@ class Embedding {
                  ? fmt::format("name {} fewer of {}, or let the loop hold less", rows - count, joints(linkage.independent))
                  : std::string("let the loop hold less")) +
                 ": a planar linkage takes type: pin, of two rows");
-    else if (count > ir::most_dependent_joints ||
-             static_cast<int>(linkage.independent.size()) > ir::most_independent_joints)
+    else if (count > ir::most_dependent_joints || static_cast<int>(linkage.independent.size()) > ir::most_independent_joints)
       error(called(linkage),
             fmt::format("{} follow {}; no more than {} may follow {}", counted(count, "joint"),
                         counted(static_cast<int>(linkage.independent.size()), "joint"), ir::most_dependent_joints,
@@ -174,12 +175,13 @@ class Embedding {
     if (state.closed) return;
     const std::string who = called(linkage);
     if (state.most_regular < 1e-6)
-      error(who,
-            fmt::format("what it holds does not tell where joint{} {} {}: rows say the same, or not all of these joints move "
-                        "them",
-                        linkage.dependent.size() > 1 ? "s" : "", joints(linkage.dependent),
-                        linkage.dependent.size() > 1 ? "are" : "is"),
-            "choose a type whose rows differ (a planar linkage takes pin, across the joints' axes), or other independent joints");
+      error(
+          who,
+          fmt::format("what it holds does not tell where joint{} {} {}: rows say the same, or not all of these joints move "
+                      "them",
+                      linkage.dependent.size() > 1 ? "s" : "", joints(linkage.dependent),
+                      linkage.dependent.size() > 1 ? "are" : "is"),
+          "choose a type whose rows differ (a planar linkage takes pin, across the joints' axes), or other independent joints");
     else
       error(who, fmt::format("no position of its joints was found that closes it: {:.3g} are left at best", state.least_error),
             "correct 'at', which says where the links are held together, or the length");

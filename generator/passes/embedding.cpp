@@ -132,7 +132,8 @@ class Embed {
   }
 
   int mass() {
-    const int to = function_.computes(Quantity::mass_matrix) ? output(Quantity::mass_matrix) : room("mass", tree_.nv(), tree_.nv());
+    const int to =
+        function_.computes(Quantity::mass_matrix) ? output(Quantity::mass_matrix) : room("mass", tree_.nv(), tree_.nv());
     if (!projected_mass_) project(Kind::both, Quantity::mass_matrix, to);
     projected_mass_ = true;
     return to;
@@ -140,14 +141,15 @@ class Embed {
 
   int factor() {
     const int nv = tree_.nv(), own_mass = mass();
-    const int upper = function_.computes(Quantity::mass_matrix_factor) ? output(Quantity::mass_matrix_factor)
-                                                                      : room(ir::own_factor, nv, nv);
+    const int upper =
+        function_.computes(Quantity::mass_matrix_factor) ? output(Quantity::mass_matrix_factor) : room(ir::own_factor, nv, nv);
     if (algorithm_.guard) return upper;
     const int longest = ir::most_above(ir::coordinate_tree(tree_)) + 1;
     const int unscaled = room("unscaled_factor", factor_stride(longest), nv);
     algorithm_.guard = ir::Guard{room("pivots", nv, 1), room("diagonal", nv, 1), {}};
     // Before what solves.
-    algorithm_.steps.insert(algorithm_.steps.begin(), {ir::MatrixStep::Kind::factor, own_mass, algorithm_.guard->pivots, upper, unscaled});
+    algorithm_.steps.insert(algorithm_.steps.begin(),
+                            {ir::MatrixStep::Kind::factor, own_mass, algorithm_.guard->pivots, upper, unscaled});
     return upper;
   }
   void guard(int to) { algorithm_.guard->arrays.push_back(to); }

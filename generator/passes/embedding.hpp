@@ -8,7 +8,7 @@
 namespace dalembert::passes {
 
 struct EmbeddedFunction {
-  ir::Algorithm algorithm;       // of the function that users call
+  ir::Algorithm algorithm;        // of the function that users call
   ir::EmittedFunction of_opened;  // what it calls
 };
 

@@ -39,8 +39,8 @@ std::vector<Eigen::MatrixXd> evaluate(const ir::KinematicTree& tree, const ir::S
 double mass_condition(const ir::KinematicTree& tree, const ir::Scene& scene, const Inputs& inputs);
 
 // By how much rounding may be magnified in what is wanted: of what is solved for with M its condition, of what keeps to
-// constraints that times the condition of the rows; where loops are embedded, by at least what their dependent joints are solved
-// by; else zero.
+// constraints that times the condition of the rows; where loops are embedded, by at least what their dependent joints are
+// solved by; else zero.
 double condition(const Wanted& wanted, const ir::KinematicTree& tree, const ir::Scene& scene, const Inputs& inputs);
 
 // What a quantity's elements are to be measured against at least. Where a robot makes a quantity vanish (C of a turntable,

@@ -293,9 +293,9 @@ class Evaluation {
 };
 
 // Where loops are embedded: what the tree without them comes to, for the independent coordinates. With J of the loops as rows
-// (generic/constraints.hpp), J_d and J_y its dependent and independent columns: T = [1; -J_d^-1 J_y]; T' column by column from J
-// T e = 0, whose second derivative along v and e is symmetric in the two where both keep to the loops, so that differences of J'v
-// give it. Nothing of dalembert/linkage.hpp is used.
+// (generic/constraints.hpp), J_d and J_y its dependent and independent columns: T = [1; -J_d^-1 J_y]; T' column by column from
+// J T e = 0, whose second derivative along v and e is symmetric in the two where both keep to the loops, so that differences of
+// J'v give it. Nothing of dalembert/linkage.hpp is used.
 template <class S>
 class EmbeddedEvaluation {
  public:
@@ -309,7 +309,8 @@ class EmbeddedEvaluation {
     if (scene_.rates_zero) y_.setZero();
     find_motion();
     std::vector<Wanted> all = wanted;
-    for (const ir::Quantity quantity : {ir::Quantity::mass_matrix, ir::Quantity::momentum_matrix}) all.push_back({quantity, ""});
+    for (const ir::Quantity quantity : {ir::Quantity::mass_matrix, ir::Quantity::momentum_matrix})
+      all.push_back({quantity, ""});
     const VectorX<S> acceleration = more_.size() == y_.size() ? VectorX<S>(T_ * more_ + turning_) : turning_;
     at_rest_.emplace(opened_, scene_, all, q_, VectorX<S>(T_ * y_), turning_, wrenches_);
     accelerated_.emplace(opened_, scene_, all, q_, VectorX<S>(T_ * y_), acceleration, wrenches_);
@@ -330,8 +331,7 @@ class EmbeddedEvaluation {
       case Quantity::regressor: return T_.transpose() * accelerated_->result(wanted);
       case Quantity::center_of_mass_jacobian:
       case Quantity::momentum_matrix: return whole(*wanted.quantity) * T_;
-      case Quantity::center_of_mass_bias:
-        return whole(*wanted.quantity) + whole(Quantity::center_of_mass_jacobian) * turning_;
+      case Quantity::center_of_mass_bias: return whole(*wanted.quantity) + whole(Quantity::center_of_mass_jacobian) * turning_;
       case Quantity::momentum_bias: return whole(*wanted.quantity) + whole(Quantity::momentum_matrix) * turning_;
       case Quantity::forward_dynamics:
       case Quantity::inverse_mass_matrix:
@@ -356,8 +356,7 @@ class EmbeddedEvaluation {
     std::vector<int> dependent;
     for (const ir::Linkage& linkage : tree_.linkages)
       for (const int k : linkage.dependent)
-        dependent.push_back(opened_.nv() - opened_.independent_joints() +
-                            opened_.coordinates()[static_cast<std::size_t>(k)]);
+        dependent.push_back(opened_.nv() - opened_.independent_joints() + opened_.coordinates()[static_cast<std::size_t>(k)]);
     MatrixX<S> own(J.rows(), static_cast<Eigen::Index>(dependent.size())), others(J.rows(), n);
     for (std::size_t i = 0; i < dependent.size(); ++i) own.col(static_cast<Eigen::Index>(i)) = J.col(dependent[i]);
     for (Eigen::Index i = 0; i < n; ++i) others.col(i) = J.col(list.at[static_cast<std::size_t>(i)]);

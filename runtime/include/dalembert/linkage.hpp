@@ -1,8 +1,8 @@
 // Local linkages whose loops are embedded: some of their joints, the dependent ones, follow others, the independent ones, and
 // dynamics are those of the independent coordinates y (Jain 2012; Chignoli et al. 2023).
 //
-// Rows J of loops are those of the scene's loops as rows (docs/scene.md): of the second link against the first, along the axes of
-// the frame on the first, at the point of the second. They read the joints between the two links alone. Where J v = 0,
+// Rows J of loops are those of the scene's loops as rows (docs/scene.md): of the second link against the first, along the axes
+// of the frame on the first, at the point of the second. They read the joints between the two links alone. Where J v = 0,
 //   v_d = G y', G = -J_d^-1 J_y,    v_d' = G y'' + G' y', G' = -J_d^-1 (J_y' + J_d' G),
 // and T = [1; G], G' of all linkages make M, C, forces and Jacobians of the tree those of y: T'M T, T'(C T + M T'), T'f, J T.
 //
@@ -40,11 +40,11 @@ struct LinkedJoint {
 // What a loop holds: bits of axes of the frame on its first link, or a distance.
 template <class T>
 struct LinkedLoop {
-  int begin[3];           // joints towards the first link, those towards the second, and where these end
-  T rotation[2][9];       // frames, on the last body each, or on what both hang on
+  int begin[3];      // joints towards the first link, those towards the second, and where these end
+  T rotation[2][9];  // frames, on the last body each, or on what both hang on
   T translation[2][3];
-  int linear, angular;    // bits of x y z
-  T length;               // of a distance, else zero
+  int linear, angular;  // bits of x y z
+  T length;             // of a distance, else zero
 };
 
 // Loops that share dependent joints. Joints that move it are columns.
@@ -53,9 +53,9 @@ struct Linkage {
   const LinkedLoop<T>* loops;
   int loop_count;
   const LinkedJoint<T>* joints;
-  int dependent, independent;       // how many; rows are as many as dependent joints
-  const int* dependent_positions;   // in q
-  const int* dependent_coordinates;  // among those of all joints
+  int dependent, independent;          // how many; rows are as many as dependent joints
+  const int* dependent_positions;      // in q
+  const int* dependent_coordinates;    // among those of all joints
   const int* independent_coordinates;  // in v
 };
 
@@ -64,7 +64,7 @@ struct Follower {
   int coordinate, follows;
 };
 
-namespace detail {
+namespace linkage_detail {
 
 template <class T>
 struct Three {
@@ -111,8 +111,7 @@ struct Place {
   void turn(const T* by) {
     T turned[9];
     for (int i = 0; i < 3; ++i)
-      for (int k = 0; k < 3; ++k)
-        turned[3 * i + k] = R[3 * i] * by[k] + R[3 * i + 1] * by[3 + k] + R[3 * i + 2] * by[6 + k];
+      for (int k = 0; k < 3; ++k) turned[3 * i + k] = R[3 * i] * by[k] + R[3 * i + 1] * by[3 + k] + R[3 * i + 2] * by[6 + k];
     for (int i = 0; i < 9; ++i) R[i] = turned[i];
   }
   // To a frame that is fixed in this one.
@@ -124,10 +123,33 @@ struct Place {
   }
 };
 
-// A joint on its way: its axis, the point it turns about, and how they move.
+// A joint on its way: what it does per unit of its coordinate, the point it turns about, and how they move.
 template <class T>
 struct MovingAxis {
-  Three<T> axis, turning, sliding, origin, velocity, turning_rate, sliding_rate;
+  Three<T> turning, sliding, origin, velocity, turning_rate, sliding_rate;
+};
+
+// Of each column of a linkage: where the joint is.
+template <int most_dependent, int most_independent, class T>
+struct LinkagePositions {
+  T value[most_dependent + most_independent], sine[most_dependent + most_independent],
+      cosine[most_dependent + most_independent];
+
+  LinkagePositions(const Linkage<T>& linkage, const T* q) {
+    using std::cos;
+    using std::sin;
+    bool found[most_dependent + most_independent] = {};
+    const int end = linkage.loops[linkage.loop_count - 1].begin[2];
+    for (int k = 0; k < end; ++k) {
+      const LinkedJoint<T>& joint = linkage.joints[k];
+      if (found[joint.column]) continue;  // by another loop
+      found[joint.column] = true;
+      const T angle = value[joint.column] = q[joint.position];
+      if (joint.turns == T(0)) continue;
+      sine[joint.column] = sin(angle);
+      cosine[joint.column] = cos(angle);
+    }
+  }
 };
 
 // Rows of one linkage: how far each is from closed, J and J', dependent columns first; as many rows as dependent joints.
@@ -135,26 +157,22 @@ struct MovingAxis {
 template <int most_dependent, int most_independent, class T>
 struct LinkageRows {
   static constexpr int columns = most_dependent + most_independent;
+  using Positions = LinkagePositions<most_dependent, most_independent, T>;
   T error[most_dependent], jacobian[most_dependent][columns], rate[most_dependent][columns];
 
-  LinkageRows(const Linkage<T>& linkage, const T* q, const T* rates) {
-    using std::cos;
-    using std::sin;
+  LinkageRows(const Linkage<T>& linkage, const Positions& positions, const T* rates) {
     int row = 0;
     for (int l = 0; l < linkage.loop_count; ++l) {
       const LinkedLoop<T>& loop = linkage.loops[l];
-      const int end = row + rows_of(loop);
+      const int end = row + rows_of(loop), first = loop.begin[0];
       for (int r = row; r < end; ++r)
         for (int c = 0; c < linkage.dependent + linkage.independent; ++c) jacobian[r][c] = rate[r][c] = T(0);
-      // Twice along both ways: a joint's share of the rows needs where the ends are.
-      Place<T> ends[2];
-      for (int side = 0; side < 2; ++side)
-        ends[side] = walk(linkage, loop, side, q, rates, [](const LinkedJoint<T>&, const MovingAxis<T>&) {});
+      MovingAxis<T> axes[columns];  // a loop has no joint twice
+      const Place<T> ends[2] = {walk(linkage, loop, 0, positions, rates, axes), walk(linkage, loop, 1, positions, rates, axes)};
       fill_errors(loop, ends, row);
       for (int side = 0; side < 2; ++side)
-        walk(linkage, loop, side, q, rates, [&](const LinkedJoint<T>& joint, const MovingAxis<T>& moving) {
-          add(loop, ends, side, joint.column, moving, row);
-        });
+        for (int k = loop.begin[side]; k < loop.begin[side + 1]; ++k)
+          add(loop, ends, side, linkage.joints[k].column, axes[k - first], rates != nullptr, row);
       row = end;
     }
   }
@@ -167,27 +185,22 @@ struct LinkageRows {
   }
 
  private:
-  template <class Each>
-  static Place<T> walk(const Linkage<T>& linkage, const LinkedLoop<T>& loop, int side, const T* q, const T* rates,
-                       const Each& each) {
-    using std::cos;
-    using std::sin;
+  static Place<T> walk(const Linkage<T>& linkage, const LinkedLoop<T>& loop, int side, const Positions& positions,
+                       const T* rates, MovingAxis<T>* axes) {
     Place<T> at{{T(1), T(0), T(0), T(0), T(1), T(0), T(0), T(0), T(1)}, {}, {}, {}};
     for (int i = 0; i < 3; ++i) at.x[i] = at.velocity[i] = at.spin[i] = T(0);
     for (int k = loop.begin[side]; k < loop.begin[side + 1]; ++k) {
       const LinkedJoint<T>& joint = linkage.joints[k];
       at.shift(joint.rotation, joint.translation);
-      const T angle = q[joint.position];
-      MovingAxis<T> moving;
-      moving.axis = at.along(joint.axis);
-      moving.turning = times(joint.turns, moving.axis);
-      moving.sliding = times(joint.slides, moving.axis);
+      MovingAxis<T>& moving = axes[k - loop.begin[0]];
+      const Three<T> axis = at.along(joint.axis);
+      moving.turning = times(joint.turns, axis);
+      moving.sliding = times(joint.slides, axis);
       moving.turning_rate = crossed(at.spin, moving.turning);
       moving.sliding_rate = crossed(at.spin, moving.sliding);
       moving.origin = at.x;
       moving.velocity = at.velocity;
-      each(joint, moving);
-      const Three<T> arm = times(angle, moving.sliding);
+      const Three<T> arm = times(positions.value[joint.column], moving.sliding);
       at.x = plus(at.x, arm);
       at.velocity = plus(at.velocity, crossed(at.spin, arm));
       if (rates) {
@@ -196,10 +209,11 @@ struct LinkageRows {
         at.spin = plus(at.spin, times(speed, moving.turning));
       }
       if (joint.turns != T(0)) {
-        const T s = sin(angle), c = cos(angle), v = T(1) - c;
-        const T *a = joint.axis, turned[9] = {c + v * a[0] * a[0],        v * a[0] * a[1] - s * a[2], v * a[0] * a[2] + s * a[1],
-                                              v * a[0] * a[1] + s * a[2], c + v * a[1] * a[1],        v * a[1] * a[2] - s * a[0],
-                                              v * a[0] * a[2] - s * a[1], v * a[1] * a[2] + s * a[0], c + v * a[2] * a[2]};
+        const T s = positions.sine[joint.column], c = positions.cosine[joint.column], v = T(1) - c;
+        const T *a = joint.axis,
+                turned[9] = {c + v * a[0] * a[0],        v * a[0] * a[1] - s * a[2], v * a[0] * a[2] + s * a[1],
+                             v * a[0] * a[1] + s * a[2], c + v * a[1] * a[1],        v * a[1] * a[2] - s * a[0],
+                             v * a[0] * a[2] - s * a[1], v * a[1] * a[2] + s * a[0], c + v * a[2] * a[2]};
         at.turn(turned);
       }
     }
@@ -225,29 +239,34 @@ struct LinkageRows {
       if ((loop.angular >> i) & 1) error[row++] = dotted(ends[0].column(i), turned);
   }
 
-  void add(const LinkedLoop<T>& loop, const Place<T>* ends, int side, int column, const MovingAxis<T>& joint, int row) {
+  void add(const LinkedLoop<T>& loop, const Place<T>* ends, int side, int column, const MovingAxis<T>& joint, bool moves,
+           int row) {
     const T sign = side == 1 ? T(1) : T(-1);
     // Of the rows' point, moved with this joint: the second link's, and of a distance each link's own.
     const bool distance = loop.length > T(0);
     const Place<T>& point = ends[distance ? side : 1];
     const Three<T> arm = minus(point.x, joint.origin);
     const Three<T> moved = times(sign, plus(crossed(joint.turning, arm), joint.sliding));
-    const Three<T> moved_rate =
-        times(sign, plus(plus(crossed(joint.turning_rate, arm), crossed(joint.turning, minus(point.velocity, joint.velocity))),
-                         joint.sliding_rate));
+    Three<T> moved_rate{};
+    if (moves)
+      moved_rate = times(
+          sign, plus(plus(crossed(joint.turning_rate, arm), crossed(joint.turning, minus(point.velocity, joint.velocity))),
+                     joint.sliding_rate));
     if (distance) {
       const Three<T> between = minus(ends[1].x, ends[0].x), opening = minus(ends[1].velocity, ends[0].velocity);
       jacobian[row][column] += dotted(between, moved) / loop.length;
-      rate[row][column] += (dotted(opening, moved) + dotted(between, moved_rate)) / loop.length;
+      if (moves) rate[row][column] += (dotted(opening, moved) + dotted(between, moved_rate)) / loop.length;
       return;
     }
     const Three<T> turned = times(sign, joint.turning), turned_rate = times(sign, joint.turning_rate);
     for (int kind = 0; kind < 2; ++kind)
       for (int i = 0; i < 3; ++i) {
         if (!(((kind == 0 ? loop.linear : loop.angular) >> i) & 1)) continue;
-        const Three<T> axis = ends[0].column(i), axis_rate = crossed(ends[0].spin, axis);
+        const Three<T> axis = ends[0].column(i);
         jacobian[row][column] += dotted(axis, kind == 0 ? moved : turned);
-        rate[row][column] += dotted(axis_rate, kind == 0 ? moved : turned) + dotted(axis, kind == 0 ? moved_rate : turned_rate);
+        if (moves)
+          rate[row][column] += dotted(crossed(ends[0].spin, axis), kind == 0 ? moved : turned) +
+                               dotted(axis, kind == 0 ? moved_rate : turned_rate);
         ++row;
       }
   }
@@ -303,7 +322,7 @@ template <class T>
 void take(LinkageStatus<T>& status, int number, const T& error, const T& pivot) {
   if (!(error <= status.error)) status.error = error;
   if (!(pivot >= status.least_pivot)) status.least_pivot = pivot;
-  if (!(pivot > least_linkage_pivot<T>) && status.linkage < 0) status.linkage = number;
+  if (!(pivot > least_linkage_pivot<T>)&&status.linkage < 0) status.linkage = number;
 }
 
 template <int most_dependent, int most_independent, class T>
@@ -314,24 +333,25 @@ T largest_error(const Linkage<T>& linkage, const LinkageRows<most_dependent, mos
   return most;
 }
 
-}  // namespace detail
+}  // namespace linkage_detail
 
-// G and G' of the linkage of this number, row by row; y: rates of the independent coordinates, as v has them; null: at rest, and
-// G' is not filled. most_dependent, most_independent: at least as many as the linkage has.
+// G and G' of the linkage of this number, row by row; y: rates of the independent coordinates, as v has them; null: at rest,
+// and G' is not filled. most_dependent, most_independent: at least as many as the linkage has.
 template <int most_dependent, int most_independent, class T>
 void follow(const Linkage<T>& linkage, int number, const T* q, const T* v, T* G, T* G_rate, LinkageStatus<T>& status) noexcept {
-  using Rows = detail::LinkageRows<most_dependent, most_independent, T>;
+  using Rows = linkage_detail::LinkageRows<most_dependent, most_independent, T>;
   const int d = linkage.dependent, y = linkage.independent;
   T A[most_dependent][most_dependent], B[most_dependent][most_independent];
   const auto solve = [&](const Rows& rows) {
     for (int r = 0; r < d; ++r)
       for (int c = 0; c < d; ++c) A[r][c] = rows.jacobian[r][c];
-    return detail::eliminate<most_dependent, most_independent, T>(d, y, A, B);
+    return linkage_detail::eliminate<most_dependent, most_independent, T>(d, y, A, B);
   };
-  const Rows still(linkage, q, static_cast<const T*>(nullptr));
+  const typename Rows::Positions positions(linkage, q);
+  const Rows still(linkage, positions, nullptr);
   for (int r = 0; r < d; ++r)
     for (int c = 0; c < y; ++c) B[r][c] = -still.jacobian[r][d + c];
-  detail::take(status, number, detail::largest_error(linkage, still), solve(still));
+  linkage_detail::take(status, number, linkage_detail::largest_error(linkage, still), solve(still));
   T rates[most_dependent + most_independent];
   for (int r = 0; r < d; ++r) {
     rates[r] = T(0);
@@ -342,7 +362,7 @@ void follow(const Linkage<T>& linkage, int number, const T* q, const T* v, T* G,
   }
   if (!v) return;
   for (int c = 0; c < y; ++c) rates[d + c] = v[linkage.independent_coordinates[c]];
-  const Rows moving(linkage, q, rates);
+  const Rows moving(linkage, positions, rates);
   for (int r = 0; r < d; ++r)
     for (int c = 0; c < y; ++c) {
       B[r][c] = -moving.rate[r][d + c];
@@ -353,28 +373,28 @@ void follow(const Linkage<T>& linkage, int number, const T* q, const T* v, T* G,
     for (int c = 0; c < y; ++c) G_rate[r * y + c] = B[r][c];
 }
 
-// Positions of dependent joints, so that loops are closed: `steps` of Newton's from where they are in q, none larger than half a
-// radian or metre. At a toggle point they stay where they are.
+// Positions of dependent joints, so that loops are closed: `steps` of Newton's from where they are in q, none larger than half
+// a radian or metre. At a toggle point they stay where they are.
 template <int most_dependent, int most_independent, class T>
 void close_linkage(const Linkage<T>& linkage, int number, int steps, T* q, LinkageStatus<T>& status) noexcept {
-  using Rows = detail::LinkageRows<most_dependent, most_independent, T>;
+  using Rows = linkage_detail::LinkageRows<most_dependent, most_independent, T>;
   T pivot = T(1);
   for (int step = 0; step < steps; ++step) {
-    const Rows rows(linkage, q, static_cast<const T*>(nullptr));
+    const Rows rows(linkage, typename Rows::Positions(linkage, q), nullptr);
     T A[most_dependent][most_dependent], move[most_dependent][1];
     for (int r = 0; r < linkage.dependent; ++r) {
       for (int c = 0; c < linkage.dependent; ++c) A[r][c] = rows.jacobian[r][c];
       move[r][0] = -rows.error[r];
     }
-    pivot = detail::eliminate<most_dependent, 1, T>(linkage.dependent, 1, A, move);
+    pivot = linkage_detail::eliminate<most_dependent, 1, T>(linkage.dependent, 1, A, move);
     T largest = T(0);
     for (int r = 0; r < linkage.dependent; ++r)
-      largest = largest < detail::size_of(move[r][0]) ? detail::size_of(move[r][0]) : largest;
+      largest = largest < linkage_detail::size_of(move[r][0]) ? linkage_detail::size_of(move[r][0]) : largest;
     const T part = largest > T(0.5) ? T(T(0.5) / largest) : T(1);
     for (int r = 0; r < linkage.dependent; ++r) q[linkage.dependent_positions[r]] += part * move[r][0];
   }
-  const Rows rows(linkage, q, static_cast<const T*>(nullptr));
-  detail::take(status, number, detail::largest_error(linkage, rows), pivot);
+  const Rows rows(linkage, typename Rows::Positions(linkage, q), nullptr);
+  linkage_detail::take(status, number, linkage_detail::largest_error(linkage, rows), pivot);
 }
 
 // What follows is with T as a list of its elements: `at`, per coordinate of v which it is among all of the tree; `followers`,
@@ -427,7 +447,8 @@ void project_rows(const int* at, const Follower* followers, const T* G, const T*
   }
 }
 
-// to = from + J a, of `rows` rows, a being what dependent joints are accelerated by at y'' = 0: nothing else's columns are read.
+// to = from + J a, of `rows` rows, a being what dependent joints are accelerated by at y'' = 0: nothing else's columns are
+// read.
 template <int rows, int count, class T>
 void add_bias(const Follower* followers, const T* G_rate, const T* v, const T* J, const T* from, T* to) noexcept {
   for (int r = 0; r < rows; ++r) to[r] = from[r];

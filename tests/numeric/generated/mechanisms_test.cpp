@@ -7,13 +7,17 @@
 #include <cmath>
 
 #include "andrews/dynamics.hpp"
+#include "ankle/dynamics.hpp"
 #include "bricard/dynamics.hpp"
 #include "four_bars/dynamics.hpp"
 #include "heap_count.hpp"
 #include "slider_crank/c_api.h"
 #include "slider_crank/dynamics.hpp"
+#include "slider_crank_embedded/c_api.h"
+#include "slider_crank_embedded/dynamics.hpp"
 
 struct slider_crank_workspace : slider_crank::Workspace {};  // as in c_api.cpp
+struct slider_crank_embedded_workspace : slider_crank_embedded::Workspace {};
 
 namespace {
 
@@ -293,6 +297,101 @@ TEST(SliderCrank, HasNumbersAtItsDeadPoints) {
     EXPECT_TRUE(Vector(slider_crank::constraint_forces(robot.w)).allFinite());
     EXPECT_EQ(robot.w.forward_dynamics_constraint_status.rank, 2);
   }
+}
+
+// Its pin embedded: the crank alone is left.
+TEST(SliderCrankEmbedded, MovesAsItsRowsDo) {
+  namespace one = slider_crank_embedded;
+  static_assert(one::nq == 3 && one::nv == 1 && one::joints == 1);
+  slider_crank_embedded_workspace w;
+  for (const double crank : {0.3, 1.2, 2.8, -1.9}) {
+    SliderCrank rows(crank);
+    one::VectorQ q = rows.q;
+    q[1] += 0.05, q[2] -= 0.03;
+    const auto status = one::close_loops(q);
+    EXPECT_TRUE(status.ok());
+    EXPECT_LT(status.error, 1e-15);
+    EXPECT_GT(status.least_pivot, 0.1);
+    EXPECT_LT(largest(q - rows.q), 1e-14);
+    const one::VectorV v = one::VectorV::Constant(rows.v[0]), tau = one::VectorV::Constant(2.3);
+    const std::uint64_t allocations = dalembert::testing::heap_allocations();
+    slider_crank_embedded_forward_dynamics(q.data(), v.data(), tau.data(), &w);
+    slider_crank_embedded_evaluate(q.data(), v.data(), &w);
+    EXPECT_EQ(dalembert::testing::heap_allocations(), allocations);
+    const double a = one::forward_dynamics(w)[0], expected = rows.forward(Vector(Eigen::Vector3d(2.3, 0, 0)))[0];
+    EXPECT_NEAR(a, expected, 1e-10 * std::abs(expected));
+    EXPECT_NEAR(one::mass_matrix(w)(0, 0) * a + one::bias(w)[0], 2.3, 1e-12);
+    slider_crank::evaluate(rows.q.data(), rows.v.data(), rows.w);
+    EXPECT_NEAR(one::kinetic_energy(w)(0, 0), slider_crank::kinetic_energy(rows.w)(0, 0), 1e-13);
+  }
+}
+
+// Energy over ten seconds: the crank is integrated, the rest follows.
+TEST(SliderCrankEmbedded, KeepsItsEnergy) {
+  namespace one = slider_crank_embedded;
+  one::Workspace w;
+  one::VectorQ q = SliderCrank(0.4).q;
+  double y = q[0], rate = 15;
+  const auto acceleration = [&](double at, double speed) {
+    q[0] = at;
+    EXPECT_LT(one::close_loops(q.data()).error, 1e-13);
+    const double tau = 0;
+    one::forward_dynamics(q.data(), &speed, &tau, w);
+    return w.forward_dynamics[0];
+  };
+  const auto energy = [&] {
+    q[0] = y;
+    one::close_loops(q);
+    one::evaluate(q.data(), &rate, w);
+    return w.kinetic_energy[0] + w.potential_energy[0];
+  };
+  const double before = energy(), h = 1e-3;
+  for (int i = 0; i < 10000; ++i) {
+    const double a1 = acceleration(y, rate), a2 = acceleration(y + h / 2 * rate, rate + h / 2 * a1),
+                 a3 = acceleration(y + h / 2 * rate + h * h / 4 * a1, rate + h / 2 * a2),
+                 a4 = acceleration(y + h * rate + h * h / 2 * a2, rate + h * a3);
+    y += h * rate + h * h / 6 * (a1 + a2 + a3);
+    rate += h / 6 * (a1 + 2 * a2 + 2 * a3 + a4);
+  }
+  EXPECT_GT(y, 10);  // it went round
+  EXPECT_NEAR(energy(), before, 1e-7 * before);
+}
+
+// A rod across the slider's way does not tell where it goes.
+TEST(SliderCrankEmbedded, SaysWhereItCannotFollow) {
+  namespace one = slider_crank_embedded;
+  one::Workspace w;
+  const one::VectorV v = one::VectorV::Constant(0.5), tau = one::VectorV::Constant(1);
+  one::VectorQ q = SliderCrank(0.4).q;
+  one::forward_dynamics(q, v, tau, w);
+  EXPECT_TRUE(w.forward_dynamics_linkage_status.ok());
+  EXPECT_NE(one::forward_dynamics(w)[0], 0);
+  q << 0.3, 1.5707963267948966 - 0.3, 0.2;
+  one::forward_dynamics(q, v, tau, w);
+  EXPECT_EQ(w.forward_dynamics_linkage_status.linkage, 0);
+  EXPECT_LT(w.forward_dynamics_linkage_status.least_pivot, 1e-8);
+  EXPECT_EQ(one::forward_dynamics(w)[0], 0);
+  one::evaluate(q, v, w);
+  EXPECT_EQ(one::mass_matrix(w)(0, 0), 0);
+  const one::VectorQ before = q;
+  EXPECT_EQ(one::close_loops(q).linkage, 0);
+  EXPECT_EQ(q, before);
+  double error = 0, pivot = 1;
+  EXPECT_EQ(slider_crank_embedded_close_loops(q.data(), &error, &pivot), 0);
+  EXPECT_GT(error, 0.1);
+}
+
+TEST(AnkleEmbedded, FollowsItsCranks) {
+  ankle::Workspace w;
+  ankle::VectorQ q = ankle::VectorQ::Zero();
+  EXPECT_LT(ankle::close_loops(q).error, 1e-15);
+  const ankle::VectorV v = ankle::VectorV::Constant(0.5), tau = ankle::VectorV::Constant(1);
+  ankle::forward_dynamics(q, v, tau, w);
+  EXPECT_TRUE(w.forward_dynamics_linkage_status.ok());
+  const Vector a = ankle::forward_dynamics(w);
+  EXPECT_GT(largest(a), 0.1);
+  ankle::inverse_dynamics(q, v, ankle::VectorV(a), w);
+  EXPECT_LT(largest(Vector(ankle::inverse_dynamics(w)) - Vector(tau)), 1e-12);
 }
 
 }  // namespace
