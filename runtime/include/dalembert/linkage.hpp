@@ -17,7 +17,7 @@ namespace dalembert {
 template <class T>
 struct LinkageStatus {
   T error = T(0);        // the largest that loops are from closed, m or rad
-  T least_pivot = T(1);  // of J_d, in terms of the largest element of its row: near zero where there is a toggle point
+  T least_pivot = T(1);  // of J_d, in terms of the largest element of its row of J: near zero where there is a toggle point
   int linkage = -1;      // the first at a toggle point, counted from 0; -1: none is
   constexpr bool ok() const noexcept { return linkage < 0; }
 };
@@ -177,6 +177,20 @@ struct LinkageRows {
     }
   }
 
+  // Of each row the largest element, those of independent joints too: dependent ones may not move it at all. Where no joint
+  // moves it its elements are rounding, and it counts as a thousandth of the largest.
+  void size_rows(const Linkage<T>& linkage, T (&scale)[most_dependent]) const {
+    constexpr T least = T(1e-3);
+    T largest = T(0);
+    for (int r = 0; r < linkage.dependent; ++r) {
+      scale[r] = T(0);
+      for (int c = 0; c < linkage.dependent + linkage.independent; ++c)
+        scale[r] = scale[r] < size_of(jacobian[r][c]) ? size_of(jacobian[r][c]) : scale[r];
+      largest = largest < scale[r] ? scale[r] : largest;
+    }
+    for (int r = 0; r < linkage.dependent; ++r) scale[r] = scale[r] < least * largest ? T(least * largest) : scale[r];
+  }
+
   static int rows_of(const LinkedLoop<T>& loop) {
     if (loop.length > T(0)) return 1;
     int count = 0;
@@ -272,15 +286,11 @@ struct LinkageRows {
   }
 };
 
-// B becomes A^-1 B: n rows, `columns` of B. Returns the least pivot in terms of the largest element of its row. Below the least
-// that is allowed B is zero.
+// B becomes A^-1 B: n rows, `columns` of B. scale: how large rows are, which is spoiled. Returns the least pivot in terms of
+// it. Below the least that is allowed B is zero.
 template <int most, int most_columns, class T>
-T eliminate(int n, int columns, T (&A)[most][most], T (&B)[most][most_columns]) {
-  T scale[most], least = T(1);
-  for (int r = 0; r < n; ++r) {
-    scale[r] = T(0);
-    for (int c = 0; c < n; ++c) scale[r] = scale[r] < size_of(A[r][c]) ? size_of(A[r][c]) : scale[r];
-  }
+T eliminate(int n, int columns, T (&A)[most][most], T (&B)[most][most_columns], T (&scale)[most]) {
+  T least = T(1);
   for (int k = 0; k < n; ++k) {
     int best = k;
     T most_of_row = T(-1);
@@ -341,11 +351,12 @@ template <int most_dependent, int most_independent, class T>
 void follow(const Linkage<T>& linkage, int number, const T* q, const T* v, T* G, T* G_rate, LinkageStatus<T>& status) noexcept {
   using Rows = linkage_detail::LinkageRows<most_dependent, most_independent, T>;
   const int d = linkage.dependent, y = linkage.independent;
-  T A[most_dependent][most_dependent], B[most_dependent][most_independent];
+  T A[most_dependent][most_dependent], B[most_dependent][most_independent], scale[most_dependent];
   const auto solve = [&](const Rows& rows) {
     for (int r = 0; r < d; ++r)
       for (int c = 0; c < d; ++c) A[r][c] = rows.jacobian[r][c];
-    return linkage_detail::eliminate<most_dependent, most_independent, T>(d, y, A, B);
+    rows.size_rows(linkage, scale);
+    return linkage_detail::eliminate<most_dependent, most_independent, T>(d, y, A, B, scale);
   };
   const typename Rows::Positions positions(linkage, q);
   const Rows still(linkage, positions, nullptr);
@@ -381,12 +392,13 @@ void close_linkage(const Linkage<T>& linkage, int number, int steps, T* q, Linka
   T pivot = T(1);
   for (int step = 0; step < steps; ++step) {
     const Rows rows(linkage, typename Rows::Positions(linkage, q), nullptr);
-    T A[most_dependent][most_dependent], move[most_dependent][1];
+    T A[most_dependent][most_dependent], move[most_dependent][1], scale[most_dependent];
+    rows.size_rows(linkage, scale);
     for (int r = 0; r < linkage.dependent; ++r) {
       for (int c = 0; c < linkage.dependent; ++c) A[r][c] = rows.jacobian[r][c];
       move[r][0] = -rows.error[r];
     }
-    pivot = linkage_detail::eliminate<most_dependent, 1, T>(linkage.dependent, 1, A, move);
+    pivot = linkage_detail::eliminate<most_dependent, 1, T>(linkage.dependent, 1, A, move, scale);
     T largest = T(0);
     for (int r = 0; r < linkage.dependent; ++r)
       largest = largest < linkage_detail::size_of(move[r][0]) ? linkage_detail::size_of(move[r][0]) : largest;
