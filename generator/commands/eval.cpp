@@ -65,6 +65,15 @@ std::string json_rows(const Eigen::MatrixXd& matrix) {
   return "[" + text + "]";
 }
 
+// Dynamics with embedded loops mean something where these are closed.
+void warn_of_open_loops(const ir::KinematicTree& tree, const std::string& place, const State& state, Diagnostics& warnings) {
+  constexpr double noticeable = 1e-6;  // m, rad
+  Eigen::VectorXd q = state.q;
+  if (const double open = ir::close_loops(tree, 0, q).error; open > noticeable)
+    warnings.push_back({Severity::warning, place, state.place, fmt::format("embedded loops are open by {:.3g}", open),
+                        "give positions of dependent joints at which they are closed: generated code's close_loops() finds them"});
+}
+
 }  // namespace
 
 std::string evaluate(const Model& model, const std::string& state_file, const std::string& output, Engine engine, Style style,
@@ -97,6 +106,7 @@ std::string evaluate(const Model& model, const std::string& state_file, const st
     } else {
       result = evaluate_generic(model, wanted, state);
     }
+    warn_of_open_loops(model.tree, place, state, warnings);
     check_finite_inputs(model, wanted, place, state, result.allFinite());
     if (!result.allFinite())
       warnings.push_back({Severity::warning, place, state.place, fmt::format("{} is not finite at this state", output),
