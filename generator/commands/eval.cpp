@@ -70,8 +70,9 @@ void warn_of_open_loops(const ir::KinematicTree& tree, const std::string& place,
   constexpr double noticeable = 1e-6;  // m, rad
   Eigen::VectorXd q = state.q;
   if (const double open = ir::close_loops(tree, 0, q).error; open > noticeable)
-    warnings.push_back({Severity::warning, place, state.place, fmt::format("embedded loops are open by {:.3g}", open),
-                        "give positions of dependent joints at which they are closed: generated code's close_loops() finds them"});
+    warnings.push_back(
+        {Severity::warning, place, state.place, fmt::format("embedded loops are open by {:.3g}", open),
+         "give positions of dependent joints at which they are closed: generated code's close_loops() finds them"});
 }
 
 }  // namespace
