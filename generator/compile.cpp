@@ -27,8 +27,15 @@ std::string hash_of_file(const std::string& path) {
 backend::Folder folder(const Model& model, const Lowered& lowered) {
   backend::Folder folder;
   const auto input = [&](const LoweredFunction& f) {
-    return backend::CodeInput{f.part ? f.part->tree : model.tree, f.part ? f.part->normal : lowered.normal, model.scene,
-                              f.algorithm, f.program, f.plan, f.rolled, model.name, &model.tree};
+    return backend::CodeInput{f.part ? f.part->tree : model.tree,
+                              f.part ? f.part->normal : lowered.normal,
+                              model.scene,
+                              f.algorithm,
+                              f.program,
+                              f.plan,
+                              f.rolled,
+                              model.name,
+                              &model.tree};
   };
   for (const LoweredFunction& f : lowered.functions) {
     folder.functions.push_back(input(f));

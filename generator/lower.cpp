@@ -168,9 +168,9 @@ class Lowering {
             f.program.order = passes::schedule(f.program.graph, f.program.roots(), f.plan.order);
         }
         for (size_t width = 0; width < backend::register_widths.size(); ++width)
-          way.candidate.nanoseconds[width] +=
-              backend::estimate({tree_, normal_, model_.scene, f.algorithm, f.program, f.plan, f.rolled, model_.name, &model_.tree},
-                                backend::register_widths[width]);
+          way.candidate.nanoseconds[width] += backend::estimate(
+              {tree_, normal_, model_.scene, f.algorithm, f.program, f.plan, f.rolled, model_.name, &model_.tree},
+              backend::register_widths[width]);
       }
       ways.push_back(std::move(way));
     }

@@ -180,8 +180,7 @@ std::string result_words(const Folder& folder, const ir::OutputArray& array) {
     }
     for (const ir::LinkOutput& output : function.of_links) {
       const ir::LinkQuantityRow& row = ir::row_of(output.quantity);
-      if (output.part && function.result(output) == array.name)
-        return words_of_part(row, ir::help_of(output), *output.part);
+      if (output.part && function.result(output) == array.name) return words_of_part(row, ir::help_of(output), *output.part);
       if (function.result(output) == array.name)
         return words(row.symbol, ir::shape(row.rows, row.columns), row.unit, ir::help_of(output));
     }
@@ -240,8 +239,8 @@ std::string unread(const CodeInput& code) {
   const bool floating = code.robot->floating_base;
   std::vector<std::string> parts;
   if (floating && !read.base_pose()) parts.emplace_back("the base's pose");
-  const std::vector<int> still =
-                             ir::coordinates_at(joints_not_read(read.positions, floating ? 7 : 0, code.robot->nq()), *code.robot),
+  const std::vector<int> still = ir::coordinates_at(joints_not_read(read.positions, floating ? 7 : 0, code.robot->nq()),
+                                                    *code.robot),
                          slow = joints_not_read(read.velocities, floating ? 6 : 0, code.robot->nv());
   if (!still.empty()) parts.push_back("positions of " + ir::joints_in_words(still, *code.robot));
   if (read.velocities.empty()) parts.emplace_back("v");
@@ -371,8 +370,8 @@ std::string quaternion_joints(const CodeInput& code) {
   const std::vector<int> positions = code.robot->positions(), coordinates = code.robot->coordinates();
   for (std::size_t k = 0; k < code.robot->bodies.size(); ++k)
     if (const ir::Body& body = code.robot->bodies[k]; body.has_quaternion())
-      all.push_back(fmt::format("{{{}, {}, {}}}", code.robot->base_positions() + positions[k], base_rows_of_robot(code) + coordinates[k],
-                                body.kind == ir::JointType::floating));
+      all.push_back(fmt::format("{{{}, {}, {}}}", code.robot->base_positions() + positions[k],
+                                base_rows_of_robot(code) + coordinates[k], body.kind == ir::JointType::floating));
   if (all.empty()) return "";
   return fmt::format(
       "// Joints with a quaternion, for dalembert/integrators: a member of that name of your dynamics.\n"

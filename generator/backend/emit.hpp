@@ -20,7 +20,7 @@ namespace dalembert::backend {
 
 // One function of a robot's code.
 struct CodeInput {
-  const ir::KinematicTree& tree;    // the bodies that the function needs
+  const ir::KinematicTree& tree;  // the bodies that the function needs
   const ir::NormalTree& normal;
   const ir::Scene& scene;
   const ir::Algorithm& algorithm;

@@ -69,9 +69,10 @@ std::string driven_tables(const CodeInput& code) {
                          ? -1 - driven++
                          : group.array->row(base_rows(code) + coordinates[static_cast<size_t>(k)]));
     const DrivenElements elements(code, *group.array);
-    text += "// Rows of the base and of every joint in the matrices; -1, -2, ... for mimic joints, which are added to those of "
-            "the joints they follow.\n" +
-            int_table("coordinate" + group.suffix, rows);
+    text +=
+        "// Rows of the base and of every joint in the matrices; -1, -2, ... for mimic joints, which are added to those of "
+        "the joints they follow.\n" +
+        int_table("coordinate" + group.suffix, rows);
     if (!elements.to.empty())
       text += int_table("mimic_from" + group.suffix, elements.from) + int_table("mimic_to" + group.suffix, elements.to);
   }
@@ -85,9 +86,10 @@ std::string driven_statements(const CodeInput& code) {
     const DrivenElements elements(code, *group.array);
     for (const size_t p : group.pairs)
       if (!elements.to.empty())
-        text += fmt::format("  dalembert::add_mimic(scratch.mimic_{0}[0], mimic_from{3}, mimic_to{3}, {1}, {2}, workspace.{0});\n",
-                            code.algorithm.arrays[static_cast<size_t>(code.algorithm.pairs[p].array)].name, elements.set,
-                            elements.to.size(), group.suffix);
+        text +=
+            fmt::format("  dalembert::add_mimic(scratch.mimic_{0}[0], mimic_from{3}, mimic_to{3}, {1}, {2}, workspace.{0});\n",
+                        code.algorithm.arrays[static_cast<size_t>(code.algorithm.pairs[p].array)].name, elements.set,
+                        elements.to.size(), group.suffix);
   }
   return (text.empty() ? "" : "  // Rows and columns of mimic joints are added to those of the joints they follow.\n") + text;
 }

@@ -87,8 +87,7 @@ std::vector<std::vector<int>> limbs_asked(const CodeInput& code, const PairsOfRo
 }
 
 bool any_asked(const CodeInput& code, const PairsOfRows& group, const ir::Segment& segment) {
-  return std::any_of(segment.bodies.begin(), segment.bodies.end(),
-                     [&](const auto& limb) { return asked(code, group, limb); });
+  return std::any_of(segment.bodies.begin(), segment.bodies.end(), [&](const auto& limb) { return asked(code, group, limb); });
 }
 
 std::vector<Above> all_above(const CodeInput& code, const PairsOfRows& group, const ir::Segment& segment) {
@@ -224,7 +223,8 @@ std::string limb_tables(const CodeInput& code, size_t segment) {
     if (!any_asked(code, group, s)) continue;
     std::vector<int> first, length;
     rows_of(code, group, limbs_asked(code, group, s), first, length);
-    if (s.width > 1) text += int_table(s.name + "_row" + group.suffix, first) + int_table(s.name + "_length" + group.suffix, length);
+    if (s.width > 1)
+      text += int_table(s.name + "_row" + group.suffix, first) + int_table(s.name + "_length" + group.suffix, length);
     const std::vector<Above> levels = all_above(code, group, s);
     for (size_t level = 0; level < levels.size(); ++level) {
       const Above& a = levels[level];
@@ -237,7 +237,8 @@ std::string limb_tables(const CodeInput& code, size_t segment) {
       if (s.width == 1 || (a.shared().empty() && !side_by_side(code, a).segment))
         text += int_table(prefix + "_slot" + group.suffix, slots);
       if (s.width > 1)
-        text += int_table(prefix + "_row" + group.suffix, above_first) + int_table(prefix + "_length" + group.suffix, above_length);
+        text +=
+            int_table(prefix + "_row" + group.suffix, above_first) + int_table(prefix + "_length" + group.suffix, above_length);
     }
   }
   return text;
@@ -277,8 +278,8 @@ std::string elements_of_group(const CodeInput& code, const PairsOfRows& group, c
           group.suffix, elements);
     }
   } else {
-    text += fmt::format("  dalembert::run_block<{}, Scalar>(lower, upper, {}, {}, {}, matrices, {});\n", elements,
-                        s.first_slot, row, s.steps, end);
+    text += fmt::format("  dalembert::run_block<{}, Scalar>(lower, upper, {}, {}, {}, matrices, {});\n", elements, s.first_slot,
+                        row, s.steps, end);
     for (size_t level = 0; level < levels.size(); ++level)
       if (levels[level].steps > 0)
         text += fmt::format(

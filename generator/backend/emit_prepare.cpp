@@ -210,7 +210,8 @@ std::string prepare_tables(const CodeInput& code) {
     text += int_table(kind + "_slot", slots) + int_table(kind + "_joint", from);
   };
   const bool any_sines = sines(code, false) || sines(code, true);
-  if (prepare_spreads(code) || (plain(code) && any_sines)) text += int_table("slot_joint", coordinates_of_slots(code, of_q_alone(code)));
+  if (prepare_spreads(code) || (plain(code) && any_sines))
+    text += int_table("slot_joint", coordinates_of_slots(code, of_q_alone(code)));
   if (joints.quaternions && role_of(code, Source::position, false) >= 0)
     text += int_table("slot_position", coordinates_of_slots(code, true));
   if (prepare_spreads(code) || (!joints.turning.empty() && any_sines)) text += int_table("first_of_four", fours(code));

@@ -155,9 +155,9 @@ void add_projections(const CodeInput& code, int lanes, Features& f) {
   }
 }
 
-// Of a straight line of more instructions the caches of decoded or of fetched ones hold nothing when it begins anew: all of it is
-// fetched again, in every call. Processors with registers of four decode less ahead: the cache of decoded instructions of Zen 3 and
-// its like holds 4096, among them loads and stores, of newer ones half as many again.
+// Of a straight line of more instructions the caches of decoded or of fetched ones hold nothing when it begins anew: all of it
+// is fetched again, in every call. Processors with registers of four decode less ahead: the cache of decoded instructions of
+// Zen 3 and its like holds 4096, among them loads and stores, of newer ones half as many again.
 struct Fetching {
   double cached, uncached;
 };

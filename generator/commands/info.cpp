@@ -269,9 +269,9 @@ std::string describe_json(const Model& model) {
       "  \"bodies\": {},\n{}  \"workspace_bytes\": {},\n  \"quantities\": {{{}\n  }},\n  \"without_scene\": {{{}\n  }},\n"
       "  \"executed\": {{{}\n  }},\n  \"plan\": {{{}\n  }},\n  \"estimates\": {{{}\n  }}\n}}\n",
       json_string(tree.robot), json_string(model.name), tree.floating_base ? "floating" : "fixed", tree.nq(), tree.nv(),
-      json_array(joints), json_array(bodies), parts_json(model), workspace_bytes(model, lowered), quantities_json(operation_costs(lowered, tree)),
-      quantities_json(before), executed_json(executed_operations(model, lowered)), plan_json(lowered),
-      features_json(model, lowered));
+      json_array(joints), json_array(bodies), parts_json(model), workspace_bytes(model, lowered),
+      quantities_json(operation_costs(lowered, tree)), quantities_json(before),
+      executed_json(executed_operations(model, lowered)), plan_json(lowered), features_json(model, lowered));
 }
 
 }  // namespace dalembert

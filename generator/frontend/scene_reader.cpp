@@ -221,8 +221,8 @@ class SceneReader {
 
   // {joints: [name or pattern, ...], subtree: link, base: true, links: [link, ...]}, of the result `name`.
   ir::Part part_of(const std::string& name, const ir::Parts& has, const YamlNode& node) const {
-    const std::string remedy = has.of_links ? "write {regressor: {links: [left_hand]}}"
-                                            : fmt::format("write {{{}: {{joints: [left_*]}}}}", name);
+    const std::string remedy =
+        has.of_links ? "write {regressor: {links: [left_hand]}}" : fmt::format("write {{{}: {{joints: [left_*]}}}}", name);
     if (!has.of_joints && !has.of_links)
       refuse(node, fmt::format("parts of {} cannot be asked for", name),
              fmt::format("ask for all of it: write {} alone, and take from it what you need", name));
@@ -237,7 +237,8 @@ class SceneReader {
         list.push_back(item.scalar);
       }
       if (list.empty())
-        refuse(entry.value, fmt::format("no {} of {} are named", entry.key.scalar == "links" ? "links" : "joints", name), remedy);
+        refuse(entry.value, fmt::format("no {} of {} are named", entry.key.scalar == "links" ? "links" : "joints", name),
+               remedy);
       return list;
     };
     for (const auto& entry : node.entries) {
@@ -410,8 +411,7 @@ class SceneReader {
       outputs.push_back({*quantity, frame});
       const ir::LinkQuantityRow& row = ir::row_of(*quantity);
       if (has_part)
-        outputs.back().part =
-            part_of(row.name, {ir::has_parts(row.rows, row.columns), false}, listed.entries.front().value);
+        outputs.back().part = part_of(row.name, {ir::has_parts(row.rows, row.columns), false}, listed.entries.front().value);
     }
     if (items.empty())
       refuse(entry.key, fmt::format("nothing is asked for of link '{}'", frame), "name at least one quantity, such as pose");

@@ -31,7 +31,8 @@ const Part* EmittedFunction::part(Quantity quantity) const {
 }
 
 bool EmittedFunction::any_part() const {
-  return !parts.empty() || std::any_of(of_links.begin(), of_links.end(), [](const LinkOutput& output) { return output.part.has_value(); });
+  return !parts.empty() ||
+         std::any_of(of_links.begin(), of_links.end(), [](const LinkOutput& output) { return output.part.has_value(); });
 }
 
 bool EmittedFunction::leaves(Quantity quantity) const { return std::find(later.begin(), later.end(), quantity) != later.end(); }

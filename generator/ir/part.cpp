@@ -105,7 +105,9 @@ std::string in_words(const Part& part, Extent rows, Extent columns, const Kinema
       std::size_t end = i + 1;
       while (end < part.coordinates.size() && part.coordinates[end] == part.coordinates[end - 1] + 1) ++end;
       const auto name = [&](std::size_t at) { return names[static_cast<std::size_t>(part.coordinates[at] - base)]; };
-      const std::string run = end - i > 2 ? name(i) + " to " + name(end - 1) : end - i == 2 ? name(i) + ", " + name(i + 1) : name(i);
+      const std::string run = end - i > 2    ? name(i) + " to " + name(end - 1)
+                              : end - i == 2 ? name(i) + ", " + name(i + 1)
+                                             : name(i);
       of += (of.empty() ? "" : ", ") + run;
       i = end;
     }

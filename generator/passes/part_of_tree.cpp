@@ -34,7 +34,9 @@ class Needed {
       if (bodies_[k] && tree.bodies[k].part + 1 < tree.bodies[k].parts) bodies_[k + 1] = true;
   }
 
-  bool all() const { return whole_ || (frame_of_base_ && std::all_of(bodies_.begin(), bodies_.end(), [](bool b) { return b; })); }
+  bool all() const {
+    return whole_ || (frame_of_base_ && std::all_of(bodies_.begin(), bodies_.end(), [](bool b) { return b; }));
+  }
   bool has(int body) const { return bodies_[static_cast<std::size_t>(body)]; }
   bool frame_of_base() const { return frame_of_base_; }
 
@@ -48,16 +50,15 @@ class Needed {
         [[fallthrough]];
       case ir::Quantity::coriolis_matrix:
       case ir::Quantity::gravity:
-      case ir::Quantity::bias:
-        frame_of_base_ = true;
-        return base && tree_.floating_base ? all_of_them() : beyond_rows(part);
+      case ir::Quantity::bias: frame_of_base_ = true; return base && tree_.floating_base ? all_of_them() : beyond_rows(part);
       case ir::Quantity::wrench_influence:
       case ir::Quantity::regressor: {
         if (!part.some_links) return all_of_them();
         frame_of_base_ = true;
         const std::vector<int> numbers = ir::numbers_of_links(tree_);
         for (int k = 0; k < tree_.joints(); ++k)
-          if (std::find(part.bodies.begin(), part.bodies.end(), numbers[static_cast<std::size_t>(k)]) != part.bodies.end()) above(k);
+          if (std::find(part.bodies.begin(), part.bodies.end(), numbers[static_cast<std::size_t>(k)]) != part.bodies.end())
+            above(k);
         return;
       }
       default: return all_of_them();
@@ -81,7 +82,8 @@ class Needed {
 
   void above(int body) {
     frame_of_base_ = true;
-    for (; body >= 0; body = tree_.bodies[static_cast<std::size_t>(body)].parent) bodies_[static_cast<std::size_t>(body)] = true;
+    for (; body >= 0; body = tree_.bodies[static_cast<std::size_t>(body)].parent)
+      bodies_[static_cast<std::size_t>(body)] = true;
   }
 
   const ir::KinematicTree& tree_;

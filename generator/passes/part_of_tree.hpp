@@ -10,8 +10,8 @@
 namespace dalembert::passes {
 
 // A tree of the bodies that the function's results need, with their places in the robot's q and v; nothing where it needs them
-// all, or where no part of a result is asked for. Rows and columns of M do not depend on what is above all of their joints: where
-// they are all that is asked for, the topmost joints stand on a fixed base.
+// all, or where no part of a result is asked for. Rows and columns of M do not depend on what is above all of their joints:
+// where they are all that is asked for, the topmost joints stand on a fixed base.
 std::optional<ir::KinematicTree> part_of_tree(const ir::EmittedFunction& function, const ir::KinematicTree& tree,
                                               const ir::Scene& scene);
 

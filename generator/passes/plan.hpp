@@ -1,8 +1,8 @@
 // What shapes the emitted code may have; and one of them laid out, limbs side by side.
 #pragma once
 
-#include "ir/graph.hpp"
 #include "ir/algorithm.hpp"
+#include "ir/graph.hpp"
 #include "ir/kinematic_tree.hpp"
 #include "ir/plan.hpp"
 #include "ir/scene.hpp"
@@ -14,8 +14,8 @@ namespace dalembert::passes {
 std::vector<ir::Form> forms(const ir::KinematicTree& tree, const ir::Scene& scene, const ir::Operations& straight,
                             const ir::CompileOptions& options);
 
-// Per body, in which of the algorithm's matrices of pairs it has a row, as a number: limbs end where it changes. Empty where all
-// bodies have rows in all.
+// Per body, in which of the algorithm's matrices of pairs it has a row, as a number: limbs end where it changes. Empty where
+// all bodies have rows in all.
 std::vector<int> rows_in_pairs(const ir::Algorithm& algorithm, const ir::KinematicTree& tree);
 
 // Tasks or none, and for the rolled form the segments, lanes and slots of all bodies. `rows`: rows_in_pairs().

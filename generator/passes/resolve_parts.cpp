@@ -41,7 +41,8 @@ void resolve(ir::Part& part, const std::string& result, const ir::KinematicTree&
       for (int k = 0; k < tree.joints(); ++k)
         if (at->body < 0 || tree.is_above(at->body, k)) wanted[static_cast<std::size_t>(k)] = true;
       // Of a joint of several coordinates all of them move the link.
-      for (int k = at->body; k > 0 && tree.bodies[static_cast<std::size_t>(k)].part > 0;) wanted[static_cast<std::size_t>(--k)] = true;
+      for (int k = at->body; k > 0 && tree.bodies[static_cast<std::size_t>(k)].part > 0;)
+        wanted[static_cast<std::size_t>(--k)] = true;
     }
     for (std::size_t k = 0; k < wanted.size(); ++k)
       for (const std::string& name : part.joints) wanted[k] = wanted[k] || is_called(tree.bodies[k], name);

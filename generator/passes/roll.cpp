@@ -100,7 +100,8 @@ void collect_steps(RollState& state) {
     if (state.algorithm.sweeps[s].direction == Direction::root) continue;
     state.steps.push_back({static_cast<int>(s), -1, state.level[s]});
     for (std::size_t p = 0; p < after.size(); ++p)
-      if (after[p] == static_cast<int>(s) && state.has_base_rows(state.algorithm.pairs[p])) state.steps.push_back({-1, static_cast<int>(p), state.level[s]});
+      if (after[p] == static_cast<int>(s) && state.has_base_rows(state.algorithm.pairs[p]))
+        state.steps.push_back({-1, static_cast<int>(p), state.level[s]});
   }
 }
 

@@ -31,8 +31,8 @@ struct Inputs {
 
 enum class Precision { float32, float64, extended, digits_50 };  // extended: long double
 
-// The results, each rows × columns that are asked for, computed in the precision and then rounded to double. Gravity is the scene's, whatever its
-// kind; velocities count as zero where the scene says so.
+// The results, each rows × columns that are asked for, computed in the precision and then rounded to double. Gravity is the
+// scene's, whatever its kind; velocities count as zero where the scene says so.
 std::vector<Eigen::MatrixXd> evaluate(const ir::KinematicTree& tree, const ir::Scene& scene, const std::vector<Wanted>& wanted,
                                       const Inputs& inputs, Precision precision);
 

@@ -13,9 +13,15 @@ namespace {
 
 using ir::Quantity;
 
-const std::vector<Quantity> of_joints{Quantity::mass_matrix,   Quantity::coriolis_matrix,         Quantity::gravity,
-                                      Quantity::bias,          Quantity::center_of_mass_jacobian, Quantity::momentum_matrix,
-                                      Quantity::inverse_dynamics, Quantity::regressor,            Quantity::wrench_influence};
+const std::vector<Quantity> of_joints{Quantity::mass_matrix,
+                                      Quantity::coriolis_matrix,
+                                      Quantity::gravity,
+                                      Quantity::bias,
+                                      Quantity::center_of_mass_jacobian,
+                                      Quantity::momentum_matrix,
+                                      Quantity::inverse_dynamics,
+                                      Quantity::regressor,
+                                      Quantity::wrench_influence};
 
 Model mahru(const std::string& scene, const std::vector<frontend::Setting>& settings = {}) {
   Request request;
@@ -26,8 +32,8 @@ Model mahru(const std::string& scene, const std::vector<frontend::Setting>& sett
   return read_model(request, warnings);
 }
 
-// The results of both forms, whole, have the part's rows and columns: to rounding, since what is left of a robot may be computed
-// in other frames.
+// The results of both forms, whole, have the part's rows and columns: to rounding, since what is left of a robot may be
+// computed in other frames.
 void expect_rows_of_whole(const Model& model) {
   Model whole = model;
   whole.scene.parts.clear();
@@ -75,7 +81,8 @@ TEST(Parts, AreRowsAndColumnsOfTheWholeInBothForms) {
         }
         scene.frames = {{ir::LinkQuantity::jacobian_mixed, middle, part}, {ir::LinkQuantity::pose, middle}};
         expect_rows_of_whole(model_of(description, scene));
-        for (const Quantity quantity : {Quantity::mass_matrix, Quantity::coriolis_matrix, Quantity::bias, Quantity::regressor}) {
+        for (const Quantity quantity :
+             {Quantity::mass_matrix, Quantity::coriolis_matrix, Quantity::bias, Quantity::regressor}) {
           ir::Scene alone = scene;
           alone.outputs = {quantity};
           alone.frames.clear();
@@ -116,8 +123,8 @@ TEST(Parts, AnArmsRowsOfMCostNoMoreThanTheArmAlone) {
   const Model part = mahru(arm);
   std::string others = "{";
   for (const ir::Body& body : part.tree.bodies)
-    if (body.joint.find("left_") != 0 || body.joint.find("hip") != body.joint.npos || body.joint.find("knee") != body.joint.npos ||
-        body.joint.find("ankle") != body.joint.npos)
+    if (body.joint.find("left_") != 0 || body.joint.find("hip") != body.joint.npos ||
+        body.joint.find("knee") != body.joint.npos || body.joint.find("ankle") != body.joint.npos)
       others += (others.size() > 1 ? ", " : "") + body.joint + ": 0";
   const Model alone = mahru("mass_matrix", {{"base", "fixed"}, {"locked", others + "}"}});
   EXPECT_EQ(alone.tree.nv(), 6);
@@ -145,8 +152,8 @@ TEST(Parts, AnArmsRowsReadNothingBeyondTheArm) {
     const int position = 7 + coordinates[static_cast<size_t>(&body - bias.tree.bodies.data())];
     const bool read = std::find(of_bias.positions_not_read.begin(), of_bias.positions_not_read.end(), position) ==
                       of_bias.positions_not_read.end();
-    const bool of_arm = body.joint.starts_with("left_shoulder") || body.joint.starts_with("left_elbow") ||
-                        body.joint.starts_with("left_wrist");
+    const bool of_arm =
+        body.joint.starts_with("left_shoulder") || body.joint.starts_with("left_elbow") || body.joint.starts_with("left_wrist");
     EXPECT_EQ(read, of_arm || body.joint == "waist") << body.joint;
   }
 }
@@ -196,7 +203,8 @@ TEST(Parts, MisspeltAndEmptyOnesAreRefused) {
   expect(refusal("[{regressor: {links: [left_hnd]}}]"), "did you mean 'left_hand'");
   expect(refusal("[{regressor: {links: [head]}}]"), "name 'torso'");
   expect(refusal("[{mass_matrix: {joints: [left_elbow]}}]", {{"locked", "left_elbow"}}), "is locked");
-  expect(refusal("[{mass_matrix: {joints: [left_elbow]}}]", {{"mimic", "{left_elbow: {of: right_elbow}}"}}), "name 'right_elbow'");
+  expect(refusal("[{mass_matrix: {joints: [left_elbow]}}]", {{"mimic", "{left_elbow: {of: right_elbow}}"}}),
+         "name 'right_elbow'");
   // The hand is one body with the wrist then, which another joint moves.
   EXPECT_EQ(refusal("[{mass_matrix: {subtree: left_hand}}]", {{"locked", "left_wrist_pitch"}}), "");
   expect(refusal("[{mass_matrix: {joints: [left_elbow], base: true}}]", {{"base", "fixed"}}), "the base is fixed");

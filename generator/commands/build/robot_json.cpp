@@ -60,7 +60,8 @@ std::string functions_json(const Library& library) {
   for (size_t i = 0; i < library.functions.size(); ++i) {
     const TableFunction& f = library.functions[i];
     std::vector<std::string> results;
-    for (const Output& output : f.results) results.push_back(output_json(output, f.function.named ? f.function.name : "", library.parts[f.part].model));
+    for (const Output& output : f.results)
+      results.push_back(output_json(output, f.function.named ? f.function.name : "", library.parts[f.part].model));
     all.push_back(fmt::format(
         "\n    {{\"name\": {}, \"function\": {}, \"entry\": {}, \"takes\": {}, \"meaning\": {}, \"reads_velocities\": {}, "
         "\"named\": {}, \"alone\": {}, \"part\": {}, \"folder\": {}, \"batch_entry\": {}, \"acceleration\": {}, "
