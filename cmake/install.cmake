@@ -5,7 +5,7 @@ set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/dalembert)
 
 install(TARGETS dalembert dalembert_runtime EXPORT dalembert_targets)
 if(TARGET dalembert_sdf)
-  install(TARGETS dalembert_sdf LIBRARY DESTINATION lib/dalembert)  # where the generator looks for it
+  install(TARGETS dalembert_sdf LIBRARY DESTINATION lib/dalembert/readers)  # where the generator looks; a folder higher, CPack calls ldconfig
 endif()
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/runtime/include/dalembert DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 # Pages as they link to each other: README, docs and examples.

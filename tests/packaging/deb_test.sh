@@ -47,10 +47,10 @@ cmake --build built > build.log || { cat build.log; exit 1; }
 built/two_robots
 $python -c 'import dalembert; assert dalembert.__file__.startswith("/usr/lib/python3/"), dalembert.__file__'
 $python $examples/python/first_steps.py "$HOME"
-if [ -e /usr/lib/dalembert/dalembert_sdf.so ]; then  # built where libsdformat was
+if [ -e /usr/lib/dalembert/readers/dalembert_sdf.so ]; then  # built where libsdformat was
   cat > one.sdf << 'SDF'
 <sdf version="1.9"><model name="one"><link name="base"><inertial><mass>1</mass></inertial></link>
-<link name="arm"><pose relative_to="turn"/><inertial><mass>1</mass></inertial></link>
+<link name="arm"><pose>0 0 1 0 0 0</pose><inertial><mass>1</mass></inertial></link>
 <joint name="turn" type="revolute"><parent>base</parent><child>arm</child><axis><xyz>0 0 1</xyz></axis></joint></model></sdf>
 SDF
   dalembert info one.sdf --base fixed > info.txt

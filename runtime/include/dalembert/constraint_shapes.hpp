@@ -29,6 +29,8 @@ struct Proximal {
   static constexpr bool wide = sizeof(T) == 8;
   static constexpr T mu = wide ? T(1e-8) : T(1e-4);
   static constexpr int steps = wide ? 3 : 4;
+  // Least pivot in terms of N below which what is solved is wrong by more than rounding, the square root of mu.
+  static constexpr T near = wide ? T(1e-4) : T(1e-2);
 };
 // Of N, against the sum over all blocks: a block that nothing moves has one too.
 inline constexpr double least_share = 1e-6;

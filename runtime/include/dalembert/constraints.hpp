@@ -189,6 +189,9 @@ struct BlockRow {
     for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK { row.piece[i] = piece[i] + a.piece[i] * b.piece[i]; });
     return row;
   }
+  DALEMBERT_INLINE void add(const BlockRow& a) {
+    for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK { piece[i] += a.piece[i]; });
+  }
   // More by a b[i], element by element.
   DALEMBERT_INLINE void add(const BlockRow& a, const T* b) {
     for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK { piece[i] += a.piece[i] * dalembert::load<w>(b + i * w); });
@@ -512,13 +515,46 @@ __attribute__((noinline)) static ConstraintStatus<T> solve_constrained(const T* 
     });
   });
 
+  ConstraintStatus<T> status;
+  each_index<count>([&](auto c) DALEMBERT_IN_BLOCK {
+    if (!(active[c] > T(0))) return;
+    alignas(64) T hold[padded];
+    held[c].store(hold);
+    for (int r = 0; r < Rows::rows[c]; ++r) {
+      const T pivot = block_pivots[c * padded + r] * Proximal<T>::mu / hold[r];
+      status.least_pivot = pivot < status.least_pivot ? pivot : status.least_pivot;
+      status.rank += pivot > T(64) * Proximal<T>::mu ? 1 : 0;
+    }
+  });
+
+  // Inverses of blocks are as wrong as their pivots are small. Then steps behind the first add what rows lack: an error of
+  // theirs becomes one of the last addition.
+  const bool refines = !(status.least_pivot > Proximal<T>::near);
   Row solved[count] = {}, before[count] = {};
+  const auto pushed_by = [&](const Row(&with)[count], T(&to)[n]) DALEMBERT_IN_BLOCK {  // Y f, in lanes at first
+    Row pushed[n] = {};
+    each_index<count>([&](auto c) DALEMBERT_IN_BLOCK {
+      for (int k = 0; k < Rows::lengths[c]; ++k) pushed[Rows::paths[c][k]].add(with[c], blocks.row(c, k));
+    });
+    for (int k = 0; k < n; ++k) to[k] = pushed[k].total();
+  };
   for (int step = 0; step < Proximal<T>::steps; ++step) {
     Row rest[count];
     each_index<count>([&](auto c) DALEMBERT_IN_BLOCK {
       before[c] = solved[c];
       rest[c] = known[c].plus(held[c], solved[c]);
     });
+    if (refines && step > 0) {
+      T moved[n];
+      pushed_by(solved, moved);
+      for (int k = 0; k < n; ++k) moved[k] *= reciprocals[k];
+      each_index<count>([&](auto c) DALEMBERT_IN_BLOCK {
+        alignas(64) T gives[padded] = {};
+        for (int r = 0; r < Rows::rows[c]; ++r) gives[r] = -regularization[Rows::first(c) + r];
+        rest[c] = known[c].plus(Row::load(gives), solved[c]);
+        for (int k = 0; k < Rows::lengths[c]; ++k) rest[c].template add<true>(moved[Rows::paths[c][k]], blocks.row(c, k));
+      });
+    }
     each_index<count>([&](auto c) DALEMBERT_IN_BLOCK {
       each_index<count>([&](auto b) DALEMBERT_IN_BLOCK {
         if (b > c) rest[b].template add_rows<true, rows>(rest[c], blocks.eliminated(c, b));
@@ -534,30 +570,23 @@ __attribute__((noinline)) static ConstraintStatus<T> solve_constrained(const T* 
         else solved[c].template subtract_products<rows>(solved[b], blocks.eliminated(c, b));
       });
     });
+    if (refines) each_index<count>([&](auto c) DALEMBERT_IN_BLOCK { solved[c].add(before[c]); });
   }
-  ConstraintStatus<T> status;
   each_index<count>([&](auto c) DALEMBERT_IN_BLOCK {
     alignas(64) T now[padded], last[padded], hold[padded];
     solved[c].store(now), before[c].store(last), held[c].store(hold);
     const bool acts = active[c] > T(0);
-    const T* const pivots_here = block_pivots + c * padded;
     for (int r = 0; r < Rows::rows[c]; ++r) {
       forces[Rows::first(c) + r] = now[r];
       if (!acts) continue;
       const T change = now[r] - last[r], error = hold[r] * (change < T(0) ? -change : change);
-      const T pivot = pivots_here[r] * Proximal<T>::mu / hold[r];
       status.residual = error > status.residual ? error : status.residual;
-      status.least_pivot = pivot < status.least_pivot ? pivot : status.least_pivot;
-      status.rank += pivot > T(64) * Proximal<T>::mu ? 1 : 0;
     }
   });
 
-  // J' f, of each coordinate in lanes at first.
-  Row pushed[n] = {};
-  each_index<count>([&](auto c) DALEMBERT_IN_BLOCK {
-    for (int k = 0; k < Rows::lengths[c]; ++k) pushed[Rows::paths[c][k]].add(solved[c], blocks.row(c, k));
-  });
-  for (int k = 0; k < n; ++k) x[k] += pushed[k].total();
+  T pushed[n];
+  pushed_by(solved, pushed);
+  for (int k = 0; k < n; ++k) x[k] += pushed[k];
   constraint_detail::substitute_downwards<n, Tree>(factor, reciprocals, x);
   return status;
 }
