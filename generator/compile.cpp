@@ -28,7 +28,15 @@ backend::Folder folder(const Model& model, const Lowered& lowered) {
   backend::Folder folder;
   const auto input = [&](const LoweredFunction& f) {
     const Model& of = lowered.model_of(f, model);
-    return backend::CodeInput{of.tree, lowered.normal, of.scene, f.algorithm, f.program, f.plan, f.rolled, model.name};
+    return backend::CodeInput{f.part ? f.part->tree : of.tree,
+                              f.part ? f.part->normal : lowered.normal,
+                              of.scene,
+                              f.algorithm,
+                              f.program,
+                              f.plan,
+                              f.rolled,
+                              model.name,
+                              &of.tree};
   };
   for (const LoweredFunction& f : lowered.functions) {
     folder.functions.push_back(input(f));

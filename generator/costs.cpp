@@ -177,6 +177,11 @@ Model whole_robot(const Model& model) {
   whole.scene.functions = model.scene.functions;
   whole.scene.jacobians = model.scene.jacobians;
   whole.scene.frames = model.scene.frames;
+  for (ir::NamedFunction& function : whole.scene.functions) {
+    function.parts.clear();
+    for (ir::LinkOutput& output : function.of_links) output.part.reset();
+  }
+  for (ir::LinkOutput& output : whole.scene.frames) output.part.reset();
   whole.scene.placed = model.scene.placed;
   whole.scene.contacts = model.scene.contacts;
   whole.scene.loops = model.scene.loops;

@@ -6,6 +6,7 @@
 #include "ir/coordinate_tree.hpp"
 #include "passes/embedding.hpp"
 #include "passes/normalise.hpp"
+#include "passes/part_of_tree.hpp"
 #include "passes/plan.hpp"
 #include "passes/project_by_rows.hpp"
 #include "passes/quantities/quantities.hpp"
@@ -27,15 +28,17 @@ class Lowering {
  public:
   Lowering(const Model& model, const ir::NormalTree& normal, const ir::EmittedFunction& function)
       : model_(model),
-        normal_(normal),
+        part_(part_of(model, function)),
+        tree_(part_ ? part_->tree : model.tree),
+        normal_(part_ ? part_->normal : normal),
         function_(function),
-        halves_(passes::halves(function, model.tree)),
+        halves_(passes::halves(function, tree_)),
         planned_(planned(model, function)),
         options_{model.options.fold, model.options.share} {}
 
   // As far as the unrolled program.
   std::vector<LoweredFunction> program() const {
-    const ir::Solver solver = passes::solvers(function_, model_.tree, model_.scene).front();
+    const ir::Solver solver = passes::solvers(function_, tree_, model_.scene).front();
     std::vector<LoweredFunction> lowered = described(solver);
     for (LoweredFunction& f : lowered) f.program = unrolled(f.algorithm, false).take_program();
     return lowered;
@@ -45,7 +48,7 @@ class Lowering {
   std::vector<LoweredFunction> form() const {
     std::vector<Way> ways;
     // A plan of more outputs than are asked for here may say how to solve what is not.
-    std::vector<ir::Solver> solvers = passes::solvers(function_, model_.tree, model_.scene);
+    std::vector<ir::Solver> solvers = passes::solvers(function_, tree_, model_.scene);
     if (planned_.solver && std::find(solvers.begin(), solvers.end(), *planned_.solver) != solvers.end())
       solvers = {*planned_.solver};
     for (const ir::Solver solver : solvers) add_ways(solver, ways);
@@ -61,6 +64,13 @@ class Lowering {
   }
 
  private:
+  static std::shared_ptr<const PartOfRobot> part_of(const Model& model, const ir::EmittedFunction& function) {
+    const std::optional<ir::KinematicTree> tree = passes::part_of_tree(function, model.tree, model.scene);
+    if (!tree) return nullptr;
+    const auto options = passes::normalise_options(model.scene, model.options.move_parameters);
+    return std::make_shared<const PartOfRobot>(PartOfRobot{*tree, passes::normalise(*tree, options)});
+  }
+
   static ir::FunctionPlan planned(const Model& model, const ir::EmittedFunction& function) {
     const auto found = model.scene.plan.find(function.name);
     return found == model.scene.plan.end() ? ir::FunctionPlan() : found->second;
@@ -102,11 +112,11 @@ class Lowering {
     constexpr long division = 6;
     LoweredFunction cheapest;
     long least = 0;
-    for (const ir::Solver solver : passes::solvers(function_, model_.tree, model_.scene)) {
+    for (const ir::Solver solver : passes::solvers(function_, tree_, model_.scene)) {
       LoweredFunction f = std::move(described(solver).front());
-      f.program = unrolled(f.algorithm, model_.tree.joints() < 200).take_program();
+      f.program = unrolled(f.algorithm, tree_.joints() < 200).take_program();
       f.plan.form = ir::Form::straight;
-      passes::write_out_steps(f.algorithm, f.program, ir::coordinate_tree(model_.tree), true);
+      passes::write_out_steps(f.algorithm, f.program, ir::coordinate_tree(tree_), true);
       const ir::Operations o = ir::count(f.program.graph, ir::uses(f.program.graph, f.program.roots()));
       const long cost = o.add + o.multiply + division * o.divide;
       if (least > 0 && cost >= least) continue;
@@ -118,19 +128,20 @@ class Lowering {
 
   std::vector<LoweredFunction> described(ir::Solver solver) const {
     std::vector<LoweredFunction> lowered(halves_.size());
+    for (LoweredFunction& f : lowered) f.part = part_;
     for (size_t half = 0; half < halves_.size(); ++half)
-      lowered[half].algorithm = passes::describe(halves_[half], model_.tree, normal_, model_.scene, solver, options_);
+      lowered[half].algorithm = passes::describe(halves_[half], tree_, normal_, model_.scene, solver, options_);
     return lowered;
   }
 
   passes::Unroll unrolled(const ir::Algorithm& algorithm, bool names) const {
-    return {algorithm, model_.tree, normal_, model_.scene, passes::UnrollOptions{options_, names}};
+    return {algorithm, tree_, normal_, model_.scene, passes::UnrollOptions{options_, names}};
   }
 
   void add_ways(ir::Solver solver, std::vector<Way>& ways) const {
     const std::vector<LoweredFunction> lowered = described(solver);
     // Nobody reads a straight line of a million statements.
-    const bool names = model_.tree.joints() < 200;
+    const bool names = tree_.joints() < 200;
     std::vector<passes::Unroll> unrolls;
     unrolls.reserve(lowered.size());
     ir::Operations operations;
@@ -141,32 +152,34 @@ class Lowering {
     }
     ir::CompileOptions options = model_.options;
     if (options.form == ir::Form::automatic && planned_.form) options.form = *planned_.form;
-    const std::vector<ir::Form> forms = passes::forms(model_.tree, model_.scene, operations, options);
+    const std::vector<ir::Form> forms = passes::forms(tree_, model_.scene, operations, options);
     for (const ir::Form form : forms) {
       Way way{lowered, {form, solver, ir::Order::as_written, {}}};
       for (size_t half = 0; half < lowered.size(); ++half) {
         LoweredFunction& f = way.halves[half];
-        f.plan = passes::plan(model_.tree, model_.scene, form, operations, model_.options);
+        f.plan = passes::plan(tree_, model_.scene, form, operations, model_.options, passes::rows_in_pairs(f.algorithm, tree_));
         if (form == ir::Form::rolled)
-          f.rolled = passes::roll(f.algorithm, unrolls[half], model_.tree, model_.scene, f.plan, options_);
+          f.rolled = passes::roll(f.algorithm, unrolls[half], tree_, model_.scene, f.plan, options_);
         f.program = &form == &forms.back() ? unrolls[half].take_program() : unrolls[half].program();
         if (form == ir::Form::straight) {
-          passes::project_by_rows(f.algorithm, f.program, unrolls[half], model_.tree);
-          passes::write_out_steps(f.algorithm, f.program, ir::coordinate_tree(model_.tree));
+          passes::project_by_rows(f.algorithm, f.program, unrolls[half], tree_);
+          passes::write_out_steps(f.algorithm, f.program, ir::coordinate_tree(tree_));
           way.candidate.order = f.plan.order = planned_.order.value_or(ir::Order::as_written);
           if (f.plan.order != ir::Order::as_written)
             f.program.order = passes::schedule(f.program.graph, f.program.roots(), f.plan.order);
         }
         for (size_t width = 0; width < backend::register_widths.size(); ++width)
-          way.candidate.nanoseconds[width] +=
-              backend::estimate({model_.tree, normal_, model_.scene, f.algorithm, f.program, f.plan, f.rolled, model_.name},
-                                backend::register_widths[width]);
+          way.candidate.nanoseconds[width] += backend::estimate(
+              {tree_, normal_, model_.scene, f.algorithm, f.program, f.plan, f.rolled, model_.name, &model_.tree},
+              backend::register_widths[width]);
       }
       ways.push_back(std::move(way));
     }
   }
 
   const Model& model_;
+  const std::shared_ptr<const PartOfRobot> part_;
+  const ir::KinematicTree& tree_;
   const ir::NormalTree& normal_;
   const ir::EmittedFunction& function_;
   const std::vector<ir::EmittedFunction> halves_;

@@ -23,8 +23,15 @@ struct Candidate {
   std::array<double, backend::register_widths.size()> nanoseconds{};
 };
 
+// The bodies that a function needs, where it gives parts of results alone (passes/part_of_tree.hpp).
+struct PartOfRobot {
+  ir::KinematicTree tree;
+  ir::NormalTree normal;
+};
+
 // One function on its way to text.
 struct LoweredFunction {
+  std::shared_ptr<const PartOfRobot> part;  // null: it is of the whole robot
   ir::Algorithm algorithm;
   ir::Program program;  // unrolled
   ir::Plan plan;

@@ -16,6 +16,7 @@
 #include "passes/inertia_check.hpp"
 #include "passes/joints_without_mass.hpp"
 #include "passes/quantities/quantities.hpp"
+#include "passes/resolve_parts.hpp"
 #include "reference/solvable.hpp"
 
 namespace dalembert {
@@ -151,6 +152,7 @@ void apply_scene(Model& model, const frontend::SceneDocument& document, Diagnost
     Diagnostics same_again;
     model.tree = passes::build_tree(model.description, model.scene, same_again);
   }
+  passes::resolve_parts(model.scene, model.tree);
   passes::check_inertias(model.description, model.scene, model.tree, warnings);
 }
 

@@ -34,9 +34,11 @@ std::string banner(const Folder& folder) {
       banner_mark, comment_text(folder.source), folder.source_hash, comment_lines("  " + folder.command_line, 0, 4));
 }
 
+int base_rows_of_robot(const CodeInput& code) { return code.robot->nv() - code.robot->independent_joints(); }
+
 std::vector<const ir::Body*> own_coordinates(const CodeInput& code) {
   std::vector<const ir::Body*> bodies;
-  for (const ir::Body& b : code.tree.bodies)
+  for (const ir::Body& b : code.robot->bodies)
     if (b.independent()) bodies.push_back(&b);
   return bodies;
 }
@@ -166,15 +168,25 @@ std::string result_words(const Folder& folder, const ir::OutputArray& array) {
   const auto words = [&](const char* symbol, const std::string& shape, const char* unit, const std::string& help) {
     return fmt::format("{}{}{} [{}]: {}.", symbol, shape.empty() ? "" : ", ", shape, unit, help);
   };
+  // What stands there of a result of which a part is asked for.
+  const auto words_of_part = [&](const auto& row, const std::string& help, const ir::Part& part) {
+    const std::string shape =
+        array.columns == 1 ? std::to_string(array.rows) : fmt::format("{} x {}", array.rows, array.columns);
+    return words(row.symbol, shape, row.unit,
+                 fmt::format("{}. Here {}", help, ir::in_words(part, row.rows, row.columns, *folder.common().robot)));
+  };
   for (const CodeInput& code : folder.functions) {
     const ir::EmittedFunction& function = function_of(code);
     for (const ir::Quantity quantity : function.quantities) {
       const ir::QuantityRow& row = ir::row_of(quantity);
+      if (const ir::Part* const part = function.part(quantity); part && function.result(quantity) == array.name)
+        return words_of_part(row, row.help, *part);
       if (function.result(quantity) == array.name)
         return words(row.symbol, ir::shape(row.rows, row.columns), row.unit, row.help);
     }
     for (const ir::LinkOutput& output : function.of_links) {
       const ir::LinkQuantityRow& row = ir::row_of(output.quantity);
+      if (output.part && function.result(output) == array.name) return words_of_part(row, ir::help_of(output), *output.part);
       if (function.result(output) == array.name)
         return words(row.symbol, ir::shape(row.rows, row.columns), row.unit, ir::help_of(output));
     }
@@ -204,11 +216,11 @@ std::string view_definitions(const Folder& folder) {
 
 std::string link_table(const CodeInput& code) {
   std::string text = "// Links and the bodies they move with:\n";
-  for (const ir::LinkPlacement& link : code.tree.links)
+  for (const ir::LinkPlacement& link : code.robot->links)
     if (link.on.empty())
       text += comment_lines(
           fmt::format("  {:<32} {}", link.link,
-                      link.body < 0 ? code.tree.base_link : code.tree.bodies[static_cast<size_t>(link.body)].name),
+                      link.body < 0 ? code.robot->base_link : code.robot->bodies[static_cast<size_t>(link.body)].name),
           0, 4);
   if (code.scene.placed.empty()) return text;
   text += "// Frames of the scene, the links that they are on, their origins there, m, and roll, pitch, yaw, rad:\n";
@@ -231,15 +243,15 @@ std::string unread(const CodeInput& code) {
   if (code.algorithm.embedding) return "";
   const ir::InputsRead read = ir::inputs_read(code.program, ir::uses(code.program.graph, code.program.roots()));
   const std::string input = function_of(code).input();
-  const bool floating = code.tree.floating_base;
+  const bool floating = code.robot->floating_base;
   std::vector<std::string> parts;
   if (floating && !read.base_pose()) parts.emplace_back("the base's pose");
-  const std::vector<int> still =
-                             ir::coordinates_at(joints_not_read(read.positions, floating ? 7 : 0, code.tree.nq()), code.tree),
-                         slow = joints_not_read(read.velocities, floating ? 6 : 0, code.tree.nv());
-  if (!still.empty()) parts.push_back("positions of " + ir::joints_in_words(still, code.tree));
+  const std::vector<int> still = ir::coordinates_at(joints_not_read(read.positions, floating ? 7 : 0, code.robot->nq()),
+                                                    *code.robot),
+                         slow = joints_not_read(read.velocities, floating ? 6 : 0, code.robot->nv());
+  if (!still.empty()) parts.push_back("positions of " + ir::joints_in_words(still, *code.robot));
   if (read.velocities.empty()) parts.emplace_back("v");
-  else if (!slow.empty()) parts.push_back("rates of " + ir::joints_in_words(slow, code.tree));
+  else if (!slow.empty()) parts.push_back("rates of " + ir::joints_in_words(slow, *code.robot));
   if (!input.empty() && !read.input) parts.push_back(input);
   return parts.empty() ? "" : comment_lines(fmt::format("Not read: {}.", fmt::join(parts, "; ")));
 }
@@ -340,7 +352,7 @@ bool any_constraints(const Folder& folder) {
 
 // Where a joint's numbers are: in a row, but where quaternions have one more than their joints have coordinates.
 std::string joint_indices(const CodeInput& code) {
-  const ir::KinematicTree& tree = code.tree;
+  const ir::KinematicTree& tree = *code.robot;
   if (!tree.linkages.empty()) return embedded_joint_indices(code);
   if (!tree.any_quaternion())
     return "// Joints, in the order of q and v: a joint's position is q[q_index(joint)], its rate v[v_index(joint)].\n";
@@ -349,7 +361,7 @@ std::string joint_indices(const CodeInput& code) {
   for (std::size_t k = 0; k < tree.bodies.size(); ++k) {
     const ir::Body& body = tree.bodies[k];
     if (body.parts < 2 || body.part > 0) continue;
-    const int q = base_positions(code) + positions[k], v = base_rows(code) + coordinates[k];
+    const int q = code.robot->base_positions() + positions[k], v = base_rows_of_robot(code) + coordinates[k];
     const bool flies = body.kind == ir::JointType::floating;
     if (body.of_quaternion())
       text += comment_lines(
@@ -363,11 +375,11 @@ std::string joint_indices(const CodeInput& code) {
 // What integrators ask for.
 std::string quaternion_joints(const CodeInput& code) {
   std::vector<std::string> all;
-  const std::vector<int> positions = code.tree.positions(), coordinates = code.tree.coordinates();
-  for (std::size_t k = 0; k < code.tree.bodies.size(); ++k)
-    if (const ir::Body& body = code.tree.bodies[k]; body.has_quaternion())
-      all.push_back(fmt::format("{{{}, {}, {}}}", base_positions(code) + positions[k], base_rows(code) + coordinates[k],
-                                body.kind == ir::JointType::floating));
+  const std::vector<int> positions = code.robot->positions(), coordinates = code.robot->coordinates();
+  for (std::size_t k = 0; k < code.robot->bodies.size(); ++k)
+    if (const ir::Body& body = code.robot->bodies[k]; body.has_quaternion())
+      all.push_back(fmt::format("{{{}, {}, {}}}", code.robot->base_positions() + positions[k],
+                                base_rows_of_robot(code) + coordinates[k], body.kind == ir::JointType::floating));
   if (all.empty()) return "";
   return fmt::format(
       "// Joints with a quaternion, for dalembert/integrators: a member of that name of your dynamics.\n"
@@ -375,11 +387,11 @@ std::string quaternion_joints(const CodeInput& code) {
       wrapped(all, 4));
 }
 std::string position_index(const CodeInput& code) {
-  if (!code.tree.any_quaternion() && code.tree.linkages.empty()) return "nq - joints + static_cast<int>(joint)";
+  if (!code.robot->any_quaternion() && code.robot->linkages.empty()) return "nq - joints + static_cast<int>(joint)";
   std::vector<int> first;
-  const std::vector<int> positions = code.tree.positions();
-  for (std::size_t k = 0; k < code.tree.bodies.size(); ++k)
-    if (code.tree.bodies[k].independent()) first.push_back(base_positions(code) + positions[k]);
+  const std::vector<int> positions = code.robot->positions();
+  for (std::size_t k = 0; k < code.robot->bodies.size(); ++k)
+    if (code.robot->bodies[k].independent()) first.push_back(code.robot->base_positions() + positions[k]);
   return fmt::format("std::array<int, {}>{{{}}}[static_cast<std::size_t>(joint)]", first.size(), fmt::join(first, ", "));
 }
 
@@ -390,10 +402,10 @@ OutputFile header(const Folder& folder) {
     joints.push_back(ir::identifier(b->joint));
     joint_names.push_back(quoted(b->joint));
   }
-  if (code.tree.floating_base) body_names.push_back(quoted(code.tree.base_link));
-  for (const ir::Body& b : code.tree.bodies)
+  if (code.robot->floating_base) body_names.push_back(quoted(code.robot->base_link));
+  for (const ir::Body& b : code.robot->bodies)
     if (b.part + 1 == b.parts) body_names.push_back(quoted(b.name));
-  const bool floating = code.tree.floating_base;
+  const bool floating = code.robot->floating_base;
   std::string report;
   for (const std::string& line : folder.report) report += comment_lines(line, 0, 2);
   return {"dynamics.hpp",
@@ -401,16 +413,17 @@ OutputFile header(const Folder& folder) {
                  {{"banner", banner(folder)},
                   {"usage", usage(folder, banner(folder))},
                   {"report", report},
-                  {"standard_includes", code.tree.any_quaternion() || !code.tree.linkages.empty() ? "#include <array>\n#include <cstddef>\n\n" : ""},
+                  {"standard_includes",
+                   code.robot->any_quaternion() || !code.robot->linkages.empty() ? "#include <array>\n#include <cstddef>\n\n" : ""},
                   {"includes", (any_constraints(folder) ? "#include <dalembert/constraints.hpp>\n" : "") +
                                    std::string(code.tree.linkages.empty() ? "" : "#include <dalembert/linkage.hpp>\n") +
                                    std::string(any_guard(folder) ? "#include <dalembert/factor.hpp>\n" : "") +
-                                   (code.tree.any_quaternion() ? "#include <dalembert/quaternion_joint.hpp>\n" : "")},
+                                   (code.robot->any_quaternion() ? "#include <dalembert/quaternion_joint.hpp>\n" : "")},
                   {"runtime_version", std::to_string(runtime_version)},
                   {"name", code.name},
                   {"scalar", scalar_name(code.scene.scalar)},
-                  {"nq", std::to_string(code.tree.nq())},
-                  {"nv", std::to_string(code.tree.nv())},
+                  {"nq", std::to_string(code.robot->nq())},
+                  {"nv", std::to_string(code.robot->nv())},
                   {"position_layout",
                    floating ? "base position in the world (3), quaternion x y z w (4), joints [m, rad]" : "joints [m, rad]"},
                   {"velocity_layout", floating ? "base linear (3), angular (3) in base axes, joint rates [m/s, rad/s]"

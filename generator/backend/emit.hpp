@@ -20,7 +20,7 @@ namespace dalembert::backend {
 
 // One function of a robot's code.
 struct CodeInput {
-  const ir::KinematicTree& tree;
+  const ir::KinematicTree& tree;  // the bodies that the function needs
   const ir::NormalTree& normal;
   const ir::Scene& scene;
   const ir::Algorithm& algorithm;
@@ -28,6 +28,7 @@ struct CodeInput {
   const ir::Plan& plan;
   const ir::RolledProgram& rolled;  // empty for the straight form
   std::string name;                 // namespace, folder and prefix; an identifier
+  const ir::KinematicTree* robot;   // of which the function's tree may be a part
   // The same function in the other form, for registers of some widths; null: this form is for all.
   const CodeInput* elsewhere = nullptr;
   std::vector<int> elsewhere_lanes{};

@@ -243,9 +243,9 @@ class BatchFunction {
 
   // Of a call.
   std::size_t bytes() const {
-    const std::size_t registers = static_cast<std::size_t>(code_.tree.nq() + 2 * code_.tree.nv() + given_count(code_) +
+    const std::size_t registers = static_cast<std::size_t>(code_.robot->nq() + 2 * code_.robot->nv() + given_count(code_) +
                                                            3 * program_.angles() + program_.kept() + program_.elements() + 1);
-    const std::size_t moving = rolls_out() ? static_cast<std::size_t>(2 * code_.tree.nq() + 7 * code_.tree.nv()) : 0;
+    const std::size_t moving = rolls_out() ? static_cast<std::size_t>(2 * code_.robot->nq() + 7 * code_.robot->nv()) : 0;
     const std::size_t strip = program_.parts() > 1 ? std::clamp<std::size_t>(192 * 1024 / (registers * 64), 1, 8) : 1;
     return (registers + moving) * 64 * strip;
   }
@@ -409,7 +409,7 @@ class BatchFunction {
   }
 
   int widest() const {
-    int widest = std::max({code_.tree.nq(), 10});
+    int widest = std::max({code_.robot->nq(), 10});
     for (const BatchArray& a : program_.results()) widest = std::max(widest, a.array.rows * a.array.columns);
     return widest;
   }
@@ -429,7 +429,7 @@ class BatchFunction {
                                   {"type", f.type},
                                   {"more_members", program_.by_calls() ? ", {}" : ""},
                                   {"moved_by", std::to_string(moved_by()->first)},
-                                  {"joints", code_.tree.any_quaternion() ? ", quaternion_joints" : ""},
+                                  {"joints", code_.robot->any_quaternion() ? ", quaternion_joints" : ""},
                                   {"finish", finish()}});
   }
 

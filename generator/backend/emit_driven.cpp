@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "backend/emit_pairs.hpp"
 #include "backend/kept.hpp"
 #include "backend/literals.hpp"
 
@@ -18,11 +19,12 @@ struct DrivenElements {
   std::vector<int> from, to;
   size_t set = 0;
 
-  explicit DrivenElements(const CodeInput& code) {
+  DrivenElements(const CodeInput& code, const ir::OutputArray& matrix) {
     const ir::KinematicTree& tree = code.tree;
-    const int base = base_rows(code), rows = expanded_rows(code), nv = tree.nv();
+    const int base = base_rows(code), rows = expanded_rows(code), nv = matrix.rows;
     const std::vector<int> coordinates = tree.coordinates();
-    const auto row_of = [&](int i) { return i < base ? i : base + coordinates[static_cast<size_t>(i - base)]; };
+    const auto row_of = [&](int i) { return matrix.row(i < base ? i : base + coordinates[static_cast<size_t>(i - base)]); };
+    const auto asked = [&](int i) { return row_of(i) >= 0; };
     const auto driven = [&](int i) { return i >= base && tree.bodies[static_cast<size_t>(i - base)].driven(); };
     const auto meet = [&](int i, int k) {
       return i < base || k < base || tree.is_above(i - base, k - base) || tree.is_above(k - base, i - base);
@@ -30,7 +32,7 @@ struct DrivenElements {
     std::set<int> written;
     for (int k = 0; k < rows; ++k)
       for (int i = 0; i < rows; ++i)
-        if (!driven(i) && !driven(k) && meet(i, k)) written.insert(row_of(k) * nv + row_of(i));
+        if (!driven(i) && !driven(k) && asked(i) && asked(k) && meet(i, k)) written.insert(row_of(k) * nv + row_of(i));
     std::vector<std::pair<int, int>> first, more;  // from, to
     const auto add = [&](int at, int row, int column) {
       const int target = row_of(column) * nv + row_of(row);
@@ -40,7 +42,7 @@ struct DrivenElements {
     for (int d = base; d < rows; ++d) {
       if (!driven(d)) continue;
       for (int i = 0; i < rows; ++i) {
-        if (!meet(i, d)) continue;
+        if (!meet(i, d) || !asked(i) || !asked(d)) continue;
         add(number * rows + i, i, d);
         if (!driven(i)) add((driven_joints(code) + number) * rows + i, d, i);
       }
@@ -55,34 +57,51 @@ struct DrivenElements {
 }  // namespace
 
 std::string driven_tables(const CodeInput& code) {
-  if (!has_driven(code) || code.algorithm.pairs.empty()) return "";
-  std::vector<int> rows;
-  const std::vector<int> coordinates = code.tree.coordinates();
-  for (int j = 0; j < base_rows(code); ++j) rows.push_back(j);
-  int driven = 0;
-  for (int k = 0; k < code.tree.joints(); ++k)
-    rows.push_back(code.tree.bodies[static_cast<size_t>(k)].driven() ? -1 - driven++
-                                                                     : base_rows(code) + coordinates[static_cast<size_t>(k)]);
-  const DrivenElements elements(code);
-  return "// Rows of the base and of every joint in the matrices; -1, -2, ... for mimic joints, which are added to those of "
-         "the joints they follow.\n" +
-         int_table("coordinate", rows) + int_table("mimic_from", elements.from) + int_table("mimic_to", elements.to);
-}
-
-std::string driven_statements(const CodeInput& code) {
-  if (!has_driven(code) || code.algorithm.pairs.empty()) return "";
-  const DrivenElements elements(code);
-  std::string text = "  // Rows and columns of mimic joints are added to those of the joints they follow.\n";
-  for (const ir::Pairs& p : code.algorithm.pairs)
-    text += fmt::format("  dalembert::add_mimic(scratch.mimic_{0}[0], mimic_from, mimic_to, {1}, {2}, workspace.{0});\n",
-                        code.algorithm.arrays[static_cast<size_t>(p.array)].name, elements.set, elements.to.size());
+  if (!has_driven(code)) return "";
+  std::string text;
+  for (const PairsOfRows& group : pairs_by_rows(code)) {
+    std::vector<int> rows;
+    const std::vector<int> coordinates = code.tree.coordinates();
+    for (int j = 0; j < base_rows(code); ++j) rows.push_back(group.array->row(j));
+    int driven = 0;
+    for (int k = 0; k < code.tree.joints(); ++k)
+      rows.push_back(code.tree.bodies[static_cast<size_t>(k)].driven()
+                         ? -1 - driven++
+                         : group.array->row(base_rows(code) + coordinates[static_cast<size_t>(k)]));
+    const DrivenElements elements(code, *group.array);
+    text +=
+        "// Rows of the base and of every joint in the matrices; -1, -2, ... for mimic joints, which are added to those of "
+        "the joints they follow.\n" +
+        int_table("coordinate" + group.suffix, rows);
+    if (!elements.to.empty())
+      text += int_table("mimic_from" + group.suffix, elements.from) + int_table("mimic_to" + group.suffix, elements.to);
+  }
   return text;
 }
 
+std::string driven_statements(const CodeInput& code) {
+  if (!has_driven(code)) return "";
+  std::string text;
+  for (const PairsOfRows& group : pairs_by_rows(code)) {
+    const DrivenElements elements(code, *group.array);
+    for (const size_t p : group.pairs)
+      if (!elements.to.empty())
+        text +=
+            fmt::format("  dalembert::add_mimic(scratch.mimic_{0}[0], mimic_from{3}, mimic_to{3}, {1}, {2}, workspace.{0});\n",
+                        code.algorithm.arrays[static_cast<size_t>(code.algorithm.pairs[p].array)].name, elements.set,
+                        elements.to.size(), group.suffix);
+  }
+  return (text.empty() ? "" : "  // Rows and columns of mimic joints are added to those of the joints they follow.\n") + text;
+}
+
 long driven_additions(const CodeInput& code) {
-  if (!has_driven(code) || code.algorithm.pairs.empty()) return 0;
-  const DrivenElements elements(code);
-  return static_cast<long>(code.algorithm.pairs.size() * (elements.to.size() - elements.set));
+  if (!has_driven(code)) return 0;
+  long additions = 0;
+  for (const PairsOfRows& group : pairs_by_rows(code)) {
+    const DrivenElements elements(code, *group.array);
+    additions += static_cast<long>(group.pairs.size() * (elements.to.size() - elements.set));
+  }
+  return additions;
 }
 
 }  // namespace dalembert::backend

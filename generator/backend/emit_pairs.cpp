@@ -72,10 +72,30 @@ SideBySide side_by_side(const CodeInput& code, const Above& above) {
   return found;
 }
 
-std::vector<Above> all_above(const CodeInput& code, const ir::Segment& segment) {
+// Whether the matrices have rows of the limb's joints: then of all of them.
+bool asked(const CodeInput& code, const PairsOfRows& group, const std::vector<int>& limb) {
+  if (limb.empty() || limb.front() < 0) return false;
+  return group.array->row(base_rows(code) + code.tree.coordinates()[static_cast<size_t>(limb.front())]) >= 0;
+}
+
+// The segment's limbs, those without rows being empty.
+std::vector<std::vector<int>> limbs_asked(const CodeInput& code, const PairsOfRows& group, const ir::Segment& segment) {
+  std::vector<std::vector<int>> limbs = segment.bodies;
+  for (auto& limb : limbs)
+    if (!asked(code, group, limb)) limb.clear();
+  return limbs;
+}
+
+bool any_asked(const CodeInput& code, const PairsOfRows& group, const ir::Segment& segment) {
+  return std::any_of(segment.bodies.begin(), segment.bodies.end(), [&](const auto& limb) { return asked(code, group, limb); });
+}
+
+std::vector<Above> all_above(const CodeInput& code, const PairsOfRows& group, const ir::Segment& segment) {
   std::vector<Above> levels;
   for (size_t lane = 0; lane < segment.parents.size(); ++lane) {
     auto limbs = limbs_above(code, segment.parents[lane]);
+    for (auto& limb : limbs)
+      if (!asked(code, group, limb) || !asked(code, group, segment.bodies[lane])) limb.clear();
     if (limbs.size() > levels.size()) levels.resize(limbs.size(), {std::vector<std::vector<int>>(segment.parents.size()), 0});
     for (size_t level = 0; level < limbs.size(); ++level) {
       levels[level].steps = std::max(levels[level].steps, limbs[level].size());
@@ -85,12 +105,18 @@ std::vector<Above> all_above(const CodeInput& code, const ir::Segment& segment) 
   return levels;
 }
 
+// The first row of a limb. Where joints are driven rows are those that all joints would have (emit_driven.hpp).
+int first_row(const CodeInput& code, const PairsOfRows& group, const std::vector<int>& limb) {
+  if (has_driven(code)) return base_rows(code) + limb.front();
+  return group.array->row(base_rows(code) + code.tree.coordinates()[static_cast<size_t>(limb.front())]);
+}
+
 // First row and length of each lane's limb.
-void rows_of(const CodeInput& code, const std::vector<std::vector<int>>& limbs, std::vector<int>& first,
-             std::vector<int>& length) {
+void rows_of(const CodeInput& code, const PairsOfRows& group, const std::vector<std::vector<int>>& limbs,
+             std::vector<int>& first, std::vector<int>& length) {
   for (const auto& limb : limbs) {
     const int real = static_cast<int>(std::count_if(limb.begin(), limb.end(), [](int b) { return b >= 0; }));
-    first.push_back(real > 0 ? base_rows(code) + limb.front() : 0);
+    first.push_back(real > 0 ? first_row(code, group, limb) : 0);
     length.push_back(real);
   }
 }
@@ -110,11 +136,13 @@ struct Products {
   std::vector<Factor> lower, upper;
   std::string type;
 
-  explicit Products(const CodeInput& code) {
+  Products(const CodeInput& code, const PairsOfRows& group) {
     std::vector<std::string> kinds;
-    for (const ir::Pairs& p : code.algorithm.pairs)
+    for (const size_t number : group.pairs) {
+      const ir::Pairs& p = code.algorithm.pairs[number];
       kinds.push_back(p.symmetric ? fmt::format("dalembert::Symmetric<{}>", sum(p.above))
                                   : fmt::format("dalembert::Square<{}, {}>", sum(p.above), sum(p.below)));
+    }
     type = fmt::format("dalembert::Matrices<{}>", fmt::join(kinds, ",\n                                   "));
   }
   std::string sum(const std::vector<ir::PairTerm>& terms) {
@@ -134,10 +162,10 @@ std::string factors_text(const CodeInput& code, const std::string& name, const s
 }
 
 // Where the elements of a matrix go: to the result, and beside it what is driven joints'.
-std::string matrix_of(const CodeInput& code, const ir::Pairs& p) {
+std::string matrix_of(const CodeInput& code, const PairsOfRows& group, const ir::Pairs& p) {
   const std::string& name = code.algorithm.arrays[static_cast<size_t>(p.array)].name;
-  return has_driven(code) ? fmt::format("{{workspace.{0}, scratch.mimic_{0}[0], coordinate, {1}, {2}}}", name,
-                                        expanded_rows(code), driven_joints(code))
+  return has_driven(code) ? fmt::format("{{workspace.{0}, scratch.mimic_{0}[0], coordinate{3}, {1}, {2}}}", name,
+                                        expanded_rows(code), driven_joints(code), group.suffix)
                           : "workspace." + name;
 }
 
@@ -146,7 +174,8 @@ std::string matrix_of(const CodeInput& code, const ir::Pairs& p) {
 struct Crossing {
   std::string function, type, slots;
 };
-Crossing crossing_of(const CodeInput& code, const ir::Segment& segment, size_t level, const Above& above) {
+Crossing crossing_of(const CodeInput& code, const PairsOfRows& group, const ir::Segment& segment, size_t level,
+                     const Above& above) {
   if (const std::vector<int> one = above.shared(); !one.empty()) {
     const int first = slot_of(code, one.front());
     return {"shared_cross_blocks", "", fmt::format("{}, {}", first, one.size() == 1 ? 0 : slot_of(code, one[1]) - first)};
@@ -155,89 +184,139 @@ Crossing crossing_of(const CodeInput& code, const ir::Segment& segment, size_t l
     return {"lane_cross_blocks",
             fmt::format(", dalembert::LanesAbove<{}, {}>", found.segment->width, fmt::join(found.lanes, ", ")),
             std::to_string(found.segment->first_slot)};
-  return {"cross_blocks", "", fmt::format("{}_above_{}_slot", segment.name, level + 1)};
+  return {"cross_blocks", "", fmt::format("{}_above_{}_slot{}", segment.name, level + 1, group.suffix)};
 }
 
 }  // namespace
 
 bool elements_split(const ir::Segment& segment) { return segment.steps > 8; }
 
-std::string pairs_types(const CodeInput& code) {
-  if (code.algorithm.pairs.empty()) return "";
-  std::string text;
-  for (const ir::Pairs& p : code.algorithm.pairs)
-    text += fmt::format("// {}: {}\n", code.algorithm.arrays[static_cast<size_t>(p.array)].name, p.equation);
-  return "\n" + text + fmt::format("using Elements = {};\n", Products(code).type);
+std::vector<PairsOfRows> pairs_by_rows(const CodeInput& code) {
+  std::vector<PairsOfRows> groups;
+  for (size_t p = 0; p < code.algorithm.pairs.size(); ++p) {
+    const ir::OutputArray& array = code.algorithm.arrays[static_cast<size_t>(code.algorithm.pairs[p].array)];
+    const auto same = std::find_if(groups.begin(), groups.end(),
+                                   [&](const PairsOfRows& group) { return group.array->row_map == array.row_map; });
+    if (same != groups.end()) same->pairs.push_back(p);
+    else groups.push_back({{p}, &array, groups.empty() ? "" : fmt::format("_{}", groups.size() + 1)});
+  }
+  return groups;
 }
 
-std::string limb_tables(const CodeInput& code, size_t segment) {
-  if (code.algorithm.pairs.empty()) return "";
-  const ir::Segment& s = code.plan.segments[segment];
+std::string pairs_types(const CodeInput& code) {
   std::string text;
-  std::vector<int> first, length;
-  rows_of(code, s.bodies, first, length);
-  if (s.width > 1) text += int_table(s.name + "_row", first) + int_table(s.name + "_length", length);
-  const std::vector<Above> levels = all_above(code, s);
-  for (size_t level = 0; level < levels.size(); ++level) {
-    const Above& a = levels[level];
-    std::vector<int> above_first, above_length, slots;
-    rows_of(code, a.limbs, above_first, above_length);
-    for (size_t step = 0; step < a.steps; ++step)
-      for (const auto& limb : a.limbs) slots.push_back(step < limb.size() ? slot_of(code, limb[step]) : slot_of(code, -1));
-    const std::string prefix = fmt::format("{}_above_{}", s.name, level + 1);
-    if (s.width == 1 || (a.shared().empty() && !side_by_side(code, a).segment)) text += int_table(prefix + "_slot", slots);
-    if (s.width > 1) text += int_table(prefix + "_row", above_first) + int_table(prefix + "_length", above_length);
+  for (const PairsOfRows& group : pairs_by_rows(code)) {
+    text += "\n";
+    for (const size_t number : group.pairs) {
+      const ir::Pairs& p = code.algorithm.pairs[number];
+      text += fmt::format("// {}: {}\n", code.algorithm.arrays[static_cast<size_t>(p.array)].name, p.equation);
+    }
+    text += fmt::format("using Elements{} = {};\n", group.suffix, Products(code, group).type);
   }
   return text;
 }
 
-std::string elements_stage(const CodeInput& code, size_t segment) {
-  const ir::Segment& s = code.plan.segments[segment];
-  const Products products(code);
+std::string limb_tables(const CodeInput& code, size_t segment) {
+  std::string text;
+  for (const PairsOfRows& group : pairs_by_rows(code)) {
+    const ir::Segment& s = code.plan.segments[segment];
+    if (!any_asked(code, group, s)) continue;
+    std::vector<int> first, length;
+    rows_of(code, group, limbs_asked(code, group, s), first, length);
+    if (s.width > 1)
+      text += int_table(s.name + "_row" + group.suffix, first) + int_table(s.name + "_length" + group.suffix, length);
+    const std::vector<Above> levels = all_above(code, group, s);
+    for (size_t level = 0; level < levels.size(); ++level) {
+      const Above& a = levels[level];
+      if (a.steps == 0) continue;
+      std::vector<int> above_first, above_length, slots;
+      rows_of(code, group, a.limbs, above_first, above_length);
+      for (size_t step = 0; step < a.steps; ++step)
+        for (const auto& limb : a.limbs) slots.push_back(step < limb.size() ? slot_of(code, limb[step]) : slot_of(code, -1));
+      const std::string prefix = fmt::format("{}_above_{}", s.name, level + 1);
+      if (s.width == 1 || (a.shared().empty() && !side_by_side(code, a).segment))
+        text += int_table(prefix + "_slot" + group.suffix, slots);
+      if (s.width > 1)
+        text +=
+            int_table(prefix + "_row" + group.suffix, above_first) + int_table(prefix + "_length" + group.suffix, above_length);
+    }
+  }
+  return text;
+}
+
+namespace {
+
+// Of one group; `alone`: there is no other.
+std::string elements_of_group(const CodeInput& code, const PairsOfRows& group, const ir::Segment& s, bool alone) {
+  const Products products(code, group);
   std::vector<std::string> matrices, equations;
-  for (const ir::Pairs& p : code.algorithm.pairs) {
-    matrices.push_back(matrix_of(code, p));
-    equations.push_back(p.equation);
+  for (const size_t number : group.pairs) {
+    matrices.push_back(matrix_of(code, group, code.algorithm.pairs[number]));
+    equations.push_back(code.algorithm.pairs[number].equation);
   }
   std::string text = fmt::format("  // {}\n", fmt::join(equations, ". "));
   text += factors_text(code, "lower", products.lower) + factors_text(code, "upper", products.upper);
   text += fmt::format("  {} matrices[] = {{{}}};\n", has_driven(code) ? "const dalembert::Reduced<Scalar>" : "Scalar* const",
                       fmt::join(matrices, ", "));
-  const std::vector<Above> levels = all_above(code, s);
-  const std::string end = elements_split(s) ? "nv, begin, end" : fmt::format("nv, 0, {}", s.steps);
-  const int row = s.width > 1 ? 0 : base_rows(code) + s.bodies[0].front();
+  const std::vector<Above> levels = all_above(code, group, s);
+  const std::string leading = group.array->is_part() ? std::to_string(group.array->rows) : "nv";
+  const std::string end = leading + (elements_split(s) ? ", begin, end" : fmt::format(", 0, {}", s.steps));
+  const int row = s.width > 1 ? 0 : first_row(code, group, s.bodies[0]);
+  const std::string elements = "Elements" + group.suffix;
   if (s.width > 1) {
-    text += fmt::format("  constexpr dalembert::BranchTable branches{{{0}_row, {0}_length, {1}}};\n", s.name, s.first_slot);
-    text += fmt::format("  dalembert::branch_blocks<Elements, {}, {}, Scalar>(lower, upper, branches, matrices, {});\n",
+    text += fmt::format("  constexpr dalembert::BranchTable branches{{{0}_row{2}, {0}_length{2}, {1}}};\n", s.name,
+                        s.first_slot, group.suffix);
+    text += fmt::format("  dalembert::branch_blocks<{}, {}, {}, Scalar>(lower, upper, branches, matrices, {});\n", elements,
                         s.limbs(), s.steps, end);
     for (size_t level = 0; level < levels.size(); ++level) {
-      const Crossing crossing = crossing_of(code, s, level, levels[level]);
+      if (levels[level].steps == 0) continue;
+      const Crossing crossing = crossing_of(code, group, s, level, levels[level]);
       text += fmt::format(
-          "  constexpr dalembert::BranchTable above_{1}{{{0}_above_{1}_row, {0}_above_{1}_length, 0}};\n"
-          "  dalembert::{2}<Elements, {3}, {4}, {5}, Scalar{6}>(lower, upper, branches, {7}, above_{1}, matrices, {8});\n",
-          s.name, level + 1, crossing.function, s.limbs(), s.steps, levels[level].steps, crossing.type, crossing.slots, end);
+          "  constexpr dalembert::BranchTable above_{1}{{{0}_above_{1}_row{9}, {0}_above_{1}_length{9}, 0}};\n"
+          "  dalembert::{2}<{10}, {3}, {4}, {5}, Scalar{6}>(lower, upper, branches, {7}, above_{1}, matrices, {8});\n",
+          s.name, level + 1, crossing.function, s.limbs(), s.steps, levels[level].steps, crossing.type, crossing.slots, end,
+          group.suffix, elements);
     }
   } else {
-    text += fmt::format("  dalembert::run_block<Elements, Scalar>(lower, upper, {}, {}, {}, matrices, {});\n", s.first_slot,
+    text += fmt::format("  dalembert::run_block<{}, Scalar>(lower, upper, {}, {}, {}, matrices, {});\n", elements, s.first_slot,
                         row, s.steps, end);
     for (size_t level = 0; level < levels.size(); ++level)
-      text += fmt::format(
-          "  dalembert::run_cross_block<Elements, {}, Scalar>(lower, upper, {}, {}, {}_above_{}_slot, {}, matrices, {});\n",
-          levels[level].steps, s.first_slot, row, s.name, level + 1, base_rows(code) + levels[level].limbs[0].front(), end);
+      if (levels[level].steps > 0)
+        text += fmt::format(
+            "  dalembert::run_cross_block<{8}, {0}, Scalar>(lower, upper, {1}, {2}, {3}_above_{4}_slot{7}, {5}, matrices, "
+            "{6});\n",
+            levels[level].steps, s.first_slot, row, s.name, level + 1, first_row(code, group, levels[level].limbs[0]), end,
+            group.suffix, elements);
   }
-  if (!code.tree.floating_base) return text;
+  if (code.rolled.pairs[group.pairs.front()].columns < 0) return text;
   const auto base = [&](const char* what, int role, const std::string& matrix) {
-    return s.width > 1 ? fmt::format("  dalembert::base_{}<{}, {}, Scalar>({}, {}, branches, {}, nv);\n", what, s.limbs(),
-                                     s.steps, kept(code, role, 0), stride(code), matrix)
-                       : fmt::format("  dalembert::run_base_{}<Scalar>({}, {}, {}, {}, {}, {}, nv);\n", what,
-                                     kept(code, role, 0), stride(code), s.first_slot, row, s.steps, matrix);
+    return s.width > 1 ? fmt::format("  dalembert::base_{}<{}, {}, Scalar>({}, {}, branches, {}, {});\n", what, s.limbs(),
+                                     s.steps, kept(code, role, 0), stride(code), matrix, leading)
+                       : fmt::format("  dalembert::run_base_{}<Scalar>({}, {}, {}, {}, {}, {}, {});\n", what,
+                                     kept(code, role, 0), stride(code), s.first_slot, row, s.steps, matrix, leading);
   };
   text += "  // The base's rows and columns.\n";
-  if (elements_split(s)) text += "  if (begin > 0) return;\n";
-  for (size_t p = 0; p < matrices.size(); ++p) {
-    const std::string matrix = has_driven(code) ? fmt::format("matrices[{}]", p) : matrices[p];
-    text += base("columns", code.rolled.pairs[p].columns, matrix);
-    if (code.rolled.pairs[p].rows >= 0) text += base("rows", code.rolled.pairs[p].rows, matrix);
+  if (elements_split(s)) text += alone ? "  if (begin > 0) return;\n" : "  if (begin == 0) {\n";
+  for (size_t i = 0; i < matrices.size(); ++i) {
+    const std::string matrix = has_driven(code) ? fmt::format("matrices[{}]", i) : matrices[i];
+    const ir::RolledPairs& roles = code.rolled.pairs[group.pairs[i]];
+    text += base("columns", roles.columns, matrix);
+    if (roles.rows >= 0) text += base("rows", roles.rows, matrix);
+  }
+  if (elements_split(s) && !alone) text += "  }\n";
+  return text;
+}
+
+}  // namespace
+
+std::string elements_stage(const CodeInput& code, size_t segment) {
+  const ir::Segment& s = code.plan.segments[segment];
+  const std::vector<PairsOfRows> groups = pairs_by_rows(code);
+  std::string text;
+  for (const PairsOfRows& group : groups) {
+    if (!any_asked(code, group, s)) continue;
+    const std::string own = elements_of_group(code, group, s, groups.size() == 1);
+    text += groups.size() == 1 ? own : "  {\n" + own + "  }\n";
   }
   return text;
 }
@@ -270,10 +349,15 @@ void tile_counts(const ir::Segment& s, const std::vector<Above>& levels, int fac
 
 ElementCounts element_counts(const CodeInput& code, size_t segment, const ir::Pairs& pairs, int lanes) {
   const ir::Segment& s = code.plan.segments[segment];
-  const std::vector<Above> levels = all_above(code, s);
   ElementCounts counts;
+  PairsOfRows group;
+  for (const PairsOfRows& g : pairs_by_rows(code))
+    for (const size_t number : g.pairs)
+      if (&code.algorithm.pairs[number] == &pairs) group = g;
+  if (!any_asked(code, group, s)) return counts;
+  const std::vector<Above> levels = all_above(code, group, s);
   if (s.width > 1) {
-    tile_counts(s, levels, static_cast<int>(Products(code).lower.size()), pairs.symmetric, lanes, counts);
+    tile_counts(s, levels, static_cast<int>(Products(code, group).lower.size()), pairs.symmetric, lanes, counts);
     return counts;
   }
   const auto driven = [&](int body) { return code.tree.bodies[static_cast<size_t>(body)].driven(); };

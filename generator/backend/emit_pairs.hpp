@@ -3,10 +3,19 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "backend/emit.hpp"
 
 namespace dalembert::backend {
+
+// Matrices of pairs that have the same rows and columns of the robot, and are filled together.
+struct PairsOfRows {
+  std::vector<size_t> pairs;     // of the algorithm, in order
+  const ir::OutputArray* array;  // the first one's: what is said of rows holds for all
+  std::string suffix;            // of names that are theirs; the first ones' is empty
+};
+std::vector<PairsOfRows> pairs_by_rows(const CodeInput& code);
 
 // How the elements of all matrices are made of their factors, as a type.
 std::string pairs_types(const CodeInput& code);

@@ -62,6 +62,9 @@ std::vector<int> coordinates_of_slots(const CodeInput& code, bool of_q) {
   return of;
 }
 
+// Whether what is gathered of every slot's joint are numbers of q alone, which in a part of a robot are others than those of v.
+bool of_q_alone(const CodeInput& code) { return !prepare_spreads(code); }
+
 // The first slots of all fours in which limbs stand.
 std::vector<int> fours(const CodeInput& code) {
   std::vector<int> first;
@@ -207,7 +210,8 @@ std::string prepare_tables(const CodeInput& code) {
     text += int_table(kind + "_slot", slots) + int_table(kind + "_joint", from);
   };
   const bool any_sines = sines(code, false) || sines(code, true);
-  if (prepare_spreads(code) || (plain(code) && any_sines)) text += int_table("slot_joint", coordinates_of_slots(code, false));
+  if (prepare_spreads(code) || (plain(code) && any_sines))
+    text += int_table("slot_joint", coordinates_of_slots(code, of_q_alone(code)));
   if (joints.quaternions && role_of(code, Source::position, false) >= 0)
     text += int_table("slot_position", coordinates_of_slots(code, true));
   if (prepare_spreads(code) || (!joints.turning.empty() && any_sines)) text += int_table("first_of_four", fours(code));

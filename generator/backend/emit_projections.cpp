@@ -18,11 +18,14 @@ namespace {
 using ir::InputKind;
 
 // Bodies whose columns lanes give.
-std::vector<int> projected_bodies(const CodeInput& code) {
+std::vector<int> projected_bodies(const CodeInput& code, const ir::Projection& projection) {
   std::vector<int> bodies;
   const std::vector<int> links = ir::numbers_of_links(code.tree);
+  const ir::OutputArray& array = code.algorithm.arrays[static_cast<size_t>(projection.array)];
+  const int columns = static_cast<int>(projection.columns.size());
+  const auto asked = [&](int k) { return array.column(columns * links[static_cast<size_t>(k)]) >= 0; };
   for (int k = 0; k < code.tree.joints(); ++k)
-    if (links[static_cast<size_t>(k)] >= 0 && (code.is_rolled() || ir::by_rows(code.tree, k))) bodies.push_back(k);
+    if (links[static_cast<size_t>(k)] >= 0 && asked(k) && (code.is_rolled() || ir::by_rows(code.tree, k))) bodies.push_back(k);
   return bodies;
 }
 
@@ -35,14 +38,16 @@ struct BaseRow {
 };
 std::vector<BaseRow> base_rows_of(const CodeInput& code, const ir::Projection& projection, ir::Graph& graph) {
   std::vector<BaseRow> elements;
+  const ir::OutputArray& array = code.algorithm.arrays[static_cast<size_t>(projection.array)];
   for (int row = 0; row < base_rows(code); ++row) {
+    if (array.row(row) < 0) continue;
     ir::Copy copy(projection.graph, graph);
     for (int column = 0; column < static_cast<int>(projection.columns.size()); ++column) {
       const ir::NodeId node = copy.node(projection.columns[static_cast<size_t>(column)], [&](const ir::Input& in) {
         return in.kind == InputKind::state ? graph.input(in)
                                            : graph.constant(code.rolled.base_coordinates.at({in.index, in.component, row}));
       });
-      if (!graph.is_constant(node, 0)) elements.push_back({row, column, node});
+      if (!graph.is_constant(node, 0)) elements.push_back({array.row(row), column, node});
     }
   }
   return elements;
@@ -84,7 +89,7 @@ class ProjectionWriter {
     };
     text += print(projection_.graph, sinks, style);
     return text + fmt::format("    }};\n    dalembert::project<{}>(projected, {}, runs, workspace.{}, rows, {});\n  }}\n",
-                              has_driven(code_) ? "true" : "false", projected_bodies(code_).size(), array_.name,
+                              has_driven(code_) ? "true" : "false", projected_bodies(code_, projection_).size(), array_.name,
                               has_base_rows(code_) ? "base_rows" : "dalembert::NoBaseRows{}");
   }
 
@@ -108,11 +113,11 @@ class ProjectionWriter {
   std::string tables() const {
     std::vector<std::string> bodies, runs;
     const std::vector<int> links = ir::numbers_of_links(code_.tree);
-    for (const int k : projected_bodies(code_)) {
-      for (const ir::RowRun& r : ir::row_runs(code_.tree, k))
+    for (const int k : projected_bodies(code_, projection_)) {
+      for (const ir::RowRun& r : ir::row_runs(code_.tree, k, array_.row_map))
         runs.push_back(fmt::format("{{{}, {}, {}, {}}}", r.joint, r.row, r.count, r.adds));
       const int at = code_.is_rolled() ? slot_of(code_, k) : k * array(projection_.bodies).rows;
-      const int columns = static_cast<int>(projection_.columns.size()) * links[static_cast<size_t>(k)];
+      const int columns = array_.column(static_cast<int>(projection_.columns.size()) * links[static_cast<size_t>(k)]);
       bodies.push_back(fmt::format("{{{}, {}, {}}}", at, array_.rows * columns, runs.size()));
     }
     return fmt::format(
@@ -159,7 +164,7 @@ class ProjectionWriter {
 }  // namespace
 
 bool projects_by_rows(const CodeInput& code, const ir::Projection& projection) {
-  return (code.is_rolled() || projection.bodies >= 0) && !projected_bodies(code).empty();
+  return (code.is_rolled() || projection.bodies >= 0) && !projected_bodies(code, projection).empty();
 }
 bool projects_by_rows(const CodeInput& code) {
   return std::any_of(code.algorithm.projections.begin(), code.algorithm.projections.end(),
@@ -180,14 +185,15 @@ ir::Operations base_row_operations(const CodeInput& code, const ir::Projection& 
   for (const BaseRow& e : base_rows_of(code, projection, graph)) roots.push_back(e.node);
   const ir::Operations each = ir::count(graph, ir::uses(graph, roots));
   ir::Operations all;
-  for (size_t body = 0; body < projected_bodies(code).size(); ++body) all += each;
+  for (size_t body = 0; body < projected_bodies(code, projection).size(); ++body) all += each;
   return all;
 }
 
-RowCounts row_counts(const CodeInput& code, int lanes) {
+RowCounts row_counts(const CodeInput& code, const ir::Projection& projection, int lanes) {
   RowCounts counts;
-  for (const int k : projected_bodies(code))
-    for (const ir::RowRun& run : ir::row_runs(code.tree, k)) {
+  const ir::OutputArray& array = code.algorithm.arrays[static_cast<size_t>(projection.array)];
+  for (const int k : projected_bodies(code, projection))
+    for (const ir::RowRun& run : ir::row_runs(code.tree, k, array.row_map)) {
       const int rows = ir::computed_rows(run, lanes);
       counts.rows += rows;
       counts.registers += lanes > 4 && rows >= lanes ? rows / lanes : (rows + 3) / 4;

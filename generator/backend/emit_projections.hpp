@@ -21,6 +21,6 @@ struct RowCounts {
   long rows = 0, registers = 0;
   long added = 0;  // of the rows: those that are added to others
 };
-RowCounts row_counts(const CodeInput& code, int lanes);
+RowCounts row_counts(const CodeInput& code, const ir::Projection& projection, int lanes);
 
 }  // namespace dalembert::backend

@@ -96,8 +96,13 @@ struct PivotRoles {
 // Bodies, own or driven, whose coordinate a result has.
 std::vector<int> bodies_of(const CodeInput& code, const ir::Result& r) {
   std::vector<int> bodies;
-  for (int k = 0; k < code.tree.joints(); ++k)
+  const std::vector<int> coordinates = code.tree.coordinates();
+  const ir::OutputArray& array = code.algorithm.arrays[static_cast<size_t>(r.array)];
+  for (int k = 0; k < code.tree.joints(); ++k) {
+    const int at = base_rows(code) + coordinates[static_cast<size_t>(k)];
+    if ((r.layout == ir::Layout::columns ? array.column(at) : array.row(at)) < 0) continue;
     if (r.only_above == ir::all_bodies || code.tree.is_above_only(k, r.only_above, r.beside)) bodies.push_back(k);
+  }
   return bodies;
 }
 
@@ -117,6 +122,12 @@ std::optional<PivotRoles> pivots_in_slots(const CodeInput& code) {
   return roles;
 }
 
+// Whether it has every joint's number in its place.
+bool of_all_joints(const CodeInput& code, const ir::Result& r) {
+  return r.only_above == ir::all_bodies && !has_driven(code) && !code.tree.within &&
+         !code.algorithm.arrays[static_cast<size_t>(r.array)].is_part();
+}
+
 // Roles of joints that are results: copied to their rows or columns, a driven joint's added to its driver's.
 std::string joint_results(const CodeInput& code) {
   const std::vector<int> coordinates = code.tree.coordinates();
@@ -131,7 +142,7 @@ std::string joint_results(const CodeInput& code) {
     const int components = code.rolled.roles[static_cast<size_t>(r.role)].components();
     const bool columns = r.layout == ir::Layout::columns;
     const int step = columns ? array.rows : 1;
-    const bool all = r.only_above == ir::all_bodies && !has_driven(code);
+    const bool all = of_all_joints(code, r);
     const auto to = [&](const std::string& row, int component) {
       return fmt::format("workspace.{}[{}]", array.name,
                          step == 1 ? row : fmt::format("{} * ({}) + {}", step, row, r.from + component));
@@ -144,7 +155,8 @@ std::string joint_results(const CodeInput& code) {
     }
     std::set<int> set;
     for (int k : bodies_of(code, r)) {
-      const int row = base_rows(code) + coordinates[static_cast<size_t>(k)];
+      const int of_whole = base_rows(code) + coordinates[static_cast<size_t>(k)],
+                row = columns ? array.column(of_whole) : array.row(of_whole);
       const bool first = set.insert(row).second;
       for (int i = 0; i < components; ++i)
         text += fmt::format("  workspace.{}[{}] {} {}[{}];\n", array.name, columns ? step * row + r.from + i : row,
@@ -160,7 +172,7 @@ std::string joint_results(const CodeInput& code) {
 bool joint_loops(const CodeInput& code) {
   return !has_driven(code) &&
          std::any_of(code.algorithm.results.begin(), code.algorithm.results.end(), [&](const ir::Result& r) {
-           return r.layout != ir::Layout::base && r.only_above == ir::all_bodies && is_kept(code, r.role);
+           return r.layout != ir::Layout::base && of_all_joints(code, r) && is_kept(code, r.role);
          });
 }
 
@@ -261,8 +273,9 @@ std::vector<Stage> rolled_stages(const CodeInput& code) {
   }
   if (!code.algorithm.pairs.empty())
     for (size_t s = 0; s < segments.size(); ++s)
-      all.push_back(
-          {Stage::Kind::elements, levels, static_cast<int>(s), "elements_" + segments[s].name, false, elements_stage(code, s)});
+      if (std::string body = elements_stage(code, s); !body.empty())
+        all.push_back(
+            {Stage::Kind::elements, levels, static_cast<int>(s), "elements_" + segments[s].name, false, std::move(body)});
   if (const std::string body = results_statements(code); !body.empty())
     all.push_back({Stage::Kind::results, levels, -1, "results", false, body});
   return all;

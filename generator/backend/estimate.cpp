@@ -144,10 +144,10 @@ void add_elements(const CodeInput& code, int lanes, Features& f) {
 
 void add_projections(const CodeInput& code, int lanes, Features& f) {
   if (!projects_by_rows(code)) return;
-  const double registers = static_cast<double>(row_counts(code, lanes).registers);
   for (const ir::Projection& p : code.algorithm.projections) {
     if (!projects_by_rows(code, p)) continue;
     const double columns = static_cast<double>(p.columns.size());
+    const double registers = static_cast<double>(row_counts(code, p, lanes).registers);
     of(f, Feature::lanes) += registers * (Work(p.graph, p.columns, fused(lanes)).operations() + columns / 2);
     of(f, Feature::loops) += 1;
     // Copies of the joints' numbers, and of bodies' that are the base's rows.
@@ -155,9 +155,9 @@ void add_projections(const CodeInput& code, int lanes, Features& f) {
   }
 }
 
-// Of a straight line of more instructions the caches of decoded or of fetched ones hold nothing when it begins anew: all of it is
-// fetched again, in every call. Processors with registers of four decode less ahead: the cache of decoded instructions of Zen 3 and
-// its like holds 4096, among them loads and stores, of newer ones half as many again.
+// Of a straight line of more instructions the caches of decoded or of fetched ones hold nothing when it begins anew: all of it
+// is fetched again, in every call. Processors with registers of four decode less ahead: the cache of decoded instructions of
+// Zen 3 and its like holds 4096, among them loads and stores, of newer ones half as many again.
 struct Fetching {
   double cached, uncached;
 };

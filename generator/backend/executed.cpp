@@ -67,13 +67,20 @@ void add_elements(const CodeInput& code, ir::Operations& sum) {
 
 void add_projections(const CodeInput& code, ir::Operations& sum) {
   if (!projects_by_rows(code)) return;
-  const RowCounts computed = row_counts(code, counted_lanes);
   for (const ir::Projection& p : code.algorithm.projections) {
     if (!projects_by_rows(code, p)) continue;
+    const RowCounts computed = row_counts(code, p, counted_lanes);
     sum += of(p.graph, p.columns, computed.rows);
     sum += base_row_operations(code, p);
     sum.add += computed.added * static_cast<long>(p.columns.size());
   }
+}
+
+// Whether the result's array has the row or column of a body's coordinate.
+bool array_has(const CodeInput& code, const ir::Result& r, int body, const std::vector<int>& coordinates) {
+  const ir::OutputArray& array = code.algorithm.arrays[static_cast<size_t>(r.array)];
+  const int at = base_rows(code) + coordinates[static_cast<size_t>(body)];
+  return (r.layout == ir::Layout::columns ? array.column(at) : array.row(at)) >= 0;
 }
 
 // Of driven joints' results, added to their drivers': all but the first of each row.
@@ -85,7 +92,8 @@ long driven_results(const CodeInput& code) {
     if (r.layout == ir::Layout::base || !is_kept(code, r.role)) continue;
     std::set<int> rows;
     for (int k = 0; k < code.tree.joints(); ++k)
-      if ((r.only_above == ir::all_bodies || code.tree.is_above_only(k, r.only_above, r.beside)) &&
+      if (array_has(code, r, k, coordinates) &&
+          (r.only_above == ir::all_bodies || code.tree.is_above_only(k, r.only_above, r.beside)) &&
           !rows.insert(coordinates[static_cast<size_t>(k)]).second)
         additions += code.rolled.roles[static_cast<size_t>(r.role)].components();
   }

@@ -167,8 +167,9 @@ std::string stage_text(const Model& model, const Lowered& lowered, Stage stage) 
   std::string text;
   for (const LoweredFunction& f : lowered.functions) {
     if (lowered.functions.size() > 1) text += fmt::format("function {}\n", f.algorithm.function.name);
-    if (stage == Stage::program) text += program_text(model.tree, model.scene, f.algorithm, f.program);
-    if (stage == Stage::plan) text += plan_text(model.tree, f.plan);
+    const ir::KinematicTree& tree = f.part ? f.part->tree : model.tree;
+    if (stage == Stage::program) text += program_text(tree, model.scene, f.algorithm, f.program);
+    if (stage == Stage::plan) text += plan_text(tree, f.plan);
     if (stage == Stage::rolled) text += rolled_text(f.algorithm, f.plan, f.rolled);
   }
   return text;

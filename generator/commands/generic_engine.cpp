@@ -7,7 +7,7 @@ namespace dalembert {
 namespace {
 
 Eigen::MatrixXd evaluate(const Model& model, const Output& output, const State& state, reference::Precision precision) {
-  return reference::evaluate(model.tree, model.scene, {{output.quantity, output.link, output.of_link}},
+  return reference::evaluate(model.tree, model.scene, {{output.quantity, output.link, output.of_link, output.selection()}},
                              {state.q, state.v, state.more, state.wrenches}, precision)
       .front();
 }

@@ -6,6 +6,8 @@
 #include <algorithm>
 
 #include "commands/json.hpp"
+#include "commands/labels.hpp"
+#include "commands/output.hpp"
 #include "commands/timing.hpp"
 #include "compile.hpp"
 #include "ir/plan_words.hpp"
@@ -168,6 +170,28 @@ std::string sparsity(const ir::KinematicTree& tree) {
                      elements, nv * nv, pairs);
 }
 
+// The parts of results that are asked for, with their rows and columns.
+std::string parts_text(const Model& model) {
+  std::string text;
+  for (const Output& output : outputs_of(model)) {
+    if (!output.part) continue;
+    const auto of = [&](const auto& row) { return ir::in_words(*output.part, row.rows, row.columns, model.tree); };
+    text += fmt::format("  {}, {} x {}, {}\n", output.name, output.rows, output.columns,
+                        output.quantity ? of(ir::row_of(*output.quantity)) : of(ir::row_of(output.of_link)));
+  }
+  return text.empty() ? "" : "\nparts of results:\n" + text;
+}
+std::string parts_json(const Model& model) {
+  std::string text;
+  for (const Output& output : outputs_of(model)) {
+    if (!output.part) continue;
+    const Labels labels = labels_of(model, output);
+    text += fmt::format("{}\n    {}: {{\"rows\": {}, \"columns\": {}}}", text.empty() ? "" : ",", json_string(output.name),
+                        json_array(labels.rows), json_array(labels.columns));
+  }
+  return text.empty() ? "" : fmt::format("  \"parts\": {{{}\n  }},\n", text);
+}
+
 std::string operations_json(const ir::Operations& o) {
   return fmt::format("\"add\": {}, \"multiply\": {}, \"divide\": {}, \"sincos\": {}", o.add, o.multiply, o.divide, o.sincos);
 }
@@ -253,8 +277,8 @@ std::string plan_text(const Lowered& lowered) {
 
 std::string describe(const Model& model) {
   const Lowered lowered = lower(model);
-  std::string text = summary(model) + coordinates(model.tree) + bodies(model.tree) + linkages(model.tree) + links(model.tree) + frames(model.scene) +
-                     sparsity(model.tree) + "\n";
+  std::string text = summary(model) + coordinates(model.tree) + bodies(model.tree) + linkages(model.tree) + links(model.tree) +
+                     frames(model.scene) + sparsity(model.tree) + parts_text(model) + "\n";
   for (const std::string& line : left_out(model, lowered)) text += line + "\n";
   return text + plan_text(lowered);
 }
@@ -271,12 +295,12 @@ std::string describe_json(const Model& model) {
   const std::vector<OperationCost> before = too_large_to_compare(lowered) ? std::vector<OperationCost>{} : costs_before(model);
   return fmt::format(
       "{{\n  \"robot\": {},\n  \"name\": {},\n  \"base\": \"{}\",\n  \"nq\": {},\n  \"nv\": {},\n  \"joints\": {},\n"
-      "  \"bodies\": {},\n  \"workspace_bytes\": {},\n  \"quantities\": {{{}\n  }},\n  \"without_scene\": {{{}\n  }},\n"
+      "  \"bodies\": {},\n{}  \"workspace_bytes\": {},\n  \"quantities\": {{{}\n  }},\n  \"without_scene\": {{{}\n  }},\n"
       "  \"executed\": {{{}\n  }},\n  \"plan\": {{{}\n  }},\n  \"estimates\": {{{}\n  }}\n}}\n",
       json_string(tree.robot), json_string(model.name), tree.floating_base ? "floating" : "fixed", tree.nq(), tree.nv(),
-      json_array(joints), json_array(bodies), workspace_bytes(model, lowered), quantities_json(operation_costs(lowered, tree)),
-      quantities_json(before), executed_json(executed_operations(model, lowered)), plan_json(lowered),
-      features_json(model, lowered));
+      json_array(joints), json_array(bodies), parts_json(model), workspace_bytes(model, lowered),
+      quantities_json(operation_costs(lowered, tree)), quantities_json(before),
+      executed_json(executed_operations(model, lowered)), plan_json(lowered), features_json(model, lowered));
 }
 
 }  // namespace dalembert

@@ -34,7 +34,8 @@ Names coordinates(const ir::KinematicTree& tree) {
 Names per_body(const ir::KinematicTree& tree, const Names& parts) {
   Names names;
   if (tree.floating_base) append(names, behind(tree.base_link, parts));
-  for (const ir::Body& body : tree.bodies) append(names, behind(body.name, parts));
+  for (const ir::Body& body : tree.bodies)
+    if (body.part + 1 == body.parts) append(names, behind(body.name, parts));
   return names;
 }
 
@@ -83,7 +84,15 @@ Labels labels_of(const Model& model, const Output& output) {
   const auto [rows, columns] = output.quantity
                                    ? std::pair(ir::row_of(*output.quantity).rows, ir::row_of(*output.quantity).columns)
                                    : std::pair(ir::row_of(output.of_link).rows, ir::row_of(output.of_link).columns);
-  return {in_one_word(names_along(rows, model)), in_one_word(names_along(columns, model))};
+  const auto asked = [](Names all, const std::optional<std::vector<int>>& numbers) {
+    if (!numbers) return all;
+    Names some;
+    for (const int i : *numbers) some.push_back(all[static_cast<size_t>(i)]);
+    return some;
+  };
+  const ir::Selection selection = output.selection();
+  return {in_one_word(asked(names_along(rows, model), selection.rows)),
+          in_one_word(asked(names_along(columns, model), selection.columns))};
 }
 
 Words words_of(const Output& output) {

@@ -12,46 +12,56 @@ namespace dalembert {
 
 namespace {
 
-Output output_of(const Model& model, ir::Quantity quantity) {
+Output output_of(const Model& model, ir::Quantity quantity, const std::map<ir::Quantity, ir::Part>& parts) {
   const ir::QuantityRow& row = ir::row_of(quantity);
+  const auto part = parts.find(quantity);
+  const ir::Part* const asked = part == parts.end() ? nullptr : &part->second;
   return {row.name,
           quantity,
           "",
           {},
-          ir::extent(row.rows, model.tree),
-          ir::extent(row.columns, model.tree),
-          ir::standard_function(row.function)};
+          ir::extent(row.rows, model.tree, asked),
+          ir::extent(row.columns, model.tree, asked),
+          ir::standard_function(row.function),
+          asked ? std::optional(*asked) : std::nullopt};
 }
 
 Output output_of(const Model& model, const ir::LinkOutput& output) {
   const ir::LinkQuantityRow& row = ir::row_of(output.quantity);
+  const ir::Part* const asked = output.part ? &*output.part : nullptr;
   return {ir::name_of(output),
           std::nullopt,
           output.link,
           output.quantity,
-          ir::extent(row.rows, model.tree),
-          ir::extent(row.columns, model.tree),
-          ir::standard_function(ir::Function::evaluate)};
+          ir::extent(row.rows, model.tree, asked),
+          ir::extent(row.columns, model.tree, asked),
+          ir::standard_function(ir::Function::evaluate),
+          output.part};
 }
 
 // Of the functions that the scene names.
 std::vector<Output> named_outputs(const Model& model) {
   std::vector<Output> outputs;
   for (const ir::NamedFunction& f : model.scene.functions) {
-    const ir::EmittedFunction function = ir::named_function(f.name, f.quantities, f.of_links);
-    const auto add = [&](const auto& quantity) {
-      Output output = output_of(model, quantity);
+    const ir::EmittedFunction function = ir::named_function(f.name, f.quantities, f.of_links, f.parts);
+    const auto add = [&](Output output, const auto& quantity) {
       output.name = function.result(quantity);
       output.function = function;
       outputs.push_back(std::move(output));
     };
-    for (const ir::Quantity quantity : function.quantities) add(quantity);
-    for (const ir::LinkOutput& output : function.of_links) add(output);
+    for (const ir::Quantity quantity : function.quantities) add(output_of(model, quantity, f.parts), quantity);
+    for (const ir::LinkOutput& output : function.of_links) add(output_of(model, output), output);
   }
   return outputs;
 }
 
 }  // namespace
+
+ir::Selection Output::selection() const {
+  const ir::Part* const asked = part ? &*part : nullptr;
+  if (quantity) return ir::selection(asked, ir::row_of(*quantity).rows, ir::row_of(*quantity).columns);
+  return ir::selection(asked, ir::row_of(of_link).rows, ir::row_of(of_link).columns);
+}
 
 Output output_named(const Model& model, const std::string& name) {
   const auto refuse = [&](std::string message, std::string remedy) {
@@ -63,7 +73,7 @@ Output output_named(const Model& model, const std::string& name) {
     if (!model.scene.any_constraint() && ir::is_of_constraints(*quantity))
       refuse(fmt::format("{} is asked for, and there is neither a contact nor a loop", name),
              "say where the robot is held: --contacts left_foot=weld, or which links hold each other: --loops");
-    return output_of(model, *quantity);
+    return output_of(model, *quantity, model.scene.parts);
   }
   const std::vector<Output> named = named_outputs(model);
   for (const Output& output : named)
@@ -78,7 +88,10 @@ Output output_named(const Model& model, const std::string& name) {
       if (placement.link != link && ir::identifier(placement.link) != link) continue;
       if (placement.body < 0 && !model.tree.floating_base)
         refuse(fmt::format("link '{}' does not move: the base is fixed", link), "name a descendant of a joint that moves");
-      return output_of(model, ir::LinkOutput{row.quantity, placement.link});
+      ir::LinkOutput output{row.quantity, placement.link};
+      for (const ir::LinkOutput& asked : model.scene.link_outputs())
+        if (asked == output) output = asked;
+      return output_of(model, output);
     }
   }
   if (!link.empty()) {
@@ -97,7 +110,7 @@ Output output_named(const Model& model, const std::string& name) {
 
 std::vector<Output> outputs_of(const Model& model) {
   std::vector<Output> outputs;
-  for (ir::Quantity quantity : model.scene.outputs) outputs.push_back(output_of(model, quantity));
+  for (ir::Quantity quantity : model.scene.outputs) outputs.push_back(output_of(model, quantity, model.scene.parts));
   for (const ir::LinkOutput& output : model.scene.link_outputs()) outputs.push_back(output_of(model, output));
   for (Output& output : named_outputs(model)) outputs.push_back(std::move(output));
   return outputs;
@@ -116,7 +129,7 @@ Model with_outputs(Model model, const std::vector<Output>& outputs) {
   for (const Output& output : outputs) {
     if (output.function.named) continue;
     if (output.quantity) model.scene.outputs.push_back(*output.quantity);
-    else model.scene.frames.push_back({output.of_link, output.link});
+    else model.scene.frames.push_back({output.of_link, output.link, output.part});
   }
   return model;
 }

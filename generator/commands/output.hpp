@@ -18,6 +18,9 @@ struct Output {
   int rows = 0;
   int columns = 1;
   ir::EmittedFunction function{};  // that computes it; of a standard one without its quantities
+  std::optional<ir::Part> part{};  // of the result, where it is not wanted whole
+
+  ir::Selection selection() const;
 };
 
 // The output of that name: a quantity's, that of a link's quantity and the link's, or of one of the scene's functions and its

@@ -53,6 +53,7 @@ class SceneCheck {
     for (const auto& [joint, value] : scene_.friction) free_joint("friction", joint);
     stiffness();
     elastic();
+    parts();
     plan();
     if (scene_.urdf_damping) urdf_values("damping", &ir::Joint::damping);
     if (scene_.urdf_friction) urdf_values("friction", &ir::Joint::friction);
@@ -262,6 +263,43 @@ class SceneCheck {
         error("stiffness/" + joint, fmt::format("joint '{}' mimics '{}'", joint, relation->second.of),
               fmt::format("give the spring to '{}'", relation->second.of));
     }
+  }
+
+  // The joints and links whose rows and columns are asked for.
+  void parts() {
+    for (const auto& [quantity, part] : scene_.parts) of_part("outputs/" + std::string(ir::name_of(quantity)), part);
+    for (const ir::LinkOutput& output : scene_.frames)
+      if (output.part) of_part("frames/" + output.link + part_of_entry + ir::row_of(output.quantity).name, *output.part);
+    for (const ir::NamedFunction& function : scene_.functions) {
+      const std::string inside = "functions/" + function.name + part_of_entry;
+      for (const auto& [quantity, part] : function.parts) of_part(inside + std::string(ir::name_of(quantity)), part);
+      for (const ir::LinkOutput& output : function.of_links)
+        if (output.part) of_part(inside + output.link, *output.part);
+    }
+  }
+  void of_part(const std::string& where, const ir::Part& part) {
+    for (const std::string& name : part.joints) {
+      if (!ir::is_pattern(name)) {
+        if (const auto relation = scene_.mimic.find(name); free_joint(where, name) && relation != scene_.mimic.end())
+          error(where, fmt::format("joint '{}' mimics '{}', and has no row of its own", name, relation->second.of),
+                fmt::format("name '{}', whose row has the sum", relation->second.of));
+        continue;
+      }
+      std::vector<std::string> all;
+      for (const ir::Joint& joint : robot_.joints)
+        if (joint.type != ir::JointType::fixed && !is_cut(joint) && !scene_.locked.count(joint.name) &&
+            !scene_.mimic.count(joint.name))
+          all.push_back(joint.name);
+      if (std::none_of(all.begin(), all.end(), [&](const std::string& joint) { return ir::matches(name, joint); })) {
+        std::string letters = name;
+        std::erase_if(letters, [](char c) { return c == '*' || c == '?'; });
+        error(where, fmt::format("no joint that moves is called like '{}'", name), suggestion(letters, all));
+      }
+    }
+    for (const std::string& link : part.subtrees) kept_link(where, link);
+    for (const std::string& link : part.links) kept_link(where, link);
+    if (part.base.value_or(false) && scene_.base == ir::Base::fixed)
+      error(where, "the base is fixed, and has no rows", "leave 'base' out, or say base: floating in the scene");
   }
 
   void elastic() {

@@ -176,11 +176,14 @@ class SceneReader {
     }
   }
 
+  // [quantity, {quantity: part}, ...]
   void outputs(const YamlNode& node) {
     std::vector<std::string> known;
     for (const ir::QuantityRow& row : ir::quantities()) known.emplace_back(row.name);
     scene_.outputs.clear();
-    for (const YamlNode& item : list(in_our_names(node, ir::quantity_aliases()), "a list of quantities")) {
+    scene_.parts.clear();
+    std::map<std::string, const YamlNode*> parts;
+    for (const YamlNode& item : list(in_our_names(named_alone(node, parts), ir::quantity_aliases()), "a list of quantities")) {
       const std::optional<ir::Quantity> quantity = ir::quantity_named(item.scalar);
       if (!quantity) {
         const std::string of_link = ir::named_by_us(item.scalar, ir::link_quantity_aliases());
@@ -190,6 +193,70 @@ class SceneReader {
       }
       scene_.outputs.push_back(*quantity);
     }
+    for (const auto& [name, part] : parts)
+      if (const auto quantity = ir::quantity_named(ir::named_by_us(name, ir::quantity_aliases())))
+        scene_.parts[*quantity] = part_of(std::string(ir::name_of(*quantity)), ir::parts_of(*quantity), *part);
+  }
+
+  // The list, each {quantity: part} being its quantity alone; what is asked of it goes to `parts`.
+  static YamlNode named_alone(const YamlNode& node, std::map<std::string, const YamlNode*>& parts) {
+    YamlNode names = node;
+    const auto add = [&](const YamlNode& map) {
+      for (const auto& entry : map.entries) {
+        names.items.push_back(entry.key);
+        if (entry.key.is_scalar()) parts.emplace(entry.key.scalar, &entry.value);
+      }
+    };
+    names.items.clear();
+    if (node.is_map()) {
+      names.kind = YamlNode::Kind::sequence;
+      names.entries.clear();
+      add(node);
+    }
+    for (const YamlNode& item : node.items)
+      if (item.is_map()) add(item);
+      else names.items.push_back(item);
+    return names;
+  }
+
+  // {joints: [name or pattern, ...], subtree: link, base: true, links: [link, ...]}, of the result `name`.
+  ir::Part part_of(const std::string& name, const ir::Parts& has, const YamlNode& node) const {
+    const std::string remedy =
+        has.of_links ? "write {regressor: {links: [left_hand]}}" : fmt::format("write {{{}: {{joints: [left_*]}}}}", name);
+    if (!has.of_joints && !has.of_links)
+      refuse(node, fmt::format("parts of {} cannot be asked for", name),
+             fmt::format("ask for all of it: write {} alone, and take from it what you need", name));
+    if (!node.is_map()) refuse(node, fmt::format("which part of {} is asked for is no map", name), remedy);
+    ir::Part part;
+    const auto names = [&](const YamlEntry& entry) {
+      std::vector<YamlNode> items = entry.value.items;
+      if (entry.value.is_scalar()) items = {entry.value};
+      std::vector<std::string> list;
+      for (const YamlNode& item : items) {
+        if (!item.is_scalar() || item.scalar.empty()) refuse(item, "an item of the list is not a name", remedy);
+        list.push_back(item.scalar);
+      }
+      if (list.empty())
+        refuse(entry.value, fmt::format("no {} of {} are named", entry.key.scalar == "links" ? "links" : "joints", name),
+               remedy);
+      return list;
+    };
+    for (const auto& entry : node.entries) {
+      const std::string key = entry.key.is_scalar() ? entry.key.scalar : "";
+      if (key == "joints") part.joints = names(entry);
+      else if (key == "subtree") part.subtrees = names(entry);
+      else if (key == "base") part.base = choice<bool>(entry.value, {{"true", true}, {"false", false}});
+      else if (key == "links" && has.of_links) part.links = names(entry);
+      else if (key == "links")
+        refuse(entry.key, fmt::format("{} has no columns of links", name), fmt::format("name joints: {}", remedy));
+      else
+        refuse(entry.key, fmt::format("'{}' is no part of {}", key, name),
+               suggestion(key, has.of_links ? std::vector<std::string>{"joints", "subtree", "base", "links"}
+                                            : std::vector<std::string>{"joints", "subtree", "base"}));
+    }
+    if (!part.names_joints() && part.links.empty())
+      refuse(node, fmt::format("which part of {} is asked for is not said", name), remedy);
+    return part;
   }
 
   // {name: [quantity, ..., frame, {what `frames` takes}], ...}
@@ -210,6 +277,7 @@ class SceneReader {
       if (!value.is_sequence()) items = {value};
       std::vector<AskedOfFrame>& of_frames = document_.of_frames[function.name];
       for (const YamlNode& item : items) {
+        if (item.is_map() && takes_parts(item, function)) continue;
         if (item.is_map()) {
           std::vector<ir::LinkOutput> outputs;
           frame_map(item, function.name, outputs, document_.placed_by_functions);
@@ -230,6 +298,20 @@ class SceneReader {
                "name at least one quantity, such as mass_matrix");
       scene_.functions.push_back(std::move(function));
     }
+  }
+
+  // Whether an item of a function is {quantity: part}, and not of frames.
+  bool takes_parts(const YamlNode& item, ir::NamedFunction& function) {
+    for (const auto& entry : item.entries) {
+      const std::string name = entry.key.is_scalar() ? ir::named_by_us(entry.key.scalar, ir::quantity_aliases()) : "";
+      const std::optional<ir::Quantity> quantity = ir::quantity_named(name);
+      if (!quantity) return false;
+      entry_name(entry.key, function.name);
+      function.quantities.push_back(*quantity);
+      function.parts[*quantity] = part_of(name, ir::parts_of(*quantity), entry.value);
+      takes_one_input(entry.key, function);
+    }
+    return !item.entries.empty();
   }
 
   // What the last quantity takes besides q and v is what those before it take, if anything.
@@ -311,8 +393,11 @@ class SceneReader {
     std::vector<YamlNode> items = value.items;
     if (value.is_scalar()) items = {value};
     else if (!value.is_sequence()) refuse(value, "the value is not a list", remedy);
-    for (const YamlNode& item : items) {
+    for (const YamlNode& listed : items) {
+      const bool has_part = listed.is_map() && listed.entries.size() == 1 && listed.entries.front().key.is_scalar();
+      YamlNode item = has_part ? listed.entries.front().key : listed;
       if (!item.is_scalar()) refuse(item, "an item of the list is not a name", remedy);
+      item.scalar = ir::named_by_us(item.scalar, ir::link_quantity_aliases());
       const std::optional<ir::LinkQuantity> quantity = ir::link_quantity_named(item.scalar);
       if (!quantity) {
         std::vector<std::string> known;
@@ -324,6 +409,9 @@ class SceneReader {
       }
       entry_name(item, inside);
       outputs.push_back({*quantity, frame});
+      const ir::LinkQuantityRow& row = ir::row_of(*quantity);
+      if (has_part)
+        outputs.back().part = part_of(row.name, {ir::has_parts(row.rows, row.columns), false}, listed.entries.front().value);
     }
     if (items.empty())
       refuse(entry.key, fmt::format("nothing is asked for of link '{}'", frame), "name at least one quantity, such as pose");

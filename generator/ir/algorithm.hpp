@@ -123,6 +123,12 @@ struct OutputArray {
   bool internal = false;       // a step between, which users do not ask for
   bool of_first_half = false;  // of a second half (ir/emitted_function.hpp): the other function has it
   bool written_out = false;    // nothing reads it: its elements became operands (passes/write_out.hpp)
+  // Of a part of a result (ir/part.hpp): where the rows and columns of the whole stand in it, -1: not asked for. Empty: all.
+  std::vector<int> row_map{}, column_map{};
+
+  int row(int of_whole) const { return row_map.empty() ? of_whole : row_map[static_cast<std::size_t>(of_whole)]; }
+  int column(int of_whole) const { return column_map.empty() ? of_whole : column_map[static_cast<std::size_t>(of_whole)]; }
+  bool is_part() const { return !row_map.empty() || !column_map.empty(); }
 };
 
 // What is done to whole matrices once their elements are there.

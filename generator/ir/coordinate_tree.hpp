@@ -19,6 +19,7 @@ struct CoordinateTree {
   // How many stand above it.
   int depth(int coordinate) const;
 };
+// Of a part of a robot: empty.
 CoordinateTree coordinate_tree(const KinematicTree& tree);
 // How many at most stand above one of them.
 int most_above(const CoordinateTree& tree);

@@ -25,6 +25,16 @@ bool EmittedFunction::computes(Quantity quantity) const {
   return std::find(quantities.begin(), quantities.end(), quantity) != quantities.end();
 }
 
+const Part* EmittedFunction::part(Quantity quantity) const {
+  const auto found = parts.find(quantity);
+  return found == parts.end() ? nullptr : &found->second;
+}
+
+bool EmittedFunction::any_part() const {
+  return !parts.empty() ||
+         std::any_of(of_links.begin(), of_links.end(), [](const LinkOutput& output) { return output.part.has_value(); });
+}
+
 bool EmittedFunction::leaves(Quantity quantity) const { return std::find(later.begin(), later.end(), quantity) != later.end(); }
 
 std::string EmittedFunction::acceleration_result() const {
@@ -36,8 +46,8 @@ std::string EmittedFunction::acceleration_result() const {
 EmittedFunction standard_function(Function function) { return {row_of(function).name, row_of(function).type, function}; }
 
 EmittedFunction named_function(const std::string& name, const std::vector<Quantity>& quantities,
-                               const std::vector<LinkOutput>& of_links) {
-  EmittedFunction function{name, type_name(name), Function::evaluate, true, quantities, of_links};
+                               const std::vector<LinkOutput>& of_links, const std::map<Quantity, Part>& parts) {
+  EmittedFunction function{name, type_name(name), Function::evaluate, true, quantities, of_links, parts};
   std::sort(function.quantities.begin(), function.quantities.end());
   for (const Quantity quantity : quantities)
     if (row_of(quantity).function != Function::evaluate) function.inputs = row_of(quantity).function;
@@ -50,10 +60,12 @@ std::vector<EmittedFunction> functions_of(const Scene& scene) {
     EmittedFunction function = standard_function(row.function);
     for (const Quantity quantity : scene.outputs)
       if (row_of(quantity).function == row.function) function.quantities.push_back(quantity);
+    for (const auto& [quantity, part] : scene.parts)
+      if (function.computes(quantity)) function.parts.emplace(quantity, part);
     if (function.is_evaluate()) function.of_links = scene.link_outputs();
     if (!function.quantities.empty() || !function.of_links.empty()) all.push_back(std::move(function));
   }
-  for (const NamedFunction& f : scene.functions) all.push_back(named_function(f.name, f.quantities, f.of_links));
+  for (const NamedFunction& f : scene.functions) all.push_back(named_function(f.name, f.quantities, f.of_links, f.parts));
   return all;
 }
 

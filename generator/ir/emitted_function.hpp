@@ -1,6 +1,7 @@
 // A function of a robot's code: one of the standard ones (ir/function.hpp), or one that a scene names.
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,7 @@ struct EmittedFunction {
   bool named = false;                    // by the scene: its results bear its name too
   std::vector<Quantity> quantities{};    // of the whole robot, in the order of their results
   std::vector<LinkOutput> of_links{};    // of links, behind them
+  std::map<Quantity, Part> parts{};      // of quantities that are not wanted whole
   // A function may be computed in two halves: the first is the function that users call, has all results, and ends by calling
   // the second, which fills some of them. A second half may end by calling another.
   std::string second_half{};      // the name of the half that it calls
@@ -47,6 +49,9 @@ struct EmittedFunction {
   }
   std::string result(const LinkOutput& output) const { return named ? called_name(name_of(output)) : name_of(output); }
   bool computes(Quantity quantity) const;
+  // Null: it is wanted whole.
+  const Part* part(Quantity quantity) const;
+  bool any_part() const;
   bool leaves(Quantity quantity) const;  // to a second half
   // Of its results, v̇ for the forces given, that which contacts allow first; empty: none is.
   std::string acceleration_result() const;
@@ -58,7 +63,7 @@ EmittedFunction standard_function(Function function);
 // A function of these quantities and those of links, in the order of quantities.def: what others are made of stands before
 // them. The name as a type has letters behind '_' in capitals: "plan_step", "PlanStep". Takes what its quantities take.
 EmittedFunction named_function(const std::string& name, const std::vector<Quantity>& quantities,
-                               const std::vector<LinkOutput>& of_links = {});
+                               const std::vector<LinkOutput>& of_links = {}, const std::map<Quantity, Part>& parts = {});
 
 // Those of which the scene asks something: the standard ones, then those it names, in its order.
 std::vector<EmittedFunction> functions_of(const Scene& scene);

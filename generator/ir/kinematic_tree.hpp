@@ -19,6 +19,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -79,6 +80,13 @@ struct LinkPlacement {
 
 inline constexpr int nobody = -2;
 
+// Of a tree that is a part of a robot: where its numbers stand in the robot's q, v and body_names, as far behind its own base's
+// as positions() and coordinates() say, and how large results are.
+struct WithinRobot {
+  std::vector<int> positions, coordinates, links;  // per body
+  int nv = 0, count_of_links = 0;
+};
+
 struct KinematicTree {
   std::string robot;  // the URDF's robot name
   std::string base_link;
@@ -91,11 +99,13 @@ struct KinematicTree {
       held;                       // per constraint: the body its forces act on, and that which has the opposite, or nobody
   int constraint_rows = 0;        // of the scene's contacts and loops
   std::vector<Linkage> linkages;  // whose loops are embedded
+  std::optional<WithinRobot> within{};
 
   int joints() const { return static_cast<int>(bodies.size()); }  // moving joints, driven ones included
   // Per body: which of the joint coordinates is its own, or its driver's, counted from 0 behind the base's; -1 of what follows
   // by a loop.
   std::vector<int> coordinates() const {
+    if (within) return within->coordinates;
     std::vector<int> index(bodies.size(), -1);
     int next = 0;
     for (size_t k = 0; k < bodies.size(); ++k)
@@ -106,6 +116,7 @@ struct KinematicTree {
   }
   // Per body: where in q its joint's own numbers begin, counted from 0 behind the base's; of parts that have none, the first's.
   std::vector<int> positions() const {
+    if (within) return within->positions;
     std::vector<int> index(bodies.size());
     int next = 0;
     for (size_t k = 0; k < bodies.size(); ++k) {

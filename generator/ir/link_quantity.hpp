@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "ir/part.hpp"
 #include "ir/quantity.hpp"
 
 namespace dalembert::ir {
@@ -38,7 +39,8 @@ std::optional<LinkQuantity> link_quantity_named(std::string_view name);
 struct LinkOutput {
   LinkQuantity quantity = LinkQuantity::jacobian;
   std::string link;
-  bool operator==(const LinkOutput&) const = default;
+  std::optional<Part> part{};  // which columns; nothing: all
+  bool operator==(const LinkOutput& other) const { return quantity == other.quantity && link == other.link; }
 };
 // "jacobian_left_hand", an identifier.
 std::string name_of(const LinkOutput& output);

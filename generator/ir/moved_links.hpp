@@ -10,6 +10,7 @@ namespace dalembert::ir {
 
 // Per body: its number among them; -1: it is none.
 inline std::vector<int> numbers_of_links(const KinematicTree& tree) {
+  if (tree.within) return tree.within->links;
   std::vector<int> numbers;
   int next = tree.floating_base ? 1 : 0;
   for (const Body& body : tree.bodies) numbers.push_back(body.part + 1 == body.parts ? next++ : -1);
@@ -17,6 +18,7 @@ inline std::vector<int> numbers_of_links(const KinematicTree& tree) {
 }
 // How many they are.
 inline int count_of_links(const KinematicTree& tree) {
+  if (tree.within) return tree.within->count_of_links;
   int count = tree.floating_base ? 1 : 0;
   for (const Body& body : tree.bodies) count += body.part + 1 == body.parts;
   return count;

@@ -46,7 +46,7 @@ int extent(Extent extent, const KinematicTree& tree) {
     case Extent::three: return 3;
     case Extent::four: return 4;
     case Extent::six: return 6;
-    case Extent::nv: return tree.nv();
+    case Extent::nv: return tree.within ? tree.within->nv : tree.nv();
     case Extent::six_per_body: return 6 * count_of_links(tree);
     case Extent::ten_per_body: return 10 * count_of_links(tree);
     case Extent::constraint_rows: return tree.constraint_rows;

@@ -5,12 +5,16 @@
 
 namespace dalembert::ir {
 
-std::vector<RowRun> row_runs(const KinematicTree& tree, int body) {
+std::vector<RowRun> row_runs(const KinematicTree& tree, int body, const std::vector<int>& rows) {
   std::vector<int> above;
   for (int i = body; i >= 0; i = tree.bodies[static_cast<std::size_t>(i)].parent) above.insert(above.begin(), i);
   const std::vector<int> coordinates = tree.coordinates();
   const int base = tree.nv() - tree.independent_joints();
-  const auto row = [&](int joint) { return base + coordinates[static_cast<std::size_t>(joint)]; };
+  const auto row = [&](int joint) {
+    const int of_whole = base + coordinates[static_cast<std::size_t>(joint)];
+    return rows.empty() ? of_whole : rows[static_cast<std::size_t>(of_whole)];
+  };
+  std::erase_if(above, [&](int joint) { return row(joint) < 0; });
   std::vector<RowRun> runs, adding;
   std::set<int> there;
   for (const bool driven : {false, true})

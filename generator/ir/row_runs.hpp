@@ -14,7 +14,8 @@ struct RowRun {
   bool adds = false;
 };
 // Of the joints above a body, itself included; what adds to others comes last.
-std::vector<RowRun> row_runs(const KinematicTree& tree, int body);
+// `rows`: where each row stands in what is asked for (OutputArray::row_map), empty where all do.
+std::vector<RowRun> row_runs(const KinematicTree& tree, int body, const std::vector<int>& rows = {});
 
 // Whether lanes along rows give a body's columns where the rest is straight lines: of fewer joints above it those know more
 // zeros.

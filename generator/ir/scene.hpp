@@ -15,6 +15,7 @@
 #include "ir/identifier.hpp"
 #include "ir/link_quantity.hpp"
 #include "ir/loop.hpp"
+#include "ir/part.hpp"
 #include "ir/quantity.hpp"
 #include "ir/robot_description.hpp"
 
@@ -45,6 +46,7 @@ struct NamedFunction {
   std::string name;
   std::vector<Quantity> quantities;
   std::vector<LinkOutput> of_links{};
+  std::map<Quantity, Part> parts{};  // of quantities that are not wanted whole
 };
 
 // How a function is to be computed: what is said of it; the rest is estimated.
@@ -74,6 +76,7 @@ struct Scene {
   GravityKind gravity_kind = GravityKind::constant;
   Eigen::Vector3d gravity{0, 0, -9.81};  // m/s², world axes; when given at run time: the value a new workspace starts with
   std::vector<Quantity> outputs = default_quantities();
+  std::map<Quantity, Part> parts{};  // of outputs that are not wanted whole
   std::vector<NamedFunction> functions;
   Coriolis coriolis = Coriolis::balance;
   std::optional<Solver> forward_dynamics;   // unless asked for: articulated bodies, where they will do

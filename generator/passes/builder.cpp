@@ -172,8 +172,18 @@ int Builder::output(ir::Quantity quantity) {
   for (std::size_t i = 0; i < algorithm_.arrays.size(); ++i)
     if (algorithm_.arrays[i].name == name) return static_cast<int>(i);
   const ir::QuantityRow& row = ir::row_of(quantity);
-  const int rows = ir::extent(row.rows, tree_), columns = ir::extent(row.columns, tree_);
-  return algorithm_.function.first_half.empty() ? array(name, rows, columns) : array_of_first_half(name, rows, columns);
+  const ir::Part* const part = algorithm_.function.part(quantity);
+  const int rows = ir::extent(row.rows, tree_, part), columns = ir::extent(row.columns, tree_, part);
+  if (!algorithm_.function.first_half.empty()) return array_of_first_half(name, rows, columns);
+  return array_of_part(name, rows, columns, ir::map_of(part, row.rows, tree_), ir::map_of(part, row.columns, tree_));
+}
+
+int Builder::array_of_part(const std::string& name, int rows, int columns, std::vector<int> row_map,
+                           std::vector<int> column_map) {
+  const int index = array(name, rows, columns);
+  algorithm_.arrays.back().row_map = std::move(row_map);
+  algorithm_.arrays.back().column_map = std::move(column_map);
+  return index;
 }
 
 int Builder::internal_array(const std::string& name, int rows, int columns) {

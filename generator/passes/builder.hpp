@@ -122,6 +122,8 @@ class Builder {
   int array_called(const std::string& name) const;  // -1: there is none
   SweepBuilder sweep(const std::string& name, const std::string& equation, ir::Direction direction);
   int array(const std::string& name, int rows, int columns);
+  // Of a part of a result: with the maps of ir::OutputArray, empty where all are asked for.
+  int array_of_part(const std::string& name, int rows, int columns, std::vector<int> row_map, std::vector<int> column_map);
   // One that is no output.
   int internal_array(const std::string& name, int rows, int columns);
   int array_of_first_half(const std::string& name, int rows, int columns);

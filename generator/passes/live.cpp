@@ -11,29 +11,33 @@ class Walk {
     live_.offset = algorithm.offsets();
     const auto size = static_cast<std::size_t>(live_.offset.back());
     for (auto* set : {&live_.body, &live_.base, &live_.coordinate, &live_.handed, &live_.handed_base}) set->assign(size, false);
-    const auto need = [&](int role, int from, int count) {
+    // The base's coordinates where the array has them, and bodies.
+    const auto need = [&](int array, bool along_rows, int role, int from, int count) {
+      const ir::OutputArray& a = algorithm.arrays[static_cast<std::size_t>(array)];
+      const bool coordinates = floating_base && (along_rows ? a.row(0) : a.column(0)) >= 0;
       for (int i = from; i < from + count; ++i) {
         live_.body[live_.at(role, i)] = true;
-        if (floating_base) live_.coordinate[live_.at(role, i)] = true;
+        if (coordinates) live_.coordinate[live_.at(role, i)] = true;
       }
     };
     for (const ir::Pairs& p : algorithm.pairs) {
       for (const auto* terms : {&p.above, &p.below})
         for (const ir::PairTerm& t : *terms) {
-          need(t.upper, t.upper_from, 3);
-          need(t.lower, t.lower_from, 3);
+          need(p.array, true, t.upper, t.upper_from, 3);
+          need(p.array, true, t.lower, t.lower_from, 3);
         }
       if (p.between >= 0) live_.body[live_.at(p.between, 0)] = true;
     }
     for (const ir::Projection& p : algorithm.projections)
       each_input(p.graph, p.columns, [&](const ir::Input& in) {
-        if (in.kind == InputKind::carried) return need(in.index, in.component, 1);
+        if (in.kind == InputKind::carried) return need(p.array, true, in.index, in.component, 1);
         live_.body[live_.at(in.index, in.component)] = true;
-        if (floating_base) live_.base[live_.at(in.index, in.component)] = true;
+        const ir::OutputArray& a = algorithm.arrays[static_cast<std::size_t>(p.array)];
+        if (floating_base && a.column(0) >= 0) live_.base[live_.at(in.index, in.component)] = true;
       });
     for (const ir::Result& r : algorithm.results) {
       const int count = algorithm.roles[static_cast<std::size_t>(r.role)].components();
-      if (r.layout != ir::Layout::base) need(r.role, 0, count);
+      if (r.layout != ir::Layout::base) need(r.array, r.layout == ir::Layout::per_coordinate, r.role, 0, count);
       for (int i = 0; i < count && r.layout == ir::Layout::base; ++i) live_.base[live_.at(r.role, i)] = true;
     }
   }

@@ -15,15 +15,16 @@ using Limb = std::vector<int>;
 // of M and C take most of the time, and those fill registers of eight by fours as well, two steps at a time.
 constexpr size_t longest_of_eight = 12;
 
-// Runs of bodies without a branch, in depth-first order.
-std::vector<Limb> limbs_of(const ir::KinematicTree& tree) {
+// Runs of bodies without a branch and with rows in the same matrices, in depth-first order.
+std::vector<Limb> limbs_of(const ir::KinematicTree& tree, const std::vector<int>& rows) {
   std::vector<int> children(tree.bodies.size(), 0);
   for (const ir::Body& b : tree.bodies)
     if (b.parent >= 0) ++children[static_cast<size_t>(b.parent)];
   std::vector<Limb> limbs;
   for (int k = 0; k < tree.joints(); ++k) {
     const int parent = tree.bodies[static_cast<size_t>(k)].parent;
-    if (parent < 0 || children[static_cast<size_t>(parent)] > 1) limbs.emplace_back();
+    const bool other_rows = parent >= 0 && !rows.empty() && rows[static_cast<size_t>(parent)] != rows[static_cast<size_t>(k)];
+    if (parent < 0 || children[static_cast<size_t>(parent)] > 1 || other_rows) limbs.emplace_back();
     limbs.back().push_back(k);
   }
   return limbs;
@@ -138,8 +139,8 @@ class Grouping {
   std::vector<std::vector<int>> groups_;
 };
 
-void lay_out(const ir::KinematicTree& tree, size_t widest, ir::Plan& plan) {
-  const std::vector<Limb> limbs = limbs_of(tree);
+void lay_out(const ir::KinematicTree& tree, const std::vector<int>& rows, size_t widest, ir::Plan& plan) {
+  const std::vector<Limb> limbs = limbs_of(tree, rows);
   plan.slot_of.assign(tree.bodies.size(), 0);
   int half = -1;  // free beside a short segment
   for (const std::vector<int>& group : Grouping(tree, limbs).run(widest)) {
@@ -168,15 +169,28 @@ void lay_out(const ir::KinematicTree& tree, size_t widest, ir::Plan& plan) {
 
 }  // namespace
 
+std::vector<int> rows_in_pairs(const ir::Algorithm& algorithm, const ir::KinematicTree& tree) {
+  std::vector<int> rows(tree.bodies.size(), 0);
+  const std::vector<int> coordinates = tree.coordinates();
+  bool parts = false;
+  for (const ir::Pairs& p : algorithm.pairs) {
+    const ir::OutputArray& array = algorithm.arrays[static_cast<size_t>(p.array)];
+    parts = parts || array.is_part();
+    for (size_t k = 0; k < rows.size(); ++k)
+      rows[k] = 2 * rows[k] + (array.row((tree.floating_base ? 6 : 0) + coordinates[k]) >= 0 ? 1 : 0);
+  }
+  return parts ? rows : std::vector<int>{};
+}
+
 ir::Plan plan(const ir::KinematicTree& tree, const ir::Scene& scene, ir::Form form, const ir::Operations& straight,
-              const ir::CompileOptions& options) {
+              const ir::CompileOptions& options, const std::vector<int>& rows) {
   // Measured on two cores: a graph of tasks pays from about 30 µs of serial work on.
   constexpr long work_for_tasks = 500000;
   ir::Plan plan;
   plan.form = form;
   plan.tasks = scene.parallel == ir::Parallel::tasks ||
                (scene.parallel == ir::Parallel::automatic && form == ir::Form::rolled && straight.total() >= work_for_tasks);
-  if (form == ir::Form::rolled) lay_out(tree, options.pack ? 8 : 1, plan);
+  if (form == ir::Form::rolled) lay_out(tree, rows, options.pack ? 8 : 1, plan);
   return plan;
 }
 

@@ -1,6 +1,7 @@
 // What shapes the emitted code may have; and one of them laid out, limbs side by side.
 #pragma once
 
+#include "ir/algorithm.hpp"
 #include "ir/graph.hpp"
 #include "ir/kinematic_tree.hpp"
 #include "ir/plan.hpp"
@@ -13,8 +14,12 @@ namespace dalembert::passes {
 std::vector<ir::Form> forms(const ir::KinematicTree& tree, const ir::Scene& scene, const ir::Operations& straight,
                             const ir::CompileOptions& options);
 
-// Tasks or none, and for the rolled form the segments, lanes and slots of all bodies.
+// Per body, in which of the algorithm's matrices of pairs it has a row, as a number: limbs end where it changes. Empty where
+// all bodies have rows in all.
+std::vector<int> rows_in_pairs(const ir::Algorithm& algorithm, const ir::KinematicTree& tree);
+
+// Tasks or none, and for the rolled form the segments, lanes and slots of all bodies. `rows`: rows_in_pairs().
 ir::Plan plan(const ir::KinematicTree& tree, const ir::Scene& scene, ir::Form form, const ir::Operations& straight,
-              const ir::CompileOptions& options);
+              const ir::CompileOptions& options, const std::vector<int>& rows = {});
 
 }  // namespace dalembert::passes

@@ -24,7 +24,7 @@ void project_by_rows(ir::Algorithm& algorithm, ir::Program& program, Unroll& unr
   for (ir::Projection& p : algorithm.projections) {
     constexpr int most_in_line = 6;  // of fewer columns straight lines are as fast, or faster
     const int columns = static_cast<int>(p.columns.size());
-    if (columns <= most_in_line) continue;
+    if (columns <= most_in_line || algorithm.arrays[static_cast<std::size_t>(p.array)].is_part()) continue;
     std::erase_if(program.elements, [&](const ir::OutputElement& e) {
       const auto body = std::find(links.begin(), links.end(), e.column / columns);
       return e.array == p.array && e.row >= base_rows && body != links.end() &&

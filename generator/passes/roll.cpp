@@ -99,8 +99,9 @@ void collect_steps(RollState& state) {
   for (std::size_t s = 0; s < state.algorithm.sweeps.size(); ++s) {
     if (state.algorithm.sweeps[s].direction == Direction::root) continue;
     state.steps.push_back({static_cast<int>(s), -1, state.level[s]});
-    for (std::size_t p = 0; p < after.size() && state.tree.floating_base; ++p)
-      if (after[p] == static_cast<int>(s)) state.steps.push_back({-1, static_cast<int>(p), state.level[s]});
+    for (std::size_t p = 0; p < after.size(); ++p)
+      if (after[p] == static_cast<int>(s) && state.has_base_rows(state.algorithm.pairs[p]))
+        state.steps.push_back({-1, static_cast<int>(p), state.level[s]});
   }
 }
 
@@ -113,7 +114,7 @@ void add_roles(RollState& state) {
   for (const ir::Pairs& p : state.algorithm.pairs) {
     ir::RolledPairs rolled;
     const std::string& name = state.algorithm.arrays[static_cast<std::size_t>(p.array)].name;
-    if (state.tree.floating_base) {
+    if (state.has_base_rows(p)) {
       rolled.columns =
           add_role(state, {name + "_columns", "", "the base's rows of the joint's column of " + name, "", ir::Shape::wrench});
       if (!p.below.empty())
@@ -182,14 +183,17 @@ ir::RolledProgram roll(const ir::Algorithm& algorithm, Unroll& unroll, const ir:
     for (int k = 0; k < tree.joints() && p.diagonal >= 0; ++k) {
       const int row = root_joint(tree).nv + coordinates[static_cast<std::size_t>(k)];
       const double value = unroll.program().graph[unroll.plain_parameter(p.diagonal, k)].value;
-      if (value != 0) state.program.added.push_back({p.array, row, row, value});
+      const int at = state.array(p.array).row(row);
+      if (value != 0 && at >= 0) state.program.added.push_back({p.array, at, at, value});
     }
   for (const ir::Pairs& p : algorithm.pairs)
     for (int k = 0; k < tree.joints() && p.between >= 0; ++k) {
       if (!tree.bodies[static_cast<std::size_t>(k)].has_quaternion()) continue;
       each_bracket(tree, k, [&](int lower, int upper, int body, int sign) {
-        const auto row = [&](int of) { return root_joint(tree).nv + coordinates[static_cast<std::size_t>(of)]; };
-        if (!state.constant(unroll.role(p.between, 0, body)))
+        const auto row = [&](int of) {
+          return state.array(p.array).row(root_joint(tree).nv + coordinates[static_cast<std::size_t>(of)]);
+        };
+        if (row(upper) >= 0 && row(lower) >= 0 && !state.constant(unroll.role(p.between, 0, body)))
           state.program.added.push_back({p.array, row(upper), row(lower), static_cast<double>(sign), p.between, body});
       });
     }

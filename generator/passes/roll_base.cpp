@@ -67,10 +67,11 @@ class BaseRoll {
     const ir::Algorithm& a = state_.algorithm;
     const int coordinates = root_joint(state_.tree).nv;
     const auto put = [&](int array, int row, int column, NodeId node) {
-      if (!graph().is_constant(node, 0)) stage_->elements.push_back({array, row, column, node});
+      row = state_.array(array).row(row), column = state_.array(array).column(column);
+      if (row >= 0 && column >= 0 && !graph().is_constant(node, 0)) stage_->elements.push_back({array, row, column, node});
     };
     for (const ir::Pairs& p : a.pairs)
-      for (int k = 0; k < coordinates; ++k)
+      for (int k = 0; k < coordinates && state_.has_base_rows(p); ++k)
         for (int i = 0; i < coordinates; ++i) {
           NodeId sum = no_node;
           for (const ir::PairTerm& t : p.above)
@@ -83,6 +84,7 @@ class BaseRoll {
         }
     for (const ir::Projection& p : a.projections)
       for (int j = 0; j < coordinates; ++j) {
+        if (state_.array(p.array).row(j) < 0 || state_.array(p.array).column(0) < 0) continue;
         ir::Copy copy(p.graph, graph());
         for (std::size_t c = 0; c < p.columns.size(); ++c)
           put(p.array, j, static_cast<int>(c), copy.node(p.columns[c], [&](const ir::Input& in) {
@@ -96,6 +98,7 @@ class BaseRoll {
         if (r.layout == ir::Layout::base) put(r.array, (r.from + i) % rows, (r.from + i) / rows, of_base(r.role, i, -1));
         for (int j = 0; j < coordinates && r.layout != ir::Layout::base; ++j) {
           const bool columns = r.layout == ir::Layout::columns;
+          if ((columns ? state_.array(r.array).column(j) : state_.array(r.array).row(j)) < 0) continue;
           put(r.array, columns ? r.from + i : j, columns ? j : 0, of_base(r.role, i, j));
         }
       }

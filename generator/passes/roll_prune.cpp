@@ -14,8 +14,7 @@ using Values = std::set<RoleComponent>;
 class Pruning {
  public:
   explicit Pruning(RollState& state) : state_(state), slots_(state.program.segments.size()) {
-    const Values results = read_by_results();
-    for (Slots& s : slots_) s.read = results;
+    for (std::size_t s = 0; s < slots_.size(); ++s) slots_[s].read = read_by_results(state.plan.segments[s]);
     for (const ir::Sweep& sweep : state.algorithm.sweeps) {
       std::vector<NodeId> roots;
       for (const ir::Value& v : sweep.stores) roots.push_back(v.node);
@@ -121,14 +120,21 @@ class Pruning {
     return live;
   }
 
-  // What pairs, projections and results read of every body.
-  Values read_by_results() const {
+  // What pairs, projections and results read of the segment's bodies.
+  Values read_by_results(const ir::Segment& segment) const {
     Values read;
+    const auto any_asked = [&](int array, bool along_rows) {
+      for (const auto& limb : segment.bodies)
+        for (const int body : limb)
+          if (body >= 0 && state_.asked(array, along_rows, body)) return true;
+      return false;
+    };
     const auto need = [&](int role, int from, int count) {
       for (int i = from; i < from + count && role >= 0; ++i) read.insert({role, i});
     };
     const ir::Algorithm& a = state_.algorithm;
     for (std::size_t p = 0; p < a.pairs.size(); ++p) {
+      if (!any_asked(a.pairs[p].array, true)) continue;
       for (const auto* terms : {&a.pairs[p].above, &a.pairs[p].below})
         for (const ir::PairTerm& t : *terms) need(t.lower, t.lower_from, 3), need(t.upper, t.upper_from, 3);
       need(a.pairs[p].between, 0, 1);
@@ -138,7 +144,8 @@ class Pruning {
     for (const ir::Projection& p : a.projections)
       each_input(p.graph, p.columns, [&](const ir::Input& in) { need(in.index, in.component, 1); });
     for (const ir::Result& r : a.results)
-      if (r.layout != ir::Layout::base) need(r.role, 0, a.roles[static_cast<std::size_t>(r.role)].components());
+      if (r.layout != ir::Layout::base && any_asked(r.array, r.layout == ir::Layout::per_coordinate))
+        need(r.role, 0, a.roles[static_cast<std::size_t>(r.role)].components());
     return read;
   }
 

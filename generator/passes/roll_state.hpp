@@ -33,6 +33,7 @@ struct RollState {
   const ir::Graph::Options options;
 
   std::vector<int> level;                             // per sweep
+  std::vector<int> coordinates = tree.coordinates();  // per body
   std::vector<RollStep> steps{};                      // what bodies do, in order
   std::vector<bool> in_place{};                       // per role: what limbs hand on may be added to what is kept of it
   std::map<ir::NodeId, RoleComponent> base_values{};  // nodes of the unrolled program that are kept for the base from the start
@@ -49,6 +50,14 @@ struct RollState {
   const ir::Role& role(int id) const { return program.roles[static_cast<std::size_t>(id)]; }
   bool constant(ir::NodeId node) const { return node == ir::no_node || unroll.program().graph.is_constant(node); }
   double value(ir::NodeId node) const { return node == ir::no_node ? 0 : unroll.program().graph[node].value; }
+  const ir::OutputArray& array(int id) const { return algorithm.arrays[static_cast<std::size_t>(id)]; }
+  // Whether the matrix has rows and columns of a floating base.
+  bool has_base_rows(const ir::Pairs& p) const { return tree.floating_base && array(p.array).row(0) >= 0; }
+  // Whether an array has the row, or the column, of a body's coordinate.
+  bool asked(int id, bool along_rows, int body) const {
+    const int coordinate = (tree.floating_base ? 6 : 0) + coordinates[static_cast<std::size_t>(body)];
+    return (along_rows ? array(id).row(coordinate) : array(id).column(coordinate)) >= 0;
+  }
   bool known(int id) const { return static_cast<std::size_t>(id) < algorithm.roles.size(); }
   // When the base has a value: at which of its stages.
   int base_level(const RoleComponent& value) const;

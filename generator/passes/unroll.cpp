@@ -313,13 +313,18 @@ NodeId Unroll::dot(const std::vector<ir::PairTerm>& terms, std::size_t lower, st
 void Unroll::run_pairs(int pairs, int body) {
   const ir::Pairs& p = algorithm_.pairs[static_cast<std::size_t>(pairs)];
   program_.graph.set_tag(tag_ = {static_cast<std::int16_t>(algorithm_.sweeps.size() + static_cast<std::size_t>(pairs)), body});
+  const ir::OutputArray& array = algorithm_.arrays[static_cast<std::size_t>(p.array)];
+  const bool base_asked = base_rows_ > 0 && array.row(0) >= 0;
+  const auto asked = [&](int b) { return array.row(row_of(b)) >= 0; };
+  if (body >= 0 && !asked(body)) return;
   if (body < 0) {  // the base with itself: every element by its column
-    for (int k = 0; k < base_rows_; ++k)
+    for (int k = 0; k < base_rows_ && base_asked; ++k)
       for (int i = 0; i < base_rows_; ++i) put(p.array, i, k, dot(p.above, place(-1, k), place(-1, i)));
     return;
   }
   const std::size_t lower = place(body, -1);
   for (int i = body; i >= 0; i = tree_.bodies[static_cast<std::size_t>(i)].parent) {
+    if (!asked(i)) continue;
     NodeId above = dot(p.above, lower, place(i, -1));
     if (i == body && p.diagonal >= 0) above = program_.graph.add(above, parameter(p.diagonal, body));
     put(p.array, row_of(i), row_of(body), above);
@@ -334,7 +339,7 @@ void Unroll::run_pairs(int pairs, int body) {
       program_.graph.set_tag(tag_);
       put(p.array, row_of(over), row_of(under), sign > 0 ? force : program_.graph.negate(force));
     });
-  for (int j = 0; j < base_rows_; ++j) {
+  for (int j = 0; j < base_rows_ && base_asked; ++j) {
     const NodeId above = dot(p.above, lower, place(-1, j));
     put(p.array, j, row_of(body), above);
     if (p.symmetric) put(p.array, row_of(body), j, above);
@@ -348,7 +353,10 @@ void Unroll::run_projection(int projection, int body) {
   const int columns = static_cast<int>(p.columns.size()), link = body < 0 ? 0 : links_[static_cast<std::size_t>(body)];
   if (link < 0) return;
   const int first = columns * link;
+  const ir::OutputArray& array = algorithm_.arrays[static_cast<std::size_t>(p.array)];
+  if (array.column(first) < 0) return;
   const auto project = [&](int row, int above, int coordinate) {
+    if (array.row(row) < 0) return;
     tag_ = {static_cast<std::int16_t>(number), body};
     ir::Copy copy(p.graph, program_.graph);
     for (int c = 0; c < columns; ++c) {
@@ -367,6 +375,9 @@ void Unroll::run_projection(int projection, int body) {
 
 // Adds to an element: a driven joint's share falls on its driver's row and column.
 void Unroll::put(int array, int row, int column, NodeId node) {
+  const ir::OutputArray& part = algorithm_.arrays[static_cast<std::size_t>(array)];
+  row = part.row(row), column = part.column(column);
+  if (row < 0 || column < 0) return;  // not asked for
   const auto [at, made] = elements_.try_emplace({array, column, row}, node);
   if (!made) at->second = program_.graph.add(at->second, node);
 }
@@ -381,9 +392,12 @@ void Unroll::collect_results() {
         continue;
       }
       const bool columns = r.layout == ir::Layout::columns;
+      const ir::OutputArray& array = algorithm_.arrays[static_cast<std::size_t>(r.array)];
+      const auto asked = [&](int at) { return (columns ? array.column(at) : array.row(at)) >= 0; };
       for (int k = 0; k < tree_.joints(); ++k)
-        put(r.array, columns ? r.from + i : row_of(k), columns ? row_of(k) : 0, value(r.role, i, k));
-      for (int j = 0; j < base_rows_; ++j) put(r.array, columns ? r.from + i : j, columns ? j : 0, value(r.role, i, -1, j));
+        if (asked(row_of(k))) put(r.array, columns ? r.from + i : row_of(k), columns ? row_of(k) : 0, value(r.role, i, k));
+      for (int j = 0; j < base_rows_; ++j)
+        if (asked(j)) put(r.array, columns ? r.from + i : j, columns ? j : 0, value(r.role, i, -1, j));
     }
   }
   for (const auto& [key, node] : elements_)

@@ -16,8 +16,23 @@ template <class S>
 std::vector<Eigen::MatrixXd> evaluate_in(const ir::KinematicTree& tree, const ir::Scene& scene,
                                          const std::vector<Wanted>& wanted, const Inputs& inputs);
 
+namespace {
+std::vector<Eigen::MatrixXd> evaluate_whole(const ir::KinematicTree& tree, const ir::Scene& scene,
+                                            const std::vector<Wanted>& wanted, const Inputs& inputs, Precision precision);
+}  // namespace
+
 std::vector<Eigen::MatrixXd> evaluate(const ir::KinematicTree& tree, const ir::Scene& scene, const std::vector<Wanted>& wanted,
                                       const Inputs& inputs, Precision precision) {
+  std::vector<Eigen::MatrixXd> results = evaluate_whole(tree, scene, wanted, inputs, precision);
+  for (std::size_t i = 0; i < wanted.size(); ++i)
+    if (!wanted[i].selection.whole()) results[i] = wanted[i].selection.of(results[i]);
+  return results;
+}
+
+namespace {
+
+std::vector<Eigen::MatrixXd> evaluate_whole(const ir::KinematicTree& tree, const ir::Scene& scene,
+                                            const std::vector<Wanted>& wanted, const Inputs& inputs, Precision precision) {
   switch (precision) {
     case Precision::float32: return evaluate_in<float>(tree, scene, wanted, inputs);
     case Precision::float64: return evaluate_in<double>(tree, scene, wanted, inputs);
@@ -26,6 +41,8 @@ std::vector<Eigen::MatrixXd> evaluate(const ir::KinematicTree& tree, const ir::S
   }
   return {};
 }
+
+}  // namespace
 
 double mass_condition(const ir::KinematicTree& tree, const ir::Scene& scene, const Inputs& inputs) {
   const Eigen::MatrixXd M = evaluate(tree, scene, {{ir::Quantity::mass_matrix, ""}}, inputs, Precision::float64).front();

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "ir/kinematic_tree.hpp"
+#include "ir/part.hpp"
 #include "ir/scene.hpp"
 
 namespace dalembert::reference {
@@ -17,6 +18,7 @@ struct Wanted {
   std::optional<ir::Quantity> quantity;
   std::string link;
   ir::LinkQuantity of_link = ir::LinkQuantity::jacobian;
+  ir::Selection selection{};  // its rows and columns that are asked for
 };
 
 // What results depend on besides the robot and the scene.
@@ -29,8 +31,8 @@ struct Inputs {
 
 enum class Precision { float32, float64, extended, digits_50 };  // extended: long double
 
-// The results, each rows × columns, computed in the precision and then rounded to double. Gravity is the scene's, whatever its
-// kind; velocities count as zero where the scene says so.
+// The results, each rows × columns that are asked for, computed in the precision and then rounded to double. Gravity is the
+// scene's, whatever its kind; velocities count as zero where the scene says so.
 std::vector<Eigen::MatrixXd> evaluate(const ir::KinematicTree& tree, const ir::Scene& scene, const std::vector<Wanted>& wanted,
                                       const Inputs& inputs, Precision precision);
 

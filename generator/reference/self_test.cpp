@@ -202,8 +202,15 @@ ir::SelfTest self_test(const ir::KinematicTree& original, const ir::Scene& origi
   set_inputs(test, tree, scene);
   std::vector<Wanted> wanted;
   for (const ir::EmittedFunction& function : ir::functions_of(scene)) {
-    for (const ir::Quantity quantity : function.quantities) wanted.push_back({quantity, ""});
-    for (const ir::LinkOutput& output : function.of_links) wanted.push_back({std::nullopt, output.link, output.quantity});
+    for (const ir::Quantity quantity : function.quantities) {
+      const ir::QuantityRow& row = ir::row_of(quantity);
+      wanted.push_back({quantity, "", {}, ir::selection(function.part(quantity), row.rows, row.columns)});
+    }
+    for (const ir::LinkOutput& output : function.of_links) {
+      const ir::LinkQuantityRow& row = ir::row_of(output.quantity);
+      wanted.push_back({std::nullopt, output.link, output.quantity,
+                        ir::selection(output.part ? &*output.part : nullptr, row.rows, row.columns)});
+    }
   }
 
   const Precision exactly = precision(tree);

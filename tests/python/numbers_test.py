@@ -47,6 +47,17 @@ class Mahru(unittest.TestCase):
         r.mass_matrix(Q, out=result)
         self.assertEqual(result.tobytes(), expected.tobytes())
 
+    def test_a_part_is_rows_and_columns_of_the_whole(self):
+        part = dalembert.load(robots.mahru, base="floating", outputs=[{"mass_matrix": {"subtree": "left_shoulder_pitch_link"}}],
+                              flags=robots.quick, batch=False)
+        first = 6 + part.joints.index("left_shoulder_pitch")
+        whole, M = self.robot.mass_matrix(self.Q[0])[first:first + 6, first:first + 6], part.mass_matrix(self.Q[0])
+        self.assertEqual(M.shape, (6, 6))
+        self.assertLess(np.abs(M - whole).max(), 1e-13 * np.abs(whole).max())
+        self.assertIn("rows and columns: left_shoulder_pitch to left_wrist_pitch", part.mass_matrix.__doc__)
+        with self.assertRaisesRegex(dalembert.InputError, "did you mean 'left_elbow'"):
+            dalembert.load(robots.mahru, outputs=[{"mass_matrix": {"joints": ["left_elbo"]}}])
+
     def test_a_state_has_the_same_bits_wherever_it_stands(self):
         r = self.robot
         Q, V = (np.tile(x, (65, 1)) for x in (self.Q, self.V))  # enough for threads

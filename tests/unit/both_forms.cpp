@@ -12,9 +12,11 @@
 #include "passes/combine_inertia.hpp"
 #include "passes/embedding.hpp"
 #include "passes/normalise.hpp"
+#include "passes/part_of_tree.hpp"
 #include "passes/plan.hpp"
 #include "passes/project_by_rows.hpp"
 #include "passes/quantities/quantities.hpp"
+#include "passes/resolve_parts.hpp"
 #include "passes/roll.hpp"
 #include "passes/unroll.hpp"
 #include "passes/write_out.hpp"
@@ -35,6 +37,7 @@ Model model_of(const ir::RobotDescription& description, const ir::Scene& scene) 
   model.description = description;
   model.scene = scene;
   model.tree = passes::build_tree(description, scene, warnings);
+  passes::resolve_parts(model.scene, model.tree);
   return model;
 }
 
@@ -104,10 +107,12 @@ ir::KinematicTree welded(ir::KinematicTree tree, const std::string& link, const 
 std::array<ir::Arrays, 2> run_half(const ir::EmittedFunction& function, const Model& model, const State& state,
                                    const Payload& payload, const std::array<ir::Arrays, 2>& left,
                                    std::optional<ir::Solver> solver, const Gains& gains) {
-  const ir::NormalTree normal = passes::normalise(model.tree, passes::normalise_options(model.scene, true));
-  if (!solver) solver = passes::solvers(function, model.tree, model.scene).front();
-  const ir::Algorithm algorithm = passes::describe(function, model.tree, normal, model.scene, *solver, {});
-  passes::Unroll unroll(algorithm, model.tree, normal, model.scene, {{}, false});
+  const std::optional<ir::KinematicTree> part = passes::part_of_tree(function, model.tree, model.scene);
+  const ir::KinematicTree& tree = part ? *part : model.tree;
+  const ir::NormalTree normal = passes::normalise(tree, passes::normalise_options(model.scene, true));
+  if (!solver) solver = passes::solvers(function, tree, model.scene).front();
+  const ir::Algorithm algorithm = passes::describe(function, tree, normal, model.scene, *solver, {});
+  passes::Unroll unroll(algorithm, tree, normal, model.scene, {{}, false});
   size_t form = 0;
   const ir::FunctionInput input = [&](const ir::Input& in) {
     switch (in.kind) {
@@ -128,14 +133,14 @@ std::array<ir::Arrays, 2> run_half(const ir::EmittedFunction& function, const Mo
   };
   ir::Algorithm written_out = algorithm;
   ir::Program line = unroll.program();
-  passes::project_by_rows(written_out, line, unroll, model.tree);
-  passes::write_out_steps(written_out, line, ir::coordinate_tree(model.tree));
-  ir::Arrays straight = ir::run(written_out, line, model.tree, input, left[0]);
-  if (model.tree.bodies.empty()) return {straight, straight};  // a base alone
+  passes::project_by_rows(written_out, line, unroll, tree);
+  passes::write_out_steps(written_out, line, ir::coordinate_tree(tree));
+  ir::Arrays straight = ir::run(written_out, line, tree, input, left[0]);
+  if (tree.bodies.empty()) return {straight, straight};  // a base alone
   form = 1;
-  const ir::Plan plan = passes::plan(model.tree, model.scene, ir::Form::rolled, {}, {});
-  const ir::RolledProgram program = passes::roll(algorithm, unroll, model.tree, model.scene, plan, {});
-  return {straight, ir::run(algorithm, program, plan, model.tree, model.scene.rates_zero, input, left[1])};
+  const ir::Plan plan = passes::plan(tree, model.scene, ir::Form::rolled, {}, {}, passes::rows_in_pairs(algorithm, tree));
+  const ir::RolledProgram program = passes::roll(algorithm, unroll, tree, model.scene, plan, {});
+  return {straight, ir::run(algorithm, program, plan, tree, model.scene.rates_zero, input, left[1])};
 }
 
 Following following(const ir::KinematicTree& tree, const State& state) {

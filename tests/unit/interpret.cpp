@@ -393,17 +393,22 @@ class RolledRun {
     for (std::size_t n = 0; n < algorithm_.pairs.size(); ++n) {
       const Pairs& p = algorithm_.pairs[n];
       Eigen::MatrixXd& m = arrays_[algorithm_.arrays[static_cast<std::size_t>(p.array)].name];
+      const OutputArray& array = algorithm_.arrays[static_cast<std::size_t>(p.array)];
       for (int k = 0; k < tree_.joints(); ++k) {
+        const int column = array.row(row(k));
+        if (column < 0) continue;
         for (int i = k; i >= 0; i = tree_.bodies[static_cast<std::size_t>(i)].parent) {
+          const int at = array.row(row(i));
+          if (at < 0) continue;
           const double above = dot(p.above, k, i);
-          m(row(i), row(k)) += above;
+          m(at, column) += above;
           if (i == k) continue;
-          if (p.symmetric) m(row(k), row(i)) += above;
-          if (!p.below.empty()) m(row(k), row(i)) += dot(p.below, k, i);
+          if (p.symmetric) m(column, at) += above;
+          if (!p.below.empty()) m(column, at) += dot(p.below, k, i);
         }
         for (int j = 0; j < 6 && program_.pairs[n].columns >= 0; ++j) {
-          m(j, row(k)) += kept(program_.pairs[n].columns, j, slot(k));
-          if (program_.pairs[n].rows >= 0) m(row(k), j) += kept(program_.pairs[n].rows, j, slot(k));
+          m(j, column) += kept(program_.pairs[n].columns, j, slot(k));
+          if (program_.pairs[n].rows >= 0) m(column, j) += kept(program_.pairs[n].rows, j, slot(k));
         }
       }
     }
@@ -414,8 +419,13 @@ class RolledRun {
     for (const Projection& p : algorithm_.projections)
       for (int body = 0; body < tree_.joints(); ++body) {
         if (links[static_cast<std::size_t>(body)] < 0) continue;
-        const int columns = static_cast<int>(p.columns.size()), first = columns * links[static_cast<std::size_t>(body)];
-        const auto project = [&](int at, const std::function<double(const Input&)>& upper) {
+        const OutputArray& array = algorithm_.arrays[static_cast<std::size_t>(p.array)];
+        const int columns = static_cast<int>(p.columns.size()),
+                  first = array.column(columns * links[static_cast<std::size_t>(body)]);
+        if (first < 0) continue;
+        const auto project = [&](int of_whole, const std::function<double(const Input&)>& upper) {
+          const int at = array.row(of_whole);
+          if (at < 0) return;
           const std::vector<double> values = interpret<double>(p.graph, [&](const Input& in) {
             return in.kind == InputKind::state ? kept(in.index, in.component, slot(body)) : upper(in);
           });
@@ -432,9 +442,12 @@ class RolledRun {
       for (int k = 0; k < tree_.joints() && r.layout != Layout::base; ++k)
         for (int i = 0; i < program_.roles[static_cast<std::size_t>(r.role)].components(); ++i) {
           if (r.only_above != all_bodies && !tree_.is_above_only(k, r.only_above, r.beside)) continue;
-          Eigen::MatrixXd& m = arrays_[algorithm_.arrays[static_cast<std::size_t>(r.array)].name];
-          if (r.layout == Layout::columns) m(r.from + i, row(k)) += kept(r.role, i, slot(k));
-          else m(row(k), 0) += kept(r.role, i, slot(k));
+          const OutputArray& array = algorithm_.arrays[static_cast<std::size_t>(r.array)];
+          Eigen::MatrixXd& m = arrays_[array.name];
+          const int at = r.layout == Layout::columns ? array.column(row(k)) : array.row(row(k));
+          if (at < 0) continue;
+          if (r.layout == Layout::columns) m(r.from + i, at) += kept(r.role, i, slot(k));
+          else m(at, 0) += kept(r.role, i, slot(k));
         }
   }
 

@@ -3,6 +3,7 @@
 // DALEMBERT_RANDOM_ROBOTS=10000 draws so many. What fails is made smaller as long as it fails, and said in words, with its
 // seed.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <gtest/gtest-spi.h>
 
 #include <cstdlib>
@@ -67,7 +68,40 @@ void draw_kinds(Draw& draw, const Movable& robot, const std::string& driver, uns
   }
 }
 
+// Some joints, or all beyond a link; with the base or without; of the regressor and of W some links too.
+ir::Part part_of(Draw& draw, const Movable& robot, const ir::Scene& scene, bool of_links) {
+  ir::Part part;
+  const bool links = of_links && draw.one_in(2);
+  if (links)
+    for (unsigned i = 1 + draw.below(2); i-- > 0;) part.links.push_back(draw.of(robot.links));
+  if (links && draw.one_in(2)) return part;
+  if (draw.one_in(2)) part.subtrees.push_back(draw.of(robot.links));
+  for (unsigned i = draw.below(4); i-- > 0;) part.joints.push_back(draw.of(robot.joints));
+  if (draw.one_in(3) || (part.joints.empty() && part.subtrees.empty()))
+    part.base = scene.base == ir::Base::floating && draw.one_in(2);
+  return part;
+}
+void draw_parts(Draw& draw, const Movable& robot, ir::Scene& scene) {
+  const auto of_quantities = [&](const std::vector<ir::Quantity>& quantities, std::map<ir::Quantity, ir::Part>& parts) {
+    for (const ir::Quantity quantity : quantities)
+      if (const ir::Parts has = ir::parts_of(quantity); has.of_joints && !draw.one_in(4))
+        parts[quantity] = part_of(draw, robot, scene, has.of_links);
+  };
+  const auto of_links = [&](std::vector<ir::LinkOutput>& outputs) {
+    for (ir::LinkOutput& output : outputs)
+      if (const ir::LinkQuantityRow& row = ir::row_of(output.quantity); ir::has_parts(row.rows, row.columns) && !draw.one_in(3))
+        output.part = part_of(draw, robot, scene, false);
+  };
+  of_quantities(scene.outputs, scene.parts);
+  of_links(scene.frames);
+  for (ir::NamedFunction& function : scene.functions) {
+    of_quantities(function.quantities, function.parts);
+    of_links(function.of_links);
+  }
+}
+
 ir::Scene scene_of(Draw& draw, Movable robot) {
+  const Movable movable = robot;
   ir::Scene scene;
   if (draw.one_in(3)) {
     scene.placed = {{"sole", draw.of(robot.links), {0.1, -0.2, 0.3}, {0.4, 0, -0.7}},
@@ -128,6 +162,7 @@ ir::Scene scene_of(Draw& draw, Movable robot) {
   if (draw.one_in(4)) scene.payloads.push_back(draw.of(robot.links));
   if (draw.one_in(4)) scene.wrenches.push_back({draw.of(robot.links), draw.one_in(2)});
   if (draw.one_in(3)) draw_kinds(draw, robot, driver, 5, scene);
+  if (draw.one_in(3)) draw_parts(draw, movable, scene);
   return scene;
 }
 
@@ -139,8 +174,17 @@ std::string in_words(unsigned seed, const ir::Scene& scene) {
                   scene.coriolis == ir::Coriolis::christoffel, scene.forward_dynamics == ir::Solver::factorization);
   for (const ir::EmittedFunction& function : ir::functions_of(scene)) {
     text += "; " + function.name + ":";
-    for (const ir::Quantity quantity : function.quantities) text += fmt::format(" {}", ir::name_of(quantity));
-    for (const ir::LinkOutput& output : function.of_links) text += " " + ir::name_of(output);
+    const auto part_in_words = [](const ir::Part& part) {
+      std::string base = !part.base ? "" : *part.base ? "; base" : "; no base";
+      return fmt::format(" (joints {}; subtrees {}; links {}{})", fmt::join(part.joints, " "), fmt::join(part.subtrees, " "),
+                         fmt::join(part.links, " "), base);
+    };
+    for (const ir::Quantity quantity : function.quantities) {
+      text += fmt::format(" {}", ir::name_of(quantity));
+      if (const ir::Part* const part = function.part(quantity)) text += part_in_words(*part);
+    }
+    for (const ir::LinkOutput& output : function.of_links)
+      text += " " + ir::name_of(output) + (output.part ? part_in_words(*output.part) : "");
   }
   const auto add = [&](const char* key, const auto& joints) {
     for (const auto& [joint, value] : joints) text += fmt::format("; {} {}", key, joint);
@@ -222,6 +266,7 @@ ir::Scene smaller(const ir::RobotDescription& robot, ir::Scene scene) {
     shrink([](ir::Scene & s) -> auto& { return s.functions; });
     shrink([](ir::Scene & s) -> auto& { return s.outputs; });
     shrink([](ir::Scene & s) -> auto& { return s.frames; });
+    shrink([](ir::Scene & s) -> auto& { return s.parts; });
     shrink([](ir::Scene & s) -> auto& { return s.jacobians; });
     shrink([](ir::Scene & s) -> auto& { return s.contacts; });
     shrink([](ir::Scene & s) -> auto& { return s.wrenches; });

@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "commands/json.hpp"
+#include "commands/labels.hpp"
 #include "passes/joints/kinds.hpp"
 
 namespace dalembert {
@@ -22,7 +23,7 @@ std::string number(double x) {
 std::string array(const std::vector<std::string>& items) { return fmt::format("[{}]", fmt::join(items, ", ")); }
 
 // The registry's row of an output: its axes without those of extent one, symbol, unit and help.
-std::string output_json(const Output& output, const std::string& of_function) {
+std::string output_json(const Output& output, const std::string& of_function, const Model& model) {
   std::vector<std::string> shape;
   std::string symbol, unit, help, quantity;
   const auto read = [&](const auto& row) {
@@ -31,6 +32,7 @@ std::string output_json(const Output& output, const std::string& of_function) {
     quantity = row.name;
     unit = row.unit;
     help = row.help;
+    if (output.part) help += fmt::format(". Here {}", ir::in_words(*output.part, row.rows, row.columns, model.tree));
   };
   if (output.quantity) {
     read(ir::row_of(*output.quantity));
@@ -40,11 +42,17 @@ std::string output_json(const Output& output, const std::string& of_function) {
   }
   std::string field = output.name;  // "mass_matrix" of the scene's "balance_mass_matrix"
   if (!of_function.empty() && field.starts_with(of_function + "_")) field = field.substr(of_function.size() + 1);
+  // Of a part, what its rows and columns are.
+  std::string names;
+  if (output.part) {
+    const Labels labels = labels_of(model, output);
+    names = fmt::format(", \"rows\": {}, \"columns\": {}", json_array(labels.rows), json_array(labels.columns));
+  }
   return fmt::format(
       "{{\"name\": {}, \"field\": {}, \"quantity\": {}, \"link\": {}, \"shape\": {}, \"symbol\": {}, \"unit\": {}, \"help\": "
-      "{}}}",
+      "{}{}}}",
       json_string(output.name), json_string(field), json_string(quantity), json_string(output.link), array(shape),
-      json_string(symbol), json_string(unit), json_string(help));
+      json_string(symbol), json_string(unit), json_string(help), names);
 }
 
 std::string functions_json(const Library& library) {
@@ -52,7 +60,8 @@ std::string functions_json(const Library& library) {
   for (size_t i = 0; i < library.functions.size(); ++i) {
     const TableFunction& f = library.functions[i];
     std::vector<std::string> results;
-    for (const Output& output : f.results) results.push_back(output_json(output, f.function.named ? f.function.name : ""));
+    for (const Output& output : f.results)
+      results.push_back(output_json(output, f.function.named ? f.function.name : "", library.parts[f.part].model));
     all.push_back(fmt::format(
         "\n    {{\"name\": {}, \"function\": {}, \"entry\": {}, \"takes\": {}, \"meaning\": {}, \"reads_velocities\": {}, "
         "\"named\": {}, \"alone\": {}, \"part\": {}, \"folder\": {}, \"batch_entry\": {}, \"acceleration\": {}, "

@@ -97,6 +97,7 @@ std::string Mujoco::obstacle(const Output& output) const {
   if (!model_.scene.payloads.empty()) return "payloads are given at run time, which MuJoCo's model has none of";
   if (!obstacle_.empty()) return obstacle_;
   if (!output.quantity || !function(*output.quantity)) return "the report asks MuJoCo for no such quantity";
+  if (output.part) return "a part of it is asked for, and MuJoCo computes the whole";
   const ir::EmittedFunction& computed_by = output.function;
   if (computed_by.named && computed_by.quantities.size() + computed_by.of_links.size() > 1)
     return "one call computes this and more, none of MuJoCo's does";

@@ -151,6 +151,7 @@ std::string Pinocchio::obstacle(const Output& output) const {
     return "there are mimic joints, which the report does not make for Pinocchio";
   if (!model_.scene.payloads.empty()) return "payloads are given at run time, which Pinocchio's model has none of";
   if (!call(output)) return "the report asks Pinocchio for no such quantity";
+  if (output.part) return "a part of it is asked for, and Pinocchio computes the whole";
   const ir::EmittedFunction& computed_by = output.function;
   if (computed_by.named && computed_by.quantities.size() + computed_by.of_links.size() > 1)
     return "one call computes this and more, none of Pinocchio's does";

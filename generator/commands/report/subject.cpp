@@ -5,7 +5,7 @@ namespace {
 
 std::vector<reference::Wanted> wanted(const std::vector<Output>& outputs) {
   std::vector<reference::Wanted> list;
-  for (const Output& output : outputs) list.push_back({output.quantity, output.link, output.of_link});
+  for (const Output& output : outputs) list.push_back({output.quantity, output.link, output.of_link, output.selection()});
   return list;
 }
 

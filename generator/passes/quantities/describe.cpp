@@ -58,7 +58,10 @@ ir::Algorithm describe(const ir::EmittedFunction& function, const ir::KinematicT
   for (const ir::Quantity quantity : function.quantities) describe(b, quantity);
   for (const ir::LinkOutput& output : function.of_links) {
     const ir::LinkQuantityRow& row = ir::row_of(output.quantity);
-    const int array = b.array(function.result(output), ir::extent(row.rows, tree), ir::extent(row.columns, tree));
+    const ir::Part* const part = output.part ? &*output.part : nullptr;
+    const int array =
+        b.array_of_part(function.result(output), ir::extent(row.rows, tree, part), ir::extent(row.columns, tree, part),
+                        ir::map_of(part, row.rows, tree), ir::map_of(part, row.columns, tree));
     describe_link_quantity(b, link_frame(output.link, tree, normal), output.quantity, array);
   }
   complete_guard(b);

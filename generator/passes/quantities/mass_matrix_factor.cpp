@@ -9,10 +9,11 @@ namespace dalembert::passes {
 
 namespace {
 
-// As an array: the output, or one that is none.
+// As an array: the output, where that is the whole, or one that is none.
 int own_array(Builder& b, ir::Quantity quantity, const char* name) {
   const int nv = b.tree().nv();
-  return b.function().computes(quantity) ? b.output(quantity) : b.internal_array(b.own_name(name), nv, nv);
+  return b.function().computes(quantity) && !b.function().part(quantity) ? b.output(quantity)
+                                                                         : b.internal_array(b.own_name(name), nv, nv);
 }
 
 }  // namespace

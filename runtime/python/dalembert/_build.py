@@ -118,10 +118,18 @@ def arguments(urdf, keywords):
     outputs = keywords.get("outputs")
     if outputs is not None:
         known = [*(row["name"] for row in _registry()["quantities"]), *_registry()["aliases"]]
-        for name in outputs.strip("[]").split(",") if isinstance(outputs, str) else outputs:
+        if isinstance(outputs, str) and "{" in outputs:
+            outputs = []  # parts of results, in YAML: the generator looks names up
+        for name in outputs.strip("[]").split(",") if isinstance(outputs, str) else names_of(outputs):
             if str(name).strip() and str(name).strip() not in known:
                 raise KeyError(f"there is no quantity '{name}'" + did_you_mean(name, known))
     return words
+
+
+def names_of(outputs):
+    """Of a list of outputs, some of which are maps from a quantity to a part of it."""
+    for item in [outputs] if isinstance(outputs, dict) else outputs:
+        yield from item if isinstance(item, dict) else [item]
 
 
 def run(command, words, accept=(0,)):
