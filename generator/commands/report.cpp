@@ -19,6 +19,11 @@ namespace dalembert {
 
 ReportSummary write_report(const Model& model, const CompilerOptions& compiler, const ReportOptions& options) {
   using namespace reporting;
+  // Its extreme cases are other robots, in which a part's joints stand elsewhere.
+  for (const Output& output : outputs_of(model))
+    if (output.part)
+      throw InputError({Severity::error, "", "part of " + output.name, "a report is of whole results",
+                        "ask for the whole here; 'dalembert check' compares parts"});
   backend::add_files(options.folder, {});  // where it cannot be made, says so now and not in minutes
   const Mujoco mujoco(model, compiler);
   const Pinocchio pinocchio(model);
