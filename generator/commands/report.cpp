@@ -23,6 +23,11 @@ ReportSummary write_report(const Model& model, const CompilerOptions& compiler, 
     throw InputError({Severity::error, "", fmt::format("loop '{}'", model.tree.linkages.front().loops.front().name),
                       "it is embedded, and a report's oracles and integrators know no such loop",
                       "leave 'independent' out of all loops, or ask for dalembert check"});
+  // Its extreme cases are other robots, in which a part's joints stand elsewhere.
+  for (const Output& output : outputs_of(model))
+    if (output.part)
+      throw InputError({Severity::error, "", "part of " + output.name, "a report is of whole results",
+                        "ask for the whole here; 'dalembert check' compares parts"});
   backend::add_files(options.folder, {});  // where it cannot be made, says so now and not in minutes
   const Mujoco mujoco(model, compiler);
   const Pinocchio pinocchio(model);
