@@ -26,6 +26,9 @@ bool is_called(const ir::Body& body, const std::string& name) {
 }
 
 void resolve(ir::Part& part, const std::string& result, const ir::KinematicTree& tree) {
+  if (!tree.linkages.empty())
+    refuse(result, "loop '" + tree.linkages.front().loops.front().name + "' is embedded, and results of it are whole",
+           "ask for the whole here, or leave 'independent' out of the loop");
   part.coordinates.clear();
   part.bodies.clear();
   part.some_coordinates = part.names_joints();
