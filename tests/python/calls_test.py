@@ -399,6 +399,18 @@ class States(unittest.TestCase):
         for wrong in (lambda: r.integrate(Q, step[:3]), lambda: r.integrate(Q[0], [0]), lambda: r.difference(Q, ["a"])):
             self.assertRaises(ValueError, wrong)
 
+    def test_joints_that_follow_are_refused(self):
+        """Loops embedded: what moves all of q would leave the dependent joints behind."""
+        rod = {"links": ["slider", "rod"], "at": [[0, 0, 0], [0.5, 0, 0]], "type": "pin", "independent": ["crank_turn"]}
+        crank = dalembert.load(robots.project / "tests/numeric/generated/mechanisms/slider_crank.urdf", base="fixed", batch=False,
+                               outputs=["forward_dynamics"], loops={"pin": rod}, flags=robots.quick)
+        self.assertEqual((crank.nq, crank.nv, crank.joint_names), (3, 1, ("crank_turn",)))
+        q, v = crank.neutral(), np.zeros(1)
+        for wrong in (crank.random, lambda: crank.integrate(q, v), lambda: crank.difference(q, q), lambda: crank.interpolate(q, q, 0.5),
+                      lambda: crank.forward_dynamics_rollout(q, v, time_step=1e-3, steps=3)):
+            with self.assertRaisesRegex(NotImplementedError, "close_loops"):
+                wrong()
+
     def test_what_the_robot_says_of_itself(self):
         self.assertEqual((double.nq, double.nv, len(double.joint_names)), (9, 8, 2))
         self.assertEqual(double.neutral().tolist(), [0, 0, 0, 0, 0, 0, 1, 0, 0])

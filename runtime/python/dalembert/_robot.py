@@ -120,6 +120,12 @@ class _Batches:
         raise RuntimeError(f"{self._folder} does not stay as it is made")
 
 
+def _refuse_followers(what):
+    raise NotImplementedError(f"{what} knows no joints that follow others: loops of this robot are embedded, and q has their dependent "
+                              "joints, too. Move the independent positions and close the loops by close_loops() of the generated "
+                              "code (robot.source), or leave 'independent' out of the loops")
+
+
 class Rollout:
     """Motions that a function of a robot makes from states on, many steps in one call (docs/python.md)."""
 
@@ -127,6 +133,7 @@ class Rollout:
 
     def __init__(self, function, name, takes, meaning, robot, run_time):
         self._function, self._takes, self._quaternions = function, takes, robot._quaternions
+        self._has_followers = robot._has_followers()
         self.__name__ = self.__qualname__ = f"{name}_rollout"
         self._type = _results_type("Rollout", ("q", "v"))
         self.__doc__ = "\n".join((
@@ -156,6 +163,8 @@ class Rollout:
 
     def __call__(self, q, v, *acting, time_step, steps=None, method="semi_implicit_euler", path=False, out=None,
                  return_status=False, **more):
+        if self._has_followers:
+            _refuse_followers(f"{self.__name__}()")
         if len(acting) > 1 or acting and self._takes in more:
             raise TypeError(f"{self.__name__} takes q, v, {self._takes} by place, and {self._takes} once")
         tau = acting[0] if acting else more.pop(self._takes, None)
@@ -426,9 +435,19 @@ class Robot:
         """Where in q quaternions begin."""
         return [3] * self.floating_base + [int(q) + 3 * int(slides) for q, _, slides in self._quaternions]
 
+    def _has_followers(self):
+        """Whether q has joints that follow others, their loops being embedded."""
+        return self.nq != self.nv + self.floating_base + len(self._quaternions)
+
+    def _of_own_joints(self, what):
+        if self._has_followers():
+            _refuse_followers(what)
+
     def random(self, rng=None, n=None):
         """A random state, or n of them: joints uniform within their limits (without limits ±π rad or ±1 m), a floating base within
-        ±1 m, its orientation uniform. rng: a numpy Generator, or a seed. Returns (nq,) or (n, nq)."""
+        ±1 m, its orientation uniform. rng: a numpy Generator, or a seed. Returns (nq,) or (n, nq). NotImplementedError where loops are
+        embedded, here and in what follows."""
+        self._of_own_joints("random()")
         rng = numpy.random.default_rng(rng)
         count = 1 if n is None else int(n)
         free = numpy.array([1.0 if t == "prismatic" else math.pi for t in self.joint_types])
@@ -472,17 +491,20 @@ class Robot:
         """Where the motion `step` (velocity times time: m, rad; (nv,) or (n, nv)) leads from q. A floating base turns and slides
         along a screw, on its group SE(3), as in dalembert/integrators of the C++ runtime, as do floating joints; spherical ones turn,
         others add."""
+        self._of_own_joints("integrate()")
         (q, step), single = self._rows(q=(q, self.nq), step=(step, self.nv))
         return self._as_given(_core.integrate(q, step, self._quaternions), single)
 
     def difference(self, start, end):
         """The step that integrate() leads from `start` to `end`: (nv,) or (n, nv). A floating base turns by at most half a turn."""
+        self._of_own_joints("difference()")
         (start, end), single = self._rows(start=(start, self.nq), end=(end, self.nq))
         return self._as_given(_core.difference(start, end, self.floating_base, self._quaternions), single)
 
     def interpolate(self, start, end, fraction):
         """`start` at fraction 0, `end` at 1, between them along the step that leads there: on a floating base a screw. A fraction may
         be a number or an array of n."""
+        self._of_own_joints("interpolate()")
         fraction = numpy.asarray(fraction)
         if fraction.dtype.kind not in "biuf":
             raise ValueError(f"fraction has dtype {fraction.dtype}, expected a number or (n,)")
