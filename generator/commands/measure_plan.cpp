@@ -184,6 +184,11 @@ Request with_measured_plan(Request request, const CompilerOptions& options, std:
   unplanned.settings.push_back({"plan", "{}"});
   Diagnostics said_again;
   const Model model = read_model(unplanned, said_again);
+  if (!model.tree.linkages.empty())
+    throw InputError({Severity::error, "", "plan",
+                      fmt::format("loop '{}' is embedded, and what its functions are made of is not measured one by one",
+                                  model.tree.linkages.front().loops.front().name),
+                      "leave plan: measure out"});
   std::string before;
   if (!request.scene_file.empty()) {
     before = frontend::read_text_file(request.scene_file, "scene", frontend::yaml_bytes);

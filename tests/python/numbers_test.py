@@ -50,7 +50,7 @@ class Mahru(unittest.TestCase):
     def test_a_part_is_rows_and_columns_of_the_whole(self):
         part = dalembert.load(robots.mahru, base="floating", outputs=[{"mass_matrix": {"subtree": "left_shoulder_pitch_link"}}],
                               flags=robots.quick, batch=False)
-        first = 6 + part.joints.index("left_shoulder_pitch")
+        first = 6 + part.joint_names.index("left_shoulder_pitch")
         whole, M = self.robot.mass_matrix(self.Q[0])[first:first + 6, first:first + 6], part.mass_matrix(self.Q[0])
         self.assertEqual(M.shape, (6, 6))
         self.assertLess(np.abs(M - whole).max(), 1e-13 * np.abs(whole).max())

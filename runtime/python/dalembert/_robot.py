@@ -394,7 +394,7 @@ class Robot:
         of = name[:-len("_rollout")] if isinstance(name, str) and name.endswith("_rollout") else ""
         if of in ("forward_dynamics", "constrained_forward_dynamics"):
             return f"{self.name} was loaded without '{of}', which '{name}' needs: add it to outputs; there are {', '.join(known)}"
-        return f"there is no quantity '{name}'" + _build.did_you_mean(name, known + list(_build.quantities()))
+        return f"there is no quantity '{name}'" + _build.did_you_mean(name, list(dict.fromkeys([*known, *_build.quantities()])))
 
     def __getattr__(self, name):  # of what is not in __dict__
         places = self.__dict__.get("_run_time_at", {})
