@@ -1,8 +1,11 @@
-// The SDF as an outline, by libsdformat: a library of its own, which the generator opens when it is given an SDF. libsdformat takes
-// longer to load than everything else that a command of the cache does.
+// The SDF as an outline, by libsdformat: a library of its own, which the generator opens when it is given an SDF. libsdformat
+// takes longer to load than everything else that a command of the cache does.
+#include "frontend/sdf_outline.hpp"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdlib>
@@ -10,7 +13,6 @@
 #include <optional>
 #include <sdf/sdf.hh>
 
-#include "frontend/sdf_outline.hpp"
 #include "frontend/urdf_outline.hpp"
 
 namespace dalembert::frontend {
@@ -116,7 +118,11 @@ class SdfReader {
     for (uint64_t i = 0; i < model.LinkCount(); ++i) add_link(*model.LinkByIndex(i), prefix);
     for (uint64_t i = 0; i < model.ModelCount(); ++i)
       add_model(*model.ModelByIndex(i), prefix + model.ModelByIndex(i)->Name() + "::");
-    for (uint64_t i = 0; i < model.JointCount(); ++i) add_joint(model, *model.JointByIndex(i), prefix);
+    for (uint64_t i = 0; i < model.JointCount(); ++i)
+      if (const sdf::Joint& joint = *model.JointByIndex(i); joint.Type() != sdf::JointType::GEARBOX)
+        add_joint(model, joint, prefix);
+    for (uint64_t i = 0; i < model.JointCount(); ++i)
+      if (const sdf::Joint& joint = *model.JointByIndex(i); joint.Type() == sdf::JointType::GEARBOX) add_gearbox(joint, prefix);
     for (uint64_t i = 0; i < model.FrameCount(); ++i) add_frame(*model.FrameByIndex(i), prefix);
   }
 
@@ -166,9 +172,6 @@ class SdfReader {
       // Two axes in series, the first of them the parent's, the second the child's: in revolute2 at any angle to each other.
       case sdf::JointType::UNIVERSAL:
       case sdf::JointType::REVOLUTE2: out.type = "universal"; break;
-      case sdf::JointType::GEARBOX:
-        return refuse("gearbox joints couple two others, and are no joint by which a link hangs",
-                      "remove it, and say in the scene what it couples: mimic");
       default:
         return refuse(fmt::format("joints of type '{}' are not known here", joint.Element()->Get<std::string>("type")),
                       "there are revolute, continuous, prismatic, screw, ball, universal, revolute2 and fixed ones");
@@ -227,7 +230,84 @@ class SdfReader {
       outline_.links.push_back(between);
       outline_.joints.push_back(std::move(weld));
     }
+    if (out.type == "revolute" || out.type == "continuous") {
+      ignition::math::Vector3d in_link;
+      take(axis->ResolveXyz(in_link, child));
+      hinges_.push_back({out.name, out.parent, prefix + child, vector(in_link).normalized()});
+    }
     outline_.joints.push_back(std::move(out));
+  }
+
+  // A turning joint by which a gearbox may measure angles; its axis in its child's frame.
+  struct Hinge {
+    std::string joint, parent, child;
+    Eigen::Vector3d axis;
+  };
+
+  // theta_2 = -ratio theta_1, angles of the child and of the parent against the reference body: the child's joint follows the
+  // parent's.
+  void add_gearbox(const sdf::Joint& joint, const std::string& prefix) {
+    JointOutline out;
+    out.name = prefix + joint.Name();
+    out.line = line_of(joint.Element());
+    const auto refuse = [&](const std::string& what, const char* remedy) {
+      add_error(errors_, {Severity::error, file_, place(out), what, remedy});
+    };
+    std::string parent, child;
+    const size_t before = errors_.size();
+    take(joint.ResolveParentLink(parent));
+    take(joint.ResolveChildLink(child));
+    if (errors_.size() > before) return;
+    const sdf::ElementPtr element = joint.Element();
+    double ratio = 1;
+    if (element->HasElement("gearbox_ratio")) {
+      const auto written = written_numbers<1>(element->GetElement("gearbox_ratio"));
+      ratio = written ? (*written)[0] : std::numeric_limits<double>::quiet_NaN();
+    }
+    if (!std::isfinite(ratio) || ratio == 0) return refuse("its gearbox_ratio is no ratio", "write a number other than 0");
+    if (!element->HasElement("gearbox_reference_body"))
+      return refuse("it has no gearbox_reference_body", "write the link against which both angles are measured");
+    const std::string written = element->Get<std::string>("gearbox_reference_body"),
+                      reference = written == "world" ? written : prefix + written;
+    // The joint between the reference body and a link, and the sense in which its coordinate is that angle.
+    const auto angle = [&](const std::string& link, unsigned which) -> std::optional<std::pair<std::string, double> > {
+      const sdf::JointAxis* const axis = joint.Axis(which) ? joint.Axis(which) : joint.Axis(0);
+      for (const Hinge& hinge : hinges_) {
+        const bool behind = hinge.parent == reference && hinge.child == link;
+        if (!behind && !(hinge.child == reference && hinge.parent == link)) continue;
+        ignition::math::Vector3d in_link;
+        if (axis) take(axis->ResolveXyz(in_link, hinge.child.substr(prefix.size())));
+        const double sense = vector(in_link).normalized().dot(hinge.axis) * (behind ? 1 : -1);
+        if (std::abs(sense) > 1 - 1e-9) return std::pair(hinge.joint, sense < 0 ? -1. : 1.);
+        refuse(fmt::format("its {} is not that of joint '{}', whose angle it is to measure", which == 0 ? "<axis>" : "<axis2>",
+                           hinge.joint),
+               "correct it: a gearbox couples the angles of two revolute joints");
+        return std::nullopt;
+      }
+      refuse(fmt::format("no revolute joint is between its gearbox_reference_body '{}' and link '{}'", reference, link),
+             "write the body that both links turn against: a gearbox couples the angles of two revolute joints");
+      return std::nullopt;
+    };
+    const auto first = angle(prefix + parent, 0), second = angle(prefix + child, 1);
+    if (!first || !second) return;
+    const auto joint_of = [&](const std::string& name) {
+      return std::find_if(outline_.joints.begin(), outline_.joints.end(),
+                          [&](const JointOutline& j) { return j.name == name; });
+    };
+    JointOutline& follower = *joint_of(second->first);
+    if (follower.mimic)
+      return refuse(fmt::format("joint '{}' follows '{}' already", follower.name, follower.mimic->of),
+                    "exchange its parent and child, or remove it");
+    double multiplier = -ratio * first->second * second->second;
+    std::string of = first->first;
+    while (const auto& relation = joint_of(of)->mimic) multiplier *= relation->multiplier, of = relation->of;
+    if (of == follower.name) return refuse("gearboxes couple joint '" + of + "' to itself", "remove one of them");
+    follower.mimic = ir::Mimic{of, multiplier, 0};
+    warnings_.push_back({Severity::notice, file_, place(out),
+                         fmt::format("it is a gearbox: joint '{}' follows '{}' times {:.6g}", follower.name, of, multiplier),
+                         "what it couples is one coordinate where the scene says mimic: urdf"});
+    for (JointOutline& other : outline_.joints)
+      if (other.mimic && other.mimic->of == follower.name) other.mimic = ir::Mimic{of, other.mimic->multiplier * multiplier, 0};
   }
 
   // m per turn of a right-handed thread. What SDF 1.10 calls screw_thread_pitch is this; the older thread_pitch is what Gazebo
@@ -287,6 +367,7 @@ class SdfReader {
   Diagnostics& warnings_;
   Diagnostics errors_;
   UrdfOutline outline_;
+  std::vector<Hinge> hinges_;
   bool has_world_ = false;
 };
 
@@ -294,6 +375,7 @@ class SdfReader {
 
 }  // namespace dalembert::frontend
 
-void dalembert_sdf_outline(const std::string& path, dalembert::Diagnostics& warnings, dalembert::frontend::UrdfOutline& outline) {
+void dalembert_sdf_outline(const std::string& path, dalembert::Diagnostics& warnings,
+                           dalembert::frontend::UrdfOutline& outline) {
   outline = dalembert::frontend::SdfReader(path, warnings).read();
 }

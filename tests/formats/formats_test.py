@@ -159,6 +159,61 @@ class Sdf(Folder):
                 self.assertEqual(len(numbers[0]), nv)
                 self.assertTrue(all(abs(a - b) < 1e-13 * largest for a, b in zip(*numbers)), numbers)
 
+    def test_gearboxes_are_mimic_relations(self):
+        """A link of a chain as the body that both angles are measured against, an axis turned round, a gear driven by a gear."""
+        urdf = project / "tests/robots/skew_axes.urdf"
+        joints = {j.get("name"): j for j in xml.parse(urdf).getroot().findall("joint")}
+        link = lambda i, end: joints[JOINTS[i]].find(end).get("link")
+        axis = lambda tag, i, sign: (f'<{tag}><xyz expressed_in="{link(i, "child")}">'
+                                     + " ".join(str(sign * float(x)) for x in joints[JOINTS[i]].find("axis").get("xyz").split())
+                                     + f"</xyz></{tag}>")
+        gearbox = lambda name, i, ratio, sign: (
+            f'<joint name="{name}" type="gearbox"><parent>{link(i, "parent")}</parent><child>{link(i + 1, "child")}</child>'
+            f'{axis("axis", i, 1)}{axis("axis2", i + 1, sign)}<gearbox_ratio>{ratio}</gearbox_ratio>'
+            f'<gearbox_reference_body>{link(i, "child")}</gearbox_reference_body></joint>\n')
+        with_gears = lambda *gears: self.write("gears.sdf", sdf_of(urdf).replace("</model>", "".join(gears) + "</model>"))
+        relation = lambda i, factor: {JOINTS[i]: {"of": JOINTS[0], "multiplier": factor}}
+        first, second = gearbox("first", 0, 2, -1), gearbox("second", 1, 0.75, 1)
+        for gears, relations in (((first,), relation(1, -2)), ((first, second), relation(1, -2) | relation(2, -1.5)),
+                                 ((second, first), relation(1, -2) | relation(2, -1.5))):
+            sdf = with_gears(*gears)
+            states = self.write("gears", "0.3 -0.7 0.2 0.5 0.9 1.1 -0.4 0.8\n")
+            numbers = []
+            for robot, options in ((sdf, ("--mimic", "urdf")), (urdf, ("--mimic", json.dumps(relations)))):
+                nv = json.loads(run("info", robot, "--json", "--base", "fixed", *options)[1])["nv"]
+                states.write_text(" ".join(str(0.3 + 0.17 * i) for i in range(2 * nv)) + "\n")
+                status, printed, said = run("eval", robot, "--state", states, "--output", "bias", "--engine", "generic", "--base", "fixed",
+                                            *options)
+                self.assertEqual(status, 0, said)
+                numbers.append([float(x) for x in printed.split()])
+            self.assertEqual(len(numbers[0]), len(numbers[1]))
+            self.assertTrue(all(abs(a - b) < 1e-13 * max(map(abs, numbers[1])) for a, b in zip(*numbers)), numbers)
+            said = run("info", sdf, "--base", "fixed")[2]
+            self.assertRegex(said, rf"joint 'first' \(line \d+\): notice: it is a gearbox: joint '{JOINTS[1]}' follows '{JOINTS[0]}' times -2")
+            self.assertRegex(said, "<mimic> is left out")
+        for gears, said in (((first, first.replace('"first"', '"again"')), f"joint '{JOINTS[1]}' follows '{JOINTS[0]}' already"),
+                            ((first.replace(">2<", ">0<"),), "its gearbox_ratio is no ratio"),
+                            ((re.sub("<gearbox_ref.*body>", "", first),), "it has no gearbox_reference_body"),
+                            ((re.sub("(reference_body>)[^<]*", rf"\1{link(2, 'child')}", first),), "no revolute joint is between"),
+                            ((first.replace(axis("axis2", 1, -1), "<axis2><xyz>0.6 0.64 0.48</xyz></axis2>"),), "its <axis2> is not that of")):
+            status, out, err = run("info", with_gears(*gears))
+            self.assertEqual((status, out), (2, ""), err)
+            self.assertRegex(err, rf"joint '\w+' \(line \d+\): error: {said}")
+
+    def test_gearboxes_over_nested_models(self):
+        """Joints in a model within another that stands turned; the gearbox outside."""
+        inertial = "<inertial><mass>1</mass><inertia><ixx>0.02</ixx><iyy>0.03</iyy><izz>0.04</izz></inertia></inertial>"
+        hinge = lambda name, child: (f'<joint name="{name}" type="revolute"><parent>frame</parent><child>{child}</child>'
+                                     "<axis><xyz>0 0.6 0.8</xyz></axis></joint>")
+        robot = self.write("nested_gear.sdf", f"""<sdf version="1.9"><model name="m"><model name="box"><pose>0 0 0 0.4 0.5 0.6</pose>
+<link name="frame">{inertial}</link><link name="a">{inertial}</link><link name="b">{inertial}</link>{hinge("ja", "a")}{hinge("jb", "b")}</model>
+<joint name="gear" type="gearbox"><parent>box::a</parent><child>box::b</child><gearbox_ratio>3</gearbox_ratio>
+<gearbox_reference_body>box::frame</gearbox_reference_body><axis><xyz expressed_in="box::a">0 0.6 0.8</xyz></axis>
+<axis2><xyz>0 -0.6 -0.8</xyz></axis2></joint></model></sdf>""")
+        status, _, said = run("info", robot, "--base", "fixed", "--mimic", "urdf")
+        self.assertEqual(status, 0, said)
+        self.assertRegex(said, r"joint 'gear' \(line \d+\): notice: it is a gearbox: joint 'box::jb' follows 'box::ja' times 3")
+
     def test_what_is_not_known_is_refused_by_name(self):
         link = '<link name="{}"/>'
         two = link.format("a") + link.format("b")
@@ -166,7 +221,7 @@ class Sdf(Folder):
         for text, said in (
                 (f'<model name="m">{two}<joint name="j" type="gearbox"><parent>a</parent><child>b</child>{axes("1 0 0", "1 0 0")}'
                  "<gearbox_reference_body>a</gearbox_reference_body></joint></model>",
-                 r"joint 'j' \(line 1\): error: gearbox joints couple two others.*say in the scene what it couples: mimic"),
+                 r"joint 'j' \(line 1\): error: no revolute joint is between its gearbox_reference_body 'a' and link 'a'"),
                 (f'<model name="m">{two}<joint name="j" type="universal"><parent>a</parent><child>b</child>{axes("1 0 0", "-2 0 0")}'
                  "</joint></model>", r"joint 'j' \(line 1\): error: its second axis is its first"),
                 (f'<model name="m">{two}<joint name="j" type="screw"><parent>a</parent><child>b</child><axis><xyz>1 0 0</xyz></axis>'
