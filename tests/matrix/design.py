@@ -1,6 +1,7 @@
 """Which cells of the matrix are visited: programs (robot, form, outputs) against toolchains (compiler, level, target, lanes)."""
 import collections
 import itertools
+import pathlib
 
 # All that evaluate() computes, and all that the functions beside it do.
 ALL = ("mass_matrix,coriolis_matrix,gravity,bias,wrench_influence,kinetic_energy,potential_energy,center_of_mass,"
@@ -20,10 +21,13 @@ ROBOTS = {
     "quadruped": "tests/robots/quadruped.urdf", "hexapod": "tests/robots/hexapod.urdf", "hand": "tests/robots/hand.urdf",
     "tree_5x20": "tests/robots/tree_5x20.urdf",
 }
-URDFS = ROBOTS | {"humanoid": "tests/robots/humanoid.urdf", "grippers": "tests/robots/grippers.urdf"}
+URDFS = ROBOTS | {"humanoid": "tests/robots/humanoid.urdf", "grippers": "tests/robots/grippers.urdf",
+                  "ankle": "tests/numeric/generated/mechanisms/ankle.urdf"}
 # Robots with a scene: links that are pushed along their own axes or the world's, joints that drive others, functions of the
 # scene's own, joints with a motor behind a spring.
 PUSHED, DRIVEN, ELASTIC = "pushed", "driven", "elastic"
+# And: links that are held, rows and columns of some joints, a parallel ankle whose rods' loops are embedded.
+HELD, PARTS, EMBEDDED = "held", "parts", "embedded"
 LINKS = {"mahru": ("left_hand", "right_foot"), "unequal_limbs": ("b_3", "d_5"), "gantry_arms": ("a_tool", "b_carriage"),
          "hexapod": ("leg_2_3_tibia", "leg_6_2_femur"), "hand": ("f1_index_4_distal", "f4_small_2_proximal")}
 JOINTS = {"mahru": ("left_elbow", "right_elbow"), "unequal_limbs": ("b_2_joint", "d_4_joint"),
@@ -55,6 +59,17 @@ def options(robot, outputs):
         springs = ", ".join(f"{joint}: {{k: 700, inertia: 0.1, damping: 3}}" for joint in JOINTS[robot])
         return ["--outputs", "mass_matrix,coriolis_matrix,bias,potential_energy,inverse_dynamics_dq,forward_dynamics",
                 "--elastic", f"{{{springs}}}"]
+    if outputs == HELD:
+        weld, point = LINKS[robot]
+        return ["--outputs", "constrained_forward_dynamics,constraint_forces,impact,delassus_matrix,constrained_forward_dynamics_dq,"
+                "constraint_forces_dv", "--contacts", f"{{{weld}: weld, {point}: point}}"]
+    if outputs == PARTS:
+        link, _ = LINKS[robot]
+        rows = f"{{subtree: {link}}}"
+        return ["--outputs", f"[{{mass_matrix: {rows}}}, {{coriolis_matrix: {{joints: {list(JOINTS[robot])}}}}}, {{bias: {rows}}}, "
+                f"{{momentum_matrix: {rows}}}, {{regressor: {{links: [{link}]}}}}]", "--frames", f"{{{link}: [{{jacobian_mixed: {rows}}}]}}"]
+    if outputs == EMBEDDED:
+        return ["--scene", pathlib.Path(__file__).parents[2] / URDFS[robot].replace(".urdf", ".yaml")]
     return ["--outputs", outputs]
 
 
@@ -75,8 +90,18 @@ def parts(program):
     return [program[:2], program[1:]]
 
 
+def constraints(_):
+    """Contacts, parts of results and embedded loops: each with every compiler, level, target and width, which take turns."""
+    scenes = [*itertools.product(LINKS, FORMS, [HELD, PARTS]), *itertools.product(["ankle"], FORMS, [EMBEDDED])]
+    cells = []
+    for i, (scene, compiler, level) in enumerate(itertools.product(scenes, [*COMPILERS, AARCH64], LEVELS[1:])):
+        target = "aarch64" if compiler == AARCH64 else TARGETS[i * 7 % len(TARGETS)]
+        cells.append((scene, (compiler, level, target, LANES[(i + i // 4) % len(LANES)])))
+    return cells
+
+
 def whole(robots):
-    """Four parts, see tests/README.md: the defect's neighbourhood in full, aarch64, scenes, and every toolchain on programs that
+    """Five parts, see tests/README.md: the defect's neighbourhood in full, aarch64, scenes, and every toolchain on programs that
     take turns."""
     cells = [(program, tools)
              for program in itertools.product(["mahru", "gantry_arms", "hand"], ["rolled"], ["gravity"])
@@ -94,6 +119,7 @@ def whole(robots):
     for i, (lanes, compiler) in enumerate(itertools.product(LANES, [*COMPILERS, AARCH64])):
         target = "aarch64" if compiler == AARCH64 else TARGETS[i * 7 % len(TARGETS)]
         cells.append((scenes[(i * 3 + i // len(scenes)) % len(scenes)], (compiler, LEVELS[(i + i // 6) % len(LEVELS)], target, lanes)))
+    cells += constraints(robots)
     # In an order that has met a bit of everything at any time, in case the run is cut short.
     for i in range(len(toolchains)):
         tools = toolchains[i * 367 % len(toolchains)]
@@ -125,6 +151,8 @@ def ci(_):
         (("hand", "rolled", DRIVEN), ("clang++", "-O0", "native", 4)),  # inlining at -O2 takes half a minute
         (("hand", "rolled", DRIVEN), ("g++", "-O1", "x86-64-v3", 4)),
         (("gantry_arms", "rolled", PUSHED), ("clang++", "-O2", "skylake-avx512", 4)),
+        (("ankle", "rolled", EMBEDDED), ("clang++", "-O2", "native", 2)),
+        (("unequal_limbs", "rolled", PARTS), ("g++", "-O2", "x86-64", 4)),
         (("grippers", "rolled", ALL), ("g++", "-O3", "native", 4)),
         (("grippers", "rolled", FUNCTIONS), ("clang++", "-O2", "x86-64-v3", 4)),
     ]

@@ -149,7 +149,7 @@ class Matrix:
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--slice", choices=["whole", "ci"], default="whole")
+    parser.add_argument("--slice", choices=["whole", "ci", "constraints"], default="whole")
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--minutes", type=float, help="stop after so long")
     parser.add_argument("--dalembert", default=ROOT / "build/release/bin/dalembert")
