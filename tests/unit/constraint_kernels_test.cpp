@@ -274,6 +274,20 @@ TEST(ConstraintKernels, RowsThatNothingMovesGiveNumbers) {
   EXPECT_EQ(result.status.rank, 6);
 }
 
+// Nor do rows of rounding alone hold what they do not touch: a slider along the plane that it shall not leave.
+TEST(ConstraintKernels, RowsOfRoundingHoldNothing) {
+  using Rows = ConstraintRows<At12<6>, At21<6>>;
+  System s(shape<Rows>(), 4);
+  const Vector effort = numbers(n, 1), right = Vector::Zero(12);
+  const std::vector<double> none(12, 0.0);
+  const Vector free = s.M.inverse() * effort;
+  s.J *= 1e-16L;
+  const Result<double> result = solved<double>(solve_constrained<n, Rows, Tree, double>, s, effort, right, {1, 1}, none);
+  EXPECT_LT(error(result.x, free), 1e-11);
+  EXPECT_EQ(result.forces.cwiseAbs().maxCoeff(), 0);
+  EXPECT_EQ(result.status.rank, 0);
+}
+
 // Nothing of a constraint that does not act reaches any number but its own rows', which are zero.
 TEST(ConstraintKernels, AMaskedConstraintChangesNothingByABit) {
   using Rows = ConstraintRows<At16<3>, At21<6>, At12<3>>;

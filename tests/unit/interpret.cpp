@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <dalembert/constraint_shapes.hpp>
 #include <dalembert/pivots.hpp>
 #include <map>
 #include <string>
@@ -92,6 +93,11 @@ Eigen::MatrixXd inverse(const Eigen::MatrixXd& room, Eigen::Index n) {
                                                                     Eigen::OuterStride<>(inverse_stride(static_cast<int>(n))));
 }
 
+// J of rows, rounding being nothing.
+Eigen::MatrixXd rows_of(const Eigen::MatrixXd& J) {
+  return (J.array().abs() <= Proximal<double>::unmoved).select(Eigen::MatrixXd::Zero(J.rows(), J.cols()), J);
+}
+
 // Steps with rows of constraints, likewise: all act, nothing gives way.
 void run_constraint_steps(const Algorithm& algorithm, Arrays& arrays) {
   for (const ConstraintStep& s : algorithm.constraint_steps) {
@@ -130,7 +136,7 @@ void run_constraint_steps(const Algorithm& algorithm, Arrays& arrays) {
       return held;
     };
     if (s.kind == ConstraintStep::Kind::respond) {
-      const Eigen::MatrixXd& J = array(s.jacobian);
+      const Eigen::MatrixXd J = rows_of(array(s.jacobian));
       const Eigen::MatrixXd M = inverse(array(s.inverse), J.cols()), along = J * M * J.transpose();
       const Eigen::VectorXd held = held_by(along);
       const Eigen::LDLT<Eigen::MatrixXd> factors(along + Eigen::MatrixXd(held.asDiagonal()));
@@ -160,7 +166,7 @@ void run_constraint_steps(const Algorithm& algorithm, Arrays& arrays) {
     }
     Eigen::MatrixXd upper = array(s.factor).triangularView<Eigen::StrictlyUpper>();
     upper.diagonal().setOnes();
-    const Eigen::MatrixXd J = array(s.jacobian),
+    const Eigen::MatrixXd J = rows_of(array(s.jacobian)),
                           inverse = (upper * array(s.pivots).col(0).asDiagonal() * upper.transpose()).inverse();
     Eigen::MatrixXd along = J * inverse * J.transpose();
     if (s.kind == ConstraintStep::Kind::delassus) {

@@ -31,6 +31,8 @@ struct Proximal {
   static constexpr int steps = wide ? 3 : 4;
   // Least pivot in terms of N below which what is solved is wrong by more than rounding, the square root of mu.
   static constexpr T near = wide ? T(1e-4) : T(1e-2);
+  // Elements of J that are rounding, 64 epsilons of a metre or of one: rows of nothing else would hold what they do not touch.
+  static constexpr T unmoved = wide ? T(0x1p-46) : T(0x1p-17);
 };
 // Of N, against the sum over all blocks: a block that nothing moves has one too.
 inline constexpr double least_share = 1e-6;

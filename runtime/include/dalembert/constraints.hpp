@@ -279,6 +279,12 @@ struct ConstraintBlocks {
   T* of(int a, int b) const { return inertia + Rows::pair(a, b) * block; }
   T* eliminated(int a, int b) const { return scaled + (a * (count - 1) - a * (a - 1) / 2 + b - a - 1) * block; }
 
+  // What is not a number stays so.
+  static DALEMBERT_INLINE Lanes<T, w> without_rounding(const Lanes<T, w>& x) {
+    const Lanes<T, w> most = broadcast<w, T>(Proximal<T>::unmoved);
+    return ((x <= most) & (x >= -most)) ? broadcast<w, T>(T(0)) : x;
+  }
+
   // J's rows of a constraint, in one column, times `acts`, which is zero where they are another's.
   template <int c, int coordinate>
   static DALEMBERT_INLINE void load_rows(const T* jacobian, const Lanes<T, w> (&acts)[pieces], Lanes<T, w> (&to)[pieces]) {
@@ -286,11 +292,11 @@ struct ConstraintBlocks {
     for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK {
       constexpr int begin = decltype(i)::value * w, from = first + begin;
       // One more number than asked for is no harm where J goes on; two cost as much as they save.
-      if constexpr (own - begin > 2 && from + w <= n * all) to[i] = load<w>(jacobian + from) * acts[i];
+      if constexpr (own - begin > 2 && from + w <= n * all) to[i] = load<w>(jacobian + from);
       else
         to[i] =
-            each_lane<w, T>([&](int lane) { return begin + lane < own ? jacobian[least(from + lane, n * all - 1)] : T(0); }) *
-            acts[i];
+            each_lane<w, T>([&](int lane) { return begin + lane < own ? jacobian[least(from + lane, n * all - 1)] : T(0); });
+      to[i] = without_rounding(to[i]) * acts[i];
     });
   }
 
@@ -809,7 +815,10 @@ __attribute__((noinline)) static void respond(const T* jacobian, const T* invers
     using Path = typename Rows::template path<c>;
     T* const own = parts.acting + first * n;
     for (int k = 0; k < Path::length; ++k)
-      for (int r = 0; r < Path::rows; ++r) own[k * Path::rows + r] = jacobian[Path::at[k] * m + first + r] * active[c];
+      for (int r = 0; r < Path::rows; ++r) {
+        const T x = jacobian[Path::at[k] * m + first + r];
+        own[k * Path::rows + r] = (x <= Proximal<T>::unmoved && x >= -Proximal<T>::unmoved ? T(0) : x) * active[c];
+      }
     sum_columns<Path::rows, n, false, T>(
         Path::length, [&](int r, int k) { return own[k * Path::rows + r]; },
         [&](int k) { return inverse + Path::at[k] * stride; }, none, [&](int r) { return parts.moved + (first + r) * stride; });

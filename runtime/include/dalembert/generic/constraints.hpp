@@ -12,6 +12,7 @@
 #include <dalembert/generic/forward_dynamics.hpp>
 #include <dalembert/generic/frames.hpp>
 #include <initializer_list>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -214,7 +215,10 @@ struct ActingRows {
 template <class S>
 ActingRows<S> acting_rows(const Constraints<S>& constraints, const MatrixX<S>& J, const Factorisation<S>& mass,
                           const ConstraintOptions<S>& options) {
-  ActingRows<S> rows{J, {}, VectorX<S>::Zero(J.rows()), VectorX<S>::Ones(J.rows())};
+  // Rows of rounding alone would hold what they do not touch.
+  const S unmoved = S(64) * std::numeric_limits<S>::epsilon();
+  ActingRows<S> rows{J.unaryExpr([&](const S& x) { return x <= unmoved && x >= -unmoved ? S(0) : x; }), {},
+                     VectorX<S>::Zero(J.rows()), VectorX<S>::Ones(J.rows())};
   const std::vector<std::pair<int, int>> blocks = constraints.rows();
   int row = 0;
   for (size_t c = 0; c < blocks.size(); row += blocks[c++].first)
@@ -249,7 +253,7 @@ Constrained<S> constrained(const Model<S>& model, const Constraints<S>& constrai
   const MatrixX<S> J = constraint_jacobian<S>(model, constraints, q);
   const Eigen::Index m = J.rows();
   const ActingRows<S> rows = acting_rows<S>(constraints, J, factors, options);
-  const VectorX<S> rest = rows.acts.cwiseProduct(right - J * free);
+  const VectorX<S> rest = rows.acts.cwiseProduct(right - rows.J * free);
   const Factorisation<S> along(rows.D);
   VectorX<S> forces = VectorX<S>::Zero(m), before = forces;
   for (int step = 0; step < options.steps; ++step) {
