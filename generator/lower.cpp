@@ -211,6 +211,9 @@ Lowered lower_embedded(const Model& model, const Lower& lower) {
     called.program.base_positions = model.tree.base_positions();
     LoweredFunction whole = std::move(lower(Lowering(*opened, lowered.normal, embedded.of_opened)).front());
     make_internal(whole);
+    ir::Embedding& embedding = *called.algorithm.embedding;
+    embedding.moving = embedding.rates >= 0 ||
+                       !ir::inputs_read(whole.program, ir::uses(whole.program.graph, whole.program.roots())).velocities.empty();
     called.candidates = whole.candidates;
     lowered.functions.push_back(std::move(called));
     lowered.functions.push_back(std::move(whole));

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "backend/code_text.hpp"
+#include "backend/graph_printer.hpp"
 #include "backend/kept.hpp"
 #include "backend/literals.hpp"
 #include "ir/identifier.hpp"
@@ -14,63 +15,94 @@
 namespace dalembert::backend {
 namespace {
 
-template <size_t count>
-std::string numbers(const CodeInput& code, const double (&values)[count]) {
-  std::vector<std::string> all;
-  for (const double x : values) all.push_back(literal(x, code.scene.scalar));
-  return fmt::format("{{{}}}", fmt::join(all, ", "));
+// How printed expressions of a linkage's rows read what they take.
+PrintStyle style_of(const CodeInput& code, const std::vector<int>& angles) {
+  PrintStyle style;
+  style.type = "Scalar";
+  style.scalar = code.scene.scalar;
+  style.indent = "    ";
+  style.input = [](const ir::Input& input) {
+    return fmt::format("{}[{}]", input.kind == ir::InputKind::position ? "q" : "rate", input.index);
+  };
+  style.sine_or_cosine = [angles](const ir::Graph& graph, ir::NodeId id) {
+    const auto at = std::find(angles.begin(), angles.end(), graph[graph[id].a].input.index);
+    return fmt::format("{}[{}]", graph[id].op == ir::Op::sine ? "sine" : "cosine", at - angles.begin());
+  };
+  return style;
 }
 
-// Template arguments of a linkage: how many depend, and on how many.
-std::string sizes(const ir::Linkage& linkage) {
-  return fmt::format("{}, {}", linkage.dependent.size(), linkage.independent.size());
+// Where in q the angles are whose sines some nodes need.
+std::vector<int> angles_of(const ir::Graph& graph, const std::vector<ir::NodeId>& roots) {
+  std::vector<int> angles;
+  const auto used = ir::uses(graph, roots);
+  for (ir::NodeId id = 0; id < graph.size(); ++id) {
+    if (used[static_cast<size_t>(id)] == 0 || (graph[id].op != ir::Op::sine && graph[id].op != ir::Op::cosine)) continue;
+    const int at = graph[graph[id].a].input.index;
+    if (std::find(angles.begin(), angles.end(), at) == angles.end()) angles.push_back(at);
+  }
+  return angles;
+}
+
+std::string statements(const ir::LinkageRows& rows, const std::vector<std::vector<ir::NodeId>>& matrix, const std::string& to,
+                       bool errors, const PrintStyle& style) {
+  std::vector<Sink> sinks;
+  for (size_t r = 0; errors && r < rows.error.size(); ++r)
+    sinks.push_back({rows.error[r], fmt::format("error[{}] = ", r), ";"});
+  for (size_t r = 0; r < matrix.size(); ++r)
+    for (size_t c = 0; c < matrix[r].size(); ++c) sinks.push_back({matrix[r][c], fmt::format("{}[{}][{}] = ", to, r, c), ";"});
+  return print(rows.graph, sinks, style);
+}
+
+std::string linkage_struct(const CodeInput& code, size_t i) {
+  const ir::Linkage& linkage = code.tree.linkages[i];
+  const ir::LinkageRows rows = ir::linkage_rows(linkage, code.tree);
+  const ir::LinkagePlaces places = ir::linkage_places(linkage, code.tree);
+  std::vector<ir::NodeId> all = rows.at_rest();
+  const std::vector<ir::NodeId> moving = rows.moving();
+  all.insert(all.end(), moving.begin(), moving.end());
+  std::vector<int> angles = angles_of(rows.graph, all);
+  const PrintStyle style = style_of(code, angles);
+  const size_t count = angles.size();
+  while (angles.size() % 8 != 0) angles.push_back(angles.back());
+  const std::string room =
+      fmt::format("  alignas(64) Scalar sine[dalembert::padded({0})], cosine[dalembert::padded({0})];\n", count);
+  const std::string sines =
+      fmt::format("    static constexpr int angle_at[] = {{{}}};\n    dalembert::sincos_at<{}>(q, angle_at, sine, cosine);\n",
+                  fmt::join(angles, ", "), count);
+  std::vector<std::string> names;
+  for (const ir::LinkageLoop& loop : linkage.loops) names.push_back(loop.name);
+  return comment_lines(fmt::format("Rows of linkage {}, of {}: dependent joints' columns first.", i, fmt::join(names, ", "))) +
+         fmt::format(
+             "struct Linkage{0} {{\n"
+             "  static constexpr int dependent = {1}, independent = {2}, most_dependent = {1}, most_columns = {3};\n"
+             "  static constexpr int positions[] = {{{4}}}, followed[] = {{{5}}};\n{6}\n"
+             "  void at([[maybe_unused]] const Scalar* q, Scalar (&error)[{1}], Scalar (&J)[{1}][{3}]) noexcept {{\n{7}{8}  "
+             "}}\n"
+             "  void rates([[maybe_unused]] const Scalar* q, [[maybe_unused]] const Scalar* rate, Scalar (&J_rate)[{1}][{3}]) "
+             "const noexcept {{\n{9}  }}\n}};\n\n",
+             i, linkage.dependent.size(), linkage.independent.size(), linkage.dependent.size() + linkage.independent.size(),
+             fmt::join(places.positions, ", "), fmt::join(places.followed, ", "), count > 0 ? room : "", count > 0 ? sines : "",
+             statements(rows, rows.jacobian, "J", true, style), statements(rows, rows.rate, "J_rate", false, style));
 }
 
 }  // namespace
 
-std::string linkage_tables(const CodeInput& code) {
+std::string linkage_rows(const CodeInput& code) {
   if (code.tree.linkages.empty()) return "";
   std::string text = "\nnamespace {\n\n";
-  const auto number = [&](double x) { return literal(x, code.scene.scalar); };
-  for (size_t i = 0; i < code.tree.linkages.size(); ++i) {
-    const ir::Linkage& linkage = code.tree.linkages[i];
-    const ir::LinkageTable table = ir::linkage_table(linkage, code.tree);
-    std::vector<std::string> joints, loops;
-    for (const LinkedJoint<double>& joint : table.joints)
-      joints.push_back(fmt::format("{{{}, {}, {}, {},\n     {},\n     {}, {}}}", joint.position, joint.column,
-                                   number(joint.turns), number(joint.slides), numbers(code, joint.rotation),
-                                   numbers(code, joint.translation), numbers(code, joint.axis)));
-    std::vector<std::string> names;
-    for (size_t l = 0; l < table.loops.size(); ++l) {
-      const LinkedLoop<double>& loop = table.loops[l];
-      names.push_back(linkage.loops[l].name);
-      loops.push_back(fmt::format("{{{{{}, {}, {}}},\n     {{{},\n      {}}},\n     {{{}, {}}}, {}, {}, {}}}", loop.begin[0],
-                                  loop.begin[1], loop.begin[2], numbers(code, loop.rotation[0]),
-                                  numbers(code, loop.rotation[1]), numbers(code, loop.translation[0]),
-                                  numbers(code, loop.translation[1]), loop.linear, loop.angular, number(loop.length)));
-    }
-    text += comment_lines(fmt::format("Linkage {}, of {}: joints from where a loop's links hang to each of them.", i,
-                                      fmt::join(names, ", "))) +
-            fmt::format(
-                "constexpr dalembert::LinkedJoint<Scalar> linkage_{0}_joints[] = {{\n    {1}}};\n"
-                "constexpr dalembert::LinkedLoop<Scalar> linkage_{0}_loops[] = {{\n    {2}}};\n"
-                "constexpr int linkage_{0}_positions[] = {{{3}}}, linkage_{0}_coordinates[] = {{{4}}}, linkage_{0}_followed[] "
-                "= {{{5}}};\n"
-                "constexpr dalembert::Linkage<Scalar> linkage_{0}{{linkage_{0}_loops, {6}, linkage_{0}_joints, {7},\n"
-                "    linkage_{0}_positions, linkage_{0}_coordinates, linkage_{0}_followed}};\n\n",
-                i, fmt::join(joints, ",\n    "), fmt::join(loops, ",\n    "), fmt::join(table.dependent_positions, ", "),
-                fmt::join(table.dependent_coordinates, ", "), fmt::join(table.independent_coordinates, ", "), loops.size(),
-                sizes(linkage));
-  }
+  for (size_t i = 0; i < code.tree.linkages.size(); ++i) text += linkage_struct(code, i);
   const ir::Followers f = ir::followers(code.tree);
-  std::vector<std::string> elements, at;
+  std::vector<std::string> elements, runs;
   for (const Follower& element : f.elements) elements.push_back(fmt::format("{{{}, {}}}", element.coordinate, element.follows));
-  for (const int i : f.at) at.push_back(std::to_string(i));
+  for (size_t i = 0, end = 1; i < f.at.size(); i = end++) {
+    while (end < f.at.size() && f.at[end] == f.at[end - 1] + 1) ++end;
+    runs.push_back(fmt::format("{}, {}, {}", i, f.at[i], end - i));
+  }
   text += fmt::format(
-      "// Which of all coordinates those of v are; dependent ones, and what they follow.\n"
-      "constexpr int independent_at[] = {{\n    {}}};\nconstexpr dalembert::Follower followers[] = {{\n    {}}};\n\n}}  // "
-      "namespace\n\n",
-      wrapped(at, 4), wrapped(elements, 4));
+      "// Which of all coordinates those of v are: of v, of all, how many, … Dependent ones, and what they follow.\n"
+      "using independent_runs = dalembert::IndependentRuns<\n    {}>;\nconstexpr dalembert::Follower followers[] = {{\n    "
+      "{}}};\n\n}}  // namespace\n\n",
+      wrapped(runs, 4), wrapped(elements, 4));
   text += fmt::format(
       "// Where every joint has its coordinate.\nnamespace of_all_joints {{\n\n[[maybe_unused]] constexpr int nv = {};\n\n}}  "
       "// "
@@ -78,7 +110,7 @@ std::string linkage_tables(const CodeInput& code) {
       f.all);
   text += "dalembert::LinkageStatus<Scalar> close_loops(Scalar* q) noexcept {\n  dalembert::LinkageStatus<Scalar> status;\n";
   for (size_t i = 0; i < code.tree.linkages.size(); ++i)
-    text += fmt::format("  dalembert::close_linkage<{1}>(linkage_{0}, {0}, {2}, q, status);\n", i, sizes(code.tree.linkages[i]),
+    text += fmt::format("  {{\n    Linkage{0} rows;\n    dalembert::close_linkage(rows, {0}, {1}, q, status);\n  }}\n", i,
                         ir::closing_steps);
   return text + "  return status;\n}\n\n";
 }
@@ -98,40 +130,40 @@ std::string embedded_statements(const CodeInput& code) {
   const ir::Embedding& e = *code.algorithm.embedding;
   const ir::EmittedFunction& function = code.algorithm.function;
   const ir::Followers f = ir::followers(code.tree);
-  const int nv = code.tree.nv(), all = f.all, count = static_cast<int>(f.elements.size());
+  const int all = f.all, count = static_cast<int>(f.elements.size());
   const auto array = [&](int index) { return "workspace." + code.algorithm.arrays[static_cast<size_t>(index)].name; };
   const auto size = [&](int index) {
     const ir::OutputArray& a = code.algorithm.arrays[static_cast<size_t>(index)];
     return a.rows * a.columns;
   };
-  const bool moves = e.rates >= 0;
+  const bool turns = e.rates >= 0;
   const std::string status = "workspace." + own_name(code, "linkage_status"), G = array(e.elements),
-                    rate = moves ? array(e.rates) : "";
+                    rate = turns ? array(e.rates) : "";
   std::string text = fmt::format("  {} = {{}};\n", status);
-  if (!moves) text += "  (void)v;\n";
+  if (!e.moving) text += "  (void)v;\n";
   if (*function.input() && !e.of_input && std::none_of(e.projected.begin(), e.projected.end(), [](const ir::Projected& p) {
         return p.kind == ir::Projected::Kind::unbalanced;
       }))
     text += fmt::format("  (void){};\n", function.input());
-  text += "  // Dependent joints follow: v_d = G y', v_d' = G y'' + G' y'.\n";
+  text += turns ? "  // Dependent joints follow: v_d = G y', v_d' = G y'' + G' y'.\n"
+                : "  // Dependent joints follow: v_d = G y'.\n";
   int first = 0;
   for (size_t i = 0; i < code.tree.linkages.size(); ++i) {
     const ir::Linkage& linkage = code.tree.linkages[i];
-    text += moves ? fmt::format("  dalembert::follow<{1}>(linkage_{0}, {0}, q, v, {2} + {4}, {3} + {4}, {5});\n", i,
-                                sizes(linkage), G, rate, first, status)
-                  : fmt::format("  dalembert::follow<{1}, Scalar>(linkage_{0}, {0}, q, nullptr, {2} + {3}, nullptr, {4});\n", i,
-                                sizes(linkage), G, first, status);
+    text += fmt::format("  {{\n    Linkage{0} rows;\n    dalembert::follow<Linkage{0}, Scalar>(rows, {0}, q, ", i) +
+            (turns ? fmt::format("v, {0} + {2}, {1} + {2}, {3});\n  }}\n", G, rate, first, status)
+                   : fmt::format("nullptr, {0} + {1}, nullptr, {2});\n  }}\n", G, first, status));
     first += static_cast<int>(linkage.dependent.size() * linkage.independent.size());
   }
   const auto spread = [&](const std::string& from, int to) {
-    return fmt::format("  dalembert::spread<nv, {}, {}>(independent_at, followers, {}, {}, {});\n", all, count, G, from,
+    return fmt::format("  dalembert::spread<independent_runs, {}, {}>(followers, {}, {}, {});\n", all, count, G, from,
                        array(to));
   };
-  if (moves) text += spread("v", e.speeds);
+  if (e.moving) text += spread("v", e.speeds);
   if (e.accelerated) {
     if (e.of_input) text += spread(function.input(), e.accelerations);
     else text += fmt::format("  for (Scalar& x : {}) x = 0;\n", array(e.accelerations));
-    if (moves)
+    if (turns)
       text += fmt::format("  dalembert::add_turning<{}>(followers, {}, v, {});\n", count, rate, array(e.accelerations));
   }
   text += fmt::format("  of_all_joints::{}(q, {}{}, workspace);\n", e.called, array(e.speeds),
@@ -139,17 +171,21 @@ std::string embedded_statements(const CodeInput& code) {
   text += "  // What the tree has, of the independent coordinates.\n";
   using Kind = ir::Projected::Kind;
   const auto columns = [&](const ir::Projected& p, const std::string& from, const std::string& to) {
-    return fmt::format("  dalembert::project_columns<{}, nv, {}>(independent_at, followers, {}, {}, {});\n", p.from_rows, count,
+    return fmt::format("  dalembert::project_columns<independent_runs, {}, {}>(followers, {}, {}, {});\n", p.from_rows, count,
                        G, from, to);
   };
   const auto rows = [&](int of_columns, const std::string& from, const std::string& to) {
-    return fmt::format("  dalembert::project_rows<{}, nv, {}, {}>(independent_at, followers, {}, {}, {});\n", of_columns, all,
+    return fmt::format("  dalembert::project_rows<independent_runs, {}, nv, {}, {}>(followers, {}, {}, {});\n", of_columns, all,
                        count, G, from, to);
+  };
+  const auto both = [&](const std::string& from, const std::string& turned, const std::string& by, const std::string& to) {
+    return fmt::format("  dalembert::project_both<independent_runs, nv, {}, {}, Scalar>(followers, {}, {}, {}, {}, {});\n", all,
+                       count, G, from, turned, by, to);
   };
   for (const ir::Projected& p : e.projected) {
     const std::string from = "workspace." + p.from, more = "workspace." + p.more, to = array(p.to);
     const auto add_bias = [&](const std::string& target) {
-      return moves ? fmt::format("  dalembert::add_bias<{}, {}>(followers, {}, v, {}, {}, {});\n", p.from_rows, count, rate,
+      return turns ? fmt::format("  dalembert::add_bias<{}, {}>(followers, {}, v, {}, {}, {});\n", p.from_rows, count, rate,
                                  more, from, target)
                    : fmt::format("  dalembert::copy_numbers<{}>({}, {});\n", p.from_rows, from, target);
     };
@@ -159,15 +195,10 @@ std::string embedded_statements(const CodeInput& code) {
         break;
       case Kind::columns: text += columns(p, from, to); break;
       case Kind::rows: text += rows(p.from_columns, from, to); break;
-      case Kind::both: text += columns(p, from, array(p.room)) + rows(nv, array(p.room), to); break;
-      case Kind::coriolis:
-        text += columns(p, from, array(p.room)) +
-                fmt::format("  dalembert::add_turning_columns<{}, {}>(followers, {}, {}, {});\n", all, count, rate, more,
-                            array(p.room)) +
-                rows(nv, array(p.room), to);
-        break;
-      case Kind::bias: text += add_bias(to); break;
-      case Kind::force: text += add_bias(array(p.room)) + rows(1, array(p.room), to); break;
+      case Kind::both: text += both(from, "nullptr", "nullptr", to); break;
+      case Kind::both_turned: text += both(from, more, rate, to); break;
+      case Kind::turned: text += add_bias(to); break;
+      case Kind::rows_of_turned: text += add_bias(array(p.room)) + rows(1, array(p.room), to); break;
       case Kind::unbalanced:
         text += rows(1, from, to) + fmt::format("  dalembert::subtract_from<nv>({}, {});\n", function.input(), to);
         break;

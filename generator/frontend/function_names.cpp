@@ -151,13 +151,12 @@ std::vector<TakenName> taken_names(const ir::Scene& scene) {
   for (const ir::Constraint& c : scene.constraints())
     for (const char* of_constraint : {"", "set_", "weigh_"}) taken.insert(of_constraint + c.member);
   if (!scene.embedded.empty()) {
-    for (const char* name : {"close_loops", "of_all_joints", "independent_at", "followers"}) taken.insert(name);
+    for (const char* name : {"close_loops", "of_all_joints", "independent_runs", "followers"}) taken.insert(name);
     for (size_t i = 0; i < scene.embedded.size(); ++i)  // linkages are no more
-      for (const char* part : {"", "_joints", "_loops", "_positions", "_coordinates", "_followed"})
-        taken.insert("linkage_" + std::to_string(i) + part);
+      taken.insert("Linkage" + std::to_string(i));
     for (const char* function : {"", "inverse_dynamics_", "forward_dynamics_"})
       for (const char* member : {"linkage_status", "followers", "follower_rates", "speeds_of_all_joints",
-                                 "accelerations_of_all_joints", "forces_of_all_joints", "projected"})
+                                 "accelerations_of_all_joints", "forces_of_all_joints"})
         taken.insert(std::string(function) + member);
   }
   std::vector<std::string> of_links;

@@ -156,14 +156,14 @@ struct Guard {
 // coordinates, by T and T' of the followers (ir/linkage.hpp), before the steps with whole matrices.
 struct Projected {
   enum class Kind {
-    same,        // to = from
-    columns,     // to = from T
-    rows,        // to = T' from
-    both,        // to = T' from T
-    coriolis,    // to = T' (from T + more T'), more being M
-    bias,        // to = from + more a, a = T' y': more is a Jacobian
-    force,       // to = T' (from + more a): more is M
-    unbalanced,  // to = input - T' from
+    same,            // to = from
+    columns,         // to = from T
+    rows,            // to = T' from
+    both,            // to = T' from T
+    both_turned,     // to = T' (from T + more T'), more being M
+    turned,          // to = from + more a, a = T' y': more is a Jacobian
+    rows_of_turned,  // to = T' (from + more a): more is M
+    unbalanced,      // to = input - T' from
   };
   Kind kind;
   std::string from, more;  // arrays of that function
@@ -174,7 +174,8 @@ struct Embedding {
   std::string called;        // the function
   bool accelerated = false;  // it takes accelerations: T' y', and T y'' where the input is y''
   bool of_input = false;
-  int elements = -1, rates = -1;       // arrays: numbers of the followers; of G'; −1: velocities count as zero
+  bool moving = false;                 // velocities of all joints are asked for
+  int elements = -1, rates = -1;       // arrays: numbers of the followers; of G'; −1: nothing asks how they change
   int speeds = 0, accelerations = -1;  // arrays: of all coordinates
   std::vector<Projected> projected;
 };

@@ -10,15 +10,16 @@ Operations operations_of_linkages(const KinematicTree& tree, bool moving) {
   for (const Linkage& linkage : tree.linkages) {
     const long d = static_cast<long>(linkage.dependent.size()), y = static_cast<long>(linkage.independent.size()),
                times = moving ? 2 : 1;
-    long joints = 0;
-    for (const LinkageLoop& loop : linkage.loops) {
-      const long own = static_cast<long>(loop.joints[0].size() + loop.joints[1].size()), rows = loop.rows();
-      joints += own;
-      multiply_adds(times * own * (2 * 60 + rows * (moving ? 12 : 3)));
+    const LinkageRows rows = linkage_rows(linkage, tree);
+    o += count(rows.graph, uses(rows.graph, rows.at_rest()));
+    if (moving) {
+      Operations of_rates = count(rows.graph, uses(rows.graph, rows.moving()));
+      of_rates.sincos = 0;  // kept
+      o += of_rates;
     }
-    o.sincos += 2 * times * joints;
-    multiply_adds(times * (d * (d * d - 1) / 3 + d * d * y) + (moving ? d * d * y + 2 * d * y : 0));
-    o.divide += times * (d * (d + 1) / 2 + d * y);
+    // Factors once; each of G and G' is solved for.
+    multiply_adds((d * d * d - d) / 3 + times * d * d * y + (moving ? d * d * y + 2 * d * y : 0));
+    o.divide += d;
   }
   return o;
 }
@@ -32,9 +33,9 @@ Operations operations_of(const Projected& p, const KinematicTree& tree) {
     case Kind::columns: count = rows * elements; break;
     case Kind::rows: count = columns * elements; break;
     case Kind::both: count = (rows + tree.nv()) * elements; break;
-    case Kind::coriolis: count = (2 * rows + tree.nv()) * elements; break;
-    case Kind::bias: count = (rows + 1) * elements; break;
-    case Kind::force: count = (rows + 2) * elements; break;
+    case Kind::both_turned: count = (2 * rows + tree.nv()) * elements; break;
+    case Kind::turned: count = (rows + 1) * elements; break;
+    case Kind::rows_of_turned: count = (rows + 2) * elements; break;
     case Kind::unbalanced: count = elements; break;
   }
   Operations o;

@@ -1,72 +1,67 @@
 #include "ir/linkage.hpp"
 
-#include <algorithm>
+#include <cmath>
 #include <numbers>
 #include <random>
 
 #include "ir/kinematic_tree.hpp"
 
 namespace dalembert::ir {
-namespace {
-
-void set_frame(const Eigen::Isometry3d& frame, double* rotation, double* translation) {
-  const Eigen::Matrix3d R = frame.linear();
-  for (int i = 0; i < 3; ++i) {
-    for (int k = 0; k < 3; ++k) rotation[3 * i + k] = R(i, k);
-    translation[i] = frame.translation()[i];
-  }
-}
-
-int bits(const std::vector<int>& axes) {
-  int sum = 0;
-  for (const int i : axes) sum |= 1 << i;
-  return sum;
-}
-
-}  // namespace
-
-LinkageTable linkage_table(const Linkage& linkage, const KinematicTree& tree) {
-  LinkageTable table;
-  table.dependent = static_cast<int>(linkage.dependent.size());
-  table.independent = static_cast<int>(linkage.independent.size());
-  const std::vector<int> positions = tree.positions(), coordinates = tree.coordinates(), all = tree.opened().coordinates();
+LinkagePlaces linkage_places(const Linkage& linkage, const KinematicTree& tree) {
+  LinkagePlaces places;
+  const std::vector<int> positions = tree.positions(), coordinates = tree.coordinates();
   const int base = tree.floating_base ? 6 : 0;
-  for (const int k : linkage.dependent) {
-    table.dependent_positions.push_back(tree.base_positions() + positions[static_cast<std::size_t>(k)]);
-    table.dependent_coordinates.push_back(base + all[static_cast<std::size_t>(k)]);
-  }
-  for (const int k : linkage.independent)
-    table.independent_coordinates.push_back(base + coordinates[static_cast<std::size_t>(k)]);
-  const auto column = [&](int body) {
-    const auto at = std::find(linkage.dependent.begin(), linkage.dependent.end(), body);
-    if (at != linkage.dependent.end()) return static_cast<int>(at - linkage.dependent.begin());
-    return table.dependent + static_cast<int>(std::find(linkage.independent.begin(), linkage.independent.end(), body) -
-                                              linkage.independent.begin());
-  };
-  for (const LinkageLoop& loop : linkage.loops) {
-    LinkedLoop<double> own{};
-    own.begin[0] = static_cast<int>(table.joints.size());
-    for (std::size_t side = 0; side < 2; ++side) {
-      for (const int k : loop.joints[side]) {
-        const Body& body = tree.bodies[static_cast<std::size_t>(k)];
-        LinkedJoint<double> joint{};
-        joint.position = tree.base_positions() + positions[static_cast<std::size_t>(k)];
-        joint.column = column(k);
-        joint.turns = body.turns() ? 1 : 0;
-        joint.slides = body.slide_per_unit();
-        set_frame(body.placement, joint.rotation, joint.translation);
-        for (int i = 0; i < 3; ++i) joint.axis[i] = body.axis[i];
-        table.joints.push_back(joint);
-      }
-      own.begin[side + 1] = static_cast<int>(table.joints.size());
-      set_frame(loop.frames[side], own.rotation[side], own.translation[side]);
+  for (const int k : linkage.dependent)
+    places.positions.push_back(tree.base_positions() + positions[static_cast<std::size_t>(k)]);
+  for (const int k : linkage.independent) places.followed.push_back(base + coordinates[static_cast<std::size_t>(k)]);
+  return places;
+}
+
+EvaluatedRows::EvaluatedRows(const Linkage& linkage, const KinematicTree& tree)
+    : dependent(static_cast<int>(linkage.dependent.size())),
+      independent(static_cast<int>(linkage.independent.size())),
+      rows_(linkage_rows(linkage, tree)),
+      values_(static_cast<std::size_t>(rows_.graph.size())) {
+  const LinkagePlaces places = linkage_places(linkage, tree);
+  positions = places.positions;
+  followed = places.followed;
+}
+
+void EvaluatedRows::at(const double* q, double (&error)[most_dependent], double (&J)[most_dependent][most_columns]) {
+  const double at_rest[most_columns] = {};
+  evaluate(q, at_rest);
+  for (std::size_t r = 0; r < rows_.error.size(); ++r) error[r] = values_[static_cast<std::size_t>(rows_.error[r])];
+  fill(rows_.jacobian, J);
+}
+
+void EvaluatedRows::rates(const double* q, const double* rate, double (&J_rate)[most_dependent][most_columns]) {
+  evaluate(q, rate);
+  fill(rows_.rate, J_rate);
+}
+
+void EvaluatedRows::evaluate(const double* q, const double* rate) {
+  for (NodeId id = 0; id < rows_.graph.size(); ++id) {
+    const Node& n = rows_.graph[id];
+    const auto of = [&](NodeId operand) { return values_[static_cast<std::size_t>(operand)]; };
+    double& value = values_[static_cast<std::size_t>(id)];
+    switch (n.op) {
+      case Op::constant: value = n.value; break;
+      case Op::input: value = n.input.kind == InputKind::position ? q[n.input.index] : rate[n.input.index]; break;
+      case Op::sine: value = std::sin(of(n.a)); break;
+      case Op::cosine: value = std::cos(of(n.a)); break;
+      case Op::sign: value = static_cast<double>((of(n.a) > 0) - (of(n.a) < 0)); break;
+      case Op::negate: value = -of(n.a); break;
+      case Op::add: value = of(n.a) + of(n.b); break;
+      case Op::subtract: value = of(n.a) - of(n.b); break;
+      case Op::multiply: value = of(n.a) * of(n.b); break;
+      case Op::divide: value = of(n.a) / of(n.b); break;
     }
-    own.linear = loop.length > 0 ? 0 : bits(loop.linear);
-    own.angular = bits(loop.angular);
-    own.length = loop.length;
-    table.loops.push_back(own);
   }
-  return table;
+}
+
+void EvaluatedRows::fill(const std::vector<std::vector<NodeId>>& matrix, double (&to)[most_dependent][most_columns]) const {
+  for (std::size_t r = 0; r < matrix.size(); ++r)
+    for (std::size_t c = 0; c < matrix[r].size(); ++c) to[r][c] = values_[static_cast<std::size_t>(matrix[r][c])];
 }
 
 Followers followers(const KinematicTree& tree) {
@@ -88,8 +83,8 @@ Followers followers(const KinematicTree& tree) {
 LinkageStatus<double> close_loops(const KinematicTree& tree, int steps, Eigen::VectorXd& q) {
   LinkageStatus<double> status;
   for (std::size_t i = 0; i < tree.linkages.size(); ++i) {
-    const LinkageTable table = linkage_table(tree.linkages[i], tree);
-    close_linkage<most_dependent_joints, most_independent_joints>(table.view(), static_cast<int>(i), steps, q.data(), status);
+    EvaluatedRows rows(tree.linkages[i], tree);
+    close_linkage(rows, static_cast<int>(i), steps, q.data(), status);
   }
   return status;
 }

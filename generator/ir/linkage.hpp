@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "ir/linkage_rows.hpp"
+
 namespace dalembert::ir {
 
 struct KinematicTree;
@@ -31,25 +33,30 @@ struct Linkage {
   std::vector<int> dependent, independent;  // bodies
 };
 
-// The numbers that dalembert/linkage.hpp computes with.
-struct LinkageTable {
-  std::vector<LinkedLoop<double>> loops;
-  std::vector<LinkedJoint<double>> joints;
-  std::vector<int> dependent_positions, dependent_coordinates, independent_coordinates;
-  int dependent = 0, independent = 0;
-
-  dalembert::Linkage<double> view() const {
-    return {loops.data(),
-            static_cast<int>(loops.size()),
-            joints.data(),
-            dependent,
-            independent,
-            dependent_positions.data(),
-            dependent_coordinates.data(),
-            independent_coordinates.data()};
-  }
+// Where a linkage's dependent joints are in q, and its independent ones in v.
+struct LinkagePlaces {
+  std::vector<int> positions, followed;
 };
-LinkageTable linkage_table(const Linkage& linkage, const KinematicTree& tree);
+LinkagePlaces linkage_places(const Linkage& linkage, const KinematicTree& tree);
+
+// Its rows as dalembert/linkage.hpp takes them, for any robot: expressions are evaluated as they are asked for.
+class EvaluatedRows {
+ public:
+  static constexpr int most_dependent = most_dependent_joints, most_columns = most_dependent_joints + most_independent_joints;
+  int dependent, independent;
+  std::vector<int> positions, followed;
+
+  EvaluatedRows(const Linkage& linkage, const KinematicTree& tree);
+  void at(const double* q, double (&error)[most_dependent], double (&J)[most_dependent][most_columns]);
+  void rates(const double* q, const double* rate, double (&J_rate)[most_dependent][most_columns]);
+
+ private:
+  void evaluate(const double* q, const double* rate);
+  void fill(const std::vector<std::vector<NodeId>>& matrix, double (&to)[most_dependent][most_columns]) const;
+
+  LinkageRows rows_;
+  std::vector<double> values_;
+};
 
 // T as a list of its elements (dalembert/linkage.hpp): per coordinate of v, which it is where no loop is embedded; who follows.
 struct Followers {

@@ -62,8 +62,7 @@ class Embed {
   void project(Kind kind, Quantity from, int to, const std::string& more = "") {
     const ir::QuantityRow& row = ir::row_of(from);
     ir::Projected p{kind, whole(from), more, ir::extent(row.rows, opened_), ir::extent(row.columns, opened_), to};
-    if (kind == Kind::both || kind == Kind::coriolis) p.room = room("projected", opened_.nv(), tree_.nv());
-    if (kind == Kind::force) p.room = room("forces_of_all_joints", opened_.nv(), 1);
+    if (kind == Kind::rows_of_turned) p.room = room("forces_of_all_joints", opened_.nv(), 1);
     algorithm_embedding().projected.push_back(std::move(p));
   }
 
@@ -76,18 +75,18 @@ class Embed {
     const int to = output(quantity);
     switch (quantity) {
       case Quantity::mass_matrix: mass(); return;
-      case Quantity::coriolis_matrix: return project(Kind::coriolis, quantity, to, whole(Quantity::mass_matrix));
+      case Quantity::coriolis_matrix: return project(Kind::both_turned, quantity, to, whole(Quantity::mass_matrix));
       case Quantity::bias:
         if (scene_.rates_zero) return project(Kind::rows, quantity, to);
-        return project(Kind::force, quantity, to, whole(Quantity::mass_matrix));
+        return project(Kind::rows_of_turned, quantity, to, whole(Quantity::mass_matrix));
       case Quantity::gravity:
       case Quantity::wrench_influence:
       case Quantity::inverse_dynamics:
       case Quantity::regressor: return project(Kind::rows, quantity, to);
       case Quantity::center_of_mass_jacobian:
       case Quantity::momentum_matrix: return project(Kind::columns, quantity, to);
-      case Quantity::center_of_mass_bias: return project(Kind::bias, quantity, to, whole(Quantity::center_of_mass_jacobian));
-      case Quantity::momentum_bias: return project(Kind::bias, quantity, to, whole(Quantity::momentum_matrix));
+      case Quantity::center_of_mass_bias: return project(Kind::turned, quantity, to, whole(Quantity::center_of_mass_jacobian));
+      case Quantity::momentum_bias: return project(Kind::turned, quantity, to, whole(Quantity::momentum_matrix));
       case Quantity::mass_matrix_factor:
         factor();
         guard(to);
@@ -115,7 +114,7 @@ class Embed {
                     ir::extent(row.columns, opened_),
                     array(function_.result(link), ir::extent(row.rows, tree_), ir::extent(row.columns, tree_), false)};
     const auto bias_by = [&](LinkQuantity jacobian) {
-      p.kind = Kind::bias;
+      p.kind = Kind::turned;
       p.more = whole(ir::LinkOutput{jacobian, link.link});
     };
     switch (link.quantity) {
@@ -160,9 +159,12 @@ class Embed {
     std::sort(own_.quantities.begin(), own_.quantities.end());
     const int count = static_cast<int>(ir::followers(tree_).elements.size()), all = opened_.nv();
     e.elements = room("followers", count, 1);
-    if (!scene_.rates_zero) e.rates = room("follower_rates", count, 1);
-    e.speeds = room("speeds_of_all_joints", all, 1);
     e.accelerated = own_.inputs == ir::Function::inverse_dynamics;
+    const bool turns = e.accelerated || std::any_of(e.projected.begin(), e.projected.end(), [](const ir::Projected& p) {
+                         return p.kind == Kind::both_turned || p.kind == Kind::turned || p.kind == Kind::rows_of_turned;
+                       });
+    if (turns && !scene_.rates_zero) e.rates = room("follower_rates", count, 1);
+    e.speeds = room("speeds_of_all_joints", all, 1);
     e.of_input = e.accelerated && function_.inputs == ir::Function::inverse_dynamics;
     if (e.accelerated) e.accelerations = room("accelerations_of_all_joints", all, 1);
   }

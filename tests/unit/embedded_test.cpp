@@ -194,6 +194,22 @@ TEST_P(Embedded, CountsWhatFollowingCosts) {
 }
 
 // Where crank and rod are in line the slider does not tell where they go.
+// M asks for G alone, T for how fast all joints are, C for G' besides.
+TEST_P(Embedded, WhatIsNotAskedForIsNotFollowed) {
+  const auto embedding = [&](Quantity quantity) {
+    Model model = load(GetParam());
+    model.scene.outputs = {quantity};
+    return *lower_to_programs(model).functions.front().algorithm.embedding;
+  };
+  const ir::Embedding mass = embedding(Quantity::mass_matrix), energy = embedding(Quantity::kinetic_energy),
+                      coriolis = embedding(Quantity::coriolis_matrix);
+  EXPECT_FALSE(mass.moving);
+  EXPECT_TRUE(energy.moving && coriolis.moving);
+  EXPECT_LT(mass.rates, 0);
+  EXPECT_LT(energy.rates, 0);
+  EXPECT_GE(coriolis.rates, 0);
+}
+
 TEST(TogglePoint, IsSaidAndNothingIsDividedBy) {
   const Model model = load({"slider_crank", {{"pin", {"slide"}}}, ""});
   State state = some_state(model.tree);

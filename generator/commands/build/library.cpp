@@ -69,7 +69,7 @@ void find_what_is_read(Library& library) {
     for (const LoweredFunction& f : lower_to_programs(library.parts[p].model).functions) {
       const ir::EmittedFunction& function = f.algorithm.function;
       const std::string& called = function.first_half.empty() ? function.name : function.first_half;
-      reads[called] |= steps_read_velocities(f.algorithm) || (f.algorithm.embedding && f.algorithm.embedding->rates >= 0) ||
+      reads[called] |= steps_read_velocities(f.algorithm) || (f.algorithm.embedding && f.algorithm.embedding->moving) ||
                        !ir::inputs_read(f.program, ir::uses(f.program.graph, f.program.roots())).velocities.empty();
     }
     for (TableFunction& f : library.functions)
