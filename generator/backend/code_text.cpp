@@ -119,11 +119,11 @@ std::string matrix_statements(const CodeInput& code) {
   for (const ir::MatrixStep& s : code.algorithm.steps) {
     switch (s.kind) {
       case Kind::factor:
-        text += fmt::format("  dalembert::factorise<nv, {}>({}, chains, {}, {}, {}, {});\n", ir::most_above(tree) + 1,
+        text += fmt::format("  dalembert::factorise<nv, {}, chains>({}, {}, {}, {}, {});\n", ir::most_above(tree) + 1,
                             name(s.a), name(s.room), name(s.to), name(s.b), name(code.algorithm.guard->diagonal));
         break;
       case Kind::solve:
-        text += fmt::format("  dalembert::solve_columns<nv, 1>(chains, {}, {}, 1, nv);\n", name(s.a), name(s.to));
+        text += fmt::format("  dalembert::solve_one<nv, chains>({}, {});\n", name(s.a), name(s.to));
         break;
       case Kind::invert:
         for (const ir::Chain& chain : ir::chains(tree, s.first))

@@ -125,6 +125,7 @@ struct ChainTree {
 
 namespace constraint_detail {
 
+using detail::each_piece;
 using detail::for_constants;
 
 constexpr int lanes_in_block(int padded) { return least(native_lanes, padded); }
@@ -367,17 +368,6 @@ struct ConstraintBlocks {
     });
   }
 };
-
-// f(how many lanes, from where on) over `count` elements, whole registers first.
-template <int count, class F>
-DALEMBERT_INLINE void each_piece(const F& f) {
-  constexpr int w = least(native_lanes, 4), whole = count / w * w;
-  for_constants<count / w>([&](auto i) DALEMBERT_IN_BLOCK {
-    f(std::integral_constant<int, w>{}, std::integral_constant<int, decltype(i)::value * w>{});
-  });
-  if constexpr (w == 4 && (count & 2) != 0) f(std::integral_constant<int, 2>{}, std::integral_constant<int, whole>{});
-  if constexpr (w > 1 && (count & 1) != 0) f(std::integral_constant<int, 1>{}, std::integral_constant<int, count - 1>{});
-}
 
 // x = U^-1 x.
 template <int n, class Tree, class T>

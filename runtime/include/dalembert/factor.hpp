@@ -27,6 +27,17 @@ DALEMBERT_INLINE void for_constants(const F& f) {
   write_out_constants(std::make_integer_sequence<int, count>{}, f);
 }
 
+// f(how many lanes, from where on) over `count` elements, whole registers first.
+template <int count, class F>
+DALEMBERT_INLINE void each_piece(const F& f) {
+  constexpr int w = least(native_lanes, 4), whole = count / w * w;
+  for_constants<count / w>([&](auto i) DALEMBERT_IN_BLOCK {
+    f(std::integral_constant<int, w>{}, std::integral_constant<int, decltype(i)::value * w>{});
+  });
+  if constexpr (w == 4 && (count & 2) != 0) f(std::integral_constant<int, 2>{}, std::integral_constant<int, whole>{});
+  if constexpr (w > 1 && (count & 1) != 0) f(std::integral_constant<int, 1>{}, std::integral_constant<int, count - 1>{});
+}
+
 // The coordinates above `first`, the nearest first, and -1; returns how many there are without that.
 static inline int path_above(const int* above, int first, int* path) noexcept {
   int count = 0;

@@ -33,14 +33,55 @@ DALEMBERT_INLINE void subtract(const T& factor, const T* from, T* to, int count)
   for (int i = 0; i < count; i += w) store<w, T>(to + i, load<w>(to + i) - broadcast<w, T>(factor) * load<w>(from + i));
 }
 
+// The same of chains that are constants, which f gets as constants: first coordinate, how many there are, how many above.
+template <const Chains& chains, int chain, class F>
+DALEMBERT_INLINE void each_constant_above(const F& f) {
+  constexpr int c = chains.above[chain];
+  if constexpr (c >= 0) {
+    f(std::integral_constant<int, chains.begin[c]>{}, std::integral_constant<int, chains.begin[c + 1] - chains.begin[c]>{},
+      std::integral_constant<int, chains.depth[c]>{});
+    each_constant_above<chains, c>(f);
+  }
+}
+
+// Chains of larger robots are gone through in loops: written out they would fill the caches of instructions.
+inline constexpr int most_written_out = 64;
+
+// Columns of a chain, `depth` rows above its own m, from the last to the first: each less its multiples of those behind it.
+template <int m, int depth, int stride, class T>
+DALEMBERT_INLINE void eliminate_own(T* columns, T (&reciprocal)[m]) {
+  constexpr int w = native_lanes, pieces = (depth + m + w - 1) / w;
+  if constexpr (m * pieces <= (doubles_in_register < 8 ? 12 : 24)) {  // in registers
+    Lanes<T, w> column[m][pieces];
+    for_constants<m>([&](auto k) DALEMBERT_IN_BLOCK {
+      for_constants<(depth + k) / w + 1>([&](auto i)
+                                             DALEMBERT_IN_BLOCK { column[k][i] = load<w>(columns + k * stride + i * w); });
+    });
+    for_constants<m>([&](auto back) DALEMBERT_IN_BLOCK {
+      constexpr int k = m - 1 - decltype(back)::value;
+      reciprocal[k] = T(1) / lane<w, T>(column[k][(depth + k) / w], (depth + k) % w);
+      for_constants<k>([&](auto other) DALEMBERT_IN_BLOCK {
+        constexpr int j = decltype(other)::value;
+        const Lanes<T, w> times = broadcast<w, T>(lane<w, T>(column[k][(depth + j) / w], (depth + j) % w) * reciprocal[k]);
+        for_constants<(depth + j) / w + 1>([&](auto i) DALEMBERT_IN_BLOCK { column[j][i] -= times * column[k][i]; });
+      });
+      for_constants<(depth + k) / w + 1>([&](auto i)
+                                             DALEMBERT_IN_BLOCK { store<w, T>(columns + k * stride + i * w, column[k][i]); });
+    });
+  } else {
+    for (int k = m - 1; k >= 0; --k) {
+      const T* const own = columns + k * stride;
+      reciprocal[k] = T(1) / own[depth + k];
+      for (int j = 0; j < k; ++j) subtract<T>(own[depth + j] * reciprocal[k], own, columns + j * stride, depth + j + 1);
+    }
+  }
+}
+
 }  // namespace detail
 
-// mass: M. room: factor_stride(longest) * n elements, for U D, where no coordinate has more than longest - 1 others above it:
-// of its column those elements alone, the tree's root first. Pivots and M's diagonal are what factor_status() tells by whether
-// U means anything.
 template <int n, int longest, class T>
-__attribute__((noinline)) static void factorise(const T* mass, const Chains& chains, T* room, T* factor, T* pivots,
-                                                T* diagonal) noexcept {
+__attribute__((noinline)) static void factorise_in_loops(const T* mass, const Chains& chains, T* room, T* factor, T* pivots,
+                                                         T* diagonal) noexcept {
   constexpr int stride = factor_stride(longest), w = native_lanes;
   for (int c = 0; c < chains.count; ++c) {
     const int first = chains.begin[c], end = chains.begin[c + 1], depth = chains.depth[c];
@@ -86,6 +127,63 @@ __attribute__((noinline)) static void factorise(const T* mass, const Chains& cha
   }
 }
 
+// mass: M. room: factor_stride(longest) * n elements, for U D, where no coordinate has more than longest - 1 others above it:
+// of its column those elements alone, the tree's root first. Pivots and M's diagonal are what factor_status() tells by whether
+// U means anything.
+template <int n, int longest, const Chains& chains, class T>
+__attribute__((noinline)) static void factorise(const T* mass, T* room, T* factor, T* pivots, T* diagonal) noexcept {
+  if constexpr (n > detail::most_written_out) {
+    factorise_in_loops<n, longest>(mass, chains, room, factor, pivots, diagonal);
+  } else {
+    constexpr int stride = factor_stride(longest), w = native_lanes;
+    // The last chain first, which is read first. Registers that reach beyond a column have zeros there.
+    detail::for_constants<chains.count>([&](auto back) DALEMBERT_IN_BLOCK {
+      constexpr int c = chains.count - 1 - decltype(back)::value, first = chains.begin[c], depth = chains.depth[c];
+      detail::for_constants<chains.begin[c + 1] - first>([&](auto own) DALEMBERT_IN_BLOCK {
+        constexpr int k = first + decltype(own)::value, size = depth + k - first + 1;
+        T* const column = room + k * stride;
+        const T* const from = mass + k * n;
+        for (int i = size; i < padded(size); ++i) column[i] = T(0);
+        detail::each_constant_above<chains, c>([&](auto begin, auto count, auto at) DALEMBERT_IN_BLOCK {
+          for (int i = 0; i < count; ++i) column[at + i] = from[begin + i];
+        });
+        for (int i = 0; i <= k - first; ++i) column[depth + i] = from[first + i];
+        diagonal[k] = from[k];
+      });
+    });
+    detail::for_constants<chains.count>([&](auto back) DALEMBERT_IN_BLOCK {
+      constexpr int c = chains.count - 1 - decltype(back)::value, first = chains.begin[c], m = chains.begin[c + 1] - first,
+                    depth = chains.depth[c];
+      T* const columns = room + first * stride;
+      T reciprocal[m];
+      detail::eliminate_own<m, depth, stride>(columns, reciprocal);
+      detail::each_constant_above<chains, c>([&](auto begin, auto count, auto at) DALEMBERT_IN_BLOCK {
+        for (int i = 0; i < count; ++i) {
+          const int own = at + i;
+          T* const column = room + (begin + i) * stride;
+          T factors[m];
+          detail::for_constants<m>([&](auto k) DALEMBERT_IN_BLOCK {
+            factor[(first + k) * n + begin + i] = factors[k] = columns[k * stride + own] * reciprocal[k];
+          });
+          DALEMBERT_KEEP_LOOP
+          for (int j = 0; j <= own; j += w) {
+            Lanes<T, w> rest = load<w>(column + j);
+            detail::for_constants<m>(
+                [&](auto k) DALEMBERT_IN_BLOCK { rest -= broadcast<w, T>(factors[k]) * load<w>(columns + k * stride + j); });
+            store<w, T>(column + j, rest);
+          }
+        }
+      });
+      detail::for_constants<m>([&](auto own) DALEMBERT_IN_BLOCK {
+        constexpr int k = decltype(own)::value;
+        const T* const column = columns + k * stride + depth;
+        for (int i = 0; i < k; ++i) factor[(first + k) * n + first + i] = column[i] * reciprocal[k];
+        factor[(first + k) * n + first + k] = pivots[first + k] = column[k];
+      });
+    });
+  }
+}
+
 // Columns of b, n numbers each and `stride` elements apart, become (U D U')^-1 b: as many as there are lanes, or fewer.
 template <int n, int w, class T>
 __attribute__((noinline)) static void solve_columns(const Chains& chains, const T* factor, T* b, int columns,
@@ -120,6 +218,50 @@ __attribute__((noinline)) static void solve_columns(const Chains& chains, const 
   }
   for (int lane = 0; lane < columns; ++lane)
     for (int k = 0; k < n; ++k) b[lane * stride + k] = dalembert::lane<w, T>(x[k], lane);
+}
+
+// One column, b = (U D U')^-1 b.
+template <int n, const Chains& chains, class T>
+__attribute__((noinline)) static void solve_one(const T* factor, T* b) noexcept {
+  if constexpr (n > detail::most_written_out) {
+    solve_columns<n, 1>(chains, factor, b, 1, n);
+  } else {
+    detail::for_constants<chains.count>([&](auto back) DALEMBERT_IN_BLOCK {
+      constexpr int c = chains.count - 1 - decltype(back)::value, first = chains.begin[c], m = chains.begin[c + 1] - first;
+      T x[m];
+      detail::for_constants<m>([&](auto k) DALEMBERT_IN_BLOCK { x[k] = b[first + k]; });
+      detail::for_constants<m>([&](auto own) DALEMBERT_IN_BLOCK {
+        constexpr int k = m - 1 - decltype(own)::value;
+        detail::for_constants<k>([&](auto i) DALEMBERT_IN_BLOCK { x[i] -= factor[(first + k) * n + first + i] * x[k]; });
+      });
+      detail::each_constant_above<chains, c>([&](auto begin, auto count, auto) DALEMBERT_IN_BLOCK {
+        detail::each_piece<count>([&](auto lanes, auto at) DALEMBERT_IN_BLOCK {
+          constexpr int w = decltype(lanes)::value, from = begin + decltype(at)::value;
+          Lanes<T, w> rest = load<w>(b + from);
+          detail::for_constants<m>(
+              [&](auto k) DALEMBERT_IN_BLOCK { rest -= broadcast<w, T>(x[k]) * load<w>(factor + (first + k) * n + from); });
+          store<w, T>(b + from, rest);
+        });
+      });
+      detail::for_constants<m>([&](auto k) DALEMBERT_IN_BLOCK { b[first + k] = x[k] / factor[(first + k) * n + first + k]; });
+    });
+    detail::for_constants<chains.count>([&](auto chain) DALEMBERT_IN_BLOCK {
+      constexpr int c = decltype(chain)::value, first = chains.begin[c], m = chains.begin[c + 1] - first;
+      T x[m];
+      detail::for_constants<m>([&](auto k) DALEMBERT_IN_BLOCK { x[k] = b[first + k]; });
+      detail::each_constant_above<chains, c>([&](auto begin, auto count, auto) DALEMBERT_IN_BLOCK {
+        detail::for_constants<count>([&](auto i) DALEMBERT_IN_BLOCK {
+          detail::for_constants<m>([&](auto k)
+                                       DALEMBERT_IN_BLOCK { x[k] -= factor[(first + k) * n + begin + i] * b[begin + i]; });
+        });
+      });
+      detail::for_constants<m>([&](auto k) DALEMBERT_IN_BLOCK {
+        detail::for_constants<decltype(k)::value>(
+            [&](auto i) DALEMBERT_IN_BLOCK { x[k] -= factor[(first + k) * n + first + i] * x[i]; });
+        b[first + k] = x[k];
+      });
+    });
+  }
 }
 
 // b, n numbers each in columns `stride` elements apart, becomes M^-1 b; zero, and false, where M could not be factored or has
