@@ -180,18 +180,20 @@ void close_linkage(Rows& rows, int number, int steps, T* q, LinkageStatus<T>& st
 // Which coordinates of the tree those of v are: `count` of them from `of_all` on are those from `of_v` on; and so on.
 template <int... numbers>
 struct IndependentRuns {
-  static constexpr int runs = sizeof...(numbers) / 3, number[] = {numbers..., 0};
-
   // f(of v, of all) for each of them.
   template <class F>
   static constexpr void each(const F& f) {
-    each_run(f, std::make_integer_sequence<int, runs>{});
+    each_run(f, std::make_integer_sequence<int, sizeof...(numbers) / 3>{});
   }
 
  private:
+  static constexpr int number(int i) {
+    const int all[] = {numbers..., 0};
+    return all[i];
+  }
   template <class F, int... run>
   static constexpr void each_run(const F& f, std::integer_sequence<int, run...>) {
-    (each_of<number[3 * run], number[3 * run + 1], number[3 * run + 2]>(f), ...);
+    (each_of<number(3 * run), number(3 * run + 1), number(3 * run + 2)>(f), ...);
   }
   template <int of_v, int of_all, int count, class F>
   static constexpr void each_of(const F& f) {

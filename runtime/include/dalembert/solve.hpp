@@ -44,6 +44,13 @@ DALEMBERT_INLINE void each_constant_above(const F& f) {
   }
 }
 
+// f(count), a number from 1 to `most`, as a constant.
+template <int most, class F>
+DALEMBERT_INLINE void with_constant(int count, const F& f) {
+  if (count == most) f(std::integral_constant<int, most>{});
+  else if constexpr (most > 1) with_constant<most - 1>(count, f);
+}
+
 // Chains of larger robots are gone through in loops: written out they would fill the caches of instructions.
 inline constexpr int most_written_out = 64;
 
@@ -107,18 +114,24 @@ __attribute__((noinline)) static void factorise_in_loops(const T* mass, const Ch
         detail::subtract<T>(column[depth + i - first] * reciprocal[k - first], column, room + i * stride,
                             depth + i - first + 1);
     }
-    detail::each_above(chains, c, [&](int begin, int behind, int at) DALEMBERT_IN_BLOCK {
-      for (int i = begin; i < behind; ++i) {
-        const int own = at + i - begin;
-        T factors[longest_chain];
-        for (int k = first; k < end; ++k)
-          factor[k * n + i] = factors[k - first] = room[k * stride + own] * reciprocal[k - first];
-        for (int j = 0; j <= own; j += w) {
-          Lanes<T, w> rest = load<w>(room + i * stride + j);
-          for (int k = first; k < end; ++k) rest -= broadcast<w, T>(factors[k - first]) * load<w>(room + k * stride + j);
-          store<w, T>(room + i * stride + j, rest);
+    detail::with_constant<longest_chain>(end - first, [&](auto m) DALEMBERT_IN_BLOCK {
+      const T* const columns = room + first * stride;
+      detail::each_above(chains, c, [&](int begin, int behind, int at) DALEMBERT_IN_BLOCK {
+        for (int i = begin; i < behind; ++i) {
+          const int own = at + i - begin;
+          T factors[m];
+          detail::for_constants<m>([&](auto k) DALEMBERT_IN_BLOCK {
+            factor[(first + k) * n + i] = factors[k] = columns[k * stride + own] * reciprocal[k];
+          });
+          DALEMBERT_KEEP_LOOP
+          for (int j = 0; j <= own; j += w) {
+            Lanes<T, w> rest = load<w>(room + i * stride + j);
+            detail::for_constants<m>(
+                [&](auto k) DALEMBERT_IN_BLOCK { rest -= broadcast<w, T>(factors[k]) * load<w>(columns + k * stride + j); });
+            store<w, T>(room + i * stride + j, rest);
+          }
         }
-      }
+      });
     });
     for (int k = first; k < end; ++k) {
       for (int i = first; i < k; ++i) factor[k * n + i] = room[k * stride + depth + i - first] * reciprocal[k - first];
