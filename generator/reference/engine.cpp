@@ -54,8 +54,8 @@ double mass_condition(const ir::KinematicTree& tree, const ir::Scene& scene, con
 namespace {
 
 // The largest eigenvalue by the least, of a symmetric matrix with a diagonal of ones; where that is none to a proximal step,
-// what is lost there; each to a power of its own.
-double symmetric_condition(Eigen::MatrixXd D, int times = 1, int times_redundant = 1) {
+// what is lost there, once or several times.
+double symmetric_condition(Eigen::MatrixXd D, int times = 1) {
   for (Eigen::Index i = 0; i < D.rows(); ++i) {
     const double length = std::sqrt(D(i, i));
     if (!(length > 0)) continue;
@@ -65,7 +65,7 @@ double symmetric_condition(Eigen::MatrixXd D, int times = 1, int times_redundant
   const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(D, Eigen::EigenvaluesOnly).eigenvalues();
   const double largest = values.maxCoeff(), mu = Proximal<double>::mu;
   const bool redundant = values.minCoeff() <= 100 * mu * largest;
-  return redundant ? std::pow(16 / mu, times_redundant) : std::pow(largest / values.minCoeff(), times);
+  return redundant ? std::pow(16 / mu, times) : largest / values.minCoeff();
 }
 
 // Of what constraints can do for coordinates without a motor.
@@ -99,12 +99,12 @@ double condition_of_solution(const Wanted& wanted, const ir::KinematicTree& tree
   const double of_mass = mass_condition(tree, scene, inputs);
   if (ir::row_of(*wanted.quantity).scale == ir::Scale::solved) return of_mass;
   // Rows of one length, so that units do not count. Where rows say the same, and at velocities that contradict them, forces are
-  // 1/mu of what is asked for, and cancel; as they turn with q, forces as wrong as they are ask for others, solved for again.
-  const bool of_forces = *wanted.quantity == ir::Quantity::constraint_forces_dq,
-             by_q = of_forces || *wanted.quantity == ir::Quantity::constrained_forward_dynamics_dq;
+  // 1/mu of what is asked for, and cancel; as they turn with q, forces without meaning ask for others 1/mu as large.
+  const bool by_q = *wanted.quantity == ir::Quantity::constrained_forward_dynamics_dq ||
+                    *wanted.quantity == ir::Quantity::constraint_forces_dq;
   return of_mass *
          symmetric_condition(evaluate(tree, scene, {{ir::Quantity::delassus_matrix, ""}}, inputs, Precision::extended).front(),
-                             of_forces ? 2 : 1, by_q ? 2 : 1);
+                             by_q ? 2 : 1);
 }
 
 }  // namespace
