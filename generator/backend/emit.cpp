@@ -618,7 +618,7 @@ std::string source(const Folder& folder, const std::string& banner) {
   return render("dynamics.cpp", {{"banner", banner},
                                  {"name", folder.common().name},
                                  {"includes", includes},
-                                 {"functions", linkage_rows(folder.common()) + of_functions(folder, [&](const CodeInput& f) {
+                                 {"functions", linkage_structs(folder.common()) + of_functions(folder, [&](const CodeInput& f) {
                                     if (function_of(f).of_opened) return std::string();  // stands before what calls it
                                     const CodeInput* second = folder.second_half_of(f);
                                     if (const CodeInput* opened = folder.opened_of(f))

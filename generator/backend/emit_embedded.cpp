@@ -87,7 +87,7 @@ std::string linkage_struct(const CodeInput& code, size_t i) {
 
 }  // namespace
 
-std::string linkage_rows(const CodeInput& code) {
+std::string linkage_structs(const CodeInput& code) {
   if (code.tree.linkages.empty()) return "";
   std::string text = "\nnamespace {\n\n";
   for (size_t i = 0; i < code.tree.linkages.size(); ++i) text += linkage_struct(code, i);

@@ -8,7 +8,7 @@
 namespace dalembert::backend {
 
 // Rows of linkages, and close_loops(); empty where there are none.
-std::string linkage_rows(const CodeInput& code);
+std::string linkage_structs(const CodeInput& code);
 std::string closing_declaration(const CodeInput& code);
 // Of a function that users call.
 std::string embedded_statements(const CodeInput& code);

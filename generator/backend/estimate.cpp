@@ -9,6 +9,7 @@
 #include "backend/emit_straight.hpp"
 #include "backend/executed.hpp"
 #include "backend/kept.hpp"
+#include "dalembert/chain_shapes.hpp"
 #include "ir/coordinate_tree.hpp"
 #include "ir/guard_arrays.hpp"
 
@@ -90,7 +91,9 @@ void add_steps(const CodeInput& code, Features& f) {
     const ir::Operations o = step_operations(step, tree);
     of(f, Feature::step_operations) += static_cast<double>(o.multiply);
     of(f, Feature::divide) += static_cast<double>(o.divide);
-    of(f, Feature::step_chains) += static_cast<double>(ir::chains(tree, step.first).size());
+    const bool solves = step.kind == ir::MatrixStep::Kind::factor || step.kind == ir::MatrixStep::Kind::solve;
+    if (!solves || tree.size() > most_written_out)
+      of(f, Feature::step_chains) += static_cast<double>(ir::chains(tree, step.first).size());
   }
 }
 

@@ -16,7 +16,6 @@ struct Symbol {
   friend Symbol operator+(Symbol a, Symbol b) { return {a.graph, a.graph->add(a.node, b.node)}; }
   friend Symbol operator-(Symbol a, Symbol b) { return {a.graph, a.graph->subtract(a.node, b.node)}; }
   friend Symbol operator*(Symbol a, Symbol b) { return {a.graph, a.graph->multiply(a.node, b.node)}; }
-  friend Symbol operator/(Symbol a, Symbol b) { return {a.graph, a.graph->divide(a.node, b.node)}; }
 };
 using Three = std::array<Symbol, 3>;
 

@@ -193,7 +193,6 @@ TEST_P(Embedded, CountsWhatFollowingCosts) {
   EXPECT_GE(own.front().operations.total(), own[2].operations.total());
 }
 
-// Where crank and rod are in line the slider does not tell where they go.
 // M asks for G alone, T for how fast all joints are, C for G' besides.
 TEST_P(Embedded, WhatIsNotAskedForIsNotFollowed) {
   const auto embedding = [&](Quantity quantity) {
@@ -210,6 +209,7 @@ TEST_P(Embedded, WhatIsNotAskedForIsNotFollowed) {
   EXPECT_GE(coriolis.rates, 0);
 }
 
+// Where crank and rod are in line the slider does not tell where they go.
 TEST(TogglePoint, IsSaidAndNothingIsDividedBy) {
   const Model model = load({"slider_crank", {{"pin", {"slide"}}}, ""});
   State state = some_state(model.tree);

@@ -5,6 +5,9 @@
 namespace dalembert {
 
 inline constexpr int longest_chain = 8;
+// Coordinates up to which M is factored and solved with chain by chain in straight text: more of it would fill the caches of
+// instructions, and larger robots' chains are gone through in loops.
+inline constexpr int most_written_out = 64;
 
 // Of an inverse that is made chain by chain: eight elements are read and written from any column's last one on.
 constexpr int inverse_stride(int n) { return (n + 14) / 8 * 8; }

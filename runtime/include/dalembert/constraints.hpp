@@ -282,8 +282,8 @@ struct ConstraintBlocks {
 
   // What is not a number stays so.
   static DALEMBERT_INLINE Lanes<T, w> without_rounding(const Lanes<T, w>& x) {
-    const Lanes<T, w> most = broadcast<w, T>(Proximal<T>::unmoved);
-    return ((x <= most) & (x >= -most)) ? broadcast<w, T>(T(0)) : x;
+    const Lanes<T, w> most = broadcast<w, T>(Proximal<T>::unmoved * Proximal<T>::unmoved);
+    return x * x <= most ? broadcast<w, T>(T(0)) : x;
   }
 
   // J's rows of a constraint, in one column, times `acts`, which is zero where they are another's.

@@ -51,9 +51,6 @@ DALEMBERT_INLINE void with_constant(int count, const F& f) {
   else if constexpr (most > 1) with_constant<most - 1>(count, f);
 }
 
-// Chains of larger robots are gone through in loops: written out they would fill the caches of instructions.
-inline constexpr int most_written_out = 64;
-
 // Columns of a chain, `depth` rows above its own m, from the last to the first: each less its multiples of those behind it.
 template <int m, int depth, int stride, class T>
 DALEMBERT_INLINE void eliminate_own(T* columns, T (&reciprocal)[m]) {
@@ -80,6 +77,29 @@ DALEMBERT_INLINE void eliminate_own(T* columns, T (&reciprocal)[m]) {
       const T* const own = columns + k * stride;
       reciprocal[k] = T(1) / own[depth + k];
       for (int j = 0; j < k; ++j) subtract<T>(own[depth + j] * reciprocal[k], own, columns + j * stride, depth + j + 1);
+    }
+  }
+}
+
+// Rows of U in the columns of a chain of m, and the columns of `count` coordinates above it less their multiples of these:
+// coordinates from `begin` on, of which the first has `at` others above it.
+template <int n, int m, int stride, class T>
+DALEMBERT_INLINE void eliminate_above(int first, int begin, int count, int at, const T* reciprocal, T* room, T* factor) {
+  constexpr int w = native_lanes;
+  const T* const columns = room + first * stride;
+  for (int i = begin; i < begin + count; ++i) {
+    const int own = at + i - begin;
+    T* const column = room + i * stride;
+    T factors[m];
+    for_constants<m>([&](auto k) DALEMBERT_IN_BLOCK {
+      factor[(first + k) * n + i] = factors[k] = columns[k * stride + own] * reciprocal[k];
+    });
+    DALEMBERT_KEEP_LOOP
+    for (int j = 0; j <= own; j += w) {
+      Lanes<T, w> rest = load<w>(column + j);
+      for_constants<m>([&](auto k)
+                           DALEMBERT_IN_BLOCK { rest -= broadcast<w, T>(factors[k]) * load<w>(columns + k * stride + j); });
+      store<w, T>(column + j, rest);
     }
   }
 }
@@ -115,22 +135,8 @@ __attribute__((noinline)) static void factorise_in_loops(const T* mass, const Ch
                             depth + i - first + 1);
     }
     detail::with_constant<longest_chain>(end - first, [&](auto m) DALEMBERT_IN_BLOCK {
-      const T* const columns = room + first * stride;
       detail::each_above(chains, c, [&](int begin, int behind, int at) DALEMBERT_IN_BLOCK {
-        for (int i = begin; i < behind; ++i) {
-          const int own = at + i - begin;
-          T factors[m];
-          detail::for_constants<m>([&](auto k) DALEMBERT_IN_BLOCK {
-            factor[(first + k) * n + i] = factors[k] = columns[k * stride + own] * reciprocal[k];
-          });
-          DALEMBERT_KEEP_LOOP
-          for (int j = 0; j <= own; j += w) {
-            Lanes<T, w> rest = load<w>(room + i * stride + j);
-            detail::for_constants<m>(
-                [&](auto k) DALEMBERT_IN_BLOCK { rest -= broadcast<w, T>(factors[k]) * load<w>(columns + k * stride + j); });
-            store<w, T>(room + i * stride + j, rest);
-          }
-        }
+        detail::eliminate_above<n, m, stride>(first, begin, behind - begin, at, reciprocal, room, factor);
       });
     });
     for (int k = first; k < end; ++k) {
@@ -145,10 +151,10 @@ __attribute__((noinline)) static void factorise_in_loops(const T* mass, const Ch
 // U means anything.
 template <int n, int longest, const Chains& chains, class T>
 __attribute__((noinline)) static void factorise(const T* mass, T* room, T* factor, T* pivots, T* diagonal) noexcept {
-  if constexpr (n > detail::most_written_out) {
+  if constexpr (n > most_written_out) {
     factorise_in_loops<n, longest>(mass, chains, room, factor, pivots, diagonal);
   } else {
-    constexpr int stride = factor_stride(longest), w = native_lanes;
+    constexpr int stride = factor_stride(longest);
     // The last chain first, which is read first. Registers that reach beyond a column have zeros there.
     detail::for_constants<chains.count>([&](auto back) DALEMBERT_IN_BLOCK {
       constexpr int c = chains.count - 1 - decltype(back)::value, first = chains.begin[c], depth = chains.depth[c];
@@ -171,21 +177,7 @@ __attribute__((noinline)) static void factorise(const T* mass, T* room, T* facto
       T reciprocal[m];
       detail::eliminate_own<m, depth, stride>(columns, reciprocal);
       detail::each_constant_above<chains, c>([&](auto begin, auto count, auto at) DALEMBERT_IN_BLOCK {
-        for (int i = 0; i < count; ++i) {
-          const int own = at + i;
-          T* const column = room + (begin + i) * stride;
-          T factors[m];
-          detail::for_constants<m>([&](auto k) DALEMBERT_IN_BLOCK {
-            factor[(first + k) * n + begin + i] = factors[k] = columns[k * stride + own] * reciprocal[k];
-          });
-          DALEMBERT_KEEP_LOOP
-          for (int j = 0; j <= own; j += w) {
-            Lanes<T, w> rest = load<w>(column + j);
-            detail::for_constants<m>(
-                [&](auto k) DALEMBERT_IN_BLOCK { rest -= broadcast<w, T>(factors[k]) * load<w>(columns + k * stride + j); });
-            store<w, T>(column + j, rest);
-          }
-        }
+        detail::eliminate_above<n, m, stride>(first, begin, count, at, reciprocal, room, factor);
       });
       detail::for_constants<m>([&](auto own) DALEMBERT_IN_BLOCK {
         constexpr int k = decltype(own)::value;
@@ -236,7 +228,7 @@ __attribute__((noinline)) static void solve_columns(const Chains& chains, const 
 // One column, b = (U D U')^-1 b.
 template <int n, const Chains& chains, class T>
 __attribute__((noinline)) static void solve_one(const T* factor, T* b) noexcept {
-  if constexpr (n > detail::most_written_out) {
+  if constexpr (n > most_written_out) {
     solve_columns<n, 1>(chains, factor, b, 1, n);
   } else {
     detail::for_constants<chains.count>([&](auto back) DALEMBERT_IN_BLOCK {
