@@ -130,7 +130,7 @@ void run_constraint_steps(const Algorithm& algorithm, Arrays& arrays) {
         for (const auto& [begin, end] : {std::pair(first, middle), std::pair(middle, behind)}) {
           if (begin == end) continue;
           const double mean = along.diagonal().segment(begin, end - begin).mean() + 1e-6 * along.trace();
-          held.segment(begin, end - begin).setConstant(1e-8 * (mean > 0 ? mean : 1));
+          for (int r = begin; r < end; ++r) held[r] = (along(r, r) > 0 ? 1e-8 : 1.0) * (mean > 0 ? mean : 1);
         }
       }
       return held;

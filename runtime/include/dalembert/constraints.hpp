@@ -478,7 +478,7 @@ __attribute__((noinline)) static ConstraintStatus<T> solve_constrained(const T* 
     const bool acts = active[c] > T(0);
     for (int r = 0; r < rows; ++r) {
       const T mean = means[r < linear ? 0 : 1];
-      hold[r] = acts && r < own ? Proximal<T>::mu * (mean > T(0) ? mean : T(1)) : T(0);
+      hold[r] = acts && r < own ? Proximal<T>::of(block[r * padded + r]) * (mean > T(0) ? mean : T(1)) : T(0);
       rest[r] = acts && r < own ? right[Rows::first(c) + least(r, own - 1)] : T(0);
       block[r * padded + r] += acts && r < own ? hold[r] + regularization[Rows::first(c) + least(r, own - 1)] : T(1);
     }
@@ -836,7 +836,8 @@ __attribute__((noinline)) static void respond(const T* jacobian, const T* invers
           parts.inverse[(first + r) * padded + first + r] * (T(1) / T(r < linear ? linear : own - linear));
     for (int r = 0; r < own; ++r) {
       const T mean = means[r < linear ? 0 : 1];
-      held[first + r] = active[c] > T(0) ? Proximal<T>::mu * (mean > T(0) ? mean : T(1)) : T(0);
+      const T along = parts.inverse[(first + r) * padded + first + r];
+      held[first + r] = active[c] > T(0) ? Proximal<T>::of(along) * (mean > T(0) ? mean : T(1)) : T(0);
       parts.inverse[(first + r) * padded + first + r] += active[c] > T(0) ? held[first + r] + regularization[first + r] : T(1);
     }
   }

@@ -215,8 +215,9 @@ struct ActingRows {
 template <class S>
 ActingRows<S> acting_rows(const Constraints<S>& constraints, const MatrixX<S>& J, const Factorisation<S>& mass,
                           const ConstraintOptions<S>& options) {
-  // Rows of rounding alone would hold what they do not touch.
-  const S unmoved = S(64) * std::numeric_limits<S>::epsilon();
+  // Rows of rounding alone would hold what they do not touch; a robot's own numbers are rounded to double.
+  S unmoved = S(0x1p-46);
+  if (unmoved < S(64) * std::numeric_limits<S>::epsilon()) unmoved = S(64) * std::numeric_limits<S>::epsilon();
   ActingRows<S> rows{J.unaryExpr([&](const S& x) { return x <= unmoved && x >= -unmoved ? S(0) : x; }), {},
                      VectorX<S>::Zero(J.rows()), VectorX<S>::Ones(J.rows())};
   const std::vector<std::pair<int, int>> blocks = constraints.rows();
@@ -236,7 +237,9 @@ ActingRows<S> acting_rows(const Constraints<S>& constraints, const MatrixX<S>& J
       S scale = rows.D.diagonal().segment(row + begin, end - begin).sum() / S(end - begin) + S(1e-6) * sum;
       if (!(scale > S(0))) scale = S(1);
       for (int r = row + begin; r < row + end; ++r) {
-        rows.held[r] = acts ? S(options.mu * scale) : S(0);
+        // What no joint moves is held as firmly as others: by mu alone, rounding of what it asks for would be a force.
+        const S mu = rows.D(r, r) > S(0) ? options.mu : S(1);
+        rows.held[r] = acts ? S(mu * scale) : S(0);
         rows.D(r, r) += acts ? S(rows.held[r] + (options.regularization.size() > 0 ? options.regularization[r] : S(0))) : S(1);
       }
     }

@@ -1,0 +1,39 @@
+# dalembert_add_gtest(TARGET [PREFIX prefix] [PROPERTIES name value...])   the tests of a program, as its sources name them
+#
+# A test of many parameters is one of CTest's: a process for each of 4,000 would begin, and read a robot, as often. Which parameter
+# fails is in the output. In the long run (DALEMBERT_LONG_TESTS) tests find that word in their environment and take all their cases.
+function(dalembert_add_gtest target)
+  cmake_parse_arguments(ARG "" "PREFIX" "PROPERTIES" ${ARGN})
+  get_target_property(sources ${target} SOURCES)
+  foreach(source IN LISTS sources)
+    set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${source})
+    file(READ ${source} text)
+    string(REGEX MATCHALL "(^|\n)(TYPED_TEST|TEST|TEST_F|TEST_P)\\([A-Za-z_0-9]+, *[A-Za-z_0-9]+\\)" tests "${text}")
+    foreach(test IN LISTS tests)
+      string(REGEX MATCH "([A-Z_]+)\\(([A-Za-z_0-9]+), *([A-Za-z_0-9]+)\\)" test "${test}")
+      set(name ${ARG_PREFIX}${CMAKE_MATCH_2}.${CMAKE_MATCH_3})
+      set(skipped SKIP_REGULAR_EXPRESSION "\\[  SKIPPED \\]")
+      if(CMAKE_MATCH_1 STREQUAL "TEST_P")
+        set(filter "*/${CMAKE_MATCH_2}.${CMAKE_MATCH_3}/*")
+        set(skipped "")  # some of its parameters
+      elseif(CMAKE_MATCH_1 STREQUAL "TYPED_TEST")
+        set(filter "${CMAKE_MATCH_2}/*.${CMAKE_MATCH_3}")
+        set(skipped "")
+      else()
+        set(filter "${CMAKE_MATCH_2}.${CMAKE_MATCH_3}")
+      endif()
+      add_test(NAME ${name} COMMAND ${target} --gtest_brief=1 --gtest_filter=${filter})
+      set_tests_properties(${name} PROPERTIES FAIL_REGULAR_EXPRESSION "] 0 tests from 0 " ${skipped} ${ARG_PROPERTIES})
+      if(DALEMBERT_LONG_TESTS)
+        set_property(TEST ${name} APPEND PROPERTY ENVIRONMENT DALEMBERT_LONG_TESTS=1)
+      endif()
+    endforeach()
+  endforeach()
+endfunction()
+
+# dalembert_for_the_long_run(TARGET...)   not built beside everything else, but for the tests that sh tests/run.sh has no time for
+function(dalembert_for_the_long_run)
+  if(NOT DALEMBERT_LONG_TESTS)
+    set_target_properties(${ARGN} PROPERTIES EXCLUDE_FROM_ALL ON)
+  endif()
+endfunction()
