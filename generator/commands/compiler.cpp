@@ -7,6 +7,7 @@
 #include <spawn.h>
 #include <sys/wait.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdlib>
 #include <filesystem>
@@ -68,6 +69,24 @@ std::string said(const fs::path& log) {
   std::string text, line;
   for (int i = 0; i < 8 && std::getline(file, line); ++i) text += "\n  " + line;
   return text;
+}
+
+// The files to compile; the code and its C interface in one.
+std::vector<std::string> sources_of(const fs::path& folder, const std::vector<backend::OutputFile>& files) {
+  const std::string code = "dynamics.cpp", interface = "c_api.cpp";
+  const auto has = [&](const std::string& name) {
+    return std::any_of(files.begin(), files.end(), [&](const backend::OutputFile& file) { return file.name == name; });
+  };
+  const bool both = has(code) && has(interface);
+  std::vector<std::string> sources;
+  if (both) {
+    sources.push_back((folder / "code_and_interface.cpp").string());
+    std::ofstream(sources.front()) << fmt::format("#include \"{}\"\n#include \"{}\"\n", code, interface);
+  }
+  for (const backend::OutputFile& file : files)
+    if (file.name.ends_with(".cpp") && !(both && (file.name == code || file.name == interface)))
+      sources.push_back((folder / file.name).string());
+  return sources;
 }
 
 }  // namespace
@@ -135,8 +154,8 @@ LoadedCode::LoadedCode(const std::string& name, const std::vector<backend::Outpu
   for (const char* word : {"-shared", "-fPIC"}) command.push_back(word);
   command.push_back("-I" + folder.path().string());
   for (const std::string& word : include_words()) command.push_back(word);
-  for (const backend::OutputFile& file : files)
-    if (file.name.ends_with(".cpp")) command.push_back((sources / file.name).string());
+  if (!options.precompiled.empty()) command.insert(command.end(), {"-include", options.precompiled});
+  for (const std::string& source : sources_of(sources, files)) command.push_back(source);
   for (const std::string& word : split(options.libraries, ' ')) command.push_back(word);
   command.push_back("-o");
   command.push_back(object.string());

@@ -16,6 +16,8 @@ struct CompilerOptions {
   std::string flags = "-O3 -march=native -std=c++17";
   int lanes = 0;               // numbers side by side, 1, 2, 4 or 8; 0: as many as the target's registers hold
   std::string libraries = {};  // what the code is linked with: "-ltbb"
+  // A header, precompiled with these very flags and -fPIC, that is read in front of the code; empty: none.
+  std::string precompiled = {};
 };
 
 // The words of the command that options, environment or system name: {"ccache", "g++"}.
@@ -40,8 +42,9 @@ std::string complaint(const std::runtime_error& error);
 // Generated code compiled and loaded into this process. The files live in a temporary folder until the end of the constructor.
 class LoadedCode {
  public:
-  // `name`: the folder under which the files include each other. Throws InputError when there is no compiler or it refuses the
-  // code.
+  // `name`: the folder under which the files include each other. The C interface is compiled with the code in one:
+  // position-independent code stays the same, and Eigen, which is most of a small robot's time, is read once. Throws InputError
+  // when there is no compiler or it refuses the code.
   LoadedCode(const std::string& name, const std::vector<backend::OutputFile>& files, const CompilerOptions& options);
   ~LoadedCode();
   LoadedCode(const LoadedCode&) = delete;

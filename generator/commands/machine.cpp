@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cstdlib>
@@ -131,15 +132,24 @@ std::string first_line(const std::string& path) {
   return line;
 }
 
-// Of the first processor: of data (or of all that is read), of the level.
-std::string cache(const char* level) {
+// Of the first processor: of data (or of all that is read), of the level. Some virtual machines hide the folders; there the
+// processor itself is asked, which is `otherwise`.
+std::string cache(const char* level, int otherwise) {
   for (int i = 0; i < 8; ++i) {
     const std::string folder = fmt::format("/sys/devices/system/cpu/cpu0/cache/index{}/", i);
     if (first_line(folder + "level") == level && first_line(folder + "type") != "Instruction")
       return first_line(folder + "size");
   }
-  return "";
+  const long bytes = otherwise < 0 ? 0 : sysconf(otherwise);
+  return bytes > 0 ? fmt::format("{}K", bytes / 1024) : "";
 }
+
+// glibc's names, where the C library is that.
+#ifdef _SC_LEVEL1_DCACHE_SIZE
+constexpr int first_level = _SC_LEVEL1_DCACHE_SIZE, second_level = _SC_LEVEL2_CACHE_SIZE;
+#else
+constexpr int first_level = -1, second_level = -1;
+#endif
 
 }  // namespace
 
@@ -169,8 +179,8 @@ Machine this_machine() {
   std::ifstream file("/proc/cpuinfo");
   MachineFacts facts;
   facts.cpuinfo.assign(std::istreambuf_iterator<char>(file), {});
-  facts.first_level_data = cache("1");
-  facts.second_level = cache("2");
+  facts.first_level_data = cache("1", first_level);
+  facts.second_level = cache("2", second_level);
   facts.highest_clock = first_line("/sys/devices/system/cpu/cpu0/cpufreq/cpuinfo_max_freq");
   facts.cores = std::thread::hardware_concurrency();
   return machine_of(facts);

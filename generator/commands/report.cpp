@@ -2,6 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <memory>
+#include <span>
+#include <utility>
+#include <vector>
+
 #include "backend/output_files.hpp"
 #include "commands/report/forms.hpp"
 #include "commands/report/heading.hpp"
@@ -9,7 +14,7 @@
 #include "commands/report/mujoco.hpp"
 #include "commands/report/page.hpp"
 #include "commands/report/parallel.hpp"
-#include "commands/report/progress.hpp"
+#include "commands/report/precompiled_eigen.hpp"
 #include "commands/report/rounding.hpp"
 #include "commands/report/stability.hpp"
 #include "commands/report/task_graph.hpp"
@@ -29,21 +34,27 @@ ReportSummary write_report(const Model& model, const CompilerOptions& compiler, 
       throw InputError({Severity::error, "", "part of " + output.name, "a report is of whole results",
                         "ask for the whole here; 'dalembert check' compares parts"});
   backend::add_files(options.folder, {});  // where it cannot be made, says so now and not in minutes
-  const Mujoco mujoco(model, compiler);
   const Pinocchio pinocchio(model);
-  const Subject subject{model, outputs_of(model), compiler, options.quick, mujoco, pinocchio};
+  std::unique_ptr<const Mujoco> mujoco;
+  std::unique_ptr<const PrecompiledEigen> eigen;
+  each_in_parallel(2, [&](size_t i) {
+    if (i == 0) eigen = std::make_unique<PrecompiledEigen>(compiler);
+    else mujoco = std::make_unique<Mujoco>(model, compiler);
+  });
+  const Subject subject{model, outputs_of(model), eigen->options(), options.quick, *mujoco, pinocchio};
   Rows rows;
   add_heading(subject, rows);
   add_forms(subject, rows);
-  add_rounding(subject, rows);
-  add_stability(subject, rows);
+  const Rounding rounding(subject);
   TaskGraph task_graph(subject);
   Integration integration(subject);
-  Progress progress("compiling", 2);
-  each_in_parallel(2, [&](size_t i) {
-    i == 0 ? task_graph.compile() : integration.compile();
-    progress.step();
-  });
+  // All that is compiled at once, the longest first: nothing is timed meanwhile.
+  std::vector<Order> orders = stability_orders(subject);
+  const size_t of_stability = orders.size();
+  for (Order& order : rounding.orders()) orders.push_back(std::move(order));
+  const Engines engines = make_engines(orders, {[&] { task_graph.compile(); }, [&] { integration.compile(); }});
+  rounding.add(std::span(engines).subspan(of_stability), rows);
+  add_stability(subject, std::span(engines).first(of_stability), rows);
   task_graph.add(rows);
   integration.add(rows);
   ReportSummary summary;

@@ -15,7 +15,7 @@ using reporting::PinocchioRobot;
 std::vector<Quantity> outputs_of(Quantities quantities) {
   switch (quantities) {
     case Quantities::M: return {Quantity::mass_matrix};
-    case Quantities::C: return {};
+    case Quantities::C: return {Quantity::coriolis_matrix};
     case Quantities::M_and_C: return {Quantity::mass_matrix, Quantity::coriolis_matrix};
     case Quantities::gravity: return {Quantity::gravity};
     case Quantities::bias: return {Quantity::bias};

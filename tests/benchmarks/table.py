@@ -2,11 +2,12 @@
 """Measures what docs/performance.md says of the machine it runs on, and writes that machine's section of the page.
 
     python3 tests/benchmarks/table.py [--build build/release] [--repetitions 21] [--states 10000] [--robots MAHRU,WAM] [--print]
-                                      [--output docs/performance.md] [--readme]
+                                      [--output docs/performance.md] [--readme] [--pinocchio]
 
 Sections of other kinds of machines stay as they are, and so does what stands behind them: what scenes save (the target scenes_page)
 and the paper's experiments (sweep.py). README's table, which names its machine, is written on the same kind of
-machine, or with --readme. Run it on an idle machine. It first builds what it measures, so that what is checked out is what is measured. Times are CPU
+machine, or with --readme. With --pinocchio only ours and Pinocchio's are timed, in turn, and only their table is written into
+this machine's section, with a line of its own about when and how. Run it on an idle machine. It first builds what it measures, so that what is checked out is what is measured. Times are CPU
 times of one core; each is the median of the repetitions, which are interleaved at random among all benchmarks of a robot;
 ratios are medians of ratios, repetition by repetition. Nothing is written unless everything succeeded.
 """
@@ -38,7 +39,7 @@ BESIDE_MUJOCO = [("MAHRU", "M+C", "M"), ("MAHRU", "M", "M"), ("MAHRU", "bias", "
 # Among ours: the first's time over the second's.
 BESIDE_OURS = [("minv", "M"), ("did", "M+C"), ("dfd", "M+C")]
 AGAINST_MUJOCO, SIDE_BY_SIDE = "### Against MuJoCo", "## Machines side by side"
-AGAINST_PINOCCHIO = "### Against Pinocchio"
+AGAINST_PINOCCHIO, AMONG_OURS = "### Against Pinocchio", "### Among ours"
 
 
 def output_of(*command, **more):
@@ -153,12 +154,27 @@ def accuracy_table(build, robots, states):
     return table(["robot", "base", "library", "quantity", "states", "max ulp", "median ulp", "over", "generic max"], rows)
 
 
+def beside_pinocchio(results, robots, quantities, pinocchio, measured_on=""):
+    """The subsection; empty where there is no Pinocchio."""
+    if not pinocchio:
+        return ""
+    said = f"{measured_on}\n\n" if measured_on else ""
+    return f"{AGAINST_PINOCCHIO}\n\n{pinocchio}.\n\n{said}{pinocchio_table(results, robots, quantities)}\n"
+
+
+def with_pinocchio(section, beside):
+    """A machine's section with this subsection in the old one's place, or in front of ours alone."""
+    old = section.find(AGAINST_PINOCCHIO)
+    ours = section.index(AMONG_OURS)
+    return section[:old if old >= 0 else ours] + beside + section[ours:]
+
+
 def times(results, robots, quantities, pinocchio=None):
-    beside = f"{AGAINST_PINOCCHIO}\n\n{pinocchio}.\n\n{pinocchio_table(results, robots, quantities)}\n" if pinocchio else ""
+    beside = beside_pinocchio(results, robots, quantities, pinocchio)
     return f"""{AGAINST_MUJOCO}
 
 {mujoco_table(results)}
-{beside}### Among ours
+{beside}{AMONG_OURS}
 
 {own_table(results, robots)}
 ### Times
@@ -205,6 +221,8 @@ mj_energyPos, mj_energyVel`. DART and KDL are Debian's builds as well; DART's in
 Pinocchio, where a section has it, is built from its headers by the compiler named there, once for all robots: joints about
 coordinate axes of their own types, the free flyer as the floating base; of M and forward dynamics the faster of its two conventions,
 M and its inverse filled to both triangles, *did* with M and *dfd* with its inverse in one call; its C is of Christoffel symbols.
+*Against Pinocchio* is measured by itself, ours and its calls in turn, where a line above the table says when
+(`python3 tests/benchmarks/table.py --pinocchio`); [report.md](report.md#pinocchio) says which calls, and how far all robots agree.
 Whatever of a peer's is wrong by more than 1e-9 of the largest element is not timed: that there is a figure says that they agree.
 *generic* is this project's generic engine, which is made to be read, not to be fast. An empty cell: not computed there. But for
 Pinocchio no peer computes C.
@@ -235,7 +253,7 @@ README_ROWS = ("MAHRU M+C", "MAHRU bias", "MAHRU fd", "WAM M")
 
 def with_summary(readme, kind, text):
     """README with four rows of the machine's table between its markers."""
-    head, rule, *rows = text[text.index(AGAINST_MUJOCO) + len(AGAINST_MUJOCO):text.index("### Among ours")].strip().splitlines()
+    head, rule, *rows = text[text.index(AGAINST_MUJOCO) + len(AGAINST_MUJOCO):text.index(AMONG_OURS)].strip().splitlines()
     rows = [row for name in README_ROWS for row in rows if row.startswith(f"| {name} |")]
     ours = "\n".join([head, rule, *rows])
     date, compiler = re.search(r"^(\d{4}-\d\d-\d\d), one core of .*?; ([^;]*?), generated", text, re.M).groups()
@@ -253,6 +271,7 @@ def main():
     parser.add_argument("--print", action="store_true", help="print the tables of times, and write nothing")
     parser.add_argument("--output", type=pathlib.Path, default=PAGE)
     parser.add_argument("--readme", action="store_true", help="README's table is of this machine from now on")
+    parser.add_argument("--pinocchio", action="store_true", help="time ours and Pinocchio's alone, and write their table alone")
     options = parser.parse_args()
     if options.robots and not options.print and options.output.resolve() == PAGE:
         parser.error("a section of some robots does not replace one of all: name another page with --output, or give --print")
@@ -267,17 +286,26 @@ def main():
         robots = [robot for robot in robots if robot["name"] in options.robots.split(",")]
     measured_on = provenance(build)
     pinocchio = measure.context(build / "bin/benchmark_peers").get("pinocchio")
+    if options.pinocchio and not pinocchio:
+        sys.exit("table.py: there is no Pinocchio: configure with -DDALEMBERT_PINOCCHIO=FOLDER and build dalembert_pinocchio")
+    who = "(dalembert|pinocchio)$" if options.pinocchio else ""
     results = {}
     for robot in robots:
         print(f"== Timing {robot['name']}", flush=True)
-        results.update(measure.run(build / "bin/benchmark_peers", f"^{robot['name']}/", 1, 0.02, options.repetitions))
+        results.update(measure.run(build / "bin/benchmark_peers", f"^{robot['name']}/[^/]*/{who}", 1, 0.02, options.repetitions))
     if options.print:
         print(f"{measured_on}\n\n{times(results, robots, outputs, pinocchio)}", end="")
         return
-    print("== Code and accuracy", flush=True)
     kind, _ = machine.described(build / "bin/dalembert")
-    text = section(kind, build, robots, results, outputs, options.states, measured_on, pinocchio)
     old = options.output.read_text() if options.output.exists() else ""
+    if options.pinocchio:
+        beside = beside_pinocchio(results, robots, outputs, pinocchio, measured_on)
+        if kind not in machine_sections.sections(old):
+            sys.exit(f"table.py: {options.output} has no section of this machine, '{kind}': measure it without --pinocchio first")
+        text = with_pinocchio(machine_sections.sections(old)[kind], beside)
+    else:
+        print("== Code and accuracy", flush=True)
+        text = section(kind, build, robots, results, outputs, options.states, measured_on, pinocchio)
     options.output.parent.mkdir(parents=True, exist_ok=True)
     options.output.write_text(page(machine_sections.with_section(old, kind, text), more(old)))
     readme = README.read_text()

@@ -75,19 +75,33 @@ with tempfile.TemporaryDirectory() as folder:
     (build / "bin/dalembert").symlink_to(pathlib.Path(dalembert).resolve())
     runs = [{"name": f"WAM/M/{who}", "run_name": f"WAM/M/{who}", "run_type": "iteration", "repetition_index": i, "cpu_time": 50.0 * i + 100,
              "relative_error": 1e-16, "text_bytes": 2048, "table_bytes": 512} for who in ("dalembert", "mujoco") for i in range(3)]
-    for name, said in (("bin/benchmark_peers", json.dumps({"context": {}, "benchmarks": runs})),
-                       ("bin/accuracy", "robot base library quantity states max median over generic\nWAM fixed M M 100 1 1 0 1"),
-                       ("cmake", "")):
+
+    def says(name, said):
         (build / name).write_text(f"#!/bin/sh\ncat <<'END'\n{said}\nEND\n")
         (build / name).chmod(0o755)
-    run = subprocess.run([sys.executable, project / "tests/benchmarks/table.py", "--build", folder, "--robots", "WAM", "--repetitions", "3",
-                          "--states", "100", "--output", f"{folder}/try/performance.md"], capture_output=True, text=True,
-                         env=os.environ | {"PATH": f"{folder}:{os.environ['PATH']}"})
-    demand(run.returncode == 0, f"a quick try ends with {run.returncode}: {run.stdout}{run.stderr}")
-    tried = (build / "try/performance.md").read_text()
+
+    def written(*options):
+        run = subprocess.run([sys.executable, project / "tests/benchmarks/table.py", "--build", folder, "--robots", "WAM",
+                              "--repetitions", "3", "--states", "100", "--output", f"{folder}/try/performance.md", *options],
+                             capture_output=True, text=True, env=os.environ | {"PATH": f"{folder}:{os.environ['PATH']}"})
+        demand(run.returncode == 0, f"a quick try ends with {run.returncode}: {run.stdout}{run.stderr}")
+        return (build / "try/performance.md").read_text()
+
+    says("bin/benchmark_peers", json.dumps({"context": {}, "benchmarks": runs}))
+    says("bin/accuracy", "robot base library quantity states max median over generic\nWAM fixed M M 100 1 1 0 1")
+    says("cmake", "")
+    tried = written()
     for part in ("| WAM M | 150 ns | 1e-16 | M: 150 ns | 1e-16 | 1.00 |", "#### WAM, fixed base", "| WAM | fixed | M | M | 100 |", "2.0 kB"):
         demand(part in tried, f"a quick try does not write '{part}': {tried}")
     demand("MAHRU |" not in tried and re.search(r"\n\d{4}-\d\d-\d\d, dalembert [\d.]+, one core of ", tried), f"the try says {tried}")
+    theirs = [run | {"run_name": "WAM/M/pinocchio", "cpu_time": 4 * run["cpu_time"]} for run in runs if "dalembert" in run["name"]]
+    says("bin/benchmark_peers", json.dumps({"context": {"pinocchio": "Pinocchio 3"}, "benchmarks": runs + theirs}))
+    for _ in range(2):  # the second takes the first's place
+        beside = written("--pinocchio")
+        begin, end = beside.index(table.AGAINST_PINOCCHIO), beside.index(table.AMONG_OURS)
+        demand(beside[:begin] + beside[end:] == tried, f"Pinocchio's table changes what is not its own: {beside}")
+        demand(re.search(r"Pinocchio 3\.\n\n[\d-]+, dalembert .*\n\n(.*\n)*\| WAM M \| 150 ns \| 1e-16 \| 600 ns \| 1e-16 \| 4.00 \|\n",
+                         beside[begin:end]), f"Pinocchio's table is {beside[begin:end]}")
 
 kind, details = machine.described(dalembert)
 demand(machine.text(dalembert) == f"{kind} ({details})" and kind and details, "the machine has no name")

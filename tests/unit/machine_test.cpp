@@ -2,6 +2,7 @@
 #include "commands/machine.hpp"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <string>
 
@@ -59,6 +60,14 @@ TEST(Machine, ThisOneHasOneLineOfEach) {
   EXPECT_FALSE(machine.details.empty());
   EXPECT_EQ(machine.text().find('\n'), std::string::npos) << machine.text();
 }
+
+#ifdef _SC_LEVEL1_DCACHE_SIZE
+// A virtual machine that hides /sys's folders of caches is no other kind of machine.
+TEST(Machine, ThisOneNamesItsCachesWhereTheProcessorDoes) {
+  if (sysconf(_SC_LEVEL1_DCACHE_SIZE) <= 0) GTEST_SKIP();
+  EXPECT_NE(this_machine().kind.find("; L1d "), std::string::npos) << this_machine().kind;
+}
+#endif
 
 }  // namespace
 }  // namespace dalembert

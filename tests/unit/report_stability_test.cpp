@@ -23,7 +23,8 @@ std::vector<Row> stability_of(const Model& model, const CompilerOptions& options
   const Mujoco mujoco(model, options);
   const Pinocchio pinocchio(model);
   Rows rows;
-  add_stability({model, outputs_of(model), options, true, mujoco, pinocchio}, rows);
+  const Subject subject{model, outputs_of(model), options, true, mujoco, pinocchio};
+  add_stability(subject, make_engines(stability_orders(subject)), rows);
   return rows.all();
 }
 

@@ -19,7 +19,6 @@ namespace dalembert::reporting {
 namespace {
 
 constexpr long long_straight_line = 10000;  // operations
-constexpr size_t few_outputs = 4;  // of more, a quick report compiles each as users get it, in double, and no other way
 
 // One point of the diagram of one output; the generic engine's is the first.
 struct Point {
@@ -139,32 +138,39 @@ void add_rows(const std::string& quantity, const std::vector<Point>& points, Row
 
 }  // namespace
 
-void add_rounding(const Subject& subject, Rows& rows) {
-  std::vector<Order> orders;
-  std::vector<std::vector<Variant>> ways;
+Rounding::Rounding(const Subject& subject) : subject_(subject) {
   for (const Output& output : subject.outputs) {
     const Lowered lowered = lower(with_outputs(subject.model, {output}));
     const ir::Form chosen = lowered.functions.front().plan.form;
-    ways.push_back(variants(chosen, subject.quick));
-    if (subject.model.tree.bodies.empty())
-      std::erase_if(ways.back(), [](const Variant& v) { return v.form == ir::Form::rolled; });
+    std::vector<Variant> ways = variants(chosen, subject.quick);
+    if (subject.model.tree.bodies.empty()) std::erase_if(ways, [](const Variant& v) { return v.form == ir::Form::rolled; });
     // A long straight line takes a compiler longer than all the rest of a quick report.
     const long operations = operation_costs(lowered, subject.model.tree).front().operations.total();
     if (subject.quick && operations > long_straight_line)
-      std::erase_if(ways.back(), [&](const Variant& v) { return v.form != chosen; });
-    if (subject.quick && subject.outputs.size() > few_outputs)
-      ways.back() = {plain(ways.back(), chosen, ir::ScalarType::float64)};
-    for (const Variant& way : ways.back())
-      orders.push_back({model_of(subject.model, way), {output}, options_of(subject.compiler, way)});
-    rows.text("rounding", random_case, output.name, plain(ways.back(), chosen, ir::ScalarType::float64).name, "chosen", "yes");
+      std::erase_if(ways, [&](const Variant& v) { return v.form != chosen; });
+    if (subject.many_outputs()) ways = {plain(ways, chosen, ir::ScalarType::float64)};
+    chosen_.push_back(plain(ways, chosen, ir::ScalarType::float64).name);
+    ways_.push_back(std::move(ways));
   }
-  const std::vector<std::unique_ptr<GeneratedEngine>> engines = make_engines(orders);
+}
 
+std::vector<Order> Rounding::orders() const {
+  std::vector<Order> list;
+  for (size_t o = 0; o < ways_.size(); ++o)
+    for (const Variant& way : ways_[o])
+      list.push_back({model_of(subject_.model, way), {subject_.outputs[o]}, options_of(subject_.compiler, way)});
+  return list;
+}
+
+void Rounding::add(std::span<const std::unique_ptr<GeneratedEngine>> engines, Rows& rows) const {
+  const Subject& subject = subject_;
+  for (size_t o = 0; o < subject.outputs.size(); ++o)
+    rows.text("rounding", random_case, subject.outputs[o].name, chosen_[o], "chosen", "yes");
   std::vector<std::vector<Point>> points(subject.outputs.size());
   for (size_t o = 0, next = 0; o < subject.outputs.size(); ++o) {
     const Output& output = subject.outputs[o];
     points[o].push_back(generic_point(subject, output));
-    for (const Variant& way : ways[o]) points[o].push_back(generated_point(way, *engines[next++], output));
+    for (const Variant& way : ways_[o]) points[o].push_back(generated_point(way, *engines[next++], output));
     const auto add_peer = [&](const auto& peer, const char* variant, const auto& point) {
       if (!peer.found()) return;
       const std::string obstacle = peer.obstacle(output);

@@ -278,21 +278,25 @@ Model with_payload(Model model) {
 
 }  // namespace
 
-void add_stability(const Subject& subject, Rows& rows) {
+std::vector<Order> stability_orders(const Subject& subject) {
   using enum ir::ScalarType;
   const auto order = [&](Model model, ir::ScalarType scalar) {
     model.scene.scalar = scalar;
     return Order{std::move(model), subject.outputs, subject.compiler};
   };
   std::vector<Order> orders = {order(subject.model, float64), order(subject.model, float32)};
-  const bool moves = !subject.model.tree.bodies.empty();
-  const Model loaded = moves ? with_payload(subject.model) : subject.model;
-  if (moves) {
+  if (!subject.model.tree.bodies.empty()) {
+    const Model loaded = with_payload(subject.model);
     orders.push_back(order(loaded, float64));
     if (!subject.quick) orders.push_back(order(loaded, float32));
   }
-  const std::vector<std::unique_ptr<GeneratedEngine>> engines = make_engines(orders);
+  return orders;
+}
 
+void add_stability(const Subject& subject, std::span<const std::unique_ptr<GeneratedEngine>> engines, Rows& rows) {
+  using enum ir::ScalarType;
+  const bool moves = !subject.model.tree.bodies.empty();
+  const Model loaded = moves ? with_payload(subject.model) : subject.model;
   Stability stability(subject, rows);
   constexpr double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
   for (size_t i : {0, 1}) {

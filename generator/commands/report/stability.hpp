@@ -1,8 +1,13 @@
 // What becomes of the scene's results in states, and with loads, that tests seldom see.
 #pragma once
 
+#include <memory>
+#include <span>
+#include <vector>
+
 #include "commands/report/rows.hpp"
 #include "commands/report/subject.hpp"
+#include "commands/report/variants.hpp"
 
 namespace dalembert::reporting {
 
@@ -17,6 +22,8 @@ inline constexpr const char* bad = "bad";
 // Rows of section `stability`: per case, output and scalar what was measured, its verdict and, of what is bad, `violated`: what
 // was, and by how much, in words whose numbers are rows too. Adds to section `rounding` the
 // time of all outputs together.
-void add_stability(const Subject& subject, Rows& rows);
+// By the engines that were ordered.
+std::vector<Order> stability_orders(const Subject& subject);
+void add_stability(const Subject& subject, std::span<const std::unique_ptr<GeneratedEngine>> engines, Rows& rows);
 
 }  // namespace dalembert::reporting

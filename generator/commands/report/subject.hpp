@@ -21,6 +21,10 @@ struct Subject {
   bool quick = false;
   const Mujoco& mujoco;
   const Pinocchio& pinocchio;
+
+  // Compiling is most of a quick report: where this holds, each output is compiled as users get it, in double, and no other
+  // way, and all together without their task graph.
+  bool many_outputs() const { return quick && outputs.size() > 4; }
 };
 
 // What is exact at a state, per output, and what its errors are measured against at least.

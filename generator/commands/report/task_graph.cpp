@@ -53,6 +53,10 @@ void add_time(Rows& rows, const char* variant, const CallTime& time) {
 }  // namespace
 
 void TaskGraph::compile() {
+  if (subject_.many_outputs()) {
+    why_not_ = "it takes a compiler longest of all: a report without --quick has it, and one of four outputs or fewer";
+    return;
+  }
   const Model model = with_tasks(subject_);
   if (!has_several_tasks(model)) {
     why_not_ = "one straight line of code is one task";

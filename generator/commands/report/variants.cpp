@@ -53,16 +53,25 @@ Model model_of(Model model, const Variant& variant) {
 
 CompilerOptions options_of(CompilerOptions options, const Variant& variant) {
   options.lanes = variant.lanes;
-  if (!variant.fused) options.flags += " -ffp-contract=off";
+  if (!variant.fused) {
+    options.flags += " -ffp-contract=off";
+    options.precompiled.clear();  // made with other flags
+  }
   if (variant.library_sines) options.flags += " -DDALEMBERT_LIBRARY_SINES";
   return options;
 }
 
-std::vector<std::unique_ptr<GeneratedEngine>> make_engines(const std::vector<Order>& orders) {
-  std::vector<std::unique_ptr<GeneratedEngine>> engines(orders.size());
-  Progress progress("compiling", orders.size());
-  each_in_parallel(orders.size(), [&](size_t i) {
-    engines[i] = std::make_unique<GeneratedEngine>(orders[i].model, orders[i].outputs, orders[i].options);
+Engines make_engines(const std::vector<Order>& orders, const std::vector<std::function<void()>>& besides) {
+  Engines engines(orders.size());
+  const size_t count = besides.size() + orders.size();
+  Progress progress("compiling", count);
+  each_in_parallel(count, [&](size_t i) {
+    if (i < besides.size()) {
+      besides[i]();
+    } else {
+      const Order& order = orders[i - besides.size()];
+      engines[i - besides.size()] = std::make_unique<GeneratedEngine>(order.model, order.outputs, order.options);
+    }
     progress.step();
   });
   return engines;

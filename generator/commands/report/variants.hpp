@@ -1,6 +1,7 @@
 // The ways a model can be generated and compiled that a report sets side by side.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -39,7 +40,10 @@ struct Order {
   CompilerOptions options;
 };
 
-// In the orders' order; says on stderr how far it is.
-std::vector<std::unique_ptr<GeneratedEngine>> make_engines(const std::vector<Order>& orders);
+using Engines = std::vector<std::unique_ptr<GeneratedEngine>>;
+
+// In the orders' order; says on stderr how far it is. What takes longest comes first, so that no core waits long at the end:
+// `besides` is done before them all.
+Engines make_engines(const std::vector<Order>& orders, const std::vector<std::function<void()>>& besides = {});
 
 }  // namespace dalembert::reporting

@@ -28,14 +28,16 @@ dalembert_pinocchio_result result_of(const Matrix& matrix) {
 }
 
 // The calls, each in a file of its name.
-#define PINOCCHIO_CALLS(call)                                                                                                 \
-  call(mass_matrix, "mass_matrix") call(mass_and_coriolis_matrix, "mass_matrix coriolis_matrix") call(gravity, "gravity")     \
-      call(bias, "bias") call(inverse_dynamics, "inverse_dynamics") call(forward_dynamics, "forward_dynamics")                \
-          call(inverse_mass_matrix, "inverse_mass_matrix")                                                                    \
-              call(inverse_dynamics_derivatives, "inverse_dynamics_dq inverse_dynamics_dv")                                   \
-                  call(forward_dynamics_derivatives, "forward_dynamics_dq forward_dynamics_dv inverse_mass_matrix")           \
-                      call(momentum_matrix, "momentum_matrix") call(center_of_mass, "center_of_mass center_of_mass_jacobian") \
-                          call(energy, "kinetic_energy potential_energy") call(regressor, "regressor")
+#define PINOCCHIO_CALLS(call)                                                                                           \
+  call(mass_matrix, "mass_matrix") call(coriolis_matrix, "coriolis_matrix")                                             \
+      call(mass_and_coriolis_matrix, "mass_matrix coriolis_matrix") call(gravity, "gravity") call(bias, "bias")         \
+          call(inverse_dynamics, "inverse_dynamics") call(forward_dynamics, "forward_dynamics")                         \
+              call(inverse_mass_matrix, "inverse_mass_matrix")                                                          \
+                  call(inverse_dynamics_derivatives, "inverse_dynamics_dq inverse_dynamics_dv")                         \
+                      call(forward_dynamics_derivatives, "forward_dynamics_dq forward_dynamics_dv inverse_mass_matrix") \
+                          call(momentum_matrix, "momentum_matrix")                                                      \
+                              call(center_of_mass, "center_of_mass center_of_mass_jacobian")                            \
+                                  call(energy, "kinetic_energy potential_energy") call(regressor, "regressor")
 
 #define PINOCCHIO_DECLARE(name, quantities)                                                          \
   void run_##name(dalembert_pinocchio_robot*, const double* q, const double* v, const double* more); \
