@@ -296,8 +296,8 @@ TEST(Check, FindsAWrongLine) {
   const TemporaryFolder folder;
   const std::string compiler = folder.path() + "/compiler";
   write_text(compiler,
-             "#!/bin/sh\nfor file; do case \"$file\" in */dynamics.cpp)\n"
-             "  sed -i '0,/\\(Scalar .* = .*\\) + /s//\\1 - /' \"$file\";;\nesac; done\nexec c++ \"$@\"\n");
+             "#!/bin/sh\nfor file; do case \"$file\" in */code_and_interface.cpp)\n"
+             "  sed -i '0,/\\(Scalar .* = .*\\) + /s//\\1 - /' \"${file%/*}/dynamics.cpp\";;\nesac; done\nexec c++ \"$@\"\n");
   chmod(compiler.c_str(), 0700);
   setenv("CXX", compiler.c_str(), 1);
   const Outcome outcome = run_dalembert({"check", arm, "--outputs", "mass_matrix", quickly[0], quickly[1]}, ".");

@@ -28,6 +28,8 @@ Request request_of(const Case& c, const ir::KinematicTree& tree, const Eigen::Ve
 // One of our two engines: answers (double) in an oracle's terms, C v from C itself, momentum from M's base rows.
 using Engine = std::function<Dynamics(const Eigen::VectorXd& q, const Eigen::VectorXd& v)>;
 Engine generic_engine(const ir::KinematicTree& tree, const Eigen::Vector3d& gravity);
+// Whether there is such code: outside of the long run each robot's is compiled for one base.
+bool code_is_expected(const Case& c);
 // The code generated for the case, with testing::test_gravity; the library that generated_test also tests. Serial: the task
 // graph gives the same bits, as generated_test shows.
 Engine generated_engine(const Case& c);

@@ -27,7 +27,7 @@ TEST_P(Dart, AgreesWithTheGenericEngineSolvedForEffortsAndAccelerations) {
 TEST_P(Dart, AgreesWithGeneratedCode) {
   const ir::KinematicTree tree = tree_of(GetParam());
   DartOracle oracle = dart(GetParam(), tree);
-  expect_agreement(oracle, tree, generated_engine(GetParam()));
+  if (code_is_expected(GetParam())) expect_agreement(oracle, tree, generated_engine(GetParam()));
 }
 
 INSTANTIATE_TEST_SUITE_P(Robots, Dart, ::testing::ValuesIn(all_cases()), case_name);

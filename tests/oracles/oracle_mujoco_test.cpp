@@ -64,7 +64,7 @@ TEST_P(Mujoco, AgreesWithTheGenericEngineOnSprings) {
 TEST_P(Mujoco, AgreesWithGeneratedCode) {
   const ir::KinematicTree tree = tree_of(GetParam());
   MujocoOracle oracle = with_our_inertias(GetParam(), tree);
-  expect_agreement(oracle, tree, generated_engine(GetParam()));
+  if (code_is_expected(GetParam())) expect_agreement(oracle, tree, generated_engine(GetParam()));
 }
 
 class MujocoInertias : public Mujoco {};

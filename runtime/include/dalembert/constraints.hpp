@@ -432,14 +432,16 @@ __attribute__((noinline)) static void delassus(const T* jacobian, const T* facto
   T reciprocals[n];
   constraint_detail::reciprocals_of<n>(pivots, reciprocals);
   blocks.fill(jacobian, factor, reciprocals, static_cast<const T*>(nullptr));
-  for (int a = 0; a < Rows::count; ++a)
-    for (int b = a; b < Rows::count; ++b)
+  using constraint_detail::each_index;
+  each_index<Rows::count>([&](auto a) DALEMBERT_IN_BLOCK {
+    each_index<Rows::count>([&](auto b) DALEMBERT_IN_BLOCK {
+      if (b < a) return;
+      const T* const block = blocks.of(a, b);
+      T *const upper = to + Rows::first(b) * all + Rows::first(a), *const lower = to + Rows::first(a) * all + Rows::first(b);
       for (int r = 0; r < Rows::rows[a]; ++r)
-        for (int s = 0; s < Rows::rows[b]; ++s) {
-          const T x = blocks.of(a, b)[r * Blocks::padded + s];
-          to[(Rows::first(b) + s) * all + Rows::first(a) + r] = x;
-          to[(Rows::first(a) + r) * all + Rows::first(b) + s] = x;
-        }
+        for (int s = 0; s < Rows::rows[b]; ++s) upper[s * all + r] = lower[r * all + s] = block[r * Blocks::padded + s];
+    });
+  });
 }
 
 // x becomes M^-1 (x + J' f), and f what makes J x = b. factor: M's U, of which the half above the diagonal is read. right: b.
