@@ -73,7 +73,16 @@ class Pruning {
     }
     const int segment = state_.plan.segment_of(parent);
     const Slots& s = slots_[static_cast<std::size_t>(segment)];
-    return state_.adds_to_own(segment, value) ? s.read.contains(value) : s.received.contains(value);
+    if (!state_.adds_to_own(segment, value)) return s.received.contains(value);
+    return s.read.contains(value) && !receives_constants(state_.plan.segments[static_cast<std::size_t>(segment)], value);
+  }
+
+  // Whether what bodies of the segment receive is known: loops have it in a column then, with what branches hand on.
+  bool receives_constants(const ir::Segment& segment, const RoleComponent& value) const {
+    for (const auto& limb : segment.bodies)
+      for (const int body : limb)
+        if (body >= 0 && !state_.constant(state_.unroll.handed(value.first, value.second, body))) return false;
+    return true;
   }
 
   bool carries(std::size_t segment, const Paragraph& p, const ir::Carried& c, const Values& live) const {

@@ -253,7 +253,7 @@ README_ROWS = ("MAHRU M+C", "MAHRU bias", "MAHRU fd", "WAM M")
 
 def with_summary(readme, kind, text):
     """README with four rows of the machine's table between its markers."""
-    head, rule, *rows = text[text.index(AGAINST_MUJOCO) + len(AGAINST_MUJOCO):text.index(AMONG_OURS)].strip().splitlines()
+    head, rule, *rows = text[text.index(AGAINST_MUJOCO):].split("\n### ")[0].strip().splitlines()[2:]
     rows = [row for name in README_ROWS for row in rows if row.startswith(f"| {name} |")]
     ours = "\n".join([head, rule, *rows])
     date, compiler = re.search(r"^(\d{4}-\d\d-\d\d), one core of .*?; ([^;]*?), generated", text, re.M).groups()

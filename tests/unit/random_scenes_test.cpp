@@ -1,16 +1,21 @@
 // Scenes drawn at random: what one output keeps and another overwrites shows where both are asked for, and nobody lists all
 // such pairs. DALEMBERT_RANDOM_SCENES=1000 draws so many for each robot. Robots drawn at random too, with joints of every kind:
-// DALEMBERT_RANDOM_ROBOTS=10000 draws so many, from seed DALEMBERT_RANDOM_FIRST on. What fails is made smaller as long as it
-// fails, and said in words, with its seed.
+// DALEMBERT_RANDOM_ROBOTS=10000 draws so many, from seed DALEMBERT_RANDOM_FIRST on; with DALEMBERT_RANDOM_FILES, which names a
+// file of one URDF's name a line, their scenes are of these robots in turn. What fails is made smaller as long as it fails, and
+// said in words, with its seed.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <gtest/gtest-spi.h>
 
 #include <cstdlib>
+#include <fstream>
+#include <numbers>
 #include <random>
 
 #include "both_forms.hpp"
+#include "frontend/urdf_reader.hpp"
 #include "ir/rotation.hpp"
+#include "passes/joints_without_mass.hpp"
 
 namespace dalembert {
 namespace {
@@ -215,6 +220,7 @@ bool compare(const ir::RobotDescription& robot, const ir::Scene& scene) {
     const Model model = model_of(robot, scene);
     // Commands refuse these.
     if (model.tree.nv() == 0) return false;
+    passes::check_mass(robot, model.tree, scene);
     const auto of_constraints = [](const Output& output) { return output.quantity && ir::is_of_constraints(*output.quantity); };
     const std::vector<Output> outputs = outputs_of(model);
     if (model.tree.constraint_rows == 0 && std::any_of(outputs.begin(), outputs.end(), of_constraints)) return false;
@@ -300,13 +306,19 @@ ir::RobotDescription smaller_robot(ir::RobotDescription robot, const ir::Scene& 
 }
 
 // Links and joints from light to none, axes along the frame's or askew, branches of equal and unequal length. Every tip has a
-// mass.
+// mass. Half of the robots are tidy: quarters of turns, axes along the frame's, centres of mass at the origin: elements of
+// theirs are constants, which the others' never are.
 ir::RobotDescription random_robot(Draw& draw) {
   ir::RobotDescription robot;
   robot.name = robot.file = "random";
   robot.root = 0;
   const auto number = [&] { return (static_cast<double>(draw.below(2001)) - 1000) / 1000; };
+  const bool tidy = draw.one_in(2);
   const auto some = [&](double size) { return draw.one_in(3) ? 0.0 : size * number(); };
+  const auto turn = [&](double size) {
+    return !tidy ? some(size) : draw.one_in(4) ? 0.5 * std::numbers::pi * (static_cast<double>(draw.below(4)) - 1) : 0.0;
+  };
+  const auto shift = [&](double size) { return tidy ? 0.0 : some(size); };
   const int joints = 1 + static_cast<int>(draw.below(12));
   robot.children.resize(static_cast<size_t>(joints) + 1);
   for (int i = 0; i < joints; ++i) {
@@ -315,9 +327,9 @@ ir::RobotDescription random_robot(Draw& draw) {
     joint.parent = draw.one_in(3) ? static_cast<int>(draw.below(static_cast<unsigned>(i) + 1)) : i;
     joint.child = i + 1;
     joint.origin.translation() << some(0.4), some(0.4), some(0.4);
-    joint.origin.linear() = ir::rotation_from_rpy({some(3), some(1.5), some(3)});
+    joint.origin.linear() = ir::rotation_from_rpy({turn(3), turn(1.5), turn(3)});
     joint.axis = Eigen::Vector3d::Unit(static_cast<int>(draw.below(3)));
-    if (draw.one_in(3)) joint.axis = Eigen::Vector3d(number(), number(), 1.1).normalized();
+    if (!tidy && draw.one_in(3)) joint.axis = Eigen::Vector3d(number(), number(), 1.1).normalized();
     const std::vector<ir::JointType> types = {ir::JointType::revolute, ir::JointType::continuous, ir::JointType::prismatic,
                                               ir::JointType::revolute, ir::JointType::planar,     ir::JointType::floating,
                                               ir::JointType::revolute, ir::JointType::fixed};
@@ -330,11 +342,12 @@ ir::RobotDescription random_robot(Draw& draw) {
     link.name = fmt::format("l{:02}", i);
     const bool tip = robot.children[static_cast<size_t>(i)].empty();
     const double mass = draw.one_in(6) ? 0.01 : 1 + 0.9 * number();
-    const Eigen::Vector3d central = mass * Eigen::Vector3d(0.02, 0.03 + 0.005 * number(), 0.025);
+    const Eigen::Vector3d central =
+        mass * (tidy && draw.one_in(2) ? Eigen::Vector3d(0.02, 0.02, 0.02) : Eigen::Vector3d(0.02, 0.03 + 0.005 * number(), 0.025));
     if (tip || i == 0 || !draw.one_in(5))
       link.inertia = ir::Inertia{mass,
-                                 {some(0.2), some(0.2), some(0.2)},
-                                 ir::rotated(central.asDiagonal(), ir::rotation_from_rpy({some(1), some(1), some(1)}))};
+                                 {shift(0.2), shift(0.2), shift(0.2)},
+                                 ir::rotated(central.asDiagonal(), ir::rotation_from_rpy({shift(1), shift(1), shift(1)}))};
     robot.links.push_back(link);
   }
   return robot;
@@ -363,21 +376,69 @@ bool try_case(const ir::RobotDescription& robot, unsigned seed, const ir::Scene&
   return true;
 }
 
+// Of DALEMBERT_RANDOM_FILES.
+std::vector<std::string> files_of_ones_own() {
+  std::vector<std::string> files;
+  const char* const list = std::getenv("DALEMBERT_RANDOM_FILES");
+  if (!list) return files;
+  std::ifstream lines(list);
+  for (std::string line; std::getline(lines, line);)
+    if (!line.empty()) files.push_back(line);
+  EXPECT_FALSE(files.empty()) << "DALEMBERT_RANDOM_FILES=" << list << " names no file of names";
+  return files;
+}
+
 TEST(RandomRobots, AreWhatTheGenericEngineComputes) {
   const char* const asked_for = std::getenv("DALEMBERT_RANDOM_ROBOTS");
   const unsigned robots = asked_for ? static_cast<unsigned>(std::atoi(asked_for)) : 150;
   ASSERT_GT(robots, 0u) << "DALEMBERT_RANDOM_ROBOTS=" << asked_for << " is no number of robots";
   const char* const from = std::getenv("DALEMBERT_RANDOM_FIRST");
   const unsigned first = from ? static_cast<unsigned>(std::atoi(from)) : 0;
+  const std::vector<std::string> files = files_of_ones_own();
   unsigned compared = 0;
   const auto failures = [&] { return testing::UnitTest::GetInstance()->current_test_info()->result()->total_part_count(); };
   for (unsigned seed = first; seed < first + robots && failures() < 12; ++seed) {
     Draw draw(seed);
-    const ir::RobotDescription robot = random_robot(draw);
-    const ir::Scene scene = scene_of(draw, movable_of(robot));
-    compared += try_case(robot, seed, scene);
+    Diagnostics warnings;
+    const ir::RobotDescription robot =
+        files.empty() ? random_robot(draw) : frontend::read_urdf(files[seed % files.size()], warnings);
+    SCOPED_TRACE(robot.file);
+    const Movable movable = movable_of(robot);
+    if (movable.joints.empty()) continue;
+    compared += try_case(robot, seed, scene_of(draw, movable));
   }
   EXPECT_GE(compared, robots / 2) << "of " << robots << " robots; the others refuse their scenes";
+}
+
+// R2D2's gripper with a spring in a finger: what hung on the pole was in a column of constants, and added once more.
+TEST(FoundAtRandom, WhatIsKnownBelowIsNotHandedOnToo) {
+  const auto link = [](const char* name) {
+    return fmt::format(
+        "<link name='{}'><inertial><origin xyz='0 0 0'/><mass value='2'/>"
+        "<inertia ixx='0.1' ixy='0' ixz='0' iyy='0.15' iyz='0' izz='0.2'/></inertial></link>",
+        name);
+  };
+  const auto joint = [](const char* name, const char* type, const char* parent, const char* child, const char* axis) {
+    return fmt::format(
+        "<joint name='{}' type='{}'><parent link='{}'/><child link='{}'/><origin xyz='0 0 0.2'/><axis xyz='{}'/>"
+        "<limit lower='-1' upper='1' effort='1' velocity='1'/></joint>",
+        name, type, parent, child, axis);
+  };
+  std::string text = "<robot name='gripper'>";
+  for (const char* name : {"base", "pole", "left", "right", "one", "two", "three", "four"}) text += link(name);
+  for (const char* wheel : {"one", "two", "three", "four"}) text += joint(wheel, "continuous", "base", wheel, "1 0 0");
+  text += joint("extend", "prismatic", "base", "pole", "1 0 0");
+  text += joint("left_joint", "continuous", "pole", "left", "0 1 0");
+  text += joint("right_joint", "continuous", "pole", "right", "0 1 0") + "</robot>";
+  Diagnostics warnings;
+  const ir::RobotDescription gripper = frontend::read_urdf_text("gripper.urdf", text, warnings);
+  for (const ir::Base base : {ir::Base::fixed, ir::Base::floating}) {
+    ir::Scene scene;
+    scene.base = base;
+    scene.elastic["left_joint"] = {200, 0.5, 0.3};
+    scene.outputs = {ir::Quantity::mass_matrix, ir::Quantity::coriolis_matrix, ir::Quantity::bias, ir::Quantity::forward_dynamics};
+    expect_generic_values(model_of(gripper, scene));
+  }
 }
 
 class RandomScenes : public testing::TestWithParam<TestRobot> {};

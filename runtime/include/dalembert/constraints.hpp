@@ -235,9 +235,34 @@ struct BlockRow {
   }
 };
 
+// A symmetric positive definite block of three rows becomes its inverse, (L D L')^-1; its pivots are kept. Two of the three
+// divisions go side by side: of the first pivot, and of the first times the second.
+template <int padded, class T>
+DALEMBERT_INLINE void invert_three(T* block, T* pivots) {
+  constexpr int w = lanes_in_block(padded), pieces = padded / w;
+  const T a00 = block[0], a10 = block[1], a20 = block[2], a11 = block[padded + 1], a21 = block[padded + 2],
+          a22 = block[2 * padded + 2];
+  const T both = a00 * a11 - a10 * a10, r0 = T(1) / a00, r_both = T(1) / both, r1 = a00 * r_both;
+  const T l10 = a10 * r0, l20 = a20 * r0, rest = a21 - l10 * a20, l21 = (a00 * a21 - a10 * a20) * r_both;
+  const T d2 = a22 - a20 * l20 - rest * l21, r2 = T(1) / d2;
+  pivots[0] = a00, pivots[1] = both * r0, pivots[2] = d2;
+  // L^-1 has -l10, m20 and -l21.
+  const T m20 = l10 * l21 - l20, s20 = m20 * r2, s21 = -l21 * r2, s10 = -l10 * r1;
+  const T inverse[3][3] = {{r0 - l10 * s10 + m20 * s20, s10 - l21 * s20, s20}, {s10 - l21 * s20, r1 - l21 * s21, s21}, {s20, s21, r2}};
+  for_constants<3>([&](auto r) DALEMBERT_IN_BLOCK {
+    for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK {
+      store<w, T>(block + r * padded + i * w, each_lane<w, T>([&](int lane) {
+                    const int column = decltype(i)::value * w + lane;
+                    return column < 3 ? inverse[r][column] : T(0);
+                  }));
+    });
+  });
+}
+
 // A symmetric positive definite block becomes its inverse (Gauss and Jordan); its pivots are kept.
 template <int rows, int padded, class T>
 DALEMBERT_INLINE void invert_block(T* block, T* pivots) {
+  if constexpr (rows == 3) return invert_three<padded>(block, pivots);
   constexpr int w = lanes_in_block(padded), pieces = padded / w;
   Lanes<T, w> a[rows][pieces];
   for_constants<rows>([&](auto r) DALEMBERT_IN_BLOCK {
