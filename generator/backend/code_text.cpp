@@ -257,6 +257,18 @@ std::string constraint_statements(const CodeInput& code) {
   return text;
 }
 
+std::vector<std::string> constraint_includes(const CodeInput& code) {
+  bool solves = false, responds = false;
+  for (const ir::ConstraintStep& step : code.algorithm.constraint_steps) {
+    const bool response = step.kind == ir::ConstraintStep::Kind::respond || step.kind == ir::ConstraintStep::Kind::derive;
+    (response ? responds : solves) = true;
+  }
+  std::vector<std::string> headers;
+  if (solves) headers.emplace_back("constraints");
+  if (responds) headers.emplace_back("constraint_response");
+  return headers;
+}
+
 bool solves(const CodeInput& code) {
   return std::any_of(code.algorithm.steps.begin(), code.algorithm.steps.end(),
                      [](const ir::MatrixStep& s) { return s.kind == ir::MatrixStep::Kind::factor; });

@@ -41,6 +41,8 @@ std::string clear_statements(const CodeInput& code);
 std::string matrix_statements(const CodeInput& code);
 // Behind them: steps with rows of constraints.
 std::string constraint_statements(const CodeInput& code);
+// The runtime's headers that they call.
+std::vector<std::string> constraint_includes(const CodeInput& code);
 // Whether they factor M; and the function that solves with the factors, empty if the code is to have none.
 bool solves(const CodeInput& code);
 std::string solve_definition(const CodeInput& code);

@@ -415,7 +415,7 @@ OutputFile header(const Folder& folder) {
                   {"report", report},
                   {"standard_includes",
                    code.robot->any_quaternion() || !code.robot->linkages.empty() ? "#include <array>\n#include <cstddef>\n\n" : ""},
-                  {"includes", (any_constraints(folder) ? "#include <dalembert/constraints.hpp>\n" : "") +
+                  {"includes", (any_constraints(folder) ? "#include <dalembert/constraint_rows.hpp>\n" : "") +
                                    std::string(code.tree.linkages.empty() ? "" : "#include <dalembert/linkage.hpp>\n") +
                                    std::string(any_guard(folder) ? "#include <dalembert/factor.hpp>\n" : "") +
                                    (code.robot->any_quaternion() ? "#include <dalembert/quaternion_joint.hpp>\n" : "")},

@@ -300,6 +300,7 @@ std::vector<std::string> rolled_includes(const CodeInput& code) {
   if (projects_by_rows(code)) headers.emplace_back("projections");
   if (prepare_reads_q(code)) headers.emplace_back("sincos");
   if (solves(code)) headers.emplace_back("solve");
+  for (const std::string& header : constraint_includes(code)) headers.push_back(header);
   if (headers.empty()) headers.emplace_back("lanes");
   return headers;
 }

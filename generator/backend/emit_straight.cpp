@@ -146,7 +146,7 @@ std::vector<std::string> straight_includes(const CodeInput& code) {
   if (projects_by_rows(code)) headers.emplace_back("projections");
   if (Angles(code.program).count() > 0) headers.emplace_back("sincos");
   if (solves(code) || code.algorithm.factor >= 0) headers.emplace_back("solve");
-  if (!code.algorithm.constraint_steps.empty()) headers.emplace_back("constraints");
+  for (const std::string& header : constraint_includes(code)) headers.push_back(header);
   return headers;
 }
 

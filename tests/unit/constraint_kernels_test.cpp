@@ -3,6 +3,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <dalembert/constraint_response.hpp>
 #include <dalembert/constraints.hpp>
 #include <random>
 #include <vector>

@@ -342,8 +342,8 @@ ir::RobotDescription random_robot(Draw& draw) {
     link.name = fmt::format("l{:02}", i);
     const bool tip = robot.children[static_cast<size_t>(i)].empty();
     const double mass = draw.one_in(6) ? 0.01 : 1 + 0.9 * number();
-    const Eigen::Vector3d central =
-        mass * (tidy && draw.one_in(2) ? Eigen::Vector3d(0.02, 0.02, 0.02) : Eigen::Vector3d(0.02, 0.03 + 0.005 * number(), 0.025));
+    const Eigen::Vector3d central = mass * (tidy && draw.one_in(2) ? Eigen::Vector3d(0.02, 0.02, 0.02)
+                                                                   : Eigen::Vector3d(0.02, 0.03 + 0.005 * number(), 0.025));
     if (tip || i == 0 || !draw.one_in(5))
       link.inertia = ir::Inertia{mass,
                                  {shift(0.2), shift(0.2), shift(0.2)},
@@ -436,7 +436,8 @@ TEST(FoundAtRandom, WhatIsKnownBelowIsNotHandedOnToo) {
     ir::Scene scene;
     scene.base = base;
     scene.elastic["left_joint"] = {200, 0.5, 0.3};
-    scene.outputs = {ir::Quantity::mass_matrix, ir::Quantity::coriolis_matrix, ir::Quantity::bias, ir::Quantity::forward_dynamics};
+    scene.outputs = {ir::Quantity::mass_matrix, ir::Quantity::coriolis_matrix, ir::Quantity::bias,
+                     ir::Quantity::forward_dynamics};
     expect_generic_values(model_of(gripper, scene));
   }
 }

@@ -33,9 +33,13 @@ struct Proximal {
   static constexpr T near = wide ? T(1e-4) : T(1e-2);
   // Elements of J that are rounding, 64 epsilons of a metre or of one: rows of nothing else would hold what they do not touch.
   static constexpr T unmoved = wide ? T(0x1p-46) : T(0x1p-17);
-  // mu of a row. What no joint moves is held as firmly as others are: by mu alone, rounding of what it asks for would be a force.
+  // mu of a row. What no joint moves is held as firmly as others are: by mu alone, rounding of what it asks for would be a
+  // force.
   static constexpr T of(T inverse_inertia) { return inverse_inertia > T(0) ? mu : T(1); }
 };
+// Up to so many rows in all the whole inverse is cheaper than eliminating constraint by constraint: what it has more of can be
+// done side by side.
+inline constexpr int most_rows_inverted = 12;
 // Of N, against the sum over all blocks: a block that nothing moves has one too.
 inline constexpr double least_share = 1e-6;
 

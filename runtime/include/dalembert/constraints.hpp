@@ -12,282 +12,14 @@
 // that does not act has rows of zeros, a one on its diagonal and nothing on the right: its forces are zero, and nobody else's
 // numbers change. A loop's Y has elements where coordinates stand above both of its bodies, though its J has none there.
 //
-// Derivatives: what solves both equations changes with what they ask for by
-//
-//   N = M^-1 - B J M^-1     B = M^-1 J' L     L = (J M^-1 J' + R)^-1:
-//
-// d(dv) = -N de' - B da and df = B' de' - L da, de' being what M dv + C v + g - J' f changes by at dv and f held, da the same
-// of J dv + dJ v - b (Carpentier, Budhiraja and Mansard 2021). L is what proximal steps make of the identity.
-//
-// Nothing allocates; loops depend on the robot and its constraints alone.
+// Their derivatives are in constraint_response.hpp. Nothing allocates; loops depend on the robot and its constraints alone.
 #pragma once
 
+#include <dalembert/constraint_blocks.hpp>
 #include <dalembert/constraint_shapes.hpp>
-#include <dalembert/factor.hpp>
-#include <tuple>
 
 namespace dalembert {
-
-// What solving for constraints came to.
-template <class T>
-struct ConstraintStatus {
-  T residual = T(0);     // the largest error that is left of a row that acts, m/s^2 or rad/s^2; of an impact, m/s or rad/s
-  T least_pivot = T(1);  // the least pivot, in terms of N; at most 1: near mu where rows say what others say
-  int rank = 0;          // how many rows that act say something new
-};
-
-// A constraint between two bodies: its rows, linear ones first, and the coordinates above one of them or both, in order. The
-// first `own_common` are above both, those up to `own_split` and those behind above one each.
-template <int own_rows, int own_linear, int own_common, int own_split, int... coordinates>
-struct LoopPath {
-  static constexpr int rows = own_rows, linear = own_linear, length = sizeof...(coordinates);
-  static constexpr int at[] = {coordinates...};
-  // Whether the i-th of them stands above the k-th.
-  static constexpr bool is_above(int i, int k) { return i < k && (k < own_split || i < own_common || i >= own_split); }
-};
-// One between a body and the world: the coordinates above it, the tree's root first.
-template <int own_rows, int... coordinates>
-using RowPath =
-    LoopPath<own_rows, (own_rows < 3 ? own_rows : 3), sizeof...(coordinates), sizeof...(coordinates), coordinates...>;
-
-// Where two lists of coordinates have the same, in pieces: from which place of each, and how many.
-struct SharedPieces {
-  static constexpr int most = 6;
-  int count = 0, a[most] = {}, b[most] = {}, size[most] = {};
-
-  constexpr void add(int at_a, int at_b) {
-    if (count > 0 && a[count - 1] + size[count - 1] == at_a && b[count - 1] + size[count - 1] == at_b) {
-      ++size[count - 1];
-      return;
-    }
-    a[count] = at_a, b[count] = at_b, size[count] = 1;
-    ++count;
-  }
-};
-
-// All constraints, in the order of their rows.
-template <class... Paths>
-struct ConstraintRows {
-  static constexpr int count = sizeof...(Paths);
-  static constexpr int rows[count] = {Paths::rows...}, linear[count] = {Paths::linear...}, lengths[count] = {Paths::length...};
-  static constexpr const int* paths[count] = {Paths::at...};
-  template <int c>
-  using path = std::tuple_element_t<c, std::tuple<Paths...>>;
-
-  // Row of a constraint; of `count`: how many there are.
-  static constexpr int first(int c) {
-    int row = 0;
-    for (int i = 0; i < c; ++i) row += rows[i];
-    return row;
-  }
-  static constexpr int block_rows() {
-    int most = 0;
-    for (const int r : rows) most = r > most ? r : most;
-    return dalembert::block_rows(most);
-  }
-  static constexpr int longest() {
-    int most = 0;
-    for (const int length : lengths) most = length > most ? length : most;
-    return most;
-  }
-  static constexpr int pair(int a, int b) { return a * count - a * (a - 1) / 2 + b - a; }  // b is not before a
-  // The coordinates above both, per pair.
-  struct Shared {
-    SharedPieces pieces[count * (count + 1) / 2] = {};
-  };
-  static constexpr Shared shared_pieces() {
-    Shared all;
-    for (int a = 0; a < count; ++a)
-      for (int b = a; b < count; ++b)
-        for (int i = 0, k = 0; i < lengths[a] && k < lengths[b];) {
-          if (paths[a][i] == paths[b][k]) all.pieces[pair(a, b)].add(i++, k++);
-          else if (paths[a][i] < paths[b][k]) ++i;
-          else ++k;
-        }
-    return all;
-  }
-  static constexpr Shared shared = shared_pieces();
-};
-
-// A chain of coordinates as in factor.hpp, and where those above it stand, in runs: begin, behind, begin, behind …
-template <int chain_first, int chain_count, int... runs>
-struct ChainBelow {
-  static constexpr int first = chain_first, count = chain_count, run_count = sizeof...(runs) / 2;
-  static constexpr int run[sizeof...(runs) + 1] = {runs..., 0};
-};
-// From the root on.
-template <class... Chains>
-struct ChainTree {
-  static constexpr int count = sizeof...(Chains);
-  template <int c>
-  using chain = std::tuple_element_t<c, std::tuple<Chains...>>;
-};
-
 namespace constraint_detail {
-
-using detail::each_piece;
-using detail::for_constants;
-
-constexpr int lanes_in_block(int padded) { return least(native_lanes, padded); }
-
-enum class Into { set, add, subtract };
-
-// to[r][s] = the sum over k of a[k][r] b[k][s], as many rows of a block as say something; or this more or less. a and b:
-// `count` times `padded` numbers.
-template <int rows, int padded, Into how, class T>
-DALEMBERT_INLINE void products(const T* a, const T* b, int count, T* to) {
-  constexpr int w = lanes_in_block(padded), pieces = padded / w;
-  Lanes<T, w> sum[rows][pieces];
-  for_constants<rows>([&](auto r) DALEMBERT_IN_BLOCK {
-    for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK {
-      if constexpr (how == Into::set) sum[r][i] = Lanes<T, w>{};
-      else sum[r][i] = load<w>(to + r * padded + i * w);
-    });
-  });
-  DALEMBERT_KEEP_LOOP
-  for (int k = 0; k < count; ++k) {
-    Lanes<T, w> row[pieces];
-    for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK { row[i] = load<w>(b + k * padded + i * w); });
-    for_constants<rows>([&](auto r) DALEMBERT_IN_BLOCK {
-      const Lanes<T, w> factor = broadcast<w, T>(a[k * padded + r]);
-      for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK {
-        if constexpr (how == Into::subtract) sum[r][i] -= factor * row[i];
-        else sum[r][i] += factor * row[i];
-      });
-    });
-  }
-  for_constants<rows>([&](auto r) DALEMBERT_IN_BLOCK {
-    for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK { store<w, T>(to + r * padded + i * w, sum[r][i]); });
-  });
-}
-
-// f(0), …, f(count - 1): with constants where they are few.
-template <int count, bool constants = count <= 4, class F>
-DALEMBERT_INLINE void each_index(const F& f) {
-  if constexpr (constants) {
-    for_constants<count>(f);
-  } else {
-    for (int i = 0; i < count; ++i) f(i);
-  }
-}
-
-// The numbers of a block's row, in registers.
-template <class T, int w, int pieces>
-struct BlockRow {
-  Lanes<T, w> piece[pieces];
-
-  static DALEMBERT_INLINE BlockRow load(const T* from) {
-    BlockRow row;
-    for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK { row.piece[i] = dalembert::load<w>(from + i * w); });
-    return row;
-  }
-  DALEMBERT_INLINE void store(T* to) const {
-    for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK { dalembert::store<w, T>(to + i * w, piece[i]); });
-  }
-  // This and a b, element by element.
-  DALEMBERT_INLINE BlockRow plus(const BlockRow& a, const BlockRow& b) const {
-    BlockRow row;
-    for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK { row.piece[i] = piece[i] + a.piece[i] * b.piece[i]; });
-    return row;
-  }
-  DALEMBERT_INLINE void add(const BlockRow& a) {
-    for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK { piece[i] += a.piece[i]; });
-  }
-  // More by a b[i], element by element.
-  DALEMBERT_INLINE void add(const BlockRow& a, const T* b) {
-    for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK { piece[i] += a.piece[i] * dalembert::load<w>(b + i * w); });
-  }
-  // More by `times` row, or less.
-  template <bool negative>
-  DALEMBERT_INLINE void add(T times, const T* row) {
-    const Lanes<T, w> factor = broadcast<w, T>(times);
-    for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK {
-      if constexpr (negative) piece[i] -= factor * dalembert::load<w>(row + i * w);
-      else piece[i] += factor * dalembert::load<w>(row + i * w);
-    });
-  }
-  // More by the sum over r of x[r] a[r], or less: a's rows are as long as this.
-  template <bool negative, int rows>
-  DALEMBERT_INLINE void add_rows(const BlockRow& x, const T* a) {
-    for_constants<rows>([&](auto r) DALEMBERT_IN_BLOCK {
-      constexpr int at = decltype(r)::value;
-      add<negative>(lane<w, T>(x.piece[at / w], at % w), a + at * pieces * w);
-    });
-  }
-  // Less a x, row by row.
-  template <int rows>
-  DALEMBERT_INLINE void subtract_products(const BlockRow& x, const T* a) {
-    alignas(64) T sums[pieces * w] = {};
-    for_constants<rows>([&](auto r) DALEMBERT_IN_BLOCK {
-      BlockRow product{};
-      product.add(x, a + decltype(r)::value * pieces * w);
-      sums[decltype(r)::value] = product.total();
-    });
-    for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK { piece[i] -= dalembert::load<w>(sums + i * w); });
-  }
-  DALEMBERT_INLINE T total() const {
-    Lanes<T, w> sum = piece[0];
-    for_constants<pieces - 1>([&](auto i) DALEMBERT_IN_BLOCK { sum += piece[decltype(i)::value + 1]; });
-    if constexpr (w == 4) return (lane<w, T>(sum, 0) + lane<w, T>(sum, 2)) + (lane<w, T>(sum, 1) + lane<w, T>(sum, 3));
-    T all = lane<w, T>(sum, 0);
-    for_constants<w - 1>([&](auto i) DALEMBERT_IN_BLOCK { all += lane<w, T>(sum, decltype(i)::value + 1); });
-    return all;
-  }
-};
-
-// A symmetric positive definite block of three rows becomes its inverse, (L D L')^-1; its pivots are kept. Two of the three
-// divisions go side by side: of the first pivot, and of the first times the second.
-template <int padded, class T>
-DALEMBERT_INLINE void invert_three(T* block, T* pivots) {
-  constexpr int w = lanes_in_block(padded), pieces = padded / w;
-  const T a00 = block[0], a10 = block[1], a20 = block[2], a11 = block[padded + 1], a21 = block[padded + 2],
-          a22 = block[2 * padded + 2];
-  const T both = a00 * a11 - a10 * a10, r0 = T(1) / a00, r_both = T(1) / both, r1 = a00 * r_both;
-  const T l10 = a10 * r0, l20 = a20 * r0, rest = a21 - l10 * a20, l21 = (a00 * a21 - a10 * a20) * r_both;
-  const T d2 = a22 - a20 * l20 - rest * l21, r2 = T(1) / d2;
-  pivots[0] = a00, pivots[1] = both * r0, pivots[2] = d2;
-  // L^-1 has -l10, m20 and -l21.
-  const T m20 = l10 * l21 - l20, s20 = m20 * r2, s21 = -l21 * r2, s10 = -l10 * r1;
-  const T inverse[3][3] = {{r0 - l10 * s10 + m20 * s20, s10 - l21 * s20, s20}, {s10 - l21 * s20, r1 - l21 * s21, s21}, {s20, s21, r2}};
-  for_constants<3>([&](auto r) DALEMBERT_IN_BLOCK {
-    for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK {
-      store<w, T>(block + r * padded + i * w, each_lane<w, T>([&](int lane) {
-                    const int column = decltype(i)::value * w + lane;
-                    return column < 3 ? inverse[r][column] : T(0);
-                  }));
-    });
-  });
-}
-
-// A symmetric positive definite block becomes its inverse (Gauss and Jordan); its pivots are kept.
-template <int rows, int padded, class T>
-DALEMBERT_INLINE void invert_block(T* block, T* pivots) {
-  if constexpr (rows == 3) return invert_three<padded>(block, pivots);
-  constexpr int w = lanes_in_block(padded), pieces = padded / w;
-  Lanes<T, w> a[rows][pieces];
-  for_constants<rows>([&](auto r) DALEMBERT_IN_BLOCK {
-    for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK { a[r][i] = load<w>(block + r * padded + i * w); });
-  });
-  for_constants<rows>([&](auto step) DALEMBERT_IN_BLOCK {
-    constexpr int j = decltype(step)::value, piece = j / w, at = j % w;
-    const T pivot = lane<w, T>(a[j][piece], at), reciprocal = T(1) / pivot;
-    pivots[j] = pivot;
-    const Lanes<T, w> others = each_lane<w, T>([](int lane) { return T(lane != at); }),
-                      own = each_lane<w, T>([](int lane) { return T(lane == at); });
-    for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK { a[j][i] *= broadcast<w, T>(reciprocal); });
-    a[j][piece] = a[j][piece] * others + broadcast<w, T>(reciprocal) * own;
-    for_constants<rows>([&](auto r) DALEMBERT_IN_BLOCK {
-      if constexpr (decltype(r)::value != j) {
-        const Lanes<T, w> factor = broadcast<w, T>(lane<w, T>(a[r][piece], at));
-        a[r][piece] *= others;
-        for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK { a[r][i] -= factor * a[j][i]; });
-      }
-    });
-  });
-  for_constants<rows>([&](auto r) DALEMBERT_IN_BLOCK {
-    for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK { store<w, T>(block + r * padded + i * w, a[r][i]); });
-  });
-}
 
 // What is solved in.
 template <int n, class Rows, class T>
@@ -394,6 +126,148 @@ struct ConstraintBlocks {
   }
 };
 
+// Elimination of blocks, from the first; where they are few, what is eliminated is had both ways round.
+template <class Blocks, class Rows, class T>
+struct EliminatedBlocks {
+  static constexpr int count = Rows::count, rows = Blocks::rows, padded = Blocks::padded;
+  static constexpr bool few = count <= 4;
+  using Row = BlockRow<T, Blocks::w, Blocks::pieces>;
+  const Blocks& blocks;
+  alignas(64) T both_ways[few ? (count * (count - 1) / 2 + 1) * Blocks::block : 1];
+  alignas(64) T pivots[count * padded];
+
+  T* transposed(int a, int b) { return both_ways + (blocks.eliminated(a, b) - blocks.scaled); }
+  const T* transposed(int a, int b) const { return both_ways + (blocks.eliminated(a, b) - blocks.scaled); }
+  T pivot(int c, int r) const { return pivots[c * padded + r]; }
+
+  // more: what the diagonal has more.
+  DALEMBERT_INLINE EliminatedBlocks(const Blocks& of, const Row (&more)[count]) : blocks(of) {
+    each_index<count>([&](auto c) DALEMBERT_IN_BLOCK {
+      for_constants<rows>([&](auto r) DALEMBERT_IN_BLOCK {
+        T* const row = blocks.of(c, c) + r * padded;
+        Row::load(row).with_only(more[c], r).store(row);
+      });
+      invert_block<rows, padded, T>(blocks.of(c, c), pivots + c * padded);
+      each_index<count>([&](auto b) DALEMBERT_IN_BLOCK {
+        if (b <= c) return;
+        products<rows, padded, Into::set, T>(blocks.of(c, c), blocks.of(c, b), rows, blocks.eliminated(c, b));
+        if constexpr (few) products<rows, padded, Into::set, T>(blocks.of(c, b), blocks.of(c, c), rows, transposed(c, b));
+      });
+      each_index<count>([&](auto a) DALEMBERT_IN_BLOCK {
+        if (a <= c) return;
+        each_index<count>([&](auto b) DALEMBERT_IN_BLOCK {
+          if (b < a) return;
+          products<rows, padded, Into::subtract, T>(blocks.of(c, a), blocks.eliminated(c, b), rows, blocks.of(a, b));
+        });
+      });
+    });
+  }
+
+  // rest is written over.
+  DALEMBERT_INLINE void solve(Row (&rest)[count], Row (&to)[count]) const {
+    each_index<count>([&](auto c) DALEMBERT_IN_BLOCK {
+      each_index<count>([&](auto b) DALEMBERT_IN_BLOCK {
+        if (b > c) rest[b].template add_rows<true, rows>(rest[c], blocks.eliminated(c, b));
+      });
+      to[c] = Row{};
+      to[c].template add_rows<false, rows>(rest[c], blocks.of(c, c));
+    });
+    each_index<count>([&](auto back) DALEMBERT_IN_BLOCK {
+      const int c = count - 1 - back;
+      each_index<count>([&](auto b) DALEMBERT_IN_BLOCK {
+        if (b <= c) return;
+        if constexpr (few) to[c].template add_rows<true, rows>(to[b], transposed(c, b));
+        else to[c].template subtract_products<rows>(to[b], blocks.eliminated(c, b));
+      });
+    });
+  }
+
+  // Proximal steps; before: what solved was at the last but one.
+  DALEMBERT_INLINE void solve(const Row (&known)[count], const Row (&held)[count], Row (&solved)[count],
+                              Row (&before)[count]) const {
+    for (int step = 0; step < Proximal<T>::steps; ++step) {
+      Row rest[count];
+      each_index<count>([&](auto c) DALEMBERT_IN_BLOCK {
+        before[c] = solved[c];
+        rest[c] = known[c].plus(held[c], solved[c]);
+      });
+      solve(rest, solved);
+    }
+  }
+};
+
+// Columns padded as blocks are, constraint by constraint.
+template <class Rows, int padded>
+struct BlockColumns {
+  static constexpr int of(int r) {
+    int c = 0;
+    while (r >= Rows::first(c + 1)) ++c;
+    return c * padded + r - Rows::first(c);
+  }
+};
+// The inverse of all rows together: its steps wait for nothing but products, where blocks wait for one another.
+template <class Blocks, class Rows, class T>
+struct InverseOfRows {
+  static constexpr int count = Rows::count, m = Rows::first(count), padded = Blocks::padded;
+  static constexpr int w = native_lanes, pieces = (count * padded + w - 1) / w, joined = w / Blocks::w;
+  using Row = BlockRow<T, Blocks::w, Blocks::pieces>;
+  using All = BlockRow<T, w, pieces>;
+  RowsInRegisters<m, pieces, BlockColumns<Rows, padded>, T> inverse;
+  T pivots[m];
+
+  T pivot(int c, int r) const { return pivots[Rows::first(c) + r]; }
+
+  static DALEMBERT_INLINE All together(const Row (&each)[count]) {
+    All all;
+    for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK {
+      if constexpr (joined == 1) {
+        all.piece[i] = each[i / Blocks::pieces].piece[i % Blocks::pieces];
+      } else {
+        const Lanes<T, Blocks::w> none{};
+        constexpr bool both = 2 * decltype(i)::value + 1 < count;
+        all.piece[i] = detail::joined<T>(each[2 * i].piece[0], both ? each[both ? 2 * i + 1 : 0].piece[0] : none);
+      }
+    });
+    return all;
+  }
+  static DALEMBERT_INLINE void apart(const All& all, Row (&each)[count]) {
+    for_constants<count>([&](auto c) DALEMBERT_IN_BLOCK {
+      for_constants<Blocks::pieces>([&](auto i) DALEMBERT_IN_BLOCK {
+        constexpr int at = decltype(c)::value * Blocks::pieces + decltype(i)::value;
+        if constexpr (joined == 1) each[c].piece[i] = all.piece[at];
+        else each[c].piece[i] = detail::half<T, at % 2>(all.piece[at / 2]);
+      });
+    });
+  }
+
+  // more: what the diagonal has more.
+  DALEMBERT_INLINE InverseOfRows(const Blocks& blocks, const Row (&more)[count]) {
+    for_constants<count>([&](auto a) DALEMBERT_IN_BLOCK {
+      for_constants<Rows::rows[a]>([&](auto r) DALEMBERT_IN_BLOCK {
+        Row each[count] = {};
+        for_constants<count - a>(
+            [&](auto behind) DALEMBERT_IN_BLOCK { each[a + behind] = Row::load(blocks.of(a, a + behind) + r * padded); });
+        each[a] = each[a].with_only(more[a], r);
+        inverse.rows[Rows::first(a) + r] = together(each);
+      });
+    });
+    for_constants<count>([&](auto c) DALEMBERT_IN_BLOCK { invert_rows<m, Rows::first(c), Rows::rows[c]>(inverse, pivots); });
+  }
+
+  DALEMBERT_INLINE void solve(Row (&rest)[count], Row (&to)[count]) const { apart(inverse.times(together(rest)), to); }
+
+  DALEMBERT_INLINE void solve(const Row (&known)[count], const Row (&held)[count], Row (&solved)[count],
+                              Row (&before)[count]) const {
+    const All all_known = together(known), all_held = together(held);
+    All now = inverse.times(all_known), last = now;
+    for_constants<Proximal<T>::steps - 1>([&](auto) DALEMBERT_IN_BLOCK {
+      last = now;
+      now = inverse.times(all_known.plus(all_held, now));
+    });
+    apart(now, solved), apart(last, before);
+  }
+};
+
 // x = U^-1 x.
 template <int n, class Tree, class T>
 DALEMBERT_INLINE void eliminate_upwards(const T* factor, T* x) {
@@ -476,9 +350,7 @@ __attribute__((noinline)) static ConstraintStatus<T> solve_constrained(const T* 
                                                                        const T* right, const T* active, const T* regularization,
                                                                        T* room, T* forces, T* x) noexcept {
   using Blocks = constraint_detail::ConstraintBlocks<n, Rows, T>;
-  using constraint_detail::for_constants;
-  using constraint_detail::Into;
-  constexpr int count = Rows::count, rows = Blocks::rows, padded = Blocks::padded, w = Blocks::w;
+  constexpr int count = Rows::count, padded = Blocks::padded, w = Blocks::w;
   const Blocks blocks(room);
   T reciprocals[n];
   constraint_detail::reciprocals_of<n>(pivots, reciprocals);
@@ -488,112 +360,97 @@ __attribute__((noinline)) static ConstraintStatus<T> solve_constrained(const T* 
   // c, mu N, and the diagonal. What no row stands for is a one.
   constexpr int pieces = Blocks::pieces;
   using Row = constraint_detail::BlockRow<T, w, pieces>;
+  using constraint_detail::each_above;
   using constraint_detail::each_index;
-  Row known[count], held[count];
-  T scaled[n], sum = T(0);
+  Row known[count], held[count], more[count], along[count];
+  T scaled[n], sums[count][2], sum = T(0);
   for (int k = 0; k < n; ++k) scaled[k] = x[k] * reciprocals[k];
   each_index<count>([&](auto c) DALEMBERT_IN_BLOCK {
-    for (int r = 0; r < Rows::rows[c]; ++r) sum += blocks.of(c, c)[r * padded + r];
+    const int own = Rows::rows[c], linear = Rows::linear[c];
+    const T* const block = blocks.of(c, c);
+    along[c] = Row::of([&](int r) { return r < own ? block[r * (padded + 1)] : T(0); });
+    T of_linear = T(0), of_angular = T(0);
+    for (int r = 0; r < linear; ++r) of_linear += block[r * (padded + 1)];
+    for (int r = linear; r < own; ++r) of_angular += block[r * (padded + 1)];
+    sums[c][0] = of_linear, sums[c][1] = of_angular;
   });
+  for (int c = 0; c < count; ++c) sum += sums[c][0] + sums[c][1];
   each_index<count>([&](auto c) DALEMBERT_IN_BLOCK {
     const int own = Rows::rows[c], linear = Rows::linear[c];
-    T* const block = blocks.of(c, c);
-    alignas(64) T rest[padded] = {}, hold[padded] = {};
-    T means[2] = {T(least_share) * sum, T(least_share) * sum};
-    for (int r = 0; r < own; ++r)
-      means[r < linear ? 0 : 1] += block[r * padded + r] * (T(1) / T(r < linear ? linear : own - linear));
     const bool acts = active[c] > T(0);
-    for (int r = 0; r < rows; ++r) {
-      const T mean = means[r < linear ? 0 : 1];
-      hold[r] = acts && r < own ? Proximal<T>::of(block[r * padded + r]) * (mean > T(0) ? mean : T(1)) : T(0);
-      rest[r] = acts && r < own ? right[Rows::first(c) + least(r, own - 1)] : T(0);
-      block[r * padded + r] += acts && r < own ? hold[r] + regularization[Rows::first(c) + least(r, own - 1)] : T(1);
-    }
-    Row left = Row::load(rest);
-    for (int k = 0; k < Rows::lengths[c]; ++k) left.template add<true>(scaled[Rows::paths[c][k]], blocks.row(c, k));
+    const auto mean = [&](int i, int rows_of_it) {
+      const T all = T(least_share) * sum + sums[c][i] * (T(1) / T(rows_of_it > 0 ? rows_of_it : 1));
+      return acts ? all > T(0) ? all : T(1) : T(0);
+    };
+    const T of_linear = mean(0, linear), of_angular = mean(1, own - linear);
+    const auto of_row = [&](const T* all, int r) { return acts && r < own ? all[Rows::first(c) + least(r, own - 1)] : T(0); };
+    const Row means = Row::of([&](int r) { return r >= own ? T(0) : r < linear ? of_linear : of_angular; });
+    const Row regular = Row::of([&](int r) { return of_row(regularization, r); });
+    Row left = Row::of([&](int r) { return of_row(right, r); });
+    constraint_detail::for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK {
+      using V = Lanes<T, w>;
+      const V none{}, one = broadcast<w, T>(T(1));
+      held[c].piece[i] = (along[c].piece[i] > none ? broadcast<w, T>(Proximal<T>::mu) : one) * means.piece[i];
+      const V idle = Row::of([&](int r) { return r < own && acts ? T(0) : T(1); }).piece[i];
+      more[c].piece[i] = held[c].piece[i] + regular.piece[i] + idle;
+    });
+    each_above<Rows>(c,
+                     [&](auto k) DALEMBERT_IN_BLOCK { left.template add<true>(scaled[Rows::paths[c][k]], blocks.row(c, k)); });
     known[c] = left;
-    held[c] = Row::load(hold);
   });
 
-  // Elimination of blocks, from the first; where they are few, what is eliminated is had both ways round.
-  constexpr bool few = count <= 4;
-  alignas(64) T both_ways[few ? (count * (count - 1) / 2 + 1) * Blocks::block : 1];
-  const auto transposed = [&](int a, int b) { return both_ways + (blocks.eliminated(a, b) - blocks.scaled); };
-  alignas(64) T block_pivots[count * padded];
-  each_index<count>([&](auto c) DALEMBERT_IN_BLOCK {
-    constraint_detail::invert_block<rows, padded, T>(blocks.of(c, c), block_pivots + c * padded);
-    each_index<count>([&](auto b) DALEMBERT_IN_BLOCK {
-      if (b <= c) return;
-      constraint_detail::products<rows, padded, Into::set, T>(blocks.of(c, c), blocks.of(c, b), rows, blocks.eliminated(c, b));
-      if constexpr (few)
-        constraint_detail::products<rows, padded, Into::set, T>(blocks.of(c, b), blocks.of(c, c), rows, transposed(c, b));
-    });
-    each_index<count>([&](auto a) DALEMBERT_IN_BLOCK {
-      if (a <= c) return;
-      each_index<count>([&](auto b) DALEMBERT_IN_BLOCK {
-        if (b < a) return;
-        constraint_detail::products<rows, padded, Into::subtract, T>(blocks.of(c, a), blocks.eliminated(c, b), rows,
-                                                                     blocks.of(a, b));
-      });
-    });
-  });
-
+  // Of few rows the whole inverse, where registers hold it; of more their blocks' elimination.
+  constexpr bool whole = native_lanes >= 8 && Rows::first(count) <= most_rows_inverted;
+  using Solver = std::conditional_t<whole, constraint_detail::InverseOfRows<Blocks, Rows, T>,
+                                    constraint_detail::EliminatedBlocks<Blocks, Rows, T>>;
+  const Solver solver(blocks, more);
   ConstraintStatus<T> status;
   each_index<count>([&](auto c) DALEMBERT_IN_BLOCK {
     if (!(active[c] > T(0))) return;
     alignas(64) T hold[padded];
     held[c].store(hold);
     for (int r = 0; r < Rows::rows[c]; ++r) {
-      const T pivot = block_pivots[c * padded + r] * Proximal<T>::mu / hold[r];
+      const T pivot = solver.pivot(c, r) * Proximal<T>::mu / hold[r];
       status.least_pivot = pivot < status.least_pivot ? pivot : status.least_pivot;
       status.rank += pivot > T(64) * Proximal<T>::mu ? 1 : 0;
     }
   });
 
-  // Inverses of blocks are as wrong as their pivots are small. Then steps behind the first add what rows lack: an error of
-  // theirs becomes one of the last addition.
+  // Inverses are as wrong as their pivots are small. Then steps behind the first add what rows lack: an error of theirs becomes
+  // one of the last addition.
   const bool refines = !(status.least_pivot > Proximal<T>::near);
   Row solved[count] = {}, before[count] = {};
   const auto pushed_by = [&](const Row(&with)[count], T(&to)[n]) DALEMBERT_IN_BLOCK {  // Y f, in lanes at first
     Row pushed[n] = {};
     each_index<count>([&](auto c) DALEMBERT_IN_BLOCK {
-      for (int k = 0; k < Rows::lengths[c]; ++k) pushed[Rows::paths[c][k]].add(with[c], blocks.row(c, k));
+      each_above<Rows>(c, [&](auto k) DALEMBERT_IN_BLOCK { pushed[Rows::paths[c][k]].add(with[c], blocks.row(c, k)); });
     });
     for (int k = 0; k < n; ++k) to[k] = pushed[k].total();
   };
-  for (int step = 0; step < Proximal<T>::steps; ++step) {
-    Row rest[count];
-    each_index<count>([&](auto c) DALEMBERT_IN_BLOCK {
-      before[c] = solved[c];
-      rest[c] = known[c].plus(held[c], solved[c]);
-    });
-    if (refines && step > 0) {
-      T moved[n];
-      pushed_by(solved, moved);
-      for (int k = 0; k < n; ++k) moved[k] *= reciprocals[k];
+  if (!refines) {
+    solver.solve(known, held, solved, before);
+  } else {
+    for (int step = 0; step < Proximal<T>::steps; ++step) {
+      Row rest[count];
       each_index<count>([&](auto c) DALEMBERT_IN_BLOCK {
-        alignas(64) T gives[padded] = {};
-        for (int r = 0; r < Rows::rows[c]; ++r) gives[r] = -regularization[Rows::first(c) + r];
-        rest[c] = known[c].plus(Row::load(gives), solved[c]);
-        for (int k = 0; k < Rows::lengths[c]; ++k) rest[c].template add<true>(moved[Rows::paths[c][k]], blocks.row(c, k));
+        before[c] = solved[c];
+        rest[c] = known[c];
       });
+      if (step > 0) {
+        T moved[n];
+        pushed_by(solved, moved);
+        for (int k = 0; k < n; ++k) moved[k] *= reciprocals[k];
+        each_index<count>([&](auto c) DALEMBERT_IN_BLOCK {
+          alignas(64) T gives[padded] = {};
+          for (int r = 0; r < Rows::rows[c]; ++r) gives[r] = -regularization[Rows::first(c) + r];
+          rest[c] = known[c].plus(Row::load(gives), solved[c]);
+          each_above<Rows>(
+              c, [&](auto k) DALEMBERT_IN_BLOCK { rest[c].template add<true>(moved[Rows::paths[c][k]], blocks.row(c, k)); });
+        });
+      }
+      solver.solve(rest, solved);
+      each_index<count>([&](auto c) DALEMBERT_IN_BLOCK { solved[c].add(before[c]); });
     }
-    each_index<count>([&](auto c) DALEMBERT_IN_BLOCK {
-      each_index<count>([&](auto b) DALEMBERT_IN_BLOCK {
-        if (b > c) rest[b].template add_rows<true, rows>(rest[c], blocks.eliminated(c, b));
-      });
-      solved[c] = Row{};
-      solved[c].template add_rows<false, rows>(rest[c], blocks.of(c, c));
-    });
-    each_index<count>([&](auto back) DALEMBERT_IN_BLOCK {
-      const int c = count - 1 - back;
-      each_index<count>([&](auto b) DALEMBERT_IN_BLOCK {
-        if (b <= c) return;
-        if constexpr (few) solved[c].template add_rows<true, rows>(solved[b], transposed(c, b));
-        else solved[c].template subtract_products<rows>(solved[b], blocks.eliminated(c, b));
-      });
-    });
-    if (refines) each_index<count>([&](auto c) DALEMBERT_IN_BLOCK { solved[c].add(before[c]); });
   }
   each_index<count>([&](auto c) DALEMBERT_IN_BLOCK {
     alignas(64) T now[padded], last[padded], hold[padded];
@@ -632,6 +489,84 @@ struct Undriven {
   static constexpr int at[sizeof...(coordinates) + 1] = {coordinates..., 0};
 };
 
+namespace constraint_detail {
+
+// y of support(): (J_u' W J_u + mu N) y = to_u + mu N y, a few times over.
+template <int all, class Without, class T>
+DALEMBERT_INLINE void solve_support(const T* jacobian, const T* weighted, const T* to, T* y, ConstraintStatus<T>& status) {
+  constexpr int u = Without::count;
+  const auto count_pivot = [&](T pivot, T held) {
+    const T share = pivot * Proximal<T>::mu / held;
+    status.least_pivot = share < status.least_pivot ? share : status.least_pivot;
+    status.rank += share > T(64) * Proximal<T>::mu ? 1 : 0;
+  };
+  if constexpr (u > 0 && u <= 8) {  // a floating base
+    constexpr int w = native_lanes, pieces = (u + w - 1) / w;
+    RowsInRegisters<u, pieces, SameColumns, T> a;
+    using Row = BlockRow<T, w, pieces>;
+    for_constants<u>([&](auto i) DALEMBERT_IN_BLOCK { a.rows[i] = Row{}; });
+    DALEMBERT_KEEP_LOOP
+    for (int r = 0; r < all; ++r) {
+      const Row row = Row::of([&](int i) { return i < u ? jacobian[Without::at[least(i, u - 1)] * all + r] : T(0); });
+      for_constants<u>([&](auto i) DALEMBERT_IN_BLOCK {
+        const Lanes<T, w> factor = broadcast<w, T>(weighted[i * all + r]);
+        for_constants<pieces>([&](auto k) DALEMBERT_IN_BLOCK { a.rows[i].piece[k] += factor * row.piece[k]; });
+      });
+    }
+    T held[u], pivots[u];
+    for_constants<u>([&](auto i) DALEMBERT_IN_BLOCK {
+      const T own = lane<w, T>(a.rows[i].piece[i / w], i % w);
+      held[i] = Proximal<T>::mu * (own > T(0) ? own : T(1));
+    });
+    const auto of = [](const T* from)
+                        DALEMBERT_IN_BLOCK { return Row::of([&](int i) { return i < u ? from[least(i, u - 1)] : T(0); }); };
+    const Row hold = of(held);
+    for_constants<u>([&](auto i) DALEMBERT_IN_BLOCK { a.rows[i] = a.rows[i].with_only(hold, i); });
+    invert_rows<u, 0, u>(a, pivots);
+    for (int i = 0; i < u; ++i) count_pivot(pivots[i], held[i]);
+    const Row right = Row::of([&](int i) { return i < u ? to[Without::at[least(i, u - 1)]] : T(0); });
+    Row solved = a.times(right);
+    for_constants<Proximal<T>::steps - 1>([&](auto) DALEMBERT_IN_BLOCK { solved = a.times(right.plus(hold, solved)); });
+    for_constants<u>([&](auto i) DALEMBERT_IN_BLOCK { y[i] = lane<w, T>(solved.piece[i / w], i % w); });
+  } else {
+    // L D L', D's reciprocals on the diagonal.
+    constexpr int room = u > 0 ? u : 1;
+    T L[room * room], held[room];
+    for (int i = 0; i < u; ++i) {
+      for (int j = 0; j <= i; ++j) {
+        T sum = T(0);
+        for (int r = 0; r < all; ++r) sum += jacobian[Without::at[i] * all + r] * weighted[j * all + r];
+        L[i * room + j] = sum;
+      }
+      const T own = L[i * room + i];
+      held[i] = Proximal<T>::mu * (own > T(0) ? own : T(1));
+      L[i * room + i] = own + held[i];
+      y[i] = T(0);
+    }
+    for (int i = 0; i < u; ++i) {
+      const T pivot = L[i * room + i], reciprocal = T(1) / pivot;
+      count_pivot(pivot, held[i]);
+      L[i * room + i] = reciprocal;
+      for (int k = i + 1; k < u; ++k) {
+        const T factor = L[k * room + i] * reciprocal;
+        for (int j = i + 1; j <= k; ++j) L[k * room + j] -= factor * L[j * room + i];
+      }
+      for (int k = i + 1; k < u; ++k) L[k * room + i] *= reciprocal;
+    }
+    for (int step = 0; step < Proximal<T>::steps; ++step) {
+      for (int i = 0; i < u; ++i) y[i] = to[Without::at[i]] + held[i] * y[i];
+      for (int i = 0; i < u; ++i)
+        for (int j = 0; j < i; ++j) y[i] -= L[i * room + j] * y[j];
+      for (int i = u - 1; i >= 0; --i) {
+        y[i] *= L[i * room + i];
+        for (int k = i + 1; k < u; ++k) y[i] -= L[k * room + i] * y[k];
+      }
+    }
+  }
+}
+
+}  // namespace constraint_detail
+
 // to becomes to - J' f, f = W J_u y being what makes it zero at the coordinates u that have no motor: of all such f the one
 // with the least sum of f^2 / W. y is found by proximal steps as above, with N the diagonal of J_u' W J_u: what no constraint
 // can bear stays, and is the residual.
@@ -642,47 +577,17 @@ __attribute__((noinline)) static ConstraintStatus<T> support(const T* jacobian, 
   ConstraintStatus<T> status;
   T weight[all];
   for (int c = 0; c < Rows::count; ++c)
-    for (int r = Rows::first(c); r < Rows::first(c + 1); ++r) {
-      weight[r] = active[c] > T(0) ? weights[r] : T(0);
-      forces[r] = T(0);
-    }
-  // J_u' W J_u = L D L', D's reciprocals on the diagonal.
-  T weighted[room * all], L[room * room], held[room], y[room] = {};
-  for (int i = 0; i < u; ++i) {
-    const T* const column = jacobian + Without::at[i] * all;
-    for (int r = 0; r < all; ++r) weighted[i * all + r] = weight[r] * column[r];
-    for (int j = 0; j <= i; ++j) {
-      const T* const other = weighted + j * all;
-      T sum = T(0);
-      for (int r = 0; r < all; ++r) sum += column[r] * other[r];
-      L[i * room + j] = sum;
-    }
-    const T own = L[i * room + i];
-    held[i] = Proximal<T>::mu * (own > T(0) ? own : T(1));
-    L[i * room + i] = own + held[i];
-  }
-  for (int i = 0; i < u; ++i) {
-    const T pivot = L[i * room + i], share = pivot * Proximal<T>::mu / held[i], reciprocal = T(1) / pivot;
-    status.least_pivot = share < status.least_pivot ? share : status.least_pivot;
-    status.rank += share > T(64) * Proximal<T>::mu ? 1 : 0;
-    L[i * room + i] = reciprocal;
-    for (int k = i + 1; k < u; ++k) {
-      const T factor = L[k * room + i] * reciprocal;
-      for (int j = i + 1; j <= k; ++j) L[k * room + j] -= factor * L[j * room + i];
-    }
-    for (int k = i + 1; k < u; ++k) L[k * room + i] *= reciprocal;
-  }
-  for (int step = 0; step < Proximal<T>::steps; ++step) {
-    for (int i = 0; i < u; ++i) y[i] = to[Without::at[i]] + held[i] * y[i];
-    for (int i = 0; i < u; ++i)
-      for (int j = 0; j < i; ++j) y[i] -= L[i * room + j] * y[j];
-    for (int i = u - 1; i >= 0; --i) {
-      y[i] *= L[i * room + i];
-      for (int k = i + 1; k < u; ++k) y[i] -= L[k * room + i] * y[k];
-    }
-  }
+    for (int r = Rows::first(c); r < Rows::first(c + 1); ++r) weight[r] = active[c] > T(0) ? weights[r] : T(0);
+  T weighted[room * all], y[room];
   for (int i = 0; i < u; ++i)
-    for (int r = 0; r < all; ++r) forces[r] += weighted[i * all + r] * y[i];
+    for (int r = 0; r < all; ++r) weighted[i * all + r] = weight[r] * jacobian[Without::at[i] * all + r];
+  constraint_detail::solve_support<all, Without>(jacobian, weighted, to, y, status);
+  constraint_detail::each_piece<all>([&](auto lanes, auto at) DALEMBERT_IN_BLOCK {
+    constexpr int w = decltype(lanes)::value, from = decltype(at)::value;
+    Lanes<T, w> sum{};
+    for (int i = 0; i < u; ++i) sum += broadcast<w, T>(y[i]) * load<w>(weighted + i * all + from);
+    store<w, T>(forces + from, sum);
+  });
   for (int c = 0; c < Rows::count; ++c)
     for (int k = 0; k < Rows::lengths[c]; ++k) {
       const int at = Rows::paths[c][k];
@@ -695,311 +600,6 @@ __attribute__((noinline)) static ConstraintStatus<T> support(const T* jacobian, 
     status.residual = size > status.residual ? size : status.residual;
   }
   return status;
-}
-
-namespace constraint_detail {
-
-// `columns` columns to(j) = base(j) more, or less, by the sum over k < count of factor(j, k) from(k): `pieces` registers of
-// each from `begin` on. base: null where it is none.
-template <int columns, int pieces, bool negative, class T, class Factor, class From, class Base, class To>
-DALEMBERT_INLINE void sum_tile(int begin, int count, const Factor& factor, const From& from, const Base& base, const To& to) {
-  constexpr int w = native_lanes;
-  Lanes<T, w> sum[columns][pieces];
-  for_constants<columns>([&](auto j) DALEMBERT_IN_BLOCK {
-    const T* const start = base(j);
-    for_constants<pieces>([&](auto i)
-                              DALEMBERT_IN_BLOCK { sum[j][i] = start ? load<w>(start + begin + i * w) : Lanes<T, w>{}; });
-  });
-  DALEMBERT_KEEP_LOOP
-  for (int k = 0; k < count; ++k) {
-    const T* const column = from(k) + begin;
-    Lanes<T, w> x[pieces];
-    for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK { x[i] = load<w>(column + i * w); });
-    for_constants<columns>([&](auto j) DALEMBERT_IN_BLOCK {
-      const Lanes<T, w> times = broadcast<w, T>(factor(j, k));
-      for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK {
-        if constexpr (negative) sum[j][i] -= times * x[i];
-        else sum[j][i] += times * x[i];
-      });
-    });
-  }
-  for_constants<columns>([&](auto j) DALEMBERT_IN_BLOCK {
-    for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK { store<w, T>(to(j) + begin + i * w, sum[j][i]); });
-  });
-}
-
-// The same of `size` numbers of each of them, whole registers.
-template <int columns, int size, bool negative, class T, class Factor, class From, class Base, class To>
-DALEMBERT_INLINE void sum_columns(int count, const Factor& factor, const From& from, const Base& base, const To& to) {
-  constexpr int w = native_lanes, all = (size + w - 1) / w, at_once = least(all, columns == 1 ? 8 : columns == 2 ? 4 : 2);
-  constexpr int rest = all % at_once;
-  int begin = 0;
-  for (; begin + at_once * w <= all * w; begin += at_once * w)
-    sum_tile<columns, at_once, negative, T>(begin, count, factor, from, base, to);
-  if constexpr (rest > 0) sum_tile<columns, rest, negative, T>(begin, count, factor, from, base, to);
-}
-
-// f(columns, first): six columns at a time, and those that are left.
-template <int count, class F>
-DALEMBERT_INLINE void in_sixes(const F& f) {
-  for (int j = 0; j + 6 <= count; j += 6) f(std::integral_constant<int, 6>{}, j);
-  if constexpr (count % 6 > 0) f(std::integral_constant<int, count % 6>{}, count - count % 6);
-}
-
-// A symmetric positive definite matrix of m rows of `padded` numbers becomes its inverse (Gauss and Jordan).
-template <int m, int padded, class T>
-DALEMBERT_INLINE void invert_rows(T* a) {
-  constexpr int w = native_lanes, pieces = padded / w;
-  for (int j = 0; j < m; ++j) {
-    T* const own = a + j * padded;
-    const T reciprocal = T(1) / own[j];
-    const Lanes<T, w> times = broadcast<w, T>(reciprocal);
-    for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK { store<w, T>(own + i * w, load<w>(own + i * w) * times); });
-    // Single numbers are written behind registers: what is read next has been there for long.
-    const auto subtract = [&](int r) DALEMBERT_IN_BLOCK {
-      T* const row = a + r * padded;
-      const T factor = row[j];
-      const Lanes<T, w> factors = broadcast<w, T>(factor);
-      for_constants<pieces>(
-          [&](auto i) DALEMBERT_IN_BLOCK { store<w, T>(row + i * w, load<w>(row + i * w) - factors * load<w>(own + i * w)); });
-      row[j] = -factor * reciprocal;
-    };
-    for (int r = 0; r < j; ++r) subtract(r);
-    for (int r = j + 1; r < m; ++r) subtract(r);
-    own[j] = reciprocal;
-  }
-}
-
-// Which constraints' rows know which coordinates.
-template <int n, class Rows>
-struct Known {
-  struct Table {
-    bool of[Rows::count][n] = {};
-  };
-  static constexpr Table table() {
-    Table all;
-    for (int c = 0; c < Rows::count; ++c)
-      for (int i = 0; i < Rows::lengths[c]; ++i) all.of[c][Rows::paths[c][i]] = true;
-    return all;
-  }
-  static constexpr Table value = table();
-};
-
-// Where what respond() makes stands in its room.
-template <int n, class Rows, class T>
-struct ResponseParts {
-  static constexpr int m = Rows::first(Rows::count), padded = (m + native_lanes - 1) / native_lanes * native_lanes;
-  static constexpr int stride = inverse_stride(n);
-  static_assert(padded <= padded_rows(m), "the compiler makes room for registers of eight");
-  T* const columns;               // B, a column of `stride` numbers per row of a constraint
-  T* const rows;                  // the same, `padded` numbers per coordinate, where forces are asked for
-  T* const along;                 // L, m times `padded` numbers
-  T* const inverse;               // the inverse of J M^-1 J' + R + mu N, likewise
-  T* const moved;                 // M^-1 J', as `columns`
-  T* const acting;                // J' of what acts, constraint by constraint along its path
-  T *const scaled, *const other;  // as `along`, on the way there
-
-  explicit ResponseParts(T* room)
-      : columns(room),
-        rows(columns + stride * m),
-        along(rows + n * padded),
-        inverse(along + m * padded),
-        moved(inverse + m * padded),
-        acting(moved + stride * m),
-        scaled(acting + n * m),
-        other(scaled + m * padded) {}
-};
-
-}  // namespace constraint_detail
-
-// projected = N, laid out as `inverse`, which is M^-1 as invert_chain() leaves it. room: response_room(n, rows) numbers.
-// forces: whether theirs are asked for.
-template <int n, class Rows, bool forces, class T>
-__attribute__((noinline)) static void respond(const T* jacobian, const T* inverse, const T* active, const T* regularization,
-                                              T* room, T* projected) noexcept {
-  using constraint_detail::for_constants;
-  using constraint_detail::in_sixes;
-  using constraint_detail::sum_columns;
-  using Parts = constraint_detail::ResponseParts<n, Rows, T>;
-  constexpr int m = Parts::m, padded = Parts::padded, stride = Parts::stride;
-  const Parts parts(room);
-  const auto none = [](int) -> const T* { return nullptr; };
-
-  // M^-1 J', and, a row per coordinate, J M^-1 J' + R + mu N, as solve_constrained() has it.
-  T* const turned = parts.rows;
-  for_constants<Rows::count>([&](auto constraint) DALEMBERT_IN_BLOCK {
-    constexpr int c = decltype(constraint)::value, first = Rows::first(c);
-    using Path = typename Rows::template path<c>;
-    T* const own = parts.acting + first * n;
-    for (int k = 0; k < Path::length; ++k)
-      for (int r = 0; r < Path::rows; ++r) {
-        const T x = jacobian[Path::at[k] * m + first + r];
-        own[k * Path::rows + r] = (x <= Proximal<T>::unmoved && x >= -Proximal<T>::unmoved ? T(0) : x) * active[c];
-      }
-    sum_columns<Path::rows, n, false, T>(
-        Path::length, [&](int r, int k) { return own[k * Path::rows + r]; },
-        [&](int k) { return inverse + Path::at[k] * stride; }, none, [&](int r) { return parts.moved + (first + r) * stride; });
-    for (int r = first; r < first + Path::rows; ++r)
-      for (int i = 0; i < n; ++i) turned[i * padded + r] = parts.moved[r * stride + i];
-  });
-  for (int i = 0; m < padded && i < n; ++i)
-    for (int r = m; r < padded; ++r) turned[i * padded + r] = T(0);
-  for_constants<Rows::count>([&](auto constraint) DALEMBERT_IN_BLOCK {
-    constexpr int c = decltype(constraint)::value, first = Rows::first(c);
-    using Path = typename Rows::template path<c>;
-    const T* const own = parts.acting + first * n;
-    sum_columns<Path::rows, padded, false, T>(
-        Path::length, [&](int r, int k) { return own[k * Path::rows + r]; },
-        [&](int k) { return turned + Path::at[k] * padded; }, none,
-        [&](int r) { return parts.inverse + (first + r) * padded; });
-  });
-  T held[m], sum = T(0);
-  for (int r = 0; r < m; ++r) sum += parts.inverse[r * padded + r];
-  for (int c = 0; c < Rows::count; ++c) {
-    const int first = Rows::first(c), own = Rows::rows[c], linear = Rows::linear[c];
-    T means[2] = {T(least_share) * sum, T(least_share) * sum};
-    for (int r = 0; r < own; ++r)
-      means[r < linear ? 0 : 1] +=
-          parts.inverse[(first + r) * padded + first + r] * (T(1) / T(r < linear ? linear : own - linear));
-    for (int r = 0; r < own; ++r) {
-      const T mean = means[r < linear ? 0 : 1];
-      const T along = parts.inverse[(first + r) * padded + first + r];
-      held[first + r] = active[c] > T(0) ? Proximal<T>::of(along) * (mean > T(0) ? mean : T(1)) : T(0);
-      parts.inverse[(first + r) * padded + first + r] += active[c] > T(0) ? held[first + r] + regularization[first + r] : T(1);
-    }
-  }
-  constraint_detail::invert_rows<m, padded>(parts.inverse);
-  // L = X + X mu N L, X the inverse, a few times over; at first X.
-  const auto row_of = [&](T* rows, int first) { return [=](int r) { return rows + (first + r) * padded; }; };
-  const T* last = parts.inverse;
-  for (int step = 1; step < Proximal<T>::steps; ++step) {
-    T* const next = (Proximal<T>::steps - step) % 2 == 1 ? parts.along : parts.other;
-    for (int r = 0; r < m; ++r)
-      for (int i = 0; i < padded; ++i) parts.scaled[r * padded + i] = held[r] * last[r * padded + i];
-    in_sixes<m>([&](auto columns, int first) DALEMBERT_IN_BLOCK {
-      sum_columns<decltype(columns)::value, padded, false, T>(
-          m, [&](int r, int k) { return parts.inverse[(first + r) * padded + k]; },
-          [&](int k) { return parts.scaled + k * padded; }, row_of(parts.inverse, first), row_of(next, first));
-    });
-    last = next;
-  }
-  static_assert(Proximal<T>::steps > 1, "the last of them is L");
-  for (int c = 0; c < Rows::count; ++c)
-    if (!(active[c] > T(0)))
-      for (int r = Rows::first(c); r < Rows::first(c + 1); ++r) parts.along[r * padded + r] = T(0);
-
-  const auto column_of = [&](T* columns, int first) { return [=](int r) { return columns + (first + r) * stride; }; };
-  in_sixes<m>([&](auto columns, int first) DALEMBERT_IN_BLOCK {
-    sum_columns<decltype(columns)::value, n, false, T>(
-        m, [&](int r, int k) { return parts.along[(first + r) * padded + k]; }, [&](int k) { return parts.moved + k * stride; },
-        none, column_of(parts.columns, first));
-  });
-  if constexpr (forces)
-    for (int r = 0; r < m; ++r)
-      for (int i = 0; i < n; ++i) parts.rows[i * padded + r] = parts.columns[r * stride + i];
-  in_sixes<n>([&](auto columns, int first) DALEMBERT_IN_BLOCK {
-    sum_columns<decltype(columns)::value, n, true, T>(
-        m, [&](int j, int k) { return parts.moved[k * stride + first + j]; }, [&](int k) { return parts.columns + k * stride; },
-        [&](int j) { return inverse + (first + j) * stride; }, column_of(projected, first));
-  });
-}
-
-// df/dtau = -B'.
-template <int n, class Rows, class T>
-static inline void response_of_forces(const T* room, T* to) noexcept {
-  using Parts = constraint_detail::ResponseParts<n, Rows, const T>;
-  const Parts parts(room);
-  for (int k = 0; k < n; ++k)
-    for (int r = 0; r < Parts::m; ++r) to[k * Parts::m + r] = -parts.rows[k * Parts::padded + r];
-}
-
-// to, which is -N efforts from column `first` on, becomes -N efforts - B changes: n x n. changes: rows x n, zero where no
-// constraint knows the coordinate.
-template <int n, class Rows, class T>
-__attribute__((noinline)) static void derive_accelerations(int first, const T* changes, const T* room, T* to) noexcept {
-  using Parts = constraint_detail::ResponseParts<n, Rows, const T>;
-  constexpr int m = Parts::m, stride = Parts::stride;
-  const Parts parts(room);
-  for (int k = 0; k < n; ++k) {
-    // Rows that know it, from the first of them to the last.
-    int begin = m, end = 0;
-    for (int c = 0; c < Rows::count; ++c)
-      if (constraint_detail::Known<n, Rows>::value.of[c][k]) {
-        begin = least(begin, Rows::first(c));
-        end = Rows::first(c + 1);
-      }
-    T* const own = to + k * n;
-    if (begin >= end) {
-      for (int i = 0; k < first && i < n; ++i) own[i] = T(0);
-      continue;
-    }
-    alignas(64) T column[stride];
-    constraint_detail::sum_columns<1, n, true, T>(
-        end - begin, [&](int, int r) { return changes[k * m + begin + r]; },
-        [&](int r) { return parts.columns + (begin + r) * stride; }, [](int) -> const T* { return nullptr; },
-        [&](int) { return column; });
-    for (int i = 0; i < n; ++i) own[i] = k < first ? column[i] : own[i] + column[i];
-  }
-}
-
-// to = B' efforts - L changes: rows x n.
-template <int n, class Rows, class T>
-__attribute__((noinline)) static void derive_forces(const T* efforts, const T* changes, const T* room, T* to) noexcept {
-  using Parts = constraint_detail::ResponseParts<n, Rows, const T>;
-  constexpr int m = Parts::m, padded = Parts::padded;
-  const Parts parts(room);
-  constraint_detail::in_sixes<n>([&](auto columns, int first) DALEMBERT_IN_BLOCK {
-    constexpr int count = decltype(columns)::value;
-    alignas(64) T column[count * padded];
-    const auto own = [&](int j) { return column + j * padded; };
-    constraint_detail::sum_columns<count, padded, false, T>(
-        n, [&](int j, int k) { return efforts[(first + j) * n + k]; }, [&](int k) { return parts.rows + k * padded; },
-        [](int) -> const T* { return nullptr; }, own);
-    constraint_detail::sum_columns<count, padded, true, T>(
-        m, [&](int j, int r) { return changes[(first + j) * m + r]; }, [&](int r) { return parts.along + r * padded; }, own,
-        own);
-    for (int j = 0; j < count; ++j)
-      for (int r = 0; r < m; ++r) to[(first + j) * m + r] = column[j * padded + r];
-  });
-}
-
-// Where the forces of loops turn with one link and move with another, efforts are more by left' right, both `more` x n: what
-// the two derivatives have more of it. Either may be null. turning: turning_room(n, rows, more) numbers.
-template <int n, class Rows, int more, class T>
-__attribute__((noinline)) static void derive_turning(const T* left, const T* right, const T* projected, const T* room,
-                                                     T* turning, T* accelerations, T* forces) noexcept {
-  using constraint_detail::in_sixes;
-  using constraint_detail::sum_columns;
-  using Parts = constraint_detail::ResponseParts<n, Rows, const T>;
-  constexpr int m = Parts::m, padded = Parts::padded, stride = Parts::stride;
-  const Parts parts(room);
-  T* const of_forces = turning + more * stride;
-  const auto none = [](int) -> const T* { return nullptr; };
-  in_sixes<more>([&](auto columns, int first) DALEMBERT_IN_BLOCK {
-    constexpr int count = decltype(columns)::value;
-    const auto factor = [&](int i, int k) { return left[k * more + first + i]; };
-    sum_columns<count, n, false, T>(
-        n, factor, [&](int k) { return projected + k * stride; }, none, [&](int i) { return turning + (first + i) * stride; });
-    if (forces)
-      sum_columns<count, padded, false, T>(
-          n, factor, [&](int k) { return parts.rows + k * padded; }, none,
-          [&](int i) { return of_forces + (first + i) * padded; });
-  });
-  for (int k = 0; k < n; ++k) {
-    const auto factor = [&](int, int i) { return right[k * more + i]; };
-    alignas(64) T column[stride > padded ? stride : padded];
-    const auto own = [&](int) { return column; };
-    if (accelerations) {
-      sum_columns<1, n, true, T>(
-          more, factor, [&](int i) { return turning + i * stride; }, none, own);
-      for (int i = 0; i < n; ++i) accelerations[k * n + i] += column[i];
-    }
-    if (forces) {
-      sum_columns<1, padded, false, T>(
-          more, factor, [&](int i) { return of_forces + i * padded; }, none, own);
-      for (int r = 0; r < m; ++r) forces[k * m + r] += column[r];
-    }
-  }
 }
 
 }  // namespace dalembert

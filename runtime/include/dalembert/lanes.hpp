@@ -200,6 +200,28 @@ DALEMBERT_INLINE auto twice(const V& x, std::integer_sequence<int, lane...>) {
   return shuffled<std::decay_t<decltype(x[0])>, lane..., lane...>(x, x);
 }
 }  // namespace detail
+
+// a, and behind it b; and one half of such lanes, 0 or 1.
+namespace detail {
+template <class T, class V, int... lane>
+DALEMBERT_INLINE auto all_of(const V& a, const V& b, std::integer_sequence<int, lane...>) {
+  return shuffled<T, lane...>(a, b);
+}
+template <class T, class V>
+DALEMBERT_INLINE auto joined(const V& a, const V& b) {
+  return all_of<T>(a, b, std::make_integer_sequence<int, 2 * sizeof(V) / sizeof(T)>{});
+}
+template <class T, int begin, class V, int... lane>
+DALEMBERT_INLINE auto part_of(const V& x, std::integer_sequence<int, lane...>) {
+  return shuffled<T, begin + lane...>(x, x);
+}
+template <class T, int which, class V>
+DALEMBERT_INLINE auto half(const V& x) {
+  constexpr int n = sizeof(V) / sizeof(T) / 2;
+  return part_of<T, which * n>(x, std::make_integer_sequence<int, n>{});
+}
+}  // namespace detail
+
 template <int n, class T>
 DALEMBERT_INLINE Lanes<T, 2 * n> load_twice(const T* from) {
 #if defined(__AVX512VL__)  // g++ 12 loads, and then shuffles

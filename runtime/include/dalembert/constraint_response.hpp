@@ -1,0 +1,298 @@
+// How accelerations and forces that keep to constraints (constraints.hpp) change with what both equations ask for:
+//
+//   N = M^-1 - B J M^-1     B = M^-1 J' L     L = (J M^-1 J' + R)^-1:
+//
+// d(dv) = -N de' - B da and df = B' de' - L da, de' being what M dv + C v + g - J' f changes by at dv and f held, da the same
+// of J dv + dJ v - b (Carpentier, Budhiraja and Mansard 2021). L is what proximal steps make of the identity.
+//
+// Nothing allocates; loops depend on the robot and its constraints alone.
+#pragma once
+
+#include <dalembert/constraint_blocks.hpp>
+#include <dalembert/constraint_shapes.hpp>
+
+namespace dalembert {
+namespace constraint_detail {
+
+// `columns` columns to(j) = base(j) more, or less, by the sum over k < count of factor(j, k) from(k): `pieces` registers of
+// each from `begin` on. base: null where it is none.
+template <int columns, int pieces, bool negative, class T, class Factor, class From, class Base, class To>
+DALEMBERT_INLINE void sum_tile(int begin, int count, const Factor& factor, const From& from, const Base& base, const To& to) {
+  constexpr int w = native_lanes;
+  Lanes<T, w> sum[columns][pieces];
+  for_constants<columns>([&](auto j) DALEMBERT_IN_BLOCK {
+    const T* const start = base(j);
+    for_constants<pieces>([&](auto i)
+                              DALEMBERT_IN_BLOCK { sum[j][i] = start ? load<w>(start + begin + i * w) : Lanes<T, w>{}; });
+  });
+  DALEMBERT_KEEP_LOOP
+  for (int k = 0; k < count; ++k) {
+    const T* const column = from(k) + begin;
+    Lanes<T, w> x[pieces];
+    for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK { x[i] = load<w>(column + i * w); });
+    for_constants<columns>([&](auto j) DALEMBERT_IN_BLOCK {
+      const Lanes<T, w> times = broadcast<w, T>(factor(j, k));
+      for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK {
+        if constexpr (negative) sum[j][i] -= times * x[i];
+        else sum[j][i] += times * x[i];
+      });
+    });
+  }
+  for_constants<columns>([&](auto j) DALEMBERT_IN_BLOCK {
+    for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK { store<w, T>(to(j) + begin + i * w, sum[j][i]); });
+  });
+}
+
+// The same of `size` numbers of each of them, whole registers.
+template <int columns, int size, bool negative, class T, class Factor, class From, class Base, class To>
+DALEMBERT_INLINE void sum_columns(int count, const Factor& factor, const From& from, const Base& base, const To& to) {
+  constexpr int w = native_lanes, all = (size + w - 1) / w, at_once = least(all, columns == 1 ? 8 : columns == 2 ? 4 : 2);
+  constexpr int rest = all % at_once;
+  int begin = 0;
+  for (; begin + at_once * w <= all * w; begin += at_once * w)
+    sum_tile<columns, at_once, negative, T>(begin, count, factor, from, base, to);
+  if constexpr (rest > 0) sum_tile<columns, rest, negative, T>(begin, count, factor, from, base, to);
+}
+
+// f(columns, first): six columns at a time, and those that are left.
+template <int count, class F>
+DALEMBERT_INLINE void in_sixes(const F& f) {
+  for (int j = 0; j + 6 <= count; j += 6) f(std::integral_constant<int, 6>{}, j);
+  if constexpr (count % 6 > 0) f(std::integral_constant<int, count % 6>{}, count - count % 6);
+}
+
+// Which constraints' rows know which coordinates.
+template <int n, class Rows>
+struct Known {
+  struct Table {
+    bool of[Rows::count][n] = {};
+  };
+  static constexpr Table table() {
+    Table all;
+    for (int c = 0; c < Rows::count; ++c)
+      for (int i = 0; i < Rows::lengths[c]; ++i) all.of[c][Rows::paths[c][i]] = true;
+    return all;
+  }
+  static constexpr Table value = table();
+};
+
+// Where what respond() makes stands in its room.
+template <int n, class Rows, class T>
+struct ResponseParts {
+  static constexpr int m = Rows::first(Rows::count), padded = (m + native_lanes - 1) / native_lanes * native_lanes;
+  static constexpr int stride = inverse_stride(n);
+  static_assert(padded <= padded_rows(m), "the compiler makes room for registers of eight");
+  T* const columns;               // B, a column of `stride` numbers per row of a constraint
+  T* const rows;                  // the same, `padded` numbers per coordinate, where forces are asked for
+  T* const along;                 // L, m times `padded` numbers
+  T* const inverse;               // the inverse of J M^-1 J' + R + mu N, likewise
+  T* const moved;                 // M^-1 J', as `columns`
+  T* const acting;                // J' of what acts, constraint by constraint along its path
+  T *const scaled, *const other;  // as `along`, on the way there
+
+  explicit ResponseParts(T* room)
+      : columns(room),
+        rows(columns + stride * m),
+        along(rows + n * padded),
+        inverse(along + m * padded),
+        moved(inverse + m * padded),
+        acting(moved + stride * m),
+        scaled(acting + n * m),
+        other(scaled + m * padded) {}
+};
+
+}  // namespace constraint_detail
+
+// projected = N, laid out as `inverse`, which is M^-1 as invert_chain() leaves it. room: response_room(n, rows) numbers.
+// forces: whether theirs are asked for.
+template <int n, class Rows, bool forces, class T>
+__attribute__((noinline)) static void respond(const T* jacobian, const T* inverse, const T* active, const T* regularization,
+                                              T* room, T* projected) noexcept {
+  using constraint_detail::for_constants;
+  using constraint_detail::in_sixes;
+  using constraint_detail::sum_columns;
+  using Parts = constraint_detail::ResponseParts<n, Rows, T>;
+  constexpr int m = Parts::m, padded = Parts::padded, stride = Parts::stride;
+  const Parts parts(room);
+  const auto none = [](int) -> const T* { return nullptr; };
+
+  // M^-1 J', and, a row per coordinate, J M^-1 J' + R + mu N, as solve_constrained() has it.
+  T* const turned = parts.rows;
+  for_constants<Rows::count>([&](auto constraint) DALEMBERT_IN_BLOCK {
+    constexpr int c = decltype(constraint)::value, first = Rows::first(c);
+    using Path = typename Rows::template path<c>;
+    T* const own = parts.acting + first * n;
+    for (int k = 0; k < Path::length; ++k)
+      for (int r = 0; r < Path::rows; ++r) {
+        const T x = jacobian[Path::at[k] * m + first + r];
+        own[k * Path::rows + r] = (x <= Proximal<T>::unmoved && x >= -Proximal<T>::unmoved ? T(0) : x) * active[c];
+      }
+    sum_columns<Path::rows, n, false, T>(
+        Path::length, [&](int r, int k) { return own[k * Path::rows + r]; },
+        [&](int k) { return inverse + Path::at[k] * stride; }, none, [&](int r) { return parts.moved + (first + r) * stride; });
+    for (int r = first; r < first + Path::rows; ++r)
+      for (int i = 0; i < n; ++i) turned[i * padded + r] = parts.moved[r * stride + i];
+  });
+  for (int i = 0; m < padded && i < n; ++i)
+    for (int r = m; r < padded; ++r) turned[i * padded + r] = T(0);
+  for_constants<Rows::count>([&](auto constraint) DALEMBERT_IN_BLOCK {
+    constexpr int c = decltype(constraint)::value, first = Rows::first(c);
+    using Path = typename Rows::template path<c>;
+    const T* const own = parts.acting + first * n;
+    sum_columns<Path::rows, padded, false, T>(
+        Path::length, [&](int r, int k) { return own[k * Path::rows + r]; },
+        [&](int k) { return turned + Path::at[k] * padded; }, none,
+        [&](int r) { return parts.inverse + (first + r) * padded; });
+  });
+  T held[m], sum = T(0);
+  for (int r = 0; r < m; ++r) sum += parts.inverse[r * padded + r];
+  for (int c = 0; c < Rows::count; ++c) {
+    const int first = Rows::first(c), own = Rows::rows[c], linear = Rows::linear[c];
+    T means[2] = {T(least_share) * sum, T(least_share) * sum};
+    for (int r = 0; r < own; ++r)
+      means[r < linear ? 0 : 1] +=
+          parts.inverse[(first + r) * padded + first + r] * (T(1) / T(r < linear ? linear : own - linear));
+    for (int r = 0; r < own; ++r) {
+      const T mean = means[r < linear ? 0 : 1];
+      const T along = parts.inverse[(first + r) * padded + first + r];
+      held[first + r] = active[c] > T(0) ? Proximal<T>::of(along) * (mean > T(0) ? mean : T(1)) : T(0);
+      parts.inverse[(first + r) * padded + first + r] += active[c] > T(0) ? held[first + r] + regularization[first + r] : T(1);
+    }
+  }
+  T pivots[m];
+  const constraint_detail::RowsInMemory<padded, T> inverted{parts.inverse};
+  constraint_detail::invert_rows<m, 0, m>(inverted, pivots);
+  // L = X + X mu N L, X the inverse, a few times over; at first X.
+  const auto row_of = [&](T* rows, int first) { return [=](int r) { return rows + (first + r) * padded; }; };
+  const T* last = parts.inverse;
+  for (int step = 1; step < Proximal<T>::steps; ++step) {
+    T* const next = (Proximal<T>::steps - step) % 2 == 1 ? parts.along : parts.other;
+    for (int r = 0; r < m; ++r)
+      for (int i = 0; i < padded; ++i) parts.scaled[r * padded + i] = held[r] * last[r * padded + i];
+    in_sixes<m>([&](auto columns, int first) DALEMBERT_IN_BLOCK {
+      sum_columns<decltype(columns)::value, padded, false, T>(
+          m, [&](int r, int k) { return parts.inverse[(first + r) * padded + k]; },
+          [&](int k) { return parts.scaled + k * padded; }, row_of(parts.inverse, first), row_of(next, first));
+    });
+    last = next;
+  }
+  static_assert(Proximal<T>::steps > 1, "the last of them is L");
+  for (int c = 0; c < Rows::count; ++c)
+    if (!(active[c] > T(0)))
+      for (int r = Rows::first(c); r < Rows::first(c + 1); ++r) parts.along[r * padded + r] = T(0);
+
+  const auto column_of = [&](T* columns, int first) { return [=](int r) { return columns + (first + r) * stride; }; };
+  in_sixes<m>([&](auto columns, int first) DALEMBERT_IN_BLOCK {
+    sum_columns<decltype(columns)::value, n, false, T>(
+        m, [&](int r, int k) { return parts.along[(first + r) * padded + k]; }, [&](int k) { return parts.moved + k * stride; },
+        none, column_of(parts.columns, first));
+  });
+  if constexpr (forces)
+    for (int r = 0; r < m; ++r)
+      for (int i = 0; i < n; ++i) parts.rows[i * padded + r] = parts.columns[r * stride + i];
+  in_sixes<n>([&](auto columns, int first) DALEMBERT_IN_BLOCK {
+    sum_columns<decltype(columns)::value, n, true, T>(
+        m, [&](int j, int k) { return parts.moved[k * stride + first + j]; }, [&](int k) { return parts.columns + k * stride; },
+        [&](int j) { return inverse + (first + j) * stride; }, column_of(projected, first));
+  });
+}
+
+// df/dtau = -B'.
+template <int n, class Rows, class T>
+static inline void response_of_forces(const T* room, T* to) noexcept {
+  using Parts = constraint_detail::ResponseParts<n, Rows, const T>;
+  const Parts parts(room);
+  for (int k = 0; k < n; ++k)
+    for (int r = 0; r < Parts::m; ++r) to[k * Parts::m + r] = -parts.rows[k * Parts::padded + r];
+}
+
+// to, which is -N efforts from column `first` on, becomes -N efforts - B changes: n x n. changes: rows x n, zero where no
+// constraint knows the coordinate.
+template <int n, class Rows, class T>
+__attribute__((noinline)) static void derive_accelerations(int first, const T* changes, const T* room, T* to) noexcept {
+  using Parts = constraint_detail::ResponseParts<n, Rows, const T>;
+  constexpr int m = Parts::m, stride = Parts::stride;
+  const Parts parts(room);
+  for (int k = 0; k < n; ++k) {
+    // Rows that know it, from the first of them to the last.
+    int begin = m, end = 0;
+    for (int c = 0; c < Rows::count; ++c)
+      if (constraint_detail::Known<n, Rows>::value.of[c][k]) {
+        begin = least(begin, Rows::first(c));
+        end = Rows::first(c + 1);
+      }
+    T* const own = to + k * n;
+    if (begin >= end) {
+      for (int i = 0; k < first && i < n; ++i) own[i] = T(0);
+      continue;
+    }
+    alignas(64) T column[stride];
+    constraint_detail::sum_columns<1, n, true, T>(
+        end - begin, [&](int, int r) { return changes[k * m + begin + r]; },
+        [&](int r) { return parts.columns + (begin + r) * stride; }, [](int) -> const T* { return nullptr; },
+        [&](int) { return column; });
+    for (int i = 0; i < n; ++i) own[i] = k < first ? column[i] : own[i] + column[i];
+  }
+}
+
+// to = B' efforts - L changes: rows x n.
+template <int n, class Rows, class T>
+__attribute__((noinline)) static void derive_forces(const T* efforts, const T* changes, const T* room, T* to) noexcept {
+  using Parts = constraint_detail::ResponseParts<n, Rows, const T>;
+  constexpr int m = Parts::m, padded = Parts::padded;
+  const Parts parts(room);
+  constraint_detail::in_sixes<n>([&](auto columns, int first) DALEMBERT_IN_BLOCK {
+    constexpr int count = decltype(columns)::value;
+    alignas(64) T column[count * padded];
+    const auto own = [&](int j) { return column + j * padded; };
+    constraint_detail::sum_columns<count, padded, false, T>(
+        n, [&](int j, int k) { return efforts[(first + j) * n + k]; }, [&](int k) { return parts.rows + k * padded; },
+        [](int) -> const T* { return nullptr; }, own);
+    constraint_detail::sum_columns<count, padded, true, T>(
+        m, [&](int j, int r) { return changes[(first + j) * m + r]; }, [&](int r) { return parts.along + r * padded; }, own,
+        own);
+    for (int j = 0; j < count; ++j)
+      for (int r = 0; r < m; ++r) to[(first + j) * m + r] = column[j * padded + r];
+  });
+}
+
+// Where the forces of loops turn with one link and move with another, efforts are more by left' right, both `more` x n: what
+// the two derivatives have more of it. Either may be null. turning: turning_room(n, rows, more) numbers.
+template <int n, class Rows, int more, class T>
+__attribute__((noinline)) static void derive_turning(const T* left, const T* right, const T* projected, const T* room,
+                                                     T* turning, T* accelerations, T* forces) noexcept {
+  using constraint_detail::in_sixes;
+  using constraint_detail::sum_columns;
+  using Parts = constraint_detail::ResponseParts<n, Rows, const T>;
+  constexpr int m = Parts::m, padded = Parts::padded, stride = Parts::stride;
+  const Parts parts(room);
+  T* const of_forces = turning + more * stride;
+  const auto none = [](int) -> const T* { return nullptr; };
+  in_sixes<more>([&](auto columns, int first) DALEMBERT_IN_BLOCK {
+    constexpr int count = decltype(columns)::value;
+    const auto factor = [&](int i, int k) { return left[k * more + first + i]; };
+    sum_columns<count, n, false, T>(
+        n, factor, [&](int k) { return projected + k * stride; }, none, [&](int i) { return turning + (first + i) * stride; });
+    if (forces)
+      sum_columns<count, padded, false, T>(
+          n, factor, [&](int k) { return parts.rows + k * padded; }, none,
+          [&](int i) { return of_forces + (first + i) * padded; });
+  });
+  for (int k = 0; k < n; ++k) {
+    const auto factor = [&](int, int i) { return right[k * more + i]; };
+    alignas(64) T column[stride > padded ? stride : padded];
+    const auto own = [&](int) { return column; };
+    if (accelerations) {
+      sum_columns<1, n, true, T>(
+          more, factor, [&](int i) { return turning + i * stride; }, none, own);
+      for (int i = 0; i < n; ++i) accelerations[k * n + i] += column[i];
+    }
+    if (forces) {
+      sum_columns<1, padded, false, T>(
+          more, factor, [&](int i) { return of_forces + i * padded; }, none, own);
+      for (int r = 0; r < m; ++r) forces[k * m + r] += column[r];
+    }
+  }
+}
+
+}  // namespace dalembert

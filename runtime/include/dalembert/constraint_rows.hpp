@@ -1,0 +1,105 @@
+// Constraints as types: their rows, the coordinates above them, and the tree as chains of coordinates. Constants alone, but for
+// what solving came to.
+#pragma once
+
+#include <dalembert/constraint_shapes.hpp>
+#include <tuple>
+
+namespace dalembert {
+
+// What solving for constraints came to.
+template <class T>
+struct ConstraintStatus {
+  T residual = T(0);     // the largest error that is left of a row that acts, m/s^2 or rad/s^2; of an impact, m/s or rad/s
+  T least_pivot = T(1);  // the least pivot, in terms of N; at most 1: near mu where rows say what others say
+  int rank = 0;          // how many rows that act say something new
+};
+
+// A constraint between two bodies: its rows, linear ones first, and the coordinates above one of them or both, in order. The
+// first `own_common` are above both, those up to `own_split` and those behind above one each.
+template <int own_rows, int own_linear, int own_common, int own_split, int... coordinates>
+struct LoopPath {
+  static constexpr int rows = own_rows, linear = own_linear, length = sizeof...(coordinates);
+  static constexpr int at[] = {coordinates...};
+  // Whether the i-th of them stands above the k-th.
+  static constexpr bool is_above(int i, int k) { return i < k && (k < own_split || i < own_common || i >= own_split); }
+};
+// One between a body and the world: the coordinates above it, the tree's root first.
+template <int own_rows, int... coordinates>
+using RowPath =
+    LoopPath<own_rows, (own_rows < 3 ? own_rows : 3), sizeof...(coordinates), sizeof...(coordinates), coordinates...>;
+
+// Where two lists of coordinates have the same, in pieces: from which place of each, and how many.
+struct SharedPieces {
+  static constexpr int most = 6;
+  int count = 0, a[most] = {}, b[most] = {}, size[most] = {};
+
+  constexpr void add(int at_a, int at_b) {
+    if (count > 0 && a[count - 1] + size[count - 1] == at_a && b[count - 1] + size[count - 1] == at_b) {
+      ++size[count - 1];
+      return;
+    }
+    a[count] = at_a, b[count] = at_b, size[count] = 1;
+    ++count;
+  }
+};
+
+// All constraints, in the order of their rows.
+template <class... Paths>
+struct ConstraintRows {
+  static constexpr int count = sizeof...(Paths);
+  static constexpr int rows[count] = {Paths::rows...}, linear[count] = {Paths::linear...}, lengths[count] = {Paths::length...};
+  static constexpr const int* paths[count] = {Paths::at...};
+  template <int c>
+  using path = std::tuple_element_t<c, std::tuple<Paths...>>;
+
+  // Row of a constraint; of `count`: how many there are.
+  static constexpr int first(int c) {
+    int row = 0;
+    for (int i = 0; i < c; ++i) row += rows[i];
+    return row;
+  }
+  static constexpr int block_rows() {
+    int most = 0;
+    for (const int r : rows) most = r > most ? r : most;
+    return dalembert::block_rows(most);
+  }
+  static constexpr int longest() {
+    int most = 0;
+    for (const int length : lengths) most = length > most ? length : most;
+    return most;
+  }
+  static constexpr int pair(int a, int b) { return a * count - a * (a - 1) / 2 + b - a; }  // b is not before a
+  // The coordinates above both, per pair.
+  struct Shared {
+    SharedPieces pieces[count * (count + 1) / 2] = {};
+  };
+  static constexpr Shared shared_pieces() {
+    Shared all;
+    for (int a = 0; a < count; ++a)
+      for (int b = a; b < count; ++b)
+        for (int i = 0, k = 0; i < lengths[a] && k < lengths[b];) {
+          if (paths[a][i] == paths[b][k]) all.pieces[pair(a, b)].add(i++, k++);
+          else if (paths[a][i] < paths[b][k]) ++i;
+          else ++k;
+        }
+    return all;
+  }
+  static constexpr Shared shared = shared_pieces();
+};
+
+// A chain of coordinates as in factor.hpp, and where those above it stand, in runs: begin, behind, begin, behind …
+template <int chain_first, int chain_count, int... runs>
+struct ChainBelow {
+  static constexpr int first = chain_first, count = chain_count, run_count = sizeof...(runs) / 2;
+  static constexpr int run[sizeof...(runs) + 1] = {runs..., 0};
+};
+// From the root on.
+template <class... Chains>
+struct ChainTree {
+  static constexpr int count = sizeof...(Chains);
+  template <int c>
+  using chain = std::tuple_element_t<c, std::tuple<Chains...>>;
+};
+
+}  // namespace dalembert
