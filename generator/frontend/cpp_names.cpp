@@ -63,6 +63,8 @@ void make_names_distinct(const std::string& file, UrdfOutline& outline, Diagnost
     replace(joint.child, links);
     if (joint.mimic) replace(joint.mimic->of, joints);
   }
+  for (ir::Loop& loop : outline.loops)
+    for (std::string& link : loop.links) replace(link, links);
 }
 
 }  // namespace dalembert::frontend

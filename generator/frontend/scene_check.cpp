@@ -28,6 +28,7 @@ class SceneCheck {
   }
 
   ir::Scene run() {
+    if (!document_.given.count("loops")) scene_.loops = robot_.loops;
     if (!document_.given.count("base")) scene_.base = default_base(robot_);
     outputs();
     cut();
@@ -60,6 +61,7 @@ class SceneCheck {
     if (!errors_.empty()) throw InputError(errors_);
     say_what_base_is_taken();
     warn_of_mimic();
+    say_what_loops_are_taken();
     warn_of_losses("damping", scene_.urdf_damping, scene_.damping, &ir::Joint::damping);
     warn_of_losses("friction", scene_.urdf_friction, scene_.friction, &ir::Joint::friction);
     return std::move(scene_);
@@ -92,6 +94,27 @@ class SceneCheck {
                                 : "let it move with --base floating, or say --base fixed"});
   }
 
+  // A file's loops are the scene's, where the scene says nothing of loops.
+  void say_what_loops_are_taken() {
+    const bool given = document_.given.count("loops") > 0;
+    std::vector<std::string> names, left_out;
+    for (const ir::Loop& loop : robot_.loops) {
+      const auto is_it = [&](const ir::Loop& other) { return other.name == loop.name; };
+      const bool taken = std::any_of(scene_.loops.begin(), scene_.loops.end(), is_it) ||
+                         std::any_of(scene_.embedded.begin(), scene_.embedded.end(), is_it);
+      (taken ? names : left_out).push_back("'" + loop.name + "'");
+    }
+    if (!given && !names.empty())
+      warnings_.push_back(
+          {Severity::notice, robot_.file, named(names),
+           names.size() > 1 ? "they close loops, which are the scene's of these names"
+                            : "it closes a loop, which is the scene's of this name",
+           "constrained dynamics keep to them, all else is of the tree without; loops in the scene says otherwise"});
+    if (given && !left_out.empty() && !(scene_.loops.empty() && scene_.embedded.empty()))
+      warnings_.push_back({Severity::warning, robot_.file, named(left_out), "what they hold together is left out",
+                           "name them under loops too, or leave loops out of the scene to have them as the file says"});
+  }
+
   void wrenches() {
     std::vector<std::string> links;
     for (const ir::ExternalWrench& wrench : scene_.wrenches) links.push_back(wrench.link);
@@ -107,6 +130,11 @@ class SceneCheck {
       if (const std::string id = ir::identifier(contact.name); !names.insert(id).second)
         error(key, fmt::format("two contacts would be called '{}' in C++", id), "call one of them otherwise");
     }
+    if (!document_.given.count("loops"))
+      std::erase_if(scene_.loops, [&](const ir::Loop& loop) {
+        return std::any_of(loop.links.begin(), loop.links.end(),
+                           [&](const std::string& link) { return is_cut_[static_cast<size_t>(links_.at(link))]; });
+      });
     std::set<std::string> loops;
     for (const std::vector<ir::Loop>* list : {&scene_.loops, &scene_.embedded})
       for (const ir::Loop& loop : *list) {
@@ -133,8 +161,9 @@ class SceneCheck {
             fmt::format("loop '{}' is embedded, and {} '{}' has rows: both together are not computed", name,
                         scene_.contacts.empty() ? "loop" : "contact",
                         scene_.contacts.empty() ? scene_.loops.front().name : scene_.contacts.front().name),
-            scene_.contacts.empty() ? "give all loops independent joints, or none" :
-            fmt::format("leave 'independent' out of loop '{}': it has rows beside those of contacts then", name));
+            scene_.contacts.empty()
+                ? "give all loops independent joints, or none"
+                : fmt::format("leave 'independent' out of loop '{}': it has rows beside those of contacts then", name));
     if (scene_.batch)
       error("batch", fmt::format("loop '{}' is embedded, and batches are of robots without", name),
             "leave batch out, or 'independent' of all loops");
@@ -142,8 +171,7 @@ class SceneCheck {
       error("parallel", fmt::format("loop '{}' is embedded, and task graphs are of robots without", name),
             "leave parallel: tasks out");
     if (scene_.forward_dynamics == ir::Solver::articulated_bodies)
-      error("forward_dynamics",
-            fmt::format("loop '{}' is embedded: what is solved with M is solved by factorization", name),
+      error("forward_dynamics", fmt::format("loop '{}' is embedded: what is solved with M is solved by factorization", name),
             "leave the key out, or write forward_dynamics: factorization");
   }
 

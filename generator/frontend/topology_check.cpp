@@ -54,7 +54,7 @@ class TopologyCheck {
     }
     error(place(joint),
           fmt::format("link '{}' is already the child of {}", joint.child, place(outline_.joints[static_cast<size_t>(above)])),
-          "a link has one parent: remove one of the two joints (closed loops are not supported)");
+          "a link has one parent: remove one of the two joints, and say in the scene what they hold together: loops");
   }
 
   bool check_link(const JointOutline& joint, const char* role, const std::string& name) {

@@ -53,6 +53,7 @@ struct UrdfOutline {
   std::string robot;
   std::vector<LinkOutline> links;    // in the file's order
   std::vector<JointOutline> joints;  // in the file's order
+  std::vector<ir::Loop> loops;       // of an SDF: joints to links that have a parent already
   bool floating_root = false;        // the root hung on a floating joint
 };
 

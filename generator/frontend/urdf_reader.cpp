@@ -149,6 +149,7 @@ ir::RobotDescription robot_of(const std::string& file, UrdfOutline outline, Diag
   robot.file = file;
   robot.name = outline.robot;
   robot.floating_root = outline.floating_root;
+  robot.loops = std::move(outline.loops);
   std::unordered_map<std::string, int> index;
   for (const LinkOutline& from : outline.links) {
     index.emplace(from.name, static_cast<int>(robot.links.size()));

@@ -11,6 +11,8 @@
 #include <utility>
 #include <vector>
 
+#include "ir/loop.hpp"
+
 namespace dalembert::ir {
 
 // Mass (kg), centre of mass (m, link axes), rotational inertia about the centre of mass (kg m², link axes: a rotated
@@ -111,6 +113,7 @@ struct RobotDescription {
   int root = -1;              // index into links
   // Per link: the joints whose parent it is, in urdfdom's order.
   std::vector<std::vector<int>> children;
+  std::vector<Loop> loops;     // joints of the file that close loops, its own parent link first
   bool floating_root = false;  // the file hangs the root on a floating joint
 };
 

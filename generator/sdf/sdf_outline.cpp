@@ -12,6 +12,7 @@
 #include <limits>
 #include <optional>
 #include <sdf/sdf.hh>
+#include <set>
 
 #include "frontend/urdf_outline.hpp"
 
@@ -190,6 +191,7 @@ class SdfReader {
     }
     out.parent = in_world ? "world" : prefix + parent;
     out.child = prefix + child;
+    if (!children_.insert(out.child).second) return add_loop(joint, out, in_parent, in_child);
     // As it is written, where it is written in the parent's frame: rounding has no part in it then.
     out.origin = frame(in_parent);
     const sdf::Link* const child_link = model.LinkByName(child);
@@ -236,6 +238,41 @@ class SdfReader {
       hinges_.push_back({out.name, out.parent, prefix + child, vector(in_link).normalized()});
     }
     outline_.joints.push_back(std::move(out));
+  }
+
+  // A joint to a link that hangs on another one already holds the two together.
+  void add_loop(const sdf::Joint& joint, JointOutline& out, const Pose3d& in_parent, const Pose3d& in_child) {
+    const auto isometry = [](const Pose3d& pose) {
+      const auto& turn = pose.Rot();
+      Eigen::Isometry3d result = Eigen::Isometry3d::Identity();
+      result.translation() = vector(pose.Pos());
+      result.linear() = Eigen::Quaterniond(turn.W(), turn.X(), turn.Y(), turn.Z()).toRotationMatrix();
+      return result;
+    };
+    ir::Loop loop;
+    loop.name = out.name;
+    loop.links = {out.parent, out.child};
+    loop.at = {isometry(in_parent), isometry(in_child)};
+    if (out.type == "revolute" || out.type == "continuous") {
+      loop.type = ir::LoopType::hinge;
+      read_axis(*joint.Axis(0), out);
+      for (Eigen::Isometry3d& at : loop.at)
+        at.rotate(Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), out.axis.normalized()));
+      if (out.damping != 0 || out.friction != 0)
+        ignore("joint", out.name, "its damping and friction",
+               "it closes a loop, and loops have none: say them of another joint");
+    } else if (out.type == "spherical") {
+      loop.type = ir::LoopType::point;
+    } else if (out.type == "fixed") {
+      loop.type = ir::LoopType::weld;
+    } else {
+      add_error(errors_, {Severity::error, file_, place(out),
+                          fmt::format("link '{}' hangs on another joint already, and a loop is closed by no {} joint",
+                                      out.child, joint.Element()->Get<std::string>("type")),
+                          "write it before the other one, so that a revolute, ball or fixed joint closes the loop"});
+      return;
+    }
+    outline_.loops.push_back(std::move(loop));
   }
 
   // A turning joint by which a gearbox may measure angles; its axis in its child's frame.
@@ -368,6 +405,7 @@ class SdfReader {
   Diagnostics errors_;
   UrdfOutline outline_;
   std::vector<Hinge> hinges_;
+  std::set<std::string> children_;  // links that hang on a joint
   bool has_world_ = false;
 };
 

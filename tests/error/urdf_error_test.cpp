@@ -151,7 +151,7 @@ const Case defects[] = {
     {"second_robot",
      "<robot> (line 20): error: there is another <robot> in line 1; keep one robot in this file"},
     {"two_parents",
-     "joint 'l' (line 30): error: link 'c' is already the child of joint 'k' (line 25); a link has one parent: remove one of the two joints (closed loops are not supported)"},
+     "joint 'l' (line 30): error: link 'c' is already the child of joint 'k' (line 25); a link has one parent: remove one of the two joints, and say in the scene what they hold together: loops"},
     {"two_roots",
      "robot 'r': error: there are 2 root links: link 'a' (line 2), link 'c' (line 14); make all but one of them the child of a joint, or remove them"},
     {"unknown_child",

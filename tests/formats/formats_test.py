@@ -214,6 +214,50 @@ class Sdf(Folder):
         self.assertEqual(status, 0, said)
         self.assertRegex(said, r"joint 'gear' \(line \d+\): notice: it is a gearbox: joint 'box::jb' follows 'box::ja' times 3")
 
+    def test_joints_that_close_loops_are_loops_of_the_scene(self):
+        """A four-bar about y whose pin is a joint to a link that hangs already: hinge, ball or weld; and what the scene says of it."""
+        at = {"crank": "0 0 0", "rod": "0.3 0 0", "rocker": "0.2 0 0.5"}
+        inertial = "<inertial><mass>2</mass><inertia><ixx>0.02</ixx><iyy>0.03</iyy><izz>0.04</izz></inertia></inertial>"
+        body = "<inertial><mass value='2'/><inertia ixx='0.02' iyy='0.03' izz='0.04' ixy='0' ixz='0' iyz='0'/></inertial>"
+        parent = {"crank": "ground", "rod": "crank", "rocker": "ground"}
+        links = f'<link name="ground">{inertial}</link>' + "".join(
+            f'<link name="{name}"><pose relative_to="{parent[name]}">{xyz} 0 0 0</pose>{inertial}</link>' for name, xyz in at.items())
+        joints = "".join(f'<joint name="{name}_turn" type="revolute"><parent>{parent[name]}</parent><child>{name}</child>'
+                         "<axis><xyz>0 1 0</xyz></axis></joint>" for name in at)
+        urdf = self.write("bars.urdf", "<robot name='bars'>" + "".join(f"<link name='{n}'>{body}</link>" for n in ("ground", *at)) + "".join(
+            f"<joint name='{n}_turn' type='continuous'><parent link='{parent[n]}'/><child link='{n}'/><origin xyz='{xyz}'/>"
+            "<axis xyz='0 1 0'/></joint>" for n, xyz in at.items()) + "</robot>")
+
+        def numbers(robot, output, *options):
+            state = self.write("state", "0.1 -0.3 0.2 0.5 -1 0.4" + (" 1 2 3" if "dynamics" in output else "") + "\n")
+            status, printed, said = run("eval", robot, "--state", state, "--output", output, "--engine", "generic", "--base", "fixed", *options)
+            self.assertEqual(status, 0, said)
+            return [float(x) for x in printed.split()], said
+
+        turned = ", -1.5707963267948966, 0, 0"
+        for kind, ours, turn in (("revolute", "hinge", turned), ("ball", "point", ", 0, 0, 0"), ("fixed", "weld", ", 0, 0, 0")):
+            axis = "<axis><xyz>0 1 0</xyz></axis>" if kind == "revolute" else ""
+            pin = (f'<joint name="pin" type="{kind}"><pose relative_to="rod">0 0 0.5 0 0 0</pose><parent>rod</parent><child>rocker</child>'
+                   f"{axis}</joint>")
+            sdf = self.write("bars.sdf", f'<sdf version="1.9"><model name="bars">{links}{joints}{pin}</model></sdf>')
+            loops = f"{{pin: {{links: [rod, rocker], at: [[0, 0, 0.5{turn}], [0.1, 0, 0{turn}]], type: {ours}}}}}"
+            for output in ("constraint_jacobian", "constrained_forward_dynamics"):
+                result, said = numbers(sdf, output)
+                expected, _ = numbers(urdf, output, "--loops", loops)
+                self.assertEqual(len(result), len(expected))
+                self.assertLess(max(abs(a - b) for a, b in zip(result, expected)), 1e-10 * max(map(abs, expected)), kind)
+                self.assertRegex(said, r"joint 'pin': notice: it closes a loop")
+            # The scene's word counts: other loops, none, and what is cut.
+            self.assertRegex(numbers(sdf, "constraint_jacobian", "--loops", loops.replace("pin", "own"))[1],
+                             "joint 'pin': warning: what they hold together is left out")
+            self.assertNotIn("pin", run("info", sdf, "--base", "fixed", "--cut", "rocker")[2])
+        slide = pin.replace('type="fixed"', 'type="prismatic"').replace("</joint>", "<axis><xyz>1 0 0</xyz></axis></joint>")
+        robot = self.write("slide.sdf", f'<sdf version="1.9"><model name="bars">{links}{joints}{slide}</model></sdf>')
+        status, _, said = run("info", robot)
+        self.assertEqual(status, 2)
+        self.assertRegex(said, r"joint 'pin' \(line \d+\): error: link 'rocker' hangs on another joint already, and a loop is closed by no "
+                               "prismatic joint; write it before the other one")
+
     def test_what_is_not_known_is_refused_by_name(self):
         link = '<link name="{}"/>'
         two = link.format("a") + link.format("b")
