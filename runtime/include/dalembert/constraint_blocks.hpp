@@ -257,13 +257,9 @@ DALEMBERT_INLINE void invert_by(Matrix& a, T* pivots) {
     for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK { store<w, T>(own + s * padded + i * w, a.get(at + s, i)); });
   });
   T inverse[size][size];
-  if constexpr (size == 3) {
-    const InverseOfThree<T> three(own + column, padded, pivots + at);
-    for_constants<9>([&](auto i) DALEMBERT_IN_BLOCK { inverse[i / 3][i % 3] = three.of[i / 3][i % 3]; });
-  } else {
-    pivots[at] = own[column];
-    inverse[0][0] = T(1) / own[column];
-  }
+  static_assert(size == 1);
+  pivots[at] = own[column];
+  inverse[0][0] = T(1) / own[column];
   // What stands in the pivots' columns is replaced.
   const auto is_own = [](int k) { return k >= column && k < column + size; };
   const auto of_others = [&](auto i, const Lanes<T, w>& x) DALEMBERT_IN_BLOCK -> Lanes<T, w> {
@@ -312,15 +308,13 @@ DALEMBERT_INLINE void invert_by(Matrix& a, T* pivots) {
   });
 }
 
-// A symmetric positive definite matrix of m rows becomes its inverse (Gauss and Jordan), three pivots at a time, which are
-// kept: this is the part of it that rows `first` to `first + count - 1` have, in order. Of what it was, elements on the
-// diagonal and behind it are read; the others need only be numbers.
+// A symmetric positive definite matrix of m rows becomes its inverse (Gauss and Jordan), pivot by pivot, which are kept: this
+// is the part of it that rows `first` to `first + count - 1` have, in order. Three at a time would be wrong where rows say what
+// others say: an inverse of three rows that nearly are two leaves of the rest, which is as small as mu, nothing right. Of what
+// the matrix was, elements on the diagonal and behind it are read; the others need only be numbers.
 template <int m, int first, int count, class T, class Matrix>
 DALEMBERT_INLINE void invert_rows(Matrix& a, T* pivots) {
-  constexpr int threes = native_lanes < 4 ? 0 : count / 3;  // three rows of narrow registers would fill them
-  for_constants<threes>([&](auto i) DALEMBERT_IN_BLOCK { invert_by<m, first + 3 * decltype(i)::value, 3>(a, pivots); });
-  for_constants<count - 3 * threes>(
-      [&](auto i) DALEMBERT_IN_BLOCK { invert_by<m, first + 3 * threes + decltype(i)::value, 1>(a, pivots); });
+  for_constants<count>([&](auto i) DALEMBERT_IN_BLOCK { invert_by<m, first + decltype(i)::value, 1>(a, pivots); });
 }
 
 }  // namespace constraint_detail
