@@ -399,8 +399,9 @@ __attribute__((noinline)) static ConstraintStatus<T> solve_constrained(const T* 
     known[c] = left;
   });
 
-  // Of few rows the whole inverse, where registers hold it; of more their blocks' elimination.
-  constexpr bool whole = native_lanes >= 8 && Rows::first(count) <= most_rows_inverted;
+  // Of few rows the whole inverse, pivot by pivot; of more their blocks' elimination, which is less exact where one block is
+  // singular and another says the same.
+  constexpr bool whole = Rows::first(count) <= most_rows_inverted;
   using Solver = std::conditional_t<whole, constraint_detail::InverseOfRows<Blocks, Rows, T>,
                                     constraint_detail::EliminatedBlocks<Blocks, Rows, T>>;
   const Solver solver(blocks, more);
