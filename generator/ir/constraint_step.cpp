@@ -102,7 +102,7 @@ ConstraintPaths constraint_paths(const KinematicTree& tree, const Scene& scene) 
 }
 
 int constraint_room(const ConstraintPaths& paths) {
-  return dalembert::constraint_room(paths.count(), paths.block_rows(), paths.longest());
+  return dalembert::constraint_room(paths.count(), paths.block_rows(), paths.longest(), paths.first.back());
 }
 
 std::vector<int> undriven_coordinates(const KinematicTree& tree, const Scene& scene) {
@@ -197,20 +197,19 @@ Operations operations_of(const ConstraintStep& step, const KinematicTree& tree, 
     }
   }
   if (step.kind == ConstraintStep::Kind::delassus) return o;
-  long all = 0;
   for (std::size_t c = 0; c < count; ++c) {
     const long length = paths.begin[c + 1] - paths.begin[c];
     multiply_adds(2 * length * lanes(c));  // on the right, and forces on coordinates
-    o.divide += rows(c);
-    multiply_adds(rows(c) * (rows(c) - 1) * lanes(c));
-    for (std::size_t a = c + 1; a < count; ++a) {
-      multiply_adds(rows(c) * rows(c) * lanes(a));
-      for (std::size_t b = a; b < count; ++b) multiply_adds(rows(c) * rows(a) * lanes(b));
-      all += 2 * rows(c) * lanes(a);
-    }
-    all += rows(c) * lanes(c);
   }
-  multiply_adds(step.solutions * all);
+  // The inverse of all rows together, and steps with it.
+  const long all = paths.first.back();
+  const long columns = !executed                             ? all
+                       : in_registers(static_cast<int>(all)) ? static_cast<long>(count) * padded
+                                                             : padded_rows(static_cast<int>(all));
+  o.divide += all;
+  o.multiply += all * columns;
+  multiply_adds(all * (all - 1) * columns);
+  multiply_adds(step.solutions * all * columns);
   for (int k = 0; k < coordinates.size(); ++k)
     multiply_adds(step.kind == ConstraintStep::Kind::impact && !executed ? coordinates.depth(k) : 2 * coordinates.depth(k));
   o.multiply += n;

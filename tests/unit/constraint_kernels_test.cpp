@@ -99,7 +99,8 @@ Result<T> solved(SolveConstrained<T> solve, const System& s, const Vector& effor
                  const std::vector<T>& active, const std::vector<T>& regularization) {
   const auto J = in<T>(s.J), U = in<T>(s.U), D = in<T>(s.D), b = in<T>(right);
   Eigen::Matrix<T, Eigen::Dynamic, 1> x = effort.cast<T>(), forces(s.J.rows());
-  std::vector<T> room(static_cast<size_t>(constraint_room(s.shape.count, 6, n)), T(7));  // what was there before is not read
+  std::vector<T> room(static_cast<size_t>(constraint_room(s.shape.count, 6, n, s.shape.all())),
+                      T(7));  // what was there before is not read
   Result<T> result;
   result.status =
       solve(J.data(), U.data(), D.data(), b.data(), active.data(), regularization.data(), room.data(), forces.data(), x.data());
@@ -235,7 +236,7 @@ TEST(ConstraintKernels, DelassusMatrixIsJTimesTheInverseTimesJ) {
   using Rows = ConstraintRows<At16<3>, At21<6>, At12<3>>;
   const System s(shape<Rows>(), 2);
   const auto J = in<double>(s.J), U = in<double>(s.U), D = in<double>(s.D);
-  std::vector<double> room(static_cast<size_t>(constraint_room(3, 6, 13)), 7.0);
+  std::vector<double> room(static_cast<size_t>(constraint_room(3, 6, 13, 12)), 7.0);
   Eigen::MatrixXd along(12, 12);
   delassus<n, Rows>(J.data(), U.data(), D.data(), room.data(), along.data());
   const Matrix expected = s.along();
@@ -258,6 +259,42 @@ TEST(ConstraintKernels, RedundantRowsChangeNoAcceleration) {
   EXPECT_LT(result.status.least_pivot, 1e-6);
   EXPECT_GT(result.status.least_pivot, 0);
   EXPECT_LT(result.status.residual, 1e-6);
+}
+
+// Two welds of rank three, of which the second says what the first says, and that ask for what cannot be: what comes closest,
+// in terms of N. Few rows, and more.
+template <class Rows>
+void expect_closest() {
+  constexpr int all = Rows::first(Rows::count);
+  std::mt19937 engine(9);
+  const auto drawn = [&](int rows, int columns) -> Matrix {
+    return Matrix::NullaryExpr(rows, columns, [&] { return std::uniform_real_distribution<double>(-1, 1)(engine); });
+  };
+  for (unsigned seed = 1; seed < 6; ++seed) {
+    System s(shape<Rows>(), seed);
+    const Vector effort = numbers(n, 1), right = numbers(all, 2);
+    const Matrix said = s.J.topRows(3);
+    s.J.topRows(6) = drawn(6, 3) * said, s.J.middleRows(6, 6) = drawn(6, 3) * said;
+    const Matrix inverse = s.M.inverse(), along = s.along();
+    Vector scale(all);  // N^-1/2
+    for (int r = 0; r < all; r += 3)
+      scale.segment(r, 3).setConstant(
+          1 / std::sqrt(along.diagonal().segment(r, 3).mean() + static_cast<Real>(least_share) * along.trace()));
+    Eigen::CompleteOrthogonalDecomposition<Matrix> scaled(all, all);
+    scaled.setThreshold(1e-12L);
+    scaled.compute(scale.asDiagonal() * along * scale.asDiagonal());
+    const Vector forces = scale.asDiagonal() * scaled.solve(scale.asDiagonal() * (right - s.J * inverse * effort));
+    const Vector x = inverse * (effort + s.J.transpose() * forces);
+    const std::vector<double> active(static_cast<size_t>(Rows::count), 1), none(static_cast<size_t>(all), 0.0);
+    const Result<double> result = solved<double>(solve_constrained<n, Rows, Tree, double>, s, effort, right, active, none);
+    EXPECT_LT(error(result.x, x), 1e-6) << all << " rows, seed " << seed;
+    EXPECT_EQ(result.status.rank, all - 9) << all << " rows, seed " << seed;
+    EXPECT_GT(result.status.residual, 0.01);
+  }
+}
+TEST(ConstraintKernels, SingularBlocksThatSayTheSameComeClosest) {
+  expect_closest<ConstraintRows<At12<6>, At12<6>>>();
+  expect_closest<ConstraintRows<At12<6>, At12<6>, At21<6>>>();
 }
 
 // Rows that no joint moves, and that ask for what cannot be: no number is lost.

@@ -13,7 +13,7 @@ using detail::for_constants;
 
 constexpr int lanes_in_block(int padded) { return least(native_lanes, padded); }
 
-enum class Into { set, add, subtract };
+enum class Into { set, add };
 
 // to[r][s] = the sum over k of a[k][r] b[k][s], as many rows of a block as say something; or this more or less. a and b:
 // `count` times `padded` numbers.
@@ -33,10 +33,7 @@ DALEMBERT_INLINE void products(const T* a, const T* b, int count, T* to) {
     for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK { row[i] = load<w>(b + k * padded + i * w); });
     for_constants<rows>([&](auto r) DALEMBERT_IN_BLOCK {
       const Lanes<T, w> factor = broadcast<w, T>(a[k * padded + r]);
-      for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK {
-        if constexpr (how == Into::subtract) sum[r][i] -= factor * row[i];
-        else sum[r][i] += factor * row[i];
-      });
+      for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK { sum[r][i] += factor * row[i]; });
     });
   }
   for_constants<rows>([&](auto r) DALEMBERT_IN_BLOCK {
@@ -116,25 +113,6 @@ struct BlockRow {
       else piece[i] += factor * dalembert::load<w>(row + i * w);
     });
   }
-  // More by the sum over r of x[r] a[r], or less: a's rows are as long as this.
-  template <bool negative, int rows>
-  DALEMBERT_INLINE void add_rows(const BlockRow& x, const T* a) {
-    for_constants<rows>([&](auto r) DALEMBERT_IN_BLOCK {
-      constexpr int at = decltype(r)::value;
-      add<negative>(lane<w, T>(x.piece[at / w], at % w), a + at * pieces * w);
-    });
-  }
-  // Less a x, row by row.
-  template <int rows>
-  DALEMBERT_INLINE void subtract_products(const BlockRow& x, const T* a) {
-    alignas(64) T sums[pieces * w] = {};
-    for_constants<rows>([&](auto r) DALEMBERT_IN_BLOCK {
-      BlockRow product{};
-      product.add(x, a + decltype(r)::value * pieces * w);
-      sums[decltype(r)::value] = product.total();
-    });
-    for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK { piece[i] -= dalembert::load<w>(sums + i * w); });
-  }
   DALEMBERT_INLINE T total() const {
     Lanes<T, w> sum = piece[0];
     for_constants<pieces - 1>([&](auto i) DALEMBERT_IN_BLOCK { sum += piece[decltype(i)::value + 1]; });
@@ -145,176 +123,131 @@ struct BlockRow {
   }
 };
 
-// The inverse of a symmetric positive definite matrix of three rows, (L D L')^-1, of which the upper half is read, row by row
-// from `from` on, `stride` apart; its pivots are kept. Two of the three divisions go side by side: by the first pivot, and by
-// the first times the second.
-template <class T>
-struct InverseOfThree {
-  T of[3][3];
-
-  DALEMBERT_INLINE InverseOfThree(const T* from, int stride, T* pivots) {
-    const T a00 = from[0], a01 = from[1], a02 = from[2], a11 = from[stride + 1], a12 = from[stride + 2],
-            a22 = from[2 * stride + 2];
-    const T both = a00 * a11 - a01 * a01, r0 = T(1) / a00, r_both = T(1) / both, r1 = a00 * r_both;
-    const T l10 = a01 * r0, l20 = a02 * r0, rest = a12 - l10 * a02, l21 = (a00 * a12 - a01 * a02) * r_both;
-    const T d2 = a22 - a02 * l20 - rest * l21, r2 = T(1) / d2;
-    pivots[0] = a00, pivots[1] = both * r0, pivots[2] = d2;
-    const T m20 = l10 * l21 - l20, s20 = m20 * r2, s21 = -l21 * r2, s10 = -l10 * r1;  // of L^-1 and D^-1 L^-1
-    of[0][0] = r0 - l10 * s10 + m20 * s20;
-    of[1][1] = r1 - l21 * s21;
-    of[2][2] = r2;
-    of[0][1] = of[1][0] = s10 - l21 * s20;
-    of[0][2] = of[2][0] = s20;
-    of[1][2] = of[2][1] = s21;
-  }
-};
-
-// A symmetric positive definite block becomes its inverse (Gauss and Jordan); its pivots are kept.
-template <int rows, int padded, class T>
-DALEMBERT_INLINE void invert_block(T* block, T* pivots) {
-  constexpr int w = lanes_in_block(padded), pieces = padded / w;
-  if constexpr (rows == 3) {
-    const InverseOfThree<T> inverse(block, padded, pivots);
-    for_constants<rows>([&](auto r) DALEMBERT_IN_BLOCK {
-      for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK {
-        constexpr int begin = decltype(i)::value * w;
-        store<w, T>(block + r * padded + begin, each_lane<w, T>([&](int lane) {
-                      return begin + lane < rows ? inverse.of[r][least(begin + lane, rows - 1)] : T(0);
-                    }));
-      });
+// A symmetric positive definite matrix of m rows becomes its inverse (Gauss and Jordan), pivot by pivot: they are kept. Of what
+// it was, elements on the diagonal and behind it are read; the others may be anything. Several pivots at a time would be wrong
+// where rows say what others say: the inverse of a block that nearly is singular leaves nothing right of the rest, which is as
+// small as mu.
+template <int m, int padded, class T>
+DALEMBERT_INLINE void invert_rows(T* a, T* pivots) {
+  constexpr int w = native_lanes, pieces = padded / w;
+  for (int j = 0; j < m; ++j) {
+    T* const own = a + j * padded;
+    alignas(64) T was[padded];
+    const T pivot = own[j], reciprocal = T(1) / pivot;
+    const Lanes<T, w> times = broadcast<w, T>(reciprocal);
+    for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK {
+      const Lanes<T, w> row = load<w>(own + i * w);
+      store<w, T>(was + i * w, row);
+      store<w, T>(own + i * w, row * times);
     });
-    return;
-  }
-  Lanes<T, w> a[rows][pieces];
-  for_constants<rows>([&](auto r) DALEMBERT_IN_BLOCK {
-    for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK { a[r][i] = load<w>(block + r * padded + i * w); });
-  });
-  for_constants<rows>([&](auto step) DALEMBERT_IN_BLOCK {
-    constexpr int j = decltype(step)::value, piece = j / w, at = j % w;
-    const T pivot = lane<w, T>(a[j][piece], at), reciprocal = T(1) / pivot;
     pivots[j] = pivot;
-    const Lanes<T, w> others = each_lane<w, T>([](int lane) { return T(lane != at); }),
-                      own = each_lane<w, T>([](int lane) { return T(lane == at); });
-    for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK { a[j][i] *= broadcast<w, T>(reciprocal); });
-    a[j][piece] = a[j][piece] * others + broadcast<w, T>(reciprocal) * own;
-    for_constants<rows>([&](auto r) DALEMBERT_IN_BLOCK {
-      if constexpr (decltype(r)::value != j) {
-        const Lanes<T, w> factor = broadcast<w, T>(lane<w, T>(a[r][piece], at));
-        a[r][piece] *= others;
-        for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK { a[r][i] -= factor * a[j][i]; });
-      }
-    });
-  });
-  for_constants<rows>([&](auto r) DALEMBERT_IN_BLOCK {
-    for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK { store<w, T>(block + r * padded + i * w, a[r][i]); });
-  });
+    // Elements of the pivot's column are those of its row, with the other sign where they have been pivots themselves. Single
+    // numbers are written behind registers: what is read next has been there for long.
+    const auto subtract = [&](int r, T factor) DALEMBERT_IN_BLOCK {
+      T* const row = a + r * padded;
+      const Lanes<T, w> factors = broadcast<w, T>(factor);
+      for_constants<pieces>(
+          [&](auto i) DALEMBERT_IN_BLOCK { store<w, T>(row + i * w, load<w>(row + i * w) - factors * load<w>(own + i * w)); });
+      row[j] = -factor * reciprocal;
+    };
+    for (int r = 0; r < j; ++r) subtract(r, -was[r]);
+    for (int r = j + 1; r < m; ++r) subtract(r, was[r]);
+    own[j] = reciprocal;
+  }
 }
 
-// Rows of `padded` numbers, where they are.
-template <int padded, class T>
-struct RowsInMemory {
-  static constexpr int w = native_lanes, pieces = padded / w;
-  static constexpr bool constants = false;          // whether rows are told apart when code is compiled
-  static constexpr int column(int r) { return r; }  // of the diagonal
-  T* const at;
-  DALEMBERT_INLINE Lanes<T, w> get(int r, int i) const { return load<w>(at + r * padded + i * w); }
-  DALEMBERT_INLINE void set(int r, int i, const Lanes<T, w>& x) const { store<w, T>(at + r * padded + i * w, x); }
-};
-// Rows that stay in registers, as far as there are some. Columns::of(r): where the diagonal's element of row r stands.
-template <int m, int pieces_of_row, class Columns, class T>
+// The same of few rows, which stay in registers, as far as there are some. Columns::of(r): where the diagonal's element of row
+// r stands.
+template <int m, int pieces, class Columns, class T>
 struct RowsInRegisters {
-  static constexpr int w = native_lanes, pieces = pieces_of_row;
-  static constexpr bool constants = true;
-  static constexpr int column(int r) { return Columns::of(r); }
+  static constexpr int w = native_lanes, padded = w * pieces;
   using Row = BlockRow<T, w, pieces>;
   Row rows[m];
 
-  DALEMBERT_INLINE const Lanes<T, w>& get(int r, int i) const { return rows[r].piece[i]; }
-  DALEMBERT_INLINE void set(int r, int i, const Lanes<T, w>& x) { rows[r].piece[i] = x; }
+  DALEMBERT_INLINE void invert(T* pivots) {
+    for_constants<m>([&](auto j) DALEMBERT_IN_BLOCK { invert_by<decltype(j)::value>(pivots); });
+  }
   // Of what is symmetric.
   DALEMBERT_INLINE Row times(const Row& x) const {
     constexpr int sums = 4;
     Row sum[sums] = {};
     for_constants<m>([&](auto r) DALEMBERT_IN_BLOCK {
-      constexpr int at = column(decltype(r)::value);
+      constexpr int at = Columns::of(decltype(r)::value);
       const Lanes<T, w> factor = broadcast<w, T>(lane<w, T>(x.piece[at / w], at % w));
       for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK { sum[r % sums].piece[i] += factor * rows[r].piece[i]; });
     });
     sum[0].add(sum[1]), sum[2].add(sum[3]), sum[0].add(sum[2]);
     return sum[0];
   }
+
+ private:
+  template <int j>
+  DALEMBERT_INLINE void invert_by(T* pivots) {
+    constexpr int column = Columns::of(j), piece = column / w;
+    alignas(64) T was[padded];
+    rows[j].store(was);
+    const T reciprocal = T(1) / was[column];
+    pivots[j] = was[column];
+    const Lanes<T, w> own = each_lane<w, T>([](int lane) { return T(lane == column % w); }),
+                      others = each_lane<w, T>([](int lane) { return T(lane != column % w); });
+    Row solved;
+    for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK { solved.piece[i] = rows[j].piece[i] * broadcast<w, T>(reciprocal); });
+    solved.piece[piece] = solved.piece[piece] * others + broadcast<w, T>(reciprocal) * own;
+    for_constants<m>([&](auto r) DALEMBERT_IN_BLOCK {
+      if constexpr (decltype(r)::value != j) {
+        const Lanes<T, w> factor = broadcast<w, T>(was[Columns::of(decltype(r)::value)]);
+        rows[r].piece[piece] *= others;
+        for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK {
+          if constexpr (decltype(r)::value < j) rows[r].piece[i] += factor * solved.piece[i];
+          else rows[r].piece[i] -= factor * solved.piece[i];
+        });
+      }
+    });
+    rows[j] = solved;
+  }
 };
 struct SameColumns {
   static constexpr int of(int r) { return r; }
 };
 
-// One step of invert_rows(), by the pivots `at` to `at + size - 1`, whose columns stand side by side.
-template <int m, int at, int size, class T, class Matrix>
-DALEMBERT_INLINE void invert_by(Matrix& a, T* pivots) {
-  constexpr int w = Matrix::w, pieces = Matrix::pieces, padded = w * pieces, column = Matrix::column(at);
-  alignas(64) T own[size * padded];
-  for_constants<size>([&](auto s) DALEMBERT_IN_BLOCK {
-    for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK { store<w, T>(own + s * padded + i * w, a.get(at + s, i)); });
+// `columns` columns to(j) = base(j) more, or less, by the sum over k < count of factor(j, k) from(k): `pieces` registers of
+// each from `begin` on. base: null where it is none.
+template <int columns, int pieces, bool negative, class T, class Factor, class From, class Base, class To>
+DALEMBERT_INLINE void sum_tile(int begin, int count, const Factor& factor, const From& from, const Base& base, const To& to) {
+  constexpr int w = native_lanes;
+  Lanes<T, w> sum[columns][pieces];
+  for_constants<columns>([&](auto j) DALEMBERT_IN_BLOCK {
+    const T* const start = base(j);
+    for_constants<pieces>([&](auto i)
+                              DALEMBERT_IN_BLOCK { sum[j][i] = start ? load<w>(start + begin + i * w) : Lanes<T, w>{}; });
   });
-  T inverse[size][size];
-  static_assert(size == 1);
-  pivots[at] = own[column];
-  inverse[0][0] = T(1) / own[column];
-  // What stands in the pivots' columns is replaced.
-  const auto is_own = [](int k) { return k >= column && k < column + size; };
-  const auto of_others = [&](auto i, const Lanes<T, w>& x) DALEMBERT_IN_BLOCK -> Lanes<T, w> {
-    constexpr int begin = decltype(i)::value * w;
-    if constexpr (begin + w <= column || begin >= column + size) return x;
-    else return x * each_lane<w, T>([&](int lane) { return is_own(begin + lane) ? T(0) : T(1); });
-  };
-  Lanes<T, w> solved[size][pieces];
-  for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK {
-    constexpr int begin = decltype(i)::value * w;
-    for_constants<size>([&](auto r) DALEMBERT_IN_BLOCK {
-      Lanes<T, w> sum{};
-      if constexpr (begin + w > column && begin < column + size)
-        sum = each_lane<w, T>([&](int lane) {
-          return is_own(begin + lane) ? inverse[r][is_own(begin + lane) ? begin + lane - column : 0] : T(0);
-        });
-      for_constants<size>([&](auto s)
-                              DALEMBERT_IN_BLOCK { sum += broadcast<w, T>(inverse[r][s]) * of_others(i, a.get(at + s, i)); });
-      solved[r][i] = sum;
-    });
-  });
-  // Elements of the pivots' columns are those of their rows: with the other sign where they have been pivots themselves.
-  const auto subtract = [&](auto before, int r) DALEMBERT_IN_BLOCK {
-    Lanes<T, w> factor[size];
-    for_constants<size>([&](auto s) DALEMBERT_IN_BLOCK { factor[s] = broadcast<w, T>(own[s * padded + Matrix::column(r)]); });
-    for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK {
-      Lanes<T, w> sum = of_others(i, a.get(r, i));
-      for_constants<size>([&](auto s) DALEMBERT_IN_BLOCK {
-        if constexpr (decltype(before)::value) sum += factor[s] * solved[s][i];
-        else sum -= factor[s] * solved[s][i];
+  DALEMBERT_KEEP_LOOP
+  for (int k = 0; k < count; ++k) {
+    const T* const column = from(k) + begin;
+    Lanes<T, w> x[pieces];
+    for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK { x[i] = load<w>(column + i * w); });
+    for_constants<columns>([&](auto j) DALEMBERT_IN_BLOCK {
+      const Lanes<T, w> times = broadcast<w, T>(factor(j, k));
+      for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK {
+        if constexpr (negative) sum[j][i] -= times * x[i];
+        else sum[j][i] += times * x[i];
       });
-      a.set(r, i, sum);
     });
-  };
-  if constexpr (Matrix::constants) {
-    for_constants<m - at - size>([&](auto r) DALEMBERT_IN_BLOCK { subtract(std::false_type{}, at + size + r); });
-    for_constants<at>([&](auto r) DALEMBERT_IN_BLOCK { subtract(std::true_type{}, r); });
-  } else {
-    DALEMBERT_KEEP_LOOP
-    for (int r = 0; r < at; ++r) subtract(std::true_type{}, r);
-    DALEMBERT_KEEP_LOOP
-    for (int r = at + size; r < m; ++r) subtract(std::false_type{}, r);
   }
-  for_constants<size>([&](auto s) DALEMBERT_IN_BLOCK {
-    for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK { a.set(at + s, i, solved[s][i]); });
+  for_constants<columns>([&](auto j) DALEMBERT_IN_BLOCK {
+    for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK { store<w, T>(to(j) + begin + i * w, sum[j][i]); });
   });
 }
 
-// A symmetric positive definite matrix of m rows becomes its inverse (Gauss and Jordan), pivot by pivot, which are kept: this
-// is the part of it that rows `first` to `first + count - 1` have, in order. Three at a time would be wrong where rows say what
-// others say: an inverse of three rows that nearly are two leaves of the rest, which is as small as mu, nothing right. Of what
-// the matrix was, elements on the diagonal and behind it are read; the others need only be numbers.
-template <int m, int first, int count, class T, class Matrix>
-DALEMBERT_INLINE void invert_rows(Matrix& a, T* pivots) {
-  for_constants<count>([&](auto i) DALEMBERT_IN_BLOCK { invert_by<m, first + decltype(i)::value, 1>(a, pivots); });
+// The same of `size` numbers of each of them, whole registers.
+template <int columns, int size, bool negative, class T, class Factor, class From, class Base, class To>
+DALEMBERT_INLINE void sum_columns(int count, const Factor& factor, const From& from, const Base& base, const To& to) {
+  constexpr int w = native_lanes, all = (size + w - 1) / w, at_once = least(all, columns == 1 ? 8 : columns == 2 ? 4 : 2);
+  constexpr int rest = all % at_once;
+  int begin = 0;
+  for (; begin + at_once * w <= all * w; begin += at_once * w)
+    sum_tile<columns, at_once, negative, T>(begin, count, factor, from, base, to);
+  if constexpr (rest > 0) sum_tile<columns, rest, negative, T>(begin, count, factor, from, base, to);
 }
 
 }  // namespace constraint_detail

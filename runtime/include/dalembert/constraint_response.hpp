@@ -14,46 +14,6 @@
 namespace dalembert {
 namespace constraint_detail {
 
-// `columns` columns to(j) = base(j) more, or less, by the sum over k < count of factor(j, k) from(k): `pieces` registers of
-// each from `begin` on. base: null where it is none.
-template <int columns, int pieces, bool negative, class T, class Factor, class From, class Base, class To>
-DALEMBERT_INLINE void sum_tile(int begin, int count, const Factor& factor, const From& from, const Base& base, const To& to) {
-  constexpr int w = native_lanes;
-  Lanes<T, w> sum[columns][pieces];
-  for_constants<columns>([&](auto j) DALEMBERT_IN_BLOCK {
-    const T* const start = base(j);
-    for_constants<pieces>([&](auto i)
-                              DALEMBERT_IN_BLOCK { sum[j][i] = start ? load<w>(start + begin + i * w) : Lanes<T, w>{}; });
-  });
-  DALEMBERT_KEEP_LOOP
-  for (int k = 0; k < count; ++k) {
-    const T* const column = from(k) + begin;
-    Lanes<T, w> x[pieces];
-    for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK { x[i] = load<w>(column + i * w); });
-    for_constants<columns>([&](auto j) DALEMBERT_IN_BLOCK {
-      const Lanes<T, w> times = broadcast<w, T>(factor(j, k));
-      for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK {
-        if constexpr (negative) sum[j][i] -= times * x[i];
-        else sum[j][i] += times * x[i];
-      });
-    });
-  }
-  for_constants<columns>([&](auto j) DALEMBERT_IN_BLOCK {
-    for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK { store<w, T>(to(j) + begin + i * w, sum[j][i]); });
-  });
-}
-
-// The same of `size` numbers of each of them, whole registers.
-template <int columns, int size, bool negative, class T, class Factor, class From, class Base, class To>
-DALEMBERT_INLINE void sum_columns(int count, const Factor& factor, const From& from, const Base& base, const To& to) {
-  constexpr int w = native_lanes, all = (size + w - 1) / w, at_once = least(all, columns == 1 ? 8 : columns == 2 ? 4 : 2);
-  constexpr int rest = all % at_once;
-  int begin = 0;
-  for (; begin + at_once * w <= all * w; begin += at_once * w)
-    sum_tile<columns, at_once, negative, T>(begin, count, factor, from, base, to);
-  if constexpr (rest > 0) sum_tile<columns, rest, negative, T>(begin, count, factor, from, base, to);
-}
-
 // f(columns, first): six columns at a time, and those that are left.
 template <int count, class F>
 DALEMBERT_INLINE void in_sixes(const F& f) {
@@ -160,8 +120,7 @@ __attribute__((noinline)) static void respond(const T* jacobian, const T* invers
     }
   }
   T pivots[m];
-  const constraint_detail::RowsInMemory<padded, T> inverted{parts.inverse};
-  constraint_detail::invert_rows<m, 0, m>(inverted, pivots);
+  constraint_detail::invert_rows<m, padded>(parts.inverse, pivots);
   // L = X + X mu N L, X the inverse, a few times over; at first X.
   const auto row_of = [&](T* rows, int first) { return [=](int r) { return rows + (first + r) * padded; }; };
   const T* last = parts.inverse;

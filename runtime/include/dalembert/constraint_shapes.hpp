@@ -10,15 +10,20 @@ namespace dalembert {
 constexpr int block_rows(int most_rows) { return most_rows <= 3 ? 3 : 6; }
 constexpr int block_lanes(int rows) { return rows <= 3 ? 4 : 8; }
 
-// Numbers of what `count` constraints are solved in: Y, a block per coordinate above each, of which there are `longest` at
-// most; the inverse inertia along their rows, of each pair of constraints; and what is eliminated of it.
-constexpr int constraint_room(int count, int rows, int longest) {
-  return count * longest * block_lanes(rows) + (count * (count + 1) / 2 + count * (count - 1) / 2) * rows * block_lanes(rows);
+constexpr int padded_rows(int m) { return (m + 7) / 8 * 8; }
+// Whether the inverse of so many rows stays in registers while it is made; else it has a room of its own.
+constexpr bool in_registers(int m) { return m <= 12; }
+
+// Numbers of what `count` constraints of m rows in all are solved in: Y, a block per coordinate above each, of which there are
+// `longest` at most; the inverse inertia along their rows, of each pair of constraints; and the inverse of all of it, and a
+// block's row behind it.
+constexpr int constraint_room(int count, int rows, int longest, int m) {
+  return count * longest * block_lanes(rows) + count * (count + 1) / 2 * rows * block_lanes(rows) +
+         (in_registers(m) ? 0 : m * padded_rows(m) + 8);
 }
 
 // Numbers of what tells how n coordinates respond, of m rows: M^-1 J' and M^-1 J' L, a column per row, the latter a row per
 // coordinate, too; J; L, and what it is made of. In registers of eight: others want less.
-constexpr int padded_rows(int m) { return (m + 7) / 8 * 8; }
 constexpr int response_room(int n, int m) { return (2 * inverse_stride(n) + n) * m + (n + 4 * m) * padded_rows(m); }
 // Of how they respond to forces that turn with one link and move with another: `more` columns and rows likewise.
 constexpr int turning_room(int n, int m, int more) { return more * (inverse_stride(n) + padded_rows(m)); }
@@ -37,9 +42,6 @@ struct Proximal {
   // force.
   static constexpr T of(T inverse_inertia) { return inverse_inertia > T(0) ? mu : T(1); }
 };
-// Up to so many rows in all the whole inverse is cheaper than eliminating constraint by constraint: what it has more of can be
-// done side by side.
-inline constexpr int most_rows_inverted = 12;
 // Of N, against the sum over all blocks: a block that nothing moves has one too.
 inline constexpr double least_share = 1e-6;
 

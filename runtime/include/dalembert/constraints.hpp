@@ -28,14 +28,13 @@ struct ConstraintBlocks {
   static constexpr int padded = block_lanes(rows), block = rows * padded, w = lanes_in_block(padded), pieces = padded / w;
   T* const y;        // count x longest x padded
   T* const inertia;  // of each constraint with itself and those behind it
-  T* const scaled;   // of each with those behind it: eliminated
+  T* const inverse;  // of all rows, where they are many
 
   explicit ConstraintBlocks(T* room)
-      : y(room), inertia(y + count * longest * padded), scaled(inertia + count * (count + 1) / 2 * block) {}
+      : y(room), inertia(y + count * longest * padded), inverse(inertia + count * (count + 1) / 2 * block) {}
   T* row(int c, int k) const { return y + (c * longest + k) * padded; }
   // b is not before a.
   T* of(int a, int b) const { return inertia + Rows::pair(a, b) * block; }
-  T* eliminated(int a, int b) const { return scaled + (a * (count - 1) - a * (a - 1) / 2 + b - a - 1) * block; }
 
   // What is not a number stays so.
   static DALEMBERT_INLINE Lanes<T, w> without_rounding(const Lanes<T, w>& x) {
@@ -126,76 +125,6 @@ struct ConstraintBlocks {
   }
 };
 
-// Elimination of blocks, from the first; where they are few, what is eliminated is had both ways round.
-template <class Blocks, class Rows, class T>
-struct EliminatedBlocks {
-  static constexpr int count = Rows::count, rows = Blocks::rows, padded = Blocks::padded;
-  static constexpr bool few = count <= 4;
-  using Row = BlockRow<T, Blocks::w, Blocks::pieces>;
-  const Blocks& blocks;
-  alignas(64) T both_ways[few ? (count * (count - 1) / 2 + 1) * Blocks::block : 1];
-  alignas(64) T pivots[count * padded];
-
-  T* transposed(int a, int b) { return both_ways + (blocks.eliminated(a, b) - blocks.scaled); }
-  const T* transposed(int a, int b) const { return both_ways + (blocks.eliminated(a, b) - blocks.scaled); }
-  T pivot(int c, int r) const { return pivots[c * padded + r]; }
-
-  // more: what the diagonal has more.
-  DALEMBERT_INLINE EliminatedBlocks(const Blocks& of, const Row (&more)[count]) : blocks(of) {
-    each_index<count>([&](auto c) DALEMBERT_IN_BLOCK {
-      for_constants<rows>([&](auto r) DALEMBERT_IN_BLOCK {
-        T* const row = blocks.of(c, c) + r * padded;
-        Row::load(row).with_only(more[c], r).store(row);
-      });
-      invert_block<rows, padded, T>(blocks.of(c, c), pivots + c * padded);
-      each_index<count>([&](auto b) DALEMBERT_IN_BLOCK {
-        if (b <= c) return;
-        products<rows, padded, Into::set, T>(blocks.of(c, c), blocks.of(c, b), rows, blocks.eliminated(c, b));
-        if constexpr (few) products<rows, padded, Into::set, T>(blocks.of(c, b), blocks.of(c, c), rows, transposed(c, b));
-      });
-      each_index<count>([&](auto a) DALEMBERT_IN_BLOCK {
-        if (a <= c) return;
-        each_index<count>([&](auto b) DALEMBERT_IN_BLOCK {
-          if (b < a) return;
-          products<rows, padded, Into::subtract, T>(blocks.of(c, a), blocks.eliminated(c, b), rows, blocks.of(a, b));
-        });
-      });
-    });
-  }
-
-  // rest is written over.
-  DALEMBERT_INLINE void solve(Row (&rest)[count], Row (&to)[count]) const {
-    each_index<count>([&](auto c) DALEMBERT_IN_BLOCK {
-      each_index<count>([&](auto b) DALEMBERT_IN_BLOCK {
-        if (b > c) rest[b].template add_rows<true, rows>(rest[c], blocks.eliminated(c, b));
-      });
-      to[c] = Row{};
-      to[c].template add_rows<false, rows>(rest[c], blocks.of(c, c));
-    });
-    each_index<count>([&](auto back) DALEMBERT_IN_BLOCK {
-      const int c = count - 1 - back;
-      each_index<count>([&](auto b) DALEMBERT_IN_BLOCK {
-        if (b <= c) return;
-        if constexpr (few) to[c].template add_rows<true, rows>(to[b], transposed(c, b));
-        else to[c].template subtract_products<rows>(to[b], blocks.eliminated(c, b));
-      });
-    });
-  }
-
-  // Proximal steps; before: what solved was at the last but one.
-  DALEMBERT_INLINE void solve(const Row (&known)[count], const Row (&held)[count], Row (&solved)[count],
-                              Row (&before)[count]) const {
-    for (int step = 0; step < Proximal<T>::steps; ++step) {
-      Row rest[count];
-      each_index<count>([&](auto c) DALEMBERT_IN_BLOCK {
-        before[c] = solved[c];
-        rest[c] = known[c].plus(held[c], solved[c]);
-      });
-      solve(rest, solved);
-    }
-  }
-};
-
 // Columns padded as blocks are, constraint by constraint.
 template <class Rows, int padded>
 struct BlockColumns {
@@ -205,9 +134,9 @@ struct BlockColumns {
     return c * padded + r - Rows::first(c);
   }
 };
-// The inverse of all rows together: its steps wait for nothing but products, where blocks wait for one another.
+// The inverse of all rows together: of few, in registers.
 template <class Blocks, class Rows, class T>
-struct InverseOfRows {
+struct InverseOfFewRows {
   static constexpr int count = Rows::count, m = Rows::first(count), padded = Blocks::padded;
   static constexpr int w = native_lanes, pieces = (count * padded + w - 1) / w, joined = w / Blocks::w;
   using Row = BlockRow<T, Blocks::w, Blocks::pieces>;
@@ -241,7 +170,7 @@ struct InverseOfRows {
   }
 
   // more: what the diagonal has more.
-  DALEMBERT_INLINE InverseOfRows(const Blocks& blocks, const Row (&more)[count]) {
+  DALEMBERT_INLINE InverseOfFewRows(const Blocks& blocks, const Row (&more)[count]) {
     for_constants<count>([&](auto a) DALEMBERT_IN_BLOCK {
       for_constants<Rows::rows[a]>([&](auto r) DALEMBERT_IN_BLOCK {
         Row each[count] = {};
@@ -251,7 +180,7 @@ struct InverseOfRows {
         inverse.rows[Rows::first(a) + r] = together(each);
       });
     });
-    for_constants<count>([&](auto c) DALEMBERT_IN_BLOCK { invert_rows<m, Rows::first(c), Rows::rows[c]>(inverse, pivots); });
+    inverse.invert(pivots);
   }
 
   DALEMBERT_INLINE void solve(Row (&rest)[count], Row (&to)[count]) const { apart(inverse.times(together(rest)), to); }
@@ -265,6 +194,58 @@ struct InverseOfRows {
       now = inverse.times(all_known.plus(all_held, now));
     });
     apart(now, solved), apart(last, before);
+  }
+};
+
+// Of more, where there is room: one constraint's rows behind the other's.
+template <class Blocks, class Rows, class T>
+struct InverseOfManyRows {
+  static constexpr int count = Rows::count, m = Rows::first(count),
+                       padded = (m + native_lanes - 1) / native_lanes * native_lanes;
+  static constexpr int behind = 8;  // of what is written a block at a time
+  using Row = BlockRow<T, Blocks::w, Blocks::pieces>;
+  alignas(64) T own[in_registers(m) ? m * padded + behind : 1];  // which have no room
+  T* const inverse;
+  T pivots[m];
+
+  T pivot(int c, int r) const { return pivots[Rows::first(c) + r]; }
+
+  // more: what the diagonal has more.
+  DALEMBERT_INLINE InverseOfManyRows(const Blocks& blocks, const Row (&more)[count])
+      : inverse(in_registers(m) ? own : blocks.inverse) {
+    for (int a = 0; a < count; ++a) {
+      for_constants<Blocks::rows>([&](auto r) DALEMBERT_IN_BLOCK {
+        T* const row = blocks.of(a, a) + r * Blocks::padded;
+        Row::load(row).with_only(more[a], r).store(row);
+      });
+      // What a block has behind its own is written over by what follows it, if not by the next row.
+      for (int r = 0; r < Rows::rows[a]; ++r)
+        for (int b = a; b < count; ++b)
+          Row::load(blocks.of(a, b) + r * Blocks::padded).store(inverse + (Rows::first(a) + r) * padded + Rows::first(b));
+    }
+    invert_rows<m, padded>(inverse, pivots);
+  }
+
+  DALEMBERT_INLINE void solve(Row (&rest)[count], Row (&to)[count]) const {
+    alignas(64) T x[padded + behind], result[padded + behind] = {};
+    for (int c = 0; c < count; ++c) rest[c].store(x + Rows::first(c));
+    sum_columns<1, m, false, T>(
+        m, [&](int, int r) { return x[r]; }, [&](int r) { return inverse + r * padded; },
+        [](int) -> const T* { return nullptr; }, [&](int) { return result; });
+    for (int i = m; i < padded; ++i) result[i] = T(0);  // sums of what the room had there
+    for (int c = 0; c < count; ++c) to[c] = Row::load(result + Rows::first(c));
+  }
+
+  DALEMBERT_INLINE void solve(const Row (&known)[count], const Row (&held)[count], Row (&solved)[count],
+                              Row (&before)[count]) const {
+    for (int step = 0; step < Proximal<T>::steps; ++step) {
+      Row rest[count];
+      for (int c = 0; c < count; ++c) {
+        before[c] = solved[c];
+        rest[c] = known[c].plus(held[c], solved[c]);
+      }
+      solve(rest, solved);
+    }
   }
 };
 
@@ -357,7 +338,7 @@ __attribute__((noinline)) static ConstraintStatus<T> solve_constrained(const T* 
   constraint_detail::eliminate_upwards<n, Tree>(factor, x);
   blocks.fill(jacobian, factor, reciprocals, active);
 
-  // c, mu N, and the diagonal. What no row stands for is a one.
+  // c, mu N, and what the diagonal has more. What no row stands for is a one.
   constexpr int pieces = Blocks::pieces;
   using Row = constraint_detail::BlockRow<T, w, pieces>;
   using constraint_detail::each_above;
@@ -399,11 +380,10 @@ __attribute__((noinline)) static ConstraintStatus<T> solve_constrained(const T* 
     known[c] = left;
   });
 
-  // Of few rows the whole inverse, pivot by pivot; of more their blocks' elimination, which is less exact where one block is
-  // singular and another says the same.
-  constexpr bool whole = Rows::first(count) <= most_rows_inverted;
-  using Solver = std::conditional_t<whole, constraint_detail::InverseOfRows<Blocks, Rows, T>,
-                                    constraint_detail::EliminatedBlocks<Blocks, Rows, T>>;
+  // Registers of four are too few even for few rows.
+  using Solver = std::conditional_t<(in_registers(Rows::first(count)) && native_lanes >= 8),
+                                    constraint_detail::InverseOfFewRows<Blocks, Rows, T>,
+                                    constraint_detail::InverseOfManyRows<Blocks, Rows, T>>;
   const Solver solver(blocks, more);
   ConstraintStatus<T> status;
   each_index<count>([&](auto c) DALEMBERT_IN_BLOCK {
@@ -523,7 +503,7 @@ DALEMBERT_INLINE void solve_support(const T* jacobian, const T* weighted, const 
                         DALEMBERT_IN_BLOCK { return Row::of([&](int i) { return i < u ? from[least(i, u - 1)] : T(0); }); };
     const Row hold = of(held);
     for_constants<u>([&](auto i) DALEMBERT_IN_BLOCK { a.rows[i] = a.rows[i].with_only(hold, i); });
-    invert_rows<u, 0, u>(a, pivots);
+    a.invert(pivots);
     for (int i = 0; i < u; ++i) count_pivot(pivots[i], held[i]);
     const Row right = Row::of([&](int i) { return i < u ? to[Without::at[least(i, u - 1)]] : T(0); });
     Row solved = a.times(right);
