@@ -1,4 +1,4 @@
-// Blocks of rows in registers: their products, and inverses of small symmetric matrices, with their pivots.
+// Blocks of rows and sums of columns in registers; inverses of symmetric matrices, with their pivots.
 #pragma once
 
 #include <dalembert/constraint_rows.hpp>

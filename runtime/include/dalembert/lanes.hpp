@@ -193,14 +193,6 @@ DALEMBERT_INLINE Lanes<T, sizeof...(at)> shuffled(const V& a, const V& b) {
 #endif
 }
 
-// n numbers, and the same n again.
-namespace detail {
-template <class V, int... lane>
-DALEMBERT_INLINE auto twice(const V& x, std::integer_sequence<int, lane...>) {
-  return shuffled<std::decay_t<decltype(x[0])>, lane..., lane...>(x, x);
-}
-}  // namespace detail
-
 // a, and behind it b; and one half of such lanes, 0 or 1.
 namespace detail {
 template <class T, class V, int... lane>
@@ -222,13 +214,15 @@ DALEMBERT_INLINE auto half(const V& x) {
 }
 }  // namespace detail
 
+// n numbers, and the same n again.
 template <int n, class T>
 DALEMBERT_INLINE Lanes<T, 2 * n> load_twice(const T* from) {
 #if defined(__AVX512VL__)  // g++ 12 loads, and then shuffles
   // With a mask, of all lanes: what has none reads a register that g++ 12's header never sets, and warns of it in users' code.
   if constexpr (n == 4 && std::is_same_v<T, double>) return _mm512_maskz_broadcast_f64x4(0xff, _mm256_loadu_pd(from));
 #endif
-  return detail::twice(load<n, T>(from), std::make_integer_sequence<int, n>{});
+  const Lanes<T, n> x = load<n, T>(from);
+  return detail::joined<T>(x, x);
 }
 
 // The value, as if it had been computed. A loop that stores nothing but a table is taken for a memcpy of constants, which g++
