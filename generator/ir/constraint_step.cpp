@@ -210,6 +210,10 @@ Operations operations_of(const ConstraintStep& step, const KinematicTree& tree, 
   o.multiply += all * columns;
   multiply_adds(all * (all - 1) * columns);
   multiply_adds(step.solutions * all * columns);
+  for (std::size_t a = 0; a < count; ++a) {  // what the last step adds
+    multiply_adds(lanes(a));
+    for (std::size_t b = a; b < count; ++b) multiply_adds((a == b ? 1 : 2) * rows(a) * lanes(b));
+  }
   for (int k = 0; k < coordinates.size(); ++k)
     multiply_adds(step.kind == ConstraintStep::Kind::impact && !executed ? coordinates.depth(k) : 2 * coordinates.depth(k));
   o.multiply += n;

@@ -16,9 +16,9 @@ class Builder;
 struct JointModel {
   int nq = 0, nv = 0;
 };
-inline constexpr JointModel one_axis{1, 1}, free_flyer{7, 6}, welded{0, 0};
+inline constexpr JointModel one_axis{1, 1}, six_axes{7, 6}, welded{0, 0};
 // Of the root's joint.
-inline JointModel root_joint(const ir::KinematicTree& tree) { return tree.floating_base ? free_flyer : welded; }
+inline JointModel root_joint(const ir::KinematicTree& tree) { return tree.floating_base ? six_axes : welded; }
 
 // The roles in which a joint's position enters the equations; `reference`: those of poses, at rest where the joint carries the
 // frame of reference.

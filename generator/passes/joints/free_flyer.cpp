@@ -5,7 +5,7 @@
 namespace dalembert::passes {
 
 namespace {
-std::vector<JointPart> parts(const ir::Joint&) {
+std::vector<JointPart> free_flyer_parts(const ir::Joint&) {
   return {
       {"x", ir::JointType::prismatic, Eigen::Vector3d::UnitX()},   {"y", ir::JointType::prismatic, Eigen::Vector3d::UnitY()},
       {"z", ir::JointType::prismatic, Eigen::Vector3d::UnitZ()},   {"rx", ir::JointType::continuous, Eigen::Vector3d::UnitX()},
@@ -17,7 +17,7 @@ JointKindRow free_flyer() {
   return {"floating",
           "position [m] along the parent's axes, quaternion x y z w; linear and angular velocity along the child's axes [m/s, "
           "rad/s]",
-          7, 6, parts};
+          7, 6, free_flyer_parts};
 }
 
 }  // namespace dalembert::passes

@@ -4,9 +4,9 @@
 namespace dalembert::passes {
 
 namespace {
-std::vector<JointPart> parts(const ir::Joint& joint) { return {{"", joint.type, joint.axis}}; }
+std::vector<JointPart> helical_parts(const ir::Joint& joint) { return {{"", joint.type, joint.axis}}; }
 }  // namespace
 
-JointKindRow helical() { return {"helical", "angle [rad]", 1, 1, parts}; }
+JointKindRow helical() { return {"helical", "angle [rad]", 1, 1, helical_parts}; }
 
 }  // namespace dalembert::passes

@@ -6,7 +6,7 @@
 namespace dalembert::passes {
 
 namespace {
-std::vector<JointPart> parts(const ir::Joint& joint) {
+std::vector<JointPart> planar_parts(const ir::Joint& joint) {
   const Eigen::Vector3d& n = joint.axis;
   Eigen::Vector3d x = Eigen::Vector3d::UnitX(), y = Eigen::Vector3d::UnitY();
   if (n.z() > -1 + 1e-9) {
@@ -21,6 +21,8 @@ std::vector<JointPart> parts(const ir::Joint& joint) {
 }
 }  // namespace
 
-JointKindRow planar() { return {"planar", "displacements along x and y [m], angle about the normal [rad]", 3, 3, parts}; }
+JointKindRow planar() {
+  return {"planar", "displacements along x and y [m], angle about the normal [rad]", 3, 3, planar_parts};
+}
 
 }  // namespace dalembert::passes

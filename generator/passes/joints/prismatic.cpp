@@ -4,9 +4,9 @@
 namespace dalembert::passes {
 
 namespace {
-std::vector<JointPart> parts(const ir::Joint& joint) { return {{"", joint.type, joint.axis}}; }
+std::vector<JointPart> prismatic_parts(const ir::Joint& joint) { return {{"", joint.type, joint.axis}}; }
 }  // namespace
 
-JointKindRow prismatic() { return {"prismatic", "displacement [m]", 1, 1, parts}; }
+JointKindRow prismatic() { return {"prismatic", "displacement [m]", 1, 1, prismatic_parts}; }
 
 }  // namespace dalembert::passes

@@ -4,10 +4,10 @@
 namespace dalembert::passes {
 
 namespace {
-std::vector<JointPart> parts(const ir::Joint& joint) { return {{"", joint.type, joint.axis}}; }
+std::vector<JointPart> revolute_parts(const ir::Joint& joint) { return {{"", joint.type, joint.axis}}; }
 }  // namespace
 
-JointKindRow revolute() { return {"revolute", "angle [rad]", 1, 1, parts}; }
-JointKindRow continuous() { return {"continuous", "angle [rad]", 1, 1, parts}; }
+JointKindRow revolute() { return {"revolute", "angle [rad]", 1, 1, revolute_parts}; }
+JointKindRow continuous() { return {"continuous", "angle [rad]", 1, 1, revolute_parts}; }
 
 }  // namespace dalembert::passes

@@ -5,7 +5,7 @@
 namespace dalembert::passes {
 
 namespace {
-std::vector<JointPart> parts(const ir::Joint&) {
+std::vector<JointPart> spherical_parts(const ir::Joint&) {
   return {{"x", ir::JointType::continuous, Eigen::Vector3d::UnitX()},
           {"y", ir::JointType::continuous, Eigen::Vector3d::UnitY()},
           {"z", ir::JointType::continuous, Eigen::Vector3d::UnitZ()}};
@@ -13,7 +13,7 @@ std::vector<JointPart> parts(const ir::Joint&) {
 }  // namespace
 
 JointKindRow spherical() {
-  return {"spherical", "quaternion x y z w; angular velocity along the child's axes [rad/s]", 4, 3, parts};
+  return {"spherical", "quaternion x y z w; angular velocity along the child's axes [rad/s]", 4, 3, spherical_parts};
 }
 
 }  // namespace dalembert::passes

@@ -4,11 +4,11 @@
 namespace dalembert::passes {
 
 namespace {
-std::vector<JointPart> parts(const ir::Joint& joint) {
+std::vector<JointPart> universal_parts(const ir::Joint& joint) {
   return {{"1", ir::JointType::continuous, joint.axis}, {"2", ir::JointType::continuous, joint.second}};
 }
 }  // namespace
 
-JointKindRow universal() { return {"universal", "angles about its axes [rad]", 2, 2, parts}; }
+JointKindRow universal() { return {"universal", "angles about its axes [rad]", 2, 2, universal_parts}; }
 
 }  // namespace dalembert::passes

@@ -89,6 +89,16 @@ struct BlockRow {
     for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK { row.piece[i] = piece[i] + a.piece[i] * b.piece[i]; });
     return row;
   }
+  DALEMBERT_INLINE BlockRow minus(const BlockRow& a, const BlockRow& b) const {
+    BlockRow row;
+    for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK { row.piece[i] = piece[i] - a.piece[i] * b.piece[i]; });
+    return row;
+  }
+  DALEMBERT_INLINE BlockRow times(const BlockRow& a) const {
+    BlockRow row;
+    for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK { row.piece[i] = piece[i] * a.piece[i]; });
+    return row;
+  }
   // This and lane i of a in that lane.
   template <class I>
   DALEMBERT_INLINE BlockRow with_only(const BlockRow& a, I) const {
@@ -99,6 +109,9 @@ struct BlockRow {
   }
   DALEMBERT_INLINE void add(const BlockRow& a) {
     for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK { piece[i] += a.piece[i]; });
+  }
+  DALEMBERT_INLINE void subtract(const BlockRow& a) {
+    for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK { piece[i] -= a.piece[i]; });
   }
   // More by a b[i], element by element.
   DALEMBERT_INLINE void add(const BlockRow& a, const T* b) {

@@ -34,8 +34,6 @@ struct Proximal {
   static constexpr bool wide = sizeof(T) == 8;
   static constexpr T mu = wide ? T(1e-8) : T(1e-4);
   static constexpr int steps = wide ? 3 : 4;
-  // Least pivot in terms of N below which what is solved is wrong by more than rounding, the square root of mu.
-  static constexpr T near = wide ? T(1e-4) : T(1e-2);
   // Elements of J that are rounding, 64 epsilons of a metre or of one: rows of nothing else would hold what they do not touch.
   static constexpr T unmoved = wide ? T(0x1p-46) : T(0x1p-17);
   // mu of a row. What no joint moves is held as firmly as others are: by mu alone, rounding of what it asks for would be a

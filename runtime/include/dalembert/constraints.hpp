@@ -123,6 +123,24 @@ struct ConstraintBlocks {
       });
     });
   }
+
+  // rest = rest - Y' D^-1 Y f.
+  using Row = BlockRow<T, w, pieces>;
+  DALEMBERT_INLINE void subtract_along(const Row (&f)[count], Row (&rest)[count]) const {
+    each_index<count>([&](auto a) DALEMBERT_IN_BLOCK {
+      alignas(64) T own[padded], lower[padded] = {};
+      f[a].store(own);
+      each_index<count>([&](auto b) DALEMBERT_IN_BLOCK {
+        if (b < a) return;
+        for_constants<rows>([&](auto r) DALEMBERT_IN_BLOCK {
+          const T* const from = of(a, b) + r * padded;
+          rest[b].template add<true>(own[r], from);
+          if (b > a) lower[r] += Row::load(from).times(f[b]).total();
+        });
+      });
+      rest[a].subtract(Row::load(lower));
+    });
+  }
 };
 
 // Columns padded as blocks are, constraint by constraint.
@@ -185,15 +203,12 @@ struct InverseOfFewRows {
 
   DALEMBERT_INLINE void solve(Row (&rest)[count], Row (&to)[count]) const { apart(inverse.times(together(rest)), to); }
 
-  DALEMBERT_INLINE void solve(const Row (&known)[count], const Row (&held)[count], Row (&solved)[count],
-                              Row (&before)[count]) const {
+  // All steps but the last.
+  DALEMBERT_INLINE void solve(const Row (&known)[count], const Row (&held)[count], Row (&solved)[count]) const {
     const All all_known = together(known), all_held = together(held);
-    All now = inverse.times(all_known), last = now;
-    for_constants<Proximal<T>::steps - 1>([&](auto) DALEMBERT_IN_BLOCK {
-      last = now;
-      now = inverse.times(all_known.plus(all_held, now));
-    });
-    apart(now, solved), apart(last, before);
+    All now = inverse.times(all_known);
+    for_constants<Proximal<T>::steps - 2>([&](auto) DALEMBERT_IN_BLOCK { now = inverse.times(all_known.plus(all_held, now)); });
+    apart(now, solved);
   }
 };
 
@@ -213,16 +228,15 @@ struct InverseOfManyRows {
   // more: what the diagonal has more.
   DALEMBERT_INLINE InverseOfManyRows(const Blocks& blocks, const Row (&more)[count])
       : inverse(in_registers(m) ? own : blocks.inverse) {
-    for (int a = 0; a < count; ++a) {
+    // What a block has behind its own is written over by what follows it, if not by the next row.
+    for (int a = 0; a < count; ++a)
       for_constants<Blocks::rows>([&](auto r) DALEMBERT_IN_BLOCK {
-        T* const row = blocks.of(a, a) + r * Blocks::padded;
-        Row::load(row).with_only(more[a], r).store(row);
+        if (r >= Rows::rows[a]) return;
+        T* const to = inverse + (Rows::first(a) + r) * padded;
+        const auto block = [&](int b) DALEMBERT_IN_BLOCK { return Row::load(blocks.of(a, b) + r * Blocks::padded); };
+        block(a).with_only(more[a], r).store(to + Rows::first(a));
+        for (int b = a + 1; b < count; ++b) block(b).store(to + Rows::first(b));
       });
-      // What a block has behind its own is written over by what follows it, if not by the next row.
-      for (int r = 0; r < Rows::rows[a]; ++r)
-        for (int b = a; b < count; ++b)
-          Row::load(blocks.of(a, b) + r * Blocks::padded).store(inverse + (Rows::first(a) + r) * padded + Rows::first(b));
-    }
     invert_rows<m, padded>(inverse, pivots);
   }
 
@@ -236,14 +250,11 @@ struct InverseOfManyRows {
     for (int c = 0; c < count; ++c) to[c] = Row::load(result + Rows::first(c));
   }
 
-  DALEMBERT_INLINE void solve(const Row (&known)[count], const Row (&held)[count], Row (&solved)[count],
-                              Row (&before)[count]) const {
-    for (int step = 0; step < Proximal<T>::steps; ++step) {
+  // All steps but the last.
+  DALEMBERT_INLINE void solve(const Row (&known)[count], const Row (&held)[count], Row (&solved)[count]) const {
+    for (int step = 0; step < Proximal<T>::steps - 1; ++step) {
       Row rest[count];
-      for (int c = 0; c < count; ++c) {
-        before[c] = solved[c];
-        rest[c] = known[c].plus(held[c], solved[c]);
-      }
+      for (int c = 0; c < count; ++c) rest[c] = step > 0 ? known[c].plus(held[c], solved[c]) : known[c];
       solve(rest, solved);
     }
   }
@@ -343,7 +354,7 @@ __attribute__((noinline)) static ConstraintStatus<T> solve_constrained(const T* 
   using Row = constraint_detail::BlockRow<T, w, pieces>;
   using constraint_detail::each_above;
   using constraint_detail::each_index;
-  Row known[count], held[count], more[count], along[count];
+  Row known[count], held[count], regular[count], more[count], along[count];
   T scaled[n], sums[count][2], sum = T(0);
   for (int k = 0; k < n; ++k) scaled[k] = x[k] * reciprocals[k];
   each_index<count>([&](auto c) DALEMBERT_IN_BLOCK {
@@ -366,14 +377,14 @@ __attribute__((noinline)) static ConstraintStatus<T> solve_constrained(const T* 
     const T of_linear = mean(0, linear), of_angular = mean(1, own - linear);
     const auto of_row = [&](const T* all, int r) { return acts && r < own ? all[Rows::first(c) + least(r, own - 1)] : T(0); };
     const Row means = Row::of([&](int r) { return r >= own ? T(0) : r < linear ? of_linear : of_angular; });
-    const Row regular = Row::of([&](int r) { return of_row(regularization, r); });
+    regular[c] = Row::of([&](int r) { return of_row(regularization, r); });
     Row left = Row::of([&](int r) { return of_row(right, r); });
     constraint_detail::for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK {
       using V = Lanes<T, w>;
       const V none{}, one = broadcast<w, T>(T(1));
       held[c].piece[i] = (along[c].piece[i] > none ? broadcast<w, T>(Proximal<T>::mu) : one) * means.piece[i];
       const V idle = Row::of([&](int r) { return r < own && acts ? T(0) : T(1); }).piece[i];
-      more[c].piece[i] = held[c].piece[i] + regular.piece[i] + idle;
+      more[c].piece[i] = held[c].piece[i] + regular[c].piece[i] + idle;
     });
     each_above<Rows>(c,
                      [&](auto k) DALEMBERT_IN_BLOCK { left.template add<true>(scaled[Rows::paths[c][k]], blocks.row(c, k)); });
@@ -397,42 +408,13 @@ __attribute__((noinline)) static ConstraintStatus<T> solve_constrained(const T* 
     }
   });
 
-  // Inverses are as wrong as their pivots are small. Then steps behind the first add what rows lack: an error of theirs becomes
-  // one of the last addition.
-  const bool refines = !(status.least_pivot > Proximal<T>::near);
-  Row solved[count] = {}, before[count] = {};
-  const auto pushed_by = [&](const Row(&with)[count], T(&to)[n]) DALEMBERT_IN_BLOCK {  // Y f, in lanes at first
-    Row pushed[n] = {};
-    each_index<count>([&](auto c) DALEMBERT_IN_BLOCK {
-      each_above<Rows>(c, [&](auto k) DALEMBERT_IN_BLOCK { pushed[Rows::paths[c][k]].add(with[c], blocks.row(c, k)); });
-    });
-    for (int k = 0; k < n; ++k) to[k] = pushed[k].total();
-  };
-  if (!refines) {
-    solver.solve(known, held, solved, before);
-  } else {
-    for (int step = 0; step < Proximal<T>::steps; ++step) {
-      Row rest[count];
-      each_index<count>([&](auto c) DALEMBERT_IN_BLOCK {
-        before[c] = solved[c];
-        rest[c] = known[c];
-      });
-      if (step > 0) {
-        T moved[n];
-        pushed_by(solved, moved);
-        for (int k = 0; k < n; ++k) moved[k] *= reciprocals[k];
-        each_index<count>([&](auto c) DALEMBERT_IN_BLOCK {
-          alignas(64) T gives[padded] = {};
-          for (int r = 0; r < Rows::rows[c]; ++r) gives[r] = -regularization[Rows::first(c) + r];
-          rest[c] = known[c].plus(Row::load(gives), solved[c]);
-          each_above<Rows>(
-              c, [&](auto k) DALEMBERT_IN_BLOCK { rest[c].template add<true>(moved[Rows::paths[c][k]], blocks.row(c, k)); });
-        });
-      }
-      solver.solve(rest, solved);
-      each_index<count>([&](auto c) DALEMBERT_IN_BLOCK { solved[c].add(before[c]); });
-    }
-  }
+  // Products with an inverse leave an error of its condition: the last step adds what is missing.
+  Row before[count], rest[count], solved[count];
+  solver.solve(known, held, before);
+  each_index<count>([&](auto c) DALEMBERT_IN_BLOCK { rest[c] = known[c].minus(regular[c], before[c]); });
+  blocks.subtract_along(before, rest);
+  solver.solve(rest, solved);
+  each_index<count>([&](auto c) DALEMBERT_IN_BLOCK { solved[c].add(before[c]); });
   each_index<count>([&](auto c) DALEMBERT_IN_BLOCK {
     alignas(64) T now[padded], last[padded], hold[padded];
     solved[c].store(now), before[c].store(last), held[c].store(hold);
@@ -445,9 +427,11 @@ __attribute__((noinline)) static ConstraintStatus<T> solve_constrained(const T* 
     }
   });
 
-  T pushed[n];
-  pushed_by(solved, pushed);
-  for (int k = 0; k < n; ++k) x[k] += pushed[k];
+  Row pushed[n] = {};  // Y f, in lanes
+  each_index<count>([&](auto c) DALEMBERT_IN_BLOCK {
+    each_above<Rows>(c, [&](auto k) DALEMBERT_IN_BLOCK { pushed[Rows::paths[c][k]].add(solved[c], blocks.row(c, k)); });
+  });
+  for (int k = 0; k < n; ++k) x[k] += pushed[k].total();
   constraint_detail::substitute_downwards<n, Tree>(factor, reciprocals, x);
   return status;
 }
