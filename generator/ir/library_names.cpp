@@ -20,7 +20,7 @@ constexpr std::string_view macros[] = {
     "RAND_MAX", "SEEK_CUR", "SEEK_END", "SEEK_SET", "SHRT_MAX", "SHRT_MIN", "SIZE_MAX", "UCHAR_MAX", "UINT_MAX",
     "ULLONG_MAX", "ULONG_MAX", "USHRT_MAX", "WEOF", "errno", "linux", "math_errhandling", "stderr", "stdin", "stdout",
     "unix"};
-constexpr std::string_view functions[] = {
+constexpr std::string_view library_functions[] = {
     "abort", "abs", "access", "acos", "acosh", "alarm", "aligned_alloc", "asctime", "asin", "asinh", "atan", "atan2",
     "atanh", "atexit", "atof", "atoi", "atol", "atoll", "basename", "bcmp", "bcopy", "brk", "bsearch", "bzero",
     "calloc", "cbrt", "ceil", "chdir", "clearenv", "clock", "close", "copysign", "cos", "cosh", "crypt", "ctermid",
@@ -46,6 +46,6 @@ constexpr std::string_view functions[] = {
 
 bool is_library_macro(std::string_view text) { return std::binary_search(std::begin(macros), std::end(macros), text); }
 
-bool is_library_function(std::string_view text) { return std::binary_search(std::begin(functions), std::end(functions), text); }
+bool is_library_function(std::string_view text) { return std::binary_search(std::begin(library_functions), std::end(library_functions), text); }
 
 }  // namespace dalembert::ir
