@@ -23,7 +23,7 @@ void append(Names& names, Names more) {
   for (std::string& name : more) names.push_back(std::move(name));
 }
 
-Names coordinates(const ir::KinematicTree& tree) {
+Names coordinate_names(const ir::KinematicTree& tree) {
   Names names;
   if (tree.floating_base) append(names, behind("base", linear_and_angular));
   for (const ir::Body& body : tree.bodies)
@@ -70,7 +70,7 @@ Names names_along(ir::Extent extent, const Model& model) {
     case ir::Extent::three: return axes;
     case ir::Extent::four: return {"x_axis", "y_axis", "z_axis", "origin"};
     case ir::Extent::six: return linear_and_angular;
-    case ir::Extent::nv: return coordinates(model.tree);
+    case ir::Extent::nv: return coordinate_names(model.tree);
     case ir::Extent::six_per_body: return per_body(model.tree, linear_and_angular);
     case ir::Extent::ten_per_body: return per_body(model.tree, parameters);
     case ir::Extent::constraint_rows: return contact_rows(model.scene);
