@@ -541,8 +541,9 @@ __attribute__((noinline)) static ConstraintStatus<T> support(const T* jacobian, 
   constexpr int all = Rows::first(Rows::count), u = Without::count, room = u > 0 ? u : 1;
   ConstraintStatus<T> status;
   T weight[all];
-  for (int c = 0; c < Rows::count; ++c)
+  constraint_detail::each_index<Rows::count>([&](auto c) DALEMBERT_IN_BLOCK {
     for (int r = Rows::first(c); r < Rows::first(c + 1); ++r) weight[r] = active[c] > T(0) ? weights[r] : T(0);
+  });
   T weighted[room * all], y[room];
   for (int i = 0; i < u; ++i)
     for (int r = 0; r < all; ++r) weighted[i * all + r] = weight[r] * jacobian[Without::at[i] * all + r];
@@ -553,13 +554,14 @@ __attribute__((noinline)) static ConstraintStatus<T> support(const T* jacobian, 
     for (int i = 0; i < u; ++i) sum += broadcast<w, T>(y[i]) * load<w>(weighted + i * all + from);
     store<w, T>(forces + from, sum);
   });
-  for (int c = 0; c < Rows::count; ++c)
-    for (int k = 0; k < Rows::lengths[c]; ++k) {
+  T borne[n] = {};
+  constraint_detail::each_index<Rows::count>([&](auto c) DALEMBERT_IN_BLOCK {
+    constraint_detail::each_above<Rows>(c, [&](auto k) DALEMBERT_IN_BLOCK {
       const int at = Rows::paths[c][k];
-      T borne = T(0);
-      for (int r = Rows::first(c); r < Rows::first(c + 1); ++r) borne += jacobian[at * all + r] * forces[r];
-      to[at] -= borne;
-    }
+      for (int r = Rows::first(c); r < Rows::first(c + 1); ++r) borne[at] += jacobian[at * all + r] * forces[r];
+    });
+  });
+  for (int k = 0; k < n; ++k) to[k] -= borne[k];
   for (int i = 0; i < u; ++i) {
     const T left = to[Without::at[i]], size = left < T(0) ? -left : left;
     status.residual = size > status.residual ? size : status.residual;
