@@ -77,7 +77,7 @@ class ProjectionWriter {
     style.indent = "      ";
     style.flat_sums = true;
     style.name = [](ir::NodeId id) { return fmt::format("row_{}", id); };  // straight lines before have their own
-    style.broadcast = [this](const std::string& number) { return fmt::format("some.all(Scalar({}))", number); };
+    style.broadcast = [](const std::string& number) { return fmt::format("some.all(Scalar({}))", number); };
     style.input = [this](const ir::Input& in) {
       return in.kind == InputKind::state ? fmt::format("some.all({})", of_body(in, "k"))
                                          : fmt::format("some.load({} + joint)", of_joint(in));

@@ -54,7 +54,8 @@ constexpr T rounding_left(int n) {
 // Whether a pivot is above a part of a positive number.
 template <class T>
 DALEMBERT_INLINE bool exceeds(const T& pivot, const T& whole, const T& part) {
-  return (pivot > part * whole) & (pivot > T(0));
+  const bool above = pivot > part * whole, positive = pivot > T(0);
+  return above & positive;
 }
 
 // The status by bounds, from L' above the diagonal of `factor`, n x n, column by column. above: the coordinate above each, -1:
