@@ -46,6 +46,8 @@ constexpr std::string_view library_functions[] = {
 
 bool is_library_macro(std::string_view text) { return std::binary_search(std::begin(macros), std::end(macros), text); }
 
-bool is_library_function(std::string_view text) { return std::binary_search(std::begin(library_functions), std::end(library_functions), text); }
+bool is_library_function(std::string_view text) {
+  return std::binary_search(std::begin(library_functions), std::end(library_functions), text);
+}
 
 }  // namespace dalembert::ir

@@ -1,6 +1,8 @@
 // The quantities a user can ask for, by the names used on the command line, in scenes and in the emitted API.
 #pragma once
 
+#include <algorithm>
+#include <initializer_list>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -22,8 +24,9 @@ enum class Extent { one, three, four, six, nv, six_per_body, ten_per_body, const
 
 // What errors are measured against at least where a quantity vanishes by cancellation (see check): nothing but its own largest
 // element; |M| |v|; the quantity with gravity in other directions; |M| |v|²; that and the gravity term. Solved: its own, where
-// errors grow by the condition of M. Turning: |J| |v|², of the Jacobian whose rate it is. Constrained: solved, where errors grow by the condition
-// of the constraints too. Supported: as force, where errors grow by the condition of what constraints bear.
+// errors grow by the condition of M. Turning: |J| |v|², of the Jacobian whose rate it is. Constrained: solved, where errors
+// grow by the condition of the constraints too. Supported: as force, where errors grow by the condition of what constraints
+// bear.
 enum class Scale { own, momentum, weight, centrifugal, force, solved, turning, constrained, supported };
 
 // What of the robot a quantity makes no sense without: nothing, a mass or an inertia that moves, a mass.
@@ -48,6 +51,9 @@ inline bool is_solved(Scale scale) { return scale == Scale::solved || scale == S
 const std::vector<QuantityRow>& quantities();
 const QuantityRow& row_of(Quantity quantity);
 std::vector<Quantity> default_quantities();
+inline bool is_any_of(Quantity quantity, std::initializer_list<Quantity> list) {
+  return std::find(list.begin(), list.end(), quantity) != list.end();
+}
 // Whether it is of constraints, and there is none where the scene has none.
 bool is_of_constraints(Quantity quantity);
 // Whether it is computed where loops are embedded.

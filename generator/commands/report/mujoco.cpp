@@ -3,7 +3,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
-#include <initializer_list>
 #include <stdexcept>
 
 #include "backend/output_files.hpp"
@@ -21,10 +20,6 @@ std::string name_of(const char* function) { return std::string("dalembert_mujoco
 
 bool any_body(const ir::KinematicTree& tree, bool (*is)(const ir::Body&)) {
   return std::any_of(tree.bodies.begin(), tree.bodies.end(), is);
-}
-
-bool is_one_of(ir::Quantity quantity, std::initializer_list<ir::Quantity> list) {
-  return std::find(list.begin(), list.end(), quantity) != list.end();
 }
 
 // Ours; of statics, and of gravity, zero.
@@ -101,9 +96,9 @@ std::string Mujoco::obstacle(const Output& output) const {
   const ir::EmittedFunction& computed_by = output.function;
   if (computed_by.named && computed_by.quantities.size() + computed_by.of_links.size() > 1)
     return "one call computes this and more, none of MuJoCo's does";
-  if (is_one_of(*output.quantity, {inverse_dynamics, forward_dynamics}) && !model_.scene.wrenches.empty())
+  if (is_any_of(*output.quantity, {inverse_dynamics, forward_dynamics}) && !model_.scene.wrenches.empty())
     return "there are external forces given at run time, which MuJoCo's functions of this do not take";
-  if (is_one_of(*output.quantity, {bias, inverse_dynamics, forward_dynamics}) &&
+  if (is_any_of(*output.quantity, {bias, inverse_dynamics, forward_dynamics}) &&
       any_body(model_.tree, [](const ir::Body& b) { return b.friction != 0; }))
     return "Coulomb friction is a constraint in MuJoCo, and no part of its bias";
   return "";
@@ -133,9 +128,9 @@ Eigen::MatrixXd Mujoco::result(const Output& output, const State& state) const {
   Matrix value = own(quantity, output.rows, output.columns);
   if (quantity == bias && turned.floating) value += own(mass_matrix, model_.tree.nv(), model_.tree.nv()) * turned.drift;
   if (quantity == forward_dynamics) value -= turned.drift;
-  if (is_one_of(quantity, {mass_matrix, inverse_mass_matrix, gravity, bias, inverse_dynamics, forward_dynamics}))
+  if (is_any_of(quantity, {mass_matrix, inverse_mass_matrix, gravity, bias, inverse_dynamics, forward_dynamics}))
     turned.rows_back(value);
-  if (is_one_of(quantity, {mass_matrix, inverse_mass_matrix, center_of_mass_jacobian})) turned.columns_back(value);
+  if (is_any_of(quantity, {mass_matrix, inverse_mass_matrix, center_of_mass_jacobian})) turned.columns_back(value);
   return value.cast<double>();
 }
 

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
-#include <initializer_list>
 #include <new>
 #include <stdexcept>
 
@@ -47,10 +46,6 @@ dalembert_pinocchio_body body_of(const ir::Body& from) {
   copy_row_by_row(from.placement.linear(), body.rotation);
   copy_row_by_row(from.placement.translation(), body.translation);
   return body;
-}
-
-bool is_any_of(ir::Quantity quantity, std::initializer_list<ir::Quantity> list) {
-  return std::find(list.begin(), list.end(), quantity) != list.end();
 }
 
 }  // namespace
