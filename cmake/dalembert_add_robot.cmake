@@ -14,7 +14,8 @@
 #            it links oneTBB). Without it the scene's key `batch` is taken to be false.
 #   NATIVE   optimise the code for the processor that compiles it, whatever the build type: -O3 -march=native. With AVX and FMA
 #            it is two to four times as fast as plain x86-64 code (MAHRU, g++ 12); it runs on no older processor. The interface
-#            to it stays the same.
+#            to it stays the same. The variable DALEMBERT_NATIVE_LEVEL says another level than -O3, for builds in which speed
+#            does not matter.
 #   NO_SELF_TEST  don't run the code's self-test (NAME/self_test.hpp) after building it. By default a small program does, as
 #            part of the build and before anything that links TARGET: a compiler or flags that spoil the code stop the build,
 #            with the element that is wrong. Not run when cross-compiling without CMAKE_CROSSCOMPILING_EMULATOR; to be left out
@@ -101,11 +102,7 @@ function(dalembert_add_robot target)
   target_link_libraries(${target} PUBLIC dalembert::runtime)
   set(options "")
   if(ARG_NATIVE)
-    check_cxx_compiler_flag(-march=native DALEMBERT_HAS_MARCH_NATIVE)
-    set(options -O3)
-    if(DALEMBERT_HAS_MARCH_NATIVE)
-      list(APPEND options -march=native)
-    endif()
+    _dalembert_native_flags(options)
   endif()
   target_compile_options(${target} PRIVATE ${options})
   dalembert_check_compiler(${options})
@@ -115,6 +112,19 @@ function(dalembert_add_robot target)
   if(NOT ARG_NO_SELF_TEST AND (NOT CMAKE_CROSSCOMPILING OR CMAKE_CROSSCOMPILING_EMULATOR))
     _dalembert_run_self_test(${target} ${ARG_NAME} "${include_dir}")
   endif()
+endfunction()
+
+# What NATIVE stands for, into the variable of that name.
+function(_dalembert_native_flags name)
+  set(flags -O3)
+  if(DALEMBERT_NATIVE_LEVEL)
+    set(flags ${DALEMBERT_NATIVE_LEVEL})
+  endif()
+  check_cxx_compiler_flag(-march=native DALEMBERT_HAS_MARCH_NATIVE)
+  if(DALEMBERT_HAS_MARCH_NATIVE)
+    list(APPEND flags -march=native)
+  endif()
+  set(${name} ${flags} PARENT_SCOPE)
 endfunction()
 
 # Adds the program TARGET_self_test, which is run as soon as it is linked. Whatever links TARGET waits for that through the

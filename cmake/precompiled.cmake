@@ -1,17 +1,20 @@
-# dalembert_precompiled(NAME HEADERS header... LINK target...)   what many files include, as a precompiled header
-# dalembert_use_precompiled(TARGET NAME)                         read it before TARGET's sources
+# dalembert_precompiled(NAME HEADERS header... LINK target... [OPTIONS option...])   what many files include, as a precompiled header
+# dalembert_use_precompiled(TARGET NAME)   read it before TARGET's sources, which are compiled with the same OPTIONS
 #
-# Debug builds (the presets dev and tsan) do without: there a file that does not include what it needs fails to compile.
+# Debug builds (the presets dev and tsan) do without: there a file that does not include what it needs fails to compile, and
+# OPTIONS give way to the sanitizers'.
 file(CONFIGURE OUTPUT ${CMAKE_BINARY_DIR}/empty.cpp CONTENT "")
 
 function(dalembert_precompiled name)
-  cmake_parse_arguments(ARG "" "" "HEADERS;LINK" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "HEADERS;LINK;OPTIONS" ${ARGN})
   if(CMAKE_BUILD_TYPE STREQUAL "Debug")
     return()
   endif()
   add_library(${name} OBJECT ${CMAKE_BINARY_DIR}/empty.cpp)
   target_compile_features(${name} PRIVATE cxx_std_20)
   target_link_libraries(${name} PRIVATE ${ARG_LINK} dalembert_warnings)
+  target_compile_options(${name} PRIVATE ${ARG_OPTIONS})
+  set_target_properties(${name} PROPERTIES DALEMBERT_OPTIONS "${ARG_OPTIONS}")
   target_precompile_headers(${name} PRIVATE ${ARG_HEADERS})
 endfunction()
 
@@ -20,6 +23,7 @@ function(dalembert_use_precompiled target name)
     return()
   endif()
   target_precompile_headers(${target} REUSE_FROM ${name})
+  target_compile_options(${target} PRIVATE $<TARGET_PROPERTY:${name},DALEMBERT_OPTIONS>)
   # Read from there, GCC 12's <string> is no system's header any more, and it sees copies of 2^63 bytes in it.
   target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-stringop-overflow -Wno-array-bounds>)
 endfunction()

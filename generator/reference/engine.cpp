@@ -120,9 +120,25 @@ double LeastScale::largest_mass() {
   return *mass_;
 }
 
+namespace {
+
+// Moments of weights about the origin of the base, as far from it as their joints lead: what cancels where a joint's axis goes
+// through all centres of mass.
+double moments_about_base(const ir::KinematicTree& tree, double gravity) {
+  std::vector<double> away;
+  double sum = 0;
+  for (const ir::Body& body : tree.bodies) {
+    away.push_back((body.parent < 0 ? 0 : away[static_cast<std::size_t>(body.parent)]) + body.placement.translation().norm());
+    sum += body.inertia.mass * away.back();
+  }
+  return gravity * sum;
+}
+
+}  // namespace
+
 double LeastScale::largest_weight(ir::Quantity quantity) {
   if (const auto known = weight_.find(quantity); known != weight_.end()) return known->second;
-  double& largest = weight_[quantity] = 0;
+  double& largest = weight_[quantity] = moments_about_base(tree_, scene_.gravity.norm());
   ir::Scene turned = scene_;
   for (int i = 0; i < 3; ++i) {
     turned.gravity = scene_.gravity.norm() * Eigen::Vector3d::Unit(i);
