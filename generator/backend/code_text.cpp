@@ -210,9 +210,11 @@ std::string constraint_statements(const CodeInput& code) {
     if (supported) text += fmt::format("  const Scalar row_weight[] = {{\n      {}}};\n", wrapped(weights, 6));
   }
   for (const ir::ConstraintStep& s : code.algorithm.constraint_steps) {
+    const std::string by = s.by_limbs() ? "_by_limbs" : "",
+                      of_tree = s.by_limbs() ? name(s.gain) + ", " + name(s.joint) : name(s.factor);
     if (s.kind == ir::ConstraintStep::Kind::delassus) {
-      text += fmt::format("  dalembert::delassus<nv, ConstraintsOfScene>({}, {}, {}, {}, {});\n", name(s.jacobian),
-                          name(s.factor), name(s.pivots), name(s.room), name(s.to));
+      text += fmt::format("  dalembert::delassus{}<nv, ConstraintsOfScene>({}, {}, {}, {}, {});\n", by, name(s.jacobian), of_tree,
+                          name(s.pivots), name(s.room), name(s.to));
       continue;
     }
     if (s.kind == Kind::support) {
@@ -249,10 +251,10 @@ std::string constraint_statements(const CodeInput& code) {
     }
     const bool impact = s.kind == ir::ConstraintStep::Kind::impact;
     text += fmt::format(
-        "  workspace.{} = dalembert::{}<nv, ConstraintsOfScene, CoordinateTree>(\n"
+        "  workspace.{} = dalembert::{}{}<nv, ConstraintsOfScene, CoordinateTree>(\n"
         "      {}, {}, {}, {}, row_active, row_regularization,\n      {}, {}, {});\n",
-        own_name(code, impact ? "impact_status" : "constraint_status"), impact ? "solve_impact" : "solve_constrained",
-        name(s.jacobian), name(s.factor), name(s.pivots), name(s.right), name(s.room), name(s.forces), name(s.to));
+        own_name(code, impact ? "impact_status" : "constraint_status"), impact ? "solve_impact" : "solve_constrained", by,
+        name(s.jacobian), of_tree, name(s.pivots), name(s.right), name(s.room), name(s.forces), name(s.to));
   }
   return text;
 }

@@ -71,7 +71,7 @@ constexpr const char* own[] = {
     "inverse",      "factor",        "pivots",           "diagonal", "padded_inverse", "efforts_dq",
     "efforts_dv",   "mass",          "unscaled_factor",  "solve",    "batch",          "batch_tasks",
     "batch_blocks", "batch_results", "check_batch",      "gain",     "joint",          "constrained_accelerations",
-    "forces",       "response",      "projected_inverse"};
+    "forces",       "response",      "projected_inverse", "row_wrenches"};
 // What one in two halves has besides.
 constexpr const char* of_halves[] = {"accelerations",          "derivatives",
                                      "derivatives_scratch",    "derivatives_stages",

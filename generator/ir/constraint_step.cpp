@@ -47,7 +47,9 @@ std::vector<int> ConstraintStep::read() const {
       if (array >= 0) arrays.push_back(array);
     return arrays;
   }
-  std::vector<int> arrays{jacobian, factor, pivots};
+  std::vector<int> arrays{jacobian, pivots};
+  if (by_limbs()) arrays.insert(arrays.end(), {gain, joint});
+  else arrays.push_back(factor);
   if (right >= 0) arrays.push_back(right);
   if (kind != Kind::delassus) arrays.push_back(to);
   return arrays;
@@ -189,7 +191,13 @@ Operations operations_of(const ConstraintStep& step, const KinematicTree& tree, 
   for (std::size_t a = 0; a < count; ++a) {
     const long length = paths.length(a), common = paths.common[a], one = paths.split[a] - common, other = length - common - one;
     const auto in_chain = [](long count) { return count * (count - 1) / 2; };
-    multiply_adds((in_chain(common) + in_chain(one) + in_chain(other) + common * (one + other)) * lanes(a));
+    if (step.by_limbs()) {  // up the limb, then up the base
+      o.multiply += 12 * (length - 6) * lanes(a);
+      o.add += 11 * (length - 6) * lanes(a);
+      multiply_adds(15 * lanes(a));
+    } else {
+      multiply_adds((in_chain(common) + in_chain(one) + in_chain(other) + common * (one + other)) * lanes(a));
+    }
     o.multiply += length * lanes(a);
     for (std::size_t b = a; b < count; ++b) {
       const long elements = rows(a) * lanes(b);
@@ -214,9 +222,14 @@ Operations operations_of(const ConstraintStep& step, const KinematicTree& tree, 
     multiply_adds(lanes(a));
     for (std::size_t b = a; b < count; ++b) multiply_adds((a == b ? 1 : 2) * rows(a) * lanes(b));
   }
+  o.multiply += n;
+  if (step.by_limbs()) {
+    multiply_adds(15 + 12 * (n - 6));
+    o.add += n;
+    return o;
+  }
   for (int k = 0; k < coordinates.size(); ++k)
     multiply_adds(step.kind == ConstraintStep::Kind::impact && !executed ? coordinates.depth(k) : 2 * coordinates.depth(k));
-  o.multiply += n;
   return o;
 }
 

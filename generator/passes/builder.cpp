@@ -192,6 +192,13 @@ int Builder::internal_array(const std::string& name, int rows, int columns) {
   return index;
 }
 
+int Builder::internal_array_of_part(const std::string& name, int rows, int columns, std::vector<int> row_map,
+                                    std::vector<int> column_map) {
+  const int index = array_of_part(name, rows, columns, std::move(row_map), std::move(column_map));
+  algorithm_.arrays.back().internal = true;
+  return index;
+}
+
 int Builder::array_of_first_half(const std::string& name, int rows, int columns) {
   for (std::size_t i = 0; i < algorithm_.arrays.size(); ++i)
     if (algorithm_.arrays[i].name == name) return static_cast<int>(i);

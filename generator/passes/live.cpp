@@ -1,5 +1,7 @@
 #include "passes/live.hpp"
 
+#include <algorithm>
+
 namespace dalembert::passes {
 namespace {
 
@@ -12,11 +14,11 @@ class Walk {
     const auto size = static_cast<std::size_t>(live_.offset.back());
     for (auto* set : {&live_.body, &live_.base, &live_.coordinate, &live_.handed, &live_.handed_base}) set->assign(size, false);
     // The base's coordinates where the array has them, and bodies.
-    const auto need = [&](int array, bool along_rows, int role, int from, int count) {
+    const auto need = [&](int array, bool along_rows, int role, int from, int count, bool bodies = true) {
       const ir::OutputArray& a = algorithm.arrays[static_cast<std::size_t>(array)];
       const bool coordinates = floating_base && (along_rows ? a.row(0) : a.column(0)) >= 0;
       for (int i = from; i < from + count; ++i) {
-        live_.body[live_.at(role, i)] = true;
+        if (bodies) live_.body[live_.at(role, i)] = true;
         if (coordinates) live_.coordinate[live_.at(role, i)] = true;
       }
     };
@@ -37,7 +39,13 @@ class Walk {
       });
     for (const ir::Result& r : algorithm.results) {
       const int count = algorithm.roles[static_cast<std::size_t>(r.role)].components();
-      if (r.layout != ir::Layout::base) need(r.array, r.layout == ir::Layout::per_coordinate, r.role, 0, count);
+      if (r.layout != ir::Layout::base) {
+        const bool along_rows = r.layout == ir::Layout::per_coordinate;
+        const ir::OutputArray& a = algorithm.arrays[static_cast<std::size_t>(r.array)];
+        const std::vector<int>& map = along_rows ? a.row_map : a.column_map;
+        const bool bodies = map.empty() || std::any_of(map.begin() + (floating_base ? 6 : 0), map.end(), [](int at) { return at >= 0; });
+        need(r.array, along_rows, r.role, 0, count, bodies);
+      }
       for (int i = 0; i < count && r.layout == ir::Layout::base; ++i) live_.base[live_.at(r.role, i)] = true;
     }
   }

@@ -182,6 +182,64 @@ TEST(ConstraintKernels, LoopsAre) {
   expect_dense<ConstraintRows<At21<6>, From12To16<4, 2>, From12To21<1, 1>, From8To12<6, 3>>>(1e-10);
 }
 
+// V and J of articulated bodies, and wrenches on the base: M's U is V_k.J_i, and J's rows wrench.J_k.
+struct Limbs {
+  Matrix gain{6, n}, joint{6, n}, wrenches;
+
+  Limbs(System& s, unsigned seed) : wrenches(s.shape.all(), 6) {
+    std::mt19937 engine(seed);
+    const auto draw = [&] { return std::uniform_real_distribution<double>(-0.7, 0.7)(engine); };
+    for (Matrix* m : {&gain, &joint, &wrenches}) *m = m->unaryExpr([&](Real) { return Real(draw()); });
+    joint.leftCols(6).setIdentity();
+    for (int k = 0; k < 6; ++k) gain.col(k).tail(6 - k).setZero(), gain(k, k) = 1;
+    s.U.setIdentity();
+    s.J.setZero();
+    for (int k = 0; k < n; ++k)
+      for (int i = above[k]; i >= 0; i = above[i]) s.U(i, k) = gain.col(k).dot(joint.col(i));
+    for (int c = 0; c < s.shape.count; ++c)
+      for (int k = 0; k < s.shape.lengths[c]; ++k)
+        for (int r = s.shape.first(c); r < s.shape.first(c + 1); ++r)
+          s.J(r, s.shape.paths[c][k]) = wrenches.row(r).dot(joint.col(s.shape.paths[c][k]));
+    s.M = s.U * s.D.asDiagonal() * s.U.transpose();
+  }
+};
+
+template <class Rows>
+void expect_dense_by_limbs(double tolerance) {
+  for (unsigned seed = 1; seed < 6; ++seed) {
+    System s(shape<Rows>(), seed);
+    const Limbs limbs(s, seed);
+    const int all = s.shape.all();
+    const Vector effort = numbers(n, 1), right = numbers(all, 2), start = (s.U * s.D.asDiagonal()).inverse() * effort;
+    const auto gain = in<double>(limbs.gain), joint = in<double>(limbs.joint), wrenches = in<double>(limbs.wrenches),
+               D = in<double>(s.D), b = in<double>(right);
+    std::vector<double> room(static_cast<size_t>(constraint_room(s.shape.count, 6, n, all)), 7.0);
+    Eigen::MatrixXd along(all, all);
+    delassus_by_limbs<n, Rows>(wrenches.data(), gain.data(), joint.data(), D.data(), room.data(), along.data());
+    EXPECT_LT((along.cast<Real>() - s.along()).cwiseAbs().maxCoeff(), 1e-12 * s.along().cwiseAbs().maxCoeff());
+    for (unsigned mask = 0; mask < (1u << s.shape.count); ++mask) {
+      std::vector<double> active, regularization;
+      for (int c = 0; c < s.shape.count; ++c) active.push_back((mask >> c) & 1u ? 1 : 0);
+      for (int r = 0; r < all; ++r) regularization.push_back(0.01 * r);
+      const auto [expected, forces] = dense(s, effort, right, active, regularization);
+      Eigen::VectorXd x = start.cast<double>(), f(all), v = Eigen::VectorXd::Ones(n), impulses(all);
+      solve_constrained_by_limbs<n, Rows, Tree>(wrenches.data(), gain.data(), joint.data(), D.data(), b.data(), active.data(),
+                                                regularization.data(), room.data(), f.data(), x.data());
+      EXPECT_LT(error(x.cast<Real>(), expected), tolerance) << "seed " << seed << ", mask " << mask;
+      EXPECT_LE((f.cast<Real>() - forces).cwiseAbs().maxCoeff(), tolerance * forces.cwiseAbs().maxCoeff());
+      solve_impact_by_limbs<n, Rows, Tree>(wrenches.data(), gain.data(), joint.data(), D.data(), b.data(), active.data(),
+                                           regularization.data(), room.data(), impulses.data(), v.data());
+      const Vector after = Vector::Ones(n) + dense(s, Vector::Zero(n), right, active, regularization).first;
+      EXPECT_LT(error(v.cast<Real>(), after), tolerance) << "seed " << seed << ", mask " << mask;
+    }
+  }
+}
+TEST(ConstraintKernels, LimbsGiveWhatFactorsGive) {
+  expect_dense_by_limbs<ConstraintRows<At12<6>, At21<6>>>(1e-10);
+  expect_dense_by_limbs<ConstraintRows<At12<3>, At16<3>, At8<3>, At21<3>>>(1e-10);
+  expect_dense_by_limbs<ConstraintRows<At16<3>, AtBase<6>, At12<3>>>(1e-10);
+}
+
 // f = W J_u y, J_u' f what is lacking at the coordinates u.
 TEST(ConstraintKernels, SupportIsTheLeastByItsWeights) {
   using Rows = ConstraintRows<At12<6>, From12To16<5, 3>, At21<3>>;

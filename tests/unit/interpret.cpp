@@ -98,8 +98,32 @@ Eigen::MatrixXd rows_of(const Eigen::MatrixXd& J) {
   return (J.array().abs() <= Proximal<double>::unmoved).select(Eigen::MatrixXd::Zero(J.rows(), J.cols()), J);
 }
 
+// J and M's U, above its diagonal: as they are,
+std::pair<Eigen::MatrixXd, Eigen::MatrixXd> rows_and_factor(const Eigen::MatrixXd& J, const Eigen::MatrixXd& factor) {
+  Eigen::MatrixXd upper = factor.triangularView<Eigen::StrictlyUpper>();
+  upper.diagonal().setOnes();
+  return {rows_of(J), upper};
+}
+
+// or of V and J of articulated bodies and the rows' wrenches on the base.
+std::pair<Eigen::MatrixXd, Eigen::MatrixXd> rows_and_factor_of_limbs(const ConstraintStep& s, const Eigen::MatrixXd& wrenches,
+                                                                     const Eigen::MatrixXd& gain, const Eigen::MatrixXd& joint,
+                                                                     const std::vector<int>& above) {
+  const Eigen::Index n = gain.cols();
+  Eigen::MatrixXd J = Eigen::MatrixXd::Zero(wrenches.rows(), n), upper = Eigen::MatrixXd::Identity(n, n);
+  for (std::size_t c = 0; c + 1 < s.paths.first.size(); ++c)
+    for (int i = s.paths.begin[c]; i < s.paths.begin[c + 1]; ++i) {
+      const int first = s.paths.first[c], rows = s.paths.first[c + 1] - first, k = s.paths.path[static_cast<std::size_t>(i)];
+      J.block(first, k, rows, 1) = wrenches.middleRows(first, rows).leftCols(6) * joint.col(k);
+    }
+  for (Eigen::Index k = 0; k < n; ++k)
+    for (int i = above[static_cast<std::size_t>(k)]; i >= 0; i = above[static_cast<std::size_t>(i)])
+      upper(i, k) = gain.col(k).dot(joint.col(i));
+  return {J, upper};
+}
+
 // Steps with rows of constraints, likewise: all act, nothing gives way.
-void run_constraint_steps(const Algorithm& algorithm, Arrays& arrays) {
+void run_constraint_steps(const Algorithm& algorithm, Arrays& arrays, const std::vector<int>& above) {
   for (const ConstraintStep& s : algorithm.constraint_steps) {
     const auto array = [&](int index) -> Eigen::MatrixXd& {
       return arrays[algorithm.arrays[static_cast<std::size_t>(index)].name];
@@ -164,16 +188,16 @@ void run_constraint_steps(const Algorithm& algorithm, Arrays& arrays) {
       if (s.forces >= 0) array(s.forces) = B.transpose() * efforts - L * changes;
       continue;
     }
-    Eigen::MatrixXd upper = array(s.factor).triangularView<Eigen::StrictlyUpper>();
-    upper.diagonal().setOnes();
-    const Eigen::MatrixXd J = rows_of(array(s.jacobian)),
-                          inverse = (upper * array(s.pivots).col(0).asDiagonal() * upper.transpose()).inverse();
+    const auto [J, upper] = s.by_limbs() ? rows_and_factor_of_limbs(s, array(s.jacobian), array(s.gain), array(s.joint), above)
+                                         : rows_and_factor(array(s.jacobian), array(s.factor));
+    const Eigen::MatrixXd inverse = (upper * array(s.pivots).col(0).asDiagonal() * upper.transpose()).inverse();
     Eigen::MatrixXd along = J * inverse * J.transpose();
     if (s.kind == ConstraintStep::Kind::delassus) {
       array(s.to) = along;
       continue;
     }
     const bool impact = s.kind == ConstraintStep::Kind::impact;
+    if (!impact && s.by_limbs()) array(s.to) = upper * array(s.pivots).col(0).asDiagonal() * array(s.to);
     const Eigen::VectorXd free = impact ? Eigen::VectorXd::Zero(J.cols()) : Eigen::VectorXd(inverse * array(s.to)),
                           rest = array(s.right) - J * free;
     const Eigen::VectorXd held = held_by(along);
@@ -213,7 +237,7 @@ void run_steps(const Algorithm& algorithm, Arrays& arrays, const std::vector<int
     transposed.diagonal().setOnes();
     array(s.to) = array(s.room) = (transposed * array(s.b).col(0).asDiagonal() * transposed.transpose()).inverse();
   }
-  run_constraint_steps(algorithm, arrays);
+  run_constraint_steps(algorithm, arrays, above);
   if (!algorithm.guard) return;
   // A second half goes by what the first has found.
   if (algorithm.guard->pivots >= 0)

@@ -176,15 +176,22 @@ void guard(Builder& b, int array) {
   b.guard()->arrays.push_back(array);
 }
 
-void complete_guard(Builder& b) {
-  if (!b.guard() || b.guard()->pivots < 0 || b.factors() || b.has_array(b.own_name(ir::own_factor))) return;
+GainArrays gain_arrays(Builder& b) {
+  if (const int made = b.array_called(b.own_name(ir::own_gain)); made >= 0)
+    return {made, b.array_called(b.own_name(ir::own_joint))};
   const Articulated a = articulated_bodies(b);
   const Poses p = poses(b);
-  const int gain = b.internal_array(b.own_name(ir::own_gain), 6, b.tree().nv());
-  const int joint = b.internal_array(b.own_name(ir::own_joint), 6, b.tree().nv());
-  b.result({gain, ir::Layout::columns, a.gain});
-  b.result({joint, ir::Layout::columns, p.joint_linear});
-  b.result({joint, ir::Layout::columns, p.joint_angular, 3});
+  const GainArrays arrays{b.internal_array(b.own_name(ir::own_gain), 6, b.tree().nv()),
+                          b.internal_array(b.own_name(ir::own_joint), 6, b.tree().nv())};
+  b.result({arrays.gain, ir::Layout::columns, a.gain});
+  b.result({arrays.joint, ir::Layout::columns, p.joint_linear});
+  b.result({arrays.joint, ir::Layout::columns, p.joint_angular, 3});
+  return arrays;
+}
+
+void complete_guard(Builder& b) {
+  if (!b.guard() || b.guard()->pivots < 0 || b.factors() || b.has_array(b.own_name(ir::own_factor))) return;
+  gain_arrays(b);
 }
 
 SolvedRoles solved_accelerations(Builder& b) {
@@ -198,7 +205,7 @@ SolvedRoles solved_accelerations(Builder& b) {
   const int start = b.role({"free_acceleration", "ddq0", "dv with the parent at rest", "m/s^2 or rad/s^2", Shape::scalar});
   const int motion =
       b.role({"solved_twist", "dV", "dV of the body, what velocities alone cause left out", "m/s^2, rad/s^2", Shape::wrench});
-  const SolvedRoles roles{solved, motion};
+  const SolvedRoles roles{solved, motion, start};
   if (b.has("residuals")) return roles;
 
   SweepBuilder in = b.sweep("residuals", "e = tau - (C v + g) - p.J, ddq0 = e / D; p_p += p + V e", Direction::inwards);
@@ -222,6 +229,7 @@ SolvedRoles solved_accelerations(Builder& b) {
         entry(x, i) = entry(x, i) - f.row[static_cast<std::size_t>(k)][static_cast<std::size_t>(i)] * entry(x, k);
     for (int k = 0; k < 6; ++k) {
       entry(x, k) = f.inverse_pivot[static_cast<std::size_t>(k)] * entry(x, k);
+      base.store(start, 0, entry(x, k), k);
       for (int i = 0; i < k; ++i)
         entry(x, k) = entry(x, k) - f.row[static_cast<std::size_t>(k)][static_cast<std::size_t>(i)] * entry(x, i);
       base.store(solved, 0, entry(x, k), k);

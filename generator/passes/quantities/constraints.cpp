@@ -1,4 +1,7 @@
 // Rows of contacts and loops, J v̇ + J̇ v = b, and what keeps to them.
+#include <algorithm>
+#include <numeric>
+
 #include "dalembert/chain_shapes.hpp"
 #include "dalembert/constraint_shapes.hpp"
 #include "ir/constraint_step.hpp"
@@ -69,15 +72,48 @@ int jacobian(Builder& b) {
                   [&](int array) { describe_constraint_jacobian(b, array); });
 }
 
+// Whether rows go up their limbs body by body, by articulated bodies, and neither M nor its factors are formed. A loop has two
+// limbs; on a fixed base joints are not along the base's axes; derivatives have M⁻¹ of all joints anyhow.
+bool by_limbs(const Builder& b) {
+  constexpr ir::Quantity of_all_joints[] = {
+      ir::Quantity::constrained_forward_dynamics_dq,   ir::Quantity::constrained_forward_dynamics_dv,
+      ir::Quantity::constrained_forward_dynamics_dtau, ir::Quantity::constraint_forces_dq,
+      ir::Quantity::constraint_forces_dv,              ir::Quantity::constraint_forces_dtau};
+  return b.floating() && !b.factors() && b.scene().loops.empty() && b.function().first_half.empty() &&
+         b.function().second_half.empty() &&
+         std::none_of(std::begin(of_all_joints), std::end(of_all_joints), [&](ir::Quantity q) { return b.function().computes(q); });
+}
+
+// J's columns of the base: along its axes and about its origin, what the rows push it with.
+int base_columns(Builder& b) {
+  if (b.function().computes(ir::Quantity::constraint_jacobian)) return b.output(ir::Quantity::constraint_jacobian);
+  if (const int made = b.array_called(b.own_name("rows")); made >= 0) return made;
+  const std::string name = b.own_name("row_wrenches");
+  if (const int made = b.array_called(name); made >= 0) return made;
+  std::vector<int> columns(static_cast<std::size_t>(b.tree().nv()), -1);
+  std::iota(columns.begin(), columns.begin() + 6, 0);
+  const int array = b.internal_array_of_part(name, b.tree().constraint_rows, 6, {}, columns);
+  describe_constraint_jacobian(b, array);
+  return array;
+}
+
 ir::ConstraintStep step(Builder& b, ir::ConstraintStep::Kind kind, int to) {
-  const TreeFactors factors = tree_factors(b);
   const std::string name = b.own_name("constraint_room");
   const int made = b.array_called(name);
   ir::ConstraintStep s{kind, ir::constraint_paths(b.tree(), b.scene())};
   s.solutions = b.scene().scalar == ir::ScalarType::float32 ? Proximal<float>::steps : Proximal<double>::steps;
-  s.jacobian = jacobian(b);
-  s.factor = factors.upper;
-  s.pivots = factors.pivots;
+  if (by_limbs(b)) {
+    const GainArrays gains = gain_arrays(b);
+    s.jacobian = base_columns(b);
+    s.pivots = b.guard()->pivots;
+    s.gain = gains.gain;
+    s.joint = gains.joint;
+  } else {
+    const TreeFactors factors = tree_factors(b);
+    s.jacobian = jacobian(b);
+    s.factor = factors.upper;
+    s.pivots = factors.pivots;
+  }
   s.room = made >= 0 ? made : b.internal_array(name, ir::constraint_room(s.paths), 1);
   s.to = to;
   return s;
@@ -148,7 +184,7 @@ void solve_constrained(Builder& b) {
   ir::ConstraintStep s = step(b, ir::ConstraintStep::Kind::solve, to);
   s.forces = array_of(b, ir::Quantity::constraint_forces, "forces", rows, 1, nothing);
   s.right = b.internal_array(b.own_name("right"), rows, 1);
-  b.result({to, ir::Layout::per_coordinate, unbalanced(b)});
+  b.result({to, ir::Layout::per_coordinate, s.by_limbs() ? solved_accelerations(b).free_acceleration : unbalanced(b)});
   for (const auto& rows : constraint_rows(b)) describe_right(b, *rows, false, s.right);
   b.constraint_step(s);
 }

@@ -130,6 +130,11 @@ struct Articulated {
   int inverse_pivot, pivot, diagonal;
 };
 Articulated articulated_bodies(Builder& builder);
+// V and J of every coordinate as arrays, 6 × nv, that are no outputs.
+struct GainArrays {
+  int gain, joint;
+};
+GainArrays gain_arrays(Builder& builder);
 
 // U and D of M as an array: the output, or one that is none. Makes what the guard goes by.
 int mass_matrix_factor(Builder& builder);
@@ -150,6 +155,7 @@ int unbalanced(Builder& builder);
 // cause left out (of the base: its v̇).
 struct SolvedRoles {
   int acceleration = -1, twist = -1;
+  int free_acceleration = -1;  // D⁻¹ L⁻ᵀ (τ − C v − g) = L v̇
 };
 SolvedRoles solved_accelerations(Builder& builder);
 

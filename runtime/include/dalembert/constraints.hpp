@@ -1,7 +1,8 @@
 // Accelerations that keep to constraints: M dv = e + J' f, J dv = b, with M's factors along the tree, M = U D U' (factor.hpp,
 // solve.hpp).
 //
-// Y = U^-1 J' is made constraint by constraint, along the coordinates above its body alone (Featherstone 2008, section 6.5);
+// Y = U^-1 J' is made constraint by constraint, along the coordinates above its body alone (Featherstone 2008, section 6.5), by
+// U's elements or, of a floating base, by what articulated bodies hand up, where U is not formed: V and J of the bodies;
 // then J M^-1 J' = Y' D^-1 Y, in which two constraints meet where coordinates stand above both. Rows that say the same twice,
 // or ask for what no joint can do, make it singular: it is solved by the proximal point method (Carpentier, Budhiraja and
 // Mansard 2021),
@@ -42,18 +43,58 @@ struct ConstraintBlocks {
     return x * x <= most ? broadcast<w, T>(T(0)) : x;
   }
 
-  // J's rows of a constraint, in one column, times `acts`, which is zero where they are another's.
-  template <int c, int coordinate>
+  // J's rows of a constraint, in one column of so many, times `acts`, which is zero where they are another's.
+  template <int c, int coordinate, int columns>
   static DALEMBERT_INLINE void load_rows(const T* jacobian, const Lanes<T, w> (&acts)[pieces], Lanes<T, w> (&to)[pieces]) {
     constexpr int all = Rows::first(count), own = Rows::rows[c], first = coordinate * all + Rows::first(c);
     for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK {
       constexpr int begin = decltype(i)::value * w, from = first + begin;
       // One more number than asked for is no harm where J goes on; two cost as much as they save.
-      if constexpr (own - begin > 2 && from + w <= n * all) to[i] = load<w>(jacobian + from);
+      if constexpr (own - begin > 2 && from + w <= columns * all) to[i] = load<w>(jacobian + from);
       else
-        to[i] =
-            each_lane<w, T>([&](int lane) { return begin + lane < own ? jacobian[least(from + lane, n * all - 1)] : T(0); });
+        to[i] = each_lane<w, T>(
+            [&](int lane) { return begin + lane < own ? jacobian[least(from + lane, columns * all - 1)] : T(0); });
       to[i] = without_rounding(to[i]) * acts[i];
+    });
+  }
+
+  // One in every lane of a row that acts.
+  template <int c>
+  static DALEMBERT_INLINE void lanes_that_act(const T& active, Lanes<T, w> (&acts)[pieces]) {
+    for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK {
+      constexpr int begin = decltype(i)::value * w;
+      acts[i] = each_lane<w, T>([&](int lane) { return begin + lane < Rows::rows[c] ? active : T(0); });
+    });
+  }
+
+  // Y of one constraint, its wrench on the base being handed up the limb from body to body: what each coordinate takes of it is
+  // its row of Y. wrenches: J's columns of the base; gain, joint: V and J of articulated bodies, six numbers of each coordinate,
+  // the base's first.
+  template <int c>
+  DALEMBERT_INLINE void fill_along_limb(const T* wrenches, const T* gain, const T* joint, const T& active) const {
+    using Path = typename Rows::template path<c>;
+    using V = Lanes<T, w>;
+    constexpr int base = 6;
+    V acts[pieces], rest[base][pieces];
+    lanes_that_act<c>(active, acts);
+    for_constants<base>([&](auto j) DALEMBERT_IN_BLOCK { load_rows<c, decltype(j)::value, base>(wrenches, acts, rest[j]); });
+    DALEMBERT_KEEP_LOOP
+    for (int k = Path::length - 1; k >= base; --k) {
+      const T *const own = joint + base * Path::at[k], *const handed = gain + base * Path::at[k];
+      const auto along = [&](int j, auto i) DALEMBERT_IN_BLOCK { return broadcast<w, T>(own[j]) * rest[j][i]; };
+      for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK {
+        const V linear = along(0, i) + along(1, i) + along(2, i), angular = along(3, i) + along(4, i) + along(5, i),
+                taken = linear + angular;
+        store<w, T>(row(c, k) + i * w, taken);
+        for_constants<base>([&](auto j) DALEMBERT_IN_BLOCK { rest[j][i] -= broadcast<w, T>(handed[j]) * taken; });
+      });
+    }
+    for_constants<base>([&](auto step) DALEMBERT_IN_BLOCK {
+      constexpr int k = base - 1 - decltype(step)::value;
+      for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK {
+        store<w, T>(row(c, k) + i * w, rest[k][i]);
+        for_constants<k>([&](auto j) DALEMBERT_IN_BLOCK { rest[j][i] -= broadcast<w, T>(gain[base * k + j]) * rest[k][i]; });
+      });
     });
   }
 
@@ -63,14 +104,11 @@ struct ConstraintBlocks {
     using Path = typename Rows::template path<c>;
     constexpr int length = Path::length;
     Lanes<T, w> acts[pieces];
-    for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK {
-      constexpr int begin = decltype(i)::value * w;
-      acts[i] = each_lane<w, T>([&](int lane) { return begin + lane < Path::rows ? active : T(0); });
-    });
+    lanes_that_act<c>(active, acts);
     if constexpr (length <= 16) {
       Lanes<T, w> own[length][pieces];
       for_constants<length>([&](auto k)
-                                DALEMBERT_IN_BLOCK { load_rows<c, Path::at[decltype(k)::value]>(jacobian, acts, own[k]); });
+                                DALEMBERT_IN_BLOCK { load_rows<c, Path::at[decltype(k)::value], n>(jacobian, acts, own[k]); });
       for_constants<length>([&](auto step) DALEMBERT_IN_BLOCK {
         constexpr int k = length - 1 - decltype(step)::value;
         for_constants<k>([&](auto above) DALEMBERT_IN_BLOCK {
@@ -84,7 +122,7 @@ struct ConstraintBlocks {
     } else {
       for_constants<length>([&](auto k) DALEMBERT_IN_BLOCK {
         Lanes<T, w> own[pieces];
-        load_rows<c, Path::at[decltype(k)::value]>(jacobian, acts, own);
+        load_rows<c, Path::at[decltype(k)::value], n>(jacobian, acts, own);
         for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK { store<w, T>(row(c, k) + i * w, own[i]); });
       });
       for (int k = length - 1; k > 0; --k) {
@@ -102,9 +140,10 @@ struct ConstraintBlocks {
   }
 
   // Y, and Y' D^-1 Y. active: null, all act.
-  DALEMBERT_INLINE void fill(const T* jacobian, const T* factor, const T* reciprocals, const T* active) const {
+  template <class Way>
+  DALEMBERT_INLINE void fill(const Way& way, const T* reciprocals, const T* active) const {
     for_constants<count>(
-        [&](auto c) DALEMBERT_IN_BLOCK { fill_rows<decltype(c)::value>(jacobian, factor, active ? active[c] : T(1)); });
+        [&](auto c) DALEMBERT_IN_BLOCK { way.template fill_rows<decltype(c)::value>(*this, active ? active[c] : T(1)); });
     constexpr bool small = rows <= 3 && count <= 4;  // larger blocks fill the registers by themselves
     each_index<count, small>([&](auto a) DALEMBERT_IN_BLOCK {
       alignas(64) T weighted[longest * padded];
@@ -312,18 +351,100 @@ DALEMBERT_INLINE void reciprocals_of(const T* pivots, T* reciprocals) {
   for (int k = 0; k < n; ++k) reciprocals[k] = T(1) / pivots[k];
 }
 
-}  // namespace constraint_detail
+// The chain that ends with a coordinate.
+template <class Tree, int c = 0>
+constexpr int chain_that_ends_with(int coordinate) {
+  if constexpr (c == Tree::count) {
+    return -1;
+  } else {
+    using Chain = typename Tree::template chain<c>;
+    return Chain::first + Chain::count - 1 == coordinate ? c : chain_that_ends_with<Tree, c + 1>(coordinate);
+  }
+}
 
-// to = J M^-1 J', all rows of all constraints, whether they act or not.
-template <int n, class Rows, class T>
-__attribute__((noinline)) static void delassus(const T* jacobian, const T* factor, const T* pivots, T* room, T* to) noexcept {
-  using Blocks = constraint_detail::ConstraintBlocks<n, Rows, T>;
+// x = L^-1 x, M = L' D L, by articulated bodies from the base outwards: every coordinate moves by what it is less what the
+// motion above makes it yield, and every body by that more.
+template <class Tree, class T>
+DALEMBERT_INLINE void accelerate_outwards(const T* gain, const T* joint, T* x) {
+  constexpr int base = 6;
+  T ends[Tree::count][base];
+  for_constants<Tree::count>([&](auto c) DALEMBERT_IN_BLOCK {
+    using Chain = typename Tree::template chain<decltype(c)::value>;
+    constexpr bool of_base = Chain::first == 0;
+    T twist[base];
+    if constexpr (of_base) {
+      for_constants<base>([&](auto k) DALEMBERT_IN_BLOCK {
+        T own = x[k];
+        for_constants<decltype(k)::value>([&](auto i) DALEMBERT_IN_BLOCK { own -= gain[base * k + i] * x[i]; });
+        twist[k] = x[k] = own;
+      });
+    } else {
+      constexpr int above = chain_that_ends_with<Tree>(Chain::run[1] - 1);
+      for_constants<base>([&](auto j) DALEMBERT_IN_BLOCK { twist[j] = ends[above][j]; });
+    }
+    DALEMBERT_KEEP_LOOP
+    for (int k = of_base ? base : Chain::first; k < Chain::first + Chain::count; ++k) {
+      const T *const yields = gain + base * k, *const own = joint + base * k;
+      const T linear = yields[0] * twist[0] + yields[1] * twist[1] + yields[2] * twist[2],
+              angular = yields[3] * twist[3] + yields[4] * twist[4] + yields[5] * twist[5];
+      const T rate = x[k] - (linear + angular);
+      x[k] = rate;
+      for_constants<base>([&](auto j) DALEMBERT_IN_BLOCK { twist[j] += own[j] * rate; });
+    }
+    for_constants<base>([&](auto j) DALEMBERT_IN_BLOCK { ends[c][j] = twist[j]; });
+  });
+}
+
+// How rows and efforts go up the tree, and accelerations down: by M's factors,
+template <int n, class T>
+struct WayByFactor {
+  const T *jacobian, *factor;
+
+  template <int c, class Blocks>
+  DALEMBERT_INLINE void fill_rows(const Blocks& blocks, const T& active) const {
+    blocks.template fill_rows<c>(jacobian, factor, active);
+  }
+  // x = U^-1 x; scaled: D^-1 of it.
+  template <class Tree>
+  DALEMBERT_INLINE void upwards(const T* reciprocals, T* x, T* scaled) const {
+    eliminate_upwards<n, Tree>(factor, x);
+    for (int k = 0; k < n; ++k) scaled[k] = x[k] * reciprocals[k];
+  }
+  // x = M^-1 (e + J' f), pushed being Y f.
+  template <class Tree, class Pushed>
+  DALEMBERT_INLINE void downwards(const T* reciprocals, const Pushed& pushed, T* x) const {
+    for (int k = 0; k < n; ++k) x[k] += pushed(k);
+    substitute_downwards<n, Tree>(factor, reciprocals, x);
+  }
+};
+// or by articulated bodies, where x comes as what `upwards` makes.
+template <int n, class T>
+struct WayByLimbs {
+  const T *wrenches, *gain, *joint;
+
+  template <int c, class Blocks>
+  DALEMBERT_INLINE void fill_rows(const Blocks& blocks, const T& active) const {
+    blocks.template fill_along_limb<c>(wrenches, gain, joint, active);
+  }
+  template <class Tree>
+  DALEMBERT_INLINE void upwards(const T*, const T* x, T* scaled) const {
+    for (int k = 0; k < n; ++k) scaled[k] = x[k];
+  }
+  template <class Tree, class Pushed>
+  DALEMBERT_INLINE void downwards(const T* reciprocals, const Pushed& pushed, T* x) const {
+    for (int k = 0; k < n; ++k) x[k] += reciprocals[k] * pushed(k);
+    accelerate_outwards<Tree>(gain, joint, x);
+  }
+};
+
+template <int n, class Rows, class Way, class T>
+DALEMBERT_INLINE void delassus(const Way& way, const T* pivots, T* room, T* to) {
+  using Blocks = ConstraintBlocks<n, Rows, T>;
   constexpr int all = Rows::first(Rows::count);
   const Blocks blocks(room);
   T reciprocals[n];
-  constraint_detail::reciprocals_of<n>(pivots, reciprocals);
-  blocks.fill(jacobian, factor, reciprocals, static_cast<const T*>(nullptr));
-  using constraint_detail::each_index;
+  reciprocals_of<n>(pivots, reciprocals);
+  blocks.fill(way, reciprocals, static_cast<const T*>(nullptr));
   each_index<Rows::count>([&](auto a) DALEMBERT_IN_BLOCK {
     each_index<Rows::count>([&](auto b) DALEMBERT_IN_BLOCK {
       if (b < a) return;
@@ -335,28 +456,22 @@ __attribute__((noinline)) static void delassus(const T* jacobian, const T* facto
   });
 }
 
-// x becomes M^-1 (x + J' f), and f what makes J x = b. factor: M's U, of which the half above the diagonal is read. right: b.
-// active: 1 or 0 per constraint. regularization: R, per row.
-template <int n, class Rows, class Tree, class T>
-__attribute__((noinline)) static ConstraintStatus<T> solve_constrained(const T* jacobian, const T* factor, const T* pivots,
-                                                                       const T* right, const T* active, const T* regularization,
-                                                                       T* room, T* forces, T* x) noexcept {
-  using Blocks = constraint_detail::ConstraintBlocks<n, Rows, T>;
+template <int n, class Rows, class Tree, class Way, class T>
+DALEMBERT_INLINE ConstraintStatus<T> solve(const Way& way, const T* pivots, const T* right, const T* active,
+                                           const T* regularization, T* room, T* forces, T* x) {
+  using Blocks = ConstraintBlocks<n, Rows, T>;
   constexpr int count = Rows::count, padded = Blocks::padded, w = Blocks::w;
   const Blocks blocks(room);
-  T reciprocals[n];
-  constraint_detail::reciprocals_of<n>(pivots, reciprocals);
-  constraint_detail::eliminate_upwards<n, Tree>(factor, x);
-  blocks.fill(jacobian, factor, reciprocals, active);
+  T reciprocals[n], scaled[n];
+  reciprocals_of<n>(pivots, reciprocals);
+  way.template upwards<Tree>(reciprocals, x, scaled);
+  blocks.fill(way, reciprocals, active);
 
   // c, mu N, and what the diagonal has more. What no row stands for is a one.
   constexpr int pieces = Blocks::pieces;
-  using Row = constraint_detail::BlockRow<T, w, pieces>;
-  using constraint_detail::each_above;
-  using constraint_detail::each_index;
+  using Row = BlockRow<T, w, pieces>;
   Row known[count], held[count], regular[count], more[count], along[count];
-  T scaled[n], sums[count][2], sum = T(0);
-  for (int k = 0; k < n; ++k) scaled[k] = x[k] * reciprocals[k];
+  T sums[count][2], sum = T(0);
   each_index<count>([&](auto c) DALEMBERT_IN_BLOCK {
     const int own = Rows::rows[c], linear = Rows::linear[c];
     const T* const block = blocks.of(c, c);
@@ -379,7 +494,7 @@ __attribute__((noinline)) static ConstraintStatus<T> solve_constrained(const T* 
     const Row means = Row::of([&](int r) { return r >= own ? T(0) : r < linear ? of_linear : of_angular; });
     regular[c] = Row::of([&](int r) { return of_row(regularization, r); });
     Row left = Row::of([&](int r) { return of_row(right, r); });
-    constraint_detail::for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK {
+    for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK {
       using V = Lanes<T, w>;
       const V none{}, one = broadcast<w, T>(T(1));
       held[c].piece[i] = (along[c].piece[i] > none ? broadcast<w, T>(Proximal<T>::mu) : one) * means.piece[i];
@@ -393,8 +508,8 @@ __attribute__((noinline)) static ConstraintStatus<T> solve_constrained(const T* 
 
   // Registers of four are too few even for few rows.
   using Solver = std::conditional_t<(in_registers(Rows::first(count)) && native_lanes >= 8),
-                                    constraint_detail::InverseOfFewRows<Blocks, Rows, T>,
-                                    constraint_detail::InverseOfManyRows<Blocks, Rows, T>>;
+                                    InverseOfFewRows<Blocks, Rows, T>,
+                                    InverseOfManyRows<Blocks, Rows, T>>;
   const Solver solver(blocks, more);
   ConstraintStatus<T> status;
   each_index<count>([&](auto c) DALEMBERT_IN_BLOCK {
@@ -431,9 +546,42 @@ __attribute__((noinline)) static ConstraintStatus<T> solve_constrained(const T* 
   each_index<count>([&](auto c) DALEMBERT_IN_BLOCK {
     each_above<Rows>(c, [&](auto k) DALEMBERT_IN_BLOCK { pushed[Rows::paths[c][k]].add(solved[c], blocks.row(c, k)); });
   });
-  for (int k = 0; k < n; ++k) x[k] += pushed[k].total();
-  constraint_detail::substitute_downwards<n, Tree>(factor, reciprocals, x);
+  way.template downwards<Tree>(reciprocals, [&](int k) DALEMBERT_IN_BLOCK { return pushed[k].total(); }, x);
   return status;
+}
+
+}  // namespace constraint_detail
+
+// to = J M^-1 J', all rows of all constraints, whether they act or not.
+template <int n, class Rows, class T>
+__attribute__((noinline)) static void delassus(const T* jacobian, const T* factor, const T* pivots, T* room, T* to) noexcept {
+  constraint_detail::delassus<n, Rows>(constraint_detail::WayByFactor<n, T>{jacobian, factor}, pivots, room, to);
+}
+// The same of a floating base by articulated bodies. wrenches: J's columns of the base; gain, joint: V and J of every
+// coordinate, the base's first, M being L' D L and L_ki = V_k.J_i.
+template <int n, class Rows, class T>
+__attribute__((noinline)) static void delassus_by_limbs(const T* wrenches, const T* gain, const T* joint, const T* pivots,
+                                                        T* room, T* to) noexcept {
+  constraint_detail::delassus<n, Rows>(constraint_detail::WayByLimbs<n, T>{wrenches, gain, joint}, pivots, room, to);
+}
+
+// x becomes M^-1 (x + J' f), and f what makes J x = b. factor: M's U, of which the half above the diagonal is read. right: b.
+// active: 1 or 0 per constraint. regularization: R, per row.
+template <int n, class Rows, class Tree, class T>
+__attribute__((noinline)) static ConstraintStatus<T> solve_constrained(const T* jacobian, const T* factor, const T* pivots,
+                                                                       const T* right, const T* active, const T* regularization,
+                                                                       T* room, T* forces, T* x) noexcept {
+  return constraint_detail::solve<n, Rows, Tree>(constraint_detail::WayByFactor<n, T>{jacobian, factor}, pivots, right, active,
+                                                 regularization, room, forces, x);
+}
+// The same by articulated bodies; x comes as D^-1 L'^-1 of the efforts, which is L dv without constraints.
+template <int n, class Rows, class Tree, class T>
+__attribute__((noinline)) static ConstraintStatus<T> solve_constrained_by_limbs(const T* wrenches, const T* gain,
+                                                                                const T* joint, const T* pivots, const T* right,
+                                                                                const T* active, const T* regularization,
+                                                                                T* room, T* forces, T* x) noexcept {
+  return constraint_detail::solve<n, Rows, Tree>(constraint_detail::WayByLimbs<n, T>{wrenches, gain, joint}, pivots, right,
+                                                 active, regularization, room, forces, x);
 }
 
 // v becomes what it is after an impact, v + M^-1 J' f, f being the impulses that change J v by `right`.
@@ -443,6 +591,16 @@ static inline ConstraintStatus<T> solve_impact(const T* jacobian, const T* facto
   T change[n] = {};
   const ConstraintStatus<T> status =
       solve_constrained<n, Rows, Tree>(jacobian, factor, pivots, right, active, regularization, room, impulses, change);
+  for (int k = 0; k < n; ++k) v[k] += change[k];
+  return status;
+}
+template <int n, class Rows, class Tree, class T>
+static inline ConstraintStatus<T> solve_impact_by_limbs(const T* wrenches, const T* gain, const T* joint, const T* pivots,
+                                                        const T* right, const T* active, const T* regularization, T* room,
+                                                        T* impulses, T* v) noexcept {
+  T change[n] = {};
+  const ConstraintStatus<T> status = solve_constrained_by_limbs<n, Rows, Tree>(wrenches, gain, joint, pivots, right, active,
+                                                                               regularization, room, impulses, change);
   for (int k = 0; k < n; ++k) v[k] += change[k];
   return status;
 }
