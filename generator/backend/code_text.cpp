@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cctype>
 #include <stdexcept>
+#include <utility>
 
 #include "backend/literals.hpp"
 #include "ir/constraint_step.hpp"
@@ -180,7 +181,7 @@ std::string tree_type(const ir::CoordinateTree& tree) {
 
 }  // namespace
 
-std::string constraint_statements(const CodeInput& code) {
+std::string constraint_statements(const CodeInput& code, const std::string& limbs) {
   if (code.algorithm.constraint_steps.empty()) return "";
   const auto name = [&](int index) { return "workspace." + code.algorithm.arrays[static_cast<size_t>(index)].name; };
   std::string text =
@@ -209,12 +210,17 @@ std::string constraint_statements(const CodeInput& code) {
       text += fmt::format("  const Scalar row_regularization[] = {{\n      {}}};\n", wrapped(regularization, 6));
     if (supported) text += fmt::format("  const Scalar row_weight[] = {{\n      {}}};\n", wrapped(weights, 6));
   }
+  bool limbs_unsaid = true;
   for (const ir::ConstraintStep& s : code.algorithm.constraint_steps) {
-    const std::string by = s.by_limbs() ? "_by_limbs" : "",
-                      of_tree = s.by_limbs() ? name(s.gain) + ", " + name(s.joint) : name(s.factor);
+    const std::string by = s.by_limbs() ? "_by_limbs" : "";
+    const std::string of_tree =
+        s.by_limbs() ? "limbs, " + name(s.jacobian) : fmt::format("{}, {}, {}", name(s.jacobian), name(s.factor), name(s.pivots));
+    if (s.by_limbs() && std::exchange(limbs_unsaid, false))
+      text += limbs.empty() ? fmt::format("  const dalembert::LimbsInArrays<Scalar> limbs{{{}, {}, {}}};\n", name(s.gain),
+                                          name(s.joint), name(s.pivots))
+                            : limbs;
     if (s.kind == ir::ConstraintStep::Kind::delassus) {
-      text += fmt::format("  dalembert::delassus{}<nv, ConstraintsOfScene>({}, {}, {}, {}, {});\n", by, name(s.jacobian), of_tree,
-                          name(s.pivots), name(s.room), name(s.to));
+      text += fmt::format("  dalembert::delassus{}<nv, ConstraintsOfScene>({}, {}, {});\n", by, of_tree, name(s.room), name(s.to));
       continue;
     }
     if (s.kind == Kind::support) {
@@ -252,9 +258,9 @@ std::string constraint_statements(const CodeInput& code) {
     const bool impact = s.kind == ir::ConstraintStep::Kind::impact;
     text += fmt::format(
         "  workspace.{} = dalembert::{}{}<nv, ConstraintsOfScene, CoordinateTree>(\n"
-        "      {}, {}, {}, {}, row_active, row_regularization,\n      {}, {}, {});\n",
-        own_name(code, impact ? "impact_status" : "constraint_status"), impact ? "solve_impact" : "solve_constrained", by,
-        name(s.jacobian), of_tree, name(s.pivots), name(s.right), name(s.room), name(s.forces), name(s.to));
+        "      {}, {}, row_active, row_regularization,\n      {}, {}, {});\n",
+        own_name(code, impact ? "impact_status" : "constraint_status"), impact ? "solve_impact" : "solve_constrained", by, of_tree,
+        name(s.right), name(s.room), name(s.forces), name(s.to));
   }
   return text;
 }

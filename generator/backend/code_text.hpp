@@ -40,7 +40,8 @@ std::string clear_statements(const CodeInput& code);
 // Statements behind the elements: steps with whole matrices.
 std::string matrix_statements(const CodeInput& code);
 // Behind them: steps with rows of constraints.
-std::string constraint_statements(const CodeInput& code);
+// limbs: declares where rows go up from, where that is not in arrays.
+std::string constraint_statements(const CodeInput& code, const std::string& limbs = "");
 // The runtime's headers that they call.
 std::vector<std::string> constraint_includes(const CodeInput& code);
 // Whether they factor M; and the function that solves with the factors, empty if the code is to have none.

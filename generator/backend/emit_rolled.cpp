@@ -106,11 +106,13 @@ std::vector<int> bodies_of(const CodeInput& code, const ir::Result& r) {
   return bodies;
 }
 
-// The roles of the pivots, of M's diagonal and of V and J, where nothing but the check whether M can be solved with reads their
-// arrays: it reads them where limbs leave them.
+// The roles of the pivots, of M's diagonal and of V and J, where nothing reads their arrays but the check whether M can be solved
+// with and rows that go up limbs: these read them where limbs leave them.
 std::optional<PivotRoles> pivots_in_slots(const CodeInput& code) {
   const std::optional<ir::Guard>& guard = code.algorithm.guard;
-  if (!guard || !code.algorithm.steps.empty() || !code.algorithm.constraint_steps.empty()) return {};
+  const std::vector<ir::ConstraintStep>& steps = code.algorithm.constraint_steps;
+  const bool by_limbs = std::all_of(steps.begin(), steps.end(), [](const ir::ConstraintStep& s) { return s.by_limbs(); });
+  if (!guard || !code.algorithm.steps.empty() || !by_limbs) return {};
   const ir::GuardArrays told_by = ir::guard_arrays(code.algorithm);
   PivotRoles roles;
   for (const ir::Result& r : code.algorithm.results) {
@@ -119,6 +121,9 @@ std::optional<PivotRoles> pivots_in_slots(const CodeInput& code) {
     if (r.array == told_by.gain) roles.gain = r.role;
     if (r.array == told_by.joint) (r.from == 0 ? roles.linear : roles.angular) = r.role;
   }
+  // Rows go up limbs by all of them.
+  for (const int role : {roles.gain, roles.linear, roles.angular})
+    if (!steps.empty() && (role < 0 || !is_kept(code, role))) return {};
   return roles;
 }
 
@@ -183,12 +188,16 @@ bool checked_at_base(const CodeInput& code, const ir::BaseStage& stage) {
          });
 }
 
-std::string status_of_slots(const CodeInput& code) {
+// Of dalembert::JointSlots.
+std::string slots_of_joints(const CodeInput& code) {
   const PivotRoles in_slots = *pivots_in_slots(code);
   const auto at = [&](int role) { return is_kept(code, role) ? kept(code, role, 0) : "nullptr"; };
-  return fmt::format("  const dalembert::JointSlots<Scalar> joints{{{}, {}, no_joint, {}, {}, {}, {}, joint_slot}};\n",
-                     at(in_slots.pivot), at(in_slots.diagonal), at(in_slots.gain), at(in_slots.linear), at(in_slots.angular),
-                     stride(code)) +
+  return fmt::format("{}, {}, no_joint, {}, {}, {}, {}, joint_slot", at(in_slots.pivot), at(in_slots.diagonal),
+                     at(in_slots.gain), at(in_slots.linear), at(in_slots.angular), stride(code));
+}
+
+std::string status_of_slots(const CodeInput& code) {
+  return fmt::format("  const dalembert::JointSlots<Scalar> joints{{{}}};\n", slots_of_joints(code)) +
          status_statement(code, fmt::format("factor_status_of_slots<nv, {}, {}>(joints, ", base_rows(code), code.plan.slots));
 }
 
@@ -209,6 +218,15 @@ std::string pivots_table(const CodeInput& code) {
   return fmt::format("alignas(64) constexpr Scalar no_joint[] = {{\n    {}}};\n", wrapped(texts, 4));
 }
 
+// By which rows of constraints go up; empty: by arrays.
+std::string limbs_in_slots(const CodeInput& code) {
+  if (code.algorithm.constraint_steps.empty() || !pivots_in_slots(code)) return "";
+  const ir::ConstraintStep& step = code.algorithm.constraint_steps.front();
+  const auto name = [&](int array) { return code.algorithm.arrays[static_cast<size_t>(array)].name; };
+  return fmt::format("  const dalembert::LimbsInSlots<Scalar, {}, {}> limbs{{\n      {{{}}},\n      workspace.{}, workspace.{}}};\n",
+                     base_rows(code), stride(code), slots_of_joints(code), name(step.gain), name(step.pivots));
+}
+
 std::string results_statements(const CodeInput& code) {
   std::string text = driven_statements(code) + joint_results(code);
   for (const ir::AddedConstant& a : code.rolled.added) {
@@ -221,7 +239,8 @@ std::string results_statements(const CodeInput& code) {
       text += fmt::format("  workspace.{}[{}] += {};  // added on the diagonal\n", array.name, index,
                           literal(a.value, code.scene.scalar));
   }
-  return text + projection_statements(code) + matrix_statements(code) + constraint_statements(code) + pivots_statements(code);
+  return text + projection_statements(code) + matrix_statements(code) + constraint_statements(code, limbs_in_slots(code)) +
+         pivots_statements(code);
 }
 
 std::string tables_text(const CodeInput& code) {

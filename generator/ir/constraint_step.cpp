@@ -1,6 +1,7 @@
 #include "ir/constraint_step.hpp"
 
 #include <algorithm>
+#include <set>
 
 #include "dalembert/constraint_shapes.hpp"
 #include "ir/coordinate_tree.hpp"
@@ -187,7 +188,9 @@ Operations operations_of(const ConstraintStep& step, const KinematicTree& tree, 
   const auto lanes = [&](std::size_t c) { return executed ? padded : rows(c); };
   Operations o;
   const auto multiply_adds = [&](long times) { o.multiply += times, o.add += times; };
-  o.divide += n;
+  const std::set<int> above(paths.path.begin(), paths.path.end());
+  const long divided = step.by_limbs() ? static_cast<long>(above.size()) : n;
+  o.divide += divided;
   for (std::size_t a = 0; a < count; ++a) {
     const long length = paths.length(a), common = paths.common[a], one = paths.split[a] - common, other = length - common - one;
     const auto in_chain = [](long count) { return count * (count - 1) / 2; };
@@ -222,10 +225,10 @@ Operations operations_of(const ConstraintStep& step, const KinematicTree& tree, 
     multiply_adds(lanes(a));
     for (std::size_t b = a; b < count; ++b) multiply_adds((a == b ? 1 : 2) * rows(a) * lanes(b));
   }
-  o.multiply += n;
+  o.multiply += divided;
   if (step.by_limbs()) {
+    o.add += divided;
     multiply_adds(15 + 12 * (n - 6));
-    o.add += n;
     return o;
   }
   for (int k = 0; k < coordinates.size(); ++k)

@@ -215,7 +215,8 @@ void expect_dense_by_limbs(double tolerance) {
                D = in<double>(s.D), b = in<double>(right);
     std::vector<double> room(static_cast<size_t>(constraint_room(s.shape.count, 6, n, all)), 7.0);
     Eigen::MatrixXd along(all, all);
-    delassus_by_limbs<n, Rows>(wrenches.data(), gain.data(), joint.data(), D.data(), room.data(), along.data());
+    const LimbsInArrays<double> where{gain.data(), joint.data(), D.data()};
+    delassus_by_limbs<n, Rows>(where, wrenches.data(), room.data(), along.data());
     EXPECT_LT((along.cast<Real>() - s.along()).cwiseAbs().maxCoeff(), 1e-12 * s.along().cwiseAbs().maxCoeff());
     for (unsigned mask = 0; mask < (1u << s.shape.count); ++mask) {
       std::vector<double> active, regularization;
@@ -223,12 +224,12 @@ void expect_dense_by_limbs(double tolerance) {
       for (int r = 0; r < all; ++r) regularization.push_back(0.01 * r);
       const auto [expected, forces] = dense(s, effort, right, active, regularization);
       Eigen::VectorXd x = start.cast<double>(), f(all), v = Eigen::VectorXd::Ones(n), impulses(all);
-      solve_constrained_by_limbs<n, Rows, Tree>(wrenches.data(), gain.data(), joint.data(), D.data(), b.data(), active.data(),
-                                                regularization.data(), room.data(), f.data(), x.data());
+      solve_constrained_by_limbs<n, Rows, Tree>(where, wrenches.data(), b.data(), active.data(), regularization.data(),
+                                                room.data(), f.data(), x.data());
       EXPECT_LT(error(x.cast<Real>(), expected), tolerance) << "seed " << seed << ", mask " << mask;
       EXPECT_LE((f.cast<Real>() - forces).cwiseAbs().maxCoeff(), tolerance * forces.cwiseAbs().maxCoeff());
-      solve_impact_by_limbs<n, Rows, Tree>(wrenches.data(), gain.data(), joint.data(), D.data(), b.data(), active.data(),
-                                           regularization.data(), room.data(), impulses.data(), v.data());
+      solve_impact_by_limbs<n, Rows, Tree>(where, wrenches.data(), b.data(), active.data(), regularization.data(), room.data(),
+                                           impulses.data(), v.data());
       const Vector after = Vector::Ones(n) + dense(s, Vector::Zero(n), right, active, regularization).first;
       EXPECT_LT(error(v.cast<Real>(), after), tolerance) << "seed " << seed << ", mask " << mask;
     }

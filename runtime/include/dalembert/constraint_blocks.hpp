@@ -129,10 +129,17 @@ struct BlockRow {
   DALEMBERT_INLINE T total() const {
     Lanes<T, w> sum = piece[0];
     for_constants<pieces - 1>([&](auto i) DALEMBERT_IN_BLOCK { sum += piece[decltype(i)::value + 1]; });
-    if constexpr (w == 4) return (lane<w, T>(sum, 0) + lane<w, T>(sum, 2)) + (lane<w, T>(sum, 1) + lane<w, T>(sum, 3));
-    T all = lane<w, T>(sum, 0);
-    for_constants<w - 1>([&](auto i) DALEMBERT_IN_BLOCK { all += lane<w, T>(sum, decltype(i)::value + 1); });
-    return all;
+    const auto of_four = [](const Lanes<T, 4>& x)
+                             DALEMBERT_IN_BLOCK { return (lane<4, T>(x, 0) + lane<4, T>(x, 2)) + (lane<4, T>(x, 1) + lane<4, T>(x, 3)); };
+    if constexpr (w == 8) {
+      return of_four(detail::half<T, 0>(sum) + detail::half<T, 1>(sum));
+    } else if constexpr (w == 4) {
+      return of_four(sum);
+    } else {
+      T all = lane<w, T>(sum, 0);
+      for_constants<w - 1>([&](auto i) DALEMBERT_IN_BLOCK { all += lane<w, T>(sum, decltype(i)::value + 1); });
+      return all;
+    }
   }
 };
 
@@ -178,7 +185,8 @@ struct RowsInRegisters {
   Row rows[m];
 
   DALEMBERT_INLINE void invert(T* pivots) {
-    for_constants<m>([&](auto j) DALEMBERT_IN_BLOCK { invert_by<decltype(j)::value>(pivots); });
+    T pivot = lane<w, T>(rows[0].piece[Columns::of(0) / w], Columns::of(0) % w);
+    for_constants<m>([&](auto j) DALEMBERT_IN_BLOCK { pivot = invert_by<decltype(j)::value>(pivots[j] = pivot); });
   }
   // Of what is symmetric.
   DALEMBERT_INLINE Row times(const Row& x) const {
@@ -194,13 +202,16 @@ struct RowsInRegisters {
   }
 
  private:
+  // The next pivot, which is found before the rows: it is what everything after it waits for.
   template <int j>
-  DALEMBERT_INLINE void invert_by(T* pivots) {
-    constexpr int column = Columns::of(j), piece = column / w;
+  DALEMBERT_INLINE T invert_by(T pivot) {
+    constexpr int column = Columns::of(j), piece = column / w, next = j + 1 < m ? Columns::of(least(j + 1, m - 1)) : 0;
     alignas(64) T was[padded];
     rows[j].store(was);
-    const T reciprocal = T(1) / was[column];
-    pivots[j] = was[column];
+    const T reciprocal = T(1) / pivot;
+    T following = T(0);
+    if constexpr (j + 1 < m)
+      following = lane<w, T>(rows[j + 1].piece[next / w], next % w) - was[next] * (was[next] * reciprocal);
     const Lanes<T, w> own = each_lane<w, T>([](int lane) { return T(lane == column % w); }),
                       others = each_lane<w, T>([](int lane) { return T(lane != column % w); });
     Row solved;
@@ -217,6 +228,7 @@ struct RowsInRegisters {
       }
     });
     rows[j] = solved;
+    return following;
   }
 };
 struct SameColumns {

@@ -64,9 +64,9 @@ struct ConstraintRows {
     for (const int r : rows) most = r > most ? r : most;
     return dalembert::block_rows(most);
   }
-  static constexpr int longest() {
+  static constexpr int longest(int begin = 0, int behind = count) {
     int most = 0;
-    for (const int length : lengths) most = length > most ? length : most;
+    for (int c = begin; c < behind; ++c) most = lengths[c] > most ? lengths[c] : most;
     return most;
   }
   static constexpr int pair(int a, int b) { return a * count - a * (a - 1) / 2 + b - a; }  // b is not before a
@@ -86,6 +86,24 @@ struct ConstraintRows {
     return all;
   }
   static constexpr Shared shared = shared_pieces();
+
+  // The coordinates above any of them, each once, and where those above each constraint stand among them.
+  struct Moving {
+    static constexpr int most = (Paths::length + ...);
+    int size = 0, at[most > 0 ? most : 1] = {}, of[sizeof...(Paths)][most > 0 ? most : 1] = {};
+  };
+  static constexpr Moving moving_coordinates() {
+    Moving all;
+    for (int c = 0; c < count; ++c)
+      for (int i = 0; i < lengths[c]; ++i) {
+        int found = 0;
+        while (found < all.size && all.at[found] != paths[c][i]) ++found;
+        if (found == all.size) all.at[all.size++] = paths[c][i];
+        all.of[c][i] = found;
+      }
+    return all;
+  }
+  static constexpr Moving moving = moving_coordinates();
 };
 
 // A chain of coordinates as in factor.hpp, and where those above it stand, in runs: begin, behind, begin, behind …
@@ -97,9 +115,31 @@ struct ChainBelow {
 // From the root on.
 template <class... Chains>
 struct ChainTree {
-  static constexpr int count = sizeof...(Chains);
+  static constexpr int count = sizeof...(Chains), first[count] = {Chains::first...}, length[count] = {Chains::count...};
+  // The coordinate that each hangs on; -1: none.
+  static constexpr int above[count] = {(Chains::run_count > 0 ? Chains::run[1] - 1 : -1)...};
   template <int c>
   using chain = std::tuple_element_t<c, std::tuple<Chains...>>;
+
+  // The chain that a chain hangs on; -1: none.
+  static constexpr int parent(int c) {
+    for (int other = 0; other < c; ++other)
+      if (first[other] + length[other] - 1 == above[c]) return other;
+    return -1;
+  }
+  // How many chains are above one.
+  static constexpr int level(int c) { return parent(c) < 0 ? 0 : 1 + level(parent(c)); }
+  static constexpr int levels() {
+    int most = 0;
+    for (int c = 0; c < count; ++c) most = level(c) >= most ? level(c) + 1 : most;
+    return most;
+  }
+  static constexpr int longest_of_level(int l) {
+    int most = 0;
+    for (int c = 0; c < count; ++c)
+      if (level(c) == l && length[c] > most) most = length[c];
+    return most;
+  }
 };
 
 }  // namespace dalembert

@@ -18,6 +18,7 @@
 
 #include <dalembert/constraint_blocks.hpp>
 #include <dalembert/constraint_shapes.hpp>
+#include <dalembert/pivots.hpp>
 
 namespace dalembert {
 namespace constraint_detail {
@@ -67,33 +68,49 @@ struct ConstraintBlocks {
     });
   }
 
-  // Y of one constraint, its wrench on the base being handed up the limb from body to body: what each coordinate takes of it is
-  // its row of Y. wrenches: J's columns of the base; gain, joint: V and J of articulated bodies, six numbers of each coordinate,
-  // the base's first.
-  template <int c>
-  DALEMBERT_INLINE void fill_along_limb(const T* wrenches, const T* gain, const T* joint, const T& active) const {
-    using Path = typename Rows::template path<c>;
+  // Y of some constraints, whose wrenches on the base are handed up their limbs from body to body: what each coordinate takes
+  // of one is its row of Y. wrenches: J's columns of the base; limbs: where V and J of articulated bodies are. Limbs side by
+  // side, for each waits for itself alone.
+  template <int begin, int behind, class Limbs>
+  DALEMBERT_INLINE void fill_along_limbs(const T* wrenches, const Limbs& limbs, const T* active) const {
     using V = Lanes<T, w>;
-    constexpr int base = 6;
-    V acts[pieces], rest[base][pieces];
-    lanes_that_act<c>(active, acts);
-    for_constants<base>([&](auto j) DALEMBERT_IN_BLOCK { load_rows<c, decltype(j)::value, base>(wrenches, acts, rest[j]); });
-    DALEMBERT_KEEP_LOOP
-    for (int k = Path::length - 1; k >= base; --k) {
-      const T *const own = joint + base * Path::at[k], *const handed = gain + base * Path::at[k];
-      const auto along = [&](int j, auto i) DALEMBERT_IN_BLOCK { return broadcast<w, T>(own[j]) * rest[j][i]; };
-      for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK {
-        const V linear = along(0, i) + along(1, i) + along(2, i), angular = along(3, i) + along(4, i) + along(5, i),
-                taken = linear + angular;
-        store<w, T>(row(c, k) + i * w, taken);
-        for_constants<base>([&](auto j) DALEMBERT_IN_BLOCK { rest[j][i] -= broadcast<w, T>(handed[j]) * taken; });
+    constexpr int base = 6, own = behind - begin;
+    constexpr int most = Rows::longest(begin, behind);
+    V rest[own][base][pieces];
+    for_constants<own>([&](auto at) DALEMBERT_IN_BLOCK {
+      constexpr int c = begin + decltype(at)::value;
+      V acts[pieces];
+      lanes_that_act<c>(active ? active[c] : T(1), acts);
+      for_constants<base>(
+          [&](auto j) DALEMBERT_IN_BLOCK { load_rows<c, decltype(j)::value, base>(wrenches, acts, rest[at][j]); });
+    });
+    const auto go_up = [&](int step) DALEMBERT_IN_BLOCK {
+      for_constants<own>([&](auto at) DALEMBERT_IN_BLOCK {
+        constexpr int c = begin + decltype(at)::value;
+        const int k = Rows::lengths[c] - step;
+        if (k < base) return;
+        const auto at_joint = limbs.at(Rows::paths[c][k]);
+        for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK {
+          const auto along = [&](int j) DALEMBERT_IN_BLOCK { return broadcast<w, T>(at_joint.axis(j)) * rest[at][j][i]; };
+          const V first = along(0) + along(1), second = along(2) + along(3), third = along(4) + along(5),
+                  taken = first + second + third;
+          store<w, T>(row(c, k) + i * w, taken);
+          for_constants<base>([&](auto j) DALEMBERT_IN_BLOCK { rest[at][j][i] -= broadcast<w, T>(at_joint.gain(j)) * taken; });
+        });
       });
+    };
+    if constexpr (most > base) {
+      DALEMBERT_KEEP_LOOP
+      for (int step = 1; step <= most - base; ++step) go_up(step);
     }
     for_constants<base>([&](auto step) DALEMBERT_IN_BLOCK {
       constexpr int k = base - 1 - decltype(step)::value;
-      for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK {
-        store<w, T>(row(c, k) + i * w, rest[k][i]);
-        for_constants<k>([&](auto j) DALEMBERT_IN_BLOCK { rest[j][i] -= broadcast<w, T>(gain[base * k + j]) * rest[k][i]; });
+      for_constants<own>([&](auto at) DALEMBERT_IN_BLOCK {
+        for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK {
+          store<w, T>(row(begin + at, k) + i * w, rest[at][k][i]);
+          for_constants<k>(
+              [&](auto j) DALEMBERT_IN_BLOCK { rest[at][j][i] -= broadcast<w, T>(limbs.base_gain(k, j)) * rest[at][k][i]; });
+        });
       });
     });
   }
@@ -142,8 +159,7 @@ struct ConstraintBlocks {
   // Y, and Y' D^-1 Y. active: null, all act.
   template <class Way>
   DALEMBERT_INLINE void fill(const Way& way, const T* reciprocals, const T* active) const {
-    for_constants<count>(
-        [&](auto c) DALEMBERT_IN_BLOCK { way.template fill_rows<decltype(c)::value>(*this, active ? active[c] : T(1)); });
+    way.fill_rows(*this, active);
     constexpr bool small = rows <= 3 && count <= 4;  // larger blocks fill the registers by themselves
     each_index<count, small>([&](auto a) DALEMBERT_IN_BLOCK {
       alignas(64) T weighted[longest * padded];
@@ -346,63 +362,101 @@ DALEMBERT_INLINE void substitute_downwards(const T* factor, const T* reciprocals
   });
 }
 
-template <int n, class T>
-DALEMBERT_INLINE void reciprocals_of(const T* pivots, T* reciprocals) {
-  for (int k = 0; k < n; ++k) reciprocals[k] = T(1) / pivots[k];
-}
-
-// The chain that ends with a coordinate.
-template <class Tree, int c = 0>
-constexpr int chain_that_ends_with(int coordinate) {
-  if constexpr (c == Tree::count) {
-    return -1;
-  } else {
-    using Chain = typename Tree::template chain<c>;
-    return Chain::first + Chain::count - 1 == coordinate ? c : chain_that_ends_with<Tree, c + 1>(coordinate);
-  }
-}
-
 // x = L^-1 x, M = L' D L, by articulated bodies from the base outwards: every coordinate moves by what it is less what the
-// motion above makes it yield, and every body by that more.
-template <class Tree, class T>
-DALEMBERT_INLINE void accelerate_outwards(const T* gain, const T* joint, T* x) {
+// motion above makes it yield, and every body by that more. Limbs side by side, for each waits for itself alone.
+template <class Tree, class Limbs, class T>
+DALEMBERT_INLINE void accelerate_outwards(const Limbs& limbs, T* x) {
   constexpr int base = 6;
-  T ends[Tree::count][base];
-  for_constants<Tree::count>([&](auto c) DALEMBERT_IN_BLOCK {
-    using Chain = typename Tree::template chain<decltype(c)::value>;
-    constexpr bool of_base = Chain::first == 0;
-    T twist[base];
-    if constexpr (of_base) {
-      for_constants<base>([&](auto k) DALEMBERT_IN_BLOCK {
-        T own = x[k];
-        for_constants<decltype(k)::value>([&](auto i) DALEMBERT_IN_BLOCK { own -= gain[base * k + i] * x[i]; });
-        twist[k] = x[k] = own;
+  T twist[Tree::count][base];
+  for_constants<base>([&](auto k) DALEMBERT_IN_BLOCK {
+    T own = x[k];
+    for_constants<decltype(k)::value>([&](auto i) DALEMBERT_IN_BLOCK { own -= limbs.base_gain(k, i) * x[i]; });
+    twist[0][k] = x[k] = own;
+  });
+  for_constants<Tree::levels()>([&](auto of_level) DALEMBERT_IN_BLOCK {
+    constexpr int level = decltype(of_level)::value;
+    const auto each_chain = [&](const auto& f) DALEMBERT_IN_BLOCK {
+      for_constants<Tree::count>([&](auto c) DALEMBERT_IN_BLOCK {
+        if constexpr (Tree::level(decltype(c)::value) == level) f(c);
       });
-    } else {
-      constexpr int above = chain_that_ends_with<Tree>(Chain::run[1] - 1);
-      for_constants<base>([&](auto j) DALEMBERT_IN_BLOCK { twist[j] = ends[above][j]; });
+    };
+    if constexpr (level > 0)
+      each_chain([&](auto c) DALEMBERT_IN_BLOCK {
+        for_constants<base>([&](auto j) DALEMBERT_IN_BLOCK { twist[c][j] = twist[Tree::parent(decltype(c)::value)][j]; });
+      });
+    const auto go_down = [&](int step) DALEMBERT_IN_BLOCK {
+      each_chain([&](auto c) DALEMBERT_IN_BLOCK {
+        if (step >= Tree::length[c]) return;
+        const int k = Tree::first[c] + step;
+        const auto at_joint = limbs.at(k);
+        T(&moved)[base] = twist[c];
+        const auto yields = [&](int j) DALEMBERT_IN_BLOCK { return at_joint.gain(j) * moved[j]; };
+        const T first = yields(0) + yields(1), second = yields(2) + yields(3), third = yields(4) + yields(5),
+                rate = x[k] - (first + second + third);
+        x[k] = rate;
+        for_constants<base>([&](auto j) DALEMBERT_IN_BLOCK { moved[j] += at_joint.axis(j) * rate; });
+      });
+    };
+    constexpr int from = level == 0 ? base : 0, to = Tree::longest_of_level(level);
+    if constexpr (from < to) {
+      DALEMBERT_KEEP_LOOP
+      for (int step = from; step < to; ++step) go_down(step);
     }
-    DALEMBERT_KEEP_LOOP
-    for (int k = of_base ? base : Chain::first; k < Chain::first + Chain::count; ++k) {
-      const T *const yields = gain + base * k, *const own = joint + base * k;
-      const T linear = yields[0] * twist[0] + yields[1] * twist[1] + yields[2] * twist[2],
-              angular = yields[3] * twist[3] + yields[4] * twist[4] + yields[5] * twist[5];
-      const T rate = x[k] - (linear + angular);
-      x[k] = rate;
-      for_constants<base>([&](auto j) DALEMBERT_IN_BLOCK { twist[j] += own[j] * rate; });
-    }
-    for_constants<base>([&](auto j) DALEMBERT_IN_BLOCK { ends[c][j] = twist[j]; });
   });
 }
+
+}  // namespace constraint_detail
+
+// Where articulated bodies leave V, J and D of every coordinate: in arrays, six numbers of each,
+template <class T>
+struct LimbsInArrays {
+  const T *gains, *joints, *pivots;
+
+  struct Joint {
+    const T *of_gain, *of_axis;
+    T gain(int i) const { return of_gain[i]; }
+    T axis(int i) const { return of_axis[i]; }
+  };
+  Joint at(int k) const { return {gains + 6 * k, joints + 6 * k}; }
+  T base_gain(int k, int i) const { return gains[6 * k + i]; }
+  T pivot(int k) const { return pivots[k]; }
+};
+// or in arrays those of the base alone, and the joints' where limbs leave them (pivots.hpp).
+template <class T, int base, int stride>
+struct LimbsInSlots {
+  JointSlots<T> slots;
+  const T *gains, *pivots;
+
+  struct Joint {
+    const T *of_gain, *linear, *angular;
+    T gain(int i) const { return of_gain[i * stride]; }
+    T axis(int i) const { return i < 3 ? linear[i * stride] : angular[(i - 3) * stride]; }
+  };
+  Joint at(int k) const {
+    const int slot = slots.joint_slot[k - base];
+    return {slots.gain + slot, slots.linear + slot, slots.angular + slot};
+  }
+  T base_gain(int k, int i) const { return gains[6 * k + i]; }
+  T pivot(int k) const { return k < base ? pivots[k] : slots.pivots[slots.joint_slot[k - base]]; }
+};
+
+namespace constraint_detail {
 
 // How rows and efforts go up the tree, and accelerations down: by M's factors,
 template <int n, class T>
 struct WayByFactor {
-  const T *jacobian, *factor;
+  const T *jacobian, *factor, *pivots;
 
-  template <int c, class Blocks>
-  DALEMBERT_INLINE void fill_rows(const Blocks& blocks, const T& active) const {
-    blocks.template fill_rows<c>(jacobian, factor, active);
+  template <class Rows>
+  DALEMBERT_INLINE void reciprocals_of_pivots(T* reciprocals) const {
+    for (int k = 0; k < n; ++k) reciprocals[k] = T(1) / pivots[k];
+  }
+
+  template <class Blocks>
+  DALEMBERT_INLINE void fill_rows(const Blocks& blocks, const T* active) const {
+    for_constants<Blocks::count>([&](auto c) DALEMBERT_IN_BLOCK {
+      blocks.template fill_rows<decltype(c)::value>(jacobian, factor, active ? active[c] : T(1));
+    });
   }
   // x = U^-1 x; scaled: D^-1 of it.
   template <class Tree>
@@ -410,40 +464,55 @@ struct WayByFactor {
     eliminate_upwards<n, Tree>(factor, x);
     for (int k = 0; k < n; ++k) scaled[k] = x[k] * reciprocals[k];
   }
-  // x = M^-1 (e + J' f), pushed being Y f.
-  template <class Tree, class Pushed>
-  DALEMBERT_INLINE void downwards(const T* reciprocals, const Pushed& pushed, T* x) const {
-    for (int k = 0; k < n; ++k) x[k] += pushed(k);
+  // x = M^-1 (e + J' f), pushed being Y f of the coordinates above constraints.
+  template <class Tree, class Rows>
+  DALEMBERT_INLINE void downwards(const T* reciprocals, const T* pushed, T* x) const {
+    for (int i = 0; i < Rows::moving.size; ++i) x[Rows::moving.at[i]] += pushed[i];
     substitute_downwards<n, Tree>(factor, reciprocals, x);
   }
 };
 // or by articulated bodies, where x comes as what `upwards` makes.
-template <int n, class T>
+template <int n, class Limbs, class T>
 struct WayByLimbs {
-  const T *wrenches, *gain, *joint;
+  const T* wrenches;
+  const Limbs& limbs;
 
-  template <int c, class Blocks>
-  DALEMBERT_INLINE void fill_rows(const Blocks& blocks, const T& active) const {
-    blocks.template fill_along_limb<c>(wrenches, gain, joint, active);
+  // Of the coordinates above constraints: nobody asks for others'.
+  template <class Rows>
+  DALEMBERT_INLINE void reciprocals_of_pivots(T* reciprocals) const {
+    constexpr auto& moving = Rows::moving;
+    T own[moving.size > 0 ? moving.size : 1];
+    for (int i = 0; i < moving.size; ++i) own[i] = limbs.pivot(moving.at[i]);
+    for (int i = 0; i < moving.size; ++i) own[i] = T(1) / own[i];
+    for (int i = 0; i < moving.size; ++i) reciprocals[moving.at[i]] = own[i];
+  }
+
+  template <class Blocks>
+  DALEMBERT_INLINE void fill_rows(const Blocks& blocks, const T* active) const {
+    constexpr int together = Blocks::w < 8 && native_lanes < 8 ? 1 : 4, count = Blocks::count;  // as many as registers hold
+    for_constants<(count + together - 1) / together>([&](auto group) DALEMBERT_IN_BLOCK {
+      constexpr int begin = decltype(group)::value * together;
+      blocks.template fill_along_limbs<begin, least(begin + together, count)>(wrenches, limbs, active);
+    });
   }
   template <class Tree>
   DALEMBERT_INLINE void upwards(const T*, const T* x, T* scaled) const {
     for (int k = 0; k < n; ++k) scaled[k] = x[k];
   }
-  template <class Tree, class Pushed>
-  DALEMBERT_INLINE void downwards(const T* reciprocals, const Pushed& pushed, T* x) const {
-    for (int k = 0; k < n; ++k) x[k] += reciprocals[k] * pushed(k);
-    accelerate_outwards<Tree>(gain, joint, x);
+  template <class Tree, class Rows>
+  DALEMBERT_INLINE void downwards(const T* reciprocals, const T* pushed, T* x) const {
+    for (int i = 0; i < Rows::moving.size; ++i) x[Rows::moving.at[i]] += reciprocals[Rows::moving.at[i]] * pushed[i];
+    accelerate_outwards<Tree>(limbs, x);
   }
 };
 
 template <int n, class Rows, class Way, class T>
-DALEMBERT_INLINE void delassus(const Way& way, const T* pivots, T* room, T* to) {
+DALEMBERT_INLINE void delassus(const Way& way, T* room, T* to) {
   using Blocks = ConstraintBlocks<n, Rows, T>;
   constexpr int all = Rows::first(Rows::count);
   const Blocks blocks(room);
   T reciprocals[n];
-  reciprocals_of<n>(pivots, reciprocals);
+  way.template reciprocals_of_pivots<Rows>(reciprocals);
   blocks.fill(way, reciprocals, static_cast<const T*>(nullptr));
   each_index<Rows::count>([&](auto a) DALEMBERT_IN_BLOCK {
     each_index<Rows::count>([&](auto b) DALEMBERT_IN_BLOCK {
@@ -457,13 +526,13 @@ DALEMBERT_INLINE void delassus(const Way& way, const T* pivots, T* room, T* to) 
 }
 
 template <int n, class Rows, class Tree, class Way, class T>
-DALEMBERT_INLINE ConstraintStatus<T> solve(const Way& way, const T* pivots, const T* right, const T* active,
-                                           const T* regularization, T* room, T* forces, T* x) {
+DALEMBERT_INLINE ConstraintStatus<T> solve(const Way& way, const T* right, const T* active, const T* regularization, T* room,
+                                           T* forces, T* x) {
   using Blocks = ConstraintBlocks<n, Rows, T>;
   constexpr int count = Rows::count, padded = Blocks::padded, w = Blocks::w;
   const Blocks blocks(room);
   T reciprocals[n], scaled[n];
-  reciprocals_of<n>(pivots, reciprocals);
+  way.template reciprocals_of_pivots<Rows>(reciprocals);
   way.template upwards<Tree>(reciprocals, x, scaled);
   blocks.fill(way, reciprocals, active);
 
@@ -542,11 +611,14 @@ DALEMBERT_INLINE ConstraintStatus<T> solve(const Way& way, const T* pivots, cons
     }
   });
 
-  Row pushed[n] = {};  // Y f, in lanes
+  constexpr auto& moving = Rows::moving;
+  Row in_lanes[moving.size > 0 ? moving.size : 1] = {};
   each_index<count>([&](auto c) DALEMBERT_IN_BLOCK {
-    each_above<Rows>(c, [&](auto k) DALEMBERT_IN_BLOCK { pushed[Rows::paths[c][k]].add(solved[c], blocks.row(c, k)); });
+    each_above<Rows>(c, [&](auto k) DALEMBERT_IN_BLOCK { in_lanes[moving.of[c][k]].add(solved[c], blocks.row(c, k)); });
   });
-  way.template downwards<Tree>(reciprocals, [&](int k) DALEMBERT_IN_BLOCK { return pushed[k].total(); }, x);
+  T pushed[moving.size > 0 ? moving.size : 1];  // Y f
+  for (int i = 0; i < moving.size; ++i) pushed[i] = in_lanes[i].total();
+  way.template downwards<Tree, Rows>(reciprocals, pushed, x);
   return status;
 }
 
@@ -555,14 +627,12 @@ DALEMBERT_INLINE ConstraintStatus<T> solve(const Way& way, const T* pivots, cons
 // to = J M^-1 J', all rows of all constraints, whether they act or not.
 template <int n, class Rows, class T>
 __attribute__((noinline)) static void delassus(const T* jacobian, const T* factor, const T* pivots, T* room, T* to) noexcept {
-  constraint_detail::delassus<n, Rows>(constraint_detail::WayByFactor<n, T>{jacobian, factor}, pivots, room, to);
+  constraint_detail::delassus<n, Rows>(constraint_detail::WayByFactor<n, T>{jacobian, factor, pivots}, room, to);
 }
-// The same of a floating base by articulated bodies. wrenches: J's columns of the base; gain, joint: V and J of every
-// coordinate, the base's first, M being L' D L and L_ki = V_k.J_i.
-template <int n, class Rows, class T>
-__attribute__((noinline)) static void delassus_by_limbs(const T* wrenches, const T* gain, const T* joint, const T* pivots,
-                                                        T* room, T* to) noexcept {
-  constraint_detail::delassus<n, Rows>(constraint_detail::WayByLimbs<n, T>{wrenches, gain, joint}, pivots, room, to);
+// The same of a floating base by articulated bodies: M is L' D L, L_ki = V_k.J_i. wrenches: J's columns of the base.
+template <int n, class Rows, class Limbs, class T>
+__attribute__((noinline)) static void delassus_by_limbs(const Limbs& limbs, const T* wrenches, T* room, T* to) noexcept {
+  constraint_detail::delassus<n, Rows>(constraint_detail::WayByLimbs<n, Limbs, T>{wrenches, limbs}, room, to);
 }
 
 // x becomes M^-1 (x + J' f), and f what makes J x = b. factor: M's U, of which the half above the diagonal is read. right: b.
@@ -571,17 +641,17 @@ template <int n, class Rows, class Tree, class T>
 __attribute__((noinline)) static ConstraintStatus<T> solve_constrained(const T* jacobian, const T* factor, const T* pivots,
                                                                        const T* right, const T* active, const T* regularization,
                                                                        T* room, T* forces, T* x) noexcept {
-  return constraint_detail::solve<n, Rows, Tree>(constraint_detail::WayByFactor<n, T>{jacobian, factor}, pivots, right, active,
+  return constraint_detail::solve<n, Rows, Tree>(constraint_detail::WayByFactor<n, T>{jacobian, factor, pivots}, right, active,
                                                  regularization, room, forces, x);
 }
 // The same by articulated bodies; x comes as D^-1 L'^-1 of the efforts, which is L dv without constraints.
-template <int n, class Rows, class Tree, class T>
-__attribute__((noinline)) static ConstraintStatus<T> solve_constrained_by_limbs(const T* wrenches, const T* gain,
-                                                                                const T* joint, const T* pivots, const T* right,
-                                                                                const T* active, const T* regularization,
-                                                                                T* room, T* forces, T* x) noexcept {
-  return constraint_detail::solve<n, Rows, Tree>(constraint_detail::WayByLimbs<n, T>{wrenches, gain, joint}, pivots, right,
-                                                 active, regularization, room, forces, x);
+template <int n, class Rows, class Tree, class Limbs, class T>
+__attribute__((noinline)) static ConstraintStatus<T> solve_constrained_by_limbs(const Limbs& limbs, const T* wrenches,
+                                                                                const T* right, const T* active,
+                                                                                const T* regularization, T* room, T* forces,
+                                                                                T* x) noexcept {
+  return constraint_detail::solve<n, Rows, Tree>(constraint_detail::WayByLimbs<n, Limbs, T>{wrenches, limbs}, right, active,
+                                                 regularization, room, forces, x);
 }
 
 // v becomes what it is after an impact, v + M^-1 J' f, f being the impulses that change J v by `right`.
@@ -594,13 +664,12 @@ static inline ConstraintStatus<T> solve_impact(const T* jacobian, const T* facto
   for (int k = 0; k < n; ++k) v[k] += change[k];
   return status;
 }
-template <int n, class Rows, class Tree, class T>
-static inline ConstraintStatus<T> solve_impact_by_limbs(const T* wrenches, const T* gain, const T* joint, const T* pivots,
-                                                        const T* right, const T* active, const T* regularization, T* room,
-                                                        T* impulses, T* v) noexcept {
+template <int n, class Rows, class Tree, class Limbs, class T>
+static inline ConstraintStatus<T> solve_impact_by_limbs(const Limbs& limbs, const T* wrenches, const T* right, const T* active,
+                                                        const T* regularization, T* room, T* impulses, T* v) noexcept {
   T change[n] = {};
-  const ConstraintStatus<T> status = solve_constrained_by_limbs<n, Rows, Tree>(wrenches, gain, joint, pivots, right, active,
-                                                                               regularization, room, impulses, change);
+  const ConstraintStatus<T> status =
+      solve_constrained_by_limbs<n, Rows, Tree>(limbs, wrenches, right, active, regularization, room, impulses, change);
   for (int k = 0; k < n; ++k) v[k] += change[k];
   return status;
 }
