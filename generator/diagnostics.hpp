@@ -1,8 +1,8 @@
 // Diagnostics: what went wrong with the user's input, where, and what to do about it.
 //
-// Everything the compiler has to say about its input travels as a value. Warnings, and notices of what was taken where nobody said,
-// are collected and printed by the command; errors are thrown as InputError, which carries every diagnostic found so far, and end the command with exit status 2
-// before any file is written.
+// Everything the compiler has to say about its input travels as a value. Warnings, and notices of what was taken where nobody
+// said, are collected and printed by the command; errors are thrown as InputError, which carries every diagnostic found so far,
+// and end the command with exit status 2 before any file is written.
 #pragma once
 
 #include <stdexcept>

@@ -13,7 +13,8 @@ namespace dalembert {
 // workspace. One string per line.
 std::vector<std::string> left_out(const Model& model, const Lowered& lowered);
 
-// The inputs the quantity does not depend on, by name: "base pose, positions of all joints but waist, velocities"; empty when there is none.
+// The inputs the quantity does not depend on, by name: "base pose, positions of all joints but waist, velocities"; empty when
+// there is none.
 std::string not_read(const OperationCost& cost, const ir::KinematicTree& tree);
 
 }  // namespace dalembert

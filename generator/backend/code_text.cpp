@@ -123,9 +123,7 @@ std::string matrix_statements(const CodeInput& code) {
         text += fmt::format("  dalembert::factorise<nv, {}, chains>({}, {}, {}, {}, {});\n", ir::most_above(tree) + 1,
                             name(s.a), name(s.room), name(s.to), name(s.b), name(code.algorithm.guard->diagonal));
         break;
-      case Kind::solve:
-        text += fmt::format("  dalembert::solve_one<nv, chains>({}, {});\n", name(s.a), name(s.to));
-        break;
+      case Kind::solve: text += fmt::format("  dalembert::solve_one<nv, chains>({}, {});\n", name(s.a), name(s.to)); break;
       case Kind::invert:
         for (const ir::Chain& chain : ir::chains(tree, s.first))
           text += fmt::format("  dalembert::invert_chain<nv, {}>({}, coordinate_above, {}, {}, {});\n", chain.count,
@@ -213,14 +211,15 @@ std::string constraint_statements(const CodeInput& code, const std::string& limb
   bool limbs_unsaid = true;
   for (const ir::ConstraintStep& s : code.algorithm.constraint_steps) {
     const std::string by = s.by_limbs() ? "_by_limbs" : "";
-    const std::string of_tree =
-        s.by_limbs() ? "limbs, " + name(s.jacobian) : fmt::format("{}, {}, {}", name(s.jacobian), name(s.factor), name(s.pivots));
+    const std::string of_tree = s.by_limbs() ? "limbs, " + name(s.jacobian)
+                                             : fmt::format("{}, {}, {}", name(s.jacobian), name(s.factor), name(s.pivots));
     if (s.by_limbs() && std::exchange(limbs_unsaid, false))
       text += limbs.empty() ? fmt::format("  const dalembert::LimbsInArrays<Scalar> limbs{{{}, {}, {}}};\n", name(s.gain),
                                           name(s.joint), name(s.pivots))
                             : limbs;
     if (s.kind == ir::ConstraintStep::Kind::delassus) {
-      text += fmt::format("  dalembert::delassus{}<nv, ConstraintsOfScene>({}, {}, {});\n", by, of_tree, name(s.room), name(s.to));
+      text +=
+          fmt::format("  dalembert::delassus{}<nv, ConstraintsOfScene>({}, {}, {});\n", by, of_tree, name(s.room), name(s.to));
       continue;
     }
     if (s.kind == Kind::support) {
@@ -231,9 +230,9 @@ std::string constraint_statements(const CodeInput& code, const std::string& limb
       continue;
     }
     if (s.kind == Kind::respond) {
-      text +=
-          fmt::format("  dalembert::respond<nv, ConstraintsOfScene, {}>({}, {}, row_active, row_regularization,\n      {}, {});\n",
-                      s.of_forces, name(s.jacobian), name(s.inverse), name(s.room), name(s.to));
+      text += fmt::format(
+          "  dalembert::respond<nv, ConstraintsOfScene, {}>({}, {}, row_active, row_regularization,\n      {}, {});\n",
+          s.of_forces, name(s.jacobian), name(s.inverse), name(s.room), name(s.to));
       if (s.plain >= 0) text += fmt::format("  dalembert::without_padding<nv>({}, {});\n", name(s.to), name(s.plain));
       if (s.forces >= 0)
         text += fmt::format("  dalembert::response_of_forces<nv, ConstraintsOfScene, Scalar>({}, {});\n", name(s.room),
@@ -259,8 +258,8 @@ std::string constraint_statements(const CodeInput& code, const std::string& limb
     text += fmt::format(
         "  workspace.{} = dalembert::{}{}<nv, ConstraintsOfScene, CoordinateTree>(\n"
         "      {}, {}, row_active, row_regularization,\n      {}, {}, {});\n",
-        own_name(code, impact ? "impact_status" : "constraint_status"), impact ? "solve_impact" : "solve_constrained", by, of_tree,
-        name(s.right), name(s.room), name(s.forces), name(s.to));
+        own_name(code, impact ? "impact_status" : "constraint_status"), impact ? "solve_impact" : "solve_constrained", by,
+        of_tree, name(s.right), name(s.room), name(s.forces), name(s.to));
   }
   return text;
 }

@@ -13,16 +13,16 @@ const ir::EmittedFunction& function_of(const CodeInput& code);
 struct Symbol {
   std::string name, linkage;
 };
-// The names of what is one function's own: a member or namespace, "scratch" or "inverse_dynamics_scratch", and a type, "Scratch" or
-// "InverseDynamicsScratch".
+// The names of what is one function's own: a member or namespace, "scratch" or "inverse_dynamics_scratch", and a type,
+// "Scratch" or "InverseDynamicsScratch".
 std::string own_name(const CodeInput& code, const std::string& name);
 std::string own_type(const CodeInput& code, const std::string& type);
 // What it takes: q, v and what its row says. As parameters, each after `pointer`; and as arguments.
 std::vector<std::string> vectors_of(const CodeInput& code);
 std::string parameters_of(const CodeInput& code, const std::string& pointer = "const Scalar* ");
 std::string arguments_of(const CodeInput& code);
-// The same as vectors of Eigen, which dalembert/arguments.hpp checks: template parameters, their names, the types that they stand
-// for, and parameters.
+// The same as vectors of Eigen, which dalembert/arguments.hpp checks: template parameters, their names, the types that they
+// stand for, and parameters.
 struct EigenVectors {
   std::string templates, types, vectors, parameters;
 };

@@ -92,9 +92,10 @@ std::string results(const Folder& folder) {
               fmt::format("  dalembert::FactorStatus<Scalar> {};\n", own_name(code, "status"));
     }
     if (code.algorithm.embedding)
-      text += comment_lines("What dependent joints came to; at a toggle point, where loops do not tell where they are, all results "
-                            "of the function are zero.",
-                            2) +
+      text += comment_lines(
+                  "What dependent joints came to; at a toggle point, where loops do not tell where they are, all results "
+                  "of the function are zero.",
+                  2) +
               fmt::format("  dalembert::LinkageStatus<Scalar> {};\n", own_name(code, "linkage_status"));
     for (const ir::ConstraintStep& step : code.algorithm.constraint_steps)
       if (const char* status = status_of(step); *status)
@@ -408,44 +409,45 @@ OutputFile header(const Folder& folder) {
   const bool floating = code.robot->floating_base;
   std::string report;
   for (const std::string& line : folder.report) report += comment_lines(line, 0, 2);
-  return {"dynamics.hpp",
-          render("dynamics.hpp",
-                 {{"banner", banner(folder)},
-                  {"usage", usage(folder, banner(folder))},
-                  {"report", report},
-                  {"standard_includes",
-                   code.robot->any_quaternion() || !code.robot->linkages.empty() ? "#include <array>\n#include <cstddef>\n\n" : ""},
-                  {"includes", (any_constraints(folder) ? "#include <dalembert/constraint_rows.hpp>\n" : "") +
-                                   std::string(code.tree.linkages.empty() ? "" : "#include <dalembert/linkage.hpp>\n") +
-                                   std::string(any_guard(folder) ? "#include <dalembert/factor.hpp>\n" : "") +
-                                   (code.robot->any_quaternion() ? "#include <dalembert/quaternion_joint.hpp>\n" : "")},
-                  {"runtime_version", std::to_string(runtime_version)},
-                  {"name", code.name},
-                  {"scalar", scalar_name(code.scene.scalar)},
-                  {"nq", std::to_string(code.robot->nq())},
-                  {"nv", std::to_string(code.robot->nv())},
-                  {"position_layout",
-                   floating ? "base position in the world (3), quaternion x y z w (4), joints [m, rad]" : "joints [m, rad]"},
-                  {"velocity_layout", floating ? "base linear (3), angular (3) in base axes, joint rates [m/s, rad/s]"
-                                               : "joint rates [m/s, rad/s]"},
-                  {"joints", std::to_string(joints.size())},
-                  {"joint_indices", joint_indices(code)},
-                  {"quaternion_joints", quaternion_joints(code)},
-                  {"bodies", std::to_string(body_names.size())},
-                  {"position_index", position_index(code)},
-                  {"joint_enum", wrapped(joints, 2)},
-                  {"joint_names", joint_names.empty() ? "nullptr" : wrapped(joint_names, 4)},
-                  {"body_names", wrapped(body_names, 4)},
-                  {"link_table", link_table(code) + moved_parameters(code)},
-                  {"types", payload_type(code) + contact_type(code) + loop_type(code)},
-                  {"results", results(folder)},
-                  {"run_time_inputs", run_time_inputs(code)},
-                  {"scratch", scratch_members(folder)},
-                  {"functions", of_functions(folder, function_declaration) + closing_declaration(code)},
-                  {"views", views(folder)},
-                  {"view_definitions", view_definitions(folder)},
-                  {"workspace_bytes", std::to_string(workspace_bytes(folder))},
-                  {"stages", of_functions(folder, stage_declarations)}})};
+  return {
+      "dynamics.hpp",
+      render("dynamics.hpp",
+             {{"banner", banner(folder)},
+              {"usage", usage(folder, banner(folder))},
+              {"report", report},
+              {"standard_includes",
+               code.robot->any_quaternion() || !code.robot->linkages.empty() ? "#include <array>\n#include <cstddef>\n\n" : ""},
+              {"includes", (any_constraints(folder) ? "#include <dalembert/constraint_rows.hpp>\n" : "") +
+                               std::string(code.tree.linkages.empty() ? "" : "#include <dalembert/linkage.hpp>\n") +
+                               std::string(any_guard(folder) ? "#include <dalembert/factor.hpp>\n" : "") +
+                               (code.robot->any_quaternion() ? "#include <dalembert/quaternion_joint.hpp>\n" : "")},
+              {"runtime_version", std::to_string(runtime_version)},
+              {"name", code.name},
+              {"scalar", scalar_name(code.scene.scalar)},
+              {"nq", std::to_string(code.robot->nq())},
+              {"nv", std::to_string(code.robot->nv())},
+              {"position_layout",
+               floating ? "base position in the world (3), quaternion x y z w (4), joints [m, rad]" : "joints [m, rad]"},
+              {"velocity_layout",
+               floating ? "base linear (3), angular (3) in base axes, joint rates [m/s, rad/s]" : "joint rates [m/s, rad/s]"},
+              {"joints", std::to_string(joints.size())},
+              {"joint_indices", joint_indices(code)},
+              {"quaternion_joints", quaternion_joints(code)},
+              {"bodies", std::to_string(body_names.size())},
+              {"position_index", position_index(code)},
+              {"joint_enum", wrapped(joints, 2)},
+              {"joint_names", joint_names.empty() ? "nullptr" : wrapped(joint_names, 4)},
+              {"body_names", wrapped(body_names, 4)},
+              {"link_table", link_table(code) + moved_parameters(code)},
+              {"types", payload_type(code) + contact_type(code) + loop_type(code)},
+              {"results", results(folder)},
+              {"run_time_inputs", run_time_inputs(code)},
+              {"scratch", scratch_members(folder)},
+              {"functions", of_functions(folder, function_declaration) + closing_declaration(code)},
+              {"views", views(folder)},
+              {"view_definitions", view_definitions(folder)},
+              {"workspace_bytes", std::to_string(workspace_bytes(folder))},
+              {"stages", of_functions(folder, stage_declarations)}})};
 }
 
 // get: `const T* NAME_ARRAY(const NAME_workspace*)`; set: run-time inputs.
@@ -619,14 +621,15 @@ std::string source(const Folder& folder, const std::string& banner) {
                                  {"name", folder.common().name},
                                  {"includes", includes},
                                  {"functions", linkage_structs(folder.common()) + of_functions(folder, [&](const CodeInput& f) {
-                                    if (function_of(f).of_opened) return std::string();  // stands before what calls it
-                                    const CodeInput* second = folder.second_half_of(f);
-                                    if (const CodeInput* opened = folder.opened_of(f))
-                                      return opened_scope(*opened, function_source(*opened)) + function_source(f) +
-                                             solve_definition(f);
-                                    return (second ? "\n" + second_half_declaration(*second) : "") + function_source(f) +
-                                           solve_definition(f);
-                                  })}});
+                                                 if (function_of(f).of_opened)
+                                                   return std::string();  // stands before what calls it
+                                                 const CodeInput* second = folder.second_half_of(f);
+                                                 if (const CodeInput* opened = folder.opened_of(f))
+                                                   return opened_scope(*opened, function_source(*opened)) + function_source(f) +
+                                                          solve_definition(f);
+                                                 return (second ? "\n" + second_half_declaration(*second) : "") +
+                                                        function_source(f) + solve_definition(f);
+                                               })}});
 }
 
 }  // namespace

@@ -106,8 +106,8 @@ std::vector<int> bodies_of(const CodeInput& code, const ir::Result& r) {
   return bodies;
 }
 
-// The roles of the pivots, of M's diagonal and of V and J, where nothing reads their arrays but the check whether M can be solved
-// with and rows that go up limbs: these read them where limbs leave them.
+// The roles of the pivots, of M's diagonal and of V and J, where nothing reads their arrays but the check whether M can be
+// solved with and rows that go up limbs: these read them where limbs leave them.
 std::optional<PivotRoles> pivots_in_slots(const CodeInput& code) {
   const std::optional<ir::Guard>& guard = code.algorithm.guard;
   const std::vector<ir::ConstraintStep>& steps = code.algorithm.constraint_steps;
@@ -223,8 +223,9 @@ std::string limbs_in_slots(const CodeInput& code) {
   if (code.algorithm.constraint_steps.empty() || !pivots_in_slots(code)) return "";
   const ir::ConstraintStep& step = code.algorithm.constraint_steps.front();
   const auto name = [&](int array) { return code.algorithm.arrays[static_cast<size_t>(array)].name; };
-  return fmt::format("  const dalembert::LimbsInSlots<Scalar, {}, {}> limbs{{\n      {{{}}},\n      workspace.{}, workspace.{}}};\n",
-                     base_rows(code), stride(code), slots_of_joints(code), name(step.gain), name(step.pivots));
+  return fmt::format(
+      "  const dalembert::LimbsInSlots<Scalar, {}, {}> limbs{{\n      {{{}}},\n      workspace.{}, workspace.{}}};\n",
+      base_rows(code), stride(code), slots_of_joints(code), name(step.gain), name(step.pivots));
 }
 
 std::string results_statements(const CodeInput& code) {

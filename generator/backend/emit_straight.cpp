@@ -129,8 +129,7 @@ std::string straight_statements(const CodeInput& code, const ir::Program& progra
   style.order = program.order;
   if (!program.order.empty()) style.return_to = [&](const ir::Tag& tag) { return return_to(code, tag); };
   return body + print(program.graph, sinks, style) + projection_statements(code) + matrix_statements(code) +
-         constraint_statements(code) +
-         guard_statements(code) + second_half_call(code);
+         constraint_statements(code) + guard_statements(code) + second_half_call(code);
 }
 
 ir::Operations straight_operations(const CodeInput& code) {

@@ -1,4 +1,5 @@
-// `dalembert generate --package`: a robot's dynamics as a package of its own, which needs neither the generator nor its library.
+// `dalembert generate --package`: a robot's dynamics as a package of its own, which needs neither the generator nor its
+// library.
 //
 //   NAME/                 the generated code
 //   include/dalembert/    the headers of the runtime that it includes
@@ -13,8 +14,8 @@
 
 namespace dalembert {
 
-// Writes the package into the folder; returns a line that says so. Throws InputError where the folder cannot be written or another's
-// files stand in it, or where the runtime's headers are not found.
+// Writes the package into the folder; returns a line that says so. Throws InputError where the folder cannot be written or
+// another's files stand in it, or where the runtime's headers are not found.
 std::string generate_package(const Model& model, const std::string& folder);
 
 }  // namespace dalembert

@@ -66,12 +66,16 @@ constexpr const char* of_the_folder[] = {"Scalar",
                                          "input_1",
                                          "input_2"};
 // What a function may have of its own, besides its results.
-constexpr const char* own[] = {
-    "scratch",      "status",        "stages",           "run",      "run_batch",      "results",
-    "inverse",      "factor",        "pivots",           "diagonal", "padded_inverse", "efforts_dq",
-    "efforts_dv",   "mass",          "unscaled_factor",  "solve",    "batch",          "batch_tasks",
-    "batch_blocks", "batch_results", "check_batch",      "gain",     "joint",          "constrained_accelerations",
-    "forces",       "response",      "projected_inverse", "row_wrenches"};
+constexpr const char* own[] = {"scratch",      "status",         "stages",
+                               "run",          "run_batch",      "results",
+                               "inverse",      "factor",         "pivots",
+                               "diagonal",     "padded_inverse", "efforts_dq",
+                               "efforts_dv",   "mass",           "unscaled_factor",
+                               "solve",        "batch",          "batch_tasks",
+                               "batch_blocks", "batch_results",  "check_batch",
+                               "gain",         "joint",          "constrained_accelerations",
+                               "forces",       "response",       "projected_inverse",
+                               "row_wrenches"};
 // What one in two halves has besides.
 constexpr const char* of_halves[] = {"accelerations",          "derivatives",
                                      "derivatives_scratch",    "derivatives_stages",

@@ -556,7 +556,8 @@ class SceneReader {
         loop.independent.push_back(joint.scalar);
       }
     } else {
-      refuse(part.key, fmt::format("'{}' is no part of a loop", name), suggestion(name, {"links", "at", "type", "length", "independent"}));
+      refuse(part.key, fmt::format("'{}' is no part of a loop", name),
+             suggestion(name, {"links", "at", "type", "length", "independent"}));
     }
   }
   ir::LoopType loop_type(const YamlNode& node) const {

@@ -126,7 +126,8 @@ class Builder {
   int array_of_part(const std::string& name, int rows, int columns, std::vector<int> row_map, std::vector<int> column_map);
   // One that is no output.
   int internal_array(const std::string& name, int rows, int columns);
-  int internal_array_of_part(const std::string& name, int rows, int columns, std::vector<int> row_map, std::vector<int> column_map);
+  int internal_array_of_part(const std::string& name, int rows, int columns, std::vector<int> row_map,
+                             std::vector<int> column_map);
   int array_of_first_half(const std::string& name, int rows, int columns);
   std::optional<ir::Guard>& guard() { return algorithm_.guard; }
   bool fills(int array) const;  // whether there are pairs for it

@@ -43,7 +43,8 @@ class Walk {
         const bool along_rows = r.layout == ir::Layout::per_coordinate;
         const ir::OutputArray& a = algorithm.arrays[static_cast<std::size_t>(r.array)];
         const std::vector<int>& map = along_rows ? a.row_map : a.column_map;
-        const bool bodies = map.empty() || std::any_of(map.begin() + (floating_base ? 6 : 0), map.end(), [](int at) { return at >= 0; });
+        const bool bodies =
+            map.empty() || std::any_of(map.begin() + (floating_base ? 6 : 0), map.end(), [](int at) { return at >= 0; });
         need(r.array, along_rows, r.role, 0, count, bodies);
       }
       for (int i = 0; i < count && r.layout == ir::Layout::base; ++i) live_.base[live_.at(r.role, i)] = true;

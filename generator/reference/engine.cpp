@@ -158,8 +158,8 @@ double LeastScale::largest_turned(ir::Quantity quantity) {
   return std::max(rate * rate, accelerations.cwiseAbs().maxCoeff());
 }
 
-// Contacts may leave no motion at all: then it is measured against what there were without them. Forces that need not be, or that
-// do not change, against what moving bodies and their weight ask for.
+// Contacts may leave no motion at all: then it is measured against what there were without them. Forces that need not be, or
+// that do not change, against what moving bodies and their weight ask for.
 double LeastScale::largest_free(ir::Quantity quantity) {
   const double rate = inputs_.v.cwiseAbs().maxCoeff();
   if (quantity == ir::Quantity::constraint_forces_dtau) return 1;
@@ -175,8 +175,7 @@ double LeastScale::largest_free(ir::Quantity quantity) {
     // Rows' accelerations change with velocities though those of a robot without them may not.
     case ir::Quantity::constrained_forward_dynamics_dq:
       return std::max(largest(ir::Quantity::forward_dynamics_dq), rate * rate);
-    case ir::Quantity::constrained_forward_dynamics_dv:
-      return std::max(largest(ir::Quantity::forward_dynamics_dv), rate);
+    case ir::Quantity::constrained_forward_dynamics_dv: return std::max(largest(ir::Quantity::forward_dynamics_dv), rate);
     case ir::Quantity::constrained_forward_dynamics_dtau: return largest(ir::Quantity::inverse_mass_matrix);
     default: return largest(ir::Quantity::forward_dynamics);
   }

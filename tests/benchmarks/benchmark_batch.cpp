@@ -4,8 +4,8 @@
 //
 // batch_rows: states and results row by row, M and C packed; batch_lanes: the same in lanes; batch_blocks: results handed on
 // block by block; single: a call per state, whose results stay in the workspace; batch_tasks: rows, on all threads of oneTBB,
-// by the clock on the wall; rollout: motions of 20 steps of semi-implicit Euler from each state, time per step. Results are compared
-// before anything is timed.
+// by the clock on the wall; rollout: motions of 20 steps of semi-implicit Euler from each state, time per step. Results are
+// compared before anything is timed.
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 

@@ -1,5 +1,5 @@
-// Times variants of one robot's generated code against each other: shared objects that forms.py has made, loaded into one process
-// and called in turn, so that what the machine does to one it does to all.
+// Times variants of one robot's generated code against each other: shared objects that forms.py has made, loaded into one
+// process and called in turn, so that what the machine does to one it does to all.
 //
 //     forms_driver ROUNDS OBJECT...       prints, per object and line: median ns per call
 #include <dlfcn.h>
@@ -38,7 +38,8 @@ int main(int argc, char** argv) {
     void* library = dlopen(argv[i], RTLD_NOW | RTLD_LOCAL);
     if (!library) return std::fprintf(stderr, "forms_driver: %s\n", dlerror()), 2;
     variants.push_back({find<void(const double*, const double*, const double*, void*)>(library, "form_run"),
-                        find<void*()>(library, "form_workspace")(), {}});
+                        find<void*()>(library, "form_workspace")(),
+                        {}});
     nq = find<int()>(library, "form_nq")();
     nv = find<int()>(library, "form_nv")();
   }

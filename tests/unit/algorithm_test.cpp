@@ -14,9 +14,9 @@ namespace {
 
 class Algorithm : public testing::TestWithParam<TestRobot> {};
 
-// Everything the compiler knows, on every topology: each quantity alone (on large robots where DALEMBERT_LARGE_ROBOTS is set, as
-// tests/long.sh has it: they take most of the time), all together, statics, gravity at run time, Jacobians,
-// payloads, driven joints, armature, damping, friction and springs.
+// Everything the compiler knows, on every topology: each quantity alone (on large robots where DALEMBERT_LARGE_ROBOTS is set,
+// as tests/long.sh has it: they take most of the time), all together, statics, gravity at run time, Jacobians, payloads, driven
+// joints, armature, damping, friction and springs.
 TEST_P(Algorithm, RunsInBothFormsAsTheGenericEngineDoes) {
   const ir::RobotDescription description = robot(GetParam().name);
   std::vector<std::string> moving;

@@ -201,7 +201,8 @@ std::array<ir::Arrays, 2> run_embedded(const ir::EmittedFunction& function, cons
         case Kind::unbalanced: to = state.more - f.T.transpose() * from; break;
       }
     }
-    arrays = ir::run(embedded.algorithm, ir::Program(), model.tree, [](const ir::Input&) { return std::nan(""); }, arrays);
+    arrays = ir::run(
+        embedded.algorithm, ir::Program(), model.tree, [](const ir::Input&) { return std::nan(""); }, arrays);
   }
   return results;
 }
@@ -250,8 +251,10 @@ void expect_generic_values(const Model& model, const Payload& payload, double sl
     double tolerance = tolerance_of(std::max(reference.cwiseAbs().maxCoeff(), 1e-3));
     const double errors[] = {error_of(straight), error_of(rolled)};
     if (!(std::max(errors[0], errors[1]) <= tolerance))
-      tolerance = std::max(tolerance, tolerance_of(reference::LeastScale(expected.tree, expected.scene, inputs)
-                                                       .of({output.quantity, output.link, output.of_link})));
+      tolerance = std::max(
+          tolerance,
+          tolerance_of(
+              reference::LeastScale(expected.tree, expected.scene, inputs).of({output.quantity, output.link, output.of_link})));
     EXPECT_LE(errors[0], tolerance) << "straight; condition " << condition;
     EXPECT_LE(errors[1], tolerance) << "rolled; condition " << condition;
   }

@@ -162,7 +162,8 @@ TEST_P(Executed, IsWhatTheCodeCounts) {
   EXPECT_EQ(said.sincos, counts[3]);
 }
 
-INSTANTIATE_TEST_SUITE_P(Robots, Executed, ::testing::ValuesIn(one_in(3, std::vector<Case>(std::begin(cases), std::end(cases)))),
+INSTANTIATE_TEST_SUITE_P(Robots, Executed,
+                         ::testing::ValuesIn(one_in(3, std::vector<Case>(std::begin(cases), std::end(cases)))),
                          [](const ::testing::TestParamInfo<Case>& info) { return std::string(info.param.name); });
 
 }  // namespace

@@ -35,7 +35,8 @@ std::vector<std::string> stored_tables(const std::string& code) {
 }
 
 TEST(TableCopies, AreFoundInText) {
-  EXPECT_EQ(stored_tables("dalembert::store<4, Scalar>(scratch.first[0] + slot, dalembert::load<4>(arm_first_x + i));").size(), 1);
+  EXPECT_EQ(stored_tables("dalembert::store<4, Scalar>(scratch.first[0] + slot, dalembert::load<4>(arm_first_x + i));").size(),
+            1);
   EXPECT_EQ(stored_tables("const V first_x_k = dalembert::load<4>(arm_first_x + i);\n"
                           "dalembert::store<4, Scalar>(scratch.first[0] + slot, first_x_k);")
                 .size(),

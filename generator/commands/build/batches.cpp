@@ -38,7 +38,8 @@ void make_batches(const fs::path& entry, const std::vector<std::string>& command
                  objects = folder / std::to_string(part);
   const std::string name = name_in(text_of(table));
   if (name.empty())
-    throw InputError({Severity::error, entry.string(), fmt::format("part {}", part), "it has no batches", "load the robot again"});
+    throw InputError(
+        {Severity::error, entry.string(), fmt::format("part {}", part), "it has no batches", "load the robot again"});
   fs::create_directory(objects);
   std::string code = fmt::format("#include \"{}/batch.cpp\"\n#include \"{}\"\n", name, table.filename().string());
   const std::string test = fmt::format("#include \"{}/self_test.cpp\"\n", name);
@@ -52,8 +53,8 @@ void make_batches(const fs::path& entry, const std::vector<std::string>& command
     write_text(units.back().source, test);
   }
   write_text(units.front().source, code);
-  // The functions themselves, which tell what is wrong near a singular M, are those of the entry's code.so: whoever loads this has
-  // that loaded, and it is known by a name of its own. What both have is taken from here.
+  // The functions themselves, which tell what is wrong near a singular M, are those of the entry's code.so: whoever loads this
+  // has that loaded, and it is known by a name of its own. What both have is taken from here.
   compile_units(units, {command, entry / "source", {"-Wl,-Bsymbolic", "-L" + entry.string(), "-l:code.so"}}, objects, object);
   std::error_code ignored;
   fs::remove_all(objects, ignored);

@@ -1,8 +1,8 @@
 // What is generated for programs that load a robot: folders of code, and which function comes from which.
 //
-// Several quantities in one call are the whole scene's folder, the one that `dalembert generate` writes. Each quantity by itself is
-// a folder of its own, as `generate --outputs QUANTITY` writes it and `eval` computes it: who asks for M alone does not pay for C,
-// and has the same bits whatever else the scene asks for.
+// Several quantities in one call are the whole scene's folder, the one that `dalembert generate` writes. Each quantity by
+// itself is a folder of its own, as `generate --outputs QUANTITY` writes it and `eval` computes it: who asks for M alone does
+// not pay for C, and has the same bits whatever else the scene asks for.
 #pragma once
 
 #include <string>

@@ -17,7 +17,8 @@ const char* name_of(ir::Form form) { return form == ir::Form::rolled ? "rolled" 
 
 void add_plan(const Subject& subject, const Lowered& lowered, Rows& rows) {
   for (const LoweredFunction& function : lowered.functions) {
-    if (const ir::EmittedFunction& own = function.algorithm.function; !own.first_half.empty() || own.of_opened) continue;  // has the plan of the first
+    if (const ir::EmittedFunction& own = function.algorithm.function; !own.first_half.empty() || own.of_opened)
+      continue;  // has the plan of the first
     const std::string& name = function.algorithm.function.name;
     rows.text("form", "function " + name, "all", "", "form", name_of(function.plan.form));
     for (const ir::Segment& segment : function.plan.segments) {

@@ -75,13 +75,16 @@ int jacobian(Builder& b) {
 // Whether rows go up their limbs body by body, by articulated bodies, and neither M nor its factors are formed. A loop has two
 // limbs; on a fixed base joints are not along the base's axes; derivatives have M⁻¹ of all joints anyhow.
 bool by_limbs(const Builder& b) {
-  constexpr ir::Quantity of_all_joints[] = {
-      ir::Quantity::constrained_forward_dynamics_dq,   ir::Quantity::constrained_forward_dynamics_dv,
-      ir::Quantity::constrained_forward_dynamics_dtau, ir::Quantity::constraint_forces_dq,
-      ir::Quantity::constraint_forces_dv,              ir::Quantity::constraint_forces_dtau};
+  constexpr ir::Quantity of_all_joints[] = {ir::Quantity::constrained_forward_dynamics_dq,
+                                            ir::Quantity::constrained_forward_dynamics_dv,
+                                            ir::Quantity::constrained_forward_dynamics_dtau,
+                                            ir::Quantity::constraint_forces_dq,
+                                            ir::Quantity::constraint_forces_dv,
+                                            ir::Quantity::constraint_forces_dtau};
   return b.floating() && !b.factors() && b.scene().loops.empty() && b.function().first_half.empty() &&
          b.function().second_half.empty() &&
-         std::none_of(std::begin(of_all_joints), std::end(of_all_joints), [&](ir::Quantity q) { return b.function().computes(q); });
+         std::none_of(std::begin(of_all_joints), std::end(of_all_joints),
+                      [&](ir::Quantity q) { return b.function().computes(q); });
 }
 
 // J's columns of the base: along its axes and about its origin, what the rows push it with.

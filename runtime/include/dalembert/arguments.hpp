@@ -11,9 +11,8 @@
 // None of it allocates, locks or throws, but for what a caller's expression of run-time size does when it is evaluated.
 #pragma once
 
-#include <dalembert/version.hpp>  // before what an older language does not know: it says so
-
 #include <Eigen/Core>
+#include <dalembert/version.hpp>  // before what an older language does not know: it says so
 #include <limits>
 #include <type_traits>
 

@@ -88,8 +88,8 @@ DALEMBERT_BLOCK void read_rows(const T* from, std::size_t apart, BatchLanes<T>* 
 
 }  // namespace detail
 
-// `count` numbers of each of `states` states, from state `first` of the array on; of an array of `all` numbers a state, those from
-// number `begin` on.
+// `count` numbers of each of `states` states, from state `first` of the array on; of an array of `all` numbers a state, those
+// from number `begin` on.
 template <int count, class T>
 static inline void read_states(const T* from, BatchLayout layout, std::size_t first, int states, BatchLanes<T>* to,
                                std::size_t all = count, std::size_t begin = 0) noexcept {

@@ -129,8 +129,9 @@ struct BlockRow {
   DALEMBERT_INLINE T total() const {
     Lanes<T, w> sum = piece[0];
     for_constants<pieces - 1>([&](auto i) DALEMBERT_IN_BLOCK { sum += piece[decltype(i)::value + 1]; });
-    const auto of_four = [](const Lanes<T, 4>& x)
-                             DALEMBERT_IN_BLOCK { return (lane<4, T>(x, 0) + lane<4, T>(x, 2)) + (lane<4, T>(x, 1) + lane<4, T>(x, 3)); };
+    const auto of_four = [](const Lanes<T, 4>& x) DALEMBERT_IN_BLOCK {
+      return (lane<4, T>(x, 0) + lane<4, T>(x, 2)) + (lane<4, T>(x, 1) + lane<4, T>(x, 3));
+    };
     if constexpr (w == 8) {
       return of_four(detail::half<T, 0>(sum) + detail::half<T, 1>(sum));
     } else if constexpr (w == 4) {

@@ -81,8 +81,8 @@ struct ConstraintBlocks {
       constexpr int c = begin + decltype(at)::value;
       V acts[pieces];
       lanes_that_act<c>(active ? active[c] : T(1), acts);
-      for_constants<base>(
-          [&](auto j) DALEMBERT_IN_BLOCK { load_rows<c, decltype(j)::value, base>(wrenches, acts, rest[at][j]); });
+      for_constants<base>([&](auto j)
+                              DALEMBERT_IN_BLOCK { load_rows<c, decltype(j)::value, base>(wrenches, acts, rest[at][j]); });
     });
     const auto go_up = [&](int step) DALEMBERT_IN_BLOCK {
       for_constants<own>([&](auto at) DALEMBERT_IN_BLOCK {
@@ -576,8 +576,7 @@ DALEMBERT_INLINE ConstraintStatus<T> solve(const Way& way, const T* right, const
   });
 
   // Registers of four are too few even for few rows.
-  using Solver = std::conditional_t<(in_registers(Rows::first(count)) && native_lanes >= 8),
-                                    InverseOfFewRows<Blocks, Rows, T>,
+  using Solver = std::conditional_t<(in_registers(Rows::first(count)) && native_lanes >= 8), InverseOfFewRows<Blocks, Rows, T>,
                                     InverseOfManyRows<Blocks, Rows, T>>;
   const Solver solver(blocks, more);
   ConstraintStatus<T> status;

@@ -105,8 +105,9 @@ static inline BatchError check_rollout(const Rollout<T>& rollout, const T* input
   return BatchError::none;
 }
 
-// The motions from `first` up to `end`. Program: as in run_batch(); with_given(block, first state, how many) reads all but q, v and
-// the input. finish(block): behind run(), its status. v̇ stands at values + acceleration. layout: of the input and the states.
+// The motions from `first` up to `end`. Program: as in run_batch(); with_given(block, first state, how many) reads all but q, v
+// and the input. finish(block): behind run(), its status. v̇ stands at values + acceleration. layout: of the input and the
+// states.
 template <int nq, int nv, class T, class Program, class Finish, class... Joints>
 static inline void roll_out(Program&& program, const Rollout<T>& rollout, const T* q, const T* v, const T* input,
                             BatchLayout states_in, BatchLayout results_in, std::size_t first, std::size_t end, int acceleration,
@@ -170,7 +171,8 @@ static inline void roll_out(Program&& program, const Rollout<T>& rollout, const 
         // As integrators::rk4(): a stage at q · exp(step), v + change.
         const T t = rollout.time_step, forward[] = {t / 2, t / 2, t, T(0)}, weight[] = {t / 6, t / 3, t / 3, t / 6};
         for (int b = 0; b < count; ++b)
-          for (int i = 0; i < nv; ++i) motions[b].step[i] = motions[b].change[i] = motions[b].steps[i] = motions[b].changes[i] = V{};
+          for (int i = 0; i < nv; ++i)
+            motions[b].step[i] = motions[b].change[i] = motions[b].steps[i] = motions[b].changes[i] = V{};
         for (int stage = 0; stage < 4; ++stage) {
           accelerate();
           keep_status(stage == 0);

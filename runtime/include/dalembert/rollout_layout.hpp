@@ -25,8 +25,8 @@ struct RolloutStep {
 };
 
 // A batch's states are where motions begin. Its input is what acts in each step: steps × nv numbers a motion, step by step; or
-// there is a function that says it, or, with neither, nothing acts. Results are written where there is a pointer, laid out as the
-// batch's results.
+// there is a function that says it, or, with neither, nothing acts. Results are written where there is a pointer, laid out as
+// the batch's results.
 template <class T>
 struct Rollout {
   std::size_t steps = 0;

@@ -364,7 +364,8 @@ struct Rollouts : testing::Test {
   static constexpr std::size_t n = 19, steps = 12;
   static constexpr auto nq = static_cast<std::size_t>(Robot::nq), nv = static_cast<std::size_t>(Robot::nv);
 
-  std::vector<double> q = std::vector<double>(n * nq), v = std::vector<double>(n * nv), tau = std::vector<double>(n * steps * nv);
+  std::vector<double> q = std::vector<double>(n * nq), v = std::vector<double>(n * nv),
+                      tau = std::vector<double>(n * steps * nv);
 
   Rollouts() {
     std::mt19937 random(5);
@@ -453,7 +454,8 @@ TYPED_TEST(Rollouts, AreTheSameBitsWhereverAMotionStands) {
   EXPECT_TRUE(all == this->run(method, [](const auto& batch, const auto& to) { return TypeParam::rollout_tasks(batch, to); }));
   for (std::size_t s = 0; s < this->n; s += 5) {
     const auto one = this->run(method, serial, s, 1);
-    EXPECT_EQ(std::memcmp(one.path_q.data(), all.path_q.data() + s * this->steps * this->nq, sizeof(double) * one.path_q.size()), 0);
+    EXPECT_EQ(
+        std::memcmp(one.path_q.data(), all.path_q.data() + s * this->steps * this->nq, sizeof(double) * one.path_q.size()), 0);
     EXPECT_EQ(std::memcmp(one.last_v.data(), all.last_v.data() + s * this->nv, sizeof(double) * one.last_v.size()), 0);
   }
   // What acts as a function says it, before each step.
@@ -468,8 +470,8 @@ TYPED_TEST(Rollouts, AreTheSameBitsWhereverAMotionStands) {
       const Given& g = *static_cast<const Given*>(user);
       for (int k = 0; k < at.count; ++k)
         for (int i = 0; i < TypeParam::nv; ++i)
-          at.input[i * at.stride + k] =
-              g.tau[((at.first + static_cast<std::size_t>(k)) * g.steps + at.step) * TypeParam::nv + static_cast<std::size_t>(i)];
+          at.input[i * at.stride + k] = g.tau[((at.first + static_cast<std::size_t>(k)) * g.steps + at.step) * TypeParam::nv +
+                                              static_cast<std::size_t>(i)];
     };
     return TypeParam::rollout(batch, to);
   }));

@@ -218,8 +218,10 @@ ActingRows<S> acting_rows(const Constraints<S>& constraints, const MatrixX<S>& J
   // Rows of rounding alone would hold what they do not touch; a robot's own numbers are rounded to double.
   S unmoved = S(0x1p-46);
   if (unmoved < S(64) * std::numeric_limits<S>::epsilon()) unmoved = S(64) * std::numeric_limits<S>::epsilon();
-  ActingRows<S> rows{J.unaryExpr([&](const S& x) { return x <= unmoved && x >= -unmoved ? S(0) : x; }), {},
-                     VectorX<S>::Zero(J.rows()), VectorX<S>::Ones(J.rows())};
+  ActingRows<S> rows{J.unaryExpr([&](const S& x) { return x <= unmoved && x >= -unmoved ? S(0) : x; }),
+                     {},
+                     VectorX<S>::Zero(J.rows()),
+                     VectorX<S>::Ones(J.rows())};
   const std::vector<std::pair<int, int>> blocks = constraints.rows();
   int row = 0;
   for (size_t c = 0; c < blocks.size(); row += blocks[c++].first)
