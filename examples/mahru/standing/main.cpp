@@ -85,7 +85,7 @@ bool run(const Options& options) {
   const auto law = std::make_unique<Law>(start, plant.limits(), beliefs);
   const Plan plan = make_plan(options, *law);
   Plant::Account account = plant.make_account();
-  std::vector<Tick> ticks(plan.targets.size(), Tick{});
+  std::vector<Tick> ticks(plan.targets.size());
   for (const std::string& notice : controller::enter_real_time()) fmt::print("  {}\n", notice);
   std::fflush(stdout);
 
