@@ -211,10 +211,10 @@ std::string constraint_statements(const CodeInput& code, const std::string& limb
   bool limbs_unsaid = true;
   for (const ir::ConstraintStep& s : code.algorithm.constraint_steps) {
     const std::string by = s.by_limbs() ? "_by_limbs" : "";
-    const std::string of_tree = s.by_limbs() ? "limbs, " + name(s.jacobian)
+    const std::string of_tree = s.by_limbs() ? "branches, " + name(s.jacobian)
                                              : fmt::format("{}, {}, {}", name(s.jacobian), name(s.factor), name(s.pivots));
     if (s.by_limbs() && std::exchange(limbs_unsaid, false))
-      text += limbs.empty() ? fmt::format("  const dalembert::LimbsInArrays<Scalar> limbs{{{}, {}, {}}};\n", name(s.gain),
+      text += limbs.empty() ? fmt::format("  const dalembert::LimbsInArrays<Scalar> branches{{{}, {}, {}}};\n", name(s.gain),
                                           name(s.joint), name(s.pivots))
                             : limbs;
     if (s.kind == ir::ConstraintStep::Kind::delassus) {

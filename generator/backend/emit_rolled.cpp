@@ -224,7 +224,7 @@ std::string limbs_in_slots(const CodeInput& code) {
   const ir::ConstraintStep& step = code.algorithm.constraint_steps.front();
   const auto name = [&](int array) { return code.algorithm.arrays[static_cast<size_t>(array)].name; };
   return fmt::format(
-      "  const dalembert::LimbsInSlots<Scalar, {}, {}> limbs{{\n      {{{}}},\n      workspace.{}, workspace.{}}};\n",
+      "  const dalembert::LimbsInSlots<Scalar, {}, {}> branches{{\n      {{{}}},\n      workspace.{}, workspace.{}}};\n",
       base_rows(code), stride(code), slots_of_joints(code), name(step.gain), name(step.pivots));
 }
 
