@@ -6,6 +6,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "backend/code_text.hpp"
 #include "backend/emit.hpp"
 #include "backend/emit_batch.hpp"
 #include "backend/executed.hpp"
@@ -55,7 +56,8 @@ backend::Folder folder(const Model& model, const Lowered& lowered) {
 }
 
 std::vector<backend::OutputFile> emit(const Model& model, std::optional<ir::SelfTest> self_test) {
-  const Lowered lowered = lower(model);
+  Lowered lowered = lower(model);
+  decide_tasks(model, lowered);
   backend::Folder code = folder(model, lowered);
   code.source_hash = hash_of_file(model.description.file);
   code.report = left_out(model, lowered);
@@ -87,6 +89,34 @@ std::vector<std::pair<std::string, backend::Features>> features(const Model& mod
     const backend::Features own = backend::features(code, lanes);
     for (size_t i = 0; i < own.size(); ++i) all.back().second[i] += own[i];
   }
+  return all;
+}
+
+void decide_tasks(const Model& model, Lowered& lowered) {
+  if (model.scene.parallel != ir::Parallel::automatic) return;
+  constexpr double too_little = 10000;  // ns: less than threads take to come and to hand over
+  const backend::Folder code = folder(model, lowered);
+  bool pays = false;
+  for (size_t i = 0; i < code.functions.size(); ++i) {
+    const backend::CodeInput& f = code.functions[i];
+    // A second half goes with its first.
+    if (backend::is_called(f)) {
+      double serial = 0;
+      for (const backend::CodeInput* half = &f; half; half = code.second_half_of(*half))
+        serial += backend::estimate(*half, backend::register_widths[backend::usual_width]);
+      pays = f.is_rolled() && !f.elsewhere && serial > too_little && backend::worth_a_graph(backend::plan_tasks(code, f));
+    }
+    lowered.functions[i].plan.tasks = pays;
+  }
+}
+
+std::vector<FunctionTasks> tasks_of_functions(const Model& model, Lowered lowered) {
+  decide_tasks(model, lowered);
+  const backend::Folder code = folder(model, lowered);
+  std::vector<FunctionTasks> all;
+  for (const backend::CodeInput& f : code.functions)
+    if (backend::is_called(f))
+      all.push_back({f.algorithm.function.name, f.plan.tasks && f.is_rolled(), backend::plan_tasks(code, f)});
   return all;
 }
 

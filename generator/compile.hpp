@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "backend/estimate.hpp"
+#include "backend/task_plan.hpp"
 #include "lower.hpp"
 
 namespace dalembert {
@@ -19,6 +20,18 @@ std::vector<std::pair<std::string, ir::Operations>> executed_operations(const Mo
 
 // What the estimate of each generated function's time is made of (backend/estimate.hpp), for registers of so many doubles.
 std::vector<std::pair<std::string, backend::Features>> features(const Model& model, const Lowered& lowered, int lanes);
+
+// Where the scene leaves it to the compiler (parallel: auto), functions for which two threads are expected to be worth it get a
+// task graph.
+void decide_tasks(const Model& model, Lowered& lowered);
+
+// Each function's tasks, whether its graph is generated or not.
+struct FunctionTasks {
+  std::string function;
+  bool emitted = false;
+  std::vector<backend::Task> tasks;
+};
+std::vector<FunctionTasks> tasks_of_functions(const Model& model, Lowered lowered);
 
 // The functions of a scene with batches that compute states in lanes: others are called state by state. None where the results
 // of one are more than batches take.

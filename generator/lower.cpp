@@ -157,7 +157,7 @@ class Lowering {
       Way way{lowered, {form, solver, ir::Order::as_written, {}}};
       for (size_t half = 0; half < lowered.size(); ++half) {
         LoweredFunction& f = way.halves[half];
-        f.plan = passes::plan(tree_, model_.scene, form, operations, model_.options, passes::rows_in_pairs(f.algorithm, tree_));
+        f.plan = passes::plan(tree_, model_.scene, form, model_.options, passes::rows_in_pairs(f.algorithm, tree_));
         if (form == ir::Form::rolled)
           f.rolled = passes::roll(f.algorithm, unrolls[half], tree_, model_.scene, f.plan, options_);
         f.program = &form == &forms.back() ? unrolls[half].take_program() : unrolls[half].program();

@@ -85,6 +85,7 @@ ir::CompileOptions compile_options(const Request& request) {
     if (pass == "share") options.share = false;
     if (pass == "move_parameters") options.move_parameters = false;
     if (pass == "pack") options.pack = false;
+    if (pass == "join") options.join = false;
   }
   return options;
 }

@@ -5,36 +5,19 @@
 
 namespace mahru {
 
-TaskGraph::TaskGraph(Workspace& workspace) {
+TaskGraph::TaskGraph(Workspace& workspace) : graph_(1) {
   Workspace* const w = &workspace;
-  const int prepare = graph_.add([this, w] { stages::prepare(q_, v_, *w); });
-  const int outwards_waist = graph_.add([w] { stages::outwards_waist(*w); });
-  const int outwards_left_hip_yaw_x4 = graph_.add([w] { stages::outwards_left_hip_yaw_x4(*w); });
-  const int inwards_left_hip_yaw_x4 = graph_.add([w] { stages::inwards_left_hip_yaw_x4(*w); });
-  const int inwards_waist = graph_.add([w] { stages::inwards_waist(*w); });
-  const int base = graph_.add([w] { stages::base(*w); });
-  const int elements_waist_0 = graph_.add([w] { stages::elements_waist(*w); });
-  const int elements_left_hip_yaw_x4_0 = graph_.add([w] { stages::elements_left_hip_yaw_x4(*w); });
-  const int results = graph_.add([w] { stages::results(*w); });
-  graph_.edge(prepare, outwards_waist);
-  graph_.edge(outwards_waist, outwards_left_hip_yaw_x4);
-  graph_.edge(outwards_left_hip_yaw_x4, inwards_left_hip_yaw_x4);
-  graph_.edge(inwards_left_hip_yaw_x4, inwards_waist);
-  graph_.edge(inwards_waist, base);
-  graph_.edge(inwards_waist, elements_waist_0);
-  graph_.edge(inwards_waist, elements_left_hip_yaw_x4_0);
-  graph_.edge(base, results);
-  graph_.edge(elements_waist_0, results);
-  graph_.edge(elements_left_hip_yaw_x4_0, results);
-  static_cast<void>(prepare);
-  static_cast<void>(outwards_waist);
-  static_cast<void>(outwards_left_hip_yaw_x4);
-  static_cast<void>(inwards_left_hip_yaw_x4);
-  static_cast<void>(inwards_waist);
-  static_cast<void>(base);
-  static_cast<void>(elements_waist_0);
-  static_cast<void>(elements_left_hip_yaw_x4_0);
-  static_cast<void>(results);
+  graph_.add([this, w] {
+    stages::prepare(q_, v_, *w);
+    stages::outwards_waist(*w);
+    stages::outwards_left_hip_yaw_x4(*w);
+    stages::inwards_left_hip_yaw_x4(*w);
+    stages::inwards_waist(*w);
+    stages::base(*w);
+    stages::elements_left_hip_yaw_x4(*w);
+    stages::elements_waist(*w);
+    stages::results(*w);
+  });
 }
 
 void TaskGraph::evaluate(const Scalar* q, const Scalar* v) {

@@ -9,7 +9,7 @@
 
 namespace mahru {
 
-// What evaluate() is made of as a graph of tasks, built once: 9 tasks. Runs the very functions that the serial
+// What evaluate() is made of as a graph of tasks, built once: 1 tasks. Runs the very functions that the serial
 // evaluate() runs, in an order that the graph allows, and gives the same bits. Pays where a task takes microseconds: on large
 // trees.
 class TaskGraph {

@@ -169,6 +169,21 @@ std::string matrix_of(const CodeInput& code, const PairsOfRows& group, const ir:
                           : "workspace." + name;
 }
 
+// Limbs as the runtime takes long ones: where their slots are, and their rows.
+std::string long_limb_table(const CodeInput& code, const PairsOfRows& group, const std::string& name,
+                            const std::vector<std::vector<int>>& limbs) {
+  std::vector<int> first, length;
+  rows_of(code, group, limbs, first, length);
+  std::vector<std::string> texts;
+  for (size_t lane = 0; lane < limbs.size(); ++lane) {
+    const std::vector<int>& limb = limbs[lane];
+    const int slot = length[lane] > 0 ? slot_of(code, limb[0]) : 0;
+    const int step = length[lane] > 1 ? slot_of(code, limb[1]) - slot : 1;
+    texts.push_back(fmt::format("{{{}, {}, {}, {}}}", slot, step, first[lane], length[lane]));
+  }
+  return fmt::format("constexpr dalembert::LongLimb {}[] = {{{}}};\n", name, fmt::join(texts, ", "));
+}
+
 // The function of blocks.hpp for the blocks between a segment and the limbs at one level above it, and how it is told where
 // these stand.
 struct Crossing {
@@ -189,7 +204,21 @@ Crossing crossing_of(const CodeInput& code, const PairsOfRows& group, const ir::
 
 }  // namespace
 
-bool elements_split(const ir::Segment& segment) { return segment.steps > 8; }
+bool limb_after_limb(const CodeInput& code, const ir::Segment& segment) {
+  return !has_driven(code) && segment.steps >= (segment.width > 1 ? long_limb_beside_others : long_limb);
+}
+
+bool elements_split(const CodeInput& code, const ir::Segment& segment) {
+  return segment.steps > 8 || limb_after_limb(code, segment);
+}
+
+int split_columns(const CodeInput& code, const ir::Segment& segment) {
+  if (!limb_after_limb(code, segment)) return segment.steps;
+  int columns = 0;
+  for (const auto& limb : segment.bodies)
+    columns += static_cast<int>(std::count_if(limb.begin(), limb.end(), [](int b) { return b >= 0; }));
+  return columns;
+}
 
 std::vector<PairsOfRows> pairs_by_rows(const CodeInput& code) {
   std::vector<PairsOfRows> groups;
@@ -221,10 +250,20 @@ std::string limb_tables(const CodeInput& code, size_t segment) {
   for (const PairsOfRows& group : pairs_by_rows(code)) {
     const ir::Segment& s = code.plan.segments[segment];
     if (!any_asked(code, group, s)) continue;
+    if (limb_after_limb(code, s)) {
+      text += long_limb_table(code, group, s.name + "_branches" + group.suffix, limbs_asked(code, group, s));
+      const std::vector<Above> levels = all_above(code, group, s);
+      for (size_t level = 0; level < levels.size(); ++level)
+        if (levels[level].steps > 0)
+          text += long_limb_table(code, group, fmt::format("{}_above_{}{}", s.name, level + 1, group.suffix),
+                                  levels[level].limbs);
+    }
+    if (limb_after_limb(code, s) && code.rolled.pairs[group.pairs.front()].columns < 0) continue;
     std::vector<int> first, length;
     rows_of(code, group, limbs_asked(code, group, s), first, length);
     if (s.width > 1)
       text += int_table(s.name + "_row" + group.suffix, first) + int_table(s.name + "_length" + group.suffix, length);
+    if (limb_after_limb(code, s)) continue;
     const std::vector<Above> levels = all_above(code, group, s);
     for (size_t level = 0; level < levels.size(); ++level) {
       const Above& a = levels[level];
@@ -260,12 +299,24 @@ std::string elements_of_group(const CodeInput& code, const PairsOfRows& group, c
                       fmt::join(matrices, ", "));
   const std::vector<Above> levels = all_above(code, group, s);
   const std::string leading = group.array->is_part() ? std::to_string(group.array->rows) : "nv";
-  const std::string end = leading + (elements_split(s) ? ", begin, end" : fmt::format(", 0, {}", s.steps));
+  const bool split = elements_split(code, s);
+  const std::string end = leading + (split ? ", begin, end" : fmt::format(", 0, {}", s.steps));
   const int row = s.width > 1 ? 0 : first_row(code, group, s.bodies[0]);
   const std::string elements = "Elements" + group.suffix;
-  if (s.width > 1) {
+  const bool with_base = code.rolled.pairs[group.pairs.front()].columns >= 0;
+  if (s.width > 1 && (with_base || !limb_after_limb(code, s)))
     text += fmt::format("  constexpr dalembert::BranchTable branches{{{0}_row{2}, {0}_length{2}, {1}}};\n", s.name,
                         s.first_slot, group.suffix);
+  if (limb_after_limb(code, s)) {
+    const std::string limbs = s.name + "_branches" + group.suffix;
+    text += fmt::format("  dalembert::long_limb_blocks<{}, Scalar>(lower, upper, {}, {}, matrices, {});\n", elements, limbs,
+                        s.bodies.size(), end);
+    for (size_t level = 0; level < levels.size(); ++level)
+      if (levels[level].steps > 0)
+        text += fmt::format(
+            "  dalembert::long_limb_cross_blocks<{}, Scalar>(lower, upper, {}, {}_above_{}{}, {}, matrices, {});\n", elements,
+            limbs, s.name, level + 1, group.suffix, s.bodies.size(), end);
+  } else if (s.width > 1) {
     text += fmt::format("  dalembert::branch_blocks<{}, {}, {}, Scalar>(lower, upper, branches, matrices, {});\n", elements,
                         s.limbs(), s.steps, end);
     for (size_t level = 0; level < levels.size(); ++level) {
@@ -288,7 +339,7 @@ std::string elements_of_group(const CodeInput& code, const PairsOfRows& group, c
             levels[level].steps, s.first_slot, row, s.name, level + 1, first_row(code, group, levels[level].limbs[0]), end,
             group.suffix, elements);
   }
-  if (code.rolled.pairs[group.pairs.front()].columns < 0) return text;
+  if (!with_base) return text;
   const auto base = [&](const char* what, int role, const std::string& matrix) {
     return s.width > 1 ? fmt::format("  dalembert::base_{}<{}, {}, Scalar>({}, {}, branches, {}, {});\n", what, s.limbs(),
                                      s.steps, kept(code, role, 0), stride(code), matrix, leading)
@@ -296,14 +347,14 @@ std::string elements_of_group(const CodeInput& code, const PairsOfRows& group, c
                                      kept(code, role, 0), stride(code), s.first_slot, row, s.steps, matrix, leading);
   };
   text += "  // The base's rows and columns.\n";
-  if (elements_split(s)) text += alone ? "  if (begin > 0) return;\n" : "  if (begin == 0) {\n";
+  if (split) text += alone ? "  if (begin > 0) return;\n" : "  if (begin == 0) {\n";
   for (size_t i = 0; i < matrices.size(); ++i) {
     const std::string matrix = has_driven(code) ? fmt::format("matrices[{}]", i) : matrices[i];
     const ir::RolledPairs& roles = code.rolled.pairs[group.pairs[i]];
     text += base("columns", roles.columns, matrix);
     if (roles.rows >= 0) text += base("rows", roles.rows, matrix);
   }
-  if (elements_split(s) && !alone) text += "  }\n";
+  if (split && !alone) text += "  }\n";
   return text;
 }
 
@@ -345,6 +396,43 @@ void tile_counts(const ir::Segment& s, const std::vector<Above>& levels, int fac
   }
 }
 
+// Registers of long_limbs.hpp, lanes along a limb.
+void long_limb_counts(const CodeInput& code, const PairsOfRows& group, const ir::Segment& s, const std::vector<Above>& levels,
+                      int lanes, ElementCounts& counts) {
+  const auto padded = [&](int rows) -> long {
+    const int at_once = rows >= lanes ? lanes : std::max(2, std::min(lanes, 4));
+    return rows <= 0 ? 0 : (rows + at_once - 1) / at_once * at_once;
+  };
+  std::vector<int> first, length;
+  rows_of(code, group, limbs_asked(code, group, s), first, length);
+  const int together = lanes == 8 ? 2 : 1;
+  const auto each_columns = [&](int columns, const auto& f) {
+    for (int k = 0; k < columns;) {
+      const int some = k + together <= columns ? together : 1;
+      f(k, some);
+      k += some;
+    }
+  };
+  for (size_t lane = 0; lane < length.size(); ++lane) {
+    const int joints = length[lane];
+    for (int tile = 0; tile < joints; tile += long_limb_tile) {
+      const int rows = std::min(long_limb_tile, joints - tile), last = tile + rows;
+      each_columns(joints, [&](int k, int some) {
+        counts.above += some * padded(std::min(rows, k + some - tile));
+        counts.below += some * padded(last - std::max(k + some, tile));
+        if (some > 1 && k + 1 >= tile && k + 1 < last) counts.below += padded(1);
+      });
+    }
+    for (const Above& a : levels) {
+      const int above = static_cast<int>(a.limbs[lane].size());
+      for (int tile = 0; tile < above; tile += long_limb_tile)
+        counts.above += joints * padded(std::min(long_limb_tile, above - tile));
+      for (int tile = 0; tile < joints; tile += long_limb_tile)
+        counts.below += above * padded(std::min(long_limb_tile, joints - tile));
+    }
+  }
+}
+
 }  // namespace
 
 ElementCounts element_counts(const CodeInput& code, size_t segment, const ir::Pairs& pairs, int lanes) {
@@ -356,6 +444,10 @@ ElementCounts element_counts(const CodeInput& code, size_t segment, const ir::Pa
       if (&code.algorithm.pairs[number] == &pairs) group = g;
   if (!any_asked(code, group, s)) return counts;
   const std::vector<Above> levels = all_above(code, group, s);
+  if (limb_after_limb(code, s)) {
+    long_limb_counts(code, group, s, levels, lanes, counts);
+    return counts;
+  }
   if (s.width > 1) {
     tile_counts(s, levels, static_cast<int>(Products(code, group).lower.size()), pairs.symmetric, lanes, counts);
     return counts;

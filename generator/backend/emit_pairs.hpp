@@ -23,10 +23,15 @@ std::string pairs_types(const CodeInput& code);
 // Rows, lengths and slots of the segment's limbs and of the limbs above them.
 std::string limb_tables(const CodeInput& code, size_t segment);
 
-// Whether the segment's elements can be computed a range of columns at a time: long limbs, whose blocks are loops.
-bool elements_split(const ir::Segment& segment);
+// Whether the elements of a segment's limbs are computed limb after limb, lanes along a limb, and not limbs in lanes.
+bool limb_after_limb(const CodeInput& code, const ir::Segment& segment);
 
-// Statements for the elements in the columns of steps [begin, end) of the segment.
+// Whether the segment's elements can be computed a range of columns at a time: their blocks are loops. How many columns there
+// are: limb after limb those of all, else steps.
+bool elements_split(const CodeInput& code, const ir::Segment& segment);
+int split_columns(const CodeInput& code, const ir::Segment& segment);
+
+// Statements for the elements in the columns [begin, end) of the segment.
 std::string elements_stage(const CodeInput& code, size_t segment);
 
 // Elements of one matrix that the statements compute for a segment, with those that padding adds: above the diagonal with it,

@@ -317,6 +317,9 @@ std::vector<std::string> rolled_includes(const CodeInput& code) {
   std::vector<std::string> headers;
   if (pairs && lanes) headers.emplace_back("blocks");
   if (pairs && alone) headers.emplace_back("runs");
+  if (pairs && std::any_of(code.plan.segments.begin(), code.plan.segments.end(),
+                           [&](const ir::Segment& s) { return limb_after_limb(code, s); }))
+    headers.emplace_back("long_limbs");
   if (projects_by_rows(code)) headers.emplace_back("projections");
   if (prepare_reads_q(code)) headers.emplace_back("sincos");
   if (solves(code)) headers.emplace_back("solve");
@@ -327,7 +330,7 @@ std::vector<std::string> rolled_includes(const CodeInput& code) {
 
 std::string arguments_of(const CodeInput& code, const Stage& stage) {
   std::string text = stage.reads_state ? parameters_of(code) + ", Workspace& workspace" : "Workspace& workspace";
-  if (stage.kind == Stage::Kind::elements && elements_split(code.plan.segments[static_cast<size_t>(stage.segment)]))
+  if (stage.kind == Stage::Kind::elements && elements_split(code, code.plan.segments[static_cast<size_t>(stage.segment)]))
     text += ", int begin, int end";
   return text;
 }
@@ -336,7 +339,7 @@ std::string call_of(const CodeInput& code, const Stage& stage) {
   std::string text = stage.reads_state ? arguments_of(code) + ", workspace" : "workspace";
   if (stage.kind != Stage::Kind::elements) return text;
   const ir::Segment& s = code.plan.segments[static_cast<size_t>(stage.segment)];
-  return elements_split(s) ? fmt::format("{}, 0, {}", text, s.steps) : text;
+  return elements_split(code, s) ? fmt::format("{}, 0, {}", text, split_columns(code, s)) : text;
 }
 
 std::string rolled_source(const CodeInput& code, const Symbol& symbol) {

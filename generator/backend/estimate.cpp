@@ -131,18 +131,18 @@ void add_paragraph(const ir::Segment& s, const ir::Paragraph& p, int lanes, Feat
   of(f, Feature::waiting) += work.longest([](const ir::Input&) { return true; }, roots);
 }
 
-void add_elements(const CodeInput& code, int lanes, Features& f) {
-  for (size_t segment = 0; segment < code.plan.segments.size(); ++segment)
-    for (const ir::Pairs& p : code.algorithm.pairs) {
-      const ElementCounts computed = element_counts(code, segment, p, lanes);
-      const auto add = [&](const std::vector<ir::PairTerm>& terms, long elements) {
-        of(f, Feature::tiles) += 3.0 * static_cast<double>(terms.size()) * static_cast<double>(elements) / lanes;
-      };
-      add(p.above, computed.above);
-      add(p.symmetric ? p.above : p.below, computed.below);
-      of(f, Feature::stores) += static_cast<double>(computed.above + computed.below) / lanes;
-      of(f, Feature::loops) += 1;
-    }
+void add_elements(const CodeInput& code, size_t segment, int lanes, Features& f) {
+  const Feature feature = limb_after_limb(code, code.plan.segments[segment]) ? Feature::along : Feature::tiles;
+  for (const ir::Pairs& p : code.algorithm.pairs) {
+    const ElementCounts computed = element_counts(code, segment, p, lanes);
+    const auto add = [&](const std::vector<ir::PairTerm>& terms, long elements) {
+      of(f, feature) += 3.0 * static_cast<double>(terms.size()) * static_cast<double>(elements) / lanes;
+    };
+    add(p.above, computed.above);
+    add(p.symmetric ? p.above : p.below, computed.below);
+    of(f, Feature::stores) += static_cast<double>(computed.above + computed.below) / lanes;
+    of(f, Feature::loops) += 1;
+  }
 }
 
 void add_projections(const CodeInput& code, int lanes, Features& f) {
@@ -175,54 +175,97 @@ double fetched(double instructions, int lanes) {
 
 // ns per unit of each feature; by registers of two, four and eight.
 constexpr double constants[3][feature_count] = {
-    {1.88, 0.0979, 0.0996, 7.79, 8.42, 0.113, 0.0551, 0, 0.292, 0.112, 0, 41},
-    {2.34, 0.141, 0.12, 6.52, 6.06, 0.13, 0.141, 0, 0.345, 0.0192, 0, 41.3},
-    {1.82, 0.128, 0.0624, 12.9, 4.98, 0.133, 0.119, 0, 0.531, 0.0178, 0, 38.9},
+    {1.88, 0.0979, 0.0996, 7.79, 8.42, 0.113, 0.0551, 0, 0.292, 0.25, 0.112, 0, 41},
+    {2.34, 0.141, 0.12, 6.52, 6.06, 0.13, 0.141, 0, 0.345, 0.15, 0.0192, 0, 41.3},
+    {1.82, 0.128, 0.0624, 12.9, 4.98, 0.133, 0.119, 0, 0.531, 0.25, 0.0178, 0, 38.9},
 };
 
 }  // namespace
 
 const char* const feature_names[feature_count] = {"call",    "scalar", "fetched", "sines",  "divide",          "lanes",
-                                                  "waiting", "loops",  "tiles",   "stores", "step_operations", "step_chains"};
+                                                  "waiting", "loops",  "tiles",   "along",  "stores", "step_operations",
+                                                  "step_chains"};
 
-Features features(const CodeInput& code, int lanes) {
-  Features f{};
-  of(f, Feature::call) = 1;
-  add_steps(code, f);
-  add_projections(code, lanes, f);
-  add_constraint_steps(code, f);
-  if (code.plan.form != ir::Form::rolled) {
-    add_straight(code.program.graph, code.program.roots(), lanes, f);
-    of(f, Feature::fetched) = fetched(of(f, Feature::scalar), lanes);
-    of(f, Feature::sines) = registers(static_cast<int>(straight_operations(code).sincos), lanes);
-    return f;
-  }
+namespace {
+
+void add_base(const CodeInput& code, int level, int lanes, Features& f) {
   for (const ir::BaseStage& stage : code.rolled.base) {
+    if (stage.level != level) continue;
     std::vector<ir::NodeId> roots;
     for (const auto& v : stage.stores) roots.push_back(v.node);
     for (const auto& v : stage.body_stores) roots.push_back(v.node);
     for (const auto& e : stage.elements) roots.push_back(e.node);
     add_straight(stage.graph, roots, lanes, f);
   }
-  of(f, Feature::sines) = registers(static_cast<int>(prepare_operations(code).sincos), lanes);
-  for (size_t s = 0; s < code.plan.segments.size(); ++s)
-    for (const ir::SegmentStage& stage : code.rolled.segments[s].stages)
-      for (const ir::Paragraph& p : stage.paragraphs) add_paragraph(code.plan.segments[s], p, lanes, f);
-  add_elements(code, lanes, f);
+  if (level == 0) of(f, Feature::sines) = registers(static_cast<int>(prepare_operations(code).sincos), lanes);
+}
+
+void add_segment(const CodeInput& code, size_t segment, int level, int lanes, Features& f) {
+  for (const ir::SegmentStage& stage : code.rolled.segments[segment].stages)
+    for (const ir::Paragraph& p : stage.paragraphs)
+      if (stage.level == level) add_paragraph(code.plan.segments[segment], p, lanes, f);
+}
+
+// What stands behind the sweeps, in either form.
+void add_steps_behind(const CodeInput& code, int lanes, Features& f) {
+  add_steps(code, f);
+  add_projections(code, lanes, f);
+  add_constraint_steps(code, f);
+}
+
+void add_results(const CodeInput& code, int lanes, Features& f) {
+  add_steps_behind(code, lanes, f);
   const ir::GuardArrays told_by = ir::guard_arrays(code.algorithm);
   const auto copied = std::count_if(code.algorithm.results.begin(), code.algorithm.results.end(), [&](const ir::Result& r) {
     return !told_by.has(r.array);  // those stay where limbs leave them
   });
   of(f, Feature::stores) += static_cast<double>(code.tree.joints() * copied);
+}
+
+double nanoseconds(const Features& f, int lanes) {
+  const double* const constant = constants[width_index(lanes)];
+  double sum = 0;
+  for (size_t i = 0; i < feature_count; ++i) sum += constant[i] * f[i];
+  return sum;
+}
+
+}  // namespace
+
+Features features(const CodeInput& code, int lanes) {
+  Features f{};
+  of(f, Feature::call) = 1;
+  if (code.plan.form != ir::Form::rolled) {
+    add_steps_behind(code, lanes, f);
+    add_straight(code.program.graph, code.program.roots(), lanes, f);
+    of(f, Feature::fetched) = fetched(of(f, Feature::scalar), lanes);
+    of(f, Feature::sines) = registers(static_cast<int>(straight_operations(code).sincos), lanes);
+    return f;
+  }
+  int levels = 0;
+  for (const ir::BaseStage& b : code.rolled.base) levels = std::max(levels, b.level);
+  for (const ir::SegmentCode& s : code.rolled.segments)
+    for (const ir::SegmentStage& stage : s.stages) levels = std::max(levels, stage.level);
+  for (int level = 0; level <= levels; ++level) {
+    add_base(code, level, lanes, f);
+    for (size_t s = 0; s < code.plan.segments.size(); ++s) add_segment(code, s, level, lanes, f);
+  }
+  for (size_t s = 0; s < code.plan.segments.size(); ++s) add_elements(code, s, lanes, f);
+  add_results(code, lanes, f);
   return f;
 }
 
-double estimate(const CodeInput& code, int lanes) {
-  const Features f = features(code, lanes);
-  const double* const constant = constants[width_index(lanes)];
-  double nanoseconds = 0;
-  for (size_t i = 0; i < feature_count; ++i) nanoseconds += constant[i] * f[i];
-  return nanoseconds;
+double estimate(const CodeInput& code, int lanes) { return nanoseconds(features(code, lanes), lanes); }
+
+double estimate(const CodeInput& code, const Stage& stage, int lanes) {
+  Features f{};
+  const size_t segment = static_cast<size_t>(std::max(stage.segment, 0));
+  switch (stage.kind) {
+    case Stage::Kind::base: add_base(code, stage.level, lanes, f); break;
+    case Stage::Kind::segment: add_segment(code, segment, stage.level, lanes, f); break;
+    case Stage::Kind::elements: add_elements(code, segment, lanes, f); break;
+    case Stage::Kind::results: add_results(code, lanes, f); break;
+  }
+  return nanoseconds(f, lanes);
 }
 
 }  // namespace dalembert::backend

@@ -5,6 +5,7 @@
 #include <array>
 
 #include "backend/emit.hpp"
+#include "backend/emit_rolled.hpp"
 
 namespace dalembert::backend {
 
@@ -19,11 +20,12 @@ enum class Feature {
   waiting,          // cycles that loops over a limb's steps wait for the step before, beyond what their operations take
   loops,            // loops that begin
   tiles,            // operations of blocks of matrices, a register at a time
+  along,            // the same of long limbs, which need no shuffles
   stores,           // numbers stored one by one or register by register
   step_operations,  // of steps with whole matrices
   step_chains,      // of these: chains of coordinates, each a call
 };
-inline constexpr int feature_count = 12;
+inline constexpr int feature_count = 13;
 using Features = std::array<double, feature_count>;
 extern const char* const feature_names[feature_count];
 
@@ -32,6 +34,9 @@ Features features(const CodeInput& code, int lanes);
 
 // ns per call.
 double estimate(const CodeInput& code, int lanes);
+
+// ns of one of the functions that the rolled form consists of.
+double estimate(const CodeInput& code, const Stage& stage, int lanes);
 
 // What choices are made for: of these most processors of today have the second.
 inline constexpr std::array<int, 3> register_widths{2, 4, 8};

@@ -17,7 +17,7 @@ std::string at(const CodeInput& code, const ir::Place& place, const std::string&
                       : fmt::format("scratch.{}({})", own, component);
 }
 
-std::string type_of(const CodeInput& code) { return code.scene.scalar == ir::ScalarType::float32 ? "float" : "double"; }
+std::size_t scalar_bytes(const CodeInput& code) { return code.scene.scalar == ir::ScalarType::float32 ? 4 : 8; }
 
 struct Array {
   std::string name;
@@ -56,7 +56,11 @@ int slot_of(const CodeInput& code, int body) {
 
 std::string slot_text(const CodeInput& code, int body) { return body < 0 ? "base_slot" : std::to_string(slot_of(code, body)); }
 
-int stride(const CodeInput& code) { return code.plan.slots + 8; }
+// Components that are a multiple of 1 kB apart would share the same few lines of a cache.
+int stride(const CodeInput& code) {
+  const int numbers = code.plan.slots + 8, line = 64 / static_cast<int>(scalar_bytes(code));
+  return numbers % (16 * line) == 0 ? numbers + line : numbers;
+}
 
 int base_rows(const CodeInput& code) { return code.tree.nv() - code.tree.independent_joints(); }
 int base_positions(const CodeInput& code) { return code.tree.base_positions(); }
@@ -86,7 +90,7 @@ std::string kept_definition(const CodeInput& code) {
 }
 
 std::size_t kept_bytes(const CodeInput& code) {
-  const std::size_t scalar = type_of(code) == "float" ? 4 : 8;
+  const std::size_t scalar = scalar_bytes(code);
   std::size_t bytes = 0;
   for (const Array& a : arrays(code)) {
     bytes = (bytes + 63) / 64 * 64;

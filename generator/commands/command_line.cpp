@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <dalembert/version.hpp>
 #include <exception>
+#include <filesystem>
 #include <functional>
 #include <iterator>
 #include <memory>
@@ -25,6 +26,7 @@
 #include "commands/package.hpp"
 #include "commands/registry.hpp"
 #include "commands/report.hpp"
+#include "commands/task_report.hpp"
 
 namespace dalembert {
 
@@ -120,10 +122,32 @@ void add_info(Command& command) {
       ->check(CLI::IsMember(std::vector<std::string>(std::begin(stage_names), std::end(stage_names))))
       ->excludes("--json")
       ->type_name("tree|normal_tree|program|plan|rolled");
+  const auto threads = std::make_shared<int>(0);
+  CLI::Option* const asked =
+      command.parser
+          .add_option("--threads", *threads,
+                      "instead: what the task graph of one call is expected to gain on so many threads, and on 1 to 64")
+          ->check(CLI::Range(1, 64))
+          ->excludes("--json")
+          ->excludes("--dump")
+          ->type_name("1..64");
+  const auto picture = std::make_shared<std::string>();
+  command.parser.add_option("--schedule", *picture, "with --threads: a picture (SVG) of which thread runs which task when")
+      ->needs(asked)
+      ->type_name("FILE");
   const auto compiler = add_compiler_options(command.parser);
-  command.run = [&command, json, stage, compiler](Diagnostics& warnings) {
+  command.run = [&command, json, stage, threads, picture, compiler](Diagnostics& warnings) {
     std::string told;
     const Model model = read_model(planned_request(command, *compiler, told), warnings);
+    if (*threads > 0) {
+      const std::vector<FunctionTasks> tasks = tasks_of_functions(model, lower(model));
+      if (!picture->empty()) {
+        const std::filesystem::path file(*picture);
+        backend::add_files(file.has_parent_path() ? file.parent_path().string() : ".",
+                           {{file.filename().string(), tasks_svg(tasks, *threads)}});
+      }
+      return print_result(tasks_text(tasks, *threads));
+    }
     if (stage->empty() && !*json) return print_result(describe(model) + (told.empty() ? "" : "\n" + told));
     if (!told.empty()) fmt::print(stderr, "{}", told);
     if (stage->empty()) return print_result(describe_json(model));

@@ -177,6 +177,10 @@ std::string stage_text(const Model& model, const Lowered& lowered, Stage stage) 
 
 }  // namespace
 
-std::string dump(const Model& model, Stage stage) { return stage_text(model, lower(model), stage) + pass_table(model); }
+std::string dump(const Model& model, Stage stage) {
+  Lowered lowered = lower(model);
+  decide_tasks(model, lowered);
+  return stage_text(model, lowered, stage) + pass_table(model);
+}
 
 }  // namespace dalembert

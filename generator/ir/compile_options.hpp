@@ -17,6 +17,7 @@ struct CompileOptions {
   bool share = true;            // equal subexpressions are computed once
   bool move_parameters = true;  // inertial parameters move towards the base
   bool pack = true;             // limbs stand side by side in lanes
+  bool join = true;             // of a task graph, what is too little for a task is joined with another
 };
 
 }  // namespace dalembert::ir

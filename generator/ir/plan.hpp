@@ -42,6 +42,7 @@ struct Plan {
   Form form = Form::straight;
   Order order = Order::as_written;  // of the straight form
   bool tasks = false;
+  bool join_tasks = true;
   std::vector<Segment> segments;  // parents before children; empty for the straight form
   int slots = 0;                  // of bodies, including padding between segments
   int root_slot = 0;              // beside a short segment, where there is one, else after the last

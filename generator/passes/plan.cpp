@@ -182,14 +182,12 @@ std::vector<int> rows_in_pairs(const ir::Algorithm& algorithm, const ir::Kinemat
   return parts ? rows : std::vector<int>{};
 }
 
-ir::Plan plan(const ir::KinematicTree& tree, const ir::Scene& scene, ir::Form form, const ir::Operations& straight,
-              const ir::CompileOptions& options, const std::vector<int>& rows) {
-  // Measured on two cores: a graph of tasks pays from about 30 µs of serial work on.
-  constexpr long work_for_tasks = 500000;
+ir::Plan plan(const ir::KinematicTree& tree, const ir::Scene& scene, ir::Form form, const ir::CompileOptions& options,
+              const std::vector<int>& rows) {
   ir::Plan plan;
   plan.form = form;
-  plan.tasks = scene.parallel == ir::Parallel::tasks ||
-               (scene.parallel == ir::Parallel::automatic && form == ir::Form::rolled && straight.total() >= work_for_tasks);
+  plan.tasks = scene.parallel == ir::Parallel::tasks;
+  plan.join_tasks = options.join;
   if (form == ir::Form::rolled) lay_out(tree, rows, options.pack ? 8 : 1, plan);
   return plan;
 }

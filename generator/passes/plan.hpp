@@ -18,8 +18,9 @@ std::vector<ir::Form> forms(const ir::KinematicTree& tree, const ir::Scene& scen
 // all bodies have rows in all.
 std::vector<int> rows_in_pairs(const ir::Algorithm& algorithm, const ir::KinematicTree& tree);
 
-// Tasks or none, and for the rolled form the segments, lanes and slots of all bodies. `rows`: rows_in_pairs().
-ir::Plan plan(const ir::KinematicTree& tree, const ir::Scene& scene, ir::Form form, const ir::Operations& straight,
-              const ir::CompileOptions& options, const std::vector<int>& rows = {});
+// Tasks where the scene asks for them, and for the rolled form the segments, lanes and slots of all bodies. `rows`:
+// rows_in_pairs().
+ir::Plan plan(const ir::KinematicTree& tree, const ir::Scene& scene, ir::Form form, const ir::CompileOptions& options,
+              const std::vector<int>& rows = {});
 
 }  // namespace dalembert::passes

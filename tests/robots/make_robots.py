@@ -105,9 +105,9 @@ class Robot:
             parent = self.add(f"{prefix}_{i + 1:02d}", parent, **how)
         return parent
 
-    def write(self):
+    def write(self, folder=FOLDER):
         body = "\n".join(self.lines)
-        path = FOLDER / f"{self.name}.urdf"
+        path = folder / f"{self.name}.urdf"
         path.write_text(f'<?xml version="1.0"?>\n<!-- {self.about} Written by make_robots.py. -->\n'
                         f'<robot name="{self.name}">\n{body}\n</robot>\n')
 
@@ -425,7 +425,18 @@ def machines():
     robot.write()
 
 
+def long_limbs():
+    """Of blocks that are taken limb after limb; outside of the test robots, all of which are interpreted with every quantity."""
+    robot = Robot("long_limbs", "A trunk of 26 joints, on it branches of 66, 70 and 3, and one of 131 on the base.")
+    end = robot.chain("a", "base", 26)
+    for branch, length in (("b", 66), ("c", 70), ("d", 3)):
+        robot.chain(branch, end, length)
+    robot.chain("e", "base", 131)
+    robot.write(FOLDER.parent / "numeric/generated")
+
+
 if __name__ == "__main__":
+    long_limbs()
     machines()
     chains()
     branches()

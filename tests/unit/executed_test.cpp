@@ -87,6 +87,8 @@ const Case cases[] = {
     {"straight_arm_driven", "chain_7", "straight", {{"mimic", "{link_03_joint: {of: link_05_joint, multiplier: 2}}"}}},
     {"rolled_arm", "chain_7", "rolled", {{"outputs", everything}}},
     {"rolled_arm_driven", "chain_7", "rolled", {{"mimic", "{link_03_joint: {of: link_05_joint, multiplier: 2}}"}}},
+    {"long_chain", "chain_50", "rolled", {{"base", "fixed"}, {"outputs", everything}}},
+    {"long_floating_chain", "chain_50", "rolled", {{"base", "floating"}, {"outputs", "mass_matrix,coriolis_matrix"}}},
     {"slides", "gantry_arms", "rolled", {{"outputs", everything}, {"base", "fixed"}}},
     {"fingers", "hand", "rolled", {{"base", "fixed"}}},
     {"legs", "hexapod", "rolled", {{"outputs", everything}}},

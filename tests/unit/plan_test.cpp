@@ -1,4 +1,4 @@
-// Which form is chosen, and when a task graph stands beside it.
+// Which forms come into question, and how limbs stand side by side.
 #include "passes/plan.hpp"
 
 #include <gtest/gtest.h>
@@ -15,25 +15,10 @@ ir::KinematicTree mahru() {
 }
 
 // `operations`: those of the straight form.
-ir::Plan plan_of(const ir::KinematicTree& tree, ir::Parallel parallel, long operations) {
-  ir::Scene scene;
-  scene.parallel = parallel;
-  const ir::Operations straight{.add = operations / 2, .multiply = operations / 2};
-  return plan(tree, scene, ir::Form::rolled, straight, {});
-}
-
 std::vector<ir::Form> forms_of(const ir::KinematicTree& tree, ir::Parallel parallel, long operations) {
   ir::Scene scene;
   scene.parallel = parallel;
   return forms(tree, scene, {.add = operations / 2, .multiply = operations / 2}, {});
-}
-
-TEST(Plan, ChoosesTasksWhereTheWorkIsWorthThem) {
-  const ir::KinematicTree tree = mahru();
-  EXPECT_FALSE(plan_of(tree, ir::Parallel::automatic, 400000).tasks);
-  EXPECT_TRUE(plan_of(tree, ir::Parallel::automatic, 600000).tasks);
-  EXPECT_FALSE(plan_of(tree, ir::Parallel::serial, 600000).tasks);
-  EXPECT_TRUE(plan_of(tree, ir::Parallel::tasks, 1000).tasks);
 }
 
 TEST(Plan, ComparesFormsButOfLargeCodeAndWhatRunsInTasks) {
@@ -60,7 +45,7 @@ ir::KinematicTree star(int limbs, int joints) { return star(std::vector(static_c
 
 std::vector<int> limbs_side_by_side(const ir::KinematicTree& tree) {
   std::vector<int> found;
-  for (const ir::Segment& s : plan_of(tree, ir::Parallel::automatic, 10000).segments) found.push_back(s.limbs());
+  for (const ir::Segment& s : plan(tree, {}, ir::Form::rolled, {}).segments) found.push_back(s.limbs());
   return found;
 }
 
@@ -81,7 +66,7 @@ TEST(Plan, LaysUnlikeLimbsSideBySideWhereRegistersHaveRoom) {
 }
 
 TEST(Plan, ComputesNoMoreLanesThanLimbsNeed) {
-  const ir::Plan plan = plan_of(star(5, 2), ir::Parallel::automatic, 10000);
+  const ir::Plan plan = passes::plan(star(5, 2), {}, ir::Form::rolled, {});
   const ir::Segment& s = plan.segments.front();
   EXPECT_EQ(s.limbs(), 5);
   EXPECT_EQ(s.computed(8), 8);

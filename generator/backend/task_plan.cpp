@@ -1,0 +1,449 @@
+#include "backend/task_plan.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <numeric>
+#include <set>
+
+#include "backend/code_text.hpp"
+#include "backend/emit_pairs.hpp"
+#include "backend/emit_rolled.hpp"
+#include "backend/estimate.hpp"
+
+namespace dalembert::backend {
+namespace {
+
+// What tasks cost beside what they compute, ns: each task; what one leaves in another core's caches; and of a call, each thread
+// that is asked for help, and how long it takes to come. Measured on two cores (AMD EPYC, Zen 5) with graphs of empty tasks.
+constexpr double task_cost = 60, hand_over = 250, ask_cost = 100, coming = 700;
+// ns a byte: of what other threads have read since the last call, each line is taken back from their caches before it is written.
+constexpr double taken_back = 4.0 / 64;
+// Smaller tasks are joined with others where that is not expected to make the whole slower.
+constexpr double grain = 4000;
+// For what choices of how many threads are weighed.
+constexpr int usual_threads[] = {2, 4, 8};
+
+struct Edges {
+  std::vector<std::set<int>> after, before;  // of each task: those it comes after, those that come after it
+
+  explicit Edges(const std::vector<Task>& tasks) : after(tasks.size()), before(tasks.size()) {
+    for (size_t t = 0; t < tasks.size(); ++t)
+      for (const int a : tasks[t].after) after[t].insert(a), before[static_cast<size_t>(a)].insert(static_cast<int>(t));
+  }
+};
+
+// Of each task: ns from its beginning to the end of all, on the longest way.
+std::vector<double> ways(const std::vector<Task>& tasks, const Edges& edges) {
+  std::vector<double> way(tasks.size(), -1);
+  const auto of = [&](const auto& self, size_t t) -> double {
+    if (way[t] >= 0) return way[t];
+    double longest = 0;
+    for (const int b : edges.before[t]) longest = std::max(longest, self(self, static_cast<size_t>(b)));
+    return way[t] = longest + tasks[t].nanoseconds + task_cost;
+  };
+  for (size_t t = 0; t < tasks.size(); ++t) of(of, t);
+  return way;
+}
+
+// In an order they can run in, longest way first; without edges that follow from others.
+std::vector<Task> in_order(const std::vector<Task>& tasks) {
+  const Edges edges(tasks);
+  const std::vector<double> way = ways(tasks, edges);
+  std::vector<int> order(tasks.size()), number(tasks.size());
+  std::iota(order.begin(), order.end(), 0);
+  // A task's way is longer than that of any that comes after it.
+  std::stable_sort(order.begin(), order.end(),
+                   [&](int a, int b) { return way[static_cast<size_t>(a)] > way[static_cast<size_t>(b)]; });
+  for (size_t i = 0; i < order.size(); ++i) number[static_cast<size_t>(order[i])] = static_cast<int>(i);
+  std::vector<Task> sorted;
+  std::vector<std::set<int>> closure(tasks.size());
+  for (size_t i = 0; i < order.size(); ++i) {
+    Task task = tasks[static_cast<size_t>(order[i])];
+    for (int& a : task.after) a = number[static_cast<size_t>(a)];
+    std::sort(task.after.begin(), task.after.end());
+    for (const int a : task.after) {
+      const auto& further = closure[static_cast<size_t>(a)];
+      closure[i].insert(further.begin(), further.end());
+    }
+    std::erase_if(task.after, [&](int a) { return closure[i].contains(a); });
+    closure[i].insert(task.after.begin(), task.after.end());
+    sorted.push_back(std::move(task));
+  }
+  return sorted;
+}
+
+// Whether one can follow the other directly in one task: no third stands between them.
+bool can_join(const Edges& edges, int a, int b) {
+  const auto reaches = [&](int from, int to) {
+    std::vector<int> todo(edges.before[static_cast<size_t>(from)].begin(), edges.before[static_cast<size_t>(from)].end());
+    std::set<int> seen(todo.begin(), todo.end());
+    seen.erase(to), std::erase(todo, to);  // directly is no matter
+    while (!todo.empty()) {
+      const int t = todo.back();
+      todo.pop_back();
+      for (const int next : edges.before[static_cast<size_t>(t)]) {
+        if (next == to) return true;
+        if (seen.insert(next).second) todo.push_back(next);
+      }
+    }
+    return false;
+  };
+  return !reaches(a, b) && !reaches(b, a);
+}
+
+// One task in place of two; their calls in the order of the graph.
+std::vector<Task> joined(const std::vector<Task>& tasks, int a, int b) {
+  const int first = std::min(a, b), second = std::max(a, b);
+  std::vector<Task> all = tasks;
+  Task &into = all[static_cast<size_t>(first)], &from = all[static_cast<size_t>(second)];
+  into.calls.insert(into.calls.end(), from.calls.begin(), from.calls.end());
+  into.reads_state = into.reads_state || from.reads_state;
+  into.nanoseconds += from.nanoseconds;
+  into.handed_on += from.handed_on;
+  into.after.insert(into.after.end(), from.after.begin(), from.after.end());
+  all.erase(all.begin() + second);
+  for (size_t t = 0; t < all.size(); ++t) {
+    std::set<int> after;
+    for (const int before : all[t].after) {
+      const int now = before == second ? first : before - (before > second ? 1 : 0);
+      if (now != static_cast<int>(t)) after.insert(now);
+    }
+    all[t].after.assign(after.begin(), after.end());
+  }
+  return in_order(all);
+}
+
+double expected(const std::vector<Task>& tasks) {
+  double sum = 0;
+  for (const int threads : usual_threads) sum += schedule_tasks(tasks, threads).nanoseconds;
+  return sum;
+}
+
+std::vector<Task> joined_where_small(std::vector<Task> tasks) {
+  std::set<std::string> stay;  // small tasks that are better alone
+  double now = expected(tasks);
+  while (tasks.size() > 1) {
+    int smallest = -1;
+    for (size_t t = 0; t < tasks.size(); ++t)
+      if (tasks[t].nanoseconds < grain && !stay.contains(tasks[t].name) &&
+          (smallest < 0 || tasks[t].nanoseconds < tasks[static_cast<size_t>(smallest)].nanoseconds))
+        smallest = static_cast<int>(t);
+    if (smallest < 0) break;
+    const Edges edges(tasks);
+    std::set<int> others = edges.after[static_cast<size_t>(smallest)];
+    others.insert(edges.before[static_cast<size_t>(smallest)].begin(), edges.before[static_cast<size_t>(smallest)].end());
+    for (size_t t = 0; t < tasks.size(); ++t)  // beside it: comes after the same, or before
+      if (edges.after[t] == edges.after[static_cast<size_t>(smallest)] ||
+          edges.before[t] == edges.before[static_cast<size_t>(smallest)])
+        others.insert(static_cast<int>(t));
+    others.erase(smallest);
+    std::vector<Task> best;
+    double least = now * (1 + 1e-9);
+    for (const int other : others) {
+      if (!can_join(edges, smallest, other)) continue;
+      std::vector<Task> then = joined(tasks, smallest, other);
+      const double time = expected(then);
+      if (time > least) continue;
+      least = time;
+      best = std::move(then);
+    }
+    if (best.empty()) {
+      stay.insert(tasks[static_cast<size_t>(smallest)].name);
+      continue;
+    }
+    tasks = std::move(best);
+    now = least;
+  }
+  return tasks;
+}
+
+// Tasks one after another that nothing else waits for, nor they for anything else.
+std::vector<Task> chains_joined(std::vector<Task> tasks) {
+  for (bool found = true; found;) {
+    found = false;
+    const Edges edges(tasks);
+    for (size_t t = 0; t < tasks.size() && !found; ++t) {
+      if (tasks[t].after.size() != 1 || edges.before[static_cast<size_t>(tasks[t].after[0])].size() != 1) continue;
+      tasks = joined(tasks, tasks[t].after[0], static_cast<int>(t));
+      found = true;
+    }
+  }
+  return tasks;
+}
+
+// Parts of a segment's columns: of limbs one after another whole limbs, or parts of one; else parts that take about as long.
+std::vector<std::pair<int, int>> column_ranges(const CodeInput& code, const ir::Segment& s, double nanoseconds) {
+  if (!code.plan.join_tasks) nanoseconds = 1e9;  // as many as there can be
+  const int columns = split_columns(code, s);
+  if (!elements_split(code, s)) return {{0, columns}};
+  const auto depth = [&](int body) {
+    int count = 0;
+    for (; body >= 0; body = code.tree.bodies[static_cast<size_t>(body)].parent) ++count;
+    return count;
+  };
+  std::vector<std::pair<int, int>> ranges;
+  if (limb_after_limb(code, s)) {
+    std::vector<int> joints;
+    std::vector<double> cost;
+    for (size_t lane = 0; lane < s.bodies.size(); ++lane) {
+      joints.push_back(
+          static_cast<int>(std::count_if(s.bodies[lane].begin(), s.bodies[lane].end(), [](int b) { return b >= 0; })));
+      cost.push_back(joints.back() * (joints.back() + 2.0 * depth(s.parents[lane])));
+    }
+    const double all = std::accumulate(cost.begin(), cost.end(), 0.0);
+    double waiting = 0;  // of limbs that are too short for a part of their own
+    int begin = 0, at = 0;
+    for (size_t lane = 0; lane < joints.size(); ++lane) {
+      const double time = nanoseconds * cost[lane] / all;
+      // Parts of one limb each copy it, where limbs stand side by side.
+      const int parts = std::clamp(static_cast<int>(time / (s.width > 1 ? 2 * grain : grain)), 1, std::max(1, joints[lane] / 4));
+      for (int part = 1; part < parts; ++part) {
+        const int end = at + joints[lane] * part / parts / 4 * 4;
+        if (end > begin) ranges.emplace_back(begin, end);
+        begin = end;
+      }
+      at += joints[lane];
+      waiting = parts > 1 ? grain : waiting + time;
+      if (waiting < grain && lane + 1 < joints.size()) continue;
+      if (at > begin) ranges.emplace_back(begin, at);
+      begin = at, waiting = 0;
+    }
+    return ranges;
+  }
+  int above = 0;
+  for (const int parent : s.parents) above = std::max(above, depth(parent));
+  const auto cost = [&](int column) { return column + 4.0 + above; };
+  double all = 0, sum = 0;
+  for (int c = 0; c < columns; ++c) all += cost(c);
+  const int parts = std::clamp(static_cast<int>(nanoseconds / grain), 1, std::max(1, (columns + 3) / 4));
+  int begin = 0;
+  for (int c = 0; c < columns; c += 4) {  // tiles of four
+    const int end = std::min(c + 4, columns);
+    for (int k = c; k < end; ++k) sum += cost(k);
+    if (end < columns && sum < all * static_cast<double>(ranges.size() + 1) / parts) continue;
+    ranges.emplace_back(begin, end);
+    begin = end;
+  }
+  return ranges;
+}
+
+// Which stages must have run before another: it follows from what they are, of which segment and at which level.
+class StageOrder {
+ public:
+  StageOrder(const CodeInput& code, const std::vector<Stage>& stages) : code_(code), stages_(stages) {}
+
+  // Stages that must have run before stage `of`, by their numbers.
+  std::set<size_t> before(size_t of) const {
+    const Stage& s = stages_[of];
+    std::set<size_t> all;
+    const auto add = [&](const auto& wanted) {
+      for (size_t i = 0; i < of; ++i)
+        if (wanted(stages_[i])) all.insert(i);
+    };
+    switch (s.kind) {
+      case Stage::Kind::base:
+        add([&](const Stage& t) { return t.kind == Stage::Kind::segment || t.kind == Stage::Kind::base; });
+        break;
+      case Stage::Kind::segment: segment(s, add); break;
+      case Stage::Kind::elements:
+        // Its own factors, and those of the limbs above it.
+        add([&](const Stage& t) { return t.kind == Stage::Kind::segment && is_above(t.segment, s.segment); });
+        add([&](const Stage& t) { return t.kind == Stage::Kind::base && t.level == 0; });
+        break;
+      case Stage::Kind::results: add([](const Stage&) { return true; }); break;
+    }
+    return all;
+  }
+
+ private:
+  template <class Add>
+  void segment(const Stage& s, const Add& add) const {
+    add([&](const Stage& t) { return t.kind == Stage::Kind::base && t.level <= s.level; });
+    add([&](const Stage& t) { return t.kind == Stage::Kind::segment && t.segment == s.segment; });
+    const bool outwards = s.level % 2 == 0;
+    add([&](const Stage& t) {
+      if (t.kind != Stage::Kind::segment || t.segment == s.segment) return false;
+      if (outwards) return hangs_on(s.segment, t.segment);
+      // What hangs on it; and, so that sums are the same however tasks run, whatever adds to the same bodies before.
+      return t.level == s.level && (hangs_on(t.segment, s.segment) || share_parent(s.segment, t.segment));
+    });
+    for (const ir::SegmentStage& stage : code_.rolled.segments[static_cast<size_t>(s.segment)].stages)
+      for (const ir::Paragraph& p : stage.paragraphs)
+        for (ir::NodeId id = 0; id < p.graph.size() && stage.level == s.level; ++id) {
+          const ir::Node& n = p.graph[id];
+          if (n.op != ir::Op::input || n.input.kind != ir::InputKind::of_body || n.input.body < 0) continue;
+          const int other = code_.plan.segment_of(n.input.body);
+          add([&](const Stage& t) { return t.kind == Stage::Kind::segment && t.segment == other && t.level < s.level; });
+        }
+  }
+
+  const ir::Segment& at(int segment) const { return code_.plan.segments[static_cast<size_t>(segment)]; }
+  std::set<int> parents(int segment) const {
+    std::set<int> bodies;
+    for (size_t lane = 0; lane < at(segment).parents.size(); ++lane)
+      if (at(segment).bodies[lane].front() >= 0) bodies.insert(at(segment).parents[lane]);
+    return bodies;
+  }
+  bool hangs_on(int segment, int other) const {
+    for (int parent : parents(segment))
+      if (parent >= 0 && code_.plan.segment_of(parent) == other) return true;
+    return false;
+  }
+  bool share_parent(int a, int b) const {
+    const std::set<int> of_b = parents(b);
+    for (int parent : parents(a))
+      if (of_b.contains(parent)) return true;
+    return false;
+  }
+  bool is_above(int segment, int below) const {
+    if (segment == below) return true;
+    for (int parent : parents(below))
+      if (parent >= 0 && is_above(segment, code_.plan.segment_of(parent))) return true;
+    return false;
+  }
+
+  const CodeInput& code_;
+  const std::vector<Stage>& stages_;
+};
+
+// The vectors as the graph holds them between calls; a second half has its last from its first half.
+std::string held_arguments(const CodeInput& code) {
+  if (is_called(code)) return fmt::format("{}_", fmt::join(vectors_of(code), "_, "));
+  return "q_, v_, w->" + function_of(code).accelerations;
+}
+
+double stored_bytes(const CodeInput& code, const Stage& s) {
+  const ir::Segment& segment = code.plan.segments[static_cast<size_t>(s.segment)];
+  size_t components = 0;
+  for (const ir::SegmentStage& stage : code.rolled.segments[static_cast<size_t>(s.segment)].stages)
+    for (const ir::Paragraph& p : stage.paragraphs)
+      if (stage.level == s.level) components += p.stores.size();
+  return (code.scene.scalar == ir::ScalarType::float32 ? 4.0 : 8.0) * static_cast<double>(components) * segment.slots();
+}
+
+// Of a function, or of one half of it, whose tasks' names begin with `prefix`; nothing joined yet.
+std::vector<Task> tasks_of(const CodeInput& code, const std::string& prefix) {
+  if (code.plan.form != ir::Form::rolled) {  // one piece of code, one task
+    const std::string name = function_of(code).name;
+    return {{name, {fmt::format("{}::{}({}, *w)", code.name, name, held_arguments(code))}, true,
+             estimate(code, register_widths[usual_width]), 0, {}}};
+  }
+  std::vector<Task> tasks;
+  const std::vector<Stage> stages = rolled_stages(code);
+  const StageOrder order(code, stages);
+  std::vector<std::vector<int>> tasks_of_stage;
+  for (size_t i = 0; i < stages.size(); ++i) {
+    const Stage& s = stages[i];
+    const double nanoseconds = estimate(code, s, register_widths[usual_width]);
+    const std::string first = s.reads_state ? held_arguments(code) + ", *w" : "*w";
+    std::vector<int> after;
+    for (const size_t before : order.before(i))
+      after.insert(after.end(), tasks_of_stage[before].begin(), tasks_of_stage[before].end());
+    tasks_of_stage.emplace_back();
+    const double handed_on = s.kind == Stage::Kind::segment ? stored_bytes(code, s) : 0;
+    const auto add = [&](const std::string& name, const std::string& arguments, double time) {
+      tasks_of_stage.back().push_back(static_cast<int>(tasks.size()));
+      const std::string call = fmt::format("{}::{}({}{})", own_name(code, "stages"), s.name, first, arguments);
+      tasks.push_back({prefix + name, {call}, s.reads_state, time, handed_on, after});
+    };
+    if (s.kind != Stage::Kind::elements) {
+      add(s.name, "", nanoseconds);
+      continue;
+    }
+    const ir::Segment& segment = code.plan.segments[static_cast<size_t>(s.segment)];
+    const auto ranges = column_ranges(code, segment, nanoseconds);
+    for (const auto& [begin, end] : ranges)
+      add(fmt::format("{}_{}", s.name, begin), elements_split(code, segment) ? fmt::format(", {}, {}", begin, end) : "",
+          nanoseconds / static_cast<double>(ranges.size()));
+  }
+  return tasks;
+}
+
+}  // namespace
+
+TaskSchedule schedule_tasks(const std::vector<Task>& tasks, int threads) {
+  const Edges edges(tasks);
+  TaskSchedule schedule;
+  schedule.runs.resize(tasks.size());
+  std::vector<double> idle(static_cast<size_t>(std::max(threads, 1)));
+  const double asked = tasks.size() > 1 ? ask_cost * (threads - 1) : 0;
+  for (size_t t = 0; t < idle.size(); ++t) idle[t] = asked + (t > 0 ? coming : 0);
+  std::vector<bool> begun(tasks.size(), false);
+  for (size_t count = 0; count < tasks.size(); ++count) {
+    // Who can begin a task first takes the first of those that can run then.
+    size_t thread = 0;
+    int task = -1;
+    double at = 0;
+    for (size_t h = 0; h < idle.size(); ++h)
+      for (size_t t = 0; t < tasks.size(); ++t) {
+        if (begun[t]) continue;
+        double ready = idle[h];
+        bool can = true;
+        for (const int a : tasks[t].after) {
+          const Run& run = schedule.runs[static_cast<size_t>(a)];
+          can = can && begun[static_cast<size_t>(a)];
+          ready = std::max(ready, run.end + (run.thread == static_cast<int>(h) ? 0 : hand_over));
+        }
+        if (!can || (task >= 0 && ready >= at)) continue;
+        thread = h, task = static_cast<int>(t), at = ready;
+      }
+    Run& run = schedule.runs[static_cast<size_t>(task)];
+    const Task& begins = tasks[static_cast<size_t>(task)];
+    run = {static_cast<int>(thread), at,
+           at + task_cost + begins.nanoseconds + (threads > 1 ? taken_back * begins.handed_on : 0)};
+    begun[static_cast<size_t>(task)] = true;
+    idle[thread] = run.end;
+    schedule.nanoseconds = std::max(schedule.nanoseconds, run.end);
+  }
+  return schedule;
+}
+
+bool worth_a_graph(const std::vector<Task>& tasks) {
+  return tasks.size() > 1 && schedule_tasks(tasks, 2).nanoseconds < 0.85 * serial_time(tasks);
+}
+
+int useful_threads(const std::vector<Task>& tasks) {
+  int best = 1;
+  double least = serial_time(tasks);
+  for (int threads = 2; threads <= std::min(static_cast<int>(tasks.size()), 64); ++threads) {
+    const double time = schedule_tasks(tasks, threads).nanoseconds;
+    if (time < 0.97 * least) best = threads, least = time;
+  }
+  return best;
+}
+
+double serial_time(const std::vector<Task>& tasks) {
+  double sum = 0;
+  for (const Task& t : tasks) sum += t.nanoseconds;
+  return sum;
+}
+
+double critical_path(const std::vector<Task>& tasks) {
+  const std::vector<double> way = ways(tasks, Edges(tasks));
+  return way.empty() ? 0 : *std::max_element(way.begin(), way.end());
+}
+
+// Of a function that users call: first one half, then the other. Straight code calls the second half itself.
+std::vector<Task> plan_tasks(const Folder& folder, const CodeInput& code) {
+  std::vector<Task> tasks = tasks_of(code, "");
+  std::string prefix;
+  if (code.plan.form == ir::Form::rolled)
+    for (const CodeInput* second = folder.second_half_of(code); second; second = folder.second_half_of(*second)) {
+      const int before = static_cast<int>(tasks.size());
+      std::set<int> last;
+      for (int i = 0; i < before; ++i) last.insert(i);
+      for (const Task& t : tasks)
+        for (const int a : t.after) last.erase(a);
+      for (Task t : tasks_of(*second, prefix += "then_")) {
+        if (t.after.empty()) t.after.assign(last.begin(), last.end());
+        else
+          for (int& a : t.after) a += before;
+        tasks.push_back(std::move(t));
+      }
+    }
+  return code.plan.join_tasks ? joined_where_small(chains_joined(in_order(tasks))) : in_order(tasks);
+}
+
+}  // namespace dalembert::backend

@@ -1,0 +1,142 @@
+// Into which tasks a call is divided, when a graph of them is generated, and what is expected of it.
+#include "backend/task_plan.hpp"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <regex>
+
+#include "commands/task_report.hpp"
+#include "compile.hpp"
+
+namespace dalembert {
+namespace {
+
+using backend::Task;
+
+// Branches of so many joints on a base that stands.
+class TaskPlan : public testing::Test {
+ protected:
+  void SetUp() override {
+    const testing::TestInfo* const test = testing::UnitTest::GetInstance()->current_test_info();
+    folder_ = std::filesystem::temp_directory_path() / fmt::format("dalembert.{}.{}", test->name(), ::getpid());
+    std::filesystem::create_directories(folder_);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  Model tree(int branches, int joints, const std::string& parallel, const std::string& outputs = "mass_matrix,coriolis_matrix") {
+    const std::string file = (folder_ / "tree.urdf").string();
+    std::ofstream out(file);
+    out << "<robot name='tree'><link name='base'/>\n";
+    const char* const axes[] = {"0 0 1", "0 1 0", "1 0 0"};
+    for (int b = 0; b < branches; ++b)
+      for (int k = 0; k < joints; ++k)
+        out << fmt::format(
+            "<link name='l{0}_{1}'><inertial><origin xyz='0.1 0 0.02'/><mass value='2'/><inertia ixx='.01' iyy='.02' izz='.02' "
+            "ixy='0.001' ixz='0' iyz='0'/></inertial></link>\n"
+            "<joint name='j{0}_{1}' type='continuous'><parent link='{2}'/><child link='l{0}_{1}'/><origin xyz='.2 0 0'/><axis "
+            "xyz='{3}'/></joint>\n",
+            b, k, k == 0 ? "base" : fmt::format("l{}_{}", b, k - 1), axes[k % 3]);
+    out << "</robot>\n";
+    out.close();
+    Request request;
+    request.robot = file;
+    request.settings = {{"base", "fixed"}, {"outputs", outputs}, {"parallel", parallel}};
+    Diagnostics warnings;
+    return read_model(request, warnings);
+  }
+
+  std::filesystem::path folder_;
+};
+
+bool has_graph(const Model& model) {
+  const std::vector<backend::OutputFile> files = compile_without_self_test(model);
+  return std::any_of(files.begin(), files.end(), [](const auto& file) { return file.name == "tasks.cpp"; });
+}
+
+std::vector<Task> tasks_of(const Model& model) { return tasks_of_functions(model, lower(model)).front().tasks; }
+
+TEST_F(TaskPlan, GraphsAreGeneratedWhereTwoThreadsAreExpectedToBeWorthThem) {
+  EXPECT_FALSE(has_graph(tree(1, 30, "auto")));
+  EXPECT_TRUE(has_graph(tree(1, 400, "auto")));
+  EXPECT_FALSE(has_graph(tree(1, 400, "serial")));
+  EXPECT_TRUE(has_graph(tree(1, 30, "tasks")));
+}
+
+TEST_F(TaskPlan, SmallRobotsAreOneTaskOrNoMoreThreadsThanOne) {
+  const std::vector<Task> tasks = tasks_of(tree(3, 6, "tasks"));
+  EXPECT_EQ(backend::useful_threads(tasks), 1);
+  EXPECT_FALSE(backend::worth_a_graph(tasks));
+}
+
+// What a call computes, it computes once: the parts of a segment's columns follow one another from 0 to all of them.
+TEST_F(TaskPlan, PartsOfColumnsAreAllOfThem) {
+  for (const auto& [branches, joints] : {std::pair{1, 400}, {3, 130}, {5, 40}, {2, 25}}) {
+    SCOPED_TRACE(testing::Message() << branches << " branches of " << joints << " joints");
+    std::map<std::string, std::vector<std::pair<int, int>>> parts;
+    int whole = 0;
+    for (const Task& task : tasks_of(tree(branches, joints, "tasks")))
+      for (const std::string& call : task.calls) {
+        std::smatch at;
+        if (std::regex_search(call, at, std::regex("(elements_\\w+)\\(\\*w, (\\d+), (\\d+)\\)")))
+          parts[at[1]].emplace_back(std::stoi(at[2]), std::stoi(at[3]));
+        else ++whole;
+      }
+    EXPECT_GE(whole, 2);  // sweeps
+    for (auto& [stage, ranges] : parts) {
+      std::sort(ranges.begin(), ranges.end());
+      int end = 0;
+      for (const auto& [from, to] : ranges) {
+        EXPECT_EQ(from, end) << stage;
+        EXPECT_LT(from, to);
+        end = to;
+      }
+      EXPECT_TRUE(end == joints || end % joints == 0) << stage << " ends with " << end;
+    }
+    EXPECT_FALSE(parts.empty());
+  }
+}
+
+// On no thread two tasks at a time, none before those it comes after; no faster than the longest way or all threads at work.
+TEST_F(TaskPlan, SchedulesKeepTheEdges) {
+  for (const std::string outputs : {"mass_matrix,coriolis_matrix", "forward_dynamics_dq", "mass_matrix"}) {
+    const std::vector<Task> tasks = tasks_of(tree(3, 60, "tasks", outputs));
+    const double serial = backend::serial_time(tasks), longest = backend::critical_path(tasks);
+    for (const int threads : {1, 2, 3, 8, 64}) {
+      const backend::TaskSchedule schedule = backend::schedule_tasks(tasks, threads);
+      ASSERT_EQ(schedule.runs.size(), tasks.size());
+      EXPECT_GE(schedule.nanoseconds, longest * (1 - 1e-12));
+      EXPECT_GE(schedule.nanoseconds, serial / threads);
+      for (size_t t = 0; t < tasks.size(); ++t) {
+        EXPECT_LT(schedule.runs[t].thread, threads);
+        EXPECT_GE(schedule.runs[t].end - schedule.runs[t].begin, tasks[t].nanoseconds);
+        for (const int before : tasks[t].after) {
+          EXPECT_LT(before, static_cast<int>(t));
+          EXPECT_LE(schedule.runs[static_cast<size_t>(before)].end, schedule.runs[t].begin);
+        }
+        for (size_t u = 0; u < t; ++u) {
+          const backend::Run &one = schedule.runs[u], &other = schedule.runs[t];
+          EXPECT_TRUE(one.thread != other.thread || one.end <= other.begin || other.end <= one.begin);
+        }
+      }
+    }
+  }
+}
+
+TEST_F(TaskPlan, IsTold) {
+  const Model model = tree(1, 400, "auto");
+  const std::vector<FunctionTasks> functions = tasks_of_functions(model, lower(model));
+  const std::string text = tasks_text(functions, 4), picture = tasks_svg(functions, 4);
+  EXPECT_NE(text.find("evaluate: "), text.npos) << text;
+  EXPECT_NE(text.find("on 4 threads"), text.npos) << text;
+  EXPECT_NE(picture.find("thread 4"), picture.npos);
+  for (const Task& task : functions.front().tasks) EXPECT_NE(picture.find(task.name + ":"), picture.npos) << task.name;
+}
+
+}  // namespace
+}  // namespace dalembert
