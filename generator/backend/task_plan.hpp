@@ -34,7 +34,7 @@ TaskSchedule schedule_tasks(const std::vector<Task>& tasks, int threads);
 // The most threads that are worth asking for; 1: tasks are better run one after another.
 int useful_threads(const std::vector<Task>& tasks);
 
-// Whether two threads are expected to be worth a graph.
+// Whether more threads than one are.
 bool worth_a_graph(const std::vector<Task>& tasks);
 
 double serial_time(const std::vector<Task>& tasks);

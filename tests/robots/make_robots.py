@@ -427,9 +427,9 @@ def machines():
 
 def long_limbs():
     """Of blocks that are taken limb after limb; outside of the test robots, all of which are interpreted with every quantity."""
-    robot = Robot("long_limbs", "A trunk of 26 joints, on it branches of 66, 70 and 3, and one of 131 on the base.")
-    end = robot.chain("a", "base", 26)
-    for branch, length in (("b", 66), ("c", 70), ("d", 3)):
+    robot = Robot("long_limbs", "A trunk of 34 joints, on it branches of 97, 100 and 3, and one of 131 on the base.")
+    end = robot.chain("a", "base", 34)
+    for branch, length in (("b", 97), ("c", 100), ("d", 3)):
         robot.chain(branch, end, length)
     robot.chain("e", "base", 131)
     robot.write(FOLDER.parent / "numeric/generated")
