@@ -255,8 +255,8 @@ std::string limb_tables(const CodeInput& code, size_t segment) {
       const std::vector<Above> levels = all_above(code, group, s);
       for (size_t level = 0; level < levels.size(); ++level)
         if (levels[level].steps > 0)
-          text += long_limb_table(code, group, fmt::format("{}_above_{}{}", s.name, level + 1, group.suffix),
-                                  levels[level].limbs);
+          text +=
+              long_limb_table(code, group, fmt::format("{}_above_{}{}", s.name, level + 1, group.suffix), levels[level].limbs);
     }
     if (limb_after_limb(code, s) && code.rolled.pairs[group.pairs.front()].columns < 0) continue;
     std::vector<int> first, length;
@@ -313,9 +313,9 @@ std::string elements_of_group(const CodeInput& code, const PairsOfRows& group, c
                         s.bodies.size(), end);
     for (size_t level = 0; level < levels.size(); ++level)
       if (levels[level].steps > 0)
-        text += fmt::format(
-            "  dalembert::long_limb_cross_blocks<{}, Scalar>(lower, upper, {}, {}_above_{}{}, {}, matrices, {});\n", elements,
-            limbs, s.name, level + 1, group.suffix, s.bodies.size(), end);
+        text +=
+            fmt::format("  dalembert::long_limb_cross_blocks<{}, Scalar>(lower, upper, {}, {}_above_{}{}, {}, matrices, {});\n",
+                        elements, limbs, s.name, level + 1, group.suffix, s.bodies.size(), end);
   } else if (s.width > 1) {
     text += fmt::format("  dalembert::branch_blocks<{}, {}, {}, Scalar>(lower, upper, branches, matrices, {});\n", elements,
                         s.limbs(), s.steps, end);

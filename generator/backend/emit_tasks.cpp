@@ -42,9 +42,8 @@ std::string tasks_source(const Folder& folder, const std::string& banner) {
     for (const Task& task : tasks)
       for (const int before : task.after) numbered.insert({task.name, tasks[static_cast<size_t>(before)].name});
     for (const Task& task : tasks) {
-      const std::string calls = task.calls.size() == 1
-                                    ? " " + task.calls.front() + "; "
-                                    : fmt::format("\n    {};\n  ", fmt::join(task.calls, ";\n    "));
+      const std::string calls = task.calls.size() == 1 ? " " + task.calls.front() + "; "
+                                                       : fmt::format("\n    {};\n  ", fmt::join(task.calls, ";\n    "));
       const std::string number = numbered.contains(task.name) ? fmt::format("const int {} = ", task.name) : "";
       nodes += fmt::format("  {}graph_.add([{}w] {{{}}});\n", number, task.reads_state ? "this, " : "", calls);
     }
@@ -52,13 +51,15 @@ std::string tasks_source(const Folder& folder, const std::string& banner) {
       for (const int before : task.after)
         edges += fmt::format("  graph_.edge({}, {});\n", tasks[static_cast<size_t>(before)].name, task.name);
     for (const std::string& vector : vectors_of(code)) keep += fmt::format("  {0}_ = {0};\n", vector);
-    classes += render("task_graph.cpp", {{"function", function_of(code).name},
-                                         {"type", own_type(code, "TaskGraph")},
-                                         {"parameters", parameters_of(code)},
-                                         {"threads", std::to_string(code.plan.join_tasks ? useful_threads(tasks) : static_cast<int>(tasks.size()))},
-                                         {"nodes", nodes},
-                                         {"edges", edges},
-                                         {"keep", keep}});
+    classes +=
+        render("task_graph.cpp",
+               {{"function", function_of(code).name},
+                {"type", own_type(code, "TaskGraph")},
+                {"parameters", parameters_of(code)},
+                {"threads", std::to_string(code.plan.join_tasks ? useful_threads(tasks) : static_cast<int>(tasks.size()))},
+                {"nodes", nodes},
+                {"edges", edges},
+                {"keep", keep}});
   }
   return render("tasks.cpp", {{"banner", banner}, {"name", folder.common().name}, {"classes", classes}});
 }

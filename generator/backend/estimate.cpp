@@ -182,9 +182,9 @@ constexpr double constants[3][feature_count] = {
 
 }  // namespace
 
-const char* const feature_names[feature_count] = {"call",    "scalar", "fetched", "sines",  "divide",          "lanes",
-                                                  "waiting", "loops",  "tiles",   "along",  "stores", "step_operations",
-                                                  "step_chains"};
+const char* const feature_names[feature_count] = {"call",   "scalar",          "fetched",    "sines", "divide",
+                                                  "lanes",  "waiting",         "loops",      "tiles", "along",
+                                                  "stores", "step_operations", "step_chains"};
 
 namespace {
 

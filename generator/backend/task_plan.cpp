@@ -18,7 +18,8 @@ namespace {
 // What tasks cost beside what they compute, ns: each task; what one leaves in another core's caches; and of a call, each thread
 // that is asked for help, and how long it takes to come. Measured on two cores (AMD EPYC, Zen 5) with graphs of empty tasks.
 constexpr double task_cost = 60, hand_over = 250, ask_cost = 100, coming = 700;
-// ns a byte: of what other threads have read since the last call, each line is taken back from their caches before it is written.
+// ns a byte: of what other threads have read since the last call, each line is taken back from their caches before it is
+// written.
 constexpr double taken_back = 4.0 / 64;
 // Smaller tasks are joined with others where that is not expected to make the whole slower.
 constexpr double grain = 4000;
@@ -198,7 +199,8 @@ std::vector<std::pair<int, int>> column_ranges(const CodeInput& code, const ir::
     for (size_t lane = 0; lane < joints.size(); ++lane) {
       const double time = nanoseconds * cost[lane] / all;
       // Parts of one limb each copy it, where limbs stand side by side.
-      const int parts = std::clamp(static_cast<int>(time / (s.width > 1 ? 2 * grain : grain)), 1, std::max(1, joints[lane] / 4));
+      const int parts =
+          std::clamp(static_cast<int>(time / (s.width > 1 ? 2 * grain : grain)), 1, std::max(1, joints[lane] / 4));
       for (int part = 1; part < parts; ++part) {
         const int end = at + joints[lane] * part / parts / 4 * 4;
         if (end > begin) ranges.emplace_back(begin, end);
@@ -327,8 +329,12 @@ double stored_bytes(const CodeInput& code, const Stage& s) {
 std::vector<Task> tasks_of(const CodeInput& code, const std::string& prefix) {
   if (code.plan.form != ir::Form::rolled) {  // one piece of code, one task
     const std::string name = function_of(code).name;
-    return {{name, {fmt::format("{}::{}({}, *w)", code.name, name, held_arguments(code))}, true,
-             estimate(code, register_widths[usual_width]), 0, {}}};
+    return {{name,
+             {fmt::format("{}::{}({}, *w)", code.name, name, held_arguments(code))},
+             true,
+             estimate(code, register_widths[usual_width]),
+             0,
+             {}}};
   }
   std::vector<Task> tasks;
   const std::vector<Stage> stages = rolled_stages(code);

@@ -14,7 +14,7 @@ struct Task {
   bool reads_state = false;
   double nanoseconds = 0;  // on one thread
   double handed_on = 0;    // bytes that it writes where other tasks read them
-  std::vector<int> after;          // the tasks it comes after, without what follows from others
+  std::vector<int> after;  // the tasks it comes after, without what follows from others
 };
 
 // Tasks in an order that they can run in; what the longest way begins with comes first.

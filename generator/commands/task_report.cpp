@@ -19,7 +19,8 @@ std::string of_function(const FunctionTasks& f, int threads) {
     return fmt::format("  {}: one task, {}; nothing to be gained by a second thread\n", f.function, time_text(serial));
   const backend::TaskSchedule schedule = backend::schedule_tasks(f.tasks, threads);
   std::string text = fmt::format(
-      "  {}: {} tasks, {} one after another, {} along the longest way{}\n    on {} thread{}: {}, {:.2f} times as fast as serial "
+      "  {}: {} tasks, {} one after another, {} along the longest way{}\n    on {} thread{}: {}, {:.2f} times as fast as "
+      "serial "
       "code; more than {} would be of no use\n",
       f.function, f.tasks.size(), time_text(serial), time_text(longest),
       f.emitted ? "" : "; no graph of them is generated (parallel: tasks would)", threads, threads == 1 ? "" : "s",
@@ -58,26 +59,27 @@ std::string tasks_text(const std::vector<FunctionTasks>& functions, int threads)
 }
 
 std::string tasks_svg(const std::vector<FunctionTasks>& functions, int threads) {
-  const FunctionTasks& f = *std::max_element(functions.begin(), functions.end(), [](const auto& a, const auto& b) {
-    return a.tasks.size() < b.tasks.size();
-  });
+  const FunctionTasks& f = *std::max_element(functions.begin(), functions.end(),
+                                             [](const auto& a, const auto& b) { return a.tasks.size() < b.tasks.size(); });
   const backend::TaskSchedule schedule = backend::schedule_tasks(f.tasks, threads);
   constexpr double left = 70, width = 1000, row = 44, box = 30, top = 40;
   const double height = top + row * threads + 30, scale = width / std::max(schedule.nanoseconds, 1.0);
   std::string svg = fmt::format(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {:.0f} {:.0f}\" font-family=\"sans-serif\" font-size=\"11\">\n"
-      "<!-- {} -->\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n<text x=\"{}\" y=\"20\" font-size=\"14\">{}: {} tasks on {} threads, "
+      "<!-- {} -->\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n<text x=\"{}\" y=\"20\" font-size=\"14\">{}: {} "
+      "tasks on {} threads, "
       "{} expected, {:.2f} times as fast as serial code</text>\n",
-      left + width + 20, height, backend::banner_mark, left, f.function, f.tasks.size(), threads, time_text(schedule.nanoseconds),
-      backend::serial_time(f.tasks) / std::max(schedule.nanoseconds, 1.0));
+      left + width + 20, height, backend::banner_mark, left, f.function, f.tasks.size(), threads,
+      time_text(schedule.nanoseconds), backend::serial_time(f.tasks) / std::max(schedule.nanoseconds, 1.0));
   const auto y = [&](int thread) { return top + row * thread; };
   for (int t = 0; t < threads; ++t) svg += fmt::format("<text x=\"4\" y=\"{:.0f}\">thread {}</text>\n", y(t) + 19, t + 1);
   for (size_t t = 0; t < f.tasks.size(); ++t)
     for (const int a : f.tasks[t].after) {
       const backend::Run &from = schedule.runs[static_cast<size_t>(a)], &to = schedule.runs[t];
       if (from.thread == to.thread) continue;
-      svg += fmt::format("<line x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\" stroke=\"#999\" stroke-width=\"0.7\"/>\n",
-                         left + scale * from.end, y(from.thread) + box / 2, left + scale * to.begin, y(to.thread) + box / 2);
+      svg +=
+          fmt::format("<line x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\" stroke=\"#999\" stroke-width=\"0.7\"/>\n",
+                      left + scale * from.end, y(from.thread) + box / 2, left + scale * to.begin, y(to.thread) + box / 2);
     }
   for (size_t t = 0; t < f.tasks.size(); ++t) {
     const backend::Run& run = schedule.runs[t];
@@ -88,8 +90,9 @@ std::string tasks_svg(const std::vector<FunctionTasks>& functions, int threads) 
         f.tasks[t].name, time_text(f.tasks[t].nanoseconds), x, y(run.thread), wide, box,
         f.tasks[t].name.rfind("elements", 0) == 0 ? "#bcd7f0" : "#f3d9a4");
     const size_t letters = static_cast<size_t>(wide / 6.2);
-    if (letters >= 4) svg += fmt::format("<text x=\"{:.1f}\" y=\"{:.0f}\">{}</text>", x + 2, y(run.thread) + 19,
-                                         f.tasks[t].name.substr(0, letters));
+    if (letters >= 4)
+      svg += fmt::format("<text x=\"{:.1f}\" y=\"{:.0f}\">{}</text>", x + 2, y(run.thread) + 19,
+                         f.tasks[t].name.substr(0, letters));
     svg += "</g>\n";
   }
   const double base = y(threads) + 4;

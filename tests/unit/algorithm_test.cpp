@@ -32,10 +32,10 @@ TEST_P(Algorithm, RunsInBothFormsAsTheGenericEngineDoes) {
     all.gravity = {0.7, -1.3, -9.81};
     all.contacts = some_contacts(description);
     all.loops = some_loops(description);
-    size_t number = static_cast<size_t>(
-        std::find_if(std::begin(test_robots), std::end(test_robots),
-                     [](const TestRobot& r) { return std::string(r.name) == GetParam().name; }) -
-        std::begin(test_robots));
+    size_t number =
+        static_cast<size_t>(std::find_if(std::begin(test_robots), std::end(test_robots),
+                                         [](const TestRobot& r) { return std::string(r.name) == GetParam().name; }) -
+                            std::begin(test_robots));
     for (const ir::QuantityRow& row : ir::quantities()) {
       if (description.joints.size() > 48 && !std::getenv("DALEMBERT_LARGE_ROBOTS")) continue;
       if (!long_tests() && ++number % 3 != 0) continue;  // each quantity of a third of the robots

@@ -112,10 +112,10 @@ void expect_sums(const Robot<T>& robot, const Result<T>& result, double toleranc
   }
   ASSERT_GT(elements, 0u);
   for (std::size_t i = 0; i < expected.M.size(); ++i) {
-    ASSERT_NEAR(result.M[i], expected.M[i], tolerance) << "M " << i % static_cast<std::size_t>(robot.rows) << ", "
-                                                       << i / static_cast<std::size_t>(robot.rows);
-    ASSERT_NEAR(result.C[i], expected.C[i], tolerance) << "C " << i % static_cast<std::size_t>(robot.rows) << ", "
-                                                       << i / static_cast<std::size_t>(robot.rows);
+    ASSERT_NEAR(result.M[i], expected.M[i], tolerance)
+        << "M " << i % static_cast<std::size_t>(robot.rows) << ", " << i / static_cast<std::size_t>(robot.rows);
+    ASSERT_NEAR(result.C[i], expected.C[i], tolerance)
+        << "C " << i % static_cast<std::size_t>(robot.rows) << ", " << i / static_cast<std::size_t>(robot.rows);
   }
   const std::size_t rows = static_cast<std::size_t>(robot.rows);
   for (std::size_t row = 0; row < rows; ++row)

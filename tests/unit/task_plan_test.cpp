@@ -29,7 +29,8 @@ class TaskPlan : public testing::Test {
   }
   void TearDown() override { std::filesystem::remove_all(folder_); }
 
-  Model tree(int branches, int joints, const std::string& parallel, const std::string& outputs = "mass_matrix,coriolis_matrix") {
+  Model tree(int branches, int joints, const std::string& parallel,
+             const std::string& outputs = "mass_matrix,coriolis_matrix") {
     const std::string file = (folder_ / "tree.urdf").string();
     std::ofstream out(file);
     out << "<robot name='tree'><link name='base'/>\n";

@@ -203,8 +203,7 @@ DALEMBERT_BLOCK void own_block(const Factors<T, nl>& lower, const Factors<T, nu>
     each_columns<together>(begin, end, [&](auto some, int k) DALEMBERT_IN_BLOCK {
       constexpr int columns = decltype(some)::value;
       const int above = least(rows, k + columns - first), below = k + columns > first ? k + columns : first;
-      if (above > 0)
-        columns_above<columns, T>(Kinds{}, lower, limb, k, up, above, matrices, leading, limb.first_row + first);
+      if (above > 0) columns_above<columns, T>(Kinds{}, lower, limb, k, up, above, matrices, leading, limb.first_row + first);
       if (below < last)
         columns_below<columns, T>(Kinds{}, moved(low, below - first), last - below, upper, limb, k, matrices, leading,
                                   limb.first_row + below);
@@ -224,8 +223,7 @@ DALEMBERT_BLOCK void block_with(const Factors<T, nl>& lower, const Factors<T, nu
     const int rows = least(long_limb_tile, above.length - first);
     const Factors<T, nu> up = TileOfFactors<T, nu>::of(upper, above, first, rows, room_up);
     each_columns<together>(begin, end, [&](auto some, int k) DALEMBERT_IN_BLOCK {
-      columns_above<decltype(some)::value, T>(Kinds{}, lower, limb, k, up, rows, matrices, leading,
-                                                  above.first_row + first);
+      columns_above<decltype(some)::value, T>(Kinds{}, lower, limb, k, up, rows, matrices, leading, above.first_row + first);
     });
   }
   TileOfFactors<T, nl> room_low;
@@ -233,8 +231,7 @@ DALEMBERT_BLOCK void block_with(const Factors<T, nl>& lower, const Factors<T, nu
     const int rows = least(long_limb_tile, end - first);
     const Factors<T, nl> low = TileOfFactors<T, nl>::of(lower, limb, first, rows, room_low);
     each_columns<together>(0, above.length, [&](auto some, int i) DALEMBERT_IN_BLOCK {
-      columns_below<decltype(some)::value, T>(Kinds{}, low, rows, upper, above, i, matrices, leading,
-                                                  limb.first_row + first);
+      columns_below<decltype(some)::value, T>(Kinds{}, low, rows, upper, above, i, matrices, leading, limb.first_row + first);
     });
   }
 }
@@ -254,7 +251,7 @@ DALEMBERT_BLOCK void each_limb(const LongLimb* limbs, int count, int begin, int 
 // The block of every limb with itself; columns of the joints [begin, end), counted through all limbs one after another.
 template <class Kinds, class T, int together = detail::columns_together, int nl, int nu>
 static void long_limb_blocks(const Factors<T, nl>& lower, const Factors<T, nu>& upper, const LongLimb* limbs, int count,
-                        T* const* matrices, int leading, int begin, int end) {
+                             T* const* matrices, int leading, int begin, int end) {
   detail::each_limb(limbs, count, begin, end, [&](int l, int from, int to) DALEMBERT_IN_BLOCK {
     detail::own_block<Kinds, together>(lower, upper, limbs[l], matrices, leading, from, to);
   });
@@ -262,8 +259,8 @@ static void long_limb_blocks(const Factors<T, nl>& lower, const Factors<T, nu>& 
 
 // The blocks between every limb and one above it, above[0…count).
 template <class Kinds, class T, int together = detail::columns_together, int nl, int nu>
-static void long_limb_cross_blocks(const Factors<T, nl>& lower, const Factors<T, nu>& upper, const LongLimb* limbs, const LongLimb* above,
-                              int count, T* const* matrices, int leading, int begin, int end) {
+static void long_limb_cross_blocks(const Factors<T, nl>& lower, const Factors<T, nu>& upper, const LongLimb* limbs,
+                                   const LongLimb* above, int count, T* const* matrices, int leading, int begin, int end) {
   detail::each_limb(limbs, count, begin, end, [&](int l, int from, int to) DALEMBERT_IN_BLOCK {
     detail::block_with<Kinds, together>(lower, upper, limbs[l], above[l], matrices, leading, from, to);
   });

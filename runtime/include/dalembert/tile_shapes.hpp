@@ -7,7 +7,8 @@ namespace dalembert {
 // Limbs up to this length have their blocks written out; longer ones run through loops, which keeps the code in the cache.
 inline constexpr int short_limb = 8;
 
-// Limbs from this length on, alone or beside others, are taken one after another, lanes along them; so many rows are one tile then.
+// Limbs from this length on, alone or beside others, are taken one after another, lanes along them; so many rows are one tile
+// then.
 inline constexpr int long_limb = 32, long_limb_beside_others = 96, long_limb_tile = 128;
 
 // Whether the tiles between a limb and itself, or limbs above it, are written out. factors: of the lower joints.
