@@ -198,7 +198,8 @@ std::string slots_of_joints(const CodeInput& code) {
 
 std::string status_of_slots(const CodeInput& code) {
   return fmt::format("  const dalembert::JointSlots<Scalar> slots_of_joints{{{}}};\n", slots_of_joints(code)) +
-         status_statement(code, fmt::format("factor_status_of_slots<nv, {}, {}>(slots_of_joints, ", base_rows(code), code.plan.slots));
+         status_statement(
+             code, fmt::format("factor_status_of_slots<nv, {}, {}>(slots_of_joints, ", base_rows(code), code.plan.slots));
 }
 
 std::string pivots_statements(const CodeInput& code) {

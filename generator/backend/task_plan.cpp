@@ -16,13 +16,17 @@ namespace dalembert::backend {
 namespace {
 
 // What tasks cost beside what they compute, ns: each task; what one leaves in another core's caches; and of a call, each thread
-// that is asked for help, and how long it takes to come. Measured on two cores (AMD EPYC, Zen 5) with graphs of empty tasks.
+// that is asked for help, and how long it takes to come. Read off when tasks began and ended, of trees of 200 to 500 joints on
+// two cores (AMD EPYC, Zen 4).
 constexpr double task_cost = 60, hand_over = 250, ask_cost = 100, coming = 700;
 // ns a byte: of what other threads have read since the last call, each line is taken back from their caches before it is
 // written.
 constexpr double taken_back = 4.0 / 64;
 // Smaller tasks are joined with others where that is not expected to make the whole slower.
 constexpr double grain = 4000;
+// More tasks are joined without weighing: what is weighed costs the square of their number, for every pair.
+constexpr size_t most_tasks = 96;
+constexpr int most_parts = 64;  // of a segment's columns
 // For what choices of how many threads are weighed.
 constexpr int usual_threads[] = {2, 4, 8};
 
@@ -116,6 +120,38 @@ std::vector<Task> joined(const std::vector<Task>& tasks, int a, int b) {
   return in_order(all);
 }
 
+// Neighbours in an order that they can run in become one task: no third can stand between them. As little at a time as gives
+// most_tasks.
+std::vector<Task> neighbours_joined(const std::vector<Task>& tasks) {
+  std::vector<int> group(tasks.size());
+  int groups = static_cast<int>(tasks.size());
+  for (double most = grain; static_cast<size_t>(groups) > most_tasks; most *= 2) {
+    groups = 0;
+    double time = 0;
+    for (size_t t = 0; t < tasks.size(); ++t) {
+      if (t > 0 && time + tasks[t].nanoseconds > most) ++groups, time = 0;
+      time += tasks[t].nanoseconds;
+      group[t] = groups;
+    }
+    ++groups;
+  }
+  if (static_cast<size_t>(groups) == tasks.size()) return tasks;
+  std::vector<Task> all(static_cast<size_t>(groups));
+  std::vector<std::set<int>> after(all.size());
+  for (size_t t = 0; t < tasks.size(); ++t) {
+    Task& into = all[static_cast<size_t>(group[t])];
+    if (into.calls.empty()) into.name = tasks[t].name;
+    into.calls.insert(into.calls.end(), tasks[t].calls.begin(), tasks[t].calls.end());
+    into.reads_state = into.reads_state || tasks[t].reads_state;
+    into.nanoseconds += tasks[t].nanoseconds;
+    into.handed_on += tasks[t].handed_on;
+    for (const int a : tasks[t].after)
+      if (group[static_cast<size_t>(a)] != group[t]) after[static_cast<size_t>(group[t])].insert(group[static_cast<size_t>(a)]);
+  }
+  for (size_t t = 0; t < all.size(); ++t) all[t].after.assign(after[t].begin(), after[t].end());
+  return in_order(all);
+}
+
 double expected(const std::vector<Task>& tasks) {
   double sum = 0;
   for (const int threads : usual_threads) sum += schedule_tasks(tasks, threads).nanoseconds;
@@ -135,11 +171,15 @@ std::vector<Task> joined_where_small(std::vector<Task> tasks) {
     const Edges edges(tasks);
     std::set<int> others = edges.after[static_cast<size_t>(smallest)];
     others.insert(edges.before[static_cast<size_t>(smallest)].begin(), edges.before[static_cast<size_t>(smallest)].end());
-    for (size_t t = 0; t < tasks.size(); ++t)  // beside it: comes after the same, or before
-      if (edges.after[t] == edges.after[static_cast<size_t>(smallest)] ||
-          edges.before[t] == edges.before[static_cast<size_t>(smallest)])
-        others.insert(static_cast<int>(t));
-    others.erase(smallest);
+    // Of those beside it, which come after the same or before it, the one that takes least.
+    int beside = -1;
+    for (size_t t = 0; t < tasks.size(); ++t)
+      if (static_cast<int>(t) != smallest &&
+          (edges.after[t] == edges.after[static_cast<size_t>(smallest)] ||
+           edges.before[t] == edges.before[static_cast<size_t>(smallest)]) &&
+          (beside < 0 || tasks[t].nanoseconds < tasks[static_cast<size_t>(beside)].nanoseconds))
+        beside = static_cast<int>(t);
+    if (beside >= 0) others.insert(beside);
     std::vector<Task> best;
     double least = now * (1 + 1e-9);
     for (const int other : others) {
@@ -199,8 +239,8 @@ std::vector<std::pair<int, int>> column_ranges(const CodeInput& code, const ir::
     for (size_t lane = 0; lane < joints.size(); ++lane) {
       const double time = nanoseconds * cost[lane] / all;
       // Parts of one limb each copy it, where limbs stand side by side.
-      const int parts =
-          std::clamp(static_cast<int>(time / (s.width > 1 ? 2 * grain : grain)), 1, std::max(1, joints[lane] / 4));
+      const int parts = std::clamp(static_cast<int>(time / (s.width > 1 ? 2 * grain : grain)), 1,
+                                   std::min(most_parts, std::max(1, joints[lane] / 4)));
       for (int part = 1; part < parts; ++part) {
         const int end = at + joints[lane] * part / parts / 4 * 4;
         if (end > begin) ranges.emplace_back(begin, end);
@@ -219,7 +259,7 @@ std::vector<std::pair<int, int>> column_ranges(const CodeInput& code, const ir::
   const auto cost = [&](int column) { return column + 4.0 + above; };
   double all = 0, sum = 0;
   for (int c = 0; c < columns; ++c) all += cost(c);
-  const int parts = std::clamp(static_cast<int>(nanoseconds / grain), 1, std::max(1, (columns + 3) / 4));
+  const int parts = std::clamp(static_cast<int>(nanoseconds / grain), 1, std::min(most_parts, std::max(1, (columns + 3) / 4)));
   int begin = 0;
   for (int c = 0; c < columns; c += 4) {  // tiles of four
     const int end = std::min(c + 4, columns);
@@ -234,7 +274,26 @@ std::vector<std::pair<int, int>> column_ranges(const CodeInput& code, const ir::
 // Which stages must have run before another: it follows from what they are, of which segment and at which level.
 class StageOrder {
  public:
-  StageOrder(const CodeInput& code, const std::vector<Stage>& stages) : code_(code), stages_(stages) {}
+  StageOrder(const CodeInput& code, const std::vector<Stage>& stages)
+      : code_(code), stages_(stages), segment_of_(code.tree.bodies.size(), -1) {
+    const std::vector<ir::Segment>& segments = code.plan.segments;
+    for (size_t s = 0; s < segments.size(); ++s)
+      for (const std::vector<int>& limb : segments[s].bodies)
+        for (const int body : limb)
+          if (body >= 0) segment_of_[static_cast<size_t>(body)] = static_cast<int>(s);
+    for (size_t s = 0; s < segments.size(); ++s) {  // parents before children
+      std::set<int> parents, on, above{static_cast<int>(s)};
+      for (size_t lane = 0; lane < segments[s].parents.size(); ++lane)
+        if (segments[s].bodies[lane].front() >= 0) parents.insert(segments[s].parents[lane]);
+      for (const int parent : parents)
+        if (parent >= 0) on.insert(segment_of_[static_cast<size_t>(parent)]);
+      for (const int other : on)
+        above.insert(above_[static_cast<size_t>(other)].begin(), above_[static_cast<size_t>(other)].end());
+      parents_.push_back(std::move(parents));
+      on_.push_back(std::move(on));
+      above_.push_back(std::move(above));
+    }
+  }
 
   // Stages that must have run before stage `of`, by their numbers.
   std::set<size_t> before(size_t of) const {
@@ -276,38 +335,25 @@ class StageOrder {
         for (ir::NodeId id = 0; id < p.graph.size() && stage.level == s.level; ++id) {
           const ir::Node& n = p.graph[id];
           if (n.op != ir::Op::input || n.input.kind != ir::InputKind::of_body || n.input.body < 0) continue;
-          const int other = code_.plan.segment_of(n.input.body);
+          const int other = segment_of_[static_cast<size_t>(n.input.body)];
           add([&](const Stage& t) { return t.kind == Stage::Kind::segment && t.segment == other && t.level < s.level; });
         }
   }
 
-  const ir::Segment& at(int segment) const { return code_.plan.segments[static_cast<size_t>(segment)]; }
-  std::set<int> parents(int segment) const {
-    std::set<int> bodies;
-    for (size_t lane = 0; lane < at(segment).parents.size(); ++lane)
-      if (at(segment).bodies[lane].front() >= 0) bodies.insert(at(segment).parents[lane]);
-    return bodies;
-  }
-  bool hangs_on(int segment, int other) const {
-    for (int parent : parents(segment))
-      if (parent >= 0 && code_.plan.segment_of(parent) == other) return true;
-    return false;
-  }
+  bool hangs_on(int segment, int other) const { return on_[static_cast<size_t>(segment)].contains(other); }
   bool share_parent(int a, int b) const {
-    const std::set<int> of_b = parents(b);
-    for (int parent : parents(a))
-      if (of_b.contains(parent)) return true;
+    for (const int parent : parents_[static_cast<size_t>(a)])
+      if (parents_[static_cast<size_t>(b)].contains(parent)) return true;
     return false;
   }
-  bool is_above(int segment, int below) const {
-    if (segment == below) return true;
-    for (int parent : parents(below))
-      if (parent >= 0 && is_above(segment, code_.plan.segment_of(parent))) return true;
-    return false;
-  }
+  bool is_above(int segment, int below) const { return above_[static_cast<size_t>(below)].contains(segment); }
 
   const CodeInput& code_;
   const std::vector<Stage>& stages_;
+  std::vector<int> segment_of_;         // per body
+  std::vector<std::set<int>> parents_;  // per segment: bodies that its limbs hang on
+  std::vector<std::set<int>> on_;       // … the segments of these
+  std::vector<std::set<int>> above_;    // … itself and all segments above
 };
 
 // The vectors as the graph holds them between calls; a second half has its last from its first half.
@@ -448,7 +494,7 @@ std::vector<Task> plan_tasks(const Folder& folder, const CodeInput& code) {
         tasks.push_back(std::move(t));
       }
     }
-  return code.plan.join_tasks ? joined_where_small(chains_joined(in_order(tasks))) : in_order(tasks);
+  return code.plan.join_tasks ? joined_where_small(chains_joined(neighbours_joined(in_order(tasks)))) : in_order(tasks);
 }
 
 }  // namespace dalembert::backend

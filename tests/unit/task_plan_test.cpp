@@ -10,6 +10,7 @@
 #include <fstream>
 #include <map>
 #include <regex>
+#include <vector>
 
 #include "commands/task_report.hpp"
 #include "compile.hpp"
@@ -29,20 +30,19 @@ class TaskPlan : public testing::Test {
   }
   void TearDown() override { std::filesystem::remove_all(folder_); }
 
-  Model tree(int branches, int joints, const std::string& parallel,
-             const std::string& outputs = "mass_matrix,coriolis_matrix") {
+  // Body k hangs on body parents[k], −1: on the base, which stands.
+  Model tree(const std::vector<int>& parents, const std::string& parallel, const std::string& outputs) {
     const std::string file = (folder_ / "tree.urdf").string();
     std::ofstream out(file);
     out << "<robot name='tree'><link name='base'/>\n";
     const char* const axes[] = {"0 0 1", "0 1 0", "1 0 0"};
-    for (int b = 0; b < branches; ++b)
-      for (int k = 0; k < joints; ++k)
-        out << fmt::format(
-            "<link name='l{0}_{1}'><inertial><origin xyz='0.1 0 0.02'/><mass value='2'/><inertia ixx='.01' iyy='.02' izz='.02' "
-            "ixy='0.001' ixz='0' iyz='0'/></inertial></link>\n"
-            "<joint name='j{0}_{1}' type='continuous'><parent link='{2}'/><child link='l{0}_{1}'/><origin xyz='.2 0 0'/><axis "
-            "xyz='{3}'/></joint>\n",
-            b, k, k == 0 ? "base" : fmt::format("l{}_{}", b, k - 1), axes[k % 3]);
+    for (size_t k = 0; k < parents.size(); ++k)
+      out << fmt::format(
+          "<link name='l{0}'><inertial><origin xyz='0.1 0 0.02'/><mass value='2'/><inertia ixx='.01' iyy='.02' izz='.02' "
+          "ixy='0.001' ixz='0' iyz='0'/></inertial></link>\n"
+          "<joint name='j{0}' type='continuous'><parent link='{1}'/><child link='l{0}'/><origin xyz='.2 0 0'/><axis "
+          "xyz='{2}'/></joint>\n",
+          k, parents[k] < 0 ? "base" : fmt::format("l{}", parents[k]), axes[k % 3]);
     out << "</robot>\n";
     out.close();
     Request request;
@@ -50,6 +50,13 @@ class TaskPlan : public testing::Test {
     request.settings = {{"base", "fixed"}, {"outputs", outputs}, {"parallel", parallel}};
     Diagnostics warnings;
     return read_model(request, warnings);
+  }
+  Model tree(int branches, int joints, const std::string& parallel,
+             const std::string& outputs = "mass_matrix,coriolis_matrix") {
+    std::vector<int> parents;
+    for (int b = 0; b < branches; ++b)
+      for (int k = 0; k < joints; ++k) parents.push_back(k == 0 ? -1 : b * joints + k - 1);
+    return tree(parents, parallel, outputs);
   }
 
   std::filesystem::path folder_;
@@ -126,6 +133,21 @@ TEST_F(TaskPlan, SchedulesKeepTheEdges) {
         }
       }
     }
+  }
+}
+
+// Bushes have hundreds of stages, each too little for a task: they become few tasks, in little time, and each is called once.
+TEST_F(TaskPlan, OfBushesIsFewTasks) {
+  std::vector<int> binary, comb;
+  for (int k = 0; k < 1023; ++k) binary.push_back(k == 0 ? -1 : (k - 1) / 2);
+  for (int k = 0; k < 120; ++k) comb.insert(comb.end(), {k == 0 ? -1 : 3 * k - 3, 3 * k, 3 * k + 1});
+  for (const std::vector<int>& parents : {binary, comb}) {
+    const std::vector<Task> tasks = tasks_of(tree(parents, "auto", "mass_matrix,coriolis_matrix"));
+    EXPECT_LE(tasks.size(), 96u);
+    std::map<std::string, int> calls;
+    for (const Task& task : tasks)
+      for (const std::string& call : task.calls) EXPECT_EQ(++calls[call], 1) << call;
+    EXPECT_GT(calls.size(), 96u);
   }
 }
 
