@@ -250,21 +250,21 @@ std::string limb_tables(const CodeInput& code, size_t segment) {
   for (const PairsOfRows& group : pairs_by_rows(code)) {
     const ir::Segment& s = code.plan.segments[segment];
     if (!any_asked(code, group, s)) continue;
-    if (limb_after_limb(code, s)) {
+    const bool one_by_one = limb_after_limb(code, s), with_base = code.rolled.pairs[group.pairs.front()].columns >= 0;
+    const std::vector<Above> levels = all_above(code, group, s);
+    if (one_by_one) {
       text += long_limb_table(code, group, s.name + "_branches" + group.suffix, limbs_asked(code, group, s));
-      const std::vector<Above> levels = all_above(code, group, s);
       for (size_t level = 0; level < levels.size(); ++level)
         if (levels[level].steps > 0)
           text +=
               long_limb_table(code, group, fmt::format("{}_above_{}{}", s.name, level + 1, group.suffix), levels[level].limbs);
     }
-    if (limb_after_limb(code, s) && code.rolled.pairs[group.pairs.front()].columns < 0) continue;
-    std::vector<int> first, length;
-    rows_of(code, group, limbs_asked(code, group, s), first, length);
-    if (s.width > 1)
+    if (s.width > 1 && (with_base || !one_by_one)) {
+      std::vector<int> first, length;
+      rows_of(code, group, limbs_asked(code, group, s), first, length);
       text += int_table(s.name + "_row" + group.suffix, first) + int_table(s.name + "_length" + group.suffix, length);
-    if (limb_after_limb(code, s)) continue;
-    const std::vector<Above> levels = all_above(code, group, s);
+    }
+    if (one_by_one) continue;
     for (size_t level = 0; level < levels.size(); ++level) {
       const Above& a = levels[level];
       if (a.steps == 0) continue;
