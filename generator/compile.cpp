@@ -93,20 +93,25 @@ std::vector<std::pair<std::string, backend::Features>> features(const Model& mod
 }
 
 void decide_tasks(const Model& model, Lowered& lowered) {
-  if (model.scene.parallel != ir::Parallel::automatic) return;
-  constexpr double too_little = 10000;  // ns: less than threads take to come and to hand over
+  if (model.scene.parallel == ir::Parallel::serial) return;
+  const bool automatic = model.scene.parallel == ir::Parallel::automatic;
+  constexpr double too_little = 15000;  // ns: less than threads take to come and to hand over
   const backend::Folder code = folder(model, lowered);
   bool pays = false;
   for (size_t i = 0; i < code.functions.size(); ++i) {
     const backend::CodeInput& f = code.functions[i];
+    ir::Plan& plan = lowered.functions[i].plan;
     // A second half goes with its first.
     if (backend::is_called(f)) {
       double serial = 0;
       for (const backend::CodeInput* half = &f; half; half = code.second_half_of(*half))
         serial += backend::estimate(*half, backend::register_widths[backend::usual_width]);
-      pays = f.is_rolled() && !f.elsewhere && serial > too_little && backend::worth_a_graph(backend::plan_tasks(code, f));
+      pays = f.is_rolled() && !f.elsewhere && (!automatic || serial > too_little);
+      plan.sweeps_apart = pays && backend::better_apart(code, f);  // code sees it
+      if (automatic) pays = pays && backend::worth_a_graph(backend::plan_tasks(code, f));
+      plan.sweeps_apart = plan.sweeps_apart && pays;
     }
-    lowered.functions[i].plan.tasks = pays;
+    if (automatic) plan.tasks = pays;
   }
 }
 
@@ -114,9 +119,13 @@ std::vector<FunctionTasks> tasks_of_functions(const Model& model, Lowered lowere
   decide_tasks(model, lowered);
   const backend::Folder code = folder(model, lowered);
   std::vector<FunctionTasks> all;
-  for (const backend::CodeInput& f : code.functions)
-    if (backend::is_called(f))
-      all.push_back({f.algorithm.function.name, f.plan.tasks && f.is_rolled(), backend::plan_tasks(code, f)});
+  for (size_t i = 0; i < code.functions.size(); ++i) {
+    const backend::CodeInput& f = code.functions[i];
+    if (!backend::is_called(f)) continue;
+    const bool emitted = f.plan.tasks && f.is_rolled();
+    if (!emitted) lowered.functions[i].plan.sweeps_apart = backend::better_apart(code, f);
+    all.push_back({f.algorithm.function.name, emitted, backend::plan_tasks(code, f)});
+  }
   return all;
 }
 

@@ -22,14 +22,14 @@ std::vector<std::pair<std::string, ir::Operations>> executed_operations(const Mo
 std::vector<std::pair<std::string, backend::Features>> features(const Model& model, const Lowered& lowered, int lanes);
 
 // Where the scene leaves it to the compiler (parallel: auto), functions for which two threads are expected to be worth it get a
-// task graph.
+// task graph. Of each graph: whether threads sweep for themselves.
 void decide_tasks(const Model& model, Lowered& lowered);
 
 // Each function's tasks, whether its graph is generated or not.
 struct FunctionTasks {
   std::string function;
   bool emitted = false;
-  std::vector<backend::Task> tasks;
+  backend::TaskPlan plan;
 };
 std::vector<FunctionTasks> tasks_of_functions(const Model& model, Lowered lowered);
 

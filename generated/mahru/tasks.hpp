@@ -3,15 +3,13 @@
 // This file is yours: no licence of the generator applies to it.
 #pragma once
 
-#include <dalembert/task_graph.hpp>
-
+#include <dalembert/divided_work.hpp>
 #include "dynamics.hpp"
 
 namespace mahru {
 
-// What evaluate() is made of as a graph of tasks, built once: 1 tasks. Runs the very functions that the serial
-// evaluate() runs, in an order that the graph allows, and gives the same bits. Pays where a task takes microseconds: on large
-// trees.
+// evaluate() on several threads: each sweeps for itself, elements are divided among them. Runs the very functions that
+// the serial evaluate() runs, and gives the same bits. Pays where elements take tens of microseconds: on large trees.
 class TaskGraph {
  public:
   explicit TaskGraph(Workspace& workspace);
@@ -27,8 +25,15 @@ class TaskGraph {
   }
 
  private:
-  dalembert::TaskGraph graph_;
+  dalembert::DividedWork work_;
   const Scalar* q_ = nullptr;
   const Scalar* v_ = nullptr;
+
+  // Each thread sweeps for itself. Between its values and others' room for what processors read ahead.
+  struct Own {
+    Workspace::Scratch scratch;
+    alignas(64) unsigned char apart[4096];
+  };
+  std::vector<Own> own_ = std::vector<Own>(1);
 };
 }  // namespace mahru

@@ -53,7 +53,10 @@ std::string base_statements(const CodeInput& code, const ir::BaseStage& stage) {
     sinks.push_back({v.node, fmt::format("{}[{}] = ", kept(code, v.role, v.component), slot_text(code, v.body)), ";"});
   for (const ir::BlockElement& e : stage.elements) {
     const ir::OutputArray& a = code.algorithm.arrays[static_cast<size_t>(e.array)];
-    sinks.push_back({e.node, fmt::format("workspace.{}[{}] = ", a.name, element_index(a, e.row, e.column)), ";"});
+    sinks.push_back({e.node,
+                     fmt::format("{}workspace.{}[{}] = ", code.plan.sweeps_apart ? "if (results) " : "", a.name,
+                                 element_index(a, e.row, e.column)),
+                     ";"});
   }
   PrintStyle style;
   style.type = "Scalar";
@@ -245,6 +248,15 @@ std::string results_statements(const CodeInput& code) {
          pivots_statements(code);
 }
 
+// What a stage's function does with what not every stage takes.
+std::string scratch_statements(const CodeInput& code, const Stage& stage) {
+  if (!code.plan.sweeps_apart)
+    return fmt::format("  Workspace::{}& scratch = workspace.{};\n  static_cast<void>(scratch);\n", own_type(code, "Scratch"),
+                       own_name(code, "scratch"));
+  return fmt::format("  static_cast<void>(scratch), static_cast<void>(workspace){};\n",
+                     stage.kind == Stage::Kind::base ? ", static_cast<void>(results)" : "");
+}
+
 std::string tables_text(const CodeInput& code) {
   std::string text = prepare_tables(code);
   std::vector<int> slots;
@@ -329,15 +341,28 @@ std::vector<std::string> rolled_includes(const CodeInput& code) {
   return headers;
 }
 
+bool can_sweep_apart(const CodeInput& code) {
+  const bool checked =
+      std::any_of(code.rolled.base.begin(), code.rolled.base.end(), [&](const auto& b) { return checked_at_base(code, b); });
+  return code.is_rolled() && is_called(code) && function_of(code).second_half.empty() && !code.algorithm.pairs.empty() &&
+         !has_driven(code) && !checked;
+}
+
 std::string arguments_of(const CodeInput& code, const Stage& stage) {
-  std::string text = stage.reads_state ? parameters_of(code) + ", Workspace& workspace" : "Workspace& workspace";
+  std::string text = stage.reads_state ? parameters_of(code) + ", " : "";
+  if (code.plan.sweeps_apart) text += fmt::format("Workspace::{}& scratch, ", own_type(code, "Scratch"));
+  text += "Workspace& workspace";
+  if (code.plan.sweeps_apart && stage.kind == Stage::Kind::base) text += ", bool results";
   if (stage.kind == Stage::Kind::elements && elements_split(code, code.plan.segments[static_cast<size_t>(stage.segment)]))
     text += ", int begin, int end";
   return text;
 }
 
 std::string call_of(const CodeInput& code, const Stage& stage) {
-  std::string text = stage.reads_state ? arguments_of(code) + ", workspace" : "workspace";
+  std::string text = stage.reads_state ? arguments_of(code) + ", " : "";
+  if (code.plan.sweeps_apart) text += "workspace." + own_name(code, "scratch") + ", ";
+  text += "workspace";
+  if (code.plan.sweeps_apart && stage.kind == Stage::Kind::base) text += ", true";
   if (stage.kind != Stage::Kind::elements) return text;
   const ir::Segment& s = code.plan.segments[static_cast<size_t>(stage.segment)];
   return elements_split(code, s) ? fmt::format("{}, 0, {}", text, split_columns(code, s)) : text;
@@ -354,10 +379,8 @@ std::string rolled_source(const CodeInput& code, const Symbol& symbol) {
   bool state = false;
   for (const Stage& s : rolled_stages(code)) {
     // A stage's function has the same head whatever its body needs of it.
-    text += fmt::format(
-        "{}void {}({}) noexcept {{\n{}  Workspace::{}& scratch = workspace.{};\n  static_cast<void>(scratch);\n{}}}\n\n",
-        code.plan.tasks ? "" : "static ", s.name, arguments_of(code, s), s.reads_state ? unused + ";\n" : "",
-        own_type(code, "Scratch"), own_name(code, "scratch"), s.body);
+    text += fmt::format("{}void {}({}) noexcept {{\n{}{}{}}}\n\n", code.plan.tasks ? "" : "static ", s.name,
+                        arguments_of(code, s), s.reads_state ? unused + ";\n" : "", scratch_statements(code, s), s.body);
     calls += fmt::format("  {}{}({});\n", scoped ? scope + "::" : "", s.name, call_of(code, s));
     state = state || s.reads_state;
   }

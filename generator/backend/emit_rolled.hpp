@@ -25,7 +25,10 @@ struct Stage {
   std::string body;
 };
 std::vector<Stage> rolled_stages(const CodeInput& code);
-// Of the stage's declaration, and of its call.
+// Whether threads can sweep for themselves: what sweeps leave is in their scratch, and nothing goes on behind the elements but
+// results.
+bool can_sweep_apart(const CodeInput& code);
+// Of the stage's declaration, and of its call by the function itself.
 std::string arguments_of(const CodeInput& code, const Stage& stage);
 std::string call_of(const CodeInput& code, const Stage& stage);
 

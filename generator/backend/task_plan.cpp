@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <set>
 
@@ -19,11 +20,16 @@ namespace {
 // that is asked for help, and how long it takes to come. Read off when tasks began and ended, of trees of 200 to 500 joints on
 // two cores (AMD EPYC, Zen 4).
 constexpr double task_cost = 60, hand_over = 250, ask_cost = 100, coming = 700;
+// Of work that threads divide: by how much they are not done at the same time.
+constexpr double parting = 500;
 // ns a byte: of what other threads have read since the last call, each line is taken back from their caches before it is
 // written.
 constexpr double taken_back = 4.0 / 64;
 // Smaller tasks are joined with others where that is not expected to make the whole slower.
 constexpr double grain = 4000;
+// Of what threads divide: a unit, ns; the least part of columns that take more the further down they are; and how much more
+// columns take in pieces, several cores writing; and the least part of a limb that has to be copied.
+constexpr double unit = 100, part_of_columns = 1000, part_of_limb = 2000, in_pieces = 1.08;
 // More tasks are joined without weighing: what is weighed costs the square of their number, for every pair.
 constexpr size_t most_tasks = 96;
 constexpr int most_parts = 64;  // of a segment's columns
@@ -152,10 +158,88 @@ std::vector<Task> neighbours_joined(const std::vector<Task>& tasks) {
   return in_order(all);
 }
 
+TaskSchedule schedule_of(const std::vector<Task>& tasks, int threads) {
+  const Edges edges(tasks);
+  TaskSchedule schedule;
+  schedule.runs.resize(tasks.size());
+  std::vector<double> idle(static_cast<size_t>(std::max(threads, 1)));
+  const double asked = tasks.size() > 1 ? ask_cost * (threads - 1) : 0;
+  for (size_t t = 0; t < idle.size(); ++t) idle[t] = asked + (t > 0 ? coming : 0);
+  std::vector<bool> begun(tasks.size(), false);
+  for (size_t count = 0; count < tasks.size(); ++count) {
+    // Who can begin a task first takes the first of those that can run then.
+    size_t thread = 0;
+    int task = -1;
+    double at = 0;
+    for (size_t h = 0; h < idle.size(); ++h)
+      for (size_t t = 0; t < tasks.size(); ++t) {
+        if (begun[t]) continue;
+        double ready = idle[h];
+        bool can = true;
+        for (const int a : tasks[t].after) {
+          const Run& run = schedule.runs[static_cast<size_t>(a)];
+          can = can && begun[static_cast<size_t>(a)];
+          ready = std::max(ready, run.end + (run.thread == static_cast<int>(h) ? 0 : hand_over));
+        }
+        if (!can || (task >= 0 && ready >= at)) continue;
+        thread = h, task = static_cast<int>(t), at = ready;
+      }
+    Run& run = schedule.runs[static_cast<size_t>(task)];
+    const Task& begins = tasks[static_cast<size_t>(task)];
+    run = {static_cast<int>(thread), at,
+           at + task_cost + begins.nanoseconds + (threads > 1 ? taken_back * begins.handed_on : 0)};
+    begun[static_cast<size_t>(task)] = true;
+    idle[thread] = run.end;
+    schedule.nanoseconds = std::max(schedule.nanoseconds, run.end);
+  }
+  return schedule;
+}
+
 double expected(const std::vector<Task>& tasks) {
   double sum = 0;
-  for (const int threads : usual_threads) sum += schedule_tasks(tasks, threads).nanoseconds;
+  for (const int threads : usual_threads) sum += schedule_of(tasks, threads).nanoseconds;
   return sum;
+}
+
+double sum_of(const std::vector<Task>& tasks) {
+  double sum = 0;
+  for (const Task& t : tasks) sum += t.nanoseconds;
+  return sum;
+}
+
+// What a thread prepares that takes the tasks from one time to another of all of them, ns.
+double prepared(const TaskPlan& plan, double from, double to) {
+  std::set<int> needs;
+  double at = 0;
+  for (const Task& t : plan.tasks) {
+    if (at < to && at + t.nanoseconds > from) needs.insert(t.after.begin(), t.after.end());
+    at += t.nanoseconds;
+  }
+  double sum = 0;
+  for (const int p : needs) sum += plan.preparations[static_cast<size_t>(p)].nanoseconds;
+  return sum;
+}
+
+// Of tasks that threads divide as they come: all that take part are done at the same time.
+TaskSchedule schedule_of_divided(const TaskPlan& plan, int threads) {
+  TaskSchedule schedule;
+  const double alone = sum_of(plan.tasks), elements = threads > 1 ? in_pieces * alone : alone;
+  const double asked = threads > 1 ? ask_cost * (threads - 1) : 0;
+  double begins = 0;  // the sum over those who take part
+  for (int t = 0; t < std::max(threads, 1); ++t) {
+    const double needs = t == 0 && !plan.end->calls.empty() ? sum_of(plan.preparations)
+                                                            : prepared(plan, alone * t / threads, alone * (t + 1) / threads);
+    const double from = asked + (t > 0 ? coming : 0), to = from + needs;
+    if (t > 0 && (begins + elements) / t <= to) break;  // it finds nothing left
+    begins += to;
+    schedule.begins.push_back({t, from, to});
+  }
+  const double done =
+      (begins + elements) / static_cast<double>(schedule.begins.size()) + (schedule.begins.size() > 1 ? parting : 0);
+  for (const Run& begin : schedule.begins) schedule.runs.push_back({begin.thread, begin.end, done});
+  schedule.end = Run{0, done, done + plan.end->nanoseconds};
+  schedule.nanoseconds = schedule.end->end;
+  return schedule;
 }
 
 std::vector<Task> joined_where_small(std::vector<Task> tasks) {
@@ -214,60 +298,84 @@ std::vector<Task> chains_joined(std::vector<Task> tasks) {
   return tasks;
 }
 
-// Parts of a segment's columns: of limbs one after another whole limbs, or parts of one; else parts that take about as long.
-std::vector<std::pair<int, int>> column_ranges(const CodeInput& code, const ir::Segment& s, double nanoseconds) {
-  if (!code.plan.join_tasks) nanoseconds = 1e9;  // as many as there can be
-  const int columns = split_columns(code, s);
-  if (!elements_split(code, s)) return {{0, columns}};
-  const auto depth = [&](int body) {
-    int count = 0;
-    for (; body >= 0; body = code.tree.bodies[static_cast<size_t>(body)].parent) ++count;
-    return count;
-  };
-  std::vector<std::pair<int, int>> ranges;
-  if (limb_after_limb(code, s)) {
-    std::vector<int> joints;
-    std::vector<double> cost;
-    for (size_t lane = 0; lane < s.bodies.size(); ++lane) {
-      joints.push_back(
-          static_cast<int>(std::count_if(s.bodies[lane].begin(), s.bodies[lane].end(), [](int b) { return b >= 0; })));
-      cost.push_back(joints.back() * (joints.back() + 2.0 * depth(s.parents[lane])));
-    }
-    const double all = std::accumulate(cost.begin(), cost.end(), 0.0);
-    double waiting = 0;  // of limbs that are too short for a part of their own
-    int begin = 0, at = 0;
-    for (size_t lane = 0; lane < joints.size(); ++lane) {
-      const double time = nanoseconds * cost[lane] / all;
-      // Parts of one limb each copy it, where limbs stand side by side.
-      const int parts = std::clamp(static_cast<int>(time / (s.width > 1 ? 2 * grain : grain)), 1,
-                                   std::min(most_parts, std::max(1, joints[lane] / 4)));
-      for (int part = 1; part < parts; ++part) {
-        const int end = at + joints[lane] * part / parts / 4 * 4;
-        if (end > begin) ranges.emplace_back(begin, end);
-        begin = end;
-      }
-      at += joints[lane];
-      waiting = parts > 1 ? grain : waiting + time;
-      if (waiting < grain && lane + 1 < joints.size()) continue;
-      if (at > begin) ranges.emplace_back(begin, at);
-      begin = at, waiting = 0;
-    }
-    return ranges;
+int depth(const CodeInput& code, int body) {
+  int count = 0;
+  for (; body >= 0; body = code.tree.bodies[static_cast<size_t>(body)].parent) ++count;
+  return count;
+}
+
+// A segment's limbs, one after another.
+struct Limb {
+  int joints;
+  double nanoseconds;  // its share
+};
+std::vector<Limb> limbs_of(const CodeInput& code, const ir::Segment& s, double nanoseconds) {
+  std::vector<Limb> limbs;
+  double all = 0;
+  for (size_t lane = 0; lane < s.bodies.size(); ++lane) {
+    const auto& limb = s.bodies[lane];
+    const int joints = static_cast<int>(std::count_if(limb.begin(), limb.end(), [](int b) { return b >= 0; }));
+    limbs.push_back({joints, joints * (joints + 2.0 * depth(code, s.parents[lane]))});
+    all += limbs.back().nanoseconds;
   }
+  for (Limb& limb : limbs) limb.nanoseconds *= nanoseconds / all;
+  return limbs;
+}
+
+// Columns of limbs side by side, as shares of what all of them take: they take more the further down they are.
+struct ColumnRange {
+  int begin, end;
+  double share;
+};
+std::vector<ColumnRange> columns_side_by_side(const CodeInput& code, const ir::Segment& s, int parts) {
+  const int columns = split_columns(code, s);
   int above = 0;
-  for (const int parent : s.parents) above = std::max(above, depth(parent));
+  for (const int parent : s.parents) above = std::max(above, depth(code, parent));
   const auto cost = [&](int column) { return column + 4.0 + above; };
-  double all = 0, sum = 0;
+  double all = 0, sum = 0, before = 0;
   for (int c = 0; c < columns; ++c) all += cost(c);
-  const int parts = std::clamp(static_cast<int>(nanoseconds / grain), 1, std::min(most_parts, std::max(1, (columns + 3) / 4)));
+  parts = std::clamp(parts, 1, std::min(most_parts, std::max(1, (columns + 3) / 4)));
+  std::vector<ColumnRange> ranges;
   int begin = 0;
   for (int c = 0; c < columns; c += 4) {  // tiles of four
     const int end = std::min(c + 4, columns);
     for (int k = c; k < end; ++k) sum += cost(k);
     if (end < columns && sum < all * static_cast<double>(ranges.size() + 1) / parts) continue;
-    ranges.emplace_back(begin, end);
-    begin = end;
+    ranges.push_back({begin, end, (sum - before) / all});
+    begin = end, before = sum;
   }
+  return ranges;
+}
+
+// Parts of a segment's columns: of limbs one after another whole limbs, or parts of one; else parts that take about as long.
+std::vector<std::pair<int, int>> column_ranges(const CodeInput& code, const ir::Segment& s, double nanoseconds) {
+  if (!code.plan.join_tasks) nanoseconds = 1e9;  // as many as there can be
+  if (!elements_split(code, s)) return {{0, split_columns(code, s)}};
+  std::vector<std::pair<int, int>> ranges;
+  if (limb_after_limb(code, s)) {
+    double waiting = 0;  // of limbs that are too short for a part of their own
+    int begin = 0, at = 0;
+    const std::vector<Limb> limbs = limbs_of(code, s, nanoseconds);
+    for (size_t lane = 0; lane < limbs.size(); ++lane) {
+      const auto& [joints, time] = limbs[lane];
+      // Parts of one limb each copy it, where limbs stand side by side.
+      const int parts = std::clamp(static_cast<int>(time / (s.width > 1 ? 2 * grain : grain)), 1,
+                                   std::min(most_parts, std::max(1, joints / 4)));
+      for (int part = 1; part < parts; ++part) {
+        const int end = at + joints * part / parts / 4 * 4;
+        if (end > begin) ranges.emplace_back(begin, end);
+        begin = end;
+      }
+      at += joints;
+      waiting = parts > 1 ? grain : waiting + time;
+      if (waiting < grain && lane + 1 < limbs.size()) continue;
+      if (at > begin) ranges.emplace_back(begin, at);
+      begin = at, waiting = 0;
+    }
+    return ranges;
+  }
+  for (const auto& [begin, end, share] : columns_side_by_side(code, s, static_cast<int>(nanoseconds / grain)))
+    ranges.emplace_back(begin, end);
   return ranges;
 }
 
@@ -287,9 +395,12 @@ class StageOrder {
         if (segments[s].bodies[lane].front() >= 0) parents.insert(segments[s].parents[lane]);
       for (const int parent : parents)
         if (parent >= 0) on.insert(segment_of_[static_cast<size_t>(parent)]);
+      // Who adds to nothing shares nothing: limbs on a base that stands.
+      std::set<int> added;
+      for (const ir::HandedOn& h : code.rolled.segments[s].handed) added.insert(h.parent);
       for (const int other : on)
         above.insert(above_[static_cast<size_t>(other)].begin(), above_[static_cast<size_t>(other)].end());
-      parents_.push_back(std::move(parents));
+      adds_to_.push_back(std::move(added));
       on_.push_back(std::move(on));
       above_.push_back(std::move(above));
     }
@@ -328,7 +439,7 @@ class StageOrder {
       if (t.kind != Stage::Kind::segment || t.segment == s.segment) return false;
       if (outwards) return hangs_on(s.segment, t.segment);
       // What hangs on it; and, so that sums are the same however tasks run, whatever adds to the same bodies before.
-      return t.level == s.level && (hangs_on(t.segment, s.segment) || share_parent(s.segment, t.segment));
+      return t.level == s.level && (hangs_on(t.segment, s.segment) || add_to_one(s.segment, t.segment));
     });
     for (const ir::SegmentStage& stage : code_.rolled.segments[static_cast<size_t>(s.segment)].stages)
       for (const ir::Paragraph& p : stage.paragraphs)
@@ -341,9 +452,9 @@ class StageOrder {
   }
 
   bool hangs_on(int segment, int other) const { return on_[static_cast<size_t>(segment)].contains(other); }
-  bool share_parent(int a, int b) const {
-    for (const int parent : parents_[static_cast<size_t>(a)])
-      if (parents_[static_cast<size_t>(b)].contains(parent)) return true;
+  bool add_to_one(int a, int b) const {
+    for (const int parent : adds_to_[static_cast<size_t>(a)])
+      if (adds_to_[static_cast<size_t>(b)].contains(parent)) return true;
     return false;
   }
   bool is_above(int segment, int below) const { return above_[static_cast<size_t>(below)].contains(segment); }
@@ -351,8 +462,8 @@ class StageOrder {
   const CodeInput& code_;
   const std::vector<Stage>& stages_;
   std::vector<int> segment_of_;         // per body
-  std::vector<std::set<int>> parents_;  // per segment: bodies that its limbs hang on
-  std::vector<std::set<int>> on_;       // … the segments of these
+  std::vector<std::set<int>> adds_to_;  // per segment: bodies that it hands sums on to
+  std::vector<std::set<int>> on_;       // … the segments of those that its limbs hang on
   std::vector<std::set<int>> above_;    // … itself and all segments above
 };
 
@@ -413,73 +524,79 @@ std::vector<Task> tasks_of(const CodeInput& code, const std::string& prefix) {
   return tasks;
 }
 
-}  // namespace
-
-TaskSchedule schedule_tasks(const std::vector<Task>& tasks, int threads) {
-  const Edges edges(tasks);
-  TaskSchedule schedule;
-  schedule.runs.resize(tasks.size());
-  std::vector<double> idle(static_cast<size_t>(std::max(threads, 1)));
-  const double asked = tasks.size() > 1 ? ask_cost * (threads - 1) : 0;
-  for (size_t t = 0; t < idle.size(); ++t) idle[t] = asked + (t > 0 ? coming : 0);
-  std::vector<bool> begun(tasks.size(), false);
-  for (size_t count = 0; count < tasks.size(); ++count) {
-    // Who can begin a task first takes the first of those that can run then.
-    size_t thread = 0;
-    int task = -1;
-    double at = 0;
-    for (size_t h = 0; h < idle.size(); ++h)
-      for (size_t t = 0; t < tasks.size(); ++t) {
-        if (begun[t]) continue;
-        double ready = idle[h];
-        bool can = true;
-        for (const int a : tasks[t].after) {
-          const Run& run = schedule.runs[static_cast<size_t>(a)];
-          can = can && begun[static_cast<size_t>(a)];
-          ready = std::max(ready, run.end + (run.thread == static_cast<int>(h) ? 0 : hand_over));
-        }
-        if (!can || (task >= 0 && ready >= at)) continue;
-        thread = h, task = static_cast<int>(t), at = ready;
-      }
-    Run& run = schedule.runs[static_cast<size_t>(task)];
-    const Task& begins = tasks[static_cast<size_t>(task)];
-    run = {static_cast<int>(thread), at,
-           at + task_cost + begins.nanoseconds + (threads > 1 ? taken_back * begins.handed_on : 0)};
-    begun[static_cast<size_t>(task)] = true;
-    idle[thread] = run.end;
-    schedule.nanoseconds = std::max(schedule.nanoseconds, run.end);
+// Elements that threads divide, after preparations: parts of which each column takes about the same.
+void add_elements(const CodeInput& code, const Stage& stage, double nanoseconds, const std::vector<int>& after,
+                  std::vector<Task>& tasks) {
+  const ir::Segment& segment = code.plan.segments[static_cast<size_t>(stage.segment)];
+  const std::string call = fmt::format("{}::{}(scratch, *w", own_name(code, "stages"), stage.name);
+  if (!elements_split(code, segment)) {
+    tasks.push_back({stage.name, {call + ")"}, false, nanoseconds, 0, after});
+    return;
   }
-  return schedule;
-}
-
-bool worth_a_graph(const std::vector<Task>& tasks) { return useful_threads(tasks) > 1; }
-
-int useful_threads(const std::vector<Task>& tasks) {
-  int best = 1;
-  double least = serial_time(tasks);
-  for (int threads = 2; threads <= std::min(static_cast<int>(tasks.size()), 64); ++threads) {
-    const double time = schedule_tasks(tasks, threads).nanoseconds;
-    // Estimates err, and a second thread may be late: it has to be worth more than a further one.
-    if (time < (best == 1 ? 0.85 : 0.97) * least) best = threads, least = time;
+  const double least = code.plan.weigh_tasks ? part_of_columns : 1;
+  const auto add = [&](int from, int to, double time, int step) {
+    const std::string first = from > 0 ? fmt::format("{} + ", from) : "";
+    tasks.push_back({from > 0 ? fmt::format("{}_{}", stage.name, from) : stage.name,
+                     {fmt::format("{}, {}begin, {}end)", call, first, first)},
+                     false,
+                     time,
+                     0,
+                     after,
+                     to - from,
+                     step});
+  };
+  if (limb_after_limb(code, segment)) {
+    int at = 0;
+    for (const Limb& limb : limbs_of(code, segment, nanoseconds)) {
+      if (limb.joints == 0) continue;
+      // Each piece copies what it reads of its limb, where limbs stand side by side.
+      const int pieces = std::max(1, static_cast<int>(limb.nanoseconds / part_of_limb));
+      add(at, at + limb.joints, limb.nanoseconds, segment.width > 1 ? (limb.joints / pieces + 3) / 4 * 4 : 4);
+      at += limb.joints;
+    }
+    return;
   }
-  return best;
+  for (const auto& [begin, end, share] : columns_side_by_side(code, segment, static_cast<int>(nanoseconds / least)))
+    add(begin, end, nanoseconds * share, 4);
 }
 
-double serial_time(const std::vector<Task>& tasks) {
-  double sum = 0;
-  for (const Task& t : tasks) sum += t.nanoseconds;
-  return sum;
+// Of threads that sweep for themselves: sweeps and the base, of which each does what its elements come after; and the results.
+TaskPlan plan_apart(const CodeInput& code) {
+  TaskPlan plan{{}, {}, Task{"results", {}, true, 0, 0, {}}};
+  const std::vector<Stage> stages = rolled_stages(code);
+  const StageOrder order(code, stages);
+  std::vector<std::set<int>> needs(stages.size());  // preparations; those of preparations with themselves
+  for (size_t i = 0; i < stages.size(); ++i) {
+    const Stage& s = stages[i];
+    const double nanoseconds = estimate(code, s, register_widths[usual_width]);
+    if (s.kind != Stage::Kind::results)
+      for (const size_t before : order.before(i)) needs[i].insert(needs[before].begin(), needs[before].end());
+    if (s.kind == Stage::Kind::elements) {
+      add_elements(code, s, nanoseconds, {needs[i].begin(), needs[i].end()}, plan.tasks);
+      continue;
+    }
+    const std::string call =
+        fmt::format("{}::{}({}scratch, *w{})", own_name(code, "stages"), s.name,
+                    s.reads_state ? held_arguments(code) + ", " : "", s.kind == Stage::Kind::base ? ", place == 0" : "");
+    if (s.kind == Stage::Kind::results) {
+      plan.end->calls.push_back(call);
+      plan.end->nanoseconds += nanoseconds;
+      continue;
+    }
+    needs[i].insert(static_cast<int>(plan.preparations.size()));
+    plan.preparations.push_back({s.name, {call}, s.reads_state, nanoseconds, 0, {}});
+  }
+  // The base's elements are the caller's.
+  for (const ir::BaseStage& b : code.rolled.base)
+    if (!b.elements.empty() && plan.end->calls.empty()) plan.end->calls.push_back("static_cast<void>(scratch)");
+  return plan;
 }
 
-double critical_path(const std::vector<Task>& tasks) {
-  const std::vector<double> way = ways(tasks, Edges(tasks));
-  return way.empty() ? 0 : *std::max_element(way.begin(), way.end());
-}
-
-// Of a function that users call: first one half, then the other. Straight code calls the second half itself.
-std::vector<Task> plan_tasks(const Folder& folder, const CodeInput& code) {
+// Of tasks of which some come after others, a task's sweeps being for all.
+TaskPlan plan_with_edges(const Folder& folder, const CodeInput& code) {
   std::vector<Task> tasks = tasks_of(code, "");
   std::string prefix;
+  // Of a function that users call: first one half, then the other. Straight code calls the second half itself.
   if (code.plan.form == ir::Form::rolled)
     for (const CodeInput* second = folder.second_half_of(code); second; second = folder.second_half_of(*second)) {
       const int before = static_cast<int>(tasks.size());
@@ -494,7 +611,69 @@ std::vector<Task> plan_tasks(const Folder& folder, const CodeInput& code) {
         tasks.push_back(std::move(t));
       }
     }
-  return code.plan.join_tasks ? joined_where_small(chains_joined(neighbours_joined(in_order(tasks)))) : in_order(tasks);
+  return {
+      code.plan.join_tasks ? joined_where_small(chains_joined(neighbours_joined(in_order(tasks)))) : in_order(tasks), {}, {}};
+}
+
+}  // namespace
+
+TaskSchedule schedule_tasks(const TaskPlan& plan, int threads) {
+  return plan.divided() ? schedule_of_divided(plan, threads) : schedule_of(plan.tasks, threads);
+}
+
+bool worth_a_graph(const TaskPlan& plan) { return useful_threads(plan) > 1; }
+
+int useful_threads(const TaskPlan& plan) {
+  int best = 1;
+  double least = serial_time(plan);
+  const int most = plan.divided() ? 64 : std::min(static_cast<int>(plan.tasks.size()), 64);
+  for (int threads = 2; threads <= most; ++threads) {
+    const double time = schedule_tasks(plan, threads).nanoseconds;
+    // Estimates err, and a second thread may be late: it has to be worth more than a further one.
+    if (time < (best == 1 ? 0.85 : 0.97) * least) best = threads, least = time;
+  }
+  return best;
+}
+
+int threads_of(const CodeInput& code, const TaskPlan& plan) {
+  if (plan.divided()) return code.plan.weigh_tasks ? useful_threads(plan) : 4;
+  return code.plan.join_tasks ? useful_threads(plan) : static_cast<int>(plan.tasks.size());
+}
+
+int units_of(double nanoseconds) { return std::max(1, static_cast<int>(std::lround(nanoseconds / unit))); }
+
+double serial_time(const TaskPlan& plan) {
+  return sum_of(plan.tasks) + sum_of(plan.preparations) + (plan.end ? plan.end->nanoseconds : 0);
+}
+
+double critical_path(const TaskPlan& plan) {
+  if (plan.divided()) {
+    double longest = 0;
+    for (const Task& t : plan.tasks) {
+      double sum = 0;
+      for (const int p : t.after) sum += plan.preparations[static_cast<size_t>(p)].nanoseconds;
+      longest = std::max(longest, sum);
+    }
+    return (plan.end->calls.empty() ? longest : sum_of(plan.preparations)) + plan.end->nanoseconds;
+  }
+  const std::vector<double> way = ways(plan.tasks, Edges(plan.tasks));
+  return way.empty() ? 0 : *std::max_element(way.begin(), way.end());
+}
+
+TaskPlan plan_tasks(const Folder& folder, const CodeInput& code) {
+  return code.plan.sweeps_apart ? plan_apart(code) : plan_with_edges(folder, code);
+}
+
+bool better_apart(const Folder& folder, const CodeInput& code) {
+  // Without what is joined every stage is to be a task.
+  if (!code.plan.join_tasks || !can_sweep_apart(code)) return false;
+  const TaskPlan apart = plan_apart(code);
+  if (apart.tasks.empty() || !code.plan.weigh_tasks) return !apart.tasks.empty();
+  const TaskPlan divided = plan_with_edges(folder, code);
+  double sum = 0;
+  for (const int threads : usual_threads)
+    sum += schedule_tasks(apart, threads).nanoseconds - schedule_tasks(divided, threads).nanoseconds;
+  return sum < 0;
 }
 
 }  // namespace dalembert::backend

@@ -1,6 +1,7 @@
 // Which tasks a function's stages are divided into: as few as pay, each with what it is expected to take.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,10 +16,27 @@ struct Task {
   double nanoseconds = 0;  // on one thread
   double handed_on = 0;    // bytes that it writes where other tasks read them
   std::vector<int> after;  // the tasks it comes after, without what follows from others
+  // Of a task that threads divide: its columns, which stand in the call as begin and end, and into multiples of what they can
+  // be divided, 0: not at all. It comes after preparations instead of tasks.
+  int columns = 1, step = 0;
 };
 
-// Tasks in an order that they can run in; what the longest way begins with comes first.
-std::vector<Task> plan_tasks(const Folder& folder, const CodeInput& code);
+struct TaskPlan {
+  // In an order that they can run in; what the longest way begins with comes first.
+  std::vector<Task> tasks;
+  // Where threads sweep for themselves and divide the tasks: what each does before the first task that comes after it, and the
+  // caller when all tasks are done. Nothing is handed on, and no task waits for another.
+  std::vector<Task> preparations;
+  std::optional<Task> end;
+
+  bool divided() const { return end.has_value(); }
+};
+
+// By what code.plan says of sweeps.
+TaskPlan plan_tasks(const Folder& folder, const CodeInput& code);
+
+// Whether more is expected of threads that sweep for themselves than of sweeps that are divided.
+bool better_apart(const Folder& folder, const CodeInput& code);
 
 // Where and when each task runs if all take what they are expected to.
 struct Run {
@@ -26,18 +44,26 @@ struct Run {
   double begin = 0, end = 0;  // ns
 };
 struct TaskSchedule {
-  std::vector<Run> runs;  // by task
+  std::vector<Run> runs;    // by task; of tasks that threads divide: by thread, of those that come to any
+  std::vector<Run> begins;  // of these: what each thread prepares
+  std::optional<Run> end;   // … and the caller behind
   double nanoseconds = 0;
 };
-TaskSchedule schedule_tasks(const std::vector<Task>& tasks, int threads);
+TaskSchedule schedule_tasks(const TaskPlan& plan, int threads);
 
 // The most threads that are worth asking for; 1: tasks are better run one after another.
-int useful_threads(const std::vector<Task>& tasks);
+int useful_threads(const TaskPlan& plan);
+
+// The most that the code asks for.
+int threads_of(const CodeInput& code, const TaskPlan& plan);
 
 // Whether more threads than one are.
-bool worth_a_graph(const std::vector<Task>& tasks);
+bool worth_a_graph(const TaskPlan& plan);
 
-double serial_time(const std::vector<Task>& tasks);
-double critical_path(const std::vector<Task>& tasks);
+// Of tasks that threads divide, what they take in the measure of divided_work.hpp.
+int units_of(double nanoseconds);
+
+double serial_time(const TaskPlan& plan);
+double critical_path(const TaskPlan& plan);
 
 }  // namespace dalembert::backend

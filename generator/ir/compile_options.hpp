@@ -18,6 +18,7 @@ struct CompileOptions {
   bool move_parameters = true;  // inertial parameters move towards the base
   bool pack = true;             // limbs stand side by side in lanes
   bool join = true;             // of a task graph, what is too little for a task is joined with another
+  bool weigh = true;            // … and threads divide elements where, and come as many as, pays; not: wherever they can
 };
 
 }  // namespace dalembert::ir

@@ -1,10 +1,13 @@
-// The graph that runs tasks: each once, behind those it comes after, by however many threads come.
+// What runs a call on several threads. The graph of tasks: each once, behind those it comes after, by however many threads
+// come. Divided work: each column once, behind what its thread prepared for it.
 #include <gtest/gtest.h>
 #include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/task_arena.h>
 #include <oneapi/tbb/task_group.h>
 
+#include <algorithm>
 #include <atomic>
+#include <dalembert/divided_work.hpp>
 #include <dalembert/task_graph.hpp>
 #include <memory>
 #include <random>
@@ -66,16 +69,18 @@ TEST(TaskGraph, RunsEachTaskOnceBehindThoseItComesAfter) {
 TEST(TaskGraph, OfNothingRuns) {
   TaskGraph graph;
   graph.run();
+  DividedWork work(2);
+  work.run();
 }
 
 // A thread that is busy elsewhere, as one whose core is lent out: the caller does all of it and does not wait.
 TEST(TaskGraph, DoesNotWaitForThreadsThatDoNotCome) {
   const tbb::global_control two(tbb::global_control::max_allowed_parallelism, 2);
   tbb::task_arena arena(2);
-  std::atomic<bool> busy{false}, released{false};
+  static std::atomic<bool> busy{false}, released{false};  // static: a sanitizer does not see how oneTBB hands them over
   arena.execute([&] {
     tbb::task_group elsewhere;
-    elsewhere.run([&] {
+    elsewhere.run([] {
       busy = true;
       while (!released) std::this_thread::yield();
     });
@@ -85,6 +90,115 @@ TEST(TaskGraph, DoesNotWaitForThreadsThatDoNotCome) {
       drawn.graph.run();
       drawn.expect_run(run);
     }
+    EXPECT_FALSE(released);
+    released = true;
+    elsewhere.wait();
+  });
+}
+
+// Work drawn at random, that writes down what was computed, and by whom.
+struct Divided {
+  struct Part {
+    int columns, step;
+    std::vector<int> needs, computed;  // not atomic: a column that two threads compute at once is a race
+  };
+  int threads;
+  std::vector<Part> parts;
+  std::vector<std::vector<int>> prepared;  // [place][preparation], how often
+  int ended = 0;
+  bool all_prepared = false;
+  DividedWork work;
+
+  Divided(int threads, int preparations, int count, unsigned seed, bool with_end)
+      : threads(threads),
+        prepared(static_cast<std::size_t>(threads), std::vector<int>(static_cast<std::size_t>(preparations))),
+        work(threads) {
+    std::mt19937 engine(seed);
+    const auto draw = [&](int least, int most) { return std::uniform_int_distribution<int>(least, most)(engine); };
+    for (int p = 0; p < preparations; ++p)
+      EXPECT_EQ(work.prepare([this, p](int place) { ++prepared[at(place)][at(p)]; }, draw(0, 5)), p);
+    for (int i = 0; i < count; ++i) {
+      Part part{draw(1, 60), draw(0, 3) * 4, {}, {}};
+      for (int p = 0; p < preparations; ++p)
+        if (draw(0, 2) == 0) part.needs.push_back(p);
+      part.computed.resize(at(part.columns));
+      parts.push_back(part);
+    }
+    for (Part& part : parts)
+      work.add(
+          [this, &part](int place, int begin, int end) {
+            ASSERT_LE(0, begin);
+            ASSERT_LT(begin, end);
+            ASSERT_LE(end, part.columns);
+            if (part.step == 0) {
+              ASSERT_EQ(end - begin, part.columns);
+            } else {
+              ASSERT_EQ(begin % part.step, 0);
+            }
+            for (const int p : part.needs) ASSERT_GE(prepared[at(place)][at(p)], 1);
+            for (int c = begin; c < end; ++c) ++part.computed[at(c)];
+          },
+          part.columns, part.step, draw(0, 300), part.needs);
+    if (!with_end) return;
+    work.end_with([this](int place) {
+      ASSERT_EQ(place, 0);
+      ++ended;
+      all_prepared = std::all_of(prepared[0].begin(), prepared[0].end(), [](int times) { return times == 1; });
+      for (const Part& part : parts)
+        for (const int times : part.computed) ASSERT_EQ(times, 1);
+    });
+  }
+  static std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+  void run_and_expect(bool with_end) {
+    for (auto& of_place : prepared) std::fill(of_place.begin(), of_place.end(), 0);
+    for (Part& part : parts) std::fill(part.computed.begin(), part.computed.end(), 0);
+    ended = 0;
+    work.run();
+    for (const Part& part : parts)
+      for (const int times : part.computed) ASSERT_EQ(times, 1);
+    for (const auto& of_place : prepared)
+      for (const int times : of_place) ASSERT_LE(times, 1);
+    ASSERT_EQ(ended, with_end ? 1 : 0);
+    ASSERT_TRUE(all_prepared || !with_end);
+  }
+};
+
+TEST(DividedWork, IsDoneOnceBehindWhatItNeeds) {
+  for (const int threads : {1, 2, 4}) {
+    tbb::task_arena arena(threads);
+    const tbb::global_control as_many(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
+    for (unsigned seed = 0; seed < 30; ++seed)
+      for (const bool with_end : {false, true}) {
+        Divided divided(4, static_cast<int>(seed % 6), static_cast<int>(seed % 11), seed, with_end);
+        for (int run = 0; run < 60; ++run) arena.execute([&] { divided.run_and_expect(with_end); });
+      }
+  }
+}
+
+// Stretches go on adding up when another number of threads comes.
+TEST(DividedWork, IsDoneByAnyNumberOfThreadsInTurn) {
+  Divided divided(4, 3, 12, 5, true);
+  for (int run = 0; run < 200; ++run) {
+    tbb::task_arena arena(1 + run % 4);
+    const tbb::global_control as_many(tbb::global_control::max_allowed_parallelism, 4);
+    arena.execute([&] { divided.run_and_expect(true); });
+  }
+}
+
+TEST(DividedWork, DoesNotWaitForThreadsThatDoNotCome) {
+  const tbb::global_control two(tbb::global_control::max_allowed_parallelism, 2);
+  tbb::task_arena arena(2);
+  static std::atomic<bool> busy{false}, released{false};  // static: a sanitizer does not see how oneTBB hands them over
+  arena.execute([&] {
+    tbb::task_group elsewhere;
+    elsewhere.run([] {
+      busy = true;
+      while (!released) std::this_thread::yield();
+    });
+    while (!busy) std::this_thread::yield();
+    Divided divided(2, 3, 10, 1, true);
+    for (int run = 0; run < 50; ++run) divided.run_and_expect(true);
     EXPECT_FALSE(released);
     released = true;
     elsewhere.wait();

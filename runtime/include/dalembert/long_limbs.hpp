@@ -21,18 +21,19 @@ namespace detail {
 inline constexpr int columns_together = doubles_in_register == 8 ? 2 : 1;
 
 // The factors of up to long_limb_tile joints of a limb, one joint beside the other: where they stand so already, there; else
-// copied.
+// copied, of which those of [begin, end) are asked for.
 template <class T, int n>
 class TileOfFactors {
  public:
-  DALEMBERT_BLOCK Factors<T, n> of(const Factors<T, n>& p, const LongLimb& limb, int first, int rows, TileOfFactors& room) {
+  DALEMBERT_BLOCK Factors<T, n> of(const Factors<T, n>& p, const LongLimb& limb, int first, int begin, int end,
+                                   TileOfFactors& room) {
     if (limb.step == 1) return moved(p, limb.first_slot + first);
     for (int f = 0; f < n; ++f)
       for (int j = 0; j < 3; ++j) {
         const T* const from = p.at[f] + j * p.stride + limb.first_slot + first * limb.step;
         T* const to = room.at_[f][j];
-        for (int i = 0; i < rows; ++i) to[i] = from[i * limb.step];
-        for (int i = rows; i < least(rows + run_lanes, long_limb_tile); ++i) to[i] = 0;  // what a short run's register reads
+        for (int i = begin; i < end; ++i) to[i] = from[i * limb.step];
+        for (int i = end; i < least(end + run_lanes, long_limb_tile); ++i) to[i] = 0;  // what a short run's register reads
       }
     Factors<T, n> all{{}, long_limb_tile};
     for (int f = 0; f < n; ++f) all.at[f] = room.at_[f][0];
@@ -198,8 +199,8 @@ DALEMBERT_BLOCK void own_block(const Factors<T, nl>& lower, const Factors<T, nu>
     const int rows = least(long_limb_tile, limb.length - first), last = first + rows;
     Factors<T, nu> up{};
     Factors<T, nl> low{};
-    if (end > first) up = TileOfFactors<T, nu>::of(upper, limb, first, rows, room_up);
-    if (begin < last) low = TileOfFactors<T, nl>::of(lower, limb, first, rows, room_low);
+    if (end > first) up = TileOfFactors<T, nu>::of(upper, limb, first, 0, least(rows, end - first), room_up);
+    if (begin < last) low = TileOfFactors<T, nl>::of(lower, limb, first, begin > first ? begin - first : 0, rows, room_low);
     each_columns<together>(begin, end, [&](auto some, int k) DALEMBERT_IN_BLOCK {
       constexpr int columns = decltype(some)::value;
       const int above = least(rows, k + columns - first), below = k + columns > first ? k + columns : first;
@@ -221,7 +222,7 @@ DALEMBERT_BLOCK void block_with(const Factors<T, nl>& lower, const Factors<T, nu
   TileOfFactors<T, nu> room_up;
   for (int first = 0; first < above.length; first += long_limb_tile) {
     const int rows = least(long_limb_tile, above.length - first);
-    const Factors<T, nu> up = TileOfFactors<T, nu>::of(upper, above, first, rows, room_up);
+    const Factors<T, nu> up = TileOfFactors<T, nu>::of(upper, above, first, 0, rows, room_up);
     each_columns<together>(begin, end, [&](auto some, int k) DALEMBERT_IN_BLOCK {
       columns_above<decltype(some)::value, T>(Kinds{}, lower, limb, k, up, rows, matrices, leading, above.first_row + first);
     });
@@ -229,7 +230,7 @@ DALEMBERT_BLOCK void block_with(const Factors<T, nl>& lower, const Factors<T, nu
   TileOfFactors<T, nl> room_low;
   for (int first = begin; first < end; first += long_limb_tile) {
     const int rows = least(long_limb_tile, end - first);
-    const Factors<T, nl> low = TileOfFactors<T, nl>::of(lower, limb, first, rows, room_low);
+    const Factors<T, nl> low = TileOfFactors<T, nl>::of(lower, limb, first, 0, rows, room_low);
     each_columns<together>(0, above.length, [&](auto some, int i) DALEMBERT_IN_BLOCK {
       columns_below<decltype(some)::value, T>(Kinds{}, low, rows, upper, above, i, matrices, leading, limb.first_row + first);
     });
