@@ -160,9 +160,10 @@ using Elements = dalembert::Matrices<dalembert::Symmetric<dalembert::Sum<dalembe
 
 namespace stages {
 
-void prepare(const Scalar* q, const Scalar* v, Workspace::Scratch& scratch, Workspace& workspace, bool results) noexcept {
+void prepare(const Scalar* q, const Scalar* v, Workspace& workspace) noexcept {
   static_cast<void>(q), static_cast<void>(v);
-  static_cast<void>(scratch), static_cast<void>(workspace), static_cast<void>(results);
+  Workspace::Scratch& scratch = workspace.scratch;
+  static_cast<void>(scratch);
   // Sines and cosines of all angles together.
   dalembert::sincos_of_slots_at<32, 7>(q + 7, slot_joint, first_of_four, scratch.sine[0], scratch.cosine[0]);
   for (const int i : first_of_four) dalembert::store<4, Scalar>(scratch.rate[0] + i, dalembert::gather<4>(v + 6, slot_joint + i));
@@ -223,8 +224,9 @@ void prepare(const Scalar* q, const Scalar* v, Workspace::Scratch& scratch, Work
   scratch.wrench[5][base_slot] = v[3] * t10 - v[4] * t12;
 }
 
-void outwards_waist(Workspace::Scratch& scratch, Workspace& workspace) noexcept {
-  static_cast<void>(scratch), static_cast<void>(workspace);
+void outwards_waist(Workspace& workspace) noexcept {
+  Workspace::Scratch& scratch = workspace.scratch;
+  static_cast<void>(scratch);
   // R = Rp Rk Rz(q), p = pp + Rp pk, J = [p x z; z], V = Vp + J dq, dJ = ad(Vp) J
   {
     using V [[maybe_unused]] = dalembert::Lanes<Scalar, 1>;
@@ -410,8 +412,9 @@ void outwards_waist(Workspace::Scratch& scratch, Workspace& workspace) noexcept 
   }
 }
 
-void outwards_left_hip_yaw_x4(Workspace::Scratch& scratch, Workspace& workspace) noexcept {
-  static_cast<void>(scratch), static_cast<void>(workspace);
+void outwards_left_hip_yaw_x4(Workspace& workspace) noexcept {
+  Workspace::Scratch& scratch = workspace.scratch;
+  static_cast<void>(scratch);
   // R = Rp Rk Rz(q), p = pp + Rp pk, J = [p x z; z], V = Vp + J dq, dJ = ad(Vp) J
   {
     dalembert::each_part<Scalar, 4>([&](auto some, int lane) DALEMBERT_IN_BLOCK {
@@ -727,8 +730,9 @@ void outwards_left_hip_yaw_x4(Workspace::Scratch& scratch, Workspace& workspace)
   }
 }
 
-void inwards_left_hip_yaw_x4(Workspace::Scratch& scratch, Workspace& workspace) noexcept {
-  static_cast<void>(scratch), static_cast<void>(workspace);
+void inwards_left_hip_yaw_x4(Workspace& workspace) noexcept {
+  Workspace::Scratch& scratch = workspace.scratch;
+  static_cast<void>(scratch);
   // m of the subtree
   // h, S, P, D summed over the subtree
   // F = A* J, G = A* dJ + B* J, H = P x Jv + D' Jw
@@ -944,8 +948,9 @@ void inwards_left_hip_yaw_x4(Workspace::Scratch& scratch, Workspace& workspace) 
   }
 }
 
-void inwards_waist(Workspace::Scratch& scratch, Workspace& workspace) noexcept {
-  static_cast<void>(scratch), static_cast<void>(workspace);
+void inwards_waist(Workspace& workspace) noexcept {
+  Workspace::Scratch& scratch = workspace.scratch;
+  static_cast<void>(scratch);
   // m of the subtree
   // h, S, P, D summed over the subtree
   // F = A* J, G = A* dJ + B* J, H = P x Jv + D' Jw
@@ -1087,120 +1092,122 @@ void inwards_waist(Workspace::Scratch& scratch, Workspace& workspace) noexcept {
   }
 }
 
-void base(Workspace::Scratch& scratch, Workspace& workspace, bool results) noexcept {
-  static_cast<void>(scratch), static_cast<void>(workspace), static_cast<void>(results);
+void base(Workspace& workspace) noexcept {
+  Workspace::Scratch& scratch = workspace.scratch;
+  static_cast<void>(scratch);
   // The base: M_BB = A*, C_BB = A* ad(V) + B*
   // h, S, P, D summed over the subtree
   // g = -[m down; h x down]
   // g = -(h x down)_z (revolute), -m down_z (prismatic); h_p += Rk Rz(q) h + m p
   // C v + g = [f; n]
   // C v + g = n_z (revolute), f_z (prismatic); f_p += R f, n_p += R n + p x R f
-  if (results) workspace.mass_matrix[0] = 65.0;
-  if (results) workspace.mass_matrix[32] = 65.0;
-  if (results) workspace.mass_matrix[64] = 65.0;
+  workspace.mass_matrix[0] = 65.0;
+  workspace.mass_matrix[32] = 65.0;
+  workspace.mass_matrix[64] = 65.0;
   const Scalar t1 = scratch.received_first[2][base_slot] + 12.11;
-  if (results) workspace.mass_matrix[4] = t1;
-  if (results) workspace.mass_matrix[124] = t1;
-  if (results) workspace.mass_matrix[65] = scratch.received_first[1][base_slot];
-  if (results) workspace.mass_matrix[95] = scratch.received_first[1][base_slot];
-  if (results) workspace.mass_matrix[5] = -scratch.received_first[1][base_slot];
-  if (results) workspace.mass_matrix[155] = -scratch.received_first[1][base_slot];
+  workspace.mass_matrix[4] = t1;
+  workspace.mass_matrix[124] = t1;
+  workspace.mass_matrix[65] = scratch.received_first[1][base_slot];
+  workspace.mass_matrix[95] = scratch.received_first[1][base_slot];
+  workspace.mass_matrix[5] = -scratch.received_first[1][base_slot];
+  workspace.mass_matrix[155] = -scratch.received_first[1][base_slot];
   const Scalar t2 = -t1;
-  if (results) workspace.mass_matrix[34] = t2;
-  if (results) workspace.mass_matrix[94] = t2;
-  if (results) workspace.mass_matrix[36] = scratch.received_first[0][base_slot];
-  if (results) workspace.mass_matrix[156] = scratch.received_first[0][base_slot];
-  if (results) workspace.mass_matrix[66] = -scratch.received_first[0][base_slot];
-  if (results) workspace.mass_matrix[126] = -scratch.received_first[0][base_slot];
+  workspace.mass_matrix[34] = t2;
+  workspace.mass_matrix[94] = t2;
+  workspace.mass_matrix[36] = scratch.received_first[0][base_slot];
+  workspace.mass_matrix[156] = scratch.received_first[0][base_slot];
+  workspace.mass_matrix[66] = -scratch.received_first[0][base_slot];
+  workspace.mass_matrix[126] = -scratch.received_first[0][base_slot];
   const Scalar t3 = scratch.received_second[3][base_slot] + 0.2376;
   const Scalar t4 = scratch.received_second[5][base_slot] + 4.669860169999999;
   const Scalar t5 = t3 + t4;
-  if (results) workspace.mass_matrix[96] = t5;
-  if (results) workspace.mass_matrix[97] = -scratch.received_second[1][base_slot];
-  if (results) workspace.mass_matrix[127] = -scratch.received_second[1][base_slot];
-  if (results) workspace.mass_matrix[98] = -scratch.received_second[2][base_slot];
-  if (results) workspace.mass_matrix[158] = -scratch.received_second[2][base_slot];
+  workspace.mass_matrix[96] = t5;
+  workspace.mass_matrix[97] = -scratch.received_second[1][base_slot];
+  workspace.mass_matrix[127] = -scratch.received_second[1][base_slot];
+  workspace.mass_matrix[98] = -scratch.received_second[2][base_slot];
+  workspace.mass_matrix[158] = -scratch.received_second[2][base_slot];
   const Scalar t6 = scratch.received_second[0][base_slot] + 0.024299999999999995;
   const Scalar t7 = t4 + t6;
-  if (results) workspace.mass_matrix[128] = t7;
-  if (results) workspace.mass_matrix[129] = -scratch.received_second[4][base_slot];
-  if (results) workspace.mass_matrix[159] = -scratch.received_second[4][base_slot];
+  workspace.mass_matrix[128] = t7;
+  workspace.mass_matrix[129] = -scratch.received_second[4][base_slot];
+  workspace.mass_matrix[159] = -scratch.received_second[4][base_slot];
   const Scalar t8 = t3 + t6;
-  if (results) workspace.mass_matrix[160] = t8;
+  workspace.mass_matrix[160] = t8;
   const Scalar t9 = 65.0 * scratch.velocity[5][base_slot];
-  if (results) workspace.coriolis_matrix[1] = t9;
+  workspace.coriolis_matrix[1] = t9;
   const Scalar t10 = 65.0 * scratch.velocity[4][base_slot];
-  if (results) workspace.coriolis_matrix[62] = t10;
-  if (results) workspace.coriolis_matrix[2] = -t10;
+  workspace.coriolis_matrix[62] = t10;
+  workspace.coriolis_matrix[2] = -t10;
   const Scalar t11 = t1 * scratch.velocity[5][base_slot];
   const Scalar t12 = scratch.received_first[1][base_slot] * scratch.velocity[4][base_slot];
   const Scalar t13 = t11 + t12;
-  if (results) workspace.coriolis_matrix[93] = t13;
-  if (results) workspace.coriolis_matrix[3] = -t13;
+  workspace.coriolis_matrix[93] = t13;
+  workspace.coriolis_matrix[3] = -t13;
   const Scalar t14 = scratch.received_first[0][base_slot] * scratch.velocity[4][base_slot];
-  if (results) workspace.coriolis_matrix[4] = t14;
+  workspace.coriolis_matrix[4] = t14;
   const Scalar t15 = scratch.received_first[0][base_slot] * scratch.velocity[5][base_slot];
-  if (results) workspace.coriolis_matrix[5] = t15;
-  if (results) workspace.coriolis_matrix[31] = -t9;
+  workspace.coriolis_matrix[5] = t15;
+  workspace.coriolis_matrix[31] = -t9;
   const Scalar t16 = 65.0 * scratch.velocity[3][base_slot];
-  if (results) workspace.coriolis_matrix[33] = t16;
+  workspace.coriolis_matrix[33] = t16;
   const Scalar t17 = scratch.received_first[1][base_slot] * scratch.velocity[3][base_slot];
-  if (results) workspace.coriolis_matrix[34] = t17;
+  workspace.coriolis_matrix[34] = t17;
   const Scalar t18 = scratch.received_first[0][base_slot] * scratch.velocity[3][base_slot];
   const Scalar t19 = t11 + t18;
-  if (results) workspace.coriolis_matrix[125] = t19;
-  if (results) workspace.coriolis_matrix[35] = -t19;
+  workspace.coriolis_matrix[125] = t19;
+  workspace.coriolis_matrix[35] = -t19;
   const Scalar t20 = scratch.received_first[1][base_slot] * scratch.velocity[5][base_slot];
-  if (results) workspace.coriolis_matrix[36] = t20;
-  if (results) workspace.coriolis_matrix[63] = -t16;
+  workspace.coriolis_matrix[36] = t20;
+  workspace.coriolis_matrix[63] = -t16;
   const Scalar t21 = t1 * scratch.velocity[3][base_slot];
-  if (results) workspace.coriolis_matrix[65] = t21;
+  workspace.coriolis_matrix[65] = t21;
   const Scalar t22 = t1 * scratch.velocity[4][base_slot];
-  if (results) workspace.coriolis_matrix[66] = t22;
+  workspace.coriolis_matrix[66] = t22;
   const Scalar t23 = t12 + t18;
-  if (results) workspace.coriolis_matrix[157] = t23;
-  if (results) workspace.coriolis_matrix[67] = -t23;
+  workspace.coriolis_matrix[157] = t23;
+  workspace.coriolis_matrix[67] = -t23;
   const Scalar t24 = 65.0 * scratch.velocity[2][base_slot];
-  if (results) workspace.coriolis_matrix[94] = t24 - t14 - scratch.momentum[2][base_slot];
+  workspace.coriolis_matrix[94] = t24 - t14 - scratch.momentum[2][base_slot];
   const Scalar t25 = 65.0 * scratch.velocity[1][base_slot];
-  if (results) workspace.coriolis_matrix[95] = scratch.momentum[1][base_slot] - (t15 + t25);
+  workspace.coriolis_matrix[95] = scratch.momentum[1][base_slot] - (t15 + t25);
   const Scalar t26 = scratch.received_second[2][base_slot] * scratch.velocity[4][base_slot];
   const Scalar t27 = scratch.received_second[1][base_slot] * scratch.velocity[5][base_slot];
   const Scalar t28 = t1 * scratch.velocity[2][base_slot];
   const Scalar t29 = scratch.received_first[1][base_slot] * scratch.velocity[1][base_slot];
-  if (results) workspace.coriolis_matrix[96] = scratch.bias_block[0][base_slot] + (t26 - t27 - (t28 + t29));
-  if (results) workspace.coriolis_matrix[97] = scratch.bias_block[3][base_slot] + (scratch.received_second[4][base_slot] * scratch.velocity[4][base_slot] + t7 * scratch.velocity[5][base_slot] + scratch.received_first[0][base_slot] * scratch.velocity[1][base_slot]);
-  if (results) workspace.coriolis_matrix[98] = scratch.bias_block[6][base_slot] + (scratch.received_first[0][base_slot] * scratch.velocity[2][base_slot] - (t8 * scratch.velocity[4][base_slot] + scratch.received_second[4][base_slot] * scratch.velocity[5][base_slot]));
-  if (results) workspace.coriolis_matrix[124] = scratch.momentum[2][base_slot] - (t17 + t24);
+  workspace.coriolis_matrix[96] = scratch.bias_block[0][base_slot] + (t26 - t27 - (t28 + t29));
+  workspace.coriolis_matrix[97] = scratch.bias_block[3][base_slot] + (scratch.received_second[4][base_slot] * scratch.velocity[4][base_slot] + t7 * scratch.velocity[5][base_slot] + scratch.received_first[0][base_slot] * scratch.velocity[1][base_slot]);
+  workspace.coriolis_matrix[98] = scratch.bias_block[6][base_slot] + (scratch.received_first[0][base_slot] * scratch.velocity[2][base_slot] - (t8 * scratch.velocity[4][base_slot] + scratch.received_second[4][base_slot] * scratch.velocity[5][base_slot]));
+  workspace.coriolis_matrix[124] = scratch.momentum[2][base_slot] - (t17 + t24);
   const Scalar t30 = 65.0 * scratch.velocity[0][base_slot];
-  if (results) workspace.coriolis_matrix[126] = t30 - t20 - scratch.momentum[0][base_slot];
-  if (results) workspace.coriolis_matrix[127] = scratch.bias_block[1][base_slot] + (scratch.received_first[1][base_slot] * scratch.velocity[0][base_slot] - (scratch.received_second[2][base_slot] * scratch.velocity[3][base_slot] + t5 * scratch.velocity[5][base_slot]));
+  workspace.coriolis_matrix[126] = t30 - t20 - scratch.momentum[0][base_slot];
+  workspace.coriolis_matrix[127] = scratch.bias_block[1][base_slot] + (scratch.received_first[1][base_slot] * scratch.velocity[0][base_slot] - (scratch.received_second[2][base_slot] * scratch.velocity[3][base_slot] + t5 * scratch.velocity[5][base_slot]));
   const Scalar t31 = scratch.received_second[4][base_slot] * scratch.velocity[3][base_slot];
   const Scalar t32 = scratch.received_first[0][base_slot] * scratch.velocity[0][base_slot];
-  if (results) workspace.coriolis_matrix[128] = scratch.bias_block[4][base_slot] + (t27 - t31 - (t28 + t32));
-  if (results) workspace.coriolis_matrix[129] = scratch.bias_block[7][base_slot] + (t8 * scratch.velocity[3][base_slot] + scratch.received_second[2][base_slot] * scratch.velocity[5][base_slot] + scratch.received_first[1][base_slot] * scratch.velocity[2][base_slot]);
-  if (results) workspace.coriolis_matrix[155] = t25 - t21 - scratch.momentum[1][base_slot];
-  if (results) workspace.coriolis_matrix[156] = scratch.momentum[0][base_slot] - (t22 + t30);
-  if (results) workspace.coriolis_matrix[158] = scratch.bias_block[2][base_slot] + (scratch.received_second[1][base_slot] * scratch.velocity[3][base_slot] + t5 * scratch.velocity[4][base_slot] + t1 * scratch.velocity[0][base_slot]);
-  if (results) workspace.coriolis_matrix[159] = scratch.bias_block[5][base_slot] + (t1 * scratch.velocity[1][base_slot] - (t7 * scratch.velocity[3][base_slot] + scratch.received_second[1][base_slot] * scratch.velocity[4][base_slot]));
-  if (results) workspace.coriolis_matrix[160] = scratch.received_bias_block[8][base_slot] + (t31 - t26 - (t29 + t32));
-  if (results) workspace.gravity[0] = -(65.0 * scratch.down[0][base_slot]);
-  if (results) workspace.gravity[1] = -(65.0 * scratch.down[1][base_slot]);
-  if (results) workspace.gravity[2] = -(65.0 * scratch.down[2][base_slot]);
+  workspace.coriolis_matrix[128] = scratch.bias_block[4][base_slot] + (t27 - t31 - (t28 + t32));
+  workspace.coriolis_matrix[129] = scratch.bias_block[7][base_slot] + (t8 * scratch.velocity[3][base_slot] + scratch.received_second[2][base_slot] * scratch.velocity[5][base_slot] + scratch.received_first[1][base_slot] * scratch.velocity[2][base_slot]);
+  workspace.coriolis_matrix[155] = t25 - t21 - scratch.momentum[1][base_slot];
+  workspace.coriolis_matrix[156] = scratch.momentum[0][base_slot] - (t22 + t30);
+  workspace.coriolis_matrix[158] = scratch.bias_block[2][base_slot] + (scratch.received_second[1][base_slot] * scratch.velocity[3][base_slot] + t5 * scratch.velocity[4][base_slot] + t1 * scratch.velocity[0][base_slot]);
+  workspace.coriolis_matrix[159] = scratch.bias_block[5][base_slot] + (t1 * scratch.velocity[1][base_slot] - (t7 * scratch.velocity[3][base_slot] + scratch.received_second[1][base_slot] * scratch.velocity[4][base_slot]));
+  workspace.coriolis_matrix[160] = scratch.received_bias_block[8][base_slot] + (t31 - t26 - (t29 + t32));
+  workspace.gravity[0] = -(65.0 * scratch.down[0][base_slot]);
+  workspace.gravity[1] = -(65.0 * scratch.down[1][base_slot]);
+  workspace.gravity[2] = -(65.0 * scratch.down[2][base_slot]);
   const Scalar t33 = 12.11 + scratch.received_gravity_first[2][base_slot];
-  if (results) workspace.gravity[3] = -(scratch.down[2][base_slot] * scratch.received_gravity_first[1][base_slot] - scratch.down[1][base_slot] * t33);
-  if (results) workspace.gravity[4] = -(scratch.down[0][base_slot] * t33 - scratch.down[2][base_slot] * scratch.received_gravity_first[0][base_slot]);
-  if (results) workspace.gravity[5] = -(scratch.down[1][base_slot] * scratch.received_gravity_first[0][base_slot] - scratch.down[0][base_slot] * scratch.received_gravity_first[1][base_slot]);
-  if (results) workspace.bias[0] = scratch.wrench[0][base_slot];
-  if (results) workspace.bias[1] = scratch.wrench[1][base_slot];
-  if (results) workspace.bias[2] = scratch.wrench[2][base_slot];
-  if (results) workspace.bias[3] = scratch.wrench[3][base_slot];
-  if (results) workspace.bias[4] = scratch.wrench[4][base_slot];
-  if (results) workspace.bias[5] = scratch.wrench[5][base_slot];
+  workspace.gravity[3] = -(scratch.down[2][base_slot] * scratch.received_gravity_first[1][base_slot] - scratch.down[1][base_slot] * t33);
+  workspace.gravity[4] = -(scratch.down[0][base_slot] * t33 - scratch.down[2][base_slot] * scratch.received_gravity_first[0][base_slot]);
+  workspace.gravity[5] = -(scratch.down[1][base_slot] * scratch.received_gravity_first[0][base_slot] - scratch.down[0][base_slot] * scratch.received_gravity_first[1][base_slot]);
+  workspace.bias[0] = scratch.wrench[0][base_slot];
+  workspace.bias[1] = scratch.wrench[1][base_slot];
+  workspace.bias[2] = scratch.wrench[2][base_slot];
+  workspace.bias[3] = scratch.wrench[3][base_slot];
+  workspace.bias[4] = scratch.wrench[4][base_slot];
+  workspace.bias[5] = scratch.wrench[5][base_slot];
 }
 
-void elements_waist(Workspace::Scratch& scratch, Workspace& workspace) noexcept {
-  static_cast<void>(scratch), static_cast<void>(workspace);
+void elements_waist(Workspace& workspace) noexcept {
+  Workspace::Scratch& scratch = workspace.scratch;
+  static_cast<void>(scratch);
   // M_ik = F_k.J_i. C_ik = G_k.J_i, C_ki = F_k.dJ_i + H_k.J_i
   const dalembert::Factors<Scalar, 5> lower{{scratch.inertia_force(0), scratch.inertia_force(3), scratch.transposed(0), scratch.bias_force(0), scratch.bias_force(3)}, 40};
   const dalembert::Factors<Scalar, 4> upper{{scratch.joint_linear[0], scratch.joint_angular(0), scratch.joint_rate[0], scratch.joint_rate[3]}, 40};
@@ -1213,8 +1220,9 @@ void elements_waist(Workspace::Scratch& scratch, Workspace& workspace) noexcept 
   dalembert::run_base_rows<Scalar>(scratch.coriolis_matrix_rows[0], 40, 0, 18, 1, workspace.coriolis_matrix, nv);
 }
 
-void elements_left_hip_yaw_x4(Workspace::Scratch& scratch, Workspace& workspace) noexcept {
-  static_cast<void>(scratch), static_cast<void>(workspace);
+void elements_left_hip_yaw_x4(Workspace& workspace) noexcept {
+  Workspace::Scratch& scratch = workspace.scratch;
+  static_cast<void>(scratch);
   // M_ik = F_k.J_i. C_ik = G_k.J_i, C_ki = F_k.dJ_i + H_k.J_i
   const dalembert::Factors<Scalar, 5> lower{{scratch.inertia_force(0), scratch.inertia_force(3), scratch.transposed(0), scratch.bias_force(0), scratch.bias_force(3)}, 40};
   const dalembert::Factors<Scalar, 4> upper{{scratch.joint_linear[0], scratch.joint_angular(0), scratch.joint_rate[0], scratch.joint_rate[3]}, 40};
@@ -1230,8 +1238,9 @@ void elements_left_hip_yaw_x4(Workspace::Scratch& scratch, Workspace& workspace)
   dalembert::base_rows<4, 6, Scalar>(scratch.coriolis_matrix_rows[0], 40, branches, workspace.coriolis_matrix, nv);
 }
 
-void results(Workspace::Scratch& scratch, Workspace& workspace) noexcept {
-  static_cast<void>(scratch), static_cast<void>(workspace);
+void results(Workspace& workspace) noexcept {
+  Workspace::Scratch& scratch = workspace.scratch;
+  static_cast<void>(scratch);
   for (int k = 0; k < 25; ++k) {
     workspace.gravity[6 + k] = scratch.gravity_torque(0)[joint_slot[k]];
     workspace.bias[6 + k] = scratch.bias_torque(0)[joint_slot[k]];
@@ -1241,15 +1250,15 @@ void results(Workspace::Scratch& scratch, Workspace& workspace) noexcept {
 }  // namespace stages
 
 void evaluate(const Scalar* q, const Scalar* v, Workspace& workspace) noexcept {
-  stages::prepare(q, v, workspace.scratch, workspace, true);
-  stages::outwards_waist(workspace.scratch, workspace);
-  stages::outwards_left_hip_yaw_x4(workspace.scratch, workspace);
-  stages::inwards_left_hip_yaw_x4(workspace.scratch, workspace);
-  stages::inwards_waist(workspace.scratch, workspace);
-  stages::base(workspace.scratch, workspace, true);
-  stages::elements_waist(workspace.scratch, workspace);
-  stages::elements_left_hip_yaw_x4(workspace.scratch, workspace);
-  stages::results(workspace.scratch, workspace);
+  stages::prepare(q, v, workspace);
+  stages::outwards_waist(workspace);
+  stages::outwards_left_hip_yaw_x4(workspace);
+  stages::inwards_left_hip_yaw_x4(workspace);
+  stages::inwards_waist(workspace);
+  stages::base(workspace);
+  stages::elements_waist(workspace);
+  stages::elements_left_hip_yaw_x4(workspace);
+  stages::results(workspace);
 }
 
 }  // namespace mahru

@@ -163,15 +163,15 @@ void bias(const Workspace&&) = delete;
 // What evaluate() is made of, for the task graph.
 namespace stages {
 
-void prepare(const Scalar* q, const Scalar* v, Workspace::Scratch& scratch, Workspace& workspace, bool results) noexcept;
-void outwards_waist(Workspace::Scratch& scratch, Workspace& workspace) noexcept;
-void outwards_left_hip_yaw_x4(Workspace::Scratch& scratch, Workspace& workspace) noexcept;
-void inwards_left_hip_yaw_x4(Workspace::Scratch& scratch, Workspace& workspace) noexcept;
-void inwards_waist(Workspace::Scratch& scratch, Workspace& workspace) noexcept;
-void base(Workspace::Scratch& scratch, Workspace& workspace, bool results) noexcept;
-void elements_waist(Workspace::Scratch& scratch, Workspace& workspace) noexcept;
-void elements_left_hip_yaw_x4(Workspace::Scratch& scratch, Workspace& workspace) noexcept;
-void results(Workspace::Scratch& scratch, Workspace& workspace) noexcept;
+void prepare(const Scalar* q, const Scalar* v, Workspace& workspace) noexcept;
+void outwards_waist(Workspace& workspace) noexcept;
+void outwards_left_hip_yaw_x4(Workspace& workspace) noexcept;
+void inwards_left_hip_yaw_x4(Workspace& workspace) noexcept;
+void inwards_waist(Workspace& workspace) noexcept;
+void base(Workspace& workspace) noexcept;
+void elements_waist(Workspace& workspace) noexcept;
+void elements_left_hip_yaw_x4(Workspace& workspace) noexcept;
+void results(Workspace& workspace) noexcept;
 
 }  // namespace stages
 

@@ -5,49 +5,24 @@
 
 namespace mahru {
 
-TaskGraph::TaskGraph(Workspace& workspace) : work_(1) {
+TaskGraph::TaskGraph(Workspace& workspace) : graph_(1) {
   Workspace* const w = &workspace;
-  const int prepare = work_.prepare([this, w](int place) {
-    Workspace::Scratch& scratch = own_[static_cast<std::size_t>(place)].scratch;
-    stages::prepare(q_, v_, scratch, *w, place == 0);
-  }, 1);
-  const int outwards_waist = work_.prepare([this, w](int place) {
-    Workspace::Scratch& scratch = own_[static_cast<std::size_t>(place)].scratch;
-    stages::outwards_waist(scratch, *w);
-  }, 1);
-  const int outwards_left_hip_yaw_x4 = work_.prepare([this, w](int place) {
-    Workspace::Scratch& scratch = own_[static_cast<std::size_t>(place)].scratch;
-    stages::outwards_left_hip_yaw_x4(scratch, *w);
-  }, 3);
-  const int inwards_left_hip_yaw_x4 = work_.prepare([this, w](int place) {
-    Workspace::Scratch& scratch = own_[static_cast<std::size_t>(place)].scratch;
-    stages::inwards_left_hip_yaw_x4(scratch, *w);
-  }, 2);
-  const int inwards_waist = work_.prepare([this, w](int place) {
-    Workspace::Scratch& scratch = own_[static_cast<std::size_t>(place)].scratch;
-    stages::inwards_waist(scratch, *w);
-  }, 1);
-  work_.prepare([this, w](int place) {
-    Workspace::Scratch& scratch = own_[static_cast<std::size_t>(place)].scratch;
-    stages::base(scratch, *w, place == 0);
-  }, 1);
-  work_.add([this, w](int place, int, int) {
-    Workspace::Scratch& scratch = own_[static_cast<std::size_t>(place)].scratch;
-    stages::elements_waist(scratch, *w);
-  }, 1, 0, 1, {prepare, outwards_waist, outwards_left_hip_yaw_x4, inwards_left_hip_yaw_x4, inwards_waist});
-  work_.add([this, w](int place, int, int) {
-    Workspace::Scratch& scratch = own_[static_cast<std::size_t>(place)].scratch;
-    stages::elements_left_hip_yaw_x4(scratch, *w);
-  }, 1, 0, 2, {prepare, outwards_waist, outwards_left_hip_yaw_x4, inwards_left_hip_yaw_x4, inwards_waist});
-  work_.end_with([this, w](int place) {
-    Workspace::Scratch& scratch = own_[static_cast<std::size_t>(place)].scratch;
-    stages::results(scratch, *w);
+  graph_.add([this, w] {
+    stages::prepare(q_, v_, *w);
+    stages::outwards_waist(*w);
+    stages::outwards_left_hip_yaw_x4(*w);
+    stages::inwards_left_hip_yaw_x4(*w);
+    stages::inwards_waist(*w);
+    stages::base(*w);
+    stages::elements_left_hip_yaw_x4(*w);
+    stages::elements_waist(*w);
+    stages::results(*w);
   });
 }
 
 void TaskGraph::evaluate(const Scalar* q, const Scalar* v) {
   q_ = q;
   v_ = v;
-  work_.run();
+  graph_.run();
 }
 }  // namespace mahru

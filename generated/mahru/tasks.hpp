@@ -3,13 +3,14 @@
 // This file is yours: no licence of the generator applies to it.
 #pragma once
 
-#include <dalembert/divided_work.hpp>
+#include <dalembert/task_graph.hpp>
 #include "dynamics.hpp"
 
 namespace mahru {
 
-// evaluate() on several threads: each sweeps for itself, elements are divided among them. Runs the very functions that
-// the serial evaluate() runs, and gives the same bits. Pays where elements take tens of microseconds: on large trees.
+// What evaluate() is made of as a graph of tasks, built once: 1 tasks. Runs the very functions that the serial
+// evaluate() runs, in an order that the graph allows, and gives the same bits. Pays where a task takes microseconds: on
+// large trees.
 class TaskGraph {
  public:
   explicit TaskGraph(Workspace& workspace);
@@ -25,15 +26,8 @@ class TaskGraph {
   }
 
  private:
-  dalembert::DividedWork work_;
+  dalembert::TaskGraph graph_;
   const Scalar* q_ = nullptr;
   const Scalar* v_ = nullptr;
-
-  // Each thread sweeps for itself. Between its values and others' room for what processors read ahead.
-  struct Own {
-    Workspace::Scratch scratch;
-    alignas(64) unsigned char apart[4096];
-  };
-  std::vector<Own> own_ = std::vector<Own>(1);
 };
 }  // namespace mahru

@@ -31,7 +31,7 @@ std::string graph_text(const std::vector<Task>& tasks) {
   for (const Task& task : tasks)
     for (const int before : task.after)
       edges += fmt::format("  graph_.edge({}, {});\n", tasks[static_cast<size_t>(before)].name, task.name);
-  return nodes + "\n" + edges;
+  return nodes + (edges.empty() ? "" : "\n" + edges);
 }
 
 // Of threads that sweep for themselves.

@@ -669,6 +669,7 @@ bool better_apart(const Folder& folder, const CodeInput& code) {
   if (!code.plan.join_tasks || !can_sweep_apart(code)) return false;
   const TaskPlan apart = plan_apart(code);
   if (apart.tasks.empty() || !code.plan.weigh_tasks) return !apart.tasks.empty();
+  if (!worth_a_graph(apart)) return false;
   const TaskPlan divided = plan_with_edges(folder, code);
   double sum = 0;
   for (const int threads : usual_threads)
