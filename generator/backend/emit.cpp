@@ -363,7 +363,7 @@ std::string joint_indices(const CodeInput& code) {
     const ir::Body& body = tree.bodies[k];
     if (body.parts < 2 || body.part > 0) continue;
     const int q = code.robot->base_positions() + positions[k], v = base_rows_of_robot(code) + coordinates[k];
-    const bool flies = body.kind == ir::JointType::floating;
+    const bool flies = body.displacements() > 0;
     if (body.of_quaternion())
       text += comment_lines(
           fmt::format("{}: {}quaternion x y z w q[{}] to q[{}]; {}angular velocity along its own axes v[{}] to v[{}].", body.of,
@@ -380,7 +380,7 @@ std::string quaternion_joints(const CodeInput& code) {
   for (std::size_t k = 0; k < code.robot->bodies.size(); ++k)
     if (const ir::Body& body = code.robot->bodies[k]; body.has_quaternion())
       all.push_back(fmt::format("{{{}, {}, {}}}", code.robot->base_positions() + positions[k],
-                                base_rows_of_robot(code) + coordinates[k], body.kind == ir::JointType::floating));
+                                base_rows_of_robot(code) + coordinates[k], body.displacements() > 0));
   if (all.empty()) return "";
   return fmt::format(
       "// Joints with a quaternion, for dalembert/integrators: a member of that name of your dynamics.\n"

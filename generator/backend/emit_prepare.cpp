@@ -82,7 +82,6 @@ std::string position(const CodeInput& code, int body) {
 }
 
 // Of a screw: how far it slides for its angle.
-bool is_screw(const ir::Body& joint) { return joint.turns() && joint.slides(); }
 std::string slide(const CodeInput& code, int body) {
   const ir::Body& joint = code.tree.bodies[static_cast<size_t>(body)];
   const std::string q = position(code, body);
@@ -100,7 +99,7 @@ std::string spread(const CodeInput& code, const std::string& array, const std::s
     const bool rests = held && code.tree.carries_reference(static_cast<size_t>(k));
     if (rests) apart.push_back(fmt::format("k == {}", i));
     if (rests) continue;
-    if (kind == "sliding" && is_screw(joint))
+    if (kind == "sliding" && joint.is_screw())
       text += fmt::format("  {}[{}] = {};  // helical joint\n", array, slot_of(code, k), slide(code, k));
     else if (joint.driven())
       text += fmt::format("  {}[{}] = {};  // mimic joint\n", array, slot_of(code, k), position(code, k));
@@ -239,7 +238,7 @@ ir::Operations prepare_operations(const CodeInput& code) {
     if (role_of(code, Source::slide, rest) >= 0) {
       positions(joints.sliding, rest);
       for (const int k : joints.sliding)
-        if (is_screw(code.tree.bodies[static_cast<size_t>(k)]) &&
+        if (code.tree.bodies[static_cast<size_t>(k)].is_screw() &&
             !(rest && code.tree.carries_reference(static_cast<size_t>(k))))
           ++sum.multiply;
     }

@@ -95,7 +95,7 @@ class GenericDynamics {
       if (tree.bodies[k].has_quaternion())
         quaternion_joints.push_back({tree.base_positions() + positions[k],
                                      tree.nv() - tree.independent_joints() + coordinates[k],
-                                     tree.bodies[k].kind == ir::JointType::floating});
+                                     tree.bodies[k].displacements() > 0});
   }
 
   Eigen::VectorXd acceleration(const Eigen::VectorXd& q, const Eigen::VectorXd& v) {

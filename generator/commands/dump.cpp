@@ -31,13 +31,12 @@ std::string joint_name(const ir::KinematicTree& tree, int body) {
   return body < 0 ? "base" : tree.bodies[static_cast<size_t>(body)].joint;
 }
 
-const char* way_of(bool turns, bool slides) { return !slides ? "revolute" : turns ? "helical" : "prismatic"; }
-
 std::string tree_text(const ir::KinematicTree& tree) {
   std::string text = fmt::format("{} base {}\n", tree.floating_base ? "floating" : "fixed", tree.base_link);
   if (tree.floating_base) text += text_of(tree.base);
   for (const ir::Body& b : tree.bodies) {
-    text += fmt::format("{} ({}, on {}) -> {}\n", b.joint, way_of(b.turns(), b.slides()), joint_name(tree, b.parent), b.name);
+    text +=
+        fmt::format("{} ({}, on {}) -> {}\n", b.joint, ir::word_of(b.turns(), b.slides()), joint_name(tree, b.parent), b.name);
     if (b.driven()) text += fmt::format("    mimic: {} * {} + {}\n", b.multiplier, joint_name(tree, b.driven_by), b.offset);
     text += fmt::format("    axis {}\n    rotation {}\n    translation {} m\n", text_of(b.axis),
                         text_of(Eigen::Matrix3d(b.placement.linear())), text_of(Eigen::Vector3d(b.placement.translation())));
@@ -52,7 +51,7 @@ std::string normal_tree_text(const ir::KinematicTree& tree, const ir::NormalTree
   for (size_t k = 0; k < normal.bodies.size(); ++k) {
     const ir::NormalBody& b = normal.bodies[k];
     text += fmt::format("{} ({}, on {})\n    rotation {}\n    translation {} m\n", tree.bodies[k].joint,
-                        way_of(b.turning != 0, b.sliding != 0), joint_name(tree, b.parent), text_of(b.rotation),
+                        ir::word_of(b.turning != 0, b.sliding != 0), joint_name(tree, b.parent), text_of(b.rotation),
                         text_of(b.translation));
     text += text_of(b.moments);
   }

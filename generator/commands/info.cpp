@@ -12,7 +12,6 @@
 #include "compile.hpp"
 #include "ir/plan_words.hpp"
 #include "left_out.hpp"
-#include "passes/joints/kinds.hpp"
 
 namespace dalembert {
 
@@ -45,7 +44,7 @@ std::string coordinates(const ir::KinematicTree& tree) {
   for (size_t k = 0; k < tree.bodies.size() && any_of_several(tree); ++k) {
     const ir::Body& body = tree.bodies[k];
     if (body.part > 0 || body.driven() || body.follows) continue;
-    const passes::JointKindRow kind = passes::kind_of(body.of.empty() ? body.type : body.kind);
+    const ir::JointTypeRow& kind = ir::row_of(body.type_of_joint());
     const auto range = [](const char* of, int first, int count) {
       return count == 1 ? fmt::format("{}[{}]", of, first) : fmt::format("{}[{}-{}]", of, first, first + count - 1);
     };
@@ -93,11 +92,10 @@ std::string bodies(const ir::KinematicTree& tree) {
                                : body.follows   ? "follows"
                                : body.parts > 1 ? fmt::format("{}-{}", coordinate[k], coordinate[k] + body.parts - 1)
                                                 : fmt::format("{}", coordinate[k]);
-    text +=
-        fmt::format("  {:>{}}{} {}: {}, {}{} -> {}, {:.6g} kg{}\n", "", 2 * depth[k], number,
-                    body.of.empty() ? body.joint : body.of, passes::kind_of(body.of.empty() ? body.type : body.kind).name,
-                    axes_of(tree, k), body.type == ir::JointType::helical ? fmt::format(", {:.6g} m per turn", body.pitch) : "",
-                    moved.name, moved.inertia.mass, losses_and_springs(body));
+    text += fmt::format("  {:>{}}{} {}: {}, {}{} -> {}, {:.6g} kg{}\n", "", 2 * depth[k], number,
+                        body.of.empty() ? body.joint : body.of, ir::row_of(body.type_of_joint()).word, axes_of(tree, k),
+                        body.is_screw() ? fmt::format(", {:.6g} m per turn", body.pitch) : "", moved.name, moved.inertia.mass,
+                        losses_and_springs(body));
   }
   return text;
 }

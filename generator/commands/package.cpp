@@ -13,7 +13,6 @@
 #include "commands/compiler.hpp"
 #include "commands/output.hpp"
 #include "compile.hpp"
-#include "passes/joints/kinds.hpp"
 
 namespace dalembert {
 
@@ -70,7 +69,7 @@ std::string coordinates_table(const Model& model) {
         "|\n";
   for (const ir::Body& body : tree.bodies)
     if (body.has_quaternion()) {
-      const passes::JointKindRow kind = passes::kind_of(body.kind);
+      const ir::JointTypeRow& kind = ir::row_of(body.kind);
       text += fmt::format("| {} | {}–{} | {}–{} | {} |\n", body.of, q, q + kind.nq - 1, v, v + kind.nv - 1, kind.coordinates);
       q += kind.nq, v += kind.nv;
     } else if (body.follows) {

@@ -32,8 +32,8 @@ std::vector<State> random_states(const ir::KinematicTree& tree, int count) {
     for (const ir::Body& body : tree.bodies)
       for (int i = 0; i < body.positions(); ++i)
         state.q[coordinate++] = body.has_quaternion() ? uniform(-1, 1)
-                                : body.prismatic()    ? uniform(-0.5, 0.5)
-                                                      : uniform(-std::numbers::pi, std::numbers::pi);
+                                : body.turns()        ? uniform(-std::numbers::pi, std::numbers::pi)
+                                                      : uniform(-0.5, 0.5);
     for (const int first : tree.quaternions()) state.q.segment<4>(first).normalize();
     if (!tree.linkages.empty()) ir::draw_closed(tree, state.q, 400, ir::well_off_toggle_points, true);
     for (int i = 0; i < tree.nv(); ++i) state.v[i] = uniform(-2, 2);

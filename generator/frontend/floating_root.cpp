@@ -39,13 +39,13 @@ void take_floating_root(const std::string& file, UrdfOutline& outline, Diagnosti
   for (const JointOutline& joint : outline.joints) {
     children[joint.parent].push_back(&joint);
     above.emplace(joint.child, &joint);
-    if (joint.type == "floating") floating.push_back(&joint);
+    if (joint.type == ir::JointType::floating) floating.push_back(&joint);
   }
   if (floating.empty()) return;
   // One behind a joint that moves is a joint of the tree, and so are all where the world has more that moves.
   std::erase_if(floating, [&](const JointOutline* joint) {
     auto up = above.find(joint->parent);
-    while (up != above.end() && up->second->type == "fixed") up = above.find(up->second->parent);
+    while (up != above.end() && up->second->type == ir::JointType::fixed) up = above.find(up->second->parent);
     return up != above.end();
   });
   if (floating.size() != 1) return;
@@ -54,7 +54,7 @@ void take_floating_root(const std::string& file, UrdfOutline& outline, Diagnosti
   for (auto up = above.find(root); up != above.end(); up = above.find(root)) root = up->second->parent;
   const std::unordered_set<std::string> lost = in_the_world(children, root, joint);
   const bool moves_beside = std::any_of(outline.joints.begin(), outline.joints.end(), [&](const JointOutline& other) {
-    return &other != &joint && lost.count(other.parent) && other.type != "fixed";
+    return &other != &joint && lost.count(other.parent) && other.type != ir::JointType::fixed;
   });
   if (moves_beside) return;
   std::vector<std::string> with_mass;

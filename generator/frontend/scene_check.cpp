@@ -214,9 +214,10 @@ class SceneCheck {
       if (kind.type == ir::JointType::universal && joint.axis.cross(kind.second).norm() < 1e-9)
         error("joints/" + name, fmt::format("the second axis of joint '{}' is its first: together they turn one way", name),
               "give the axis of the cross's other pin, in the child link's frame");
-      if (joint.type == ir::JointType::prismatic && kind.type == ir::JointType::helical)
+      if (!ir::turns(joint.type) && kind.type == ir::JointType::helical)
         error("joints/" + name,
-              fmt::format("joint '{}' is prismatic: limits and losses of a screw are those of its angle", name),
+              fmt::format("joint '{}' is {}: limits and losses of a screw are those of its angle", name,
+                          ir::row_of(joint.type).word),
               "make it revolute or continuous in the URDF");
     }
   }

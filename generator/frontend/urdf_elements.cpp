@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
 #include <iterator>
 #include <limits>
@@ -94,16 +95,27 @@ Eigen::Matrix3d inertia(ElementReader& read, const TiXmlElement& inertial) {
   return moments;
 }
 
-std::string joint_type(ElementReader& read, const TiXmlElement& element) {
-  const std::string type =
-      read.required(element, "type", "write type=\"revolute\", continuous, prismatic, planar or fixed").value_or("");
-  if (!type.empty() && type != "revolute" && type != "continuous" && type != "prismatic" && type != "planar" &&
-      type != "fixed" && type != "floating")
-    read.error(element, fmt::format("joints of type '{}' are not supported", type),
-               type == "spherical" || type == "ball" || type == "helical" || type == "screw" || type == "universal"
+ir::JointType joint_type(ElementReader& read, const TiXmlElement& element) {
+  const ir::JointWords words = ir::urdf_joint_words(), of_scenes = ir::joint_words();
+  std::vector<std::string> usual;  // a robot is seldom written with what only its root has
+  for (const auto& [word, type] : words)
+    if (!ir::row_of(type).has_quaternion()) usual.push_back(word);
+  const std::string last = usual.back();
+  usual.pop_back();
+  const std::string name = read.required(element, "type",
+                                         fmt::format("write type=\"{}\", {} or {}", usual.front(),
+                                                     fmt::join(usual.begin() + 1, usual.end(), ", "), last))
+                               .value_or("");
+  const auto among = [&](const ir::JointWords& these) {
+    return std::find_if(these.begin(), these.end(), [&](const auto& row) { return row.first == name; });
+  };
+  if (const auto found = among(words); found != words.end()) return found->second;
+  if (!name.empty())
+    read.error(element, fmt::format("joints of type '{}' are not supported", name),
+               among(of_scenes) != of_scenes.end() || name == "ball" || name == "screw"
                    ? "write a type of URDF's, and what the joint is in the scene: joints: {joint: ...}"
-                   : "use revolute, continuous, prismatic, planar or fixed");
-  return type;
+                   : fmt::format("use {} or {}", fmt::join(usual, ", "), last));
+  return ir::JointType::fixed;
 }
 
 // <parent link> or <child link>
@@ -186,8 +198,7 @@ JointOutline read_joint(ElementReader& read, const TiXmlElement& element, const 
   outline.parent = end(read, element, "parent");
   outline.child = end(read, element, "child");
   outline.origin = frame(read, element);
-  if (outline.type == "revolute" || outline.type == "continuous" || outline.type == "prismatic" || outline.type == "planar")
-    outline.axis = axis(read, element);
+  if (ir::row_of(outline.type).has_axis) outline.axis = axis(read, element);
   if (const TiXmlElement* dynamics = element.FirstChildElement("dynamics")) {
     read.data_in_attributes(*dynamics, "write <dynamics damping=\"...\" friction=\"...\"/>");
     read.only_attributes(*dynamics, {"damping", "friction"});
@@ -202,7 +213,7 @@ JointOutline read_joint(ElementReader& read, const TiXmlElement& element, const 
                               read.optional_number(*mimic, "offset").value_or(0)};
   }
   if (const TiXmlElement* limit = element.FirstChildElement("limit"))
-    outline.limits = limits(read, *limit, outline.type == "continuous");
+    outline.limits = limits(read, *limit, outline.type == ir::JointType::continuous);
   if (const TiXmlElement* calibration = element.FirstChildElement("calibration"))
     read_unused(read, *calibration, {"rising", "falling", "reference_position"});
   if (const TiXmlElement* safety = element.FirstChildElement("safety_controller"))

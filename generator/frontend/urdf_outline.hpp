@@ -36,8 +36,7 @@ struct LinkOutline {
 struct JointOutline {
   std::string name;
   int line = 0;
-  // revolute, continuous, prismatic, planar, fixed or floating; of an SDF also helical, universal or spherical
-  std::string type;
+  ir::JointType type = ir::JointType::fixed;
   std::string parent;  // link names
   std::string child;
   Frame origin;

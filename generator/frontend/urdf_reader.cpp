@@ -93,18 +93,6 @@ urdf::ModelInterfaceSharedPtr parse(const std::string& file, const UrdfOutline& 
   return model;
 }
 
-ir::JointType type(const std::string& name) {
-  if (name == "revolute") return ir::JointType::revolute;
-  if (name == "continuous") return ir::JointType::continuous;
-  if (name == "prismatic") return ir::JointType::prismatic;
-  if (name == "planar") return ir::JointType::planar;
-  if (name == "floating") return ir::JointType::floating;
-  if (name == "helical") return ir::JointType::helical;
-  if (name == "universal") return ir::JointType::universal;
-  if (name == "spherical") return ir::JointType::spherical;
-  return ir::JointType::fixed;  // the outline refused every other type
-}
-
 ir::Link link(const LinkOutline& from) {
   ir::Link link{.name = from.name, .line = from.line};
   if (from.inertial && (from.inertial->mass != 0 || !from.inertial->inertia.isZero(0)))  // a frame otherwise
@@ -116,7 +104,7 @@ ir::Link link(const LinkOutline& from) {
 ir::Joint joint(const JointOutline& from) {
   ir::Joint joint;
   joint.name = from.name;
-  joint.type = type(from.type);
+  joint.type = from.type;
   joint.origin.linear() = ir::rotation_from_rpy(from.origin.rpy);
   joint.origin.translation() = from.origin.xyz;
   if (joint.type != ir::JointType::fixed) joint.axis = from.axis.stableNormalized();

@@ -3,7 +3,7 @@
 // Invariants: bodies[k].parent < k (-1 is the base); a subtree is the contiguous range [k, k + subtree_size). The base's
 // inertia matters only when it floats.
 //
-// A joint of several coordinates is as many bodies in a row, all but the last without mass (passes/joints).
+// A joint of several coordinates is as many bodies in a row, all but the last without mass (ir/joint_types.hpp).
 //
 // An elastic joint is two on the same axis: the one of the URDF's name moves the motor, a body without mass, and the one behind
 // it deflects the spring and moves the link.
@@ -32,7 +32,7 @@ namespace dalembert::ir {
 struct Body {
   std::string name;                                             // the moving joint's child link
   std::string joint;                                            // the joint that moves it
-  JointType type = JointType::revolute;                         // revolute, continuous, prismatic or helical
+  JointType type = JointType::revolute;                         // of one coordinate
   int parent = -1;                                              // body index, -1: the base
   Eigen::Isometry3d placement = Eigen::Isometry3d::Identity();  // body frame in the parent body's frame at q = 0
   Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();              // unit, in the body frame
@@ -56,12 +56,15 @@ struct Body {
 
   bool turns() const { return ir::turns(type); }
   bool slides() const { return ir::slides(type); }
-  bool prismatic() const { return type == JointType::prismatic; }
+  bool is_screw() const { return turns() && slides(); }
+  JointType type_of_joint() const { return of.empty() ? type : kind; }
   double slide_per_unit() const { return ir::slide_per_unit(type, pitch); }
   // Whether it is part of a joint whose orientation is a quaternion: then all parts have the axes of the link at hand, and the
   // first has the joint's pose and motion.
-  bool of_quaternion() const { return kind == JointType::spherical || kind == JointType::floating; }
+  bool of_quaternion() const { return row_of(kind).has_quaternion(); }
   bool has_quaternion() const { return of_quaternion() && part == 0; }
+  // How many displacements stand before the quaternion in q, and linear velocities before angular ones in v.
+  int displacements() const { return std::max(0, row_of(kind).quaternion); }
   // Numbers of q: those of a joint of several coordinates are its first body's where it has a quaternion, else one each.
   int positions() const { return driven() ? 0 : !of_quaternion() ? 1 : part == 0 ? positions_of(kind) : 0; }
   bool driven() const { return driven_by >= 0; }
@@ -152,12 +155,12 @@ struct KinematicTree {
   // of reference, and slides with nothing but slides before them only shift it.
   bool carries_reference(size_t body) const {
     if (floating_base) return false;
-    bool slides = bodies[body].prismatic();
+    bool turns = bodies[body].turns();
     int above = bodies[body].parent;
     if (above < 0) return true;
-    for (; slides && above >= 0; above = bodies[static_cast<size_t>(above)].parent)
-      slides = bodies[static_cast<size_t>(above)].prismatic();
-    return slides;
+    for (; !turns && above >= 0; above = bodies[static_cast<size_t>(above)].parent)
+      turns = bodies[static_cast<size_t>(above)].turns();
+    return !turns;
   }
   bool any_spring() const {
     return std::any_of(bodies.begin(), bodies.end(), [](const Body& b) { return b.spring.k != 0; });
@@ -173,8 +176,7 @@ struct KinematicTree {
     if (floating_base) first.push_back(3);
     const std::vector<int> position = positions();
     for (size_t k = 0; k < bodies.size(); ++k)
-      if (bodies[k].has_quaternion())
-        first.push_back(base_positions() + position[k] + (bodies[k].kind == JointType::floating ? 3 : 0));
+      if (bodies[k].has_quaternion()) first.push_back(base_positions() + position[k] + bodies[k].displacements());
     return first;
   }
   int base_positions() const { return floating_base ? 7 : 0; }

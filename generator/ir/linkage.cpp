@@ -104,7 +104,7 @@ ClosedState draw_closed(const KinematicTree& tree, Eigen::VectorXd& q, int tries
           double& position = q[tree.base_positions() + positions[static_cast<std::size_t>(k)]];
           // Where joints are first is kept for the independent ones.
           if (i > 0 || !from_q) {
-            const double drawn = uniform(body.prismatic() ? 0.5 : std::numbers::pi);
+            const double drawn = uniform(body.turns() ? std::numbers::pi : 0.5);
             if (i > tries / 4 || body.follows) position = drawn;
           }
         }

@@ -5,12 +5,12 @@
 #include <Eigen/Geometry>
 #include <limits>
 #include <map>
-#include <numbers>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "ir/joint_types.hpp"
 #include "ir/loop.hpp"
 
 namespace dalembert::ir {
@@ -23,9 +23,6 @@ struct Inertia {
   Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
 };
 
-// URDF's, and those that a scene makes of them.
-enum class JointType { revolute, continuous, prismatic, fixed, helical, universal, planar, spherical, floating };
-
 // What a joint is: its type, with what the type needs besides an axis.
 struct JointKind {
   JointType type = JointType::fixed;
@@ -33,41 +30,6 @@ struct JointKind {
   Eigen::Vector3d second = Eigen::Vector3d::UnitY();  // universal: the axis nearer the child, unit, in the child link's frame
   bool operator==(const JointKind&) const = default;
 };
-
-// How many coordinates of v it has.
-inline int coordinates_of(JointType type) {
-  switch (type) {
-    case JointType::fixed: return 0;
-    case JointType::universal: return 2;
-    case JointType::planar:
-    case JointType::spherical: return 3;
-    case JointType::floating: return 6;
-    default: return 1;
-  }
-}
-
-// How many numbers of q.
-inline int positions_of(JointType type) {
-  return type == JointType::spherical || type == JointType::floating ? coordinates_of(type) + 1 : coordinates_of(type);
-}
-
-// What a scene may make of a joint, by name.
-inline std::vector<std::pair<std::string, JointType>> joint_words() {
-  return {{"helical", JointType::helical},
-          {"universal", JointType::universal},
-          {"planar", JointType::planar},
-          {"spherical", JointType::spherical},
-          {"floating", JointType::floating}};
-}
-
-// Of a joint of one coordinate: whether it turns, whether it slides, and by how much per rad or m.
-inline bool turns(JointType type) {
-  return type == JointType::revolute || type == JointType::continuous || type == JointType::helical;
-}
-inline bool slides(JointType type) { return type == JointType::prismatic || type == JointType::helical; }
-inline double slide_per_unit(JointType type, double pitch) {
-  return type == JointType::helical ? pitch / (2 * std::numbers::pi) : slides(type) ? 1 : 0;
-}
 
 // q_joint = multiplier · q_of + offset (URDF <mimic>).
 struct Mimic {

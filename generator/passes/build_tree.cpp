@@ -13,7 +13,7 @@
 #include "ir/rotation.hpp"
 #include "passes/combine_inertia.hpp"
 #include "passes/embed_loops.hpp"
-#include "passes/joints/kinds.hpp"
+#include "passes/joints/displacement.hpp"
 #include "passes/joints_without_mass.hpp"
 #include "passes/magnitudes.hpp"
 
@@ -119,7 +119,7 @@ class TreeBuilder {
   // The link begins a body, or the last of several in a row: its frame becomes theirs.
   int start_bodies(Visit& visit) {
     const ir::Joint joint = as_asked(robot_.joints[at(visit.joint)]);
-    const std::vector<JointPart> parts = kind_of(joint.type).parts(joint);
+    const std::vector<ir::JointPart> parts = ir::row_of(joint.type).parts(joint);
     const std::string& link = robot_.links[at(visit.link)].name;
     if (parts.size() == 1) return start_body(visit, joint, parts.front(), joint.name, link);
     int body = visit.parent_body;
@@ -137,7 +137,7 @@ class TreeBuilder {
     return body;
   }
 
-  int start_body(Visit& visit, const ir::Joint& joint, const JointPart& part, const std::string& name,
+  int start_body(Visit& visit, const ir::Joint& joint, const ir::JointPart& part, const std::string& name,
                  const std::string& moved) {
     ir::Body body;
     body.name = moved;

@@ -25,8 +25,8 @@ struct BodyConstants {
 };
 
 struct JointPosition {
-  Sym sine, cosine;  // of a revolute joint's angle; 0 and 1 for a prismatic joint
-  Sym displacement;  // of a prismatic joint; 0 for a revolute one
+  Sym sine, cosine;  // of the angle; 0 and 1 of a joint that does not turn
+  Sym displacement;  // along the axis; 0 of a joint that does not slide
 };
 
 struct Pose {
@@ -53,9 +53,9 @@ struct JointForces {
 
 // Axes, turned about their z by the joint: R Rz(q).
 Mat3 turned(const Mat3& axes, const JointPosition& q);
-// Phase I (eq. 20): ⁰Ad_k. R = R_p R_k Rz(q), p = p_p + R_p p_k, slid along z by a prismatic joint.
+// Phase I (eq. 20): ⁰Ad_k. R = R_p R_k Rz(q), p = p_p + R_p p_k, slid along z by a joint that slides.
 Pose pose(const Pose& parent, const BodyConstants& body, const JointPosition& q);
-// Phase I: J = ⁰Ad_k E_k = [p × z; z] (revolute), [z; 0] (prismatic).
+// Phase I: J = ⁰Ad_k E_k = [p × z; z] where it turns, [z; 0] where it slides.
 Twist joint_twist(const Pose& pose, const BodyConstants& body);
 // Phase I: V = V_p + J q̇.
 Twist body_twist(const Twist& parent, const Twist& joint, Sym rate);

@@ -1,5 +1,7 @@
 #include "passes/joints.hpp"
 
+#include <fmt/format.h>
+
 #include "passes/builder.hpp"
 
 namespace dalembert::passes {
@@ -8,16 +10,20 @@ using ir::InputKind;
 using ir::Shape;
 using ir::Source;
 
+std::string either_way(const std::string& turning, const std::string& sliding) {
+  return fmt::format("{} ({}), {} ({})", turning, ir::word_of(true, false), sliding, ir::word_of(false, true));
+}
+
 JointRoles joint_roles(Builder& builder, bool reference) {
+  const std::string slide = fmt::format("q of {} joints", ir::word_of(false, true));
   if (!reference || !builder.moves_reference())
     return {builder.role({"sine", "sin", "sin q", "", Shape::scalar, -1, Source::sine}),
             builder.role({"cosine", "cos", "cos q", "", Shape::scalar, -1, Source::cosine}),
-            builder.role({"slide", "slide", "q of prismatic joints", "m", Shape::scalar, -1, Source::slide})};
+            builder.role({"slide", "slide", slide, "m", Shape::scalar, -1, Source::slide})};
   const char* held = ", at rest where the joint carries the frame of reference";
   return {builder.role({"pose_sine", "sin", std::string("sin q") + held, "", Shape::scalar, -1, Source::sine, true}),
           builder.role({"pose_cosine", "cos", std::string("cos q") + held, "", Shape::scalar, -1, Source::cosine, true}),
-          builder.role({"pose_slide", "slide", std::string("q of prismatic joints") + held, "m", Shape::scalar, -1,
-                        Source::slide, true})};
+          builder.role({"pose_slide", "slide", slide + held, "m", Shape::scalar, -1, Source::slide, true})};
 }
 
 int joint_position_role(Builder& builder) {

@@ -5,6 +5,9 @@
 // and a quaternion (7) and a twist in the base's axes (6), its motion columns the identity.
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "ir/algorithm.hpp"
 #include "ir/kinematic_tree.hpp"
 #include "passes/symbolic.hpp"
@@ -19,6 +22,9 @@ struct JointModel {
 inline constexpr JointModel one_axis{1, 1}, six_axes{7, 6}, welded{0, 0};
 // Of the root's joint.
 inline JointModel root_joint(const ir::KinematicTree& tree) { return tree.floating_base ? six_axes : welded; }
+
+// An equation's right sides for joints that turn and for those that slide, each with what it is for: "n_z (revolute), ...".
+std::string either_way(const std::string& turning, const std::string& sliding);
 
 // The roles in which a joint's position enters the equations; `reference`: those of poses, at rest where the joint carries the
 // frame of reference.

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "ir/rotation.hpp"
-#include "passes/joints/kinds.hpp"
+#include "passes/joints/displacement.hpp"
 
 namespace dalembert::passes {
 namespace {
@@ -127,7 +127,7 @@ ir::NormalTree normalise(const ir::KinematicTree& tree, const NormaliseOptions& 
     // A link without inertia, as in a joint of several axes, costs nothing as long as nothing moves there.
     if (n.parent >= 0 && !has_inertia(normal.bodies[static_cast<size_t>(n.parent)].own)) continue;
     n.moved = take_movable(n.moments, n.turning != 0, n.sliding != 0);
-    // A prismatic joint displaces along z, which changes nothing in what moves: no mass, no first moment.
+    // A joint that slides does so along z, which changes nothing in what moves: no mass, no first moment.
     ir::Moments& parent = n.parent < 0 ? normal.base : normal.bodies[static_cast<size_t>(n.parent)].moments;
     add_to_parent(parent, n.moved, n.rotation, n.translation);
   }

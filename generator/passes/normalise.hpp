@@ -15,8 +15,8 @@ struct NormaliseOptions {
 // What these outputs ask for: frames slide where M or C is among them.
 NormaliseOptions normalise_options(const ir::Scene& scene, bool move_parameters);
 
-// Nothing changes in the results: another frame of a body is a renaming, and mass on a revolute joint's axis, like the
-// rotational inertia behind a prismatic joint, has the same motion on either side of the joint.
+// Nothing changes in the results: another frame of a body is a renaming, and mass on the axis of a joint that turns, like the
+// rotational inertia behind one that slides, has the same motion on either side of the joint.
 ir::NormalTree normalise(const ir::KinematicTree& tree, const NormaliseOptions& options = {});
 
 }  // namespace dalembert::passes

@@ -100,7 +100,7 @@ double parameter_value(int parameter, const ir::KinematicTree& tree, const ir::N
   // Where the pose is a quaternion's it is given at run time (passes/joints/quaternion.hpp).
   const bool of_rotation = parameter < translation_p || (parameter >= pose_rotation_p && parameter < pose_translation_p);
   if (joint.has_quaternion() && parameter < turning_p && !(reference && parameter >= pose_rotation_p) &&
-      (of_rotation || joint.kind == ir::JointType::floating))
+      (of_rotation || joint.displacements() > 0))
     return 0;
   const double per_unit = joint.driven() ? joint.multiplier : 1;
   switch (parameter) {

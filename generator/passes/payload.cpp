@@ -68,7 +68,7 @@ std::map<int, ir::NodeId> payload_parameters(ir::Graph& graph, const ir::Kinemat
       mass = mass + m;
     }
   if (!any) return {};
-  // On a prismatic joint the body's own half trace has moved to the parent; what the payload adds to it stays here.
+  // On a joint that slides the body's own half trace has moved to the parent; what the payload adds to it stays here.
   const Sym total = trace - Sym{&graph, graph.divide(dot(first, first).id, mass.id)};
   const Sym half = constant(0.5);
   std::map<int, ir::NodeId> added{{mass_p, added_mass.id}, {half_trace_p, (total - constant(own.half_trace)).id}};

@@ -27,7 +27,7 @@ generic::Model<S> to_generic(const ir::KinematicTree& tree, const Eigen::Vector3
   model.base = to_generic<S>(tree.base);
   model.gravity = gravity.cast<S>();
   for (const ir::Body& body : tree.bodies)
-    model.bodies.push_back({body.parent, body.prismatic(), body.axis.cast<S>(), body.placement.linear().cast<S>(),
+    model.bodies.push_back({body.parent, !body.turns(), body.axis.cast<S>(), body.placement.linear().cast<S>(),
                             body.placement.translation().cast<S>(), to_generic<S>(body.inertia), S(body.armature),
                             S(body.damping), S(body.friction), S(body.spring.k), S(body.spring.rest),
                             body.turns() ? S(body.slide_per_unit()) : S(0), body.of_quaternion() ? body.part : -1, body.parts});

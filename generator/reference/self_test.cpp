@@ -55,7 +55,7 @@ ir::SelfTest::State make_state(const ir::KinematicTree& tree, int turns, Uniform
     }
     const double quadrant = std::floor(uniform(-2, 2)), angle = (quadrant + uniform(0.1, 0.9)) * std::numbers::pi / 2;
     state.q[coordinate++] =
-        body.prismatic() ? uniform.either_sign(0.1, 0.5) : angle + uniform.either_sign(turns, turns) * 2 * std::numbers::pi;
+        body.turns() ? angle + uniform.either_sign(turns, turns) * 2 * std::numbers::pi : uniform.either_sign(0.1, 0.5);
   }
   for (const int first : tree.quaternions()) state.q.segment<4>(first).normalize();
   if (!tree.linkages.empty()) ir::draw_closed(tree, state.q, 400, ir::well_off_toggle_points, true);

@@ -164,15 +164,15 @@ class SdfReader {
       add_error(errors_, {Severity::error, file_, place(out), what, remedy});
     };
     switch (joint.Type()) {
-      case sdf::JointType::REVOLUTE: out.type = "revolute"; break;
-      case sdf::JointType::CONTINUOUS: out.type = "continuous"; break;
-      case sdf::JointType::PRISMATIC: out.type = "prismatic"; break;
-      case sdf::JointType::FIXED: out.type = "fixed"; break;
-      case sdf::JointType::SCREW: out.type = "helical"; break;
-      case sdf::JointType::BALL: out.type = "spherical"; break;
+      case sdf::JointType::REVOLUTE: out.type = ir::JointType::revolute; break;
+      case sdf::JointType::CONTINUOUS: out.type = ir::JointType::continuous; break;
+      case sdf::JointType::PRISMATIC: out.type = ir::JointType::prismatic; break;
+      case sdf::JointType::FIXED: out.type = ir::JointType::fixed; break;
+      case sdf::JointType::SCREW: out.type = ir::JointType::helical; break;
+      case sdf::JointType::BALL: out.type = ir::JointType::spherical; break;
       // Two axes in series, the first of them the parent's, the second the child's: in revolute2 at any angle to each other.
       case sdf::JointType::UNIVERSAL:
-      case sdf::JointType::REVOLUTE2: out.type = "universal"; break;
+      case sdf::JointType::REVOLUTE2: out.type = ir::JointType::universal; break;
       default:
         return refuse(fmt::format("joints of type '{}' are not known here", joint.Element()->Get<std::string>("type")),
                       "there are revolute, continuous, prismatic, screw, ball, universal, revolute2 and fixed ones");
@@ -202,12 +202,12 @@ class SdfReader {
       if (const auto written = written_pose(child_link->Element())) out.origin = *written;
     }
     const sdf::JointAxis *const axis = joint.Axis(0), *const second = joint.Axis(1);
-    if (axis && out.type != "fixed" && out.type != "spherical") read_axis(*axis, out);
-    if (out.type == "helical") {
+    if (axis && out.type != ir::JointType::fixed && out.type != ir::JointType::spherical) read_axis(*axis, out);
+    if (out.type == ir::JointType::helical) {
       out.pitch = pitch(joint, out);
       if (!std::isfinite(out.pitch)) return refuse("its thread_pitch is 0: no turn moves it", "make it a prismatic joint");
     }
-    if (out.type == "universal") {
+    if (out.type == ir::JointType::universal) {
       if (!axis || !second) return refuse("it has no second axis", "write its <axis> and <axis2>");
       JointOutline of_second = out;
       read_axis(*second, of_second);
@@ -224,7 +224,7 @@ class SdfReader {
       JointOutline weld;
       weld.name = out.name + "_to_" + child;
       weld.line = out.line;
-      weld.type = "fixed";
+      weld.type = ir::JointType::fixed;
       weld.parent = between.name;
       weld.child = out.child;
       weld.origin = frame(in_child.Inverse());
@@ -232,7 +232,7 @@ class SdfReader {
       outline_.links.push_back(between);
       outline_.joints.push_back(std::move(weld));
     }
-    if (out.type == "revolute" || out.type == "continuous") {
+    if (out.type == ir::JointType::revolute || out.type == ir::JointType::continuous) {
       ignition::math::Vector3d in_link;
       take(axis->ResolveXyz(in_link, child));
       hinges_.push_back({out.name, out.parent, prefix + child, vector(in_link).normalized()});
@@ -253,7 +253,7 @@ class SdfReader {
     loop.name = out.name;
     loop.links = {out.parent, out.child};
     loop.at = {isometry(in_parent), isometry(in_child)};
-    if (out.type == "revolute" || out.type == "continuous") {
+    if (out.type == ir::JointType::revolute || out.type == ir::JointType::continuous) {
       loop.type = ir::LoopType::hinge;
       read_axis(*joint.Axis(0), out);
       for (Eigen::Isometry3d& at : loop.at)
@@ -261,9 +261,9 @@ class SdfReader {
       if (out.damping != 0 || out.friction != 0)
         ignore("joint", out.name, "its damping and friction",
                "it closes a loop, and loops have none: say them of another joint");
-    } else if (out.type == "spherical") {
+    } else if (out.type == ir::JointType::spherical) {
       loop.type = ir::LoopType::point;
-    } else if (out.type == "fixed") {
+    } else if (out.type == ir::JointType::fixed) {
       loop.type = ir::LoopType::weld;
     } else {
       add_error(errors_, {Severity::error, file_, place(out),
@@ -392,7 +392,7 @@ class SdfReader {
     JointOutline weld;
     weld.name = prefix + from.Name() + "_weld";
     weld.line = line_of(from.Element());
-    weld.type = "fixed";
+    weld.type = ir::JointType::fixed;
     weld.parent = prefix + body;
     weld.child = prefix + from.Name();
     weld.origin = frame(resolved(from.SemanticPose(), body));

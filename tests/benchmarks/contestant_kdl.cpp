@@ -33,7 +33,7 @@ KDL::Chain chain_of(const ir::KinematicTree& tree) {
   for (const ir::Body& body : tree.bodies) {
     // A segment begins with its joint, which KDL places in the parent's frame.
     const KDL::Joint joint(body.joint, to_kdl(body.placement.translation()), to_kdl(body.placement.linear() * body.axis),
-                           body.prismatic() ? KDL::Joint::TransAxis : KDL::Joint::RotAxis);
+                           body.turns() ? KDL::Joint::RotAxis : KDL::Joint::TransAxis);
     chain.addSegment(KDL::Segment(body.name, joint, to_kdl(body.placement), to_kdl(body.inertia)));
   }
   return chain;

@@ -18,7 +18,7 @@ State moderate_state(const ir::KinematicTree& tree, std::uint64_t seed) {
   const std::vector<int> coordinates = tree.positions();
   for (size_t k = 0; k < tree.bodies.size(); ++k)
     if (!tree.bodies[k].driven() && !tree.bodies[k].of_quaternion())
-      state.q[(tree.floating_base ? 7 : 0) + coordinates[k]] *= tree.bodies[k].prismatic() ? 0.5 : 3;
+      state.q[(tree.floating_base ? 7 : 0) + coordinates[k]] *= tree.bodies[k].turns() ? 3 : 0.5;
   for (double& v : state.v) v = random.uniform(-2, 2);
   return state;
 }
@@ -36,7 +36,7 @@ std::vector<State> extreme_states(const ir::KinematicTree& tree) {
   wound.name = "angles of 1e5";
   const std::vector<int> coordinates = tree.coordinates();
   for (size_t k = 0; k < tree.bodies.size(); ++k)
-    if (!tree.bodies[k].driven() && !tree.bodies[k].prismatic()) wound.q[(tree.floating_base ? 7 : 0) + coordinates[k]] *= 1e5;
+    if (!tree.bodies[k].driven() && tree.bodies[k].turns()) wound.q[(tree.floating_base ? 7 : 0) + coordinates[k]] *= 1e5;
   std::vector<State> states{rest, fast, slow, wound};
   if (tree.floating_base) {
     far.name = "base at 1e9";

@@ -172,7 +172,7 @@ TEST_P(Embedded, LoopsCloseFromBesideWhereTheyAre) {
   const std::vector<int> positions = model.tree.positions();
   for (size_t k = 0; k < model.tree.bodies.size(); ++k)
     if (model.tree.bodies[k].follows)
-      q[model.tree.base_positions() + positions[k]] += model.tree.bodies[k].prismatic() ? 0.02 : k % 2 ? 0.05 : -0.04;
+      q[model.tree.base_positions() + positions[k]] += !model.tree.bodies[k].turns() ? 0.02 : k % 2 ? 0.05 : -0.04;
   const LinkageStatus<double> status = ir::close_loops(model.tree, ir::closing_steps, q);
   EXPECT_TRUE(status.ok());
   EXPECT_LT(status.error, 1e-14);

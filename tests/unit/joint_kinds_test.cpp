@@ -75,7 +75,7 @@ TEST_P(JointKinds, MoveOnTheirGroups) {
     if (tree.bodies[k].has_quaternion())
       falling.quaternion_joints.push_back({tree.base_positions() + positions[k],
                                            tree.nv() - tree.independent_joints() + coordinates[k],
-                                           tree.bodies[k].kind == ir::JointType::floating});
+                                           tree.bodies[k].displacements() > 0});
   const State start = some_state(tree);
   const auto end = [&](int steps) {
     std::pair<Eigen::VectorXd, Eigen::VectorXd> at{start.q, start.v};

@@ -8,7 +8,6 @@
 
 #include "commands/json.hpp"
 #include "commands/labels.hpp"
-#include "passes/joints/kinds.hpp"
 
 namespace dalembert {
 
@@ -96,7 +95,7 @@ std::string robot_json(const Library& library, const Request& request, const Com
     if (body.part + 1 == body.parts) bodies.push_back(body.name);
     if (!body.independent()) continue;
     joints.push_back(body.joint);
-    types.push_back(passes::kind_of(body.type).name);
+    types.push_back(ir::row_of(body.type).word);
     ir::Limits limits;
     for (const ir::Joint& joint : model.description.joints)
       if (joint.name == body.joint) limits = joint.limits;
@@ -111,7 +110,7 @@ std::string robot_json(const Library& library, const Request& request, const Com
     if (tree.bodies[k].has_quaternion())
       quaternions.push_back(fmt::format("[{}, {}, {}]", tree.base_positions() + positions[k],
                                         tree.nv() - tree.independent_joints() + coordinates[k],
-                                        tree.bodies[k].kind == ir::JointType::floating ? 1 : 0));
+                                        tree.bodies[k].displacements() > 0 ? 1 : 0));
   for (const ir::LinkPlacement& link : tree.links) links.push_back(link.link);
   for (const Diagnostic& d : warnings)
     if (d.severity != Severity::error)

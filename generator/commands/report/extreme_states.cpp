@@ -11,7 +11,7 @@ namespace {
 void scale_angles(const ir::KinematicTree& tree, State& state, double largest) {
   Eigen::Index at = first_joint(tree);
   for (const ir::Body& body : tree.bodies) {
-    if (!body.driven() && !body.of_quaternion() && !body.prismatic()) state.q[at] *= largest / std::numbers::pi;
+    if (!body.driven() && !body.of_quaternion() && body.turns()) state.q[at] *= largest / std::numbers::pi;
     at += body.positions();
   }
 }

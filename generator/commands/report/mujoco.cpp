@@ -87,7 +87,7 @@ std::string Mujoco::obstacle(const Output& output) const {
   using enum ir::Quantity;
   if (any_body(model_.tree, [](const ir::Body& b) { return b.driven(); }))
     return "there are mimic joints: MuJoCo has constraints for that, which its M and bias know nothing of";
-  if (any_body(model_.tree, [](const ir::Body& b) { return b.type == ir::JointType::helical; }))
+  if (any_body(model_.tree, [](const ir::Body& b) { return b.is_screw(); }))
     return "there are helical joints, which MuJoCo has none of";
   if (!model_.scene.payloads.empty()) return "payloads are given at run time, which MuJoCo's model has none of";
   if (!obstacle_.empty()) return obstacle_;

@@ -33,8 +33,7 @@ std::string opening(const ir::Body& body) {
       "<body pos=\"{}\" quat=\"{}\">{}<joint type=\"{}\" axis=\"{}\" armature=\"{}\" damping=\"{}\" stiffness=\"{}\" "
       "springref=\"{}\"/>\n",
       numbers(body.placement.translation(), " "), quaternion(body.placement.linear().cast<long double>(), " "), placeholder,
-      body.prismatic() ? "slide" : "hinge", numbers(body.axis, " "), body.armature, body.damping, body.spring.k,
-      body.spring.rest);
+      body.turns() ? "hinge" : "slide", numbers(body.axis, " "), body.armature, body.damping, body.spring.k, body.spring.rest);
 }
 
 // MuJoCo would find principal axes to 1e-8 only.

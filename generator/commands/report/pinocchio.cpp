@@ -40,7 +40,7 @@ dalembert_pinocchio_body inertial(const ir::Inertia& inertia) {
 dalembert_pinocchio_body body_of(const ir::Body& from) {
   dalembert_pinocchio_body body = inertial(from.inertia);
   body.parent = from.parent;
-  body.prismatic = from.prismatic();
+  body.slides = !from.turns();
   body.armature = from.armature;
   copy_row_by_row(from.axis, body.axis);
   copy_row_by_row(from.placement.linear(), body.rotation);
@@ -161,7 +161,7 @@ std::string Pinocchio::obstacle(const Output& output) const {
     return "Pinocchio's functions know neither springs nor dampers nor friction";
   // Of 3.7: JointModelRevoluteUnaligned keeps no joint_v, which computeKineticEnergy multiplies the armature by.
   if (quantity == kinetic_energy &&
-      any([](const ir::Body& b) { return b.armature != 0 && !b.prismatic() && (b.axis.array() == 1).count() == 0; }))
+      any([](const ir::Body& b) { return b.armature != 0 && b.turns() && (b.axis.array() == 1).count() == 0; }))
     return "Pinocchio's kinetic energy lacks the armature of revolute joints about oblique axes";
   return "";
 }

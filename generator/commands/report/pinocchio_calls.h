@@ -19,7 +19,7 @@ typedef struct dalembert_pinocchio_robot dalembert_pinocchio_robot;
 
 typedef struct {
   int parent;              /* index of the body before it; -1: the base */
-  int prismatic;           /* 0: revolute */
+  int slides;              /* 0: it turns */
   double axis[3];          /* unit, in the body's frame */
   double rotation[9];      /* of the body's frame in the parent's at q = 0, row by row */
   double translation[3];   /* m */

@@ -11,7 +11,8 @@ std::map<int, ir::NodeId> quaternion_parameters(ir::Graph& graph, const ir::Kine
   if (body < 0 || !tree.bodies[static_cast<size_t>(body)].has_quaternion()) return {};
   const auto k = static_cast<size_t>(body);
   const ir::NormalBody& n = normal.bodies[k];
-  const bool flies = tree.bodies[k].kind == ir::JointType::floating;
+  const int displacements = tree.bodies[k].displacements();
+  const bool flies = displacements > 0;
   const auto constant = [&](double value) { return Sym{&graph, graph.constant(value)}; };
   const auto rows_of = [&](const Eigen::Matrix3d& m) {
     const auto row = [&](int i) { return Vec3{constant(m(i, 0)), constant(m(i, 1)), constant(m(i, 2))}; };
@@ -22,7 +23,7 @@ std::map<int, ir::NodeId> quaternion_parameters(ir::Graph& graph, const ir::Kine
     return Vec3{one(0), one(1), one(2)};
   };
   const Mat3 placed = rows_of(n.rotation), to_body = rows_of(n.link_rotation);
-  const int q = root_joint(tree).nq + positions[k], quaternion = flies ? q + 3 : q;
+  const int q = root_joint(tree).nq + positions[k], quaternion = q + displacements;
   // Along the body's axes, of which the joint's own is z: the same rotation.
   const Vec3 vector = to_body * three(ir::InputKind::position, quaternion);
   const Mat3 turned = base_rotation(
@@ -52,12 +53,12 @@ std::map<int, ir::NodeId> quaternion_parameters(ir::Graph& graph, const ir::Kine
     for (int i = 0; i < 3; ++i) given[joint_twist_p + first + i] = along[static_cast<std::size_t>(i)].id;
   };
   if (flies) put(0, v);
-  put(3, flies ? v + 3 : v);
+  put(3, v + displacements);
   return given;
 }
 
 Bracket bracket(const ir::Body& lower, const ir::Body& upper) {
-  const int turns = upper.kind == ir::JointType::floating ? 3 : 0;  // where the angles begin
+  const int turns = upper.displacements();  // where the angles begin
   if (lower.part < turns) return {};
   const int a = lower.part - turns, b = upper.part < turns ? upper.part : upper.part - turns;
   if (a == b) return {};

@@ -1,4 +1,4 @@
-// Joints whose orientation is a unit quaternion: spherical, and floating anywhere in the tree.
+// Joints whose orientation is a unit quaternion, alone or behind three displacements.
 //
 // Such a joint is a row of bodies on the axes of its child, which stand still in the link: so their rates are those of axes
 // that turn with the link itself, V x S, and not, as along a chain of joints, with the body above. The first body has the

@@ -1,5 +1,6 @@
 #include "passes/quantities/mass_center.hpp"
 
+#include "passes/joints.hpp"
 #include "passes/quantities/shared.hpp"
 
 namespace dalembert::passes {
@@ -51,7 +52,7 @@ int center_columns(Builder& b) {
   const int first = first_moments(b), mass = composite_mass(b), inverse = inverse_mass(b), axes = world_axes(b);
   const int columns = b.role({"center_column", "Jc", "the centre of mass's velocity", "m, 1", Shape::vector});
   if (b.has("center_columns")) return columns;
-  SweepBuilder s = b.sweep("center_columns", "Jc = X (z x h)/M (revolute), X z m/M (prismatic)", Direction::anywhere);
+  SweepBuilder s = b.sweep("center_columns", "Jc = " + either_way("X (z x h)/M", "X z m/M"), Direction::anywhere);
   const Sym part = s.of(-1, inverse);
   const BodyConstants k = s.body();
   const Sym turning = part * k.turning, weight = k.sliding * s.own(mass), sliding = part * weight;

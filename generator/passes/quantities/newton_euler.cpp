@@ -1,4 +1,5 @@
 // Recursive Newton-Euler in body axes (Featherstone 2008, ch. 5).
+#include "passes/joints.hpp"
 #include "passes/quantities/shared.hpp"
 
 namespace dalembert::passes {
@@ -76,7 +77,7 @@ NewtonEuler newton_euler(Builder& b, Driven driven) {
   wrenches.store(wrench, f.torque, 3);
 
   SweepBuilder in =
-      b.sweep(motions + "torques", std::string(what) + " = n_z (revolute), f_z (prismatic); f_p += R f, n_p += R n + p x R f",
+      b.sweep(motions + "torques", std::string(what) + " = " + either_way("n_z", "f_z") + "; f_p += R f, n_p += R n + p x R f",
               Direction::inwards);
   const BodyConstants k = in.body();
   const JointPosition q = in.position();

@@ -1,5 +1,7 @@
 #include "passes/quantities/shared.hpp"
 
+#include "passes/joints.hpp"
+
 namespace dalembert::passes {
 
 using ir::Direction;
@@ -208,7 +210,7 @@ GravityRoles gravity_torques(Builder& b) {
   out.store(down, to_child(out.body(), out.position(), out.carried3(down)));
 
   SweepBuilder in =
-      b.sweep("weights", "g = -(h x down)_z (revolute), -m down_z (prismatic); h_p += Rk Rz(q) h + m p", Direction::inwards);
+      b.sweep("weights", "g = " + either_way("-(h x down)_z", "-m down_z") + "; h_p += Rk Rz(q) h + m p", Direction::inwards);
   const BodyConstants k = in.body();
   const JointPosition q = in.position();
   const Sym m = in.own(mass);

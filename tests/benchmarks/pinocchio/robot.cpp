@@ -17,7 +17,7 @@ using Matrix3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 
 pinocchio::JointModel joint_of(const dalembert_pinocchio_body& body) {
   const Vector3 axis(body.axis[0], body.axis[1], body.axis[2]);
-  if (body.prismatic) {
+  if (body.slides) {
     if (axis == Vector3::UnitX()) return pinocchio::JointModelPX();
     if (axis == Vector3::UnitY()) return pinocchio::JointModelPY();
     if (axis == Vector3::UnitZ()) return pinocchio::JointModelPZ();

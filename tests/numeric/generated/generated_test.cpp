@@ -219,7 +219,7 @@ TEST_P(Generated, ReadsNothingItDoesNotNeed) {
     std::vector<bool> only_slides;
     for (size_t k = 0; k < model.tree.bodies.size(); ++k) {
       const int parent = model.tree.bodies[k].parent;
-      only_slides.push_back(model.tree.bodies[k].prismatic() && (parent < 0 || only_slides[static_cast<size_t>(parent)]));
+      only_slides.push_back(!model.tree.bodies[k].turns() && (parent < 0 || only_slides[static_cast<size_t>(parent)]));
       if (parent < 0 || only_slides[k]) spoilt.q[static_cast<Eigen::Index>(k)] = nan;
     }
     expect_unread(spoilt, "the first joints' positions");

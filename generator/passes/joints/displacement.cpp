@@ -1,25 +1,10 @@
-#include "passes/joints/kinds.hpp"
+#include "passes/joints/displacement.hpp"
 
 #include <utility>
 
 #include "ir/rotation.hpp"
 
 namespace dalembert::passes {
-
-JointKindRow kind_of(ir::JointType type) {
-  switch (type) {
-    case ir::JointType::revolute: return revolute();
-    case ir::JointType::continuous: return continuous();
-    case ir::JointType::prismatic: return prismatic();
-    case ir::JointType::helical: return helical();
-    case ir::JointType::universal: return universal();
-    case ir::JointType::planar: return planar();
-    case ir::JointType::spherical: return spherical();
-    case ir::JointType::floating: return free_flyer();
-    case ir::JointType::fixed: break;
-  }
-  return {"fixed", "", 0, 0, [](const ir::Joint&) { return std::vector<JointPart>(); }};
-}
 
 ir::Joint with_kind(ir::Joint joint, const ir::JointKind& kind) {
   joint.type = kind.type;
@@ -30,7 +15,7 @@ ir::Joint with_kind(ir::Joint joint, const ir::JointKind& kind) {
 
 Eigen::Isometry3d displacement(const ir::Joint& joint, double position) {
   Eigen::Isometry3d moved = Eigen::Isometry3d::Identity();
-  for (const JointPart& part : kind_of(joint.type).parts(joint)) {
+  for (const ir::JointPart& part : ir::row_of(joint.type).parts(joint)) {
     if (ir::slides(part.type)) moved.translation() = part.axis * position * ir::slide_per_unit(part.type, joint.pitch);
     if (ir::turns(part.type)) moved.linear() = ir::rotation_about(part.axis, position);
   }

@@ -1,12 +1,12 @@
 // Two displacements in a plane and an angle about its normal. Where the normal is z the directions are x and y, as Pinocchio
 // and DART have it, which do not read the axis; elsewhere those to which the shortest turn from z to the normal takes x and y,
 // as MuJoCo does.
-#include "passes/joints/kinds.hpp"
+#include "ir/robot_description.hpp"
 
-namespace dalembert::passes {
+namespace dalembert::ir {
 
 namespace {
-std::vector<JointPart> planar_parts(const ir::Joint& joint) {
+std::vector<JointPart> planar_parts(const Joint& joint) {
   const Eigen::Vector3d& n = joint.axis;
   Eigen::Vector3d x = Eigen::Vector3d::UnitX(), y = Eigen::Vector3d::UnitY();
   if (n.z() > -1 + 1e-9) {
@@ -15,14 +15,22 @@ std::vector<JointPart> planar_parts(const ir::Joint& joint) {
   } else {
     y = -y;  // of all half turns that about x
   }
-  return {{"x", ir::JointType::prismatic, x.normalized()},
-          {"y", ir::JointType::prismatic, y.normalized()},
-          {"rz", ir::JointType::continuous, n}};
+  return {sliding("x", x.normalized()), sliding("y", y.normalized()), turning("rz", n)};
 }
 }  // namespace
 
-JointKindRow planar() {
-  return {"planar", "displacements along x and y [m], angle about the normal [rad]", 3, 3, planar_parts};
+JointTypeRow joints::planar() {
+  return {.word = "planar",
+          .coordinates = "displacements along x and y [m], angle about the normal [rad]",
+          .nq = 3,
+          .nv = 3,
+          .quaternion = -1,
+          .turns = true,
+          .slides = true,
+          .has_axis = true,
+          .in_urdf = true,
+          .in_scenes = true,
+          .parts = planar_parts};
 }
 
-}  // namespace dalembert::passes
+}  // namespace dalembert::ir
