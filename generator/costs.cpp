@@ -170,7 +170,7 @@ Model whole_robot(const Model& model) {
   whole.description = model.description;
   whole.name = model.name;
   whole.options = model.options;
-  whole.scene.base = model.tree.floating_base ? ir::Base::floating : frontend::default_base(model.description);
+  whole.scene.base = model.tree.base_coordinates() > 0 ? ir::Base::floating : frontend::default_base(model.description);
   for (ir::Quantity quantity : model.scene.outputs)
     if (std::find(whole.scene.outputs.begin(), whole.scene.outputs.end(), quantity) == whole.scene.outputs.end())
       whole.scene.outputs.push_back(quantity);

@@ -18,7 +18,7 @@ struct OperationCost {
   std::array<ir::Operations, 3> phases{};  // I: bodies outwards, II: sums inwards, III: elements
   bool reads_position = false;             // joint positions
   bool reads_velocity = false;
-  bool reads_base_pose = false;          // of the floating base
+  bool reads_base_pose = false;          // of a base that moves
   bool reads_base_position = false;      // and not its orientation alone
   std::vector<int> positions_not_read;   // indices into q
   std::vector<int> velocities_not_read;  // indices into v

@@ -58,12 +58,12 @@ std::string not_read(const OperationCost& cost, const ir::KinematicTree& tree) {
     if (!some_read && tree.independent_joints() > 0) parts.push_back(fmt::format("joint {}", what));
     else if (!unread.empty()) parts.push_back(fmt::format("{} of {}", what, ir::joints_in_words(unread, tree)));
   };
-  if (tree.floating_base && !cost.reads_base_pose) parts.emplace_back("base pose");
-  else if (tree.floating_base && !cost.reads_base_position) parts.emplace_back("base position");
+  if (tree.base_coordinates() > 0 && !cost.reads_base_pose) parts.emplace_back("base pose");
+  else if (tree.base_coordinates() > 0 && !cost.reads_base_position) parts.emplace_back("base position");
   joints("positions", ir::coordinates_at(behind_base(cost.positions_not_read, tree.base_positions()), tree),
          cost.reads_position);
   if (!cost.reads_velocity) parts.push_back("velocities");
-  else joints("rates", behind_base(cost.velocities_not_read, tree.floating_base ? 6 : 0), true);
+  else joints("rates", behind_base(cost.velocities_not_read, tree.base_coordinates()), true);
   return fmt::format("{}", fmt::join(parts, ", "));
 }
 

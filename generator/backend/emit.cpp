@@ -34,8 +34,6 @@ std::string banner(const Folder& folder) {
       banner_mark, comment_text(folder.source), folder.source_hash, comment_lines("  " + folder.command_line, 0, 4));
 }
 
-int base_rows_of_robot(const CodeInput& code) { return code.robot->nv() - code.robot->independent_joints(); }
-
 std::vector<const ir::Body*> own_coordinates(const CodeInput& code) {
   std::vector<const ir::Body*> bodies;
   for (const ir::Body& b : code.robot->bodies)
@@ -232,7 +230,7 @@ std::string link_table(const CodeInput& code) {
   return text;
 }
 
-// Of a floating base, indices into q or v that are its joints'; those of them that are not read.
+// Of indices into q or v behind the base's own those that are not read, counted from there.
 std::vector<int> joints_not_read(const std::set<int>& read, int base, int all) {
   std::vector<int> joints;
   for (int i = base; i < all; ++i)
@@ -244,12 +242,11 @@ std::string unread(const CodeInput& code) {
   if (code.algorithm.embedding) return "";
   const ir::InputsRead read = ir::inputs_read(code.program, ir::uses(code.program.graph, code.program.roots()));
   const std::string input = function_of(code).input();
-  const bool floating = code.robot->floating_base;
   std::vector<std::string> parts;
-  if (floating && !read.base_pose()) parts.emplace_back("the base's pose");
-  const std::vector<int> still = ir::coordinates_at(joints_not_read(read.positions, floating ? 7 : 0, code.robot->nq()),
-                                                    *code.robot),
-                         slow = joints_not_read(read.velocities, floating ? 6 : 0, code.robot->nv());
+  if (code.robot->base_coordinates() > 0 && !read.base_pose()) parts.emplace_back("the base's pose");
+  const std::vector<int> still = ir::coordinates_at(
+                             joints_not_read(read.positions, code.robot->base_positions(), code.robot->nq()), *code.robot),
+                         slow = joints_not_read(read.velocities, code.robot->base_coordinates(), code.robot->nv());
   if (!still.empty()) parts.push_back("positions of " + ir::joints_in_words(still, *code.robot));
   if (read.velocities.empty()) parts.emplace_back("v");
   else if (!slow.empty()) parts.push_back("rates of " + ir::joints_in_words(slow, *code.robot));
@@ -362,7 +359,7 @@ std::string joint_indices(const CodeInput& code) {
   for (std::size_t k = 0; k < tree.bodies.size(); ++k) {
     const ir::Body& body = tree.bodies[k];
     if (body.parts < 2 || body.part > 0) continue;
-    const int q = code.robot->base_positions() + positions[k], v = base_rows_of_robot(code) + coordinates[k];
+    const int q = code.robot->base_positions() + positions[k], v = code.robot->base_coordinates() + coordinates[k];
     const bool flies = body.displacements() > 0;
     if (body.of_quaternion())
       text += comment_lines(
@@ -380,7 +377,7 @@ std::string quaternion_joints(const CodeInput& code) {
   for (std::size_t k = 0; k < code.robot->bodies.size(); ++k)
     if (const ir::Body& body = code.robot->bodies[k]; body.has_quaternion())
       all.push_back(fmt::format("{{{}, {}, {}}}", code.robot->base_positions() + positions[k],
-                                base_rows_of_robot(code) + coordinates[k], body.displacements() > 0));
+                                code.robot->base_coordinates() + coordinates[k], body.displacements() > 0));
   if (all.empty()) return "";
   return fmt::format(
       "// Joints with a quaternion, for dalembert/integrators: a member of that name of your dynamics.\n"
@@ -403,10 +400,10 @@ OutputFile header(const Folder& folder) {
     joints.push_back(ir::identifier(b->joint));
     joint_names.push_back(quoted(b->joint));
   }
-  if (code.robot->floating_base) body_names.push_back(quoted(code.robot->base_link));
+  if (code.robot->base_coordinates() > 0) body_names.push_back(quoted(code.robot->base_link));
   for (const ir::Body& b : code.robot->bodies)
     if (b.part + 1 == b.parts) body_names.push_back(quoted(b.name));
-  const bool floating = code.robot->floating_base;
+  const bool base_moves = code.robot->base_coordinates() > 0;
   std::string report;
   for (const std::string& line : folder.report) report += comment_lines(line, 0, 2);
   return {
@@ -427,9 +424,9 @@ OutputFile header(const Folder& folder) {
               {"nq", std::to_string(code.robot->nq())},
               {"nv", std::to_string(code.robot->nv())},
               {"position_layout",
-               floating ? "base position in the world (3), quaternion x y z w (4), joints [m, rad]" : "joints [m, rad]"},
+               base_moves ? "base position in the world (3), quaternion x y z w (4), joints [m, rad]" : "joints [m, rad]"},
               {"velocity_layout",
-               floating ? "base linear (3), angular (3) in base axes, joint rates [m/s, rad/s]" : "joint rates [m/s, rad/s]"},
+               base_moves ? "base linear (3), angular (3) in base axes, joint rates [m/s, rad/s]" : "joint rates [m/s, rad/s]"},
               {"joints", std::to_string(joints.size())},
               {"joint_indices", joint_indices(code)},
               {"quaternion_joints", quaternion_joints(code)},

@@ -29,7 +29,7 @@ std::vector<int> projected_bodies(const CodeInput& code, const ir::Projection& p
   return bodies;
 }
 
-bool has_base_rows(const CodeInput& code) { return code.is_rolled() && code.tree.floating_base; }
+bool has_base_rows(const CodeInput& code) { return code.is_rolled() && code.tree.base_coordinates() > 0; }
 
 // The base's coordinates are constants: what is left of the projection's graph for its rows.
 struct BaseRow {

@@ -13,7 +13,7 @@ std::string projection_statements(const CodeInput& code);
 bool projects_by_rows(const CodeInput& code, const ir::Projection& projection);
 bool projects_by_rows(const CodeInput& code);
 
-// Of the rows of a floating base's coordinates, of all bodies: the rest of rolled code.
+// Of the rows of the base's coordinates, of all bodies: the rest of rolled code.
 ir::Operations base_row_operations(const CodeInput& code, const ir::Projection& projection);
 
 // Rows that they compute of a projection, by registers of `lanes`; and the registers.

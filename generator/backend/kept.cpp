@@ -62,7 +62,7 @@ int stride(const CodeInput& code) {
   return numbers % (16 * line) == 0 ? numbers + line : numbers;
 }
 
-int base_rows(const CodeInput& code) { return code.tree.nv() - code.tree.independent_joints(); }
+int base_rows(const CodeInput& code) { return code.tree.base_coordinates(); }
 int base_positions(const CodeInput& code) { return code.tree.base_positions(); }
 
 int driven_joints(const CodeInput& code) { return code.tree.joints() - code.tree.independent_joints(); }

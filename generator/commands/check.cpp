@@ -93,8 +93,7 @@ class GenericDynamics {
     const std::vector<int> positions = tree.positions(), coordinates = tree.coordinates();
     for (size_t k = 0; k < tree.bodies.size(); ++k)
       if (tree.bodies[k].has_quaternion())
-        quaternion_joints.push_back({tree.base_positions() + positions[k],
-                                     tree.nv() - tree.independent_joints() + coordinates[k],
+        quaternion_joints.push_back({tree.base_positions() + positions[k], tree.base_coordinates() + coordinates[k],
                                      tree.bodies[k].displacements() > 0});
   }
 
@@ -116,7 +115,7 @@ class Check {
 
   CheckReport run() {
     report_.text = fmt::format("{}: {} base, {} random states; errors relative to the largest element\n", model_.name,
-                               model_.tree.floating_base ? "floating" : "fixed", states_.size());
+                               ir::row_of(model_.tree.base_joint).word, states_.size());
     for (const Output& output : outputs_) expected_.push_back(references(model_, output, states_));
     const std::vector<std::vector<size_t>> all = pieces(outputs_);
     const bool one = all.size() == 1;

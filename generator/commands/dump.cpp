@@ -32,8 +32,8 @@ std::string joint_name(const ir::KinematicTree& tree, int body) {
 }
 
 std::string tree_text(const ir::KinematicTree& tree) {
-  std::string text = fmt::format("{} base {}\n", tree.floating_base ? "floating" : "fixed", tree.base_link);
-  if (tree.floating_base) text += text_of(tree.base);
+  std::string text = fmt::format("{} base {}\n", ir::row_of(tree.base_joint).word, tree.base_link);
+  if (tree.base_coordinates() > 0) text += text_of(tree.base);
   for (const ir::Body& b : tree.bodies) {
     text +=
         fmt::format("{} ({}, on {}) -> {}\n", b.joint, ir::word_of(b.turns(), b.slides()), joint_name(tree, b.parent), b.name);
@@ -47,7 +47,7 @@ std::string tree_text(const ir::KinematicTree& tree) {
 
 std::string normal_tree_text(const ir::KinematicTree& tree, const ir::NormalTree& normal) {
   std::string text;
-  if (normal.floating_base) text += "base\n" + text_of(normal.base);
+  if (tree.base_coordinates() > 0) text += "base\n" + text_of(normal.base);
   for (size_t k = 0; k < normal.bodies.size(); ++k) {
     const ir::NormalBody& b = normal.bodies[k];
     text += fmt::format("{} ({}, on {})\n    rotation {}\n    translation {} m\n", tree.bodies[k].joint,

@@ -29,7 +29,7 @@ std::string summary(const Model& model) {
   return fmt::format(
       "robot {} ({}): {} base '{}', {} moving joints, {} links, {:.6g} kg that move\n"
       "nq = {}, nv = {}\n",
-      tree.robot, model.name, tree.floating_base ? "floating" : "fixed", tree.base_link,
+      tree.robot, model.name, ir::row_of(tree.base_joint).word, tree.base_link,
       std::count_if(tree.bodies.begin(), tree.bodies.end(), [](const ir::Body& body) { return body.part == 0; }),
       tree.links.size(), mass, tree.nq(), tree.nv());
 }
@@ -50,9 +50,9 @@ std::string coordinates(const ir::KinematicTree& tree) {
     };
     rows += fmt::format("  {}: {}, {}; {}\n", body.of.empty() ? body.joint : body.of,
                         range("q", tree.base_positions() + position[k], kind.nq),
-                        range("v", tree.nv() - tree.independent_joints() + coordinate[k], kind.nv), kind.coordinates);
+                        range("v", tree.base_coordinates() + coordinate[k], kind.nv), kind.coordinates);
   }
-  if (!tree.floating_base) return "q = [joints], v = [joint rates]\n" + rows;
+  if (tree.base_coordinates() == 0) return "q = [joints], v = [joint rates]\n" + rows;
   return "q = [base position in the world (0-2), quaternion x y z w (3-6), joints (7-)]\n"
          "v = [base linear velocity (0-2), angular velocity (3-5), both in base axes, joint rates (6-)]\n" +
          rows;
@@ -78,7 +78,8 @@ std::string axes_of(const ir::KinematicTree& tree, size_t k) {
 
 std::string bodies(const ir::KinematicTree& tree) {
   std::string text = "\ntree (joint: type, axis -> body, mass, and what the scene puts into the joint):\n";
-  text += fmt::format("  base {}{}\n", tree.base_link, tree.floating_base ? fmt::format(", {:.6g} kg", tree.base.mass) : "");
+  text += fmt::format("  base {}{}\n", tree.base_link,
+                      tree.base_coordinates() > 0 ? fmt::format(", {:.6g} kg", tree.base.mass) : "");
   const std::vector<int> coordinate = tree.coordinates();
   std::vector<int> depth(tree.bodies.size());
   for (size_t k = 0; k < tree.bodies.size(); ++k) {
@@ -140,7 +141,7 @@ std::string frames(const ir::Scene& scene) {
 
 // Row and column i, k of M are structurally non-zero when one body is the other's ancestor; the base is everyone's.
 std::string sparsity(const ir::KinematicTree& tree) {
-  const size_t nv = static_cast<size_t>(tree.nv()), base = tree.floating_base ? 6 : 0;
+  const size_t nv = static_cast<size_t>(tree.nv()), base = tree.base_coordinates();
   const std::vector<int> coordinate = tree.coordinates();
   std::vector<std::vector<bool>> filled(nv, std::vector<bool>(nv, false));
   for (size_t i = 0; i < base; ++i)
@@ -284,7 +285,7 @@ std::string describe(const Model& model) {
 std::string describe_json(const Model& model) {
   const ir::KinematicTree& tree = model.tree;
   std::vector<std::string> joints, bodies;
-  if (tree.floating_base) bodies.push_back(tree.base_link);
+  if (tree.base_coordinates() > 0) bodies.push_back(tree.base_link);
   for (const ir::Body& body : tree.bodies) {
     if (body.independent()) joints.push_back(body.joint);
     bodies.push_back(body.name);
@@ -295,7 +296,7 @@ std::string describe_json(const Model& model) {
       "{{\n  \"robot\": {},\n  \"name\": {},\n  \"base\": \"{}\",\n  \"nq\": {},\n  \"nv\": {},\n  \"joints\": {},\n"
       "  \"bodies\": {},\n{}  \"workspace_bytes\": {},\n  \"quantities\": {{{}\n  }},\n  \"without_scene\": {{{}\n  }},\n"
       "  \"executed\": {{{}\n  }},\n  \"plan\": {{{}\n  }},\n  \"estimates\": {{{}\n  }}\n}}\n",
-      json_string(tree.robot), json_string(model.name), tree.floating_base ? "floating" : "fixed", tree.nq(), tree.nv(),
+      json_string(tree.robot), json_string(model.name), ir::row_of(tree.base_joint).word, tree.nq(), tree.nv(),
       json_array(joints), json_array(bodies), parts_json(model), workspace_bytes(model, lowered),
       quantities_json(operation_costs(lowered, tree)), quantities_json(before),
       executed_json(executed_operations(model, lowered)), plan_json(lowered), features_json(model, lowered));

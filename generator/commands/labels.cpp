@@ -25,7 +25,7 @@ void append(Names& names, Names more) {
 
 Names coordinate_names(const ir::KinematicTree& tree) {
   Names names;
-  if (tree.floating_base) append(names, behind("base", linear_and_angular));
+  if (tree.base_coordinates() > 0) append(names, behind("base", linear_and_angular));
   for (const ir::Body& body : tree.bodies)
     if (body.independent()) names.push_back(body.joint);
   return names;
@@ -33,7 +33,7 @@ Names coordinate_names(const ir::KinematicTree& tree) {
 
 Names per_body(const ir::KinematicTree& tree, const Names& parts) {
   Names names;
-  if (tree.floating_base) append(names, behind(tree.base_link, parts));
+  if (tree.base_coordinates() > 0) append(names, behind(tree.base_link, parts));
   for (const ir::Body& body : tree.bodies)
     if (body.part + 1 == body.parts) append(names, behind(body.name, parts));
   return names;

@@ -55,7 +55,7 @@ std::string options_roff(const CLI::App& app) {
   return text;
 }
 
-// What may stand behind an option, where its type is a list of words: "fixed|floating".
+// What may stand behind an option, where its type is a list of words: "keep|lock".
 std::vector<std::string> words_of(const CLI::Option& option) {
   std::vector<std::string> words;
   std::istringstream stream(option.get_type_name());

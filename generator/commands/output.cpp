@@ -86,7 +86,7 @@ Output output_named(const Model& model, const std::string& name) {
     link = name.substr(prefix.size());
     for (const ir::LinkPlacement& placement : model.tree.links) {
       if (placement.link != link && ir::identifier(placement.link) != link) continue;
-      if (placement.body < 0 && !model.tree.floating_base)
+      if (placement.body < 0 && model.tree.base_coordinates() == 0)
         refuse(fmt::format("link '{}' does not move: the base is fixed", link), "name a descendant of a joint that moves");
       ir::LinkOutput output{row.quantity, placement.link};
       for (const ir::LinkOutput& asked : model.scene.link_outputs())

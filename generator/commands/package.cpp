@@ -62,8 +62,8 @@ std::string results_table(const Model& model) {
 std::string coordinates_table(const Model& model) {
   const ir::KinematicTree& tree = model.tree;
   std::string text = "| joint | q | v | |\n|---|---:|---:|---|\n";
-  int q = tree.floating_base ? 7 : 0, v = tree.floating_base ? 6 : 0;
-  if (tree.floating_base)
+  int q = tree.base_positions(), v = tree.base_coordinates();
+  if (tree.base_coordinates() > 0)
     text +=
         "| the base | 0–6 | 0–5 | position in the world, quaternion x y z w; linear and angular velocity in the base's axes "
         "|\n";

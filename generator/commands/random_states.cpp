@@ -22,7 +22,7 @@ class Uniform {
 
 std::vector<State> random_states(const ir::KinematicTree& tree, int count) {
   Uniform uniform;
-  const int base = tree.floating_base ? 7 : 0;
+  const int base = tree.base_positions();
   std::vector<State> states;
   for (int s = 0; s < count; ++s) {
     State state{fmt::format("random state {}", s), Eigen::VectorXd(tree.nq()), Eigen::VectorXd(tree.nv()),

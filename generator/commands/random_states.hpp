@@ -9,7 +9,7 @@
 namespace dalembert {
 
 // Uniform in [-π, π] rad for angles, [-0.5, 0.5] m for slides, [-2, 2] for velocities (rad/s, m/s) and for accelerations or
-// forces, [-1, 1] m for a floating base's position; its orientation a unit quaternion. The same states on every system and in
+// forces, [-1, 1] m for the base's position; its orientation a unit quaternion. The same states on every system and in
 // every run.
 std::vector<State> random_states(const ir::KinematicTree& tree, int count);
 

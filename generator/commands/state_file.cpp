@@ -62,7 +62,7 @@ std::vector<State> read_states_text(const std::string& file, const std::string& 
     const Eigen::Map<const Eigen::VectorXd> all(values->data(), count);
     State state{place, all.head(nq), all.segment(nq, nv), all.segment(nq + nv, more), all.tail(wrenches)};
     for (const int first : tree.quaternions())
-      normalise_quaternion(state, first, tree.floating_base && first == 3, file, warnings);
+      normalise_quaternion(state, first, tree.base_coordinates() > 0 && first == 3, file, warnings);
     states.push_back(std::move(state));
   }
   if (states.empty()) throw InputError({Severity::error, file, "", "there is no state in it", layout});

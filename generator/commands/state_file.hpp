@@ -13,7 +13,7 @@ namespace dalembert {
 
 struct State {
   std::string place;           // "line 3", for diagnostics
-  Eigen::VectorXd q;           // nq, layout as `info` prints it; a floating base's quaternion is of unit length
+  Eigen::VectorXd q;           // nq, layout as `info` prints it; the base's quaternion is of unit length
   Eigen::VectorXd v;           // nv
   Eigen::VectorXd more{};      // nv: what the function takes besides; empty where it takes nothing
   Eigen::VectorXd wrenches{};  // six numbers for each of the scene's, where the function takes something besides

@@ -14,7 +14,7 @@ namespace {
 // The last coordinate that moves the body; -1: none.
 int last_coordinate(const KinematicTree& tree, int body) {
   const std::vector<int> coordinates = tree.coordinates();
-  const int base = tree.nv() - tree.independent_joints();
+  const int base = tree.base_coordinates();
   int last = base - 1;
   for (; body >= 0; body = tree.bodies[static_cast<std::size_t>(body)].parent)
     last = std::max(last, base + coordinates[static_cast<std::size_t>(body)]);
@@ -110,7 +110,7 @@ int constraint_room(const ConstraintPaths& paths) {
 
 std::vector<int> undriven_coordinates(const KinematicTree& tree, const Scene& scene) {
   const std::vector<int> coordinates = tree.coordinates();
-  const int base = tree.nv() - tree.independent_joints();
+  const int base = tree.base_coordinates();
   std::vector<int> undriven;
   for (int j = 0; j < base; ++j) undriven.push_back(j);
   for (int k = 0; k < tree.joints(); ++k)

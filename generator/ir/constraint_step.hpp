@@ -30,7 +30,7 @@ struct ConstraintPaths {
 };
 ConstraintPaths constraint_paths(const KinematicTree& tree, const Scene& scene);
 int constraint_room(const ConstraintPaths& paths);
-// Coordinates without a motor: a floating base's, and those of the scene's passive joints.
+// Coordinates without a motor: the base's, and those of the scene's passive joints.
 std::vector<int> undriven_coordinates(const KinematicTree& tree, const Scene& scene);
 
 struct ConstraintStep {
@@ -47,8 +47,8 @@ struct ConstraintStep {
   int solutions = 2;  // proximal steps
   // Arrays: J; M's U, above its diagonal, and D; room to work in.
   int jacobian = 0, factor = 0, pivots = 0, room = 0;
-  // Of a floating base, by articulated bodies in U's place: V and J of the coordinates, 6 x nv; of the rows the columns of the
-  // base are enough then, and `to` comes to `solve` as L dv/dt without constraints, M = L' D L. −1: by U.
+  // Where the base moves, by articulated bodies in U's place: V and J of the coordinates, 6 x nv; of the rows the columns of
+  // the base are enough then, and `to` comes to `solve` as L dv/dt without constraints, M = L' D L. −1: by U.
   int gain = -1, joint = -1;
   int right = -1;   // solve, impact: per row
   int forces = -1;  // solve, impact, support: per row; respond, derive: rows x nv; −1: nobody asks

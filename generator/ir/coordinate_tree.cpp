@@ -56,7 +56,7 @@ std::vector<int> elimination(const KinematicTree& tree, int base) {
 CoordinateTree coordinate_tree(const KinematicTree& tree) {
   CoordinateTree t;
   if (tree.within) return t;  // nothing is solved with a part of M
-  const int base = tree.nv() - tree.independent_joints();
+  const int base = tree.base_coordinates();
   if (tree.independent_joints() < tree.joints()) {
     t.above = elimination(tree, base);
   } else {

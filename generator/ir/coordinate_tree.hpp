@@ -7,7 +7,7 @@
 
 namespace dalembert::ir {
 
-// Of a robot without driven joints: the tree of its joints, numbered depth first. The floating base's stand one above another.
+// Of a robot without driven joints: the tree of its joints, numbered depth first. The base's stand one above another.
 // A coordinate that drives other joints moves several bodies; above it stands then what M's factors, eliminated from the last
 // coordinate to the first, tie it to (Liu 1990, elimination trees).
 struct CoordinateTree {

@@ -1,7 +1,7 @@
 // The tree the dynamics is computed on: fixed, locked and cut joints are gone, bodies stand in depth-first order.
 //
 // Invariants: bodies[k].parent < k (-1 is the base); a subtree is the contiguous range [k, k + subtree_size). The base's
-// inertia matters only when it floats.
+// inertia matters only where it has coordinates.
 //
 // A joint of several coordinates is as many bodies in a row, all but the last without mass (ir/joint_types.hpp).
 //
@@ -93,8 +93,8 @@ struct WithinRobot {
 struct KinematicTree {
   std::string robot;  // the URDF's robot name
   std::string base_link;
-  bool floating_base = false;
-  Inertia base;  // fused, in the base link's frame
+  JointType base_joint = JointType::fixed;  // of the base to the world: a free flyer, or none
+  Inertia base;                             // fused, in the base link's frame
   std::vector<Body> bodies;
   std::vector<LinkPlacement> links;  // every link kept, in depth-first order; then the scene's frames
   std::vector<int> pushed;           // per wrench of the scene: the body it acts on
@@ -154,7 +154,7 @@ struct KinematicTree {
   // Whether M, C and W do not depend on the joint's position: on a fixed base the first joint of every branch carries the frame
   // of reference, and slides with nothing but slides before them only shift it.
   bool carries_reference(size_t body) const {
-    if (floating_base) return false;
+    if (base_coordinates() > 0) return false;
     bool turns = bodies[body].turns();
     int above = bodies[body].parent;
     if (above < 0) return true;
@@ -173,13 +173,15 @@ struct KinematicTree {
   // Where in q unit quaternions x y z w begin: the base's first.
   std::vector<int> quaternions() const {
     std::vector<int> first;
-    if (floating_base) first.push_back(3);
+    if (row_of(base_joint).has_quaternion()) first.push_back(row_of(base_joint).quaternion);
     const std::vector<int> position = positions();
     for (size_t k = 0; k < bodies.size(); ++k)
       if (bodies[k].has_quaternion()) first.push_back(base_positions() + position[k] + bodies[k].displacements());
     return first;
   }
-  int base_positions() const { return floating_base ? 7 : 0; }
+  // The base moves where it has any.
+  int base_coordinates() const { return coordinates_of(base_joint); }
+  int base_positions() const { return positions_of(base_joint); }
   int nq() const {
     int numbers = base_positions();
     for (const Body& body : bodies) numbers += body.positions();
@@ -187,7 +189,7 @@ struct KinematicTree {
   }
   // … and not above another body too.
   bool is_above_only(int body, int below, int beside) const { return is_above(body, below) && !is_above(body, beside); }
-  int nv() const { return independent_joints() + (floating_base ? 6 : 0); }
+  int nv() const { return base_coordinates() + independent_joints(); }
 };
 
 }  // namespace dalembert::ir

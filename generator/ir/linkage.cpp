@@ -10,7 +10,7 @@ namespace dalembert::ir {
 LinkagePlaces linkage_places(const Linkage& linkage, const KinematicTree& tree) {
   LinkagePlaces places;
   const std::vector<int> positions = tree.positions(), coordinates = tree.coordinates();
-  const int base = tree.floating_base ? 6 : 0;
+  const int base = tree.base_coordinates();
   for (const int k : linkage.dependent)
     places.positions.push_back(tree.base_positions() + positions[static_cast<std::size_t>(k)]);
   for (const int k : linkage.independent) places.followed.push_back(base + coordinates[static_cast<std::size_t>(k)]);
@@ -67,7 +67,7 @@ void EvaluatedRows::fill(const std::vector<std::vector<NodeId>>& matrix, double 
 Followers followers(const KinematicTree& tree) {
   const KinematicTree opened = tree.opened();
   const std::vector<int> all = opened.coordinates(), own = tree.coordinates();
-  const int base = tree.floating_base ? 6 : 0;
+  const int base = tree.base_coordinates();
   Followers f;
   f.all = opened.nv();
   for (int j = 0; j < base; ++j) f.at.push_back(j);

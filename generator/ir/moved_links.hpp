@@ -12,14 +12,14 @@ namespace dalembert::ir {
 inline std::vector<int> numbers_of_links(const KinematicTree& tree) {
   if (tree.within) return tree.within->links;
   std::vector<int> numbers;
-  int next = tree.floating_base ? 1 : 0;
+  int next = tree.base_coordinates() > 0 ? 1 : 0;
   for (const Body& body : tree.bodies) numbers.push_back(body.part + 1 == body.parts ? next++ : -1);
   return numbers;
 }
 // How many they are.
 inline int count_of_links(const KinematicTree& tree) {
   if (tree.within) return tree.within->count_of_links;
-  int count = tree.floating_base ? 1 : 0;
+  int count = tree.base_coordinates() > 0 ? 1 : 0;
   for (const Body& body : tree.bodies) count += body.part + 1 == body.parts;
   return count;
 }

@@ -32,7 +32,6 @@ struct NormalBody {
 };
 
 struct NormalTree {
-  bool floating_base = false;
   Moments base;  // with everything that moved down to it
   std::vector<NormalBody> bodies;
 };

@@ -93,7 +93,7 @@ std::string in_words(const Part& part, Extent rows, Extent columns, const Kinema
     std::vector<std::string> names;
     for (const Body& body : tree.bodies)
       if (!body.driven()) names.push_back(body.joint);
-    const int base = tree.floating_base ? 6 : 0;
+    const int base = tree.base_coordinates();
     std::string of;
     for (std::size_t i = 0; i < part.coordinates.size();) {
       const int k = part.coordinates[i] - base;

@@ -17,7 +17,7 @@ struct KinematicTree;
 struct Part {
   std::vector<std::string> joints;    // names, or patterns: * for any letters, ? for one
   std::vector<std::string> subtrees;  // links: the joints that move them, and all joints beyond
-  std::optional<bool> base;           // the floating base's six
+  std::optional<bool> base;           // its own six
   std::vector<std::string> links;     // whose columns are asked for, where columns are links'
 
   bool some_coordinates = false;

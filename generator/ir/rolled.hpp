@@ -104,7 +104,7 @@ struct BaseStage {
 
 // A matrix of pairs between joints; the base's rows and columns are kept per joint.
 struct RolledPairs {
-  int columns = -1;  // role, six components: elements (0…5, k); −1: no floating base
+  int columns = -1;  // role, six components: elements (0…5, k); −1: the base has none
   int rows = -1;     // role, six components: elements (k, 0…5)
 };
 

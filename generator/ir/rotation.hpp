@@ -12,7 +12,7 @@ Eigen::Matrix3d rotation_from_rpy(const Eigen::Vector3d& rpy);
 // identity.
 Eigen::Matrix3d rotation_about(const Eigen::Vector3d& axis, double angle);
 
-// The rotation with entries within rounding of 0, 1 and −1 made exact. π/2 is no floating-point number, and its cosine is
+// The rotation with entries within rounding of 0, 1 and −1 made exact. π/2 is no double, and its cosine is
 // 6e-17 rather than zero: a turn that was meant to be square becomes so.
 Eigen::Matrix3d without_rounding_dust(Eigen::Matrix3d rotation);
 

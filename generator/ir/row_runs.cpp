@@ -9,7 +9,7 @@ std::vector<RowRun> row_runs(const KinematicTree& tree, int body, const std::vec
   std::vector<int> above;
   for (int i = body; i >= 0; i = tree.bodies[static_cast<std::size_t>(i)].parent) above.insert(above.begin(), i);
   const std::vector<int> coordinates = tree.coordinates();
-  const int base = tree.nv() - tree.independent_joints();
+  const int base = tree.base_coordinates();
   const auto row = [&](int joint) {
     const int of_whole = base + coordinates[static_cast<std::size_t>(joint)];
     return rows.empty() ? of_whole : rows[static_cast<std::size_t>(of_whole)];

@@ -31,11 +31,11 @@ class TreeBuilder {
   ir::KinematicTree build() {
     tree_.robot = robot_.name;
     tree_.base_link = robot_.links[at(robot_.root)].name;
-    tree_.floating_base = scene_.base == ir::Base::floating;
+    if (scene_.base == ir::Base::floating) tree_.base_joint = ir::JointType::floating;
     parts_.resize(1);
     walk();
     place_frames();
-    if (tree_.floating_base) tree_.base = combined(parts_[0]);
+    if (tree_.base_coordinates() > 0) tree_.base = combined(parts_[0]);
     for (size_t k = 0; k < tree_.bodies.size(); ++k) tree_.bodies[k].inertia = combined(parts_[k + 1]);
     for (size_t k = tree_.bodies.size(); k-- > 0;)
       if (const int parent = tree_.bodies[k].parent; parent >= 0)
@@ -256,7 +256,7 @@ class TreeBuilder {
 
   // With a fixed base, links welded to it carry nothing and have neither a pose nor a Jacobian worth computing.
   void check_links() {
-    if (tree_.floating_base) return;
+    if (tree_.base_coordinates() > 0) return;
     for (const ir::LinkPlacement& placement : tree_.links) {
       if (placement.body >= 0) continue;
       const std::string element = placement.in_words();
@@ -292,7 +292,7 @@ class TreeBuilder {
       if (link == tree_.links.end()) continue;  // the scene's check has said so
       const Held held{&contact, link->body, link->placement * contact.at};
       const std::string element = fmt::format("contact '{}'", contact.name);
-      if (held.body < 0 && !tree_.floating_base)
+      if (held.body < 0 && tree_.base_coordinates() == 0)
         error(element, fmt::format("link '{}' is welded to a fixed base: there is nothing to hold", contact.link),
               "name a descendant of a joint that moves, or ask for base: floating");
       const bool weld = contact.type == ir::ContactType::weld;

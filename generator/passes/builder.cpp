@@ -57,7 +57,7 @@ Sym SweepBuilder::acceleration() { return own(joint_acceleration_role(builder_))
 Sym SweepBuilder::effort() { return own(joint_effort_role(builder_)); }
 
 Twist SweepBuilder::first_six(InputKind kind) {
-  if (!builder_.floating()) return {zero(), zero()};
+  if (builder_.base_coordinates() == 0) return {zero(), zero()};
   Twist v;
   for (int i = 0; i < 3; ++i) {
     v.linear[static_cast<std::size_t>(i)] = input(kind, i);
@@ -96,19 +96,19 @@ Vec3 SweepBuilder::gravity_in_world() {
 }
 
 Mat3 SweepBuilder::base_axes() {
-  if (!builder_.floating()) return constant(Eigen::Matrix3d(Eigen::Matrix3d::Identity()));
+  if (builder_.base_coordinates() == 0) return constant(Eigen::Matrix3d(Eigen::Matrix3d::Identity()));
   return base_rotation([this](int i) { return input(InputKind::position, 3 + i); },
                        [this](double value) { return constant(value); });
 }
 
 Vec3 SweepBuilder::base_position() {
-  if (!builder_.floating()) return zero();
+  if (builder_.base_coordinates() == 0) return zero();
   return {input(InputKind::position, 0), input(InputKind::position, 1), input(InputKind::position, 2)};
 }
 
 Vec3 SweepBuilder::gravity_in_base() {
   const Vec3 g = gravity_in_world();
-  return builder_.floating() ? transpose(base_axes()) * g : g;
+  return builder_.base_coordinates() > 0 ? transpose(base_axes()) * g : g;
 }
 
 void SweepBuilder::store(int role, int component, Sym x, int coordinate) {

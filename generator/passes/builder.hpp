@@ -54,9 +54,9 @@ class SweepBuilder {
   Sym of(int body, int role, int component = 0) { return input(ir::InputKind::of_body, role, component, body); }
   Vec3 of3(int body, int role, int from = 0) { return three(ir::InputKind::of_body, role, from, body); }
 
-  Twist base_twist();                             // floating base: v's first six; fixed, and in statics: zero
-  Twist base_acceleration();                      // floating base: the first six of dv/dt; fixed: zero
-  Twist base_effort();                            // floating base: the first six of tau; fixed: zero
+  Twist base_twist();                             // v's first six; of a base that does not move, and in statics: zero
+  Twist base_acceleration();                      // the first six of dv/dt, or zero
+  Twist base_effort();                            // the first six of tau, or zero
   Twist external(int wrench);                     // of the scene's wrenches: force and moment as they are given
   Sym constraint(int constraint, int component);  // what it is given at run time (ir/contact.hpp); loops behind contacts
   Mat3 base_axes();                               // in the world; of a fixed base the world's
@@ -104,14 +104,13 @@ class Builder {
   const ir::EmittedFunction& function() const { return algorithm_.function; }
   // Of an array that is no output.
   std::string own_name(const std::string& name) const { return algorithm_.function.own_name(name); }
-  bool floating() const { return tree_.floating_base; }
   // On a fixed base the first joints carry the frame of reference: what does not change with their angles is cheaper so.
-  bool moves_reference() const { return !floating(); }
+  bool moves_reference() const { return base_coordinates() == 0; }
   // Whether D has the half traces of the paper's C; derivatives are made of the D of Christoffel symbols.
   bool half_traces() const {
     return scene_.coriolis == ir::Coriolis::balance && algorithm_.function.computes(ir::Quantity::coriolis_matrix);
   }
-  int base_coordinates() const { return floating() ? 6 : 0; }
+  int base_coordinates() const { return tree_.base_coordinates(); }
 
   // The role of that name; made from `role` where there is none yet.
   int role(const ir::Role& role);

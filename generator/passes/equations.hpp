@@ -1,7 +1,7 @@
 // The equations of the explicit formulation, body by body, on symbolic scalars.
 //
 // Phases I to III (Shin, Park and Park 2016) with everything along the reference frame's axes and about its origin: the
-// floating base's frame, or, on a fixed base, the frame of the first body of each branch. Transforms of Phase II then disappear
+// base's frame where it moves, else the frame of the first body of each branch. Transforms of Phase II then disappear
 // and accumulation is a plain sum. Velocities are absolute. Gravity and bias run in body axes, where they are cheapest.
 //
 // Notation: R, p orientation and origin of a body's frame; J = [Jv; Jw] the joint's twist at the reference origin; [u; w] the

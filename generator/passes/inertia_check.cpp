@@ -64,7 +64,7 @@ class InertiaCheck {
   std::vector<std::vector<const ir::Link*>> links_of_bodies() const {
     std::unordered_map<std::string, int> body_of;
     for (const ir::LinkPlacement& link : tree_.links)
-      if (link.body >= 0 || tree_.floating_base) body_of.emplace(link.link, link.body);
+      if (link.body >= 0 || tree_.base_coordinates() > 0) body_of.emplace(link.link, link.body);
     std::vector<std::vector<const ir::Link*>> links(tree_.bodies.size() + 1);
     for (const ir::Link& link : robot_.links)
       if (const auto body = body_of.find(link.name); link.inertia && body != body_of.end())

@@ -45,15 +45,15 @@ int joint_effort_role(Builder& builder) {
 ir::NodeId coordinate_node(ir::Graph& graph, const ir::Role& role, const ir::KinematicTree& tree,
                            const std::vector<int>& coordinates, const std::vector<int>& positions, bool rates_zero, int body) {
   const ir::Body& joint = tree.bodies[static_cast<std::size_t>(body)];
-  const JointModel root = root_joint(tree);
   const int coordinate = coordinates[static_cast<std::size_t>(body)],
-            position = root.nq + positions[static_cast<std::size_t>(body)];
+            position = tree.base_positions() + positions[static_cast<std::size_t>(body)];
   if (role.source == Source::position)
     return joint.of_quaternion() ? graph.constant(0) : graph.input({InputKind::position, position, 0});
   if (role.source == Source::rate)
-    return rates_zero ? graph.constant(0) : graph.input({InputKind::velocity, root.nv + coordinate, 0});
-  if (role.source == Source::acceleration) return graph.input({InputKind::acceleration, root.nv + coordinate, 0});
-  if (role.source == Source::effort) return graph.input({InputKind::effort, root.nv + coordinate, 0});
+    return rates_zero ? graph.constant(0) : graph.input({InputKind::velocity, tree.base_coordinates() + coordinate, 0});
+  if (role.source == Source::acceleration)
+    return graph.input({InputKind::acceleration, tree.base_coordinates() + coordinate, 0});
+  if (role.source == Source::effort) return graph.input({InputKind::effort, tree.base_coordinates() + coordinate, 0});
   const bool at_rest = role.held && tree.carries_reference(static_cast<std::size_t>(body));
   const bool moves = (role.source == Source::slide ? joint.slides() : joint.turns()) && !at_rest && !joint.of_quaternion();
   if (!moves) return graph.constant(role.source == Source::cosine ? 1 : 0);

@@ -1,8 +1,8 @@
-// Joints as data: how many coordinates each has, what of them the equations read, and its motion.
+// What of joints' coordinates the equations read.
 //
 // A body's joint has one coordinate and moves about or along the z axis of its body's frame, or both; its motion column is
-// [sliding z; turning z], from the parameters. The floating base is the joint of the root: its coordinates are a position
-// and a quaternion (7) and a twist in the base's axes (6), its motion columns the identity.
+// [sliding z; turning z], from the parameters. The base's joint to the world is the root's: a position and a quaternion
+// (7), a twist in the base's axes (6), whose motion columns are the identity; or none.
 #pragma once
 
 #include <string>
@@ -15,13 +15,6 @@
 namespace dalembert::passes {
 
 class Builder;
-
-struct JointModel {
-  int nq = 0, nv = 0;
-};
-inline constexpr JointModel one_axis{1, 1}, six_axes{7, 6}, welded{0, 0};
-// Of the root's joint.
-inline JointModel root_joint(const ir::KinematicTree& tree) { return tree.floating_base ? six_axes : welded; }
 
 // An equation's right sides for joints that turn and for those that slide, each with what it is for: "n_z (revolute), ...".
 std::string either_way(const std::string& turning, const std::string& sliding);

@@ -51,7 +51,7 @@ std::vector<int> joints_without_mass(const ir::KinematicTree& tree, const ir::Sc
 }
 
 bool moves_no_mass(const ir::KinematicTree& tree, const ir::Scene& scene) {
-  if (tree.floating_base) {
+  if (tree.base_coordinates() > 0) {
     const Moved moved = passes::moved(tree, scene);
     if (moved.mass.front() || moved.inertia.front()) return false;
   }

@@ -9,14 +9,14 @@ using ir::InputKind;
 
 class Walk {
  public:
-  Walk(const ir::Algorithm& algorithm, bool floating_base) : algorithm_(algorithm) {
+  Walk(const ir::Algorithm& algorithm, int base_coordinates) : algorithm_(algorithm) {
     live_.offset = algorithm.offsets();
     const auto size = static_cast<std::size_t>(live_.offset.back());
     for (auto* set : {&live_.body, &live_.base, &live_.coordinate, &live_.handed, &live_.handed_base}) set->assign(size, false);
     // The base's coordinates where the array has them, and bodies.
     const auto need = [&](int array, bool along_rows, int role, int from, int count, bool bodies = true) {
       const ir::OutputArray& a = algorithm.arrays[static_cast<std::size_t>(array)];
-      const bool coordinates = floating_base && (along_rows ? a.row(0) : a.column(0)) >= 0;
+      const bool coordinates = base_coordinates > 0 && (along_rows ? a.row(0) : a.column(0)) >= 0;
       for (int i = from; i < from + count; ++i) {
         if (bodies) live_.body[live_.at(role, i)] = true;
         if (coordinates) live_.coordinate[live_.at(role, i)] = true;
@@ -35,7 +35,7 @@ class Walk {
         if (in.kind == InputKind::carried) return need(p.array, true, in.index, in.component, 1);
         live_.body[live_.at(in.index, in.component)] = true;
         const ir::OutputArray& a = algorithm.arrays[static_cast<std::size_t>(p.array)];
-        if (floating_base && a.column(0) >= 0) live_.base[live_.at(in.index, in.component)] = true;
+        if (base_coordinates > 0 && a.column(0) >= 0) live_.base[live_.at(in.index, in.component)] = true;
       });
     for (const ir::Result& r : algorithm.results) {
       const int count = algorithm.roles[static_cast<std::size_t>(r.role)].components();
@@ -44,7 +44,7 @@ class Walk {
         const ir::OutputArray& a = algorithm.arrays[static_cast<std::size_t>(r.array)];
         const std::vector<int>& map = along_rows ? a.row_map : a.column_map;
         const bool bodies =
-            map.empty() || std::any_of(map.begin() + (floating_base ? 6 : 0), map.end(), [](int at) { return at >= 0; });
+            map.empty() || std::any_of(map.begin() + base_coordinates, map.end(), [](int at) { return at >= 0; });
         need(r.array, along_rows, r.role, 0, count, bodies);
       }
       for (int i = 0; i < count && r.layout == ir::Layout::base; ++i) live_.base[live_.at(r.role, i)] = true;
@@ -97,6 +97,6 @@ class Walk {
 
 }  // namespace
 
-Live live(const ir::Algorithm& algorithm, bool floating_base) { return Walk(algorithm, floating_base).run(); }
+Live live(const ir::Algorithm& algorithm, int base_coordinates) { return Walk(algorithm, base_coordinates).run(); }
 
 }  // namespace dalembert::passes

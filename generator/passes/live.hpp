@@ -22,7 +22,7 @@ struct Live {
   bool operator==(const Live&) const = default;
 };
 
-Live live(const ir::Algorithm& algorithm, bool floating_base);
+Live live(const ir::Algorithm& algorithm, int base_coordinates);
 
 // Calls f(input) for every input that the nodes need.
 template <class F>

@@ -70,7 +70,7 @@ int nonzeros(const Vector3d& v) { return static_cast<int>((v.array() != 0).count
 
 // The origin of the frame of a joint that turns may be anywhere on its axis: level with the next joint's, where that makes more
 // components of translations zero: fewer operations, and as a rule shorter levers and less rounding.
-void slide_origins(ir::NormalTree& tree) {
+void slide_origins(ir::NormalTree& tree, bool base_moves) {
   for (size_t k = tree.bodies.size(); k-- > 0;) {
     ir::NormalBody& n = tree.bodies[k];
     if (n.turning == 0) continue;
@@ -81,7 +81,7 @@ void slide_origins(ir::NormalTree& tree) {
     const double by = children.front()->translation.z();
     const Vector3d translation = n.translation + by * n.rotation.col(2);
     // On a fixed base nobody reads where the first body is.
-    const bool read = n.parent >= 0 || tree.floating_base;
+    const bool read = n.parent >= 0 || base_moves;
     int more = read ? nonzeros(translation) - nonzeros(n.translation) : 0;
     for (const ir::NormalBody* c : children) more += (c->translation.z() != by) - (c->translation.z() != 0);
     if (more >= 0) continue;
@@ -103,7 +103,6 @@ NormaliseOptions normalise_options(const ir::Scene& scene, bool move_parameters)
 
 ir::NormalTree normalise(const ir::KinematicTree& tree, const NormaliseOptions& options) {
   ir::NormalTree normal;
-  normal.floating_base = tree.floating_base;
   normal.base = moments_of(tree.base, Matrix3d::Identity());
   normal.bodies.resize(tree.bodies.size());
   for (size_t k = 0; k < tree.bodies.size(); ++k) {
@@ -120,7 +119,7 @@ ir::NormalTree normalise(const ir::KinematicTree& tree, const NormaliseOptions& 
     n.link_rotation = frame.transpose();
     n.own = n.moments = moments_of(body.inertia, frame);
   }
-  if (options.slide_origins) slide_origins(normal);
+  if (options.slide_origins) slide_origins(normal, tree.base_coordinates() > 0);
   if (!options.move_parameters) return normal;
   for (size_t k = normal.bodies.size(); k-- > 0;) {
     ir::NormalBody& n = normal.bodies[k];

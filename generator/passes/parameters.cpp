@@ -96,7 +96,7 @@ double parameter_value(int parameter, const ir::KinematicTree& tree, const ir::N
   const ir::NormalBody& n = normal.bodies[static_cast<size_t>(body)];
   const ir::Body& joint = tree.bodies[static_cast<size_t>(body)];
   if (of_moments) return moment_value(parameter, n.moments);
-  const bool reference = !tree.floating_base && n.parent < 0;
+  const bool reference = tree.base_coordinates() == 0 && n.parent < 0;
   // Where the pose is a quaternion's it is given at run time (passes/joints/quaternion.hpp).
   const bool of_rotation = parameter < translation_p || (parameter >= pose_rotation_p && parameter < pose_translation_p);
   if (joint.has_quaternion() && parameter < turning_p && !(reference && parameter >= pose_rotation_p) &&

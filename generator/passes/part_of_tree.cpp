@@ -50,7 +50,9 @@ class Needed {
         [[fallthrough]];
       case ir::Quantity::coriolis_matrix:
       case ir::Quantity::gravity:
-      case ir::Quantity::bias: frame_of_base_ = true; return base && tree_.floating_base ? all_of_them() : beyond_rows(part);
+      case ir::Quantity::bias:
+        frame_of_base_ = true;
+        return base && tree_.base_coordinates() > 0 ? all_of_them() : beyond_rows(part);
       case ir::Quantity::wrench_influence:
       case ir::Quantity::regressor: {
         if (!part.some_links) return all_of_them();
@@ -65,7 +67,7 @@ class Needed {
     }
   }
 
-  int base_rows() const { return tree_.floating_base ? 6 : 0; }
+  int base_rows() const { return tree_.base_coordinates(); }
   void all_of_them() { whole_ = true; }
 
   // The bodies that the rows' joints move.
@@ -102,10 +104,10 @@ std::optional<ir::KinematicTree> part_of_tree(const ir::EmittedFunction& functio
   ir::KinematicTree part = tree;
   part.bodies.clear();
   part.links.clear();
-  part.floating_base = tree.floating_base && needed.frame_of_base();
+  if (!needed.frame_of_base()) part.base_joint = ir::JointType::fixed;
   part.within.emplace();
   const int more_positions = tree.base_positions() - part.base_positions(),
-            more_coordinates = (tree.floating_base ? 6 : 0) - (part.floating_base ? 6 : 0);
+            more_coordinates = tree.base_coordinates() - part.base_coordinates();
   const std::vector<int> positions = tree.positions(), coordinates = tree.coordinates(), links = ir::numbers_of_links(tree);
   std::vector<int> number(tree.bodies.size(), -1);
   const auto numbered = [&](int body) { return body < 0 ? body : number[static_cast<std::size_t>(body)]; };

@@ -177,7 +177,7 @@ std::vector<int> rows_in_pairs(const ir::Algorithm& algorithm, const ir::Kinemat
     const ir::OutputArray& array = algorithm.arrays[static_cast<size_t>(p.array)];
     parts = parts || array.is_part();
     for (size_t k = 0; k < rows.size(); ++k)
-      rows[k] = 2 * rows[k] + (array.row((tree.floating_base ? 6 : 0) + coordinates[k]) >= 0 ? 1 : 0);
+      rows[k] = 2 * rows[k] + (array.row(tree.base_coordinates() + coordinates[k]) >= 0 ? 1 : 0);
   }
   return parts ? rows : std::vector<int>{};
 }

@@ -13,7 +13,7 @@ void project_by_rows(ir::Algorithm& algorithm, ir::Program& program, Unroll& unr
   for (int k = 0; k < tree.joints(); ++k)
     if (links[static_cast<std::size_t>(k)] >= 0 && ir::by_rows(tree, k)) bodies.push_back(k);
   if (bodies.empty() || algorithm.projections.empty()) return;
-  const int base_rows = tree.nv() - tree.independent_joints();
+  const int base_rows = tree.base_coordinates();
   const auto array = [&](const std::string& name, int rows, int columns) {
     algorithm.arrays.push_back({name, rows, columns, true});
     return static_cast<int>(algorithm.arrays.size()) - 1;

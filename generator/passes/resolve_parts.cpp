@@ -49,10 +49,10 @@ void resolve(ir::Part& part, const std::string& result, const ir::KinematicTree&
     }
     for (std::size_t k = 0; k < wanted.size(); ++k)
       for (const std::string& name : part.joints) wanted[k] = wanted[k] || is_called(tree.bodies[k], name);
-    for (int j = 0; j < 6 && base && tree.floating_base; ++j) part.coordinates.push_back(j);
+    for (int j = 0; base && j < tree.base_coordinates(); ++j) part.coordinates.push_back(j);
     const std::vector<int> coordinates = tree.coordinates();
     for (std::size_t k = 0; k < wanted.size(); ++k)
-      if (wanted[k] && !tree.bodies[k].driven()) part.coordinates.push_back((tree.floating_base ? 6 : 0) + coordinates[k]);
+      if (wanted[k] && !tree.bodies[k].driven()) part.coordinates.push_back(tree.base_coordinates() + coordinates[k]);
     if (part.coordinates.empty())
       refuse(result, "no joint that is named moves", "name joints that move, or the base where it floats");
   }
@@ -62,7 +62,7 @@ void resolve(ir::Part& part, const std::string& result, const ir::KinematicTree&
   for (const std::string& link : part.links) {
     const ir::LinkPlacement* const at = placement(tree, link);
     if (!at) continue;
-    if (at->body < 0 && !tree.floating_base)
+    if (at->body < 0 && tree.base_coordinates() == 0)
       refuse(result, "link '" + link + "' does not move: the base is fixed", "name a descendant of a joint that moves");
     const std::string& own = at->body < 0 ? tree.base_link : tree.bodies[static_cast<std::size_t>(at->body)].name;
     // Parameters are a body's, about the origin of the link that it is named after.

@@ -6,7 +6,7 @@
 
 namespace dalembert::passes {
 
-// Names, patterns and subtrees become coordinates of v and links. Unless `base` says otherwise the floating base's six are
+// Names, patterns and subtrees become coordinates of v and links. Unless `base` says otherwise the base's coordinates are
 // asked for where nothing but `base: true` stands, and where a subtree is the base link's. Throws InputError where nothing is
 // left, or where a link has no columns.
 void resolve_parts(ir::Scene& scene, const ir::KinematicTree& tree);

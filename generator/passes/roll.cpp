@@ -174,14 +174,14 @@ ir::RolledProgram roll(const ir::Algorithm& algorithm, Unroll& unroll, const ir:
         state.children[static_cast<std::size_t>(s.parents[lane] + 1)].push_back(s.bodies[lane].front());
   for (const ir::Projection& p : algorithm.projections)
     each_input(p.graph, p.columns, [&](const ir::Input& in) {
-      for (int j = 0; j < root_joint(tree).nv && in.kind == InputKind::carried; ++j)
+      for (int j = 0; j < tree.base_coordinates() && in.kind == InputKind::carried; ++j)
         state.program.base_coordinates[{in.index, in.component, j}] =
             state.value(unroll.coordinate_role(in.index, in.component, j));
     });
   const std::vector<int> coordinates = tree.coordinates();
   for (const ir::Pairs& p : algorithm.pairs)
     for (int k = 0; k < tree.joints() && p.diagonal >= 0; ++k) {
-      const int row = root_joint(tree).nv + coordinates[static_cast<std::size_t>(k)];
+      const int row = tree.base_coordinates() + coordinates[static_cast<std::size_t>(k)];
       const double value = unroll.program().graph[unroll.plain_parameter(p.diagonal, k)].value;
       const int at = state.array(p.array).row(row);
       if (value != 0 && at >= 0) state.program.added.push_back({p.array, at, at, value});
@@ -191,7 +191,7 @@ ir::RolledProgram roll(const ir::Algorithm& algorithm, Unroll& unroll, const ir:
       if (!tree.bodies[static_cast<std::size_t>(k)].has_quaternion()) continue;
       each_bracket(tree, k, [&](int lower, int upper, int body, int sign) {
         const auto row = [&](int of) {
-          return state.array(p.array).row(root_joint(tree).nv + coordinates[static_cast<std::size_t>(of)]);
+          return state.array(p.array).row(tree.base_coordinates() + coordinates[static_cast<std::size_t>(of)]);
         };
         if (row(upper) >= 0 && row(lower) >= 0 && !state.constant(unroll.role(p.between, 0, body)))
           state.program.added.push_back({p.array, row(upper), row(lower), static_cast<double>(sign), p.between, body});

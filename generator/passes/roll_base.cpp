@@ -65,7 +65,7 @@ class BaseRoll {
 
   void results() {
     const ir::Algorithm& a = state_.algorithm;
-    const int coordinates = root_joint(state_.tree).nv;
+    const int coordinates = state_.tree.base_coordinates();
     const auto put = [&](int array, int row, int column, NodeId node) {
       row = state_.array(array).row(row), column = state_.array(array).column(column);
       if (row >= 0 && column >= 0 && !graph().is_constant(node, 0)) stage_->elements.push_back({array, row, column, node});

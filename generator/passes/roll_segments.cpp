@@ -259,13 +259,13 @@ class SegmentRoll {
     }
   }
 
-  // Rows and columns of the floating base: products with its six coordinates, whose roles the unrolled program has.
+  // Rows and columns of the base: products with its coordinates, whose roles the unrolled program has.
   void copy_base_products(int pairs) {
     const ir::Pairs& p = state_.algorithm.pairs[static_cast<std::size_t>(pairs)];
     const ir::RolledPairs& to = state_.program.pairs[static_cast<std::size_t>(pairs)];
     const auto add = [&](const std::vector<ir::PairTerm>& terms, int role) {
       ir::Copy copy(state_.unroll.program().graph, paragraph_->graph);
-      for (int j = 0; j < root_joint(state_.tree).nv; ++j) {
+      for (int j = 0; j < state_.tree.base_coordinates(); ++j) {
         NodeId sum = no_node;
         for (const ir::PairTerm& t : terms) {
           NodeId three[3];

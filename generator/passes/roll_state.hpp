@@ -51,11 +51,11 @@ struct RollState {
   bool constant(ir::NodeId node) const { return node == ir::no_node || unroll.program().graph.is_constant(node); }
   double value(ir::NodeId node) const { return node == ir::no_node ? 0 : unroll.program().graph[node].value; }
   const ir::OutputArray& array(int id) const { return algorithm.arrays[static_cast<std::size_t>(id)]; }
-  // Whether the matrix has rows and columns of a floating base.
-  bool has_base_rows(const ir::Pairs& p) const { return tree.floating_base && array(p.array).row(0) >= 0; }
+  // Whether the matrix has rows and columns of the base.
+  bool has_base_rows(const ir::Pairs& p) const { return tree.base_coordinates() > 0 && array(p.array).row(0) >= 0; }
   // Whether an array has the row, or the column, of a body's coordinate.
   bool asked(int id, bool along_rows, int body) const {
-    const int coordinate = (tree.floating_base ? 6 : 0) + coordinates[static_cast<std::size_t>(body)];
+    const int coordinate = tree.base_coordinates() + coordinates[static_cast<std::size_t>(body)];
     return (along_rows ? array(id).row(coordinate) : array(id).column(coordinate)) >= 0;
   }
   bool known(int id) const { return static_cast<std::size_t>(id) < algorithm.roles.size(); }

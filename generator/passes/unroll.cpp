@@ -26,18 +26,18 @@ Unroll::Unroll(const ir::Algorithm& algorithm, const ir::KinematicTree& tree, co
       normal_(normal),
       scene_(scene),
       options_(options),
-      live_(passes::live(algorithm, tree.floating_base)),
+      live_(passes::live(algorithm, tree.base_coordinates())),
       coordinates_(tree.coordinates()),
       positions_(tree.positions()),
       links_(ir::numbers_of_links(tree)),
-      base_rows_(root_joint(tree).nv),
+      base_rows_(tree.base_coordinates()),
       producer_(algorithm.roles.size(), -1),
       base_producer_(algorithm.roles.size(), -1),
       values_((tree.bodies.size() + 7) * static_cast<std::size_t>(live_.offset.back()), no_node),
       handed_((tree.bodies.size() + 1) * static_cast<std::size_t>(live_.offset.back()), no_node),
       done_(algorithm.sweeps.size(), std::vector<bool>(tree.bodies.size() + 1, false)) {
   program_.graph = ir::Graph(options.graph);
-  program_.base_positions = root_joint(tree).nq;
+  program_.base_positions = tree.base_positions();
   program_.arrays = algorithm.arrays;
   std::size_t pairs = 0;  // the elements are most of a long chain's nodes
   std::vector<std::size_t> depth(tree.bodies.size(), 1);
@@ -189,7 +189,7 @@ void Unroll::run_loop(const Loop& loop) {
     if (inwards) run_sweep(s, -1);
   for (int p : loop.pairs) run_pairs(p, -1);
   for (std::size_t p = 0; p < algorithm_.projections.size() && loop.sweeps.empty(); ++p)
-    for (int body = tree_.floating_base ? -1 : 0; body < bodies; ++body) run_projection(static_cast<int>(p), body);
+    for (int body = tree_.base_coordinates() > 0 ? -1 : 0; body < bodies; ++body) run_projection(static_cast<int>(p), body);
 }
 
 void Unroll::run_sweep(int sweep, int body) {

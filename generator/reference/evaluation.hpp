@@ -182,7 +182,7 @@ class Evaluation {
     for (size_t k = 0; k < links.size(); ++k)
       if (links[k] >= 0)
         kept.middleCols(columns * links[k], columns) =
-            all.middleCols(columns * (static_cast<Eigen::Index>(k) + (tree_.floating_base ? 1 : 0)), columns);
+            all.middleCols(columns * (static_cast<Eigen::Index>(k) + (tree_.base_coordinates() > 0 ? 1 : 0)), columns);
     return kept;
   }
 
@@ -356,7 +356,7 @@ class EmbeddedEvaluation {
     std::vector<int> dependent;
     for (const ir::Linkage& linkage : tree_.linkages)
       for (const int k : linkage.dependent)
-        dependent.push_back(opened_.nv() - opened_.independent_joints() + opened_.coordinates()[static_cast<std::size_t>(k)]);
+        dependent.push_back(opened_.base_coordinates() + opened_.coordinates()[static_cast<std::size_t>(k)]);
     MatrixX<S> own(J.rows(), static_cast<Eigen::Index>(dependent.size())), others(J.rows(), n);
     for (std::size_t i = 0; i < dependent.size(); ++i) own.col(static_cast<Eigen::Index>(i)) = J.col(dependent[i]);
     for (Eigen::Index i = 0; i < n; ++i) others.col(i) = J.col(list.at[static_cast<std::size_t>(i)]);

@@ -23,7 +23,7 @@ generic::Model<S> to_generic(const ir::KinematicTree& tree, const Eigen::Vector3
                              ir::Coriolis coriolis = ir::Coriolis::balance) {
   generic::Model<S> model;
   model.coriolis = coriolis == ir::Coriolis::balance ? generic::Coriolis::balance : generic::Coriolis::christoffel;
-  model.floating_base = tree.floating_base;
+  model.floating_base = tree.base_coordinates() > 0;
   model.base = to_generic<S>(tree.base);
   model.gravity = gravity.cast<S>();
   for (const ir::Body& body : tree.bodies)

@@ -162,7 +162,7 @@ class Pivots {
       if (zero_[k]) add(motions, 5 + static_cast<int>(k), Vector6<S>::Zero());
       for (Elimination<S>& one : all_) one.hand_on(k, at(tree_.bodies[k - 1].parent + 1), zero_[k]);
     }
-    if (tree_.floating_base) base(motions);
+    if (tree_.base_coordinates() > 0) base(motions);
     return indefinite_ ? std::map<int, MotionWithoutMass>{} : motions;
   }
 

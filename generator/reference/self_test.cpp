@@ -43,7 +43,7 @@ Eigen::VectorXd rounded(const Eigen::VectorXd& x, ir::ScalarType scalar) {
 ir::SelfTest::State make_state(const ir::KinematicTree& tree, int turns, Uniform& uniform) {
   ir::SelfTest::State state{Eigen::VectorXd(tree.nq()), Eigen::VectorXd(tree.nv()), Eigen::VectorXd(tree.nv())};
   int coordinate = 0;
-  if (tree.floating_base) {
+  if (tree.base_coordinates() > 0) {
     for (int i = 0; i < 7; ++i) state.q[i] = uniform.either_sign(0.3, 0.8);
     coordinate = 7;
   }

@@ -50,7 +50,7 @@ Contestant kdl_contestant(const BenchmarkRobot& robot, Quantities quantities) {
   const auto& bodies = robot.tree().bodies;
   const bool chain =
       std::is_sorted(bodies.begin(), bodies.end(), [](const auto& a, const auto& b) { return a.parent < b.parent; });
-  if (!kdl_offers(quantities) || robot.tree().floating_base || !chain) return {};
+  if (!kdl_offers(quantities) || robot.tree().base_coordinates() > 0 || !chain) return {};
   struct Computation {
     KDL::Chain chain;
     KDL::ChainDynParam parameters;

@@ -44,7 +44,7 @@ constexpr Kind state_kinds[] = {moderate,
 
 testing::State extreme_state(const ir::KinematicTree& tree, const Kind& kind, int seed) {
   testing::State state = testing::moderate_state(tree, static_cast<std::uint64_t>(seed));
-  if (tree.floating_base) state.q.head<3>() *= kind.base;
+  if (tree.base_coordinates() > 0) state.q.head<3>() *= kind.base;
   state.q.tail(tree.independent_joints()) *= kind.angles;
   state.v *= kind.rates;
   return state;

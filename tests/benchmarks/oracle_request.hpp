@@ -8,7 +8,7 @@ namespace dalembert::benchmarks {
 
 inline oracle::Request request_for(const BenchmarkRobot& robot) {
   oracle::Request request{
-      robot.urdf(), robot.tree().floating_base ? oracle::Base::floating : oracle::Base::fixed, {}, robot.gravity()};
+      robot.urdf(), robot.tree().base_coordinates() > 0 ? oracle::Base::floating : oracle::Base::fixed, {}, robot.gravity()};
   for (const ir::Body& body : robot.tree().bodies) request.joints.push_back(body.joint);
   return request;
 }

@@ -18,7 +18,7 @@ State moderate_state(const ir::KinematicTree& tree, std::uint64_t seed) {
   const std::vector<int> coordinates = tree.positions();
   for (size_t k = 0; k < tree.bodies.size(); ++k)
     if (!tree.bodies[k].driven() && !tree.bodies[k].of_quaternion())
-      state.q[(tree.floating_base ? 7 : 0) + coordinates[k]] *= tree.bodies[k].turns() ? 3 : 0.5;
+      state.q[tree.base_positions() + coordinates[k]] *= tree.bodies[k].turns() ? 3 : 0.5;
   for (double& v : state.v) v = random.uniform(-2, 2);
   return state;
 }
@@ -28,7 +28,7 @@ std::vector<State> extreme_states(const ir::KinematicTree& tree) {
   rest.name = "at rest in zero";
   rest.v.setZero();
   rest.q.setZero();
-  if (tree.floating_base) rest.q[6] = 1;
+  if (tree.base_coordinates() > 0) rest.q[6] = 1;
   fast.name = "velocities of 1e6";
   fast.v *= 1e6;
   slow.name = "velocities of 1e-300";
@@ -36,9 +36,9 @@ std::vector<State> extreme_states(const ir::KinematicTree& tree) {
   wound.name = "angles of 1e5";
   const std::vector<int> coordinates = tree.coordinates();
   for (size_t k = 0; k < tree.bodies.size(); ++k)
-    if (!tree.bodies[k].driven() && tree.bodies[k].turns()) wound.q[(tree.floating_base ? 7 : 0) + coordinates[k]] *= 1e5;
+    if (!tree.bodies[k].driven() && tree.bodies[k].turns()) wound.q[tree.base_positions() + coordinates[k]] *= 1e5;
   std::vector<State> states{rest, fast, slow, wound};
-  if (tree.floating_base) {
+  if (tree.base_coordinates() > 0) {
     far.name = "base at 1e9";
     far.q.head<3>() *= 1e9;
     states.push_back(far);

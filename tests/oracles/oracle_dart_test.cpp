@@ -52,7 +52,7 @@ TEST_P(DartKinds, AgreeWithTheGenericEngine) {
     const testing::State state = testing::moderate_state(tree, static_cast<std::uint64_t>(seed));
     const Eigen::VectorXd tau = testing::moderate_state(tree, static_cast<std::uint64_t>(seed + 100)).v;
     const KindsAnswer theirs =
-        dart_answer(robot, coordinates, positions, tree.floating_base, scene.gravity, state.q, state.v, tau);
+        dart_answer(robot, coordinates, positions, tree.base_coordinates() > 0, scene.gravity, state.q, state.v, tau);
     const auto error = [](const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
       return (a - b).cwiseAbs().maxCoeff<Eigen::PropagateNaN>() / b.cwiseAbs().maxCoeff();
     };

@@ -65,7 +65,7 @@ TEST_P(ElasticJoints, AreTheRigidOnesInMoreCoordinates) {
     at.q = VectorXd(elastic.nq()), at.v = VectorXd(elastic.nv()), at.more = VectorXd(elastic.nv());
     for (int i = 0; i < elastic.nq(); ++i) at.q[i] = std::sin(1 + 1.7 * i);
     for (int i = 0; i < elastic.nv(); ++i) at.v[i] = std::cos(2 + 1.3 * i), at.more[i] = std::cos(1 + 1.9 * i);
-    if (elastic.floating_base) at.q.segment<4>(3).normalize();
+    if (elastic.base_coordinates() > 0) at.q.segment<4>(3).normalize();
     reference::Inputs rigid_at{VectorXd(rigid.nq()), to_rigid * at.v, to_rigid * at.more};
     rigid_at.q << at.q.head(head), to_rigid.bottomRightCorner(rigid.joints(), elastic.joints()) * at.q.tail(elastic.joints());
 

@@ -142,7 +142,7 @@ TEST_P(Embedded, KeepsWhatHoldsOfAnyDynamics) {
   EXPECT_LT(largest(value(Quantity::forward_dynamics, back) - state.more), 1e-10 * largest(state.more));
   EXPECT_LT(largest(M * value(Quantity::inverse_mass_matrix, state) - MatrixXd::Identity(M.rows(), M.cols())), 1e-10);
   EXPECT_NEAR(value(Quantity::kinetic_energy, state)(0, 0), state.v.dot(M * state.v) / 2, 1e-11 * largest(M));
-  if (model.tree.floating_base) return;  // whose positions are no sums of velocities
+  if (model.tree.base_coordinates() > 0) return;  // whose positions are no sums of velocities
   // M' = C + C', and what motors do is what energy there is more, by differences along the motion.
   const double h = 1e-5;
   const Following f = following(model.tree, state);

@@ -325,7 +325,7 @@ class RolledRun {
     return place(program_.received.at(static_cast<std::size_t>(role)), component, slot);
   }
   int slot(int body) const { return body < 0 ? plan_.root_slot : plan_.slot_of[static_cast<std::size_t>(body)]; }
-  int row(int body) const { return passes::root_joint(tree_).nv + coordinates_[static_cast<std::size_t>(body)]; }
+  int row(int body) const { return tree_.base_coordinates() + coordinates_[static_cast<std::size_t>(body)]; }
 
   void joints() {
     for (std::size_t r = 0; r < program_.roles.size(); ++r) {
@@ -465,7 +465,7 @@ class RolledRun {
         };
         for (int i = body; i >= 0; i = tree_.bodies[static_cast<std::size_t>(i)].parent)
           project(row(i), [&](const Input& in) { return kept(in.index, in.component, slot(i)); });
-        for (int j = 0; j < passes::root_joint(tree_).nv; ++j)
+        for (int j = 0; j < tree_.base_coordinates(); ++j)
           project(j, [&](const Input& in) { return program_.base_coordinates.at({in.index, in.component, j}); });
       }
     for (const Result& r : algorithm_.results)

@@ -73,9 +73,8 @@ TEST_P(JointKinds, MoveOnTheirGroups) {
   const std::vector<int> positions = tree.positions(), coordinates = tree.coordinates();
   for (size_t k = 0; k < tree.bodies.size(); ++k)
     if (tree.bodies[k].has_quaternion())
-      falling.quaternion_joints.push_back({tree.base_positions() + positions[k],
-                                           tree.nv() - tree.independent_joints() + coordinates[k],
-                                           tree.bodies[k].displacements() > 0});
+      falling.quaternion_joints.push_back(
+          {tree.base_positions() + positions[k], tree.base_coordinates() + coordinates[k], tree.bodies[k].displacements() > 0});
   const State start = some_state(tree);
   const auto end = [&](int steps) {
     std::pair<Eigen::VectorXd, Eigen::VectorXd> at{start.q, start.v};

@@ -24,7 +24,7 @@ const ir::Inertia point{0.7, {0.1, -0.2, 0.15}, Eigen::Matrix3d::Zero()};
 ir::KinematicTree robot(bool floating, const ir::Inertia& base) {
   ir::KinematicTree tree;
   tree.base_link = "base";
-  tree.floating_base = floating;
+  if (floating) tree.base_joint = ir::JointType::floating;
   tree.base = base;
   tree.links = {{"base", -1}};
   return tree;
@@ -66,9 +66,9 @@ TEST(MotionWithoutMass, ABaseWithoutMassTurnsAsItsOnlyJointTurnsBack) {
     ir::Scene scene;
     scene.payloads = {"base"};
     EXPECT_EQ(found(tree, scene), "none");
-    tree.floating_base = false;
+    tree.base_joint = ir::JointType::fixed;
     EXPECT_EQ(found(tree), "none");
-    tree.floating_base = true;
+    tree.base_joint = ir::JointType::floating;
     add(tree, -1, {0, 1, 0}, {0, 0.4, 0}, full);  // two joints hold it
     EXPECT_EQ(found(tree), "none");
   }
@@ -175,7 +175,7 @@ TEST(MotionWithoutMass, AgreesWithTheEigenvaluesOfM) {
     for (int state = 0; state < 5; ++state) {
       reference::Inputs inputs{Eigen::VectorXd(tree.nq()), Eigen::VectorXd::Zero(tree.nv())};
       for (double& q : inputs.q) q = uniform();
-      if (tree.floating_base) inputs.q.segment<4>(3).normalize();
+      if (tree.base_coordinates() > 0) inputs.q.segment<4>(3).normalize();
       Eigen::MatrixXd M =
           reference::evaluate(tree, scene, {{ir::Quantity::mass_matrix, {}}}, inputs, reference::Precision::extended).front();
       const Eigen::VectorXd scale = M.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();

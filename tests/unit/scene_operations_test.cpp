@@ -275,7 +275,7 @@ TEST(SceneFile, AskingForEverythingCostsNoMoreThanNoFile) {
     const Model without = read_model(request, warnings);
     request.settings = {{"outputs", "mass_matrix,coriolis_matrix,gravity,bias"},
                         {"gravity", "0,0,-9.81"},
-                        {"base", without.tree.floating_base ? "floating" : "fixed"},
+                        {"base", ir::row_of(without.tree.base_joint).word},
                         {"rates_zero", "false"}};
     SCOPED_TRACE(robot.name);
     expect_same_counts(operation_costs(read_model(request, warnings)), operation_costs(without));

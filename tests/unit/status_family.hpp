@@ -64,7 +64,7 @@ inline ir::KinematicTree robot(const Shape& shape, double distance, unsigned see
   ir::KinematicTree tree;
   tree.robot = shape.name;
   tree.base_link = "base";
-  tree.floating_base = shape.floating;
+  if (shape.floating) tree.base_joint = ir::JointType::floating;
   if (shape.floating) tree.base = body(1e-2 * shape.mass);
   tree.links = {{"base", -1}};
   const auto add = [&](const Eigen::Vector3d& axis, const Eigen::Vector3d& at, const ir::Inertia& inertia, bool slides) {

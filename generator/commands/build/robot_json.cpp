@@ -90,7 +90,7 @@ std::string robot_json(const Library& library, const Request& request, const Com
   const Model& model = library.parts.front().model;
   const ir::KinematicTree& tree = model.tree;
   std::vector<std::string> joints, types, bodies, links, said, lower, upper, velocity, effort;
-  if (tree.floating_base) bodies.push_back(tree.base_link);
+  if (tree.base_coordinates() > 0) bodies.push_back(tree.base_link);
   for (const ir::Body& body : tree.bodies) {
     if (body.part + 1 == body.parts) bodies.push_back(body.name);
     if (!body.independent()) continue;
@@ -109,8 +109,7 @@ std::string robot_json(const Library& library, const Request& request, const Com
   for (size_t k = 0; k < tree.bodies.size(); ++k)
     if (tree.bodies[k].has_quaternion())
       quaternions.push_back(fmt::format("[{}, {}, {}]", tree.base_positions() + positions[k],
-                                        tree.nv() - tree.independent_joints() + coordinates[k],
-                                        tree.bodies[k].displacements() > 0 ? 1 : 0));
+                                        tree.base_coordinates() + coordinates[k], tree.bodies[k].displacements() > 0 ? 1 : 0));
   for (const ir::LinkPlacement& link : tree.links) links.push_back(link.link);
   for (const Diagnostic& d : warnings)
     if (d.severity != Severity::error)
@@ -127,7 +126,7 @@ std::string robot_json(const Library& library, const Request& request, const Com
       "  \"lower\": {},\n  \"upper\": {},\n  \"velocity\": {},\n  \"effort\": {},\n  \"functions\": {},\n  \"run_time\": {},\n"
       "  \"compiled_by\": {},\n  \"code_bytes\": {},\n  \"said\": {}\n}}\n",
       json_string(command), json_string(tree.robot), json_string(model.name), json_string(request.robot),
-      tree.floating_base ? "floating" : "fixed", json_string(tree.base_link), tree.nq(), tree.nv(),
+      ir::row_of(tree.base_joint).word, json_string(tree.base_link), tree.nq(), tree.nv(),
       model.scene.scalar == ir::ScalarType::float32 ? "float32" : "float64", array(quaternions), json_array(joints),
       json_array(types), json_array(bodies), json_array(links), array(lower), array(upper), array(velocity), array(effort),
       functions_json(library), run_time_json(model),

@@ -25,6 +25,6 @@ const std::vector<ExtremeCase>& extreme_cases();
 ir::KinematicTree with_rounded_angles(ir::KinematicTree tree, const State& state, ir::ScalarType scalar, bool fused);
 
 // First of the joints' entries in q.
-inline Eigen::Index first_joint(const ir::KinematicTree& tree) { return tree.floating_base ? 7 : 0; }
+inline Eigen::Index first_joint(const ir::KinematicTree& tree) { return tree.base_positions(); }
 
 }  // namespace dalembert::reporting

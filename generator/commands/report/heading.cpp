@@ -54,7 +54,7 @@ void add_heading(const Subject& subject, Rows& rows) {
   const auto number = [&](const char* metric, double value, const char* unit) {
     rows.number("robot", tree.robot, "", "", metric, value, unit);
   };
-  text("base", tree.floating_base ? "floating" : "fixed");
+  text("base", ir::row_of(tree.base_joint).word);
   number("joints", tree.joints(), "joints");
   number("nq", tree.nq(), "numbers");
   number("nv", tree.nv(), "numbers");

@@ -78,7 +78,7 @@ class Simulated {
     model.scene.scalar = ir::ScalarType::float64;
     return model;
   }
-  Eigen::Index base() const { return tree_.floating_base ? 6 : 0; }
+  Eigen::Index base() const { return tree_.base_coordinates(); }
   VectorXd force(const VectorXd& q) const {
     VectorXd f = -engine_.result(outputs_[2]);
     const Eigen::Index joints = f.size() - base();

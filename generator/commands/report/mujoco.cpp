@@ -33,25 +33,24 @@ Vector velocity(const ir::Scene& scene, const Output& output, const State& state
 // From our coordinates of a state's velocity to MuJoCo's: qvel = T v and qacc = T v̇ + Ṫ v, T turning the base's linear part by
 // R. In long double, so that the change costs no digits.
 struct Mujoco::Turned {
-  bool floating;
+  bool base_moves;
   Eigen::Matrix<long double, 3, 3> R;
   Vector drift;  // Ṫ v: R (ω × v) of the base
 
-  Turned(bool floating_base, const Eigen::VectorXd& q, const Vector& v)
-      : floating(floating_base), drift(Vector::Zero(v.size())) {
-    if (!floating) return;
+  Turned(bool base_moves, const Eigen::VectorXd& q, const Vector& v) : base_moves(base_moves), drift(Vector::Zero(v.size())) {
+    if (!base_moves) return;
     R = Eigen::Quaternion<long double>(q[6], q[3], q[4], q[5]).normalized().toRotationMatrix();  // w x y z
     drift.head<3>() = R * Vector3(v.segment<3>(3)).cross(Vector3(v.head<3>()));
   }
   Vector there(Vector x) const {
-    if (floating) x.head<3>() = (R * x.head<3>()).eval();
+    if (base_moves) x.head<3>() = (R * x.head<3>()).eval();
     return x;
   }
   void rows_back(Matrix& x) const {
-    if (floating) x.topRows<3>() = (R.transpose() * x.topRows<3>()).eval();
+    if (base_moves) x.topRows<3>() = (R.transpose() * x.topRows<3>()).eval();
   }
   void columns_back(Matrix& x) const {
-    if (floating) x.leftCols<3>() = (x.leftCols<3>() * R).eval();
+    if (base_moves) x.leftCols<3>() = (x.leftCols<3>() * R).eval();
   }
 };
 
@@ -106,9 +105,9 @@ std::string Mujoco::obstacle(const Output& output) const {
 
 Mujoco::Input Mujoco::input_of(const Output& output, const State& state) const {
   const Vector v = velocity(model_.scene, output, state);
-  const Turned turned(model_.tree.floating_base, state.q, v);
+  const Turned turned(model_.tree.base_coordinates() > 0, state.q, v);
   Eigen::VectorXd qpos = state.q;
-  if (turned.floating) qpos.segment<4>(3) << state.q[6], state.q.segment<3>(3);
+  if (turned.base_moves) qpos.segment<4>(3) << state.q[6], state.q.segment<3>(3);
   Vector more = turned.there(state.more.cast<long double>());
   if (output.quantity == ir::Quantity::inverse_dynamics) more += turned.drift;
   const auto list = [](const Eigen::VectorXd& x) { return std::vector<double>(x.begin(), x.end()); };
@@ -124,9 +123,9 @@ Eigen::MatrixXd Mujoco::result(const Output& output, const State& state) const {
     return Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(values, rows, columns)
         .cast<long double>();
   };
-  const Turned turned(model_.tree.floating_base, state.q, velocity(model_.scene, output, state));
+  const Turned turned(model_.tree.base_coordinates() > 0, state.q, velocity(model_.scene, output, state));
   Matrix value = own(quantity, output.rows, output.columns);
-  if (quantity == bias && turned.floating) value += own(mass_matrix, model_.tree.nv(), model_.tree.nv()) * turned.drift;
+  if (quantity == bias && turned.base_moves) value += own(mass_matrix, model_.tree.nv(), model_.tree.nv()) * turned.drift;
   if (quantity == forward_dynamics) value -= turned.drift;
   if (is_any_of(quantity, {mass_matrix, inverse_mass_matrix, gravity, bias, inverse_dynamics, forward_dynamics}))
     turned.rows_back(value);

@@ -31,8 +31,8 @@ class Mujoco {
   // Why it does not compute this; empty: it does.
   std::string obstacle(const Output& output) const;
 
-  // Of outputs without an obstacle: rows × columns, in our coordinates. M, which the bias of a floating base needs besides, and
-  // the change of coordinates cost no time in time_per_call().
+  // Of outputs without an obstacle: rows × columns, in our coordinates. M, which the bias needs besides where the base moves,
+  // and the change of coordinates cost no time in time_per_call().
   Eigen::MatrixXd result(const Output& output, const State& state) const;
   CallTime time_per_call(const Output& output, const std::vector<State>& states) const;
 

@@ -50,7 +50,7 @@ std::string row_of(const ir::Inertia& inertia) {
 std::string mujoco_model(const ir::KinematicTree& tree, const ir::Scene& scene) {
   std::string text = fmt::format("<mujoco>\n<compiler angle=\"radian\"/>\n<option gravity=\"{}\"/>\n<worldbody>\n",
                                  numbers(scene.gravity, " "));
-  if (tree.floating_base) text += fmt::format("<body>{}<freejoint/>\n", placeholder);
+  if (tree.base_coordinates() > 0) text += fmt::format("<body>{}<freejoint/>\n", placeholder);
   std::vector<int> open;  // the bodies that the next may stand in
   for (size_t k = 0; k < tree.bodies.size(); ++k) {
     for (; !open.empty() && open.back() != tree.bodies[k].parent; open.pop_back()) text += "</body>\n";
@@ -58,13 +58,13 @@ std::string mujoco_model(const ir::KinematicTree& tree, const ir::Scene& scene) 
     open.push_back(static_cast<int>(k));
   }
   for (size_t i = 0; i < open.size(); ++i) text += "</body>\n";
-  if (tree.floating_base) text += "</body>\n";
+  if (tree.base_coordinates() > 0) text += "</body>\n";
   return text + "</worldbody>\n</mujoco>\n";
 }
 
 backend::OutputFile mujoco_source(const ir::KinematicTree& tree) {
   const auto any = [&](const auto& is) { return std::any_of(tree.bodies.begin(), tree.bodies.end(), is) ? "true" : "false"; };
-  std::string inertias = tree.floating_base ? row_of(tree.base) : "";
+  std::string inertias = tree.base_coordinates() > 0 ? row_of(tree.base) : "";
   for (const ir::Body& body : tree.bodies) inertias += row_of(body.inertia);
   return {"mujoco.cpp",
           backend::render("mujoco.cpp", {{"inertias", inertias},

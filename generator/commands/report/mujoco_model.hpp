@@ -9,8 +9,8 @@
 
 namespace dalembert::reporting {
 
-// MJCF of the tree's bodies, joints, springs, dampers and armature, in the order of the tree, a floating base first. Every
-// inertia is a placeholder.
+// MJCF of the tree's bodies, joints, springs, dampers and armature, in the order of the tree, the base first where it moves.
+// Every inertia is a placeholder.
 std::string mujoco_model(const ir::KinematicTree& tree, const ir::Scene& scene);
 
 // The code that calls MuJoCo, with the tree's inertias.

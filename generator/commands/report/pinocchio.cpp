@@ -78,7 +78,7 @@ PinocchioRobot::PinocchioRobot(const ir::KinematicTree& tree, const Eigen::Vecto
   const dalembert_pinocchio_body base = inertial(tree.base);
   const auto destroy = function<decltype(dalembert_pinocchio_destroy)>("dalembert_pinocchio_destroy");
   robot_ = {function<decltype(dalembert_pinocchio_create)>("dalembert_pinocchio_create")(
-                tree.floating_base, &base, bodies.data(), static_cast<int>(bodies.size()), gravity.data()),
+                tree.base_coordinates() > 0, &base, bodies.data(), static_cast<int>(bodies.size()), gravity.data()),
             [library = library_, destroy](dalembert_pinocchio_robot* robot) {
               if (robot) destroy(robot);
             }};

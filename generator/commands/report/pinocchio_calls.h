@@ -45,8 +45,8 @@ DALEMBERT_PINOCCHIO_API const char* dalembert_pinocchio_version(void);  /* "3.7.
 DALEMBERT_PINOCCHIO_API const char* dalembert_pinocchio_compiled(void); /* compiler and flags */
 DALEMBERT_PINOCCHIO_API const dalembert_pinocchio_call* dalembert_pinocchio_calls(int* count);
 
-/* base: read where the base floats. Null when there is no memory. */
-DALEMBERT_PINOCCHIO_API dalembert_pinocchio_robot* dalembert_pinocchio_create(int floating, const dalembert_pinocchio_body* base,
+/* base: read where it moves. Null when there is no memory. */
+DALEMBERT_PINOCCHIO_API dalembert_pinocchio_robot* dalembert_pinocchio_create(int base_moves, const dalembert_pinocchio_body* base,
                                                       const dalembert_pinocchio_body* bodies, int count, const double* gravity);
 DALEMBERT_PINOCCHIO_API void dalembert_pinocchio_destroy(dalembert_pinocchio_robot*);
 

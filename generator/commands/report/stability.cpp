@@ -133,7 +133,7 @@ class Stability {
     }
   }
 
-  // What does not read where a floating base is does not change by a bit; what does is as exact there as elsewhere.
+  // What does not read where the base is does not change by a bit; what does is as exact there as elsewhere.
   void base_far_away(const Code& code) {
     const std::string name = "base at 1e12 m";
     std::vector<Output> moved, unmoved;
@@ -307,7 +307,7 @@ void add_stability(const Subject& subject, std::span<const std::unique_ptr<Gener
     rows.number("rounding", random_case, "all", code.name, "time_upper_quartile", time.upper_quartile, "ns");
     if (i == 0) rows.text("rounding", random_case, "all", code.name, "chosen", "yes");
     stability.extremes(code);
-    if (subject.model.tree.floating_base) {
+    if (subject.model.tree.base_coordinates() > 0) {
       stability.base_far_away(code);
       stability.quaternion("quaternion of length 1.001", 1.001, code);
       stability.quaternion("quaternion of length 0", 0, code);

@@ -23,7 +23,7 @@ std::map<int, ir::NodeId> quaternion_parameters(ir::Graph& graph, const ir::Kine
     return Vec3{one(0), one(1), one(2)};
   };
   const Mat3 placed = rows_of(n.rotation), to_body = rows_of(n.link_rotation);
-  const int q = root_joint(tree).nq + positions[k], quaternion = q + displacements;
+  const int q = tree.base_positions() + positions[k], quaternion = q + displacements;
   // Along the body's axes, of which the joint's own is z: the same rotation.
   const Vec3 vector = to_body * three(ir::InputKind::position, quaternion);
   const Mat3 turned = base_rotation(
@@ -39,7 +39,7 @@ std::map<int, ir::NodeId> quaternion_parameters(ir::Graph& graph, const ir::Kine
     translation = translation + moved;
   }
   std::map<int, ir::NodeId> given;
-  const bool reference = !tree.floating_base && n.parent < 0;
+  const bool reference = tree.base_coordinates() == 0 && n.parent < 0;
   for (const int first : {static_cast<int>(rotation_p), static_cast<int>(pose_rotation_p)}) {
     if (first == pose_rotation_p && reference) continue;
     for (int i = 0; i < 9; ++i)
@@ -47,7 +47,7 @@ std::map<int, ir::NodeId> quaternion_parameters(ir::Graph& graph, const ir::Kine
     for (int i = 0; i < 3 && flies; ++i) given[first + 9 + i] = translation[static_cast<std::size_t>(i)].id;
   }
   if (rates_zero) return given;
-  const int v = root_joint(tree).nv + coordinates[k];
+  const int v = tree.base_coordinates() + coordinates[k];
   const auto put = [&](int first, int from) {
     const Vec3 along = to_body * three(ir::InputKind::velocity, from);
     for (int i = 0; i < 3; ++i) given[joint_twist_p + first + i] = along[static_cast<std::size_t>(i)].id;

@@ -72,7 +72,7 @@ Sym& entry(Twist& x, int i) {
 
 Sym inverse(Sym x) { return {x.graph, x.graph->divide(x.graph->constant(1), x.id)}; }
 
-// The floating base's own factors: L' D L of what K leaves of A*, from the last coordinate to the first.
+// The base's own factors: L' D L of what K leaves of A*, from the last coordinate to the first.
 struct BaseFactors {
   std::array<Sym, 6> pivot, inverse_pivot, diagonal;
   std::array<std::array<Sym, 6>, 6> row;  // row[k][i]: L_ki, i < k
@@ -101,7 +101,7 @@ BaseFactors base_factors(Sym mass, const Sums& sums, const Blocks& removed, Swee
   return f;
 }
 
-// C v + g of the floating base: force and moment in its axes.
+// C v + g of the base: force and moment in its axes.
 Twist base_bias(Builder& b, SweepBuilder& base) {
   if (!bias_is_gravity(b)) {
     const int wrench = newton_euler(b, Driven::at_rest).subtree_wrench;
@@ -145,7 +145,7 @@ Articulated articulated_bodies(Builder& b) {
   s.store(r.pivot, pivot);
   s.store(r.diagonal, element(whole, joint) + armature);
   each(plus_product(below, u, v), handed, [&](int role, int i, Sym x) { s.hand_on(role, i, x); });
-  if (!b.floating()) return r;
+  if (b.base_coordinates() == 0) return r;
 
   SweepBuilder base = b.sweep("articulated_base", "L' D L = A* - K", Direction::root);
   const BaseFactors f = base_factors_of(b, base);
@@ -219,7 +219,7 @@ SolvedRoles solved_accelerations(Builder& b) {
 
   SweepBuilder base = b.sweep("base_solve", "dV = (A* - K)^-1 (tau - (C v + g) - p)", Direction::root);
   Twist x{base.zero(), base.zero()};
-  if (b.floating()) {
+  if (b.base_coordinates() > 0) {
     const BaseFactors f = base_factors_of(b, base);
     const Twist effort = base.base_effort(), own_bias = base_bias(b, base);
     x = {effort.linear - own_bias.linear - base.own3(total, 0), effort.angular - own_bias.angular - base.own3(total, 3)};

@@ -81,7 +81,7 @@ bool by_limbs(const Builder& b) {
                                             ir::Quantity::constraint_forces_dq,
                                             ir::Quantity::constraint_forces_dv,
                                             ir::Quantity::constraint_forces_dtau};
-  return b.floating() && !b.factors() && b.scene().loops.empty() && b.function().first_half.empty() &&
+  return b.base_coordinates() > 0 && !b.factors() && b.scene().loops.empty() && b.function().first_half.empty() &&
          b.function().second_half.empty() &&
          std::none_of(std::begin(of_all_joints), std::end(of_all_joints),
                       [&](ir::Quantity q) { return b.function().computes(q); });
@@ -152,7 +152,7 @@ int speeds(Builder& b) {
   SweepBuilder s = b.sweep("speeds", "v", Direction::anywhere);
   const Sym own = s.parameter(own_coordinate_p), rate = s.rate();
   s.store(role, own * rate);
-  if (!b.floating()) return role;
+  if (b.base_coordinates() == 0) return role;
   SweepBuilder base = b.sweep("base_speeds", "v", Direction::root);
   const Twist twist = base.base_twist();
   for (int j = 0; j < 6; ++j) {
@@ -258,8 +258,8 @@ void derive(Builder& b, bool by_q) {
   (by_q ? describe_inverse_dynamics_dq : describe_inverse_dynamics_dv)(b, s.efforts);
   const auto all = constraint_rows(b);
   for (const auto& own : all) own->changes(b, by_q, s.changes);
-  // Efforts do not depend on where a floating base is.
-  s.first = by_q && b.floating() ? 3 : 0;
+  // Efforts do not depend on where the base is.
+  s.first = by_q && b.base_coordinates() > 0 ? 3 : 0;
   if (s.to >= 0) b.step({ir::MatrixStep::Kind::negative_product, r.projected, s.efforts, s.to, -1, s.first});
   if (by_q && !b.scene().loops.empty()) {
     s.turning_rows = turning_rows * static_cast<int>(b.scene().loops.size());

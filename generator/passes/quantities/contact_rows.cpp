@@ -56,7 +56,7 @@ class RowAxes {
   RowAxes(Builder& b, const ContactRows& rows)
       : link_(rows.contact_.along_link),
         at_(link_place(b, rows.frame_, rows.poses_frame())),
-        base_(link_ || !b.floating() ? LinkPlace{-1, -1} : base_in_world(b)) {}
+        base_(link_ || b.base_coordinates() == 0 ? LinkPlace{-1, -1} : base_in_world(b)) {}
 
   Vec3 point(SweepBuilder& s) const { return s.of3(-1, at_.origin); }
   Vec3 turned(SweepBuilder& s, const Vec3& x) const {
@@ -82,7 +82,7 @@ void ContactRows::columns(Builder& b, int array) const {
     store(sweep, rows, linear, angular, coordinate);
   };
   add(s, joint_of(s, p), -1);
-  if (b.floating()) {
+  if (b.base_coordinates() > 0) {
     SweepBuilder base = b.sweep("base_rows_" + name(), equation, Direction::root);
     for (int j = 0; j < 6; ++j) add(base, unit_twist(base, j), j);
   }
@@ -134,7 +134,7 @@ RowRoles ContactRows::errors(Builder& b) const {
   if (b.has("error_" + name())) return roles(role);
   SweepBuilder s = b.sweep("error_" + name(), "e = x - x0, and half the sum of a_i x r_i", Direction::root);
   const Mat3 to_world =
-      b.floating() ? three_columns(s, -1, base.axes) : s.constant(Eigen::Matrix3d(Eigen::Matrix3d::Identity()));
+      b.base_coordinates() > 0 ? three_columns(s, -1, base.axes) : s.constant(Eigen::Matrix3d(Eigen::Matrix3d::Identity()));
   const Mat3 in_base = three_columns(s, -1, at.axes), own = to_world * in_base;
   const Vec3 offset = to_world * s.of3(-1, at.origin), place = s.of3(-1, base.origin) + offset;
   const auto given = [&](int component) { return s.constraint(index(), component); };
@@ -211,8 +211,8 @@ ContactRows::PointRoles ContactRows::point_motion(Builder& b) const {
   s.store(r.lever, x);
   s.store(r.rate, rate);
 
-  const Mat3 to_base =
-      b.floating() ? transpose(three_columns(s, -1, base.axes)) : s.constant(Eigen::Matrix3d(Eigen::Matrix3d::Identity()));
+  const Mat3 to_base = b.base_coordinates() > 0 ? transpose(three_columns(s, -1, base.axes))
+                                                : s.constant(Eigen::Matrix3d(Eigen::Matrix3d::Identity()));
   const auto given = [&](int component) { return s.constraint(index(), component); };
   const Mat3 own = three_columns(s, -1, at.axes);
   Mat3 anchor;
@@ -316,9 +316,9 @@ void ContactRows::changes(Builder& b, bool by_q, int array) const {
         angular = all.angular + spin;
       }
     }
-    const Mat3 axes = link           ? transpose(three_columns(s, -1, at.axes))
-                      : b.floating() ? three_columns(s, -1, base_place.axes)
-                                     : s.constant(Eigen::Matrix3d(Eigen::Matrix3d::Identity()));
+    const Mat3 axes = link                       ? transpose(three_columns(s, -1, at.axes))
+                      : b.base_coordinates() > 0 ? three_columns(s, -1, base_place.axes)
+                                                 : s.constant(Eigen::Matrix3d(Eigen::Matrix3d::Identity()));
     const Vec3 turned_linear = axes * linear;
     store(s, role, turned_linear, weld() ? axes * angular : linear, coordinate);
   };
@@ -326,7 +326,7 @@ void ContactRows::changes(Builder& b, bool by_q, int array) const {
   s.only_above(frame_.body);
   const auto six = [&](int own) { return Twist{s.own3(own, 0), s.own3(own, 3)}; };
   add(s, joint_of(s, p), six(motion.drift), six(motion.rates), six(motion.curvature), -1);
-  if (b.floating()) {
+  if (b.base_coordinates() > 0) {
     SweepBuilder base = b.sweep("base_changes_" + by + name(), equation, Direction::root);
     const Twist none{base.zero(), base.zero()};
     for (int j = 0; j < 6; ++j) {

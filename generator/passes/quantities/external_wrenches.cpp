@@ -113,7 +113,7 @@ int less_external(Builder& b, int torque, int base_wrench) {
   const Poses p = poses(b, Frame::base);
   SweepBuilder s = b.sweep(name, of.meaning + " - E.J", Direction::anywhere);
   s.store(rest, s.own(torque) - element({s.own3(external, 0), s.own3(external, 3)}, joint_of(s, p)));
-  if (base_wrench >= 0 && b.floating()) {
+  if (base_wrench >= 0 && b.base_coordinates() > 0) {
     SweepBuilder base = b.sweep("base_" + name, of.meaning + " - E", Direction::root);
     for (int j = 0; j < 6; ++j) base.store(rest, 0, base.own(base_wrench, j) - base.own(external, j), j);
   }

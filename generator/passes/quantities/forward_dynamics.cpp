@@ -11,7 +11,7 @@ int unbalanced(Builder& b) {
   if (b.has("unbalanced")) return residual;
   SweepBuilder s = b.sweep("unbalanced", "e = tau - (C v + g)", ir::Direction::anywhere);
   s.store(residual, s.parameter(own_coordinate_p) * s.effort() - s.own(bias));
-  if (!b.floating()) return residual;
+  if (b.base_coordinates() == 0) return residual;
   SweepBuilder base = b.sweep("base_unbalanced", "e = tau - (C v + g)", ir::Direction::root);
   const Twist effort = base.base_effort();
   for (int j = 0; j < 6; ++j) {

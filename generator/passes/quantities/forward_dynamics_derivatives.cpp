@@ -32,7 +32,7 @@ void prepare_second_half(Builder& b) {
   if (!b.has_array(name)) describe_forward_dynamics(b, b.internal_array(name, b.tree().nv(), 1));
 }
 
-// Of a floating base's coordinates from `first` on, what three of them do to the base's linear acceleration alone: it is u' + w
+// Of the base's coordinates from `first` on, what three of them do to the base's linear acceleration alone: it is u' + w
 // x u less gravity that equations of motion know, along the base's axes. Nothing else changes.
 void set_base_columns(Builder& b, int array, const std::string& name, int first, const std::string& equation,
                       const std::function<Vec3(SweepBuilder&)>& about, double sign) {
@@ -66,7 +66,7 @@ void solve(Builder& b, ir::Quantity quantity, int array, const std::string& name
 
 void describe_forward_dynamics_dq(Builder& b, int array) {
   constexpr ir::Quantity own = ir::Quantity::forward_dynamics_dq;
-  if (!b.floating()) return solve(b, own, array, "efforts_dq", describe_inverse_dynamics_dq, 0);
+  if (b.base_coordinates() == 0) return solve(b, own, array, "efforts_dq", describe_inverse_dynamics_dq, 0);
   // Nothing depends on the base's position; gravity turns against it, wrenches along the world's axes do not turn with it.
   const bool in_world = std::any_of(b.scene().wrenches.begin(), b.scene().wrenches.end(),
                                     [](const ir::ExternalWrench& wrench) { return wrench.in_world; });
@@ -78,8 +78,8 @@ void describe_forward_dynamics_dq(Builder& b, int array) {
 
 void describe_forward_dynamics_dv(Builder& b, int array) {
   constexpr ir::Quantity own = ir::Quantity::forward_dynamics_dv;
-  solve(b, own, array, "efforts_dv", describe_inverse_dynamics_dv, b.floating() ? 3 : 0);
-  if (!b.floating() || b.function().leaves(own)) return;
+  solve(b, own, array, "efforts_dv", describe_inverse_dynamics_dv, b.base_coordinates() > 0 ? 3 : 0);
+  if (b.base_coordinates() == 0 || b.function().leaves(own)) return;
   const auto spin = [](SweepBuilder& base) { return base.base_twist().angular; };
   set_base_columns(b, array, "base_moved", 0, "-w x e_j along the base's axes", spin, -1);
 }

@@ -1,5 +1,5 @@
-// How inverse dynamics changes with q and v (Singh, Russell and Wensing 2022), along the tangent: on a floating base column i
-// is the change as the base moves along the i-th coordinate of its twist. With S the joint's twist (J elsewhere),
+// How inverse dynamics changes with q and v (Singh, Russell and Wensing 2022), along the tangent: where the base moves, column
+// i is the change as the base moves along the i-th coordinate of its twist. With S the joint's twist (J elsewhere),
 //
 //   Psi' = Vp x S, Psi'' = Ap x S + Vp x Psi', S' = V x S (Psi' but for the base, whose Psi' is zero),
 //
@@ -141,7 +141,7 @@ Factors factors(Builder& b) {
     const Twist moving = apply_inertia(m, subtree, axis_rate), drifting = apply_bias(subtree, axis);
     s.store(r.by_velocity, twice(sum(moving, drifting)));
   }
-  if (!b.floating()) return r;
+  if (b.base_coordinates() == 0) return r;
 
   // Its own wrench turns with the base: S x* f has no part in the base's rows of its own columns.
   SweepBuilder base = b.sweep("base_derivative_factors", "Psi' = 0, Psi'' = -gravity x S, S' = V x S", Direction::root);

@@ -91,7 +91,7 @@ void describe_jacobian(Builder& b, const LinkFrame& link, Axes axes, int array) 
   SweepBuilder s = b.sweep("columns" + name, equation, Direction::anywhere);
   s.only_above(link.body);
   s.store(columns, target.moved(s, joint_of(s, p)));
-  if (b.floating()) {
+  if (b.base_coordinates() > 0) {
     SweepBuilder base = b.sweep("base_columns" + name, equation, Direction::root);
     for (int j = 0; j < 6; ++j) {
       Twist unit{base.zero(), base.zero()};

@@ -229,7 +229,7 @@ class LoopRows : public ConstraintRows {
   bool is_distance() const { return loop_.type == ir::LoopType::distance; }
   // Where two bodies are against each other is told by one frame for both: on a fixed base the cheapest frame of a body does
   // without the positions of the first joints above it, which may be others for either.
-  Frame frame() const { return tree_.floating_base ? Frame::cheapest : Frame::base; }
+  Frame frame() const { return tree_.base_coordinates() > 0 ? Frame::cheapest : Frame::base; }
 
   RowRoles row_roles(Builder& b, const std::string& begin, const std::string& symbol, const std::string& what,
                      const std::string& linear, const std::string& angular) const {
@@ -434,7 +434,7 @@ class LoopRows : public ConstraintRows {
       s.only_above(body);
       add(s, joint_of(s, p), -1);
     }
-    if (b.floating()) {
+    if (b.base_coordinates() > 0) {
       SweepBuilder base = b.sweep("base_" + name, "S at the point", Direction::root);
       for (int j = 0; j < 6; ++j) add(base, unit_twist(base, j), j);
     }

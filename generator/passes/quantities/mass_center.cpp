@@ -59,7 +59,7 @@ int center_columns(Builder& b) {
   const Sym along_y = turning * s.own(first, 0), along_x = turning * s.own(first, 1);
   const Vec3 z = sliding * s.own3(axes, 6), y = along_y * s.own3(axes, 3), x = along_x * s.own3(axes, 0);
   s.store(columns, y - x + z);
-  if (!b.floating()) return columns;
+  if (b.base_coordinates() == 0) return columns;
   SweepBuilder base = b.sweep("base_center_columns", "Jc = X [1, -[h]/M]", Direction::root);
   const Vec3 moment = base.own3(first), h = base.own(inverse) * moment;
   const Vec3 bz = base.own3(axes, 6), by = base.own3(axes, 3), bx = base.own3(axes, 0);

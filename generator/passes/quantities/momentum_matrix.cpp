@@ -33,7 +33,7 @@ void describe_momentum_matrix(Builder& b, int array) {
   };
   SweepBuilder s = b.sweep("momentum_columns", "A = [X f; X (n - r x f)], F = [f; n]", Direction::anywhere);
   add(s, {s.own3(force, 0), s.own3(force, 3)}, -1);
-  if (b.floating()) {
+  if (b.base_coordinates() > 0) {
     SweepBuilder base = b.sweep("base_momentum_columns", "A = [X m, -X [h]; 0, X (I + [r][h])]", Direction::root);
     const Sym mass = base.own(composite_mass(b));
     const Sums whole = sums_of(base, sums);

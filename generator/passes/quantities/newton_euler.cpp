@@ -96,7 +96,7 @@ NewtonEuler newton_euler(Builder& b, Driven driven) {
   const Vec3 lever = cross(origin, moved);
   in.hand_on(wrench, to_parent(k, q, turning) + lever, 3);
 
-  if (b.floating()) {
+  if (b.base_coordinates() > 0) {
     SweepBuilder base = b.sweep(motions + "base_wrench", std::string(what) + " = [f; n]", Direction::root);
     for (int j = 0; j < 6; ++j) base.store(torque, 0, base.own(total, j), j);
   }

@@ -41,7 +41,7 @@ class Factors {
   ir::Graph* graph_;
 };
 
-// A floating base's rows are the wrenches themselves: those of unit parameters along the axes and about the origin of the
+// The base's rows are the wrenches themselves: those of unit parameters along the axes and about the origin of the
 // poses.
 void project_wrenches(Builder& b, ir::Projection& y) {
   const NewtonEuler motion = newton_euler(b, Driven::accelerated);
@@ -133,7 +133,7 @@ void describe_regressor(Builder& b, int array) {
   ir::Projection y;
   y.array = array;
   y.graph = b.new_graph();
-  (b.floating() ? project_wrenches : project_twists)(b, y);
+  (b.base_coordinates() > 0 ? project_wrenches : project_twists)(b, y);
   b.projection(y);
 }
 

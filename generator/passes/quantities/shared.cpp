@@ -185,7 +185,7 @@ ForceRoles forces(Builder& b, Frame frame) {
   };
   SweepBuilder s = b.sweep(in + "forces", "F = A* J, G = A* dJ + B* J, H = P x Jv + D' Jw", Direction::anywhere);
   add(s, joint_of(s, p), {s.own3(p.joint_rate, 0), s.own3(p.joint_rate, 3)}, -1);
-  if (!b.floating()) return r;
+  if (b.base_coordinates() == 0) return r;
   SweepBuilder base = b.sweep(in + "base_forces", "M_BB = A*, C_BB = A* ad(V) + B*", Direction::root);
   for (int j = 0; j < b.base_coordinates(); ++j) {
     const Twist unit = unit_twist(base, j);
@@ -221,7 +221,7 @@ GravityRoles gravity_torques(Builder& b) {
   const Vec3 origin = k.translation + q.displacement * column(k.rotation, 2);
   const Vec3 moved = m * origin;
   in.hand_on(first, to_parent(k, q, h) + moved);
-  if (!b.floating()) return r;
+  if (b.base_coordinates() == 0) return r;
 
   SweepBuilder base = b.sweep("base_weight", "g = -[m down; h x down]", Direction::root);
   const Vec3 g = base.own3(down), turning = cross(base.own3(first), g);

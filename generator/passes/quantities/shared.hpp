@@ -7,7 +7,7 @@
 
 namespace dalembert::passes {
 
-// Whose axes and origin Phases I to III go by. `cheapest`: the floating base's; on a fixed base the first body's of every
+// Whose axes and origin Phases I to III go by. `cheapest`: the base's where it moves, else the first body's of every
 // branch, which M and C do not tell from the base's. `base`: the base's in any case.
 enum class Frame { cheapest, base };
 
@@ -124,7 +124,7 @@ WorldWrenchRoles world_wrenches(Builder& builder);
 Twist world_wrench_derivative(Builder& builder, SweepBuilder& base, const Twist& unit);
 
 // The factorisation M = Lᵀ D L along the tree: L_ki = V_k·J_i for i above k, D the pivots; M_kk to measure them against. Of the
-// floating base's coordinates too, which stand before all joints.
+// base's coordinates too, which stand before all joints.
 struct Articulated {
   int gain;  // V
   int inverse_pivot, pivot, diagonal;

@@ -49,7 +49,7 @@ class Generated : public ::testing::TestWithParam<GeneratedCase> {
       }
     return all;
   }
-  bool floating() const { return model.tree.floating_base; }
+  bool floating() const { return model.tree.base_coordinates() > 0; }
 
   const Model model;
   const std::unique_ptr<GeneratedRobot> robot;

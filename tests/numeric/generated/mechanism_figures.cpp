@@ -135,7 +135,7 @@ class Mechanism {
         efforts_(std::move(efforts)),
         more_(std::move(more)) {
     for (const QuaternionJoint& joint : quaternion_joints) start.q[joint.q + (joint.slides ? 6 : 3)] = 1;
-    if (model.tree.floating_base) start.q[6] = 1;
+    if (model.tree.base_coordinates() > 0) start.q[6] = 1;
   }
 
   struct At {
