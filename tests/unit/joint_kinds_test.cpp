@@ -2,6 +2,7 @@
 // oracle_dart_test and generic_dynamics_test hold to others.
 #include "joint_kinds.hpp"
 
+#include <algorithm>
 #include <dalembert/generic/whole_robot.hpp>
 #include <dalembert/integrators/rk4.hpp>
 
@@ -91,6 +92,30 @@ TEST_P(JointKinds, MoveOnTheirGroups) {
   integrators::move(start.q, step, there, falling.quaternion_joints);
   integrators::difference(start.q, there, back, falling.quaternion_joints);
   EXPECT_LT((back - step).cwiseAbs().maxCoeff(), 1e-13);
+}
+
+// Rows stand in their types' order, and say the same as their parts.
+TEST(JointTypes, AreWhatTheirPartsAre) {
+  ir::JointWords words = ir::urdf_joint_words();
+  for (const auto& row : ir::joint_words()) words.push_back(row);
+  for (const auto& [word, type] : words) {
+    SCOPED_TRACE(word);
+    const ir::JointTypeRow& row = ir::row_of(type);
+    EXPECT_EQ(row.word, word);
+    ir::Joint joint;
+    joint.type = type;
+    const std::vector<ir::JointPart> parts = row.parts(joint);
+    const auto any = [&](bool (*moves)(ir::JointType)) {
+      return std::any_of(parts.begin(), parts.end(), [&](const ir::JointPart& part) { return moves(part.type); });
+    };
+    EXPECT_EQ(static_cast<int>(parts.size()), row.nv);
+    EXPECT_EQ(row.nq, row.nv + (row.has_quaternion() ? 1 : 0));
+    EXPECT_EQ(row.turns, any(ir::turns));
+    EXPECT_EQ(row.slides, any(ir::slides));
+  }
+  EXPECT_STREQ(ir::row_of(ir::JointType::revolute).word, ir::word_of(true, false));
+  EXPECT_STREQ(ir::row_of(ir::JointType::prismatic).word, ir::word_of(false, true));
+  EXPECT_STREQ(ir::row_of(ir::JointType::helical).word, ir::word_of(true, true));
 }
 
 INSTANTIATE_TEST_SUITE_P(Kinds, JointKinds, testing::Combine(testing::ValuesIn(joint_kind_robots()), testing::Bool()),
