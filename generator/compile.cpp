@@ -105,7 +105,7 @@ void decide_tasks(const Model& model, Lowered& lowered) {
     if (backend::is_called(f)) {
       double serial = 0;
       for (const backend::CodeInput* half = &f; half; half = code.second_half_of(*half))
-        serial += backend::estimate(*half, backend::register_widths[backend::usual_width]);
+        serial += backend::estimate(*half, backend::usual_lanes(*half));
       pays = f.is_rolled() && !f.elsewhere && (!automatic || serial > too_little);
       plan.sweeps_apart = pays && backend::better_apart(code, f);  // code sees it
       if (automatic) pays = pays && backend::worth_a_graph(backend::plan_tasks(code, f));
@@ -124,7 +124,7 @@ std::vector<FunctionTasks> tasks_of_functions(const Model& model, Lowered lowere
     if (!backend::is_called(f)) continue;
     const bool emitted = f.plan.tasks && f.is_rolled();
     if (!emitted) lowered.functions[i].plan.sweeps_apart = backend::better_apart(code, f);
-    all.push_back({f.algorithm.function.name, emitted, backend::plan_tasks(code, f)});
+    all.push_back({f.algorithm.function.name, emitted, backend::plan_tasks(code, f), backend::usual_lanes(f)});
   }
   return all;
 }

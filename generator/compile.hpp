@@ -30,6 +30,7 @@ struct FunctionTasks {
   std::string function;
   bool emitted = false;
   backend::TaskPlan plan;
+  int lanes = 4;  // of the registers that this is expected on
 };
 std::vector<FunctionTasks> tasks_of_functions(const Model& model, Lowered lowered);
 

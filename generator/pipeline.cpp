@@ -72,12 +72,14 @@ std::string command_line(const Request& request, const std::string& name) {
       if (setting.key == key) line += fmt::format(" --{} {}", key, quoted(setting.text));
   if (!request.form.empty()) line += " --form " + request.form;
   for (const std::string& pass : request.without) line += " --without " + pass;
+  if (request.costs) line += " --calibrated";
   return line + " --name " + name;
 }
 
 // The command line's parser has checked the words.
 ir::CompileOptions compile_options(const Request& request) {
   ir::CompileOptions options;
+  options.costs = request.costs;
   if (request.form == "straight") options.form = ir::Form::straight;
   if (request.form == "rolled") options.form = ir::Form::rolled;
   for (const std::string& pass : request.without) {

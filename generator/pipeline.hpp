@@ -1,6 +1,7 @@
 // The compiler from top to bottom: a URDF and a scene become a Model, a Model becomes files.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -16,13 +17,14 @@ namespace dalembert {
 
 // What the user asks for.
 struct Request {
-  std::string robot;                        // URDF file
-  std::string scene_file;                   // empty: none
-  std::vector<frontend::Setting> settings;  // scene keys given on the command line; they override the file's
-  std::string form;                         // auto, straight or rolled; empty: auto
-  std::vector<std::string> without;         // passes to leave out
-  std::string name;                         // of the generated code; empty: the robot's, as an identifier
-  bool for_one_output = false;              // who asks computes one output, and passes over the scene's
+  std::string robot;                                // URDF file
+  std::string scene_file;                           // empty: none
+  std::vector<frontend::Setting> settings;          // scene keys given on the command line; they override the file's
+  std::string form;                                 // auto, straight or rolled; empty: auto
+  std::vector<std::string> without;                 // passes to leave out
+  std::string name;                                 // of the generated code; empty: the robot's, as an identifier
+  std::shared_ptr<const ir::MachineCosts> costs{};  // measured ones that choices go by; null: the committed constants
+  bool for_one_output = false;                      // who asks computes one output, and passes over the scene's
 };
 
 // What the compiler works on.

@@ -175,13 +175,17 @@ double fetched(double instructions, int lanes) {
 
 // ns per unit of each feature; by registers of two, four and eight. Those of `along` are read off the elements' times of chains
 // of 50 to 500 joints (AMD EPYC, Zen 4).
-constexpr double constants[3][feature_count] = {
+constexpr Features constants[3] = {
     {1.88, 0.0979, 0.0996, 7.79, 8.42, 0.113, 0.0551, 0, 0.292, 0.25, 0.112, 0, 41},
     {2.34, 0.141, 0.12, 6.52, 6.06, 0.13, 0.141, 0, 0.345, 0.15, 0.0192, 0, 41.3},
     {1.82, 0.128, 0.0624, 12.9, 4.98, 0.133, 0.119, 0, 0.531, 0.31, 0.0178, 0, 38.9},
 };
 
 }  // namespace
+
+const Features& committed_constants(int lanes) { return constants[width_index(lanes)]; }
+
+int usual_lanes(const CodeInput& code) { return code.plan.costs ? code.plan.costs->lanes : register_widths[usual_width]; }
 
 const char* const feature_names[feature_count] = {"call",   "scalar",          "fetched",    "sines", "divide",
                                                   "lanes",  "waiting",         "loops",      "tiles", "along",
@@ -223,8 +227,10 @@ void add_results(const CodeInput& code, int lanes, Features& f) {
   of(f, Feature::stores) += static_cast<double>(code.tree.joints() * copied);
 }
 
-double nanoseconds(const Features& f, int lanes) {
-  const double* const constant = constants[width_index(lanes)];
+double nanoseconds(const CodeInput& code, const Features& f, int lanes) {
+  const ir::MachineCosts* const measured = code.plan.costs.get();
+  const double* const constant =
+      measured && measured->lanes == lanes ? measured->per_feature.data() : committed_constants(lanes).data();
   double sum = 0;
   for (size_t i = 0; i < feature_count; ++i) sum += constant[i] * f[i];
   return sum;
@@ -255,7 +261,7 @@ Features features(const CodeInput& code, int lanes) {
   return f;
 }
 
-double estimate(const CodeInput& code, int lanes) { return nanoseconds(features(code, lanes), lanes); }
+double estimate(const CodeInput& code, int lanes) { return nanoseconds(code, features(code, lanes), lanes); }
 
 double estimate(const CodeInput& code, const Stage& stage, int lanes) {
   Features f{};
@@ -266,7 +272,7 @@ double estimate(const CodeInput& code, const Stage& stage, int lanes) {
     case Stage::Kind::elements: add_elements(code, segment, lanes, f); break;
     case Stage::Kind::results: add_results(code, lanes, f); break;
   }
-  return nanoseconds(f, lanes);
+  return nanoseconds(code, f, lanes);
 }
 
 }  // namespace dalembert::backend

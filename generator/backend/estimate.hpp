@@ -32,6 +32,12 @@ extern const char* const feature_names[feature_count];
 // `lanes`: doubles that a register holds, 2, 4 or 8.
 Features features(const CodeInput& code, int lanes);
 
+// ns per unit of each feature, where nothing is measured on the machine.
+const Features& committed_constants(int lanes);
+
+// The registers that expectations are for: those of the machine they were measured on; else what most have today.
+int usual_lanes(const CodeInput& code);
+
 // ns per call.
 double estimate(const CodeInput& code, int lanes);
 

@@ -19,9 +19,7 @@ namespace {
 // What tasks cost beside what they compute, ns: each task; what one leaves in another core's caches; and of a call, each thread
 // that is asked for help, and how long it takes to come. Read off when tasks began and ended, of trees of 200 to 500 joints on
 // two cores (AMD EPYC, Zen 4).
-constexpr double task_cost = 60, hand_over = 250, ask_cost = 100, coming = 700;
-// Of work that threads divide: by how much they are not done at the same time.
-constexpr double parting = 500;
+constexpr double task_cost = 60, hand_over = 250, ask_cost = 100;
 // ns a byte: of what other threads have read since the last call, each line is taken back from their caches before it is
 // written.
 constexpr double taken_back = 4.0 / 64;
@@ -158,13 +156,13 @@ std::vector<Task> neighbours_joined(const std::vector<Task>& tasks) {
   return in_order(all);
 }
 
-TaskSchedule schedule_of(const std::vector<Task>& tasks, int threads) {
+TaskSchedule schedule_of(const std::vector<Task>& tasks, const ir::ThreadCosts& costs, int threads) {
   const Edges edges(tasks);
   TaskSchedule schedule;
   schedule.runs.resize(tasks.size());
   std::vector<double> idle(static_cast<size_t>(std::max(threads, 1)));
   const double asked = tasks.size() > 1 ? ask_cost * (threads - 1) : 0;
-  for (size_t t = 0; t < idle.size(); ++t) idle[t] = asked + (t > 0 ? coming : 0);
+  for (size_t t = 0; t < idle.size(); ++t) idle[t] = asked + (t > 0 ? costs.coming : 0);
   std::vector<bool> begun(tasks.size(), false);
   for (size_t count = 0; count < tasks.size(); ++count) {
     // Who can begin a task first takes the first of those that can run then.
@@ -195,9 +193,9 @@ TaskSchedule schedule_of(const std::vector<Task>& tasks, int threads) {
   return schedule;
 }
 
-double expected(const std::vector<Task>& tasks) {
+double expected(const std::vector<Task>& tasks, const ir::ThreadCosts& costs) {
   double sum = 0;
-  for (const int threads : usual_threads) sum += schedule_of(tasks, threads).nanoseconds;
+  for (const int threads : usual_threads) sum += schedule_of(tasks, costs, threads).nanoseconds;
   return sum;
 }
 
@@ -229,22 +227,22 @@ TaskSchedule schedule_of_divided(const TaskPlan& plan, int threads) {
   for (int t = 0; t < std::max(threads, 1); ++t) {
     const double needs = t == 0 && !plan.end->calls.empty() ? sum_of(plan.preparations)
                                                             : prepared(plan, alone * t / threads, alone * (t + 1) / threads);
-    const double from = asked + (t > 0 ? coming : 0), to = from + needs;
+    const double from = asked + (t > 0 ? plan.costs.coming : 0), to = from + needs;
     if (t > 0 && (begins + elements) / t <= to) break;  // it finds nothing left
     begins += to;
     schedule.begins.push_back({t, from, to});
   }
   const double done =
-      (begins + elements) / static_cast<double>(schedule.begins.size()) + (schedule.begins.size() > 1 ? parting : 0);
+      (begins + elements) / static_cast<double>(schedule.begins.size()) + (schedule.begins.size() > 1 ? plan.costs.parting : 0);
   for (const Run& begin : schedule.begins) schedule.runs.push_back({begin.thread, begin.end, done});
   schedule.end = Run{0, done, done + plan.end->nanoseconds};
   schedule.nanoseconds = schedule.end->end;
   return schedule;
 }
 
-std::vector<Task> joined_where_small(std::vector<Task> tasks) {
+std::vector<Task> joined_where_small(std::vector<Task> tasks, const ir::ThreadCosts& costs) {
   std::set<std::string> stay;  // small tasks that are better alone
-  double now = expected(tasks);
+  double now = expected(tasks, costs);
   while (tasks.size() > 1) {
     int smallest = -1;
     for (size_t t = 0; t < tasks.size(); ++t)
@@ -269,7 +267,7 @@ std::vector<Task> joined_where_small(std::vector<Task> tasks) {
     for (const int other : others) {
       if (!can_join(edges, smallest, other)) continue;
       std::vector<Task> then = joined(tasks, smallest, other);
-      const double time = expected(then);
+      const double time = expected(then, costs);
       if (time > least) continue;
       least = time;
       best = std::move(then);
@@ -473,6 +471,8 @@ std::string held_arguments(const CodeInput& code) {
   return "q_, v_, w->" + function_of(code).accelerations;
 }
 
+ir::ThreadCosts costs_of(const CodeInput& code) { return code.plan.costs ? code.plan.costs->threads : ir::ThreadCosts{}; }
+
 double stored_bytes(const CodeInput& code, const Stage& s) {
   const ir::Segment& segment = code.plan.segments[static_cast<size_t>(s.segment)];
   size_t components = 0;
@@ -489,7 +489,7 @@ std::vector<Task> tasks_of(const CodeInput& code, const std::string& prefix) {
     return {{name,
              {fmt::format("{}::{}({}, *w)", code.name, name, held_arguments(code))},
              true,
-             estimate(code, register_widths[usual_width]),
+             estimate(code, usual_lanes(code)),
              0,
              {}}};
   }
@@ -499,7 +499,7 @@ std::vector<Task> tasks_of(const CodeInput& code, const std::string& prefix) {
   std::vector<std::vector<int>> tasks_of_stage;
   for (size_t i = 0; i < stages.size(); ++i) {
     const Stage& s = stages[i];
-    const double nanoseconds = estimate(code, s, register_widths[usual_width]);
+    const double nanoseconds = estimate(code, s, usual_lanes(code));
     const std::string first = s.reads_state ? held_arguments(code) + ", *w" : "*w";
     std::vector<int> after;
     for (const size_t before : order.before(i))
@@ -562,13 +562,13 @@ void add_elements(const CodeInput& code, const Stage& stage, double nanoseconds,
 
 // Of threads that sweep for themselves: sweeps and the base, of which each does what its elements come after; and the results.
 TaskPlan plan_apart(const CodeInput& code) {
-  TaskPlan plan{{}, {}, Task{"results", {}, true, 0, 0, {}}};
+  TaskPlan plan{{}, {}, Task{"results", {}, true, 0, 0, {}}, costs_of(code)};
   const std::vector<Stage> stages = rolled_stages(code);
   const StageOrder order(code, stages);
   std::vector<std::set<int>> needs(stages.size());  // preparations; those of preparations with themselves
   for (size_t i = 0; i < stages.size(); ++i) {
     const Stage& s = stages[i];
-    const double nanoseconds = estimate(code, s, register_widths[usual_width]);
+    const double nanoseconds = estimate(code, s, usual_lanes(code));
     if (s.kind != Stage::Kind::results)
       for (const size_t before : order.before(i)) needs[i].insert(needs[before].begin(), needs[before].end());
     if (s.kind == Stage::Kind::elements) {
@@ -611,14 +611,16 @@ TaskPlan plan_with_edges(const Folder& folder, const CodeInput& code) {
         tasks.push_back(std::move(t));
       }
     }
-  return {
-      code.plan.join_tasks ? joined_where_small(chains_joined(neighbours_joined(in_order(tasks)))) : in_order(tasks), {}, {}};
+  const ir::ThreadCosts costs = costs_of(code);
+  tasks = in_order(tasks);
+  if (code.plan.join_tasks) tasks = joined_where_small(chains_joined(neighbours_joined(tasks)), costs);
+  return {std::move(tasks), {}, {}, costs};
 }
 
 }  // namespace
 
 TaskSchedule schedule_tasks(const TaskPlan& plan, int threads) {
-  return plan.divided() ? schedule_of_divided(plan, threads) : schedule_of(plan.tasks, threads);
+  return plan.divided() ? schedule_of_divided(plan, threads) : schedule_of(plan.tasks, plan.costs, threads);
 }
 
 bool worth_a_graph(const TaskPlan& plan) { return useful_threads(plan) > 1; }

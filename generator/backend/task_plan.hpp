@@ -28,6 +28,7 @@ struct TaskPlan {
   // caller when all tasks are done. Nothing is handed on, and no task waits for another.
   std::vector<Task> preparations;
   std::optional<Task> end;
+  ir::ThreadCosts costs;
 
   bool divided() const { return end.has_value(); }
 };

@@ -14,6 +14,7 @@
 
 #include "commands/build.hpp"
 #include "commands/cache.hpp"
+#include "commands/calibrate.hpp"
 #include "commands/check.hpp"
 #include "commands/dump.hpp"
 #include "commands/eval.hpp"
@@ -257,6 +258,13 @@ PlainCommand add_cache(CLI::App& app) {
           }};
 }
 
+PlainCommand add_calibrate(CLI::App& app) {
+  CLI::App* const parser = app.add_subcommand(
+      "calibrate", "Measure what this machine takes for what calls are made of, and keep it for --calibrated");
+  const auto compiler = add_compiler_options(*parser);
+  return {parser, [compiler] { return print_result(calibrate(*compiler).text); }};
+}
+
 // For programs that have loaded what 'build' made.
 PlainCommand add_build_batches(CLI::App& app) {
   CLI::App* const parser =
@@ -325,7 +333,10 @@ int parse_and_run(int argc, const char* const* argv, Diagnostics& warnings, bool
   Command report(app, "report", "Measure error against time, extreme cases and forms, as a page and a table");
   Command build(app, "build", "Compile a robot's functions for programs that load them, such as Python; print the folder");
   const PlainCommand plain[] = {
-      add_cache(app), add_quantities(app), add_build_batches(app),
+      add_cache(app),
+      add_calibrate(app),
+      add_quantities(app),
+      add_build_batches(app),
       add_page(app, "manual", "Print the manual page", [](const CLI::App& of) { return manual_page(of, DALEMBERT_VERSION); }),
       add_page(app, "completion", "Print the completion script of bash", bash_completion)};
   add_generate(generate);

@@ -5,6 +5,7 @@
 
 #include <vector>
 
+#include "commands/calibrate.hpp"
 #include "ir/quantity.hpp"
 
 namespace dalembert {
@@ -90,6 +91,9 @@ SharedOptions::SharedOptions(CLI::App& command) {
       ->check(CLI::IsMember({"fold", "share", "move_parameters", "pack", "join", "weigh"}))
       ->delimiter(',')
       ->type_name("PASS,...");
+  command.add_flag(
+      "--calibrated", calibrated_,
+      "choose, and expect, by what 'dalembert calibrate' has measured on this machine; else by committed constants");
   command.add_flag("--verbose", verbose_, "every warning, not only the first of each kind");
   for (const Help& help : scene_help)
     options_[help.key] =
@@ -99,6 +103,7 @@ SharedOptions::SharedOptions(CLI::App& command) {
 
 Request SharedOptions::request() const {
   Request request = request_;
+  if (calibrated_) request.costs = calibrated_costs();
   for (const std::string& key : frontend::scene_keys())
     if (options_.at(key)->count() > 0) request.settings.push_back({key, texts_.at(key)});
   return request;

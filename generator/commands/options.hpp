@@ -20,7 +20,7 @@ class SharedOptions {
 
  private:
   Request request_;
-  bool verbose_ = false;
+  bool verbose_ = false, calibrated_ = false;
   std::map<std::string, std::string> texts_;  // per scene key
   std::map<std::string, CLI::Option*> options_;
 };

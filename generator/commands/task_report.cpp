@@ -64,7 +64,8 @@ std::string of_function(const FunctionTasks& f, int threads) {
 }  // namespace
 
 std::string tasks_text(const std::vector<FunctionTasks>& functions, int threads) {
-  std::string text = "tasks of one call, as they are expected on registers of 4 doubles:\n";
+  std::string text =
+      fmt::format("one call on several threads, as it is expected on registers of {} doubles:\n", functions.front().lanes);
   for (const FunctionTasks& f : functions) text += of_function(f, threads);
   return text;
 }

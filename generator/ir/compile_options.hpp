@@ -1,6 +1,10 @@
 // How the compiler is to go about it: never changes a result by more than rounding, only its cost.
 #pragma once
 
+#include <memory>
+
+#include "ir/machine_costs.hpp"
+
 namespace dalembert::ir {
 
 // One straight line for the whole robot, or limbs side by side in lanes and rolled loops.
@@ -19,6 +23,7 @@ struct CompileOptions {
   bool pack = true;             // limbs stand side by side in lanes
   bool join = true;             // of a task graph, what is too little for a task is joined with another
   bool weigh = true;            // … and threads divide elements where, and come as many as, pays; not: wherever they can
+  std::shared_ptr<const MachineCosts> costs{};  // what choices go by; null: the committed constants
 };
 
 }  // namespace dalembert::ir

@@ -43,11 +43,12 @@ struct Plan {
   Order order = Order::as_written;  // of the straight form
   bool tasks = false;
   bool join_tasks = true, weigh_tasks = true;
-  bool sweeps_apart = false;      // of tasks: each thread sweeps for itself, and only elements are divided
-  std::vector<Segment> segments;  // parents before children; empty for the straight form
-  int slots = 0;                  // of bodies, including padding between segments
-  int root_slot = 0;              // beside a short segment, where there is one, else after the last
-  std::vector<int> slot_of;       // per body
+  std::shared_ptr<const MachineCosts> costs{};  // as of the compile options
+  bool sweeps_apart = false;                    // of tasks: each thread sweeps for itself, and only elements are divided
+  std::vector<Segment> segments;                // parents before children; empty for the straight form
+  int slots = 0;                                // of bodies, including padding between segments
+  int root_slot = 0;                            // beside a short segment, where there is one, else after the last
+  std::vector<int> slot_of;                     // per body
 
   // The segment that holds a body; -1 for the base.
   int segment_of(int body) const {

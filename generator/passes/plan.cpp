@@ -189,6 +189,7 @@ ir::Plan plan(const ir::KinematicTree& tree, const ir::Scene& scene, ir::Form fo
   plan.tasks = scene.parallel == ir::Parallel::tasks;
   plan.join_tasks = options.join;
   plan.weigh_tasks = options.weigh;
+  plan.costs = options.costs;
   if (form == ir::Form::rolled) lay_out(tree, rows, options.pack ? 8 : 1, plan);
   return plan;
 }

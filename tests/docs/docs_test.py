@@ -24,6 +24,8 @@ RUN_ELSEWHERE = {
     "sh examples/mahru/run.sh --base floating": "same steps, other build folder: test mahru_controller_floating",
     "sh examples/mahru/run.sh --stand": "same steps, other build folder: test mahru_standing",
     "sh examples/mahru/run.sh --walk": "same steps, other build folder: test mahru_walking",
+    "build/release/bin/dalembert calibrate": "compiles for a minute: test calibrate of the long run",
+    "build/release/bin/dalembert info examples/mahru/mahru.urdf --threads 2 --calibrated": "the same",
     "sh tests/run.sh": "runs this test; called by .ci/run",
     "cmake --preset release": "tests/run.sh",
     "cmake --build --preset release": "tests/run.sh",
