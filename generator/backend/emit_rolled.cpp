@@ -104,7 +104,7 @@ std::vector<int> bodies_of(const CodeInput& code, const ir::Result& r) {
   for (int k = 0; k < code.tree.joints(); ++k) {
     const int at = base_rows(code) + coordinates[static_cast<size_t>(k)];
     if ((r.layout == ir::Layout::columns ? array.column(at) : array.row(at)) < 0) continue;
-    if (r.only_above == ir::all_bodies || code.tree.is_above_only(k, r.only_above, r.beside)) bodies.push_back(k);
+    if (r.over.contains(code.tree, k)) bodies.push_back(k);
   }
   return bodies;
 }
@@ -132,7 +132,7 @@ std::optional<PivotRoles> pivots_in_slots(const CodeInput& code) {
 
 // Whether it has every joint's number in its place.
 bool of_all_joints(const CodeInput& code, const ir::Result& r) {
-  return r.only_above == ir::all_bodies && !has_driven(code) && !code.tree.within &&
+  return r.over.is_all() && !has_driven(code) && !code.tree.within &&
          !code.algorithm.arrays[static_cast<size_t>(r.array)].is_part();
 }
 

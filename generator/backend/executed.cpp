@@ -92,8 +92,7 @@ long driven_results(const CodeInput& code) {
     if (r.layout == ir::Layout::base || !is_kept(code, r.role)) continue;
     std::set<int> rows;
     for (int k = 0; k < code.tree.joints(); ++k)
-      if (array_has(code, r, k, coordinates) &&
-          (r.only_above == ir::all_bodies || code.tree.is_above_only(k, r.only_above, r.beside)) &&
+      if (array_has(code, r, k, coordinates) && r.over.contains(code.tree, k) &&
           !rows.insert(coordinates[static_cast<size_t>(k)]).second)
         additions += code.rolled.roles[static_cast<size_t>(r.role)].components();
   }

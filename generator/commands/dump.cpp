@@ -123,7 +123,7 @@ std::string text_of(const ir::Operations& o) {
 }
 
 std::string paragraph_text(const ir::Segment& segment, int level, const ir::Paragraph& paragraph) {
-  constexpr const char* directions[] = {"root", "outwards", "inwards", "anywhere"};
+  constexpr const char* directions[] = {"outwards", "inwards", "anywhere"};
   std::vector<ir::NodeId> roots;
   for (const ir::Value& v : paragraph.stores) roots.push_back(v.node);
   for (const ir::Carried& c : paragraph.carried) roots.push_back(c.node);

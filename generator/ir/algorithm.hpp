@@ -6,8 +6,8 @@
 // goes to which array. Both forms of the emitted code, and every count, are made from this and from nothing else
 // (passes/unroll.hpp, passes/roll.hpp).
 //
-// The base is a body like the others (−1) with up to six coordinates of its own: the sweeps of direction `root` give its roles,
-// and those of its coordinates.
+// The base is a body like the others (−1) with up to six coordinates of its own: sweeps over the base alone give its roles
+// where it has an equation of its own, and those of its coordinates.
 #pragma once
 
 #include <optional>
@@ -17,6 +17,7 @@
 #include "ir/constraint_step.hpp"
 #include "ir/emitted_function.hpp"
 #include "ir/graph.hpp"
+#include "ir/kinematic_tree.hpp"
 #include "ir/quantity.hpp"
 
 namespace dalembert::ir {
@@ -43,8 +44,31 @@ struct Role {
   int components() const { return ir::components(shape); }
 };
 
+// Bodies of a tree. The base is above all others, and nothing is above it.
+class BodySet {
+ public:
+  static BodySet all() { return {}; }
+  static BodySet base() { return above(-1); }                     // alone
+  static BodySet above(int body) { return above(body, nobody); }  // it and those above it
+  // … but those that are above the other one, or are it.
+  static BodySet above(int body, int beside) { return {body, beside}; }
+
+  bool is_all() const { return lowest_ == everybody; }
+  bool is_base() const { return lowest_ == -1; }
+  bool contains(const KinematicTree& tree, int body) const {
+    return is_all() || (tree.is_above(body, lowest_) && !tree.is_above(body, beside_));
+  }
+
+ private:
+  static constexpr int everybody = -2, nobody = -3;
+  BodySet() = default;
+  BodySet(int lowest, int beside) : lowest_(lowest), beside_(beside) {}
+
+  int lowest_ = everybody, beside_ = nobody;
+};
+
+// In which order a sweep takes the bodies that it is over.
 enum class Direction {
-  root,      // once, at the base
   outwards,  // from the base to the leaves; a body reads its parent's roles
   inwards,   // from the leaves to the base; a body reads what its children hand on, summed
   anywhere,  // in any order
@@ -54,20 +78,17 @@ struct Value {
   int role = 0;
   int component = 0;
   NodeId node = no_node;
-  int coordinate = -1;  // root sweeps: which of the base's coordinates it belongs to; −1: to the base itself
+  int coordinate = -1;  // over the base: to which of its coordinates it belongs; −1: to the base itself
 };
 
-inline constexpr int all_bodies = -2, no_body = -3;
-
 struct Sweep {
-  std::string name;      // "poses"
-  std::string equation;  // what it computes, for the reader
+  std::string name;               // "poses"
+  std::string equation;           // what it computes, for the reader
+  BodySet over = BodySet::all();  // roles of other bodies are zero
   Direction direction = Direction::anywhere;
   Graph graph;
-  std::vector<Value> stores;    // roles of the body
-  std::vector<Value> carries;   // inwards: what is handed on to the parent, in the parent's terms
-  int only_above = all_bodies;  // else: of this body and those above it alone, zero elsewhere
-  int beside = no_body;         // and not of those above this one too
+  std::vector<Value> stores{};   // roles of the body
+  std::vector<Value> carries{};  // inwards: what is handed on to the parent, in the parent's terms
 };
 
 // Three components of a role of the lower body times three of a role of the upper one.
@@ -110,9 +131,8 @@ struct Result {
   int array = 0;
   Layout layout = Layout::per_coordinate;
   int role = 0;
-  int from = 0;                 // columns: first row; base: first element
-  int only_above = all_bodies;  // as of the sweep that stores the role
-  int beside = no_body;         // likewise
+  int from = 0;                   // columns: first row; base: first element
+  BodySet over = BodySet::all();  // as of the sweep that stores the role
 };
 
 // A matrix or vector the emitted code offers.

@@ -148,9 +148,13 @@ int Builder::array_called(const std::string& name) const {
   return at == algorithm_.arrays.end() ? -1 : static_cast<int>(at - algorithm_.arrays.begin());
 }
 
-SweepBuilder Builder::sweep(const std::string& name, const std::string& equation, ir::Direction direction) {
-  algorithm_.sweeps.push_back({name, equation, direction, ir::Graph(options_), {}, {}, ir::all_bodies, ir::no_body});
+SweepBuilder Builder::sweep(const std::string& name, const std::string& equation, ir::Direction direction, ir::BodySet over) {
+  algorithm_.sweeps.push_back({name, equation, over, direction, ir::Graph(options_)});
   return {*this, algorithm_.sweeps.size() - 1};
+}
+
+SweepBuilder Builder::sweep_of_base(const std::string& name, const std::string& equation) {
+  return sweep(name, equation, ir::Direction::anywhere, ir::BodySet::base());
 }
 
 int Builder::array(const std::string& name, int rows, int columns) {

@@ -43,7 +43,7 @@ class SweepBuilder {
   Sym acceleration();  // of the joint, as inverse dynamics takes it
   Sym effort();        // on the joint, as forward dynamics takes it
 
-  // A role of the body; of a root sweep: of the base.
+  // A role of the body.
   Sym own(int role, int component = 0) { return input(ir::InputKind::state, role, component); }
   Vec3 own3(int role, int from = 0) { return three(ir::InputKind::state, role, from, -1); }
   Mat3 own9(int role) { return {own3(role, 0), own3(role, 3), own3(role, 6)}; }
@@ -64,20 +64,13 @@ class SweepBuilder {
   Vec3 gravity_in_base();                         // along the base's axes: the world's on a fixed base
   Vec3 gravity_in_world();
 
-  // `coordinate`: of a root sweep, for a role of one of the base's coordinates.
+  // `coordinate`: over the base, for a role of one of its coordinates.
   void store(int role, int component, Sym x, int coordinate = -1);
   void store(int role, Sym x) { store(role, 0, x); }
   void store(int role, const Vec3& x, int from = 0, int coordinate = -1);
   void store(int role, const Twist& x, int coordinate = -1);
   void hand_on(int role, int component, Sym x);
   void hand_on(int role, const Vec3& x, int from = 0);
-  // The sweep is for this body and those above it alone.
-  void only_above(int body) { sweep().only_above = body; }
-  // … and not above the other one too.
-  void only_above(int body, int beside) {
-    sweep().only_above = body;
-    sweep().beside = beside;
-  }
 
  private:
   ir::Sweep& sweep();
@@ -119,7 +112,9 @@ class Builder {
   bool has(const std::string& sweep) const;
   bool has_array(const std::string& name) const { return array_called(name) >= 0; }
   int array_called(const std::string& name) const;  // -1: there is none
-  SweepBuilder sweep(const std::string& name, const std::string& equation, ir::Direction direction);
+  SweepBuilder sweep(const std::string& name, const std::string& equation, ir::Direction direction,
+                     ir::BodySet over = ir::BodySet::all());
+  SweepBuilder sweep_of_base(const std::string& name, const std::string& equation);  // over the base alone
   int array(const std::string& name, int rows, int columns);
   // Of a part of a result: with the maps of ir::OutputArray, empty where all are asked for.
   int array_of_part(const std::string& name, int rows, int columns, std::vector<int> row_map, std::vector<int> column_map);

@@ -471,7 +471,7 @@ class RolledRun {
     for (const Result& r : algorithm_.results)
       for (int k = 0; k < tree_.joints() && r.layout != Layout::base; ++k)
         for (int i = 0; i < program_.roles[static_cast<std::size_t>(r.role)].components(); ++i) {
-          if (r.only_above != all_bodies && !tree_.is_above_only(k, r.only_above, r.beside)) continue;
+          if (!r.over.contains(tree_, k)) continue;
           const OutputArray& array = algorithm_.arrays[static_cast<std::size_t>(r.array)];
           Eigen::MatrixXd& m = arrays_[array.name];
           const int at = r.layout == Layout::columns ? array.column(row(k)) : array.row(row(k));

@@ -147,7 +147,7 @@ Articulated articulated_bodies(Builder& b) {
   each(plus_product(below, u, v), handed, [&](int role, int i, Sym x) { s.hand_on(role, i, x); });
   if (b.base_coordinates() == 0) return r;
 
-  SweepBuilder base = b.sweep("articulated_base", "L' D L = A* - K", Direction::root);
+  SweepBuilder base = b.sweep_of_base("articulated_base", "L' D L = A* - K");
   const BaseFactors f = base_factors_of(b, base);
   for (int k = 0; k < 6; ++k) {
     const auto at = static_cast<std::size_t>(k);
@@ -217,7 +217,7 @@ SolvedRoles solved_accelerations(Builder& b) {
   in.hand_on(handed, reaction.linear + residual * gain.linear, 0);
   in.hand_on(handed, reaction.angular + residual * gain.angular, 3);
 
-  SweepBuilder base = b.sweep("base_solve", "dV = (A* - K)^-1 (tau - (C v + g) - p)", Direction::root);
+  SweepBuilder base = b.sweep_of_base("base_solve", "dV = (A* - K)^-1 (tau - (C v + g) - p)");
   Twist x{base.zero(), base.zero()};
   if (b.base_coordinates() > 0) {
     const BaseFactors f = base_factors_of(b, base);

@@ -34,7 +34,7 @@ void describe_right(Builder& b, const ConstraintRows& rows, bool impact, int arr
                               Shape::scalar}));
   }
   const bool together = count == 3 || count == 6;
-  SweepBuilder s = b.sweep(name, impact ? "b = -(1 + restitution) J v" : "b = -(dJ v + kd J v + kp e)", Direction::root);
+  SweepBuilder s = b.sweep_of_base(name, impact ? "b = -(1 + restitution) J v" : "b = -(dJ v + kd J v + kp e)");
   for (int i = 0; i < count; ++i) {
     const auto row = static_cast<std::size_t>(i);
     const auto of = [&](const RowRoles& values) { return s.of(-1, values[row].first, values[row].second); };
@@ -153,7 +153,7 @@ int speeds(Builder& b) {
   const Sym own = s.parameter(own_coordinate_p), rate = s.rate();
   s.store(role, own * rate);
   if (b.base_coordinates() == 0) return role;
-  SweepBuilder base = b.sweep("base_speeds", "v", Direction::root);
+  SweepBuilder base = b.sweep_of_base("base_speeds", "v");
   const Twist twist = base.base_twist();
   for (int j = 0; j < 6; ++j) {
     const auto at = static_cast<std::size_t>(j % 3);

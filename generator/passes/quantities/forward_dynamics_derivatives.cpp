@@ -36,7 +36,7 @@ void prepare_second_half(Builder& b) {
 // x u less gravity that equations of motion know, along the base's axes. Nothing else changes.
 void set_base_columns(Builder& b, int array, const std::string& name, int first, const std::string& equation,
                       const std::function<Vec3(SweepBuilder&)>& about, double sign) {
-  SweepBuilder base = b.sweep(b.own_name(name), equation, ir::Direction::root);
+  SweepBuilder base = b.sweep_of_base(b.own_name(name), equation);
   const Vec3 axis = about(base);
   for (int j = 0; j < 3; ++j) {
     const auto next = static_cast<std::size_t>((j + 1) % 3), last = static_cast<std::size_t>((j + 2) % 3);

@@ -1,9 +1,9 @@
 // Work that threads divide among them, each after it has prepared for itself what the work reads: so nothing is handed from one
 // core's caches to another's but what the call takes. Beside task_graph.hpp the only header that needs oneTBB.
 //
-// Each thread has a stretch of the work, much the same in every call, for what it writes is in its caches; it takes half of what
-// is left of it at a time, from the front. Who has finished takes from the back of another's, and has a longer stretch the next
-// time. Nobody waits for a thread that has not come: its stretch is taken too.
+// Each thread has a stretch of the work, much the same in every call, for what it writes is in its caches; it takes half of
+// what is left of it at a time, from the front. Who has finished takes from the back of another's, and has a longer stretch the
+// next time. Nobody waits for a thread that has not come: its stretch is taken too.
 #pragma once
 
 #include <oneapi/tbb/task_arena.h>
@@ -66,8 +66,8 @@ class DividedWork {
 
  private:
   static constexpr int none = -1;
-  // Fewer units than these are sooner done by the thread whose they are, which has them in its caches; but others do not wait for
-  // ever: a pause is some 10 to 40 ns. Smaller pieces read again what they have in common.
+  // Fewer units than these are sooner done by the thread whose they are, which has them in its caches; but others do not wait
+  // for ever: a pause is some 10 to 40 ns. Smaller pieces read again what they have in common.
   static constexpr int too_few = 15, even = 5, least_piece = 8, patience = 400, pauses_per_unit = 8;
 
   struct Part {
@@ -123,8 +123,8 @@ class DividedWork {
     detail::happens_after(this);
   }
 
-  // Equal stretches at first; then more, by and by, for who has done more in the last calls or has waited for others. By and by:
-  // what changes hands has to be fetched from another's caches.
+  // Equal stretches at first; then more, by and by, for who has done more in the last calls or has waited for others. By and
+  // by: what changes hands has to be fetched from another's caches.
   void divide(int threads) {
     if (threads != threads_) {
       threads_ = threads;
