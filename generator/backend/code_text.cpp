@@ -21,7 +21,7 @@ std::string input_text(const CodeInput& code, const ir::Input& input) {
     case ir::InputKind::position: return fmt::format("q[{}]", input.index);
     case ir::InputKind::velocity: return fmt::format("v[{}]", input.index);
     case ir::InputKind::acceleration:
-    case ir::InputKind::effort: return fmt::format("{}[{}]", function_of(code).input(), input.index);
+    case ir::InputKind::effort: return fmt::format("{}[{}]", code.algorithm.section.input(), input.index);
     case ir::InputKind::gravity: return fmt::format("workspace.gravity_vector[{}]", input.component);
     case ir::InputKind::wrench:
       return fmt::format("workspace.wrench_{}[{}]",
@@ -31,11 +31,10 @@ std::string input_text(const CodeInput& code, const ir::Input& input) {
       if (input.component == ir::contact_kp) return contact + ".kp";
       if (input.component == ir::contact_kd) return contact + ".kd";
       if (input.component == ir::contact_restitution) return contact + ".restitution";
-      if (input.component >= ir::contact_force)
-        return fmt::format("workspace.{}[{}]", function_of(code).forces,
-                           code.scene.first_row(input.index) + input.component - ir::contact_force);
       return fmt::format("{}.anchor[{}]", contact, input.component - ir::contact_anchor);
     }
+    case ir::InputKind::element:
+      return fmt::format("workspace.{}[{}]", code.algorithm.arrays[static_cast<size_t>(input.index)].name, input.component);
     case ir::InputKind::payload: {
       const std::string payload =
           "workspace.payload_" + ir::identifier(code.scene.payloads.at(static_cast<size_t>(input.index)));
@@ -49,13 +48,13 @@ std::string input_text(const CodeInput& code, const ir::Input& input) {
 
 const ir::EmittedFunction& function_of(const CodeInput& code) { return code.algorithm.function; }
 
-std::string own_name(const CodeInput& code, const std::string& name) { return function_of(code).own_name(name); }
+std::string own_name(const CodeInput& code, const std::string& name) { return code.algorithm.own_name(name); }
 
-std::string own_type(const CodeInput& code, const std::string& type) { return function_of(code).type + type; }
+std::string own_type(const CodeInput& code, const std::string& type) { return code.algorithm.section.type + type; }
 
 std::vector<std::string> vectors_of(const CodeInput& code) {
   std::vector<std::string> names{"q", "v"};
-  if (*function_of(code).input()) names.emplace_back(function_of(code).input());
+  if (const char* input = code.algorithm.section.input(); *input) names.emplace_back(input);
   return names;
 }
 
@@ -305,8 +304,7 @@ std::string status_statement(const CodeInput& code, const std::string& check) {
   for (const int array : {told_by.factor, told_by.gain, told_by.joint, guard.pivots, guard.diagonal})
     if (array >= 0) read += fmt::format(", workspace.{}", array_of(code, array).name);
   return (needs_coordinate_above(code) ? "" : above_text(ir::coordinate_tree(code.tree))) +
-         fmt::format("  workspace.{} = dalembert::{}coordinate_above{});\n", function_of(code).called_name("status"), check,
-                     read);
+         fmt::format("  workspace.{} = dalembert::{}coordinate_above{});\n", function_of(code).own_name("status"), check, read);
 }
 
 std::string clear_statements(const CodeInput& code) {
@@ -314,7 +312,7 @@ std::string clear_statements(const CodeInput& code) {
   for (const int index : code.algorithm.guard->arrays) {
     const ir::OutputArray& array = array_of(code, index);
     text += fmt::format("  dalembert::clear_unless_ok<{}>(workspace.{}, workspace.{});\n", array.rows * array.columns,
-                        function_of(code).called_name("status"), array.name);
+                        function_of(code).own_name("status"), array.name);
   }
   return text;
 }
@@ -328,17 +326,15 @@ std::string guard_statements(const CodeInput& code) {
          clear_statements(code);
 }
 
-bool is_called(const CodeInput& code) { return function_of(code).first_half.empty() && !function_of(code).of_opened; }
-
-std::string second_half_declaration(const CodeInput& second_half) {
-  return fmt::format("static void {}({}, Workspace& workspace) noexcept;\n", function_of(second_half).name,
-                     parameters_of(second_half));
+std::string section_declaration(const CodeInput& section) {
+  return fmt::format("static void {}({}, Workspace& workspace) noexcept;\n", section.algorithm.section.name,
+                     parameters_of(section));
 }
 
-std::string second_half_call(const CodeInput& first_half) {
-  const ir::EmittedFunction& function = function_of(first_half);
-  if (function.second_half.empty()) return "";
-  return fmt::format("  {}(q, v, workspace.{}, workspace);\n", function.second_half, function.hands_on);
+std::string next_section_call(const CodeInput& section) {
+  if (!section.next) return "";
+  const ir::Section& next = section.next->algorithm.section;
+  return fmt::format("  {}(q, v, workspace.{}, workspace);\n", next.name, array_of(*section.next, next.accelerations).name);
 }
 
 int element_index(const ir::OutputArray& array, int row, int column) { return row + array.rows * column; }

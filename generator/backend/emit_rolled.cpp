@@ -344,8 +344,7 @@ std::vector<std::string> rolled_includes(const CodeInput& code) {
 bool can_sweep_apart(const CodeInput& code) {
   const bool checked =
       std::any_of(code.rolled.base.begin(), code.rolled.base.end(), [&](const auto& b) { return checked_at_base(code, b); });
-  return code.is_rolled() && is_called(code) && function_of(code).second_half.empty() && !code.algorithm.pairs.empty() &&
-         !has_driven(code) && !checked;
+  return code.is_rolled() && !code.next && !code.algorithm.pairs.empty() && !has_driven(code) && !checked;
 }
 
 std::string arguments_of(const CodeInput& code, const Stage& stage) {
@@ -384,7 +383,7 @@ std::string rolled_source(const CodeInput& code, const Symbol& symbol) {
     calls += fmt::format("  {}{}({});\n", scoped ? scope + "::" : "", s.name, call_of(code, s));
     state = state || s.reads_state;
   }
-  calls += second_half_call(code);
+  calls += next_section_call(code);
   if (calls.empty()) unused += ", static_cast<void>(workspace)";
   if (!state) calls = unused + ";\n" + calls;
   const std::string open = "namespace " + scope + " {\n\n";

@@ -1,5 +1,7 @@
 #include "ir/algorithm.hpp"
 
+#include <algorithm>
+
 namespace dalembert::ir {
 
 int components(Shape shape) {
@@ -34,6 +36,10 @@ std::vector<Input> Projection::inputs(InputKind kind) const {
     if (const Node& n = graph[id]; used[static_cast<std::size_t>(id)] > 0 && n.op == Op::input && n.input.kind == kind)
       found.push_back(n.input);
   return found;
+}
+
+bool Section::computes(Quantity quantity) const {
+  return std::find(quantities.begin(), quantities.end(), quantity) != quantities.end();
 }
 
 std::vector<int> Algorithm::offsets() const {

@@ -11,6 +11,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -140,9 +141,8 @@ struct OutputArray {
   std::string name;  // mass_matrix, …, jacobian_<link>
   int rows = 0;
   int columns = 1;
-  bool internal = false;       // a step between, which users do not ask for
-  bool of_first_half = false;  // of a second half (ir/emitted_function.hpp): the other function has it
-  bool written_out = false;    // nothing reads it: its elements became operands (passes/write_out.hpp)
+  bool internal = false;     // a step between, which users do not ask for
+  bool written_out = false;  // nothing reads it: its elements became operands (passes/write_out.hpp)
   // Of a part of a result (ir/part.hpp): where the rows and columns of the whole stand in it, -1: not asked for. Empty: all.
   std::vector<int> row_map{}, column_map{};
 
@@ -168,7 +168,7 @@ struct MatrixStep {
 // Arrays that mean something only where the mass matrix is positive definite: where a pivot of its factorisation is not above
 // what rounding leaves of M's diagonal they are zero, and the function's status says which.
 struct Guard {
-  int pivots = 0, diagonal = 0;  // arrays, nv × 1; −1: the first half of the function has found out
+  int pivots = 0, diagonal = 0;  // arrays, nv × 1; −1: a section before has found out
   std::vector<int> arrays;
 };
 
@@ -200,10 +200,29 @@ struct Embedding {
   std::vector<Projected> projected;
 };
 
-// One function of the emitted code: inputs in, arrays out.
+// A function is computed in sections, one behind another: sweeps, then what is done to whole matrices. What waits for such a
+// matrix, as what is differentiated at a v̇ that M's factors give, has its sweeps in a section behind it. Arrays are the
+// function's: a section reads what those before it have filled. In the emitted code each is a function, which ends by calling
+// the next; users call the first.
+struct Section {
+  int number = 0;
+  std::string name, type;            // of the C++ function; where types are named
+  Function inputs;                   // the standard function whose sweeps take the same
+  std::vector<Quantity> quantities;  // that it fills; the first: all that the function has, if only to clear them
+  int accelerations = -1;            // behind the first: the array that its sweeps take for dv/dt
+  int forces = -1;                   // likewise, where constraints act at that dv/dt: the array of their forces
+
+  bool is_first() const { return number == 0; }
+  bool computes(Quantity quantity) const;
+  const char* input() const { return row_of(inputs).input; }  // what its sweeps take after q and v
+};
+
+// One section of a function of the emitted code: inputs in, arrays out.
 struct Algorithm {
-  EmittedFunction function;
-  std::vector<OutputArray> arrays;
+  EmittedFunction function;  // whole
+  Section section;
+  std::vector<OutputArray> arrays;  // of the sections before, with the same numbers, then its own
+  std::size_t inherited = 0;        // how many are of those before
   std::vector<Role> roles;
   std::vector<Sweep> sweeps;  // in an order in which every sweep finds what it reads
   std::vector<Pairs> pairs;
@@ -216,6 +235,12 @@ struct Algorithm {
   int factor = -1;                     // the array that equations with M are solved by, if the code is to offer that
   std::optional<Embedding> embedding;  // then there are no sweeps
 
+  std::span<const OutputArray> own_arrays() const { return std::span(arrays).subspan(inherited); }
+  // The name of what is the section's own in a robot's workspace or namespace: "scratch",
+  // "forward_dynamics_derivatives_scratch".
+  std::string own_name(const std::string& what) const {
+    return section.is_first() ? function.own_name(what) : section.name + "_" + what;
+  }
   // First of a role's components among all of them.
   std::vector<int> offsets() const;
 };

@@ -22,7 +22,7 @@ struct GuardArrays {
 inline GuardArrays guard_arrays(const Algorithm& algorithm) {
   const auto named = [&](const char* name) {
     for (std::size_t a = 0; a < algorithm.arrays.size(); ++a)
-      if (algorithm.arrays[a].name == algorithm.function.own_name(name)) return static_cast<int>(a);
+      if (algorithm.arrays[a].name == algorithm.own_name(name)) return static_cast<int>(a);
     return -1;
   };
   if (!algorithm.guard || algorithm.guard->pivots < 0) return {};

@@ -1,6 +1,7 @@
 #include "passes/builder.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "passes/joints.hpp"
 
@@ -84,6 +85,7 @@ Twist SweepBuilder::external(int wrench) {
 }
 
 Sym SweepBuilder::constraint(int constraint, int component) { return input(InputKind::constraint, constraint, component); }
+Sym SweepBuilder::element(int array, int element) { return input(InputKind::element, array, element); }
 
 Vec3 SweepBuilder::gravity_in_world() {
   switch (builder_.scene().gravity_kind) {
@@ -164,7 +166,7 @@ int Builder::array(const std::string& name, int rows, int columns) {
 
 bool Builder::factors() const {
   return solver_ == ir::Solver::factorization || tree_.independent_joints() < tree_.joints() ||
-         algorithm_.function.computes(ir::Quantity::mass_matrix_factor);
+         computes(ir::Quantity::mass_matrix_factor);
 }
 
 bool Builder::fills(int array) const {
@@ -173,12 +175,10 @@ bool Builder::fills(int array) const {
 
 int Builder::output(ir::Quantity quantity) {
   const std::string name = algorithm_.function.result(quantity);
-  for (std::size_t i = 0; i < algorithm_.arrays.size(); ++i)
-    if (algorithm_.arrays[i].name == name) return static_cast<int>(i);
+  if (const int made = array_called(name); made >= 0) return made;
   const ir::QuantityRow& row = ir::row_of(quantity);
   const ir::Part* const part = algorithm_.function.part(quantity);
   const int rows = ir::extent(row.rows, tree_, part), columns = ir::extent(row.columns, tree_, part);
-  if (!algorithm_.function.first_half.empty()) return array_of_first_half(name, rows, columns);
   return array_of_part(name, rows, columns, ir::map_of(part, row.rows, tree_), ir::map_of(part, row.columns, tree_));
 }
 
@@ -203,12 +203,54 @@ int Builder::internal_array_of_part(const std::string& name, int rows, int colum
   return index;
 }
 
-int Builder::array_of_first_half(const std::string& name, int rows, int columns) {
-  for (std::size_t i = 0; i < algorithm_.arrays.size(); ++i)
-    if (algorithm_.arrays[i].name == name) return static_cast<int>(i);
-  const int index = internal_array(name, rows, columns);
-  algorithm_.arrays.back().of_first_half = true;
-  return index;
+namespace {
+
+template <class Step>
+std::optional<Step> first_of(typename Step::Kind kind, const std::vector<Step>& steps) {
+  const auto at = std::find_if(steps.begin(), steps.end(), [=](const Step& step) { return step.kind == kind; });
+  return at == steps.end() ? std::nullopt : std::optional(*at);
+}
+
+}  // namespace
+
+std::optional<ir::MatrixStep> Builder::made(ir::MatrixStep::Kind kind) const {
+  for (const ir::Algorithm& section : before_)
+    if (const auto step = first_of(kind, section.steps)) return step;
+  return first_of(kind, algorithm_.steps);
+}
+
+std::optional<ir::ConstraintStep> Builder::made(ir::ConstraintStep::Kind kind) const {
+  for (const ir::Algorithm& section : before_)
+    if (const auto step = first_of(kind, section.constraint_steps)) return step;
+  return first_of(kind, algorithm_.constraint_steps);
+}
+
+void Builder::behind(const std::string& name, const std::string& type, int accelerations, int forces, ir::Quantity quantity,
+                     const std::function<void(Builder&)>& describe) {
+  const ir::EmittedFunction& function = algorithm_.function;
+  behind_.push_back(
+      {{0, function.own_name(name), function.type + type, ir::Function::inverse_dynamics, {}, accelerations, forces},
+       quantity,
+       describe});
+}
+
+std::vector<ir::Algorithm> Builder::take() {
+  // In the order of quantities.def, whatever the order asked for: what is differentiated with constraints comes last.
+  std::sort(behind_.begin(), behind_.end(), [](const Behind& a, const Behind& b) { return a.quantity < b.quantity; });
+  for (auto first = behind_.begin(), last = first; first != behind_.end(); first = last) {
+    ir::Algorithm next;
+    next.function = algorithm_.function;
+    next.section = first->section;
+    next.section.number = algorithm_.section.number + 1;
+    for (; last != behind_.end() && last->section.name == next.section.name; ++last)
+      next.section.quantities.push_back(last->quantity);
+    next.arrays = algorithm_.arrays;
+    next.inherited = next.arrays.size();
+    before_.push_back(std::exchange(algorithm_, std::move(next)));
+    std::for_each(first, last, [this](const Behind& b) { b.describe(*this); });
+  }
+  before_.push_back(std::move(algorithm_));
+  return std::move(before_);
 }
 
 }  // namespace dalembert::passes

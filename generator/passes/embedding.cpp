@@ -18,9 +18,10 @@ class Embed {
   Embed(const ir::EmittedFunction& function, const ir::KinematicTree& tree, const ir::Scene& scene)
       : function_(function), tree_(tree), opened_(tree.opened()), scene_(scene) {
     algorithm_.function = function;
+    algorithm_.section = {0, function.name, function.type, function.inputs, function.quantities};
     own_.name = function.name + "_of_all_joints";
     own_.type = function.type + "OfAllJoints";
-    own_.named = own_.of_opened = true;
+    own_.named = true;
   }
 
   EmbeddedFunction run() {

@@ -219,8 +219,7 @@ bool has_diagonal(const ir::Program& program, int array, int size) {
 }  // namespace
 
 void write_out_steps(ir::Algorithm& algorithm, ir::Program& program, const ir::CoordinateTree& tree, bool products) {
-  const ir::EmittedFunction& function = algorithm.function;
-  if (algorithm.steps.empty() || !function.first_half.empty() || !function.second_half.empty()) return;
+  if (algorithm.steps.empty()) return;
   for (const ir::MatrixStep& step : algorithm.steps)
     if (step.kind == Kind::factor && !has_diagonal(program, step.a, tree.size())) return;
   Writing(algorithm, program, tree, products).run();

@@ -239,7 +239,7 @@ void run_steps(const Algorithm& algorithm, Arrays& arrays, const std::vector<int
   }
   run_constraint_steps(algorithm, arrays, above);
   if (!algorithm.guard) return;
-  // A second half goes by what the first has found.
+  // A section goes by what one before has found.
   if (algorithm.guard->pivots >= 0)
     arrays["status"] = Eigen::MatrixXd::Constant(1, 1, guard_status(algorithm, arrays, above).coordinate);
   if (const auto status = arrays.find("status"); status == arrays.end() || status->second(0, 0) < 0) return;
@@ -294,8 +294,8 @@ class RolledRun {
 
   Arrays run(Arrays arrays = {}) {
     arrays_ = std::move(arrays);
-    for (const OutputArray& a : algorithm_.arrays)
-      if (!a.of_first_half && !a.written_out) arrays_[a.name] = Eigen::MatrixXd::Zero(a.rows, a.columns);
+    for (const OutputArray& a : algorithm_.own_arrays())
+      if (!a.written_out) arrays_[a.name] = Eigen::MatrixXd::Zero(a.rows, a.columns);
     joints();
     int levels = 0;
     for (const SegmentCode& s : program_.segments)
@@ -497,8 +497,8 @@ class RolledRun {
 
 Arrays run(const Algorithm& algorithm, const Program& program, const KinematicTree& tree, const FunctionInput& input,
            Arrays arrays) {
-  for (const OutputArray& a : program.arrays)
-    if (!a.of_first_half && !a.written_out) arrays[a.name] = Eigen::MatrixXd::Zero(a.rows, a.columns);
+  for (std::size_t i = algorithm.inherited; i < program.arrays.size(); ++i)
+    if (const OutputArray& a = program.arrays[i]; !a.written_out) arrays[a.name] = Eigen::MatrixXd::Zero(a.rows, a.columns);
   const std::vector<double> values = interpret<double>(program.graph, input);
   for (const OutputElement& e : program.elements)
     arrays[program.arrays[static_cast<std::size_t>(e.array)].name](e.row, e.column) = values[static_cast<std::size_t>(e.node)];

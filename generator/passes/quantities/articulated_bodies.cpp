@@ -161,7 +161,7 @@ Articulated articulated_bodies(Builder& b) {
 }
 
 void guard(Builder& b, int array) {
-  if (!b.guard() && !b.function().first_half.empty()) {
+  if (!b.guard() && !b.section().is_first()) {
     b.guard() = ir::Guard{-1, -1, {}};
   } else if (!b.guard() && b.factors()) {
     mass_matrix_factor(b);

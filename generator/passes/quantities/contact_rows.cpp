@@ -170,7 +170,7 @@ HeldRoles ContactRows::wrench(Builder& b) const {
                                    contact_.along_link ? "f = X f_c, n = X n_c + x x f" : "f = X0' f_c, n = X0' n_c + x x f");
   const Mat3 turn = contact_.along_link ? three_columns(s, -1, at.axes) : transpose(s.base_axes());
   const auto given = [&](int from) {
-    const auto one = [&](int i) { return s.constraint(index(), ir::contact_force + from + i); };
+    const auto one = [&](int i) { return s.element(b.section().forces, first() + from + i); };
     return Vec3{one(0), one(1), one(2)};
   };
   const Vec3 force = turn * given(0), moment = weld() ? turn * given(3) : s.zero(), lever = cross(s.of3(-1, at.origin), force);

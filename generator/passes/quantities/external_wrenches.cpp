@@ -42,7 +42,7 @@ Push wrench(Builder& b, std::size_t which) {
 
 // The scene's, then those of its constraints.
 std::size_t count_of(const Builder& b) {
-  const std::size_t constraints = b.function().forces.empty() ? 0 : b.scene().constraints().size();
+  const std::size_t constraints = b.section().forces < 0 ? 0 : b.scene().constraints().size();
   return b.scene().wrenches.size() + constraints;
 }
 

@@ -162,8 +162,8 @@ class LoopRows : public ConstraintRows {
     SweepBuilder s =
         b.sweep_of_base("hold_" + name(), is_distance() ? "f = f_c (xb - xa)/l, n = x x f" : "f = e f_c, n = e n_c + x x f");
     const Vec3 x = m.point(s, 1);
-    int row = ir::contact_force;
-    const auto given = [&] { return s.constraint(index(), row++); };
+    int row = first();
+    const auto given = [&] { return s.element(b.section().forces, row++); };
     Vec3 force = s.zero(), moment = s.zero();
     if (is_distance()) {
       const Sym inverse = s.constant(1 / length_), scale = given() * inverse;

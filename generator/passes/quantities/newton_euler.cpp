@@ -32,9 +32,8 @@ NewtonEuler newton_euler(Builder& b, Driven driven) {
   // A function may give what it finds at rest beside what it is given accelerations for.
   const bool both =
       accelerated &&
-      (b.function().computes(ir::Quantity::bias) ||
-       ((b.function().computes(ir::Quantity::momentum_bias) || b.function().computes(ir::Quantity::center_of_mass_bias)) &&
-        !gravity_acts));
+      (b.computes(ir::Quantity::bias) ||
+       ((b.computes(ir::Quantity::momentum_bias) || b.computes(ir::Quantity::center_of_mass_bias)) && !gravity_acts));
   const std::string motions = weightless ? "weightless_" : both ? "accelerated_" : "";
   const MotionRoles motion{
       b.role({motions + "angular", "w", "w along the body's axes", "rad/s", Shape::vector}),
