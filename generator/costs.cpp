@@ -4,9 +4,7 @@
 #include <set>
 
 #include "frontend/scene_check.hpp"
-#include "ir/coordinate_tree.hpp"
 #include "ir/embedding_cost.hpp"
-#include "ir/guard_arrays.hpp"
 #include "passes/build_tree.hpp"
 #include "passes/levels.hpp"
 
@@ -29,58 +27,24 @@ std::vector<int> missing(const std::set<int>& read, int size) {
   return rest;
 }
 
-// What a step with whole matrices costs, padding left out.
-ir::Operations operations_of(const ir::MatrixStep& step, const ir::CoordinateTree& tree) {
-  ir::Operations o;
-  const auto multiply_adds = [&](long count) { o.multiply += count, o.add += count; };
-  if (step.kind == ir::MatrixStep::Kind::factor || step.kind == ir::MatrixStep::Kind::solve) {
-    for (int k = 0; k < tree.size(); ++k) {
-      const long above = tree.depth(k);
-      multiply_adds(step.kind == ir::MatrixStep::Kind::factor ? above * (above + 1) / 2 : 2 * above);
-      if (step.kind == ir::MatrixStep::Kind::factor) o.multiply += above;
-      ++o.divide;
-    }
-    return o;
-  }
-  for (const ir::Chain& chain : ir::chains(tree, step.first)) {
-    const long m = chain.count, above = tree.depth(chain.first), pairs = m * (m - 1) / 2;
-    if (step.kind == ir::MatrixStep::Kind::negative_product) {
-      multiply_adds(m * (above + tree.last[static_cast<size_t>(chain.first)] + 1 - chain.first) * tree.size());
-      continue;
-    }
-    multiply_adds((m * above + pairs) * chain.first + (2 * pairs + m * above) * m);
-    o.multiply += m * m;
-    o.divide += m;
-  }
-  return o;
-}
-
 // The arrays that some are made of, themselves among them, and the steps that make them. What says whether M can be solved with
 // counts.
 struct Making {
   std::set<int> arrays;
-  std::vector<ir::MatrixStep> steps;
-  std::vector<ir::ConstraintStep> constraint_steps{};
+  std::vector<ir::Step> steps;
 };
 Making making(const ir::Algorithm& algorithm, const std::set<int>& arrays) {
   Making m{arrays, {}};
   if (const std::optional<ir::Guard>& guard = algorithm.guard;
       guard && std::any_of(guard->arrays.begin(), guard->arrays.end(), [&](int array) { return arrays.contains(array); })) {
-    const ir::GuardArrays told_by = ir::guard_arrays(algorithm);
-    m.arrays.insert({guard->pivots, guard->diagonal, told_by.factor, told_by.gain, told_by.joint});  // some may be none
+    m.arrays.insert({guard->pivots, guard->diagonal, guard->factor, guard->gain, guard->joint});  // some may be none
   }
-  const auto makes = [&](int array) { return array >= 0 && m.arrays.contains(array); };
-  for (const ir::ConstraintStep& step : algorithm.constraint_steps)
-    if (makes(step.to) || makes(step.forces) || makes(step.plain) ||
-        (step.kind == ir::ConstraintStep::Kind::respond && makes(step.room))) {
-      for (const int array : step.read()) m.arrays.insert(array);
-      m.constraint_steps.push_back(step);
-    }
-  for (auto step = algorithm.steps.rbegin(); step != algorithm.steps.rend(); ++step)
-    if (m.arrays.contains(step->to) || (step->room >= 0 && m.arrays.contains(step->room))) {
-      m.arrays.insert({step->a, step->b});  // one may be none
-      m.steps.push_back(*step);
-    }
+  for (auto step = algorithm.steps.rbegin(); step != algorithm.steps.rend(); ++step) {
+    const std::vector<int> filled = ir::filled(*step);
+    if (std::none_of(filled.begin(), filled.end(), [&](int array) { return m.arrays.contains(array); })) continue;
+    for (const int array : ir::read(*step)) m.arrays.insert(array);
+    m.steps.push_back(*step);
+  }
   return m;
 }
 
@@ -102,12 +66,7 @@ OperationCost cost_of(const std::string& name, const LoweredSection& section, co
   cost.operations = ir::count(program.graph, uses);
   for (int phase = 1; phase <= 3; ++phase)
     cost.phases[static_cast<size_t>(phase - 1)] = count(program.graph, uses, phases, phase);
-  for (const ir::MatrixStep& step : made.steps) {
-    const ir::Operations operations = operations_of(step, ir::coordinate_tree(tree));
-    cost.operations += operations;
-    cost.phases[2] += operations;
-  }
-  for (const ir::ConstraintStep& step : made.constraint_steps) {
+  for (const ir::Step& step : made.steps) {
     const ir::Operations operations = ir::operations_of(step, tree, false);
     cost.operations += operations;
     cost.phases[2] += operations;
@@ -124,7 +83,7 @@ OperationCost cost_of(const std::string& name, const LoweredSection& section, co
 
 // Everything that it makes.
 Making all_of(const ir::Algorithm& algorithm) {
-  Making m{{}, algorithm.steps, algorithm.constraint_steps};
+  Making m{{}, algorithm.steps};
   for (size_t a = 0; a < algorithm.arrays.size(); ++a) m.arrays.insert(static_cast<int>(a));
   return m;
 }
@@ -201,7 +160,7 @@ OperationCost embedded_cost(const std::string& name, const LoweredSection& f, co
       if (const int at = array_called(array, opened.algorithm); at >= 0) from.insert(at);
   }
   OperationCost cost = cost_of(name, opened, making(opened.algorithm, from), opened_tree);
-  for (const ir::MatrixStep& step : made.steps) own += operations_of(step, ir::coordinate_tree(tree));
+  for (const ir::Step& step : made.steps) own += ir::operations_of(step, tree, false);
   own += ir::operations_of_linkages(tree, e.rates >= 0 && (cost.reads_velocity || e.accelerated));
   cost.operations += own;
   cost.phases[2] += own;

@@ -96,7 +96,7 @@ std::string results(const Folder& folder) {
                   "of the function are zero.",
                   2) +
               fmt::format("  dalembert::LinkageStatus<Scalar> {};\n", own_name(code, "linkage_status"));
-    for (const ir::ConstraintStep& step : code.algorithm.constraint_steps)
+    for (const ir::ConstraintStep& step : code.algorithm.steps_of<ir::ConstraintStep>())
       if (const char* status = status_of(step); *status)
         text += fmt::format("  dalembert::ConstraintStatus<Scalar> {};  // what is left of the constraints' rows\n",
                             own_name(code, status));
@@ -353,7 +353,7 @@ bool any_guard(const Folder& folder) {
 
 bool any_constraints(const Folder& folder) {
   return std::any_of(folder.functions.begin(), folder.functions.end(),
-                     [](const CodeInput& f) { return !f.algorithm.constraint_steps.empty(); });
+                     [](const CodeInput& f) { return !f.algorithm.steps_of<ir::ConstraintStep>().empty(); });
 }
 
 // Where a joint's numbers are: in a row, but where quaternions have one more than their joints have coordinates.
@@ -560,7 +560,7 @@ void c_functions(const Folder& folder, std::string& declarations, std::string& d
                     n, c.member, c.rows));
   }
   for (const CodeInput& f : folder.functions)
-    for (const ir::ConstraintStep& step : f.algorithm.constraint_steps)
+    for (const ir::ConstraintStep& step : f.algorithm.steps_of<ir::ConstraintStep>())
       if (const char* status = status_of(step); *status)
         add("The largest error that is left of a constraint's row; least_pivot, rank: as in dalembert::ConstraintStatus; null: "
             "not wanted",
@@ -681,7 +681,7 @@ std::size_t workspace_bytes(const Folder& folder) {
     if (f.algorithm.guard && f.algorithm.section.is_first()) bytes = (bytes + scalar - 1) / scalar * scalar + 2 * scalar;
   }
   for (const CodeInput& f : folder.functions)
-    for (const ir::ConstraintStep& step : f.algorithm.constraint_steps)
+    for (const ir::ConstraintStep& step : f.algorithm.steps_of<ir::ConstraintStep>())
       if (*status_of(step)) bytes += 3 * scalar;
   bytes += scene.contacts.size() * 23 * scalar;  // whether it acts, gains, restitution, anchor, regularization, weight
   bytes += scene.loops.size() * 16 * scalar;     // the same without an anchor

@@ -18,7 +18,6 @@
 #include "backend/kept.hpp"
 #include "backend/literals.hpp"
 #include "backend/templates.hpp"
-#include "ir/guard_arrays.hpp"
 
 namespace dalembert::backend {
 namespace {
@@ -113,16 +112,15 @@ std::vector<int> bodies_of(const CodeInput& code, const ir::Result& r) {
 // solved with and rows that go up limbs: these read them where limbs leave them.
 std::optional<PivotRoles> pivots_in_slots(const CodeInput& code) {
   const std::optional<ir::Guard>& guard = code.algorithm.guard;
-  const std::vector<ir::ConstraintStep>& steps = code.algorithm.constraint_steps;
+  const std::vector<ir::ConstraintStep> steps = code.algorithm.steps_of<ir::ConstraintStep>();
   const bool by_limbs = std::all_of(steps.begin(), steps.end(), [](const ir::ConstraintStep& s) { return s.by_limbs(); });
-  if (!guard || !code.algorithm.steps.empty() || !by_limbs) return {};
-  const ir::GuardArrays told_by = ir::guard_arrays(code.algorithm);
+  if (!guard || steps.size() < code.algorithm.steps.size() || !by_limbs) return {};
   PivotRoles roles;
   for (const ir::Result& r : code.algorithm.results) {
     if (r.array == guard->pivots) roles.pivot = r.role;
     if (r.array == guard->diagonal) roles.diagonal = r.role;
-    if (r.array == told_by.gain) roles.gain = r.role;
-    if (r.array == told_by.joint) (r.from == 0 ? roles.linear : roles.angular) = r.role;
+    if (r.array == guard->gain) roles.gain = r.role;
+    if (r.array == guard->joint) (r.from == 0 ? roles.linear : roles.angular) = r.role;
   }
   // Rows go up limbs by all of them.
   for (const int role : {roles.gain, roles.linear, roles.angular})
@@ -224,8 +222,9 @@ std::string pivots_table(const CodeInput& code) {
 
 // By which rows of constraints go up; empty: by arrays.
 std::string limbs_in_slots(const CodeInput& code) {
-  if (code.algorithm.constraint_steps.empty() || !pivots_in_slots(code)) return "";
-  const ir::ConstraintStep& step = code.algorithm.constraint_steps.front();
+  const std::vector<ir::ConstraintStep> steps = code.algorithm.steps_of<ir::ConstraintStep>();
+  if (steps.empty() || !pivots_in_slots(code)) return "";
+  const ir::ConstraintStep& step = steps.front();
   const auto name = [&](int array) { return code.algorithm.arrays[static_cast<size_t>(array)].name; };
   return fmt::format(
       "  const dalembert::LimbsInSlots<Scalar, {}, {}> branches{{\n      {{{}}},\n      workspace.{}, workspace.{}}};\n",

@@ -3,8 +3,8 @@
 // A role is a value kept per body. A sweep is one body's share of a recursion: a graph of scalar operations whose inputs are
 // the body's parameters, roles of the body itself, of its parent (outwards) or summed over its children (inwards), and roles of
 // one given body. Pairs fill a matrix with products of a role of a body and a role of its ancestors. Results say which role
-// goes to which array. Both forms of the emitted code, and every count, are made from this and from nothing else
-// (passes/unroll.hpp, passes/roll.hpp).
+// goes to which array, steps what is then done with whole arrays. Both forms of the emitted code, and every count, are made
+// from this and from nothing else (passes/unroll.hpp, passes/roll.hpp).
 //
 // The base is a body like the others (−1) with up to six coordinates of its own: sweeps over the base alone give its roles
 // where it has an equation of its own, and those of its coordinates.
@@ -13,12 +13,14 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "ir/constraint_step.hpp"
 #include "ir/emitted_function.hpp"
 #include "ir/graph.hpp"
 #include "ir/kinematic_tree.hpp"
+#include "ir/matrix_step.hpp"
 #include "ir/quantity.hpp"
 
 namespace dalembert::ir {
@@ -151,25 +153,24 @@ struct OutputArray {
   bool is_part() const { return !row_map.empty() || !column_map.empty(); }
 };
 
-// What is done to whole matrices once their elements are there.
-struct MatrixStep {
-  enum class Kind {
-    factor,            // to: U and D of a = M = U D U'; the guard's arrays get D and M's diagonal; room: U D, with padding
-    solve,             // to = (U D U')^-1 to, a being U and D as `factor` leaves them
-    invert,            // to = (U D U')^-1, a being U (above its diagonal) and b D; room: as `to`, with padding
-    negative_product,  // to = -a b: a is the room of an inverse, b is zero where neither of two coordinates is above the other
-  };
-  Kind kind;
-  int a = 0, b = 0, to = 0;  // arrays
-  int room = -1;             // likewise
-  int first = 0;             // of a product: b's columns before this one are zero
-};
+// What is done to whole matrices, and with rows of constraints, once the elements are there.
+using Step = std::variant<MatrixStep, ConstraintStep>;
+// Arrays that it reads, and that it fills; rooms that nothing else reads are neither.
+std::vector<int> read(const Step& step);
+std::vector<int> filled(const Step& step);
+// Padding left out, or with it, as the code executes it.
+Operations operations_of(const Step& step, const KinematicTree& tree, bool executed);
 
 // Arrays that mean something only where the mass matrix is positive definite: where a pivot of its factorisation is not above
 // what rounding leaves of M's diagonal they are zero, and the function's status says which.
 struct Guard {
   int pivots = 0, diagonal = 0;  // arrays, nv × 1; −1: a section before has found out
-  std::vector<int> arrays;
+  std::vector<int> arrays{};
+  // By what it tells what rounding may have left of pivots (dalembert/factor.hpp): U of M = U D U', above the diagonal of an
+  // nv × nv array; or, where there is none, V and J of articulated bodies, 6 × nv each. −1: none.
+  int factor = -1, gain = -1, joint = -1;
+
+  bool tells_by(int array) const { return array >= 0 && (array == factor || array == gain || array == joint); }
 };
 
 // How what another function computes on the tree without embedded loops becomes what is asked for of the independent
@@ -228,9 +229,8 @@ struct Algorithm {
   std::vector<Pairs> pairs;
   std::vector<Projection> projections;
   std::vector<Result> results;
-  std::vector<MatrixStep> steps;                 // in order, after all results
-  std::vector<ConstraintStep> constraint_steps;  // behind them
-  std::vector<std::string> written_out;          // equations of steps that became nodes; tags count on to them
+  std::vector<Step> steps;               // in order, after all results
+  std::vector<std::string> written_out;  // equations of steps that became nodes; tags count on to them
   std::optional<Guard> guard;
   int factor = -1;                     // the array that equations with M are solved by, if the code is to offer that
   std::optional<Embedding> embedding;  // then there are no sweeps
@@ -240,6 +240,14 @@ struct Algorithm {
   // "forward_dynamics_derivatives_scratch".
   std::string own_name(const std::string& what) const {
     return section.is_first() ? function.own_name(what) : section.name + "_" + what;
+  }
+  // Its steps of one kind: MatrixStep or ConstraintStep.
+  template <class Kind>
+  std::vector<Kind> steps_of() const {
+    std::vector<Kind> all;
+    for (const Step& step : steps)
+      if (const Kind* const of_kind = std::get_if<Kind>(&step)) all.push_back(*of_kind);
+    return all;
   }
   // First of a role's components among all of them.
   std::vector<int> offsets() const;

@@ -141,8 +141,9 @@ class Builder {
   void solve_by(int factor) { algorithm_.factor = factor; }
   // The array of a quantity that the function computes.
   int output(ir::Quantity quantity);
-  void step(const ir::MatrixStep& step) { algorithm_.steps.push_back(step); }
-  void constraint_step(const ir::ConstraintStep& step) { algorithm_.constraint_steps.push_back(step); }
+  // Those with whole matrices stand before those with rows of constraints, which read what they leave.
+  void step(const ir::MatrixStep& step);
+  void step(const ir::ConstraintStep& step) { algorithm_.steps.emplace_back(step); }
   void result(const ir::Result& result) { algorithm_.results.push_back(result); }
 
   // Of a quantity: that its sweeps wait for arrays that steps of this section fill, and how it is described in a section

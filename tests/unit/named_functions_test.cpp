@@ -151,8 +151,8 @@ TEST(NamedFunctions, ShareWhatTheyShare) {
   const auto inversions = [](const Lowered& lowered) {
     long count = 0;
     for (const LoweredSection* s : lowered.all_sections())
-      count += std::count_if(s->algorithm.steps.begin(), s->algorithm.steps.end(),
-                             [](const ir::MatrixStep& step) { return step.kind == ir::MatrixStep::Kind::invert; });
+      for (const ir::MatrixStep& step : s->algorithm.steps_of<ir::MatrixStep>())
+        count += step.kind == ir::MatrixStep::Kind::invert ? 1 : 0;
     return count;
   };
   EXPECT_EQ(inversions(apart), 2);

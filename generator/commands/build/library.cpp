@@ -22,7 +22,8 @@ std::vector<Output> results_of(const std::vector<Output>& outputs, const ir::Emi
 // What steps with rows of constraints do with v is theirs, not the program's.
 bool steps_read_velocities(const ir::Algorithm& algorithm) {
   using Kind = ir::ConstraintStep::Kind;
-  return std::any_of(algorithm.constraint_steps.begin(), algorithm.constraint_steps.end(), [](const ir::ConstraintStep& step) {
+  const std::vector<ir::ConstraintStep> steps = algorithm.steps_of<ir::ConstraintStep>();
+  return std::any_of(steps.begin(), steps.end(), [](const ir::ConstraintStep& step) {
     return step.kind != Kind::delassus && step.kind != Kind::respond && step.kind != Kind::derive;
   });
 }

@@ -65,7 +65,8 @@ void add_costs(const Subject& subject, const Lowered& lowered, Rows& rows) {
 std::set<std::string> filled_by_steps(const Lowered& lowered) {
   std::set<std::string> names;
   for (const LoweredSection* s : lowered.all_sections())
-    for (const ir::MatrixStep& step : s->algorithm.steps) names.insert(s->algorithm.arrays[static_cast<size_t>(step.to)].name);
+    for (const ir::MatrixStep& step : s->algorithm.steps_of<ir::MatrixStep>())
+      names.insert(s->algorithm.arrays[static_cast<size_t>(step.to)].name);
   return names;
 }
 

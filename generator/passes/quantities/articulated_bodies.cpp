@@ -5,7 +5,6 @@
 //   U = F - K J, D = U.J, V = U / D, K_p += K + U V',
 //
 // and velocities and gravity enter through the bias alone: what is solved for is dv = M^-1 (tau - (C v + g)).
-#include "ir/guard_arrays.hpp"
 #include "passes/quantities/complete_guard.hpp"
 #include "passes/quantities/shared.hpp"
 
@@ -177,12 +176,11 @@ void guard(Builder& b, int array) {
 }
 
 GainArrays gain_arrays(Builder& b) {
-  if (const int made = b.array_called(b.own_name(ir::own_gain)); made >= 0)
-    return {made, b.array_called(b.own_name(ir::own_joint))};
+  if (const int made = b.array_called(b.own_name("gain")); made >= 0) return {made, b.array_called(b.own_name("joint"))};
   const Articulated a = articulated_bodies(b);
   const Poses p = poses(b);
-  const GainArrays arrays{b.internal_array(b.own_name(ir::own_gain), 6, b.tree().nv()),
-                          b.internal_array(b.own_name(ir::own_joint), 6, b.tree().nv())};
+  const GainArrays arrays{b.internal_array(b.own_name("gain"), 6, b.tree().nv()),
+                          b.internal_array(b.own_name("joint"), 6, b.tree().nv())};
   b.result({arrays.gain, ir::Layout::columns, a.gain});
   b.result({arrays.joint, ir::Layout::columns, p.joint_linear});
   b.result({arrays.joint, ir::Layout::columns, p.joint_angular, 3});
@@ -190,8 +188,10 @@ GainArrays gain_arrays(Builder& b) {
 }
 
 void complete_guard(Builder& b) {
-  if (!b.guard() || b.guard()->pivots < 0 || b.factors() || b.has_array(b.own_name(ir::own_factor))) return;
-  gain_arrays(b);
+  if (!b.guard() || b.guard()->factor >= 0) return;
+  const GainArrays arrays = gain_arrays(b);
+  b.guard()->gain = arrays.gain;
+  b.guard()->joint = arrays.joint;
 }
 
 SolvedRoles solved_accelerations(Builder& b) {

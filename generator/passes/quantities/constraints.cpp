@@ -138,7 +138,7 @@ void describe_constraint_bias(Builder& b, int array) {
 
 void describe_delassus_matrix(Builder& b, int array) {
   guard(b, array);
-  b.constraint_step(step(b, ir::ConstraintStep::Kind::delassus, array));
+  b.step(step(b, ir::ConstraintStep::Kind::delassus, array));
 }
 
 namespace {
@@ -169,7 +169,7 @@ void describe_impact(Builder& b, int array) {
   s.right = b.internal_array(b.own_name("bounce"), b.tree().constraint_rows, 1);
   s.forces = b.internal_array(b.own_name("impulses"), b.tree().constraint_rows, 1);
   for (const auto& rows : constraint_rows(b)) describe_right(b, *rows, true, s.right);
-  b.constraint_step(s);
+  b.step(s);
 }
 
 namespace {
@@ -186,7 +186,7 @@ ir::ConstraintStep solve_constrained(Builder& b) {
   s.right = b.internal_array(b.own_name("right"), rows, 1);
   b.result({to, ir::Layout::per_coordinate, s.by_limbs() ? solved_accelerations(b).free_acceleration : unbalanced(b)});
   for (const auto& rows : constraint_rows(b)) describe_right(b, *rows, false, s.right);
-  b.constraint_step(s);
+  b.step(s);
   return s;
 }
 
@@ -227,7 +227,7 @@ ir::ConstraintStep response(Builder& b) {
   s.plain = output(ir::Quantity::constrained_forward_dynamics_dtau);
   s.forces = output(ir::Quantity::constraint_forces_dtau);
   s.of_forces = s.forces >= 0 || b.computes(of_forces[0]) || b.computes(of_forces[1]);
-  b.constraint_step(s);
+  b.step(s);
   return s;
 }
 
@@ -264,7 +264,7 @@ void derive(Builder& b, bool by_q) {
       row += turning_rows;
     }
   }
-  b.constraint_step(s);
+  b.step(s);
 }
 
 // What is differentiated has to be there.
@@ -321,7 +321,7 @@ void support(Builder& b) {
   s.undriven = ir::undriven_coordinates(b.tree(), b.scene());
   const NewtonEuler all = newton_euler(b, Driven::accelerated);
   b.result({to, ir::Layout::per_coordinate, less_external(b, all.torque, all.subtree_wrench)});
-  b.constraint_step(s);
+  b.step(s);
 }
 
 }  // namespace

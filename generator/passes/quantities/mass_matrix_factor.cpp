@@ -24,7 +24,8 @@ int mass_matrix_factor(Builder& b) {
   const int array = own_array(b, ir::Quantity::mass_matrix_factor, "factor");
   const int longest = ir::most_above(ir::coordinate_tree(b.tree())) + 1;
   const int room = b.internal_array(b.own_name("unscaled_factor"), factor_stride(longest), nv);
-  b.guard() = ir::Guard{b.internal_array(b.own_name("pivots"), nv, 1), b.internal_array(b.own_name("diagonal"), nv, 1), {}};
+  b.guard() =
+      ir::Guard{b.internal_array(b.own_name("pivots"), nv, 1), b.internal_array(b.own_name("diagonal"), nv, 1), {}, array};
   b.step({ir::MatrixStep::Kind::factor, mass, b.guard()->pivots, array, room});
   return array;
 }
