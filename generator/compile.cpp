@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <iterator>
 
 #include "backend/code_text.hpp"
@@ -27,29 +28,34 @@ std::string hash_of_file(const std::string& path) {
 
 backend::Folder folder(const Model& model, const Lowered& lowered) {
   backend::Folder folder;
-  const auto input = [&](const LoweredFunction& f) {
-    const Model& of = lowered.model_of(f, model);
-    return backend::CodeInput{f.part ? f.part->tree : of.tree,
-                              f.part ? f.part->normal : lowered.normal,
-                              of.scene,
-                              f.algorithm,
-                              f.program,
-                              f.plan,
-                              f.rolled,
-                              model.name,
-                              &of.tree};
-  };
-  for (const LoweredFunction& f : lowered.functions) {
-    folder.functions.push_back(input(f));
-    if (!f.batch.empty()) {
-      folder.elsewhere.push_back(input(f.batch.front()));
-      folder.functions.back().batch = &folder.elsewhere.back();
+  // A function, with all that it points to.
+  const std::function<backend::CodeInput(const LoweredFunction&, const Model&)> input = [&](const LoweredFunction& f,
+                                                                                            const Model& of) {
+    const auto section = [&](const LoweredSection& s) {
+      return backend::CodeInput{f.part ? f.part->tree : of.tree,
+                                f.part ? f.part->normal : lowered.normal,
+                                of.scene,
+                                s.algorithm,
+                                s.program,
+                                s.plan,
+                                s.rolled,
+                                model.name,
+                                &of.tree};
+    };
+    const auto kept = [&](backend::CodeInput code) { return &folder.others.emplace_back(std::move(code)); };
+    backend::CodeInput code = section(f.first());
+    for (size_t i = f.sections.size(); --i > 0;) {
+      backend::CodeInput behind = section(f.sections[i]);
+      behind.next = code.next;
+      code.next = kept(std::move(behind));
     }
-    if (f.elsewhere.empty()) continue;
-    folder.elsewhere.push_back(input(f.elsewhere.front()));
-    folder.functions.back().elsewhere = &folder.elsewhere.back();
-    folder.functions.back().elsewhere_lanes = f.elsewhere_lanes;
-  }
+    if (f.batch) code.batch = kept(section(*f.batch));
+    if (f.elsewhere) code.elsewhere = kept(section(*f.elsewhere));
+    code.elsewhere_lanes = f.elsewhere_lanes;
+    if (!f.opened.empty()) code.opened = kept(input(f.opened.front(), *lowered.opened));
+    return code;
+  };
+  for (const LoweredFunction& f : lowered.functions) folder.functions.push_back(input(f, model));
   folder.source = std::filesystem::path(model.description.file).filename().string();
   folder.command_line = model.command_line;
   return folder;
@@ -74,9 +80,9 @@ std::size_t workspace_bytes(const Model& model, const Lowered& lowered) {
 std::vector<std::pair<std::string, ir::Operations>> executed_operations(const Model& model, const Lowered& lowered) {
   std::vector<std::pair<std::string, ir::Operations>> all;
   for (const backend::CodeInput& code : folder(model, lowered).functions) {
-    const ir::EmittedFunction& function = code.algorithm.function;
-    if (function.first_half.empty() && !function.of_opened) all.emplace_back(function.name, ir::Operations());
-    all.back().second += backend::executed_operations(code);
+    all.emplace_back(code.algorithm.function.name, ir::Operations());
+    for (const backend::CodeInput* section : backend::sections_of(code))
+      all.back().second += backend::executed_operations(*section);
   }
   return all;
 }
@@ -84,10 +90,11 @@ std::vector<std::pair<std::string, ir::Operations>> executed_operations(const Mo
 std::vector<std::pair<std::string, backend::Features>> features(const Model& model, const Lowered& lowered, int lanes) {
   std::vector<std::pair<std::string, backend::Features>> all;
   for (const backend::CodeInput& code : folder(model, lowered).functions) {
-    const ir::EmittedFunction& function = code.algorithm.function;
-    if (function.first_half.empty() && !function.of_opened) all.emplace_back(function.name, backend::Features{});
-    const backend::Features own = backend::features(code, lanes);
-    for (size_t i = 0; i < own.size(); ++i) all.back().second[i] += own[i];
+    all.emplace_back(code.algorithm.function.name, backend::Features{});
+    for (const backend::CodeInput* section : backend::sections_of(code)) {
+      const backend::Features own = backend::features(*section, lanes);
+      for (size_t i = 0; i < own.size(); ++i) all.back().second[i] += own[i];
+    }
   }
   return all;
 }
@@ -97,21 +104,18 @@ void decide_tasks(const Model& model, Lowered& lowered) {
   const bool automatic = model.scene.parallel == ir::Parallel::automatic;
   constexpr double too_little = 15000;  // ns: less than threads take to come and to hand over
   const backend::Folder code = folder(model, lowered);
-  bool pays = false;
   for (size_t i = 0; i < code.functions.size(); ++i) {
     const backend::CodeInput& f = code.functions[i];
-    ir::Plan& plan = lowered.functions[i].plan;
-    // A second half goes with its first.
-    if (backend::is_called(f)) {
-      double serial = 0;
-      for (const backend::CodeInput* half = &f; half; half = code.second_half_of(*half))
-        serial += backend::estimate(*half, backend::usual_lanes(*half));
-      pays = f.is_rolled() && !f.elsewhere && (!automatic || serial > too_little);
-      plan.sweeps_apart = pays && backend::better_apart(code, f);  // code sees it
-      if (automatic) pays = pays && backend::worth_a_graph(backend::plan_tasks(code, f));
-      plan.sweeps_apart = plan.sweeps_apart && pays;
-    }
-    if (automatic) plan.tasks = pays;
+    ir::Plan& plan = lowered.functions[i].sections.front().plan;
+    double serial = 0;
+    for (const backend::CodeInput* section : backend::sections_of(f))
+      serial += backend::estimate(*section, backend::usual_lanes(*section));
+    bool pays = f.is_rolled() && !f.elsewhere && (!automatic || serial > too_little);
+    plan.sweeps_apart = pays && backend::better_apart(f);  // code sees it
+    if (automatic) pays = pays && backend::worth_a_graph(backend::plan_tasks(f));
+    plan.sweeps_apart = plan.sweeps_apart && pays;
+    for (LoweredSection& section : lowered.functions[i].sections)
+      if (automatic) section.plan.tasks = pays;
   }
 }
 
@@ -121,10 +125,9 @@ std::vector<FunctionTasks> tasks_of_functions(const Model& model, Lowered lowere
   std::vector<FunctionTasks> all;
   for (size_t i = 0; i < code.functions.size(); ++i) {
     const backend::CodeInput& f = code.functions[i];
-    if (!backend::is_called(f)) continue;
     const bool emitted = f.plan.tasks && f.is_rolled();
-    if (!emitted) lowered.functions[i].plan.sweeps_apart = backend::better_apart(code, f);
-    all.push_back({f.algorithm.function.name, emitted, backend::plan_tasks(code, f), backend::usual_lanes(f)});
+    if (!emitted) lowered.functions[i].sections.front().plan.sweeps_apart = backend::better_apart(f);
+    all.push_back({f.algorithm.function.name, emitted, backend::plan_tasks(f), backend::usual_lanes(f)});
   }
   return all;
 }

@@ -4,9 +4,7 @@
 #include <set>
 
 #include "frontend/scene_check.hpp"
-#include "ir/coordinate_tree.hpp"
 #include "ir/embedding_cost.hpp"
-#include "ir/guard_arrays.hpp"
 #include "passes/build_tree.hpp"
 #include "passes/levels.hpp"
 
@@ -29,58 +27,24 @@ std::vector<int> missing(const std::set<int>& read, int size) {
   return rest;
 }
 
-// What a step with whole matrices costs, padding left out.
-ir::Operations operations_of(const ir::MatrixStep& step, const ir::CoordinateTree& tree) {
-  ir::Operations o;
-  const auto multiply_adds = [&](long count) { o.multiply += count, o.add += count; };
-  if (step.kind == ir::MatrixStep::Kind::factor || step.kind == ir::MatrixStep::Kind::solve) {
-    for (int k = 0; k < tree.size(); ++k) {
-      const long above = tree.depth(k);
-      multiply_adds(step.kind == ir::MatrixStep::Kind::factor ? above * (above + 1) / 2 : 2 * above);
-      if (step.kind == ir::MatrixStep::Kind::factor) o.multiply += above;
-      ++o.divide;
-    }
-    return o;
-  }
-  for (const ir::Chain& chain : ir::chains(tree, step.first)) {
-    const long m = chain.count, above = tree.depth(chain.first), pairs = m * (m - 1) / 2;
-    if (step.kind == ir::MatrixStep::Kind::negative_product) {
-      multiply_adds(m * (above + tree.last[static_cast<size_t>(chain.first)] + 1 - chain.first) * tree.size());
-      continue;
-    }
-    multiply_adds((m * above + pairs) * chain.first + (2 * pairs + m * above) * m);
-    o.multiply += m * m;
-    o.divide += m;
-  }
-  return o;
-}
-
 // The arrays that some are made of, themselves among them, and the steps that make them. What says whether M can be solved with
 // counts.
 struct Making {
   std::set<int> arrays;
-  std::vector<ir::MatrixStep> steps;
-  std::vector<ir::ConstraintStep> constraint_steps{};
+  std::vector<ir::Step> steps;
 };
 Making making(const ir::Algorithm& algorithm, const std::set<int>& arrays) {
   Making m{arrays, {}};
   if (const std::optional<ir::Guard>& guard = algorithm.guard;
       guard && std::any_of(guard->arrays.begin(), guard->arrays.end(), [&](int array) { return arrays.contains(array); })) {
-    const ir::GuardArrays told_by = ir::guard_arrays(algorithm);
-    m.arrays.insert({guard->pivots, guard->diagonal, told_by.factor, told_by.gain, told_by.joint});  // some may be none
+    m.arrays.insert({guard->pivots, guard->diagonal, guard->factor, guard->gain, guard->joint});  // some may be none
   }
-  const auto makes = [&](int array) { return array >= 0 && m.arrays.contains(array); };
-  for (const ir::ConstraintStep& step : algorithm.constraint_steps)
-    if (makes(step.to) || makes(step.forces) || makes(step.plain) ||
-        (step.kind == ir::ConstraintStep::Kind::respond && makes(step.room))) {
-      for (const int array : step.read()) m.arrays.insert(array);
-      m.constraint_steps.push_back(step);
-    }
-  for (auto step = algorithm.steps.rbegin(); step != algorithm.steps.rend(); ++step)
-    if (m.arrays.contains(step->to) || (step->room >= 0 && m.arrays.contains(step->room))) {
-      m.arrays.insert({step->a, step->b});  // one may be none
-      m.steps.push_back(*step);
-    }
+  for (auto step = algorithm.steps.rbegin(); step != algorithm.steps.rend(); ++step) {
+    const std::vector<int> filled = ir::filled(*step);
+    if (std::none_of(filled.begin(), filled.end(), [&](int array) { return m.arrays.contains(array); })) continue;
+    for (const int array : ir::read(*step)) m.arrays.insert(array);
+    m.steps.push_back(*step);
+  }
   return m;
 }
 
@@ -91,28 +55,18 @@ std::vector<std::int32_t> uses(const ir::Program& program, const Making& made) {
   return ir::uses(program.graph, roots);
 }
 
-// Whether it takes what the function takes besides q and v.
-bool takes_input(const LoweredFunction& function, const Making& made) {
-  return ir::inputs_read(function.program, uses(function.program, made)).input;
-}
-
-// The cost of what was made by a function, or by one half of it.
-OperationCost cost_of(const std::string& name, const LoweredFunction& function, const Making& made,
+// The cost of what was made by a section.
+OperationCost cost_of(const std::string& name, const LoweredSection& section, const Making& made,
                       const ir::KinematicTree& tree) {
-  const ir::Program& program = function.program;
-  const std::vector<int> phases = passes::phases(function.algorithm);
+  const ir::Program& program = section.program;
+  const std::vector<int> phases = passes::phases(section.algorithm);
   const std::vector<std::int32_t> uses = dalembert::uses(program, made);
   OperationCost cost;
   cost.name = name;
   cost.operations = ir::count(program.graph, uses);
   for (int phase = 1; phase <= 3; ++phase)
     cost.phases[static_cast<size_t>(phase - 1)] = count(program.graph, uses, phases, phase);
-  for (const ir::MatrixStep& step : made.steps) {
-    const ir::Operations operations = operations_of(step, ir::coordinate_tree(tree));
-    cost.operations += operations;
-    cost.phases[2] += operations;
-  }
-  for (const ir::ConstraintStep& step : made.constraint_steps) {
+  for (const ir::Step& step : made.steps) {
     const ir::Operations operations = ir::operations_of(step, tree, false);
     cost.operations += operations;
     cost.phases[2] += operations;
@@ -129,7 +83,7 @@ OperationCost cost_of(const std::string& name, const LoweredFunction& function, 
 
 // Everything that it makes.
 Making all_of(const ir::Algorithm& algorithm) {
-  Making m{{}, algorithm.steps, algorithm.constraint_steps};
+  Making m{{}, algorithm.steps};
   for (size_t a = 0; a < algorithm.arrays.size(); ++a) m.arrays.insert(static_cast<int>(a));
   return m;
 }
@@ -141,14 +95,7 @@ int array_called(const std::string& name, const ir::Algorithm& algorithm) {
   return -1;
 }
 
-// Whether a second half fills an array that the first has.
-bool fills(const LoweredFunction& half, const std::string& array) {
-  const std::vector<ir::Quantity>& own = half.algorithm.function.quantities;
-  return std::any_of(own.begin(), own.end(),
-                     [&](ir::Quantity quantity) { return half.algorithm.function.result(quantity) == array; });
-}
-
-// What two functions cost and read, one after the other.
+// What two of them cost and read, one after the other.
 OperationCost sum(OperationCost a, const OperationCost& b) {
   a.operations += b.operations;
   for (size_t i = 0; i < a.phases.size(); ++i) a.phases[i] += b.phases[i];
@@ -200,7 +147,7 @@ Model as_written(Model model) {
 namespace {
 
 // Of a function with embedded loops, what some of its arrays cost.
-OperationCost embedded_cost(const std::string& name, const LoweredFunction& f, const LoweredFunction& opened,
+OperationCost embedded_cost(const std::string& name, const LoweredSection& f, const LoweredSection& opened,
                             const std::set<int>& arrays, const ir::KinematicTree& tree, const ir::KinematicTree& opened_tree) {
   const Making made = making(f.algorithm, arrays);
   const ir::Embedding& e = *f.algorithm.embedding;
@@ -213,7 +160,7 @@ OperationCost embedded_cost(const std::string& name, const LoweredFunction& f, c
       if (const int at = array_called(array, opened.algorithm); at >= 0) from.insert(at);
   }
   OperationCost cost = cost_of(name, opened, making(opened.algorithm, from), opened_tree);
-  for (const ir::MatrixStep& step : made.steps) own += operations_of(step, ir::coordinate_tree(tree));
+  for (const ir::Step& step : made.steps) own += ir::operations_of(step, tree, false);
   own += ir::operations_of_linkages(tree, e.rates >= 0 && (cost.reads_velocity || e.accelerated));
   cost.operations += own;
   cost.phases[2] += own;
@@ -227,13 +174,13 @@ OperationCost embedded_cost(const std::string& name, const LoweredFunction& f, c
 
 std::vector<OperationCost> embedded_costs(const Lowered& lowered, const ir::KinematicTree& tree) {
   std::vector<OperationCost> costs(1);
-  for (size_t i = 0; i + 1 < lowered.functions.size(); i += 2) {
-    const LoweredFunction &f = lowered.functions[i], &opened = lowered.functions[i + 1];
+  for (const LoweredFunction& function : lowered.functions) {
+    const LoweredSection &f = function.first(), &opened = function.opened.front().first();
     const auto cost = [&](const std::string& name, const std::set<int>& arrays) {
       return embedded_cost(name, f, opened, arrays, tree, lowered.opened->tree);
     };
     const OperationCost all = cost("all", all_of(f.algorithm).arrays);
-    costs.front() = i == 0 ? all : sum(costs.front(), all);
+    costs.front() = &function == &lowered.functions.front() ? all : sum(costs.front(), all);
     for (size_t a = 0; a < f.algorithm.arrays.size(); ++a)
       if (!f.algorithm.arrays[a].internal) costs.push_back(cost(f.algorithm.arrays[a].name, {static_cast<int>(a)}));
   }
@@ -242,34 +189,39 @@ std::vector<OperationCost> embedded_costs(const Lowered& lowered, const ir::Kine
 
 }  // namespace
 
+namespace {
+
+// Of an array, with what is made for it in the sections before the one that fills it.
+OperationCost cost_of(int array, const LoweredFunction& f, const ir::KinematicTree& tree) {
+  const std::string& name = f.first().program.arrays[static_cast<size_t>(array)].name;
+  std::set<int> wanted{array};
+  OperationCost cost;
+  for (size_t s = f.sections.size(); s-- > 0;) {
+    const LoweredSection& section = f.sections[s];
+    const Making made = making(section.algorithm, wanted);
+    const OperationCost own = cost_of(name, section, made, tree);
+    cost = s + 1 == f.sections.size() ? own : sum(own, cost);
+    wanted.insert(made.arrays.begin(), made.arrays.end());
+    if (ir::inputs_read(section.program, uses(section.program, made)).input)
+      wanted.insert(section.algorithm.section.accelerations);
+  }
+  return cost;
+}
+
+}  // namespace
+
 std::vector<OperationCost> operation_costs(const Lowered& lowered, const ir::KinematicTree& tree) {
   if (lowered.opened) return embedded_costs(lowered, tree);
-  std::vector<OperationCost> costs(1);
+  std::vector<OperationCost> costs;
+  for (const LoweredSection* section : lowered.all_sections()) {
+    const OperationCost all = cost_of("all", *section, all_of(section->algorithm), tree);
+    if (costs.empty()) costs.push_back(all);
+    else costs.front() = sum(costs.front(), all);
+  }
   for (const LoweredFunction& f : lowered.functions) {
-    const OperationCost all = cost_of("all", f, all_of(f.algorithm), tree);
-    costs.front() = &f == &lowered.functions.front() ? all : sum(costs.front(), all);
-    if (!f.algorithm.function.first_half.empty()) continue;
-    for (size_t a = 0; a < f.program.arrays.size(); ++a) {
-      const ir::OutputArray& array = f.program.arrays[a];
-      if (array.internal) continue;
-      std::set<int> made{static_cast<int>(a)};
-      // Second halves stand behind the first.
-      const LoweredFunction* second = &f;
-      for (const LoweredFunction* half = &f; !half->algorithm.function.second_half.empty();) {
-        ++half;
-        if (fills(*half, array.name)) second = half;
-      }
-      const int later = array_called(array.name, second->algorithm);
-      if (second == &f) {
-        costs.push_back(cost_of(array.name, f, making(f.algorithm, made), tree));
-        continue;
-      }
-      const Making rest = making(second->algorithm, {later});
-      if (takes_input(*second, rest)) made.insert(array_called(second->algorithm.function.accelerations, f.algorithm));
-      for (const int needed : rest.arrays)
-        if (needed >= 0) made.insert(array_called(second->algorithm.arrays[static_cast<size_t>(needed)].name, f.algorithm));
-      costs.push_back(sum(cost_of(array.name, f, making(f.algorithm, made), tree), cost_of(array.name, *second, rest, tree)));
-    }
+    const std::vector<ir::OutputArray>& arrays = f.first().program.arrays;
+    for (size_t a = 0; a < arrays.size(); ++a)
+      if (!arrays[a].internal) costs.push_back(cost_of(static_cast<int>(a), f, tree));
   }
   return costs;
 }
@@ -286,7 +238,7 @@ std::vector<OperationCost> costs_before(const Model& model) {
 
 bool too_large_to_compare(const Lowered& lowered) {
   ir::NodeId nodes = 0;
-  for (const LoweredFunction& f : lowered.functions) nodes += f.program.graph.size();
+  for (const LoweredSection* section : lowered.all_sections()) nodes += section->program.graph.size();
   return nodes > 500'000;
 }
 

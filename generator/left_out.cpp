@@ -102,8 +102,9 @@ std::vector<std::string> left_out(const Model& model, const Lowered& lowered) {
     if (const std::string unread = not_read(cost, model.tree);
         !unread.empty() && (&cost == &after.front() || unread != unread_at_all))
       lines.push_back(fmt::format("Not read {}: {}", cost.name == "all" ? "at all" : "by " + cost.name, unread));
-  const bool rolled = std::any_of(lowered.functions.begin(), lowered.functions.end(),
-                                  [](const LoweredFunction& f) { return f.plan.form == ir::Form::rolled; });
+  const std::vector<const LoweredSection*> sections = lowered.all_sections();
+  const bool rolled =
+      std::any_of(sections.begin(), sections.end(), [](const LoweredSection* s) { return s->plan.form == ir::Form::rolled; });
   lines.push_back(rolled
                       ? "Executed: by the rolled code, whose loops compute padding, to four lanes, and zeros and ones as well."
                       : "Executed: by the code, which computes sines four at a time.");

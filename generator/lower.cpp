@@ -18,9 +18,9 @@
 namespace dalembert {
 namespace {
 
-// A function in one of its ways, whole or in two halves, which have one plan.
+// A function in one of its ways: its sections have one form.
 struct Way {
-  std::vector<LoweredFunction> halves;
+  std::vector<LoweredSection> sections;
   Candidate candidate;
 };
 
@@ -32,20 +32,21 @@ class Lowering {
         tree_(part_ ? part_->tree : model.tree),
         normal_(part_ ? part_->normal : normal),
         function_(function),
-        halves_(passes::halves(function, tree_)),
         planned_(planned(model, function)),
         options_{model.options.fold, model.options.share} {}
 
   // As far as the unrolled program.
-  std::vector<LoweredFunction> program() const {
+  LoweredFunction program() const {
     const ir::Solver solver = passes::solvers(function_, tree_, model_.scene).front();
-    std::vector<LoweredFunction> lowered = described(solver);
-    for (LoweredFunction& f : lowered) f.program = unrolled(f.algorithm, false).take_program();
+    LoweredFunction lowered;
+    lowered.part = part_;
+    lowered.sections = described(solver);
+    for (LoweredSection& section : lowered.sections) section.program = unrolled(section.algorithm, false).take_program();
     return lowered;
   }
 
   // The cheapest way of all that the scene's plan leaves.
-  std::vector<LoweredFunction> form() const {
+  LoweredFunction form() const {
     std::vector<Way> ways;
     // A plan of more outputs than are asked for here may say how to solve what is not.
     std::vector<ir::Solver> solvers = passes::solvers(function_, tree_, model_.scene);
@@ -56,10 +57,13 @@ class Lowering {
       return a.candidate.nanoseconds[backend::usual_width] < b.candidate.nanoseconds[backend::usual_width];
     });
     std::rotate(ways.begin(), cheapest, cheapest + 1);
-    std::vector<LoweredFunction> chosen = std::move(ways.front().halves);
-    for (const Way& way : ways) chosen.front().candidates.push_back(way.candidate);
-    if (chosen.size() == 1 && !chosen.front().plan.tasks && !planned_.form) add_other_form(ways, chosen.front());
-    if (model_.scene.batch && chosen.size() == 1) add_batch(chosen.front());
+    LoweredFunction chosen;
+    chosen.part = part_;
+    chosen.sections = std::move(ways.front().sections);
+    for (const Way& way : ways) chosen.candidates.push_back(way.candidate);
+    if (chosen.sections.size() > 1) return chosen;
+    if (!chosen.first().plan.tasks && !planned_.form) add_other_form(ways, chosen);
+    if (model_.scene.batch) add_batch(chosen);
     return chosen;
   }
 
@@ -91,7 +95,7 @@ class Lowering {
     for (size_t width = 0; width < backend::register_widths.size(); ++width)
       if (other->candidate.nanoseconds[width] < first.nanoseconds[width])
         chosen.elsewhere_lanes.push_back(backend::register_widths[width]);
-    chosen.elsewhere.push_back(std::move(other->halves.front()));
+    chosen.elsewhere = std::move(other->sections.front());
   }
 
   // Longer lines take a compiler minutes, and steps with whole matrices take a loop's time from there on.
@@ -101,19 +105,19 @@ class Lowering {
       return ir::count(program.graph, ir::uses(program.graph, program.roots())).total();
     };
     // What contacts are solved by is no line of operations.
-    if (operations(chosen.program) > most_operations || model_.scene.any_constraint()) return;
-    LoweredFunction line = straight_line();
+    if (operations(chosen.first().program) > most_operations || model_.scene.any_constraint()) return;
+    LoweredSection line = straight_line();
     const bool whole = line.algorithm.steps.empty();
-    if (whole && operations(line.program) <= most_operations) chosen.batch.push_back(std::move(line));
+    if (whole && operations(line.program) <= most_operations) chosen.batch = std::move(line);
   }
 
   // For batches: the way of the fewest operations, a division being several.
-  LoweredFunction straight_line() const {
+  LoweredSection straight_line() const {
     constexpr long division = 6;
-    LoweredFunction cheapest;
+    LoweredSection cheapest;
     long least = 0;
     for (const ir::Solver solver : passes::solvers(function_, tree_, model_.scene)) {
-      LoweredFunction f = std::move(described(solver).front());
+      LoweredSection f = std::move(described(solver).front());
       f.program = unrolled(f.algorithm, tree_.joints() < 200).take_program();
       f.plan.form = ir::Form::straight;
       passes::write_out_steps(f.algorithm, f.program, ir::coordinate_tree(tree_), true);
@@ -126,12 +130,11 @@ class Lowering {
     return cheapest;
   }
 
-  std::vector<LoweredFunction> described(ir::Solver solver) const {
-    std::vector<LoweredFunction> lowered(halves_.size());
-    for (LoweredFunction& f : lowered) f.part = part_;
-    for (size_t half = 0; half < halves_.size(); ++half)
-      lowered[half].algorithm = passes::describe(halves_[half], tree_, normal_, model_.scene, solver, options_);
-    return lowered;
+  std::vector<LoweredSection> described(ir::Solver solver) const {
+    std::vector<LoweredSection> sections;
+    for (ir::Algorithm& section : passes::describe(function_, tree_, normal_, model_.scene, solver, options_))
+      sections.push_back({std::move(section), {}, {}, {}});
+    return sections;
   }
 
   passes::Unroll unrolled(const ir::Algorithm& algorithm, bool names) const {
@@ -139,13 +142,13 @@ class Lowering {
   }
 
   void add_ways(ir::Solver solver, std::vector<Way>& ways) const {
-    const std::vector<LoweredFunction> lowered = described(solver);
+    const std::vector<LoweredSection> lowered = described(solver);
     // Nobody reads a straight line of a million statements.
     const bool names = tree_.joints() < 200;
     std::vector<passes::Unroll> unrolls;
     unrolls.reserve(lowered.size());
     ir::Operations operations;
-    for (const LoweredFunction& f : lowered) {
+    for (const LoweredSection& f : lowered) {
       unrolls.push_back(unrolled(f.algorithm, names));
       const ir::Program& program = unrolls.back().program();
       operations += ir::count(program.graph, ir::uses(program.graph, program.roots()));
@@ -155,15 +158,15 @@ class Lowering {
     const std::vector<ir::Form> forms = passes::forms(tree_, model_.scene, operations, options);
     for (const ir::Form form : forms) {
       Way way{lowered, {form, solver, ir::Order::as_written, {}}};
-      for (size_t half = 0; half < lowered.size(); ++half) {
-        LoweredFunction& f = way.halves[half];
+      for (size_t section = 0; section < lowered.size(); ++section) {
+        LoweredSection& f = way.sections[section];
         f.plan = passes::plan(tree_, model_.scene, form, model_.options, passes::rows_in_pairs(f.algorithm, tree_));
         if (form == ir::Form::rolled)
-          f.rolled = passes::roll(f.algorithm, unrolls[half], tree_, model_.scene, f.plan, options_);
-        f.program = &form == &forms.back() ? unrolls[half].take_program() : unrolls[half].program();
+          f.rolled = passes::roll(f.algorithm, unrolls[section], tree_, model_.scene, f.plan, options_);
+        f.program = &form == &forms.back() ? unrolls[section].take_program() : unrolls[section].program();
         if (form == ir::Form::straight) {
-          passes::project_by_rows(f.algorithm, f.program, unrolls[half], tree_);
-          passes::write_out_steps(f.algorithm, f.program, ir::coordinate_tree(tree_));
+          passes::project_by_rows(f.algorithm, f.program, unrolls[section], tree_);
+          if (lowered.size() == 1) passes::write_out_steps(f.algorithm, f.program, ir::coordinate_tree(tree_));
           way.candidate.order = f.plan.order = planned_.order.value_or(ir::Order::as_written);
           if (f.plan.order != ir::Order::as_written)
             f.program.order = passes::schedule(f.program.graph, f.program.roots(), f.plan.order);
@@ -182,19 +185,17 @@ class Lowering {
   const ir::KinematicTree& tree_;
   const ir::NormalTree& normal_;
   const ir::EmittedFunction& function_;
-  const std::vector<ir::EmittedFunction> halves_;
   const ir::FunctionPlan planned_;
   const ir::Graph::Options options_;
 };
 
 // Arrays that users do not see.
-void make_internal(LoweredFunction& f) {
-  for (std::vector<ir::OutputArray>* arrays : {&f.algorithm.arrays, &f.program.arrays})
+void make_internal(LoweredSection& section) {
+  for (std::vector<ir::OutputArray>* arrays : {&section.algorithm.arrays, &section.program.arrays})
     for (ir::OutputArray& array : *arrays) array.internal = true;
-  for (LoweredFunction& other : f.elsewhere) make_internal(other);
 }
 
-// Each function in two: the one that users call, which has no equations of its own, and what it calls.
+// Each function calls another, on the tree without loops, and has no equations of its own.
 template <class Lower>
 Lowered lower_embedded(const Model& model, const Lower& lower) {
   Lowered lowered;
@@ -205,18 +206,21 @@ Lowered lower_embedded(const Model& model, const Lower& lower) {
   lowered.normal = passes::normalise(opened->tree, passes::normalise_options(opened->scene, model.options.move_parameters));
   for (const ir::EmittedFunction& function : ir::functions_of(model.scene)) {
     passes::EmbeddedFunction embedded = passes::embed(function, model.tree, model.scene);
-    LoweredFunction called;
-    called.algorithm = std::move(embedded.algorithm);
+    LoweredSection called{std::move(embedded.algorithm), {}, {}, {}};
     called.program.arrays = called.algorithm.arrays;
     called.program.base_positions = model.tree.base_positions();
-    LoweredFunction whole = std::move(lower(Lowering(*opened, lowered.normal, embedded.of_opened)).front());
-    make_internal(whole);
+    LoweredFunction whole = lower(Lowering(*opened, lowered.normal, embedded.of_opened));
+    for (LoweredSection& section : whole.sections) make_internal(section);
+    if (whole.elsewhere) make_internal(*whole.elsewhere);
     ir::Embedding& embedding = *called.algorithm.embedding;
-    embedding.moving = embedding.rates >= 0 ||
-                       !ir::inputs_read(whole.program, ir::uses(whole.program.graph, whole.program.roots())).velocities.empty();
-    called.candidates = whole.candidates;
-    lowered.functions.push_back(std::move(called));
-    lowered.functions.push_back(std::move(whole));
+    const ir::Program& program = whole.first().program;
+    embedding.moving =
+        embedding.rates >= 0 || !ir::inputs_read(program, ir::uses(program.graph, program.roots())).velocities.empty();
+    LoweredFunction f;
+    f.sections.push_back(std::move(called));
+    f.candidates = whole.candidates;
+    f.opened.push_back(std::move(whole));
+    lowered.functions.push_back(std::move(f));
   }
   return lowered;
 }
@@ -227,11 +231,26 @@ Lowered lower_functions(const Model& model, const Lower& lower) {
   Lowered lowered;
   lowered.normal = passes::normalise(model.tree, passes::normalise_options(model.scene, model.options.move_parameters));
   for (const ir::EmittedFunction& function : ir::functions_of(model.scene))
-    for (LoweredFunction& half : lower(Lowering(model, lowered.normal, function))) lowered.functions.push_back(std::move(half));
+    lowered.functions.push_back(lower(Lowering(model, lowered.normal, function)));
   return lowered;
 }
 
 }  // namespace
+
+std::vector<const LoweredSection*> LoweredFunction::all_sections() const {
+  std::vector<const LoweredSection*> all;
+  for (const LoweredSection& section : sections) all.push_back(&section);
+  for (const LoweredFunction& called : opened)
+    for (const LoweredSection* section : called.all_sections()) all.push_back(section);
+  return all;
+}
+
+std::vector<const LoweredSection*> Lowered::all_sections() const {
+  std::vector<const LoweredSection*> all;
+  for (const LoweredFunction& function : functions)
+    for (const LoweredSection* section : function.all_sections()) all.push_back(section);
+  return all;
+}
 
 Lowered lower(const Model& model) {
   return lower_functions(model, [](const Lowering& lowering) { return lowering.form(); });

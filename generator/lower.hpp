@@ -3,6 +3,8 @@
 
 #include <array>
 #include <memory>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "backend/estimate.hpp"
@@ -29,31 +31,40 @@ struct PartOfRobot {
   ir::NormalTree normal;
 };
 
-// One function on its way to text.
-struct LoweredFunction {
-  std::shared_ptr<const PartOfRobot> part;  // null: it is of the whole robot
+// One section of a function on its way to text.
+struct LoweredSection {
   ir::Algorithm algorithm;
   ir::Program program;  // unrolled
   ir::Plan plan;
-  ir::RolledProgram rolled;           // empty for the straight form
-  std::vector<Candidate> candidates;  // the one chosen first
-  // The same function in the other form, where that is worth its text on registers of some widths; those widths.
-  std::vector<LoweredFunction> elsewhere;
+  ir::RolledProgram rolled;  // empty for the straight form
+};
+// One function on its way to text.
+struct LoweredFunction {
+  std::shared_ptr<const PartOfRobot> part;  // null: it is of the whole robot
+  std::vector<LoweredSection> sections;     // in order, of one form; at least one
+  std::vector<Candidate> candidates;        // the one chosen first
+  // Of a function of one section: the same in the other form, where that is worth its text on registers of some widths; those
+  // widths.
+  std::optional<LoweredSection> elsewhere;
   std::vector<int> elsewhere_lanes;
-  // Where the scene asks for batches: the whole function as a straight line. Empty: it is called state by state.
-  std::vector<LoweredFunction> batch;
+  // Where the scene asks for batches: the whole function as a straight line. None: it is called state by state.
+  std::optional<LoweredSection> batch;
+  // Where loops are embedded: the function that its only section calls, on the tree without them. Else none.
+  std::vector<LoweredFunction> opened;
+
+  const LoweredSection& first() const { return sections.front(); }
+  const std::string& name() const { return first().algorithm.function.name; }
+  // All of it, what it calls behind it.
+  std::vector<const LoweredSection*> all_sections() const;
 };
 // A model on its way to text.
 struct Lowered {
-  // Where loops are embedded, what functions `of_opened` are computed on: the tree without them, and the scene. Else null.
+  // Where loops are embedded, what LoweredFunction::opened is computed on: the tree without them, and the scene. Else null.
   std::shared_ptr<const Model> opened;
   ir::NormalTree normal;                   // of that tree
-  std::vector<LoweredFunction> functions;  // those the scene asks something of, each half of one by itself
+  std::vector<LoweredFunction> functions;  // those the scene asks something of
 
-  // What the function is computed on, `model` being what was lowered.
-  const Model& model_of(const LoweredFunction& function, const Model& model) const {
-    return function.algorithm.function.of_opened ? *opened : model;
-  }
+  std::vector<const LoweredSection*> all_sections() const;
 };
 // Runs the passes, those that the model's options leave in.
 Lowered lower(const Model& model);

@@ -11,7 +11,6 @@
 #include "backend/literals.hpp"
 #include "ir/constraint_step.hpp"
 #include "ir/coordinate_tree.hpp"
-#include "ir/guard_arrays.hpp"
 #include "ir/identifier.hpp"
 
 namespace dalembert::backend {
@@ -21,7 +20,7 @@ std::string input_text(const CodeInput& code, const ir::Input& input) {
     case ir::InputKind::position: return fmt::format("q[{}]", input.index);
     case ir::InputKind::velocity: return fmt::format("v[{}]", input.index);
     case ir::InputKind::acceleration:
-    case ir::InputKind::effort: return fmt::format("{}[{}]", function_of(code).input(), input.index);
+    case ir::InputKind::effort: return fmt::format("{}[{}]", code.algorithm.section.input(), input.index);
     case ir::InputKind::gravity: return fmt::format("workspace.gravity_vector[{}]", input.component);
     case ir::InputKind::wrench:
       return fmt::format("workspace.wrench_{}[{}]",
@@ -31,11 +30,10 @@ std::string input_text(const CodeInput& code, const ir::Input& input) {
       if (input.component == ir::contact_kp) return contact + ".kp";
       if (input.component == ir::contact_kd) return contact + ".kd";
       if (input.component == ir::contact_restitution) return contact + ".restitution";
-      if (input.component >= ir::contact_force)
-        return fmt::format("workspace.{}[{}]", function_of(code).forces,
-                           code.scene.first_row(input.index) + input.component - ir::contact_force);
       return fmt::format("{}.anchor[{}]", contact, input.component - ir::contact_anchor);
     }
+    case ir::InputKind::element:
+      return fmt::format("workspace.{}[{}]", code.algorithm.arrays[static_cast<size_t>(input.index)].name, input.component);
     case ir::InputKind::payload: {
       const std::string payload =
           "workspace.payload_" + ir::identifier(code.scene.payloads.at(static_cast<size_t>(input.index)));
@@ -49,13 +47,13 @@ std::string input_text(const CodeInput& code, const ir::Input& input) {
 
 const ir::EmittedFunction& function_of(const CodeInput& code) { return code.algorithm.function; }
 
-std::string own_name(const CodeInput& code, const std::string& name) { return function_of(code).own_name(name); }
+std::string own_name(const CodeInput& code, const std::string& name) { return code.algorithm.own_name(name); }
 
-std::string own_type(const CodeInput& code, const std::string& type) { return function_of(code).type + type; }
+std::string own_type(const CodeInput& code, const std::string& type) { return code.algorithm.section.type + type; }
 
 std::vector<std::string> vectors_of(const CodeInput& code) {
   std::vector<std::string> names{"q", "v"};
-  if (*function_of(code).input()) names.emplace_back(function_of(code).input());
+  if (const char* input = code.algorithm.section.input(); *input) names.emplace_back(input);
   return names;
 }
 
@@ -102,7 +100,8 @@ std::string above_text(const ir::CoordinateTree& tree) {
 
 // Of the statements for steps with matrices.
 bool needs_coordinate_above(const CodeInput& code) {
-  return std::any_of(code.algorithm.steps.begin(), code.algorithm.steps.end(), [](const ir::MatrixStep& s) {
+  const std::vector<ir::MatrixStep> steps = code.algorithm.steps_of<ir::MatrixStep>();
+  return std::any_of(steps.begin(), steps.end(), [](const ir::MatrixStep& s) {
     return s.kind == ir::MatrixStep::Kind::invert || s.kind == ir::MatrixStep::Kind::negative_product;
   });
 }
@@ -110,14 +109,15 @@ bool needs_coordinate_above(const CodeInput& code) {
 }  // namespace
 
 std::string matrix_statements(const CodeInput& code) {
-  if (code.algorithm.steps.empty()) return "";
+  const std::vector<ir::MatrixStep> steps = code.algorithm.steps_of<ir::MatrixStep>();
+  if (steps.empty()) return "";
   const auto name = [&](int index) { return "workspace." + code.algorithm.arrays[static_cast<size_t>(index)].name; };
   const ir::CoordinateTree tree = ir::coordinate_tree(code.tree);
   using Kind = ir::MatrixStep::Kind;
   std::string text;
   if (needs_coordinate_above(code)) text += above_text(tree);
   if (solves(code)) text += chains_text(tree);
-  for (const ir::MatrixStep& s : code.algorithm.steps) {
+  for (const ir::MatrixStep& s : steps) {
     switch (s.kind) {
       case Kind::factor:
         text += fmt::format("  dalembert::factorise<nv, {}, chains>({}, {}, {}, {}, {});\n", ir::most_above(tree) + 1,
@@ -180,14 +180,13 @@ std::string tree_type(const ir::CoordinateTree& tree) {
 }  // namespace
 
 std::string constraint_statements(const CodeInput& code, const std::string& limbs) {
-  if (code.algorithm.constraint_steps.empty()) return "";
+  const std::vector<ir::ConstraintStep> steps = code.algorithm.steps_of<ir::ConstraintStep>();
+  if (steps.empty()) return "";
   const auto name = [&](int index) { return "workspace." + code.algorithm.arrays[static_cast<size_t>(index)].name; };
-  std::string text =
-      fmt::format("  using ConstraintsOfScene = {};\n", rows_type(code.algorithm.constraint_steps.front().paths));
+  std::string text = fmt::format("  using ConstraintsOfScene = {};\n", rows_type(steps.front().paths));
   using Kind = ir::ConstraintStep::Kind;
   const auto any = [&](const auto& of) {
-    return std::any_of(code.algorithm.constraint_steps.begin(), code.algorithm.constraint_steps.end(),
-                       [&](const ir::ConstraintStep& s) { return of(s.kind); });
+    return std::any_of(steps.begin(), steps.end(), [&](const ir::ConstraintStep& s) { return of(s.kind); });
   };
   const bool solved = any([](Kind kind) { return kind == Kind::solve || kind == Kind::impact; }),
              responds = any([](Kind kind) { return kind == Kind::respond; }),
@@ -209,7 +208,7 @@ std::string constraint_statements(const CodeInput& code, const std::string& limb
     if (supported) text += fmt::format("  const Scalar row_weight[] = {{\n      {}}};\n", wrapped(weights, 6));
   }
   bool limbs_unsaid = true;
-  for (const ir::ConstraintStep& s : code.algorithm.constraint_steps) {
+  for (const ir::ConstraintStep& s : steps) {
     const std::string by = s.by_limbs() ? "_by_limbs" : "";
     const std::string of_tree = s.by_limbs() ? "branches, " + name(s.jacobian)
                                              : fmt::format("{}, {}, {}", name(s.jacobian), name(s.factor), name(s.pivots));
@@ -266,7 +265,7 @@ std::string constraint_statements(const CodeInput& code, const std::string& limb
 
 std::vector<std::string> constraint_includes(const CodeInput& code) {
   bool solves = false, responds = false;
-  for (const ir::ConstraintStep& step : code.algorithm.constraint_steps) {
+  for (const ir::ConstraintStep& step : code.algorithm.steps_of<ir::ConstraintStep>()) {
     const bool response = step.kind == ir::ConstraintStep::Kind::respond || step.kind == ir::ConstraintStep::Kind::derive;
     (response ? responds : solves) = true;
   }
@@ -277,7 +276,8 @@ std::vector<std::string> constraint_includes(const CodeInput& code) {
 }
 
 bool solves(const CodeInput& code) {
-  return std::any_of(code.algorithm.steps.begin(), code.algorithm.steps.end(),
+  const std::vector<ir::MatrixStep> steps = code.algorithm.steps_of<ir::MatrixStep>();
+  return std::any_of(steps.begin(), steps.end(),
                      [](const ir::MatrixStep& s) { return s.kind == ir::MatrixStep::Kind::factor; });
 }
 
@@ -301,12 +301,10 @@ const ir::OutputArray& array_of(const CodeInput& code, int index) { return code.
 std::string status_statement(const CodeInput& code, const std::string& check) {
   const ir::Guard& guard = *code.algorithm.guard;
   std::string read;
-  const ir::GuardArrays told_by = ir::guard_arrays(code.algorithm);
-  for (const int array : {told_by.factor, told_by.gain, told_by.joint, guard.pivots, guard.diagonal})
+  for (const int array : {guard.factor, guard.gain, guard.joint, guard.pivots, guard.diagonal})
     if (array >= 0) read += fmt::format(", workspace.{}", array_of(code, array).name);
   return (needs_coordinate_above(code) ? "" : above_text(ir::coordinate_tree(code.tree))) +
-         fmt::format("  workspace.{} = dalembert::{}coordinate_above{});\n", function_of(code).called_name("status"), check,
-                     read);
+         fmt::format("  workspace.{} = dalembert::{}coordinate_above{});\n", function_of(code).own_name("status"), check, read);
 }
 
 std::string clear_statements(const CodeInput& code) {
@@ -314,7 +312,7 @@ std::string clear_statements(const CodeInput& code) {
   for (const int index : code.algorithm.guard->arrays) {
     const ir::OutputArray& array = array_of(code, index);
     text += fmt::format("  dalembert::clear_unless_ok<{}>(workspace.{}, workspace.{});\n", array.rows * array.columns,
-                        function_of(code).called_name("status"), array.name);
+                        function_of(code).own_name("status"), array.name);
   }
   return text;
 }
@@ -323,22 +321,19 @@ std::string guard_statements(const CodeInput& code) {
   const std::optional<ir::Guard>& guard = code.algorithm.guard;
   if (!guard) return "";
   if (guard->pivots < 0) return clear_statements(code);
-  return status_statement(code,
-                          ir::guard_arrays(code.algorithm).factor >= 0 ? "factor_status<nv>(" : "factor_status_by_gains<nv>(") +
+  return status_statement(code, guard->factor >= 0 ? "factor_status<nv>(" : "factor_status_by_gains<nv>(") +
          clear_statements(code);
 }
 
-bool is_called(const CodeInput& code) { return function_of(code).first_half.empty() && !function_of(code).of_opened; }
-
-std::string second_half_declaration(const CodeInput& second_half) {
-  return fmt::format("static void {}({}, Workspace& workspace) noexcept;\n", function_of(second_half).name,
-                     parameters_of(second_half));
+std::string section_declaration(const CodeInput& section) {
+  return fmt::format("static void {}({}, Workspace& workspace) noexcept;\n", section.algorithm.section.name,
+                     parameters_of(section));
 }
 
-std::string second_half_call(const CodeInput& first_half) {
-  const ir::EmittedFunction& function = function_of(first_half);
-  if (function.second_half.empty()) return "";
-  return fmt::format("  {}(q, v, workspace.{}, workspace);\n", function.second_half, function.hands_on);
+std::string next_section_call(const CodeInput& section) {
+  if (!section.next) return "";
+  const ir::Section& next = section.next->algorithm.section;
+  return fmt::format("  {}(q, v, workspace.{}, workspace);\n", next.name, array_of(*section.next, next.accelerations).name);
 }
 
 int element_index(const ir::OutputArray& array, int row, int column) { return row + array.rows * column; }

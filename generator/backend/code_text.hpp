@@ -48,11 +48,9 @@ std::vector<std::string> constraint_includes(const CodeInput& code);
 bool solves(const CodeInput& code);
 std::string solve_definition(const CodeInput& code);
 
-// Whether users call the function; a second half (ir/emitted_function.hpp) is called by its first half alone.
-bool is_called(const CodeInput& code);
-std::string second_half_declaration(const CodeInput& second_half);
-// The statement that a first half ends by; empty where the function is whole.
-std::string second_half_call(const CodeInput& code);
+// Of a section that another calls (ir/algorithm.hpp), and the statement that this ends by; empty where none is behind it.
+std::string section_declaration(const CodeInput& section);
+std::string next_section_call(const CodeInput& section);
 
 // `row + nv * column` worked out.
 int element_index(const ir::OutputArray& array, int row, int column);

@@ -53,8 +53,8 @@ std::vector<ir::OutputArray> stored_arrays(const CodeInput& code) {
   std::vector<ir::OutputArray> stored;
   for (const CodeInput* form : {&code, code.elsewhere}) {
     if (!form) continue;
-    for (const ir::OutputArray& a : form->program.arrays)
-      if (!a.of_first_half && !a.written_out &&
+    for (const ir::OutputArray& a : form->algorithm.own_arrays())
+      if (!a.written_out &&
           std::none_of(stored.begin(), stored.end(), [&](const ir::OutputArray& b) { return b.name == a.name; }))
         stored.push_back(a);
   }
@@ -76,12 +76,13 @@ const char* status_of(const ir::ConstraintStep& step) {
 
 std::string results(const Folder& folder) {
   std::string text;
-  for (const CodeInput& code : folder.functions) {
+  for (const CodeInput* section : folder.sections()) {
+    const CodeInput& code = *section;
     for (const ir::OutputArray& a : stored_arrays(code)) {
       const std::string size = a.columns == 1 ? std::to_string(a.rows) : fmt::format("{} * {}", a.rows, a.columns);
       text += fmt::format("  alignas(64) Scalar {}[{}] = {{}};{}\n", a.name, size, a.internal ? "  // scratch" : "");
     }
-    if (const std::optional<ir::Guard>& guard = code.algorithm.guard; guard && is_called(code)) {
+    if (const std::optional<ir::Guard>& guard = code.algorithm.guard; guard && code.algorithm.section.is_first()) {
       std::vector<std::string> names;
       for (const int array : guard->arrays) names.push_back(code.program.arrays[static_cast<size_t>(array)].name);
       text += comment_lines(fmt::format("Whether M is positive definite, to rounding; where it is not, {} {} zero.",
@@ -95,7 +96,7 @@ std::string results(const Folder& folder) {
                   "of the function are zero.",
                   2) +
               fmt::format("  dalembert::LinkageStatus<Scalar> {};\n", own_name(code, "linkage_status"));
-    for (const ir::ConstraintStep& step : code.algorithm.constraint_steps)
+    for (const ir::ConstraintStep& step : code.algorithm.steps_of<ir::ConstraintStep>())
       if (const char* status = status_of(step); *status)
         text += fmt::format("  dalembert::ConstraintStatus<Scalar> {};  // what is left of the constraints' rows\n",
                             own_name(code, status));
@@ -241,7 +242,7 @@ std::vector<int> joints_not_read(const std::set<int>& read, int base, int all) {
 std::string unread(const CodeInput& code) {
   if (code.algorithm.embedding) return "";
   const ir::InputsRead read = ir::inputs_read(code.program, ir::uses(code.program.graph, code.program.roots()));
-  const std::string input = function_of(code).input();
+  const std::string input = code.algorithm.section.input();
   std::vector<std::string> parts;
   if (code.robot->base_coordinates() > 0 && !read.base_pose()) parts.emplace_back("the base's pose");
   const std::vector<int> still = ir::coordinates_at(
@@ -259,7 +260,7 @@ std::string stage_declarations(const CodeInput& code) {
   if (!code.plan.tasks || code.plan.form != ir::Form::rolled) return "";
   const std::string scope = own_name(code, "stages");
   std::string text =
-      fmt::format("// What {}() is made of, for the task graph.\nnamespace {} {{\n\n", function_of(code).name, scope);
+      fmt::format("// What {}() is made of, for the task graph.\nnamespace {} {{\n\n", code.algorithm.section.name, scope);
   for (const Stage& s : rolled_stages(code)) text += fmt::format("void {}({}) noexcept;\n", s.name, arguments_of(code, s));
   return text + "\n}  // namespace " + scope + "\n\n";
 }
@@ -290,7 +291,6 @@ std::string solve_declaration(const CodeInput& code) {
 }
 
 std::string function_declaration(const CodeInput& code) {
-  if (!is_called(code)) return "";
   const EigenVectors eigen = eigen_vectors_of(code);
   return render("function.hpp", {{"computes", comment_lines("Computes " + quantities(code) + ".")},
                                  {"unread", unread(code)},
@@ -313,12 +313,20 @@ std::string of_functions(const Folder& folder, const Of& of) {
   return text;
 }
 
+// … of each of their sections.
+template <class Of>
+std::string of_sections(const Folder& folder, const Of& of) {
+  std::string text;
+  for (const CodeInput* section : folder.sections()) text += of(*section);
+  return text;
+}
+
 // Room to work in of every function that needs it, at the end of the workspace.
 std::string scratch_members(const Folder& folder) {
   std::string text;
-  for (const CodeInput& code : folder.functions)
-    if (const CodeInput* const rolled = code.rolled_form())
-      text += kept_definition(*rolled) + fmt::format("  {} {};\n", own_type(code, "Scratch"), own_name(code, "scratch"));
+  for (const CodeInput* code : folder.sections())
+    if (const CodeInput* const rolled = code->rolled_form())
+      text += kept_definition(*rolled) + fmt::format("  {} {};\n", own_type(*code, "Scratch"), own_name(*code, "scratch"));
   return text.empty() ? "" : "\n  // Scratch, which nobody needs to read.\n" + text;
 }
 
@@ -328,12 +336,12 @@ std::string usage(const Folder& folder, const std::string& top) {
   constexpr std::ptrdiff_t most_lines = 5;
   if (std::count(top.begin(), top.end(), '\n') >= most_lines) return "";
   const std::vector<ir::OutputArray> arrays = folder.arrays();
-  const auto called = std::find_if(folder.functions.begin(), folder.functions.end(), is_called);
-  if (called == folder.functions.end() || arrays.empty()) return "";
-  const std::string name = called->name, result = arrays.front().name;
+  if (arrays.empty()) return "";
+  const CodeInput& called = folder.common();
+  const std::string name = called.name, result = arrays.front().name;
   return "//\n// One call fills a workspace; results are matrices that look into it:\n" +
          fmt::format("//   {}::Workspace workspace;\n", name) +
-         fmt::format("//   {}::{}({}, workspace);\n", name, function_of(*called).name, arguments_of(*called)) +
+         fmt::format("//   {}::{}({}, workspace);\n", name, function_of(called).name, arguments_of(called)) +
          fmt::format("//   const auto result = {}::{}(workspace);\n", name, result) +
          "// Behind the interface: operations counted, inputs not read, which link moves with which body.\n";
 }
@@ -345,7 +353,7 @@ bool any_guard(const Folder& folder) {
 
 bool any_constraints(const Folder& folder) {
   return std::any_of(folder.functions.begin(), folder.functions.end(),
-                     [](const CodeInput& f) { return !f.algorithm.constraint_steps.empty(); });
+                     [](const CodeInput& f) { return !f.algorithm.steps_of<ir::ConstraintStep>().empty(); });
 }
 
 // Where a joint's numbers are: in a row, but where quaternions have one more than their joints have coordinates.
@@ -444,7 +452,7 @@ OutputFile header(const Folder& folder) {
               {"views", views(folder)},
               {"view_definitions", view_definitions(folder)},
               {"workspace_bytes", std::to_string(workspace_bytes(folder))},
-              {"stages", of_functions(folder, stage_declarations)}})};
+              {"stages", of_sections(folder, stage_declarations)}})};
 }
 
 // get: `const T* NAME_ARRAY(const NAME_workspace*)`; set: run-time inputs.
@@ -456,7 +464,6 @@ void c_functions(const Folder& folder, std::string& declarations, std::string& d
     definitions += fmt::format("{} {{\n{}}}\n\n", signature, body);
   };
   for (const CodeInput& f : folder.functions) {
-    if (!is_called(f)) continue;
     const ir::EmittedFunction& function = function_of(f);
     const std::string input = *function.input() ? fmt::format(", {}: {}_nv() {}", function.input(), n, function.meaning()) : "";
     add(fmt::format("Computes {}. q: {}_nq() positions, v: {}_nv() velocities{}. Does not allocate.", quantities(f), n, n,
@@ -486,7 +493,7 @@ void c_functions(const Folder& folder, std::string& declarations, std::string& d
                     status));
   }
   for (const CodeInput& f : folder.functions) {
-    if (!f.algorithm.guard || !is_called(f)) continue;
+    if (!f.algorithm.guard) continue;
     const std::string status = own_name(f, "status");
     add(fmt::format(
             "The coordinate whose pivot shows that the mass matrix is not positive definite, as of the last call; -1: it is"),
@@ -553,7 +560,7 @@ void c_functions(const Folder& folder, std::string& declarations, std::string& d
                     n, c.member, c.rows));
   }
   for (const CodeInput& f : folder.functions)
-    for (const ir::ConstraintStep& step : f.algorithm.constraint_steps)
+    for (const ir::ConstraintStep& step : f.algorithm.steps_of<ir::ConstraintStep>())
       if (const char* status = status_of(step); *status)
         add("The largest error that is left of a constraint's row; least_pivot, rank: as in dalembert::ConstraintStatus; null: "
             "not wanted",
@@ -579,10 +586,10 @@ std::string form_source(const CodeInput& code, const Symbol& symbol) {
   return code.is_rolled() ? rolled_source(code, symbol) : straight_source(code, symbol);
 }
 
-// The function in its form; or in both, and which of them it is on registers of what width.
-std::string function_source(const CodeInput& code) {
-  const std::string& name = function_of(code).name;
-  if (!code.elsewhere) return form_source(code, {name, is_called(code) ? "" : "static "});
+// The section in its form; or in both, and which of them it is on registers of what width.
+std::string function_source(const CodeInput& code, const std::string& linkage) {
+  const std::string& name = code.algorithm.section.name;
+  if (!code.elsewhere) return form_source(code, {name, linkage});
   const auto symbol = [&](const CodeInput& form) {
     return Symbol{name + (form.is_rolled() ? "_in_loops" : "_in_one_line"), "[[maybe_unused]] static "};
   };
@@ -605,10 +612,21 @@ std::string function_source(const CodeInput& code) {
              name, parameters_of(code), fmt::join(lanes, " || "), elsewhere.name, here.name, arguments_of(code));
 }
 
+// All of a function: what it calls, then its sections, each behind the declaration of the next.
+std::string definitions(const CodeInput& function) {
+  std::string text;
+  if (function.opened) text += opened_scope(*function.opened, function_source(*function.opened, "static "));
+  for (const CodeInput* section = &function; section; section = section->next) {
+    if (section->next) text += "\n" + section_declaration(*section->next);
+    text += function_source(*section, section == &function ? "" : "static ") + solve_definition(*section);
+  }
+  return text;
+}
+
 std::string source(const Folder& folder, const std::string& banner) {
   std::set<std::string> headers;
-  for (const CodeInput& f : folder.functions)
-    for (const CodeInput* form : {&f, f.elsewhere})
+  for (const CodeInput* f : folder.sections())
+    for (const CodeInput* form : {f, f->elsewhere})
       if (form)
         for (const std::string& header : form->is_rolled() ? rolled_includes(*form) : straight_includes(*form))
           headers.insert(header);
@@ -617,16 +635,7 @@ std::string source(const Folder& folder, const std::string& banner) {
   return render("dynamics.cpp", {{"banner", banner},
                                  {"name", folder.common().name},
                                  {"includes", includes},
-                                 {"functions", linkage_structs(folder.common()) + of_functions(folder, [&](const CodeInput& f) {
-                                                 if (function_of(f).of_opened)
-                                                   return std::string();  // stands before what calls it
-                                                 const CodeInput* second = folder.second_half_of(f);
-                                                 if (const CodeInput* opened = folder.opened_of(f))
-                                                   return opened_scope(*opened, function_source(*opened)) + function_source(f) +
-                                                          solve_definition(f);
-                                                 return (second ? "\n" + second_half_declaration(*second) : "") +
-                                                        function_source(f) + solve_definition(f);
-                                               })}});
+                                 {"functions", linkage_structs(folder.common()) + of_functions(folder, definitions)}});
 }
 
 }  // namespace
@@ -639,17 +648,18 @@ std::vector<ir::OutputArray> Folder::arrays() const {
   return all;
 }
 
-const CodeInput* Folder::second_half_of(const CodeInput& code) const {
-  for (const CodeInput& f : functions)
-    if (f.algorithm.function.name == code.algorithm.function.second_half) return &f;
-  return nullptr;
+std::vector<const CodeInput*> Folder::sections() const {
+  std::vector<const CodeInput*> all;
+  for (const CodeInput& function : functions)
+    for (const CodeInput* section : sections_of(function)) all.push_back(section);
+  return all;
 }
 
-const CodeInput* Folder::opened_of(const CodeInput& code) const {
-  if (!code.algorithm.embedding) return nullptr;
-  for (const CodeInput& f : functions)
-    if (f.algorithm.function.name == code.algorithm.embedding->called) return &f;
-  return nullptr;
+std::vector<const CodeInput*> sections_of(const CodeInput& function) {
+  std::vector<const CodeInput*> all;
+  for (const CodeInput* section = &function; section; section = section->next) all.push_back(section);
+  if (function.opened) all.push_back(function.opened);
+  return all;
 }
 
 bool Folder::tasks() const {
@@ -661,24 +671,25 @@ std::size_t workspace_bytes(const Folder& folder) {
   const std::size_t scalar = scene.scalar == ir::ScalarType::float32 ? 4 : 8;
   std::size_t bytes = 0;
   const auto align = [&] { bytes = (bytes + 63) / 64 * 64; };
-  for (const CodeInput& f : folder.functions) {
+  for (const CodeInput* section : folder.sections()) {
+    const CodeInput& f = *section;
     for (const ir::OutputArray& a : stored_arrays(f)) {
       align();
       bytes += scalar * static_cast<std::size_t>(a.rows) * static_cast<std::size_t>(a.columns);
     }
     if (f.algorithm.embedding) bytes = (bytes + scalar - 1) / scalar * scalar + 2 * scalar + std::max<std::size_t>(scalar, 4);
-    if (f.algorithm.guard && is_called(f)) bytes = (bytes + scalar - 1) / scalar * scalar + 2 * scalar;
+    if (f.algorithm.guard && f.algorithm.section.is_first()) bytes = (bytes + scalar - 1) / scalar * scalar + 2 * scalar;
   }
   for (const CodeInput& f : folder.functions)
-    for (const ir::ConstraintStep& step : f.algorithm.constraint_steps)
+    for (const ir::ConstraintStep& step : f.algorithm.steps_of<ir::ConstraintStep>())
       if (*status_of(step)) bytes += 3 * scalar;
   bytes += scene.contacts.size() * 23 * scalar;  // whether it acts, gains, restitution, anchor, regularization, weight
   bytes += scene.loops.size() * 16 * scalar;     // the same without an anchor
   if (scene.gravity_kind == ir::GravityKind::run_time) bytes += 3 * scalar;
   bytes += (scene.payloads.size() * 10 + scene.wrenches.size() * 6) * scalar;  // mass, centre of mass, inertia; force, moment
   align();
-  for (const CodeInput& f : folder.functions) {
-    if (const CodeInput* rolled = f.rolled_form()) bytes += kept_bytes(*rolled);
+  for (const CodeInput* f : folder.sections()) {
+    if (const CodeInput* rolled = f->rolled_form()) bytes += kept_bytes(*rolled);
     align();
   }
   return bytes;

@@ -18,7 +18,7 @@
 
 namespace dalembert::backend {
 
-// One function of a robot's code.
+// One section of a function of a robot's code.
 struct CodeInput {
   const ir::KinematicTree& tree;  // the bodies that the function needs
   const ir::NormalTree& normal;
@@ -34,6 +34,8 @@ struct CodeInput {
   std::vector<int> elsewhere_lanes{};
   // For batches: the whole function as a straight line; null where there is none.
   const CodeInput* batch = nullptr;
+  const CodeInput* next = nullptr;    // the section behind; null: there is none
+  const CodeInput* opened = nullptr;  // what a function with embedded loops calls; null where it has none
 
   bool is_rolled() const { return plan.form == ir::Form::rolled; }
   // Of the two, the one that is rolled, or null.
@@ -44,8 +46,8 @@ struct CodeInput {
 
 // A robot's folder.
 struct Folder {
-  std::vector<CodeInput> functions;  // at least one; of one robot, scene and name; each half of one by itself
-  std::deque<CodeInput> elsewhere;   // those that functions point to, as `elsewhere` or `batch`
+  std::vector<CodeInput> functions;  // at least one; of one robot, scene and name; the first section of each
+  std::deque<CodeInput> others;      // what they point to
   std::string source;                // the URDF's file name, without folders
   std::string source_hash;
   std::string command_line;         // that remakes the files
@@ -55,12 +57,12 @@ struct Folder {
   const CodeInput& common() const { return functions.front(); }
   // The outputs of all functions, one after another.
   std::vector<ir::OutputArray> arrays() const;
-  bool tasks() const;  // whether any function has a task graph
-  // Of a function in two halves (ir/emitted_function.hpp); null where it is whole.
-  const CodeInput* second_half_of(const CodeInput& code) const;
-  // What a function with embedded loops calls; null where it has none.
-  const CodeInput* opened_of(const CodeInput& code) const;
+  bool tasks() const;                              // whether any function has a task graph
+  std::vector<const CodeInput*> sections() const;  // of all functions, one after another
 };
+
+// The function's sections in order, behind them what it calls for embedded loops.
+std::vector<const CodeInput*> sections_of(const CodeInput& function);
 
 // sizeof(Workspace) of the emitted code: results, run-time inputs and room to work in, each array at a multiple of 64 bytes.
 std::size_t workspace_bytes(const Folder& folder);

@@ -498,7 +498,7 @@ class BatchFunction {
 std::vector<const CodeInput*> batched(const Folder& folder) {
   std::vector<const CodeInput*> all;
   for (const CodeInput& f : folder.functions)
-    if (f.scene.batch && is_called(f)) all.push_back(&f);
+    if (f.scene.batch) all.push_back(&f);
   return all;
 }
 

@@ -213,7 +213,7 @@ std::string embedded_statements(const CodeInput& code) {
 }
 
 std::string opened_scope(const CodeInput& code, const std::string& text) {
-  return fmt::format("\nnamespace of_all_joints {{\n\n{}\n{}\n}}  // namespace of_all_joints\n", second_half_declaration(code),
+  return fmt::format("\nnamespace of_all_joints {{\n\n{}\n{}\n}}  // namespace of_all_joints\n", section_declaration(code),
                      text);
 }
 

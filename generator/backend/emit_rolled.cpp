@@ -18,7 +18,6 @@
 #include "backend/kept.hpp"
 #include "backend/literals.hpp"
 #include "backend/templates.hpp"
-#include "ir/guard_arrays.hpp"
 
 namespace dalembert::backend {
 namespace {
@@ -104,7 +103,7 @@ std::vector<int> bodies_of(const CodeInput& code, const ir::Result& r) {
   for (int k = 0; k < code.tree.joints(); ++k) {
     const int at = base_rows(code) + coordinates[static_cast<size_t>(k)];
     if ((r.layout == ir::Layout::columns ? array.column(at) : array.row(at)) < 0) continue;
-    if (r.only_above == ir::all_bodies || code.tree.is_above_only(k, r.only_above, r.beside)) bodies.push_back(k);
+    if (r.over.contains(code.tree, k)) bodies.push_back(k);
   }
   return bodies;
 }
@@ -113,16 +112,15 @@ std::vector<int> bodies_of(const CodeInput& code, const ir::Result& r) {
 // solved with and rows that go up limbs: these read them where limbs leave them.
 std::optional<PivotRoles> pivots_in_slots(const CodeInput& code) {
   const std::optional<ir::Guard>& guard = code.algorithm.guard;
-  const std::vector<ir::ConstraintStep>& steps = code.algorithm.constraint_steps;
+  const std::vector<ir::ConstraintStep> steps = code.algorithm.steps_of<ir::ConstraintStep>();
   const bool by_limbs = std::all_of(steps.begin(), steps.end(), [](const ir::ConstraintStep& s) { return s.by_limbs(); });
-  if (!guard || !code.algorithm.steps.empty() || !by_limbs) return {};
-  const ir::GuardArrays told_by = ir::guard_arrays(code.algorithm);
+  if (!guard || steps.size() < code.algorithm.steps.size() || !by_limbs) return {};
   PivotRoles roles;
   for (const ir::Result& r : code.algorithm.results) {
     if (r.array == guard->pivots) roles.pivot = r.role;
     if (r.array == guard->diagonal) roles.diagonal = r.role;
-    if (r.array == told_by.gain) roles.gain = r.role;
-    if (r.array == told_by.joint) (r.from == 0 ? roles.linear : roles.angular) = r.role;
+    if (r.array == guard->gain) roles.gain = r.role;
+    if (r.array == guard->joint) (r.from == 0 ? roles.linear : roles.angular) = r.role;
   }
   // Rows go up limbs by all of them.
   for (const int role : {roles.gain, roles.linear, roles.angular})
@@ -132,7 +130,7 @@ std::optional<PivotRoles> pivots_in_slots(const CodeInput& code) {
 
 // Whether it has every joint's number in its place.
 bool of_all_joints(const CodeInput& code, const ir::Result& r) {
-  return r.only_above == ir::all_bodies && !has_driven(code) && !code.tree.within &&
+  return r.over.is_all() && !has_driven(code) && !code.tree.within &&
          !code.algorithm.arrays[static_cast<size_t>(r.array)].is_part();
 }
 
@@ -224,8 +222,9 @@ std::string pivots_table(const CodeInput& code) {
 
 // By which rows of constraints go up; empty: by arrays.
 std::string limbs_in_slots(const CodeInput& code) {
-  if (code.algorithm.constraint_steps.empty() || !pivots_in_slots(code)) return "";
-  const ir::ConstraintStep& step = code.algorithm.constraint_steps.front();
+  const std::vector<ir::ConstraintStep> steps = code.algorithm.steps_of<ir::ConstraintStep>();
+  if (steps.empty() || !pivots_in_slots(code)) return "";
+  const ir::ConstraintStep& step = steps.front();
   const auto name = [&](int array) { return code.algorithm.arrays[static_cast<size_t>(array)].name; };
   return fmt::format(
       "  const dalembert::LimbsInSlots<Scalar, {}, {}> branches{{\n      {{{}}},\n      workspace.{}, workspace.{}}};\n",
@@ -344,8 +343,7 @@ std::vector<std::string> rolled_includes(const CodeInput& code) {
 bool can_sweep_apart(const CodeInput& code) {
   const bool checked =
       std::any_of(code.rolled.base.begin(), code.rolled.base.end(), [&](const auto& b) { return checked_at_base(code, b); });
-  return code.is_rolled() && is_called(code) && function_of(code).second_half.empty() && !code.algorithm.pairs.empty() &&
-         !has_driven(code) && !checked;
+  return code.is_rolled() && !code.next && !code.algorithm.pairs.empty() && !has_driven(code) && !checked;
 }
 
 std::string arguments_of(const CodeInput& code, const Stage& stage) {
@@ -384,7 +382,7 @@ std::string rolled_source(const CodeInput& code, const Symbol& symbol) {
     calls += fmt::format("  {}{}({});\n", scoped ? scope + "::" : "", s.name, call_of(code, s));
     state = state || s.reads_state;
   }
-  calls += second_half_call(code);
+  calls += next_section_call(code);
   if (calls.empty()) unused += ", static_cast<void>(workspace)";
   if (!state) calls = unused + ";\n" + calls;
   const std::string open = "namespace " + scope + " {\n\n";

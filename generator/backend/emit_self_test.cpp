@@ -66,7 +66,6 @@ class SelfTestText {
   std::string runs() const {
     std::string text;
     for (const CodeInput& f : folder_.functions) {
-      if (!is_called(f)) continue;
       text +=
           fmt::format("void (*volatile const {})({}, Workspace&) noexcept = {};\n", own_name(f, "run"),
                       fmt::join(std::vector<std::string>(vectors_of(f).size(), "const Scalar*"), ", "), function_of(f).name);
@@ -88,9 +87,8 @@ class SelfTestText {
     std::string text;
     for (size_t s = 0; s < test_.states.size(); ++s) {
       for (const CodeInput& f : folder_.functions)
-        if (is_called(f))
-          text += fmt::format("  {0}(q_{1}, v_{1}{2}, workspace);\n", own_name(f, "run"), s,
-                              vectors_of(f).size() > 2 ? fmt::format(", input_{}", s) : "");
+        text += fmt::format("  {0}(q_{1}, v_{1}{2}, workspace);\n", own_name(f, "run"), s,
+                            vectors_of(f).size() > 2 ? fmt::format(", input_{}", s) : "");
       for (const ir::Expectation& e : test_.expectations)
         if (e.state == static_cast<int>(s)) text += comparison(e);
       text += batches(s);
@@ -137,7 +135,6 @@ class SelfTestText {
     std::string text = "  {\n" + batch_of(s);
     std::vector<std::string> own;
     for (const CodeInput& f : folder_.functions) {
-      if (!is_called(f)) continue;
       const std::string results = own_name(f, "results");
       text += fmt::format("    {} {};\n", own_type(f, "BatchResults"), results);
       for (const ir::OutputArray& a : f.program.arrays) {
@@ -159,7 +156,7 @@ class SelfTestText {
   std::string rollouts(size_t s) const {
     std::string text;
     for (const CodeInput& f : folder_.functions) {
-      const ir::OutputArray* const a = is_called(f) ? acceleration(f) : nullptr;
+      const ir::OutputArray* const a = acceleration(f);
       if (!a) continue;
       text += fmt::format(
           "  {{\n{0}    Scalar last[nv];\n    dalembert::Rollout<Scalar> rollout;\n"

@@ -117,7 +117,7 @@ std::string straight_statements(const CodeInput& code, const ir::Program& progra
   const ir::InputsRead read = ir::inputs_read(program, ir::uses(program.graph, program.roots()));
   if (read.positions.empty()) body += "  (void)q;\n";
   if (read.velocities.empty()) body += "  (void)v;\n";
-  if (!read.input && *function_of(code).input()) body += fmt::format("  (void){};\n", function_of(code).input());
+  if (const char* input = code.algorithm.section.input(); !read.input && *input) body += fmt::format("  (void){};\n", input);
   body += angles.prologue(style);
 
   std::vector<Sink> sinks;
@@ -129,7 +129,7 @@ std::string straight_statements(const CodeInput& code, const ir::Program& progra
   style.order = program.order;
   if (!program.order.empty()) style.return_to = [&](const ir::Tag& tag) { return return_to(code, tag); };
   return body + print(program.graph, sinks, style) + projection_statements(code) + matrix_statements(code) +
-         constraint_statements(code) + guard_statements(code) + second_half_call(code);
+         constraint_statements(code) + guard_statements(code) + next_section_call(code);
 }
 
 ir::Operations straight_operations(const CodeInput& code) {

@@ -82,8 +82,8 @@ std::string tasks_header(const Folder& folder, const std::string& banner) {
   std::string classes;
   bool divided = false, graphs = false;
   for (const CodeInput& code : folder.functions) {
-    if (!code.plan.tasks || !is_called(code)) continue;
-    const TaskPlan plan = plan_tasks(folder, code);
+    if (!code.plan.tasks) continue;
+    const TaskPlan plan = plan_tasks(code);
     (plan.divided() ? divided : graphs) = true;
     std::string members;
     for (const std::string& vector : vectors_of(code)) members += fmt::format("  const Scalar* {}_ = nullptr;\n", vector);
@@ -116,8 +116,8 @@ std::string tasks_header(const Folder& folder, const std::string& banner) {
 std::string tasks_source(const Folder& folder, const std::string& banner) {
   std::string classes;
   for (const CodeInput& code : folder.functions) {
-    if (!code.plan.tasks || !is_called(code)) continue;
-    const TaskPlan plan = plan_tasks(folder, code);
+    if (!code.plan.tasks) continue;
+    const TaskPlan plan = plan_tasks(code);
     std::string keep;
     for (const std::string& vector : vectors_of(code)) keep += fmt::format("  {0}_ = {0};\n", vector);
     classes += render("task_graph.cpp", {{"function", function_of(code).name},

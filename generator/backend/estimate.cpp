@@ -11,7 +11,6 @@
 #include "backend/kept.hpp"
 #include "dalembert/chain_shapes.hpp"
 #include "ir/coordinate_tree.hpp"
-#include "ir/guard_arrays.hpp"
 
 namespace dalembert::backend {
 namespace {
@@ -87,21 +86,15 @@ class Work {
 
 void add_steps(const CodeInput& code, Features& f) {
   const ir::CoordinateTree tree = ir::coordinate_tree(code.tree);
-  for (const ir::MatrixStep& step : code.algorithm.steps) {
-    const ir::Operations o = step_operations(step, tree);
-    of(f, Feature::step_operations) += static_cast<double>(o.multiply);
-    of(f, Feature::divide) += static_cast<double>(o.divide);
-    const bool solves = step.kind == ir::MatrixStep::Kind::factor || step.kind == ir::MatrixStep::Kind::solve;
-    if (!solves || tree.size() > most_written_out)
-      of(f, Feature::step_chains) += static_cast<double>(ir::chains(tree, step.first).size());
-  }
-}
-
-void add_constraint_steps(const CodeInput& code, Features& f) {
-  for (const ir::ConstraintStep& step : code.algorithm.constraint_steps) {
+  for (const ir::Step& step : code.algorithm.steps) {
     const ir::Operations o = ir::operations_of(step, code.tree, true);
     of(f, Feature::step_operations) += static_cast<double>(o.multiply);
     of(f, Feature::divide) += static_cast<double>(o.divide);
+    const ir::MatrixStep* const matrix = std::get_if<ir::MatrixStep>(&step);
+    if (!matrix) continue;
+    const bool solves = matrix->kind == ir::MatrixStep::Kind::factor || matrix->kind == ir::MatrixStep::Kind::solve;
+    if (!solves || tree.size() > most_written_out)
+      of(f, Feature::step_chains) += static_cast<double>(ir::chains(tree, matrix->first).size());
   }
 }
 
@@ -215,14 +208,13 @@ void add_segment(const CodeInput& code, size_t segment, int level, int lanes, Fe
 void add_steps_behind(const CodeInput& code, int lanes, Features& f) {
   add_steps(code, f);
   add_projections(code, lanes, f);
-  add_constraint_steps(code, f);
 }
 
 void add_results(const CodeInput& code, int lanes, Features& f) {
   add_steps_behind(code, lanes, f);
-  const ir::GuardArrays told_by = ir::guard_arrays(code.algorithm);
+  const std::optional<ir::Guard>& guard = code.algorithm.guard;
   const auto copied = std::count_if(code.algorithm.results.begin(), code.algorithm.results.end(), [&](const ir::Result& r) {
-    return !told_by.has(r.array);  // those stay where limbs leave them
+    return !guard || !guard->tells_by(r.array);  // those stay where limbs leave them
   });
   of(f, Feature::stores) += static_cast<double>(code.tree.joints() * copied);
 }

@@ -11,7 +11,6 @@
 #include "backend/emit_rolled.hpp"
 #include "backend/emit_straight.hpp"
 #include "backend/kept.hpp"
-#include "ir/coordinate_tree.hpp"
 #include "ir/embedding_cost.hpp"
 
 namespace dalembert::backend {
@@ -92,8 +91,7 @@ long driven_results(const CodeInput& code) {
     if (r.layout == ir::Layout::base || !is_kept(code, r.role)) continue;
     std::set<int> rows;
     for (int k = 0; k < code.tree.joints(); ++k)
-      if (array_has(code, r, k, coordinates) &&
-          (r.only_above == ir::all_bodies || code.tree.is_above_only(k, r.only_above, r.beside)) &&
+      if (array_has(code, r, k, coordinates) && r.over.contains(code.tree, k) &&
           !rows.insert(coordinates[static_cast<size_t>(k)]).second)
         additions += code.rolled.roles[static_cast<size_t>(r.role)].components();
   }
@@ -108,64 +106,17 @@ long guard_products(const CodeInput& code) {
                                             : code.algorithm.arrays[static_cast<size_t>(guard->pivots)].rows;
 }
 
-// As runtime/include/dalembert/solve.hpp takes them: M's factors by lanes, one column solved for number by number.
-ir::Operations factor_step(const ir::CoordinateTree& tree) {
-  ir::Operations o;
-  const auto by_lanes = [&](long count, long factors) {
-    const long each = factors * ((count + counted_lanes - 1) / counted_lanes * counted_lanes);
-    o.multiply += each, o.add += each;
-  };
-  for (const ir::Chain& chain : ir::chains(tree)) {
-    const long above = tree.depth(chain.first), m = chain.count;
-    for (long k = 0; k < m; ++k)
-      for (long i = 0; i < k; ++i) by_lanes(above + i + 1, 1);
-    for (long i = 0; i < above; ++i) by_lanes(i + 1, m);
-    o.multiply += above * m + m * (m - 1);
-    o.divide += m;
-  }
-  return o;
-}
-ir::Operations solve_step(const ir::CoordinateTree& tree) {
-  ir::Operations o;
-  for (int k = 0; k < tree.size(); ++k) o.add += 2 * tree.depth(k);
-  o.multiply = o.add;
-  o.divide = tree.size();
-  return o;
-}
-
 }  // namespace
-
-// As runtime/include/dalembert/factor.hpp takes them: by eights of a column, and a chain's own in fours or eights.
-ir::Operations step_operations(const ir::MatrixStep& step, const ir::CoordinateTree& tree) {
-  if (step.kind == ir::MatrixStep::Kind::factor) return factor_step(tree);
-  if (step.kind == ir::MatrixStep::Kind::solve) return solve_step(tree);
-  const auto eights = [](long count) { return (count + 7) / 8 * 8; };
-  ir::Operations o;
-  const auto multiply_adds = [&](long count) { o.multiply += count, o.add += count; };
-  for (const ir::Chain& chain : ir::chains(tree, step.first)) {
-    const long m = chain.count, above = tree.depth(chain.first), pairs = m * (m - 1) / 2, own = m <= 4 ? 4 : 8;
-    if (step.kind == ir::MatrixStep::Kind::negative_product) {
-      multiply_adds(m * (above + tree.last[static_cast<size_t>(chain.first)] + 1 - chain.first) * eights(tree.size()));
-      continue;
-    }
-    multiply_adds((m * above + pairs) * eights(chain.first));
-    multiply_adds((2 * pairs + m * above) * own);
-    o.multiply += m * own;
-    o.divide += m;
-  }
-  return o;
-}
 
 ir::Operations executed_operations(const CodeInput& code) {
   ir::Operations sum;
   sum.multiply = guard_products(code);
-  for (const ir::MatrixStep& step : code.algorithm.steps) sum += step_operations(step, ir::coordinate_tree(code.tree));
+  for (const ir::Step& step : code.algorithm.steps) sum += ir::operations_of(step, code.tree, true);
   add_projections(code, sum);
   if (const std::optional<ir::Embedding>& embedding = code.algorithm.embedding) {
     sum += ir::operations_of_linkages(code.tree, embedding->rates >= 0);
     for (const ir::Projected& p : embedding->projected) sum += ir::operations_of(p, code.tree);
   }
-  for (const ir::ConstraintStep& step : code.algorithm.constraint_steps) sum += ir::operations_of(step, code.tree, true);
   if (code.plan.form != ir::Form::rolled) return sum += straight_operations(code);
   sum += prepare_operations(code);
   for (const ir::BaseStage& stage : code.rolled.base) sum += base(stage);

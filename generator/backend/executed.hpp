@@ -3,7 +3,6 @@
 #pragma once
 
 #include "backend/emit.hpp"
-#include "ir/coordinate_tree.hpp"
 
 namespace dalembert::backend {
 
@@ -14,7 +13,5 @@ inline constexpr int counted_lanes = 4;
 // A sine and a cosine of one angle count as one pair; what happens inside is not counted, nor are changes of sign, copies and
 // comparisons.
 ir::Operations executed_operations(const CodeInput& code);
-// Of a step with whole matrices that the runtime takes.
-ir::Operations step_operations(const ir::MatrixStep& step, const ir::CoordinateTree& tree);
 
 }  // namespace dalembert::backend

@@ -465,10 +465,11 @@ class StageOrder {
   std::vector<std::set<int>> above_;    // … itself and all segments above
 };
 
-// The vectors as the graph holds them between calls; a second half has its last from its first half.
+// The vectors as the graph holds them between calls; what a section takes of those before it stands in the workspace.
 std::string held_arguments(const CodeInput& code) {
-  if (is_called(code)) return fmt::format("{}_", fmt::join(vectors_of(code), "_, "));
-  return "q_, v_, w->" + function_of(code).accelerations;
+  const ir::Section& section = code.algorithm.section;
+  if (section.is_first()) return fmt::format("{}_", fmt::join(vectors_of(code), "_, "));
+  return "q_, v_, w->" + code.algorithm.arrays[static_cast<size_t>(section.accelerations)].name;
 }
 
 ir::ThreadCosts costs_of(const CodeInput& code) { return code.plan.costs ? code.plan.costs->threads : ir::ThreadCosts{}; }
@@ -482,10 +483,10 @@ double stored_bytes(const CodeInput& code, const Stage& s) {
   return (code.scene.scalar == ir::ScalarType::float32 ? 4.0 : 8.0) * static_cast<double>(components) * segment.slots();
 }
 
-// Of a function, or of one half of it, whose tasks' names begin with `prefix`; nothing joined yet.
+// Of a section, whose tasks' names begin with `prefix`; nothing joined yet.
 std::vector<Task> tasks_of(const CodeInput& code, const std::string& prefix) {
   if (code.plan.form != ir::Form::rolled) {  // one piece of code, one task
-    const std::string name = function_of(code).name;
+    const std::string& name = code.algorithm.section.name;
     return {{name,
              {fmt::format("{}::{}({}, *w)", code.name, name, held_arguments(code))},
              true,
@@ -593,18 +594,18 @@ TaskPlan plan_apart(const CodeInput& code) {
 }
 
 // Of tasks of which some come after others, a task's sweeps being for all.
-TaskPlan plan_with_edges(const Folder& folder, const CodeInput& code) {
+TaskPlan plan_with_edges(const CodeInput& code) {
   std::vector<Task> tasks = tasks_of(code, "");
   std::string prefix;
-  // Of a function that users call: first one half, then the other. Straight code calls the second half itself.
+  // Section by section. Straight code calls the next one itself.
   if (code.plan.form == ir::Form::rolled)
-    for (const CodeInput* second = folder.second_half_of(code); second; second = folder.second_half_of(*second)) {
+    for (const CodeInput* section = code.next; section; section = section->next) {
       const int before = static_cast<int>(tasks.size());
       std::set<int> last;
       for (int i = 0; i < before; ++i) last.insert(i);
       for (const Task& t : tasks)
         for (const int a : t.after) last.erase(a);
-      for (Task t : tasks_of(*second, prefix += "then_")) {
+      for (Task t : tasks_of(*section, prefix += "then_")) {
         if (t.after.empty()) t.after.assign(last.begin(), last.end());
         else
           for (int& a : t.after) a += before;
@@ -662,17 +663,15 @@ double critical_path(const TaskPlan& plan) {
   return way.empty() ? 0 : *std::max_element(way.begin(), way.end());
 }
 
-TaskPlan plan_tasks(const Folder& folder, const CodeInput& code) {
-  return code.plan.sweeps_apart ? plan_apart(code) : plan_with_edges(folder, code);
-}
+TaskPlan plan_tasks(const CodeInput& code) { return code.plan.sweeps_apart ? plan_apart(code) : plan_with_edges(code); }
 
-bool better_apart(const Folder& folder, const CodeInput& code) {
+bool better_apart(const CodeInput& code) {
   // Without what is joined every stage is to be a task.
   if (!code.plan.join_tasks || !can_sweep_apart(code)) return false;
   const TaskPlan apart = plan_apart(code);
   if (apart.tasks.empty() || !code.plan.weigh_tasks) return !apart.tasks.empty();
   if (!worth_a_graph(apart)) return false;
-  const TaskPlan divided = plan_with_edges(folder, code);
+  const TaskPlan divided = plan_with_edges(code);
   double sum = 0;
   for (const int threads : usual_threads)
     sum += schedule_tasks(apart, threads).nanoseconds - schedule_tasks(divided, threads).nanoseconds;

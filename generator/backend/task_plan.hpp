@@ -34,10 +34,10 @@ struct TaskPlan {
 };
 
 // By what code.plan says of sweeps.
-TaskPlan plan_tasks(const Folder& folder, const CodeInput& code);
+TaskPlan plan_tasks(const CodeInput& code);
 
 // Whether more is expected of threads that sweep for themselves than of sweeps that are divided.
-bool better_apart(const Folder& folder, const CodeInput& code);
+bool better_apart(const CodeInput& code);
 
 // Where and when each task runs if all take what they are expected to.
 struct Run {

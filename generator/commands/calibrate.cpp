@@ -12,13 +12,13 @@
 #include <vector>
 
 #include "backend/estimate.hpp"
+#include "backend/task_plan.hpp"
 #include "commands/cache.hpp"
 #include "commands/generated_engine.hpp"
 #include "commands/json.hpp"
 #include "commands/machine.hpp"
 #include "commands/random_states.hpp"
 #include "commands/temporary_folder.hpp"
-#include "backend/task_plan.hpp"
 #include "compile.hpp"
 #include "frontend/numbers.hpp"
 #include "frontend/text_file.hpp"
@@ -59,7 +59,8 @@ constexpr Case cases[] = {
     {10, 40, "mass_matrix,coriolis_matrix", "rolled"},
 };
 // What several threads are timed with.
-constexpr Case divided[] = {{1, 300, "mass_matrix,coriolis_matrix", "rolled"}, {5, 100, "mass_matrix,coriolis_matrix", "rolled"}};
+constexpr Case divided[] = {{1, 300, "mass_matrix,coriolis_matrix", "rolled"},
+                            {5, 100, "mass_matrix,coriolis_matrix", "rolled"}};
 
 // How much a constant may leave its committed value for an error: of few programs none is known well.
 constexpr double trust = 0.02, least = 0.1, most = 10;
@@ -89,9 +90,7 @@ Model model_of(const Case& c, const fs::path& folder, std::shared_ptr<const ir::
   return read_model(request, warnings);
 }
 
-std::string name_of(const Case& c) {
-  return fmt::format("{} x {} joints, {}, {}", c.branches, c.joints, c.outputs, c.form);
-}
+std::string name_of(const Case& c) { return fmt::format("{} x {} joints, {}, {}", c.branches, c.joints, c.outputs, c.form); }
 
 struct Measured {
   std::string name;
@@ -118,8 +117,8 @@ double expected(const Measured& m, const std::vector<double>& constants) {
   return sum;
 }
 
-// Least squares of relative errors, coordinate by coordinate, beside the distance from the committed constants in the measure of
-// how fast the machine is all in all.
+// Least squares of relative errors, coordinate by coordinate, beside the distance from the committed constants in the measure
+// of how fast the machine is all in all.
 std::vector<double> fitted(const std::vector<Measured>& all, const backend::Features& committed) {
   const std::vector<double> before(committed.begin(), committed.end());
   std::vector<double> ratios;
@@ -147,8 +146,9 @@ std::vector<double> fitted(const std::vector<Measured>& all, const backend::Feat
 // Doubles in a register of the target that the compiler compiles for.
 int lanes_of(const CompilerOptions& options) {
   const LoadedCode code("registers",
-                        {{"registers.cpp", "#include <dalembert/lanes.hpp>\nextern \"C\" int doubles_in_register() { return "
-                                           "dalembert::doubles_in_register; }\n"}},
+                        {{"registers.cpp",
+                          "#include <dalembert/lanes.hpp>\nextern \"C\" int doubles_in_register() { return "
+                          "dalembert::doubles_in_register; }\n"}},
                         options);
   const int lanes = code.function<int()>("doubles_in_register")();
   return std::clamp(lanes, backend::register_widths.front(), backend::register_widths.back());
@@ -210,8 +210,8 @@ Calibration calibrate(const CompilerOptions& options) {
   std::vector<Measured> measured;
   for (const Case& c : cases) measured.push_back(measure(c, folder.path(), options, costs.lanes));
   costs.per_feature = fitted(measured, backend::committed_constants(costs.lanes));
-  all.text = fmt::format("{}\n{}, registers of {} doubles\n  {:<55} {:>10} {:>10}\n", costs.machine, costs.compiler, costs.lanes,
-                         "", "measured", "expected");
+  all.text = fmt::format("{}\n{}, registers of {} doubles\n  {:<55} {:>10} {:>10}\n", costs.machine, costs.compiler,
+                         costs.lanes, "", "measured", "expected");
   double squares = 0;
   for (const Measured& m : measured) {
     const double now = expected(m, costs.per_feature), error = now / m.nanoseconds - 1;
@@ -232,8 +232,7 @@ std::string costs_text(const ir::MachineCosts& costs) {
   std::string text = fmt::format(
       "# What this machine takes for what calls are made of, ns: by 'dalembert calibrate', for --calibrated.\nmachine: {}\n"
       "compiler: {}\nregister: {}\ncoming: {:.6g}\nparting: {:.6g}\n",
-      json_string(costs.machine), json_string(costs.compiler), costs.lanes, costs.threads.coming,
-      costs.threads.parting);
+      json_string(costs.machine), json_string(costs.compiler), costs.lanes, costs.threads.coming, costs.threads.parting);
   for (size_t f = 0; f < backend::feature_count; ++f)
     text += fmt::format("{}: {:.6g}\n", backend::feature_names[f], costs.per_feature[f]);
   return text;
@@ -254,7 +253,8 @@ ir::MachineCosts costs_of_text(const std::string& text, const std::string& where
   const auto number = [&](const std::string& name) {
     const auto at = entries.find(name);
     const auto value = at == entries.end() ? std::nullopt : frontend::parse_number(at->second);
-    if (!value || !std::isfinite(*value) || *value < 0) throw refuse(fmt::format("'{}' is no number that is not negative", name));
+    if (!value || !std::isfinite(*value) || *value < 0)
+      throw refuse(fmt::format("'{}' is no number that is not negative", name));
     return *value;
   };
   ir::MachineCosts costs;
@@ -273,7 +273,8 @@ std::shared_ptr<const ir::MachineCosts> calibrated_costs() {
   const fs::path file = file_of(machine);
   if (!fs::exists(file))
     throw InputError({Severity::error, "", "option --calibrated",
-                      fmt::format("nothing was measured on this machine ({}) yet", machine), "run 'dalembert calibrate' first"});
+                      fmt::format("nothing was measured on this machine ({}) yet", machine),
+                      "run 'dalembert calibrate' first"});
   return std::make_shared<ir::MachineCosts>(
       costs_of_text(frontend::read_text_file(file.string(), "costs", frontend::yaml_bytes), file.string()));
 }

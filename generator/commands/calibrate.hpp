@@ -15,8 +15,8 @@ struct Calibration {
 };
 
 // Generates, compiles and times programs of many shapes, fits the constants of backend/estimate.hpp to them, and keeps these in
-// the cache for this machine (in place of earlier ones). Takes a minute or two. Throws InputError where there is no compiler, or
-// the cache cannot be written.
+// the cache for this machine (in place of earlier ones). Takes a minute or two. Throws InputError where there is no compiler,
+// or the cache cannot be written.
 Calibration calibrate(const CompilerOptions& options);
 
 // What was kept for this machine. Throws InputError when there is nothing, or nothing that can be read.

@@ -58,7 +58,8 @@ std::string normal_tree_text(const ir::KinematicTree& tree, const ir::NormalTree
   return text;
 }
 
-std::string input_text(const ir::KinematicTree& tree, const ir::Scene& scene, const ir::Input& input) {
+std::string input_text(const ir::KinematicTree& tree, const ir::Scene& scene, const ir::Algorithm& algorithm,
+                       const ir::Input& input) {
   switch (input.kind) {
     case ir::InputKind::position: return fmt::format("q[{}]", input.index);
     case ir::InputKind::velocity: return fmt::format("v[{}]", input.index);
@@ -69,6 +70,8 @@ std::string input_text(const ir::KinematicTree& tree, const ir::Scene& scene, co
       return fmt::format("wrench {}[{}]", scene.wrenches.at(static_cast<size_t>(input.index)).link, input.component);
     case ir::InputKind::constraint:
       return fmt::format("{}[{}]", scene.constraints().at(static_cast<size_t>(input.index)).member, input.component);
+    case ir::InputKind::element:
+      return fmt::format("{}[{}]", algorithm.arrays[static_cast<size_t>(input.index)].name, input.component);
     case ir::InputKind::payload:
       return fmt::format("payload {}[{}]", scene.payloads.at(static_cast<size_t>(input.index)), input.component);
     default: return joint_name(tree, input.index);
@@ -88,7 +91,7 @@ std::string program_text(const ir::KinematicTree& tree, const ir::Scene& scene, 
     if (uses[static_cast<size_t>(id)] == 0) continue;
     text += fmt::format("%{} = {}", id, op_names[static_cast<size_t>(n.op)]);
     if (n.op == ir::Op::constant) text += fmt::format(" {}", n.value);
-    if (n.op == ir::Op::input) text += " " + input_text(tree, scene, n.input);
+    if (n.op == ir::Op::input) text += " " + input_text(tree, scene, algorithm, n.input);
     if (n.a != ir::no_node) text += fmt::format(" %{}", n.a);
     if (n.b != ir::no_node) text += fmt::format(" %{}", n.b);
     if (n.op != ir::Op::constant && n.op != ir::Op::input)
@@ -123,7 +126,7 @@ std::string text_of(const ir::Operations& o) {
 }
 
 std::string paragraph_text(const ir::Segment& segment, int level, const ir::Paragraph& paragraph) {
-  constexpr const char* directions[] = {"root", "outwards", "inwards", "anywhere"};
+  constexpr const char* directions[] = {"outwards", "inwards", "anywhere"};
   std::vector<ir::NodeId> roots;
   for (const ir::Value& v : paragraph.stores) roots.push_back(v.node);
   for (const ir::Carried& c : paragraph.carried) roots.push_back(c.node);
@@ -164,12 +167,15 @@ std::string stage_text(const Model& model, const Lowered& lowered, Stage stage) 
     default: break;
   }
   std::string text;
+  const bool several = lowered.all_sections().size() > 1;
   for (const LoweredFunction& f : lowered.functions) {
-    if (lowered.functions.size() > 1) text += fmt::format("function {}\n", f.algorithm.function.name);
     const ir::KinematicTree& tree = f.part ? f.part->tree : model.tree;
-    if (stage == Stage::program) text += program_text(tree, model.scene, f.algorithm, f.program);
-    if (stage == Stage::plan) text += plan_text(tree, f.plan);
-    if (stage == Stage::rolled) text += rolled_text(f.algorithm, f.plan, f.rolled);
+    for (const LoweredSection* s : f.all_sections()) {
+      if (several) text += fmt::format("function {}\n", s->algorithm.section.name);
+      if (stage == Stage::program) text += program_text(tree, model.scene, s->algorithm, s->program);
+      if (stage == Stage::plan) text += plan_text(tree, s->plan);
+      if (stage == Stage::rolled) text += rolled_text(s->algorithm, s->plan, s->rolled);
+    }
   }
   return text;
 }

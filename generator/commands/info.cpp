@@ -225,12 +225,11 @@ const std::string& name_of(ir::Solver solver) { return word_of(ir::solver_words(
 std::string plan_json(const Lowered& lowered) {
   std::string text;
   for (const LoweredFunction& f : lowered.functions) {
-    if (f.candidates.empty() || f.algorithm.function.of_opened) continue;  // a second half
     std::string ways;
     for (const Candidate& c : f.candidates)
       ways += fmt::format("{}{{\"form\": \"{}\", \"solver\": \"{}\", \"nanoseconds\": [{:.1f}]}}", ways.empty() ? "" : ", ",
                           name_of(c.form), name_of(c.solver), fmt::join(c.nanoseconds, ", "));
-    text += fmt::format("{}\n    {}: [{}]", text.empty() ? "" : ",", json_string(f.algorithm.function.name), ways);
+    text += fmt::format("{}\n    {}: [{}]", text.empty() ? "" : ",", json_string(f.name()), ways);
   }
   return text;
 }
@@ -254,8 +253,7 @@ std::string plan_text(const Lowered& lowered) {
   std::string text = fmt::format("\nestimated time of a call on registers of {} doubles, the way that was chosen first:\n",
                                  fmt::join(backend::register_widths, ", "));
   for (const LoweredFunction& f : lowered.functions) {
-    if (f.candidates.empty() || f.algorithm.function.of_opened) continue;
-    text += fmt::format("  {}\n", f.algorithm.function.name);
+    text += fmt::format("  {}\n", f.name());
     for (const Candidate& c : f.candidates) {
       std::string times;
       for (const double nanoseconds : c.nanoseconds) times += fmt::format("{:>10}", time_text(nanoseconds));
@@ -265,8 +263,8 @@ std::string plan_text(const Lowered& lowered) {
               (c.order == ir::Order::as_written ? "" : ", " + word_of(ir::order_words(), c.order)),
           times);
     }
-    if (!f.elsewhere.empty())
-      text += fmt::format("    {} where registers hold {}\n", name_of(f.elsewhere.front().plan.form),
+    if (f.elsewhere)
+      text += fmt::format("    {} where registers hold {}\n", name_of(f.elsewhere->plan.form),
                           fmt::join(f.elsewhere_lanes, " or "));
   }
   return text;

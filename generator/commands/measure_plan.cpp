@@ -148,7 +148,7 @@ MeasuredPlan measure_plan(const Model& asked, const CompilerOptions& options) {
   model.scene.plan.clear();
   std::vector<Measured> functions;
   for (const LoweredFunction& f : lower(model).functions)
-    if (const std::vector<Way> ways = ways_of(f); ways.size() > 1) functions.push_back({f.algorithm.function, ways});
+    if (const std::vector<Way> ways = ways_of(f); ways.size() > 1) functions.push_back({f.first().algorithm.function, ways});
   std::size_t count = 0;
   for (const Measured& f : functions) count = std::max(count, f.ways.size());
   std::vector<std::unique_ptr<Variant>> variants;

@@ -76,20 +76,20 @@ constexpr const char* own[] = {"scratch",      "status",         "stages",
                                "gain",         "joint",          "constrained_accelerations",
                                "forces",       "response",       "projected_inverse",
                                "row_wrenches"};
-// What one in two halves has besides.
-constexpr const char* of_halves[] = {"accelerations",          "derivatives",
-                                     "derivatives_scratch",    "derivatives_stages",
-                                     "derivatives_efforts_dq", "derivatives_efforts_dv"};
-constexpr const char* of_constrained_halves[] = {"constrained_derivatives",
-                                                 "constrained_derivatives_scratch",
-                                                 "constrained_derivatives_stages",
-                                                 "constrained_derivatives_efforts_dq",
-                                                 "constrained_derivatives_efforts_dv",
-                                                 "constrained_derivatives_changes_dq",
-                                                 "constrained_derivatives_changes_dv",
-                                                 "constrained_derivatives_turning",
-                                                 "constrained_derivatives_turned",
-                                                 "constrained_derivatives_turning_room"};
+// What one with sections behind the first (ir/algorithm.hpp) has besides.
+constexpr const char* of_derivatives[] = {"accelerations",          "derivatives",
+                                          "derivatives_scratch",    "derivatives_stages",
+                                          "derivatives_efforts_dq", "derivatives_efforts_dv"};
+constexpr const char* of_constrained_derivatives[] = {"constrained_derivatives",
+                                                      "constrained_derivatives_scratch",
+                                                      "constrained_derivatives_stages",
+                                                      "constrained_derivatives_efforts_dq",
+                                                      "constrained_derivatives_efforts_dv",
+                                                      "constrained_derivatives_changes_dq",
+                                                      "constrained_derivatives_changes_dv",
+                                                      "constrained_derivatives_turning",
+                                                      "constrained_derivatives_turned",
+                                                      "constrained_derivatives_turning_room"};
 
 // What the code has of a function besides its results.
 std::vector<std::string> names_of(const ir::EmittedFunction& function) {
@@ -103,14 +103,14 @@ std::vector<std::string> names_of(const ir::EmittedFunction& function) {
   };
   if (may_compute(ir::Quantity::forward_dynamics_dq)) {
     names.push_back(function.type + "DerivativesScratch");
-    for (const char* word : of_halves) names.push_back(function.own_name(word));
+    for (const char* word : of_derivatives) names.push_back(function.own_name(word));
   }
   const ir::Quantity constrained[] = {ir::Quantity::constrained_forward_dynamics_dq,
                                       ir::Quantity::constrained_forward_dynamics_dv, ir::Quantity::constraint_forces_dq,
                                       ir::Quantity::constraint_forces_dv};
   if (std::any_of(std::begin(constrained), std::end(constrained), may_compute)) {
     names.push_back(function.type + "ConstrainedDerivativesScratch");
-    for (const char* word : of_constrained_halves) names.push_back(function.own_name(word));
+    for (const char* word : of_constrained_derivatives) names.push_back(function.own_name(word));
   }
   return names;
 }

@@ -1,5 +1,7 @@
 #include "ir/algorithm.hpp"
 
+#include <algorithm>
+
 namespace dalembert::ir {
 
 int components(Shape shape) {
@@ -34,6 +36,22 @@ std::vector<Input> Projection::inputs(InputKind kind) const {
     if (const Node& n = graph[id]; used[static_cast<std::size_t>(id)] > 0 && n.op == Op::input && n.input.kind == kind)
       found.push_back(n.input);
   return found;
+}
+
+std::vector<int> read(const Step& step) {
+  return std::visit([](const auto& s) { return s.read(); }, step);
+}
+
+std::vector<int> filled(const Step& step) {
+  return std::visit([](const auto& s) { return s.filled(); }, step);
+}
+
+Operations operations_of(const Step& step, const KinematicTree& tree, bool executed) {
+  return std::visit([&](const auto& s) { return operations_of(s, tree, executed); }, step);
+}
+
+bool Section::computes(Quantity quantity) const {
+  return std::find(quantities.begin(), quantities.end(), quantity) != quantities.end();
 }
 
 std::vector<int> Algorithm::offsets() const {

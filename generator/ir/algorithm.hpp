@@ -3,20 +3,24 @@
 // A role is a value kept per body. A sweep is one body's share of a recursion: a graph of scalar operations whose inputs are
 // the body's parameters, roles of the body itself, of its parent (outwards) or summed over its children (inwards), and roles of
 // one given body. Pairs fill a matrix with products of a role of a body and a role of its ancestors. Results say which role
-// goes to which array. Both forms of the emitted code, and every count, are made from this and from nothing else
-// (passes/unroll.hpp, passes/roll.hpp).
+// goes to which array, steps what is then done with whole arrays. Both forms of the emitted code, and every count, are made
+// from this and from nothing else (passes/unroll.hpp, passes/roll.hpp).
 //
-// The base is a body like the others (−1) with up to six coordinates of its own: the sweeps of direction `root` give its roles,
-// and those of its coordinates.
+// The base is a body like the others (−1) with up to six coordinates of its own: sweeps over the base alone give its roles
+// where it has an equation of its own, and those of its coordinates.
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "ir/constraint_step.hpp"
 #include "ir/emitted_function.hpp"
 #include "ir/graph.hpp"
+#include "ir/kinematic_tree.hpp"
+#include "ir/matrix_step.hpp"
 #include "ir/quantity.hpp"
 
 namespace dalembert::ir {
@@ -43,8 +47,31 @@ struct Role {
   int components() const { return ir::components(shape); }
 };
 
+// Bodies of a tree. The base is above all others, and nothing is above it.
+class BodySet {
+ public:
+  static BodySet all() { return {}; }
+  static BodySet base() { return above(-1); }                     // alone
+  static BodySet above(int body) { return above(body, nobody); }  // it and those above it
+  // … but those that are above the other one, or are it.
+  static BodySet above(int body, int beside) { return {body, beside}; }
+
+  bool is_all() const { return lowest_ == everybody; }
+  bool is_base() const { return lowest_ == -1; }
+  bool contains(const KinematicTree& tree, int body) const {
+    return is_all() || (tree.is_above(body, lowest_) && !tree.is_above(body, beside_));
+  }
+
+ private:
+  static constexpr int everybody = -2, nobody = -3;
+  BodySet() = default;
+  BodySet(int lowest, int beside) : lowest_(lowest), beside_(beside) {}
+
+  int lowest_ = everybody, beside_ = nobody;
+};
+
+// In which order a sweep takes the bodies that it is over.
 enum class Direction {
-  root,      // once, at the base
   outwards,  // from the base to the leaves; a body reads its parent's roles
   inwards,   // from the leaves to the base; a body reads what its children hand on, summed
   anywhere,  // in any order
@@ -54,20 +81,17 @@ struct Value {
   int role = 0;
   int component = 0;
   NodeId node = no_node;
-  int coordinate = -1;  // root sweeps: which of the base's coordinates it belongs to; −1: to the base itself
+  int coordinate = -1;  // over the base: to which of its coordinates it belongs; −1: to the base itself
 };
 
-inline constexpr int all_bodies = -2, no_body = -3;
-
 struct Sweep {
-  std::string name;      // "poses"
-  std::string equation;  // what it computes, for the reader
+  std::string name;               // "poses"
+  std::string equation;           // what it computes, for the reader
+  BodySet over = BodySet::all();  // roles of other bodies are zero
   Direction direction = Direction::anywhere;
   Graph graph;
-  std::vector<Value> stores;    // roles of the body
-  std::vector<Value> carries;   // inwards: what is handed on to the parent, in the parent's terms
-  int only_above = all_bodies;  // else: of this body and those above it alone, zero elsewhere
-  int beside = no_body;         // and not of those above this one too
+  std::vector<Value> stores{};   // roles of the body
+  std::vector<Value> carries{};  // inwards: what is handed on to the parent, in the parent's terms
 };
 
 // Three components of a role of the lower body times three of a role of the upper one.
@@ -110,9 +134,8 @@ struct Result {
   int array = 0;
   Layout layout = Layout::per_coordinate;
   int role = 0;
-  int from = 0;                 // columns: first row; base: first element
-  int only_above = all_bodies;  // as of the sweep that stores the role
-  int beside = no_body;         // likewise
+  int from = 0;                   // columns: first row; base: first element
+  BodySet over = BodySet::all();  // as of the sweep that stores the role
 };
 
 // A matrix or vector the emitted code offers.
@@ -120,9 +143,8 @@ struct OutputArray {
   std::string name;  // mass_matrix, …, jacobian_<link>
   int rows = 0;
   int columns = 1;
-  bool internal = false;       // a step between, which users do not ask for
-  bool of_first_half = false;  // of a second half (ir/emitted_function.hpp): the other function has it
-  bool written_out = false;    // nothing reads it: its elements became operands (passes/write_out.hpp)
+  bool internal = false;     // a step between, which users do not ask for
+  bool written_out = false;  // nothing reads it: its elements became operands (passes/write_out.hpp)
   // Of a part of a result (ir/part.hpp): where the rows and columns of the whole stand in it, -1: not asked for. Empty: all.
   std::vector<int> row_map{}, column_map{};
 
@@ -131,25 +153,24 @@ struct OutputArray {
   bool is_part() const { return !row_map.empty() || !column_map.empty(); }
 };
 
-// What is done to whole matrices once their elements are there.
-struct MatrixStep {
-  enum class Kind {
-    factor,            // to: U and D of a = M = U D U'; the guard's arrays get D and M's diagonal; room: U D, with padding
-    solve,             // to = (U D U')^-1 to, a being U and D as `factor` leaves them
-    invert,            // to = (U D U')^-1, a being U (above its diagonal) and b D; room: as `to`, with padding
-    negative_product,  // to = -a b: a is the room of an inverse, b is zero where neither of two coordinates is above the other
-  };
-  Kind kind;
-  int a = 0, b = 0, to = 0;  // arrays
-  int room = -1;             // likewise
-  int first = 0;             // of a product: b's columns before this one are zero
-};
+// What is done to whole matrices, and with rows of constraints, once the elements are there.
+using Step = std::variant<MatrixStep, ConstraintStep>;
+// Arrays that it reads, and that it fills; rooms that nothing else reads are neither.
+std::vector<int> read(const Step& step);
+std::vector<int> filled(const Step& step);
+// Padding left out, or with it, as the code executes it.
+Operations operations_of(const Step& step, const KinematicTree& tree, bool executed);
 
 // Arrays that mean something only where the mass matrix is positive definite: where a pivot of its factorisation is not above
 // what rounding leaves of M's diagonal they are zero, and the function's status says which.
 struct Guard {
-  int pivots = 0, diagonal = 0;  // arrays, nv × 1; −1: the first half of the function has found out
-  std::vector<int> arrays;
+  int pivots = 0, diagonal = 0;  // arrays, nv × 1; −1: a section before has found out
+  std::vector<int> arrays{};
+  // By what it tells what rounding may have left of pivots (dalembert/factor.hpp): U of M = U D U', above the diagonal of an
+  // nv × nv array; or, where there is none, V and J of articulated bodies, 6 × nv each. −1: none.
+  int factor = -1, gain = -1, joint = -1;
+
+  bool tells_by(int array) const { return array >= 0 && (array == factor || array == gain || array == joint); }
 };
 
 // How what another function computes on the tree without embedded loops becomes what is asked for of the independent
@@ -180,22 +201,54 @@ struct Embedding {
   std::vector<Projected> projected;
 };
 
-// One function of the emitted code: inputs in, arrays out.
+// A function is computed in sections, one behind another: sweeps, then what is done to whole matrices. What waits for such a
+// matrix, as what is differentiated at a v̇ that M's factors give, has its sweeps in a section behind it. Arrays are the
+// function's: a section reads what those before it have filled. In the emitted code each is a function, which ends by calling
+// the next; users call the first.
+struct Section {
+  int number = 0;
+  std::string name, type;            // of the C++ function; where types are named
+  Function inputs;                   // the standard function whose sweeps take the same
+  std::vector<Quantity> quantities;  // that it fills; the first: all that the function has, if only to clear them
+  int accelerations = -1;            // behind the first: the array that its sweeps take for dv/dt
+  int forces = -1;                   // likewise, where constraints act at that dv/dt: the array of their forces
+
+  bool is_first() const { return number == 0; }
+  bool computes(Quantity quantity) const;
+  const char* input() const { return row_of(inputs).input; }  // what its sweeps take after q and v
+};
+
+// One section of a function of the emitted code: inputs in, arrays out.
 struct Algorithm {
-  EmittedFunction function;
-  std::vector<OutputArray> arrays;
+  EmittedFunction function;  // whole
+  Section section;
+  std::vector<OutputArray> arrays;  // of the sections before, with the same numbers, then its own
+  std::size_t inherited = 0;        // how many are of those before
   std::vector<Role> roles;
   std::vector<Sweep> sweeps;  // in an order in which every sweep finds what it reads
   std::vector<Pairs> pairs;
   std::vector<Projection> projections;
   std::vector<Result> results;
-  std::vector<MatrixStep> steps;                 // in order, after all results
-  std::vector<ConstraintStep> constraint_steps;  // behind them
-  std::vector<std::string> written_out;          // equations of steps that became nodes; tags count on to them
+  std::vector<Step> steps;               // in order, after all results
+  std::vector<std::string> written_out;  // equations of steps that became nodes; tags count on to them
   std::optional<Guard> guard;
   int factor = -1;                     // the array that equations with M are solved by, if the code is to offer that
   std::optional<Embedding> embedding;  // then there are no sweeps
 
+  std::span<const OutputArray> own_arrays() const { return std::span(arrays).subspan(inherited); }
+  // The name of what is the section's own in a robot's workspace or namespace: "scratch",
+  // "forward_dynamics_derivatives_scratch".
+  std::string own_name(const std::string& what) const {
+    return section.is_first() ? function.own_name(what) : section.name + "_" + what;
+  }
+  // Its steps of one kind: MatrixStep or ConstraintStep.
+  template <class Kind>
+  std::vector<Kind> steps_of() const {
+    std::vector<Kind> all;
+    for (const Step& step : steps)
+      if (const Kind* const of_kind = std::get_if<Kind>(&step)) all.push_back(*of_kind);
+    return all;
+  }
   // First of a role's components among all of them.
   std::vector<int> offsets() const;
 };

@@ -56,6 +56,13 @@ std::vector<int> ConstraintStep::read() const {
   return arrays;
 }
 
+std::vector<int> ConstraintStep::filled() const {
+  std::vector<int> arrays;
+  for (const int array : {to, forces, plain, kind == Kind::respond ? room : -1})
+    if (array >= 0) arrays.push_back(array);
+  return arrays;
+}
+
 int ConstraintPaths::longest() const {
   int most = 0;
   for (std::size_t c = 0; c + 1 < begin.size(); ++c) most = std::max(most, begin[c + 1] - begin[c]);

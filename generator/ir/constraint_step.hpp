@@ -66,6 +66,7 @@ struct ConstraintStep {
 
   bool by_limbs() const { return gain >= 0; }
   std::vector<int> read() const;
+  std::vector<int> filled() const;
 };
 
 // Padding left out, or with it, as the code executes it.

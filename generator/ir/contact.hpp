@@ -23,8 +23,6 @@ struct Contact {
 // What a contact is given at run time, as components of an input.
 inline constexpr int contact_kp = 0, contact_kd = 1, contact_restitution = 2,
                      contact_anchor = 3;  // position, quaternion x y z w
-// What a function has found before: forces, one per row.
-inline constexpr int contact_force = contact_anchor + 7;
 
 // More rows than any robot stands on; what is solved for takes the cube of them.
 inline constexpr int most_constraint_rows = 96;

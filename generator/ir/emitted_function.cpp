@@ -35,8 +35,6 @@ bool EmittedFunction::any_part() const {
          std::any_of(of_links.begin(), of_links.end(), [](const LinkOutput& output) { return output.part.has_value(); });
 }
 
-bool EmittedFunction::leaves(Quantity quantity) const { return std::find(later.begin(), later.end(), quantity) != later.end(); }
-
 std::string EmittedFunction::acceleration_result() const {
   for (const Quantity quantity : {Quantity::constrained_forward_dynamics, Quantity::forward_dynamics})
     if (computes(quantity)) return result(quantity);

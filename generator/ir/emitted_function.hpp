@@ -21,15 +21,6 @@ struct EmittedFunction {
   std::vector<Quantity> quantities{};    // of the whole robot, in the order of their results
   std::vector<LinkOutput> of_links{};    // of links, behind them
   std::map<Quantity, Part> parts{};      // of quantities that are not wanted whole
-  // A function may be computed in two halves: the first is the function that users call, has all results, and ends by calling
-  // the second, which fills some of them. A second half may end by calling another.
-  std::string second_half{};      // the name of the half that it calls
-  std::string hands_on{};         // the array of v̇ for that
-  std::string first_half{};       // of a second half: the function that users call
-  std::string accelerations{};    // of a second half: the array by which the first hands v̇ to it
-  std::string forces{};           // likewise, where constraints act at that v̇: their forces
-  std::vector<Quantity> later{};  // what second halves fill
-  bool of_opened = false;         // of the tree without embedded loops: called by the function that users call
 
   // What it takes after q and v, as in FunctionRow.
   const char* input() const { return row_of(inputs).input; }
@@ -38,21 +29,16 @@ struct EmittedFunction {
   bool is_evaluate() const { return !named && inputs == Function::evaluate; }
   // The name of what is its own in a robot's workspace or namespace: "scratch", "inverse_dynamics_scratch", "balance_scratch".
   std::string own_name(const std::string& what) const { return is_evaluate() ? what : name + "_" + what; }
-  // The same of the function that users call, be this the whole or one half of it.
-  std::string called_name(const std::string& what) const {
-    return first_half.empty() ? own_name(what) : first_half + "_" + what;
-  }
   // What its result is called: "mass_matrix", "balance_mass_matrix".
   std::string result(Quantity quantity) const {
     const std::string quantity_name(name_of(quantity));
-    return named ? called_name(quantity_name) : quantity_name;
+    return named ? own_name(quantity_name) : quantity_name;
   }
-  std::string result(const LinkOutput& output) const { return named ? called_name(name_of(output)) : name_of(output); }
+  std::string result(const LinkOutput& output) const { return named ? own_name(name_of(output)) : name_of(output); }
   bool computes(Quantity quantity) const;
   // Null: it is wanted whole.
   const Part* part(Quantity quantity) const;
   bool any_part() const;
-  bool leaves(Quantity quantity) const;  // to a second half
   // Of its results, v̇ for the forces given, that which contacts allow first; empty: none is.
   std::string acceleration_result() const;
 };

@@ -24,6 +24,7 @@ enum class InputKind : std::uint8_t {
   gravity,       // component 0…2 of the gravity vector given at run time
   wrench,        // index: number of an external wrench; component: force, moment
   constraint,    // index: of a contact, or, behind them, a loop; component: see ir/contact.hpp
+  element,       // index: array of the function, filled in a section before; component: its element, column by column
   payload,       // index: payload number; component: mass, com (3), inertia xx xy xz yy yz zz
   parameter,     // index: one of the body's parameters (passes/parameters.hpp)
   state,         // index, component: a role of the body

@@ -187,8 +187,6 @@ struct KinematicTree {
     for (const Body& body : bodies) numbers += body.positions();
     return numbers;
   }
-  // … and not above another body too.
-  bool is_above_only(int body, int below, int beside) const { return is_above(body, below) && !is_above(body, beside); }
   int nv() const { return base_coordinates() + independent_joints(); }
 };
 

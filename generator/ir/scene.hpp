@@ -138,15 +138,6 @@ struct Scene {
           {"loop_" + identifier(l.name), called(l.links[0]) + " and " + called(l.links[1]), true, l.rows(), l.linear_rows()});
     return all;
   }
-  // Of a constraint, its first row among all.
-  int first_row(int constraint) const {
-    int row = 0;
-    for (const Constraint& c : constraints()) {
-      if (constraint-- == 0) break;
-      row += c.rows;
-    }
-    return row;
-  }
   bool any_constraint() const { return !contacts.empty() || !loops.empty(); }
 
   // What evaluate() is asked of links, by either key, each once.

@@ -1,6 +1,7 @@
 #include "passes/builder.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "passes/joints.hpp"
 
@@ -84,6 +85,7 @@ Twist SweepBuilder::external(int wrench) {
 }
 
 Sym SweepBuilder::constraint(int constraint, int component) { return input(InputKind::constraint, constraint, component); }
+Sym SweepBuilder::element(int array, int element) { return input(InputKind::element, array, element); }
 
 Vec3 SweepBuilder::gravity_in_world() {
   switch (builder_.scene().gravity_kind) {
@@ -148,9 +150,13 @@ int Builder::array_called(const std::string& name) const {
   return at == algorithm_.arrays.end() ? -1 : static_cast<int>(at - algorithm_.arrays.begin());
 }
 
-SweepBuilder Builder::sweep(const std::string& name, const std::string& equation, ir::Direction direction) {
-  algorithm_.sweeps.push_back({name, equation, direction, ir::Graph(options_), {}, {}, ir::all_bodies, ir::no_body});
+SweepBuilder Builder::sweep(const std::string& name, const std::string& equation, ir::Direction direction, ir::BodySet over) {
+  algorithm_.sweeps.push_back({name, equation, over, direction, ir::Graph(options_)});
   return {*this, algorithm_.sweeps.size() - 1};
+}
+
+SweepBuilder Builder::sweep_of_base(const std::string& name, const std::string& equation) {
+  return sweep(name, equation, ir::Direction::anywhere, ir::BodySet::base());
 }
 
 int Builder::array(const std::string& name, int rows, int columns) {
@@ -160,7 +166,7 @@ int Builder::array(const std::string& name, int rows, int columns) {
 
 bool Builder::factors() const {
   return solver_ == ir::Solver::factorization || tree_.independent_joints() < tree_.joints() ||
-         algorithm_.function.computes(ir::Quantity::mass_matrix_factor);
+         computes(ir::Quantity::mass_matrix_factor);
 }
 
 bool Builder::fills(int array) const {
@@ -169,12 +175,10 @@ bool Builder::fills(int array) const {
 
 int Builder::output(ir::Quantity quantity) {
   const std::string name = algorithm_.function.result(quantity);
-  for (std::size_t i = 0; i < algorithm_.arrays.size(); ++i)
-    if (algorithm_.arrays[i].name == name) return static_cast<int>(i);
+  if (const int made = array_called(name); made >= 0) return made;
   const ir::QuantityRow& row = ir::row_of(quantity);
   const ir::Part* const part = algorithm_.function.part(quantity);
   const int rows = ir::extent(row.rows, tree_, part), columns = ir::extent(row.columns, tree_, part);
-  if (!algorithm_.function.first_half.empty()) return array_of_first_half(name, rows, columns);
   return array_of_part(name, rows, columns, ir::map_of(part, row.rows, tree_), ir::map_of(part, row.columns, tree_));
 }
 
@@ -199,12 +203,59 @@ int Builder::internal_array_of_part(const std::string& name, int rows, int colum
   return index;
 }
 
-int Builder::array_of_first_half(const std::string& name, int rows, int columns) {
-  for (std::size_t i = 0; i < algorithm_.arrays.size(); ++i)
-    if (algorithm_.arrays[i].name == name) return static_cast<int>(i);
-  const int index = internal_array(name, rows, columns);
-  algorithm_.arrays.back().of_first_half = true;
-  return index;
+void Builder::step(const ir::MatrixStep& step) {
+  const auto at = std::find_if(algorithm_.steps.begin(), algorithm_.steps.end(),
+                               [](const ir::Step& s) { return std::holds_alternative<ir::ConstraintStep>(s); });
+  algorithm_.steps.insert(at, step);
+}
+
+namespace {
+
+template <class Step>
+std::optional<Step> first_of(typename Step::Kind kind, const std::vector<ir::Algorithm>& before, const ir::Algorithm& last) {
+  std::vector<Step> steps;
+  for (const ir::Algorithm& section : before)
+    for (const Step& step : section.steps_of<Step>()) steps.push_back(step);
+  for (const Step& step : last.steps_of<Step>()) steps.push_back(step);
+  const auto at = std::find_if(steps.begin(), steps.end(), [=](const Step& step) { return step.kind == kind; });
+  return at == steps.end() ? std::nullopt : std::optional(*at);
+}
+
+}  // namespace
+
+std::optional<ir::MatrixStep> Builder::made(ir::MatrixStep::Kind kind) const {
+  return first_of<ir::MatrixStep>(kind, before_, algorithm_);
+}
+std::optional<ir::ConstraintStep> Builder::made(ir::ConstraintStep::Kind kind) const {
+  return first_of<ir::ConstraintStep>(kind, before_, algorithm_);
+}
+
+void Builder::behind(const std::string& name, const std::string& type, int accelerations, int forces, ir::Quantity quantity,
+                     const std::function<void(Builder&)>& describe) {
+  const ir::EmittedFunction& function = algorithm_.function;
+  behind_.push_back(
+      {{0, function.own_name(name), function.type + type, ir::Function::inverse_dynamics, {}, accelerations, forces},
+       quantity,
+       describe});
+}
+
+std::vector<ir::Algorithm> Builder::take() {
+  // In the order of quantities.def, whatever the order asked for: what is differentiated with constraints comes last.
+  std::sort(behind_.begin(), behind_.end(), [](const Behind& a, const Behind& b) { return a.quantity < b.quantity; });
+  for (auto first = behind_.begin(), last = first; first != behind_.end(); first = last) {
+    ir::Algorithm next;
+    next.function = algorithm_.function;
+    next.section = first->section;
+    next.section.number = algorithm_.section.number + 1;
+    for (; last != behind_.end() && last->section.name == next.section.name; ++last)
+      next.section.quantities.push_back(last->quantity);
+    next.arrays = algorithm_.arrays;
+    next.inherited = next.arrays.size();
+    before_.push_back(std::exchange(algorithm_, std::move(next)));
+    std::for_each(first, last, [this](const Behind& b) { b.describe(*this); });
+  }
+  before_.push_back(std::move(algorithm_));
+  return std::move(before_);
 }
 
 }  // namespace dalembert::passes

@@ -8,7 +8,10 @@
 // Roles and sweeps are known by their names: what two quantities share they ask for by the same name, and it is there once.
 #pragma once
 
+#include <functional>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "ir/algorithm.hpp"
 #include "ir/kinematic_tree.hpp"
@@ -43,7 +46,7 @@ class SweepBuilder {
   Sym acceleration();  // of the joint, as inverse dynamics takes it
   Sym effort();        // on the joint, as forward dynamics takes it
 
-  // A role of the body; of a root sweep: of the base.
+  // A role of the body.
   Sym own(int role, int component = 0) { return input(ir::InputKind::state, role, component); }
   Vec3 own3(int role, int from = 0) { return three(ir::InputKind::state, role, from, -1); }
   Mat3 own9(int role) { return {own3(role, 0), own3(role, 3), own3(role, 6)}; }
@@ -59,25 +62,19 @@ class SweepBuilder {
   Twist base_effort();                            // the first six of tau, or zero
   Twist external(int wrench);                     // of the scene's wrenches: force and moment as they are given
   Sym constraint(int constraint, int component);  // what it is given at run time (ir/contact.hpp); loops behind contacts
+  Sym element(int array, int element);            // of an array that a section before has filled
   Mat3 base_axes();                               // in the world; of a fixed base the world's
   Vec3 base_position();                           // in the world; of a fixed base zero
   Vec3 gravity_in_base();                         // along the base's axes: the world's on a fixed base
   Vec3 gravity_in_world();
 
-  // `coordinate`: of a root sweep, for a role of one of the base's coordinates.
+  // `coordinate`: over the base, for a role of one of its coordinates.
   void store(int role, int component, Sym x, int coordinate = -1);
   void store(int role, Sym x) { store(role, 0, x); }
   void store(int role, const Vec3& x, int from = 0, int coordinate = -1);
   void store(int role, const Twist& x, int coordinate = -1);
   void hand_on(int role, int component, Sym x);
   void hand_on(int role, const Vec3& x, int from = 0);
-  // The sweep is for this body and those above it alone.
-  void only_above(int body) { sweep().only_above = body; }
-  // … and not above the other one too.
-  void only_above(int body, int beside) {
-    sweep().only_above = body;
-    sweep().beside = beside;
-  }
 
  private:
   ir::Sweep& sweep();
@@ -96,20 +93,21 @@ class Builder {
           const ir::Scene& scene, ir::Solver solver, const ir::Graph::Options& options)
       : tree_(tree), normal_(normal), scene_(scene), solver_(solver), options_(options) {
     algorithm_.function = function;
+    algorithm_.section = {0, function.name, function.type, function.inputs, function.quantities};
   }
 
   const ir::KinematicTree& tree() const { return tree_; }
   const ir::NormalTree& normal() const { return normal_; }
   const ir::Scene& scene() const { return scene_; }
   const ir::EmittedFunction& function() const { return algorithm_.function; }
+  const ir::Section& section() const { return algorithm_.section; }
+  bool computes(ir::Quantity quantity) const { return algorithm_.section.computes(quantity); }  // in this section
   // Of an array that is no output.
-  std::string own_name(const std::string& name) const { return algorithm_.function.own_name(name); }
+  std::string own_name(const std::string& name) const { return algorithm_.own_name(name); }
   // On a fixed base the first joints carry the frame of reference: what does not change with their angles is cheaper so.
   bool moves_reference() const { return base_coordinates() == 0; }
   // Whether D has the half traces of the paper's C; derivatives are made of the D of Christoffel symbols.
-  bool half_traces() const {
-    return scene_.coriolis == ir::Coriolis::balance && algorithm_.function.computes(ir::Quantity::coriolis_matrix);
-  }
+  bool half_traces() const { return scene_.coriolis == ir::Coriolis::balance && computes(ir::Quantity::coriolis_matrix); }
   int base_coordinates() const { return tree_.base_coordinates(); }
 
   // The role of that name; made from `role` where there is none yet.
@@ -119,7 +117,9 @@ class Builder {
   bool has(const std::string& sweep) const;
   bool has_array(const std::string& name) const { return array_called(name) >= 0; }
   int array_called(const std::string& name) const;  // -1: there is none
-  SweepBuilder sweep(const std::string& name, const std::string& equation, ir::Direction direction);
+  SweepBuilder sweep(const std::string& name, const std::string& equation, ir::Direction direction,
+                     ir::BodySet over = ir::BodySet::all());
+  SweepBuilder sweep_of_base(const std::string& name, const std::string& equation);  // over the base alone
   int array(const std::string& name, int rows, int columns);
   // Of a part of a result: with the maps of ir::OutputArray, empty where all are asked for.
   int array_of_part(const std::string& name, int rows, int columns, std::vector<int> row_map, std::vector<int> column_map);
@@ -127,34 +127,47 @@ class Builder {
   int internal_array(const std::string& name, int rows, int columns);
   int internal_array_of_part(const std::string& name, int rows, int columns, std::vector<int> row_map,
                              std::vector<int> column_map);
-  int array_of_first_half(const std::string& name, int rows, int columns);
   std::optional<ir::Guard>& guard() { return algorithm_.guard; }
   bool fills(int array) const;  // whether there are pairs for it
   void pairs(const ir::Pairs& pairs) { algorithm_.pairs.push_back(pairs); }
   void projection(const ir::Projection& projection) { algorithm_.projections.push_back(projection); }
   ir::Graph new_graph() const { return ir::Graph(options_); }
-  const std::vector<ir::MatrixStep>& steps() const { return algorithm_.steps; }
+  // The first step of that kind, in this section or one before.
+  std::optional<ir::MatrixStep> made(ir::MatrixStep::Kind kind) const;
+  std::optional<ir::ConstraintStep> made(ir::ConstraintStep::Kind kind) const;
   // Whether equations with M are solved by M's factors: joints driven by others cannot be eliminated body by body, and where
   // the factors are asked for they serve all that is solved.
   bool factors() const;
   void solve_by(int factor) { algorithm_.factor = factor; }
   // The array of a quantity that the function computes.
   int output(ir::Quantity quantity);
-  void step(const ir::MatrixStep& step) { algorithm_.steps.push_back(step); }
-  const std::vector<ir::ConstraintStep>& constraint_steps() const { return algorithm_.constraint_steps; }
-  void constraint_step(const ir::ConstraintStep& step) { algorithm_.constraint_steps.push_back(step); }
+  // Those with whole matrices stand before those with rows of constraints, which read what they leave.
+  void step(const ir::MatrixStep& step);
+  void step(const ir::ConstraintStep& step) { algorithm_.steps.emplace_back(step); }
   void result(const ir::Result& result) { algorithm_.results.push_back(result); }
 
-  ir::Algorithm take() { return std::move(algorithm_); }
+  // Of a quantity: that its sweeps wait for arrays that steps of this section fill, and how it is described in a section
+  // behind, which is called `name`. accelerations, forces: as in ir::Section.
+  void behind(const std::string& name, const std::string& type, int accelerations, int forces, ir::Quantity quantity,
+              const std::function<void(Builder&)>& describe);
+  // All sections: the one described so far, and those behind it.
+  std::vector<ir::Algorithm> take();
 
  private:
   friend class SweepBuilder;
+  struct Behind {
+    ir::Section section;
+    ir::Quantity quantity;
+    std::function<void(Builder&)> describe;
+  };
   const ir::KinematicTree& tree_;
   const ir::NormalTree& normal_;
   const ir::Scene& scene_;
   const ir::Solver solver_;
   const ir::Graph::Options options_;
   ir::Algorithm algorithm_;
+  std::vector<ir::Algorithm> before_{};  // the sections before
+  std::vector<Behind> behind_{};
 };
 
 }  // namespace dalembert::passes

@@ -4,7 +4,6 @@
 
 #include "dalembert/chain_shapes.hpp"
 #include "ir/coordinate_tree.hpp"
-#include "ir/guard_arrays.hpp"
 
 namespace dalembert::passes {
 namespace {
@@ -18,9 +17,10 @@ class Embed {
   Embed(const ir::EmittedFunction& function, const ir::KinematicTree& tree, const ir::Scene& scene)
       : function_(function), tree_(tree), opened_(tree.opened()), scene_(scene) {
     algorithm_.function = function;
+    algorithm_.section = {0, function.name, function.type, function.inputs, function.quantities};
     own_.name = function.name + "_of_all_joints";
     own_.type = function.type + "OfAllJoints";
-    own_.named = own_.of_opened = true;
+    own_.named = true;
   }
 
   EmbeddedFunction run() {
@@ -94,12 +94,13 @@ class Embed {
         return;
       case Quantity::inverse_mass_matrix: {
         const int upper = factor(), padded = room("padded_inverse", inverse_size(tree_.nv()), 1);
-        algorithm_.steps.push_back({ir::MatrixStep::Kind::invert, upper, algorithm_.guard->pivots, to, padded});
+        algorithm_.steps.emplace_back(
+            ir::MatrixStep{ir::MatrixStep::Kind::invert, upper, algorithm_.guard->pivots, to, padded});
         return guard(to);
       }
       case Quantity::forward_dynamics:
         project(Kind::unbalanced, Quantity::inverse_dynamics, to);
-        algorithm_.steps.push_back({ir::MatrixStep::Kind::solve, factor(), -1, to});
+        algorithm_.steps.emplace_back(ir::MatrixStep{ir::MatrixStep::Kind::solve, factor(), -1, to});
         return guard(to);
       default: return project(Kind::same, quantity, to);  // others are refused (ir::is_of_linkages)
     }
@@ -141,14 +142,14 @@ class Embed {
   int factor() {
     const int nv = tree_.nv(), own_mass = mass();
     const int upper =
-        function_.computes(Quantity::mass_matrix_factor) ? output(Quantity::mass_matrix_factor) : room(ir::own_factor, nv, nv);
+        function_.computes(Quantity::mass_matrix_factor) ? output(Quantity::mass_matrix_factor) : room("factor", nv, nv);
     if (algorithm_.guard) return upper;
     const int longest = ir::most_above(ir::coordinate_tree(tree_)) + 1;
     const int unscaled = room("unscaled_factor", factor_stride(longest), nv);
-    algorithm_.guard = ir::Guard{room("pivots", nv, 1), room("diagonal", nv, 1), {}};
+    algorithm_.guard = ir::Guard{room("pivots", nv, 1), room("diagonal", nv, 1), {}, upper};
     // Before what solves.
     algorithm_.steps.insert(algorithm_.steps.begin(),
-                            {ir::MatrixStep::Kind::factor, own_mass, algorithm_.guard->pivots, upper, unscaled});
+                            ir::MatrixStep{ir::MatrixStep::Kind::factor, own_mass, algorithm_.guard->pivots, upper, unscaled});
     return upper;
   }
   void guard(int to) { algorithm_.guard->arrays.push_back(to); }

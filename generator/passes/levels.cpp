@@ -21,11 +21,11 @@ class Leveller {
       int level = 0;
       for (ir::NodeId id = 0; id < sweep.graph.size(); ++id)
         if (sweep.graph[id].op == ir::Op::input) level = std::max(level, earliest(sweep, sweep.graph[id].input));
-      if (sweep.direction == Direction::root || sweep.direction == Direction::outwards) level = even(level);
+      if (sweep.over.is_base() || sweep.direction == Direction::outwards) level = even(level);
       if (sweep.direction == Direction::inwards) level |= 1;
       level_[s] = level;
       for (const ir::Value& v : sweep.stores)
-        (sweep.direction == Direction::root ? base_ : producer_)[static_cast<std::size_t>(v.role)] = static_cast<int>(s);
+        (sweep.over.is_base() ? base_ : producer_)[static_cast<std::size_t>(v.role)] = static_cast<int>(s);
     }
     return level_;
   }
@@ -42,7 +42,7 @@ class Leveller {
   }
   int earliest(const ir::Sweep& sweep, const ir::Input& in) const {
     switch (in.kind) {
-      case InputKind::state: return sweep.direction == Direction::root ? of_base(in.index) : of_bodies(in.index);
+      case InputKind::state: return sweep.over.is_base() ? of_base(in.index) : of_bodies(in.index);
       case InputKind::carried:
         return sweep.direction == Direction::outwards ? std::max(of_bodies(in.index), of_base(in.index)) : 0;
       case InputKind::of_body: return in.body < 0 ? of_base(in.index) : of_bodies(in.index) + 1;
@@ -63,7 +63,7 @@ std::vector<int> phases(const ir::Algorithm& algorithm) {
   std::vector<int> phase;
   for (std::size_t s = 0; s < algorithm.sweeps.size(); ++s) {
     const Direction d = algorithm.sweeps[s].direction;
-    const bool outwards = d == Direction::outwards || d == Direction::root;
+    const bool outwards = d == Direction::outwards || algorithm.sweeps[s].over.is_base();
     phase.push_back(level[s] == 0 ? (outwards ? 1 : 2) : d == Direction::inwards ? 2 : 3);
   }
   phase.resize(phase.size() + algorithm.pairs.size() + algorithm.projections.size() + algorithm.written_out.size(), 3);

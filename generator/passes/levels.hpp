@@ -10,7 +10,7 @@
 
 namespace dalembert::passes {
 
-// Per sweep; of root sweeps, always even.
+// Per sweep; over the base alone, always even.
 std::vector<int> levels(const ir::Algorithm& algorithm);
 
 // The phase of Shin, Park and Park that a sweep belongs to: 1 bodies outwards, 2 sums inwards, 3 what is made of the sums.

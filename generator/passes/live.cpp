@@ -65,7 +65,7 @@ class Walk {
     std::vector<ir::NodeId> at_body, at_base;
     for (const ir::Value& v : s.stores) {
       const std::size_t at = live_.at(v.role, v.component);
-      if (s.direction == Direction::root) {
+      if (s.over.is_base()) {
         if (v.coordinate < 0 ? live_.base[at] : live_.coordinate[at]) at_base.push_back(v.node);
       } else {
         if (live_.body[at]) at_body.push_back(v.node);

@@ -75,7 +75,7 @@ void collect_base_values(RollState& state) {
   const Live& live = state.unroll.live();
   for (std::size_t s = 0; s < state.algorithm.sweeps.size(); ++s) {
     const ir::Sweep& sweep = state.algorithm.sweeps[s];
-    if (sweep.direction != Direction::root || state.level[s] > 0) continue;
+    if (!sweep.over.is_base() || state.level[s] > 0) continue;
     for (const ir::Value& v : sweep.stores) {
       if (v.coordinate >= 0 || !live.base[live.at(v.role, v.component)]) continue;
       const ir::NodeId node = state.unroll.role(v.role, v.component, -1);
@@ -87,7 +87,7 @@ void collect_base_values(RollState& state) {
 void collect_steps(RollState& state) {
   const auto producer = [&](int role) {
     for (std::size_t s = 0; s < state.algorithm.sweeps.size(); ++s)
-      if (state.algorithm.sweeps[s].direction != Direction::root)
+      if (!state.algorithm.sweeps[s].over.is_base())
         for (const ir::Value& v : state.algorithm.sweeps[s].stores)
           if (v.role == role) return static_cast<int>(s);
     return -1;
@@ -97,7 +97,7 @@ void collect_steps(RollState& state) {
     for (const auto* terms : {&state.algorithm.pairs[p].above, &state.algorithm.pairs[p].below})
       for (const ir::PairTerm& t : *terms) after[p] = std::max(after[p], producer(t.lower));
   for (std::size_t s = 0; s < state.algorithm.sweeps.size(); ++s) {
-    if (state.algorithm.sweeps[s].direction == Direction::root) continue;
+    if (state.algorithm.sweeps[s].over.is_base()) continue;
     state.steps.push_back({static_cast<int>(s), -1, state.level[s]});
     for (std::size_t p = 0; p < after.size(); ++p)
       if (after[p] == static_cast<int>(s) && state.has_base_rows(state.algorithm.pairs[p]))
@@ -142,7 +142,7 @@ int RollState::base_level(const RoleComponent& value) const {
   for (std::size_t s = 0; s < algorithm.sweeps.size(); ++s)
     for (const ir::Value& v : algorithm.sweeps[s].stores) {
       if (RoleComponent(v.role, v.component) != value || v.coordinate >= 0) continue;
-      if (algorithm.sweeps[s].direction == Direction::root) return level[s];
+      if (algorithm.sweeps[s].over.is_base()) return level[s];
       found = (level[s] + 1) / 2 * 2;
     }
   return found;

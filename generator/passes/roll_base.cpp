@@ -131,7 +131,7 @@ class BaseRoll {
       const ir::Sweep& sweep = state_.algorithm.sweeps[s];
       for (const ir::Value& v : sweep.stores) {
         if (v.role != role || v.component != component || v.coordinate != coordinate) continue;
-        if (sweep.direction == Direction::root) return {static_cast<int>(s), v.node};
+        if (sweep.over.is_base()) return {static_cast<int>(s), v.node};
         found = {static_cast<int>(s), v.node};
       }
     }

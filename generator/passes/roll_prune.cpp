@@ -18,7 +18,7 @@ class Pruning {
     for (const ir::Sweep& sweep : state.algorithm.sweeps) {
       std::vector<NodeId> roots;
       for (const ir::Value& v : sweep.stores) roots.push_back(v.node);
-      if (sweep.direction == Direction::root) each_input(sweep.graph, roots, [&](const ir::Input& in) { read_of_body(in); });
+      if (sweep.over.is_base()) each_input(sweep.graph, roots, [&](const ir::Input& in) { read_of_body(in); });
     }
   }
 

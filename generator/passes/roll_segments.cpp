@@ -88,9 +88,9 @@ class SegmentRoll {
   }
 
   bool any_body(const ir::Sweep& sweep) const {
-    if (sweep.only_above == ir::all_bodies) return true;
-    for (int b = sweep.only_above; b >= 0; b = state_.tree.bodies[static_cast<std::size_t>(b)].parent)
-      if (state_.plan.segment_of(b) == static_cast<int>(number_) && !state_.tree.is_above(b, sweep.beside)) return true;
+    for (const std::vector<int>& limb : segment_.bodies)
+      for (const int body : limb)
+        if (body >= 0 && sweep.over.contains(state_.tree, body)) return true;
     return false;
   }
 

@@ -50,8 +50,7 @@ Unroll::Unroll(const ir::Algorithm& algorithm, const ir::KinematicTree& tree, co
   program_.graph.reserve(pairs * per_pair);
   for (std::size_t s = 0; s < algorithm.sweeps.size(); ++s)
     for (const ir::Value& v : algorithm.sweeps[s].stores)
-      (algorithm.sweeps[s].direction == Direction::root ? base_producer_ : producer_)[static_cast<std::size_t>(v.role)] =
-          static_cast<int>(s);
+      (algorithm.sweeps[s].over.is_base() ? base_producer_ : producer_)[static_cast<std::size_t>(v.role)] = static_cast<int>(s);
   for (int body = -1; body < tree.joints(); ++body)
     payload_.push_back(payload_parameters(program_.graph, tree, normal, scene, body));
   for (int body = 0; body < tree.joints(); ++body)
@@ -70,7 +69,7 @@ std::vector<Unroll::Loop> Unroll::loops() const {
   std::vector<int> loop_of(algorithm_.sweeps.size(), -1);
   for (std::size_t s = 0; s < algorithm_.sweeps.size(); ++s) {
     const Direction d = algorithm_.sweeps[s].direction;
-    if (d != Direction::outwards && d != Direction::inwards) continue;
+    if (d == Direction::anywhere) continue;
     loop_of[s] = static_cast<int>(all.size());
     all.push_back({{static_cast<int>(s)}, {}});
   }
@@ -157,7 +156,7 @@ void Unroll::find_companions() {
   std::vector<int> known(algorithm_.roles.size(), -2);
   for (std::size_t a = 0; a < algorithm_.sweeps.size(); ++a) {
     const ir::Sweep& sweep = algorithm_.sweeps[a];
-    if (sweep.direction != Direction::anywhere) continue;
+    if (sweep.over.is_base() || sweep.direction != Direction::anywhere) continue;
     int waits_for = -1;
     bool early = true;
     for (NodeId id = 0; id < sweep.graph.size(); ++id) {
@@ -197,7 +196,7 @@ void Unroll::run_sweep(int sweep, int body) {
   if (done_[s][place(body, -1)]) return;
   done_[s][place(body, -1)] = true;
   const ir::Sweep& from = algorithm_.sweeps[s];
-  if (from.only_above != ir::all_bodies && !tree_.is_above_only(body, from.only_above, from.beside)) return;
+  if (!from.over.contains(tree_, body)) return;
   const ir::Tag outer = tag_;
   const auto set_tag = [&] { program_.graph.set_tag(tag_ = {static_cast<std::int16_t>(sweep), body}); };
   set_tag();

@@ -89,7 +89,7 @@ class Unroll {
   const std::vector<int> coordinates_, positions_, links_;
   const int base_rows_;
   std::vector<int> producer_;                       // per role: the sweep that stores it for bodies, −1: none
-  std::vector<int> base_producer_;                  // … for the base or its coordinates, by a root sweep
+  std::vector<int> base_producer_;                  // … for the base alone or its coordinates
   std::vector<std::map<int, ir::NodeId>> payload_;  // per body + 1
   std::vector<std::vector<int>> companions_;        // per sweep outwards: those anywhere that run beside it, body by body
   std::vector<ir::NodeId> values_, handed_;

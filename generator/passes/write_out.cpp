@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "dalembert/chain_shapes.hpp"
-#include "ir/guard_arrays.hpp"
 
 namespace dalembert::passes {
 namespace {
@@ -60,12 +59,13 @@ class Writing {
 
   void run() {
     const std::size_t tags = algorithm_.sweeps.size() + algorithm_.pairs.size() + algorithm_.projections.size();
-    std::vector<ir::MatrixStep> left;
-    for (const ir::MatrixStep& step : algorithm_.steps) {
-      if (stays(step)) {
-        left.push_back(step);
+    std::vector<ir::Step> left;
+    for (const ir::Step& any : algorithm_.steps) {
+      if (stays(any)) {
+        left.push_back(any);
         continue;
       }
+      const auto& step = std::get<ir::MatrixStep>(any);
       graph_.set_tag({static_cast<std::int16_t>(tags + algorithm_.written_out.size()), -1});
       algorithm_.written_out.push_back(equation(step.kind));
       switch (step.kind) {
@@ -81,15 +81,21 @@ class Writing {
   }
 
  private:
-  // Products of whole matrices take a fraction of the time in lanes, but for the smallest.
-  bool stays(const ir::MatrixStep& step) const {
+  // Rows of constraints; and products of whole matrices, which take a fraction of the time in lanes, but for the smallest.
+  bool stays(const ir::Step& step) const {
     constexpr int smallest = 4;
-    return step.kind == Kind::negative_product && !products_ && tree_.size() > smallest;
+    const ir::MatrixStep* const matrix = std::get_if<ir::MatrixStep>(&step);
+    return !matrix || (matrix->kind == Kind::negative_product && !products_ && tree_.size() > smallest);
   }
-  // Whether a step that stays reads the array.
-  bool is_read(int array) const {
-    return std::any_of(algorithm_.steps.begin(), algorithm_.steps.end(),
-                       [&](const ir::MatrixStep& step) { return array == step.a || array == step.b; });
+  // Whether a step that stays has to do with the array.
+  bool is_used(int array) const {
+    return std::any_of(algorithm_.steps.begin(), algorithm_.steps.end(), [&](const ir::Step& step) {
+      std::vector<int> arrays = ir::read(step);
+      if (const auto* const rows = std::get_if<ir::ConstraintStep>(&step)) {
+        for (const int own : {rows->room, rows->forces, rows->to, rows->turning_room}) arrays.push_back(own);
+      }
+      return std::find(arrays.begin(), arrays.end(), array) != arrays.end();
+    });
   }
 
   Matrix& of(int array) { return matrices_[static_cast<std::size_t>(array)]; }
@@ -174,20 +180,13 @@ class Writing {
   // Arrays between that only steps have read: they are not stored, nor cleared.
   void drop_unread() {
     std::optional<ir::Guard>& guard = algorithm_.guard;
-    const ir::GuardArrays told_by = ir::guard_arrays(algorithm_);
     for (std::size_t a = 0; a < algorithm_.arrays.size(); ++a) {
       const int index = static_cast<int>(a);
-      const bool checked = (guard && (index == guard->pivots || index == guard->diagonal)) || told_by.has(index);
+      const bool checked = guard && (index == guard->pivots || index == guard->diagonal || guard->tells_by(index));
       const bool projected = std::any_of(algorithm_.projections.begin(), algorithm_.projections.end(),
                                          [&](const ir::Projection& p) { return index == p.bodies || index == p.joints; });
-      const bool constrains =
-          std::any_of(algorithm_.constraint_steps.begin(), algorithm_.constraint_steps.end(), [&](const auto& step) {
-            const std::vector<int> arrays = step.read();
-            return index == step.room || index == step.forces || index == step.to || index == step.turning_room ||
-                   std::find(arrays.begin(), arrays.end(), index) != arrays.end();
-          });
-      algorithm_.arrays[a].written_out = algorithm_.arrays[a].internal && !checked && !projected && !constrains &&
-                                         !is_read(index) && index != algorithm_.factor;
+      algorithm_.arrays[a].written_out =
+          algorithm_.arrays[a].internal && !checked && !projected && !is_used(index) && index != algorithm_.factor;
     }
     program_.arrays = algorithm_.arrays;
     const auto written_out = [&](int array) { return program_.arrays[static_cast<std::size_t>(array)].written_out; };
@@ -219,9 +218,9 @@ bool has_diagonal(const ir::Program& program, int array, int size) {
 }  // namespace
 
 void write_out_steps(ir::Algorithm& algorithm, ir::Program& program, const ir::CoordinateTree& tree, bool products) {
-  const ir::EmittedFunction& function = algorithm.function;
-  if (algorithm.steps.empty() || !function.first_half.empty() || !function.second_half.empty()) return;
-  for (const ir::MatrixStep& step : algorithm.steps)
+  const std::vector<ir::MatrixStep> steps = algorithm.steps_of<ir::MatrixStep>();
+  if (steps.empty()) return;
+  for (const ir::MatrixStep& step : steps)
     if (step.kind == Kind::factor && !has_diagonal(program, step.a, tree.size())) return;
   Writing(algorithm, program, tree, products).run();
 }

@@ -12,8 +12,8 @@
 namespace dalembert::passes {
 
 // Adds them and takes the steps out, with the arrays that nothing but they read. `program` is the algorithm's, unrolled, with
-// an element for every place of its arrays that is not zero in every state. Steps of halves (ir/emitted_function.hpp) stay: the
-// other half reads their arrays; and, unless `products` are to be written out as well, products of whole matrices, which take a
+// an element for every place of its arrays that is not zero in every state, and it is the function's only section: another
+// would read arrays of steps. Products of whole matrices stay, unless `products` are to be written out as well: they take a
 // fraction of the time in lanes of elements.
 void write_out_steps(ir::Algorithm& algorithm, ir::Program& program, const ir::CoordinateTree& tree, bool products = false);
 

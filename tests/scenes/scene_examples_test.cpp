@@ -153,9 +153,9 @@ TEST(Statics, WithoutGravityTheRolledFormHasNothingOfIt) {
   request.settings = {{"outputs", "mass_matrix,gravity"}, {"gravity", "none"}};
   request.form = "rolled";
   Diagnostics warnings;
-  const ir::RolledProgram with_none = lower(read_model(request, warnings)).functions.front().rolled;
+  const ir::RolledProgram with_none = lower(read_model(request, warnings)).functions.front().first().rolled;
   request.settings.back().text = "0,0,-9.81";
-  const ir::RolledProgram with_some = lower(read_model(request, warnings)).functions.front().rolled;
+  const ir::RolledProgram with_some = lower(read_model(request, warnings)).functions.front().first().rolled;
   EXPECT_LT(with_none.arrays.size(), with_some.arrays.size());
 }
 

@@ -434,7 +434,7 @@ TEST(AlgorithmAt, DerivativesWithConstraintsDrawnToTheirPlacesAreDifferences) {
         State there = state;
         if (by_q) integrators::move(state.q, Eigen::VectorXd(step * along), there.q);
         else there.v += step * along;
-        const ir::Arrays found = run_half(motion, model, there, {}, {}, {}, gains)[0];
+        const ir::Arrays found = run_function(motion, model, there, {}, gains)[0];
         return std::pair(Eigen::VectorXd(found.at("constrained_forward_dynamics")),
                          Eigen::VectorXd(found.at("constraint_forces")));
       };

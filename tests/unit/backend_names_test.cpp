@@ -50,8 +50,9 @@ TEST(Backend, KnowsNoRoleByName) {
     scene.base = base;
     const ir::KinematicTree tree = passes::build_tree(frontend::read_urdf(MAHRU, warnings), scene, warnings);
     for (const ir::EmittedFunction& f : ir::functions_of(scene))
-      for (const ir::Role& role : passes::describe(f, tree, passes::normalise(tree), scene, {}).roles)
-        if (role.source == ir::Source::sweep) names.insert(role.name);
+      for (const ir::Algorithm& section : passes::describe(f, tree, passes::normalise(tree), scene, {}))
+        for (const ir::Role& role : section.roles)
+          if (role.source == ir::Source::sweep) names.insert(role.name);
   }
   ASSERT_GT(names.size(), 20u);
   for (const auto& [file, text] : sources())

@@ -104,14 +104,14 @@ ir::KinematicTree welded(ir::KinematicTree tree, const std::string& link, const 
   return tree;
 }
 
-std::array<ir::Arrays, 2> run_half(const ir::EmittedFunction& function, const Model& model, const State& state,
-                                   const Payload& payload, const std::array<ir::Arrays, 2>& left,
-                                   std::optional<ir::Solver> solver, const Gains& gains) {
-  const std::optional<ir::KinematicTree> part = passes::part_of_tree(function, model.tree, model.scene);
-  const ir::KinematicTree& tree = part ? *part : model.tree;
-  const ir::NormalTree normal = passes::normalise(tree, passes::normalise_options(model.scene, true));
-  if (!solver) solver = passes::solvers(function, tree, model.scene).front();
-  const ir::Algorithm algorithm = passes::describe(function, tree, normal, model.scene, *solver, {});
+namespace {
+
+// One section behind what those before left.
+std::array<ir::Arrays, 2> run_section(const ir::Algorithm& algorithm, bool only, const ir::KinematicTree& tree,
+                                      const ir::NormalTree& normal, const Model& model, const State& state,
+                                      const Payload& payload, const std::array<ir::Arrays, 2>& left, const Gains& gains) {
+  const ir::Section& section = algorithm.section;
+  const auto array = [&](int index) { return algorithm.arrays[static_cast<size_t>(index)].name; };
   passes::Unroll unroll(algorithm, tree, normal, model.scene, {{}, false});
   size_t form = 0;
   const ir::FunctionInput input = [&](const ir::Input& in) {
@@ -119,14 +119,14 @@ std::array<ir::Arrays, 2> run_half(const ir::EmittedFunction& function, const Mo
       case ir::InputKind::position: return state.q[in.index];
       case ir::InputKind::velocity: return state.v[in.index];
       case ir::InputKind::acceleration:
-      case ir::InputKind::effort: return state.more[in.index];
+      case ir::InputKind::effort:
+        return section.accelerations < 0 ? state.more[in.index] : left[form].at(array(section.accelerations))(in.index, 0);
       case ir::InputKind::gravity: return model.scene.gravity[in.component];
       case ir::InputKind::wrench: return state.wrenches[6 * in.index + in.component];
       case ir::InputKind::constraint:
-        if (in.component >= ir::contact_force)
-          return left[form].at(function.forces)(model.scene.first_row(in.index) + in.component - ir::contact_force, 0);
         if (in.component >= ir::contact_anchor) return gains.anchor[in.component - ir::contact_anchor];
         return in.component == ir::contact_kp ? gains.kp : in.component == ir::contact_kd ? gains.kd : 0.0;
+      case ir::InputKind::element: return left[form].at(array(in.index))(in.component);
       case ir::InputKind::payload: return payload[static_cast<size_t>(in.component)];
       default: return std::nan("");
     }
@@ -134,7 +134,7 @@ std::array<ir::Arrays, 2> run_half(const ir::EmittedFunction& function, const Mo
   ir::Algorithm written_out = algorithm;
   ir::Program line = unroll.program();
   passes::project_by_rows(written_out, line, unroll, tree);
-  passes::write_out_steps(written_out, line, ir::coordinate_tree(tree));
+  if (only) passes::write_out_steps(written_out, line, ir::coordinate_tree(tree));
   ir::Arrays straight = ir::run(written_out, line, tree, input, left[0]);
   if (tree.bodies.empty()) return {straight, straight};  // a base alone
   form = 1;
@@ -142,6 +142,8 @@ std::array<ir::Arrays, 2> run_half(const ir::EmittedFunction& function, const Mo
   const ir::RolledProgram program = passes::roll(algorithm, unroll, tree, model.scene, plan, {});
   return {straight, ir::run(algorithm, program, plan, tree, model.scene.rates_zero, input, left[1])};
 }
+
+}  // namespace
 
 Following following(const ir::KinematicTree& tree, const State& state) {
   const ir::Followers list = ir::followers(tree);
@@ -180,7 +182,7 @@ std::array<ir::Arrays, 2> run_embedded(const ir::EmittedFunction& function, cons
   moving.more = turning;
   if (e.of_input) moving.more += f.T * state.more;
   moving.v = f.T * Eigen::VectorXd(moving.v);
-  const std::array<ir::Arrays, 2> whole = run_half(embedded.of_opened, opened, moving, payload);
+  const std::array<ir::Arrays, 2> whole = run_function(embedded.of_opened, opened, moving, payload);
   std::array<ir::Arrays, 2> results;
   for (size_t form : {0u, 1u}) {
     ir::Arrays& arrays = results[form];
@@ -210,16 +212,16 @@ std::array<ir::Arrays, 2> run_embedded(const ir::EmittedFunction& function, cons
 }  // namespace
 
 std::array<ir::Arrays, 2> run_function(const ir::EmittedFunction& function, const Model& model, const State& state,
-                                       const Payload& payload, const Gains& gains) {
+                                       const Payload& payload, const Gains& gains, std::optional<ir::Solver> solver) {
   if (!model.tree.linkages.empty()) return run_embedded(function, model, state, payload);
-  const std::vector<ir::EmittedFunction> halves = passes::halves(function, model.tree);
-  std::array<ir::Arrays, 2> results = run_half(halves.front(), model, state, payload, {}, {}, gains);
-  for (size_t half = 1; half < halves.size(); ++half)
-    for (size_t form : {0u, 1u}) {
-      State solved = state;
-      solved.more = results[form].at(halves[half].accelerations);
-      results[form] = run_half(halves[half], model, solved, payload, results, {}, gains)[form];
-    }
+  const std::optional<ir::KinematicTree> part = passes::part_of_tree(function, model.tree, model.scene);
+  const ir::KinematicTree& tree = part ? *part : model.tree;
+  const ir::NormalTree normal = passes::normalise(tree, passes::normalise_options(model.scene, true));
+  if (!solver) solver = passes::solvers(function, tree, model.scene).front();
+  const std::vector<ir::Algorithm> sections = passes::describe(function, tree, normal, model.scene, *solver, {});
+  std::array<ir::Arrays, 2> results;
+  for (const ir::Algorithm& section : sections)
+    results = run_section(section, sections.size() == 1, tree, normal, model, state, payload, results, gains);
   return results;
 }
 

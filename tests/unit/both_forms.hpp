@@ -48,14 +48,9 @@ struct Following {
 };
 Following following(const ir::KinematicTree& tree, const State& state);
 
-// The results of one function, or of one half of it behind what the others left, in both forms.
-std::array<ir::Arrays, 2> run_half(const ir::EmittedFunction& function, const Model& model, const State& state,
-                                   const Payload& payload, const std::array<ir::Arrays, 2>& left = {},
-                                   std::optional<ir::Solver> solver = {}, const Gains& gains = {});
-
-// The results of a function whole: a second half takes what the first finds in its form.
+// The results of a function in both forms: sections take what those before have left in their form.
 std::array<ir::Arrays, 2> run_function(const ir::EmittedFunction& function, const Model& model, const State& state,
-                                       const Payload& payload, const Gains& gains = {});
+                                       const Payload& payload, const Gains& gains = {}, std::optional<ir::Solver> solver = {});
 
 // The results of every function of the scene, in both forms.
 std::array<ir::Arrays, 2> run_both(const Model& model, const State& state, const Payload& payload);

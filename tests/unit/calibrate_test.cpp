@@ -36,8 +36,9 @@ TEST(Calibrate, RefusesWhatItDidNotWrite) {
     return text.replace(text.find(what), what.size(), instead);
   };
   EXPECT_NO_THROW(costs_of_text(good, "file"));
-  for (const std::string& text : {std::string(), std::string("- 1\n"), std::string("a: [\n"), without("scalar: ", "scaled: "),
-                                  without("coming: ", "coming: -"), without("coming: ", "coming: x"), without("register: 4", "register: 3")})
+  for (const std::string& text :
+       {std::string(), std::string("- 1\n"), std::string("a: [\n"), without("scalar: ", "scaled: "),
+        without("coming: ", "coming: -"), without("coming: ", "coming: x"), without("register: 4", "register: 3")})
     EXPECT_THROW(costs_of_text(text, "file"), InputError) << text;
 }
 
@@ -56,7 +57,8 @@ TEST(Calibrate, IsWhatChoicesGoBy) {
   const FunctionTasks before = tasks_of_functions(committed, lower(committed)).front(),
                       after = tasks_of_functions(measured, lower(measured)).front();
   EXPECT_EQ(after.lanes, 4);
-  EXPECT_NEAR(backend::serial_time(before.plan), 3 * backend::serial_time(after.plan), 1e-9 * backend::serial_time(before.plan));
+  EXPECT_NEAR(backend::serial_time(before.plan), 3 * backend::serial_time(after.plan),
+              1e-9 * backend::serial_time(before.plan));
   EXPECT_NE(measured.command_line.find("--calibrated"), std::string::npos);
   EXPECT_EQ(committed.command_line.find("--calibrated"), std::string::npos);
 }

@@ -198,7 +198,7 @@ TEST_P(Embedded, WhatIsNotAskedForIsNotFollowed) {
   const auto embedding = [&](Quantity quantity) {
     Model model = load(GetParam());
     model.scene.outputs = {quantity};
-    return *lower_to_programs(model).functions.front().algorithm.embedding;
+    return *lower_to_programs(model).functions.front().first().algorithm.embedding;
   };
   const ir::Embedding mass = embedding(Quantity::mass_matrix), energy = embedding(Quantity::kinetic_energy),
                       coriolis = embedding(Quantity::coriolis_matrix);

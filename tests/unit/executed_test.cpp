@@ -123,7 +123,7 @@ std::array<long, 4> counted(const Model& model) {
     if (file.name.starts_with("dynamics.")) files.push_back(file);
   }
   files.push_back({"counting.hpp", text_of(COUNTING)});
-  const std::string function = lower(model).functions.front().algorithm.function.name;
+  const std::string function = lower(model).functions.front().name();
   files.push_back({"count.cpp", "#define CALL " + function + (function == "evaluate" ? "(q, v" : "(q, v, v") + R"(, workspace)
 #include "dynamics.hpp"
 

@@ -11,7 +11,6 @@
 
 #include "dalembert/chain_shapes.hpp"
 #include "ir/coordinate_tree.hpp"
-#include "ir/guard_arrays.hpp"
 #include "ir/moved_links.hpp"
 #include "ir/row_runs.hpp"
 #include "passes/joints.hpp"
@@ -58,7 +57,6 @@ void factor(Eigen::MatrixXd M, Eigen::MatrixXd& upper, Eigen::MatrixXd& pivots) 
 // What the guard of a function finds in its arrays, as dalembert/factor.hpp has it. above: the coordinate above each.
 FactorStatus<double> guard_status(const Algorithm& algorithm, Arrays& arrays, const std::vector<int>& above) {
   const Guard& guard = *algorithm.guard;
-  const GuardArrays told_by = guard_arrays(algorithm);
   const auto array = [&](int index) -> Eigen::MatrixXd& {
     return arrays[algorithm.arrays[static_cast<std::size_t>(index)].name];
   };
@@ -66,13 +64,13 @@ FactorStatus<double> guard_status(const Algorithm& algorithm, Arrays& arrays, co
   if ((pivots.array() > detail::least_ratio<double>() * diagonal.array() && pivots.array() > 0).all()) return {};
   const Eigen::Index n = pivots.size();
   const double rounding = detail::rounding_left<double>(static_cast<int>(n));
-  if (told_by.factor >= 0) {
+  if (guard.factor >= 0) {
     Eigen::VectorXd x(n);
-    return detail::bounded_status<double>(static_cast<int>(n), above.data(), array(told_by.factor).data(), pivots.data(),
+    return detail::bounded_status<double>(static_cast<int>(n), above.data(), array(guard.factor).data(), pivots.data(),
                                           diagonal.data(), x.data());
   }
   // E of every coordinate, as a matrix.
-  const Eigen::MatrixXd &gain = array(told_by.gain), &joint = array(told_by.joint);
+  const Eigen::MatrixXd &gain = array(guard.gain), &joint = array(guard.joint);
   std::vector<Eigen::MatrixXd> beyond(static_cast<std::size_t>(n), Eigen::MatrixXd::Zero(6, 6));
   for (Eigen::Index k = n; k-- > 0;) {
     const Eigen::MatrixXd& E = beyond[static_cast<std::size_t>(k)];
@@ -124,7 +122,7 @@ std::pair<Eigen::MatrixXd, Eigen::MatrixXd> rows_and_factor_of_limbs(const Const
 
 // Steps with rows of constraints, likewise: all act, nothing gives way.
 void run_constraint_steps(const Algorithm& algorithm, Arrays& arrays, const std::vector<int>& above) {
-  for (const ConstraintStep& s : algorithm.constraint_steps) {
+  for (const ConstraintStep& s : algorithm.steps_of<ConstraintStep>()) {
     const auto array = [&](int index) -> Eigen::MatrixXd& {
       return arrays[algorithm.arrays[static_cast<std::size_t>(index)].name];
     };
@@ -215,7 +213,7 @@ void run_steps(const Algorithm& algorithm, Arrays& arrays, const std::vector<int
   const auto array = [&](int index) -> Eigen::MatrixXd& {
     return arrays[algorithm.arrays[static_cast<std::size_t>(index)].name];
   };
-  for (const MatrixStep& s : algorithm.steps) {
+  for (const MatrixStep& s : algorithm.steps_of<MatrixStep>()) {
     if (s.kind == MatrixStep::Kind::negative_product) {
       const Eigen::Index from = s.first, count = array(s.b).cols() - from;
       array(s.to).rightCols(count) = -inverse(array(s.a), array(s.b).rows()) * array(s.b).rightCols(count);
@@ -239,7 +237,7 @@ void run_steps(const Algorithm& algorithm, Arrays& arrays, const std::vector<int
   }
   run_constraint_steps(algorithm, arrays, above);
   if (!algorithm.guard) return;
-  // A second half goes by what the first has found.
+  // A section goes by what one before has found.
   if (algorithm.guard->pivots >= 0)
     arrays["status"] = Eigen::MatrixXd::Constant(1, 1, guard_status(algorithm, arrays, above).coordinate);
   if (const auto status = arrays.find("status"); status == arrays.end() || status->second(0, 0) < 0) return;
@@ -294,8 +292,8 @@ class RolledRun {
 
   Arrays run(Arrays arrays = {}) {
     arrays_ = std::move(arrays);
-    for (const OutputArray& a : algorithm_.arrays)
-      if (!a.of_first_half && !a.written_out) arrays_[a.name] = Eigen::MatrixXd::Zero(a.rows, a.columns);
+    for (const OutputArray& a : algorithm_.own_arrays())
+      if (!a.written_out) arrays_[a.name] = Eigen::MatrixXd::Zero(a.rows, a.columns);
     joints();
     int levels = 0;
     for (const SegmentCode& s : program_.segments)
@@ -471,7 +469,7 @@ class RolledRun {
     for (const Result& r : algorithm_.results)
       for (int k = 0; k < tree_.joints() && r.layout != Layout::base; ++k)
         for (int i = 0; i < program_.roles[static_cast<std::size_t>(r.role)].components(); ++i) {
-          if (r.only_above != all_bodies && !tree_.is_above_only(k, r.only_above, r.beside)) continue;
+          if (!r.over.contains(tree_, k)) continue;
           const OutputArray& array = algorithm_.arrays[static_cast<std::size_t>(r.array)];
           Eigen::MatrixXd& m = arrays_[array.name];
           const int at = r.layout == Layout::columns ? array.column(row(k)) : array.row(row(k));
@@ -497,8 +495,8 @@ class RolledRun {
 
 Arrays run(const Algorithm& algorithm, const Program& program, const KinematicTree& tree, const FunctionInput& input,
            Arrays arrays) {
-  for (const OutputArray& a : program.arrays)
-    if (!a.of_first_half && !a.written_out) arrays[a.name] = Eigen::MatrixXd::Zero(a.rows, a.columns);
+  for (std::size_t i = algorithm.inherited; i < program.arrays.size(); ++i)
+    if (const OutputArray& a = program.arrays[i]; !a.written_out) arrays[a.name] = Eigen::MatrixXd::Zero(a.rows, a.columns);
   const std::vector<double> values = interpret<double>(program.graph, input);
   for (const OutputElement& e : program.elements)
     arrays[program.arrays[static_cast<std::size_t>(e.array)].name](e.row, e.column) = values[static_cast<std::size_t>(e.node)];

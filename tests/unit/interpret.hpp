@@ -17,7 +17,7 @@ namespace dalembert::ir {
 using FunctionInput = std::function<double(const Input&)>;  // position, velocity, gravity, payload
 using Arrays = std::map<std::string, Eigen::MatrixXd>;      // by name
 
-// The straight form. `arrays`: those that the first half has left for a second.
+// The straight form. `arrays`: those that sections before have filled.
 Arrays run(const Algorithm& algorithm, const Program& program, const KinematicTree& tree, const FunctionInput& input,
            Arrays arrays = {});
 

@@ -74,7 +74,8 @@ TEST(NamedFunctions, GiveResultsInTheOrderAskedFor) {
       for (const Quantity quantity : function.quantities) asked.push_back(function.result(quantity));
       for (const ir::LinkOutput& output : function.of_links) asked.push_back(function.result(output));
       const ir::NormalTree normal = passes::normalise(model.tree, passes::normalise_options(scene, true));
-      for (const ir::OutputArray& array : passes::describe(function, model.tree, normal, scene, {}).arrays)
+      const std::vector<ir::Algorithm> sections = passes::describe(function, model.tree, normal, scene, {});
+      for (const ir::OutputArray& array : sections.back().arrays)
         if (!array.internal) given.push_back(array.name);
       EXPECT_EQ(given, asked);
     }
@@ -83,15 +84,16 @@ TEST(NamedFunctions, GiveResultsInTheOrderAskedFor) {
 
 // What a function keeps between its steps stands in the workspace: no other function may be called like it.
 TEST(NamedFunctions, AreNotCalledLikeWhatAnotherKeeps) {
-  ir::Scene whole = scene_of(derivatives, {}), in_halves = whole;
-  in_halves.mimic["e_02_joint"] = {"c_01_joint", 2, 0};
+  ir::Scene whole = scene_of(derivatives, {}), in_sections = whole;
+  in_sections.mimic["e_02_joint"] = {"c_01_joint", 2, 0};
   std::set<std::string> names;
-  for (const ir::Scene& scene : {whole, in_halves})
-    for (const LoweredFunction& f : lower(model_of(scene)).functions) {
-      names.insert(f.algorithm.function.name);
-      for (const char* word : {"scratch", "stages"}) names.insert(f.algorithm.function.own_name(word));
-      for (const ir::OutputArray& array : f.algorithm.arrays) names.insert(array.name);
-    }
+  for (const ir::Scene& scene : {whole, in_sections})
+    for (const LoweredFunction& f : lower(model_of(scene)).functions)
+      for (const LoweredSection& s : f.sections) {
+        names.insert(s.algorithm.section.name);
+        for (const char* word : {"scratch", "stages"}) names.insert(s.algorithm.own_name(word));
+        for (const ir::OutputArray& array : s.algorithm.arrays) names.insert(array.name);
+      }
   EXPECT_TRUE(names.contains("forward_dynamics_derivatives") && names.contains("forward_dynamics_accelerations"));
   EXPECT_GE(names.size(), 20u);
   for (const char* name : {"derivatives", "accelerations", "inverse_dynamics_derivatives"})
@@ -108,11 +110,12 @@ TEST(NamedFunctions, AreNotCalledLikeWhatEveryHeaderHas) {
 
 // What depends on the accelerations that M's factors give is a function behind the first, which users do not see; dv'/dv does
 // not.
-TEST(NamedFunctions, AreComputedInHalvesWhereAccelerationsComeLate) {
+TEST(NamedFunctions, AreComputedInSectionsWhereAccelerationsComeLate) {
   ir::Scene scene = scene_of(derivatives, {{"lean", {Quantity::forward_dynamics_dv}}, {"plan", derivatives}});
   const auto names = [&] {
     std::vector<std::string> names;
-    for (const LoweredFunction& f : lower(model_of(scene)).functions) names.push_back(f.algorithm.function.name);
+    const Lowered lowered = lower(model_of(scene));
+    for (const LoweredSection* s : lowered.all_sections()) names.push_back(s->algorithm.section.name);
     return names;
   };
   using Names = std::vector<std::string>;
@@ -134,7 +137,7 @@ TEST(NamedFunctions, AreComputedInHalvesWhereAccelerationsComeLate) {
   EXPECT_GT(cost("forward_dynamics_dq"), cost("inverse_mass_matrix"));
   EXPECT_GT(cost("plan_forward_dynamics_dv"), cost("inverse_mass_matrix"));
   EXPECT_LT(cost("plan_forward_dynamics_dv"), cost("plan_forward_dynamics_dq"));
-  // Each half moves the bodies.
+  // Each section moves the bodies.
   EXPECT_GT(cost("plan_forward_dynamics_dv"), cost("lean_forward_dynamics_dv"));
   EXPECT_LT(5 * cost("plan_forward_dynamics_dv"), 6 * cost("lean_forward_dynamics_dv"));
 }
@@ -147,9 +150,9 @@ TEST(NamedFunctions, ShareWhatTheyShare) {
   ASSERT_EQ(together.functions.size(), 1u);
   const auto inversions = [](const Lowered& lowered) {
     long count = 0;
-    for (const LoweredFunction& f : lowered.functions)
-      count += std::count_if(f.algorithm.steps.begin(), f.algorithm.steps.end(),
-                             [](const ir::MatrixStep& step) { return step.kind == ir::MatrixStep::Kind::invert; });
+    for (const LoweredSection* s : lowered.all_sections())
+      for (const ir::MatrixStep& step : s->algorithm.steps_of<ir::MatrixStep>())
+        count += step.kind == ir::MatrixStep::Kind::invert ? 1 : 0;
     return count;
   };
   EXPECT_EQ(inversions(apart), 2);

@@ -80,7 +80,7 @@ TEST(Status, OfANeckOfParallelAxesIsNotOk) {
     ir::EmittedFunction own = ir::standard_function(ir::Function::forward_dynamics);
     own.quantities = {ir::Quantity::forward_dynamics};
     for (const ir::Solver solver : {ir::Solver::articulated_bodies, ir::Solver::factorization})
-      for (const ir::Arrays& form : run_half(own, model, state, {}, {}, solver)) {
+      for (const ir::Arrays& form : run_function(own, model, state, {}, {}, solver)) {
         EXPECT_EQ(form.at("status")(0, 0), model.tree.nv() - 3) << bent;
         EXPECT_EQ(form.at("forward_dynamics").cwiseAbs().maxCoeff(), 0);
       }

@@ -51,7 +51,7 @@ Measured measure(const Shape& shape, double distance, unsigned seed) {
     ir::EmittedFunction own = ir::standard_function(function);
     own.quantities = {quantity};
     for (const ir::Solver solver : {ir::Solver::articulated_bodies, ir::Solver::factorization}) {
-      const auto forms = run_half(own, model, state, {}, {}, solver);
+      const auto forms = run_function(own, model, state, {}, {}, solver);
       const std::string by = solver == ir::Solver::articulated_bodies ? "bodies" : "factors";
       for (const std::size_t form : {0u, 1u})
         add(by + (form == 0 ? " straight" : " rolled"), forms[form].at(own.result(quantity)), forms[form].at("status")(0, 0));

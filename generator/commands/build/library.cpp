@@ -22,7 +22,8 @@ std::vector<Output> results_of(const std::vector<Output>& outputs, const ir::Emi
 // What steps with rows of constraints do with v is theirs, not the program's.
 bool steps_read_velocities(const ir::Algorithm& algorithm) {
   using Kind = ir::ConstraintStep::Kind;
-  return std::any_of(algorithm.constraint_steps.begin(), algorithm.constraint_steps.end(), [](const ir::ConstraintStep& step) {
+  const std::vector<ir::ConstraintStep> steps = algorithm.steps_of<ir::ConstraintStep>();
+  return std::any_of(steps.begin(), steps.end(), [](const ir::ConstraintStep& step) {
     return step.kind != Kind::delassus && step.kind != Kind::respond && step.kind != Kind::derive;
   });
 }
@@ -66,12 +67,11 @@ Library library_of(const Model& model, Diagnostics& warnings) {
 void find_what_is_read(Library& library) {
   for (size_t p = 0; p < library.parts.size(); ++p) {
     std::map<std::string, bool> reads;
-    for (const LoweredFunction& f : lower_to_programs(library.parts[p].model).functions) {
-      const ir::EmittedFunction& function = f.algorithm.function;
-      const std::string& called = function.first_half.empty() ? function.name : function.first_half;
-      reads[called] |= steps_read_velocities(f.algorithm) || (f.algorithm.embedding && f.algorithm.embedding->moving) ||
-                       !ir::inputs_read(f.program, ir::uses(f.program.graph, f.program.roots())).velocities.empty();
-    }
+    const Lowered lowered = lower_to_programs(library.parts[p].model);
+    for (const LoweredFunction& f : lowered.functions)
+      for (const LoweredSection& s : f.sections)
+        reads[f.name()] |= steps_read_velocities(s.algorithm) || (s.algorithm.embedding && s.algorithm.embedding->moving) ||
+                           !ir::inputs_read(s.program, ir::uses(s.program.graph, s.program.roots())).velocities.empty();
     for (TableFunction& f : library.functions)
       if (f.part == p) f.reads_velocities = reads[f.function.name];
   }

@@ -41,7 +41,7 @@ struct Library {
 // Appends to `warnings` what of the scene is not for programs that load it. Nothing is generated yet.
 Library library_of(const Model& model, Diagnostics& warnings);
 
-// Which functions read v: of two halves, the first or the second.
+// Which functions read v, in whichever of their sections.
 void find_what_is_read(Library& library);
 
 std::string table_name(const TableFunction& function);

@@ -17,11 +17,10 @@ const char* name_of(ir::Form form) { return form == ir::Form::rolled ? "rolled" 
 
 void add_plan(const Subject& subject, const Lowered& lowered, Rows& rows) {
   for (const LoweredFunction& function : lowered.functions) {
-    if (const ir::EmittedFunction& own = function.algorithm.function; !own.first_half.empty() || own.of_opened)
-      continue;  // has the plan of the first
-    const std::string& name = function.algorithm.function.name;
-    rows.text("form", "function " + name, "all", "", "form", name_of(function.plan.form));
-    for (const ir::Segment& segment : function.plan.segments) {
+    const std::string& name = function.name();
+    const ir::Plan& plan = function.first().plan;
+    rows.text("form", "function " + name, "all", "", "form", name_of(plan.form));
+    for (const ir::Segment& segment : plan.segments) {
       rows.number("form", name + ": " + segment.name, "all", "", "branches", segment.width, "branches");
       rows.number("form", name + ": " + segment.name, "all", "", "steps", segment.steps, "steps");
     }
@@ -30,7 +29,7 @@ void add_plan(const Subject& subject, const Lowered& lowered, Rows& rows) {
     if (output.quantity) rows.text("form", "scene", output.name, "", "symbol", ir::row_of(*output.quantity).symbol);
   for (const Output& output : subject.outputs)
     rows.text("form", "alone", output.name, "", "form",
-              name_of(lower(with_outputs(subject.model, {output})).functions.front().plan.form));
+              name_of(lower(with_outputs(subject.model, {output})).functions.front().first().plan.form));
   rows.number("form", "scene", "all", "", "workspace", static_cast<double>(workspace_bytes(subject.model, lowered)), "bytes");
 }
 
@@ -65,8 +64,9 @@ void add_costs(const Subject& subject, const Lowered& lowered, Rows& rows) {
 // Arrays that steps with whole matrices fill: the programs do not know their elements.
 std::set<std::string> filled_by_steps(const Lowered& lowered) {
   std::set<std::string> names;
-  for (const LoweredFunction& f : lowered.functions)
-    for (const ir::MatrixStep& step : f.algorithm.steps) names.insert(f.algorithm.arrays[static_cast<size_t>(step.to)].name);
+  for (const LoweredSection* s : lowered.all_sections())
+    for (const ir::MatrixStep& step : s->algorithm.steps_of<ir::MatrixStep>())
+      names.insert(s->algorithm.arrays[static_cast<size_t>(step.to)].name);
   return names;
 }
 
@@ -99,7 +99,7 @@ void add_forms(const Subject& subject, Rows& rows) {
   add_plan(subject, lowered, rows);
   add_costs(subject, lowered, rows);
   const std::set<std::string> unknown = filled_by_steps(lowered);
-  for (const LoweredFunction& function : lowered.functions) add_sparsity(function.program, unknown, rows);
+  for (const LoweredFunction& function : lowered.functions) add_sparsity(function.first().program, unknown, rows);
 }
 
 }  // namespace dalembert::reporting

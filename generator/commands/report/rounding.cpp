@@ -141,7 +141,7 @@ void add_rows(const std::string& quantity, const std::vector<Point>& points, Row
 Rounding::Rounding(const Subject& subject) : subject_(subject) {
   for (const Output& output : subject.outputs) {
     const Lowered lowered = lower(with_outputs(subject.model, {output}));
-    const ir::Form chosen = lowered.functions.front().plan.form;
+    const ir::Form chosen = lowered.functions.front().first().plan.form;
     std::vector<Variant> ways = variants(chosen, subject.quick);
     if (subject.model.tree.bodies.empty()) std::erase_if(ways, [](const Variant& v) { return v.form == ir::Form::rolled; });
     // A long straight line takes a compiler longer than all the rest of a quick report.

@@ -49,9 +49,8 @@ class Stability {
     const Lowered lowered = lower_to_programs(subject.model);
     costs_ = operation_costs(lowered, subject.model.tree);
     for (const LoweredFunction& function : lowered.functions)
-      if (function.algorithm.guard)
-        for (int array : function.algorithm.guard->arrays)
-          solving_.insert(function.algorithm.arrays[static_cast<size_t>(array)].name);
+      if (const ir::Algorithm& algorithm = function.first().algorithm; algorithm.guard)
+        for (int array : algorithm.guard->arrays) solving_.insert(algorithm.arrays[static_cast<size_t>(array)].name);
   }
 
   // The model whose exact results are those of the state.

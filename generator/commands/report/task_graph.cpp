@@ -25,7 +25,7 @@ Model with_tasks(const Subject& subject) {
 bool has_several_tasks(const Model& model) {
   const Lowered lowered = lower(model);
   return std::any_of(lowered.functions.begin(), lowered.functions.end(),
-                     [](const LoweredFunction& f) { return f.plan.tasks && f.plan.form == ir::Form::rolled; });
+                     [](const LoweredFunction& f) { return f.first().plan.tasks && f.first().plan.form == ir::Form::rolled; });
 }
 
 // Elements that the task graph computes otherwise than the functions.

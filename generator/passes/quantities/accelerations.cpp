@@ -9,9 +9,9 @@ int accelerations(Builder& b) {
   const Poses p = poses(b, Frame::base);
   const int a = b.role({"acceleration_twist", "A", "A = dV less gravity", "m/s^2, rad/s^2", Shape::wrench});
   if (b.has("accelerations")) return a;
-  const bool solved = b.function().inputs == ir::Function::forward_dynamics;
+  const bool solved = b.section().inputs == ir::Function::forward_dynamics;
   const SolvedRoles solution = solved ? solved_accelerations(b) : SolvedRoles{};
-  SweepBuilder base = b.sweep("base_acceleration", "A = dv - gravity", Direction::root);
+  SweepBuilder base = b.sweep_of_base("base_acceleration", "A = dv - gravity");
   const Twist dv = solved ? Twist{base.own3(solution.twist, 0), base.own3(solution.twist, 3)} : base.base_acceleration();
   base.store(a, Twist{dv.linear - base.gravity_in_base(), dv.angular});
 

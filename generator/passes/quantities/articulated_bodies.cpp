@@ -5,7 +5,6 @@
 //   U = F - K J, D = U.J, V = U / D, K_p += K + U V',
 //
 // and velocities and gravity enter through the bias alone: what is solved for is dv = M^-1 (tau - (C v + g)).
-#include "ir/guard_arrays.hpp"
 #include "passes/quantities/complete_guard.hpp"
 #include "passes/quantities/shared.hpp"
 
@@ -147,7 +146,7 @@ Articulated articulated_bodies(Builder& b) {
   each(plus_product(below, u, v), handed, [&](int role, int i, Sym x) { s.hand_on(role, i, x); });
   if (b.base_coordinates() == 0) return r;
 
-  SweepBuilder base = b.sweep("articulated_base", "L' D L = A* - K", Direction::root);
+  SweepBuilder base = b.sweep_of_base("articulated_base", "L' D L = A* - K");
   const BaseFactors f = base_factors_of(b, base);
   for (int k = 0; k < 6; ++k) {
     const auto at = static_cast<std::size_t>(k);
@@ -161,7 +160,7 @@ Articulated articulated_bodies(Builder& b) {
 }
 
 void guard(Builder& b, int array) {
-  if (!b.guard() && !b.function().first_half.empty()) {
+  if (!b.guard() && !b.section().is_first()) {
     b.guard() = ir::Guard{-1, -1, {}};
   } else if (!b.guard() && b.factors()) {
     mass_matrix_factor(b);
@@ -177,12 +176,11 @@ void guard(Builder& b, int array) {
 }
 
 GainArrays gain_arrays(Builder& b) {
-  if (const int made = b.array_called(b.own_name(ir::own_gain)); made >= 0)
-    return {made, b.array_called(b.own_name(ir::own_joint))};
+  if (const int made = b.array_called(b.own_name("gain")); made >= 0) return {made, b.array_called(b.own_name("joint"))};
   const Articulated a = articulated_bodies(b);
   const Poses p = poses(b);
-  const GainArrays arrays{b.internal_array(b.own_name(ir::own_gain), 6, b.tree().nv()),
-                          b.internal_array(b.own_name(ir::own_joint), 6, b.tree().nv())};
+  const GainArrays arrays{b.internal_array(b.own_name("gain"), 6, b.tree().nv()),
+                          b.internal_array(b.own_name("joint"), 6, b.tree().nv())};
   b.result({arrays.gain, ir::Layout::columns, a.gain});
   b.result({arrays.joint, ir::Layout::columns, p.joint_linear});
   b.result({arrays.joint, ir::Layout::columns, p.joint_angular, 3});
@@ -190,8 +188,10 @@ GainArrays gain_arrays(Builder& b) {
 }
 
 void complete_guard(Builder& b) {
-  if (!b.guard() || b.guard()->pivots < 0 || b.factors() || b.has_array(b.own_name(ir::own_factor))) return;
-  gain_arrays(b);
+  if (!b.guard() || b.guard()->factor >= 0) return;
+  const GainArrays arrays = gain_arrays(b);
+  b.guard()->gain = arrays.gain;
+  b.guard()->joint = arrays.joint;
 }
 
 SolvedRoles solved_accelerations(Builder& b) {
@@ -217,7 +217,7 @@ SolvedRoles solved_accelerations(Builder& b) {
   in.hand_on(handed, reaction.linear + residual * gain.linear, 0);
   in.hand_on(handed, reaction.angular + residual * gain.angular, 3);
 
-  SweepBuilder base = b.sweep("base_solve", "dV = (A* - K)^-1 (tau - (C v + g) - p)", Direction::root);
+  SweepBuilder base = b.sweep_of_base("base_solve", "dV = (A* - K)^-1 (tau - (C v + g) - p)");
   Twist x{base.zero(), base.zero()};
   if (b.base_coordinates() > 0) {
     const BaseFactors f = base_factors_of(b, base);

@@ -4,13 +4,12 @@
 
 namespace dalembert::passes {
 
-using ir::Direction;
 using ir::Shape;
 
 void describe_center_of_mass(Builder& b, int array) {
   const int first = first_moments(b), inverse = inverse_mass(b);
   const int center = b.role({"center", "c", "the centre of mass in the world", "m", Shape::vector});
-  SweepBuilder s = b.sweep("center", "c = x + X h/m", Direction::root);
+  SweepBuilder s = b.sweep_of_base("center", "c = x + X h/m");
   const Vec3 h = s.own3(first), lever = s.own(inverse) * h;
   const Vec3 turned = s.base_axes() * lever;
   s.store(center, s.base_position() + turned);

@@ -34,7 +34,7 @@ void describe_right(Builder& b, const ConstraintRows& rows, bool impact, int arr
                               Shape::scalar}));
   }
   const bool together = count == 3 || count == 6;
-  SweepBuilder s = b.sweep(name, impact ? "b = -(1 + restitution) J v" : "b = -(dJ v + kd J v + kp e)", Direction::root);
+  SweepBuilder s = b.sweep_of_base(name, impact ? "b = -(1 + restitution) J v" : "b = -(dJ v + kd J v + kp e)");
   for (int i = 0; i < count; ++i) {
     const auto row = static_cast<std::size_t>(i);
     const auto of = [&](const RowRoles& values) { return s.of(-1, values[row].first, values[row].second); };
@@ -59,7 +59,7 @@ void describe_right(Builder& b, const ConstraintRows& rows, bool impact, int arr
 // The output, or an array that is none; made once.
 template <class Describe>
 int array_of(Builder& b, ir::Quantity quantity, const std::string& name, int rows, int columns, const Describe& describe) {
-  if (b.function().computes(quantity)) return b.output(quantity);
+  if (b.computes(quantity)) return b.output(quantity);
   const std::string own = b.own_name(name);
   if (const int made = b.array_called(own); made >= 0) return made;
   const int array = b.internal_array(own, rows, columns);
@@ -81,15 +81,13 @@ bool by_limbs(const Builder& b) {
                                             ir::Quantity::constraint_forces_dq,
                                             ir::Quantity::constraint_forces_dv,
                                             ir::Quantity::constraint_forces_dtau};
-  return b.base_coordinates() > 0 && !b.factors() && b.scene().loops.empty() && b.function().first_half.empty() &&
-         b.function().second_half.empty() &&
-         std::none_of(std::begin(of_all_joints), std::end(of_all_joints),
-                      [&](ir::Quantity q) { return b.function().computes(q); });
+  return b.base_coordinates() > 0 && !b.factors() && b.scene().loops.empty() &&
+         std::none_of(std::begin(of_all_joints), std::end(of_all_joints), [&](ir::Quantity q) { return b.computes(q); });
 }
 
 // J's columns of the base: along its axes and about its origin, what the rows push it with.
 int base_columns(Builder& b) {
-  if (b.function().computes(ir::Quantity::constraint_jacobian)) return b.output(ir::Quantity::constraint_jacobian);
+  if (b.computes(ir::Quantity::constraint_jacobian)) return b.output(ir::Quantity::constraint_jacobian);
   if (const int made = b.array_called(b.own_name("rows")); made >= 0) return made;
   const std::string name = b.own_name("row_wrenches");
   if (const int made = b.array_called(name); made >= 0) return made;
@@ -140,7 +138,7 @@ void describe_constraint_bias(Builder& b, int array) {
 
 void describe_delassus_matrix(Builder& b, int array) {
   guard(b, array);
-  b.constraint_step(step(b, ir::ConstraintStep::Kind::delassus, array));
+  b.step(step(b, ir::ConstraintStep::Kind::delassus, array));
 }
 
 namespace {
@@ -153,7 +151,7 @@ int speeds(Builder& b) {
   const Sym own = s.parameter(own_coordinate_p), rate = s.rate();
   s.store(role, own * rate);
   if (b.base_coordinates() == 0) return role;
-  SweepBuilder base = b.sweep("base_speeds", "v", Direction::root);
+  SweepBuilder base = b.sweep_of_base("base_speeds", "v");
   const Twist twist = base.base_twist();
   for (int j = 0; j < 6; ++j) {
     const auto at = static_cast<std::size_t>(j % 3);
@@ -171,15 +169,14 @@ void describe_impact(Builder& b, int array) {
   s.right = b.internal_array(b.own_name("bounce"), b.tree().constraint_rows, 1);
   s.forces = b.internal_array(b.own_name("impulses"), b.tree().constraint_rows, 1);
   for (const auto& rows : constraint_rows(b)) describe_right(b, *rows, true, s.right);
-  b.constraint_step(s);
+  b.step(s);
 }
 
 namespace {
 
 // Accelerations and forces come of one step, whichever is asked for.
-void solve_constrained(Builder& b) {
-  for (const ir::ConstraintStep& made : b.constraint_steps())
-    if (made.kind == ir::ConstraintStep::Kind::solve) return;
+ir::ConstraintStep solve_constrained(Builder& b) {
+  if (const auto made = b.made(ir::ConstraintStep::Kind::solve)) return *made;
   const int rows = b.tree().constraint_rows;
   const auto nothing = [](int) {};
   const int to =
@@ -189,7 +186,8 @@ void solve_constrained(Builder& b) {
   s.right = b.internal_array(b.own_name("right"), rows, 1);
   b.result({to, ir::Layout::per_coordinate, s.by_limbs() ? solved_accelerations(b).free_acceleration : unbalanced(b)});
   for (const auto& rows : constraint_rows(b)) describe_right(b, *rows, false, s.right);
-  b.constraint_step(s);
+  b.step(s);
+  return s;
 }
 
 }  // namespace
@@ -212,19 +210,12 @@ constexpr ir::Quantity of_accelerations[] = {ir::Quantity::constrained_forward_d
 
 int rows_of(const Builder& b) { return b.tree().constraint_rows; }
 
-// N as M⁻¹ has it for products, and what else tells how the robot responds; of the first half, where there are two.
-struct Response {
-  int projected, room;
-};
-Response response(Builder& b) {
+// N as M⁻¹ has it for products, and what else tells how the robot responds.
+ir::ConstraintStep response(Builder& b) {
+  if (const auto made = b.made(ir::ConstraintStep::Kind::respond)) return *made;
   const int nv = b.tree().nv(), room = response_room(nv, rows_of(b));
-  if (!b.function().first_half.empty())
-    return {b.array_of_first_half(b.function().called_name("projected_inverse"), inverse_size(nv), 1),
-            b.array_of_first_half(b.function().called_name("response"), room, 1)};
-  for (const ir::ConstraintStep& made : b.constraint_steps())
-    if (made.kind == ir::ConstraintStep::Kind::respond) return {made.to, made.room};
   // Some are made before their turn: results stand in the order asked for all the same.
-  for (const ir::Quantity quantity : b.function().quantities) b.output(quantity);
+  for (const ir::Quantity quantity : b.section().quantities) b.output(quantity);
   const int inverse = padded_inverse(b);
   ir::ConstraintStep s{ir::ConstraintStep::Kind::respond, ir::constraint_paths(b.tree(), b.scene())};
   s.solutions = b.scene().scalar == ir::ScalarType::float32 ? Proximal<float>::steps : Proximal<double>::steps;
@@ -232,12 +223,12 @@ Response response(Builder& b) {
   s.inverse = inverse;
   s.room = b.internal_array(b.own_name("response"), room, 1);
   s.to = b.internal_array(b.own_name("projected_inverse"), inverse_size(nv), 1);
-  const auto output = [&](ir::Quantity quantity) { return b.function().computes(quantity) ? b.output(quantity) : -1; };
+  const auto output = [&](ir::Quantity quantity) { return b.computes(quantity) ? b.output(quantity) : -1; };
   s.plain = output(ir::Quantity::constrained_forward_dynamics_dtau);
   s.forces = output(ir::Quantity::constraint_forces_dtau);
-  s.of_forces = s.forces >= 0 || b.function().computes(of_forces[0]) || b.function().computes(of_forces[1]);
-  b.constraint_step(s);
-  return {s.to, s.room};
+  s.of_forces = s.forces >= 0 || b.computes(of_forces[0]) || b.computes(of_forces[1]);
+  b.step(s);
+  return s;
 }
 
 // Behind v̇ and forces: by q, or by v.
@@ -246,11 +237,11 @@ void derive(Builder& b, bool by_q) {
   const std::string efforts_name = b.own_name(by_q ? "efforts_dq" : "efforts_dv");
   if (b.has_array(efforts_name)) return;
   const int nv = b.tree().nv(), rows = rows_of(b);
-  const Response r = response(b);
-  const auto output = [&](ir::Quantity quantity) { return b.function().computes(quantity) ? b.output(quantity) : -1; };
+  const ir::ConstraintStep r = response(b);
+  const auto output = [&](ir::Quantity quantity) { return b.computes(quantity) ? b.output(quantity) : -1; };
   ir::ConstraintStep s{ir::ConstraintStep::Kind::derive, ir::constraint_paths(b.tree(), b.scene())};
   s.room = r.room;
-  s.inverse = r.projected;
+  s.inverse = r.to;
   s.to = output(of_accelerations[by]);
   s.forces = output(of_forces[by]);
   s.efforts = b.internal_array(efforts_name, nv, nv);
@@ -260,7 +251,7 @@ void derive(Builder& b, bool by_q) {
   for (const auto& own : all) own->changes(b, by_q, s.changes);
   // Efforts do not depend on where the base is.
   s.first = by_q && b.base_coordinates() > 0 ? 3 : 0;
-  if (s.to >= 0) b.step({ir::MatrixStep::Kind::negative_product, r.projected, s.efforts, s.to, -1, s.first});
+  if (s.to >= 0) b.step({ir::MatrixStep::Kind::negative_product, r.to, s.efforts, s.to, -1, s.first});
   if (by_q && !b.scene().loops.empty()) {
     s.turning_rows = turning_rows * static_cast<int>(b.scene().loops.size());
     s.left = b.internal_array(b.own_name("turning"), s.turning_rows, nv);
@@ -273,18 +264,18 @@ void derive(Builder& b, bool by_q) {
       row += turning_rows;
     }
   }
-  b.constraint_step(s);
+  b.step(s);
 }
 
-// A first half finds what the second differentiates.
+// What is differentiated has to be there.
 void describe_derivative(Builder& b, ir::Quantity quantity, int array, bool by_q) {
   guard(b, array);
-  if (b.function().leaves(quantity)) {
-    solve_constrained(b);
-    response(b);
-  } else {
-    derive(b, by_q);
-  }
+  const ir::ConstraintStep solved = solve_constrained(b);
+  response(b);
+  b.behind("constrained_derivatives", "ConstrainedDerivatives", solved.to, solved.forces, quantity, [=](Builder& next) {
+    guard(next, array);
+    derive(next, by_q);
+  });
 }
 
 }  // namespace
@@ -319,8 +310,7 @@ namespace {
 
 // Torques and forces come of one step, whichever is asked for.
 void support(Builder& b) {
-  for (const ir::ConstraintStep& made : b.constraint_steps())
-    if (made.kind == ir::ConstraintStep::Kind::support) return;
+  if (b.made(ir::ConstraintStep::Kind::support)) return;
   const auto nothing = [](int) {};
   const int to = array_of(b, ir::Quantity::constrained_inverse_dynamics, "efforts", b.tree().nv(), 1, nothing);
   ir::ConstraintStep s{ir::ConstraintStep::Kind::support, ir::constraint_paths(b.tree(), b.scene())};
@@ -331,7 +321,7 @@ void support(Builder& b) {
   s.undriven = ir::undriven_coordinates(b.tree(), b.scene());
   const NewtonEuler all = newton_euler(b, Driven::accelerated);
   b.result({to, ir::Layout::per_coordinate, less_external(b, all.torque, all.subtree_wrench)});
-  b.constraint_step(s);
+  b.step(s);
 }
 
 }  // namespace

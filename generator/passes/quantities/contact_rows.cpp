@@ -74,19 +74,21 @@ void ContactRows::columns(Builder& b, int array) const {
   const RowAxes axes(b, *this);
   const std::string equation = weld() ? "J = R [Jv + Jw x x; Jw]" : "J = R (Jv + Jw x x)";
   const int rows = b.role({"rows_" + name(), "Jc", "column of the rows of contact " + contact_.name, "m", shape()});
-  SweepBuilder s = b.sweep("rows_" + name(), equation, Direction::anywhere);
-  s.only_above(frame_.body);
   const auto add = [&](SweepBuilder& sweep, const Twist& twist, int coordinate) {
     const Vec3 lever = cross(twist.angular, axes.point(sweep)), velocity = twist.linear + lever;
     const Vec3 linear = axes.turned(sweep, velocity), angular = weld() ? axes.turned(sweep, twist.angular) : twist.angular;
     store(sweep, rows, linear, angular, coordinate);
   };
-  add(s, joint_of(s, p), -1);
+  const ir::BodySet moving = ir::BodySet::above(frame_.body);
+  if (frame_.body >= 0) {
+    SweepBuilder s = b.sweep("rows_" + name(), equation, Direction::anywhere, moving);
+    add(s, joint_of(s, p), -1);
+  }
   if (b.base_coordinates() > 0) {
-    SweepBuilder base = b.sweep("base_rows_" + name(), equation, Direction::root);
+    SweepBuilder base = b.sweep_of_base("base_rows_" + name(), equation);
     for (int j = 0; j < 6; ++j) add(base, unit_twist(base, j), j);
   }
-  b.result({array, ir::Layout::columns, rows, first(), frame_.body});
+  b.result({array, ir::Layout::columns, rows, first(), moving});
 }
 
 RowRoles ContactRows::velocities(Builder& b) const {
@@ -94,7 +96,7 @@ RowRoles ContactRows::velocities(Builder& b) const {
   const RowAxes axes(b, *this);
   const int role = b.role({"velocity_" + name(), "Jcv", "velocity of contact " + contact_.name, "m/s, rad/s", shape()});
   if (b.has("velocity_" + name())) return roles(role);
-  SweepBuilder s = b.sweep("velocity_" + name(), weld() ? "J v = R [u + w x x; w]" : "J v = R (u + w x x)", Direction::root);
+  SweepBuilder s = b.sweep_of_base("velocity_" + name(), weld() ? "J v = R [u + w x x; w]" : "J v = R (u + w x x)");
   const Vec3 u = s.of3(frame_.body, p.velocity, 0), w = s.of3(frame_.body, p.velocity, 3);
   const Vec3 lever = cross(w, axes.point(s)), velocity = u + lever;
   const Vec3 linear = axes.turned(s, velocity), angular = weld() ? axes.turned(s, w) : w;
@@ -109,10 +111,8 @@ RowRoles ContactRows::biases(Builder& b) const {
   const RowAxes axes(b, *this);
   const int role = b.role({"bias_" + name(), "dJcv", "dJ/dt v of contact " + contact_.name, "m/s^2, rad/s^2", shape()});
   if (b.has("bias_" + name())) return roles(role);
-  SweepBuilder s =
-      b.sweep("bias_" + name(),
-              contact_.along_link ? "dJ v = R [a + alpha x x; alpha]" : "dJ v = R [a + alpha x x + w x (u + w x x); alpha]",
-              Direction::root);
+  SweepBuilder s = b.sweep_of_base("bias_" + name(), contact_.along_link ? "dJ v = R [a + alpha x x; alpha]"
+                                                                         : "dJ v = R [a + alpha x x + w x (u + w x x); alpha]");
   const int body = frame_.body;
   const Vec3 a = s.of3(body, of_bodies, 0), alpha = s.of3(body, of_bodies, 3), x = axes.point(s);
   const Vec3 tangential = cross(alpha, x);
@@ -132,7 +132,7 @@ RowRoles ContactRows::errors(Builder& b) const {
   const LinkPlace at = link_place(b, frame_, Frame::base), base = base_in_world(b);
   const int role = b.role({"error_" + name(), "ec", "from its anchor to contact " + contact_.name, "m, rad", shape()});
   if (b.has("error_" + name())) return roles(role);
-  SweepBuilder s = b.sweep("error_" + name(), "e = x - x0, and half the sum of a_i x r_i", Direction::root);
+  SweepBuilder s = b.sweep_of_base("error_" + name(), "e = x - x0, and half the sum of a_i x r_i");
   const Mat3 to_world =
       b.base_coordinates() > 0 ? three_columns(s, -1, base.axes) : s.constant(Eigen::Matrix3d(Eigen::Matrix3d::Identity()));
   const Mat3 in_base = three_columns(s, -1, at.axes), own = to_world * in_base;
@@ -166,12 +166,11 @@ HeldRoles ContactRows::wrench(Builder& b) const {
                         b.role({"hold_" + name() + "_moment", "nl", "n" + of + " about its point", "N m", Shape::vector}),
                         at.origin, !contact_.along_link};
   if (b.has("hold_" + name())) return roles;
-  SweepBuilder s =
-      b.sweep("hold_" + name(), contact_.along_link ? "f = X f_c, n = X n_c + x x f" : "f = X0' f_c, n = X0' n_c + x x f",
-              Direction::root);
+  SweepBuilder s = b.sweep_of_base("hold_" + name(),
+                                   contact_.along_link ? "f = X f_c, n = X n_c + x x f" : "f = X0' f_c, n = X0' n_c + x x f");
   const Mat3 turn = contact_.along_link ? three_columns(s, -1, at.axes) : transpose(s.base_axes());
   const auto given = [&](int from) {
-    const auto one = [&](int i) { return s.constraint(index(), ir::contact_force + from + i); };
+    const auto one = [&](int i) { return s.element(b.section().forces, first() + from + i); };
     return Vec3{one(0), one(1), one(2)};
   };
   const Vec3 force = turn * given(0), moment = weld() ? turn * given(3) : s.zero(), lever = cross(s.of3(-1, at.origin), force);
@@ -198,10 +197,8 @@ ContactRows::PointRoles ContactRows::point_motion(Builder& b) const {
                      vector("point_lever_", "xl", "the point", "m"),
                      b.role({"error_turn_" + name(), "E", "E of contact " + contact_.name, "", Shape::matrix})};
   if (b.has("point_" + name())) return r;
-  SweepBuilder s =
-      b.sweep("point_" + name(),
-              contact_.along_link ? "dx = u + w x x; g + kp (x - x0), kp e, E" : "dx = u + w x x; ddx + kd dx, alpha + kd w, E",
-              Direction::root);
+  SweepBuilder s = b.sweep_of_base("point_" + name(), contact_.along_link ? "dx = u + w x x; g + kp (x - x0), kp e, E"
+                                                                          : "dx = u + w x x; ddx + kd dx, alpha + kd w, E");
   const Sym kd = s.constraint(index(), ir::contact_kd), kp = s.constraint(index(), ir::contact_kp);
   s.store(r.kd, kd);
   s.store(r.kp, kp);
@@ -322,12 +319,14 @@ void ContactRows::changes(Builder& b, bool by_q, int array) const {
     const Vec3 turned_linear = axes * linear;
     store(s, role, turned_linear, weld() ? axes * angular : linear, coordinate);
   };
-  SweepBuilder s = b.sweep("changes_" + by + name(), equation, Direction::anywhere);
-  s.only_above(frame_.body);
-  const auto six = [&](int own) { return Twist{s.own3(own, 0), s.own3(own, 3)}; };
-  add(s, joint_of(s, p), six(motion.drift), six(motion.rates), six(motion.curvature), -1);
+  const ir::BodySet moving = ir::BodySet::above(frame_.body);
+  if (frame_.body >= 0) {
+    SweepBuilder s = b.sweep("changes_" + by + name(), equation, Direction::anywhere, moving);
+    const auto six = [&](int own) { return Twist{s.own3(own, 0), s.own3(own, 3)}; };
+    add(s, joint_of(s, p), six(motion.drift), six(motion.rates), six(motion.curvature), -1);
+  }
   if (b.base_coordinates() > 0) {
-    SweepBuilder base = b.sweep("base_changes_" + by + name(), equation, Direction::root);
+    SweepBuilder base = b.sweep_of_base("base_changes_" + by + name(), equation);
     const Twist none{base.zero(), base.zero()};
     for (int j = 0; j < 6; ++j) {
       const Twist unit = unit_twist(base, j);
@@ -335,7 +334,7 @@ void ContactRows::changes(Builder& b, bool by_q, int array) const {
       add(base, unit, none, of.rates, of.curvature, j);
     }
   }
-  b.result({array, ir::Layout::columns, role, first(), frame_.body});
+  b.result({array, ir::Layout::columns, role, first(), moving});
 }
 
 }  // namespace

@@ -44,13 +44,14 @@ std::vector<ir::Solver> solvers(const ir::EmittedFunction& function, const ir::K
   return {ir::Solver::articulated_bodies, ir::Solver::factorization};
 }
 
-ir::Algorithm describe(const ir::EmittedFunction& function, const ir::KinematicTree& tree, const ir::NormalTree& normal,
-                       const ir::Scene& scene, const ir::Graph::Options& options) {
+std::vector<ir::Algorithm> describe(const ir::EmittedFunction& function, const ir::KinematicTree& tree,
+                                    const ir::NormalTree& normal, const ir::Scene& scene, const ir::Graph::Options& options) {
   return describe(function, tree, normal, scene, solvers(function, tree, scene).front(), options);
 }
 
-ir::Algorithm describe(const ir::EmittedFunction& function, const ir::KinematicTree& tree, const ir::NormalTree& normal,
-                       const ir::Scene& scene, ir::Solver solver, const ir::Graph::Options& options) {
+std::vector<ir::Algorithm> describe(const ir::EmittedFunction& function, const ir::KinematicTree& tree,
+                                    const ir::NormalTree& normal, const ir::Scene& scene, ir::Solver solver,
+                                    const ir::Graph::Options& options) {
   Builder b(function, tree, normal, scene, solver, options);
   // M and its factors may be made before their turn: results stand in the order asked for all the same.
   if (b.factors())

@@ -31,7 +31,7 @@ Push wrench(Builder& b, std::size_t which) {
                    external.in_world};
   if (b.has(name)) return roles;
   SweepBuilder s =
-      b.sweep(name, external.in_world ? "f = X0' f_l, n = X0' n_l + x x f" : "f = X f_l, n = X n_l + x x f", Direction::root);
+      b.sweep_of_base(name, external.in_world ? "f = X0' f_l, n = X0' n_l + x x f" : "f = X f_l, n = X n_l + x x f");
   const Mat3 turn = external.in_world ? transpose(s.base_axes()) : three_columns(s, -1, at.axes);
   const Twist given = s.external(static_cast<int>(which));
   const Vec3 force = turn * given.linear, moment = turn * given.angular, lever = cross(s.of3(-1, at.origin), force);
@@ -42,7 +42,7 @@ Push wrench(Builder& b, std::size_t which) {
 
 // The scene's, then those of its constraints.
 std::size_t count_of(const Builder& b) {
-  const std::size_t constraints = b.function().forces.empty() ? 0 : b.scene().constraints().size();
+  const std::size_t constraints = b.section().forces < 0 ? 0 : b.scene().constraints().size();
   return b.scene().wrenches.size() + constraints;
 }
 
@@ -96,7 +96,7 @@ int external_wrenches(Builder& b) {
       s.store(sum, c, all);
     }
   };
-  SweepBuilder base = b.sweep("base_external", "E = the sum of all", Direction::root);
+  SweepBuilder base = b.sweep_of_base("base_external", "E = the sum of all");
   total(base, true);
   SweepBuilder s = b.sweep("external", "E = the sum of those on the subtree", Direction::anywhere);
   total(s, false);
@@ -114,7 +114,7 @@ int less_external(Builder& b, int torque, int base_wrench) {
   SweepBuilder s = b.sweep(name, of.meaning + " - E.J", Direction::anywhere);
   s.store(rest, s.own(torque) - element({s.own3(external, 0), s.own3(external, 3)}, joint_of(s, p)));
   if (base_wrench >= 0 && b.base_coordinates() > 0) {
-    SweepBuilder base = b.sweep("base_" + name, of.meaning + " - E", Direction::root);
+    SweepBuilder base = b.sweep_of_base("base_" + name, of.meaning + " - E");
     for (int j = 0; j < 6; ++j) base.store(rest, 0, base.own(base_wrench, j) - base.own(external, j), j);
   }
   return rest;

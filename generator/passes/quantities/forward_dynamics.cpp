@@ -12,7 +12,7 @@ int unbalanced(Builder& b) {
   SweepBuilder s = b.sweep("unbalanced", "e = tau - (C v + g)", ir::Direction::anywhere);
   s.store(residual, s.parameter(own_coordinate_p) * s.effort() - s.own(bias));
   if (b.base_coordinates() == 0) return residual;
-  SweepBuilder base = b.sweep("base_unbalanced", "e = tau - (C v + g)", ir::Direction::root);
+  SweepBuilder base = b.sweep_of_base("base_unbalanced", "e = tau - (C v + g)");
   const Twist effort = base.base_effort();
   for (int j = 0; j < 6; ++j) {
     const auto at = static_cast<std::size_t>(j % 3);

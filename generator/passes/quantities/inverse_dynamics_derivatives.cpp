@@ -44,7 +44,7 @@ Hung hung(Builder& b, const Poses& p, int acceleration) {
   const Hung r{b.role({"joint_base_velocity", "Vp", "V of what the joint hangs on", "m/s, rad/s", Shape::wrench}),
                b.role({"joint_base_acceleration", "Ap", "A of what the joint hangs on", "m/s^2, rad/s^2", Shape::wrench})};
   if (b.has("joint_bases")) return r;
-  SweepBuilder root = b.sweep("base_of_joints", "Vp, Ap", Direction::root);
+  SweepBuilder root = b.sweep_of_base("base_of_joints", "Vp, Ap");
   for (const int role : {r.velocity, r.acceleration}) root.store(role, Twist{root.zero(), root.zero()});
   SweepBuilder s =
       b.sweep("joint_bases", "Vp, Ap: of the body above, or, behind a joint's first part, its", Direction::outwards);
@@ -144,7 +144,7 @@ Factors factors(Builder& b) {
   if (b.base_coordinates() == 0) return r;
 
   // Its own wrench turns with the base: S x* f has no part in the base's rows of its own columns.
-  SweepBuilder base = b.sweep("base_derivative_factors", "Psi' = 0, Psi'' = -gravity x S, S' = V x S", Direction::root);
+  SweepBuilder base = b.sweep_of_base("base_derivative_factors", "Psi' = 0, Psi'' = -gravity x S, S' = V x S");
   const Twist v = velocity_of(base, p);
   const Twist weight{-base.gravity_in_base(), base.zero()};
   const Sym base_mass = base.own(mass);

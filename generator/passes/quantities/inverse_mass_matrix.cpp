@@ -10,7 +10,7 @@ namespace {
 
 // L' of articulated bodies: M is not formed.
 int transposed_gains(Builder& b) {
-  if (const int made = b.array_called(b.own_name("factor")); made >= 0) return made;
+  if (const int made = b.guard()->factor; made >= 0) return made;
   const Articulated a = articulated_bodies(b);
   const Poses p = poses(b);
   ir::Pairs l;
@@ -19,7 +19,7 @@ int transposed_gains(Builder& b) {
   l.symmetric = true;  // only the half above the diagonal is read
   l.above = {{a.gain, 0, p.joint_linear, 0}, {a.gain, 3, p.joint_angular, 0}};
   b.pairs(l);
-  return l.array;
+  return b.guard()->factor = l.array;
 }
 
 }  // namespace

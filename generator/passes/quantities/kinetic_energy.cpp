@@ -32,7 +32,7 @@ void describe_kinetic_energy(Builder& b, int array) {
   const int velocity = b.role({"body_velocity", "Vk", "u, w of the body along its axes", "m/s, rad/s", Shape::wrench});
   const int energy = b.role({"kinetic_energy", "T", "T of the subtree", "J", Shape::scalar});
 
-  SweepBuilder root = b.sweep("base_velocity", "u, w along the base's axes", Direction::root);
+  SweepBuilder root = b.sweep_of_base("base_velocity", "u, w along the base's axes");
   root.store(velocity, root.base_twist());
 
   SweepBuilder out = b.sweep("velocities", "w = (Rk Rz(q))' w_p + z dq, u = (Rk Rz(q))' (u_p + w_p x p)", Direction::outwards);

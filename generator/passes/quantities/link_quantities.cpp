@@ -61,7 +61,7 @@ void describe_pose(Builder& b, const LinkFrame& link, int array) {
   const int axes = b.role({"world_axes_" + link.name, "Xw", "axes of link " + link.name + " in the world", "", Shape::matrix});
   const int origin =
       b.role({"world_origin_" + link.name, "xw", "origin of link " + link.name + " in the world", "m", Shape::vector});
-  SweepBuilder s = b.sweep("pose_" + link.name, "Xw = X0 X, xw = x0 + X0 x", Direction::root);
+  SweepBuilder s = b.sweep_of_base("pose_" + link.name, "Xw = X0 X, xw = x0 + X0 x");
   const Mat3 own = three_columns(s, -1, at.axes), to_world = three_columns(s, -1, base.axes);
   store_columns(s, axes, to_world * own);
   const Vec3 offset = to_world * s.of3(-1, at.origin);
@@ -74,7 +74,7 @@ void describe_twist(Builder& b, const LinkFrame& link, int array) {
   const Poses p = poses(b);
   const Target target(b, link, Axes::link);
   const int twist = b.role({"velocity_" + link.name, "Vl", "twist of link " + link.name, "m/s, rad/s", Shape::wrench});
-  SweepBuilder s = b.sweep("velocity_" + link.name, "V_l = X' [u + w x x; w]", Direction::root);
+  SweepBuilder s = b.sweep_of_base("velocity_" + link.name, "V_l = X' [u + w x x; w]");
   const Vec3 linear = s.of3(link.body, p.velocity, 0), angular = s.of3(link.body, p.velocity, 3);
   s.store(twist, target.moved(s, {linear, angular}));
   b.result({array, ir::Layout::base, twist});
@@ -88,18 +88,20 @@ void describe_jacobian(Builder& b, const LinkFrame& link, Axes axes, int array) 
   const char* equation = axes == Axes::link    ? "J_l = X' [Jv + Jw x x; Jw]"
                          : axes == Axes::world ? "J_l = [X0 Jv + x0 x X0 Jw; X0 Jw]"
                                                : "J_l = X0 [Jv + Jw x x; Jw]";
-  SweepBuilder s = b.sweep("columns" + name, equation, Direction::anywhere);
-  s.only_above(link.body);
-  s.store(columns, target.moved(s, joint_of(s, p)));
+  const ir::BodySet moving = ir::BodySet::above(link.body);
+  if (link.body >= 0) {
+    SweepBuilder s = b.sweep("columns" + name, equation, Direction::anywhere, moving);
+    s.store(columns, target.moved(s, joint_of(s, p)));
+  }
   if (b.base_coordinates() > 0) {
-    SweepBuilder base = b.sweep("base_columns" + name, equation, Direction::root);
+    SweepBuilder base = b.sweep_of_base("base_columns" + name, equation);
     for (int j = 0; j < 6; ++j) {
       Twist unit{base.zero(), base.zero()};
       (j < 3 ? unit.linear : unit.angular)[static_cast<std::size_t>(j % 3)] = base.constant(1);
       base.store(columns, target.moved(base, unit), j);
     }
   }
-  b.result({array, ir::Layout::columns, columns, 0, link.body});
+  b.result({array, ir::Layout::columns, columns, 0, moving});
 }
 
 void describe_acceleration_bias(Builder& b, const LinkFrame& link, Axes axes, int array) {
@@ -112,7 +114,7 @@ void describe_acceleration_bias(Builder& b, const LinkFrame& link, Axes axes, in
   const char* equation = axes == Axes::link    ? "dV_l = X' [a + alpha x x; alpha]"
                          : axes == Axes::world ? "dV_l = [X0 a + x0 x X0 alpha; X0 alpha]"
                                                : "dV_l = X0 [a + alpha x x + w x (u + w x x); alpha]";
-  SweepBuilder s = b.sweep("acceleration" + name, equation, Direction::root);
+  SweepBuilder s = b.sweep_of_base("acceleration" + name, equation);
   const Twist acceleration{s.of3(link.body, of_bodies, 0), s.of3(link.body, of_bodies, 3)};
   if (axes != Axes::mixed) {
     s.store(bias, target.moved(s, acceleration));
@@ -130,7 +132,7 @@ LinkPlace base_in_world(Builder& b) {
   const LinkPlace base{b.role({"world_base_axes", "X", "the base's axes in the world, one after another", "", Shape::matrix}),
                        b.role({"world_base_origin", "x", "the base's origin in the world", "m", Shape::vector})};
   if (b.has("world_base")) return base;
-  SweepBuilder s = b.sweep("world_base", "the base's axes and origin in the world", Direction::root);
+  SweepBuilder s = b.sweep_of_base("world_base", "the base's axes and origin in the world");
   store_columns(s, base.axes, s.base_axes());
   s.store(base.origin, s.base_position());
   return base;
@@ -143,7 +145,7 @@ int bias_accelerations(Builder& b, bool along_base) {
   const std::string in = frame == Frame::base && b.moves_reference() ? "ground_" : "";
   const int acceleration = b.role({in + "bias_acceleration", "dV", "dV where dv = 0", "m/s^2, rad/s^2", Shape::wrench});
   if (b.has(in + "bias_accelerations")) return acceleration;
-  SweepBuilder root = b.sweep(in + "base_bias_acceleration", "dV = 0", Direction::root);
+  SweepBuilder root = b.sweep_of_base(in + "base_bias_acceleration", "dV = 0");
   root.store(acceleration, Twist{root.zero(), root.zero()});
   SweepBuilder s = b.sweep(in + "bias_accelerations", "dV = dVp + dJ dq", Direction::outwards);
   const Sym rate = s.rate();
@@ -166,7 +168,7 @@ LinkPlace link_place(Builder& b, const LinkFrame& link, Frame frame) {
   const LinkPlace at{b.role({"axes_" + name, "X", "axes of link " + link.name, "", Shape::matrix}),
                      b.role({"origin_" + name, "x", "origin of link " + link.name, "m", Shape::vector})};
   if (b.has("frame_" + name)) return at;
-  SweepBuilder s = b.sweep("frame_" + name, "X = R Rl, x = p + R pl", Direction::root);
+  SweepBuilder s = b.sweep_of_base("frame_" + name, "X = R Rl, x = p + R pl");
   const Mat3 rotation = three_columns(s, link.body, p.rotation), link_rotation = s.constant(link.rotation);
   store_columns(s, at.axes, rotation * link_rotation);
   const Vec3 offset = rotation * s.constant(link.translation);

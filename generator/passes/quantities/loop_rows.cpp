@@ -71,9 +71,8 @@ class LoopRows : public ConstraintRows {
     const Motion m(b, *this);
     const RowRoles roles = row_roles(b, "velocity_", "v", "velocity", "m/s", "rad/s");
     if (b.has("velocity_" + name())) return roles;
-    SweepBuilder s =
-        b.sweep("velocity_" + name(), is_distance() ? "J v = (xb - xa).(dxb - dxa)/l" : "J v = e'[du + dw x x; dw], b less a",
-                Direction::root);
+    SweepBuilder s = b.sweep_of_base("velocity_" + name(),
+                                     is_distance() ? "J v = (xb - xa).(dxb - dxa)/l" : "J v = e'[du + dw x x; dw], b less a");
     const Twist d = m.difference(s, m.velocity);
     const Vec3 lever = cross(d.angular, m.point(s, 1)), linear = d.linear + lever;
     store(s, m, roles, linear, d.angular);
@@ -85,10 +84,9 @@ class LoopRows : public ConstraintRows {
     const int of_bodies = bias_accelerations(b, frame() == Frame::base);
     const RowRoles roles = row_roles(b, "bias_", "dv", "dJ/dt v", "m/s^2", "rad/s^2");
     if (b.has("bias_" + name())) return roles;
-    SweepBuilder s = b.sweep("bias_" + name(),
-                             is_distance() ? "dJ v = ((xb - xa).(ddxb - ddxa) + |dxb - dxa|^2)/l"
-                                           : "dJ v = e'[da + dalpha x x + dw x dxb - wa x dr; dalpha - wa x dw]",
-                             Direction::root);
+    SweepBuilder s =
+        b.sweep_of_base("bias_" + name(), is_distance() ? "dJ v = ((xb - xa).(ddxb - ddxa) + |dxb - dxa|^2)/l"
+                                                        : "dJ v = e'[da + dalpha x x + dw x dxb - wa x dr; dalpha - wa x dw]");
     const Vec3 x = m.point(s, 1);
     const Twist one = m.of(s, m.velocity, 0), other = m.of(s, m.velocity, 1);
     const Vec3 lever = cross(other.angular, x), speed = other.linear + lever;
@@ -118,12 +116,11 @@ class LoopRows : public ConstraintRows {
     const Motion m(b, *this);
     const RowRoles roles = row_roles(b, "error_", "e", "error", "m", "rad");
     if (b.has("error_" + name())) return roles;
-    SweepBuilder s = b.sweep("error_" + name(),
-                             is_distance()                      ? "e = (|xb - xa|^2 - l^2)/(2 l)"
-                             : loop_.type == ir::LoopType::weld ? "e = xb - xa, and half the sum of a_i x b_i"
-                             : loop_.angular_axes().empty()     ? "e = xb - xa"
-                                                                : "e = xb - xa, and za x zb",
-                             Direction::root);
+    SweepBuilder s =
+        b.sweep_of_base("error_" + name(), is_distance()                      ? "e = (|xb - xa|^2 - l^2)/(2 l)"
+                                           : loop_.type == ir::LoopType::weld ? "e = xb - xa, and half the sum of a_i x b_i"
+                                           : loop_.angular_axes().empty()     ? "e = xb - xa"
+                                                                              : "e = xb - xa, and za x zb");
     const Vec3 from = m.point(s, 0), between = m.point(s, 1) - from;
     if (is_distance()) {
       const Sym squared = dot(between, between), wanted = s.constant(length_ * length_), scale = s.constant(0.5 / length_);
@@ -162,11 +159,11 @@ class LoopRows : public ConstraintRows {
         b.role({"hold_" + name() + "_moment", "nl", "n of loop " + loop_.name + " about its point", "N m", Shape::vector}),
         m.at[1].origin, false};
     if (b.has("hold_" + name())) return roles;
-    SweepBuilder s = b.sweep(
-        "hold_" + name(), is_distance() ? "f = f_c (xb - xa)/l, n = x x f" : "f = e f_c, n = e n_c + x x f", Direction::root);
+    SweepBuilder s =
+        b.sweep_of_base("hold_" + name(), is_distance() ? "f = f_c (xb - xa)/l, n = x x f" : "f = e f_c, n = e n_c + x x f");
     const Vec3 x = m.point(s, 1);
-    int row = ir::contact_force;
-    const auto given = [&] { return s.constraint(index(), row++); };
+    int row = first();
+    const auto given = [&] { return s.element(b.section().forces, row++); };
     Vec3 force = s.zero(), moment = s.zero();
     if (is_distance()) {
       const Sym inverse = s.constant(1 / length_), scale = given() * inverse;
@@ -264,10 +261,14 @@ class LoopRows : public ConstraintRows {
       s.store(roles[row++].first, 0, dot(column(axes, static_cast<std::size_t>(i)), angular));
   }
 
-  // Whether there are joints above one of the two bodies alone.
+  // What is above one of the two bodies alone.
+  ir::BodySet alone(std::size_t of, std::size_t beside) const {
+    return ir::BodySet::above(frames_[of].body, frames_[beside].body);
+  }
+  // Whether there are joints there.
   bool any_alone(std::size_t of, std::size_t beside) const {
     for (int k = frames_[of].body; k >= 0; k = tree_.bodies[static_cast<std::size_t>(k)].parent)
-      if (!tree_.is_above(k, frames_[beside].body)) return true;
+      if (alone(of, beside).contains(tree_, k)) return true;
     return false;
   }
 
@@ -278,8 +279,7 @@ class LoopRows : public ConstraintRows {
     const Poses p = poses(b, frame());
     const RowRoles roles = row_roles(b, of == 1 ? "column_" : "column_back_", "J", "column of the rows", "m", "");
     SweepBuilder s = b.sweep(sweep, is_distance() ? "J = (xb - xa).(Jv + Jw x xb)/l" : "J = e'[Jv + Jw x x; Jw], b less a",
-                             Direction::anywhere);
-    s.only_above(frames_[of].body, frames_[beside].body);
+                             Direction::anywhere, alone(of, beside));
     const Twist joint = joint_of(s, p);
     const Vec3 lever = cross(joint.angular, m.point(s, 1)), linear = joint.linear + lever;
     if (of == 1) {
@@ -289,8 +289,7 @@ class LoopRows : public ConstraintRows {
       store(s, m, roles, back, turning_back);
     }
     for (std::size_t row = 0; row < roles.size(); ++row)
-      b.result({array, ir::Layout::columns, roles[row].first, first() + static_cast<int>(row), frames_[of].body,
-                frames_[beside].body});
+      b.result({array, ir::Layout::columns, roles[row].first, first() + static_cast<int>(row), alone(of, beside)});
   }
 
   void half_of_changes(Builder& b, bool by_q, std::size_t of, std::size_t beside, int array) const {
@@ -301,9 +300,8 @@ class LoopRows : public ConstraintRows {
     const RowRoles gains = gain_roles(b);
     const std::string by = std::string(by_q ? "dq_" : "dv_") + (of == 1 ? "" : "back_");
     const RowRoles roles = row_roles(b, "changes_" + by, "da", "what its rows change by", "", "");
-    SweepBuilder s =
-        b.sweep("changes_" + by + name(), "what J dv + dJ v + kd J v + kp e changes by, dv held", Direction::anywhere);
-    s.only_above(frames_[of].body, frames_[beside].body);
+    SweepBuilder s = b.sweep("changes_" + by + name(), "what J dv + dJ v + kd J v + kp e changes by, dv held",
+                             Direction::anywhere, alone(of, beside));
     const Sym kd = s.of(-1, gains[0].first), kp = s.of(-1, gains[1].first);
     const auto six = [&](int role) { return Twist{s.own3(role, 0), s.own3(role, 3)}; };
     const Twist joint = joint_of(s, p), drift = six(motion.drift), rates = six(motion.rates), curvature = six(motion.curvature);
@@ -360,7 +358,7 @@ class LoopRows : public ConstraintRows {
                 drawn = spring * change_of_dot(between, between);
       const Sym inverse = s.constant(1 / length_), all_of_it = along + squared + drawn;
       s.store(roles[0].first, 0, inverse * all_of_it);
-      b.result({array, ir::Layout::columns, roles[0].first, first(), frames_[of].body, frames_[beside].body});
+      b.result({array, ir::Layout::columns, roles[0].first, first(), alone(of, beside)});
       return;
     }
     const ChangingTwist d{V[1].linear - V[0].linear, V[1].angular - V[0].angular},
@@ -389,8 +387,7 @@ class LoopRows : public ConstraintRows {
     for (const int i : loop_.angular_axes())
       s.store(roles[row++].first, 0, change_of_dot(axes[0][static_cast<std::size_t>(i)], angular));
     for (row = 0; row < roles.size(); ++row)
-      b.result({array, ir::Layout::columns, roles[row].first, first() + static_cast<int>(row), frames_[of].body,
-                frames_[beside].body});
+      b.result({array, ir::Layout::columns, roles[row].first, first() + static_cast<int>(row), alone(of, beside)});
   }
 
   // Of a distance: f / ℓ.
@@ -403,7 +400,7 @@ class LoopRows : public ConstraintRows {
     const RowRoles roles{{b.role({"kd_" + name(), "kd", "kd of loop " + loop_.name, "1/s", Shape::scalar}), 0},
                          {b.role({"kp_" + name(), "kp", "kp of loop " + loop_.name, "1/s^2", Shape::scalar}), 0}};
     if (b.has("gains_" + name())) return roles;
-    SweepBuilder s = b.sweep("gains_" + name(), "kd, kp", Direction::root);
+    SweepBuilder s = b.sweep_of_base("gains_" + name(), "kd, kp");
     s.store(roles[0].first, s.constraint(index(), ir::contact_kd));
     s.store(roles[1].first, s.constraint(index(), ir::contact_kp));
     return roles;
@@ -430,16 +427,16 @@ class LoopRows : public ConstraintRows {
     };
     const int body = frames_[of].body;
     if (body >= 0) {
-      SweepBuilder s = b.sweep(name, "S at the point", Direction::anywhere);
-      s.only_above(body);
+      SweepBuilder s = b.sweep(name, "S at the point", Direction::anywhere, ir::BodySet::above(body));
       add(s, joint_of(s, p), -1);
     }
     if (b.base_coordinates() > 0) {
-      SweepBuilder base = b.sweep("base_" + name, "S at the point", Direction::root);
+      SweepBuilder base = b.sweep_of_base("base_" + name, "S at the point");
       for (int j = 0; j < 6; ++j) add(base, unit_twist(base, j), j);
     }
-    if (slides) b.result({array, ir::Layout::columns, linear, row + (is_distance() && !second ? 3 : 0), body});
-    if (turns) b.result({array, ir::Layout::columns, angular, row + (second ? 3 : 6), body});
+    if (slides)
+      b.result({array, ir::Layout::columns, linear, row + (is_distance() && !second ? 3 : 0), ir::BodySet::above(body)});
+    if (turns) b.result({array, ir::Layout::columns, angular, row + (second ? 3 : 6), ir::BodySet::above(body)});
   }
 
   // The right one: of what moves one alone.
@@ -454,8 +451,8 @@ class LoopRows : public ConstraintRows {
     for (int i = 0; i < 3; ++i)
       roles[i] = b.role({name + "_" + std::to_string(i), "tf" + std::to_string(i),
                          "what forces of loop " + loop_.name + " turn by", "", Shape::vector});
-    SweepBuilder s = b.sweep(name, is_distance() ? "k s, w x f" : "w x f, w x n, s x f", Direction::anywhere);
-    s.only_above(frames_[of].body, frames_[beside].body);
+    SweepBuilder s =
+        b.sweep(name, is_distance() ? "k s, w x f" : "w x f, w x n, s x f", Direction::anywhere, alone(of, beside));
     const Twist joint = joint_of(s, p);
     const Vec3 x = m.point(s, is_distance() ? static_cast<int>(of) : 1), lever = cross(joint.angular, x),
                speed = joint.linear + lever, f = s.of3(-1, held.wrench, 0), turned = cross(joint.angular, f);
@@ -474,7 +471,7 @@ class LoopRows : public ConstraintRows {
     }
     for (int i = 0; i < count; ++i) {
       s.store(roles[i], three[i]);
-      b.result({array, ir::Layout::columns, roles[i], row + 3 * i, frames_[of].body, frames_[beside].body});
+      b.result({array, ir::Layout::columns, roles[i], row + 3 * i, alone(of, beside)});
     }
   }
 

@@ -26,7 +26,7 @@ int inverse_mass(Builder& b) {
   const int mass = composite_mass(b);
   const int inverse = b.role({"inverse_mass", "im", "one over the robot's mass", "1/kg", Shape::scalar});
   if (b.has("inverse_mass")) return inverse;
-  SweepBuilder s = b.sweep("inverse_mass", "1/m", Direction::root);
+  SweepBuilder s = b.sweep_of_base("inverse_mass", "1/m");
   const Sym one = s.constant(1), total = s.own(mass);
   s.store(inverse, Sym{one.graph, one.graph->divide(one.id, total.id)});
   return inverse;
@@ -38,7 +38,7 @@ int world_axes(Builder& b) {
   const auto store = [&](SweepBuilder& s, const Mat3& m) {
     for (int i = 0; i < 3; ++i) s.store(axes, column(m, static_cast<std::size_t>(i)), 3 * i);
   };
-  SweepBuilder root = b.sweep("base_axes", "X, the base's axes in the world", Direction::root);
+  SweepBuilder root = b.sweep_of_base("base_axes", "X, the base's axes in the world");
   store(root, root.base_axes());
   SweepBuilder out = b.sweep("world_axes", "X = Xp Rk Rz(q)", Direction::outwards);
   const Vec3 z = out.carried3(axes, 6), y = out.carried3(axes, 3), x = out.carried3(axes, 0);
@@ -60,7 +60,7 @@ int center_columns(Builder& b) {
   const Vec3 z = sliding * s.own3(axes, 6), y = along_y * s.own3(axes, 3), x = along_x * s.own3(axes, 0);
   s.store(columns, y - x + z);
   if (b.base_coordinates() == 0) return columns;
-  SweepBuilder base = b.sweep("base_center_columns", "Jc = X [1, -[h]/M]", Direction::root);
+  SweepBuilder base = b.sweep_of_base("base_center_columns", "Jc = X [1, -[h]/M]");
   const Vec3 moment = base.own3(first), h = base.own(inverse) * moment;
   const Vec3 bz = base.own3(axes, 6), by = base.own3(axes, 3), bx = base.own3(axes, 0);
   const Mat3 x_base = from_columns(bx, by, bz);

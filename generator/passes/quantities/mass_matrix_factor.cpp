@@ -12,21 +12,20 @@ namespace {
 // As an array: the output, where that is the whole, or one that is none.
 int own_array(Builder& b, ir::Quantity quantity, const char* name) {
   const int nv = b.tree().nv();
-  return b.function().computes(quantity) && !b.function().part(quantity) ? b.output(quantity)
-                                                                         : b.internal_array(b.own_name(name), nv, nv);
+  return b.computes(quantity) && !b.function().part(quantity) ? b.output(quantity) : b.internal_array(b.own_name(name), nv, nv);
 }
 
 }  // namespace
 
 int mass_matrix_factor(Builder& b) {
-  for (const ir::MatrixStep& step : b.steps())
-    if (step.kind == ir::MatrixStep::Kind::factor) return step.to;
+  if (const auto made = b.made(ir::MatrixStep::Kind::factor)) return made->to;
   const int nv = b.tree().nv(), mass = own_array(b, ir::Quantity::mass_matrix, "mass");
   describe_mass_matrix(b, mass);
   const int array = own_array(b, ir::Quantity::mass_matrix_factor, "factor");
   const int longest = ir::most_above(ir::coordinate_tree(b.tree())) + 1;
   const int room = b.internal_array(b.own_name("unscaled_factor"), factor_stride(longest), nv);
-  b.guard() = ir::Guard{b.internal_array(b.own_name("pivots"), nv, 1), b.internal_array(b.own_name("diagonal"), nv, 1), {}};
+  b.guard() =
+      ir::Guard{b.internal_array(b.own_name("pivots"), nv, 1), b.internal_array(b.own_name("diagonal"), nv, 1), {}, array};
   b.step({ir::MatrixStep::Kind::factor, mass, b.guard()->pivots, array, room});
   return array;
 }

@@ -6,14 +6,13 @@
 
 namespace dalembert::passes {
 
-using ir::Direction;
 using ir::Shape;
 
 void describe_momentum_bias(Builder& b, int array) {
   if (b.scene().rates_zero) return;  // a new workspace has it: zero
   const int wrench = newton_euler(b, Driven::weightless).subtree_wrench, first = first_moments(b), inverse = inverse_mass(b);
   const int rate = b.role({"momentum_bias", "dAv", "dA/dt v", "N, N m", Shape::wrench});
-  SweepBuilder s = b.sweep("momentum_bias", "dA/dt v = [X f; X (n - h/m x f)]", Direction::root);
+  SweepBuilder s = b.sweep_of_base("momentum_bias", "dA/dt v = [X f; X (n - h/m x f)]");
   const Vec3 f = s.own3(wrench, 0), n = s.own3(wrench, 3), h = s.own3(first), lever = s.own(inverse) * h;
   const Vec3 about_center = n - cross(lever, f);
   const Mat3 to_world = s.base_axes();

@@ -17,10 +17,10 @@ void describe_momentum_matrix(Builder& b, int array) {
   const int axes = b.role({"base_axes", "X", "the base's axes in the world, one after another", "", Shape::matrix});
   const int column = b.role({"momentum_column", "A", "A", "kg, kg m, kg m^2", Shape::wrench});
 
-  SweepBuilder root = b.sweep("center_lever", "r = h/m", Direction::root);
+  SweepBuilder root = b.sweep_of_base("center_lever", "r = h/m");
   const Vec3 h = root.own3(sums.first);
   root.store(lever, root.own(inverse) * h);
-  SweepBuilder turn = b.sweep("momentum_axes", "X, the base's axes in the world", Direction::root);
+  SweepBuilder turn = b.sweep_of_base("momentum_axes", "X, the base's axes in the world");
   const Mat3 x = turn.base_axes();
   for (int i = 0; i < 3; ++i) turn.store(axes, passes::column(x, static_cast<std::size_t>(i)), 3 * i);
 
@@ -34,7 +34,7 @@ void describe_momentum_matrix(Builder& b, int array) {
   SweepBuilder s = b.sweep("momentum_columns", "A = [X f; X (n - r x f)], F = [f; n]", Direction::anywhere);
   add(s, {s.own3(force, 0), s.own3(force, 3)}, -1);
   if (b.base_coordinates() > 0) {
-    SweepBuilder base = b.sweep("base_momentum_columns", "A = [X m, -X [h]; 0, X (I + [r][h])]", Direction::root);
+    SweepBuilder base = b.sweep_of_base("base_momentum_columns", "A = [X m, -X [h]; 0, X (I + [r][h])]");
     const Sym mass = base.own(composite_mass(b));
     const Sums whole = sums_of(base, sums);
     for (std::size_t j = 0; j < 3; ++j) {

@@ -32,9 +32,8 @@ NewtonEuler newton_euler(Builder& b, Driven driven) {
   // A function may give what it finds at rest beside what it is given accelerations for.
   const bool both =
       accelerated &&
-      (b.function().computes(ir::Quantity::bias) ||
-       ((b.function().computes(ir::Quantity::momentum_bias) || b.function().computes(ir::Quantity::center_of_mass_bias)) &&
-        !gravity_acts));
+      (b.computes(ir::Quantity::bias) ||
+       ((b.computes(ir::Quantity::momentum_bias) || b.computes(ir::Quantity::center_of_mass_bias)) && !gravity_acts));
   const std::string motions = weightless ? "weightless_" : both ? "accelerated_" : "";
   const MotionRoles motion{
       b.role({motions + "angular", "w", "w along the body's axes", "rad/s", Shape::vector}),
@@ -52,11 +51,9 @@ NewtonEuler newton_euler(Builder& b, Driven driven) {
 
   const NewtonEuler roles{motion.angular, motion.angular_acceleration, motion.acceleration, torque, total};
   if (b.has(motions + "motion")) return roles;
-  SweepBuilder root = b.sweep(motions + "base_motion",
-                              accelerated  ? "w, dw, a = du + w x u - gravity"
-                              : weightless ? "w, dw = 0, a = w x u"
-                                           : "w, dw = 0, a = w x u - gravity",
-                              Direction::root);
+  SweepBuilder root = b.sweep_of_base(motions + "base_motion", accelerated  ? "w, dw, a = du + w x u - gravity"
+                                                               : weightless ? "w, dw = 0, a = w x u"
+                                                                            : "w, dw = 0, a = w x u - gravity");
   const Twist v = root.base_twist(), dv = accelerated ? root.base_acceleration() : Twist{root.zero(), root.zero()};
   const Vec3 gravity = weightless ? root.zero() : root.gravity_in_base(), centripetal = cross(v.angular, v.linear);
   store(root, motion, {v.angular, dv.angular, accelerated ? dv.linear + centripetal - gravity : centripetal - gravity});
@@ -97,7 +94,7 @@ NewtonEuler newton_euler(Builder& b, Driven driven) {
   in.hand_on(wrench, to_parent(k, q, turning) + lever, 3);
 
   if (b.base_coordinates() > 0) {
-    SweepBuilder base = b.sweep(motions + "base_wrench", std::string(what) + " = [f; n]", Direction::root);
+    SweepBuilder base = b.sweep_of_base(motions + "base_wrench", std::string(what) + " = [f; n]");
     for (int j = 0; j < 6; ++j) base.store(torque, 0, base.own(total, j), j);
   }
   return roles;

@@ -30,7 +30,7 @@ void describe_potential_energy(Builder& b, int array) {
   if (weightless) return b.result({array, ir::Layout::base, strained});
   const int first = first_moments(b), mass = composite_mass(b);
   const int energy = b.role({"potential_energy", "U", "U", "J", Shape::scalar});
-  SweepBuilder s = b.sweep("height", "U = -gravity.(m x + X h)", Direction::root);
+  SweepBuilder s = b.sweep_of_base("height", "U = -gravity.(m x + X h)");
   const Vec3 in_base = s.gravity_in_base(), h = s.own3(first), in_world = s.gravity_in_world(), x = s.base_position();
   const Sym turned = dot(in_base, h), lowered = dot(in_world, x), moved = s.own(mass) * lowered;
   const Sym height = -(moved + turned);

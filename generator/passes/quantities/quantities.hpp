@@ -18,19 +18,16 @@ namespace dalembert::passes {
 
 void describe_link_quantity(Builder& builder, const LinkFrame& link, ir::LinkQuantity quantity, int array);
 
-// The function as it is, or its two halves: where joints are driven by others v̇ is known after steps with whole matrices, and
-// what is differentiated at v̇ needs sweeps behind them.
-std::vector<ir::EmittedFunction> halves(const ir::EmittedFunction& function, const ir::KinematicTree& tree);
-
 // How the function may solve equations with M: one way where the scene says which or joints are driven by others, and where it
 // solves none.
 std::vector<ir::Solver> solvers(const ir::EmittedFunction& function, const ir::KinematicTree& tree, const ir::Scene& scene);
 
-// One function, or one half: its quantities, in their order, then those of links.
-ir::Algorithm describe(const ir::EmittedFunction& function, const ir::KinematicTree& tree, const ir::NormalTree& normal,
-                       const ir::Scene& scene, ir::Solver solver, const ir::Graph::Options& options);
+// One function, section by section: its quantities, in their order, then those of links; then what waits for either.
+std::vector<ir::Algorithm> describe(const ir::EmittedFunction& function, const ir::KinematicTree& tree,
+                                    const ir::NormalTree& normal, const ir::Scene& scene, ir::Solver solver,
+                                    const ir::Graph::Options& options);
 // By the first of its solvers.
-ir::Algorithm describe(const ir::EmittedFunction& function, const ir::KinematicTree& tree, const ir::NormalTree& normal,
-                       const ir::Scene& scene, const ir::Graph::Options& options);
+std::vector<ir::Algorithm> describe(const ir::EmittedFunction& function, const ir::KinematicTree& tree,
+                                    const ir::NormalTree& normal, const ir::Scene& scene, const ir::Graph::Options& options);
 
 }  // namespace dalembert::passes

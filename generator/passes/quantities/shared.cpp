@@ -32,7 +32,7 @@ Poses poses(Builder& b, Frame frame) {
                 b.role({in + "velocity", "V", "V = [u; w]", "m/s, rad/s", Shape::wrench}),
                 b.role({in + "joint_rate", "dJ", "dJ", "m/s, rad/s", Shape::wrench})};
   if (b.has(in + "poses")) return r;
-  SweepBuilder base = b.sweep(in + "base_pose", "R = 1, p = 0, V; J = 1, dJ = ad(V) J", Direction::root);
+  SweepBuilder base = b.sweep_of_base(in + "base_pose", "R = 1, p = 0, V; J = 1, dJ = ad(V) J");
   const Twist v = base.base_twist();
   for (int i = 0; i < 9; ++i) base.store(r.rotation, i, base.constant(i % 4 == 0 ? 1 : 0));
   base.store(r.position, base.zero());
@@ -186,7 +186,7 @@ ForceRoles forces(Builder& b, Frame frame) {
   SweepBuilder s = b.sweep(in + "forces", "F = A* J, G = A* dJ + B* J, H = P x Jv + D' Jw", Direction::anywhere);
   add(s, joint_of(s, p), {s.own3(p.joint_rate, 0), s.own3(p.joint_rate, 3)}, -1);
   if (b.base_coordinates() == 0) return r;
-  SweepBuilder base = b.sweep(in + "base_forces", "M_BB = A*, C_BB = A* ad(V) + B*", Direction::root);
+  SweepBuilder base = b.sweep_of_base(in + "base_forces", "M_BB = A*, C_BB = A* ad(V) + B*");
   for (int j = 0; j < b.base_coordinates(); ++j) {
     const Twist unit = unit_twist(base, j);
     add(base, unit, joint_twist_rate(velocity_of(base, p), unit), j);
@@ -203,7 +203,7 @@ GravityRoles gravity_torques(Builder& b) {
   const int torque = b.role({"gravity_torque", "g", "g", "N m or N", Shape::scalar});
   const GravityRoles r{torque, mass, first, down};
   if (b.has("falling")) return r;
-  SweepBuilder root = b.sweep("base_falling", "gravity along the base's axes", Direction::root);
+  SweepBuilder root = b.sweep_of_base("base_falling", "gravity along the base's axes");
   root.store(down, root.gravity_in_base());
 
   SweepBuilder out = b.sweep("falling", "down = (Rk Rz(q))' down_p", Direction::outwards);
@@ -223,7 +223,7 @@ GravityRoles gravity_torques(Builder& b) {
   in.hand_on(first, to_parent(k, q, h) + moved);
   if (b.base_coordinates() == 0) return r;
 
-  SweepBuilder base = b.sweep("base_weight", "g = -[m down; h x down]", Direction::root);
+  SweepBuilder base = b.sweep_of_base("base_weight", "g = -[m down; h x down]");
   const Vec3 g = base.own3(down), turning = cross(base.own3(first), g);
   for (int j = 0; j < 3; ++j) {
     const auto at = static_cast<std::size_t>(j);

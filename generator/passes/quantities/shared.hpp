@@ -32,7 +32,7 @@ struct AxisMotion {
   int drift, rates, curvature, acceleration;
 };
 AxisMotion axis_motion(Builder& builder);
-// The same of a coordinate of the base, in a sweep of the root: Ψ̇ is zero.
+// The same of a coordinate of the base, in a sweep of the base alone: Ψ̇ is zero.
 struct BaseAxisMotion {
   Twist rates, curvature;
 };

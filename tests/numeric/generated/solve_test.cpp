@@ -231,7 +231,7 @@ TEST_F(Solve, ASingularMassMatrixIsToldAndNothingHandedOn) {
   EXPECT_EQ(largest(b), 0);
 }
 
-// What the second half computes is not handed on either.
+// What the section behind computes is zero as well.
 TEST_F(Solve, ASingularMassMatrixHasNoDerivatives) {
   static singular_driven::Workspace singular;
   const double position[singular_driven::nq] = {0, 0, 0, 0, 0, 0, 1, 0.3};
