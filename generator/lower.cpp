@@ -61,8 +61,8 @@ class Lowering {
     chosen.part = part_;
     chosen.sections = std::move(ways.front().sections);
     for (const Way& way : ways) chosen.candidates.push_back(way.candidate);
-    if (chosen.sections.size() > 1) return chosen;
-    if (!chosen.first().plan.tasks && !planned_.form) add_other_form(ways, chosen);
+    const bool one_section = chosen.sections.size() == 1;
+    if (one_section && !chosen.first().plan.tasks && !planned_.form) add_other_form(ways, chosen);
     if (model_.scene.batch) add_batch(chosen);
     return chosen;
   }
@@ -89,7 +89,7 @@ class Lowering {
     for (Way& way : ways)
       for (size_t width = 0; width < backend::register_widths.size(); ++width)
         if (const double gain = first.nanoseconds[width] / way.candidate.nanoseconds[width];
-            way.candidate.form != first.form && gain > most)
+            way.sections.size() == 1 && way.candidate.form != first.form && gain > most)
           other = &way, most = gain;
     if (!other) return;
     for (size_t width = 0; width < backend::register_widths.size(); ++width)
@@ -106,18 +106,19 @@ class Lowering {
     };
     // What contacts are solved by is no line of operations.
     if (operations(chosen.first().program) > most_operations || model_.scene.any_constraint()) return;
-    LoweredSection line = straight_line();
-    const bool whole = line.algorithm.steps.empty();
-    if (whole && operations(line.program) <= most_operations) chosen.batch = std::move(line);
+    std::optional<LoweredSection> line = straight_line();
+    if (line && line->algorithm.steps.empty() && operations(line->program) <= most_operations) chosen.batch = std::move(*line);
   }
 
-  // For batches: the way of the fewest operations, a division being several.
-  LoweredSection straight_line() const {
+  // For batches: the way of the fewest operations, a division being several. None where a section waits for another.
+  std::optional<LoweredSection> straight_line() const {
     constexpr long division = 6;
-    LoweredSection cheapest;
+    std::optional<LoweredSection> cheapest;
     long least = 0;
     for (const ir::Solver solver : passes::solvers(function_, tree_, model_.scene)) {
-      LoweredSection f = std::move(described(solver).front());
+      std::vector<LoweredSection> sections = described(solver, true);
+      if (sections.size() > 1) continue;
+      LoweredSection f = std::move(sections.front());
       f.program = unrolled(f.algorithm, tree_.joints() < 200).take_program();
       f.plan.form = ir::Form::straight;
       passes::write_out_steps(f.algorithm, f.program, ir::coordinate_tree(tree_), true);
@@ -130,9 +131,9 @@ class Lowering {
     return cheapest;
   }
 
-  std::vector<LoweredSection> described(ir::Solver solver) const {
+  std::vector<LoweredSection> described(ir::Solver solver, bool in_one_section = false) const {
     std::vector<LoweredSection> sections;
-    for (ir::Algorithm& section : passes::describe(function_, tree_, normal_, model_.scene, solver, options_))
+    for (ir::Algorithm& section : passes::describe(function_, tree_, normal_, model_.scene, solver, options_, in_one_section))
       sections.push_back({std::move(section), {}, {}, {}});
     return sections;
   }

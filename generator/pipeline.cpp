@@ -89,6 +89,7 @@ ir::CompileOptions compile_options(const Request& request) {
     if (pass == "pack") options.pack = false;
     if (pass == "join") options.join = false;
     if (pass == "weigh") options.weigh = false;
+    if (pass == "write_limbs") options.write_limbs = false;
   }
   return options;
 }

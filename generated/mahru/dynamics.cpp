@@ -229,49 +229,35 @@ void outwards_waist(Workspace& workspace) noexcept {
   static_cast<void>(scratch);
   // R = Rp Rk Rz(q), p = pp + Rp pk, J = [p x z; z], V = Vp + J dq, dJ = ad(Vp) J
   {
-    using V [[maybe_unused]] = dalembert::Lanes<Scalar, 1>;
-    V above_velocity[6] = {dalembert::broadcast<1, Scalar>(scratch.velocity[0][base_slot]),
-        dalembert::broadcast<1, Scalar>(scratch.velocity[1][base_slot]),
-        dalembert::broadcast<1, Scalar>(scratch.velocity[2][base_slot]),
-        dalembert::broadcast<1, Scalar>(scratch.velocity[3][base_slot]),
-        dalembert::broadcast<1, Scalar>(scratch.velocity[4][base_slot]),
-        dalembert::broadcast<1, Scalar>(scratch.velocity[5][base_slot])};
-    for (int i = 0; i < 1; i += 1) {
-      const int slot = 0 + i;
-      V next_above_velocity[6];
-      dalembert::store<1, Scalar>(scratch.joint_linear[0] + slot, dalembert::broadcast<1, Scalar>(0.0));
-      dalembert::store<1, Scalar>(scratch.joint_linear[1] + slot, dalembert::broadcast<1, Scalar>(0.0));
-      dalembert::store<1, Scalar>(scratch.joint_linear[2] + slot, dalembert::broadcast<1, Scalar>(0.0));
-      dalembert::store<1, Scalar>(scratch.joint_angular(0) + slot, dalembert::broadcast<1, Scalar>(0.0));
-      dalembert::store<1, Scalar>(scratch.joint_angular(1) + slot, dalembert::broadcast<1, Scalar>(0.0));
-      dalembert::store<1, Scalar>(scratch.joint_rate[2] + slot, dalembert::broadcast<1, Scalar>(0.0));
-      dalembert::store<1, Scalar>(scratch.joint_rate[5] + slot, dalembert::broadcast<1, Scalar>(0.0));
-      dalembert::store<1, Scalar>(scratch.joint_angular(2) + slot, dalembert::broadcast<1, Scalar>(1.0));
-      const V sine = dalembert::load<1>(scratch.sine[0] + slot);
-      dalembert::store<1, Scalar>(scratch.rotation[1] + slot, sine);
-      const V cosine = dalembert::load<1>(scratch.cosine[0] + slot);
-      dalembert::store<1, Scalar>(scratch.rotation[0] + slot, cosine);
-      dalembert::store<1, Scalar>(scratch.rotation[4] + slot, cosine);
-      dalembert::store<1, Scalar>(scratch.rotation[3] + slot, -sine);
-      dalembert::store<1, Scalar>(scratch.velocity[0] + slot, above_velocity[0]);
-      next_above_velocity[0] = above_velocity[0];
-      dalembert::store<1, Scalar>(scratch.velocity[1] + slot, above_velocity[1]);
-      dalembert::store<1, Scalar>(scratch.joint_rate[0] + slot, above_velocity[1]);
-      next_above_velocity[1] = above_velocity[1];
-      dalembert::store<1, Scalar>(scratch.velocity[2] + slot, above_velocity[2]);
-      next_above_velocity[2] = above_velocity[2];
-      dalembert::store<1, Scalar>(scratch.velocity[3] + slot, above_velocity[3]);
-      next_above_velocity[3] = above_velocity[3];
-      dalembert::store<1, Scalar>(scratch.velocity[4] + slot, above_velocity[4]);
-      dalembert::store<1, Scalar>(scratch.joint_rate[3] + slot, above_velocity[4]);
-      next_above_velocity[4] = above_velocity[4];
-      const V t1 = above_velocity[5] + dalembert::load<1>(scratch.rate[0] + slot);
-      dalembert::store<1, Scalar>(scratch.velocity[5] + slot, t1);
-      next_above_velocity[5] = t1;
-      dalembert::store<1, Scalar>(scratch.joint_rate[1] + slot, -above_velocity[0]);
-      dalembert::store<1, Scalar>(scratch.joint_rate[4] + slot, -above_velocity[3]);
-      dalembert::carry(above_velocity, next_above_velocity);
-    }
+    // torso
+    const Scalar sine_1 = scratch.sine[0][0];
+    scratch.rotation[1][0] = sine_1;
+    const Scalar cosine_1 = scratch.cosine[0][0];
+    scratch.rotation[0][0] = cosine_1;
+    scratch.rotation[4][0] = cosine_1;
+    scratch.rotation[3][0] = -sine_1;
+    const Scalar base_velocity_vx_1 = scratch.velocity[0][base_slot];
+    scratch.velocity[0][0] = base_velocity_vx_1;
+    const Scalar base_velocity_vy_1 = scratch.velocity[1][base_slot];
+    scratch.velocity[1][0] = base_velocity_vy_1;
+    scratch.joint_rate[0][0] = base_velocity_vy_1;
+    scratch.velocity[2][0] = scratch.velocity[2][base_slot];
+    const Scalar base_velocity_wx_1 = scratch.velocity[3][base_slot];
+    scratch.velocity[3][0] = base_velocity_wx_1;
+    const Scalar base_velocity_wy_1 = scratch.velocity[4][base_slot];
+    scratch.velocity[4][0] = base_velocity_wy_1;
+    scratch.joint_rate[3][0] = base_velocity_wy_1;
+    scratch.velocity[5][0] = scratch.velocity[5][base_slot] + scratch.rate[0][0];
+    scratch.joint_rate[1][0] = -base_velocity_vx_1;
+    scratch.joint_rate[4][0] = -base_velocity_wx_1;
+    scratch.joint_linear[0][0] = 0.0;
+    scratch.joint_linear[1][0] = 0.0;
+    scratch.joint_linear[2][0] = 0.0;
+    scratch.joint_angular(0)[0] = 0.0;
+    scratch.joint_angular(1)[0] = 0.0;
+    scratch.joint_angular(2)[0] = 1.0;
+    scratch.joint_rate[2][0] = 0.0;
+    scratch.joint_rate[5][0] = 0.0;
   }
   // h = R hk + m p, S = R Sk R' + R hk p' + p (R hk)' + m p p'
   {
@@ -332,83 +318,55 @@ void outwards_waist(Workspace& workspace) noexcept {
   }
   // down = (Rk Rz(q))' down_p
   {
-    using V [[maybe_unused]] = dalembert::Lanes<Scalar, 1>;
-    V above_down[3] = {dalembert::broadcast<1, Scalar>(scratch.down[0][base_slot]),
-        dalembert::broadcast<1, Scalar>(scratch.down[1][base_slot]),
-        dalembert::broadcast<1, Scalar>(scratch.down[2][base_slot])};
-    for (int i = 0; i < 1; i += 1) {
-      const int slot = 0 + i;
-      V next_above_down[3];
-      dalembert::store<1, Scalar>(scratch.down[2] + slot, above_down[2]);
-      next_above_down[2] = above_down[2];
-      const V sine = dalembert::load<1>(scratch.sine[0] + slot);
-      const V cosine = dalembert::load<1>(scratch.cosine[0] + slot);
-      const V t1 = above_down[1] * sine + above_down[0] * cosine;
-      dalembert::store<1, Scalar>(scratch.down[0] + slot, t1);
-      next_above_down[0] = t1;
-      const V t2 = above_down[1] * cosine - above_down[0] * sine;
-      dalembert::store<1, Scalar>(scratch.down[1] + slot, t2);
-      next_above_down[1] = t2;
-      dalembert::carry(above_down, next_above_down);
-    }
+    // torso
+    const Scalar base_down_x_1 = scratch.down[0][base_slot];
+    const Scalar base_down_y_1 = scratch.down[1][base_slot];
+    scratch.down[2][0] = scratch.down[2][base_slot];
+    const Scalar sine_1 = scratch.sine[0][0];
+    const Scalar cosine_1 = scratch.cosine[0][0];
+    scratch.down[0][0] = base_down_y_1 * sine_1 + base_down_x_1 * cosine_1;
+    scratch.down[1][0] = base_down_y_1 * cosine_1 - base_down_x_1 * sine_1;
   }
   // w, dw and a of the body along its own axes
   // f = m a + dw x h + w x (w x h), n = h x a + I dw + w x I w
   {
-    using V [[maybe_unused]] = dalembert::Lanes<Scalar, 1>;
-    V above_angular[3] = {dalembert::broadcast<1, Scalar>(scratch.angular[0][base_slot]),
-        dalembert::broadcast<1, Scalar>(scratch.angular[1][base_slot]),
-        dalembert::broadcast<1, Scalar>(scratch.angular[2][base_slot])};
-    V above_acceleration[3] = {dalembert::broadcast<1, Scalar>(scratch.acceleration[0][base_slot]),
-        dalembert::broadcast<1, Scalar>(scratch.acceleration[1][base_slot]),
-        dalembert::broadcast<1, Scalar>(scratch.acceleration[2][base_slot])};
-    for (int i = 0; i < 1; i += 1) {
-      const int slot = 0 + i;
-      V next_above_angular[3];
-      V next_above_acceleration[3];
-      const V rate = dalembert::load<1>(scratch.rate[0] + slot);
-      const V sine = dalembert::load<1>(scratch.sine[0] + slot);
-      const V cosine = dalembert::load<1>(scratch.cosine[0] + slot);
-      const V t1 = 0.41 * above_angular[1];
-      const V t2 = 0.41 * above_angular[0];
-      const V t3 = above_acceleration[0] + above_angular[2] * t2;
-      const V t4 = above_acceleration[1] + above_angular[2] * t1;
-      const V t5 = above_acceleration[2] - above_angular[1] * t1 - above_angular[0] * t2;
-      dalembert::store<1, Scalar>(scratch.acceleration[2] + slot, t5);
-      next_above_acceleration[2] = t5;
-      const V t6 = above_angular[1] * sine + above_angular[0] * cosine;
-      dalembert::store<1, Scalar>(scratch.angular[0] + slot, t6);
-      next_above_angular[0] = t6;
-      const V t7 = above_angular[1] * cosine - above_angular[0] * sine;
-      dalembert::store<1, Scalar>(scratch.angular[1] + slot, t7);
-      next_above_angular[1] = t7;
-      const V t8 = above_angular[2] + rate;
-      dalembert::store<1, Scalar>(scratch.angular[2] + slot, t8);
-      next_above_angular[2] = t8;
-      const V t9 = rate * t7;
-      dalembert::store<1, Scalar>(scratch.angular_acceleration[0] + slot, t9);
-      const V t10 = rate * t6;
-      dalembert::store<1, Scalar>(scratch.angular_acceleration[1] + slot, -t10);
-      const V t11 = sine * t4 + cosine * t3;
-      dalembert::store<1, Scalar>(scratch.acceleration[0] + slot, t11);
-      next_above_acceleration[0] = t11;
-      const V t12 = cosine * t4 - sine * t3;
-      dalembert::store<1, Scalar>(scratch.acceleration[1] + slot, t12);
-      next_above_acceleration[1] = t12;
-      const V t13 = 0.03 * t8;
-      const V t14 = 0.03 * t7;
-      dalembert::store<1, Scalar>(scratch.wrench[0] + slot, -(t8 * t13 + t7 * t14));
-      dalembert::store<1, Scalar>(scratch.wrench[1] + slot, t6 * t14);
-      dalembert::store<1, Scalar>(scratch.wrench[2] + slot, t6 * t13 + 0.03 * t10);
-      const V t15 = 0.6024335010000001 * t6 - 0.0053999999999999986 * t8;
-      const V t16 = 0.0708935 * t7;
-      const V t17 = 0.6733270010000001 * t8 - 0.0053999999999999986 * t6;
-      dalembert::store<1, Scalar>(scratch.wrench[3] + slot, t7 * t17 + 0.6024335010000001 * t9 - t8 * t16);
-      dalembert::store<1, Scalar>(scratch.wrench[4] + slot, t8 * t15 - t6 * t17 - 0.0708935 * t10 - 0.03 * t5);
-      dalembert::store<1, Scalar>(scratch.wrench[5] + slot, t6 * t16 + 0.03 * t12 - t7 * t15 - 0.0053999999999999986 * t9);
-      dalembert::carry(above_angular, next_above_angular);
-      dalembert::carry(above_acceleration, next_above_acceleration);
-    }
+    // torso
+    const Scalar base_angular_x_1 = scratch.angular[0][base_slot];
+    const Scalar base_angular_y_1 = scratch.angular[1][base_slot];
+    const Scalar base_angular_z_1 = scratch.angular[2][base_slot];
+    const Scalar rate_1 = scratch.rate[0][0];
+    const Scalar sine_1 = scratch.sine[0][0];
+    const Scalar cosine_1 = scratch.cosine[0][0];
+    const Scalar t1_1 = 0.41 * base_angular_y_1;
+    const Scalar t2_1 = 0.41 * base_angular_x_1;
+    const Scalar t3_1 = scratch.acceleration[0][base_slot] + base_angular_z_1 * t2_1;
+    const Scalar t4_1 = scratch.acceleration[1][base_slot] + base_angular_z_1 * t1_1;
+    const Scalar t5_1 = scratch.acceleration[2][base_slot] - base_angular_y_1 * t1_1 - base_angular_x_1 * t2_1;
+    scratch.acceleration[2][0] = t5_1;
+    const Scalar t6_1 = base_angular_y_1 * sine_1 + base_angular_x_1 * cosine_1;
+    scratch.angular[0][0] = t6_1;
+    const Scalar t7_1 = base_angular_y_1 * cosine_1 - base_angular_x_1 * sine_1;
+    scratch.angular[1][0] = t7_1;
+    const Scalar t8_1 = base_angular_z_1 + rate_1;
+    scratch.angular[2][0] = t8_1;
+    const Scalar t9_1 = rate_1 * t7_1;
+    scratch.angular_acceleration[0][0] = t9_1;
+    const Scalar t10_1 = rate_1 * t6_1;
+    scratch.angular_acceleration[1][0] = -t10_1;
+    scratch.acceleration[0][0] = sine_1 * t4_1 + cosine_1 * t3_1;
+    const Scalar t11_1 = cosine_1 * t4_1 - sine_1 * t3_1;
+    scratch.acceleration[1][0] = t11_1;
+    const Scalar t12_1 = 0.03 * t8_1;
+    const Scalar t13_1 = 0.03 * t7_1;
+    scratch.wrench[0][0] = -(t8_1 * t12_1 + t7_1 * t13_1);
+    scratch.wrench[1][0] = t6_1 * t13_1;
+    scratch.wrench[2][0] = t6_1 * t12_1 + 0.03 * t10_1;
+    const Scalar t14_1 = 0.6024335010000001 * t6_1 - 0.0053999999999999986 * t8_1;
+    const Scalar t15_1 = 0.0708935 * t7_1;
+    const Scalar t16_1 = 0.6733270010000001 * t8_1 - 0.0053999999999999986 * t6_1;
+    scratch.wrench[3][0] = t7_1 * t16_1 + 0.6024335010000001 * t9_1 - t8_1 * t15_1;
+    scratch.wrench[4][0] = t8_1 * t14_1 - t6_1 * t16_1 - 0.0708935 * t10_1 - 0.03 * t5_1;
+    scratch.wrench[5][0] = t6_1 * t15_1 + 0.03 * t11_1 - t7_1 * t14_1 - 0.0053999999999999986 * t9_1;
   }
 }
 
@@ -955,89 +913,78 @@ void inwards_waist(Workspace& workspace) noexcept {
   // h, S, P, D summed over the subtree
   // F = A* J, G = A* dJ + B* J, H = P x Jv + D' Jw
   {
-    using V [[maybe_unused]] = dalembert::Lanes<Scalar, 1>;
-    V below_first[3] = {};
-    V below_second[6] = {};
-    V below_momentum[3] = {};
-    V below_bias_block[9] = {};
-    for (int i = 0; i >= 0; i -= 1) {
-      const int slot = 0 + i;
-      V next_below_first[3];
-      V next_below_second[6];
-      V next_below_momentum[3];
-      V next_below_bias_block[9];
-      dalembert::store<1, Scalar>(scratch.mass_matrix_columns[2] + slot, dalembert::broadcast<1, Scalar>(0.0));
-      const V t1 = below_first[0] + dalembert::load<1>(scratch.first[0] + slot);
-      dalembert::store<1, Scalar>(scratch.mass_matrix_columns[1] + slot, t1);
-      next_below_first[0] = t1;
-      const V t2 = below_first[1] + dalembert::load<1>(scratch.first[1] + slot);
-      next_below_first[1] = t2;
-      const V t3 = below_first[2] + dalembert::load<1>(scratch.received_first[2] + slot);
-      next_below_first[2] = t3;
-      const V t4 = below_second[0] + dalembert::load<1>(scratch.second[0] + slot);
-      next_below_second[0] = t4;
-      const V t5 = below_second[1] + dalembert::load<1>(scratch.second[1] + slot);
-      next_below_second[1] = t5;
-      const V t6 = below_second[2] + dalembert::load<1>(scratch.second[2] + slot);
-      next_below_second[2] = t6;
-      const V t7 = below_second[3] + dalembert::load<1>(scratch.second[3] + slot);
-      next_below_second[3] = t7;
-      const V t8 = below_second[4] + dalembert::load<1>(scratch.second[4] + slot);
-      next_below_second[4] = t8;
-      const V t9 = below_second[5] + dalembert::load<1>(scratch.received_second[5] + slot);
-      next_below_second[5] = t9;
-      const V t10 = below_momentum[0] + dalembert::load<1>(scratch.momentum[0] + slot);
-      next_below_momentum[0] = t10;
-      const V t11 = below_momentum[1] + dalembert::load<1>(scratch.momentum[1] + slot);
-      next_below_momentum[1] = t11;
-      next_below_momentum[2] = below_momentum[2] + dalembert::load<1>(scratch.momentum[2] + slot);
-      next_below_bias_block[0] = below_bias_block[0] + dalembert::load<1>(scratch.bias_block[0] + slot);
-      next_below_bias_block[1] = below_bias_block[1] + dalembert::load<1>(scratch.bias_block[1] + slot);
-      const V t12 = below_bias_block[2] + dalembert::load<1>(scratch.bias_block[2] + slot);
-      next_below_bias_block[2] = t12;
-      next_below_bias_block[3] = below_bias_block[3] + dalembert::load<1>(scratch.bias_block[3] + slot);
-      next_below_bias_block[4] = below_bias_block[4] + dalembert::load<1>(scratch.bias_block[4] + slot);
-      const V t13 = below_bias_block[5] + dalembert::load<1>(scratch.bias_block[5] + slot);
-      next_below_bias_block[5] = t13;
-      const V t14 = below_bias_block[6] + dalembert::load<1>(scratch.bias_block[6] + slot);
-      dalembert::store<1, Scalar>(scratch.transposed(0) + slot, t14);
-      next_below_bias_block[6] = t14;
-      const V t15 = below_bias_block[7] + dalembert::load<1>(scratch.bias_block[7] + slot);
-      dalembert::store<1, Scalar>(scratch.transposed(1) + slot, t15);
-      next_below_bias_block[7] = t15;
-      const V t16 = below_bias_block[8] + dalembert::load<1>(scratch.bias_block[8] + slot);
-      dalembert::store<1, Scalar>(scratch.transposed(2) + slot, t16);
-      next_below_bias_block[8] = t16;
-      const V joint_rate_vx = dalembert::load<1>(scratch.joint_rate[0] + slot);
-      const V joint_rate_vy = dalembert::load<1>(scratch.joint_rate[1] + slot);
-      const V joint_rate_wx = dalembert::load<1>(scratch.joint_rate[3] + slot);
-      const V joint_rate_wy = dalembert::load<1>(scratch.joint_rate[4] + slot);
-      dalembert::store<1, Scalar>(scratch.mass_matrix_columns[0] + slot, -t2);
-      const V t17 = t4 + t7;
-      dalembert::store<1, Scalar>(scratch.mass_matrix_columns[5] + slot, t17);
-      dalembert::store<1, Scalar>(scratch.mass_matrix_columns[3] + slot, -t6);
-      dalembert::store<1, Scalar>(scratch.mass_matrix_columns[4] + slot, -t8);
-      dalembert::store<1, Scalar>(scratch.coriolis_matrix_columns[2] + slot, t2 * joint_rate_wx - t1 * joint_rate_wy);
-      dalembert::store<1, Scalar>(scratch.coriolis_matrix_columns[0] + slot, t3 * joint_rate_wy - t11);
-      dalembert::store<1, Scalar>(scratch.coriolis_matrix_columns[1] + slot, t10 - t3 * joint_rate_wx);
-      dalembert::store<1, Scalar>(scratch.coriolis_matrix_columns[3] + slot, t12 + joint_rate_wx * (t7 + t9) - t5 * joint_rate_wy - t3 * joint_rate_vy);
-      dalembert::store<1, Scalar>(scratch.coriolis_matrix_columns[4] + slot, t13 + joint_rate_wy * (t4 + t9) + t3 * joint_rate_vx - t5 * joint_rate_wx);
-      dalembert::store<1, Scalar>(scratch.coriolis_matrix_columns[5] + slot, t16 + t1 * joint_rate_vy - t2 * joint_rate_vx - t8 * joint_rate_wy - t6 * joint_rate_wx);
-      const V base_velocity_wz = dalembert::broadcast<1, Scalar>(scratch.velocity[5][base_slot]);
-      dalembert::store<1, Scalar>(scratch.coriolis_matrix_rows[0] + slot, t1 * base_velocity_wz);
-      const V base_velocity_wy = dalembert::broadcast<1, Scalar>(scratch.velocity[4][base_slot]);
-      dalembert::store<1, Scalar>(scratch.coriolis_matrix_rows[1] + slot, t2 * base_velocity_wz);
-      const V base_velocity_wx = dalembert::broadcast<1, Scalar>(scratch.velocity[3][base_slot]);
-      dalembert::store<1, Scalar>(scratch.coriolis_matrix_rows[2] + slot, -(t2 * base_velocity_wy + t1 * base_velocity_wx));
-      const V base_velocity_vz = dalembert::broadcast<1, Scalar>(scratch.velocity[2][base_slot]);
-      dalembert::store<1, Scalar>(scratch.coriolis_matrix_rows[3] + slot, t14 + t1 * base_velocity_vz - t8 * base_velocity_wz - t17 * base_velocity_wy);
-      dalembert::store<1, Scalar>(scratch.coriolis_matrix_rows[4] + slot, t15 + t2 * base_velocity_vz + t6 * base_velocity_wz + t17 * base_velocity_wx);
-      dalembert::store<1, Scalar>(scratch.coriolis_matrix_rows[5] + slot, t16 + t8 * base_velocity_wx - t6 * base_velocity_wy - t2 * dalembert::broadcast<1, Scalar>(scratch.velocity[1][base_slot]) - t1 * dalembert::broadcast<1, Scalar>(scratch.velocity[0][base_slot]));
-      dalembert::carry(below_first, next_below_first);
-      dalembert::carry(below_second, next_below_second);
-      dalembert::carry(below_momentum, next_below_momentum);
-      dalembert::carry(below_bias_block, next_below_bias_block);
-    }
+    // torso
+    const Scalar first_x_1 = scratch.first[0][0];
+    scratch.mass_matrix_columns[1][0] = first_x_1;
+    const Scalar handed_first_x_1 = first_x_1;
+    const Scalar first_y_1 = scratch.first[1][0];
+    const Scalar handed_first_y_1 = first_y_1;
+    const Scalar received_first_z_1 = scratch.received_first[2][0];
+    const Scalar handed_first_z_1 = received_first_z_1;
+    const Scalar second_xx_1 = scratch.second[0][0];
+    const Scalar handed_second_xx_1 = second_xx_1;
+    const Scalar second_xy_1 = scratch.second[1][0];
+    const Scalar handed_second_xy_1 = second_xy_1;
+    const Scalar second_xz_1 = scratch.second[2][0];
+    const Scalar handed_second_xz_1 = second_xz_1;
+    const Scalar second_yy_1 = scratch.second[3][0];
+    const Scalar handed_second_yy_1 = second_yy_1;
+    const Scalar second_yz_1 = scratch.second[4][0];
+    const Scalar handed_second_yz_1 = second_yz_1;
+    const Scalar received_second_zz_1 = scratch.received_second[5][0];
+    const Scalar handed_second_zz_1 = received_second_zz_1;
+    const Scalar momentum_x_1 = scratch.momentum[0][0];
+    const Scalar handed_momentum_x_1 = momentum_x_1;
+    const Scalar momentum_y_1 = scratch.momentum[1][0];
+    const Scalar handed_momentum_y_1 = momentum_y_1;
+    const Scalar handed_momentum_z_1 = scratch.momentum[2][0];
+    const Scalar handed_bias_block_xx_1 = scratch.bias_block[0][0];
+    const Scalar handed_bias_block_xy_1 = scratch.bias_block[1][0];
+    const Scalar bias_block_xz_1 = scratch.bias_block[2][0];
+    const Scalar handed_bias_block_xz_1 = bias_block_xz_1;
+    const Scalar handed_bias_block_yx_1 = scratch.bias_block[3][0];
+    const Scalar handed_bias_block_yy_1 = scratch.bias_block[4][0];
+    const Scalar bias_block_yz_1 = scratch.bias_block[5][0];
+    const Scalar handed_bias_block_yz_1 = bias_block_yz_1;
+    const Scalar bias_block_zx_1 = scratch.bias_block[6][0];
+    scratch.transposed(0)[0] = bias_block_zx_1;
+    const Scalar handed_bias_block_zx_1 = bias_block_zx_1;
+    const Scalar bias_block_zy_1 = scratch.bias_block[7][0];
+    scratch.transposed(1)[0] = bias_block_zy_1;
+    const Scalar handed_bias_block_zy_1 = bias_block_zy_1;
+    const Scalar bias_block_zz_1 = scratch.bias_block[8][0];
+    scratch.transposed(2)[0] = bias_block_zz_1;
+    const Scalar handed_bias_block_zz_1 = bias_block_zz_1;
+    const Scalar joint_rate_vx_1 = scratch.joint_rate[0][0];
+    const Scalar joint_rate_vy_1 = scratch.joint_rate[1][0];
+    const Scalar joint_rate_wx_1 = scratch.joint_rate[3][0];
+    const Scalar joint_rate_wy_1 = scratch.joint_rate[4][0];
+    scratch.mass_matrix_columns[0][0] = -first_y_1;
+    const Scalar t1_1 = second_xx_1 + second_yy_1;
+    scratch.mass_matrix_columns[5][0] = t1_1;
+    scratch.mass_matrix_columns[3][0] = -second_xz_1;
+    scratch.mass_matrix_columns[4][0] = -second_yz_1;
+    scratch.coriolis_matrix_columns[2][0] = first_y_1 * joint_rate_wx_1 - first_x_1 * joint_rate_wy_1;
+    scratch.coriolis_matrix_columns[0][0] = received_first_z_1 * joint_rate_wy_1 - momentum_y_1;
+    scratch.coriolis_matrix_columns[1][0] = momentum_x_1 - received_first_z_1 * joint_rate_wx_1;
+    scratch.coriolis_matrix_columns[3][0] = bias_block_xz_1 + joint_rate_wx_1 * (second_yy_1 + received_second_zz_1) - second_xy_1 * joint_rate_wy_1 - received_first_z_1 * joint_rate_vy_1;
+    scratch.coriolis_matrix_columns[4][0] = bias_block_yz_1 + joint_rate_wy_1 * (second_xx_1 + received_second_zz_1) + received_first_z_1 * joint_rate_vx_1 - second_xy_1 * joint_rate_wx_1;
+    scratch.coriolis_matrix_columns[5][0] = bias_block_zz_1 + first_x_1 * joint_rate_vy_1 - first_y_1 * joint_rate_vx_1 - second_yz_1 * joint_rate_wy_1 - second_xz_1 * joint_rate_wx_1;
+    const Scalar base_velocity_wz_1 = scratch.velocity[5][base_slot];
+    scratch.coriolis_matrix_rows[0][0] = first_x_1 * base_velocity_wz_1;
+    const Scalar base_velocity_wy_1 = scratch.velocity[4][base_slot];
+    scratch.coriolis_matrix_rows[1][0] = first_y_1 * base_velocity_wz_1;
+    const Scalar base_velocity_wx_1 = scratch.velocity[3][base_slot];
+    scratch.coriolis_matrix_rows[2][0] = -(first_y_1 * base_velocity_wy_1 + first_x_1 * base_velocity_wx_1);
+    const Scalar base_velocity_vz_1 = scratch.velocity[2][base_slot];
+    scratch.coriolis_matrix_rows[3][0] = bias_block_zx_1 + first_x_1 * base_velocity_vz_1 - second_yz_1 * base_velocity_wz_1 - t1_1 * base_velocity_wy_1;
+    scratch.coriolis_matrix_rows[4][0] = bias_block_zy_1 + first_y_1 * base_velocity_vz_1 + second_xz_1 * base_velocity_wz_1 + t1_1 * base_velocity_wx_1;
+    scratch.coriolis_matrix_rows[5][0] = bias_block_zz_1 + second_yz_1 * base_velocity_wx_1 - second_xz_1 * base_velocity_wy_1 - first_y_1 * scratch.velocity[1][base_slot] - first_x_1 * scratch.velocity[0][base_slot];
+    scratch.mass_matrix_columns[2][0] = 0.0;
+    const dalembert::Lanes<Scalar, 1> below_first[] = {handed_first_x_1, handed_first_y_1, handed_first_z_1};
+    const dalembert::Lanes<Scalar, 1> below_second[] = {handed_second_xx_1, handed_second_xy_1, handed_second_xz_1, handed_second_yy_1, handed_second_yz_1, handed_second_zz_1};
+    const dalembert::Lanes<Scalar, 1> below_momentum[] = {handed_momentum_x_1, handed_momentum_y_1, handed_momentum_z_1};
+    const dalembert::Lanes<Scalar, 1> below_bias_block[] = {handed_bias_block_xx_1, handed_bias_block_xy_1, handed_bias_block_xz_1, handed_bias_block_yx_1, handed_bias_block_yy_1, handed_bias_block_yz_1, handed_bias_block_zx_1, handed_bias_block_zy_1, handed_bias_block_zz_1};
     dalembert::add_lanes<1, 3, 0>(below_first, 0, scratch.received_first[0] + base_slot, 40);
     dalembert::add_lanes<1, 6, 0>(below_second, 0, scratch.received_second[0] + base_slot, 40);
     dalembert::add_lanes<1, 3, 0>(below_momentum, 0, scratch.momentum[0] + base_slot, 40);
@@ -1046,48 +993,38 @@ void inwards_waist(Workspace& workspace) noexcept {
   }
   // g = -(h x down)_z (revolute), -m down_z (prismatic); h_p += Rk Rz(q) h + m p
   {
-    using V [[maybe_unused]] = dalembert::Lanes<Scalar, 1>;
-    V below_gravity_first[3] = {};
-    for (int i = 0; i >= 0; i -= 1) {
-      const int slot = 0 + i;
-      V next_below_gravity_first[3];
-      const V sine = dalembert::load<1>(scratch.sine[0] + slot);
-      const V cosine = dalembert::load<1>(scratch.cosine[0] + slot);
-      const V t1 = below_gravity_first[1] + dalembert::load<1>(scratch.received_gravity_first[1] + slot);
-      next_below_gravity_first[2] = below_gravity_first[2] + dalembert::load<1>(scratch.received_gravity_first[2] + slot);
-      const V t2 = 0.03 + below_gravity_first[0] + dalembert::load<1>(scratch.received_gravity_first[0] + slot);
-      dalembert::store<1, Scalar>(scratch.gravity_torque(0) + slot, -(dalembert::load<1>(scratch.down[1] + slot) * t2 - dalembert::load<1>(scratch.down[0] + slot) * t1));
-      next_below_gravity_first[0] = cosine * t2 - sine * t1;
-      next_below_gravity_first[1] = cosine * t1 + sine * t2;
-      dalembert::carry(below_gravity_first, next_below_gravity_first);
-    }
+    // torso
+    const Scalar sine_1 = scratch.sine[0][0];
+    const Scalar cosine_1 = scratch.cosine[0][0];
+    const Scalar received_gravity_first_y_1 = scratch.received_gravity_first[1][0];
+    const Scalar handed_gravity_first_z_1 = scratch.received_gravity_first[2][0];
+    const Scalar t1_1 = 0.03 + scratch.received_gravity_first[0][0];
+    scratch.gravity_torque(0)[0] = -(scratch.down[1][0] * t1_1 - scratch.down[0][0] * received_gravity_first_y_1);
+    const Scalar handed_gravity_first_x_1 = cosine_1 * t1_1 - sine_1 * received_gravity_first_y_1;
+    const Scalar handed_gravity_first_y_1 = cosine_1 * received_gravity_first_y_1 + sine_1 * t1_1;
+    const dalembert::Lanes<Scalar, 1> below_gravity_first[] = {handed_gravity_first_x_1, handed_gravity_first_y_1, handed_gravity_first_z_1};
     dalembert::add_lanes<1, 3, 0>(below_gravity_first, 0, scratch.received_gravity_first[0] + base_slot, 40);
   }
   // C v + g = n_z (revolute), f_z (prismatic); f_p += R f, n_p += R n + p x R f
   {
-    using V [[maybe_unused]] = dalembert::Lanes<Scalar, 1>;
-    V below_wrench[6] = {};
-    for (int i = 0; i >= 0; i -= 1) {
-      const int slot = 0 + i;
-      V next_below_wrench[6];
-      const V sine = dalembert::load<1>(scratch.sine[0] + slot);
-      const V cosine = dalembert::load<1>(scratch.cosine[0] + slot);
-      const V t1 = below_wrench[0] + dalembert::load<1>(scratch.wrench[0] + slot);
-      const V t2 = below_wrench[1] + dalembert::load<1>(scratch.wrench[1] + slot);
-      next_below_wrench[2] = below_wrench[2] + dalembert::load<1>(scratch.wrench[2] + slot);
-      const V t3 = below_wrench[3] + dalembert::load<1>(scratch.wrench[3] + slot);
-      const V t4 = below_wrench[4] + dalembert::load<1>(scratch.wrench[4] + slot);
-      const V t5 = below_wrench[5] + dalembert::load<1>(scratch.wrench[5] + slot);
-      dalembert::store<1, Scalar>(scratch.bias_torque(0) + slot, t5);
-      next_below_wrench[5] = t5;
-      const V t6 = cosine * t1 - sine * t2;
-      next_below_wrench[0] = t6;
-      const V t7 = cosine * t2 + sine * t1;
-      next_below_wrench[1] = t7;
-      next_below_wrench[3] = cosine * t3 - sine * t4 - 0.41 * t7;
-      next_below_wrench[4] = 0.41 * t6 + cosine * t4 + sine * t3;
-      dalembert::carry(below_wrench, next_below_wrench);
-    }
+    // torso
+    const Scalar sine_1 = scratch.sine[0][0];
+    const Scalar cosine_1 = scratch.cosine[0][0];
+    const Scalar wrench_vx_1 = scratch.wrench[0][0];
+    const Scalar wrench_vy_1 = scratch.wrench[1][0];
+    const Scalar handed_wrench_vz_1 = scratch.wrench[2][0];
+    const Scalar wrench_wx_1 = scratch.wrench[3][0];
+    const Scalar wrench_wy_1 = scratch.wrench[4][0];
+    const Scalar wrench_wz_1 = scratch.wrench[5][0];
+    scratch.bias_torque(0)[0] = wrench_wz_1;
+    const Scalar handed_wrench_wz_1 = wrench_wz_1;
+    const Scalar t1_1 = cosine_1 * wrench_vx_1 - sine_1 * wrench_vy_1;
+    const Scalar handed_wrench_vx_1 = t1_1;
+    const Scalar t2_1 = cosine_1 * wrench_vy_1 + sine_1 * wrench_vx_1;
+    const Scalar handed_wrench_vy_1 = t2_1;
+    const Scalar handed_wrench_wx_1 = cosine_1 * wrench_wx_1 - sine_1 * wrench_wy_1 - 0.41 * t2_1;
+    const Scalar handed_wrench_wy_1 = 0.41 * t1_1 + cosine_1 * wrench_wy_1 + sine_1 * wrench_wx_1;
+    const dalembert::Lanes<Scalar, 1> below_wrench[] = {handed_wrench_vx_1, handed_wrench_vy_1, handed_wrench_vz_1, handed_wrench_wx_1, handed_wrench_wy_1, handed_wrench_wz_1};
     dalembert::add_lanes<1, 6, 0>(below_wrench, 0, scratch.wrench[0] + base_slot, 40);
   }
 }

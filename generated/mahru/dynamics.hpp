@@ -14,7 +14,7 @@
 #include <dalembert/arguments.hpp>
 #include <dalembert/version.hpp>
 
-static_assert(dalembert::runtime_version == 9,
+static_assert(dalembert::runtime_version == 10,
               "mahru was generated for another runtime: generate it again");
 
 namespace mahru {
@@ -202,7 +202,7 @@ void results(Workspace& workspace) noexcept;
 // bias                        4193    1253    3568     880      25      25       0       0
 //   I   bodies outwards       1892     425    1524     281      25      25       0       0
 //   II  sums inwards          2301     828    2044     599       0       0       0       0
-// evaluate, executed                 11857           10066              28               0
+// evaluate, executed                 11857           10036              28               0
 // Not read at all: base position
 // Not read by mass_matrix: base pose, velocities
 // Not read by coriolis_matrix: base pose

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <map>
 #include <stdexcept>
 #include <utility>
 
@@ -98,12 +99,26 @@ std::string above_text(const ir::CoordinateTree& tree) {
   return fmt::format("  static constexpr int coordinate_above[] = {{{}}};\n", fmt::join(tree.above, ", "));
 }
 
-// Of the statements for steps with matrices.
-bool needs_coordinate_above(const CodeInput& code) {
-  const std::vector<ir::MatrixStep> steps = code.algorithm.steps_of<ir::MatrixStep>();
-  return std::any_of(steps.begin(), steps.end(), [](const ir::MatrixStep& s) {
-    return s.kind == ir::MatrixStep::Kind::invert || s.kind == ir::MatrixStep::Kind::negative_product;
-  });
+// What stands above each chain that M's inverse and products with it go by, and its name, by the chain's first coordinate.
+std::map<int, std::string> coordinates_above(const CodeInput& code, std::string& text) {
+  const ir::CoordinateTree tree = ir::coordinate_tree(code.tree);
+  std::map<int, std::string> names;
+  std::map<int, std::string> by_parent;  // chains that hang on one coordinate share a table
+  for (const ir::MatrixStep& s : code.algorithm.steps_of<ir::MatrixStep>()) {
+    if (s.kind != ir::MatrixStep::Kind::invert && s.kind != ir::MatrixStep::Kind::negative_product) continue;
+    for (const ir::Chain& chain : ir::chains(tree, s.first)) {
+      const int parent = tree.above[static_cast<size_t>(chain.first)];
+      const auto [at, is_new] = by_parent.try_emplace(parent, "{nullptr, 0}");
+      if (is_new && parent >= 0) {
+        std::vector<int> path;
+        for (int k = parent; k >= 0; k = tree.above[static_cast<size_t>(k)]) path.push_back(k);
+        text += fmt::format("  static constexpr int coordinate_{}_and_above[] = {{{}}};\n", parent, fmt::join(path, ", "));
+        at->second = fmt::format("{{coordinate_{}_and_above, {}}}", parent, path.size());
+      }
+      names[chain.first] = at->second;
+    }
+  }
+  return names;
 }
 
 }  // namespace
@@ -115,7 +130,7 @@ std::string matrix_statements(const CodeInput& code) {
   const ir::CoordinateTree tree = ir::coordinate_tree(code.tree);
   using Kind = ir::MatrixStep::Kind;
   std::string text;
-  if (needs_coordinate_above(code)) text += above_text(tree);
+  const std::map<int, std::string> above = coordinates_above(code, text);
   if (solves(code)) text += chains_text(tree);
   for (const ir::MatrixStep& s : steps) {
     switch (s.kind) {
@@ -126,15 +141,15 @@ std::string matrix_statements(const CodeInput& code) {
       case Kind::solve: text += fmt::format("  dalembert::solve_one<nv, chains>({}, {});\n", name(s.a), name(s.to)); break;
       case Kind::invert:
         for (const ir::Chain& chain : ir::chains(tree, s.first))
-          text += fmt::format("  dalembert::invert_chain<nv, {}>({}, coordinate_above, {}, {}, {});\n", chain.count,
-                              chain.first, name(s.a), name(s.b), name(s.room));
+          text += fmt::format("  dalembert::invert_chain<nv, {}>({}, {}, {}, {}, {});\n", chain.count, chain.first,
+                              above.at(chain.first), name(s.a), name(s.b), name(s.room));
         text += fmt::format("  dalembert::without_padding<nv>({}, {});\n", name(s.room), name(s.to));
         break;
       case Kind::negative_product:
         for (const ir::Chain& chain : ir::chains(tree, s.first))
-          text += fmt::format("  dalembert::negative_product_chain<nv>({}, {}, {}, coordinate_above, {}, {}, {});\n",
-                              chain.first, chain.first + chain.count, tree.last[static_cast<size_t>(chain.first)], name(s.a),
-                              name(s.b), name(s.to));
+          text += fmt::format("  dalembert::negative_product_chain<nv>({}, {}, {}, {}, {}, {}, {});\n", chain.first,
+                              chain.first + chain.count, tree.last[static_cast<size_t>(chain.first)], above.at(chain.first),
+                              name(s.a), name(s.b), name(s.to));
         break;
     }
   }
@@ -303,7 +318,7 @@ std::string status_statement(const CodeInput& code, const std::string& check) {
   std::string read;
   for (const int array : {guard.factor, guard.gain, guard.joint, guard.pivots, guard.diagonal})
     if (array >= 0) read += fmt::format(", workspace.{}", array_of(code, array).name);
-  return (needs_coordinate_above(code) ? "" : above_text(ir::coordinate_tree(code.tree))) +
+  return above_text(ir::coordinate_tree(code.tree)) +
          fmt::format("  workspace.{} = dalembert::{}coordinate_above{});\n", function_of(code).own_name("status"), check, read);
 }
 

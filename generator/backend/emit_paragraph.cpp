@@ -13,6 +13,7 @@
 #include "backend/kept.hpp"
 #include "backend/literals.hpp"
 #include "backend/target.hpp"
+#include "ir/written_limb.hpp"
 
 namespace dalembert::backend {
 namespace {
@@ -47,11 +48,18 @@ class ParagraphWriter {
         rolled_(code.rolled.segments[segment]),
         level_(level),
         paragraph_(paragraph),
+        written_(ir::written_limb(code.plan, code.rolled, segment, paragraph)),
         target_(lanes_of(segment_, paragraph.direction)) {
     for (const ir::Carried& c : paragraph.carried) carried_[c.role].push_back(&c);
   }
 
   std::string run() const {
+    const std::string body = written_.empty() ? loop() : written_out();
+    return fmt::format("  // {}\n  {{\n{}  }}\n", fmt::join(paragraph_.equations, "\n  // "), body);
+  }
+
+ private:
+  std::string loop() const {
     std::string step;
     for (const auto& [role, components] : carried_)
       step += fmt::format("      V next_{}[{}];\n", name(role), components.size());
@@ -63,10 +71,89 @@ class ParagraphWriter {
                        loop_head() + step + "    }\n";
     if (in_parts()) loop = part_by_part(loop);
     if (paragraph_.direction == Direction::inwards) loop += handed_on();
-    return fmt::format("  // {}\n  {{\n{}  }}\n", fmt::join(paragraph_.equations, "\n  // "), loop);
+    return loop;
   }
 
- private:
+  // Body after body, with its constants in place.
+  std::string written_out() const {
+    std::string text;
+    for (size_t i = 0; i < written_.size(); ++i) text += step_text(i);
+    if (paragraph_.direction != Direction::inwards) return text;
+    const size_t last = written_.size() - 1;
+    for (const auto& [role, components] : carried_) {
+      if (!hands_on(role)) continue;
+      std::vector<std::string> values;
+      for (const ir::Carried* c : components) values.push_back(carried_text(last, *c));
+      text += fmt::format("    const dalembert::Lanes<Scalar, 1> {}[] = {{{}}};\n", name(role), fmt::join(values, ", "));
+    }
+    return text + handed_on();
+  }
+
+  std::string step_text(size_t i) const {
+    const ir::LimbStep& step = written_[i];
+    const auto stored = [&](int role, int component) {
+      return std::any_of(step.stores.begin(), step.stores.end(),
+                         [&](const ir::Value& v) { return kept(code_, v.role, v.component) == kept(code_, role, component); });
+    };
+    int temporaries = 0;
+    PrintStyle s;
+    s.type = "Scalar";
+    s.scalar = code_.scene.scalar;
+    s.indent = "    ";
+    s.flat_sums = true;
+    s.name = [&](ir::NodeId) { return fmt::format("t{}_{}", ++temporaries, i + 1); };
+    s.input = [&](const ir::Input& in) { return in.kind == InputKind::carried ? variable(in, i) : number(in); };
+    s.input_name = [&](const ir::Input& in) {
+      if (in.kind == InputKind::carried) return variable(in, i);
+      const bool own = in.kind == InputKind::of_body && in.body == step.body;
+      return fmt::format("{}_{}", input_name(own ? ir::Input{InputKind::state, in.index, in.component} : in), i + 1);
+    };
+    // What the body's own values are stored over.
+    s.held = [&](const ir::Input& in) {
+      return in.kind == InputKind::of_body && in.body == step.body && stored(in.index, in.component);
+    };
+    std::vector<Sink> sinks;
+    std::string constants;  // at the end: they may go over what is read
+    for (const ir::Value& v : step.stores) {
+      const std::string to = fmt::format("{}[{}] = ", kept(code_, v.role, v.component), slot_text(code_, step.body));
+      const ir::Node& n = step.graph[v.node];
+      if (n.op == ir::Op::constant) constants += fmt::format("    {}{};\n", to, literal(n.value, code_.scene.scalar));
+      else sinks.push_back({v.node, to, ";"});
+    }
+    const bool last = i + 1 == written_.size();
+    for (const ir::Carried& c : step.carried)
+      if (!step.graph.is_constant(c.node) && (!last || hands_on(c.role)))
+        sinks.push_back({c.node, fmt::format("const Scalar {} = ", carried_name(c, i)), ";"});
+    return fmt::format("    // {}\n", body_text(step.body)) + print(step.graph, sinks, s) + constants;
+  }
+  std::string body_text(int body) const { return comment_text(code_.tree.bodies[static_cast<size_t>(body)].name); }
+
+  std::string carried_name(const ir::Carried& c, size_t step) const {
+    const ir::Role& r = code_.rolled.roles[static_cast<size_t>(c.role)];
+    const std::string suffix = ir::component_suffix(r.shape, c.component);
+    return fmt::format("{}{}{}_{}", paragraph_.direction == Direction::inwards ? "handed_" : "of_", r.name,
+                       suffix.empty() ? "" : "_" + suffix, step + 1);
+  }
+  std::string carried_text(size_t step, const ir::Carried& c) const {
+    for (const ir::Carried& own : written_[step].carried)
+      if (own.role == c.role && own.component == c.component) {
+        const ir::Node& n = written_[step].graph[own.node];
+        return n.op == ir::Op::constant ? literal(n.value, code_.scene.scalar) : carried_name(own, step);
+      }
+    throw std::logic_error("a value is handed on that is not carried");
+  }
+  // Of the step before.
+  std::string variable(const ir::Input& in, size_t step) const {
+    ir::Carried c;
+    c.role = in.index, c.component = in.component;
+    return carried_name(c, step - 1);
+  }
+  std::string number(const ir::Input& in) const {
+    const std::string from =
+        in.kind == InputKind::received ? received(code_, in.index, in.component) : kept(code_, in.index, in.component);
+    return fmt::format("{}[{}]", from, slot_text(code_, in.body));
+  }
+
   static std::string lanes_of(const ir::Segment& segment, Direction direction) {
     if (direction == Direction::anywhere) return segment.is_short() ? "dalembert::short_lanes" : "dalembert::native_lanes";
     return segment.width > 2 ? "together" : std::to_string(segment.width);
@@ -261,6 +348,7 @@ class ParagraphWriter {
   const ir::SegmentCode& rolled_;
   const int level_;
   const ir::Paragraph& paragraph_;
+  const std::vector<ir::LimbStep> written_;  // empty: it is a loop
   const Target target_;
   std::map<int, std::vector<const ir::Carried*>> carried_;  // by role
 };
@@ -277,6 +365,7 @@ std::string segment_tables(const CodeInput& code, size_t segment) {
   std::set<int> read;
   for (const ir::SegmentStage& stage : c.stages)
     for (const ir::Paragraph& p : stage.paragraphs) {
+      if (!ir::written_limb(code.plan, code.rolled, segment, p).empty()) continue;
       std::vector<ir::NodeId> roots;
       for (const auto& x : p.stores) roots.push_back(x.node);
       for (const auto& x : p.carried) roots.push_back(x.node);

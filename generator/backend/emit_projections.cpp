@@ -192,7 +192,10 @@ ir::Operations base_row_operations(const CodeInput& code, const ir::Projection& 
 RowCounts row_counts(const CodeInput& code, const ir::Projection& projection, int lanes) {
   RowCounts counts;
   const ir::OutputArray& array = code.algorithm.arrays[static_cast<size_t>(projection.array)];
-  for (const int k : projected_bodies(code, projection))
+  const std::vector<int> bodies = projected_bodies(code, projection);
+  if (ir::Graph graph; has_base_rows(code))
+    counts.base_elements = static_cast<long>(base_rows_of(code, projection, graph).size() * bodies.size());
+  for (const int k : bodies)
     for (const ir::RowRun& run : ir::row_runs(code.tree, k, array.row_map)) {
       const int rows = ir::computed_rows(run, lanes);
       counts.rows += rows;

@@ -19,7 +19,8 @@ ir::Operations base_row_operations(const CodeInput& code, const ir::Projection& 
 // Rows that they compute of a projection, by registers of `lanes`; and the registers.
 struct RowCounts {
   long rows = 0, registers = 0;
-  long added = 0;  // of the rows: those that are added to others
+  long added = 0;          // of the rows: those that are added to others
+  long base_elements = 0;  // of the base's rows, one number at a time
 };
 RowCounts row_counts(const CodeInput& code, const ir::Projection& projection, int lanes);
 

@@ -11,12 +11,15 @@
 #include "backend/kept.hpp"
 #include "dalembert/chain_shapes.hpp"
 #include "ir/coordinate_tree.hpp"
+#include "ir/written_limb.hpp"
 
 namespace dalembert::backend {
 namespace {
 
 // Cycles, as on most processors of today; two multiply-adds begin in one.
 constexpr double latency = 4, divide_latency = 13, begun_in_a_cycle = 2;
+// Numbers stored one by one must have reached the cache before lanes can read them together.
+constexpr double until_lanes_read = 0.9;
 
 double& of(Features& f, Feature feature) { return f[static_cast<size_t>(feature)]; }
 
@@ -105,23 +108,41 @@ void add_straight(const ir::Graph& graph, const std::vector<ir::NodeId>& roots, 
   of(f, Feature::stores) += static_cast<double>(roots.size());
 }
 
-void add_paragraph(const ir::Segment& s, const ir::Paragraph& p, int lanes, Features& f) {
+void add_written(const std::vector<ir::LimbStep>& steps, int lanes, Features& f) {
+  const double before = of(f, Feature::scalar);
+  double recurrence = 0;
+  for (const ir::LimbStep& step : steps) {
+    add_straight(step.graph, step.roots(), lanes, f);
+    of(f, Feature::waiting) += until_lanes_read * static_cast<double>(step.stores.size());
+    if (&step == &steps.front() || &step == &steps.back()) continue;
+    std::vector<ir::NodeId> handed;
+    for (const ir::Carried& c : step.carried) handed.push_back(c.node);
+    const auto carried = [](const ir::Input& in) { return in.kind == ir::InputKind::carried; };
+    recurrence += Work(step.graph, step.roots(), fused(lanes)).longest(carried, handed);
+  }
+  of(f, Feature::waiting) += std::max(0.0, recurrence - (of(f, Feature::scalar) - before) / begun_in_a_cycle);
+}
+
+void add_paragraph(const CodeInput& code, size_t segment, const ir::Paragraph& p, int lanes, Features& f) {
+  const ir::Segment& s = code.plan.segments[segment];
   std::vector<ir::NodeId> roots, handed;
   for (const ir::Value& v : p.stores) roots.push_back(v.node);
   for (const ir::Carried& c : p.carried) handed.push_back(c.node);
   roots.insert(roots.end(), handed.begin(), handed.end());
   const Work work(p.graph, roots, fused(lanes));
+  const auto carried = [](const ir::Input& in) { return in.kind == ir::InputKind::carried; };
+  // The first step's inputs, the last step's outputs: nothing else is there to be done.
+  const double ends = p.direction == ir::Direction::anywhere ? 0 : work.longest([](const ir::Input&) { return true; }, roots);
+  of(f, Feature::waiting) += ends;
+  if (const std::vector<ir::LimbStep> written = ir::written_limb(code.plan, code.rolled, segment, p); !written.empty())
+    return add_written(written, lanes, f);
   const bool anywhere = p.direction == ir::Direction::anywhere;
   const double each = anywhere ? 1 : registers(s.limbs(), lanes), steps = anywhere ? registers(s.slots(), lanes) : s.steps;
   const double operations = each * (work.operations() + 4 * work.divisions() + static_cast<double>(p.stores.size()) / 2);
   of(f, Feature::lanes) += steps * operations;
   of(f, Feature::loops) += 1;
-  if (anywhere) return;
-  const auto carried = [](const ir::Input& in) { return in.kind == ir::InputKind::carried; };
-  const double recurrence = work.longest(carried, handed);
-  of(f, Feature::waiting) += std::max(0.0, (steps - 1) * (recurrence - operations / begun_in_a_cycle));
-  // The first step's inputs, the last step's outputs: nothing else is there to be done.
-  of(f, Feature::waiting) += work.longest([](const ir::Input&) { return true; }, roots);
+  if (!anywhere)
+    of(f, Feature::waiting) += std::max(0.0, (steps - 1) * (work.longest(carried, handed) - operations / begun_in_a_cycle));
 }
 
 void add_elements(const CodeInput& code, size_t segment, int lanes, Features& f) {
@@ -143,7 +164,12 @@ void add_projections(const CodeInput& code, int lanes, Features& f) {
   for (const ir::Projection& p : code.algorithm.projections) {
     if (!projects_by_rows(code, p)) continue;
     const double columns = static_cast<double>(p.columns.size());
-    const double registers = static_cast<double>(row_counts(code, p, lanes).registers);
+    const RowCounts counts = row_counts(code, p, lanes);
+    const double registers = static_cast<double>(counts.registers);
+    // Of the base's rows every second sum takes a product with it.
+    const ir::Operations of_base = base_row_operations(code, p);
+    of(f, Feature::scalar) += static_cast<double>(of_base.multiply) + static_cast<double>(of_base.add) / (fused(lanes) ? 2 : 1);
+    of(f, Feature::stores) += static_cast<double>(counts.base_elements);
     of(f, Feature::lanes) += registers * (Work(p.graph, p.columns, fused(lanes)).operations() + columns / 2);
     of(f, Feature::loops) += 1;
     // Copies of the joints' numbers, and of bodies' that are the base's rows.
@@ -201,7 +227,7 @@ void add_base(const CodeInput& code, int level, int lanes, Features& f) {
 void add_segment(const CodeInput& code, size_t segment, int level, int lanes, Features& f) {
   for (const ir::SegmentStage& stage : code.rolled.segments[segment].stages)
     for (const ir::Paragraph& p : stage.paragraphs)
-      if (stage.level == level) add_paragraph(code.plan.segments[segment], p, lanes, f);
+      if (stage.level == level) add_paragraph(code, segment, p, lanes, f);
 }
 
 // What stands behind the sweeps, in either form.

@@ -12,6 +12,7 @@
 #include "backend/emit_straight.hpp"
 #include "backend/kept.hpp"
 #include "ir/embedding_cost.hpp"
+#include "ir/written_limb.hpp"
 
 namespace dalembert::backend {
 namespace {
@@ -25,7 +26,13 @@ ir::Operations of(const ir::Graph& graph, const std::vector<ir::NodeId>& roots, 
   return o;
 }
 
-ir::Operations paragraph(const ir::Segment& s, const ir::Paragraph& p) {
+ir::Operations paragraph(const CodeInput& code, size_t segment, const ir::Paragraph& p) {
+  if (const std::vector<ir::LimbStep> written = ir::written_limb(code.plan, code.rolled, segment, p); !written.empty()) {
+    ir::Operations sum;
+    for (const ir::LimbStep& step : written) sum += of(step.graph, step.roots());
+    return sum;
+  }
+  const ir::Segment& s = code.plan.segments[segment];
   std::vector<ir::NodeId> roots;
   for (const ir::Value& v : p.stores) roots.push_back(v.node);
   for (const ir::Carried& c : p.carried) roots.push_back(c.node);
@@ -122,7 +129,7 @@ ir::Operations executed_operations(const CodeInput& code) {
   for (const ir::BaseStage& stage : code.rolled.base) sum += base(stage);
   for (size_t s = 0; s < code.plan.segments.size(); ++s) {
     for (const ir::SegmentStage& stage : code.rolled.segments[s].stages)
-      for (const ir::Paragraph& p : stage.paragraphs) sum += paragraph(code.plan.segments[s], p);
+      for (const ir::Paragraph& p : stage.paragraphs) sum += paragraph(code, s, p);
     sum.add += handed_on(code.rolled.segments[s]);
   }
   add_elements(code, sum);

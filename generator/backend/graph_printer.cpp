@@ -50,7 +50,8 @@ class Printer {
       const auto sinks = sinks_.find(id);
       const bool shared = uses_[at(id)] > 1;
       const bool plain_sign = n.op == Op::negate && (graph_[n.a].op == Op::input || graph_[n.a].op == Op::constant);
-      if (n.op == Op::input && style_.input_name && shared) read_once(n, t);
+      const bool once = shared || (n.op == Op::input && style_.held && style_.held(n.input));
+      if (n.op == Op::input && style_.input_name && once) read_once(n, t);
       if (!leaf && !plain_sign && (shared || t.operations > longest_expression)) declare(id, t);
       if (sinks == sinks_.end()) continue;
       head(n.tag);

@@ -28,6 +28,7 @@ struct PrintStyle {
   std::function<std::string(const std::string&)> broadcast;  // if set: a value of that type from a number, which is none
   std::function<std::string(const ir::Input&)> input;        // text of an input
   std::function<std::string(const ir::Input&)> input_name;   // if set: inputs used twice are read once, into this variable
+  std::function<bool(const ir::Input&)> held;                // if set: inputs that are read so even where they are used once
   std::function<std::string(ir::NodeId)> name;               // wanted name of a node, or empty
   std::function<std::string(const ir::Tag&)> heading;        // comment lines before a paragraph, or empty
   std::function<std::string(const ir::Tag&)> return_to;      // if set: instead of it where a paragraph is taken up again

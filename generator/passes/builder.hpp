@@ -90,8 +90,8 @@ class Builder {
  public:
   // References the trees and the scene.
   Builder(const ir::EmittedFunction& function, const ir::KinematicTree& tree, const ir::NormalTree& normal,
-          const ir::Scene& scene, ir::Solver solver, const ir::Graph::Options& options)
-      : tree_(tree), normal_(normal), scene_(scene), solver_(solver), options_(options) {
+          const ir::Scene& scene, ir::Solver solver, const ir::Graph::Options& options, bool in_one_section = false)
+      : tree_(tree), normal_(normal), scene_(scene), solver_(solver), options_(options), in_one_section_(in_one_section) {
     algorithm_.function = function;
     algorithm_.section = {0, function.name, function.type, function.inputs, function.quantities};
   }
@@ -138,6 +138,8 @@ class Builder {
   // Whether equations with M are solved by M's factors: joints driven by others cannot be eliminated body by body, and where
   // the factors are asked for they serve all that is solved.
   bool factors() const;
+  // Whether nothing is to stand behind the first section that can do without, though it may take longer.
+  bool in_one_section() const { return in_one_section_; }
   void solve_by(int factor) { algorithm_.factor = factor; }
   // The array of a quantity that the function computes.
   int output(ir::Quantity quantity);
@@ -165,6 +167,7 @@ class Builder {
   const ir::Scene& scene_;
   const ir::Solver solver_;
   const ir::Graph::Options options_;
+  const bool in_one_section_;
   ir::Algorithm algorithm_;
   std::vector<ir::Algorithm> before_{};  // the sections before
   std::vector<Behind> behind_{};

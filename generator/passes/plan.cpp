@@ -187,6 +187,7 @@ ir::Plan plan(const ir::KinematicTree& tree, const ir::Scene& scene, ir::Form fo
   ir::Plan plan;
   plan.form = form;
   plan.tasks = scene.parallel == ir::Parallel::tasks;
+  plan.write_limbs = options.write_limbs && options.fold;
   plan.join_tasks = options.join;
   plan.weigh_tasks = options.weigh;
   plan.costs = options.costs;

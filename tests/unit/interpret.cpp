@@ -13,6 +13,7 @@
 #include "ir/coordinate_tree.hpp"
 #include "ir/moved_links.hpp"
 #include "ir/row_runs.hpp"
+#include "ir/written_limb.hpp"
 #include "passes/joints.hpp"
 
 namespace dalembert::ir {
@@ -359,7 +360,7 @@ class RolledRun {
     for (const SegmentStage& stage : code.stages)
       for (const Paragraph& p : stage.paragraphs) {
         if (stage.level != level) continue;
-        std::map<std::pair<int, int>, std::vector<double>> carried;  // per lane
+        OfLanes carried;
         for (const Carried& c : p.carried)
           for (int lane = 0; lane < s.width; ++lane) {
             const auto at = static_cast<std::size_t>(lane);
@@ -368,7 +369,9 @@ class RolledRun {
                                                                    : kept(c.role, c.component, slot(s.parents[at]));
             carried[{c.role, c.component}].push_back(start);
           }
-        for (int i = 0; i < s.steps; ++i) {
+        const std::vector<LimbStep> written = written_limb(plan_, program_, static_cast<std::size_t>(number), p);
+        for (const LimbStep& step : written) take(step, carried);
+        for (int i = 0; i < s.steps && written.empty(); ++i) {
           const int step = p.direction == Direction::inwards ? s.steps - 1 - i : i;
           std::vector<std::vector<double>> values;
           for (int lane = 0; lane < s.width; ++lane) {
@@ -407,6 +410,23 @@ class RolledRun {
           to = h.first ? sum : to + sum;
         }
       }
+  }
+
+  using OfLanes = std::map<std::pair<int, int>, std::vector<double>>;
+
+  // What one body of a limb that is written out does.
+  void take(const LimbStep& step, OfLanes& carried) {
+    const std::vector<double> values = interpret<double>(step.graph, [&](const Input& in) {
+      switch (in.kind) {
+        case InputKind::received: return received(in.index, in.component, slot(in.body));
+        case InputKind::of_body: return kept(in.index, in.component, slot(in.body));
+        case InputKind::carried: return carried.at({in.index, in.component}).front();
+        default: return input_(in);
+      }
+    });
+    const auto value = [&](NodeId node) { return values[static_cast<std::size_t>(node)]; };
+    for (const Value& v : step.stores) kept(v.role, v.component, slot(step.body)) = value(v.node);
+    for (const Carried& c : step.carried) carried.at({c.role, c.component}).front() = value(c.node);
   }
 
   double dot(const std::vector<PairTerm>& terms, int lower, int upper) {

@@ -51,8 +51,8 @@ std::vector<ir::Algorithm> describe(const ir::EmittedFunction& function, const i
 
 std::vector<ir::Algorithm> describe(const ir::EmittedFunction& function, const ir::KinematicTree& tree,
                                     const ir::NormalTree& normal, const ir::Scene& scene, ir::Solver solver,
-                                    const ir::Graph::Options& options) {
-  Builder b(function, tree, normal, scene, solver, options);
+                                    const ir::Graph::Options& options, bool in_one_section) {
+  Builder b(function, tree, normal, scene, solver, options, in_one_section);
   // M and its factors may be made before their turn: results stand in the order asked for all the same.
   if (b.factors())
     for (const ir::Quantity quantity : function.quantities) b.output(quantity);

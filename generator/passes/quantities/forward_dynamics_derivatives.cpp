@@ -1,7 +1,8 @@
 // dv̇/dq = −M⁻¹ dτ/dq and dv̇/dv = −M⁻¹ dτ/dv at the v̇ of forward dynamics (Carpentier and Mansard 2018).
 //
-// Articulated bodies give v̇ in the sweeps. Where joints are driven by others M's factors give it, behind all sweeps: what
-// depends on it has sweeps in a section of its own, which take v̇ as inverse dynamics does.
+// Articulated bodies give v̇ in the sweeps. Where M's factors give it, it is there behind all sweeps: what depends on it has
+// sweeps in a section of its own, which take v̇ as inverse dynamics does. That spares an arm the long recursion by which
+// articulated bodies wait for each other.
 #include <algorithm>
 #include <functional>
 
@@ -73,9 +74,10 @@ int accelerations_by_factors(Builder& b) {
 
 // Behind v̇, where sweeps do not give it.
 void derive(Builder& b, ir::Quantity quantity, int array, void (*by)(Builder&, int)) {
-  // dv̇/dv alone does not depend on v̇.
   const bool all_own = b.tree().independent_joints() == b.tree().joints();
-  if (all_own || !b.computes(ir::Quantity::forward_dynamics_dq)) return by(b, array);
+  const bool in_sweeps = all_own && (!b.factors() || b.in_one_section());
+  // dv̇/dv alone does not depend on v̇.
+  if (in_sweeps || !b.computes(ir::Quantity::forward_dynamics_dq)) return by(b, array);
   padded_inverse(b);
   b.behind("derivatives", "Derivatives", accelerations_by_factors(b), -1, quantity, [=](Builder& next) { by(next, array); });
   guard(b, array);

@@ -12,6 +12,12 @@
 
 namespace dalembert {
 
+// The coordinates above a chain, the nearest first.
+struct CoordinatesAbove {
+  const int* coordinates;
+  int count;
+};
+
 // Eights of elements that a product of matrices takes at a time, for two of its columns: as many as registers hold.
 inline constexpr int product_eights = native_lanes < 8 ? 2 : 4;
 
@@ -36,13 +42,6 @@ DALEMBERT_INLINE void each_piece(const F& f) {
   });
   if constexpr (w == 4 && (count & 2) != 0) f(std::integral_constant<int, 2>{}, std::integral_constant<int, whole>{});
   if constexpr (w > 1 && (count & 1) != 0) f(std::integral_constant<int, 1>{}, std::integral_constant<int, count - 1>{});
-}
-
-// The coordinates above `first`, the nearest first, and -1; returns how many there are without that.
-static inline int path_above(const int* above, int first, int* path) noexcept {
-  int count = 0;
-  while ((path[count] = above[count > 0 ? path[count - 1] : first]) >= 0) ++count;
-  return count;
 }
 
 // f(k) for each k of `path`, then for those from `first` up to `end`. One loop, so that sums stay in registers.
@@ -116,12 +115,11 @@ __attribute__((noinline)) static void invert_before_chain(int first, int m, cons
 // Up to the diagonal, row i of X is that of D^-1 L^-T less the sum over k above i of L_ik X_k: no inverse of L is needed but
 // each chain's own.
 template <int n, int m, class T>
-__attribute__((noinline)) static void invert_chain(int first, const int* above, const T* factor, const T* pivots,
+__attribute__((noinline)) static void invert_chain(int first, CoordinatesAbove above, const T* factor, const T* pivots,
                                                    T* inverse) noexcept {
   constexpr int w = m <= 4 && native_lanes > 4 ? 4 : native_lanes, pieces = ((m <= 4 ? 4 : 8) + w - 1) / w;
   constexpr int stride = inverse_stride(n);
-  int path[n];
-  const int count = detail::path_above(above, first, path);
+  const int *const path = above.coordinates, count = above.count;
   if (first > 0) invert_before_chain<n>(first, m, path, count, factor, inverse);
   // Between the chain's own, lanes over its rows. At first columns of its L^-1, from the last, since
   // L^-1 e_k = e_k - the sum over j beyond k of L_jk L^-1 e_j.
@@ -201,10 +199,9 @@ DALEMBERT_INLINE void negative_product_columns(const int* path, int count, int f
 // Columns of result = -a b: those of a chain, from `first` up to `end`. last: the last coordinate beyond the chain. a: as
 // invert_chain() leaves it; b is zero where neither of two coordinates is above the other.
 template <int n, class T>
-__attribute__((noinline)) static void negative_product_chain(int first, int end, int last, const int* above, const T* a,
+__attribute__((noinline)) static void negative_product_chain(int first, int end, int last, CoordinatesAbove above, const T* a,
                                                              const T* b, T* result) noexcept {
-  int path[n];
-  const int count = detail::path_above(above, first, path);
+  const int *const path = above.coordinates, count = above.count;
   int j = first;
   for (; j + 2 <= end; j += 2)
     detail::negative_product_columns<n, 2, T>(path, count, first, last, a, b + j * n, result + j * n);
