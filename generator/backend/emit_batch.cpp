@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 
 #include "backend/batch_program.hpp"
 #include "backend/code_text.hpp"
@@ -12,6 +13,7 @@
 #include "backend/templates.hpp"
 #include "diagnostics.hpp"
 #include "ir/identifier.hpp"
+#include "ir/implicit_joints.hpp"
 
 namespace dalembert::backend {
 namespace {
@@ -83,7 +85,9 @@ bool is_matrix(const BatchArray& a) { return a.array.columns > 1; }
 
 class BatchFunction {
  public:
-  explicit BatchFunction(const CodeInput& code) : code_(code), program_(code) {}
+  explicit BatchFunction(const CodeInput& code) : code_(code), program_(code) {
+    if (code.implicit && rolls_out()) implicit_.emplace(code, code.implicit);
+  }
 
   std::string header() const {
     std::string pointers, blocks, packed;
@@ -110,6 +114,8 @@ class BatchFunction {
 
   // Whether it tells how a robot moves, so that motions can be computed in one call.
   bool rolls_out() const { return moved_by() != nullptr; }
+  // Whether by linearly implicit steps, too.
+  bool has_implicit_steps() const { return implicit_.has_value(); }
 
   std::string source() const {
     const ir::EmittedFunction& f = function_of(code_);
@@ -118,7 +124,7 @@ class BatchFunction {
       run = "    for (int i = 0; i < count; ++i) call_for_each(blocks[i]);\n";
       definitions = calls();
     } else {
-      straight(run, definitions);
+      straight(program_, run, definitions);
       if (program_.checked().size() == 2) definitions += status();
     }
     return render(
@@ -215,12 +221,13 @@ class BatchFunction {
     return fmt::format(
         "// n motions that {0}_{1}() makes from q and v on, `steps` steps of time_step seconds each. input: {2}, n times steps "
         "times\n"
-        "// {0}_nv() numbers, or NULL: zero. method: 0 semi-implicit Euler, 1 the classical Runge-Kutta method. Results may be "
+        "// {0}_nv() numbers, or NULL: zero. method: 0 semi-implicit Euler, 1 the classical Runge-Kutta method{4}. Results may be "
         "NULL:\n"
         "// where motions end, where they are behind each step, and of each motion the step that it could not make, or -1.\n"
         "int {0}_rollout_{1}(const {3}* q, const {3}* v, const {3}* input, size_t n, size_t steps, {3} time_step, int method,\n"
         "    {3}* last_q, {3}* last_v, {3}* path_q, {3}* path_v, int* stopped, const {0}_batch_options* options);\n\n",
-        code_.name, function_of(code_).name, function_of(code_).input(), scalar_name(code_.scene.scalar));
+        code_.name, function_of(code_).name, function_of(code_).input(), scalar_name(code_.scene.scalar),
+        has_implicit_steps() ? ", 2 linearly implicit Euler" : "");
   }
   std::string rollout_definition(const std::string& given) const {
     return fmt::format(
@@ -243,11 +250,7 @@ class BatchFunction {
 
   // Of a call.
   std::size_t bytes() const {
-    const std::size_t registers = static_cast<std::size_t>(code_.robot->nq() + 2 * code_.robot->nv() + given_count(code_) +
-                                                           3 * program_.angles() + program_.kept() + program_.elements() + 1);
-    const std::size_t moving = rolls_out() ? static_cast<std::size_t>(2 * code_.robot->nq() + 7 * code_.robot->nv()) : 0;
-    const std::size_t strip = program_.parts() > 1 ? std::clamp<std::size_t>(192 * 1024 / (registers * 64), 1, 8) : 1;
-    return (registers + moving) * 64 * strip;
+    return implicit_ ? std::max(bytes(program_), bytes(*implicit_)) : bytes(program_);
   }
 
   // For threads: states that are handed out together, some 20 us of them.
@@ -265,6 +268,15 @@ class BatchFunction {
   }
 
  private:
+  std::size_t bytes(const BatchProgram& program) const {
+    const int given = given_count(code_) + (&program == &program_ ? 0 : implicit_numbers());
+    const std::size_t registers = static_cast<std::size_t>(code_.robot->nq() + 2 * code_.robot->nv() + given +
+                                                           3 * program.angles() + program.kept() + program.elements() + 1);
+    const std::size_t moving = rolls_out() ? static_cast<std::size_t>(2 * code_.robot->nq() + 7 * code_.robot->nv()) : 0;
+    const std::size_t strip = program.parts() > 1 ? std::clamp<std::size_t>(192 * 1024 / (registers * 64), 1, 8) : 1;
+    return (registers + moving) * 64 * strip;
+  }
+
   static std::string shape(const BatchArray& a) {
     return is_matrix(a) ? fmt::format("{} x {}; packed: {} numbers", a.array.rows, a.array.columns, a.packed.size())
                         : std::to_string(a.array.rows);
@@ -288,18 +300,18 @@ class BatchFunction {
                        name, used ? "block" : "", statements);
   }
 
-  void straight(std::string& run, std::string& definitions) const {
-    if (const std::string angles = program_.angle_statements(); !angles.empty()) {
+  static void straight(const BatchProgram& program, std::string& run, std::string& definitions) {
+    if (const std::string angles = program.angle_statements(); !angles.empty()) {
       definitions += part("angles", angles);
       run += "    for (int i = 0; i < count; ++i) angles(blocks[i]);\n";
     }
-    if (program_.angles() > 0)
+    if (program.angles() > 0)
       run += fmt::format(
           "    for (int i = 0; i < count; ++i)\n"
           "      dalembert::batch_sincos<Scalar>(blocks[i].angle, {}, blocks[i].sine, blocks[i].cosine);\n",
-          program_.angles());
-    for (int i = 0; i < program_.parts(); ++i) {
-      definitions += part(fmt::format("part_{}", i), program_.part_statements(i));
+          program.angles());
+    for (int i = 0; i < program.parts(); ++i) {
+      definitions += part(fmt::format("part_{}", i), program.part_statements(i));
       run += fmt::format("    for (int i = 0; i < count; ++i) part_{}(blocks[i]);\n", i);
     }
   }
@@ -415,9 +427,10 @@ class BatchFunction {
   }
 
   // v̇ among the values.
-  const BatchArray* moved_by() const {
+  const BatchArray* moved_by() const { return moved_by(program_); }
+  const BatchArray* moved_by(const BatchProgram& program) const {
     const std::string name = function_of(code_).acceleration_result();
-    const auto& all = program_.results();
+    const auto& all = program.results();
     const auto found = std::find_if(all.begin(), all.end(), [&](const BatchArray& a) { return a.array.name == name; });
     return name.empty() || found == all.end() ? nullptr : &*found;
   }
@@ -429,8 +442,70 @@ class BatchFunction {
                                   {"type", f.type},
                                   {"more_members", program_.by_calls() ? ", {}" : ""},
                                   {"moved_by", std::to_string(moved_by()->first)},
-                                  {"joints", code_.robot->any_quaternion() ? ", quaternion_joints" : ""},
-                                  {"finish", finish()}});
+                                  {"joints", joints_that_turn()},
+                                  {"finish", finish()},
+                                  {"generated", implicit_ ? "<true>" : ""},
+                                  {"implicit_program", implicit_program()},
+                                  {"implicit_steps", implicit_steps()}});
+  }
+  std::string joints_that_turn() const { return code_.robot->any_quaternion() ? ", quaternion_joints" : ""; }
+
+  int implicit_numbers() const {
+    return ir::implicit_numbers * static_cast<int>(ir::implicit_joints(code_.implicit->tree).size());
+  }
+
+  std::string implicit_program() const {
+    if (!implicit_) return "";
+    std::string run, definitions, constants;
+    straight(*implicit_, run, definitions);
+    int at = given_count(code_);
+    for (const ir::ImplicitJoint& joint : ir::implicit_joints(code_.implicit->tree)) {
+      const std::string damping = literal(joint.damping, code_.scene.scalar),
+                        stiffness = literal(joint.stiffness, code_.scene.scalar);
+      const auto put = [&](int component, const std::string& value) {
+        constants += fmt::format("    block.given[{}] = dalembert::broadcast<width, Scalar>({});\n", at + component, value);
+      };
+      constants += fmt::format("    // {}: h (D + h K){}\n", comment_text(code_.implicit->tree.bodies[static_cast<size_t>(joint.body)].joint),
+                               joint.stiffness == 0 ? "" : ", h K");
+      put(ir::implicit_inertia,
+          joint.stiffness == 0 ? fmt::format("h * {}", damping) : fmt::format("h * ({} + h * {})", damping, stiffness));
+      if (joint.stiffness != 0) put(ir::implicit_force, fmt::format("h * {}", stiffness));
+      at += ir::implicit_numbers;
+    }
+    if (constants.empty()) constants = "    (void)h;\n";
+    return render("rollout_implicit.cpp", {{"function", function_of(code_).name},
+                                           {"type", function_of(code_).type},
+                                           {"operations", std::to_string(implicit_->operations())},
+                                           {"given", std::to_string(at)},
+                                           {"angles", std::to_string(implicit_->angles())},
+                                           {"kept", std::to_string(implicit_->kept())},
+                                           {"elements", std::to_string(implicit_->elements())},
+                                           {"parts", std::to_string(implicit_->parts())},
+                                           {"with_given", with_given()},
+                                           {"constants", constants},
+                                           {"run", run},
+                                           {"definitions", definitions}});
+  }
+
+  // The motions by such steps: as semi-implicit Euler's, but for v̇.
+  std::string implicit_steps() const {
+    if (!implicit_) return "";
+    const auto& checked = implicit_->checked();
+    std::string finish = fmt::format(
+        "          if (!dalembert::batch_holds<nv, Scalar>(block.values + {0}, block.values + {1}, block.status)) {{\n"
+        "            dalembert::batch_pivots_hold<nv, Scalar>(block.values + {0}, block.values + {1}, block.status);\n",
+        checked.at(0).first, checked.at(1).first);
+    for (const BatchArray& a : implicit_->results())
+      finish += fmt::format("            dalembert::batch_clear<Scalar>(block.status, block.values + {}, {});\n", a.first,
+                            a.packed.size());
+    return fmt::format(
+        "  if (rollout.method == dalembert::RolloutMethod::linearly_implicit) {{\n"
+        "    using Program = {}ImplicitProgram;\n"
+        "    dalembert::roll_out<nq, nv, Scalar>(\n"
+        "        Program{{batch, rollout.time_step}}, rollout, batch.q, batch.v, batch.input, batch.states, batch.results, first,\n"
+        "        first + count, {}, [](Program::Block& block) {{\n{}          }}\n        }}{});\n"
+        "    return dalembert::BatchError::none;\n  }}\n",
+        function_of(code_).type, moved_by(*implicit_)->first, finish, joints_that_turn());
   }
 
   static std::string matrix_name(const BatchArray& a) { return a.array.name + "_of_batch"; }
@@ -493,6 +568,7 @@ class BatchFunction {
 
   const CodeInput& code_;
   const BatchProgram program_;
+  std::optional<BatchProgram> implicit_;  // of linearly implicit steps
 };
 
 std::vector<const CodeInput*> batched(const Folder& folder) {
@@ -554,6 +630,11 @@ std::vector<OutputFile> batch_files(const Folder& folder, const std::string& ban
                         fmt::format("the results of {}() are {} numbers a state, and batches take no more than {}",
                                     function_of(*f).name, function.elements(), BatchFunction::most_elements),
                         "call the function state by state, which takes no longer on a robot of that size, or ask for less"});
+    if (code.scene.linearly_implicit && function.rolls_out() && !function.has_implicit_steps())
+      throw InputError({Severity::error, "", "key 'rollouts'",
+                        fmt::format("a linearly implicit step of {}() is too long to be written out for a robot of that size",
+                                    function_of(*f).name),
+                        "leave linearly_implicit out, and integrate single states (docs/integrators.md)"});
     declarations += function.header();
     definitions += function.source();
     c_functions += function.c_definitions();

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <dalembert/integrators/linearly_implicit.hpp>
 #include <dalembert/integrators/rk4.hpp>
 #include <dalembert/integrators/semi_implicit_euler.hpp>
 #include <limits>
@@ -14,6 +15,7 @@
 #include "commands/generic_engine.hpp"
 #include "commands/machine.hpp"
 #include "commands/random_states.hpp"
+#include "ir/implicit_joints.hpp"
 #include "reference/engine.hpp"
 
 namespace dalembert {
@@ -100,6 +102,23 @@ class GenericDynamics {
   Eigen::VectorXd acceleration(const Eigen::VectorXd& q, const Eigen::VectorXd& v) {
     at_.q = q, at_.v = v;
     return evaluate_generic(model_, output_, at_);
+  }
+
+  // With the joints' own dampers and springs alone, C being held during a step.
+  integrators::Linearised<double, Eigen::Dynamic> linearised(const Eigen::VectorXd& q, const Eigen::VectorXd& v) {
+    const Eigen::VectorXd at_rest = Eigen::VectorXd::Zero(v.size());
+    const std::vector<Eigen::MatrixXd> of_motion =
+        reference::evaluate(model_.tree, model_.scene, {{ir::Quantity::mass_matrix, ""}, {ir::Quantity::inverse_dynamics, ""}},
+                            {q, v, at_rest, at_.wrenches}, reference::Precision::float64);
+    integrators::Linearised<double, Eigen::Dynamic> near;
+    near.mass = of_motion[0];
+    near.damping = near.stiffness = Eigen::MatrixXd::Zero(v.size(), v.size());
+    for (const ir::ImplicitJoint& joint : ir::implicit_joints(model_.tree)) {
+      near.damping(joint.coordinate, joint.coordinate) = joint.damping;
+      near.stiffness(joint.coordinate, joint.coordinate) = joint.stiffness;
+    }
+    near.force = at_.more - of_motion[1];
+    return near;
   }
 
  private:
@@ -203,7 +222,10 @@ class Check {
       if (acceleration.allFinite()) fastest = std::max(fastest, acceleration.cwiseAbs().maxCoeff());
     const double time_step = 0.05 / (1 + fastest);  // so that nothing grows beyond what the tolerance is for
     const double tolerance = steps * expected_[o].tolerance;
-    for (const auto& [method, name] : {std::pair{RolloutMethod::semi_implicit_euler, "Euler"}, {RolloutMethod::rk4, "rk4"}}) {
+    std::vector<std::pair<RolloutMethod, const char*>> methods{{RolloutMethod::semi_implicit_euler, "Euler"},
+                                                               {RolloutMethod::rk4, "rk4"}};
+    if (model_.scene.linearly_implicit) methods.emplace_back(RolloutMethod::linearly_implicit, "implicit");
+    for (const auto& [method, name] : methods) {
       const BatchEngine::Ends ends = batch.roll_out(output, states_, steps, time_step, method);
       RelativeError turned(0), moved(1);
       bool all_moved = true;
@@ -212,6 +234,7 @@ class Check {
         Eigen::VectorXd q = states_[s].q, v = states_[s].v;
         for (size_t step = 0; step < steps; ++step) {
           if (method == RolloutMethod::rk4) integrators::rk4(dynamics, time_step, q, v);
+          else if (method == RolloutMethod::linearly_implicit) integrators::linearly_implicit(dynamics, time_step, q, v);
           else integrators::semi_implicit_euler(dynamics, time_step, q, v);
         }
         all_moved = all_moved && ends.stopped[s] < 0;

@@ -60,6 +60,7 @@ constexpr Help scene_help[] = {
      "times "
      "them here, and writes the fastest into the scene file"},
     {"batch", "true|false", "functions that take many states at once are generated too"},
+    {"rollouts", "linearly_implicit", "methods of batches' rollouts beside semi-implicit Euler and RK4"},
 };
 
 // Those of ir/quantities.def.

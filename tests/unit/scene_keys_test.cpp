@@ -56,6 +56,7 @@ const Example examples[] = {
     {"parallel", "tasks", "tasks"},
     {"plan", "{evaluate: {form: straight, order: newest_first}}", "{evaluate: {form: straight, order: newest_first}}"},
     {"batch", "true", "true"},
+    {"rollouts", "[linearly_implicit]", "linearly_implicit"},
 };
 
 // Three joints in a row, with damping; then one that moves no mass. The second link's inertia is no body's.

@@ -91,10 +91,11 @@ DALEMBERT_BLOCK void accept_step(RolloutBlock<T, nq, nv>& motion, const int* sta
 
 }  // namespace detail
 
-// What a rollout has to be, beyond what a batch has to be.
-template <class T>
+// What a rollout has to be, beyond what a batch has to be. linearly_implicit: whether the code has such steps.
+template <bool linearly_implicit = false, class T>
 static inline BatchError check_rollout(const Rollout<T>& rollout, const T* input, std::size_t count, int nq) noexcept {
-  if (static_cast<unsigned>(rollout.method) > static_cast<unsigned>(RolloutMethod::rk4)) return BatchError::method;
+  if (static_cast<unsigned>(rollout.method) > static_cast<unsigned>(RolloutMethod::linearly_implicit)) return BatchError::method;
+  if (rollout.method == RolloutMethod::linearly_implicit && !linearly_implicit) return BatchError::left_out;
   if (!std::isfinite(rollout.time_step)) return BatchError::time_step;
   if (rollout.control && input) return BatchError::control;
   constexpr std::size_t most = std::numeric_limits<std::size_t>::max() / 2 / sizeof(double);
@@ -158,7 +159,7 @@ static inline void roll_out(Program&& program, const Rollout<T>& rollout, const 
         for (int b = 0; b < count; ++b)
           for (int j = 0; j < w; ++j) status[b][j] = begins ? blocks[b].status[j] : std::max(status[b][j], blocks[b].status[j]);
       };
-      if (rollout.method == RolloutMethod::semi_implicit_euler) {
+      if (rollout.method != RolloutMethod::rk4) {  // a linearly implicit step is the same, with v̇ of its own program
         accelerate();
         keep_status(true);
         for (int b = 0; b < count; ++b) {
