@@ -221,7 +221,8 @@ class BatchFunction {
     return fmt::format(
         "// n motions that {0}_{1}() makes from q and v on, `steps` steps of time_step seconds each. input: {2}, n times steps "
         "times\n"
-        "// {0}_nv() numbers, or NULL: zero. method: 0 semi-implicit Euler, 1 the classical Runge-Kutta method{4}. Results may be "
+        "// {0}_nv() numbers, or NULL: zero. method: 0 semi-implicit Euler, 1 the classical Runge-Kutta method{4}. Results may "
+        "be "
         "NULL:\n"
         "// where motions end, where they are behind each step, and of each motion the step that it could not make, or -1.\n"
         "int {0}_rollout_{1}(const {3}* q, const {3}* v, const {3}* input, size_t n, size_t steps, {3} time_step, int method,\n"
@@ -249,9 +250,7 @@ class BatchFunction {
   }
 
   // Of a call.
-  std::size_t bytes() const {
-    return implicit_ ? std::max(bytes(program_), bytes(*implicit_)) : bytes(program_);
-  }
+  std::size_t bytes() const { return implicit_ ? std::max(bytes(program_), bytes(*implicit_)) : bytes(program_); }
 
   // For threads: states that are handed out together, some 20 us of them.
   std::string tasks() const {
@@ -465,7 +464,8 @@ class BatchFunction {
       const auto put = [&](int component, const std::string& value) {
         constants += fmt::format("    block.given[{}] = dalembert::broadcast<width, Scalar>({});\n", at + component, value);
       };
-      constants += fmt::format("    // {}: h (D + h K){}\n", comment_text(code_.implicit->tree.bodies[static_cast<size_t>(joint.body)].joint),
+      constants += fmt::format("    // {}: h (D + h K){}\n",
+                               comment_text(code_.implicit->tree.bodies[static_cast<size_t>(joint.body)].joint),
                                joint.stiffness == 0 ? "" : ", h K");
       put(ir::implicit_inertia,
           joint.stiffness == 0 ? fmt::format("h * {}", damping) : fmt::format("h * ({} + h * {})", damping, stiffness));
@@ -502,7 +502,8 @@ class BatchFunction {
         "  if (rollout.method == dalembert::RolloutMethod::linearly_implicit) {{\n"
         "    using Program = {}ImplicitProgram;\n"
         "    dalembert::roll_out<nq, nv, Scalar>(\n"
-        "        Program{{batch, rollout.time_step}}, rollout, batch.q, batch.v, batch.input, batch.states, batch.results, first,\n"
+        "        Program{{batch, rollout.time_step}}, rollout, batch.q, batch.v, batch.input, batch.states, batch.results, "
+        "first,\n"
         "        first + count, {}, [](Program::Block& block) {{\n{}          }}\n        }}{});\n"
         "    return dalembert::BatchError::none;\n  }}\n",
         function_of(code_).type, moved_by(*implicit_)->first, finish, joints_that_turn());

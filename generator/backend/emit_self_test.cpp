@@ -207,8 +207,8 @@ class SelfTestText {
   std::string comparison(const ir::Expectation& e) const { return comparison(e, table_name(e)); }
   std::string comparison(const ir::Expectation& e, const std::string& name) const {
     const ir::OutputArray& a = array(e.array);
-    const std::string what = fmt::format("{{\"{}\", {}, {}, {}}}, workspace.{}, {}", a.name, e.state, e.scale, e.tolerance,
-                                         a.name, a.rows);
+    const std::string what =
+        fmt::format("{{\"{}\", {}, {}, {}}}, workspace.{}, {}", a.name, e.state, e.scale, e.tolerance, a.name, a.rows);
     if (e.kind == Kind::products) return fmt::format("  test.products({}, {}, {});\n", what, a.columns, name);
     return fmt::format("  test.{}({}, {}, {}, {});\n", e.kind == Kind::elements ? "elements" : "symmetric_elements", what,
                        e.complete ? "nullptr" : name + "_columns", e.columns.size(), name);

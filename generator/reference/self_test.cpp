@@ -210,8 +210,8 @@ ir::Expectation implicit_step(int array, int state, double step, ir::KinematicTr
   ir::Expectation e = Comparison(array, state, exact, generic, LeastScale(tree, scene, inputs).of(wanted),
                                  condition(wanted, tree, scene, inputs), scene.scalar)
                           .elements(false);
-  const double epsilon = scene.scalar == ir::ScalarType::float32 ? std::numeric_limits<float>::epsilon()
-                                                                  : std::numeric_limits<double>::epsilon();
+  const double epsilon =
+      scene.scalar == ir::ScalarType::float32 ? std::numeric_limits<float>::epsilon() : std::numeric_limits<double>::epsilon();
   e.tolerance += 2 * epsilon * (fastest / step + e.scale) / e.scale;
   return e;
 }
@@ -227,7 +227,8 @@ ir::SelfTest self_test(const ir::KinematicTree& original, const ir::Scene& origi
   std::vector<int> moving;  // arrays of functions that roll out by linearly implicit steps
   for (const ir::EmittedFunction& function : ir::functions_of(scene)) {
     for (const ir::Quantity quantity : function.quantities) {
-      if (scene.linearly_implicit && quantity == ir::Quantity::forward_dynamics) moving.push_back(static_cast<int>(wanted.size()));
+      if (scene.linearly_implicit && quantity == ir::Quantity::forward_dynamics)
+        moving.push_back(static_cast<int>(wanted.size()));
       const ir::QuantityRow& row = ir::row_of(quantity);
       wanted.push_back({quantity, "", {}, ir::selection(function.part(quantity), row.rows, row.columns)});
     }

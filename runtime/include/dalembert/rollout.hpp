@@ -94,7 +94,8 @@ DALEMBERT_BLOCK void accept_step(RolloutBlock<T, nq, nv>& motion, const int* sta
 // What a rollout has to be, beyond what a batch has to be. linearly_implicit: whether the code has such steps.
 template <bool linearly_implicit = false, class T>
 static inline BatchError check_rollout(const Rollout<T>& rollout, const T* input, std::size_t count, int nq) noexcept {
-  if (static_cast<unsigned>(rollout.method) > static_cast<unsigned>(RolloutMethod::linearly_implicit)) return BatchError::method;
+  if (static_cast<unsigned>(rollout.method) > static_cast<unsigned>(RolloutMethod::linearly_implicit))
+    return BatchError::method;
   if (rollout.method == RolloutMethod::linearly_implicit && !linearly_implicit) return BatchError::left_out;
   if (!std::isfinite(rollout.time_step)) return BatchError::time_step;
   if (rollout.control && input) return BatchError::control;

@@ -11,8 +11,8 @@ namespace dalembert {
 enum class RolloutMethod : int {
   semi_implicit_euler,  // the new speeds move the positions; of first order, one evaluation a step
   rk4,                  // of fourth order, four evaluations
-  // Of first order; stiff dampers and springs of the robot's joints come to rest instead of blowing up. Where the scene asks for
-  // it: rollouts: [linearly_implicit].
+  // Of first order; stiff dampers and springs of the robot's joints come to rest instead of blowing up. Where the scene asks
+  // for it: rollouts: [linearly_implicit].
   linearly_implicit,
 };
 
