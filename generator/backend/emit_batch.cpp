@@ -85,7 +85,9 @@ bool is_matrix(const BatchArray& a) { return a.array.columns > 1; }
 
 class BatchFunction {
  public:
-  explicit BatchFunction(const CodeInput& code) : code_(code), program_(code) {
+  // impact: of the folder, the function that tells what an impact does; null: rollouts know none.
+  explicit BatchFunction(const CodeInput& code, const CodeInput* impact = nullptr)
+      : code_(code), impact_(impact), program_(code) {
     if (code.implicit && rolls_out()) implicit_.emplace(code, code.implicit);
   }
 
@@ -114,6 +116,10 @@ class BatchFunction {
 
   // Whether it tells how a robot moves, so that motions can be computed in one call.
   bool rolls_out() const { return moved_by() != nullptr; }
+  // Whether contacts and loops come on and go in its rollouts, with impacts.
+  bool has_impacts() const {
+    return impact_ && rolls_out() && function_of(code_).computes(ir::Quantity::constrained_forward_dynamics);
+  }
   // Whether by linearly implicit steps, too.
   bool has_implicit_steps() const { return implicit_.has_value(); }
 
@@ -244,9 +250,10 @@ class BatchFunction {
         "  rollout.steps = steps, rollout.time_step = time_step;\n"
         "  rollout.method = static_cast<dalembert::RolloutMethod>(method);\n"
         "  rollout.last_q = last_q, rollout.last_v = last_v, rollout.path_q = path_q, rollout.path_v = path_v;\n"
-        "  rollout.stopped = stopped;\n"
+        "  rollout.stopped = stopped;\n{4}"
         "  return static_cast<int>({0}::{1}_rollout(batch, rollout));\n}}\n\n",
-        code_.name, function_of(code_).name, scalar_name(code_.scene.scalar), given);
+        code_.name, function_of(code_).name, scalar_name(code_.scene.scalar), given,
+        has_impacts() ? "  if (options) rollout.active = options->active;\n" : "");
   }
 
   // Of a call.
@@ -268,10 +275,11 @@ class BatchFunction {
 
  private:
   std::size_t bytes(const BatchProgram& program) const {
-    const int given = given_count(code_) + (&program == &program_ ? 0 : implicit_numbers());
+    const int given = given_count(code_) + (&program == &program_ ? 0 : implicit_numbers()) + constraint_count();
     const std::size_t registers = static_cast<std::size_t>(code_.robot->nq() + 2 * code_.robot->nv() + given +
                                                            3 * program.angles() + program.kept() + program.elements() + 1);
-    const std::size_t moving = rolls_out() ? static_cast<std::size_t>(2 * code_.robot->nq() + 7 * code_.robot->nv()) : 0;
+    std::size_t moving = rolls_out() ? static_cast<std::size_t>(2 * code_.robot->nq() + 7 * code_.robot->nv()) : 0;
+    if (has_impacts()) moving += static_cast<std::size_t>(code_.robot->nv() + constraint_count());
     const std::size_t strip = program.parts() > 1 ? std::clamp<std::size_t>(192 * 1024 / (registers * 64), 1, 8) : 1;
     return (registers + moving) * 64 * strip;
   }
@@ -316,12 +324,14 @@ class BatchFunction {
   }
 
   // The function itself at the state `state` of a block, into a `workspace`.
-  std::string call() const {
+  std::string call() const { return call(code_, false); }
+  // Of a function that takes the same, or less; switched: which contacts and loops act stands in the block.
+  std::string call(const CodeInput& called, bool switched) const {
     std::string text =
         "      Scalar q[nq], v[nv];\n"
         "      dalembert::take_state<Scalar>(block.q, nq, state, q);\n"
         "      dalembert::take_state<Scalar>(block.v, nv, state, v);\n";
-    const std::vector<std::string> vectors = vectors_of(code_);
+    const std::vector<std::string> vectors = vectors_of(called);
     if (vectors.size() > 2)
       text += fmt::format(
           "      Scalar {0}[nv];\n"
@@ -341,9 +351,13 @@ class BatchFunction {
       given(payload + ".inertia", 6);
     }
     for (const ir::ExternalWrench& wrench : scene.wrenches) given("workspace.wrench_" + ir::identifier(wrench.link), 6);
-    for (const ir::Constraint& c : scene.constraints())
+    for (const ir::Constraint& c : scene.constraints()) {
       text += fmt::format("      if (batch.workspace) workspace.{0} = batch.workspace->{0};\n", c.member);
-    return text + fmt::format("      {}({}, workspace);\n", function_of(code_).name, arguments_of(code_));
+      if (switched)
+        text += fmt::format("      workspace.{}.active = dalembert::lane<width, Scalar>(block.given[{}], state) > Scalar(0);\n",
+                            c.member, at++);
+    }
+    return text + fmt::format("      {}({}, workspace);\n", function_of(called).name, arguments_of(called));
   }
 
   // Near a singular M, by the function itself: states are few, and the bounds that tell are as much work as the rest.
@@ -358,11 +372,11 @@ class BatchFunction {
   }
 
   // The function itself at each state of a block.
-  std::string calls() const {
+  std::string calls(bool switched = false) const {
     std::string text =
         "  void call_for_each(Block& block) noexcept {\n"
         "    for (int state = 0; state < width; ++state) {\n" +
-        call();
+        call(code_, switched);
     for (const BatchArray& a : program_.results()) {
       // Packed is row by row, and the workspace has columns.
       if (!is_matrix(a))
@@ -443,14 +457,43 @@ class BatchFunction {
                                   {"moved_by", std::to_string(moved_by()->first)},
                                   {"joints", joints_that_turn()},
                                   {"finish", finish()},
-                                  {"generated", implicit_ ? "<true>" : ""},
-                                  {"implicit_program", implicit_program()},
+                                  {"generated", implicit_       ? "<true>"
+                                                : has_impacts() ? "<false, true>"
+                                                                : ""},
+                                  {"program", has_impacts() ? "ContactProgram" : "BatchProgram"},
+                                  {"other_program", has_impacts() ? contact_program() : implicit_program()},
                                   {"implicit_steps", implicit_steps()}});
   }
   std::string joints_that_turn() const { return code_.robot->any_quaternion() ? ", quaternion_joints" : ""; }
 
   int implicit_numbers() const {
     return ir::implicit_numbers * static_cast<int>(ir::implicit_joints(code_.implicit->tree).size());
+  }
+
+  int constraint_count() const { return has_impacts() ? static_cast<int>(code_.scene.constraints().size()) : 0; }
+
+  std::string contact_program() const {
+    const int first = given_count(code_);
+    std::string as_set, strike = call(*impact_, true);
+    for (size_t line = 0; line < strike.size(); line = strike.find('\n', line) + 1) strike.erase(line, 2);  // in no loop
+    int at = first;
+    for (const ir::Constraint& c : code_.scene.constraints())
+      as_set += fmt::format(
+          "    block.given[{}] = dalembert::broadcast<width, Scalar>(!batch.workspace || batch.workspace->{}.active ? 1 : "
+          "0);\n",
+          at++, c.member);
+    return render("rollout_contacts.cpp", {{"function", function_of(code_).name},
+                                           {"type", function_of(code_).type},
+                                           {"impact", function_of(*impact_).name},
+                                           {"result", function_of(*impact_).result(ir::Quantity::impact)},
+                                           {"given", std::to_string(at)},
+                                           {"first_active", std::to_string(first)},
+                                           {"constraints", std::to_string(constraint_count())},
+                                           {"elements", std::to_string(program_.elements())},
+                                           {"with_given", with_given()},
+                                           {"as_set", as_set},
+                                           {"strike", strike},
+                                           {"definitions", calls(true)}});
   }
 
   std::string implicit_program() const {
@@ -568,6 +611,7 @@ class BatchFunction {
   }
 
   const CodeInput& code_;
+  const CodeInput* const impact_;
   const BatchProgram program_;
   std::optional<BatchProgram> implicit_;  // of linearly implicit steps
 };
@@ -577,6 +621,17 @@ std::vector<const CodeInput*> batched(const Folder& folder) {
   for (const CodeInput& f : folder.functions)
     if (f.scene.batch) all.push_back(&f);
   return all;
+}
+
+// What tells a function's rollouts what an impact does, where the scene asks for it: the function itself, or another of the
+// folder that takes no more than it does.
+const CodeInput* impact_of(const Folder& folder, const CodeInput& code) {
+  const auto tells = [](const CodeInput& f) { return function_of(f).computes(ir::Quantity::impact); };
+  if (!code.scene.impacts) return nullptr;
+  if (tells(code)) return &code;
+  for (const CodeInput& f : folder.functions)
+    if (tells(f) && (!*function_of(f).input() || function_of(f).inputs == function_of(code).inputs)) return &f;
+  return nullptr;
 }
 
 }  // namespace
@@ -605,6 +660,14 @@ std::string batch_c_declarations(const Folder& folder) {
             "  const {}_workspace* workspace;\n",
             n) +
         given;
+  for (const CodeInput* f : batched(folder))
+    if (BatchFunction(*f, impact_of(folder, *f)).has_impacts()) {
+      given += fmt::format(
+          "  // Of rollouts: which contacts and loops act in each step, 1 or 0 each; NULL: as in the workspace.\n"
+          "  const {}* active;\n",
+          s);
+      break;
+    }
   std::string text = fmt::format(
       "// Many states at once. Numbers of states and results stand one after another, unless options say otherwise.\n"
       "typedef struct {0}_batch_options {{\n"
@@ -614,7 +677,7 @@ std::string batch_c_declarations(const Folder& folder) {
       "// What a number that a function of batches returns means.\n"
       "const char* {0}_batch_error(int error);\n\n",
       n, code.scene.scalar == ir::ScalarType::float32 ? 16 : 8, given);
-  for (const CodeInput* f : batched(folder)) text += BatchFunction(*f).c_declarations();
+  for (const CodeInput* f : batched(folder)) text += BatchFunction(*f, impact_of(folder, *f)).c_declarations();
   return text;
 }
 
@@ -625,7 +688,7 @@ std::vector<OutputFile> batch_files(const Folder& folder, const std::string& ban
   std::size_t bytes = 0;
   bool rolls_out = false;
   for (const CodeInput* f : batched(folder)) {
-    const BatchFunction function(*f);
+    const BatchFunction function(*f, impact_of(folder, *f));
     if (function.elements() > BatchFunction::most_elements)
       throw InputError({Severity::error, "", "key 'batch'",
                         fmt::format("the results of {}() are {} numbers a state, and batches take no more than {}",

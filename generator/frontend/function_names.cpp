@@ -95,7 +95,7 @@ constexpr const char* of_constrained_derivatives[] = {"constrained_derivatives",
 std::vector<std::string> names_of(const ir::EmittedFunction& function) {
   std::vector<std::string> names{function.name, function.type + "Scratch", function.type + "TaskGraph",
                                  "batch_" + function.name};
-  for (const char* type : {"BatchResults", "BatchBlock", "BatchProgram", "ImplicitProgram"})
+  for (const char* type : {"BatchResults", "BatchBlock", "BatchProgram", "ImplicitProgram", "ContactProgram"})
     names.push_back(function.type + type);
   for (const char* word : {"_batch", "_batch_tasks", "_batch_blocks", "_batch_results"}) names.push_back(function.name + word);
   for (const char* word : own) names.push_back(function.own_name(word));

@@ -297,12 +297,18 @@ class SceneCheck {
 
   // Steps of whole motions, dampers and springs of the joints at their ends.
   void rollouts() {
-    if (!scene_.linearly_implicit) return;
-    const std::string key = "rollouts/linearly_implicit";
+    const std::string key = scene_.impacts ? "rollouts/impacts" : "rollouts/linearly_implicit";
+    if (!scene_.linearly_implicit && !scene_.impacts) return;
     if (!scene_.batch) error(key, "rollouts are of batches, which the scene does not ask for", "write batch: true");
     const std::vector<ir::Quantity> all = scene_.quantities();
-    if (std::find(all.begin(), all.end(), ir::Quantity::forward_dynamics) == all.end())
-      error(key, "no function tells how the robot moves", "ask for forward_dynamics");
+    const auto asked = [&](ir::Quantity quantity) { return std::find(all.begin(), all.end(), quantity) != all.end(); };
+    if (scene_.impacts && !asked(ir::Quantity::constrained_forward_dynamics))
+      error(key, "no function tells how the robot moves where contacts and loops hold it",
+            "ask for constrained_forward_dynamics");
+    if (scene_.impacts && !asked(ir::Quantity::impact))
+      error(key, "no function tells what an impact does", "ask for impact, beside constrained_forward_dynamics");
+    if (!scene_.linearly_implicit) return;
+    if (!asked(ir::Quantity::forward_dynamics)) error(key, "no function tells how the robot moves", "ask for forward_dynamics");
     if (scene_.any_constraint())
       error(key,
             fmt::format("{} '{}' holds the robot, and linearly implicit steps are of robots that nothing holds",

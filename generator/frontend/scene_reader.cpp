@@ -156,15 +156,17 @@ class SceneReader {
 
   void batch(const YamlNode& node) { scene_.batch = choice<bool>(node, {{"true", true}, {"false", false}}); }
 
-  // [method, ...]
+  // [linearly_implicit], [impacts]
   void rollouts(const YamlNode& node) {
-    scene_.linearly_implicit = false;
-    for (const YamlNode& item : list(node, "a list of methods, such as [linearly_implicit]")) {
+    scene_.linearly_implicit = scene_.impacts = false;
+    for (const YamlNode& item : list(node, "a list of what rollouts shall know, such as [linearly_implicit]")) {
       if (item.scalar == "semi_implicit_euler" || item.scalar == "rk4")
         refuse(item, fmt::format("every rollout has '{}'", item.scalar), "leave it out");
-      if (item.scalar != "linearly_implicit")
-        refuse(item, fmt::format("the method '{}' is unknown", item.scalar), suggestion(item.scalar, {"linearly_implicit"}));
-      scene_.linearly_implicit = true;
+      if (item.scalar == "linearly_implicit") scene_.linearly_implicit = true;
+      else if (item.scalar == "impacts") scene_.impacts = true;
+      else
+        refuse(item, fmt::format("rollouts know no '{}'", item.scalar),
+               suggestion(item.scalar, {"linearly_implicit", "impacts"}));
     }
   }
 

@@ -311,10 +311,10 @@ TEST(Check, FindsAWrongLine) {
 // where nothing acts that should, both check and self-test say so.
 TEST(Check, CoversRollouts) {
   setenv("CXX", "c++ -Wall -Wextra -Wpedantic -Werror", 1);
-  const Outcome held =
-      run_dalembert({"check", arm, "--base", "fixed", "--batch", "true", "--outputs", "constrained_forward_dynamics",
-                     "--contacts", "hand=point", "--joints", "{elbow: spherical}", quickly[0], quickly[1]},
-                    ".");
+  const Outcome held = run_dalembert(
+      {"check", arm, "--base", "fixed", "--batch", "true", "--outputs", "constrained_forward_dynamics,impact", "--contacts",
+       "hand=point", "--rollouts", "impacts", "--joints", "{elbow: spherical}", quickly[0], quickly[1]},
+      ".");
   EXPECT_EQ(held.status, 0) << held.err << held.out;
   for (const char* line :
        {"its rollouts, 4 steps ", "constrained_forward_dynamics, Euler ", "constrained_forward_dynamics, rk4 "})

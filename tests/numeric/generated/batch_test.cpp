@@ -563,6 +563,9 @@ TYPED_TEST(Rollouts, NameWhatIsWrong) {
   EXPECT_EQ(TypeParam::rollout(batch, rollout), BatchError::left_out) << "the scene does not ask for it";
   EXPECT_NE(std::string(describe(BatchError::left_out)).find("rollouts: [linearly_implicit]"), std::string::npos);
   rollout.method = dalembert::RolloutMethod::rk4;
+  rollout.active = this->tau.data();
+  EXPECT_EQ(TypeParam::rollout(batch, rollout), BatchError::active) << "the scene does not ask for it";
+  rollout.active = nullptr;
   rollout.control = [](const dalembert::RolloutStep<double>&, void*) {};
   batch.input = this->tau.data();
   EXPECT_EQ(TypeParam::rollout(batch, rollout), BatchError::control);
