@@ -117,9 +117,7 @@ class BatchFunction {
   // Whether it tells how a robot moves, so that motions can be computed in one call.
   bool rolls_out() const { return moved_by() != nullptr; }
   // Whether contacts and loops come on and go in its rollouts, with impacts.
-  bool has_impacts() const {
-    return impact_ && rolls_out() && function_of(code_).computes(ir::Quantity::constrained_forward_dynamics);
-  }
+  bool has_impacts() const { return impact_ && rolls_out() && function_of(code_).moves_as_held(); }
   // Whether by linearly implicit steps, too.
   bool has_implicit_steps() const { return implicit_.has_value(); }
 
@@ -484,8 +482,8 @@ class BatchFunction {
           at++, c.member);
     return render("rollout_contacts.cpp", {{"function", function_of(code_).name},
                                            {"type", function_of(code_).type},
-                                           {"impact", function_of(*impact_).name},
-                                           {"result", function_of(*impact_).result(ir::Quantity::impact)},
+                                           {"struck_by", function_of(*impact_).name},
+                                           {"result", function_of(*impact_).impact_result()},
                                            {"given", std::to_string(at)},
                                            {"first_active", std::to_string(first)},
                                            {"constraints", std::to_string(constraint_count())},
@@ -626,7 +624,7 @@ std::vector<const CodeInput*> batched(const Folder& folder) {
 // What tells a function's rollouts what an impact does, where the scene asks for it: the function itself, or another of the
 // folder that takes no more than it does.
 const CodeInput* impact_of(const Folder& folder, const CodeInput& code) {
-  const auto tells = [](const CodeInput& f) { return function_of(f).computes(ir::Quantity::impact); };
+  const auto tells = [](const CodeInput& f) { return !function_of(f).impact_result().empty(); };
   if (!code.scene.impacts) return nullptr;
   if (tells(code)) return &code;
   for (const CodeInput& f : folder.functions)
