@@ -50,6 +50,7 @@ backend::Folder folder(const Model& model, const Lowered& lowered) {
       code.next = kept(std::move(behind));
     }
     if (f.batch) code.batch = kept(section(*f.batch));
+    if (f.implicit) code.implicit = kept(section(*f.implicit));
     if (f.elsewhere) code.elsewhere = kept(section(*f.elsewhere));
     code.elsewhere_lanes = f.elsewhere_lanes;
     if (!f.opened.empty()) code.opened = kept(input(f.opened.front(), *lowered.opened));

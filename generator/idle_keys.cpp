@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "ir/implicit_joints.hpp"
+
 namespace dalembert {
 namespace {
 
@@ -90,6 +92,9 @@ void warn_of_idle_keys(const ir::Scene& scene, const ir::KinematicTree& tree, Di
     keys.warn("stiffness", "no output depends on springs",
               "ask for bias, potential_energy, inverse_dynamics or forward_dynamics");
 
+  if (scene.linearly_implicit && ir::implicit_joints(tree).empty())
+    keys.warn("rollouts", "no joint has a damper or a spring, and linearly implicit steps are those of semi-implicit Euler",
+              "give joints damping, stiffness or elastic, or leave linearly_implicit out");
   if (!scene.armature.empty() && !solved && !motion && !keys.asked({Quantity::mass_matrix, Quantity::kinetic_energy}))
     keys.warn("armature", "no output depends on armature",
               "ask for mass_matrix, kinetic_energy, inverse_dynamics or forward_dynamics");

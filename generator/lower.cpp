@@ -61,6 +61,7 @@ class Lowering {
     chosen.part = part_;
     chosen.sections = std::move(ways.front().sections);
     for (const Way& way : ways) chosen.candidates.push_back(way.candidate);
+    if (model_.scene.linearly_implicit) add_implicit(chosen);
     const bool one_section = chosen.sections.size() == 1;
     if (one_section && !chosen.first().plan.tasks && !planned_.form) add_other_form(ways, chosen);
     if (model_.scene.batch) add_batch(chosen);
@@ -98,28 +99,42 @@ class Lowering {
     chosen.elsewhere = std::move(other->sections.front());
   }
 
-  // Longer lines take a compiler minutes, and steps with whole matrices take a loop's time from there on.
+  // Of lines for batches. Longer ones take a compiler minutes, and steps with whole matrices take a loop's time from there on.
+  static constexpr long most_operations = 150000;
+  static long operations(const ir::Program& program) {
+    return ir::count(program.graph, ir::uses(program.graph, program.roots())).total();
+  }
+  static bool is_whole_line(const LoweredSection& line) {
+    return line.algorithm.steps.empty() && operations(line.program) <= most_operations;
+  }
+
   void add_batch(LoweredFunction& chosen) const {
-    constexpr long most_operations = 150000;
-    const auto operations = [](const ir::Program& program) {
-      return ir::count(program.graph, ir::uses(program.graph, program.roots())).total();
-    };
     // What contacts are solved by is no line of operations.
     if (operations(chosen.first().program) > most_operations || model_.scene.any_constraint()) return;
-    std::optional<LoweredSection> line = straight_line();
-    if (line && line->algorithm.steps.empty() && operations(line->program) <= most_operations) chosen.batch = std::move(*line);
+    std::optional<LoweredSection> line = straight_line(function_, false);
+    if (line && is_whole_line(*line)) chosen.batch = std::move(line);
+  }
+
+  void add_implicit(LoweredFunction& chosen) const {
+    if (!function_.computes(ir::Quantity::forward_dynamics)) return;
+    ir::EmittedFunction alone = function_;
+    alone.quantities = {ir::Quantity::forward_dynamics};
+    alone.of_links.clear(), alone.parts.clear();
+    std::optional<LoweredSection> line = straight_line(alone, true);
+    if (line && is_whole_line(*line)) chosen.implicit = std::move(line);
   }
 
   // For batches: the way of the fewest operations, a division being several. None where a section waits for another.
-  std::optional<LoweredSection> straight_line() const {
+  std::optional<LoweredSection> straight_line(const ir::EmittedFunction& function, bool implicit) const {
     constexpr long division = 6;
     std::optional<LoweredSection> cheapest;
     long least = 0;
-    for (const ir::Solver solver : passes::solvers(function_, tree_, model_.scene)) {
-      std::vector<LoweredSection> sections = described(solver, true);
+    for (const ir::Solver solver : passes::solvers(function, tree_, model_.scene)) {
+      std::vector<LoweredSection> sections = described(function, solver, true);
       if (sections.size() > 1) continue;
       LoweredSection f = std::move(sections.front());
-      f.program = unrolled(f.algorithm, tree_.joints() < 200).take_program();
+      const passes::UnrollOptions options{options_, tree_.joints() < 200, implicit};
+      f.program = passes::Unroll(f.algorithm, tree_, normal_, model_.scene, options).take_program();
       f.plan.form = ir::Form::straight;
       passes::write_out_steps(f.algorithm, f.program, ir::coordinate_tree(tree_), true);
       const ir::Operations o = ir::count(f.program.graph, ir::uses(f.program.graph, f.program.roots()));
@@ -131,9 +146,10 @@ class Lowering {
     return cheapest;
   }
 
-  std::vector<LoweredSection> described(ir::Solver solver, bool in_one_section = false) const {
+  std::vector<LoweredSection> described(ir::Solver solver) const { return described(function_, solver, false); }
+  std::vector<LoweredSection> described(const ir::EmittedFunction& function, ir::Solver solver, bool in_one_section) const {
     std::vector<LoweredSection> sections;
-    for (ir::Algorithm& section : passes::describe(function_, tree_, normal_, model_.scene, solver, options_, in_one_section))
+    for (ir::Algorithm& section : passes::describe(function, tree_, normal_, model_.scene, solver, options_, in_one_section))
       sections.push_back({std::move(section), {}, {}, {}});
     return sections;
   }

@@ -49,6 +49,9 @@ struct LoweredFunction {
   std::vector<int> elsewhere_lanes;
   // Where the scene asks for batches: the whole function as a straight line. None: it is called state by state.
   std::optional<LoweredSection> batch;
+  // Where the scene asks for linearly implicit rollouts and the function tells v̇: that alone as a straight line for batches, of
+  // dampers and springs as such a step has them. None: there is no such line.
+  std::optional<LoweredSection> implicit;
   // Where loops are embedded: the function that its only section calls, on the tree without them. Else none.
   std::vector<LoweredFunction> opened;
 

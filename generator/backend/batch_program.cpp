@@ -9,6 +9,7 @@
 #include "backend/emit_straight.hpp"
 #include "backend/graph_printer.hpp"
 #include "backend/literals.hpp"
+#include "ir/implicit_joints.hpp"
 
 namespace dalembert::backend {
 namespace {
@@ -42,6 +43,7 @@ int given_place(const CodeInput& code, const ir::Input& input) {
     case ir::InputKind::gravity: return input.component;
     case ir::InputKind::payload: return gravity + 10 * input.index + input.component;
     case ir::InputKind::wrench: return gravity + payloads + 6 * input.index + input.component;
+    case ir::InputKind::implicit: return given_count(code) + ir::implicit_numbers * input.index + input.component;
     default: throw std::logic_error("no run-time input of the scene");
   }
 }
@@ -51,8 +53,8 @@ int given_count(const CodeInput& code) {
          6 * static_cast<int>(code.scene.wrenches.size());
 }
 
-BatchProgram::BatchProgram(const CodeInput& code)
-    : by_calls_(!code.batch), code_(by_calls_ ? code : *code.batch), graph_(code_.program.graph) {
+BatchProgram::BatchProgram(const CodeInput& code, const CodeInput* line)
+    : by_calls_(!line), code_(by_calls_ ? code : *line), graph_(code_.program.graph) {
   if (by_calls_) {
     place_all();
     return;
@@ -60,7 +62,7 @@ BatchProgram::BatchProgram(const CodeInput& code)
   place_elements();
   find_angles();
   cut();
-  const ir::InputsRead read = ir::inputs_read(code.program, uses_);
+  const ir::InputsRead read = ir::inputs_read(code_.program, uses_);
   reads_positions_ = !read.positions.empty();
   reads_velocities_ = !read.velocities.empty();
   reads_input_ = read.input;

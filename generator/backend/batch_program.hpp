@@ -26,7 +26,9 @@ class BatchProgram {
   // Of the function's straight form for batches. Arrays between are none of its results.
   // Where there is none (CodeInput::batch), the function itself is called for one state after another: nothing is printed here,
   // and every element of a result has a place.
-  explicit BatchProgram(const CodeInput& code);
+  explicit BatchProgram(const CodeInput& code) : BatchProgram(code, code.batch) {}
+  // Of another line of the function's, or null: of none.
+  BatchProgram(const CodeInput& code, const CodeInput* line);
 
   bool by_calls() const { return by_calls_; }
 
@@ -69,7 +71,8 @@ class BatchProgram {
   bool reads_positions_ = false, reads_velocities_ = false, reads_input_ = false;
 };
 
-// How many run-time inputs of the scene stand before it in a block, by kind of input; and all of them.
+// How many run-time inputs of the scene stand before it in a block, by kind of input; and all of them. What linearly implicit
+// steps add stands behind them.
 int given_place(const CodeInput& code, const ir::Input& input);
 int given_count(const CodeInput& code);
 

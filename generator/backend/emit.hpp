@@ -34,6 +34,8 @@ struct CodeInput {
   std::vector<int> elsewhere_lanes{};
   // For batches: the whole function as a straight line; null where there is none.
   const CodeInput* batch = nullptr;
+  // For linearly implicit rollouts: likewise, of v̇ as such a step has it (LoweredFunction::implicit).
+  const CodeInput* implicit = nullptr;
   const CodeInput* next = nullptr;    // the section behind; null: there is none
   const CodeInput* opened = nullptr;  // what a function with embedded loops calls; null where it has none
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 
 #include "backend/batch_program.hpp"
 #include "backend/code_text.hpp"
@@ -12,6 +13,7 @@
 #include "backend/templates.hpp"
 #include "diagnostics.hpp"
 #include "ir/identifier.hpp"
+#include "ir/implicit_joints.hpp"
 
 namespace dalembert::backend {
 namespace {
@@ -83,7 +85,11 @@ bool is_matrix(const BatchArray& a) { return a.array.columns > 1; }
 
 class BatchFunction {
  public:
-  explicit BatchFunction(const CodeInput& code) : code_(code), program_(code) {}
+  // impact: of the folder, the function that tells what an impact does; null: rollouts know none.
+  explicit BatchFunction(const CodeInput& code, const CodeInput* impact = nullptr)
+      : code_(code), impact_(impact), program_(code) {
+    if (code.implicit && rolls_out()) implicit_.emplace(code, code.implicit);
+  }
 
   std::string header() const {
     std::string pointers, blocks, packed;
@@ -110,6 +116,10 @@ class BatchFunction {
 
   // Whether it tells how a robot moves, so that motions can be computed in one call.
   bool rolls_out() const { return moved_by() != nullptr; }
+  // Whether contacts and loops come on and go in its rollouts, with impacts.
+  bool has_impacts() const { return impact_ && rolls_out() && function_of(code_).moves_as_held(); }
+  // Whether by linearly implicit steps, too.
+  bool has_implicit_steps() const { return implicit_.has_value(); }
 
   std::string source() const {
     const ir::EmittedFunction& f = function_of(code_);
@@ -118,7 +128,7 @@ class BatchFunction {
       run = "    for (int i = 0; i < count; ++i) call_for_each(blocks[i]);\n";
       definitions = calls();
     } else {
-      straight(run, definitions);
+      straight(program_, run, definitions);
       if (program_.checked().size() == 2) definitions += status();
     }
     return render(
@@ -215,12 +225,14 @@ class BatchFunction {
     return fmt::format(
         "// n motions that {0}_{1}() makes from q and v on, `steps` steps of time_step seconds each. input: {2}, n times steps "
         "times\n"
-        "// {0}_nv() numbers, or NULL: zero. method: 0 semi-implicit Euler, 1 the classical Runge-Kutta method. Results may be "
+        "// {0}_nv() numbers, or NULL: zero. method: 0 semi-implicit Euler, 1 the classical Runge-Kutta method{4}. Results may "
+        "be "
         "NULL:\n"
         "// where motions end, where they are behind each step, and of each motion the step that it could not make, or -1.\n"
         "int {0}_rollout_{1}(const {3}* q, const {3}* v, const {3}* input, size_t n, size_t steps, {3} time_step, int method,\n"
         "    {3}* last_q, {3}* last_v, {3}* path_q, {3}* path_v, int* stopped, const {0}_batch_options* options);\n\n",
-        code_.name, function_of(code_).name, function_of(code_).input(), scalar_name(code_.scene.scalar));
+        code_.name, function_of(code_).name, function_of(code_).input(), scalar_name(code_.scene.scalar),
+        has_implicit_steps() ? ", 2 linearly implicit Euler" : "");
   }
   std::string rollout_definition(const std::string& given) const {
     return fmt::format(
@@ -236,19 +248,14 @@ class BatchFunction {
         "  rollout.steps = steps, rollout.time_step = time_step;\n"
         "  rollout.method = static_cast<dalembert::RolloutMethod>(method);\n"
         "  rollout.last_q = last_q, rollout.last_v = last_v, rollout.path_q = path_q, rollout.path_v = path_v;\n"
-        "  rollout.stopped = stopped;\n"
+        "  rollout.stopped = stopped;\n{4}"
         "  return static_cast<int>({0}::{1}_rollout(batch, rollout));\n}}\n\n",
-        code_.name, function_of(code_).name, scalar_name(code_.scene.scalar), given);
+        code_.name, function_of(code_).name, scalar_name(code_.scene.scalar), given,
+        has_impacts() ? "  if (options) rollout.active = options->active;\n" : "");
   }
 
   // Of a call.
-  std::size_t bytes() const {
-    const std::size_t registers = static_cast<std::size_t>(code_.robot->nq() + 2 * code_.robot->nv() + given_count(code_) +
-                                                           3 * program_.angles() + program_.kept() + program_.elements() + 1);
-    const std::size_t moving = rolls_out() ? static_cast<std::size_t>(2 * code_.robot->nq() + 7 * code_.robot->nv()) : 0;
-    const std::size_t strip = program_.parts() > 1 ? std::clamp<std::size_t>(192 * 1024 / (registers * 64), 1, 8) : 1;
-    return (registers + moving) * 64 * strip;
-  }
+  std::size_t bytes() const { return implicit_ ? std::max(bytes(program_), bytes(*implicit_)) : bytes(program_); }
 
   // For threads: states that are handed out together, some 20 us of them.
   std::string tasks() const {
@@ -265,6 +272,16 @@ class BatchFunction {
   }
 
  private:
+  std::size_t bytes(const BatchProgram& program) const {
+    const int given = given_count(code_) + (&program == &program_ ? 0 : implicit_numbers()) + constraint_count();
+    const std::size_t registers = static_cast<std::size_t>(code_.robot->nq() + 2 * code_.robot->nv() + given +
+                                                           3 * program.angles() + program.kept() + program.elements() + 1);
+    std::size_t moving = rolls_out() ? static_cast<std::size_t>(2 * code_.robot->nq() + 7 * code_.robot->nv()) : 0;
+    if (has_impacts()) moving += static_cast<std::size_t>(code_.robot->nv() + constraint_count());
+    const std::size_t strip = program.parts() > 1 ? std::clamp<std::size_t>(192 * 1024 / (registers * 64), 1, 8) : 1;
+    return (registers + moving) * 64 * strip;
+  }
+
   static std::string shape(const BatchArray& a) {
     return is_matrix(a) ? fmt::format("{} x {}; packed: {} numbers", a.array.rows, a.array.columns, a.packed.size())
                         : std::to_string(a.array.rows);
@@ -288,29 +305,31 @@ class BatchFunction {
                        name, used ? "block" : "", statements);
   }
 
-  void straight(std::string& run, std::string& definitions) const {
-    if (const std::string angles = program_.angle_statements(); !angles.empty()) {
+  static void straight(const BatchProgram& program, std::string& run, std::string& definitions) {
+    if (const std::string angles = program.angle_statements(); !angles.empty()) {
       definitions += part("angles", angles);
       run += "    for (int i = 0; i < count; ++i) angles(blocks[i]);\n";
     }
-    if (program_.angles() > 0)
+    if (program.angles() > 0)
       run += fmt::format(
           "    for (int i = 0; i < count; ++i)\n"
           "      dalembert::batch_sincos<Scalar>(blocks[i].angle, {}, blocks[i].sine, blocks[i].cosine);\n",
-          program_.angles());
-    for (int i = 0; i < program_.parts(); ++i) {
-      definitions += part(fmt::format("part_{}", i), program_.part_statements(i));
+          program.angles());
+    for (int i = 0; i < program.parts(); ++i) {
+      definitions += part(fmt::format("part_{}", i), program.part_statements(i));
       run += fmt::format("    for (int i = 0; i < count; ++i) part_{}(blocks[i]);\n", i);
     }
   }
 
   // The function itself at the state `state` of a block, into a `workspace`.
-  std::string call() const {
+  std::string call() const { return call(code_, false); }
+  // Of a function that takes the same, or less; switched: which contacts and loops act stands in the block.
+  std::string call(const CodeInput& called, bool switched) const {
     std::string text =
         "      Scalar q[nq], v[nv];\n"
         "      dalembert::take_state<Scalar>(block.q, nq, state, q);\n"
         "      dalembert::take_state<Scalar>(block.v, nv, state, v);\n";
-    const std::vector<std::string> vectors = vectors_of(code_);
+    const std::vector<std::string> vectors = vectors_of(called);
     if (vectors.size() > 2)
       text += fmt::format(
           "      Scalar {0}[nv];\n"
@@ -330,9 +349,13 @@ class BatchFunction {
       given(payload + ".inertia", 6);
     }
     for (const ir::ExternalWrench& wrench : scene.wrenches) given("workspace.wrench_" + ir::identifier(wrench.link), 6);
-    for (const ir::Constraint& c : scene.constraints())
+    for (const ir::Constraint& c : scene.constraints()) {
       text += fmt::format("      if (batch.workspace) workspace.{0} = batch.workspace->{0};\n", c.member);
-    return text + fmt::format("      {}({}, workspace);\n", function_of(code_).name, arguments_of(code_));
+      if (switched)
+        text += fmt::format("      workspace.{}.active = dalembert::lane<width, Scalar>(block.given[{}], state) > Scalar(0);\n",
+                            c.member, at++);
+    }
+    return text + fmt::format("      {}({}, workspace);\n", function_of(called).name, arguments_of(called));
   }
 
   // Near a singular M, by the function itself: states are few, and the bounds that tell are as much work as the rest.
@@ -347,11 +370,11 @@ class BatchFunction {
   }
 
   // The function itself at each state of a block.
-  std::string calls() const {
+  std::string calls(bool switched = false) const {
     std::string text =
         "  void call_for_each(Block& block) noexcept {\n"
         "    for (int state = 0; state < width; ++state) {\n" +
-        call();
+        call(code_, switched);
     for (const BatchArray& a : program_.results()) {
       // Packed is row by row, and the workspace has columns.
       if (!is_matrix(a))
@@ -415,9 +438,10 @@ class BatchFunction {
   }
 
   // v̇ among the values.
-  const BatchArray* moved_by() const {
+  const BatchArray* moved_by() const { return moved_by(program_); }
+  const BatchArray* moved_by(const BatchProgram& program) const {
     const std::string name = function_of(code_).acceleration_result();
-    const auto& all = program_.results();
+    const auto& all = program.results();
     const auto found = std::find_if(all.begin(), all.end(), [&](const BatchArray& a) { return a.array.name == name; });
     return name.empty() || found == all.end() ? nullptr : &*found;
   }
@@ -429,8 +453,101 @@ class BatchFunction {
                                   {"type", f.type},
                                   {"more_members", program_.by_calls() ? ", {}" : ""},
                                   {"moved_by", std::to_string(moved_by()->first)},
-                                  {"joints", code_.robot->any_quaternion() ? ", quaternion_joints" : ""},
-                                  {"finish", finish()}});
+                                  {"joints", joints_that_turn()},
+                                  {"finish", finish()},
+                                  {"generated", implicit_       ? "<true>"
+                                                : has_impacts() ? "<false, true>"
+                                                                : ""},
+                                  {"program", has_impacts() ? "ContactProgram" : "BatchProgram"},
+                                  {"other_program", has_impacts() ? contact_program() : implicit_program()},
+                                  {"implicit_steps", implicit_steps()}});
+  }
+  std::string joints_that_turn() const { return code_.robot->any_quaternion() ? ", quaternion_joints" : ""; }
+
+  int implicit_numbers() const {
+    return ir::implicit_numbers * static_cast<int>(ir::implicit_joints(code_.implicit->tree).size());
+  }
+
+  int constraint_count() const { return has_impacts() ? static_cast<int>(code_.scene.constraints().size()) : 0; }
+
+  std::string contact_program() const {
+    const int first = given_count(code_);
+    std::string as_set, strike = call(*impact_, true);
+    for (size_t line = 0; line < strike.size(); line = strike.find('\n', line) + 1) strike.erase(line, 2);  // in no loop
+    int at = first;
+    for (const ir::Constraint& c : code_.scene.constraints())
+      as_set += fmt::format(
+          "    block.given[{}] = dalembert::broadcast<width, Scalar>(!batch.workspace || batch.workspace->{}.active ? 1 : "
+          "0);\n",
+          at++, c.member);
+    return render("rollout_contacts.cpp", {{"function", function_of(code_).name},
+                                           {"type", function_of(code_).type},
+                                           {"struck_by", function_of(*impact_).name},
+                                           {"result", function_of(*impact_).impact_result()},
+                                           {"given", std::to_string(at)},
+                                           {"first_active", std::to_string(first)},
+                                           {"constraints", std::to_string(constraint_count())},
+                                           {"elements", std::to_string(program_.elements())},
+                                           {"with_given", with_given()},
+                                           {"as_set", as_set},
+                                           {"strike", strike},
+                                           {"definitions", calls(true)}});
+  }
+
+  std::string implicit_program() const {
+    if (!implicit_) return "";
+    std::string run, definitions, constants;
+    straight(*implicit_, run, definitions);
+    int at = given_count(code_);
+    for (const ir::ImplicitJoint& joint : ir::implicit_joints(code_.implicit->tree)) {
+      const std::string damping = literal(joint.damping, code_.scene.scalar),
+                        stiffness = literal(joint.stiffness, code_.scene.scalar);
+      const auto put = [&](int component, const std::string& value) {
+        constants += fmt::format("    block.given[{}] = dalembert::broadcast<width, Scalar>({});\n", at + component, value);
+      };
+      constants += fmt::format("    // {}: h (D + h K){}\n",
+                               comment_text(code_.implicit->tree.bodies[static_cast<size_t>(joint.body)].joint),
+                               joint.stiffness == 0 ? "" : ", h K");
+      put(ir::implicit_inertia,
+          joint.stiffness == 0 ? fmt::format("h * {}", damping) : fmt::format("h * ({} + h * {})", damping, stiffness));
+      if (joint.stiffness != 0) put(ir::implicit_force, fmt::format("h * {}", stiffness));
+      at += ir::implicit_numbers;
+    }
+    if (constants.empty()) constants = "    (void)h;\n";
+    return render("rollout_implicit.cpp", {{"function", function_of(code_).name},
+                                           {"type", function_of(code_).type},
+                                           {"operations", std::to_string(implicit_->operations())},
+                                           {"given", std::to_string(at)},
+                                           {"angles", std::to_string(implicit_->angles())},
+                                           {"kept", std::to_string(implicit_->kept())},
+                                           {"elements", std::to_string(implicit_->elements())},
+                                           {"parts", std::to_string(implicit_->parts())},
+                                           {"with_given", with_given()},
+                                           {"constants", constants},
+                                           {"run", run},
+                                           {"definitions", definitions}});
+  }
+
+  // The motions by such steps: as semi-implicit Euler's, but for v̇.
+  std::string implicit_steps() const {
+    if (!implicit_) return "";
+    const auto& checked = implicit_->checked();
+    std::string finish = fmt::format(
+        "          if (!dalembert::batch_holds<nv, Scalar>(block.values + {0}, block.values + {1}, block.status)) {{\n"
+        "            dalembert::batch_pivots_hold<nv, Scalar>(block.values + {0}, block.values + {1}, block.status);\n",
+        checked.at(0).first, checked.at(1).first);
+    for (const BatchArray& a : implicit_->results())
+      finish += fmt::format("            dalembert::batch_clear<Scalar>(block.status, block.values + {}, {});\n", a.first,
+                            a.packed.size());
+    return fmt::format(
+        "  if (rollout.method == dalembert::RolloutMethod::linearly_implicit) {{\n"
+        "    using Program = {}ImplicitProgram;\n"
+        "    dalembert::roll_out<nq, nv, Scalar>(\n"
+        "        Program{{batch, rollout.time_step}}, rollout, batch.q, batch.v, batch.input, batch.states, batch.results, "
+        "first,\n"
+        "        first + count, {}, [](Program::Block& block) {{\n{}          }}\n        }}{});\n"
+        "    return dalembert::BatchError::none;\n  }}\n",
+        function_of(code_).type, moved_by(*implicit_)->first, finish, joints_that_turn());
   }
 
   static std::string matrix_name(const BatchArray& a) { return a.array.name + "_of_batch"; }
@@ -492,7 +609,9 @@ class BatchFunction {
   }
 
   const CodeInput& code_;
+  const CodeInput* const impact_;
   const BatchProgram program_;
+  std::optional<BatchProgram> implicit_;  // of linearly implicit steps
 };
 
 std::vector<const CodeInput*> batched(const Folder& folder) {
@@ -500,6 +619,17 @@ std::vector<const CodeInput*> batched(const Folder& folder) {
   for (const CodeInput& f : folder.functions)
     if (f.scene.batch) all.push_back(&f);
   return all;
+}
+
+// What tells a function's rollouts what an impact does, where the scene asks for it: the function itself, or another of the
+// folder that takes no more than it does.
+const CodeInput* impact_of(const Folder& folder, const CodeInput& code) {
+  const auto tells = [](const CodeInput& f) { return !function_of(f).impact_result().empty(); };
+  if (!code.scene.impacts) return nullptr;
+  if (tells(code)) return &code;
+  for (const CodeInput& f : folder.functions)
+    if (tells(f) && (!*function_of(f).input() || function_of(f).inputs == function_of(code).inputs)) return &f;
+  return nullptr;
 }
 
 }  // namespace
@@ -528,6 +658,14 @@ std::string batch_c_declarations(const Folder& folder) {
             "  const {}_workspace* workspace;\n",
             n) +
         given;
+  for (const CodeInput* f : batched(folder))
+    if (BatchFunction(*f, impact_of(folder, *f)).has_impacts()) {
+      given += fmt::format(
+          "  // Of rollouts: which contacts and loops act in each step, 1 or 0 each; NULL: as in the workspace.\n"
+          "  const {}* active;\n",
+          s);
+      break;
+    }
   std::string text = fmt::format(
       "// Many states at once. Numbers of states and results stand one after another, unless options say otherwise.\n"
       "typedef struct {0}_batch_options {{\n"
@@ -537,7 +675,7 @@ std::string batch_c_declarations(const Folder& folder) {
       "// What a number that a function of batches returns means.\n"
       "const char* {0}_batch_error(int error);\n\n",
       n, code.scene.scalar == ir::ScalarType::float32 ? 16 : 8, given);
-  for (const CodeInput* f : batched(folder)) text += BatchFunction(*f).c_declarations();
+  for (const CodeInput* f : batched(folder)) text += BatchFunction(*f, impact_of(folder, *f)).c_declarations();
   return text;
 }
 
@@ -548,12 +686,17 @@ std::vector<OutputFile> batch_files(const Folder& folder, const std::string& ban
   std::size_t bytes = 0;
   bool rolls_out = false;
   for (const CodeInput* f : batched(folder)) {
-    const BatchFunction function(*f);
+    const BatchFunction function(*f, impact_of(folder, *f));
     if (function.elements() > BatchFunction::most_elements)
       throw InputError({Severity::error, "", "key 'batch'",
                         fmt::format("the results of {}() are {} numbers a state, and batches take no more than {}",
                                     function_of(*f).name, function.elements(), BatchFunction::most_elements),
                         "call the function state by state, which takes no longer on a robot of that size, or ask for less"});
+    if (code.scene.linearly_implicit && function.rolls_out() && !function.has_implicit_steps())
+      throw InputError({Severity::error, "", "key 'rollouts'",
+                        fmt::format("a linearly implicit step of {}() is too long to be written out for a robot of that size",
+                                    function_of(*f).name),
+                        "leave linearly_implicit out, and integrate single states (docs/integrators.md)"});
     declarations += function.header();
     definitions += function.source();
     c_functions += function.c_definitions();

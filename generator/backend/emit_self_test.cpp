@@ -28,6 +28,7 @@ class SelfTestText {
       text += table(fmt::format("v_{}", s), {state.v.begin(), state.v.end()});
       if (takes_more()) text += table(fmt::format("input_{}", s), {state.input.begin(), state.input.end()});
     }
+    for (const ir::Expectation& e : test_.implicit) text += table(implicit_table_name(e), e.values);
     for (const ir::Expectation& e : test_.expectations) {
       if (!e.complete) {
         std::vector<std::string> items;
@@ -167,8 +168,23 @@ class SelfTestText {
           batch_of(s), own_name(f, "run_rollout"), a->name, s);
       for (const ir::Expectation& e : test_.expectations)
         if (e.state == static_cast<int>(s) && array(e.array).name == a->name) text += comparison(e);
+      for (const ir::Expectation& e : test_.implicit)
+        if (e.state == static_cast<int>(s) && array(e.array).name == a->name) text += implicit_step(f, *a, e);
     }
     return text;
+  }
+
+  // Of a linearly implicit step, so long that dampers and springs count.
+  std::string implicit_step(const CodeInput& f, const ir::OutputArray& a, const ir::Expectation& e) const {
+    return fmt::format(
+               "  {{\n{0}    Scalar last[nv];\n    dalembert::Rollout<Scalar> rollout;\n"
+               "    rollout.steps = 1, rollout.time_step = Scalar({4}), rollout.last_v = last;\n"
+               "    rollout.method = dalembert::RolloutMethod::linearly_implicit;\n"
+               "    for (int i = 0; i < nv; ++i) last[i] = Scalar(-1);\n"
+               "    (void){1}(batch, rollout, 0, 1);\n"
+               "    for (int i = 0; i < nv; ++i) workspace.{2}[i] = (last[i] - v_{3}[i]) / Scalar({4});\n  }}\n",
+               batch_of(static_cast<size_t>(e.state)), own_name(f, "run_rollout"), a.name, e.state, test_.step) +
+           comparison(e, implicit_table_name(e));
   }
 
   const ir::OutputArray& array(int index) const { return arrays_[static_cast<size_t>(index)]; }
@@ -184,11 +200,15 @@ class SelfTestText {
     return fmt::format("constexpr Scalar {}[] = {{\n    {}}};\n", name, wrapped(items, 4));
   }
 
-  std::string comparison(const ir::Expectation& e) const {
+  std::string implicit_table_name(const ir::Expectation& e) const {
+    return fmt::format("{}_implicit_{}", array(e.array).name, e.state);
+  }
+
+  std::string comparison(const ir::Expectation& e) const { return comparison(e, table_name(e)); }
+  std::string comparison(const ir::Expectation& e, const std::string& name) const {
     const ir::OutputArray& a = array(e.array);
-    const std::string what = fmt::format("{{\"{}\", {}, {}, {}}}, workspace.{}, {}", a.name, e.state, e.scale, e.tolerance,
-                                         a.name, a.rows),
-                      name = table_name(e);
+    const std::string what =
+        fmt::format("{{\"{}\", {}, {}, {}}}, workspace.{}, {}", a.name, e.state, e.scale, e.tolerance, a.name, a.rows);
     if (e.kind == Kind::products) return fmt::format("  test.products({}, {}, {});\n", what, a.columns, name);
     return fmt::format("  test.{}({}, {}, {}, {});\n", e.kind == Kind::elements ? "elements" : "symmetric_elements", what,
                        e.complete ? "nullptr" : name + "_columns", e.columns.size(), name);

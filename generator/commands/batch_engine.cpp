@@ -68,6 +68,7 @@ std::vector<char> BatchEngine::options(const Columns& columns) const {
   if (model_.scene.gravity_kind == ir::GravityKind::run_time) given.push_back(nullptr);
   given.resize(given.size() + model_.scene.payloads.size(), nullptr);
   for (const std::vector<char>& wrench : columns.of_wrench) given.push_back(wrench.empty() ? nullptr : wrench.data());
+  if (model_.scene.impacts) given.push_back(nullptr);  // all as in a new workspace
   std::vector<char> options(4 * sizeof(int) + given.size() * sizeof(void*), 0);
   const int numbers[] = {0, 0, static_cast<int>(MatrixLayout::by_columns), 0};
   std::memcpy(options.data(), numbers, sizeof numbers);

@@ -60,6 +60,7 @@ constexpr Help scene_help[] = {
      "times "
      "them here, and writes the fastest into the scene file"},
     {"batch", "true|false", "functions that take many states at once are generated too"},
+    {"rollouts", "linearly_implicit|impacts", "what batches' rollouts know besides: stiff joints, contacts that come on"},
 };
 
 // Those of ir/quantities.def.

@@ -95,7 +95,8 @@ constexpr const char* of_constrained_derivatives[] = {"constrained_derivatives",
 std::vector<std::string> names_of(const ir::EmittedFunction& function) {
   std::vector<std::string> names{function.name, function.type + "Scratch", function.type + "TaskGraph",
                                  "batch_" + function.name};
-  for (const char* type : {"BatchResults", "BatchBlock", "BatchProgram"}) names.push_back(function.type + type);
+  for (const char* type : {"BatchResults", "BatchBlock", "BatchProgram", "ImplicitProgram", "ContactProgram"})
+    names.push_back(function.type + type);
   for (const char* word : {"_batch", "_batch_tasks", "_batch_blocks", "_batch_results"}) names.push_back(function.name + word);
   for (const char* word : own) names.push_back(function.own_name(word));
   const auto may_compute = [&](ir::Quantity quantity) {
@@ -121,7 +122,7 @@ void add_names_of_result(const std::string& result, std::vector<std::string>& na
   if (ir::c_accessor(result) != result) names.push_back(ir::c_accessor(result));
   for (const char* word : {"_packed", "_packed_size", "_of_batch", "_bodies", "_joints"}) names.push_back(result + word);
   for (const int state : {0, 1, 2})
-    for (const char* table : {"{}_{}", "{}_rows_{}", "{}_{}_columns", "{}_rows_{}_columns"})
+    for (const char* table : {"{}_{}", "{}_rows_{}", "{}_{}_columns", "{}_rows_{}_columns", "{}_implicit_{}"})
       names.push_back(fmt::format(fmt::runtime(table), result, state));
 }
 

@@ -56,6 +56,7 @@ class SceneCheck {
     elastic();
     parts();
     plan();
+    rollouts();
     if (scene_.urdf_damping) urdf_values("damping", &ir::Joint::damping);
     if (scene_.urdf_friction) urdf_values("friction", &ir::Joint::friction);
     if (!errors_.empty()) throw InputError(errors_);
@@ -292,6 +293,29 @@ class SceneCheck {
         error("stiffness/" + joint, fmt::format("joint '{}' mimics '{}'", joint, relation->second.of),
               fmt::format("give the spring to '{}'", relation->second.of));
     }
+  }
+
+  // Steps of whole motions, dampers and springs of the joints at their ends.
+  void rollouts() {
+    const std::string key = scene_.impacts ? "rollouts/impacts" : "rollouts/linearly_implicit";
+    if (!scene_.linearly_implicit && !scene_.impacts) return;
+    if (!scene_.batch) error(key, "rollouts are of batches, which the scene does not ask for", "write batch: true");
+    const std::vector<ir::Quantity> all = scene_.quantities();
+    const auto asked = [&](ir::Quantity quantity) { return std::find(all.begin(), all.end(), quantity) != all.end(); };
+    if (scene_.impacts && !asked(ir::Quantity::constrained_forward_dynamics))
+      error(key, "no function tells how the robot moves where contacts and loops hold it",
+            "ask for constrained_forward_dynamics");
+    if (scene_.impacts && !asked(ir::Quantity::impact))
+      error(key, "no function tells what an impact does", "ask for impact, beside constrained_forward_dynamics");
+    if (!scene_.linearly_implicit) return;
+    if (!asked(ir::Quantity::forward_dynamics)) error(key, "no function tells how the robot moves", "ask for forward_dynamics");
+    if (scene_.any_constraint())
+      error(key,
+            fmt::format("{} '{}' holds the robot, and linearly implicit steps are of robots that nothing holds",
+                        scene_.contacts.empty() ? "loop" : "contact",
+                        scene_.contacts.empty() ? scene_.loops.front().name : scene_.contacts.front().name),
+            "leave linearly_implicit out, or the contacts and loops");
+    if (scene_.rates_zero) error(key, "velocities are zero, and nothing moves", "leave rates_zero out, or linearly_implicit");
   }
 
   // The joints and links whose rows and columns are asked for.

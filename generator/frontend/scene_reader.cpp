@@ -60,7 +60,8 @@ class SceneReader {
                                           {"scalar", &SceneReader::scalar},
                                           {"parallel", &SceneReader::parallel},
                                           {"plan", &SceneReader::plan},
-                                          {"batch", &SceneReader::batch}};
+                                          {"batch", &SceneReader::batch},
+                                          {"rollouts", &SceneReader::rollouts}};
     return keys;
   }
 
@@ -154,6 +155,20 @@ class SceneReader {
   void rates_zero(const YamlNode& node) { scene_.rates_zero = choice<bool>(node, {{"true", true}, {"false", false}}); }
 
   void batch(const YamlNode& node) { scene_.batch = choice<bool>(node, {{"true", true}, {"false", false}}); }
+
+  // [linearly_implicit], [impacts]
+  void rollouts(const YamlNode& node) {
+    scene_.linearly_implicit = scene_.impacts = false;
+    for (const YamlNode& item : list(node, "a list of what rollouts shall know, such as [linearly_implicit]")) {
+      if (item.scalar == "semi_implicit_euler" || item.scalar == "rk4")
+        refuse(item, fmt::format("every rollout has '{}'", item.scalar), "leave it out");
+      if (item.scalar == "linearly_implicit") scene_.linearly_implicit = true;
+      else if (item.scalar == "impacts") scene_.impacts = true;
+      else
+        refuse(item, fmt::format("rollouts know no '{}'", item.scalar),
+               suggestion(item.scalar, {"linearly_implicit", "impacts"}));
+    }
+  }
 
   // [x, y, z], none, run_time, or {run_time: [x, y, z]}
   void gravity(const YamlNode& node) {

@@ -41,6 +41,10 @@ std::string EmittedFunction::acceleration_result() const {
   return "";
 }
 
+bool EmittedFunction::moves_as_held() const { return computes(Quantity::constrained_forward_dynamics); }
+
+std::string EmittedFunction::impact_result() const { return computes(Quantity::impact) ? result(Quantity::impact) : ""; }
+
 EmittedFunction standard_function(Function function) { return {row_of(function).name, row_of(function).type, function}; }
 
 EmittedFunction named_function(const std::string& name, const std::vector<Quantity>& quantities,

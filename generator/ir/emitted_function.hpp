@@ -41,6 +41,9 @@ struct EmittedFunction {
   bool any_part() const;
   // Of its results, v̇ for the forces given, that which contacts allow first; empty: none is.
   std::string acceleration_result() const;
+  bool moves_as_held() const;  // whether that is what contacts allow
+  // Of its results, v behind an impact; empty: none is.
+  std::string impact_result() const;
 };
 
 // The standard function, with nothing to compute.

@@ -26,6 +26,7 @@ enum class InputKind : std::uint8_t {
   constraint,    // index: of a contact, or, behind them, a loop; component: see ir/contact.hpp
   element,       // index: array of the function, filled in a section before; component: its element, column by column
   payload,       // index: payload number; component: mass, com (3), inertia xx xy xz yy yz zz
+  implicit,      // index: one of ir/implicit_joints.hpp; component: what its damper and spring add to the step's equations
   parameter,     // index: one of the body's parameters (passes/parameters.hpp)
   state,         // index, component: a role of the body
   carried,       // index, component: a role of the parent (outwards), or what the children hand on, summed (inwards)

@@ -96,6 +96,8 @@ struct Scene {
   ScalarType scalar = ScalarType::float64;
   Parallel parallel = Parallel::automatic;
   bool batch = false;                      // functions take many states at once, too
+  bool linearly_implicit = false;          // … and roll out by linearly implicit steps, too
+  bool impacts = false;                    // … with contacts and loops that come on and go
   bool rates_zero = false;                 // statics: v = 0, no velocity terms
   std::map<std::string, double> armature;  // joint → rotor inertia reflected to the joint, kg m² or kg
   std::map<std::string, double> damping;   // joint → viscous damping

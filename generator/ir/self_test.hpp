@@ -35,6 +35,9 @@ struct SelfTest {
   Eigen::VectorXd wrenches{};                         // six numbers each, in the scene's order
   std::vector<Inertia> payloads;                      // in the links' frames, in the scene's order
   std::vector<Expectation> expectations;
+  // Of dv/dt of one linearly implicit step of `step` seconds from the states, where the scene asks for such rollouts: vectors.
+  std::vector<Expectation> implicit{};
+  double step = 0;
   std::vector<int> left_out;  // indices as above: outputs whose results the scalar cannot hold
   std::string precision;      // of the arithmetic behind the expectations, in words
 };

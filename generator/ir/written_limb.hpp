@@ -1,5 +1,5 @@
-// Loops of the rolled form that are written out: of a limb that stands alone, whose lanes would be one, body after body with the
-// body's constants in place. So zeros and ones of its tables fold, and what is carried is a variable.
+// Loops of the rolled form that are written out: of a limb that stands alone, whose lanes would be one, body after body with
+// the body's constants in place. So zeros and ones of its tables fold, and what is carried is a variable.
 #pragma once
 
 #include <cstddef>

@@ -31,6 +31,7 @@ Unroll::Unroll(const ir::Algorithm& algorithm, const ir::KinematicTree& tree, co
       positions_(tree.positions()),
       links_(ir::numbers_of_links(tree)),
       base_rows_(tree.base_coordinates()),
+      implicit_(options.implicit ? ir::implicit_joints(tree) : std::vector<ir::ImplicitJoint>()),
       producer_(algorithm.roles.size(), -1),
       base_producer_(algorithm.roles.size(), -1),
       values_((tree.bodies.size() + 7) * static_cast<std::size_t>(live_.offset.back()), no_node),
@@ -56,9 +57,29 @@ Unroll::Unroll(const ir::Algorithm& algorithm, const ir::KinematicTree& tree, co
   for (int body = 0; body < tree.joints(); ++body)
     payload_[place(body, -1)].merge(
         quaternion_parameters(program_.graph, tree, normal, positions_, coordinates_, scene.rates_zero, body));
+  add_implicit_joints();
   find_companions();
   for (const Loop& loop : loops()) run_loop(loop);
   collect_results();
+}
+
+// To the armature, the armature having been zero or not.
+void Unroll::add_implicit_joints() {
+  for (std::size_t i = 0; i < implicit_.size(); ++i)
+    payload_[place(implicit_[i].body, -1)][armature_p] =
+        program_.graph.input({InputKind::implicit, static_cast<int>(i), ir::implicit_inertia});
+}
+
+// What acts on a joint, less how much harder its spring pulls behind the step than before it, the joint moving on as it does.
+NodeId Unroll::implicit_effort(NodeId effort, int body) {
+  for (std::size_t i = 0; i < implicit_.size(); ++i) {
+    const ir::ImplicitJoint& joint = implicit_[i];
+    if (joint.body != body || joint.stiffness == 0) continue;
+    const NodeId pull = program_.graph.input({InputKind::implicit, static_cast<int>(i), ir::implicit_force});
+    const NodeId rate = program_.graph.input({InputKind::velocity, joint.coordinate});
+    return program_.graph.subtract(effort, program_.graph.multiply(pull, rate));
+  }
+  return effort;
 }
 
 // Directional sweeps in their order. Pairs follow, body by body, the inwards sweep that their factors wait for: an element is
@@ -256,7 +277,8 @@ NodeId Unroll::value(int role, int component, int body, int coordinate) {
   if (values_[at] != no_node) return values_[at];
   const ir::Role& r = algorithm_.roles[static_cast<std::size_t>(role)];
   if (r.source != ir::Source::sweep && body >= 0) {
-    const NodeId node = coordinate_node(program_.graph, r, tree_, coordinates_, positions_, scene_.rates_zero, body);
+    NodeId node = coordinate_node(program_.graph, r, tree_, coordinates_, positions_, scene_.rates_zero, body);
+    if (r.source == ir::Source::effort) node = implicit_effort(node, body);
     name(node, r, component, body);
     return values_[at] = node;
   }

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "ir/algorithm.hpp"
+#include "ir/implicit_joints.hpp"
 #include "ir/kinematic_tree.hpp"
 #include "ir/normal_tree.hpp"
 #include "ir/program.hpp"
@@ -20,7 +21,8 @@ namespace dalembert::passes {
 
 struct UnrollOptions {
   ir::Graph::Options graph{};
-  bool names = true;  // keep names for reading
+  bool names = true;      // keep names for reading
+  bool implicit = false;  // dampers and springs as a linearly implicit step has them (ir/implicit_joints.hpp)
 };
 
 class Unroll {
@@ -68,6 +70,8 @@ class Unroll {
   std::vector<Loop> joined(std::vector<Loop> loops) const;
   int last_inwards(int role, std::vector<int>& known) const;
   void run_loop(const Loop& loop);
+  void add_implicit_joints();
+  ir::NodeId implicit_effort(ir::NodeId effort, int body);
   void find_companions();
   void run_sweep(int sweep, int body);
   void run_pairs(int pairs, int body);
@@ -88,6 +92,7 @@ class Unroll {
   const Live live_;
   const std::vector<int> coordinates_, positions_, links_;
   const int base_rows_;
+  const std::vector<ir::ImplicitJoint> implicit_;
   std::vector<int> producer_;                       // per role: the sweep that stores it for bodies, −1: none
   std::vector<int> base_producer_;                  // … for the base alone or its coordinates
   std::vector<std::map<int, ir::NodeId>> payload_;  // per body + 1

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "ir/emitted_function.hpp"
+#include "ir/implicit_joints.hpp"
 #include "passes/combine_inertia.hpp"
 #include "reference/engine.hpp"
 
@@ -189,8 +190,30 @@ void leave_out_what_overflows(ir::SelfTest& test, ir::ScalarType scalar) {
   std::set<int> arrays;
   for (const ir::Expectation& e : test.expectations)
     if (overflows(e)) arrays.insert(e.array);
+  std::erase_if(test.implicit, [&](const ir::Expectation& e) { return overflows(e) || arrays.contains(e.array); });
   test.left_out.assign(arrays.begin(), arrays.end());
   std::erase_if(test.expectations, [&](const ir::Expectation& e) { return arrays.contains(e.array); });
+}
+
+// dv/dt of a linearly implicit step is that of a robot with more armature and other forces (ir/implicit_joints.hpp). The change
+// of v in a step is rounded as v is.
+ir::Expectation implicit_step(int array, int state, double step, ir::KinematicTree tree, const ir::Scene& scene, Inputs inputs,
+                              Precision exactly, Precision usual) {
+  const double fastest = inputs.v.cwiseAbs().maxCoeff();
+  for (const ir::ImplicitJoint& joint : ir::implicit_joints(tree)) {
+    tree.bodies[static_cast<size_t>(joint.body)].armature += step * (joint.damping + step * joint.stiffness);
+    inputs.more[joint.coordinate] -= step * joint.stiffness * inputs.v[joint.coordinate];
+  }
+  const Wanted wanted{ir::Quantity::forward_dynamics, "", {}, {}};
+  const Eigen::MatrixXd exact = evaluate(tree, scene, {wanted}, inputs, exactly).front(),
+                        generic = evaluate(tree, scene, {wanted}, inputs, usual).front();
+  ir::Expectation e = Comparison(array, state, exact, generic, LeastScale(tree, scene, inputs).of(wanted),
+                                 condition(wanted, tree, scene, inputs), scene.scalar)
+                          .elements(false);
+  const double epsilon =
+      scene.scalar == ir::ScalarType::float32 ? std::numeric_limits<float>::epsilon() : std::numeric_limits<double>::epsilon();
+  e.tolerance += 2 * epsilon * (fastest / step + e.scale) / e.scale;
+  return e;
 }
 
 }  // namespace
@@ -201,8 +224,11 @@ ir::SelfTest self_test(const ir::KinematicTree& original, const ir::Scene& origi
   ir::SelfTest test;
   set_inputs(test, tree, scene);
   std::vector<Wanted> wanted;
+  std::vector<int> moving;  // arrays of functions that roll out by linearly implicit steps
   for (const ir::EmittedFunction& function : ir::functions_of(scene)) {
     for (const ir::Quantity quantity : function.quantities) {
+      if (scene.linearly_implicit && quantity == ir::Quantity::forward_dynamics)
+        moving.push_back(static_cast<int>(wanted.size()));
       const ir::QuantityRow& row = ir::row_of(quantity);
       wanted.push_back({quantity, "", {}, ir::selection(function.part(quantity), row.rows, row.columns)});
     }
@@ -214,6 +240,7 @@ ir::SelfTest self_test(const ir::KinematicTree& original, const ir::Scene& origi
   }
 
   const Precision exactly = precision(tree);
+  if (!moving.empty()) test.step = 0x1p-6;
   test.precision = exactly == Precision::digits_50 ? "50 digits" : "long double";
   const Precision usual = scene.scalar == ir::ScalarType::float32 ? Precision::float32 : Precision::float64;
   Uniform uniform;
@@ -234,6 +261,8 @@ ir::SelfTest self_test(const ir::KinematicTree& original, const ir::Scene& origi
       if (s == 0 || vector) test.expectations.push_back(comparison.elements(symmetric));
       if (!vector) test.expectations.push_back(comparison.rows());
     }
+    for (const int array : moving)
+      test.implicit.push_back(implicit_step(array, s, test.step, tree, scene, inputs, exactly, usual));
     test.states.push_back(std::move(state));
   }
   leave_out_what_overflows(test, scene.scalar);

@@ -311,17 +311,47 @@ TEST(Check, FindsAWrongLine) {
 // where nothing acts that should, both check and self-test say so.
 TEST(Check, CoversRollouts) {
   setenv("CXX", "c++ -Wall -Wextra -Wpedantic -Werror", 1);
-  const Outcome held =
-      run_dalembert({"check", arm, "--base", "fixed", "--batch", "true", "--outputs", "constrained_forward_dynamics",
-                     "--contacts", "hand=point", "--joints", "{elbow: spherical}", quickly[0], quickly[1]},
-                    ".");
+  const Outcome held = run_dalembert(
+      {"check", arm, "--base", "fixed", "--batch", "true", "--outputs", "constrained_forward_dynamics,impact", "--contacts",
+       "hand=point", "--rollouts", "impacts", "--joints", "{elbow: spherical}", quickly[0], quickly[1]},
+      ".");
   EXPECT_EQ(held.status, 0) << held.err << held.out;
   for (const char* line :
        {"its rollouts, 4 steps ", "constrained_forward_dynamics, Euler ", "constrained_forward_dynamics, rk4 "})
     EXPECT_NE(held.out.find(line), std::string::npos) << line << held.out;
 
+  // Stiff joints by linearly implicit steps: one of a ball, one behind a motor, one that drives another; dampers and springs
+  // are in what the self-test has from 50 digits, too.
+  const std::vector<std::string> stiff{"check",       arm,
+                                       "--base",      "floating",
+                                       "--batch",     "true",
+                                       "--outputs",   "forward_dynamics",
+                                       "--rollouts",  "linearly_implicit",
+                                       "--joints",    "{elbow: spherical}",
+                                       "--elastic",   "{shoulder: {k: 1e6, inertia: 0.1, damping: 1e3}}",
+                                       "--mimic",     "{grip: {of: wrist, multiplier: -2}}",
+                                       "--damping",   "elbow=1e3,wrist=2,grip=5",
+                                       "--stiffness", "wrist=1e6",
+                                       quickly[0],    quickly[1]};
+  const Outcome at_rest = run_dalembert(stiff, ".");
+  EXPECT_EQ(at_rest.status, 0) << at_rest.err << at_rest.out;
+  EXPECT_NE(at_rest.out.find("forward_dynamics, implicit "), std::string::npos) << at_rest.out;
+
   const TemporaryFolder folder;
   const std::string compiler = folder.path() + "/compiler";
+  // Of the ball's damper nothing counts.
+  write_text(compiler,
+             "#!/bin/sh\nfor file; do case \"$file\" in */batch.cpp)\n"
+             "  sed -i '/broadcast<width, Scalar>(h [*] 1000/s/1000/10/' \"$file\";;\nesac; done\nexec c++ \"$@\"\n");
+  chmod(compiler.c_str(), 0700);
+  setenv("CXX", compiler.c_str(), 1);
+  const Outcome undamped = run_dalembert(stiff, ".");
+  EXPECT_EQ(undamped.status, 1) << undamped.err << undamped.out;
+  EXPECT_NE(undamped.out.find("FAILS: forward_dynamics("), std::string::npos) << undamped.out;
+  std::istringstream lines_of_implicit(undamped.out);
+  for (std::string line; std::getline(lines_of_implicit, line);)
+    EXPECT_EQ(line.ends_with("  DIFFERS"), line.find("forward_dynamics, implicit ") != std::string::npos) << line;
+
   write_text(
       compiler,
       "#!/bin/sh\nfor file; do case \"$file\" in */batch.cpp)\n"

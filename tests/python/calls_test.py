@@ -19,8 +19,11 @@ warnings.simplefilter("ignore", dalembert.InputWarning)
 CASES = int(os.environ.get("DALEMBERT_TEST_CASES", "200"))
 
 
+STIFF = dict(damping={"link_01_joint": 1e3, "link_02_joint": 2}, stiffness={"link_02_joint": 1e6})
+
+
 def setUpModule():
-    global double, single, arm
+    global double, single, arm, stiff
     urdf = robots.robot("double_pendulum")
     scene = dict(base="floating", outputs=["mass_matrix", "kinetic_energy", "forward_dynamics", "inverse_dynamics"],
                  gravity="run_time", payloads=["link_02"], wrenches={"link_02": "world"},
@@ -28,6 +31,8 @@ def setUpModule():
     double = dalembert.load(urdf, **scene)
     single = dalembert.load(urdf, scalar=np.float32, base="fixed", outputs=["mass_matrix", "bias", "forward_dynamics"], flags=robots.quick, batch=False)
     arm = dalembert.load(urdf, base="fixed", outputs="forward_dynamics", flags=robots.quick, payloads=["link_02"])
+    stiff = dalembert.load(urdf, base="fixed", outputs=["mass_matrix", "bias", "forward_dynamics"], flags=robots.quick, batch=True,
+                           rollouts=["linearly_implicit"], **STIFF)
 
 
 class Rollouts(unittest.TestCase):
@@ -73,6 +78,32 @@ class Rollouts(unittest.TestCase):
                                                               return_status=True)
                 self.assertEqual([x.tobytes() for x in result], [x.tobytes() for x in expected])
                 self.assertEqual(status.tolist(), stopped.tolist())
+
+    def test_linearly_implicit_steps(self):
+        """(M + h D + h² K) v' = tau - C v - g - D v - K q - h K v, by numpy; and explicit steps of the same size blow up."""
+        h, steps, roll_out = 0.01, 50, stiff.forward_dynamics_rollout
+        joints = list(stiff.joint_names)
+        D, K = (np.diag([STIFF[key].get(joint, 0.0) for joint in joints]) for key in ("damping", "stiffness"))
+        self.assertEqual((np.trace(D), np.trace(K)), (1002, 1e6))
+        q, v, tau = self.q, self.v, np.random.default_rng(4).uniform(-1, 1, (self.n, steps, 2))
+        path, status = roll_out(q, v, tau, time_step=h, method="linearly_implicit", path=True, return_status=True)
+        self.assertEqual(status.tolist(), [-1] * self.n)
+        for step in range(steps):
+            system = stiff.mass_matrix(q) + h * D + h * h * K
+            right = tau[:, step] - stiff.bias(q, v) - h * v @ K
+            expected = v + h * np.linalg.solve(system, right[..., None])[..., 0]
+            scale = 1e-12 * max(1, np.abs(expected).max(), np.abs(v).max())
+            np.testing.assert_allclose(path.v[:, step], expected, rtol=0, atol=scale)
+            np.testing.assert_allclose(path.q[:, step], q + h * path.v[:, step], rtol=0, atol=scale)
+            q, v = path.q[:, step], path.v[:, step]
+        self.assertLess(np.abs(v).max(), 10)
+        _, status = roll_out(self.q, self.v, steps=1000, time_step=h, return_status=True)
+        self.assertGreaterEqual(status.min(), 0)
+        for robot in (double, arm, single):
+            with self.assertRaisesRegex(ValueError, r"load the robot with batch=True and rollouts=\['linearly_implicit'\]"):
+                robot.forward_dynamics_rollout(robot.neutral(), np.zeros(robot.nv), steps=1, time_step=h, method="linearly_implicit")
+        with self.assertRaisesRegex(dalembert.InputError, "write batch: true"):
+            dalembert.load(robots.robot("double_pendulum"), outputs="forward_dynamics", rollouts=["linearly_implicit"])
 
     def test_a_floating_base_as_integrate_has_it(self):
         q, v = self.Q, self.V

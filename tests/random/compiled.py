@@ -148,6 +148,12 @@ def scene_of(d, robot, quantities):
         held = [j for j in single if j != driver and j not in mimic and d.one_in(5)]
         if held:
             scene["locked"] = {j: 0.3 for j in held}
+    if scene.get("batch"):
+        asked = {*scene["outputs"], *scene.get("functions", {}).get("one", [])}
+        if "forward_dynamics" in asked and not constrained and not scene.get("rates_zero"):
+            scene["rollouts"] = ["linearly_implicit"]
+        elif {"constrained_forward_dynamics", "impact"} <= asked:
+            scene["rollouts"] = ["impacts"]
     return scene
 
 

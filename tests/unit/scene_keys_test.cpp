@@ -22,8 +22,9 @@ namespace {
 // A value unlike the default, for the robot below.
 struct Example {
   const char* key;
-  const char* file;    // in a scene file
-  const char* option;  // on the command line
+  const char* file;         // in a scene file
+  const char* option;       // on the command line
+  const char* beside = "";  // what a scene has to say besides
 };
 const Example examples[] = {
     {"base", "fixed", "fixed"},
@@ -56,6 +57,8 @@ const Example examples[] = {
     {"parallel", "tasks", "tasks"},
     {"plan", "{evaluate: {form: straight, order: newest_first}}", "{evaluate: {form: straight, order: newest_first}}"},
     {"batch", "true", "true"},
+    {"rollouts", "[linearly_implicit]", "linearly_implicit",
+     "batch: true\nmassless: lock\nfunctions: {step: [forward_dynamics]}\n"},
 };
 
 // Three joints in a row, with damping; then one that moves no mass. The second link's inertia is no body's.
@@ -83,6 +86,7 @@ std::vector<backend::OutputFile> code_of(const frontend::SceneDocument& document
   model.description = frontend::read_urdf_text("r.urdf", robot_text(), warnings);
   model.name = "r";
   apply_scene(model, document, warnings);
+  if (model.scene.linearly_implicit) return compile(model);       // of what nothing holds
   model.scene.outputs.push_back(ir::Quantity::forward_dynamics);  // which some keys are about
   if (!model.scene.any_constraint()) model.scene.contacts.push_back({"held", "l2"});
   model.tree.constraint_rows = model.scene.constraint_rows();
@@ -102,17 +106,17 @@ TEST(SceneKeys, EachHasAnExampleHere) {
 }
 
 TEST(SceneKeys, EachIsAnOptionThatDoesWhatTheFileDoes) {
-  const std::vector<backend::OutputFile> without = code_of(frontend::read_scene_text("", "", {}));
   for (const Example& example : examples) {
     SCOPED_TRACE(example.key);
+    const std::string beside = example.beside;
+    const std::vector<backend::OutputFile> without = code_of(frontend::read_scene_text("r.yaml", beside, {}));
     CLI::App app;
     SharedOptions options(app);
     app.parse(std::vector<std::string>{example.option, std::string("--") + example.key, "r.urdf"});  // last word first
     const Request request = options.request();
     ASSERT_EQ(request.settings.size(), 1u);
-    const auto by_option = code_of(frontend::read_scene_text("", "", request.settings));
-    const auto by_file =
-        code_of(frontend::read_scene_text("r.yaml", std::string(example.key) + ": " + example.file + "\n", {}));
+    const auto by_option = code_of(frontend::read_scene_text("r.yaml", beside, request.settings));
+    const auto by_file = code_of(frontend::read_scene_text("r.yaml", beside + example.key + ": " + example.file + "\n", {}));
     EXPECT_TRUE(same(by_option, by_file));
     EXPECT_FALSE(same(by_option, without)) << "the key has no effect";
   }

@@ -64,10 +64,11 @@ std::string functions_json(const Library& library) {
     all.push_back(fmt::format(
         "\n    {{\"name\": {}, \"function\": {}, \"entry\": {}, \"takes\": {}, \"meaning\": {}, \"reads_velocities\": {}, "
         "\"named\": {}, \"alone\": {}, \"part\": {}, \"folder\": {}, \"batch_entry\": {}, \"acceleration\": {}, "
-        "\"results\": {}}}",
+        "\"linearly_implicit\": {}, \"results\": {}}}",
         json_string(table_name(f)), json_string(f.function.named ? f.function.name : ir::row_of(f.function.inputs).name), i,
         json_string(f.function.input()), json_string(f.function.meaning()), f.reads_velocities, f.function.named, f.of_one,
-        f.part, json_string(library.parts[f.part].model.name), f.batch_entry, acceleration_of(f), array(results)));
+        f.part, json_string(library.parts[f.part].model.name), f.batch_entry, acceleration_of(f),
+        f.batch_entry >= 0 && acceleration_of(f) >= 0 && library.parts[f.part].model.scene.linearly_implicit, array(results)));
   }
   return array(all);
 }

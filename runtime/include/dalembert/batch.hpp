@@ -269,6 +269,20 @@ static inline bool batch_holds(const BatchLanes<T>* pivots, const BatchLanes<T>*
   return all;
 }
 
+// Where a pivot does need a bound (status 0): of M with what a linearly implicit step adds to its diagonal, which no function
+// computes at single states. What is added makes pivots larger by as much at least: where M may be solved with, this may, too.
+// status: the first coordinate, from the last on, whose pivot is not above what rounding may leave of its diagonal element; −1.
+template <int n, class T>
+static inline void batch_pivots_hold(const BatchLanes<T>* pivots, const BatchLanes<T>* diagonal, int* status) noexcept {
+  constexpr int w = batch_width<T>;
+  for (int j = 0; j < w; ++j) {
+    if (status[j] < 0) continue;
+    status[j] = -1;
+    for (int k = n - 1; k >= 0 && status[j] < 0; --k)
+      if (!detail::exceeds<T>(lane<w, T>(pivots[k], j), lane<w, T>(diagonal[k], j), detail::rounding_left<T>(n))) status[j] = k;
+  }
+}
+
 // What was solved for means nothing where M is not positive definite.
 template <class T>
 static inline void batch_clear(const int* status, BatchLanes<T>* values, int count) noexcept {

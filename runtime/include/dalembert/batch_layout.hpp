@@ -52,6 +52,8 @@ enum class BatchError : int {
   time_step,  // not finite
   method,     // no value of RolloutMethod
   control,    // a function, and an input too
+  left_out,   // a method that the scene does not ask for
+  active,     // contacts that come on and go, which the scene does not ask for
 };
 
 constexpr const char* describe(BatchError error) noexcept {
@@ -67,6 +69,10 @@ constexpr const char* describe(BatchError error) noexcept {
     case BatchError::steps: return "the number of steps is larger than memory can hold; is it negative?";
     case BatchError::time_step: return "the time step is not a finite number of seconds";
     case BatchError::method: return "the method is none of those there are";
+    case BatchError::left_out:
+      return "the method is not in this code: generate it with the scene key rollouts: [linearly_implicit]";
+    case BatchError::active:
+      return "contacts do not come on and go in this code: generate it with the scene key rollouts: [impacts]";
     case BatchError::control: return "what acts is given by an array and by a function; one of them has to be null";
   }
   return "no error of batches has this number";

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <initializer_list>
 #include <limits>
+#include <type_traits>
 
 #include "dalembert/batch.hpp"
 #include "dalembert/integrators/motion.hpp"
@@ -62,11 +63,38 @@ DALEMBERT_BLOCK void rate_lanes(const V* q, const V* step, const V* speed, V* ra
     }
 }
 
-// Motions that cannot make the step stay where they are.
-template <class T, int nq, int nv>
-DALEMBERT_BLOCK void accept_step(RolloutBlock<T, nq, nv>& motion, const int* status, std::size_t step) {
+// What of a program's contacts and loops comes on and goes: how many, and the place of the first among what is given.
+template <class Program, class = void>
+struct Switched {
+  static constexpr int count = 0, first = 0;
+};
+template <class Program>
+struct Switched<Program, std::void_t<decltype(Program::constraints)>> {
+  static constexpr int count = Program::constraints, first = Program::first_active;
+};
+
+// Impacts of the motions of a block in which something comes on; `before`: what acted in the last step. Whether there were any.
+template <class T, int nq, int nv, class Program, class Block, class V>
+DALEMBERT_BLOCK bool strike_where_on(Program& program, Block& block, const V* before, const RolloutBlock<T, nq, nv>& motion,
+                                     int states) {
+  using On = Switched<Program>;
+  bool any = false;
+  for (int j = 0; j < states; ++j) {
+    bool comes_on = false;
+    for (int c = 0; c < On::count; ++c)
+      comes_on |=
+          lane<batch_width<T>, T>(block.given[On::first + c], j) > T(0) && !(lane<batch_width<T>, T>(before[c], j) > T(0));
+    if (!comes_on || motion.stopped[j] >= 0) continue;
+    program.strike(block, j);
+    any = true;
+  }
+  return any;
+}
+
+// Motions that cannot make the step stay where they are. began_v: v before an impact.
+template <class T, int nq, int nv, class V>
+DALEMBERT_BLOCK void accept_step(RolloutBlock<T, nq, nv>& motion, const V* began_v, const int* status, std::size_t step) {
   constexpr int w = batch_width<T>;
-  using V = BatchLanes<T>;
   V not_finite{};  // x − x is zero of a finite number, and NaN of others
   for (int i = 0; i < nq; ++i) not_finite += motion.next_q[i] - motion.next_q[i];
   for (int i = 0; i < nv; ++i) not_finite += motion.next_v[i] - motion.next_v[i];
@@ -81,7 +109,7 @@ DALEMBERT_BLOCK void accept_step(RolloutBlock<T, nq, nv>& motion, const int* sta
       if (motion.stopped[j] < 0) continue;
       T q[nq], v[nv];
       take_state<T>(motion.q, nq, j, q);
-      take_state<T>(motion.v, nv, j, v);
+      take_state<T>(began_v, nv, j, v);
       put_state<T>(q, nq, j, motion.next_q);
       put_state<T>(v, nv, j, motion.next_v);
     }
@@ -91,12 +119,15 @@ DALEMBERT_BLOCK void accept_step(RolloutBlock<T, nq, nv>& motion, const int* sta
 
 }  // namespace detail
 
-// What a rollout has to be, beyond what a batch has to be.
-template <class T>
+// What a rollout has to be, beyond what a batch has to be. linearly_implicit, impacts: whether the code has them.
+template <bool linearly_implicit = false, bool impacts = false, class T>
 static inline BatchError check_rollout(const Rollout<T>& rollout, const T* input, std::size_t count, int nq) noexcept {
-  if (static_cast<unsigned>(rollout.method) > static_cast<unsigned>(RolloutMethod::rk4)) return BatchError::method;
+  if (static_cast<unsigned>(rollout.method) > static_cast<unsigned>(RolloutMethod::linearly_implicit))
+    return BatchError::method;
+  if (rollout.method == RolloutMethod::linearly_implicit && !linearly_implicit) return BatchError::left_out;
   if (!std::isfinite(rollout.time_step)) return BatchError::time_step;
-  if (rollout.control && input) return BatchError::control;
+  if (rollout.active && !impacts) return BatchError::active;
+  if (rollout.control && (input || rollout.active)) return BatchError::control;
   constexpr std::size_t most = std::numeric_limits<std::size_t>::max() / 2 / sizeof(double);
   const std::size_t numbers = static_cast<std::size_t>(nq + 10);
   if (rollout.steps > static_cast<std::size_t>(std::numeric_limits<int>::max()) ||
@@ -116,7 +147,10 @@ static inline void roll_out(Program&& program, const Rollout<T>& rollout, const 
   using Block = typename P::Block;
   using V = BatchLanes<T>;
   constexpr int w = batch_width<T>, strip = P::strip;
+  using On = detail::Switched<P>;
   Block blocks[strip];
+  V began_v[On::count > 0 ? strip : 1][nv];
+  bool struck[strip] = {};
   detail::RolloutBlock<T, nq, nv> motions[strip];
   const V h = broadcast<w, T>(rollout.time_step);
   for (Block& block : blocks) {
@@ -145,12 +179,26 @@ static inline void roll_out(Program&& program, const Rollout<T>& rollout, const 
         Block& block = blocks[b];
         detail::copy_numbers<T, nq>(motions[b].q, block.q);
         detail::copy_numbers<T, nv>(motions[b].v, block.v);
+        [[maybe_unused]] V* const active = On::count > 0 ? block.given + On::first : nullptr;
+        V before[On::count > 0 ? On::count : 1];
+        if constexpr (On::count > 0) {
+          detail::copy_numbers<T, On::count>(active, before);
+          if (rollout.active)
+            read_states<On::count, T>(rollout.active, states_in, at[b], states[b], active, rollout.steps * On::count,
+                                      step * On::count);
+        }
         if (input) {
           read_states<nv, T>(input, states_in, at[b], states[b], block.input, rollout.steps * nv, step * nv);
         } else if (rollout.control) {
-          rollout.control({at[b], states[b], w, step, reinterpret_cast<const T*>(motions[b].q),
-                           reinterpret_cast<const T*>(motions[b].v), reinterpret_cast<T*>(block.input)},
-                          rollout.user);
+          rollout.control(
+              {at[b], states[b], w, step, reinterpret_cast<const T*>(motions[b].q), reinterpret_cast<const T*>(motions[b].v),
+               reinterpret_cast<T*>(block.input), reinterpret_cast<T*>(active)},
+              rollout.user);
+        }
+        if constexpr (On::count > 0) {
+          struck[b] = detail::strike_where_on<T, nq, nv>(program, block, before, motions[b], states[b]);
+          if (struck[b])
+            detail::copy_numbers<T, nv>(motions[b].v, began_v[b]), detail::copy_numbers<T, nv>(block.v, motions[b].v);
         }
       }
       int status[strip][w];
@@ -158,7 +206,7 @@ static inline void roll_out(Program&& program, const Rollout<T>& rollout, const 
         for (int b = 0; b < count; ++b)
           for (int j = 0; j < w; ++j) status[b][j] = begins ? blocks[b].status[j] : std::max(status[b][j], blocks[b].status[j]);
       };
-      if (rollout.method == RolloutMethod::semi_implicit_euler) {
+      if (rollout.method != RolloutMethod::rk4) {  // a linearly implicit step is the same, with v̇ of its own program
         accelerate();
         keep_status(true);
         for (int b = 0; b < count; ++b) {
@@ -199,7 +247,7 @@ static inline void roll_out(Program&& program, const Rollout<T>& rollout, const 
         }
       }
       for (int b = 0; b < count; ++b) {
-        detail::accept_step<T, nq, nv>(motions[b], status[b], step);
+        detail::accept_step<T, nq, nv>(motions[b], struck[b] ? began_v[On::count > 0 ? b : 0] : motions[b].v, status[b], step);
         const auto write = [&](const V* values, int numbers, T* to) {
           if (!to) return;
           const auto k = static_cast<std::size_t>(numbers);

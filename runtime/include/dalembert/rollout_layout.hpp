@@ -11,10 +11,15 @@ namespace dalembert {
 enum class RolloutMethod : int {
   semi_implicit_euler,  // the new speeds move the positions; of first order, one evaluation a step
   rk4,                  // of fourth order, four evaluations
+  // Of first order; stiff dampers and springs of the robot's joints come to rest instead of blowing up. Where the scene asks
+  // for it: rollouts: [linearly_implicit].
+  linearly_implicit,
 };
 
 // A block of motions before a step: number i of the block's motion number k stands at [i * stride + k], and k is less than
-// `count`. What is written to `input` acts during the step: nv numbers of each motion, N and N m.
+// `count`. What is written to `input` acts during the step: nv numbers of each motion, N and N m. `active`, where the scene
+// asks for impacts, else null: which contacts and loops act, 1 or 0 each, in the order of their rows; as before where nothing
+// is written.
 template <class T>
 struct RolloutStep {
   std::size_t first;  // of the batch's motions, the one that the block begins with
@@ -22,6 +27,7 @@ struct RolloutStep {
   std::size_t step;  // 0 is the first
   const T *q, *v;
   T* input;
+  T* active;
 };
 
 // A batch's states are where motions begin. Its input is what acts in each step: steps × nv numbers a motion, step by step; or
@@ -34,6 +40,11 @@ struct Rollout {
   RolloutMethod method = RolloutMethod::semi_implicit_euler;
   void (*control)(const RolloutStep<T>&, void* user) = nullptr;  // must not throw; where the batch has no input
   void* user = nullptr;
+  // Of constrained_forward_dynamics, where the scene asks for it, rollouts: [impacts]: which contacts and loops act in each
+  // step, 1 or 0: steps × so many numbers a motion, laid out as the batch's states. Null: as `control` says, or as the
+  // workspace does. Where one comes on that did not act in the step before (before the first: in the workspace), the step
+  // begins with an impact, of all that act now, with their restitution.
+  const T* active = nullptr;
 
   T* last_q = nullptr;  // nq numbers a motion, behind the last step
   T* last_v = nullptr;  // nv

@@ -129,11 +129,12 @@ def _refuse_followers(what):
 class Rollout:
     """Motions that a function of a robot makes from states on, many steps in one call (docs/python.md)."""
 
-    _METHODS = ("semi_implicit_euler", "rk4")
+    _METHODS = ("semi_implicit_euler", "rk4", "linearly_implicit")
 
-    def __init__(self, function, name, takes, meaning, robot, run_time):
+    def __init__(self, function, name, takes, meaning, robot, run_time, linearly_implicit):
         self._function, self._takes, self._quaternions = function, takes, robot._quaternions
         self._has_followers = robot._has_followers()
+        self._linearly_implicit = linearly_implicit
         self.__name__ = self.__qualname__ = f"{name}_rollout"
         self._type = _results_type("Rollout", ("q", "v"))
         self.__doc__ = "\n".join((
@@ -145,7 +146,9 @@ class Rollout:
             *(f"{i}: ({size},) or (n, {size}), the same in all steps, in place of the robot's own." for i, _, size in run_time),
             f"steps: how many, where {takes} does not say it.",
             "time_step: seconds; may be negative.",
-            "method: 'semi_implicit_euler', of first order, one evaluation a step; or 'rk4', of fourth order, four.",
+            "method: 'semi_implicit_euler', of first order, one evaluation a step; 'rk4', of fourth order, four; or, where the robot "
+            "is loaded with batch=True and rollouts=['linearly_implicit'], 'linearly_implicit', of first order, which bears stiff "
+            "dampers and springs.",
             "path: whether the states behind each step are wanted, and not the last ones alone.",
             "out: (q, v), arrays to write to.",
             "return_status: also the step, from 0, that a motion could not make, or -1; of n motions an array.",
@@ -170,6 +173,9 @@ class Rollout:
         tau = acting[0] if acting else more.pop(self._takes, None)
         if method not in self._METHODS:
             raise ValueError(f"{self.__name__}: there is no method {method!r}" + _build.did_you_mean(method, self._METHODS))
+        if method == "linearly_implicit" and not self._linearly_implicit:
+            raise ValueError(f"{self.__name__}: linearly implicit steps are not in the code of this function: load the robot with "
+                             "batch=True and rollouts=['linearly_implicit'], the function computing no derivatives beside it")
         if steps is None and tau is None:
             raise TypeError(f"{self.__name__} needs steps, or {self._takes}, whose steps they are")
         if steps is not None and (not isinstance(steps, numbers.Integral) or steps < 0):
@@ -266,7 +272,8 @@ class Robot:
                 functools.partial(batches.find, f["part"], f["batch_entry"]) if batches and f["batch_entry"] >= 0 else None,
                 f["acceleration"])
             if f["acceleration"] >= 0 and (one or f["named"]):
-                rollouts[f"{name}_rollout"] = Rollout(made, name, f["takes"], f["meaning"], self, run_time)
+                rollouts[f"{name}_rollout"] = Rollout(made, name, f["takes"], f["meaning"], self, run_time,
+                                                   f["linearly_implicit"])
             self._folders[name if one else f["name"]] = self._folder / "source" / f["folder"]
             if one:
                 single[name] = made
