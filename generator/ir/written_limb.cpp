@@ -33,7 +33,8 @@ class LimbWriter {
         handed[{c.role, c.component}] = n.op == Op::constant ? std::optional<double>(n.value) : std::nullopt;
       }
     }
-    for (std::size_t i = 0; i < steps.size(); ++i) {
+    // From the last on, since what is handed to it may be of no use there.
+    for (std::size_t i = steps.size(); i-- > 0;) {
       const LimbStep* const next = i + 1 < steps.size() ? &steps[i + 1] : nullptr;
       std::erase_if(steps[i].carried, [&](const Carried& c) { return next ? !reads(*next, c) : !inwards || !hands_on(c); });
     }
@@ -42,11 +43,13 @@ class LimbWriter {
 
  private:
   static bool reads(const LimbStep& step, const Carried& c) {
+    const std::vector<std::int32_t> used = uses(step.graph, step.roots());
     for (NodeId id = 0; id < step.graph.size(); ++id)
-      if (step.graph[id].op == Op::input && step.graph[id].input == Input{InputKind::carried, c.role, c.component}) return true;
+      if (const Node& n = step.graph[id]; used[static_cast<std::size_t>(id)] > 0 && n.op == Op::input &&
+                                          n.input == Input{InputKind::carried, c.role, c.component})
+        return true;
     return false;
   }
-
   bool hands_on(const Carried& c) const {
     return std::any_of(code_.handed.begin(), code_.handed.end(), [&](const HandedOn& h) { return h.role == c.role; });
   }
