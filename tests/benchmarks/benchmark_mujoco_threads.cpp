@@ -1,5 +1,5 @@
-// What batches stand beside: MuJoCo's mj_forward at many states, a state and data of its own for each of oneTBB's threads, which
-// is how it is used for sampling and learning. No contact and no other constraint; geometry is not collided.
+// What batches stand beside: MuJoCo's mj_forward at many states, a state and data of its own for each of oneTBB's threads,
+// which is how it is used for sampling and learning. No contact and no other constraint; geometry is not collided.
 //
 //     build/release/bin/benchmark_mujoco_threads --benchmark_repetitions=5
 //
@@ -75,9 +75,8 @@ void add(const RobotEntry& entry) {
     Forward forward(entry);
     tbb::enumerable_thread_specific<Data> data([&] { return forward.data(); });
     while (state.KeepRunningBatch(states))
-      tbb::parallel_for(tbb::blocked_range<size_t>(0, states, 16), [&](const tbb::blocked_range<size_t>& some) {
-        forward.run(*data.local(), some.begin(), some.end());
-      });
+      tbb::parallel_for(tbb::blocked_range<size_t>(0, states, 16),
+                        [&](const tbb::blocked_range<size_t>& some) { forward.run(*data.local(), some.begin(), some.end()); });
     state.SetItemsProcessed(state.iterations());
   })->UseRealTime();
 }

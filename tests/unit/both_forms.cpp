@@ -138,7 +138,9 @@ std::array<ir::Arrays, 2> run_section(const ir::Algorithm& algorithm, bool only,
   ir::Arrays straight = ir::run(written_out, line, tree, input, left[0]);
   if (tree.bodies.empty()) return {straight, straight};  // a base alone
   form = 1;
-  const ir::Plan plan = passes::plan(tree, model.scene, ir::Form::rolled, {}, passes::rows_in_pairs(algorithm, tree));
+  ir::CompileOptions options;
+  options.write_limbs = tree.joints() % 2 == 0;  // loops over a limb alone on half of the robots, written out on the others
+  const ir::Plan plan = passes::plan(tree, model.scene, ir::Form::rolled, options, passes::rows_in_pairs(algorithm, tree));
   const ir::RolledProgram program = passes::roll(algorithm, unroll, tree, model.scene, plan, {});
   return {straight, ir::run(algorithm, program, plan, tree, model.scene.rates_zero, input, left[1])};
 }
