@@ -140,7 +140,7 @@ class ParagraphWriter {
         const ir::Node& n = written_[step].graph[own.node];
         return n.op == ir::Op::constant ? literal(n.value, code_.scene.scalar) : carried_name(own, step);
       }
-    throw std::logic_error("a value is handed on that is not carried");
+    throw std::logic_error("a value is read of a branch that it does not leave");
   }
   // Of the step before.
   std::string variable(const ir::Input& in, size_t step) const {
