@@ -23,13 +23,15 @@ Lowered rolled(const char* name, bool write_limbs) {
   return lower(model);
 }
 
-using Visit = std::function<void(const LoweredSection&, size_t segment, const ir::Paragraph&, const std::vector<ir::LimbStep>&)>;
+using Visit =
+    std::function<void(const LoweredSection&, size_t segment, const ir::Paragraph&, const std::vector<ir::LimbStep>&)>;
 void each_paragraph(const Lowered& lowered, const Visit& visit) {
   for (const LoweredFunction& f : lowered.functions)
     for (const LoweredSection& section : f.sections)
       for (size_t s = 0; s < section.plan.segments.size(); ++s)
         for (const ir::SegmentStage& stage : section.rolled.segments[s].stages)
-          for (const ir::Paragraph& p : stage.paragraphs) visit(section, s, p, ir::written_limb(section.plan, section.rolled, s, p));
+          for (const ir::Paragraph& p : stage.paragraphs)
+            visit(section, s, p, ir::written_limb(section.plan, section.rolled, s, p));
 }
 
 long operations(const ir::Graph& graph, const std::vector<ir::NodeId>& roots) {
@@ -38,26 +40,27 @@ long operations(const ir::Graph& graph, const std::vector<ir::NodeId>& roots) {
 
 TEST(WrittenLimb, IsShorterThanTheLoopAndReadsNoTable) {
   long in_loops = 0, written_out = 0;
-  each_paragraph(rolled("chain_7", true), [&](const LoweredSection& section, size_t segment, const ir::Paragraph& p, const auto& steps) {
-    if (p.direction == ir::Direction::anywhere) {
-      EXPECT_TRUE(steps.empty()) << "lanes along the limb are better";
-      return;
-    }
-    ASSERT_EQ(steps.size(), static_cast<size_t>(section.plan.segments[segment].steps));
-    std::vector<ir::NodeId> of_loop;
-    for (const ir::Value& v : p.stores) of_loop.push_back(v.node);
-    for (const ir::Carried& c : p.carried) of_loop.push_back(c.node);
-    in_loops += static_cast<long>(steps.size()) * operations(p.graph, of_loop);
-    for (const ir::LimbStep& step : steps) {
-      written_out += operations(step.graph, step.roots());
-      EXPECT_EQ(step.stores.size(), p.stores.size());
-      for (ir::NodeId id = 0; id < step.graph.size(); ++id) {
-        const ir::Node& n = step.graph[id];
-        EXPECT_FALSE(n.op == ir::Op::input && n.input.kind == ir::InputKind::table);
-      }
-    }
-    EXPECT_TRUE(p.direction == ir::Direction::inwards || steps.back().carried.empty()) << "nobody is behind the last body";
-  });
+  each_paragraph(
+      rolled("chain_7", true), [&](const LoweredSection& section, size_t segment, const ir::Paragraph& p, const auto& steps) {
+        if (p.direction == ir::Direction::anywhere) {
+          EXPECT_TRUE(steps.empty()) << "lanes along the limb are better";
+          return;
+        }
+        ASSERT_EQ(steps.size(), static_cast<size_t>(section.plan.segments[segment].steps));
+        std::vector<ir::NodeId> of_loop;
+        for (const ir::Value& v : p.stores) of_loop.push_back(v.node);
+        for (const ir::Carried& c : p.carried) of_loop.push_back(c.node);
+        in_loops += static_cast<long>(steps.size()) * operations(p.graph, of_loop);
+        for (const ir::LimbStep& step : steps) {
+          written_out += operations(step.graph, step.roots());
+          EXPECT_EQ(step.stores.size(), p.stores.size());
+          for (ir::NodeId id = 0; id < step.graph.size(); ++id) {
+            const ir::Node& n = step.graph[id];
+            EXPECT_FALSE(n.op == ir::Op::input && n.input.kind == ir::InputKind::table);
+          }
+        }
+        EXPECT_TRUE(p.direction == ir::Direction::inwards || steps.back().carried.empty()) << "nobody is behind the last body";
+      });
   EXPECT_GT(written_out, 0);
   EXPECT_LT(written_out, in_loops);
 }
