@@ -32,7 +32,7 @@ class Forward {
   explicit Forward(const RobotEntry& entry)
       : robot_(entry.name, entry.urdf, entry.floating), oracle_(request_for(robot_), oracle::Inertias::overwritten) {
     oracle_.overwrite_inertias(robot_.tree());
-    oracle_.model()->opt.disableflags |= mjDSBL_CONTACT;
+    oracle_.model()->opt.disableflags |= mjDSBL_CONSTRAINT;  // contacts, limits and their solver
     const size_t nq = static_cast<size_t>(oracle_.model()->nq), nv = static_cast<size_t>(oracle_.model()->nv);
     for (size_t s = 0; s < states; ++s) {
       const testing::State& state = robot_.states()[s % BenchmarkRobot::state_count];
