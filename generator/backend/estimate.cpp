@@ -19,7 +19,7 @@ namespace {
 // Cycles, as on most processors of today; two multiply-adds begin in one.
 constexpr double latency = 4, divide_latency = 13, begun_in_a_cycle = 2;
 // Numbers stored one by one must have reached the cache before lanes can read them together.
-constexpr double until_lanes_read = 0.9;
+constexpr double until_lanes_read = 1.1;
 
 double& of(Features& f, Feature feature) { return f[static_cast<size_t>(feature)]; }
 
