@@ -226,9 +226,14 @@ std::string limbs_in_slots(const CodeInput& code) {
   if (steps.empty() || !pivots_in_slots(code)) return "";
   const ir::ConstraintStep& step = steps.front();
   const auto name = [&](int array) { return code.algorithm.arrays[static_cast<size_t>(array)].name; };
+  const PivotRoles in_slots = *pivots_in_slots(code);
+  const auto at = [&](int role) { return kept(code, role, 0); };
+  std::string slots;
+  for (int k = 0; k < code.tree.joints(); ++k) slots += fmt::format(", {}", slot_of(code, k));
   return fmt::format(
-      "  const dalembert::LimbsInSlots<Scalar, {}, {}> branches{{\n      {{{}}},\n      workspace.{}, workspace.{}}};\n",
-      base_rows(code), stride(code), slots_of_joints(code), name(step.gain), name(step.pivots));
+      "  const dalembert::LimbsInSlots<Scalar, {}, {}{}> branches{{\n      {}, {}, {}, {},\n      workspace.{}, workspace.{}}};\n",
+      base_rows(code), stride(code), slots, at(in_slots.pivot), at(in_slots.gain), at(in_slots.linear), at(in_slots.angular),
+      name(step.gain), name(step.pivots));
 }
 
 std::string results_statements(const CodeInput& code) {

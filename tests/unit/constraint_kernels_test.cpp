@@ -204,18 +204,53 @@ struct Limbs {
   }
 };
 
-template <class Rows>
+// Where limbs leave V, J and D of the joints: arrays, or slots that limbs beside each other share.
+struct InArrays {
+  Eigen::MatrixXd gain, joint, pivots;
+
+  InArrays(const Limbs& limbs, const Vector& D)
+      : gain(limbs.gain.cast<double>()), joint(limbs.joint.cast<double>()), pivots(D.cast<double>()) {}
+  LimbsInArrays<double> limbs() const { return {gain.data(), joint.data(), pivots.data()}; }
+};
+template <int... slots>
+struct InSlots : InArrays {
+  static constexpr int stride = 24, slot[] = {slots...};
+  std::vector<double> pivot_slots, gains, linear, angular;
+
+  InSlots(const Limbs& from, const Vector& D)
+      : InArrays(from, D), pivot_slots(stride, 7.0), gains(6 * stride, 7.0), linear(3 * stride, 7.0), angular(3 * stride, 7.0) {
+    const auto put = [](std::vector<double>& to, int component, int at, double x) {
+      to[static_cast<size_t>(component * stride + at)] = x;
+    };
+    for (int k = 6; k < n; ++k) {
+      const int at = slot[k - 6];
+      put(pivot_slots, 0, at, pivots(k));
+      for (int c = 0; c < 6; ++c) {
+        put(gains, c, at, gain(c, k));
+        put(c < 3 ? linear : angular, c % 3, at, joint(c, k));
+      }
+    }
+  }
+  LimbsInSlots<double, 6, stride, slots...> limbs() const {
+    return {pivot_slots.data(), gains.data(), linear.data(), angular.data(), gain.data(), pivots.data()};
+  }
+};
+// Limbs of three and five beside each other, and the two of four; the one of three alone, and the others beside each other.
+using InPairs = InSlots<0, 2, 4, 10, 12, 14, 16, 11, 13, 15, 17, 1, 3, 5, 7, 9>;
+using InFours = InSlots<0, 1, 2, 4, 8, 12, 16, 5, 9, 13, 17, 6, 10, 14, 18, 22>;
+
+template <class Rows, class Where>
 void expect_dense_by_limbs(double tolerance) {
   for (unsigned seed = 1; seed < 6; ++seed) {
     System s(shape<Rows>(), seed);
     const Limbs limbs(s, seed);
     const int all = s.shape.all();
     const Vector effort = numbers(n, 1), right = numbers(all, 2), start = (s.U * s.D.asDiagonal()).inverse() * effort;
-    const auto gain = in<double>(limbs.gain), joint = in<double>(limbs.joint), wrenches = in<double>(limbs.wrenches),
-               D = in<double>(s.D), b = in<double>(right);
+    const auto wrenches = in<double>(limbs.wrenches), b = in<double>(right);
     std::vector<double> room(static_cast<size_t>(constraint_room(s.shape.count, 6, n, all)), 7.0);
     Eigen::MatrixXd along(all, all);
-    const LimbsInArrays<double> where{gain.data(), joint.data(), D.data()};
+    const Where numbers_of_limbs(limbs, s.D);
+    const auto where = numbers_of_limbs.limbs();
     delassus_by_limbs<n, Rows>(where, wrenches.data(), room.data(), along.data());
     EXPECT_LT((along.cast<Real>() - s.along()).cwiseAbs().maxCoeff(), 1e-12 * s.along().cwiseAbs().maxCoeff());
     for (unsigned mask = 0; mask < (1u << s.shape.count); ++mask) {
@@ -235,10 +270,16 @@ void expect_dense_by_limbs(double tolerance) {
     }
   }
 }
-TEST(ConstraintKernels, LimbsGiveWhatFactorsGive) {
-  expect_dense_by_limbs<ConstraintRows<At12<6>, At21<6>>>(1e-10);
-  expect_dense_by_limbs<ConstraintRows<At12<3>, At16<3>, At8<3>, At21<3>>>(1e-10);
-  expect_dense_by_limbs<ConstraintRows<At16<3>, AtBase<6>, At12<3>>>(1e-10);
+template <class Where>
+void expect_dense_by_all_limbs() {
+  expect_dense_by_limbs<ConstraintRows<At12<6>, At21<6>>, Where>(1e-10);
+  expect_dense_by_limbs<ConstraintRows<At12<3>, At16<3>, At8<3>, At21<3>>, Where>(1e-10);
+  expect_dense_by_limbs<ConstraintRows<At16<3>, AtBase<6>, At12<3>>, Where>(1e-10);
+}
+TEST(ConstraintKernels, LimbsGiveWhatFactorsGive) { expect_dense_by_all_limbs<InArrays>(); }
+TEST(ConstraintKernels, LimbsBesideEachOtherGiveWhatFactorsGive) {
+  expect_dense_by_all_limbs<InPairs>();
+  expect_dense_by_all_limbs<InFours>();
 }
 
 // f = W J_u y, J_u' f what is lacking at the coordinates u.

@@ -64,6 +64,7 @@ DALEMBERT_INLINE void each_above(C c, const F& f) {
 // The numbers of a block's row, in registers.
 template <class T, int w, int pieces>
 struct BlockRow {
+  static constexpr int width = w, size = pieces;
   Lanes<T, w> piece[pieces];
 
   static DALEMBERT_INLINE BlockRow load(const T* from) {
@@ -144,6 +145,27 @@ struct BlockRow {
   }
 };
 
+// to[i] = the sum of row i's numbers, four rows at once.
+template <class T, int w, int pieces>
+DALEMBERT_INLINE void totals_of_four(const BlockRow<T, w, pieces>* rows, T* to) {
+  if constexpr (w < 4 || !shuffles_in_registers) {
+    for (int i = 0; i < 4; ++i) to[i] = rows[i].total();
+  } else {
+    const auto of_four = [&](int i) DALEMBERT_IN_BLOCK {
+      Lanes<T, w> sum = rows[i].piece[0];
+      for_constants<pieces - 1>([&](auto k) DALEMBERT_IN_BLOCK { sum += rows[i].piece[decltype(k)::value + 1]; });
+      if constexpr (w == 8) return detail::half<T, 0>(sum) + detail::half<T, 1>(sum);
+      else return sum;
+    };
+    const auto of_two = [&](int i) DALEMBERT_IN_BLOCK {
+      const Lanes<T, 4> a = of_four(i), b = of_four(i + 1);
+      return shuffled<T, 0, 4, 2, 6>(a, b) + shuffled<T, 1, 5, 3, 7>(a, b);
+    };
+    const Lanes<T, 4> a = of_two(0), b = of_two(2);
+    store<4, T>(to, shuffled<T, 0, 1, 4, 5>(a, b) + shuffled<T, 2, 3, 6, 7>(a, b));
+  }
+}
+
 // A symmetric positive definite matrix of m rows becomes its inverse (Gauss and Jordan), pivot by pivot: they are kept. Of what
 // it was, elements on the diagonal and behind it are read; the others may be anything. Several pivots at a time would be wrong
 // where rows say what others say: the inverse of a block that nearly is singular leaves nothing right of the rest, which is as
@@ -207,21 +229,21 @@ struct RowsInRegisters {
   template <int j>
   DALEMBERT_INLINE T invert_by(T pivot) {
     constexpr int column = Columns::of(j), piece = column / w, next = j + 1 < m ? Columns::of(least(j + 1, m - 1)) : 0;
-    alignas(64) T was[padded];
-    rows[j].store(was);
     const T reciprocal = T(1) / pivot;
     T following = T(0);
-    if constexpr (j + 1 < m)
-      following = lane<w, T>(rows[j + 1].piece[next / w], next % w) - was[next] * (was[next] * reciprocal);
-    const Lanes<T, w> own = each_lane<w, T>([](int lane) { return T(lane == column % w); }),
-                      others = each_lane<w, T>([](int lane) { return T(lane != column % w); });
+    if constexpr (j + 1 < m) {
+      const T beside = lane<w, T>(rows[j].piece[next / w], next % w);
+      following = lane<w, T>(rows[j + 1].piece[next / w], next % w) - beside * (beside * reciprocal);
+    }
+    alignas(64) T was[padded];
+    rows[j].store(was);
     Row solved;
     for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK { solved.piece[i] = rows[j].piece[i] * broadcast<w, T>(reciprocal); });
-    solved.piece[piece] = solved.piece[piece] * others + broadcast<w, T>(reciprocal) * own;
+    solved.piece[piece] = with_lane_of<w, T, column % w>(solved.piece[piece], broadcast<w, T>(reciprocal));
     for_constants<m>([&](auto r) DALEMBERT_IN_BLOCK {
       if constexpr (decltype(r)::value != j) {
         const Lanes<T, w> factor = broadcast<w, T>(was[Columns::of(decltype(r)::value)]);
-        rows[r].piece[piece] *= others;
+        rows[r].piece[piece] = with_lane_of<w, T, column % w>(rows[r].piece[piece], Lanes<T, w>{});
         for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK {
           if constexpr (decltype(r)::value < j) rows[r].piece[i] += factor * solved.piece[i];
           else rows[r].piece[i] -= factor * solved.piece[i];

@@ -104,6 +104,12 @@ struct ConstraintRows {
     return all;
   }
   static constexpr Moving moving = moving_coordinates();
+  // Which of the coordinates above constraint c is the i-th of those above any; -1: none.
+  static constexpr int along(int c, int i) {
+    for (int k = 0; k < lengths[c]; ++k)
+      if (moving.of[c][k] == i) return k;
+    return -1;
+  }
 };
 
 // A chain of coordinates as in factor.hpp, and where those above it stand, in runs: begin, behind, begin, behind …

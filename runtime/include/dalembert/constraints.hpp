@@ -179,24 +179,81 @@ struct ConstraintBlocks {
     });
   }
 
-  // rest = rest - Y' D^-1 Y f.
+  // What constraint c's own block has on its diagonal, zero where there is no row.
   using Row = BlockRow<T, w, pieces>;
+  template <class C>
+  DALEMBERT_INLINE Row diagonal(C c) const {
+    const T* const block = of(c, c);
+    Row along = {};
+    for_constants<rows>([&](auto r) DALEMBERT_IN_BLOCK {
+      constexpr int piece = decltype(r)::value / w;
+      if (r < Rows::rows[c])
+        along.piece[piece] = with_lane_of<w, T, decltype(r)::value % w>(along.piece[piece], load<w>(block + r * padded + piece * w));
+    });
+    return along;
+  }
+
+  // rest = rest - Y' D^-1 Y f.
   DALEMBERT_INLINE void subtract_along(const Row (&f)[count], Row (&rest)[count]) const {
     each_index<count>([&](auto a) DALEMBERT_IN_BLOCK {
-      alignas(64) T own[padded], lower[padded] = {};
+      constexpr int whole = (rows + 3) / 4 * 4;
+      alignas(64) T own[padded], lower[whole > padded ? whole : padded] = {};
+      Row across[whole] = {};
       f[a].store(own);
       each_index<count>([&](auto b) DALEMBERT_IN_BLOCK {
         if (b < a) return;
         for_constants<rows>([&](auto r) DALEMBERT_IN_BLOCK {
           const T* const from = of(a, b) + r * padded;
           rest[b].template add<true>(own[r], from);
-          if (b > a) lower[r] += Row::load(from).times(f[b]).total();
+          if (b > a) across[r].add(f[b], from);
         });
       });
+      if (a + 1 == count) return rest[a].subtract(Row::load(lower));
+      for (int i = 0; i < whole; i += 4) totals_of_four(across + i, lower + i);
       rest[a].subtract(Row::load(lower));
     });
   }
 };
+
+// The numbers of constraint c's rows, of all rows', zero behind them.
+template <class T, int own, int shift, class V, int... lane>
+DALEMBERT_INLINE V first_lanes(const V& x, std::integer_sequence<int, lane...>) {
+  constexpr int n = static_cast<int>(sizeof...(lane));
+  return shuffled<T, (lane < own ? lane + shift : n)...>(x, V{});
+}
+template <class Rows, class Row, class C, class T>
+DALEMBERT_INLINE Row own_rows(C c, const T* all) {
+  constexpr int w = Row::width;
+  if constexpr (std::is_same_v<C, int> || w < 2) {
+    return Row::of([&](int r) { return r < Rows::rows[c] ? all[Rows::first(c) + least(r, Rows::rows[c] - 1)] : T(0); });
+  } else {
+    constexpr int first = Rows::first(C::value), own = Rows::rows[C::value], last = Rows::first(Rows::count) - w;
+    Row row;
+    for_constants<Row::size>([&](auto i) DALEMBERT_IN_BLOCK {
+      constexpr int begin = decltype(i)::value * w, left = own - begin, from = first + begin;
+      constexpr auto lanes = std::make_integer_sequence<int, w>{};
+      if constexpr (left <= 0) row.piece[i] = Lanes<T, w>{};
+      else if constexpr (left >= w) row.piece[i] = load<w>(all + from);
+      else if constexpr (from <= last) row.piece[i] = first_lanes<T, left, 0>(load<w>(all + from), lanes);
+      else if constexpr (last >= 0) row.piece[i] = first_lanes<T, left, from - last>(load<w>(all + last), lanes);
+      else row.piece[i] = each_lane<w, T>([&](int lane) { return lane < left ? all[from + least(lane, left - 1)] : T(0); });
+    });
+    return row;
+  }
+}
+template <class Rows, class C, class T, int w, int pieces>
+DALEMBERT_INLINE void store_rows(C c, const BlockRow<T, w, pieces>& row, T* all) {
+  if constexpr (std::is_same_v<C, int>) {
+    alignas(64) T numbers[w * pieces];
+    row.store(numbers);
+    for (int r = 0; r < Rows::rows[c]; ++r) all[Rows::first(c) + r] = numbers[r];
+  } else {
+    for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK {
+      constexpr int begin = decltype(i)::value * w, left = least(Rows::rows[C::value] - begin, w);
+      if constexpr (left > 0) store_first<left, w, T>(all + Rows::first(C::value) + begin, row.piece[i]);
+    });
+  }
+}
 
 // Columns padded as blocks are, constraint by constraint.
 template <class Rows, int padded>
@@ -216,8 +273,6 @@ struct InverseOfFewRows {
   using All = BlockRow<T, w, pieces>;
   RowsInRegisters<m, pieces, BlockColumns<Rows, padded>, T> inverse;
   T pivots[m];
-
-  T pivot(int c, int r) const { return pivots[Rows::first(c) + r]; }
 
   static DALEMBERT_INLINE All together(const Row (&each)[count]) {
     All all;
@@ -277,8 +332,6 @@ struct InverseOfManyRows {
   alignas(64) T own[in_registers(m) ? m * padded + behind : 1];  // which have no room
   T* const inverse;
   T pivots[m];
-
-  T pivot(int c, int r) const { return pivots[Rows::first(c) + r]; }
 
   // more: what the diagonal has more.
   DALEMBERT_INLINE InverseOfManyRows(const Blocks& blocks, const Row (&more)[count])
@@ -362,46 +415,185 @@ DALEMBERT_INLINE void substitute_downwards(const T* factor, const T* reciprocals
   });
 }
 
+// Chains of coordinates by articulated bodies: those whose joints stand at neighbouring slots, step by step, are a group, one
+// in each lane. A stage's groups wait for earlier stages alone.
+template <class Tree, class Limbs>
+struct ChainsInLanes {
+  static constexpr int most = 8;
+  struct Group {
+    int lanes = 1, slot = 0, steps = 0, stage = 0, chain[most] = {-1, -1, -1, -1, -1, -1, -1, -1};
+    bool even = true;  // chains of one length
+  };
+  struct All {
+    Group group[Tree::count] = {};
+    int count = 0, stages = 0, of[Tree::count] = {};
+  };
+
+  // Lanes of the loop that left a chain's joints where they are; 1: none, or of its own.
+  static constexpr int lanes_of(int c) {
+    if constexpr (Limbs::in_slots) {
+      const int first = Tree::first[c], length = Tree::length[c];
+      if (c == 0 || length < 2) return 1;
+      const int lanes = Limbs::slot(first + 1) - Limbs::slot(first);
+      for (int k = 0; k < length; ++k)
+        if (Limbs::slot(first + k) != Limbs::slot(first) + k * lanes) return 1;
+      return lanes == 2 || lanes == 4 || lanes == 8 ? lanes : 1;
+    } else {
+      return static_cast<void>(c), 1;
+    }
+  }
+  static constexpr bool beside(int a, int b) {
+    if constexpr (Limbs::in_slots) {
+      const int lanes = lanes_of(a);
+      if (lanes < 2 || lanes_of(b) != lanes) return false;
+      const int apart = Limbs::slot(Tree::first[a]) - Limbs::slot(Tree::first[b]);
+      return apart < lanes && apart > -lanes;
+    } else {
+      return static_cast<void>(a + b), false;
+    }
+  }
+
+  static constexpr All groups() {
+    All all;
+    for (int c = 0; c < Tree::count; ++c) {
+      int alike = 0, first = c, slot = 0;
+      for (int b = Tree::count - 1; b >= 0; --b)
+        if (beside(c, b)) {
+          ++alike, first = b < first ? b : first;
+          if constexpr (Limbs::in_slots) {
+            const int other = Limbs::slot(Tree::first[b]);
+            slot = alike == 1 || other < slot ? other : slot;
+          }
+        }
+      all.of[c] = first < c ? all.of[first] : all.count;
+      Group& group = all.group[all.of[c]];
+      if (first == c) {
+        ++all.count;
+        group.lanes = alike > 1 ? lanes_of(c) : 1, group.slot = slot, group.steps = Tree::length[c];
+      }
+      group.even = group.even && group.steps == Tree::length[c];
+      group.steps = Tree::length[c] > group.steps ? Tree::length[c] : group.steps;
+      if constexpr (Limbs::in_slots) group.chain[group.lanes > 1 ? Limbs::slot(Tree::first[c]) - slot : 0] = c;
+      else group.chain[0] = c;
+    }
+    for (int again = 0; again < Tree::count; ++again)
+      for (int c = 1; c < Tree::count; ++c) {
+        const int stage = Tree::parent(c) < 0 ? 0 : all.group[all.of[Tree::parent(c)]].stage + 1;
+        Group& group = all.group[all.of[c]];
+        group.stage = stage > group.stage ? stage : group.stage;
+        all.stages = group.stage > all.stages ? group.stage : all.stages;
+      }
+    ++all.stages;
+    return all;
+  }
+  static constexpr All value = groups();
+
+  static constexpr int longest_of_stage(int stage) {
+    int most_steps = 0;
+    for (int g = 0; g < value.count; ++g)
+      if (value.group[g].stage == stage && value.group[g].steps > most_steps) most_steps = value.group[g].steps;
+    return most_steps;
+  }
+  static constexpr bool has_child(int c) {
+    for (int other = 0; other < Tree::count; ++other)
+      if (Tree::parent(other) == c) return true;
+    return false;
+  }
+};
+template <class T, int lanes>
+struct TwistInLanes {
+  Lanes<T, lanes> of[6];
+};
+template <class Groups, class T, class Numbers>
+struct TwistsOfGroups;
+template <class Groups, class T, int... g>
+struct TwistsOfGroups<Groups, T, std::integer_sequence<int, g...>> {
+  std::tuple<TwistInLanes<T, Groups::value.group[g].lanes>...> all;
+};
+
 // x = L^-1 x, M = L' D L, by articulated bodies from the base outwards: every coordinate moves by what it is less what the
-// motion above makes it yield, and every body by that more. Limbs side by side, for each waits for itself alone.
+// motion above makes it yield, and every body by that more. Groups of a stage side by side, for each waits for itself alone.
 template <class Tree, class Limbs, class T>
 DALEMBERT_INLINE void accelerate_outwards(const Limbs& limbs, T* x) {
   constexpr int base = 6;
-  T twist[Tree::count][base];
+  using Groups = ChainsInLanes<Tree, Limbs>;
+  T twist[Tree::count][base];  // of each chain's last body
   for_constants<base>([&](auto k) DALEMBERT_IN_BLOCK {
     T own = x[k];
     for_constants<decltype(k)::value>([&](auto i) DALEMBERT_IN_BLOCK { own -= limbs.base_gain(k, i) * x[i]; });
     twist[0][k] = x[k] = own;
   });
-  for_constants<Tree::levels()>([&](auto of_level) DALEMBERT_IN_BLOCK {
-    constexpr int level = decltype(of_level)::value;
-    const auto each_chain = [&](const auto& f) DALEMBERT_IN_BLOCK {
-      for_constants<Tree::count>([&](auto c) DALEMBERT_IN_BLOCK {
-        if constexpr (Tree::level(decltype(c)::value) == level) f(c);
+  TwistsOfGroups<Groups, T, std::make_integer_sequence<int, Groups::value.count>> moving;
+  for_constants<Groups::value.stages>([&](auto of_stage) DALEMBERT_IN_BLOCK {
+    constexpr int stage = decltype(of_stage)::value;
+    const auto each_group = [&](const auto& f) DALEMBERT_IN_BLOCK {
+      for_constants<Groups::value.count>([&](auto g) DALEMBERT_IN_BLOCK {
+        if constexpr (Groups::value.group[decltype(g)::value].stage == stage) f(g);
       });
     };
-    if constexpr (level > 0)
-      each_chain([&](auto c) DALEMBERT_IN_BLOCK {
-        for_constants<base>([&](auto j) DALEMBERT_IN_BLOCK { twist[c][j] = twist[Tree::parent(decltype(c)::value)][j]; });
+    each_group([&](auto g) DALEMBERT_IN_BLOCK {
+      constexpr int which = decltype(g)::value;
+      constexpr auto& group = Groups::value.group[which];
+      for_constants<base>([&](auto j) DALEMBERT_IN_BLOCK {
+        std::get<which>(moving.all).of[j] = each_lane<group.lanes, T>([&](int lane) DALEMBERT_IN_BLOCK {
+          const int c = group.chain[lane];
+          return c < 0 ? T(0) : twist[Tree::parent(c) < 0 ? 0 : Tree::parent(c)][j];
+        });
       });
+    });
     const auto go_down = [&](int step) DALEMBERT_IN_BLOCK {
-      each_chain([&](auto c) DALEMBERT_IN_BLOCK {
-        if (step >= Tree::length[c]) return;
-        const int k = Tree::first[c] + step;
-        const auto at_joint = limbs.at(k);
-        T(&moved)[base] = twist[c];
+      each_group([&](auto g) DALEMBERT_IN_BLOCK {
+        constexpr int which = decltype(g)::value;
+        constexpr auto& group = Groups::value.group[which];
+        constexpr int lanes = group.lanes;
+        if (step >= group.steps) return;
+        const auto at_joint = [&]() DALEMBERT_IN_BLOCK {
+          if constexpr (lanes > 1) return limbs.template beside<lanes>(group.slot + step * lanes);
+          else return limbs.at(Tree::first[group.chain[0]] + step);
+        }();
+        auto& moved = std::get<which>(moving.all).of;
+        const auto own = each_lane<lanes, T>([&](int lane) DALEMBERT_IN_BLOCK {
+          const int c = group.chain[lane];
+          return c < 0 ? T(0) : x[Tree::first[c] + (group.even ? step : least(step, Tree::length[c] - 1))];
+        });
         const auto yields = [&](int j) DALEMBERT_IN_BLOCK { return at_joint.gain(j) * moved[j]; };
-        const T first = yields(0) + yields(1), second = yields(2) + yields(3), third = yields(4) + yields(5),
-                rate = x[k] - (first + second + third);
-        x[k] = rate;
-        for_constants<base>([&](auto j) DALEMBERT_IN_BLOCK { moved[j] += at_joint.axis(j) * rate; });
+        const auto first = yields(0) + yields(1), second = yields(2) + yields(3), third = yields(4) + yields(5);
+        const Lanes<T, lanes> rate = own - (first + second + third);
+        for_constants<lanes>([&](auto l) DALEMBERT_IN_BLOCK {
+          constexpr int c = group.chain[decltype(l)::value];
+          if constexpr (c >= 0)
+            if (group.even || step < Tree::length[c]) x[Tree::first[c] + step] = lane<lanes, T>(rate, l);
+        });
+        for_constants<base>([&](auto j) DALEMBERT_IN_BLOCK {
+          const Lanes<T, lanes> next = moved[j] + at_joint.axis(j) * rate;
+          if constexpr (group.even) {
+            moved[j] = next;
+          } else {  // a chain that has ended keeps what its last body does
+            moved[j] = each_lane<lanes, T>([&](int l) DALEMBERT_IN_BLOCK {
+              const int c = group.chain[l];
+              return c < 0 || step < Tree::length[c] ? lane<lanes, T>(next, l) : lane<lanes, T>(moved[j], l);
+            });
+          }
+        });
       });
     };
-    constexpr int from = level == 0 ? base : 0, to = Tree::longest_of_level(level);
+    constexpr int from = stage == 0 ? base : 0, to = Groups::longest_of_stage(stage);
     if constexpr (from < to) {
       DALEMBERT_KEEP_LOOP
       for (int step = from; step < to; ++step) go_down(step);
     }
+    each_group([&](auto g) DALEMBERT_IN_BLOCK {
+      constexpr int which = decltype(g)::value;
+      constexpr auto& group = Groups::value.group[which];
+      for_constants<group.lanes>([&](auto l) DALEMBERT_IN_BLOCK {
+        constexpr int c = group.chain[decltype(l)::value];
+        if constexpr (c >= 0)
+          if constexpr (Groups::has_child(c))
+            for_constants<base>([&](auto j) DALEMBERT_IN_BLOCK {
+              twist[c][j] = lane<group.lanes, T>(std::get<which>(moving.all).of[j], l);
+            });
+      });
+    });
   });
 }
 
@@ -410,6 +602,7 @@ DALEMBERT_INLINE void accelerate_outwards(const Limbs& limbs, T* x) {
 // Where articulated bodies leave V, J and D of every coordinate: in arrays, six numbers of each,
 template <class T>
 struct LimbsInArrays {
+  static constexpr bool in_slots = false;
   const T *gains, *joints, *pivots;
 
   struct Joint {
@@ -421,23 +614,31 @@ struct LimbsInArrays {
   T base_gain(int k, int i) const { return gains[6 * k + i]; }
   T pivot(int k) const { return pivots[k]; }
 };
-// or in arrays those of the base alone, and the joints' where limbs leave them (pivots.hpp).
-template <class T, int base, int stride>
+// or in arrays those of the base alone, and the joints' where limbs leave them: components `stride` elements apart, of
+// coordinates base, base + 1, … at these slots.
+template <class T, int base, int stride, int... slots>
 struct LimbsInSlots {
-  JointSlots<T> slots;
-  const T *gains, *pivots;
+  static constexpr bool in_slots = true;
+  static constexpr int slot_of[] = {slots...};
+  static constexpr int slot(int k) { return slot_of[k - base]; }
+  const T *pivot_slots, *gain_slots, *linear_slots, *angular_slots, *gains, *pivots;
 
-  struct Joint {
+  // Of joints at neighbouring slots.
+  template <int lanes>
+  struct Joints {
     const T *of_gain, *linear, *angular;
-    T gain(int i) const { return of_gain[i * stride]; }
-    T axis(int i) const { return i < 3 ? linear[i * stride] : angular[(i - 3) * stride]; }
+    DALEMBERT_INLINE Lanes<T, lanes> gain(int i) const { return load<lanes>(of_gain + i * stride); }
+    DALEMBERT_INLINE Lanes<T, lanes> axis(int i) const {
+      return load<lanes>(i < 3 ? linear + i * stride : angular + (i - 3) * stride);
+    }
   };
-  Joint at(int k) const {
-    const int slot = slots.joint_slot[k - base];
-    return {slots.gain + slot, slots.linear + slot, slots.angular + slot};
+  template <int lanes>
+  DALEMBERT_INLINE Joints<lanes> beside(int slot) const {
+    return {gain_slots + slot, linear_slots + slot, angular_slots + slot};
   }
+  DALEMBERT_INLINE Joints<1> at(int k) const { return beside<1>(slot(k)); }
   T base_gain(int k, int i) const { return gains[6 * k + i]; }
-  T pivot(int k) const { return k < base ? pivots[k] : slots.pivots[slots.joint_slot[k - base]]; }
+  T pivot(int k) const { return k < base ? pivots[k] : pivot_slots[slot(k)]; }
 };
 
 namespace constraint_detail {
@@ -481,9 +682,11 @@ struct WayByLimbs {
   template <class Rows>
   DALEMBERT_INLINE void reciprocals_of_pivots(T* reciprocals) const {
     constexpr auto& moving = Rows::moving;
-    T own[moving.size > 0 ? moving.size : 1];
+    constexpr int w = native_lanes, whole = (moving.size + w - 1) / w * w;
+    T own[whole > 0 ? whole : 1];
     for (int i = 0; i < moving.size; ++i) own[i] = limbs.pivot(moving.at[i]);
-    for (int i = 0; i < moving.size; ++i) own[i] = T(1) / own[i];
+    for (int i = moving.size; i < whole; ++i) own[i] = T(1);
+    for (int i = 0; i < whole; i += w) store<w, T>(own + i, T(1) / load<w>(own + i));
     for (int i = 0; i < moving.size; ++i) reciprocals[moving.at[i]] = own[i];
   }
 
@@ -538,13 +741,14 @@ DALEMBERT_INLINE ConstraintStatus<T> solve(const Way& way, const T* right, const
 
   // c, mu N, and what the diagonal has more. What no row stands for is a one.
   constexpr int pieces = Blocks::pieces;
+  using V = Lanes<T, w>;
   using Row = BlockRow<T, w, pieces>;
-  Row known[count], held[count], regular[count], more[count], along[count];
+  const V none{}, one = broadcast<w, T>(T(1));
+  Row known[count], held[count], regular[count], more[count];
   T sums[count][2], sum = T(0);
   each_index<count>([&](auto c) DALEMBERT_IN_BLOCK {
     const int own = Rows::rows[c], linear = Rows::linear[c];
     const T* const block = blocks.of(c, c);
-    along[c] = Row::of([&](int r) { return r < own ? block[r * (padded + 1)] : T(0); });
     T of_linear = T(0), of_angular = T(0);
     for (int r = 0; r < linear; ++r) of_linear += block[r * (padded + 1)];
     for (int r = linear; r < own; ++r) of_angular += block[r * (padded + 1)];
@@ -553,26 +757,29 @@ DALEMBERT_INLINE ConstraintStatus<T> solve(const Way& way, const T* right, const
   for (int c = 0; c < count; ++c) sum += sums[c][0] + sums[c][1];
   each_index<count>([&](auto c) DALEMBERT_IN_BLOCK {
     const int own = Rows::rows[c], linear = Rows::linear[c];
-    const bool acts = active[c] > T(0);
+    const V acting = broadcast<w, T>(active[c]);
     const auto mean = [&](int i, int rows_of_it) {
       const T all = T(least_share) * sum + sums[c][i] * (T(1) / T(rows_of_it > 0 ? rows_of_it : 1));
-      return acts ? all > T(0) ? all : T(1) : T(0);
+      return broadcast<w, T>(all > T(0) ? all : T(1));
     };
-    const T of_linear = mean(0, linear), of_angular = mean(1, own - linear);
-    const auto of_row = [&](const T* all, int r) { return acts && r < own ? all[Rows::first(c) + least(r, own - 1)] : T(0); };
-    const Row means = Row::of([&](int r) { return r >= own ? T(0) : r < linear ? of_linear : of_angular; });
-    regular[c] = Row::of([&](int r) { return of_row(regularization, r); });
-    Row left = Row::of([&](int r) { return of_row(right, r); });
+    const V of_linear = mean(0, linear), of_angular = mean(1, own - linear);
+    const Row along = blocks.diagonal(c), sides[] = {own_rows<Rows, Row>(c, regularization), own_rows<Rows, Row>(c, right)};
+    Row left[2] = {};
     for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK {
-      using V = Lanes<T, w>;
-      const V none{}, one = broadcast<w, T>(T(1));
-      held[c].piece[i] = (along[c].piece[i] > none ? broadcast<w, T>(Proximal<T>::mu) : one) * means.piece[i];
-      const V idle = Row::of([&](int r) { return r < own && acts ? T(0) : T(1); }).piece[i];
-      more[c].piece[i] = held[c].piece[i] + regular[c].piece[i] + idle;
+      const V row = each_lane<w, T>([](int lane) { return T(decltype(i)::value * Row::width + lane); });
+      const V means = row < broadcast<w, T>(T(linear)) ? of_linear : of_angular;
+      const V hold = (along.piece[i] > none ? broadcast<w, T>(Proximal<T>::mu) : one) * means;
+      const auto is_own = row < broadcast<w, T>(T(own));
+      held[c].piece[i] = is_own ? acting > none ? hold : none : none;
+      regular[c].piece[i] = acting > none ? sides[0].piece[i] : none;
+      more[c].piece[i] = is_own ? acting > none ? hold + regular[c].piece[i] : one : one;
+      left[0].piece[i] = acting > none ? sides[1].piece[i] : none;
     });
-    each_above<Rows>(c,
-                     [&](auto k) DALEMBERT_IN_BLOCK { left.template add<true>(scaled[Rows::paths[c][k]], blocks.row(c, k)); });
-    known[c] = left;
+    each_above<Rows>(c, [&](auto k) DALEMBERT_IN_BLOCK {
+      left[k % 2].template add<true>(scaled[Rows::paths[c][k]], blocks.row(c, k));
+    });
+    left[0].add(left[1]);
+    known[c] = left[0];
   });
 
   // Registers of four are too few even for few rows.
@@ -580,16 +787,22 @@ DALEMBERT_INLINE ConstraintStatus<T> solve(const Way& way, const T* right, const
                                     InverseOfManyRows<Blocks, Rows, T>>;
   const Solver solver(blocks, more);
   ConstraintStatus<T> status;
+  V least_share_of_pivots = one, rank{};
   each_index<count>([&](auto c) DALEMBERT_IN_BLOCK {
-    if (!(active[c] > T(0))) return;
-    alignas(64) T hold[padded];
-    held[c].store(hold);
-    for (int r = 0; r < Rows::rows[c]; ++r) {
-      const T pivot = solver.pivot(c, r) * Proximal<T>::mu / hold[r];
-      status.least_pivot = pivot < status.least_pivot ? pivot : status.least_pivot;
-      status.rank += pivot > T(64) * Proximal<T>::mu ? 1 : 0;
-    }
+    const Row pivots = own_rows<Rows, Row>(c, solver.pivots);
+    for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK {
+      const auto counts = held[c].piece[i] > none;
+      const V share = pivots.piece[i] * broadcast<w, T>(Proximal<T>::mu) / (counts ? held[c].piece[i] : one);
+      const V own = counts ? share : one;
+      least_share_of_pivots = own < least_share_of_pivots ? own : least_share_of_pivots;
+      rank += counts ? share > broadcast<w, T>(T(64) * Proximal<T>::mu) ? one : none : none;
+    });
   });
+  for_constants<w>([&](auto i) DALEMBERT_IN_BLOCK {
+    const T share = lane<w, T>(least_share_of_pivots, i);
+    status.least_pivot = share < status.least_pivot ? share : status.least_pivot;
+  });
+  status.rank = static_cast<int>(BlockRow<T, w, 1>{{rank}}.total());
 
   // Products with an inverse leave an error of its condition: the last step adds what is missing.
   Row before[count], rest[count], solved[count];
@@ -598,25 +811,39 @@ DALEMBERT_INLINE ConstraintStatus<T> solve(const Way& way, const T* right, const
   blocks.subtract_along(before, rest);
   solver.solve(rest, solved);
   each_index<count>([&](auto c) DALEMBERT_IN_BLOCK { solved[c].add(before[c]); });
+  V residual{};
   each_index<count>([&](auto c) DALEMBERT_IN_BLOCK {
-    alignas(64) T now[padded], last[padded], hold[padded];
-    solved[c].store(now), before[c].store(last), held[c].store(hold);
-    const bool acts = active[c] > T(0);
-    for (int r = 0; r < Rows::rows[c]; ++r) {
-      forces[Rows::first(c) + r] = now[r];
-      if (!acts) continue;
-      const T change = now[r] - last[r], error = hold[r] * (change < T(0) ? -change : change);
-      status.residual = error > status.residual ? error : status.residual;
-    }
+    store_rows<Rows>(c, solved[c], forces);
+    for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK {
+      const V error = held[c].piece[i] * (solved[c].piece[i] - before[c].piece[i]), size = error < none ? -error : error;
+      residual = size > residual ? size : residual;
+    });
+  });
+  for_constants<w>([&](auto i) DALEMBERT_IN_BLOCK {
+    const T size = lane<w, T>(residual, i);
+    status.residual = size > status.residual ? size : status.residual;
   });
 
   constexpr auto& moving = Rows::moving;
-  Row in_lanes[moving.size > 0 ? moving.size : 1] = {};
-  each_index<count>([&](auto c) DALEMBERT_IN_BLOCK {
-    each_above<Rows>(c, [&](auto k) DALEMBERT_IN_BLOCK { in_lanes[moving.of[c][k]].add(solved[c], blocks.row(c, k)); });
-  });
-  T pushed[moving.size > 0 ? moving.size : 1];  // Y f
-  for (int i = 0; i < moving.size; ++i) pushed[i] = in_lanes[i].total();
+  constexpr int whole = (moving.size + 3) / 4 * 4;
+  T pushed[whole > 0 ? whole : 1];  // Y f
+  if constexpr (count <= 4 && whole <= 32) {
+    for_constants<whole / 4>([&](auto four) DALEMBERT_IN_BLOCK {
+      Row in_lanes[4] = {};
+      for_constants<4>([&](auto i) DALEMBERT_IN_BLOCK {
+        for_constants<count>([&](auto c) DALEMBERT_IN_BLOCK {
+          constexpr int k = Rows::along(decltype(c)::value, 4 * decltype(four)::value + decltype(i)::value);
+          if constexpr (k >= 0) in_lanes[i].add(solved[c], blocks.row(c, k));
+        });
+      });
+      totals_of_four(in_lanes, pushed + 4 * decltype(four)::value);
+    });
+  } else {
+    Row in_lanes[whole > 0 ? whole : 1] = {};
+    for (int c = 0; c < count; ++c)
+      for (int k = 0; k < Rows::lengths[c]; ++k) in_lanes[moving.of[c][k]].add(solved[c], blocks.row(c, k));
+    for (int i = 0; i < whole; i += 4) totals_of_four(in_lanes + i, pushed + i);
+  }
   way.template downwards<Tree, Rows>(reciprocals, pushed, x);
   return status;
 }

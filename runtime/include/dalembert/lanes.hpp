@@ -177,6 +177,13 @@ DALEMBERT_INLINE T lane(const Lanes<T, n>& x, int i) {
   }
 }
 
+// The same lanes but for one, which is y's. No product with zeros and ones: those take the units that multiply.
+template <int n, class T, int which>
+DALEMBERT_INLINE Lanes<T, n> with_lane_of(const Lanes<T, n>& x, const Lanes<T, n>& y) {
+  if constexpr (n == 1) return y;
+  else return each_lane<n, T>([](int i) { return T(i); }) == broadcast<n, T>(T(which)) ? y : x;
+}
+
 // Chosen lanes of a and b, counted through both: a's first. g++ 11 has no builtin for it and moves lanes one by one.
 #if defined(__clang__) || __GNUC__ >= 12
 inline constexpr bool shuffles_in_registers = true;
