@@ -194,7 +194,7 @@ std::string tree_type(const ir::CoordinateTree& tree) {
 
 }  // namespace
 
-std::string constraint_statements(const CodeInput& code, const std::string& limbs) {
+std::string constraint_statements(const CodeInput& code, const std::string& limbs, const std::string& axes) {
   const std::vector<ir::ConstraintStep> steps = code.algorithm.steps_of<ir::ConstraintStep>();
   if (steps.empty()) return "";
   const auto name = [&](int index) { return "workspace." + code.algorithm.arrays[static_cast<size_t>(index)].name; };
@@ -234,6 +234,14 @@ std::string constraint_statements(const CodeInput& code, const std::string& limb
     if (s.kind == ir::ConstraintStep::Kind::delassus) {
       text +=
           fmt::format("  dalembert::delassus{}<nv, ConstraintsOfScene>({}, {}, {});\n", by, of_tree, name(s.room), name(s.to));
+      continue;
+    }
+    if (s.by_wrenches()) {
+      if (axes.empty()) text += fmt::format("  const dalembert::AxesInArray<Scalar> axes{{{}}};\n", name(s.axes));
+      text += axes + fmt::format(
+                         "  workspace.{} = dalembert::support_by_wrenches<nv, ConstraintsOfScene>(\n"
+                         "      axes, {}, row_active, row_weight, {}, {});\n",
+                         own_name(code, "support_status"), name(s.jacobian), name(s.forces), name(s.to));
       continue;
     }
     if (s.kind == Kind::support) {

@@ -41,7 +41,7 @@ std::string clear_statements(const CodeInput& code);
 std::string matrix_statements(const CodeInput& code);
 // Behind them: steps with rows of constraints.
 // limbs: declares where rows go up from, where that is not in arrays.
-std::string constraint_statements(const CodeInput& code, const std::string& limbs = "");
+std::string constraint_statements(const CodeInput& code, const std::string& limbs = "", const std::string& axes = "");
 // The runtime's headers that they call.
 std::vector<std::string> constraint_includes(const CodeInput& code);
 // Whether they factor M; and the function that solves with the factors, empty if the code is to have none.

@@ -113,8 +113,10 @@ std::vector<int> bodies_of(const CodeInput& code, const ir::Result& r) {
 std::optional<PivotRoles> pivots_in_slots(const CodeInput& code) {
   const std::optional<ir::Guard>& guard = code.algorithm.guard;
   const std::vector<ir::ConstraintStep> steps = code.algorithm.steps_of<ir::ConstraintStep>();
-  const bool by_limbs = std::all_of(steps.begin(), steps.end(), [](const ir::ConstraintStep& s) { return s.by_limbs(); });
-  if (!guard || steps.size() < code.algorithm.steps.size() || !by_limbs) return {};
+  const bool by_limbs = std::any_of(steps.begin(), steps.end(), [](const ir::ConstraintStep&s) { return s.by_limbs(); }),
+             others = std::any_of(steps.begin(), steps.end(),
+                                  [](const ir::ConstraintStep&s) { return !s.by_limbs() && !s.by_wrenches(); });
+  if (!guard || steps.size() < code.algorithm.steps.size() || others) return {};
   PivotRoles roles;
   for (const ir::Result& r : code.algorithm.results) {
     if (r.array == guard->pivots) roles.pivot = r.role;
@@ -124,7 +126,21 @@ std::optional<PivotRoles> pivots_in_slots(const CodeInput& code) {
   }
   // Rows go up limbs by all of them.
   for (const int role : {roles.gain, roles.linear, roles.angular})
-    if (!steps.empty() && (role < 0 || !is_kept(code, role))) return {};
+    if (by_limbs && (role < 0 || !is_kept(code, role))) return {};
+  return roles;
+}
+
+// Joints' axes where limbs leave them, for what constraints bear; none: in their array.
+struct AxesRoles {
+  int array = -1, linear = -1, angular = -1;
+};
+std::optional<AxesRoles> axes_in_slots(const CodeInput& code) {
+  AxesRoles roles;
+  for (const ir::ConstraintStep& step : code.algorithm.steps_of<ir::ConstraintStep>())
+    if (step.by_wrenches()) roles.array = step.axes;
+  for (const ir::Result& r : code.algorithm.results)
+    if (r.array == roles.array) (r.from == 0 ? roles.linear : roles.angular) = r.role;
+  if (roles.linear < 0 || !is_kept(code, roles.linear) || !is_kept(code, roles.angular)) return {};
   return roles;
 }
 
@@ -138,12 +154,13 @@ bool of_all_joints(const CodeInput& code, const ir::Result& r) {
 std::string joint_results(const CodeInput& code) {
   const std::vector<int> coordinates = code.tree.coordinates();
   const std::optional<PivotRoles> in_slots = pivots_in_slots(code);
+  const std::optional<AxesRoles> axes = axes_in_slots(code);
   std::string text;
   std::vector<std::string> of_all;
   for (size_t n = 0; n < code.algorithm.results.size(); ++n) {
     const ir::Result& r = code.algorithm.results[n];
     if (r.layout == ir::Layout::base || !is_kept(code, r.role)) continue;
-    if (in_slots && in_slots->has(r.role)) continue;
+    if ((in_slots && in_slots->has(r.role)) || (axes && axes->array == r.array)) continue;
     const ir::OutputArray& array = code.algorithm.arrays[static_cast<size_t>(r.array)];
     const int components = code.rolled.roles[static_cast<size_t>(r.role)].components();
     const bool columns = r.layout == ir::Layout::columns;
@@ -220,20 +237,32 @@ std::string pivots_table(const CodeInput& code) {
   return fmt::format("alignas(64) constexpr Scalar no_joint[] = {{\n    {}}};\n", wrapped(texts, 4));
 }
 
+std::string limbs_type(const CodeInput& code) {
+  std::string slots;
+  for (int k = 0; k < code.tree.joints(); ++k) slots += fmt::format(", {}", slot_of(code, k));
+  return fmt::format("dalembert::LimbsInSlots<Scalar, {}, {}{}>", base_rows(code), stride(code), slots);
+}
+
+// Along which joints feel what constraints bear; empty: by an array.
+std::string axes_of_slots(const CodeInput& code) {
+  const std::optional<AxesRoles> axes = axes_in_slots(code);
+  if (!axes) return "";
+  return fmt::format("  const {} axes{{nullptr, nullptr, {}, {}, nullptr, nullptr}};\n", limbs_type(code),
+                     kept(code, axes->linear, 0), kept(code, axes->angular, 0));
+}
+
 // By which rows of constraints go up; empty: by arrays.
 std::string limbs_in_slots(const CodeInput& code) {
   const std::vector<ir::ConstraintStep> steps = code.algorithm.steps_of<ir::ConstraintStep>();
-  if (steps.empty() || !pivots_in_slots(code)) return "";
-  const ir::ConstraintStep& step = steps.front();
+  const auto first = std::find_if(steps.begin(), steps.end(), [](const ir::ConstraintStep& s) { return s.by_limbs(); });
+  if (first == steps.end() || !pivots_in_slots(code)) return "";
+  const ir::ConstraintStep& step = *first;
   const auto name = [&](int array) { return code.algorithm.arrays[static_cast<size_t>(array)].name; };
   const PivotRoles in_slots = *pivots_in_slots(code);
   const auto at = [&](int role) { return kept(code, role, 0); };
-  std::string slots;
-  for (int k = 0; k < code.tree.joints(); ++k) slots += fmt::format(", {}", slot_of(code, k));
-  return fmt::format(
-      "  const dalembert::LimbsInSlots<Scalar, {}, {}{}> branches{{\n      {}, {}, {}, {},\n      workspace.{}, workspace.{}}};\n",
-      base_rows(code), stride(code), slots, at(in_slots.pivot), at(in_slots.gain), at(in_slots.linear), at(in_slots.angular),
-      name(step.gain), name(step.pivots));
+  return fmt::format("  const {} branches{{\n      {}, {}, {}, {},\n      workspace.{}, workspace.{}}};\n", limbs_type(code),
+                     at(in_slots.pivot), at(in_slots.gain), at(in_slots.linear), at(in_slots.angular), name(step.gain),
+                     name(step.pivots));
 }
 
 std::string results_statements(const CodeInput& code) {
@@ -248,8 +277,8 @@ std::string results_statements(const CodeInput& code) {
       text += fmt::format("  workspace.{}[{}] += {};  // added on the diagonal\n", array.name, index,
                           literal(a.value, code.scene.scalar));
   }
-  return text + projection_statements(code) + matrix_statements(code) + constraint_statements(code, limbs_in_slots(code)) +
-         pivots_statements(code);
+  return text + projection_statements(code) + matrix_statements(code) +
+         constraint_statements(code, limbs_in_slots(code), axes_of_slots(code)) + pivots_statements(code);
 }
 
 // What a stage's function does with what not every stage takes.

@@ -18,6 +18,10 @@ Eigen::MatrixXd evaluate_generic(const Model& model, const Output& output, const
   return evaluate(model, output, state, reference::Precision::float64);
 }
 
+Eigen::MatrixXd evaluate_single_precision(const Model& model, const Output& output, const State& state) {
+  return evaluate(model, output, state, reference::Precision::float32);
+}
+
 Eigen::MatrixXd evaluate_multiprecision(const Model& model, const Output& output, const State& state) {
   return evaluate(model, output, state, reference::Precision::digits_50);
 }

@@ -12,6 +12,9 @@ namespace dalembert {
 // The output at the state, rows × columns, computed in double. Run-time inputs have the scene's values.
 Eigen::MatrixXd evaluate_generic(const Model& model, const Output& output, const State& state);
 
+// The same computed in single precision.
+Eigen::MatrixXd evaluate_single_precision(const Model& model, const Output& output, const State& state);
+
 // The same computed in 50 decimal digits and rounded to double once, at the end.
 Eigen::MatrixXd evaluate_multiprecision(const Model& model, const Output& output, const State& state);
 

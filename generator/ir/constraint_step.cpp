@@ -40,7 +40,7 @@ std::vector<int> coordinates_above(const KinematicTree& tree, const CoordinateTr
 }  // namespace
 
 std::vector<int> ConstraintStep::read() const {
-  if (kind == Kind::support) return {jacobian, to};
+  if (kind == Kind::support) return by_wrenches() ? std::vector<int>{jacobian, axes, to} : std::vector<int>{jacobian, to};
   if (kind == Kind::respond) return {jacobian, inverse};
   if (kind == Kind::derive) {
     std::vector<int> arrays{room, inverse, efforts, changes};
@@ -67,6 +67,13 @@ int ConstraintPaths::longest() const {
   int most = 0;
   for (std::size_t c = 0; c + 1 < begin.size(); ++c) most = std::max(most, begin[c + 1] - begin[c]);
   return most;
+}
+
+std::vector<int> ConstraintPaths::moving() const {
+  std::vector<int> all;
+  for (const int k : path)
+    if (std::find(all.begin(), all.end(), k) == all.end()) all.push_back(k);
+  return all;
 }
 
 int ConstraintPaths::block_rows() const {
@@ -175,6 +182,11 @@ Operations operations_of_support(const ConstraintStep& step) {
   o.multiply += u * rows + rows;
   multiply_adds(u * (u - 1) * (u + 1) / 6 + step.solutions * u * u);
   o.divide += u;
+  if (step.by_wrenches()) {
+    multiply_adds(6 * rows);
+    for (std::size_t c = 0; c + 1 < step.paths.first.size(); ++c) multiply_adds(6L * (step.paths.length(c) - 6));
+    return o;
+  }
   for (std::size_t c = 0; c + 1 < step.paths.first.size(); ++c)
     multiply_adds(static_cast<long>(step.paths.length(c)) * (step.paths.first[c + 1] - step.paths.first[c]));
   return o;

@@ -26,7 +26,8 @@ struct ConstraintPaths {
   // Whether the i-th of a list stands above its k-th.
   bool is_above(std::size_t c, int i, int k) const { return i < k && (k < split[c] || i < common[c] || i >= split[c]); }
   int longest() const;
-  int block_rows() const;  // of the blocks that rows are solved in
+  std::vector<int> moving() const;  // the coordinates above any, each once, as the lists name them
+  int block_rows() const;           // of the blocks that rows are solved in
 };
 ConstraintPaths constraint_paths(const KinematicTree& tree, const Scene& scene);
 int constraint_room(const ConstraintPaths& paths);
@@ -40,7 +41,7 @@ struct ConstraintStep {
     impact,    // to = v + M^-1 J' f, and f what makes J M^-1 J' f = right
     respond,   // to = N = M^-1 - B J M^-1, as a room of M^-1; forces, if any, = -B'; B = M^-1 J' (J M^-1 J' + R)^-1
     derive,    // to, which is -N efforts, becomes -N efforts - B changes, and forces = B' efforts - (J M^-1 J' + R)^-1 changes
-    support,   // to becomes to - J' f, and f = W J_u' y what makes it zero at the coordinates u without a motor; no factors
+    support,   // to becomes to - J' f, and f = W J_u y what makes it zero at the coordinates u without a motor; no factors
   };
   Kind kind;
   ConstraintPaths paths;
@@ -50,6 +51,9 @@ struct ConstraintStep {
   // Where the base moves, by articulated bodies in U's place: V and J of the coordinates, 6 x nv; of the rows the columns of
   // the base are enough then, and `to` comes to `solve` as L dv/dt without constraints, M = L' D L. −1: by U.
   int gain = -1, joint = -1;
+  // support of a base that alone has no motor: 6 x the coordinates above constraints but for the base's, in the order in which
+  // constraints name them; of the rows the columns of the base are enough then. −1: by all of J.
+  int axes = -1;
   int right = -1;   // solve, impact: per row
   int forces = -1;  // solve, impact, support: per row; respond, derive: rows x nv; −1: nobody asks
   int to = 0;       // derive: −1: nobody asks
@@ -65,6 +69,7 @@ struct ConstraintStep {
   std::vector<int> undriven{};  // support: the coordinates u
 
   bool by_limbs() const { return gain >= 0; }
+  bool by_wrenches() const { return axes >= 0; }
   std::vector<int> read() const;
   std::vector<int> filled() const;
 };

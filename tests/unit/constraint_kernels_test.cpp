@@ -211,6 +211,8 @@ struct InArrays {
   InArrays(const Limbs& limbs, const Vector& D)
       : gain(limbs.gain.cast<double>()), joint(limbs.joint.cast<double>()), pivots(D.cast<double>()) {}
   LimbsInArrays<double> limbs() const { return {gain.data(), joint.data(), pivots.data()}; }
+  // Constraints at 12, 16 and 21 name the joints in order.
+  AxesInArray<double> axes() const { return {joint.data() + 36}; }
 };
 template <int... slots>
 struct InSlots : InArrays {
@@ -234,6 +236,7 @@ struct InSlots : InArrays {
   LimbsInSlots<double, 6, stride, slots...> limbs() const {
     return {pivot_slots.data(), gains.data(), linear.data(), angular.data(), gain.data(), pivots.data()};
   }
+  LimbsInSlots<double, 6, stride, slots...> axes() const { return limbs(); }
 };
 // Limbs of three and five beside each other, and the two of four; the one of three alone, and the others beside each other.
 using InPairs = InSlots<0, 2, 4, 10, 12, 14, 16, 11, 13, 15, 17, 1, 3, 5, 7, 9>;
@@ -280,6 +283,33 @@ TEST(ConstraintKernels, LimbsGiveWhatFactorsGive) { expect_dense_by_all_limbs<In
 TEST(ConstraintKernels, LimbsBesideEachOtherGiveWhatFactorsGive) {
   expect_dense_by_all_limbs<InPairs>();
   expect_dense_by_all_limbs<InFours>();
+}
+
+// What constraints bear where the base alone has no motor: by all of J, and by wrenches on the base and axes of joints.
+template <class Where>
+void expect_support_by_wrenches() {
+  using Rows = ConstraintRows<At12<6>, At16<3>, At21<3>>;
+  System s(shape<Rows>(), 3);
+  const Limbs limbs(s, 3);
+  const Where where(limbs, s.D);
+  const auto J = in<double>(s.J), wrenches = in<double>(limbs.wrenches);
+  const Vector effort = numbers(n, 1);
+  std::vector<double> weights;
+  for (int r = 0; r < 12; ++r) weights.push_back(0.5 + 0.1 * r);
+  for (const std::vector<double>& active : {std::vector<double>{1, 1, 1}, {1, 0, 1}, {0, 0, 0}}) {
+    Eigen::VectorXd forces(12), expected_forces(12), to = effort.cast<double>(), expected = to;
+    const auto status = support<n, Rows, Undriven<0, 1, 2, 3, 4, 5>>(J.data(), active.data(), weights.data(),
+                                                                     expected_forces.data(), expected.data());
+    const auto own =
+        support_by_wrenches<n, Rows>(where.axes(), wrenches.data(), active.data(), weights.data(), forces.data(), to.data());
+    EXPECT_LT((to - expected).cwiseAbs().maxCoeff(), 1e-11 * effort.cwiseAbs().maxCoeff());
+    EXPECT_LE((forces - expected_forces).cwiseAbs().maxCoeff(), 1e-11 * expected_forces.cwiseAbs().maxCoeff());
+    EXPECT_EQ(own.rank, status.rank);
+  }
+}
+TEST(ConstraintKernels, SupportByWrenchesIsWhatAllOfJGives) {
+  expect_support_by_wrenches<InArrays>();
+  expect_support_by_wrenches<InPairs>();
 }
 
 // f = W J_u y, J_u' f what is lacking at the coordinates u.

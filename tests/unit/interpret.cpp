@@ -104,21 +104,38 @@ std::pair<Eigen::MatrixXd, Eigen::MatrixXd> rows_and_factor(const Eigen::MatrixX
   return {rows_of(J), upper};
 }
 
-// or of V and J of articulated bodies and the rows' wrenches on the base.
-std::pair<Eigen::MatrixXd, Eigen::MatrixXd> rows_and_factor_of_limbs(const ConstraintStep& s, const Eigen::MatrixXd& wrenches,
-                                                                     const Eigen::MatrixXd& gain, const Eigen::MatrixXd& joint,
-                                                                     const std::vector<int>& above) {
-  const Eigen::Index n = gain.cols();
-  Eigen::MatrixXd J = Eigen::MatrixXd::Zero(wrenches.rows(), n), upper = Eigen::MatrixXd::Identity(n, n);
+// J of the rows' wrenches on the base and of the axes that coordinates move along, 6 x n.
+Eigen::MatrixXd rows_along(const ConstraintStep& s, const Eigen::MatrixXd& wrenches, const Eigen::MatrixXd& joint) {
+  Eigen::MatrixXd J = Eigen::MatrixXd::Zero(wrenches.rows(), joint.cols());
   for (std::size_t c = 0; c + 1 < s.paths.first.size(); ++c)
     for (int i = s.paths.begin[c]; i < s.paths.begin[c + 1]; ++i) {
       const int first = s.paths.first[c], rows = s.paths.first[c + 1] - first, k = s.paths.path[static_cast<std::size_t>(i)];
       J.block(first, k, rows, 1) = wrenches.middleRows(first, rows).leftCols(6) * joint.col(k);
     }
+  return J;
+}
+
+// J and U of V and J of articulated bodies and the rows' wrenches.
+std::pair<Eigen::MatrixXd, Eigen::MatrixXd> rows_and_factor_of_limbs(const ConstraintStep& s, const Eigen::MatrixXd& wrenches,
+                                                                     const Eigen::MatrixXd& gain, const Eigen::MatrixXd& joint,
+                                                                     const std::vector<int>& above) {
+  const Eigen::Index n = gain.cols();
+  Eigen::MatrixXd upper = Eigen::MatrixXd::Identity(n, n);
   for (Eigen::Index k = 0; k < n; ++k)
     for (int i = above[static_cast<std::size_t>(k)]; i >= 0; i = above[static_cast<std::size_t>(i)])
       upper(i, k) = gain.col(k).dot(joint.col(i));
-  return {J, upper};
+  return {rows_along(s, wrenches, joint), upper};
+}
+
+// J of the rows' wrenches and of the axes of the joints above constraints alone.
+Eigen::MatrixXd rows_by_wrenches(const ConstraintStep& s, const Eigen::MatrixXd& wrenches, const Eigen::MatrixXd& axes,
+                                 Eigen::Index n) {
+  Eigen::MatrixXd joint = Eigen::MatrixXd::Zero(6, n);
+  joint.leftCols(6).setIdentity();
+  Eigen::Index column = 0;
+  for (const int k : s.paths.moving())
+    if (k >= 6) joint.col(k) = axes.col(column++);
+  return rows_along(s, wrenches, joint);
 }
 
 // Steps with rows of constraints, likewise: all act, nothing gives way.
@@ -128,7 +145,8 @@ void run_constraint_steps(const Algorithm& algorithm, Arrays& arrays, const std:
       return arrays[algorithm.arrays[static_cast<std::size_t>(index)].name];
     };
     if (s.kind == ConstraintStep::Kind::support) {
-      const Eigen::MatrixXd& J = array(s.jacobian);
+      Eigen::MatrixXd J = array(s.jacobian);
+      if (s.by_wrenches()) J = rows_by_wrenches(s, J, array(s.axes), array(s.to).rows());
       const auto count = static_cast<Eigen::Index>(s.undriven.size());
       Eigen::MatrixXd own(J.rows(), count);
       Eigen::VectorXd lacking(count), y = Eigen::VectorXd::Zero(count);

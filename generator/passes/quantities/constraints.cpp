@@ -308,6 +308,27 @@ void describe_constraint_forces_dtau(Builder& b, int array) {
 
 namespace {
 
+// Whether the base floats and is all that has no motor: what contacts bear is a wrench on it, which reaches joints along their
+// axes. The force of a loop is two wrenches.
+bool base_alone_is_undriven(const Builder& b, const std::vector<int>& undriven) {
+  const auto& bodies = b.tree().bodies;
+  return b.base_coordinates() == 6 && undriven.size() == 6 && b.scene().loops.empty() &&
+         std::none_of(bodies.begin(), bodies.end(), [](const auto& body) { return body.driven(); });
+}
+
+// Axes of the joints above constraints, in the base's axes about its origin.
+int joint_axes(Builder& b, const std::vector<int>& moving) {
+  std::vector<int> columns(static_cast<std::size_t>(b.tree().nv()), -1);
+  int count = 0;
+  for (const int k : moving)
+    if (k >= 6) columns[static_cast<std::size_t>(k)] = count++;
+  const int array = b.internal_array_of_part(b.own_name("joint_axes"), 6, std::max(count, 1), {}, columns);
+  const Poses p = poses(b);
+  b.result({array, ir::Layout::columns, p.joint_linear});
+  b.result({array, ir::Layout::columns, p.joint_angular, 3});
+  return array;
+}
+
 // Torques and forces come of one step, whichever is asked for.
 void support(Builder& b) {
   if (b.made(ir::ConstraintStep::Kind::support)) return;
@@ -315,10 +336,15 @@ void support(Builder& b) {
   const int to = array_of(b, ir::Quantity::constrained_inverse_dynamics, "efforts", b.tree().nv(), 1, nothing);
   ir::ConstraintStep s{ir::ConstraintStep::Kind::support, ir::constraint_paths(b.tree(), b.scene())};
   s.solutions = b.scene().scalar == ir::ScalarType::float32 ? Proximal<float>::steps : Proximal<double>::steps;
-  s.jacobian = jacobian(b);
+  s.undriven = ir::undriven_coordinates(b.tree(), b.scene());
+  if (base_alone_is_undriven(b, s.undriven)) {
+    s.jacobian = base_columns(b);
+    s.axes = joint_axes(b, s.paths.moving());
+  } else {
+    s.jacobian = jacobian(b);
+  }
   s.forces = array_of(b, ir::Quantity::inverse_constraint_forces, "borne", b.tree().constraint_rows, 1, nothing);
   s.to = to;
-  s.undriven = ir::undriven_coordinates(b.tree(), b.scene());
   const NewtonEuler all = newton_euler(b, Driven::accelerated);
   b.result({to, ir::Layout::per_coordinate, less_external(b, all.torque, all.subtree_wrench)});
   b.step(s);

@@ -188,7 +188,8 @@ struct ConstraintBlocks {
     for_constants<rows>([&](auto r) DALEMBERT_IN_BLOCK {
       constexpr int piece = decltype(r)::value / w;
       if (r < Rows::rows[c])
-        along.piece[piece] = with_lane_of<w, T, decltype(r)::value % w>(along.piece[piece], load<w>(block + r * padded + piece * w));
+        along.piece[piece] =
+            with_lane_of<w, T, decltype(r)::value % w>(along.piece[piece], load<w>(block + r * padded + piece * w));
     });
     return along;
   }
@@ -589,9 +590,8 @@ DALEMBERT_INLINE void accelerate_outwards(const Limbs& limbs, T* x) {
         constexpr int c = group.chain[decltype(l)::value];
         if constexpr (c >= 0)
           if constexpr (Groups::has_child(c))
-            for_constants<base>([&](auto j) DALEMBERT_IN_BLOCK {
-              twist[c][j] = lane<group.lanes, T>(std::get<which>(moving.all).of[j], l);
-            });
+            for_constants<base>(
+                [&](auto j) DALEMBERT_IN_BLOCK { twist[c][j] = lane<group.lanes, T>(std::get<which>(moving.all).of[j], l); });
       });
     });
   });
@@ -637,6 +637,7 @@ struct LimbsInSlots {
     return {gain_slots + slot, linear_slots + slot, angular_slots + slot};
   }
   DALEMBERT_INLINE Joints<1> at(int k) const { return beside<1>(slot(k)); }
+  DALEMBERT_INLINE Joints<1> joint(int, int k) const { return at(k); }
   T base_gain(int k, int i) const { return gains[6 * k + i]; }
   T pivot(int k) const { return k < base ? pivots[k] : pivot_slots[slot(k)]; }
 };
@@ -775,9 +776,8 @@ DALEMBERT_INLINE ConstraintStatus<T> solve(const Way& way, const T* right, const
       more[c].piece[i] = is_own ? acting > none ? hold + regular[c].piece[i] : one : one;
       left[0].piece[i] = acting > none ? sides[1].piece[i] : none;
     });
-    each_above<Rows>(c, [&](auto k) DALEMBERT_IN_BLOCK {
-      left[k % 2].template add<true>(scaled[Rows::paths[c][k]], blocks.row(c, k));
-    });
+    each_above<Rows>(
+        c, [&](auto k) DALEMBERT_IN_BLOCK { left[k % 2].template add<true>(scaled[Rows::paths[c][k]], blocks.row(c, k)); });
     left[0].add(left[1]);
     known[c] = left[0];
   });
@@ -900,6 +900,14 @@ static inline ConstraintStatus<T> solve_impact_by_limbs(const Limbs& limbs, cons
   return status;
 }
 
+// Joints' axes for what constraints bear: of the coordinates above them but for the base's, in the order in which constraints
+// name them, six numbers each.
+template <class T>
+struct AxesInArray {
+  const T* axes;
+  typename LimbsInArrays<T>::Joint joint(int place, int) const { return {nullptr, axes + 6 * place}; }
+};
+
 // Coordinates without a motor.
 template <int... coordinates>
 struct Undriven {
@@ -985,28 +993,41 @@ DALEMBERT_INLINE void solve_support(const T* jacobian, const T* weighted, const 
 
 }  // namespace constraint_detail
 
+namespace constraint_detail {
+
+// Forces f = W J_u y, and how y was found.
+template <class Rows, class Without, class T>
+DALEMBERT_INLINE ConstraintStatus<T> support_forces(const T* jacobian, const T* active, const T* weights, const T* to,
+                                                    T* forces) {
+  constexpr int all = Rows::first(Rows::count), u = Without::count, room = u > 0 ? u : 1;
+  ConstraintStatus<T> status;
+  T weight[all];
+  each_index<Rows::count>([&](auto c) DALEMBERT_IN_BLOCK {
+    for (int r = Rows::first(c); r < Rows::first(c + 1); ++r) weight[r] = active[c] > T(0) ? weights[r] : T(0);
+  });
+  T weighted[room * all], y[room];
+  for (int i = 0; i < u; ++i)
+    for (int r = 0; r < all; ++r) weighted[i * all + r] = weight[r] * jacobian[Without::at[i] * all + r];
+  solve_support<all, Without>(jacobian, weighted, to, y, status);
+  each_piece<all>([&](auto lanes, auto at) DALEMBERT_IN_BLOCK {
+    constexpr int w = decltype(lanes)::value, from = decltype(at)::value;
+    Lanes<T, w> sum{};
+    for (int i = 0; i < u; ++i) sum += broadcast<w, T>(y[i]) * load<w>(weighted + i * all + from);
+    store<w, T>(forces + from, sum);
+  });
+  return status;
+}
+
+}  // namespace constraint_detail
+
 // to becomes to - J' f, f = W J_u y being what makes it zero at the coordinates u that have no motor: of all such f the one
 // with the least sum of f^2 / W. y is found by proximal steps as above, with N the diagonal of J_u' W J_u: what no constraint
 // can bear stays, and is the residual.
 template <int n, class Rows, class Without, class T>
 __attribute__((noinline)) static ConstraintStatus<T> support(const T* jacobian, const T* active, const T* weights, T* forces,
                                                              T* to) noexcept {
-  constexpr int all = Rows::first(Rows::count), u = Without::count, room = u > 0 ? u : 1;
-  ConstraintStatus<T> status;
-  T weight[all];
-  constraint_detail::each_index<Rows::count>([&](auto c) DALEMBERT_IN_BLOCK {
-    for (int r = Rows::first(c); r < Rows::first(c + 1); ++r) weight[r] = active[c] > T(0) ? weights[r] : T(0);
-  });
-  T weighted[room * all], y[room];
-  for (int i = 0; i < u; ++i)
-    for (int r = 0; r < all; ++r) weighted[i * all + r] = weight[r] * jacobian[Without::at[i] * all + r];
-  constraint_detail::solve_support<all, Without>(jacobian, weighted, to, y, status);
-  constraint_detail::each_piece<all>([&](auto lanes, auto at) DALEMBERT_IN_BLOCK {
-    constexpr int w = decltype(lanes)::value, from = decltype(at)::value;
-    Lanes<T, w> sum{};
-    for (int i = 0; i < u; ++i) sum += broadcast<w, T>(y[i]) * load<w>(weighted + i * all + from);
-    store<w, T>(forces + from, sum);
-  });
+  constexpr int all = Rows::first(Rows::count), u = Without::count;
+  ConstraintStatus<T> status = constraint_detail::support_forces<Rows, Without>(jacobian, active, weights, to, forces);
   T borne[n] = {};
   constraint_detail::each_index<Rows::count>([&](auto c) DALEMBERT_IN_BLOCK {
     constraint_detail::each_above<Rows>(c, [&](auto k) DALEMBERT_IN_BLOCK {
@@ -1017,6 +1038,39 @@ __attribute__((noinline)) static ConstraintStatus<T> support(const T* jacobian, 
   for (int k = 0; k < n; ++k) to[k] -= borne[k];
   for (int i = 0; i < u; ++i) {
     const T left = to[Without::at[i]], size = left < T(0) ? -left : left;
+    status.residual = size > status.residual ? size : status.residual;
+  }
+  return status;
+}
+
+// The same where the base floats and is all that has no motor. wrenches: J's columns of the base, what rows push it with, which
+// is all that is needed: joints feel it along their axes.
+template <int n, class Rows, class Axes, class T>
+__attribute__((noinline)) static ConstraintStatus<T> support_by_wrenches(const Axes& axes, const T* wrenches, const T* active,
+                                                                         const T* weights, T* forces, T* to) noexcept {
+  constexpr int all = Rows::first(Rows::count), base = 6;
+  ConstraintStatus<T> status =
+      constraint_detail::support_forces<Rows, Undriven<0, 1, 2, 3, 4, 5>>(wrenches, active, weights, to, forces);
+  constraint_detail::each_index<Rows::count>([&](auto c) DALEMBERT_IN_BLOCK {
+    T pushed[base];
+    constraint_detail::for_constants<base>([&](auto j) DALEMBERT_IN_BLOCK {
+      T sums[2] = {};
+      for (int r = 0; r < Rows::rows[c]; ++r)
+        sums[r % 2] += wrenches[j * all + Rows::first(c) + r] * forces[Rows::first(c) + r];
+      pushed[j] = sums[0] + sums[1];
+      to[j] -= pushed[j];
+    });
+    constraint_detail::each_above<Rows>(c, [&](auto k) DALEMBERT_IN_BLOCK {
+      if (k < base) return;
+      const int at = Rows::paths[c][k];
+      const auto joint = axes.joint(Rows::moving.of[c][k] - base, at);
+      const auto along = [&](int j) DALEMBERT_IN_BLOCK { return joint.axis(j) * pushed[j]; };
+      const T first = along(0) + along(1), second = along(2) + along(3), third = along(4) + along(5);
+      to[at] -= first + second + third;
+    });
+  });
+  for (int j = 0; j < base; ++j) {
+    const T size = to[j] < T(0) ? -to[j] : to[j];
     status.residual = size > status.residual ? size : status.residual;
   }
   return status;
