@@ -729,15 +729,16 @@ DALEMBERT_INLINE void delassus(const Way& way, T* room, T* to) {
   });
 }
 
-template <int n, class Rows, class Tree, class Way, class T>
+// at_rest: whether x is zero.
+template <int n, class Rows, class Tree, bool at_rest, class Way, class T>
 DALEMBERT_INLINE ConstraintStatus<T> solve(const Way& way, const T* right, const T* active, const T* regularization, T* room,
                                            T* forces, T* x) {
   using Blocks = ConstraintBlocks<n, Rows, T>;
   constexpr int count = Rows::count, padded = Blocks::padded, w = Blocks::w;
   const Blocks blocks(room);
-  T reciprocals[n], scaled[n];
+  T reciprocals[n], scaled[at_rest ? 1 : n];
   way.template reciprocals_of_pivots<Rows>(reciprocals);
-  way.template upwards<Tree>(reciprocals, x, scaled);
+  if constexpr (!at_rest) way.template upwards<Tree>(reciprocals, x, scaled);
   blocks.fill(way, reciprocals, active);
 
   // c, mu N, and what the diagonal has more. What no row stands for is a one.
@@ -776,9 +777,11 @@ DALEMBERT_INLINE ConstraintStatus<T> solve(const Way& way, const T* right, const
       more[c].piece[i] = is_own ? acting > none ? hold + regular[c].piece[i] : one : one;
       left[0].piece[i] = acting > none ? sides[1].piece[i] : none;
     });
-    each_above<Rows>(
-        c, [&](auto k) DALEMBERT_IN_BLOCK { left[k % 2].template add<true>(scaled[Rows::paths[c][k]], blocks.row(c, k)); });
-    left[0].add(left[1]);
+    if constexpr (!at_rest) {
+      each_above<Rows>(
+          c, [&](auto k) DALEMBERT_IN_BLOCK { left[k % 2].template add<true>(scaled[Rows::paths[c][k]], blocks.row(c, k)); });
+      left[0].add(left[1]);
+    }
     known[c] = left[0];
   });
 
@@ -867,8 +870,8 @@ template <int n, class Rows, class Tree, class T>
 __attribute__((noinline)) static ConstraintStatus<T> solve_constrained(const T* jacobian, const T* factor, const T* pivots,
                                                                        const T* right, const T* active, const T* regularization,
                                                                        T* room, T* forces, T* x) noexcept {
-  return constraint_detail::solve<n, Rows, Tree>(constraint_detail::WayByFactor<n, T>{jacobian, factor, pivots}, right, active,
-                                                 regularization, room, forces, x);
+  return constraint_detail::solve<n, Rows, Tree, false>(constraint_detail::WayByFactor<n, T>{jacobian, factor, pivots}, right,
+                                                        active, regularization, room, forces, x);
 }
 // The same by articulated bodies; x comes as D^-1 L'^-1 of the efforts, which is L dv without constraints.
 template <int n, class Rows, class Tree, class Limbs, class T>
@@ -876,26 +879,29 @@ __attribute__((noinline)) static ConstraintStatus<T> solve_constrained_by_limbs(
                                                                                 const T* right, const T* active,
                                                                                 const T* regularization, T* room, T* forces,
                                                                                 T* x) noexcept {
-  return constraint_detail::solve<n, Rows, Tree>(constraint_detail::WayByLimbs<n, Limbs, T>{wrenches, limbs}, right, active,
-                                                 regularization, room, forces, x);
+  return constraint_detail::solve<n, Rows, Tree, false>(constraint_detail::WayByLimbs<n, Limbs, T>{wrenches, limbs}, right,
+                                                        active, regularization, room, forces, x);
 }
 
 // v becomes what it is after an impact, v + M^-1 J' f, f being the impulses that change J v by `right`.
 template <int n, class Rows, class Tree, class T>
-static inline ConstraintStatus<T> solve_impact(const T* jacobian, const T* factor, const T* pivots, const T* right,
-                                               const T* active, const T* regularization, T* room, T* impulses, T* v) noexcept {
+__attribute__((noinline)) static ConstraintStatus<T> solve_impact(const T* jacobian, const T* factor, const T* pivots,
+                                                                  const T* right, const T* active, const T* regularization,
+                                                                  T* room, T* impulses, T* v) noexcept {
   T change[n] = {};
-  const ConstraintStatus<T> status =
-      solve_constrained<n, Rows, Tree>(jacobian, factor, pivots, right, active, regularization, room, impulses, change);
+  const ConstraintStatus<T> status = constraint_detail::solve<n, Rows, Tree, true>(
+      constraint_detail::WayByFactor<n, T>{jacobian, factor, pivots}, right, active, regularization, room, impulses, change);
   for (int k = 0; k < n; ++k) v[k] += change[k];
   return status;
 }
 template <int n, class Rows, class Tree, class Limbs, class T>
-static inline ConstraintStatus<T> solve_impact_by_limbs(const Limbs& limbs, const T* wrenches, const T* right, const T* active,
-                                                        const T* regularization, T* room, T* impulses, T* v) noexcept {
+__attribute__((noinline)) static ConstraintStatus<T> solve_impact_by_limbs(const Limbs& limbs, const T* wrenches,
+                                                                           const T* right, const T* active,
+                                                                           const T* regularization, T* room, T* impulses,
+                                                                           T* v) noexcept {
   T change[n] = {};
-  const ConstraintStatus<T> status =
-      solve_constrained_by_limbs<n, Rows, Tree>(limbs, wrenches, right, active, regularization, room, impulses, change);
+  const ConstraintStatus<T> status = constraint_detail::solve<n, Rows, Tree, true>(
+      constraint_detail::WayByLimbs<n, Limbs, T>{wrenches, limbs}, right, active, regularization, room, impulses, change);
   for (int k = 0; k < n; ++k) v[k] += change[k];
   return status;
 }
