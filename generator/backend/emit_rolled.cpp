@@ -7,6 +7,7 @@
 #include <functional>
 #include <optional>
 #include <set>
+#include <tuple>
 
 #include "backend/code_text.hpp"
 #include "backend/emit_driven.hpp"
@@ -157,6 +158,8 @@ std::string joint_results(const CodeInput& code) {
   const std::optional<AxesRoles> axes = axes_in_slots(code);
   std::string text;
   std::vector<std::string> of_all;
+  // A coordinate may have a part of two results: of a loop's two links, where one follows a joint above the other.
+  std::set<std::tuple<int, int, int>> set;
   for (size_t n = 0; n < code.algorithm.results.size(); ++n) {
     const ir::Result& r = code.algorithm.results[n];
     if (r.layout == ir::Layout::base || !is_kept(code, r.role)) continue;
@@ -176,11 +179,10 @@ std::string joint_results(const CodeInput& code) {
             fmt::format("{} = {}[joint_slot[k]];\n", to(fmt::format("{} + k", base_rows(code)), i), kept(code, r.role, i)));
       continue;
     }
-    std::set<int> set;
     for (int k : bodies_of(code, r)) {
       const int of_whole = base_rows(code) + coordinates[static_cast<size_t>(k)],
                 row = columns ? array.column(of_whole) : array.row(of_whole);
-      const bool first = set.insert(row).second;
+      const bool first = set.insert({r.array, row, columns ? r.from : 0}).second;
       for (int i = 0; i < components; ++i)
         text += fmt::format("  workspace.{}[{}] {} {}[{}];\n", array.name, columns ? step * row + r.from + i : row,
                             first ? "=" : "+=", kept(code, r.role, i), slot_of(code, k));
