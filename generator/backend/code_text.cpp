@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cctype>
 #include <map>
+#include <set>
 #include <stdexcept>
 #include <utility>
 
@@ -287,15 +288,13 @@ std::string constraint_statements(const CodeInput& code, const std::string& limb
 }
 
 std::vector<std::string> constraint_includes(const CodeInput& code) {
-  bool solves = false, responds = false;
+  using Kind = ir::ConstraintStep::Kind;
+  std::set<std::string> headers;
   for (const ir::ConstraintStep& step : code.algorithm.steps_of<ir::ConstraintStep>()) {
-    const bool response = step.kind == ir::ConstraintStep::Kind::respond || step.kind == ir::ConstraintStep::Kind::derive;
-    (response ? responds : solves) = true;
+    const bool response = step.kind == Kind::respond || step.kind == Kind::derive;
+    headers.insert(response ? "constraint_response" : step.kind == Kind::support ? "constraint_support" : "constraints");
   }
-  std::vector<std::string> headers;
-  if (solves) headers.emplace_back("constraints");
-  if (responds) headers.emplace_back("constraint_response");
-  return headers;
+  return {headers.begin(), headers.end()};
 }
 
 bool solves(const CodeInput& code) {

@@ -4,6 +4,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <dalembert/constraint_response.hpp>
+#include <dalembert/constraint_support.hpp>
 #include <dalembert/constraints.hpp>
 #include <random>
 #include <vector>
