@@ -59,7 +59,7 @@ template <class Tree, class Limbs>
 struct ChainsInLanes {
   static constexpr int most = 8;
   struct Group {
-    int lanes = 1, slot = 0, steps = 0, stage = 0, chain[most] = {-1, -1, -1, -1, -1, -1, -1, -1};
+    int lanes = 1, slot = 0, steps = 0, stage = 0, chains = 0, chain[most] = {-1, -1, -1, -1, -1, -1, -1, -1};
     bool even = true;  // chains of one length
   };
   struct All {
@@ -80,40 +80,25 @@ struct ChainsInLanes {
       return static_cast<void>(c), 1;
     }
   }
-  static constexpr bool beside(int a, int b) {
-    if constexpr (Limbs::in_slots) {
-      const int lanes = lanes_of(a);
-      if (lanes < 2 || lanes_of(b) != lanes) return false;
-      const int apart = Limbs::slot(Tree::first[a]) - Limbs::slot(Tree::first[b]);
-      return apart < lanes && apart > -lanes;
-    } else {
-      return static_cast<void>(a + b), false;
-    }
-  }
-
   static constexpr All groups() {
     All all;
     for (int c = 0; c < Tree::count; ++c) {
-      int alike = 0, first = c, slot = 0;
-      for (int b = Tree::count - 1; b >= 0; --b)
-        if (beside(c, b)) {
-          ++alike, first = b < first ? b : first;
-          if constexpr (Limbs::in_slots) {
-            const int other = Limbs::slot(Tree::first[b]);
-            slot = alike == 1 || other < slot ? other : slot;
-          }
-        }
-      all.of[c] = first < c ? all.of[first] : all.count;
-      Group& group = all.group[all.of[c]];
-      if (first == c) {
-        ++all.count;
-        group.lanes = alike > 1 ? lanes_of(c) : 1, group.slot = slot, group.steps = Tree::length[c];
-      }
+      const int lanes = lanes_of(c);
+      int slot = 0, found = 0;
+      if constexpr (Limbs::in_slots) slot = lanes > 1 ? Limbs::slot(Tree::first[c]) : 0;
+      while (found < all.count && (lanes < 2 || all.group[found].lanes != lanes || slot < all.group[found].slot ||
+                                   slot >= all.group[found].slot + lanes))
+        ++found;
+      Group& group = all.group[found];
+      if (found == all.count) ++all.count, group.lanes = lanes, group.slot = slot, group.steps = Tree::length[c];
+      all.of[c] = found;
       group.even = group.even && group.steps == Tree::length[c];
       group.steps = Tree::length[c] > group.steps ? Tree::length[c] : group.steps;
-      if constexpr (Limbs::in_slots) group.chain[group.lanes > 1 ? Limbs::slot(Tree::first[c]) - slot : 0] = c;
-      else group.chain[0] = c;
+      group.chain[slot - group.slot] = c;
+      ++group.chains;
     }
+    for (Group& group : all.group)
+      if (group.chains < 2) group.lanes = 1;
     for (int again = 0; again < Tree::count; ++again)
       for (int c = 1; c < Tree::count; ++c) {
         const int stage = Tree::parent(c) < 0 ? 0 : all.group[all.of[Tree::parent(c)]].stage + 1;
