@@ -139,7 +139,7 @@ def ci(_):
         (("mahru", "rolled", "gravity"), ("g++", "-O3", "native", 1)),
         (("quadruped", "rolled", ALL), ("g++", "-O0", "x86-64", 4)),
         (("gantry_arms", "straight", ALL), ("g++", "-O3", "skylake-avx512", 4)),
-        (("unequal_limbs", "rolled", FUNCTIONS), ("clang++", "-O2", "native", 2)),
+        (("unequal_limbs", "rolled", HELD), ("clang++", "-O1", "native", 4)),
         (("chain_7", "straight", FUNCTIONS), ("g++", "-O2", "x86-64", 4)),
         (("unequal_limbs", "rolled", DRIVEN), ("clang++", "-O2", "native", 4)),
         (("gantry_arms", "rolled", PUSHED), ("clang++", "-O2", "skylake-avx512", 4)),
