@@ -26,8 +26,9 @@ URDFS = ROBOTS | {"humanoid": "tests/robots/humanoid.urdf", "grippers": "tests/r
 # Robots with a scene: links that are pushed along their own axes or the world's, joints that drive others, functions of the
 # scene's own, joints with a motor behind a spring.
 PUSHED, DRIVEN, ELASTIC = "pushed", "driven", "elastic"
-# And: links that are held, rows and columns of some joints, a parallel ankle whose rods' loops are embedded.
-HELD, PARTS, EMBEDDED = "held", "parts", "embedded"
+# And: links that are held, by M's factors and by articulated bodies, rows and columns of some joints, a parallel ankle whose rods'
+# loops are embedded.
+HELD, STANDING, PARTS, EMBEDDED = "held", "standing", "parts", "embedded"
 LINKS = {"mahru": ("left_hand", "right_foot"), "unequal_limbs": ("b_3", "d_5"), "gantry_arms": ("a_tool", "b_carriage"),
          "hexapod": ("leg_2_3_tibia", "leg_6_2_femur"), "hand": ("f1_index_4_distal", "f4_small_2_proximal")}
 JOINTS = {"mahru": ("left_elbow", "right_elbow"), "unequal_limbs": ("b_2_joint", "d_4_joint"),
@@ -63,6 +64,10 @@ def options(robot, outputs):
         weld, point = LINKS[robot]
         return ["--outputs", "constrained_forward_dynamics,constraint_forces,impact,delassus_matrix,constrained_forward_dynamics_dq,"
                 "constraint_forces_dv", "--contacts", f"{{{weld}: weld, {point}: point}}"]
+    if outputs == STANDING:
+        weld, point = LINKS[robot]
+        return ["--base", "floating", "--outputs", "constrained_forward_dynamics,constraint_forces,impact,constrained_inverse_dynamics",
+                "--contacts", f"{{{weld}: weld, {point}: point}}"]
     if outputs == PARTS:
         link, _ = LINKS[robot]
         rows = f"{{subtree: {link}}}"
@@ -92,7 +97,7 @@ def parts(program):
 
 def constraints(_):
     """Contacts, parts of results and embedded loops: each with every compiler, level, target and width, which take turns."""
-    scenes = [*itertools.product(LINKS, FORMS, [HELD, PARTS]), *itertools.product(["ankle"], FORMS, [EMBEDDED])]
+    scenes = [*itertools.product(LINKS, FORMS, [HELD, STANDING, PARTS]), *itertools.product(["ankle"], FORMS, [EMBEDDED])]
     cells = []
     for i, (scene, compiler, level) in enumerate(itertools.product(scenes, [*COMPILERS, AARCH64], LEVELS[1:])):
         target = "aarch64" if compiler == AARCH64 else TARGETS[i * 7 % len(TARGETS)]
@@ -139,7 +144,7 @@ def ci(_):
         (("mahru", "rolled", "gravity"), ("g++", "-O3", "native", 1)),
         (("quadruped", "rolled", ALL), ("g++", "-O0", "x86-64", 4)),
         (("gantry_arms", "straight", ALL), ("g++", "-O3", "skylake-avx512", 4)),
-        (("unequal_limbs", "rolled", HELD), ("clang++", "-O1", "native", 4)),
+        (("unequal_limbs", "rolled", STANDING), ("clang++", "-O1", "native", 4)),
         (("chain_7", "straight", FUNCTIONS), ("g++", "-O2", "x86-64", 4)),
         (("unequal_limbs", "rolled", DRIVEN), ("clang++", "-O2", "native", 4)),
         (("gantry_arms", "rolled", PUSHED), ("clang++", "-O2", "skylake-avx512", 4)),

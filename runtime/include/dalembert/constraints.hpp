@@ -184,13 +184,13 @@ struct ConstraintBlocks {
   using Row = BlockRow<T, w, pieces>;
   template <class C>
   DALEMBERT_INLINE Row diagonal(C c) const {
-    const T* const block = of(c, c);
+    const T* const from = of(c, c);
     Row along = {};
     for_constants<rows>([&](auto r) DALEMBERT_IN_BLOCK {
       constexpr int piece = decltype(r)::value / w;
       if (r < Rows::rows[c])
         along.piece[piece] =
-            with_lane_of<w, T, decltype(r)::value % w>(along.piece[piece], load<w>(block + r * padded + piece * w));
+            with_lane_of<w, T, decltype(r)::value % w>(along.piece[piece], load<w>(from + r * padded + piece * w));
     });
     return along;
   }
