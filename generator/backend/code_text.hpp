@@ -40,7 +40,7 @@ std::string clear_statements(const CodeInput& code);
 // Statements behind the elements: steps with whole matrices.
 std::string matrix_statements(const CodeInput& code);
 // Behind them: steps with rows of constraints.
-// limbs: declares where rows go up from, where that is not in arrays.
+// limbs, axes: declare where rows go up from and along what joints feel them, where that is not in arrays.
 std::string constraint_statements(const CodeInput& code, const std::string& limbs = "", const std::string& axes = "");
 // The runtime's headers that they call.
 std::vector<std::string> constraint_includes(const CodeInput& code);

@@ -114,9 +114,9 @@ std::vector<int> bodies_of(const CodeInput& code, const ir::Result& r) {
 std::optional<PivotRoles> pivots_in_slots(const CodeInput& code) {
   const std::optional<ir::Guard>& guard = code.algorithm.guard;
   const std::vector<ir::ConstraintStep> steps = code.algorithm.steps_of<ir::ConstraintStep>();
-  const bool by_limbs = std::any_of(steps.begin(), steps.end(), [](const ir::ConstraintStep&s) { return s.by_limbs(); }),
-             others = std::any_of(steps.begin(), steps.end(),
-                                  [](const ir::ConstraintStep&s) { return !s.by_limbs() && !s.by_wrenches(); });
+  const bool by_limbs = std::any_of(steps.begin(), steps.end(), [](const ir::ConstraintStep& s) { return s.by_limbs(); });
+  const bool others =
+      std::any_of(steps.begin(), steps.end(), [](const ir::ConstraintStep& s) { return !s.by_limbs() && !s.by_wrenches(); });
   if (!guard || steps.size() < code.algorithm.steps.size() || others) return {};
   PivotRoles roles;
   for (const ir::Result& r : code.algorithm.results) {

@@ -80,6 +80,7 @@ struct ChainsInLanes {
       return static_cast<void>(c), 1;
     }
   }
+
   static constexpr All groups() {
     All all;
     for (int c = 0; c < Tree::count; ++c) {
