@@ -8,13 +8,18 @@
 #include <dalembert/integrators/linearly_implicit.hpp>
 #include <dalembert/integrators/rk4.hpp>
 #include <dalembert/integrators/semi_implicit_euler.hpp>
+#include <functional>
 #include <limits>
+#include <memory>
+#include <optional>
 #include <utility>
 
 #include "commands/batch_engine.hpp"
 #include "commands/generated_engine.hpp"
 #include "commands/generic_engine.hpp"
 #include "commands/machine.hpp"
+#include "commands/parallel.hpp"
+#include "commands/precompiled_eigen.hpp"
 #include "commands/random_states.hpp"
 #include "ir/implicit_joints.hpp"
 #include "reference/engine.hpp"
@@ -147,30 +152,59 @@ class Check {
     for (const Output& output : outputs_) expected_.push_back(references(model_, output, states_));
     const std::vector<std::vector<size_t>> all = pieces(outputs_);
     const bool one = all.size() == 1;
+    const Engines engines = compiled(all);
     heading(one ? "its code" : "each by code of its own");
-    for (const std::vector<size_t>& piece : all) {
-      std::vector<Output> own;
-      for (const size_t o : piece) own.push_back(outputs_[o]);
-      GeneratedEngine alone(model_, own, options_, one ? Besides::self_test : Besides::nothing);
-      const bool line_of_its_own = own.size() > 1;
+    for (size_t p = 0; p < all.size(); ++p) {
+      GeneratedEngine& alone = *engines.single[p];
+      const bool line_of_its_own = all[p].size() > 1;
       const std::string time = line_of_its_own ? "" : time_text(alone.time_per_call(states_).median);
-      for (const size_t o : piece) compare(alone, o, time);
+      for (const size_t o : all[p]) compare(alone, o, time);
       if (line_of_its_own) function_lines(alone.time_per_function(states_));
       if (one) run_self_test(alone);
     }
-    if (!one) {
-      GeneratedEngine together(model_, outputs_, options_, Besides::self_test);
+    if (GeneratedEngine* const together = engines.together.get()) {
       heading("all by one code");
-      for (size_t o = 0; o < outputs_.size(); ++o) compare(together, o, "");
-      function_lines(together.time_per_function(states_));
-      run_self_test(together);
+      for (size_t o = 0; o < outputs_.size(); ++o) compare(*together, o, "");
+      function_lines(together->time_per_function(states_));
+      run_self_test(*together);
     }
-    if (model_.scene.batch) batch();
+    if (engines.batch) batch(*engines.batch);
     report_.text += fmt::format("  compiled by {}\n  timed on {}\n", command_, this_machine().text());
     return std::move(report_);
   }
 
  private:
+  struct Engines {
+    std::vector<std::unique_ptr<GeneratedEngine>> single;  // a piece's
+    std::unique_ptr<GeneratedEngine> together;             // where there are more pieces than one
+    std::unique_ptr<BatchEngine> batch;                    // where the scene has one
+  };
+
+  // All that is run, compiled on all cores; the longest first.
+  Engines compiled(const std::vector<std::vector<size_t>>& pieces) const {
+    const bool one = pieces.size() == 1;
+    constexpr size_t repaid = 4;  // as many runs of the compiler as making the header takes the time of
+    std::optional<PrecompiledEigen> eigen;
+    if (pieces.size() >= repaid) eigen.emplace(options_);
+    const CompilerOptions& options = eigen ? eigen->options() : options_;
+    Engines engines;
+    engines.single.resize(pieces.size());
+    std::vector<std::function<void()>> work;
+    if (model_.scene.batch) work.push_back([&] { engines.batch = std::make_unique<BatchEngine>(model_, outputs_, options); });
+    if (!one)
+      work.push_back(
+          [&] { engines.together = std::make_unique<GeneratedEngine>(model_, outputs_, options, Besides::self_test); });
+    for (size_t p = 0; p < pieces.size(); ++p)
+      work.push_back([&, p] {
+        std::vector<Output> own;
+        for (const size_t o : pieces[p]) own.push_back(outputs_[o]);
+        engines.single[p] =
+            std::make_unique<GeneratedEngine>(model_, own, options, one ? Besides::self_test : Besides::nothing);
+      });
+    each_in_parallel(work.size(), [&](size_t i) { work[i](); });
+    return engines;
+  }
+
   void line(const std::string& what, const std::string& errors, const std::string& time, const char* mark = "") {
     std::string text = fmt::format("  {:<34}{:>40}{:>12}", what, errors, time);
     text.erase(text.find_last_not_of(' ') + 1);
@@ -209,8 +243,7 @@ class Check {
         o, time);
   }
 
-  void batch() {
-    BatchEngine batch(model_, outputs_, options_);
+  void batch(BatchEngine& batch) {
     batch.evaluate(states_);
     heading("all as a batch");
     for (size_t o = 0; o < outputs_.size(); ++o) compare_results([&](size_t s) { return batch.result(outputs_[o], s); }, o, "");

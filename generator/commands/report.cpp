@@ -8,13 +8,13 @@
 #include <vector>
 
 #include "backend/output_files.hpp"
+#include "commands/parallel.hpp"
+#include "commands/precompiled_eigen.hpp"
 #include "commands/report/forms.hpp"
 #include "commands/report/heading.hpp"
 #include "commands/report/integration.hpp"
 #include "commands/report/mujoco.hpp"
 #include "commands/report/page.hpp"
-#include "commands/report/parallel.hpp"
-#include "commands/report/precompiled_eigen.hpp"
 #include "commands/report/rounding.hpp"
 #include "commands/report/stability.hpp"
 #include "commands/report/task_graph.hpp"

@@ -16,7 +16,7 @@
 #include <map>
 #include <regex>
 
-#include "commands/report/parallel.hpp"
+#include "commands/parallel.hpp"
 #include "sweep_robot.hpp"
 
 namespace dalembert::benchmarks {
@@ -98,7 +98,7 @@ void prepare_those_wanted(std::vector<Experiment>& experiments) {
     if (std::any_of(std::begin(ways), std::end(ways), [&](const Way& w) { return std::regex_search(e.name(w), wanted); }))
       chosen.push_back(&e);
   std::atomic<size_t> done{0};
-  reporting::each_in_parallel(chosen.size(), [&](size_t i) {
+  each_in_parallel(chosen.size(), [&](size_t i) {
     chosen[chosen.size() - 1 - i]->prepare();  // the largest take longest
     std::fprintf(stderr, "\rcompiled %zu of %zu ", ++done, chosen.size());
   });

@@ -6,9 +6,9 @@
 #include <memory>
 #include <utility>
 
+#include "commands/parallel.hpp"
 #include "commands/random_states.hpp"
 #include "commands/report/errors.hpp"
-#include "commands/report/parallel.hpp"
 #include "commands/report/progress.hpp"
 #include "commands/report/variants.hpp"
 #include "commands/timing.hpp"

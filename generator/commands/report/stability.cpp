@@ -11,10 +11,10 @@
 #include <set>
 #include <utility>
 
+#include "commands/parallel.hpp"
 #include "commands/random_states.hpp"
 #include "commands/report/errors.hpp"
 #include "commands/report/extreme_states.hpp"
-#include "commands/report/parallel.hpp"
 #include "commands/report/rounding.hpp"
 #include "commands/report/variants.hpp"
 #include "costs.hpp"

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "commands/report/parallel.hpp"
+#include "commands/parallel.hpp"
 #include "commands/report/progress.hpp"
 
 namespace dalembert::reporting {

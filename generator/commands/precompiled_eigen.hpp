@@ -1,10 +1,10 @@
-// Eigen, read by the compiler once for a whole report: it is most of the time of compiling small code.
+// Eigen, read by the compiler once for all that a command compiles: it is most of the time of compiling small code.
 #pragma once
 
 #include "commands/compiler.hpp"
 #include "commands/temporary_folder.hpp"
 
-namespace dalembert::reporting {
+namespace dalembert {
 
 class PrecompiledEigen {
  public:
@@ -19,4 +19,4 @@ class PrecompiledEigen {
   CompilerOptions options_;
 };
 
-}  // namespace dalembert::reporting
+}  // namespace dalembert

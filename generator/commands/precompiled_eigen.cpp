@@ -1,4 +1,4 @@
-#include "commands/report/precompiled_eigen.hpp"
+#include "commands/precompiled_eigen.hpp"
 
 #include <fstream>
 #include <string>
@@ -6,7 +6,7 @@
 
 #include "diagnostics.hpp"
 
-namespace dalembert::reporting {
+namespace dalembert {
 
 PrecompiledEigen::PrecompiledEigen(const CompilerOptions& options) : options_(options) {
   if (options.flags.find("-include") != std::string::npos) return;  // a compiler reads one such header
@@ -23,4 +23,4 @@ PrecompiledEigen::PrecompiledEigen(const CompilerOptions& options) : options_(op
   }
 }
 
-}  // namespace dalembert::reporting
+}  // namespace dalembert

@@ -8,7 +8,7 @@
 #include <thread>
 #include <vector>
 
-namespace dalembert::reporting {
+namespace dalembert {
 
 // Runs work(0) … work(count − 1), each once, in no order. The first exception among those thrown ends the rest and is thrown.
 template <class Work>
@@ -32,4 +32,4 @@ void each_in_parallel(std::size_t count, const Work& work) {
   if (thrown) std::rethrow_exception(thrown);
 }
 
-}  // namespace dalembert::reporting
+}  // namespace dalembert
