@@ -189,6 +189,17 @@ ir::Quantity jacobian_of(ir::Quantity bias) {
 
 }  // namespace
 
+// What the two links of a loop do, all coordinates adding to it: the loop's own may be the difference of equal ones.
+double LeastScale::largest_of_loops() {
+  std::vector<Wanted> jacobians;
+  for (const ir::Loop& loop : scene_.loops)
+    for (const std::string& link : loop.links) jacobians.push_back({std::nullopt, link, ir::LinkQuantity::jacobian_world});
+  double speed = 0;
+  for (const Eigen::MatrixXd& jacobian : evaluate(tree_, scene_, jacobians, inputs_, Precision::float64))
+    speed = std::max(speed, (jacobian.cwiseAbs() * inputs_.v.cwiseAbs()).maxCoeff());
+  return speed * inputs_.v.cwiseAbs().sum();
+}
+
 double LeastScale::of(const Wanted& wanted) {
   const double rate = inputs_.v.cwiseAbs().maxCoeff();
   double scale = 0;
@@ -211,6 +222,7 @@ double LeastScale::of(const Wanted& wanted) {
                   .cwiseAbs()
                   .maxCoeff() *
               rate * rate;
+      if (*wanted.quantity == ir::Quantity::constraint_bias) scale = std::max(scale, largest_of_loops());
       break;
     case ir::Scale::momentum: scale = largest_mass() * rate; break;
     case ir::Scale::weight: scale = largest_weight(*wanted.quantity); break;

@@ -61,6 +61,20 @@ TEST(NamedFunctions, ComeBehindTheStandardOnesThatTheOutputsNeed) {
   EXPECT_EQ(ir::functions_of(scene_of({}, two)).front().type, "PlanStep");
 }
 
+void expect_order_asked_for(const ir::Scene& scene) {
+  const Model model = model_of(scene);
+  for (const ir::EmittedFunction& function : ir::functions_of(scene)) {
+    std::vector<std::string> asked, given;
+    for (const Quantity quantity : function.quantities) asked.push_back(function.result(quantity));
+    for (const ir::LinkOutput& output : function.of_links) asked.push_back(function.result(output));
+    const ir::NormalTree normal = passes::normalise(model.tree, passes::normalise_options(scene, true));
+    const std::vector<ir::Algorithm> sections = passes::describe(function, model.tree, normal, scene, {});
+    for (const ir::OutputArray& array : sections.back().arrays)
+      if (!array.internal) given.push_back(array.name);
+    EXPECT_EQ(given, asked);
+  }
+}
+
 // The self-test knows them by their number.
 TEST(NamedFunctions, GiveResultsInTheOrderAskedFor) {
   for (const bool factors : {false, true}) {
@@ -68,18 +82,21 @@ TEST(NamedFunctions, GiveResultsInTheOrderAskedFor) {
     if (factors) outputs.insert(outputs.begin() + 1, Quantity::mass_matrix_factor);
     ir::Scene scene = scene_of(outputs, {{"step", outputs, {{ir::LinkQuantity::pose, "c_01"}}}});
     scene.frames = {{ir::LinkQuantity::twist, "c_01"}};
-    const Model model = model_of(scene);
-    for (const ir::EmittedFunction& function : ir::functions_of(scene)) {
-      std::vector<std::string> asked, given;
-      for (const Quantity quantity : function.quantities) asked.push_back(function.result(quantity));
-      for (const ir::LinkOutput& output : function.of_links) asked.push_back(function.result(output));
-      const ir::NormalTree normal = passes::normalise(model.tree, passes::normalise_options(scene, true));
-      const std::vector<ir::Algorithm> sections = passes::describe(function, model.tree, normal, scene, {});
-      for (const ir::OutputArray& array : sections.back().arrays)
-        if (!array.internal) given.push_back(array.name);
-      EXPECT_EQ(given, asked);
-    }
+    expect_order_asked_for(scene);
   }
+}
+
+// Of what constraints do, much is made for what is asked for before it.
+TEST(NamedFunctions, GiveResultsWithConstraintsInTheOrderAskedFor) {
+  for (const ir::QuantityRow& one : ir::quantities())
+    for (const ir::QuantityRow& other : ir::quantities()) {
+      const std::string name = one.name;
+      if (name.find("constraint") == name.npos && name.find("constrained") == name.npos) continue;
+      if (&one == &other || one.function != other.function) continue;
+      ir::Scene scene = scene_of({one.quantity, other.quantity}, {{"step", {other.quantity, one.quantity}, {}}});
+      scene.contacts = {{"foot", "c_01", ir::ContactType::point, {0.1, 0, 0}, true}};
+      expect_order_asked_for(scene);
+    }
 }
 
 // What a function keeps between its steps stands in the workspace: no other function may be called like it.

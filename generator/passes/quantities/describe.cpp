@@ -53,9 +53,8 @@ std::vector<ir::Algorithm> describe(const ir::EmittedFunction& function, const i
                                     const ir::NormalTree& normal, const ir::Scene& scene, ir::Solver solver,
                                     const ir::Graph::Options& options, bool in_one_section) {
   Builder b(function, tree, normal, scene, solver, options, in_one_section);
-  // M and its factors may be made before their turn: results stand in the order asked for all the same.
-  if (b.factors())
-    for (const ir::Quantity quantity : function.quantities) b.output(quantity);
+  // What is made before its turn, for what asks for it, stands in the order asked for all the same.
+  for (const ir::Quantity quantity : function.quantities) b.output(quantity);
   for (const ir::Quantity quantity : function.quantities) describe(b, quantity);
   for (const ir::LinkOutput& output : function.of_links) {
     const ir::LinkQuantityRow& row = ir::row_of(output.quantity);

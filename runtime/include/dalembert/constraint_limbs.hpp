@@ -171,10 +171,10 @@ DALEMBERT_INLINE void accelerate_outwards(const Limbs& limbs, T* x) {
         constexpr auto& group = Groups::value.group[which];
         constexpr int lanes = group.lanes;
         if (step >= group.steps) return;
-        const auto at_joint = [&]() DALEMBERT_IN_BLOCK {
-          if constexpr (lanes > 1) return limbs.template beside<lanes>(group.slot + step * lanes);
-          else return limbs.at(Tree::first[group.chain[0]] + step);
-        }();
+        const auto at_joint = [&](const auto& joints) DALEMBERT_IN_BLOCK {  // deduced: joints in arrays have nothing beside
+          if constexpr (lanes > 1) return joints.template beside<lanes>(group.slot + step * lanes);
+          else return joints.at(Tree::first[group.chain[0]] + step);
+        }(limbs);
         auto& moved = std::get<which>(moving.all).of;
         const auto own = each_lane<lanes, T>([&](int lane) DALEMBERT_IN_BLOCK {
           const int c = group.chain[lane];
