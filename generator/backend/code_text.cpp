@@ -254,8 +254,8 @@ std::string constraint_statements(const CodeInput& code, const std::string& limb
     }
     if (s.kind == Kind::respond) {
       text += fmt::format(
-          "  dalembert::respond<nv, ConstraintsOfScene, {}>({}, {}, row_active, row_regularization,\n      {}, {});\n",
-          s.of_forces, name(s.jacobian), name(s.inverse), name(s.room), name(s.to));
+          "  dalembert::respond<nv, ConstraintsOfScene, {}, {}>({}, {}, row_active, row_regularization,\n      {}, {});\n",
+          s.of_forces, s.inverted, name(s.jacobian), name(s.inverse), name(s.room), name(s.to));
       if (s.plain >= 0) text += fmt::format("  dalembert::without_padding<nv>({}, {});\n", name(s.to), name(s.plain));
       if (s.forces >= 0)
         text += fmt::format("  dalembert::response_of_forces<nv, ConstraintsOfScene, Scalar>({}, {});\n", name(s.room),
@@ -280,9 +280,9 @@ std::string constraint_statements(const CodeInput& code, const std::string& limb
     const bool impact = s.kind == ir::ConstraintStep::Kind::impact;
     text += fmt::format(
         "  workspace.{} = dalembert::{}{}<nv, ConstraintsOfScene, CoordinateTree>(\n"
-        "      {}, {}, row_active, row_regularization,\n      {}, {}, {});\n",
+        "      {}, {}, row_active, row_regularization,\n      {}, {}, {}{});\n",
         own_name(code, impact ? "impact_status" : "constraint_status"), impact ? "solve_impact" : "solve_constrained", by,
-        of_tree, name(s.right), name(s.room), name(s.forces), name(s.to));
+        of_tree, name(s.right), name(s.room), name(s.forces), name(s.to), s.response >= 0 ? ", " + name(s.response) : "");
   }
   return text;
 }

@@ -41,7 +41,7 @@ std::vector<int> coordinates_above(const KinematicTree& tree, const CoordinateTr
 
 std::vector<int> ConstraintStep::read() const {
   if (kind == Kind::support) return by_wrenches() ? std::vector<int>{jacobian, axes, to} : std::vector<int>{jacobian, to};
-  if (kind == Kind::respond) return {jacobian, inverse};
+  if (kind == Kind::respond) return inverted ? std::vector<int>{jacobian, inverse, room} : std::vector<int>{jacobian, inverse};
   if (kind == Kind::derive) {
     std::vector<int> arrays{room, inverse, efforts, changes};
     for (const int array : {to, left, turned})
@@ -58,7 +58,7 @@ std::vector<int> ConstraintStep::read() const {
 
 std::vector<int> ConstraintStep::filled() const {
   std::vector<int> arrays;
-  for (const int array : {to, forces, plain, kind == Kind::respond ? room : -1})
+  for (const int array : {to, forces, plain, response, kind == Kind::respond ? room : -1})
     if (array >= 0) arrays.push_back(array);
   return arrays;
 }
@@ -145,12 +145,14 @@ Operations operations_of_respond(const ConstraintStep& step, const KinematicTree
   long known = 0;  // elements of J
   for (std::size_t c = 0; c + 1 < step.paths.first.size(); ++c)
     known += static_cast<long>(step.paths.length(c)) * (step.paths.first[c + 1] - step.paths.first[c]);
-  o.multiply += known;
-  multiply_adds(n * (executed ? n * lanes : known));                    // M^-1 J'
-  multiply_adds(executed ? rows * n * lanes : (rows + 1) * known / 2);  // J M^-1 J'
-  o.divide += rows;
-  o.multiply += rows * lanes;
-  multiply_adds(rows * (rows - 1) * lanes);
+  o.multiply += executed ? n * rows : known;
+  multiply_adds(known * column);  // M^-1 J'
+  if (!step.inverted) {
+    multiply_adds(executed ? known * lanes : (rows + 1) * known / 2);  // J M^-1 J'
+    o.divide += rows;
+    o.multiply += rows * lanes;
+    multiply_adds(rows * (rows - 1) * lanes);
+  }
   o.multiply += (step.solutions - 1) * rows * lanes;
   multiply_adds((step.solutions - 1) * rows * rows * lanes);
   multiply_adds(n * rows * lanes);   // B

@@ -61,6 +61,9 @@ struct ConstraintStep {
   int inverse = -1;
   // respond: N without room, an output; −1: nobody asks.
   int plain = -1;
+  // solve: respond's room, which it leaves its inverse in; −1: nobody goes on with it. respond: whether it is there.
+  int response = -1;
+  bool inverted = false;
   bool of_forces = false;  // respond: whether derivatives of forces are asked for, here or later
   // derive: nv x nv and rows x nv; and where forces of loops turn with one link and move with another, the factors of what
   // efforts are more, a row each for all of them, and room.

@@ -72,18 +72,27 @@ int jacobian(Builder& b) {
                   [&](int array) { describe_constraint_jacobian(b, array); });
 }
 
+// Whether derivatives are asked for.
+bool responds(const Builder& b) {
+  constexpr ir::Quantity derivatives[] = {ir::Quantity::constrained_forward_dynamics_dq,
+                                          ir::Quantity::constrained_forward_dynamics_dv,
+                                          ir::Quantity::constrained_forward_dynamics_dtau,
+                                          ir::Quantity::constraint_forces_dq,
+                                          ir::Quantity::constraint_forces_dv,
+                                          ir::Quantity::constraint_forces_dtau};
+  return std::any_of(std::begin(derivatives), std::end(derivatives), [&](ir::Quantity q) { return b.computes(q); });
+}
+// Room to work in, made once.
+int room_called(Builder& b, const std::string& name, int size) {
+  const std::string own = b.own_name(name);
+  const int made = b.array_called(own);
+  return made >= 0 ? made : b.internal_array(own, size, 1);
+}
+int room_of_response(Builder& b) { return room_called(b, "response", response_room(b.tree().nv(), b.tree().constraint_rows)); }
+
 // Whether rows go up their limbs body by body, by articulated bodies, and neither M nor its factors are formed. A loop has two
 // limbs; on a fixed base joints are not along the base's axes; derivatives have M⁻¹ of all joints anyhow.
-bool by_limbs(const Builder& b) {
-  constexpr ir::Quantity of_all_joints[] = {ir::Quantity::constrained_forward_dynamics_dq,
-                                            ir::Quantity::constrained_forward_dynamics_dv,
-                                            ir::Quantity::constrained_forward_dynamics_dtau,
-                                            ir::Quantity::constraint_forces_dq,
-                                            ir::Quantity::constraint_forces_dv,
-                                            ir::Quantity::constraint_forces_dtau};
-  return b.base_coordinates() > 0 && !b.factors() && b.scene().loops.empty() &&
-         std::none_of(std::begin(of_all_joints), std::end(of_all_joints), [&](ir::Quantity q) { return b.computes(q); });
-}
+bool by_limbs(const Builder& b) { return b.base_coordinates() > 0 && !b.factors() && b.scene().loops.empty() && !responds(b); }
 
 // J's columns of the base: along its axes and about its origin, what the rows push it with.
 int base_columns(Builder& b) {
@@ -99,8 +108,6 @@ int base_columns(Builder& b) {
 }
 
 ir::ConstraintStep step(Builder& b, ir::ConstraintStep::Kind kind, int to) {
-  const std::string name = b.own_name("constraint_room");
-  const int made = b.array_called(name);
   ir::ConstraintStep s{kind, ir::constraint_paths(b.tree(), b.scene())};
   s.solutions = b.scene().scalar == ir::ScalarType::float32 ? Proximal<float>::steps : Proximal<double>::steps;
   if (by_limbs(b)) {
@@ -115,7 +122,7 @@ ir::ConstraintStep step(Builder& b, ir::ConstraintStep::Kind kind, int to) {
     s.factor = factors.upper;
     s.pivots = factors.pivots;
   }
-  s.room = made >= 0 ? made : b.internal_array(name, ir::constraint_room(s.paths), 1);
+  s.room = room_called(b, "constraint_room", ir::constraint_room(s.paths));
   s.to = to;
   return s;
 }
@@ -184,6 +191,7 @@ ir::ConstraintStep solve_constrained(Builder& b) {
   ir::ConstraintStep s = step(b, ir::ConstraintStep::Kind::solve, to);
   s.forces = array_of(b, ir::Quantity::constraint_forces, "forces", rows, 1, nothing);
   s.right = b.internal_array(b.own_name("right"), rows, 1);
+  if (responds(b)) s.response = room_of_response(b);
   b.result({to, ir::Layout::per_coordinate, s.by_limbs() ? solved_accelerations(b).free_acceleration : unbalanced(b)});
   for (const auto& rows : constraint_rows(b)) describe_right(b, *rows, false, s.right);
   b.step(s);
@@ -213,16 +221,17 @@ int rows_of(const Builder& b) { return b.tree().constraint_rows; }
 // N as M⁻¹ has it for products, and what else tells how the robot responds.
 ir::ConstraintStep response(Builder& b) {
   if (const auto made = b.made(ir::ConstraintStep::Kind::respond)) return *made;
-  const int nv = b.tree().nv(), room = response_room(nv, rows_of(b));
-  // Some are made before their turn: results stand in the order asked for all the same.
-  for (const ir::Quantity quantity : b.section().quantities) b.output(quantity);
+  const bool solved = b.computes(ir::Quantity::constrained_forward_dynamics) || b.computes(ir::Quantity::constraint_forces);
+  if (solved) solve_constrained(b);
   const int inverse = padded_inverse(b);
   ir::ConstraintStep s{ir::ConstraintStep::Kind::respond, ir::constraint_paths(b.tree(), b.scene())};
   s.solutions = b.scene().scalar == ir::ScalarType::float32 ? Proximal<float>::steps : Proximal<double>::steps;
   s.jacobian = jacobian(b);
   s.inverse = inverse;
-  s.room = b.internal_array(b.own_name("response"), room, 1);
-  s.to = b.internal_array(b.own_name("projected_inverse"), inverse_size(nv), 1);
+  s.room = room_of_response(b);
+  const auto solve = b.made(ir::ConstraintStep::Kind::solve);
+  s.inverted = solve && solve->response == s.room;
+  s.to = b.internal_array(b.own_name("projected_inverse"), inverse_size(b.tree().nv()), 1);
   const auto output = [&](ir::Quantity quantity) { return b.computes(quantity) ? b.output(quantity) : -1; };
   s.plain = output(ir::Quantity::constrained_forward_dynamics_dtau);
   s.forces = output(ir::Quantity::constraint_forces_dtau);

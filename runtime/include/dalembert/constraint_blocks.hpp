@@ -11,6 +11,8 @@ namespace constraint_detail {
 using detail::each_piece;
 using detail::for_constants;
 
+// m numbers padded to whole registers.
+constexpr int rows_in_lanes(int m) { return (m + native_lanes - 1) / native_lanes * native_lanes; }
 constexpr int lanes_in_block(int padded) { return least(native_lanes, padded); }
 
 enum class Into { set, add };

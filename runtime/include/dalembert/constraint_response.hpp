@@ -21,16 +21,28 @@ DALEMBERT_INLINE void in_sixes(const F& f) {
   if constexpr (count % 6 > 0) f(std::integral_constant<int, count % 6>{}, count - count % 6);
 }
 
-// Which constraints' rows know which coordinates.
+// Coordinates side by side that rows begin … end - 1 know, and no others: run by run, from which on each goes.
 template <int n, class Rows>
-struct Known {
+struct KnownColumns {
   struct Table {
-    bool of[Rows::count][n] = {};
+    int count = 0, column[n + 1] = {}, begin[n] = {}, end[n] = {};
   };
   static constexpr Table table() {
     Table all;
-    for (int c = 0; c < Rows::count; ++c)
-      for (int i = 0; i < Rows::lengths[c]; ++i) all.of[c][Rows::paths[c][i]] = true;
+    for (int k = 0; k < n; ++k) {
+      int begin = Rows::first(Rows::count), end = 0;
+      for (int c = 0; c < Rows::count; ++c)
+        for (int i = 0; i < Rows::lengths[c]; ++i)
+          if (Rows::paths[c][i] == k) {
+            begin = least(begin, Rows::first(c));
+            end = Rows::first(c + 1);
+          }
+      if (end == 0) begin = 0;
+      if (all.count > 0 && all.begin[all.count - 1] == begin && all.end[all.count - 1] == end) continue;
+      all.column[all.count] = k, all.begin[all.count] = begin, all.end[all.count] = end;
+      ++all.count;
+    }
+    all.column[all.count] = n;
     return all;
   }
   static constexpr Table value = table();
@@ -39,72 +51,46 @@ struct Known {
 // Where what respond() makes stands in its room.
 template <int n, class Rows, class T>
 struct ResponseParts {
-  static constexpr int m = Rows::first(Rows::count), padded = (m + native_lanes - 1) / native_lanes * native_lanes;
-  static constexpr int stride = inverse_stride(n);
+  static constexpr int m = Rows::first(Rows::count), padded = rows_in_lanes(m), stride = inverse_stride(n);
   static_assert(padded <= padded_rows(m), "the compiler makes room for registers of eight");
+  T* const inverse;               // of J M^-1 J' + R + mu N, m times `padded` numbers
+  T* const held;                  // mu N, per row
   T* const columns;               // B, a column of `stride` numbers per row of a constraint
   T* const rows;                  // the same, `padded` numbers per coordinate, where forces are asked for
-  T* const along;                 // L, m times `padded` numbers
-  T* const inverse;               // the inverse of J M^-1 J' + R + mu N, likewise
+  T* const along;                 // L, as `inverse`
   T* const moved;                 // M^-1 J', as `columns`
-  T* const acting;                // J' of what acts, constraint by constraint along its path
-  T *const scaled, *const other;  // as `along`, on the way there
+  T *const scaled, *const other;  // as `inverse`, on the way to L
+  T* const acting;                // J of what acts, laid out as J
 
   explicit ResponseParts(T* room)
-      : columns(room),
+      : inverse(room),
+        held(inverse + m * padded),
+        columns(held + padded),
         rows(columns + stride * m),
         along(rows + n * padded),
-        inverse(along + m * padded),
-        moved(inverse + m * padded),
-        acting(moved + stride * m),
-        scaled(acting + n * m),
-        other(scaled + m * padded) {}
+        moved(along + m * padded),
+        scaled(moved + stride * m),
+        other(scaled + m * padded),
+        acting(other + m * padded) {}
 };
 
-}  // namespace constraint_detail
-
-// projected = N, laid out as `inverse`, which is M^-1 as invert_chain() leaves it. room: response_room(n, rows) numbers.
-// forces: whether theirs are asked for.
-template <int n, class Rows, bool forces, class T>
-__attribute__((noinline)) static void respond(const T* jacobian, const T* inverse, const T* active, const T* regularization,
-                                              T* room, T* projected) noexcept {
-  using constraint_detail::for_constants;
-  using constraint_detail::in_sixes;
-  using constraint_detail::sum_columns;
-  using Parts = constraint_detail::ResponseParts<n, Rows, T>;
+// The inverse of J M^-1 J' + R + mu N, and mu N, as solve_constrained() has them, where it is not asked for.
+template <int n, class Rows, class T>
+DALEMBERT_INLINE void invert_response(const ResponseParts<n, Rows, T>& parts, const T* active, const T* regularization) {
+  using Parts = ResponseParts<n, Rows, T>;
   constexpr int m = Parts::m, padded = Parts::padded, stride = Parts::stride;
-  const Parts parts(room);
-  const auto none = [](int) -> const T* { return nullptr; };
-
-  // M^-1 J', and, a row per coordinate, J M^-1 J' + R + mu N, as solve_constrained() has it.
-  T* const turned = parts.rows;
+  T* const turned = parts.rows;  // M^-1 J', a row per coordinate
+  for (int r = 0; r < padded; ++r)
+    for (int i = 0; i < n; ++i) turned[i * padded + r] = r < m ? parts.moved[r * stride + i] : T(0);
   for_constants<Rows::count>([&](auto constraint) DALEMBERT_IN_BLOCK {
-    constexpr int c = decltype(constraint)::value, first = Rows::first(c);
-    using Path = typename Rows::template path<c>;
-    T* const own = parts.acting + first * n;
-    for (int k = 0; k < Path::length; ++k)
-      for (int r = 0; r < Path::rows; ++r) {
-        const T x = jacobian[Path::at[k] * m + first + r];
-        own[k * Path::rows + r] = (x <= Proximal<T>::unmoved && x >= -Proximal<T>::unmoved ? T(0) : x) * active[c];
-      }
-    sum_columns<Path::rows, n, false, T>(
-        Path::length, [&](int r, int k) { return own[k * Path::rows + r]; },
-        [&](int k) { return inverse + Path::at[k] * stride; }, none, [&](int r) { return parts.moved + (first + r) * stride; });
-    for (int r = first; r < first + Path::rows; ++r)
-      for (int i = 0; i < n; ++i) turned[i * padded + r] = parts.moved[r * stride + i];
-  });
-  for (int i = 0; m < padded && i < n; ++i)
-    for (int r = m; r < padded; ++r) turned[i * padded + r] = T(0);
-  for_constants<Rows::count>([&](auto constraint) DALEMBERT_IN_BLOCK {
-    constexpr int c = decltype(constraint)::value, first = Rows::first(c);
-    using Path = typename Rows::template path<c>;
-    const T* const own = parts.acting + first * n;
+    constexpr int first = Rows::first(decltype(constraint)::value);
+    using Path = typename Rows::template path<decltype(constraint)::value>;
     sum_columns<Path::rows, padded, false, T>(
-        Path::length, [&](int r, int k) { return own[k * Path::rows + r]; },
-        [&](int k) { return turned + Path::at[k] * padded; }, none,
+        Path::length, [&](int r, int k) { return parts.acting[Path::at[k] * m + first + r]; },
+        [&](int k) { return turned + Path::at[k] * padded; }, [](int) -> const T* { return nullptr; },
         [&](int r) { return parts.inverse + (first + r) * padded; });
   });
-  T held[m], sum = T(0);
+  T sum = T(0);
   for (int r = 0; r < m; ++r) sum += parts.inverse[r * padded + r];
   for (int c = 0; c < Rows::count; ++c) {
     const int first = Rows::first(c), own = Rows::rows[c], linear = Rows::linear[c];
@@ -115,19 +101,90 @@ __attribute__((noinline)) static void respond(const T* jacobian, const T* invers
     for (int r = 0; r < own; ++r) {
       const T mean = means[r < linear ? 0 : 1];
       const T along = parts.inverse[(first + r) * padded + first + r];
-      held[first + r] = active[c] > T(0) ? Proximal<T>::of(along) * (mean > T(0) ? mean : T(1)) : T(0);
-      parts.inverse[(first + r) * padded + first + r] += active[c] > T(0) ? held[first + r] + regularization[first + r] : T(1);
+      parts.held[first + r] = active[c] > T(0) ? Proximal<T>::of(along) * (mean > T(0) ? mean : T(1)) : T(0);
+      parts.inverse[(first + r) * padded + first + r] +=
+          active[c] > T(0) ? parts.held[first + r] + regularization[first + r] : T(1);
     }
   }
   T pivots[m];
-  constraint_detail::invert_rows<m, padded>(parts.inverse, pivots);
+  invert_rows<m, padded>(parts.inverse, pivots);
+}
+
+// `columns` columns of `to` from k on, which are zero before column `first`, less B times the changes of rows begin … end - 1.
+template <int n, class Rows, int columns, int begin, int end, class T>
+DALEMBERT_INLINE void subtract_changes(const ResponseParts<n, Rows, const T>& parts, int first, int k, const T* changes,
+                                       T* to) {
+  constexpr int m = Rows::first(Rows::count), w = native_lanes, stride = inverse_stride(n), in_registers = 6;
+  DALEMBERT_KEEP_LOOP
+  for (int i = 0; i < n; i += w) {
+    Lanes<T, w> sum[columns];
+    for_constants<columns>([&](auto j) DALEMBERT_IN_BLOCK {
+      sum[j] = k + j < first ? Lanes<T, w>{} : detail::load_piece<n, w>(to + (k + j) * n, i);
+    });
+    const auto subtract = [&](int r) DALEMBERT_IN_BLOCK {
+      const Lanes<T, w> x = load<w>(parts.columns + r * stride + i);
+      for_constants<columns>([&](auto j) DALEMBERT_IN_BLOCK { sum[j] -= broadcast<w, T>(changes[(k + j) * m + r]) * x; });
+    };
+    if constexpr (end - begin <= in_registers) {
+      for_constants<end - begin>([&](auto r) DALEMBERT_IN_BLOCK { subtract(begin + r); });
+    } else {
+      DALEMBERT_KEEP_LOOP
+      for (int r = begin; r < end; ++r) subtract(r);
+    }
+    for_constants<columns>([&](auto j) DALEMBERT_IN_BLOCK { detail::store_piece<n, w>(to + (k + j) * n, i, sum[j]); });
+  }
+}
+
+}  // namespace constraint_detail
+
+// projected = N, laid out as `inverse`, which is M^-1 as invert_chain() leaves it. room: response_room(n, rows) numbers.
+// forces: whether theirs are asked for. inverted: whether solve_constrained() has left its inverse and mu N in the room.
+template <int n, class Rows, bool forces, bool inverted, class T>
+__attribute__((noinline)) static void respond(const T* jacobian, const T* inverse, const T* active, const T* regularization,
+                                              T* room, T* projected) noexcept {
+  using constraint_detail::for_constants;
+  using constraint_detail::in_sixes;
+  using constraint_detail::sum_columns;
+  using Parts = constraint_detail::ResponseParts<n, Rows, T>;
+  constexpr int m = Parts::m, padded = Parts::padded, stride = Parts::stride, w = native_lanes;
+  using V = Lanes<T, w>;
+  const Parts parts(room);
+  const auto none = [](int) -> const T* { return nullptr; };
+
+  // M^-1 J'.
+  alignas(64) T acts[padded] = {};
+  for_constants<Rows::count>([&](auto c) DALEMBERT_IN_BLOCK {
+    for_constants<Rows::rows[c]>([&](auto r) DALEMBERT_IN_BLOCK { acts[Rows::first(c) + r] = active[c]; });
+  });
+  for_constants<padded / w>([&](auto piece) DALEMBERT_IN_BLOCK {
+    constexpr int from = decltype(piece)::value * w;
+    const V acting = load<w>(acts + from), none{}, unmoved = broadcast<w, T>(Proximal<T>::unmoved);
+    DALEMBERT_KEEP_LOOP
+    for (int i = 0; i < n; ++i) {
+      const V x = detail::load_piece<m, w>(jacobian + i * m, from), size = x < none ? -x : x;
+      detail::store_piece<m, w>(parts.acting + i * m, from, (size <= unmoved ? none : x) * acting);
+    }
+  });
+  for_constants<Rows::count>([&](auto constraint) DALEMBERT_IN_BLOCK {
+    constexpr int first = Rows::first(decltype(constraint)::value);
+    using Path = typename Rows::template path<decltype(constraint)::value>;
+    sum_columns<Path::rows, n, false, T>(
+        Path::length, [&](int r, int k) { return parts.acting[Path::at[k] * m + first + r]; },
+        [&](int k) { return inverse + Path::at[k] * stride; }, none, [&](int r) { return parts.moved + (first + r) * stride; });
+  });
+  if constexpr (!inverted) constraint_detail::invert_response<n, Rows>(parts, active, regularization);
   // L = X + X mu N L, X the inverse, a few times over; at first X.
   const auto row_of = [&](T* rows, int first) { return [=](int r) { return rows + (first + r) * padded; }; };
   const T* last = parts.inverse;
   for (int step = 1; step < Proximal<T>::steps; ++step) {
     T* const next = (Proximal<T>::steps - step) % 2 == 1 ? parts.along : parts.other;
-    for (int r = 0; r < m; ++r)
-      for (int i = 0; i < padded; ++i) parts.scaled[r * padded + i] = held[r] * last[r * padded + i];
+    DALEMBERT_KEEP_LOOP
+    for (int r = 0; r < m; ++r) {
+      const V held = broadcast<w, T>(parts.held[r]);
+      for_constants<padded / w>([&](auto i) DALEMBERT_IN_BLOCK {
+        store<w, T>(parts.scaled + r * padded + i * w, held * load<w>(last + r * padded + i * w));
+      });
+    }
     in_sixes<m>([&](auto columns, int first) DALEMBERT_IN_BLOCK {
       sum_columns<decltype(columns)::value, padded, false, T>(
           m, [&](int r, int k) { return parts.inverse[(first + r) * padded + k]; },
@@ -169,29 +226,22 @@ static inline void response_of_forces(const T* room, T* to) noexcept {
 // constraint knows the coordinate.
 template <int n, class Rows, class T>
 __attribute__((noinline)) static void derive_accelerations(int first, const T* changes, const T* room, T* to) noexcept {
-  using Parts = constraint_detail::ResponseParts<n, Rows, const T>;
-  constexpr int m = Parts::m, stride = Parts::stride;
-  const Parts parts(room);
-  for (int k = 0; k < n; ++k) {
-    // Rows that know it, from the first of them to the last.
-    int begin = m, end = 0;
-    for (int c = 0; c < Rows::count; ++c)
-      if (constraint_detail::Known<n, Rows>::value.of[c][k]) {
-        begin = least(begin, Rows::first(c));
-        end = Rows::first(c + 1);
-      }
-    T* const own = to + k * n;
-    if (begin >= end) {
-      for (int i = 0; k < first && i < n; ++i) own[i] = T(0);
-      continue;
+  using constraint_detail::subtract_changes;
+  using Runs = constraint_detail::KnownColumns<n, Rows>;
+  const constraint_detail::ResponseParts<n, Rows, const T> parts(room);
+  detail::for_constants<Runs::value.count>([&](auto run) DALEMBERT_IN_BLOCK {
+    constexpr int begin = Runs::value.begin[run], end = Runs::value.end[run], behind = Runs::value.column[run + 1];
+    int k = Runs::value.column[run];
+    if constexpr (begin == end) {
+      for (; k < first && k < behind; ++k)
+        for (int i = 0; i < n; ++i) to[k * n + i] = T(0);
+    } else {
+      constexpr int width = behind - Runs::value.column[run], at_once = least(width, 6), rest = width % at_once;
+      DALEMBERT_KEEP_LOOP
+      for (; k + at_once <= behind; k += at_once) subtract_changes<n, Rows, at_once, begin, end>(parts, first, k, changes, to);
+      if constexpr (rest > 0) subtract_changes<n, Rows, rest, begin, end>(parts, first, k, changes, to);
     }
-    alignas(64) T column[stride];
-    constraint_detail::sum_columns<1, n, true, T>(
-        end - begin, [&](int, int r) { return changes[k * m + begin + r]; },
-        [&](int r) { return parts.columns + (begin + r) * stride; }, [](int) -> const T* { return nullptr; },
-        [&](int) { return column; });
-    for (int i = 0; i < n; ++i) own[i] = k < first ? column[i] : own[i] + column[i];
-  }
+  });
 }
 
 // to = B' efforts - L changes: rows x n.

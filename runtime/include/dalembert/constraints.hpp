@@ -315,6 +315,18 @@ struct InverseOfFewRows {
 
   DALEMBERT_INLINE void solve(Row (&rest)[count], Row (&to)[count]) const { apart(inverse.times(together(rest)), to); }
 
+  // A row behind the other, `stride` numbers each, of which the last are zero.
+  template <int stride>
+  DALEMBERT_INLINE void keep(T* to) const {
+    for_constants<m>([&](auto r) DALEMBERT_IN_BLOCK {
+      Row each[count];
+      apart(inverse.rows[r], each);
+      if constexpr (m < stride)
+        for (int i = m; i < stride; ++i) to[r * stride + i] = T(0);
+      for_constants<count>([&](auto c) DALEMBERT_IN_BLOCK { store_rows<Rows>(c, each[c], to + r * stride); });
+    });
+  }
+
   // All steps but the last.
   DALEMBERT_INLINE void solve(const Row (&known)[count], const Row (&held)[count], Row (&solved)[count]) const {
     const All all_known = together(known), all_held = together(held);
@@ -327,8 +339,7 @@ struct InverseOfFewRows {
 // Of more, where there is room: one constraint's rows behind the other's.
 template <class Blocks, class Rows, class T>
 struct InverseOfManyRows {
-  static constexpr int count = Rows::count, m = Rows::first(count),
-                       padded = (m + native_lanes - 1) / native_lanes * native_lanes;
+  static constexpr int count = Rows::count, m = Rows::first(count), padded = rows_in_lanes(m);
   static constexpr int behind = 8;  // of what is written a block at a time
   using Row = BlockRow<T, Blocks::w, Blocks::pieces>;
   alignas(64) T own[in_registers(m) ? m * padded + behind : 1];  // which have no room
@@ -358,6 +369,12 @@ struct InverseOfManyRows {
         [](int) -> const T* { return nullptr; }, [&](int) { return result; });
     for (int i = m; i < padded; ++i) result[i] = T(0);  // sums of what the room had there
     for (int c = 0; c < count; ++c) to[c] = Row::load(result + Rows::first(c));
+  }
+
+  template <int stride>
+  DALEMBERT_INLINE void keep(T* to) const {
+    static_assert(stride == padded, "both in the lanes of the target");
+    for (int i = 0; i < m * padded; ++i) to[i] = i % padded < m ? inverse[i] : T(0);
   }
 
   // All steps but the last.
@@ -502,10 +519,11 @@ DALEMBERT_INLINE void delassus(const Way& way, T* room, T* to) {
   });
 }
 
-// at_rest: whether x is zero.
+// at_rest: whether x is zero. kept: null, or where the inverse of all rows goes, rows_in_lanes() numbers each, and behind it mu
+// N.
 template <int n, class Rows, class Tree, bool at_rest, class Way, class T>
 DALEMBERT_INLINE ConstraintStatus<T> solve(const Way& way, const T* right, const T* active, const T* regularization, T* room,
-                                           T* forces, T* x) {
+                                           T* forces, T* x, T* kept = nullptr) {
   using Blocks = ConstraintBlocks<n, Rows, T>;
   constexpr int count = Rows::count, padded = Blocks::padded, w = Blocks::w;
   const Blocks blocks(room);
@@ -562,6 +580,11 @@ DALEMBERT_INLINE ConstraintStatus<T> solve(const Way& way, const T* right, const
   using Solver = std::conditional_t<(in_registers(Rows::first(count)) && native_lanes >= 8), InverseOfFewRows<Blocks, Rows, T>,
                                     InverseOfManyRows<Blocks, Rows, T>>;
   const Solver solver(blocks, more);
+  if (kept) {
+    constexpr int stride = rows_in_lanes(Rows::first(count));
+    solver.template keep<stride>(kept);
+    each_index<count>([&](auto c) DALEMBERT_IN_BLOCK { store_rows<Rows>(c, held[c], kept + Rows::first(count) * stride); });
+  }
   ConstraintStatus<T> status;
   V least_share_of_pivots = one, rank{};
   each_index<count>([&](auto c) DALEMBERT_IN_BLOCK {
@@ -645,6 +668,14 @@ __attribute__((noinline)) static ConstraintStatus<T> solve_constrained(const T* 
                                                                        T* room, T* forces, T* x) noexcept {
   return constraint_detail::solve<n, Rows, Tree, false>(constraint_detail::WayByFactor<n, T>{jacobian, factor, pivots}, right,
                                                         active, regularization, room, forces, x);
+}
+// The same, which leaves in `response` what respond() goes on with.
+template <int n, class Rows, class Tree, class T>
+__attribute__((noinline)) static ConstraintStatus<T> solve_constrained(const T* jacobian, const T* factor, const T* pivots,
+                                                                       const T* right, const T* active, const T* regularization,
+                                                                       T* room, T* forces, T* x, T* response) noexcept {
+  return constraint_detail::solve<n, Rows, Tree, false>(constraint_detail::WayByFactor<n, T>{jacobian, factor, pivots}, right,
+                                                        active, regularization, room, forces, x, response);
 }
 // The same by articulated bodies; x comes as D^-1 L'^-1 of the efforts, which is L dv without constraints.
 template <int n, class Rows, class Tree, class Limbs, class T>

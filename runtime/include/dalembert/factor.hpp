@@ -64,7 +64,14 @@ DALEMBERT_BLOCK void negative_sum(const int* path, int count, int first, int end
   for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK { store<w, T>(to + w * i, sum[i]); });
 }
 
-// Of a column of n numbers, those from `begin` on that x has: its last lanes may reach beyond the end.
+// Of a column of n numbers, those from `begin` on: the last lanes may reach beyond its end.
+template <int n, int w, class T>
+DALEMBERT_INLINE Lanes<T, w> load_piece(const T* column, int begin) {
+  constexpr int rest = n % w;
+  if constexpr (rest > 0)
+    if (begin + w > n) return load_first<rest, w, T>(column + begin);
+  return load<w>(column + begin);
+}
 template <int n, int w, class T>
 DALEMBERT_INLINE void store_piece(T* column, int begin, const Lanes<T, w>& x) {
   constexpr int rest = n % w;

@@ -141,6 +141,19 @@ DALEMBERT_INLINE void store_first(T* to, const Lanes<T, n>& x) {
   else std::memcpy(to, &x, sizeof(T) * count);
 }
 
+// The first `count` lanes only, zeros behind them.
+template <int count, int n, class T>
+DALEMBERT_INLINE Lanes<T, n> load_first(const T* from) {
+#if defined(__AVX512VL__)
+  constexpr auto mask = static_cast<__mmask8>((1 << count) - 1);
+  if constexpr (stores_some<T, n> && n == 4) return _mm256_maskz_loadu_pd(mask, from);
+  else if constexpr (stores_some<T, n>) return _mm512_maskz_loadu_pd(mask, from);
+#endif
+  Lanes<T, n> x{};
+  std::memcpy(&x, from, sizeof(T) * count);
+  return x;
+}
+
 template <int n, class T>
 DALEMBERT_INLINE Lanes<T, n> broadcast(T x) {
   return x - Lanes<T, n>{};  // not a sum: 0 + x is another number than x = -0
