@@ -483,7 +483,11 @@ struct Derived {
 };
 template <class T>
 struct Derivatives {
-  void (*respond)(const T* jacobian, const T* inverse, const T* active, const T* regularization, T* room, T* projected);
+  using Respond = void (*)(const T* jacobian, const T* inverse, const T* active, const T* regularization, T* room,
+                           T* projected);
+  Respond respond, go_on;  // the latter with what solving has left
+  ConstraintStatus<T> (*solve)(const T* jacobian, const T* factor, const T* pivots, const T* right, const T* active,
+                               const T* regularization, T* room, T* forces, T* x, T* response);
   void (*of_forces)(const T* room, T* to);
   void (*accelerations)(int first, const T* changes, const T* room, T* to);
   void (*forces)(const T* efforts, const T* changes, const T* room, T* to);
@@ -491,13 +495,14 @@ struct Derivatives {
 };
 template <class T, class Rows, int more>
 Derivatives<T> derivatives() {
-  return {respond<n, Rows, true, T>, response_of_forces<n, Rows, T>, derive_accelerations<n, Rows, T>,
-          derive_forces<n, Rows, T>, derive_turning<n, Rows, more, T>};
+  return {respond<n, Rows, true, false, T>, respond<n, Rows, true, true, T>,  solve_constrained<n, Rows, Tree, T>,
+          response_of_forces<n, Rows, T>,   derive_accelerations<n, Rows, T>, derive_forces<n, Rows, T>,
+          derive_turning<n, Rows, more, T>};
 }
 template <class T>
 Derived derived(const Derivatives<T>& kernels, const System& s, const Matrix& efforts, const Matrix& changes,
                 const Matrix& left, const Matrix& right, const std::vector<T>& active, const std::vector<T>& regularization,
-                int first) {
+                int first, bool solve_first) {
   const int m = s.shape.all(), stride = inverse_stride(n), more = static_cast<int>(left.rows());
   using Numbers = Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic>;
   const Numbers J = in<T>(s.J), e = in<T>(efforts), c = in<T>(changes), l = in<T>(left), r = in<T>(right);
@@ -505,7 +510,15 @@ Derived derived(const Derivatives<T>& kernels, const System& s, const Matrix& ef
   inverse.topLeftCorner(n, n) = in<T>(s.M.inverse());
   std::vector<T> room(static_cast<size_t>(response_room(n, m)), T(7)),
       turning(static_cast<size_t>(turning_room(n, m, more)), T(7));
-  kernels.respond(J.data(), inverse.data(), active.data(), regularization.data(), room.data(), projected.data());
+  if (solve_first) {
+    const Numbers U = in<T>(s.U), D = in<T>(s.D);
+    std::vector<T> own(static_cast<size_t>(constraint_room(s.shape.count, 6, n, m)), T(7)), f(static_cast<size_t>(m)),
+        x(n, T(1)), b(static_cast<size_t>(m), T(2));
+    kernels.solve(J.data(), U.data(), D.data(), b.data(), active.data(), regularization.data(), own.data(), f.data(), x.data(),
+                  room.data());
+  }
+  (solve_first ? kernels.go_on : kernels.respond)(J.data(), inverse.data(), active.data(), regularization.data(), room.data(),
+                                                  projected.data());
   Numbers of_forces(m, n), to = -projected.topLeftCorner(n, n) * e, forces = Numbers::Constant(m, n, T(7));
   to.leftCols(first).setConstant(T(7));  // not there yet
   kernels.of_forces(room.data(), of_forces.data());
@@ -556,19 +569,21 @@ void expect_derivatives(const Shape& shape, const Derivatives<T>& kernels, doubl
       // M d(dv) − Jᵀ df = −de: df with its sign turned.
       const Eigen::FullPivLU<Matrix> solve(K);
       const Matrix solution = solve.solve(right_side), response = solve.solve(of_tau);
-      const auto result = derived<T>(kernels, s, efforts, changes, left, right, active, regularization, first);
-      SCOPED_TRACE(testing::Message() << "seed " << seed << ", mask " << mask);
       const auto near = [&](const Matrix& a, const Matrix& b) {
         EXPECT_LT((a - b).cwiseAbs().maxCoeff(), tolerance * std::max<Real>(b.cwiseAbs().maxCoeff(), 1));
       };
-      near(result.N, response.topRows(n));
-      near(result.of_forces, -response.bottomRows(m));
-      near(result.accelerations, solution.topRows(n));
-      near(result.forces, -solution.bottomRows(m));
-      for (int c = 0; c < count; ++c)
-        if (!(active[static_cast<size_t>(c)] > T(0))) {
-          EXPECT_EQ(result.forces.middleRows(shape.first(c), shape.rows[c]).cwiseAbs().maxCoeff(), 0);
-        }
+      for (const bool solve_first : {false, true}) {
+        SCOPED_TRACE(testing::Message() << "seed " << seed << ", mask " << mask << (solve_first ? ", solved first" : ""));
+        const auto result = derived<T>(kernels, s, efforts, changes, left, right, active, regularization, first, solve_first);
+        near(result.N, response.topRows(n));
+        near(result.of_forces, -response.bottomRows(m));
+        near(result.accelerations, solution.topRows(n));
+        near(result.forces, -solution.bottomRows(m));
+        for (int c = 0; c < count; ++c)
+          if (!(active[static_cast<size_t>(c)] > T(0))) {
+            EXPECT_EQ(result.forces.middleRows(shape.first(c), shape.rows[c]).cwiseAbs().maxCoeff(), 0);
+          }
+      }
     }
   }
 }
@@ -601,8 +616,9 @@ TEST(ConstraintKernels, RedundantRowsChangeNoDerivative) {
   changes.middleRows(6, 6) = changes.topRows(6);
   const Matrix none = Matrix::Zero(1, n);
   const std::vector<double> zeros(18, 0.0);
-  const auto all = derived<double>(derivatives<double, Twice, 1>(), s, efforts, changes, none, none, {1, 1, 1}, zeros, 0),
-             once = derived<double>(derivatives<double, Twice, 1>(), s, efforts, changes, none, none, {1, 0, 1}, zeros, 0);
+  const auto all = derived<double>(derivatives<double, Twice, 1>(), s, efforts, changes, none, none, {1, 1, 1}, zeros, 0, true),
+             once =
+                 derived<double>(derivatives<double, Twice, 1>(), s, efforts, changes, none, none, {1, 0, 1}, zeros, 0, true);
   EXPECT_LT((all.accelerations - once.accelerations).cwiseAbs().maxCoeff(), 1e-6 * once.accelerations.cwiseAbs().maxCoeff());
   EXPECT_LT((all.N - once.N).cwiseAbs().maxCoeff(), 1e-6 * once.N.cwiseAbs().maxCoeff());
   // They share their forces.
