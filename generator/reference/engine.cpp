@@ -200,6 +200,21 @@ double LeastScale::largest_of_loops() {
   return speed * inputs_.v.cwiseAbs().sum();
 }
 
+// What wrenches on links push joints with, whatever cancels: one that turns with its link does not change with the link's joint.
+double LeastScale::largest_push() {
+  if (inputs_.wrenches.size() == 0) return 0;
+  std::vector<Wanted> jacobians;
+  for (const ir::ExternalWrench& wrench : scene_.wrenches)
+    jacobians.push_back({std::nullopt, wrench.link, ir::LinkQuantity::jacobian_world});
+  const std::vector<Eigen::MatrixXd> links = evaluate(tree_, scene_, jacobians, inputs_, Precision::float64);
+  double largest = 0;
+  for (std::size_t i = 0; i < links.size(); ++i) {
+    const double size = inputs_.wrenches.segment(6 * static_cast<Eigen::Index>(i), 6).cwiseAbs().maxCoeff();
+    largest = std::max(largest, size * links[i].cwiseAbs().colwise().sum().maxCoeff());
+  }
+  return largest;
+}
+
 double LeastScale::of(const Wanted& wanted) {
   const double rate = inputs_.v.cwiseAbs().maxCoeff();
   double scale = 0;
@@ -228,7 +243,9 @@ double LeastScale::of(const Wanted& wanted) {
     case ir::Scale::weight: scale = largest_weight(*wanted.quantity); break;
     case ir::Scale::centrifugal: scale = largest_mass() * rate * rate; break;
     case ir::Scale::supported:
-    case ir::Scale::force: scale = std::max(largest_mass() * rate * rate, largest_weight(ir::Quantity::gravity)); break;
+    case ir::Scale::force:
+      scale = std::max({largest_mass() * rate * rate, largest_weight(ir::Quantity::gravity), largest_push()});
+      break;
   }
   return scale / 1000;
 }

@@ -61,6 +61,7 @@ class LeastScale {
   double largest_weight(ir::Quantity quantity);  // over directions of gravity
   double largest_free(ir::Quantity quantity);    // of accelerations and velocities that contacts keep down
   double largest_of_loops();
+  double largest_push();
   double largest_turned(ir::Quantity quantity);  // of what cancels in derivatives of v'
 
   const ir::KinematicTree& tree_;
