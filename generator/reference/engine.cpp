@@ -200,7 +200,8 @@ double LeastScale::largest_of_loops() {
   return speed * inputs_.v.cwiseAbs().sum();
 }
 
-// What wrenches on links push joints with, whatever cancels: one that turns with its link does not change with the link's joint.
+// What wrenches on links push joints with, whatever cancels: one that turns with its link does not change with the link's
+// joint.
 double LeastScale::largest_push() {
   if (inputs_.wrenches.size() == 0) return 0;
   std::vector<Wanted> jacobians;
