@@ -551,7 +551,7 @@ DALEMBERT_INLINE ConstraintStatus<T> solve(const Way& way, const T* right, const
   each_index<count>([&](auto c) DALEMBERT_IN_BLOCK {
     const int own = Rows::rows[c], linear = Rows::linear[c];
     const V acting = broadcast<w, T>(active[c]);
-    const auto mean = [&](int i, int rows_of_it) {
+    const auto mean = [&](int i, int rows_of_it) DALEMBERT_IN_BLOCK {
       const T all = T(least_share) * sum + sums[c][i] * (T(1) / T(rows_of_it > 0 ? rows_of_it : 1));
       return broadcast<w, T>(all > T(0) ? all : T(1));
     };
