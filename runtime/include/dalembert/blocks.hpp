@@ -215,7 +215,7 @@ DALEMBERT_BLOCK void base_rows_from(int r0, int step, const T* force, int stride
     } else {
       Lanes<T, 4> turned[width];
       turn_row<T>(f, turned);
-      put_turned<width, T>(matrix, leading, where, turned, rows);
+      put_turned<width, T>(matrix, leading, where, turned);
     }
   }
 }

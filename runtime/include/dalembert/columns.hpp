@@ -222,10 +222,9 @@ template <int width>
 struct Line {
   int column[width], row[width], count[width];
 
-  // Whether the next lane's rows follow a lane's, of `along` steps, in the same column.
-  constexpr bool joined(int l, int along) const {
-    return l + 1 < width && column[l + 1] == column[l] && row[l + 1] == row[l] + along;
-  }
+  // Whether the next lane's rows follow three of a lane's in the same column. Where four are stored at a time and the lane has
+  // three, a row of some other limb may stand between.
+  constexpr bool joined(int l) const { return l + 1 < width && column[l + 1] == column[l] && row[l + 1] == row[l] + 3; }
 };
 
 // To a matrix, column by column, `leading` apart.
@@ -235,16 +234,16 @@ DALEMBERT_BLOCK void put_line(T* matrix, int leading, const Line<width>& at, con
   bool joined[width];
   lanes<width>([&](int l) DALEMBERT_IN_BLOCK {
     to[l] = matrix + at.column[l] * leading + at.row[l];
-    joined[l] = at.joined(l, along);
+    joined[l] = at.joined(l);
   });
   put_column<width, T>(to, values, at.count, along, joined);
 }
 
 // The same of columns already turned.
 template <int width, class T>
-DALEMBERT_BLOCK void put_turned(T* matrix, int leading, const Line<width>& at, const Lanes<T, 4>* turned, int along) {
+DALEMBERT_BLOCK void put_turned(T* matrix, int leading, const Line<width>& at, const Lanes<T, 4>* turned) {
   lanes<width>([&](int l) DALEMBERT_IN_BLOCK {
-    const bool whole = at.joined(l, along) && at.count[l] == 3 && at.count[l + 1] > 0;
+    const bool whole = at.joined(l) && at.count[l] == 3 && at.count[l + 1] > 0;
     store_count<T>(matrix + at.column[l] * leading + at.row[l], turned[l], whole ? 4 : at.count[l]);
   });
 }

@@ -304,7 +304,7 @@ DALEMBERT_BLOCK void put(const To& matrix, int leading, const From& tile, const 
       if constexpr (by_upper) turn_row<T>(tile.at[i], turned);
       else turn_columns<T>(tile.at[0][i], tile.at[1][i], tile.at[2][i], tile.at[rows - 1][i], turned);
       lanes<each>([&](int n) DALEMBERT_IN_BLOCK {
-        if (each * i + n < lines) put_turned<width, T>(matrix, leading, place_of(each * i + n), turned + width * n, along);
+        if (each * i + n < lines) put_turned<width, T>(matrix, leading, place_of(each * i + n), turned + width * n);
       });
     });
   } else {
