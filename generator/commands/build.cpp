@@ -6,7 +6,6 @@
 #include <fstream>
 #include <numeric>
 #include <string_view>
-#include <thread>
 
 #include "commands/build/batches.hpp"
 #include "commands/build/key.hpp"
@@ -14,6 +13,7 @@
 #include "commands/build/robot_json.hpp"
 #include "commands/build/table_source.hpp"
 #include "commands/cache.hpp"
+#include "commands/parallel.hpp"
 #include "compile.hpp"
 
 namespace dalembert {
@@ -85,7 +85,7 @@ std::vector<Unit> units_of(const Library& library, const std::vector<std::string
   std::vector<File> groups(files.begin(), own);
   const size_t begin = groups.size(), others = static_cast<size_t>(files.end() - own);
   const size_t all = std::accumulate(own, files.end(), size_t{0}, [](size_t sum, const File& file) { return sum + file.size; });
-  const size_t cores = std::max(1u, std::thread::hardware_concurrency());
+  const size_t cores = usable_cores();
   groups.resize(begin + (all < long_enough ? 1 : std::min(others, std::max(cores, all / 150'000))));
   for (auto file = own; file != files.end(); ++file) {
     File& least = *std::min_element(groups.begin() + static_cast<std::ptrdiff_t>(begin), groups.end(),
@@ -109,7 +109,7 @@ void make(const Request& request, const CompilerOptions& options, Diagnostics& w
   const size_t count = library.parts.size();
   std::vector<std::string> self_tests(count);
   std::vector<std::vector<std::string>> batched(count);
-  in_parallel(count, [&](size_t p) {
+  each_in_parallel(count, [&](size_t p) {
     Part& part = library.parts[p];
     generate_part(library, p, part.files, self_tests[p], batched[p]);
     backend::write_files((folder / "source" / part.model.name).string(), part.files);

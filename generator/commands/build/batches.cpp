@@ -12,6 +12,7 @@
 #include "commands/build/compile_library.hpp"
 #include "commands/build/key.hpp"
 #include "commands/cache.hpp"
+#include "commands/parallel.hpp"
 #include "diagnostics.hpp"
 
 namespace dalembert {
@@ -85,7 +86,7 @@ void build_batches(const fs::path& entry, const std::vector<size_t>& parts) {
   add_to_entry(entry, markers, [&](const std::vector<size_t>& missing, const fs::path& folder) {
     Made files;
     keep_temporary_files_in(folder);
-    in_parallel(missing.size(), [&](size_t i) { make_batches(entry, command, parts[missing[i]], folder); });
+    each_in_parallel(missing.size(), [&](size_t i) { make_batches(entry, command, parts[missing[i]], folder); });
     const SharedObject code(entry / "code.so");
     for (const size_t i : missing) run_self_tests(folder / fmt::format("{}.so", parts[i]));
     for (const size_t i : missing) {

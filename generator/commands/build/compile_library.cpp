@@ -4,40 +4,15 @@
 #include <fmt/format.h>
 #include <stdlib.h>
 
-#include <algorithm>
-#include <atomic>
 #include <dalembert/function_table.hpp>
-#include <exception>
 #include <fstream>
-#include <thread>
 
+#include "commands/parallel.hpp"
 #include "diagnostics.hpp"
 
 namespace dalembert {
 
 namespace fs = std::filesystem;
-
-void in_parallel(size_t count, const std::function<void(size_t)>& work) {
-  std::atomic<size_t> next = 0;
-  std::vector<std::exception_ptr> thrown(count);
-  const auto take = [&] {
-    for (size_t i; (i = next++) < count;) {
-      try {
-        work(i);
-      } catch (...) {
-        thrown[i] = std::current_exception();
-        next = count;
-      }
-    }
-  };
-  std::vector<std::thread> others;
-  for (size_t i = 1; i < std::min<size_t>(count, std::max(1u, std::thread::hardware_concurrency())); ++i)
-    others.emplace_back(take);
-  take();
-  for (std::thread& other : others) other.join();
-  for (const std::exception_ptr& error : thrown)
-    if (error) std::rethrow_exception(error);
-}
 
 void write_text(const fs::path& file, const std::string& text) {
   std::ofstream stream(file, std::ios::binary);
@@ -59,7 +34,7 @@ void compile_units(const std::vector<Unit>& units, const Compiling& how, const f
     command.insert(command.end(), {"-c", units[i].source.string(), "-o", (objects / fmt::format("{}.o", i)).string()});
     run_compiler(command, objects / fmt::format("{}.log", i));
   };
-  in_parallel(units.size(), compile);
+  each_in_parallel(units.size(), compile);
   std::vector<std::string> link = how.compiler_and_flags;
   link.push_back("-shared");
   for (size_t i = 0; i < units.size(); ++i) link.push_back((objects / fmt::format("{}.o", i)).string());

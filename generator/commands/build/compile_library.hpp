@@ -2,7 +2,6 @@
 #pragma once
 
 #include <filesystem>
-#include <functional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -17,9 +16,6 @@ class SelfTestFailure : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
-
-// work(0), work(1), … count of them, each as soon as a core is free; throws what the first that failed threw.
-void in_parallel(size_t count, const std::function<void(size_t)>& work);
 
 // Throws InputError where the file cannot be written whole.
 void write_text(const std::filesystem::path& file, const std::string& text);
