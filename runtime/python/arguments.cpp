@@ -186,6 +186,27 @@ bool prepare_results(const Contents& f, PyObject* out, npy_intp states, const st
   return true;
 }
 
+namespace {
+
+// Of a Payload, Contact or Loop, or a list of them for each state, the numbers; of anything else itself. Null with an error
+// set.
+PyObject* numbers_of(PyObject* object, Py_ssize_t size) {
+  const auto is_record = [](PyObject* o) {
+    return PyTuple_Check(o) && !PyTuple_CheckExact(o) && PyObject_HasAttrString(o, "numbers");
+  };
+  const auto of_one = [&](PyObject* o) { return is_record(o) ? PyObject_CallMethod(o, "numbers", "n", size) : Py_NewRef(o); };
+  const bool of_states = PyList_CheckExact(object) && PyList_GET_SIZE(object) > 0 && is_record(PyList_GET_ITEM(object, 0));
+  if (!of_states) return of_one(object);
+  Owned all(PyList_New(0));
+  for (Py_ssize_t i = 0; all && i < PyList_GET_SIZE(object); ++i) {
+    const Owned one(of_one(PyList_GET_ITEM(object, i)));
+    if (!one || PyList_Append(all.get(), one.get()) < 0) return nullptr;
+  }
+  return all.release();
+}
+
+}  // namespace
+
 bool take_run_time(const Contents& f, const Given& given, std::vector<Argument>& own, npy_intp& states,
                    std::vector<unsigned char>& memory, StateRows& rows) {
   if (!f.run_time) return true;
@@ -196,7 +217,8 @@ bool take_run_time(const Contents& f, const Given& given, std::vector<Argument>&
   for (std::size_t r = 0; r < own.size(); ++r) {
     const RunTimeInput& input = f.run_time_inputs[r];
     if (!given.run_time[r]) continue;
-    if (!take(f, given.run_time[r], input.name, input.size, own[r])) return false;
+    const Owned numbers(numbers_of(given.run_time[r], input.size));
+    if (!numbers || !take(f, numbers.get(), input.name, input.size, own[r])) return false;
     per_state = per_state || own[r].states >= 0;
   }
   for (std::size_t r = 0; r < own.size(); ++r) {

@@ -52,6 +52,7 @@ PyMODINIT_FUNC PyInit__core() {
   name_status = PyUnicode_InternFromString("return_status");
   name_q = PyUnicode_InternFromString("q");
   name_v = PyUnicode_InternFromString("v");
+  name_active = PyUnicode_InternFromString("active");
   Owned module(PyModule_Create(&module_definition));
   if (!module) return nullptr;
   singular_error = PyErr_NewExceptionWithDoc(

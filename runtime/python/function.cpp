@@ -11,7 +11,7 @@
 namespace dalembert::python {
 
 PyObject *singular_error = nullptr, *singular_warning = nullptr, *stopped_warning = nullptr;
-PyObject *name_out = nullptr, *name_status = nullptr, *name_q = nullptr, *name_v = nullptr;
+PyObject *name_out = nullptr, *name_status = nullptr, *name_q = nullptr, *name_v = nullptr, *name_active = nullptr;
 PyTypeObject function_type = {PyVarObject_HEAD_INIT(nullptr, 0)};
 
 namespace {

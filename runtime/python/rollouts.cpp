@@ -1,12 +1,10 @@
 #include "rollouts.hpp"
 
-#include <Eigen/Core>
 #include <algorithm>
 #include <atomic>
 #include <climits>
 #include <cmath>
-#include <dalembert/integrators/rk4.hpp>
-#include <dalembert/integrators/semi_implicit_euler.hpp>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -15,35 +13,27 @@
 #include "call.hpp"
 #include "function.hpp"
 #include "motions.hpp"
+#include "single_steps.hpp"
 #include "workers.hpp"
 
 namespace dalembert::python {
 
 namespace {
 
-// What acts in each step: (steps, nv) for all motions, or (n, steps, nv).
-struct Acting {
-  Argument array;  // its owner, and how many motions there are
-  const void* first = nullptr;
-  std::ptrdiff_t motion = 0, step = 0, number = 0;  // in numbers
-  npy_intp steps = -1;                              // -1: nothing acts
-};
-
-bool take_acting(const Contents& f, PyObject* object, Acting& to) {
+bool take_per_step(const Contents& f, PyObject* object, PyObject* name, npy_intp size, PerStep& to) {
   if (object == Py_None) return true;
   Owned array(PyArray_Check(object) ? Py_NewRef(object) : PyArray_FromAny(object, nullptr, 0, 0, 0, nullptr));
   if (!array) return false;
   const int type = PyArray_TYPE(array.array()), dimensions = PyArray_NDIM(array.array());
   if (!PyTypeNum_ISBOOL(type) && !PyTypeNum_ISINTEGER(type) && !PyTypeNum_ISFLOAT(type)) {
-    PyErr_Format(PyExc_ValueError, "%U: %U has dtype %S, expected numbers", f.name, f.more, PyArray_DESCR(array.array()));
+    PyErr_Format(PyExc_ValueError, "%U: %U has dtype %S, expected numbers", f.name, name, PyArray_DESCR(array.array()));
     return false;
   }
-  if (dimensions < 2 || dimensions > 3 || PyArray_DIM(array.array(), dimensions - 1) != f.nv) {
+  if (dimensions < 2 || dimensions > 3 || PyArray_DIM(array.array(), dimensions - 1) != size) {
     std::string shape;
     for (int i = 0; i < dimensions; ++i) shape += (i ? ", " : "") + std::to_string(PyArray_DIM(array.array(), i));
     PyErr_Format(PyExc_ValueError, "%U: %U has shape (%s%s), expected (steps, %zd) for all motions or (n, steps, %zd)", f.name,
-                 f.more, shape.c_str(), dimensions == 1 ? "," : "", static_cast<Py_ssize_t>(f.nv),
-                 static_cast<Py_ssize_t>(f.nv));
+                 name, shape.c_str(), dimensions == 1 ? "," : "", static_cast<Py_ssize_t>(size), static_cast<Py_ssize_t>(size));
     return false;
   }
   const auto bytes = static_cast<npy_intp>(f.scalar);
@@ -65,87 +55,36 @@ bool take_acting(const Contents& f, PyObject* object, Acting& to) {
   return true;
 }
 
-// One motion after another, by the function at single states.
-template <class T>
-class Singly {
- public:
-  using Vector = Eigen::Matrix<T, Eigen::Dynamic, 1>;
-  std::vector<QuaternionJoint> quaternion_joints;
+// What a thread computes in.
+struct Workspaces {
+  Workspace motion;
+  std::optional<Workspace> impact;
+};
 
-  Singly(const Contents& f, const RolloutCall& call, std::vector<QuaternionJoint> joints, void* workspace)
-      : quaternion_joints(std::move(joints)), f_(f), call_(call), workspace_(workspace), input_(f.nv) {
-    for (const Shape& shape : f.shapes) results_.emplace_back(static_cast<std::size_t>(shape.size[0] * shape.size[1]));
-    for (std::vector<T>& result : results_) pointers_.push_back(result.data());
-  }
+// What all parts of a call have in common.
+struct Motions {
+  const Contents& f;
+  const Code& code;
+  const Switching& switching;
+  const std::vector<QuaternionJoint>& joints;
 
-  Vector acceleration(const Vector& q, const Vector& v) {
-    FunctionCall one{};
-    one.q.first = q.data(), one.v.first = v.data(), one.more.first = input_.data();
-    one.run_time.first = static_cast<const T*>(call_.run_time.first) + motion_ * call_.run_time.step;
-    std::int32_t status = -1;
-    one.results = pointers_.data(), one.status = f_.single.entry->has_status ? &status : nullptr, one.end = 1;
-    f_.single.entry->run(one, workspace_);
-    worst_ = std::max(worst_, status);
-    const auto at = static_cast<std::size_t>(f_.acceleration);
-    return Eigen::Map<const Vector>(results_[at].data(), f_.nv);
-  }
-
-  void run() {
-    const auto steps = static_cast<std::ptrdiff_t>(call_.steps);
-    const auto h = static_cast<T>(call_.time_step);
-    const auto read = [&](const StateRows& rows, npy_intp size) {
-      return Vector(Eigen::Map<const Vector>(static_cast<const T*>(rows.first) + motion_ * rows.step, size));
-    };
-    const auto write = [](const Vector& from, void* to, std::ptrdiff_t row) {
-      if (to) std::copy_n(from.data(), from.size(), static_cast<T*>(to) + row * from.size());
-    };
-    for (motion_ = call_.begin; motion_ < call_.end; ++motion_) {
-      Vector q = read(call_.q, f_.nq), v = read(call_.v, f_.nv);
-      std::int32_t stopped = -1;
-      for (std::ptrdiff_t step = 0; step < steps; ++step) {
-        if (stopped < 0) {
-          const T* const acts = static_cast<const T*>(call_.more);
-          for (npy_intp i = 0; i < f_.nv; ++i)
-            input_[i] = acts ? acts[motion_ * call_.more_motion + step * call_.more_step + i * call_.more_number] : T(0);
-          Vector next_q = q, next_v = v;
-          worst_ = -1;
-          if (call_.method == RolloutMethod::rk4) integrators::rk4(*this, h, next_q, next_v);
-          else integrators::semi_implicit_euler(*this, h, next_q, next_v);
-          if (worst_ >= 0 || !next_q.allFinite() || !next_v.allFinite()) stopped = static_cast<std::int32_t>(step);
-          else q = next_q, v = next_v;
-        }
-        write(q, call_.path_q, motion_ * steps + step);
-        write(v, call_.path_v, motion_ * steps + step);
-      }
-      write(q, call_.last_q, motion_);
-      write(v, call_.last_v, motion_);
-      call_.stopped[motion_] = stopped;
-    }
+  void run(const RolloutCall& part, const Workspaces& in) const {
+    if (code.entry->roll_out) return code.entry->roll_out(part, in.motion.get());
+    if (f.type == NPY_DOUBLE) singly<double>(part, in);
+    else singly<float>(part, in);
   }
 
  private:
-  const Contents& f_;
-  const RolloutCall& call_;
-  void* workspace_;
-  Vector input_;
-  std::vector<std::vector<T>> results_;
-  std::vector<void*> pointers_;
-  std::ptrdiff_t motion_ = 0;
-  std::int32_t worst_ = -1;
+  template <class T>
+  void singly(const RolloutCall& part, const Workspaces& in) const {
+    SingleSteps<T>(f, switching, part, joints, in.motion.get(), in.impact ? in.impact->get() : nullptr).run();
+  }
 };
 
-void run_part(const Contents& f, const Code& code, const RolloutCall& part, const std::vector<QuaternionJoint>& joints,
-              void* workspace) {
-  if (code.entry->roll_out) return code.entry->roll_out(part, workspace);
-  if (f.type == NPY_DOUBLE) return Singly<double>(f, part, joints, workspace).run();
-  Singly<float>(f, part, joints, workspace).run();
-}
-
 // On several threads where that pays. Without the GIL.
-void run_motions(const Contents& f, const Code& code, const RolloutCall& call, const std::vector<QuaternionJoint>& joints,
-                 const std::vector<Workspace>& workspaces) {
+void run_motions(const Motions& motions, const RolloutCall& call, const std::vector<Workspaces>& workspaces) {
   const int threads = static_cast<int>(workspaces.size());
-  if (threads == 1) return run_part(f, code, call, joints, workspaces[0].get());
+  if (threads == 1) return motions.run(call, workspaces[0]);
   // Whole registers, whatever their width.
   const std::ptrdiff_t chunk = (std::max<std::ptrdiff_t>(1, call.end / (8 * threads)) + 15) / 16 * 16;
   std::atomic<std::ptrdiff_t> next{0};
@@ -153,22 +92,33 @@ void run_motions(const Contents& f, const Code& code, const RolloutCall& call, c
     RolloutCall part = call;
     while ((part.begin = next.fetch_add(chunk)) < call.end) {
       part.end = std::min(call.end, part.begin + chunk);
-      run_part(f, code, part, joints, workspaces[static_cast<std::size_t>(w)].get());
+      motions.run(part, workspaces[static_cast<std::size_t>(w)]);
     }
   });
+}
+
+bool take_switching(const Contents& f, PyObject* object, Switching& to) {
+  if (object == Py_None) return true;
+  PyObject *active, *places, *impact;
+  if (!PyArg_ParseTuple(object, "OO!O!i", &active, &PyTuple_Type, &places, &function_type, &impact, &to.impact_result))
+    return false;
+  for (Py_ssize_t i = 0; i < PyTuple_GET_SIZE(places); ++i)
+    to.places.push_back(static_cast<int>(PyLong_AsLong(PyTuple_GET_ITEM(places, i))));
+  to.impact = reinterpret_cast<Function*>(impact)->contents;
+  return !PyErr_Occurred() && take_per_step(f, active, name_active, PyTuple_GET_SIZE(places), to.active);
 }
 
 }  // namespace
 
 PyObject* roll_out(PyObject* self, PyObject* args) {
   Contents& f = *reinterpret_cast<Function*>(self)->contents;
-  PyObject *name, *q_object, *v_object, *more_object, *out, *run_time, *type;
+  PyObject *name, *q_object, *v_object, *more_object, *out, *run_time, *switching_object, *type;
   PyArrayObject* quaternions;
   Py_ssize_t steps;
   double time_step;
   int method, path, return_status;
-  if (!PyArg_ParseTuple(args, "UOOOndipOpO!O!O", &name, &q_object, &v_object, &more_object, &steps, &time_step, &method, &path,
-                        &out, &return_status, &PyDict_Type, &run_time, &PyArray_Type, &quaternions, &type))
+  if (!PyArg_ParseTuple(args, "UOOOndipOpO!OO!O", &name, &q_object, &v_object, &more_object, &steps, &time_step, &method, &path,
+                        &out, &return_status, &PyDict_Type, &run_time, &switching_object, &PyArray_Type, &quaternions, &type))
     return nullptr;
   std::vector<QuaternionJoint> joints;
   if (!quaternion_joints(quaternions, joints)) return nullptr;
@@ -186,6 +136,7 @@ PyObject* roll_out(PyObject* self, PyObject* args) {
     if (found == f.run_time_inputs.end()) {
       std::string known = std::string("q, v, ") + PyUnicode_AsUTF8(f.more);
       for (const RunTimeInput& input : f.run_time_inputs) known += std::string(", ") + PyUnicode_AsUTF8(input.name);
+      if (switching_object != Py_None) known += ", active";
       return PyErr_Format(PyExc_TypeError,
                           "%U has no argument '%U'; there are %s, steps, time_step, method, path, out and return_status", name,
                           key, known.c_str());
@@ -194,13 +145,15 @@ PyObject* roll_out(PyObject* self, PyObject* args) {
   }
 
   Argument q, v;
-  Acting acting;
+  PerStep acting;
+  Switching switching;
   if (!take(of_rollout, q_object, name_q, f.nq, q) || !take(of_rollout, v_object, name_v, f.nv, v) ||
-      !take_acting(of_rollout, more_object, acting))
+      !take_per_step(of_rollout, more_object, f.more, f.nv, acting) || !take_switching(of_rollout, switching_object, switching))
     return nullptr;
   npy_intp motions = -1;
   PyObject* first = nullptr;
-  for (const auto& [argument, of] : {std::pair{&q, name_q}, {&v, name_v}, {&acting.array, f.more}}) {
+  for (const auto& [argument, of] :
+       {std::pair{&q, name_q}, {&v, name_v}, {&acting.array, f.more}, {&switching.active.array, name_active}}) {
     if (argument->states < 0) continue;
     if (motions >= 0 && argument->states != motions)
       return PyErr_Format(PyExc_ValueError, "%U: %U has %zd motions and %U has %zd", name, first,
@@ -208,10 +161,14 @@ PyObject* roll_out(PyObject* self, PyObject* args) {
     motions = argument->states;
     if (!first) first = of;
   }
-  if (acting.steps >= 0 && steps >= 0 && acting.steps != steps)
-    return PyErr_Format(PyExc_ValueError, "%U: %U has %zd steps, and `steps` is %zd", name, f.more,
-                        static_cast<Py_ssize_t>(acting.steps), steps);
-  if (acting.steps >= 0) steps = acting.steps;
+  const char* of_steps = "`steps`";
+  for (const auto& [per_step, of] : {std::pair{&acting, f.more}, {&switching.active, name_active}}) {
+    if (per_step->steps < 0) continue;
+    if (steps >= 0 && per_step->steps != steps)
+      return PyErr_Format(PyExc_ValueError, "%U: %U has %zd steps, and %s %s %zd", name, of,
+                          static_cast<Py_ssize_t>(per_step->steps), of_steps, *of_steps == '`' ? "is" : "has", steps);
+    steps = per_step->steps, of_steps = PyUnicode_AsUTF8(of);
+  }
   if (steps > INT_MAX) return PyErr_Format(PyExc_ValueError, "%U: %zd steps are more than there may be", name, steps);
   if (!std::isfinite(time_step)) return PyErr_Format(PyExc_ValueError, "%U: time_step is not a finite number of seconds", name);
 
@@ -226,7 +183,9 @@ PyObject* roll_out(PyObject* self, PyObject* args) {
     else of_rollout.shapes.push_back({1, {size, 1}});
   }
   Results results;
-  if (!prepare_results(of_rollout, out == Py_None ? nullptr : out, motions, {&q, &v, &acting.array}, results)) return nullptr;
+  if (!prepare_results(of_rollout, out == Py_None ? nullptr : out, motions, {&q, &v, &acting.array, &switching.active.array},
+                       results))
+    return nullptr;
   npy_intp count = many ? motions : 1;
   Owned status(PyArray_SimpleNew(1, &count, NPY_INT32));
   if (!status) return nullptr;
@@ -242,20 +201,22 @@ PyObject* roll_out(PyObject* self, PyObject* args) {
   };
   (path ? call.path_q : call.last_q) = into(0);
   (path ? call.path_v : call.last_v) = into(1);
-  if (count > 0 && !find_batch(f)) return nullptr;
-  Code& code = f.batch.entry && f.batch.entry->roll_out ? f.batch : f.single;
+  const bool by_single_steps = switching.active.steps >= 0;
+  if (count > 0 && !by_single_steps && !find_batch(f)) return nullptr;
+  Code& code = !by_single_steps && f.batch.entry && f.batch.entry->roll_out ? f.batch : f.single;
   {
     // Waking threads takes longer than some hundred states.
     const bool alone = static_cast<double>(count) * static_cast<double>(steps) < 256;
     const npy_intp most = alone ? 1 : std::min<npy_intp>((count + 15) / 16, Workers::instance().count());
-    std::vector<Workspace> workspaces;
+    std::vector<Workspaces> workspaces;
     for (npy_intp w = 0; w < std::max<npy_intp>(1, most); ++w) {
-      workspaces.emplace_back(code);
-      if (!workspaces.back().get()) return PyErr_NoMemory();
+      workspaces.push_back({Workspace(code), {}});
+      if (switching.impact) workspaces.back().impact.emplace(switching.impact->single);
+      if (!workspaces.back().motion.get() || (switching.impact && !workspaces.back().impact->get())) return PyErr_NoMemory();
     }
     Contents of_states = f;  // as `f`, whose own may change while others hold the GIL
     Py_BEGIN_ALLOW_THREADS;
-    run_motions(of_states, code, call, joints, workspaces);
+    run_motions({of_states, code, switching, joints}, call, workspaces);
     Py_END_ALLOW_THREADS;
   }
   for (std::size_t i = 0; i < results.arrays.size(); ++i)

@@ -223,6 +223,102 @@ class Rollouts(unittest.TestCase):
         self.assertIn("(steps, 8) for all motions", f.__doc__)
 
 
+class SwitchedContacts(unittest.TestCase):
+    """Contacts and loops that come on and go in rollouts, with impacts."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.hold = dict(base="floating", gravity="run_time", flags=robots.quick, batch=False,
+                        contacts={"left": {"link": "a_02", "type": "point", "at": [0.1, 0, 0]}, "b_02": "point"},
+                        loops={"rod": {"links": ["a_01", "b_01"], "at": [[0, 0, 0.1], [0, 0.1, 0]], "type": "distance",
+                                       "length": 0.5}})
+        cls.robot = dalembert.load(robots.robot("two_branches_at_base"), outputs=["constrained_forward_dynamics"],
+                                   functions={"struck": ["constrained_forward_dynamics", "impact"], "strike": ["impact"]}, **cls.hold)
+
+    def setUp(self):
+        rng = np.random.default_rng(31)
+        self.n, self.steps, self.h = 19, 6, 0.01
+        self.Q, self.V = self.robot.random(rng, self.n), rng.uniform(-1, 1, (self.n, self.robot.nv))
+        self.TAU = rng.uniform(-1, 1, (self.n, self.steps, self.robot.nv))
+        self.active = rng.integers(0, 2, (self.n, self.steps, 3)).astype(bool)
+        self.given = dict(contact_left=dalembert.Contact(restitution=0.4), gravity_vector=[0, 0, -1.62])
+
+    def expected(self):
+        """Step by step, one call each."""
+        robot, q, v = self.robot, self.Q, self.V
+        before = np.ones(self.active[:, 0].shape, bool)  # as the run-time inputs have them
+        for step in range(self.steps):
+            acts, held = self.active[:, step], []
+            for m in range(self.n):
+                left, right, rod = (bool(x) for x in acts[m])
+                held.append(dict(contact_left=dalembert.Contact(left, restitution=0.4), contact_b_02=dalembert.Contact(right),
+                                 loop_rod=dalembert.Loop(rod), gravity_vector=[0, 0, -1.62]))
+            struck = (acts & ~before).any(1)
+            v = np.array([robot.strike(q[m], v[m], **held[m]).impact if struck[m] else v[m] for m in range(self.n)])
+            v = v + self.h * np.array([robot.constrained_forward_dynamics(q[m], v[m], self.TAU[m, step], **held[m])
+                                       for m in range(self.n)])
+            q = robot.integrate(q, self.h * v)
+            before = acts
+        return q, v
+
+    def test_impacts_where_one_comes_on(self):
+        robot, (q, v) = self.robot, self.expected()
+        switched = dict(time_step=self.h, **self.given)
+        # By another function that tells what an impact does, by its own, and from one array for all motions.
+        for roll_out in (robot.constrained_forward_dynamics_rollout, robot.struck_rollout):
+            for active in (self.active, self.active.astype(float), np.asfortranarray(self.active)):
+                end = roll_out(self.Q, self.V, self.TAU, active=active, **switched)
+                np.testing.assert_allclose(end.q, q, rtol=0, atol=1e-11)
+                np.testing.assert_allclose(end.v, v, rtol=0, atol=1e-11 * np.abs(v).max())
+        one = robot.struck_rollout(self.Q[4], self.V[4], self.TAU[4], active=self.active[4], path=True, **switched)
+        np.testing.assert_allclose(one.q[-1], q[4], rtol=0, atol=1e-11)
+        for_all = robot.struck_rollout(self.Q, self.V, active=self.active[4], **switched)
+        each = robot.struck_rollout(self.Q, self.V, active=self.active[[4] * self.n], **switched)
+        self.assertEqual(for_all.v.tobytes(), each.v.tobytes())
+        for_each = dict(switched, contact_left=[dalembert.Contact(restitution=0.4)] * self.n)
+        np.testing.assert_array_equal(robot.struck_rollout(self.Q, self.V, self.TAU, active=self.active, **for_each).v,
+                                      robot.struck_rollout(self.Q, self.V, self.TAU, active=self.active, **switched).v)
+        # What acts all the time is not struck.
+        always = robot.struck_rollout(self.Q, self.V, self.TAU, active=np.ones((self.steps, 3)), **switched)
+        without = robot.struck_rollout(self.Q, self.V, self.TAU, **switched)
+        self.assertEqual(always.v.tobytes(), without.v.tobytes())
+        self.assertFalse(np.allclose(always.v, v))
+
+    def test_a_motion_that_stops_keeps_what_it_had_before_the_impact(self):
+        self.active[:] = [True, False, False]
+        self.TAU[3, 2, 0] = np.nan
+        start = dict(contact_left=dalembert.Contact(active=False))
+        end, stopped = self.robot.struck_rollout(self.Q, self.V, self.TAU, active=self.active, time_step=self.h, return_status=True, **start)
+        path = self.robot.struck_rollout(self.Q[3], self.V[3], self.TAU[3, :2], active=self.active[3, :2], time_step=self.h, **start)
+        self.assertEqual(stopped.tolist(), [2 if m == 3 else -1 for m in range(self.n)])
+        self.assertEqual(end.v[3].tobytes(), path.v.tobytes())
+        self.active[3, :2] = False  # now what comes on in the step that it cannot make is an impact, too
+        end, stopped = self.robot.struck_rollout(self.Q, self.V, self.TAU, active=self.active, time_step=self.h, return_status=True, **start)
+        path = self.robot.struck_rollout(self.Q[3], self.V[3], self.TAU[3, :2], active=self.active[3, :2], time_step=self.h, **start)
+        self.assertEqual((stopped[3], end.v[3].tobytes()), (2, path.v.tobytes()))
+
+    def test_wrong_ones_are_refused_by_name(self):
+        f, h = self.robot.constrained_forward_dynamics_rollout, dict(time_step=self.h)
+        deaf = dalembert.load(robots.robot("two_branches_at_base"), outputs=["constrained_forward_dynamics"], **self.hold)
+        for error, text, call in (
+                (ValueError, r"active has shape \(19, 6, 2\), expected \(steps, 3\) for all motions or \(n, steps, 3\)",
+                 lambda: f(self.Q, self.V, self.TAU, active=self.active[:, :, :2], **h)),
+                (ValueError, r"active has 5 steps, and tau has 6", lambda: f(self.Q, self.V, self.TAU, active=self.active[:, :5], **h)),
+                (ValueError, r"active has 6 steps, and `steps` is 7", lambda: f(self.Q, self.V, active=self.active, steps=7, **h)),
+                (ValueError, r"q has 19 motions and active has 5", lambda: f(self.Q, self.V, active=self.active[:5], **h)),
+                (ValueError, r"active has dtype <U1", lambda: f(self.Q, self.V, active=np.full((6, 3), "a"), **h)),
+                (TypeError, r"needs steps, or tau", lambda: f(self.Q, self.V, **h)),
+                (TypeError, r"no argument 'activ'; .*, active, steps", lambda: f(self.Q, self.V, self.TAU, activ=self.active, **h)),
+                (ValueError, r"add 'impact' to outputs",
+                 lambda: deaf.constrained_forward_dynamics_rollout(self.Q, self.V, active=self.active, **h)),
+                (TypeError, r"no argument 'active'", lambda: double.forward_dynamics_rollout(
+                    double.neutral(), np.zeros(double.nv), steps=1, active=self.active[0], **h))):
+            with self.subTest(text=text), self.assertRaisesRegex(error, text):
+                call()
+        self.assertIn("(steps, 3) for all motions", f.__doc__)
+        self.assertIn("active", inspect.signature(f).parameters)
+
+
 class Shapes(unittest.TestCase):
     def setUp(self):
         rng = np.random.default_rng(5)

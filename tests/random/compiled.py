@@ -45,17 +45,38 @@ def words(dalembert, option):
     return re.search(rf"--{re.escape(option)}\s+([a-z_, ]+);", text).group(1).split(", ")
 
 
+def tree_of(d):
+    """Parents (link 0 is the root) and kinds of joints: any tree of a few, or a trunk with limbs that resemble each other."""
+    if not d.one_in(3):
+        count = 1 + d.randrange(8)
+        parents = [d.randrange(i + 1) if d.one_in(3) else i for i in range(count)]
+        kinds = [d.choice(["revolute"] * 3 + ["continuous", "prismatic", "fixed", "planar", "floating"]) for _ in parents]
+        return parents, ["revolute"] + kinds[1:]
+    trunk = d.randrange(4)
+    parents, kinds = list(range(trunk)), ["revolute"] * trunk
+    pattern = [d.choice(["revolute"] * 5 + ["prismatic", "fixed"]) for _ in range(1 + d.randrange(5))]
+    for _ in range(2 + d.randrange(5)):
+        limb = pattern[:max(1, len(pattern) - d.choice([0, 0, 0, 1, 2]))]  # some are shorter
+        if d.one_in(4):
+            limb[-1] = "prismatic"
+        foot = d.choice([0, trunk, trunk, len(parents)])  # the last: on the limb before it
+        for i, kind in enumerate(limb):
+            parents.append(foot if i == 0 else len(parents))
+            kinds.append(kind)
+    return parents, ["revolute"] + kinds[1:]
+
+
 def robot_of(d):
     """Joints (name, parent, kind, origin, rpy, axis) and links (mass, com, inertia), the root being link 0."""
-    count = 1 + d.randrange(8)
+    parents, kinds = tree_of(d)
+    count = len(parents)
     joints = []
     for i in range(count):
         axis = [0.0, 0.0, 0.0]
         axis[d.randrange(3)] = 1.0
         if d.one_in(3):
             axis = [round(d.uniform(-1, 1), 3), round(d.uniform(-1, 1), 3), 1.1]
-        kind = "revolute" if i == 0 else d.choice(["revolute"] * 3 + ["continuous", "prismatic", "fixed", "planar", "floating"])
-        joints.append({"name": f"j{i}", "parent": d.randrange(i + 1) if d.one_in(3) else i, "kind": kind,
+        joints.append({"name": f"j{i}", "parent": parents[i], "kind": kinds[i],
                        "at": [d.number(0.4) for _ in range(3)], "rpy": [d.number(3), d.number(1.5), d.number(3)], "axis": axis})
     links = []
     for i in range(count + 1):

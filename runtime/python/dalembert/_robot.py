@@ -21,12 +21,26 @@ class InputWarning(UserWarning):
     """What the compiler passed over in the URDF or the scene, by name."""
 
 
+def _in_a_row(parts):
+    return numpy.concatenate([numpy.ravel(part).astype(float) for part in parts])
+
+
+def _of_rows(constraint, size):
+    """The numbers of a Contact or Loop whose last two members are given for six rows, or for as many as there are."""
+    rows = (size - len(_in_a_row(constraint[:-2]))) // 2
+    return _in_a_row(constraint[:-2] + tuple(part[:rows] if len(part) == 6 else part for part in constraint[-2:]))
+
+
 class Payload(NamedTuple):
     """A rigid body that a link carries, given at run time (scene key `payloads`)."""
 
     mass: float = 0.0  # kg
     com: tuple = (0.0, 0.0, 0.0)  # centre of mass, m, in the link's frame
     inertia: tuple = (0.0,) * 6  # xx xy xz yy yz zz about the centre of mass, kg m², the link's axes
+
+    def numbers(self, size):
+        """As run-time inputs have them, one after another."""
+        return _in_a_row(self)
 
 
 class Contact(NamedTuple):
@@ -40,6 +54,10 @@ class Contact(NamedTuple):
     regularization: tuple = (0.0,) * 6  # added to the diagonal of J M⁻¹ Jᵀ, per row; of a point the first three
     weight: tuple = (1.0,) * 6  # likewise, of the row's force in constrained_inverse_dynamics
 
+    def numbers(self, size):
+        """As run-time inputs have them, one after another: of all rows together `size`."""
+        return _of_rows(self, size)
+
 
 class Loop(NamedTuple):
     """How a loop acts, given at run time (scene key `loops`): its rows' accelerations shall be -kd J v - kp e."""
@@ -50,6 +68,10 @@ class Loop(NamedTuple):
     restitution: float = 0.0  # of an impact: J v becomes -restitution J v
     regularization: tuple = (0.0,) * 6  # added to the diagonal of J M⁻¹ Jᵀ, per row; of a hinge the first five, and so on
     weight: tuple = (1.0,) * 6  # likewise, of the row's force in constrained_inverse_dynamics
+
+    def numbers(self, size):
+        """As run-time inputs have them, one after another: of all rows together `size`."""
+        return _of_rows(self, size)
 
 
 def load(urdf, **keywords):
@@ -131,10 +153,13 @@ class Rollout:
 
     _METHODS = ("semi_implicit_euler", "rk4", "linearly_implicit")
 
-    def __init__(self, function, name, takes, meaning, robot, run_time, linearly_implicit):
+    def __init__(self, function, name, takes, meaning, robot, run_time, linearly_implicit, switching):
+        """switching: of what contacts and loops hold, (where each one's `active` is among the run-time inputs, the function that
+        tells what an impact does or None, which of its results); else None."""
         self._function, self._takes, self._quaternions = function, takes, robot._quaternions
         self._has_followers = robot._has_followers()
-        self._linearly_implicit = linearly_implicit
+        self._linearly_implicit, self._switching = linearly_implicit, switching
+        switched = len(switching[0]) if switching else 0
         self.__name__ = self.__qualname__ = f"{name}_rollout"
         self._type = _results_type("Rollout", ("q", "v"))
         self.__doc__ = "\n".join((
@@ -144,7 +169,10 @@ class Rollout:
             f"{takes}: (steps, {robot.nv}) for all motions, or (n, steps, {robot.nv}): {meaning}, held during a step. Without it "
             "nothing acts.",
             *(f"{i}: ({size},) or (n, {size}), the same in all steps, in place of the robot's own." for i, _, size in run_time),
-            f"steps: how many, where {takes} does not say it.",
+            *([f"active: (steps, {switched}) for all motions, or (n, steps, {switched}): whether each contact, then each loop acts. Where "
+               "one comes on that did not act in the step before, the step begins with an impact. Without it they act as the run-time "
+               "inputs say."] if switched else ()),
+            f"steps: how many, where {takes}{' and active do' if switched else ' does'} not say it.",
             "time_step: seconds; may be negative.",
             "method: 'semi_implicit_euler', of first order, one evaluation a step; 'rk4', of fourth order, four; or, where the robot "
             "is loaded with batch=True and rollouts=['linearly_implicit'], 'linearly_implicit', of first order, which bears stiff "
@@ -161,6 +189,7 @@ class Rollout:
             [P("q", P.POSITIONAL_OR_KEYWORD), P("v", P.POSITIONAL_OR_KEYWORD), P(takes, P.POSITIONAL_OR_KEYWORD, default=None),
              P("time_step", P.KEYWORD_ONLY), P("steps", P.KEYWORD_ONLY, default=None),
              P("method", P.KEYWORD_ONLY, default="semi_implicit_euler"), P("path", P.KEYWORD_ONLY, default=False),
+             *([P("active", P.KEYWORD_ONLY, default=None)] if switched else ()),
              *(P(i, P.KEYWORD_ONLY, default=None) for i, _, _ in run_time), P("out", P.KEYWORD_ONLY, default=None),
              P("return_status", P.KEYWORD_ONLY, default=False)])
 
@@ -176,7 +205,10 @@ class Rollout:
         if method == "linearly_implicit" and not self._linearly_implicit:
             raise ValueError(f"{self.__name__}: linearly implicit steps are not in the code of this function: load the robot with "
                              "batch=True and rollouts=['linearly_implicit'], the function computing no derivatives beside it")
-        if steps is None and tau is None:
+        active = more.pop("active", None) if self._switching else None
+        if active is not None and self._switching[1] is None:
+            raise ValueError(f"{self.__name__}: no function tells what an impact does where a contact comes on: add 'impact' to outputs")
+        if steps is None and tau is None and active is None:
             raise TypeError(f"{self.__name__} needs steps, or {self._takes}, whose steps they are")
         if steps is not None and (not isinstance(steps, numbers.Integral) or steps < 0):
             raise ValueError(f"{self.__name__}: steps is {steps!r}, expected a whole number, 0 or more")
@@ -184,7 +216,8 @@ class Rollout:
             raise TypeError(f"{self.__name__}: time_step is of type {type(time_step).__name__}, expected a number of seconds")
         return self._function.roll_out(
             self.__name__, q, v, tau, -1 if steps is None else int(steps), float(time_step), self._METHODS.index(method), path,
-            out, return_status, {k: x for k, x in more.items() if x is not None}, self._quaternions, self._type)
+            out, return_status, {k: x for k, x in more.items() if x is not None},
+            (active, *self._switching) if self._switching and self._switching[1] else None, self._quaternions, self._type)
 
     def __repr__(self):
         return f"<{self.__name__}{self.__signature__}>"
@@ -259,7 +292,7 @@ class Robot:
         coordinates = tuple([f"{b} (v[{i}])" for i, b in enumerate(base)] +
                             [f"joint '{j}' (v[{len(base) + i}])" for i, j in enumerate(self.joint_names)])
         run_time = tuple((name, at, size) for name, (at, size, _, _) in self._run_time_at.items())
-        whole, single, results, scene_functions, rollouts = {}, {}, {}, {}, {}
+        whole, single, results, scene_functions, callable_functions = {}, {}, {}, {}, []
         self.__dict__["_folders"] = {}
         for f in functions:
             one = len(f["results"]) == 1 and not f["named"]
@@ -271,9 +304,8 @@ class Robot:
                 self._run_time if run_time else None, run_time, coordinates, self._docstring(f, one), self._signature(f, run_time),
                 functools.partial(batches.find, f["part"], f["batch_entry"]) if batches and f["batch_entry"] >= 0 else None,
                 f["acceleration"])
-            if f["acceleration"] >= 0 and (one or f["named"]):
-                rollouts[f"{name}_rollout"] = Rollout(made, name, f["takes"], f["meaning"], self, run_time,
-                                                   f["linearly_implicit"])
+            if one or f["named"]:
+                callable_functions.append((name, made, f))
             self._folders[name if one else f["name"]] = self._folder / "source" / f["folder"]
             if one:
                 single[name] = made
@@ -284,6 +316,9 @@ class Robot:
             else:
                 for r in f["results"]:
                     results[r["name"]] = f
+        rollouts = {f"{name}_rollout": Rollout(made, name, f["takes"], f["meaning"], self, run_time, f["linearly_implicit"],
+                                               self._switching_of(f, callable_functions))
+                    for name, made, f in callable_functions if f["acceleration"] >= 0}
         callables = {**single, **scene_functions}
         self.__dict__["_callables"] = callables
         # A function of the scene that is called like something of ours is robot["info"] only.
@@ -292,6 +327,17 @@ class Robot:
             name: f["function"] for name, f in results.items()}
         self.__dict__["outputs"] = tuple(callables)
         self.__dict__["_by_inputs"] = {f["takes"]: made for made, f, one in whole.values() if not one and not f["named"]}
+
+    def _switching_of(self, f, functions):
+        """What Rollout says of contacts and loops, of a function that they hold. An impact is told by the function itself or by
+        another that takes no more than it does."""
+        places = tuple(at for name, (at, *_) in self._run_time_at.items() if name.startswith(("contact_", "loop_")))
+        if not places or f["results"][f["acceleration"]]["quantity"] != "constrained_forward_dynamics":
+            return None
+        tells = [(made, names.index("impact")) for made, g in
+                 sorted(((made, g) for _, made, g in functions), key=lambda of: of[1] is not f)
+                 if g["takes"] in ("", f["takes"]) and "impact" in (names := [r["quantity"] for r in g["results"]])]
+        return (places, *(tells[0] if tells else (None, 0)))
 
     def _docstring(self, f, one):
         lines = []
@@ -419,11 +465,10 @@ class Robot:
             raise AttributeError(f"'{name}' cannot be set" + (_build.did_you_mean(name, known) if known else
                                  ": a scene with gravity: run_time, payloads or wrenches has what can"))
         at, size, unit, text = places[name]
-        if isinstance(value, (Contact, Loop)):
-            rows = (size - (11 if isinstance(value, Contact) else 4)) // 2
-            value = value[:-2] + tuple(part[:rows] if len(part) == 6 else part for part in value[-2:])
-        if isinstance(value, (Payload, Contact, Loop)) or type(value) is tuple:
-            value = numpy.concatenate([numpy.ravel(part).astype(float) for part in value])
+        if isinstance(value, (Payload, Contact, Loop)):
+            value = value.numbers(size)
+        elif type(value) is tuple:
+            value = _in_a_row(value)
         value = numpy.asarray(value)
         if value.shape != (size,) or value.dtype.kind not in "biuf":
             raise ValueError(f"{name} has shape {value.shape} and dtype {value.dtype}, expected ({size},): {text}, {unit}")
