@@ -27,11 +27,11 @@ std::vector<int> missing(const std::set<int>& read, int size) {
   return rest;
 }
 
-// The arrays that some are made of, themselves among them, and the steps that make them. What says whether M can be solved with
-// counts.
+// The arrays that some are made of, themselves among them, and the kernels that make them. What says whether M can be solved
+// with counts.
 struct Making {
   std::set<int> arrays;
-  std::vector<ir::Step> steps;
+  std::vector<ir::Kernel> kernels;
 };
 Making making(const ir::Algorithm& algorithm, const std::set<int>& arrays) {
   Making m{arrays, {}};
@@ -39,11 +39,11 @@ Making making(const ir::Algorithm& algorithm, const std::set<int>& arrays) {
       guard && std::any_of(guard->arrays.begin(), guard->arrays.end(), [&](int array) { return arrays.contains(array); })) {
     m.arrays.insert({guard->pivots, guard->diagonal, guard->factor, guard->gain, guard->joint});  // some may be none
   }
-  for (auto step = algorithm.steps.rbegin(); step != algorithm.steps.rend(); ++step) {
-    const std::vector<int> filled = ir::filled(*step);
+  for (auto kernel = algorithm.kernels.rbegin(); kernel != algorithm.kernels.rend(); ++kernel) {
+    const std::vector<int> filled = kernel->filled();
     if (std::none_of(filled.begin(), filled.end(), [&](int array) { return m.arrays.contains(array); })) continue;
-    for (const int array : ir::read(*step)) m.arrays.insert(array);
-    m.steps.push_back(*step);
+    for (const int array : kernel->read()) m.arrays.insert(array);
+    m.kernels.push_back(*kernel);
   }
   return m;
 }
@@ -66,8 +66,8 @@ OperationCost cost_of(const std::string& name, const LoweredSection& section, co
   cost.operations = ir::count(program.graph, uses);
   for (int phase = 1; phase <= 3; ++phase)
     cost.phases[static_cast<size_t>(phase - 1)] = count(program.graph, uses, phases, phase);
-  for (const ir::Step& step : made.steps) {
-    const ir::Operations operations = ir::operations_of(step, tree, false);
+  for (const ir::Kernel& kernel : made.kernels) {
+    const ir::Operations operations = ir::operations_of(kernel, tree, false);
     cost.operations += operations;
     cost.phases[2] += operations;
   }
@@ -83,7 +83,7 @@ OperationCost cost_of(const std::string& name, const LoweredSection& section, co
 
 // Everything that it makes.
 Making all_of(const ir::Algorithm& algorithm) {
-  Making m{{}, algorithm.steps};
+  Making m{{}, algorithm.kernels};
   for (size_t a = 0; a < algorithm.arrays.size(); ++a) m.arrays.insert(static_cast<int>(a));
   return m;
 }
@@ -160,7 +160,7 @@ OperationCost embedded_cost(const std::string& name, const LoweredSection& f, co
       if (const int at = array_called(array, opened.algorithm); at >= 0) from.insert(at);
   }
   OperationCost cost = cost_of(name, opened, making(opened.algorithm, from), opened_tree);
-  for (const ir::Step& step : made.steps) own += ir::operations_of(step, tree, false);
+  for (const ir::Kernel& kernel : made.kernels) own += ir::operations_of(kernel, tree, false);
   own += ir::operations_of_linkages(tree, e.rates >= 0 && (cost.reads_velocity || e.accelerated));
   cost.operations += own;
   cost.phases[2] += own;

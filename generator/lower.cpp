@@ -99,13 +99,13 @@ class Lowering {
     chosen.elsewhere = std::move(other->sections.front());
   }
 
-  // Of lines for batches. Longer ones take a compiler minutes, and steps with whole matrices take a loop's time from there on.
+  // Of lines for batches. Longer ones take a compiler minutes, and kernels take a loop's time from there on.
   static constexpr long most_operations = 150000;
   static long operations(const ir::Program& program) {
     return ir::count(program.graph, ir::uses(program.graph, program.roots())).total();
   }
   static bool is_whole_line(const LoweredSection& line) {
-    return line.algorithm.steps.empty() && operations(line.program) <= most_operations;
+    return line.algorithm.kernels.empty() && operations(line.program) <= most_operations;
   }
 
   void add_batch(LoweredFunction& chosen) const {
@@ -136,7 +136,7 @@ class Lowering {
       const passes::UnrollOptions options{options_, tree_.joints() < 200, implicit};
       f.program = passes::Unroll(f.algorithm, tree_, normal_, model_.scene, options).take_program();
       f.plan.form = ir::Form::straight;
-      passes::write_out_steps(f.algorithm, f.program, ir::coordinate_tree(tree_), true);
+      passes::write_out_kernels(f.algorithm, f.program, ir::coordinate_tree(tree_), true);
       const ir::Operations o = ir::count(f.program.graph, ir::uses(f.program.graph, f.program.roots()));
       const long cost = o.add + o.multiply + division * o.divide;
       if (least > 0 && cost >= least) continue;
@@ -183,7 +183,7 @@ class Lowering {
         f.program = &form == &forms.back() ? unrolls[section].take_program() : unrolls[section].program();
         if (form == ir::Form::straight) {
           passes::project_by_rows(f.algorithm, f.program, unrolls[section], tree_);
-          if (lowered.size() == 1) passes::write_out_steps(f.algorithm, f.program, ir::coordinate_tree(tree_));
+          if (lowered.size() == 1) passes::write_out_kernels(f.algorithm, f.program, ir::coordinate_tree(tree_));
           way.candidate.order = f.plan.order = planned_.order.value_or(ir::Order::as_written);
           if (f.plan.order != ir::Order::as_written)
             f.program.order = passes::schedule(f.program.graph, f.program.roots(), f.plan.order);

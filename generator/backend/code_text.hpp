@@ -37,16 +37,6 @@ std::string guard_statements(const CodeInput& code);
 std::string status_statement(const CodeInput& code, const std::string& check);
 // The others.
 std::string clear_statements(const CodeInput& code);
-// Statements behind the elements: steps with whole matrices.
-std::string matrix_statements(const CodeInput& code);
-// Behind them: steps with rows of constraints.
-// limbs, axes: declare where rows go up from and along what joints feel them, where that is not in arrays.
-std::string constraint_statements(const CodeInput& code, const std::string& limbs = "", const std::string& axes = "");
-// The runtime's headers that they call.
-std::vector<std::string> constraint_includes(const CodeInput& code);
-// Whether they factor M; and the function that solves with the factors, empty if the code is to have none.
-bool solves(const CodeInput& code);
-std::string solve_definition(const CodeInput& code);
 
 // Of a section that another calls (ir/algorithm.hpp), and the statement that this ends by; empty where none is behind it.
 std::string section_declaration(const CodeInput& section);

@@ -16,6 +16,7 @@
 #include "backend/emit_tasks.hpp"
 #include "backend/estimate.hpp"
 #include "backend/kept.hpp"
+#include "backend/kernel_text.hpp"
 #include "backend/literals.hpp"
 #include "backend/moved_parameters.hpp"
 #include "backend/templates.hpp"
@@ -61,19 +62,6 @@ std::vector<ir::OutputArray> stored_arrays(const CodeInput& code) {
   return stored;
 }
 
-// The member that says what a step with rows of constraints came to; empty: none does.
-const char* status_of(const ir::ConstraintStep& step) {
-  switch (step.kind) {
-    case ir::ConstraintStep::Kind::delassus:
-    case ir::ConstraintStep::Kind::respond:
-    case ir::ConstraintStep::Kind::derive: return "";
-    case ir::ConstraintStep::Kind::solve: return "constraint_status";
-    case ir::ConstraintStep::Kind::impact: return "impact_status";
-    case ir::ConstraintStep::Kind::support: return "support_status";
-  }
-  return "";
-}
-
 std::string results(const Folder& folder) {
   std::string text;
   for (const CodeInput* section : folder.sections()) {
@@ -96,8 +84,8 @@ std::string results(const Folder& folder) {
                   "of the function are zero.",
                   2) +
               fmt::format("  dalembert::LinkageStatus<Scalar> {};\n", own_name(code, "linkage_status"));
-    for (const ir::ConstraintStep& step : code.algorithm.steps_of<ir::ConstraintStep>())
-      if (const char* status = status_of(step); *status)
+    for (const ir::Kernel& kernel : code.algorithm.kernels)
+      if (const char* status = ir::row_of(kernel.kind).status; *status)
         text += fmt::format("  dalembert::ConstraintStatus<Scalar> {};  // what is left of the constraints' rows\n",
                             own_name(code, status));
   }
@@ -352,8 +340,10 @@ bool any_guard(const Folder& folder) {
 }
 
 bool any_constraints(const Folder& folder) {
-  return std::any_of(folder.functions.begin(), folder.functions.end(),
-                     [](const CodeInput& f) { return !f.algorithm.steps_of<ir::ConstraintStep>().empty(); });
+  return std::any_of(folder.functions.begin(), folder.functions.end(), [](const CodeInput& f) {
+    return std::any_of(f.algorithm.kernels.begin(), f.algorithm.kernels.end(),
+                       [](const auto& k) { return k.of_constraints(); });
+  });
 }
 
 // Where a joint's numbers are: in a row, but where quaternions have one more than their joints have coordinates.
@@ -560,8 +550,8 @@ void c_functions(const Folder& folder, std::string& declarations, std::string& d
                     n, c.member, c.rows));
   }
   for (const CodeInput& f : folder.functions)
-    for (const ir::ConstraintStep& step : f.algorithm.steps_of<ir::ConstraintStep>())
-      if (const char* status = status_of(step); *status)
+    for (const ir::Kernel& kernel : f.algorithm.kernels)
+      if (const char* status = ir::row_of(kernel.kind).status; *status)
         add("The largest error that is left of a constraint's row; least_pivot, rank: as in dalembert::ConstraintStatus; null: "
             "not wanted",
             fmt::format("{0} {1}_{2}({0}* least_pivot, int* rank, const {1}_workspace* workspace)", s, n, own_name(f, status)),
@@ -681,8 +671,8 @@ std::size_t workspace_bytes(const Folder& folder) {
     if (f.algorithm.guard && f.algorithm.section.is_first()) bytes = (bytes + scalar - 1) / scalar * scalar + 2 * scalar;
   }
   for (const CodeInput& f : folder.functions)
-    for (const ir::ConstraintStep& step : f.algorithm.steps_of<ir::ConstraintStep>())
-      if (*status_of(step)) bytes += 3 * scalar;
+    for (const ir::Kernel& kernel : f.algorithm.kernels)
+      if (*ir::row_of(kernel.kind).status) bytes += 3 * scalar;
   bytes += scene.contacts.size() * 23 * scalar;  // whether it acts, gains, restitution, anchor, regularization, weight
   bytes += scene.loops.size() * 16 * scalar;     // the same without an anchor
   if (scene.gravity_kind == ir::GravityKind::run_time) bytes += 3 * scalar;

@@ -9,6 +9,7 @@
 #include "backend/code_text.hpp"
 #include "backend/graph_printer.hpp"
 #include "backend/kept.hpp"
+#include "backend/kernel_text.hpp"
 #include "backend/literals.hpp"
 #include "ir/identifier.hpp"
 
@@ -204,7 +205,7 @@ std::string embedded_statements(const CodeInput& code) {
         break;
     }
   }
-  text += matrix_statements(code) + guard_statements(code);
+  text += kernel_statements(code) + guard_statements(code);
   for (size_t a = 0; a < code.algorithm.arrays.size(); ++a)
     if (!code.algorithm.arrays[a].internal)
       text += fmt::format("  dalembert::clear_at_toggle_point<{}>({}, {});\n", size(static_cast<int>(a)), status,

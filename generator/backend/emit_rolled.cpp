@@ -17,6 +17,7 @@
 #include "backend/emit_projections.hpp"
 #include "backend/graph_printer.hpp"
 #include "backend/kept.hpp"
+#include "backend/kernel_text.hpp"
 #include "backend/literals.hpp"
 #include "backend/templates.hpp"
 
@@ -113,11 +114,11 @@ std::vector<int> bodies_of(const CodeInput& code, const ir::Result& r) {
 // solved with and rows that go up limbs: these read them where limbs leave them.
 std::optional<PivotRoles> pivots_in_slots(const CodeInput& code) {
   const std::optional<ir::Guard>& guard = code.algorithm.guard;
-  const std::vector<ir::ConstraintStep> steps = code.algorithm.steps_of<ir::ConstraintStep>();
-  const bool by_limbs = std::any_of(steps.begin(), steps.end(), [](const ir::ConstraintStep& s) { return s.by_limbs(); });
+  const std::vector<ir::Kernel>& kernels = code.algorithm.kernels;
+  const bool by_limbs = std::any_of(kernels.begin(), kernels.end(), [](const ir::Kernel& k) { return k.by_limbs(); });
   const bool others =
-      std::any_of(steps.begin(), steps.end(), [](const ir::ConstraintStep& s) { return !s.by_limbs() && !s.by_wrenches(); });
-  if (!guard || steps.size() < code.algorithm.steps.size() || others) return {};
+      std::any_of(kernels.begin(), kernels.end(), [](const ir::Kernel& k) { return !k.by_limbs() && !k.by_wrenches(); });
+  if (!guard || others) return {};
   PivotRoles roles;
   for (const ir::Result& r : code.algorithm.results) {
     if (r.array == guard->pivots) roles.pivot = r.role;
@@ -137,8 +138,8 @@ struct AxesRoles {
 };
 std::optional<AxesRoles> axes_in_slots(const CodeInput& code) {
   AxesRoles roles;
-  for (const ir::ConstraintStep& step : code.algorithm.steps_of<ir::ConstraintStep>())
-    if (step.by_wrenches()) roles.array = step.axes;
+  for (const ir::Kernel& kernel : code.algorithm.kernels)
+    if (kernel.by_wrenches()) roles.array = kernel[ir::Operand::axes];
   for (const ir::Result& r : code.algorithm.results)
     if (r.array == roles.array) (r.from == 0 ? roles.linear : roles.angular) = r.role;
   if (roles.linear < 0 || !is_kept(code, roles.linear) || !is_kept(code, roles.angular)) return {};
@@ -255,16 +256,16 @@ std::string axes_of_slots(const CodeInput& code) {
 
 // By which rows of constraints go up; empty: by arrays.
 std::string limbs_in_slots(const CodeInput& code) {
-  const std::vector<ir::ConstraintStep> steps = code.algorithm.steps_of<ir::ConstraintStep>();
-  const auto first = std::find_if(steps.begin(), steps.end(), [](const ir::ConstraintStep& s) { return s.by_limbs(); });
-  if (first == steps.end() || !pivots_in_slots(code)) return "";
-  const ir::ConstraintStep& step = *first;
+  const std::vector<ir::Kernel>& kernels = code.algorithm.kernels;
+  const auto first = std::find_if(kernels.begin(), kernels.end(), [](const ir::Kernel& k) { return k.by_limbs(); });
+  if (first == kernels.end() || !pivots_in_slots(code)) return "";
+  const ir::Kernel& kernel = *first;
   const auto name = [&](int array) { return code.algorithm.arrays[static_cast<size_t>(array)].name; };
   const PivotRoles in_slots = *pivots_in_slots(code);
   const auto at = [&](int role) { return kept(code, role, 0); };
   return fmt::format("  const {} branches{{\n      {}, {}, {}, {},\n      workspace.{}, workspace.{}}};\n", limbs_type(code),
-                     at(in_slots.pivot), at(in_slots.gain), at(in_slots.linear), at(in_slots.angular), name(step.gain),
-                     name(step.pivots));
+                     at(in_slots.pivot), at(in_slots.gain), at(in_slots.linear), at(in_slots.angular),
+                     name(kernel[ir::Operand::gain]), name(kernel[ir::Operand::pivots]));
 }
 
 std::string results_statements(const CodeInput& code) {
@@ -279,8 +280,8 @@ std::string results_statements(const CodeInput& code) {
       text += fmt::format("  workspace.{}[{}] += {};  // added on the diagonal\n", array.name, index,
                           literal(a.value, code.scene.scalar));
   }
-  return text + projection_statements(code) + matrix_statements(code) +
-         constraint_statements(code, limbs_in_slots(code), axes_of_slots(code)) + pivots_statements(code);
+  return text + projection_statements(code) + kernel_statements(code, limbs_in_slots(code), axes_of_slots(code)) +
+         pivots_statements(code);
 }
 
 // What a stage's function does with what not every stage takes.
@@ -371,7 +372,7 @@ std::vector<std::string> rolled_includes(const CodeInput& code) {
   if (projects_by_rows(code)) headers.emplace_back("projections");
   if (prepare_reads_q(code)) headers.emplace_back("sincos");
   if (solves(code)) headers.emplace_back("solve");
-  for (const std::string& header : constraint_includes(code)) headers.push_back(header);
+  for (const std::string& header : kernel_includes(code)) headers.push_back(header);
   if (headers.empty()) headers.emplace_back("lanes");
   return headers;
 }

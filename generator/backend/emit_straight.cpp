@@ -9,6 +9,7 @@
 #include "backend/emit_embedded.hpp"
 #include "backend/emit_projections.hpp"
 #include "backend/graph_printer.hpp"
+#include "backend/kernel_text.hpp"
 #include "backend/literals.hpp"
 #include "backend/templates.hpp"
 
@@ -128,8 +129,8 @@ std::string straight_statements(const CodeInput& code, const ir::Program& progra
   if (sinks.empty()) body += "  (void)workspace;\n";
   style.order = program.order;
   if (!program.order.empty()) style.return_to = [&](const ir::Tag& tag) { return return_to(code, tag); };
-  return body + print(program.graph, sinks, style) + projection_statements(code) + matrix_statements(code) +
-         constraint_statements(code) + guard_statements(code) + next_section_call(code);
+  return body + print(program.graph, sinks, style) + projection_statements(code) + kernel_statements(code) +
+         guard_statements(code) + next_section_call(code);
 }
 
 ir::Operations straight_operations(const CodeInput& code) {
@@ -145,7 +146,7 @@ std::vector<std::string> straight_includes(const CodeInput& code) {
   if (projects_by_rows(code)) headers.emplace_back("projections");
   if (Angles(code.program).count() > 0) headers.emplace_back("sincos");
   if (solves(code) || code.algorithm.factor >= 0) headers.emplace_back("solve");
-  for (const std::string& header : constraint_includes(code)) headers.push_back(header);
+  for (const std::string& header : kernel_includes(code)) headers.push_back(header);
   return headers;
 }
 

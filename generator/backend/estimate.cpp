@@ -87,17 +87,16 @@ class Work {
   double operations_ = 0, divisions_ = 0;
 };
 
-void add_steps(const CodeInput& code, Features& f) {
+void add_kernels(const CodeInput& code, Features& f) {
   const ir::CoordinateTree tree = ir::coordinate_tree(code.tree);
-  for (const ir::Step& step : code.algorithm.steps) {
-    const ir::Operations o = ir::operations_of(step, code.tree, true);
+  for (const ir::Kernel& kernel : code.algorithm.kernels) {
+    const ir::Operations o = ir::operations_of(kernel, code.tree, true);
     of(f, Feature::step_operations) += static_cast<double>(o.multiply);
     of(f, Feature::divide) += static_cast<double>(o.divide);
-    const ir::MatrixStep* const matrix = std::get_if<ir::MatrixStep>(&step);
-    if (!matrix) continue;
-    const bool solves = matrix->kind == ir::MatrixStep::Kind::factor || matrix->kind == ir::MatrixStep::Kind::solve;
+    if (kernel.of_constraints()) continue;
+    const bool solves = kernel.kind == ir::Kernel::Kind::factor || kernel.kind == ir::Kernel::Kind::solve;
     if (!solves || tree.size() > most_written_out)
-      of(f, Feature::step_chains) += static_cast<double>(ir::chains(tree, matrix->first).size());
+      of(f, Feature::step_chains) += static_cast<double>(ir::chains(tree, kernel.first).size());
   }
 }
 
@@ -232,7 +231,7 @@ void add_segment(const CodeInput& code, size_t segment, int level, int lanes, Fe
 
 // What stands behind the sweeps, in either form.
 void add_steps_behind(const CodeInput& code, int lanes, Features& f) {
-  add_steps(code, f);
+  add_kernels(code, f);
   add_projections(code, lanes, f);
 }
 

@@ -22,7 +22,7 @@ enum class Feature {
   tiles,            // operations of blocks of matrices, a register at a time
   along,            // the same of long limbs, which need no shuffles
   stores,           // numbers stored one by one or register by register
-  step_operations,  // of steps with whole matrices
+  step_operations,  // of kernels
   step_chains,      // of these: chains of coordinates, each a call
 };
 inline constexpr int feature_count = 13;

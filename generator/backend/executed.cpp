@@ -118,7 +118,7 @@ long guard_products(const CodeInput& code) {
 ir::Operations executed_operations(const CodeInput& code) {
   ir::Operations sum;
   sum.multiply = guard_products(code);
-  for (const ir::Step& step : code.algorithm.steps) sum += ir::operations_of(step, code.tree, true);
+  for (const ir::Kernel& kernel : code.algorithm.kernels) sum += ir::operations_of(kernel, code.tree, true);
   add_projections(code, sum);
   if (const std::optional<ir::Embedding>& embedding = code.algorithm.embedding) {
     sum += ir::operations_of_linkages(code.tree, embedding->rates >= 0);

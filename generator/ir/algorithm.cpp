@@ -38,18 +38,6 @@ std::vector<Input> Projection::inputs(InputKind kind) const {
   return found;
 }
 
-std::vector<int> read(const Step& step) {
-  return std::visit([](const auto& s) { return s.read(); }, step);
-}
-
-std::vector<int> filled(const Step& step) {
-  return std::visit([](const auto& s) { return s.filled(); }, step);
-}
-
-Operations operations_of(const Step& step, const KinematicTree& tree, bool executed) {
-  return std::visit([&](const auto& s) { return operations_of(s, tree, executed); }, step);
-}
-
 bool Section::computes(Quantity quantity) const {
   return std::find(quantities.begin(), quantities.end(), quantity) != quantities.end();
 }

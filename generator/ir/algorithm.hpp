@@ -13,14 +13,12 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <variant>
 #include <vector>
 
-#include "ir/constraint_step.hpp"
 #include "ir/emitted_function.hpp"
 #include "ir/graph.hpp"
+#include "ir/kernel.hpp"
 #include "ir/kinematic_tree.hpp"
-#include "ir/matrix_step.hpp"
 #include "ir/quantity.hpp"
 
 namespace dalembert::ir {
@@ -153,14 +151,6 @@ struct OutputArray {
   bool is_part() const { return !row_map.empty() || !column_map.empty(); }
 };
 
-// What is done to whole matrices, and with rows of constraints, once the elements are there.
-using Step = std::variant<MatrixStep, ConstraintStep>;
-// Arrays that it reads, and that it fills; rooms that nothing else reads are neither.
-std::vector<int> read(const Step& step);
-std::vector<int> filled(const Step& step);
-// Padding left out, or with it, as the code executes it.
-Operations operations_of(const Step& step, const KinematicTree& tree, bool executed);
-
 // Arrays that mean something only where the mass matrix is positive definite: where a pivot of its factorisation is not above
 // what rounding leaves of M's diagonal they are zero, and the function's status says which.
 struct Guard {
@@ -174,7 +164,7 @@ struct Guard {
 };
 
 // How what another function computes on the tree without embedded loops becomes what is asked for of the independent
-// coordinates, by T and T' of the followers (ir/linkage.hpp), before the steps with whole matrices.
+// coordinates, by T and T' of the followers (ir/linkage.hpp), before the kernels.
 struct Projected {
   enum class Kind {
     same,            // to = from
@@ -229,8 +219,8 @@ struct Algorithm {
   std::vector<Pairs> pairs;
   std::vector<Projection> projections;
   std::vector<Result> results;
-  std::vector<Step> steps;               // in order, after all results
-  std::vector<std::string> written_out;  // equations of steps that became nodes; tags count on to them
+  std::vector<Kernel> kernels;           // in order, after all results
+  std::vector<std::string> written_out;  // equations of kernels that became nodes; tags count on to them
   std::optional<Guard> guard;
   int factor = -1;                     // the array that equations with M are solved by, if the code is to offer that
   std::optional<Embedding> embedding;  // then there are no sweeps
@@ -240,14 +230,6 @@ struct Algorithm {
   // "forward_dynamics_derivatives_scratch".
   std::string own_name(const std::string& what) const {
     return section.is_first() ? function.own_name(what) : section.name + "_" + what;
-  }
-  // Its steps of one kind: MatrixStep or ConstraintStep.
-  template <class Kind>
-  std::vector<Kind> steps_of() const {
-    std::vector<Kind> all;
-    for (const Step& step : steps)
-      if (const Kind* const of_kind = std::get_if<Kind>(&step)) all.push_back(*of_kind);
-    return all;
   }
   // First of a role's components among all of them.
   std::vector<int> offsets() const;

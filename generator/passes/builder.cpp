@@ -203,31 +203,16 @@ int Builder::internal_array_of_part(const std::string& name, int rows, int colum
   return index;
 }
 
-void Builder::step(const ir::MatrixStep& step) {
-  const auto at = std::find_if(algorithm_.steps.begin(), algorithm_.steps.end(),
-                               [](const ir::Step& s) { return std::holds_alternative<ir::ConstraintStep>(s); });
-  algorithm_.steps.insert(at, step);
-}
-
-namespace {
-
-template <class Step>
-std::optional<Step> first_of(typename Step::Kind kind, const std::vector<ir::Algorithm>& before, const ir::Algorithm& last) {
-  std::vector<Step> steps;
-  for (const ir::Algorithm& section : before)
-    for (const Step& step : section.steps_of<Step>()) steps.push_back(step);
-  for (const Step& step : last.steps_of<Step>()) steps.push_back(step);
-  const auto at = std::find_if(steps.begin(), steps.end(), [=](const Step& step) { return step.kind == kind; });
-  return at == steps.end() ? std::nullopt : std::optional(*at);
-}
-
-}  // namespace
-
-std::optional<ir::MatrixStep> Builder::made(ir::MatrixStep::Kind kind) const {
-  return first_of<ir::MatrixStep>(kind, before_, algorithm_);
-}
-std::optional<ir::ConstraintStep> Builder::made(ir::ConstraintStep::Kind kind) const {
-  return first_of<ir::ConstraintStep>(kind, before_, algorithm_);
+std::optional<ir::Kernel> Builder::made(std::initializer_list<ir::Kernel::Kind> kinds) const {
+  const auto in = [&](const ir::Algorithm& section) -> std::optional<ir::Kernel> {
+    const auto at = std::find_if(section.kernels.begin(), section.kernels.end(), [&](const ir::Kernel& kernel) {
+      return std::find(kinds.begin(), kinds.end(), kernel.kind) != kinds.end();
+    });
+    return at == section.kernels.end() ? std::nullopt : std::optional(*at);
+  };
+  for (const ir::Algorithm& section : before_)
+    if (const auto found = in(section)) return found;
+  return in(algorithm_);
 }
 
 void Builder::behind(const std::string& name, const std::string& type, int accelerations, int forces, ir::Quantity quantity,

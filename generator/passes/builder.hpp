@@ -9,6 +9,7 @@
 #pragma once
 
 #include <functional>
+#include <initializer_list>
 #include <optional>
 #include <string>
 #include <vector>
@@ -132,9 +133,8 @@ class Builder {
   void pairs(const ir::Pairs& pairs) { algorithm_.pairs.push_back(pairs); }
   void projection(const ir::Projection& projection) { algorithm_.projections.push_back(projection); }
   ir::Graph new_graph() const { return ir::Graph(options_); }
-  // The first step of that kind, in this section or one before.
-  std::optional<ir::MatrixStep> made(ir::MatrixStep::Kind kind) const;
-  std::optional<ir::ConstraintStep> made(ir::ConstraintStep::Kind kind) const;
+  // The first kernel of one of the kinds, in this section or one before.
+  std::optional<ir::Kernel> made(std::initializer_list<ir::Kernel::Kind> kinds) const;
   // Whether equations with M are solved by M's factors: joints driven by others cannot be eliminated body by body, and where
   // the factors are asked for they serve all that is solved.
   bool factors() const;
@@ -143,12 +143,10 @@ class Builder {
   void solve_by(int factor) { algorithm_.factor = factor; }
   // The array of a quantity that the function computes.
   int output(ir::Quantity quantity);
-  // Those with whole matrices stand before those with rows of constraints, which read what they leave.
-  void step(const ir::MatrixStep& step);
-  void step(const ir::ConstraintStep& step) { algorithm_.steps.emplace_back(step); }
+  void kernel(const ir::Kernel& kernel) { algorithm_.kernels.push_back(kernel); }
   void result(const ir::Result& result) { algorithm_.results.push_back(result); }
 
-  // Of a quantity: that its sweeps wait for arrays that steps of this section fill, and how it is described in a section
+  // Of a quantity: that its sweeps wait for arrays that kernels of this section fill, and how it is described in a section
   // behind, which is called `name`. accelerations, forces: as in ir::Section.
   void behind(const std::string& name, const std::string& type, int accelerations, int forces, ir::Quantity quantity,
               const std::function<void(Builder&)>& describe);

@@ -94,13 +94,16 @@ class Embed {
         return;
       case Quantity::inverse_mass_matrix: {
         const int upper = factor(), padded = room("padded_inverse", inverse_size(tree_.nv()), 1);
-        algorithm_.steps.emplace_back(
-            ir::MatrixStep{ir::MatrixStep::Kind::invert, upper, algorithm_.guard->pivots, to, padded});
+        algorithm_.kernels.push_back(ir::Kernel(ir::Kernel::Kind::invert, {{ir::Operand::factor, upper},
+                                                                           {ir::Operand::pivots, algorithm_.guard->pivots},
+                                                                           {ir::Operand::inverse, padded},
+                                                                           {ir::Operand::to, to}}));
         return guard(to);
       }
       case Quantity::forward_dynamics:
         project(Kind::unbalanced, Quantity::inverse_dynamics, to);
-        algorithm_.steps.emplace_back(ir::MatrixStep{ir::MatrixStep::Kind::solve, factor(), -1, to});
+        algorithm_.kernels.push_back(
+            ir::Kernel(ir::Kernel::Kind::solve, {{ir::Operand::factor, factor()}, {ir::Operand::to, to}}));
         return guard(to);
       default: return project(Kind::same, quantity, to);  // others are refused (ir::is_of_linkages)
     }
@@ -148,8 +151,12 @@ class Embed {
     const int unscaled = room("unscaled_factor", factor_stride(longest), nv);
     algorithm_.guard = ir::Guard{room("pivots", nv, 1), room("diagonal", nv, 1), {}, upper};
     // Before what solves.
-    algorithm_.steps.insert(algorithm_.steps.begin(),
-                            ir::MatrixStep{ir::MatrixStep::Kind::factor, own_mass, algorithm_.guard->pivots, upper, unscaled});
+    algorithm_.kernels.insert(algorithm_.kernels.begin(),
+                              ir::Kernel(ir::Kernel::Kind::factor, {{ir::Operand::mass, own_mass},
+                                                                    {ir::Operand::unscaled, unscaled},
+                                                                    {ir::Operand::factor, upper},
+                                                                    {ir::Operand::pivots, algorithm_.guard->pivots},
+                                                                    {ir::Operand::diagonal, algorithm_.guard->diagonal}}));
     return upper;
   }
   void guard(int to) { algorithm_.guard->arrays.push_back(to); }

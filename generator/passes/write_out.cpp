@@ -12,7 +12,8 @@ namespace {
 
 using ir::no_node;
 using ir::NodeId;
-using Kind = ir::MatrixStep::Kind;
+using ir::Operand;
+using Kind = ir::Kernel::Kind;
 
 const char* equation(Kind kind) {
   switch (kind) {
@@ -20,8 +21,8 @@ const char* equation(Kind kind) {
     case Kind::solve: return "(U D U')^-1 (tau - (C v + g))";
     case Kind::invert: return "X = (U D U')^-1: U' X = D^-1 U^-1, row by row";
     case Kind::negative_product: return "-X times the derivatives of inverse dynamics";
+    default: return "";  // kernels of constraints are called
   }
-  return "";
 }
 
 // A matrix of nodes: what is zero in every state is not there.
@@ -59,41 +60,36 @@ class Writing {
 
   void run() {
     const std::size_t tags = algorithm_.sweeps.size() + algorithm_.pairs.size() + algorithm_.projections.size();
-    std::vector<ir::Step> left;
-    for (const ir::Step& any : algorithm_.steps) {
-      if (stays(any)) {
-        left.push_back(any);
+    std::vector<ir::Kernel> left;
+    for (const ir::Kernel& kernel : algorithm_.kernels) {
+      if (stays(kernel)) {
+        left.push_back(kernel);
         continue;
       }
-      const auto& step = std::get<ir::MatrixStep>(any);
       graph_.set_tag({static_cast<std::int16_t>(tags + algorithm_.written_out.size()), -1});
-      algorithm_.written_out.push_back(equation(step.kind));
-      switch (step.kind) {
-        case Kind::factor: factor(step); break;
-        case Kind::solve: solve(step); break;
-        case Kind::invert: invert(step); break;
-        case Kind::negative_product: negative_product(step); break;
+      algorithm_.written_out.push_back(equation(kernel.kind));
+      switch (kernel.kind) {
+        case Kind::factor: factor(kernel); break;
+        case Kind::solve: solve(kernel); break;
+        case Kind::invert: invert(kernel); break;
+        default: negative_product(kernel);
       }
     }
-    algorithm_.steps = std::move(left);
+    algorithm_.kernels = std::move(left);
     collect();
     drop_unread();
   }
 
  private:
   // Rows of constraints; and products of whole matrices, which take a fraction of the time in lanes, but for the smallest.
-  bool stays(const ir::Step& step) const {
+  bool stays(const ir::Kernel& kernel) const {
     constexpr int smallest = 4;
-    const ir::MatrixStep* const matrix = std::get_if<ir::MatrixStep>(&step);
-    return !matrix || (matrix->kind == Kind::negative_product && !products_ && tree_.size() > smallest);
+    return kernel.of_constraints() || (kernel.kind == Kind::negative_product && !products_ && tree_.size() > smallest);
   }
-  // Whether a step that stays has to do with the array.
+  // Whether a kernel that stays has to do with the array.
   bool is_used(int array) const {
-    return std::any_of(algorithm_.steps.begin(), algorithm_.steps.end(), [&](const ir::Step& step) {
-      std::vector<int> arrays = ir::read(step);
-      if (const auto* const rows = std::get_if<ir::ConstraintStep>(&step)) {
-        for (const int own : {rows->room, rows->forces, rows->to, rows->turning_room}) arrays.push_back(own);
-      }
+    return std::any_of(algorithm_.kernels.begin(), algorithm_.kernels.end(), [&](const ir::Kernel& kernel) {
+      const std::vector<int> arrays = kernel.touched();
       return std::find(arrays.begin(), arrays.end(), array) != arrays.end();
     });
   }
@@ -110,17 +106,18 @@ class Writing {
   NodeId reciprocal(NodeId pivot) { return graph_.divide(graph_.constant(1), pivot); }
 
   // U and D of M = U D U', from the last coordinate to the first.
-  void factor(const ir::MatrixStep& step) {
-    Matrix rest = of(step.a);
+  void factor(const ir::Kernel& kernel) {
+    const Matrix& mass = of(kernel[Operand::mass]);
+    Matrix rest = mass;
     for (int k = tree_.size() - 1; k >= 0; --k) {
       const NodeId pivot = rest.at(k, k), inverse = reciprocal(pivot);
-      of(algorithm_.guard->diagonal).set(k, 0, of(step.a).at(k, k));
-      of(step.b).set(k, 0, pivot);
-      of(step.to).set(k, k, pivot);
+      of(kernel[Operand::diagonal]).set(k, 0, mass.at(k, k));
+      of(kernel[Operand::pivots]).set(k, 0, pivot);
+      of(kernel[Operand::factor]).set(k, k, pivot);
       for (const int i : above(k)) {
         if (rest.at(i, k) == no_node) continue;
         const NodeId u = graph_.multiply(rest.at(i, k), inverse);
-        of(step.to).set(i, k, u);
+        of(kernel[Operand::factor]).set(i, k, u);
         for (int j = i; j >= 0; j = tree_.above[static_cast<std::size_t>(j)])
           rest.set(j, i, less(rest.at(j, i), u, rest.at(j, k)));
       }
@@ -128,9 +125,9 @@ class Writing {
   }
 
   // (U D U')^-1 x.
-  void solve(const ir::MatrixStep& step) {
-    const Matrix& u = of(step.a);
-    Matrix& x = of(step.to);
+  void solve(const ir::Kernel& kernel) {
+    const Matrix& u = of(kernel[Operand::factor]);
+    Matrix& x = of(kernel[Operand::to]);
     for (int k = tree_.size() - 1; k >= 0; --k)
       for (const int i : above(k)) x.set(i, 0, less(x.at(i, 0), u.at(i, k), x.at(k, 0)));
     for (int k = 0; k < tree_.size(); ++k) {
@@ -140,27 +137,27 @@ class Writing {
   }
 
   // X = (U D U')^-1: row k of U' X = D^-1 U^-1, whose right side is zero before its diagonal.
-  void invert(const ir::MatrixStep& step) {
-    const Matrix& u = of(step.a);
+  void invert(const ir::Kernel& kernel) {
+    const Matrix &u = of(kernel[Operand::factor]), &pivots = of(kernel[Operand::pivots]);
     Matrix x;
     for (int k = 0; k < tree_.size(); ++k)
       for (int j = 0; j <= k; ++j) {
-        NodeId sum = j == k ? reciprocal(of(step.b).at(k, 0)) : no_node;
+        NodeId sum = j == k ? reciprocal(pivots.at(k, 0)) : no_node;
         for (const int i : above(k)) sum = less(sum, u.at(i, k), x.at(i, j));
         x.set(k, j, sum);
         x.set(j, k, sum);
       }
-    of(step.to) = x;
-    if (step.room < 0) return;
+    of(kernel[Operand::to]) = x;
+    const int padded = kernel[Operand::inverse];
     for (const auto& [place, node] : x.nodes())  // by column and row
-      of(step.room).set(place.first * inverse_stride(tree_.size()) + place.second, 0, node);
-    inverse_of_room_[step.room] = std::move(x);
+      of(padded).set(place.first * inverse_stride(tree_.size()) + place.second, 0, node);
+    inverses_[padded] = std::move(x);
   }
 
-  void negative_product(const ir::MatrixStep& step) {
-    const Matrix &a = inverse_of_room_.at(step.a), &b = of(step.b);
-    Matrix& product = of(step.to);  // the columns before the first are there
-    for (int j = step.first; j < tree_.size(); ++j)
+  void negative_product(const ir::Kernel& kernel) {
+    const Matrix &a = inverses_.at(kernel[Operand::inverse]), &b = of(kernel[Operand::efforts]);
+    Matrix& product = of(kernel[Operand::to]);  // the columns before the first are there
+    for (int j = kernel.first; j < tree_.size(); ++j)
       for (int i = 0; i < tree_.size(); ++i) {
         NodeId sum = no_node;
         for (int k = 0; k < tree_.size(); ++k) sum = less(sum, a.at(i, k), b.at(k, j));
@@ -177,7 +174,7 @@ class Writing {
     program_.names.resize(program_.names.empty() ? 0 : static_cast<std::size_t>(graph_.size()));
   }
 
-  // Arrays between that only steps have read: they are not stored, nor cleared.
+  // Arrays between that only kernels have read: they are not stored, nor cleared.
   void drop_unread() {
     std::optional<ir::Guard>& guard = algorithm_.guard;
     for (std::size_t a = 0; a < algorithm_.arrays.size(); ++a) {
@@ -200,7 +197,7 @@ class Writing {
   const ir::CoordinateTree& tree_;
   const bool products_;
   std::vector<Matrix> matrices_;
-  std::map<int, Matrix> inverse_of_room_;
+  std::map<int, Matrix> inverses_;  // by the array that has them with padding
   std::vector<std::vector<int>> above_;
 };
 
@@ -217,11 +214,10 @@ bool has_diagonal(const ir::Program& program, int array, int size) {
 
 }  // namespace
 
-void write_out_steps(ir::Algorithm& algorithm, ir::Program& program, const ir::CoordinateTree& tree, bool products) {
-  const std::vector<ir::MatrixStep> steps = algorithm.steps_of<ir::MatrixStep>();
-  if (steps.empty()) return;
-  for (const ir::MatrixStep& step : steps)
-    if (step.kind == Kind::factor && !has_diagonal(program, step.a, tree.size())) return;
+void write_out_kernels(ir::Algorithm& algorithm, ir::Program& program, const ir::CoordinateTree& tree, bool products) {
+  if (std::all_of(algorithm.kernels.begin(), algorithm.kernels.end(), [](const auto& k) { return k.of_constraints(); })) return;
+  for (const ir::Kernel& kernel : algorithm.kernels)
+    if (kernel.kind == Kind::factor && !has_diagonal(program, kernel[Operand::mass], tree.size())) return;
   Writing(algorithm, program, tree, products).run();
 }
 

@@ -1,8 +1,8 @@
-// Writing out: steps with whole matrices as nodes of the scalar program.
+// Writing out: kernels on whole matrices as nodes of the scalar program.
 //
 // The runtime's loops over chains of coordinates pay where matrices are large. Of a small robot's factors a straight line has
-// the elements that are not zero and nothing else, no matrix between two steps is stored, and what one step leaves unfinished
-// the next one's operations hide.
+// the elements that are not zero and nothing else, no matrix between two kernels is stored, and what one leaves
+// unfinished the next one's operations hide.
 #pragma once
 
 #include "ir/algorithm.hpp"
@@ -11,10 +11,10 @@
 
 namespace dalembert::passes {
 
-// Adds them and takes the steps out, with the arrays that nothing but they read. `program` is the algorithm's, unrolled, with
+// Adds them and takes the kernels out, with the arrays that nothing but they read. `program` is the algorithm's, unrolled, with
 // an element for every place of its arrays that is not zero in every state, and it is the function's only section: another
-// would read arrays of steps. Products of whole matrices stay, unless `products` are to be written out as well: they take a
+// would read arrays of kernels. Products of whole matrices stay, unless `products` are to be written out as well: they take a
 // fraction of the time in lanes of elements.
-void write_out_steps(ir::Algorithm& algorithm, ir::Program& program, const ir::CoordinateTree& tree, bool products = false);
+void write_out_kernels(ir::Algorithm& algorithm, ir::Program& program, const ir::CoordinateTree& tree, bool products = false);
 
 }  // namespace dalembert::passes

@@ -6,7 +6,7 @@
 #include <dalembert/constraint_shapes.hpp>
 #include <limits>
 
-#include "ir/constraint_step.hpp"
+#include "ir/constraint_paths.hpp"
 #include "reference/digits50.hpp"
 
 namespace dalembert::reference {

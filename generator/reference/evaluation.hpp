@@ -12,7 +12,7 @@
 #include <dalembert/generic/frames.hpp>
 #include <optional>
 
-#include "ir/constraint_step.hpp"
+#include "ir/constraint_paths.hpp"
 #include "ir/loop_length.hpp"
 #include "ir/moved_links.hpp"
 #include "reference/engine.hpp"

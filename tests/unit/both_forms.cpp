@@ -134,7 +134,7 @@ std::array<ir::Arrays, 2> run_section(const ir::Algorithm& algorithm, bool only,
   ir::Algorithm written_out = algorithm;
   ir::Program line = unroll.program();
   passes::project_by_rows(written_out, line, unroll, tree);
-  if (only) passes::write_out_steps(written_out, line, ir::coordinate_tree(tree));
+  if (only) passes::write_out_kernels(written_out, line, ir::coordinate_tree(tree));
   ir::Arrays straight = ir::run(written_out, line, tree, input, left[0]);
   if (tree.bodies.empty()) return {straight, straight};  // a base alone
   form = 1;

@@ -1,15 +1,13 @@
 #include "interpret.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
-#include <dalembert/constraint_shapes.hpp>
-#include <dalembert/pivots.hpp>
 #include <map>
 #include <string>
 #include <vector>
 
-#include "dalembert/chain_shapes.hpp"
+#include "interpret_kernels.hpp"
 #include "ir/coordinate_tree.hpp"
 #include "ir/moved_links.hpp"
 #include "ir/row_runs.hpp"
@@ -43,224 +41,6 @@ std::vector<Scalar> interpret(const Graph& graph, const InputValue& input) {
     }
   }
   return value;
-}
-
-// M = U D U' one coordinate after another, from the last: U and D in one matrix, and D alone.
-void factor(Eigen::MatrixXd M, Eigen::MatrixXd& upper, Eigen::MatrixXd& pivots) {
-  upper.setZero();
-  for (Eigen::Index k = M.rows(); k-- > 0;) {
-    upper(k, k) = pivots(k, 0) = M(k, k);
-    upper.col(k).head(k) = M.col(k).head(k) / M(k, k);
-    M.topLeftCorner(k, k) -= M(k, k) * upper.col(k).head(k) * upper.col(k).head(k).transpose();
-  }
-}
-
-// What the guard of a function finds in its arrays, as dalembert/factor.hpp has it. above: the coordinate above each.
-FactorStatus<double> guard_status(const Algorithm& algorithm, Arrays& arrays, const std::vector<int>& above) {
-  const Guard& guard = *algorithm.guard;
-  const auto array = [&](int index) -> Eigen::MatrixXd& {
-    return arrays[algorithm.arrays[static_cast<std::size_t>(index)].name];
-  };
-  const Eigen::VectorXd pivots = array(guard.pivots), diagonal = array(guard.diagonal);
-  if ((pivots.array() > detail::least_ratio<double>() * diagonal.array() && pivots.array() > 0).all()) return {};
-  const Eigen::Index n = pivots.size();
-  const double rounding = detail::rounding_left<double>(static_cast<int>(n));
-  if (guard.factor >= 0) {
-    Eigen::VectorXd x(n);
-    return detail::bounded_status<double>(static_cast<int>(n), above.data(), array(guard.factor).data(), pivots.data(),
-                                          diagonal.data(), x.data());
-  }
-  // E of every coordinate, as a matrix.
-  const Eigen::MatrixXd &gain = array(guard.gain), &joint = array(guard.joint);
-  std::vector<Eigen::MatrixXd> beyond(static_cast<std::size_t>(n), Eigen::MatrixXd::Zero(6, 6));
-  for (Eigen::Index k = n; k-- > 0;) {
-    const Eigen::MatrixXd& E = beyond[static_cast<std::size_t>(k)];
-    const Eigen::VectorXd V = gain.col(k), J = joint.col(k);
-    if (!detail::exceeds(pivots[k], diagonal[k] + std::max(0.0, J.dot(E * J)), rounding))
-      return {static_cast<int>(k), pivots[k]};
-    const Eigen::MatrixXd P = Eigen::MatrixXd::Identity(6, 6) - J * V.transpose();
-    if (const int p = above[static_cast<std::size_t>(k)]; p >= 0)
-      beyond[static_cast<std::size_t>(p)] += P.transpose() * E * P + diagonal[k] * V * V.transpose();
-  }
-  return {};
-}
-
-// M^-1 from its room: as straight lines leave it, or as it was made here.
-Eigen::MatrixXd inverse(const Eigen::MatrixXd& room, Eigen::Index n) {
-  if (room.cols() > 1) return room;
-  return Eigen::Map<const Eigen::MatrixXd, 0, Eigen::OuterStride<>>(room.data(), n, n,
-                                                                    Eigen::OuterStride<>(inverse_stride(static_cast<int>(n))));
-}
-
-// J of rows, rounding being nothing.
-Eigen::MatrixXd rows_of(const Eigen::MatrixXd& J) {
-  return (J.array().abs() <= Proximal<double>::unmoved).select(Eigen::MatrixXd::Zero(J.rows(), J.cols()), J);
-}
-
-// J and M's U, above its diagonal: as they are,
-std::pair<Eigen::MatrixXd, Eigen::MatrixXd> rows_and_factor(const Eigen::MatrixXd& J, const Eigen::MatrixXd& factor) {
-  Eigen::MatrixXd upper = factor.triangularView<Eigen::StrictlyUpper>();
-  upper.diagonal().setOnes();
-  return {rows_of(J), upper};
-}
-
-// J of the rows' wrenches on the base and of the axes that coordinates move along, 6 x n.
-Eigen::MatrixXd rows_along(const ConstraintStep& s, const Eigen::MatrixXd& wrenches, const Eigen::MatrixXd& joint) {
-  Eigen::MatrixXd J = Eigen::MatrixXd::Zero(wrenches.rows(), joint.cols());
-  for (std::size_t c = 0; c + 1 < s.paths.first.size(); ++c)
-    for (int i = s.paths.begin[c]; i < s.paths.begin[c + 1]; ++i) {
-      const int first = s.paths.first[c], rows = s.paths.first[c + 1] - first, k = s.paths.path[static_cast<std::size_t>(i)];
-      J.block(first, k, rows, 1) = wrenches.middleRows(first, rows).leftCols(6) * joint.col(k);
-    }
-  return J;
-}
-
-// J and U of V and J of articulated bodies and the rows' wrenches.
-std::pair<Eigen::MatrixXd, Eigen::MatrixXd> rows_and_factor_of_limbs(const ConstraintStep& s, const Eigen::MatrixXd& wrenches,
-                                                                     const Eigen::MatrixXd& gain, const Eigen::MatrixXd& joint,
-                                                                     const std::vector<int>& above) {
-  const Eigen::Index n = gain.cols();
-  Eigen::MatrixXd upper = Eigen::MatrixXd::Identity(n, n);
-  for (Eigen::Index k = 0; k < n; ++k)
-    for (int i = above[static_cast<std::size_t>(k)]; i >= 0; i = above[static_cast<std::size_t>(i)])
-      upper(i, k) = gain.col(k).dot(joint.col(i));
-  return {rows_along(s, wrenches, joint), upper};
-}
-
-// J of the rows' wrenches and of the axes of the joints above constraints alone.
-Eigen::MatrixXd rows_by_wrenches(const ConstraintStep& s, const Eigen::MatrixXd& wrenches, const Eigen::MatrixXd& axes,
-                                 Eigen::Index n) {
-  Eigen::MatrixXd joint = Eigen::MatrixXd::Zero(6, n);
-  joint.leftCols(6).setIdentity();
-  Eigen::Index column = 0;
-  for (const int k : s.paths.moving())
-    if (k >= 6) joint.col(k) = axes.col(column++);
-  return rows_along(s, wrenches, joint);
-}
-
-// Steps with rows of constraints, likewise: all act, nothing gives way.
-void run_constraint_steps(const Algorithm& algorithm, Arrays& arrays, const std::vector<int>& above) {
-  for (const ConstraintStep& s : algorithm.steps_of<ConstraintStep>()) {
-    const auto array = [&](int index) -> Eigen::MatrixXd& {
-      return arrays[algorithm.arrays[static_cast<std::size_t>(index)].name];
-    };
-    if (s.kind == ConstraintStep::Kind::support) {
-      Eigen::MatrixXd J = array(s.jacobian);
-      if (s.by_wrenches()) J = rows_by_wrenches(s, J, array(s.axes), array(s.to).rows());
-      const auto count = static_cast<Eigen::Index>(s.undriven.size());
-      Eigen::MatrixXd own(J.rows(), count);
-      Eigen::VectorXd lacking(count), y = Eigen::VectorXd::Zero(count);
-      for (Eigen::Index i = 0; i < count; ++i) {
-        own.col(i) = J.col(s.undriven[static_cast<std::size_t>(i)]);
-        lacking[i] = array(s.to)(s.undriven[static_cast<std::size_t>(i)], 0);
-      }
-      array(s.forces).setZero();
-      if (count == 0) continue;
-      const Eigen::MatrixXd along = own.transpose() * own;
-      const Eigen::VectorXd held = 1e-8 * along.diagonal().unaryExpr([](double x) { return x > 0 ? x : 1.0; });
-      const Eigen::LDLT<Eigen::MatrixXd> factors(along + Eigen::MatrixXd(held.asDiagonal()));
-      for (int step = 0; step < s.solutions; ++step) y = factors.solve(lacking + held.cwiseProduct(y)).eval();
-      array(s.forces) = own * y;
-      array(s.to) -= J.transpose() * array(s.forces);
-      continue;
-    }
-    const auto held_by = [&](const Eigen::MatrixXd& along) {
-      Eigen::VectorXd held(along.rows());
-      for (std::size_t c = 0; c + 1 < s.paths.first.size(); ++c) {
-        const int first = s.paths.first[c], middle = first + s.paths.linear[c], behind = s.paths.first[c + 1];
-        for (const auto& [begin, end] : {std::pair(first, middle), std::pair(middle, behind)}) {
-          if (begin == end) continue;
-          const double mean = along.diagonal().segment(begin, end - begin).mean() + 1e-6 * along.trace();
-          for (int r = begin; r < end; ++r) held[r] = (along(r, r) > 0 ? 1e-8 : 1.0) * (mean > 0 ? mean : 1);
-        }
-      }
-      return held;
-    };
-    if (s.kind == ConstraintStep::Kind::respond) {
-      const Eigen::MatrixXd J = rows_of(array(s.jacobian));
-      const Eigen::MatrixXd M = inverse(array(s.inverse), J.cols()), along = J * M * J.transpose();
-      const Eigen::VectorXd held = held_by(along);
-      const Eigen::LDLT<Eigen::MatrixXd> factors(along + Eigen::MatrixXd(held.asDiagonal()));
-      const Eigen::MatrixXd one = Eigen::MatrixXd::Identity(J.rows(), J.rows());
-      Eigen::MatrixXd L = Eigen::MatrixXd::Zero(J.rows(), J.rows());
-      for (int step = 0; step < s.solutions; ++step) L = factors.solve(one + held.asDiagonal() * L).eval();
-      // B, and L beneath.
-      array(s.room).resize(J.cols() + J.rows(), J.rows());
-      array(s.room) << M * J.transpose() * L, L;
-      array(s.to) = M - M * J.transpose() * L * J * M;
-      if (s.plain >= 0) array(s.plain) = array(s.to);
-      if (s.forces >= 0) array(s.forces) = -(M * J.transpose() * L).transpose();
-      continue;
-    }
-    if (s.kind == ConstraintStep::Kind::derive) {
-      const Eigen::MatrixXd &changes = array(s.changes), &room = array(s.room);
-      const Eigen::MatrixXd B = room.topRows(changes.cols()), L = room.bottomRows(changes.rows());
-      Eigen::MatrixXd efforts = array(s.efforts);
-      if (s.turning_rows > 0) {
-        const Eigen::MatrixXd more = array(s.left).transpose() * array(s.turned);
-        efforts += more;
-        if (s.to >= 0) array(s.to) -= array(s.inverse) * more;
-      }
-      if (s.to >= 0) array(s.to) -= B * changes;
-      if (s.forces >= 0) array(s.forces) = B.transpose() * efforts - L * changes;
-      continue;
-    }
-    const auto [J, upper] = s.by_limbs() ? rows_and_factor_of_limbs(s, array(s.jacobian), array(s.gain), array(s.joint), above)
-                                         : rows_and_factor(array(s.jacobian), array(s.factor));
-    const Eigen::MatrixXd inverse = (upper * array(s.pivots).col(0).asDiagonal() * upper.transpose()).inverse();
-    Eigen::MatrixXd along = J * inverse * J.transpose();
-    if (s.kind == ConstraintStep::Kind::delassus) {
-      array(s.to) = along;
-      continue;
-    }
-    const bool impact = s.kind == ConstraintStep::Kind::impact;
-    if (!impact && s.by_limbs()) array(s.to) = upper * array(s.pivots).col(0).asDiagonal() * array(s.to);
-    const Eigen::VectorXd free = impact ? Eigen::VectorXd::Zero(J.cols()) : Eigen::VectorXd(inverse * array(s.to)),
-                          rest = array(s.right) - J * free;
-    const Eigen::VectorXd held = held_by(along);
-    Eigen::VectorXd forces = Eigen::VectorXd::Zero(J.rows());
-    along.diagonal() += held;
-    const Eigen::LDLT<Eigen::MatrixXd> factors(along);
-    for (int step = 0; step < s.solutions; ++step) forces = factors.solve(rest + held.cwiseProduct(forces)).eval();
-    array(s.forces) = forces;
-    array(s.to) = (impact ? Eigen::VectorXd(array(s.to)) : free) + inverse * J.transpose() * forces;
-  }
-}
-
-// Steps with whole matrices, in the terms of their definition.
-void run_steps(const Algorithm& algorithm, Arrays& arrays, const std::vector<int>& above) {
-  const auto array = [&](int index) -> Eigen::MatrixXd& {
-    return arrays[algorithm.arrays[static_cast<std::size_t>(index)].name];
-  };
-  for (const MatrixStep& s : algorithm.steps_of<MatrixStep>()) {
-    if (s.kind == MatrixStep::Kind::negative_product) {
-      const Eigen::Index from = s.first, count = array(s.b).cols() - from;
-      array(s.to).rightCols(count) = -inverse(array(s.a), array(s.b).rows()) * array(s.b).rightCols(count);
-      continue;
-    }
-    if (s.kind == MatrixStep::Kind::factor) {
-      factor(array(s.a), array(s.to), array(s.b));
-      array(algorithm.guard->diagonal) = array(s.a).diagonal();
-      continue;
-    }
-    if (s.kind == MatrixStep::Kind::solve) {
-      Eigen::MatrixXd upper = array(s.a);
-      const Eigen::VectorXd pivots = upper.diagonal();
-      upper.diagonal().setOnes();
-      array(s.to) = (upper * pivots.asDiagonal() * upper.transpose()).inverse() * array(s.to);
-      continue;
-    }
-    Eigen::MatrixXd transposed = array(s.a).triangularView<Eigen::StrictlyUpper>();
-    transposed.diagonal().setOnes();
-    array(s.to) = array(s.room) = (transposed * array(s.b).col(0).asDiagonal() * transposed.transpose()).inverse();
-  }
-  run_constraint_steps(algorithm, arrays, above);
-  if (!algorithm.guard) return;
-  // A section goes by what one before has found.
-  if (algorithm.guard->pivots >= 0)
-    arrays["status"] = Eigen::MatrixXd::Constant(1, 1, guard_status(algorithm, arrays, above).coordinate);
-  if (const auto status = arrays.find("status"); status == arrays.end() || status->second(0, 0) < 0) return;
-  for (const int index : algorithm.guard->arrays) array(index).setZero();
 }
 
 // What straight lines leave to lanes of rows.
@@ -325,7 +105,7 @@ class RolledRun {
       for (int i = 0; i < segments; ++i) segment(level % 2 == 0 ? i : segments - 1 - i, level);
     }
     results();
-    run_steps(algorithm_, arrays_, coordinate_tree(tree_).above);
+    run_kernels(algorithm_, arrays_, coordinate_tree(tree_).above);
     return arrays_;
   }
 
@@ -539,7 +319,7 @@ Arrays run(const Algorithm& algorithm, const Program& program, const KinematicTr
   for (const OutputElement& e : program.elements)
     arrays[program.arrays[static_cast<std::size_t>(e.array)].name](e.row, e.column) = values[static_cast<std::size_t>(e.node)];
   run_projections(algorithm, tree, arrays);
-  run_steps(algorithm, arrays, coordinate_tree(tree).above);
+  run_kernels(algorithm, arrays, coordinate_tree(tree).above);
   return arrays;
 }
 

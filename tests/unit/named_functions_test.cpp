@@ -172,8 +172,7 @@ TEST(NamedFunctions, ShareWhatTheyShare) {
   const auto inversions = [](const Lowered& lowered) {
     long count = 0;
     for (const LoweredSection* s : lowered.all_sections())
-      for (const ir::MatrixStep& step : s->algorithm.steps_of<ir::MatrixStep>())
-        count += step.kind == ir::MatrixStep::Kind::invert ? 1 : 0;
+      for (const ir::Kernel& kernel : s->algorithm.kernels) count += kernel.kind == ir::Kernel::Kind::invert ? 1 : 0;
     return count;
   };
   EXPECT_EQ(inversions(apart), 2);

@@ -19,13 +19,10 @@ std::vector<Output> results_of(const std::vector<Output>& outputs, const ir::Emi
   return results;
 }
 
-// What steps with rows of constraints do with v is theirs, not the program's.
-bool steps_read_velocities(const ir::Algorithm& algorithm) {
-  using Kind = ir::ConstraintStep::Kind;
-  const std::vector<ir::ConstraintStep> steps = algorithm.steps_of<ir::ConstraintStep>();
-  return std::any_of(steps.begin(), steps.end(), [](const ir::ConstraintStep& step) {
-    return step.kind != Kind::delassus && step.kind != Kind::respond && step.kind != Kind::derive;
-  });
+// What kernels with rows of constraints do with v is theirs, not the program's: those that tell a status solve for what holds.
+bool kernels_read_velocities(const ir::Algorithm& algorithm) {
+  return std::any_of(algorithm.kernels.begin(), algorithm.kernels.end(),
+                     [](const ir::Kernel& kernel) { return *ir::row_of(kernel.kind).status != 0; });
 }
 
 }  // namespace
@@ -70,7 +67,7 @@ void find_what_is_read(Library& library) {
     const Lowered lowered = lower_to_programs(library.parts[p].model);
     for (const LoweredFunction& f : lowered.functions)
       for (const LoweredSection& s : f.sections)
-        reads[f.name()] |= steps_read_velocities(s.algorithm) || (s.algorithm.embedding && s.algorithm.embedding->moving) ||
+        reads[f.name()] |= kernels_read_velocities(s.algorithm) || (s.algorithm.embedding && s.algorithm.embedding->moving) ||
                            !ir::inputs_read(s.program, ir::uses(s.program.graph, s.program.roots())).velocities.empty();
     for (TableFunction& f : library.functions)
       if (f.part == p) f.reads_velocities = reads[f.function.name];

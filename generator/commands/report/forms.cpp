@@ -61,12 +61,12 @@ void add_costs(const Subject& subject, const Lowered& lowered, Rows& rows) {
   }
 }
 
-// Arrays that steps with whole matrices fill: the programs do not know their elements.
-std::set<std::string> filled_by_steps(const Lowered& lowered) {
+// Arrays that kernels fill: the programs do not know their elements.
+std::set<std::string> filled_by_kernels(const Lowered& lowered) {
   std::set<std::string> names;
   for (const LoweredSection* s : lowered.all_sections())
-    for (const ir::MatrixStep& step : s->algorithm.steps_of<ir::MatrixStep>())
-      names.insert(s->algorithm.arrays[static_cast<size_t>(step.to)].name);
+    for (const ir::Kernel& kernel : s->algorithm.kernels)
+      for (const int array : kernel.filled()) names.insert(s->algorithm.arrays[static_cast<size_t>(array)].name);
   return names;
 }
 
@@ -98,7 +98,7 @@ void add_forms(const Subject& subject, Rows& rows) {
   const Lowered lowered = lower(subject.model);
   add_plan(subject, lowered, rows);
   add_costs(subject, lowered, rows);
-  const std::set<std::string> unknown = filled_by_steps(lowered);
+  const std::set<std::string> unknown = filled_by_kernels(lowered);
   for (const LoweredFunction& function : lowered.functions) add_sparsity(function.first().program, unknown, rows);
 }
 

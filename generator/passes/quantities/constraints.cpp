@@ -4,7 +4,7 @@
 
 #include "dalembert/chain_shapes.hpp"
 #include "dalembert/constraint_shapes.hpp"
-#include "ir/constraint_step.hpp"
+#include "ir/constraint_paths.hpp"
 #include "passes/quantities/constraint_rows.hpp"
 #include "passes/quantities/quantities.hpp"
 #include "passes/quantities/shared.hpp"
@@ -12,7 +12,9 @@
 namespace dalembert::passes {
 
 using ir::Direction;
+using ir::Operand;
 using ir::Shape;
+using Kind = ir::Kernel::Kind;
 
 namespace {
 
@@ -88,7 +90,14 @@ int room_called(Builder& b, const std::string& name, int size) {
   const int made = b.array_called(own);
   return made >= 0 ? made : b.internal_array(own, size, 1);
 }
-int room_of_response(Builder& b) { return room_called(b, "response", response_room(b.tree().nv(), b.tree().constraint_rows)); }
+int response_array(Builder& b) { return room_called(b, "response", response_room(b.tree().nv(), b.tree().constraint_rows)); }
+
+ir::Kernel kernel_of_constraints(const Builder& b, Kind kind) {
+  ir::Kernel kernel(kind);
+  kernel.paths = ir::constraint_paths(b.tree(), b.scene());
+  kernel.solutions = b.scene().scalar == ir::ScalarType::float32 ? Proximal<float>::steps : Proximal<double>::steps;
+  return kernel;
+}
 
 // Whether rows go up their limbs body by body, by articulated bodies, and neither M nor its factors are formed. A loop has two
 // limbs; on a fixed base joints are not along the base's axes; derivatives have M⁻¹ of all joints anyhow.
@@ -107,24 +116,24 @@ int base_columns(Builder& b) {
   return array;
 }
 
-ir::ConstraintStep step(Builder& b, ir::ConstraintStep::Kind kind, int to) {
-  ir::ConstraintStep s{kind, ir::constraint_paths(b.tree(), b.scene())};
-  s.solutions = b.scene().scalar == ir::ScalarType::float32 ? Proximal<float>::steps : Proximal<double>::steps;
-  if (by_limbs(b)) {
+// By M's factors, or by limbs.
+ir::Kernel kernel_of_rows(Builder& b, Kind by_factors, Kind going_up_limbs, int to) {
+  ir::Kernel kernel = kernel_of_constraints(b, by_limbs(b) ? going_up_limbs : by_factors);
+  if (kernel.by_limbs()) {
     const GainArrays gains = gain_arrays(b);
-    s.jacobian = base_columns(b);
-    s.pivots = b.guard()->pivots;
-    s.gain = gains.gain;
-    s.joint = gains.joint;
+    kernel[Operand::jacobian] = base_columns(b);
+    kernel[Operand::pivots] = b.guard()->pivots;
+    kernel[Operand::gain] = gains.gain;
+    kernel[Operand::joint] = gains.joint;
   } else {
     const TreeFactors factors = tree_factors(b);
-    s.jacobian = jacobian(b);
-    s.factor = factors.upper;
-    s.pivots = factors.pivots;
+    kernel[Operand::jacobian] = jacobian(b);
+    kernel[Operand::factor] = factors.upper;
+    kernel[Operand::pivots] = factors.pivots;
   }
-  s.room = room_called(b, "constraint_room", ir::constraint_room(s.paths));
-  s.to = to;
-  return s;
+  kernel[Operand::room] = room_called(b, "constraint_room", ir::constraint_room(kernel.paths));
+  kernel[Operand::to] = to;
+  return kernel;
 }
 
 }  // namespace
@@ -145,7 +154,7 @@ void describe_constraint_bias(Builder& b, int array) {
 
 void describe_delassus_matrix(Builder& b, int array) {
   guard(b, array);
-  b.step(step(b, ir::ConstraintStep::Kind::delassus, array));
+  b.kernel(kernel_of_rows(b, Kind::delassus, Kind::delassus_by_limbs, array));
 }
 
 namespace {
@@ -172,30 +181,30 @@ int speeds(Builder& b) {
 void describe_impact(Builder& b, int array) {
   guard(b, array);
   b.result({array, ir::Layout::per_coordinate, speeds(b)});
-  ir::ConstraintStep s = step(b, ir::ConstraintStep::Kind::impact, array);
-  s.right = b.internal_array(b.own_name("bounce"), b.tree().constraint_rows, 1);
-  s.forces = b.internal_array(b.own_name("impulses"), b.tree().constraint_rows, 1);
-  for (const auto& rows : constraint_rows(b)) describe_right(b, *rows, true, s.right);
-  b.step(s);
+  ir::Kernel impact = kernel_of_rows(b, Kind::impact, Kind::impact_by_limbs, array);
+  impact[Operand::right] = b.internal_array(b.own_name("bounce"), b.tree().constraint_rows, 1);
+  impact[Operand::forces] = b.internal_array(b.own_name("impulses"), b.tree().constraint_rows, 1);
+  for (const auto& rows : constraint_rows(b)) describe_right(b, *rows, true, impact[Operand::right]);
+  b.kernel(impact);
 }
 
 namespace {
 
-// Accelerations and forces come of one step, whichever is asked for.
-ir::ConstraintStep solve_constrained(Builder& b) {
-  if (const auto made = b.made(ir::ConstraintStep::Kind::solve)) return *made;
+// Accelerations and forces come of one kernel, whichever is asked for.
+ir::Kernel solve_constrained(Builder& b) {
+  if (const auto made = b.made({Kind::solve_constrained, Kind::solve_constrained_by_limbs})) return *made;
   const int rows = b.tree().constraint_rows;
   const auto nothing = [](int) {};
   const int to =
       array_of(b, ir::Quantity::constrained_forward_dynamics, "constrained_accelerations", b.tree().nv(), 1, nothing);
-  ir::ConstraintStep s = step(b, ir::ConstraintStep::Kind::solve, to);
-  s.forces = array_of(b, ir::Quantity::constraint_forces, "forces", rows, 1, nothing);
-  s.right = b.internal_array(b.own_name("right"), rows, 1);
-  if (responds(b)) s.response = room_of_response(b);
-  b.result({to, ir::Layout::per_coordinate, s.by_limbs() ? solved_accelerations(b).free_acceleration : unbalanced(b)});
-  for (const auto& rows : constraint_rows(b)) describe_right(b, *rows, false, s.right);
-  b.step(s);
-  return s;
+  ir::Kernel solve = kernel_of_rows(b, Kind::solve_constrained, Kind::solve_constrained_by_limbs, to);
+  solve[Operand::forces] = array_of(b, ir::Quantity::constraint_forces, "forces", rows, 1, nothing);
+  solve[Operand::right] = b.internal_array(b.own_name("right"), rows, 1);
+  if (responds(b)) solve[Operand::response] = response_array(b);
+  b.result({to, ir::Layout::per_coordinate, solve.by_limbs() ? solved_accelerations(b).free_acceleration : unbalanced(b)});
+  for (const auto& own : constraint_rows(b)) describe_right(b, *own, false, solve[Operand::right]);
+  b.kernel(solve);
+  return solve;
 }
 
 }  // namespace
@@ -219,25 +228,23 @@ constexpr ir::Quantity of_accelerations[] = {ir::Quantity::constrained_forward_d
 int rows_of(const Builder& b) { return b.tree().constraint_rows; }
 
 // N as M⁻¹ has it for products, and what else tells how the robot responds.
-ir::ConstraintStep response(Builder& b) {
-  if (const auto made = b.made(ir::ConstraintStep::Kind::respond)) return *made;
+ir::Kernel response(Builder& b) {
+  if (const auto made = b.made({Kind::respond, Kind::respond_as_solved})) return *made;
   const bool solved = b.computes(ir::Quantity::constrained_forward_dynamics) || b.computes(ir::Quantity::constraint_forces);
   if (solved) solve_constrained(b);
   const int inverse = padded_inverse(b);
-  ir::ConstraintStep s{ir::ConstraintStep::Kind::respond, ir::constraint_paths(b.tree(), b.scene())};
-  s.solutions = b.scene().scalar == ir::ScalarType::float32 ? Proximal<float>::steps : Proximal<double>::steps;
-  s.jacobian = jacobian(b);
-  s.inverse = inverse;
-  s.room = room_of_response(b);
-  const auto solve = b.made(ir::ConstraintStep::Kind::solve);
-  s.inverted = solve && solve->response == s.room;
-  s.to = b.internal_array(b.own_name("projected_inverse"), inverse_size(b.tree().nv()), 1);
+  const bool goes_on = b.made({Kind::solve_constrained}).has_value();
+  ir::Kernel respond = kernel_of_constraints(b, goes_on ? Kind::respond_as_solved : Kind::respond);
+  respond[Operand::jacobian] = jacobian(b);
+  respond[Operand::inverse] = inverse;
+  respond[Operand::response] = response_array(b);
+  respond[Operand::to] = b.internal_array(b.own_name("projected_inverse"), inverse_size(b.tree().nv()), 1);
   const auto output = [&](ir::Quantity quantity) { return b.computes(quantity) ? b.output(quantity) : -1; };
-  s.plain = output(ir::Quantity::constrained_forward_dynamics_dtau);
-  s.forces = output(ir::Quantity::constraint_forces_dtau);
-  s.of_forces = s.forces >= 0 || b.computes(of_forces[0]) || b.computes(of_forces[1]);
-  b.step(s);
-  return s;
+  respond[Operand::plain] = output(ir::Quantity::constrained_forward_dynamics_dtau);
+  respond[Operand::forces] = output(ir::Quantity::constraint_forces_dtau);
+  respond.of_forces = respond[Operand::forces] >= 0 || b.computes(of_forces[0]) || b.computes(of_forces[1]);
+  b.kernel(respond);
+  return respond;
 }
 
 // Behind v̇ and forces: by q, or by v.
@@ -246,45 +253,47 @@ void derive(Builder& b, bool by_q) {
   const std::string efforts_name = b.own_name(by_q ? "efforts_dq" : "efforts_dv");
   if (b.has_array(efforts_name)) return;
   const int nv = b.tree().nv(), rows = rows_of(b);
-  const ir::ConstraintStep r = response(b);
+  const ir::Kernel respond = response(b);
+  const int inverse = respond[Operand::to];
   const auto output = [&](ir::Quantity quantity) { return b.computes(quantity) ? b.output(quantity) : -1; };
-  ir::ConstraintStep s{ir::ConstraintStep::Kind::derive, ir::constraint_paths(b.tree(), b.scene())};
-  s.room = r.room;
-  s.inverse = r.to;
-  s.to = output(of_accelerations[by]);
-  s.forces = output(of_forces[by]);
-  s.efforts = b.internal_array(efforts_name, nv, nv);
-  s.changes = b.internal_array(b.own_name(by_q ? "changes_dq" : "changes_dv"), rows, nv);
-  (by_q ? describe_inverse_dynamics_dq : describe_inverse_dynamics_dv)(b, s.efforts);
+  ir::Kernel derive = kernel_of_constraints(b, Kind::derive);
+  derive[Operand::response] = respond[Operand::response];
+  derive[Operand::inverse] = inverse;
+  const int to = derive[Operand::to] = output(of_accelerations[by]);
+  derive[Operand::forces] = output(of_forces[by]);
+  const int efforts = derive[Operand::efforts] = b.internal_array(efforts_name, nv, nv);
+  const int changes = derive[Operand::changes] = b.internal_array(b.own_name(by_q ? "changes_dq" : "changes_dv"), rows, nv);
+  (by_q ? describe_inverse_dynamics_dq : describe_inverse_dynamics_dv)(b, efforts);
   const auto all = constraint_rows(b);
-  for (const auto& own : all) own->changes(b, by_q, s.changes);
+  for (const auto& own : all) own->changes(b, by_q, changes);
   // Efforts do not depend on where the base is.
-  s.first = by_q && b.base_coordinates() > 0 ? 3 : 0;
-  if (s.to >= 0) b.step({ir::MatrixStep::Kind::negative_product, r.to, s.efforts, s.to, -1, s.first});
+  derive.first = by_q && b.base_coordinates() > 0 ? 3 : 0;
+  if (to >= 0) negative_product(b, inverse, efforts, to, derive.first);
   if (by_q && !b.scene().loops.empty()) {
-    s.turning_rows = turning_rows * static_cast<int>(b.scene().loops.size());
-    s.left = b.internal_array(b.own_name("turning"), s.turning_rows, nv);
-    s.turned = b.internal_array(b.own_name("turned"), s.turning_rows, nv);
-    s.turning_room = b.internal_array(b.own_name("turning_room"), turning_room(nv, rows, s.turning_rows), 1);
+    const int count = derive.turning_rows = turning_rows * static_cast<int>(b.scene().loops.size());
+    const int left = derive[Operand::left] = b.internal_array(b.own_name("turning"), count, nv);
+    const int turned = derive[Operand::turned] = b.internal_array(b.own_name("turned"), count, nv);
+    derive[Operand::turning_room] = b.internal_array(b.own_name("turning_room"), turning_room(nv, rows, count), 1);
     int row = 0;
     for (const auto& own : all) {
       if (!own->constraint().loop) continue;
-      own->turning(b, s.left, s.turned, row);
+      own->turning(b, left, turned, row);
       row += turning_rows;
     }
   }
-  b.step(s);
+  b.kernel(derive);
 }
 
 // What is differentiated has to be there.
 void describe_derivative(Builder& b, ir::Quantity quantity, int array, bool by_q) {
   guard(b, array);
-  const ir::ConstraintStep solved = solve_constrained(b);
+  const ir::Kernel solved = solve_constrained(b);
   response(b);
-  b.behind("constrained_derivatives", "ConstrainedDerivatives", solved.to, solved.forces, quantity, [=](Builder& next) {
-    guard(next, array);
-    derive(next, by_q);
-  });
+  b.behind("constrained_derivatives", "ConstrainedDerivatives", solved[Operand::to], solved[Operand::forces], quantity,
+           [=](Builder& next) {
+             guard(next, array);
+             derive(next, by_q);
+           });
 }
 
 }  // namespace
@@ -338,25 +347,23 @@ int joint_axes(Builder& b, const std::vector<int>& moving) {
   return array;
 }
 
-// Torques and forces come of one step, whichever is asked for.
+// Torques and forces come of one kernel, whichever is asked for.
 void support(Builder& b) {
-  if (b.made(ir::ConstraintStep::Kind::support)) return;
+  if (b.made({Kind::support, Kind::support_by_wrenches})) return;
   const auto nothing = [](int) {};
   const int to = array_of(b, ir::Quantity::constrained_inverse_dynamics, "efforts", b.tree().nv(), 1, nothing);
-  ir::ConstraintStep s{ir::ConstraintStep::Kind::support, ir::constraint_paths(b.tree(), b.scene())};
-  s.solutions = b.scene().scalar == ir::ScalarType::float32 ? Proximal<float>::steps : Proximal<double>::steps;
-  s.undriven = ir::undriven_coordinates(b.tree(), b.scene());
-  if (base_alone_is_undriven(b, s.undriven)) {
-    s.jacobian = base_columns(b);
-    s.axes = joint_axes(b, s.paths.moving());
-  } else {
-    s.jacobian = jacobian(b);
-  }
-  s.forces = array_of(b, ir::Quantity::inverse_constraint_forces, "borne", b.tree().constraint_rows, 1, nothing);
-  s.to = to;
+  const std::vector<int> undriven = ir::undriven_coordinates(b.tree(), b.scene());
+  const bool by_wrenches = base_alone_is_undriven(b, undriven);
+  ir::Kernel support = kernel_of_constraints(b, by_wrenches ? Kind::support_by_wrenches : Kind::support);
+  support.undriven = undriven;
+  support[Operand::jacobian] = by_wrenches ? base_columns(b) : jacobian(b);
+  if (by_wrenches) support[Operand::axes] = joint_axes(b, support.paths.moving());
+  support[Operand::forces] =
+      array_of(b, ir::Quantity::inverse_constraint_forces, "borne", b.tree().constraint_rows, 1, nothing);
+  support[Operand::to] = to;
   const NewtonEuler all = newton_euler(b, Driven::accelerated);
   b.result({to, ir::Layout::per_coordinate, less_external(b, all.torque, all.subtree_wrench)});
-  b.step(s);
+  b.kernel(support);
 }
 
 }  // namespace

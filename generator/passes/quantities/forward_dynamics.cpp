@@ -26,7 +26,8 @@ void describe_forward_dynamics(Builder& b, int array) {
   const int role = b.factors() ? unbalanced(b) : solved_accelerations(b).acceleration;
   b.result({array, ir::Layout::per_coordinate, role});
   guard(b, array);
-  if (b.factors()) b.step({ir::MatrixStep::Kind::solve, mass_matrix_factor(b), -1, array});
+  if (b.factors())
+    b.kernel(ir::Kernel(ir::Kernel::Kind::solve, {{ir::Operand::factor, mass_matrix_factor(b)}, {ir::Operand::to, array}}));
 }
 
 }  // namespace dalembert::passes

@@ -13,8 +13,15 @@
 namespace dalembert::passes {
 
 int padded_inverse(Builder& b) {
-  if (!b.made(ir::MatrixStep::Kind::invert)) inverse_mass_matrix(b);
-  return b.made(ir::MatrixStep::Kind::invert)->room;
+  if (!b.made({ir::Kernel::Kind::invert})) inverse_mass_matrix(b);
+  return (*b.made({ir::Kernel::Kind::invert}))[ir::Operand::inverse];
+}
+
+void negative_product(Builder& b, int inverse, int efforts, int to, int first) {
+  ir::Kernel product(ir::Kernel::Kind::negative_product,
+                     {{ir::Operand::inverse, inverse}, {ir::Operand::efforts, efforts}, {ir::Operand::to, to}});
+  product.first = first;
+  b.kernel(product);
 }
 
 namespace {
@@ -40,7 +47,7 @@ void set_base_columns(Builder& b, int array, const std::string& name, int first,
 void solve(Builder& b, int array, const std::string& name, void (*of_efforts)(Builder&, int), int first) {
   const int nv = b.tree().nv(), efforts = b.internal_array(b.own_name(name), nv, nv);
   of_efforts(b, efforts);
-  b.step({ir::MatrixStep::Kind::negative_product, padded_inverse(b), efforts, array, -1, first});
+  negative_product(b, padded_inverse(b), efforts, array, first);
   guard(b, array);
 }
 

@@ -35,7 +35,10 @@ int inverse_mass_matrix(Builder& b, int array) {
   guard(b, array);
   const TreeFactors factors = tree_factors(b);
   const int room = b.internal_array(b.own_name("padded_inverse"), inverse_size(nv), 1);
-  b.step({ir::MatrixStep::Kind::invert, factors.upper, factors.pivots, array, room});
+  b.kernel(ir::Kernel(ir::Kernel::Kind::invert, {{ir::Operand::factor, factors.upper},
+                                                 {ir::Operand::pivots, factors.pivots},
+                                                 {ir::Operand::inverse, room},
+                                                 {ir::Operand::to, array}}));
   return array;
 }
 

@@ -9,6 +9,9 @@ namespace dalembert::passes {
 
 namespace {
 
+using Kind = ir::Kernel::Kind;
+using ir::Operand;
+
 // As an array: the output, where that is the whole, or one that is none.
 int own_array(Builder& b, ir::Quantity quantity, const char* name) {
   const int nv = b.tree().nv();
@@ -18,7 +21,7 @@ int own_array(Builder& b, ir::Quantity quantity, const char* name) {
 }  // namespace
 
 int mass_matrix_factor(Builder& b) {
-  if (const auto made = b.made(ir::MatrixStep::Kind::factor)) return made->to;
+  if (const auto made = b.made({Kind::factor})) return (*made)[Operand::factor];
   const int nv = b.tree().nv(), mass = own_array(b, ir::Quantity::mass_matrix, "mass");
   describe_mass_matrix(b, mass);
   const int array = own_array(b, ir::Quantity::mass_matrix_factor, "factor");
@@ -26,7 +29,11 @@ int mass_matrix_factor(Builder& b) {
   const int room = b.internal_array(b.own_name("unscaled_factor"), factor_stride(longest), nv);
   b.guard() =
       ir::Guard{b.internal_array(b.own_name("pivots"), nv, 1), b.internal_array(b.own_name("diagonal"), nv, 1), {}, array};
-  b.step({ir::MatrixStep::Kind::factor, mass, b.guard()->pivots, array, room});
+  b.kernel(ir::Kernel(Kind::factor, {{Operand::mass, mass},
+                                     {Operand::unscaled, room},
+                                     {Operand::factor, array},
+                                     {Operand::pivots, b.guard()->pivots},
+                                     {Operand::diagonal, b.guard()->diagonal}}));
   return array;
 }
 

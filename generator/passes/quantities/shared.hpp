@@ -163,5 +163,7 @@ SolvedRoles solved_accelerations(Builder& builder);
 int inverse_mass_matrix(Builder& builder, int array = -1);
 // M⁻¹ with room, as products take it; made where it is not there yet.
 int padded_inverse(Builder& builder);
+// to = −inverse efforts; efforts' columns before the first are zero, or what they give is known.
+void negative_product(Builder& builder, int inverse, int efforts, int to, int first);
 
 }  // namespace dalembert::passes
