@@ -109,6 +109,11 @@ void add_generate(Command& command) {
     std::string told;
     const Request request = planned_request(command, *compiler, told);
     const Model model = read_model(request, warnings);
+    const bool alone = *package || *language == "c";  // and needs no library but Eigen
+    if (alone && model.scene.parallel == ir::Parallel::tasks)
+      warnings.push_back({Severity::warning, "", "key 'parallel'",
+                          fmt::format("task graphs are left out of {}", *package ? "packages" : "code for hosts in C"),
+                          "generate without --package and --language c to have them, and link oneTBB"});
     return print_result(told + (*package           ? generate_package(model, *folder)
                                 : *language == "c" ? generate_c(model, *folder)
                                                    : generate(model, *folder)));

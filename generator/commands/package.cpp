@@ -1,6 +1,7 @@
 #include "commands/package.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cctype>
@@ -105,15 +106,19 @@ std::string generate_package(const Model& whole, const std::string& folder) {
   std::string package = model.name;  // of a ROS package: lower-case letters, digits and '_'
   std::transform(package.begin(), package.end(), package.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  const std::vector<backend::OutputFile> about{filled("CMakeLists.txt", "package_CMakeLists.txt", {{"dollar", "$"}}),
-                                               filled("package.xml", "package.xml", {{"package", package}}),
-                                               filled("self_test_main.cpp", "package_self_test.cpp", {}),
-                                               filled("README.md", "package_README.md",
-                                                      {{"command", model.command_line + " --package"},
-                                                       {"robot", model.tree.robot},
-                                                       {"results", results_table(model)},
-                                                       {"coordinates", coordinates_table(model)},
-                                                       {"figures", figures(model)}})};
+  std::vector<std::string> sources;
+  for (const backend::OutputFile& file : code)
+    if (file.name.ends_with(".cpp")) sources.push_back(model.name + "/" + file.name);
+  const std::vector<backend::OutputFile> about{
+      filled("CMakeLists.txt", "package_CMakeLists.txt",
+             {{"dollar", "$"}, {"sources", fmt::format("{}", fmt::join(sources, " "))}}),
+      filled("package.xml", "package.xml", {{"package", package}}), filled("self_test_main.cpp", "package_self_test.cpp", {}),
+      filled("README.md", "package_README.md",
+             {{"command", model.command_line + " --package"},
+              {"robot", model.tree.robot},
+              {"results", results_table(model)},
+              {"coordinates", coordinates_table(model)},
+              {"figures", figures(model)}})};
   backend::write_files((fs::path(folder) / model.name).string(), code);
   for (const auto& [place, files] : headers) backend::write_files((fs::path(folder) / "include" / place).string(), files);
   backend::write_files(folder, about);

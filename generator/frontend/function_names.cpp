@@ -56,6 +56,10 @@ constexpr const char* of_the_folder[] = {"Scalar",
                                          "taken",
                                          "test",
                                          "report",
+                                         "state",
+                                         "block",
+                                         "width",
+                                         "strip",
                                          "q_0",
                                          "q_1",
                                          "q_2",
@@ -141,6 +145,7 @@ std::string fault_of_function_name(const std::string& name) {
   if (name != ir::identifier(name) || name.front() == '_' || name.back() == '_' || name.find("__") != name.npos)
     return fmt::format("'{}' cannot be the name of a function", name);
   if (ir::is_cpp_keyword(name)) return fmt::format("'{}' is a keyword of C++", name);
+  if (name.starts_with("DALEMBERT_")) return fmt::format("'{}' could be a macro of the runtime", name);
   if (ir::is_library_macro(name)) return fmt::format("'{}' is a name of the C++ library", name);
   return "";
 }

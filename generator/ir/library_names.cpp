@@ -10,16 +10,20 @@ namespace {
 // Those of the standard library and POSIX that someone may call a joint or a robot; sorted, for binary search.
 // clang-format off
 constexpr std::string_view macros[] = {
-    "BIG_ENDIAN", "BUFSIZ", "BYTE_ORDER", "CHAR_BIT", "CHAR_MAX", "CHAR_MIN", "CLOCKS_PER_SEC", "CLOCK_MONOTONIC",
-    "CLOCK_REALTIME", "DBL_EPSILON", "DBL_MAX", "DBL_MIN", "EACCES", "EAGAIN", "EBUSY", "EDOM", "EEXIST", "EFAULT",
-    "EINTR", "EINVAL", "EIO", "ENOENT", "ENOMEM", "ENOSPC", "EOF", "EPERM", "EPIPE", "ERANGE", "ETIME",
-    "EXIT_FAILURE", "EXIT_SUCCESS", "FLT_EPSILON", "FLT_MAX", "FLT_MIN", "FP_INFINITE", "FP_NAN", "FP_NORMAL",
-    "FP_SUBNORMAL", "FP_ZERO", "HUGE_VAL", "HUGE_VALF", "HUGE_VALL", "INFINITY", "INT_MAX", "INT_MIN",
-    "LITTLE_ENDIAN", "LLONG_MAX", "LLONG_MIN", "LONG_MAX", "LONG_MIN", "MAXFLOAT", "M_1_PI", "M_2_PI", "M_E",
-    "M_LN10", "M_LN2", "M_LOG10E", "M_LOG2E", "M_PI", "M_PI_2", "M_PI_4", "M_SQRT1_2", "M_SQRT2", "NAN", "NULL",
-    "RAND_MAX", "SEEK_CUR", "SEEK_END", "SEEK_SET", "SHRT_MAX", "SHRT_MIN", "SIZE_MAX", "UCHAR_MAX", "UINT_MAX",
-    "ULLONG_MAX", "ULONG_MAX", "USHRT_MAX", "WEOF", "errno", "linux", "math_errhandling", "stderr", "stdin", "stdout",
-    "unix"};
+    "ATOMIC_FLAG_INIT", "BIG_ENDIAN", "BUFSIZ", "BYTE_ORDER", "CHAR_BIT", "CHAR_MAX", "CHAR_MIN", "CLOCKS_PER_SEC",
+    "CLOCK_MONOTONIC", "CLOCK_REALTIME", "DBL_DIG", "DBL_EPSILON", "DBL_MANT_DIG", "DBL_MAX", "DBL_MAX_EXP",
+    "DBL_MIN", "DBL_MIN_EXP", "EACCES", "EAGAIN", "EBUSY", "EDOM", "EEXIST", "EFAULT", "EINTR", "EINVAL", "EIO",
+    "ENOENT", "ENOMEM", "ENOSPC", "EOF", "EPERM", "EPIPE", "ERANGE", "ETIME", "EXIT_FAILURE", "EXIT_SUCCESS",
+    "FLT_DIG", "FLT_EPSILON", "FLT_MAX", "FLT_MIN", "FLT_RADIX", "FP_INFINITE", "FP_NAN", "FP_NORMAL",
+    "FP_SUBNORMAL", "FP_ZERO", "HUGE_VAL", "HUGE_VALF", "HUGE_VALL", "INFINITY", "INT16_MAX", "INT16_MIN",
+    "INT32_MAX", "INT32_MIN", "INT64_MAX", "INT64_MIN", "INT8_MAX", "INT8_MIN", "INTMAX_MAX", "INTMAX_MIN",
+    "INTPTR_MAX", "INTPTR_MIN", "INT_MAX", "INT_MIN", "LDBL_EPSILON", "LDBL_MAX", "LDBL_MIN", "LITTLE_ENDIAN",
+    "LLONG_MAX", "LLONG_MIN", "LONG_MAX", "LONG_MIN", "MAXFLOAT", "MB_LEN_MAX", "M_1_PI", "M_2_PI", "M_E", "M_LN10",
+    "M_LN2", "M_LOG10E", "M_LOG2E", "M_PI", "M_PI_2", "M_PI_4", "M_SQRT1_2", "M_SQRT2", "NAN", "NULL", "PTRDIFF_MAX",
+    "PTRDIFF_MIN", "RAND_MAX", "SEEK_CUR", "SEEK_END", "SEEK_SET", "SHRT_MAX", "SHRT_MIN", "SIG_ATOMIC_MAX",
+    "SIZE_MAX", "UCHAR_MAX", "UINT16_MAX", "UINT32_MAX", "UINT64_MAX", "UINT8_MAX", "UINTMAX_MAX", "UINTPTR_MAX",
+    "UINT_MAX", "ULLONG_MAX", "ULONG_MAX", "USHRT_MAX", "WCHAR_MAX", "WCHAR_MIN", "WEOF", "assert", "errno", "linux",
+    "math_errhandling", "offsetof", "stderr", "stdin", "stdout", "unix"};
 constexpr std::string_view library_functions[] = {
     "abort", "abs", "access", "acos", "acosh", "alarm", "aligned_alloc", "asctime", "asin", "asinh", "atan", "atan2",
     "atanh", "atexit", "atof", "atoi", "atol", "atoll", "basename", "bcmp", "bcopy", "brk", "bsearch", "bzero",

@@ -112,23 +112,9 @@ Vec3 apply_bias_transposed(const Sums& sums, const Twist& joint) {
   return cross(sums.momentum, joint.linear) + turning;
 }
 
-BaseColumn base_column(Sym mass, const Sums& sums, const Twist& v, std::size_t j) {
-  const Sym zero{mass.graph, mass.graph->constant(0)};
-  Twist unit{{zero, zero, zero}, {zero, zero, zero}};
-  (j < 3 ? unit.linear : unit.angular)[j % 3] = {mass.graph, mass.graph->constant(1)};
-  const Twist f = apply_inertia(mass, sums, unit);
-  const Twist g = apply_inertia(mass, sums, joint_twist_rate(v, unit)), b = apply_bias(sums, unit);
-  return {f, {g.linear + b.linear, g.angular + b.angular}};
-}
-
 Sym element(const Twist& wrench, const Twist& twist) {
   const Sym angular = dot(wrench.angular, twist.angular);
   return dot(wrench.linear, twist.linear) + angular;
-}
-
-Sym element_below(const JointForces& forces, const Twist& joint, const Twist& joint_rate) {
-  const Sym transposed = dot(forces.transposed, joint.angular);
-  return element(forces.inertia, joint_rate) + transposed;
 }
 
 Vec3 to_child(const BodyConstants& body, const JointPosition& q, const Vec3& v) {

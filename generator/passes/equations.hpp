@@ -75,15 +75,8 @@ Twist apply_inertia(Sym mass, const Sums& sums, const Twist& twist);
 Twist apply_bias(const Sums& sums, const Twist& twist);
 Vec3 apply_bias_transposed(const Sums& sums, const Twist& joint);
 
-// Column j of the base's own block, for a base that moves with v: M_BB = A*, C_BB = A* ad(V) + B*.
-struct BaseColumn {
-  Twist inertia, coriolis;
-};
-BaseColumn base_column(Sym mass, const Sums& sums, const Twist& v, std::size_t j);
-
 // Phase III (eq. 31–39).
-Sym element(const Twist& wrench, const Twist& twist);                                       // F·J
-Sym element_below(const JointForces& forces, const Twist& joint, const Twist& joint_rate);  // F·J̇ + H·J
+Sym element(const Twist& wrench, const Twist& twist);  // F·J
 
 // Body axes: Rᵀ v and R f across a joint.
 Vec3 to_child(const BodyConstants& body, const JointPosition& q, const Vec3& v);

@@ -67,16 +67,24 @@ PyObject* complain_singular(const Contents& f, std::int32_t coordinate) {
                       f.name, name);
 }
 
+double number(const Contents& f, const void* data, std::ptrdiff_t i) {
+  return f.type == NPY_DOUBLE ? static_cast<const double*>(data)[i] : static_cast<const float*>(data)[i];
+}
+
+// The first number of some that is not finite; their count, where all are.
+npy_intp not_finite(const Contents& f, const void* data, std::ptrdiff_t first, npy_intp size) {
+  npy_intp i = 0;
+  while (i < size && std::isfinite(number(f, data, first + i))) ++i;
+  return i;
+}
+
 // Of one state that was refused: where a number is not finite.
 bool all_finite(const Contents& f, const char* what, const void* data, npy_intp size) {
-  for (npy_intp i = 0; i < size; ++i) {
-    const double x = f.type == NPY_DOUBLE ? static_cast<const double*>(data)[i] : static_cast<const float*>(data)[i];
-    if (std::isfinite(x)) continue;
-    PyErr_Format(PyExc_ValueError, "%U: %s[%zd] is %s, and the function needs finite numbers", f.name, what,
-                 static_cast<Py_ssize_t>(i), std::isnan(x) ? "nan" : "infinite");
-    return false;
-  }
-  return true;
+  const npy_intp i = not_finite(f, data, 0, size);
+  if (i == size) return true;
+  PyErr_Format(PyExc_ValueError, "%U: %s[%zd] is %s, and the function needs finite numbers", f.name, what,
+               static_cast<Py_ssize_t>(i), std::isnan(number(f, data, i)) ? "nan" : "infinite");
+  return false;
 }
 
 // ---- The long way
@@ -186,11 +194,13 @@ PyObject* long_way(Contents& f, PyObject* const* args, Py_ssize_t given_count, P
     if (singular > 0) {
       const std::ptrdiff_t at =
           std::find_if(call.status, call.status + call.end, [](std::int32_t s) { return s >= 0; }) - call.status;
+      const bool finite = not_finite(f, q.rows.first, at * q.rows.step, f.nq) == f.nq;
       if (PyErr_WarnFormat(
               singular_warning, 1,
-              "%U: the mass matrix is not positive definite at %zd of %zd states, the first of them number %zd: what "
+              "%U: the mass matrix is not positive definite at %zd of %zd states, the first of them number %zd%s: what "
               "needs its inverse is zero there; return_status=True tells which",
-              f.name, static_cast<Py_ssize_t>(singular), static_cast<Py_ssize_t>(call.end), static_cast<Py_ssize_t>(at)) < 0)
+              f.name, static_cast<Py_ssize_t>(singular), static_cast<Py_ssize_t>(call.end), static_cast<Py_ssize_t>(at),
+              finite ? "" : ", whose q is not finite") < 0)
         return nullptr;
     }
   }

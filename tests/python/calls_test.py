@@ -538,6 +538,26 @@ class States(unittest.TestCase):
             with self.assertRaisesRegex(NotImplementedError, "close_loops"):
                 wrong()
 
+    def test_functions_called_like_something_of_every_robot(self):
+        """They are robot["name"] alone, and the warning says so; the robot's own stays what it is."""
+        names = ["info", "dtype", "outputs", "lambda", "None"]
+        with warnings.catch_warnings(record=True) as said:
+            warnings.simplefilter("always")
+            r = dalembert.load(robots.robot("double_pendulum"), base="fixed", flags=robots.quick, batch=False, outputs=["bias"],
+                               functions={name: ["bias", "gravity"] for name in names})
+        text = "\n".join(str(w.message) for w in said)
+        q, v = r.neutral(), np.ones(r.nv)
+        for name in names:
+            self.assertIn(f"the function '{name}' is robot['{name}'] alone", text)
+            self.assertEqual(r[name](q, v).bias.tolist(), r.bias(q, v).tolist())
+        self.assertEqual((r.dtype, set(r.outputs)), (np.float64, {"bias", *names}))
+
+    def test_states_that_are_not_finite_are_said_to_be(self):
+        Q, V = double.random(np.random.default_rng(1), 3), np.zeros((3, double.nv))
+        Q[1, 8] = np.nan
+        with self.assertWarnsRegex(dalembert.SingularWarning, "1 of 3 states, the first of them number 1, whose q is not finite"):
+            double.forward_dynamics(Q, V, V)
+
     def test_what_the_robot_says_of_itself(self):
         self.assertEqual((double.nq, double.nv, len(double.joint_names)), (9, 8, 2))
         self.assertEqual(double.neutral().tolist(), [0, 0, 0, 0, 0, 0, 1, 0, 0])

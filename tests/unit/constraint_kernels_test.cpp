@@ -389,6 +389,45 @@ TEST(ConstraintKernels, RedundantRowsChangeNoAcceleration) {
   EXPECT_LT(result.status.residual, 1e-6);
 }
 
+// Coordinates of two branches that a third one is interleaved with are shared one by one.
+TEST(ConstraintKernels, PathsMayShareAnyNumberOfPieces) {
+  using Rows = ConstraintRows<RowPath<3, 0, 2, 4, 6, 8, 10, 12, 14, 16>,
+                              LoopPath<3, 3, 18, 18, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17>>;
+  static_assert(Rows::shared.pieces[Rows::pair(0, 1)].count == 9);
+  static_assert(Rows::shared.pieces[Rows::pair(0, 1)].b[8] == 16);
+}
+
+// Points of one body say six things, wherever they are and however little it weighs: no order of rows and no size of theirs
+// makes more of it. Few rows, and more.
+template <class... Points>
+void expect_six() {
+  using Rows = ConstraintRows<Points...>;
+  constexpr int all = Rows::first(Rows::count);
+  for (unsigned seed = 1; seed < 60; ++seed) {
+    System s(shape<Rows>(), seed);
+    std::mt19937 engine(seed);
+    const auto draw = [&](double size) { return std::uniform_real_distribution<double>(-size, size)(engine); };
+    const double arm = std::pow(10, draw(1)), foot = std::pow(10, draw(1));
+    Matrix twist = s.J.topRows(6);  // of the body
+    twist.topRows(3) *= arm;
+    for (int c = 0; c < Rows::count; ++c) {
+      const Eigen::Matrix<Real, 3, 1> at(foot * draw(1), foot * draw(1), foot * draw(0.1));
+      Matrix moves(3, 6);
+      moves << 1, 0, 0, 0, at[2], -at[1], 0, 1, 0, -at[2], 0, at[0], 0, 0, 1, at[1], -at[0], 0;
+      s.J.middleRows(3 * c, 3) = moves * twist;
+    }
+    const std::vector<double> active(static_cast<size_t>(Rows::count), 1), none(static_cast<size_t>(all), 0.0);
+    const Vector effort = numbers(n, 1), right = s.J * numbers(n, 2);
+    const Result<double> result = solved<double>(solve_constrained<n, Rows, Tree, double>, s, effort, right, active, none);
+    EXPECT_EQ(result.status.rank, 6) << all << " rows, seed " << seed;
+    EXPECT_LT(result.status.least_pivot, 10 * all * Proximal<double>::mu) << all << " rows, seed " << seed;
+  }
+}
+TEST(ConstraintKernels, PointsOfOneBodySaySixThings) {
+  expect_six<At12<3>, At12<3>, At12<3>, At12<3>>();
+  expect_six<At12<3>, At12<3>, At12<3>, At12<3>, At12<3>, At12<3>>();
+}
+
 // Two welds of rank three, of which the second says what the first says, and that ask for what cannot be: what comes closest,
 // in terms of N. Few rows, and more.
 template <class Rows>

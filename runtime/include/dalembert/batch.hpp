@@ -31,7 +31,7 @@ template <class T, int nq, int nv, int more, int given_numbers, int angles, int 
 struct BatchBlock {
   using V = BatchLanes<T>;
   static constexpr int at_least_one(int n) { return n > 0 ? n : 1; }
-  static constexpr int angle_count = angles, element_count = elements;
+  static constexpr int element_count = elements;
   alignas(64) V q[at_least_one(nq)], v[at_least_one(nv)], input[at_least_one(more)], given[at_least_one(given_numbers)];
   alignas(64) V angle[at_least_one(angles)], sine[at_least_one(angles)], cosine[at_least_one(angles)];
   alignas(64) V scratch[at_least_one(kept_values)], values[elements + 1];

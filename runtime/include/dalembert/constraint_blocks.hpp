@@ -147,6 +147,23 @@ struct BlockRow {
   }
 };
 
+// How many of some rows say nothing new, and how little the least of them says, from the diagonal of (A + mu N)^-1: what is
+// held of a row, mu N, times that is 1 along what no row moves and next to 0 along what rows move well, and the sum over all
+// rows says how many directions are of the first kind, whatever the order of the rows.
+template <class T>
+struct Redundancy {
+  T lost = T(0), most = T(0);  // sum and largest of held / (what is left of the row behind all others)
+  DALEMBERT_INLINE void add(T share) {
+    lost += share;
+    most = share > most ? share : most;
+  }
+  // Of so many rows.
+  DALEMBERT_INLINE void tell(int rows, ConstraintStatus<T>& status) const {
+    status.rank = rows - (lost > T(0) ? static_cast<int>((lost < T(rows) ? lost : T(rows)) + T(0.5)) : 0);  // NaN: none
+    if (most > Proximal<T>::mu) status.least_pivot = Proximal<T>::mu / most;
+  }
+};
+
 // to[i] = the sum of row i's numbers, four rows at once.
 template <class T, int w, int pieces>
 DALEMBERT_INLINE void totals_of_four(const BlockRow<T, w, pieces>* rows, T* to) {
@@ -168,24 +185,23 @@ DALEMBERT_INLINE void totals_of_four(const BlockRow<T, w, pieces>* rows, T* to) 
   }
 }
 
-// A symmetric positive definite matrix of m rows becomes its inverse (Gauss and Jordan), pivot by pivot: they are kept. Of what
+// A symmetric positive definite matrix of m rows becomes its inverse (Gauss and Jordan), pivot by pivot. Of what
 // it was, elements on the diagonal and behind it are read; the others may be anything. Several pivots at a time would be wrong
 // where rows say what others say: the inverse of a block that nearly is singular leaves nothing right of the rest, which is as
 // small as mu.
 template <int m, int padded, class T>
-DALEMBERT_INLINE void invert_rows(T* a, T* pivots) {
+DALEMBERT_INLINE void invert_rows(T* a) {
   constexpr int w = native_lanes, pieces = padded / w;
   for (int j = 0; j < m; ++j) {
     T* const own = a + j * padded;
     alignas(64) T was[padded];
-    const T pivot = own[j], reciprocal = T(1) / pivot;
+    const T reciprocal = T(1) / own[j];
     const Lanes<T, w> times = broadcast<w, T>(reciprocal);
     for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK {
       const Lanes<T, w> row = load<w>(own + i * w);
       store<w, T>(was + i * w, row);
       store<w, T>(own + i * w, row * times);
     });
-    pivots[j] = pivot;
     // Elements of the pivot's column are those of its row, with the other sign where they have been pivots themselves. Single
     // numbers are written behind registers: what is read next has been there for long.
     const auto subtract = [&](int r, T factor) DALEMBERT_IN_BLOCK {
@@ -209,9 +225,17 @@ struct RowsInRegisters {
   using Row = BlockRow<T, w, pieces>;
   Row rows[m];
 
-  DALEMBERT_INLINE void invert(T* pivots) {
+  DALEMBERT_INLINE void invert() {
     T pivot = lane<w, T>(rows[0].piece[Columns::of(0) / w], Columns::of(0) % w);
-    for_constants<m>([&](auto j) DALEMBERT_IN_BLOCK { pivot = invert_by<decltype(j)::value>(pivots[j] = pivot); });
+    for_constants<m>([&](auto j) DALEMBERT_IN_BLOCK { pivot = invert_by<decltype(j)::value>(pivot); });
+  }
+  DALEMBERT_INLINE Row diagonal() const {
+    Row all{};
+    for_constants<m>([&](auto r) DALEMBERT_IN_BLOCK {
+      constexpr int at = Columns::of(decltype(r)::value);
+      all.piece[at / w] = with_lane_of<w, T, at % w>(all.piece[at / w], rows[r].piece[at / w]);
+    });
+    return all;
   }
   // Of what is symmetric.
   DALEMBERT_INLINE Row times(const Row& x) const {

@@ -106,8 +106,7 @@ DALEMBERT_INLINE void invert_response(const ResponseParts<n, Rows, T>& parts, co
           active[c] > T(0) ? parts.held[first + r] + regularization[first + r] : T(1);
     }
   }
-  T pivots[m];
-  invert_rows<m, padded>(parts.inverse, pivots);
+  invert_rows<m, padded>(parts.inverse);
 }
 
 // `columns` columns of `to` from k on, which are zero before column `first`, less B times the changes of rows begin … end - 1.

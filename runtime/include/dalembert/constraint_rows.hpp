@@ -2,6 +2,7 @@
 // what solving came to.
 #pragma once
 
+#include <algorithm>
 #include <dalembert/constraint_shapes.hpp>
 #include <tuple>
 
@@ -10,9 +11,11 @@ namespace dalembert {
 // What solving for constraints came to.
 template <class T>
 struct ConstraintStatus {
-  T residual = T(0);     // the largest error that is left of a row that acts, m/s^2 or rad/s^2; of an impact, m/s or rad/s
-  T least_pivot = T(1);  // the least pivot, in terms of N; at most 1: near mu where rows say what others say
-  int rank = 0;          // how many rows that act say something new
+  T residual = T(0);  // the largest error that is left of a row that acts, m/s^2 or rad/s^2; of an impact, m/s or rad/s
+  // The least that is left of a row's N when all others are eliminated, its pivot as the last of them; at most 1: near mu where
+  // rows say what others say.
+  T least_pivot = T(1);
+  int rank = 0;  // how many rows that act say something new
 };
 
 // A constraint between two bodies: its rows, linear ones first, and the coordinates above one of them or both, in order. The
@@ -29,9 +32,9 @@ template <int own_rows, int... coordinates>
 using RowPath =
     LoopPath<own_rows, (own_rows < 3 ? own_rows : 3), sizeof...(coordinates), sizeof...(coordinates), coordinates...>;
 
-// Where two lists of coordinates have the same, in pieces: from which place of each, and how many.
+// Where two lists of coordinates have the same, in pieces: from which place of each, and how many. most: of any two.
+template <int most>
 struct SharedPieces {
-  static constexpr int most = 6;
   int count = 0, a[most] = {}, b[most] = {}, size[most] = {};
 
   constexpr void add(int at_a, int at_b) {
@@ -72,7 +75,7 @@ struct ConstraintRows {
   static constexpr int pair(int a, int b) { return a * count - a * (a - 1) / 2 + b - a; }  // b is not before a
   // The coordinates above both, per pair.
   struct Shared {
-    SharedPieces pieces[count * (count + 1) / 2] = {};
+    SharedPieces<std::max({1, Paths::length...})> pieces[count * (count + 1) / 2] = {};
   };
   static constexpr Shared shared_pieces() {
     Shared all;
@@ -132,19 +135,6 @@ struct ChainTree {
     for (int other = 0; other < c; ++other)
       if (first[other] + length[other] - 1 == above[c]) return other;
     return -1;
-  }
-  // How many chains are above one.
-  static constexpr int level(int c) { return parent(c) < 0 ? 0 : 1 + level(parent(c)); }
-  static constexpr int levels() {
-    int most = 0;
-    for (int c = 0; c < count; ++c) most = level(c) >= most ? level(c) + 1 : most;
-    return most;
-  }
-  static constexpr int longest_of_level(int l) {
-    int most = 0;
-    for (int c = 0; c < count; ++c)
-      if (level(c) == l && length[c] > most) most = length[c];
-    return most;
   }
 };
 

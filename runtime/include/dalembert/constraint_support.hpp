@@ -29,11 +29,7 @@ namespace constraint_detail {
 template <int all, class Without, class T>
 DALEMBERT_INLINE void solve_support(const T* jacobian, const T* weighted, const T* to, T* y, ConstraintStatus<T>& status) {
   constexpr int u = Without::count;
-  const auto count_pivot = [&](T pivot, T held) {
-    const T share = pivot * Proximal<T>::mu / held;
-    status.least_pivot = share < status.least_pivot ? share : status.least_pivot;
-    status.rank += share > T(64) * Proximal<T>::mu ? 1 : 0;
-  };
+  Redundancy<T> redundancy;
   if constexpr (u > 0 && u <= 8) {  // a floating base
     constexpr int w = native_lanes, pieces = (u + w - 1) / w;
     RowsInRegisters<u, pieces, SameColumns, T> a;
@@ -47,7 +43,7 @@ DALEMBERT_INLINE void solve_support(const T* jacobian, const T* weighted, const 
         for_constants<pieces>([&](auto k) DALEMBERT_IN_BLOCK { a.rows[i].piece[k] += factor * row.piece[k]; });
       });
     }
-    T held[u], pivots[u];
+    T held[u], left_of[u];
     for_constants<u>([&](auto i) DALEMBERT_IN_BLOCK {
       const T own = lane<w, T>(a.rows[i].piece[i / w], i % w);
       held[i] = Proximal<T>::mu * (own > T(0) ? own : T(1));
@@ -56,8 +52,9 @@ DALEMBERT_INLINE void solve_support(const T* jacobian, const T* weighted, const 
                         DALEMBERT_IN_BLOCK { return Row::of([&](int i) { return i < u ? from[least(i, u - 1)] : T(0); }); };
     const Row hold = of(held);
     for_constants<u>([&](auto i) DALEMBERT_IN_BLOCK { a.rows[i] = a.rows[i].with_only(hold, i); });
-    a.invert(pivots);
-    for (int i = 0; i < u; ++i) count_pivot(pivots[i], held[i]);
+    a.invert();
+    for_constants<u>([&](auto i) DALEMBERT_IN_BLOCK { left_of[i] = lane<w, T>(a.rows[i].piece[i / w], i % w); });
+    for (int i = 0; i < u; ++i) redundancy.add(held[i] * left_of[i]);
     const Row right = Row::of([&](int i) { return i < u ? to[Without::at[least(i, u - 1)]] : T(0); });
     Row solved = a.times(right);
     for_constants<Proximal<T>::steps - 1>([&](auto) DALEMBERT_IN_BLOCK { solved = a.times(right.plus(hold, solved)); });
@@ -78,14 +75,21 @@ DALEMBERT_INLINE void solve_support(const T* jacobian, const T* weighted, const 
       y[i] = T(0);
     }
     for (int i = 0; i < u; ++i) {
-      const T pivot = L[i * room + i], reciprocal = T(1) / pivot;
-      count_pivot(pivot, held[i]);
-      L[i * room + i] = reciprocal;
+      const T reciprocal = L[i * room + i] = T(1) / L[i * room + i];
       for (int k = i + 1; k < u; ++k) {
         const T factor = L[k * room + i] * reciprocal;
         for (int j = i + 1; j <= k; ++j) L[k * room + j] -= factor * L[j * room + i];
       }
       for (int k = i + 1; k < u; ++k) L[k * room + i] *= reciprocal;
+    }
+    for (int k = 0; k < u; ++k) {  // (L^-1)' D^-1 L^-1 on its diagonal
+      T column[room], left = T(0);
+      for (int i = k; i < u; ++i) {
+        column[i] = T(i == k ? 1 : 0);
+        for (int j = k; j < i; ++j) column[i] -= L[i * room + j] * column[j];
+        left += column[i] * column[i] * L[i * room + i];
+      }
+      redundancy.add(held[k] * left);
     }
     for (int step = 0; step < Proximal<T>::steps; ++step) {
       for (int i = 0; i < u; ++i) y[i] = to[Without::at[i]] + held[i] * y[i];
@@ -97,6 +101,14 @@ DALEMBERT_INLINE void solve_support(const T* jacobian, const T* weighted, const 
       }
     }
   }
+  redundancy.tell(u, status);
+}
+
+// The largest error so far; NaN once one is.
+template <class T>
+DALEMBERT_INLINE void keep_largest(T& most, T error) {
+  const T size = error < T(0) ? -error : error;
+  most = size > most || size != size ? size : most;
 }
 
 // Forces f = W J_u y, and how y was found.
@@ -140,10 +152,7 @@ __attribute__((noinline)) static ConstraintStatus<T> support(const T* jacobian, 
     });
   });
   for (int k = 0; k < n; ++k) to[k] -= borne[k];
-  for (int i = 0; i < u; ++i) {
-    const T left = to[Without::at[i]], size = left < T(0) ? -left : left;
-    status.residual = size > status.residual ? size : status.residual;
-  }
+  for (int i = 0; i < u; ++i) constraint_detail::keep_largest(status.residual, to[Without::at[i]]);
   return status;
 }
 
@@ -173,10 +182,7 @@ __attribute__((noinline)) static ConstraintStatus<T> support_by_wrenches(const A
       to[at] -= first + second + third;
     });
   });
-  for (int j = 0; j < base; ++j) {
-    const T size = to[j] < T(0) ? -to[j] : to[j];
-    status.residual = size > status.residual ? size : status.residual;
-  }
+  for (int j = 0; j < base; ++j) constraint_detail::keep_largest(status.residual, to[j]);
   return status;
 }
 

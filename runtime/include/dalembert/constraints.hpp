@@ -172,7 +172,7 @@ struct ConstraintBlocks {
       }
       each_index<count, small>([&](auto b) DALEMBERT_IN_BLOCK {
         if (b < a) return;
-        const SharedPieces& both = Rows::shared.pieces[Rows::pair(a, b)];
+        const auto& both = Rows::shared.pieces[Rows::pair(a, b)];
         products<rows, padded, Into::set, T>(weighted + both.a[0] * padded, row(b, both.b[0]), both.size[0], of(a, b));
         for (int i = 1; i < both.count; ++i)
           products<rows, padded, Into::add, T>(weighted + both.a[i] * padded, row(b, both.b[i]), both.size[i], of(a, b));
@@ -274,7 +274,6 @@ struct InverseOfFewRows {
   using Row = BlockRow<T, Blocks::w, Blocks::pieces>;
   using All = BlockRow<T, w, pieces>;
   RowsInRegisters<m, pieces, BlockColumns<Rows, padded>, T> inverse;
-  T pivots[m];
 
   static DALEMBERT_INLINE All together(const Row (&each)[count]) {
     All all;
@@ -310,8 +309,10 @@ struct InverseOfFewRows {
         inverse.rows[Rows::first(a) + r] = together(each);
       });
     });
-    inverse.invert(pivots);
+    inverse.invert();
   }
+
+  DALEMBERT_INLINE void diagonal(Row (&to)[count]) const { apart(inverse.diagonal(), to); }
 
   DALEMBERT_INLINE void solve(Row (&rest)[count], Row (&to)[count]) const { apart(inverse.times(together(rest)), to); }
 
@@ -344,7 +345,6 @@ struct InverseOfManyRows {
   using Row = BlockRow<T, Blocks::w, Blocks::pieces>;
   alignas(64) T own[in_registers(m) ? m * padded + behind : 1];  // which have no room
   T* const inverse;
-  T pivots[m];
 
   // more: what the diagonal has more.
   DALEMBERT_INLINE InverseOfManyRows(const Blocks& blocks, const Row (&more)[count])
@@ -358,7 +358,13 @@ struct InverseOfManyRows {
         block(a).with_only(more[a], r).store(to + Rows::first(a));
         for (int b = a + 1; b < count; ++b) block(b).store(to + Rows::first(b));
       });
-    invert_rows<m, padded>(inverse, pivots);
+    invert_rows<m, padded>(inverse);
+  }
+
+  DALEMBERT_INLINE void diagonal(Row (&to)[count]) const {
+    T of_rows[m];
+    for (int r = 0; r < m; ++r) of_rows[r] = inverse[r * (padded + 1)];
+    each_index<count>([&](auto c) DALEMBERT_IN_BLOCK { to[c] = own_rows<Rows, Row>(c, of_rows); });
   }
 
   DALEMBERT_INLINE void solve(Row (&rest)[count], Row (&to)[count]) const {
@@ -586,22 +592,24 @@ DALEMBERT_INLINE ConstraintStatus<T> solve(const Way& way, const T* right, const
     each_index<count>([&](auto c) DALEMBERT_IN_BLOCK { store_rows<Rows>(c, held[c], kept + Rows::first(count) * stride); });
   }
   ConstraintStatus<T> status;
-  V least_share_of_pivots = one, rank{};
+  Row left_of[count];
+  solver.diagonal(left_of);
+  int acting = 0;
+  V lost{}, most{};
   each_index<count>([&](auto c) DALEMBERT_IN_BLOCK {
-    const Row pivots = own_rows<Rows, Row>(c, solver.pivots);
+    acting += active[c] > T(0) ? Rows::rows[c] : 0;
     for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK {
-      const auto counts = held[c].piece[i] > none;
-      const V share = pivots.piece[i] * broadcast<w, T>(Proximal<T>::mu) / (counts ? held[c].piece[i] : one);
-      const V own = counts ? share : one;
-      least_share_of_pivots = own < least_share_of_pivots ? own : least_share_of_pivots;
-      rank += counts ? share > broadcast<w, T>(T(64) * Proximal<T>::mu) ? one : none : none;
+      const V share = held[c].piece[i] * left_of[c].piece[i];
+      lost += share;
+      most = share > most ? share : most;
     });
   });
+  Redundancy<T> redundancy{BlockRow<T, w, 1>{{lost}}.total()};
   for_constants<w>([&](auto i) DALEMBERT_IN_BLOCK {
-    const T share = lane<w, T>(least_share_of_pivots, i);
-    status.least_pivot = share < status.least_pivot ? share : status.least_pivot;
+    const T share = lane<w, T>(most, i);
+    redundancy.most = share > redundancy.most ? share : redundancy.most;
   });
-  status.rank = static_cast<int>(BlockRow<T, w, 1>{{rank}}.total());
+  redundancy.tell(acting, status);
 
   // Products with an inverse leave an error of its condition: the last step adds what is missing.
   Row before[count], rest[count], solved[count];
@@ -610,18 +618,20 @@ DALEMBERT_INLINE ConstraintStatus<T> solve(const Way& way, const T* right, const
   blocks.subtract_along(before, rest);
   solver.solve(rest, solved);
   each_index<count>([&](auto c) DALEMBERT_IN_BLOCK { solved[c].add(before[c]); });
-  V residual{};
+  V residual{}, undefined{};  // a NaN's difference from itself is one
   each_index<count>([&](auto c) DALEMBERT_IN_BLOCK {
     store_rows<Rows>(c, solved[c], forces);
     for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK {
       const V error = held[c].piece[i] * (solved[c].piece[i] - before[c].piece[i]), size = error < none ? -error : error;
       residual = size > residual ? size : residual;
+      undefined += error - error;
     });
   });
   for_constants<w>([&](auto i) DALEMBERT_IN_BLOCK {
     const T size = lane<w, T>(residual, i);
     status.residual = size > status.residual ? size : status.residual;
   });
+  status.residual += BlockRow<T, w, 1>{{undefined}}.total();
 
   constexpr auto& moving = Rows::moving;
   constexpr int whole = (moving.size + 3) / 4 * 4;

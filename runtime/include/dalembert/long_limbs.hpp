@@ -31,17 +31,19 @@ class TileOfFactors {
     for (int f = 0; f < n; ++f)
       for (int j = 0; j < 3; ++j) {
         const T* const from = p.at[f] + j * p.stride + limb.first_slot + first * limb.step;
-        T* const to = room.at_[f][j];
+        T* const to = room.row(f, j);
         for (int i = begin; i < end; ++i) to[i] = from[i * limb.step];
         for (int i = end; i < least(end + run_lanes, long_limb_tile); ++i) to[i] = 0;  // what a short run's register reads
       }
     Factors<T, n> all{{}, long_limb_tile};
-    for (int f = 0; f < n; ++f) all.at[f] = room.at_[f][0];
+    for (int f = 0; f < n; ++f) all.at[f] = room.row(f, 0);
     return all;
   }
 
  private:
-  alignas(64) T at_[n][3][long_limb_tile];
+  T* row(int f, int j) { return at_ + (3 * f + j) * long_limb_tile; }
+
+  alignas(64) T at_[3 * n * long_limb_tile + run_lanes];  // a short run's register reads behind the last row
 };
 
 // Has a value stay in its register: compilers read it again for every operation that takes it, and reading is what bounds.

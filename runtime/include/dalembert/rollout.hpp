@@ -155,7 +155,6 @@ static inline void roll_out(Program&& program, const Rollout<T>& rollout, const 
   const V h = broadcast<w, T>(rollout.time_step);
   for (Block& block : blocks) {
     block.values[Block::element_count] = V{};
-    for (V& x : block.input) x = V{};
     for (int& s : block.status) s = -1;
   }
   while (first < end) {
@@ -167,6 +166,7 @@ static inline void roll_out(Program&& program, const Rollout<T>& rollout, const 
       read_states<nq, T>(q, states_in, first, states[count], motions[count].q);
       read_states<nv, T>(v, states_in, first, states[count], motions[count].v);
       program.with_given(blocks[count], first, states[count]);
+      for (V& x : blocks[count].input) x = V{};  // what the motions before had is not theirs
       for (int& s : motions[count].stopped) s = -1;
     }
     // v̇ of all blocks, at the positions and velocities that stand in them.

@@ -17,9 +17,9 @@ enum class RolloutMethod : int {
 };
 
 // A block of motions before a step: number i of the block's motion number k stands at [i * stride + k], and k is less than
-// `count`. What is written to `input` acts during the step: nv numbers of each motion, N and N m. `active`, where the scene
-// asks for impacts, else null: which contacts and loops act, 1 or 0 each, in the order of their rows; as before where nothing
-// is written.
+// `count`. What is written to `input` acts during the step: nv numbers of each motion, N and N m; it begins with zeros, and
+// stays from step to step where nothing is written. `active`, where the scene asks for impacts, else null: which contacts and
+// loops act, 1 or 0 each, in the order of their rows; as before where nothing is written.
 template <class T>
 struct RolloutStep {
   std::size_t first;  // of the batch's motions, the one that the block begins with

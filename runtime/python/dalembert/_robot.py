@@ -4,6 +4,7 @@ import collections
 import functools
 import inspect
 import json
+import keyword
 import math
 import numbers
 import os
@@ -96,7 +97,7 @@ def load(urdf, **keywords):
 
 @functools.lru_cache(maxsize=None)
 def _results_type(name, fields):
-    made = collections.namedtuple(name, fields, module=__name__)
+    made = collections.namedtuple(name + "_" * keyword.iskeyword(name), fields, module=__name__)
     made.__reduce__ = lambda self: (_results, (name, fields, tuple(self)))
     return made
 
@@ -320,12 +321,14 @@ class Robot:
                                                self._switching_of(f, callable_functions))
                     for name, made, f in callable_functions if f["acceleration"] >= 0}
         callables = {**single, **scene_functions}
-        self.__dict__["_callables"] = callables
-        # A function of the scene that is called like something of ours is robot["info"] only.
-        self.__dict__.update({name: made for name, made in {**rollouts, **callables}.items() if not hasattr(type(self), name)})
+        self.__dict__["_callables"], self.__dict__["outputs"] = callables, tuple(callables)
+        taken = {name for name in scene_functions if hasattr(type(self), name) or name in self.__dict__ or keyword.iskeyword(name)}
+        self.__dict__.update({name: made for name, made in {**rollouts, **callables}.items() if name not in taken})
         self.__dict__["_single"], self.__dict__["_whole"], self.__dict__["_function_of"] = single, whole, {
             name: f["function"] for name, f in results.items()}
-        self.__dict__["outputs"] = tuple(callables)
+        for name in sorted(taken):
+            why = "is a keyword of Python" if keyword.iskeyword(name) else "is something that every robot has"
+            warnings.warn(f"the function '{name}' is robot['{name}'] alone: '{name}' {why}", InputWarning, stacklevel=4)
         self.__dict__["_by_inputs"] = {f["takes"]: made for made, f, one in whole.values() if not one and not f["named"]}
 
     def _switching_of(self, f, functions):
