@@ -11,6 +11,7 @@
 #include "backend/code_text.hpp"
 #include "backend/literals.hpp"
 #include "backend/templates.hpp"
+#include "dalembert/batch_layout.hpp"
 #include "diagnostics.hpp"
 #include "ir/identifier.hpp"
 #include "ir/implicit_joints.hpp"
@@ -278,8 +279,11 @@ class BatchFunction {
                                                            3 * program.angles() + program.kept() + program.elements() + 1);
     std::size_t moving = rolls_out() ? static_cast<std::size_t>(2 * code_.robot->nq() + 7 * code_.robot->nv()) : 0;
     if (has_impacts()) moving += static_cast<std::size_t>(code_.robot->nv() + constraint_count());
-    const std::size_t strip = program.parts() > 1 ? std::clamp<std::size_t>(192 * 1024 / (registers * 64), 1, 8) : 1;
-    return (registers + moving) * 64 * strip;
+    std::size_t most = 0;  // narrow registers make smaller blocks, of which more are a strip
+    for (const std::size_t size : {8, 16, 32, 64})
+      most = std::max(most,
+                      (registers + moving) * size * static_cast<std::size_t>(batch_strip(registers * size, program.parts())));
+    return most;
   }
 
   static std::string shape(const BatchArray& a) {

@@ -35,9 +35,14 @@ class Staged {
     for (const auto& [temporary, path] : files_) fs::remove(temporary, ignored);
   }
 
-  void add(const fs::path& path, const std::string& text) {
+  // What a link leads to is written, and keeps its permissions.
+  void add(const fs::path& named, const std::string& text) {
     std::error_code error;
+    const fs::path path = fs::is_symlink(named, error) ? fs::canonical(named, error) : named;
+    if (error || path.empty()) refuse(named, "the link leads nowhere");
     if (fs::is_directory(path, error)) refuse(path, "a folder stands in the file's place");
+    const fs::file_status before = fs::status(path, error);
+    if (fs::exists(before) && access(path.c_str(), W_OK) != 0) refuse(path, "the file cannot be written");
     fs::path temporary = path;
     temporary += ".new" + std::to_string(getpid());
     files_.emplace_back(temporary, path);
@@ -45,6 +50,7 @@ class Staged {
     file << text;
     file.close();
     if (!file) refuse(path, "the file cannot be written");
+    if (fs::exists(before)) fs::permissions(temporary, before.permissions(), error);
   }
 
   void rename() {

@@ -28,6 +28,7 @@
 #include "commands/registry.hpp"
 #include "commands/report.hpp"
 #include "commands/task_report.hpp"
+#include "frontend/nearest.hpp"
 
 namespace dalembert {
 
@@ -317,6 +318,28 @@ void refuse_empty_options(const CLI::App& parser) {
   }
 }
 
+// What to do about words that nothing takes: the nearest command or option.
+std::string remedy_of(const CLI::App& app, int argc, const char* const* argv) {
+  const std::string first = argv[1];
+  const CLI::App* command = nullptr;
+  std::vector<std::string> commands;
+  for (const CLI::App* const each : app.get_subcommands([](const CLI::App*) { return true; })) {
+    if (each->get_name() == first) command = each;
+    if (!each->get_group().empty()) commands.push_back(each->get_name());
+  }
+  if (!command && !first.starts_with('-'))
+    return fmt::format("there is no command '{}'; {}", first, frontend::suggestion(first, commands));
+  if (!command) return "run 'dalembert --help', or a command with --help";
+  std::vector<std::string> options;
+  for (const CLI::Option* const option : command->get_options()) options.push_back(option->get_name());
+  for (int i = 2; i < argc; ++i) {
+    const std::string word = argv[i], name = word.substr(0, word.find('='));
+    if (!name.starts_with("--") || command->get_option_no_throw(name)) continue;
+    return fmt::format("there is no option {}; {}", name, frontend::suggestion(name, options));
+  }
+  return fmt::format("run 'dalembert {} --help'", first);
+}
+
 int parse_and_run(int argc, const char* const* argv, Diagnostics& warnings, bool& verbose) {
   CLI::App app{"A dynamics compiler: URDF in, C++ for that one robot out.", "dalembert"};
   app.require_subcommand(1);
@@ -356,7 +379,7 @@ int parse_and_run(int argc, const char* const* argv, Diagnostics& warnings, bool
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help
-    throw InputError({Severity::error, "", "command line", error.what(), "run 'dalembert --help', or a command with --help"});
+    throw InputError({Severity::error, "", "command line", error.what(), remedy_of(app, argc, argv)});
   }
   for (const PlainCommand& command : plain)
     if (command.parser->parsed()) return command.run();

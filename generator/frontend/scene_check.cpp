@@ -128,6 +128,7 @@ class SceneCheck {
       const std::string key = "contacts/" + contact.name;
       const std::string link = key + part_of_entry + "link";
       kept_link(document_.places.count(link) ? link : key, contact.link);
+      if (contact.name.empty()) error("contacts", "a contact has an empty name", "give it one");
       if (const std::string id = ir::identifier(contact.name); !names.insert(id).second)
         error(key, fmt::format("two contacts would be called '{}' in C++", id), "call one of them otherwise");
     }
@@ -299,7 +300,9 @@ class SceneCheck {
   void rollouts() {
     const std::string key = scene_.impacts ? "rollouts/impacts" : "rollouts/linearly_implicit";
     if (!scene_.linearly_implicit && !scene_.impacts) return;
-    if (!scene_.batch) error(key, "rollouts are of batches, which the scene does not ask for", "write batch: true");
+    if (!scene_.batch)
+      error(key, "rollouts are of batches, which are not asked for",
+            "write batch: true, and leave out what says otherwise (--batch false; dalembert_add_robot() without BATCH)");
     const std::vector<ir::Quantity> all = scene_.quantities();
     const auto asked = [&](ir::Quantity quantity) { return std::find(all.begin(), all.end(), quantity) != all.end(); };
     if (scene_.impacts && !asked(ir::Quantity::constrained_forward_dynamics))

@@ -674,7 +674,7 @@ const Case defects[] = {
      "scene.yaml: line 3, column 12: key 'rollouts': error: every rollout has 'rk4'; leave it out\n"},
     {"rollouts_without_batches",
      "outputs: [forward_dynamics]\nrollouts: [linearly_implicit]\n",
-     "scene.yaml: line 2, column 12: key 'rollouts': error: rollouts are of batches, which the scene does not ask for; write batch: true\n"},
+     "scene.yaml: line 2, column 12: key 'rollouts': error: rollouts are of batches, which are not asked for; write batch: true, and leave out what says otherwise (--batch false; dalembert_add_robot() without BATCH)\n"},
     {"rollouts_of_what_does_not_move",
      "batch: true\noutputs: [mass_matrix]\nrollouts: [linearly_implicit]\n",
      "scene.yaml: line 3, column 12: key 'rollouts': error: no function tells how the robot moves; ask for forward_dynamics\n"},

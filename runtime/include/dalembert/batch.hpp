@@ -293,13 +293,6 @@ static inline void batch_clear(const int* status, BatchLanes<T>* values, int cou
       if (status[j] >= 0) number[i * w + j] = T(0);
 }
 
-// Blocks of that many bytes in a strip: as many as the second-level cache holds beside other things, one where nothing is cut.
-constexpr int batch_strip(std::size_t bytes, int parts) {
-  constexpr std::size_t room = 192 * 1024, most = 8;
-  const std::size_t blocks = room / bytes < 1 ? 1 : room / bytes > most ? most : room / bytes;
-  return parts == 1 ? 1 : static_cast<int>(blocks);
-}
-
 // Calls take(block, first state, how many) for the states from `first` up to `end`. Program: a function's, with a Block, how
 // many of them are a strip (`strip`), and functions
 //   fill(block, first state, how many): reads states,

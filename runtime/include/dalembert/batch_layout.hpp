@@ -78,4 +78,11 @@ constexpr const char* describe(BatchError error) noexcept {
   return "no error of batches has this number";
 }
 
+// Blocks of that many bytes in a strip: as many as the second-level cache holds beside other things, one where nothing is cut.
+constexpr int batch_strip(std::size_t bytes, int parts) {
+  constexpr std::size_t room = 192 * 1024, most = 8;
+  const std::size_t blocks = room / bytes < 1 ? 1 : room / bytes > most ? most : room / bytes;
+  return parts == 1 ? 1 : static_cast<int>(blocks);
+}
+
 }  // namespace dalembert
