@@ -38,8 +38,11 @@ class Staged {
   // What a link leads to is written, and keeps its permissions.
   void add(const fs::path& named, const std::string& text) {
     std::error_code error;
-    const fs::path path = fs::is_symlink(named, error) ? fs::canonical(named, error) : named;
-    if (error || path.empty()) refuse(named, "the link leads nowhere");
+    fs::path path = named;
+    if (fs::is_symlink(named, error)) {
+      path = fs::canonical(named, error);
+      if (error) refuse(named, "the link leads nowhere");
+    }
     if (fs::is_directory(path, error)) refuse(path, "a folder stands in the file's place");
     const fs::file_status before = fs::status(path, error);
     if (fs::exists(before) && access(path.c_str(), W_OK) != 0) refuse(path, "the file cannot be written");

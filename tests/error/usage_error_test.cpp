@@ -20,9 +20,10 @@ void expect_refused(const Outcome& run, const std::string& message) {
 }
 
 TEST(Usage, BadCommandLinesAreRefused) {
-  expect_refused(run_dalembert({"frobnicate"}, "."), "command line: error: ");
+  expect_refused(run_dalembert({"frobnicate"}, "."), "there is no command 'frobnicate'; choose from generate, info, ");
+  expect_refused(run_dalembert({"chekc", sound}, "."), "there is no command 'chekc'; did you mean 'check'?");
   expect_refused(run_dalembert({"info"}, "."), "command line: error: ROBOT is required");
-  expect_refused(run_dalembert({"info", sound, "--bse", "fixed"}, "."), "--bse");
+  expect_refused(run_dalembert({"info", sound, "--bse", "fixed"}, "."), "there is no option --bse; did you mean '--base'?");
   expect_refused(run_dalembert({"generate", sound}, "."), "--out is required");
   expect_refused(run_dalembert({"eval", sound, "--state", "-"}, "."), "--output is required");
   expect_refused(run_dalembert({"eval", sound, "--state", "-", "--output", "bias", "--engine", "steam"}, "."), "steam");

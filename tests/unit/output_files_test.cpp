@@ -62,6 +62,20 @@ TEST_F(OutputFiles, AreLeftAloneWhenTheyStayTheSame) {
   EXPECT_EQ(text("b.hpp"), ours + "12");
 }
 
+TEST_F(OutputFiles, BehindALinkAreWrittenAndKeepTheirPermissions) {
+  write({{"a.hpp", ours}});
+  fs::rename(root_ / "out/a.hpp", root_ / "kept.hpp");
+  fs::create_symlink("../kept.hpp", root_ / "out/a.hpp");
+  fs::permissions(root_ / "kept.hpp", fs::perms(0640));
+  write({{"a.hpp", ours + "1"}});
+  EXPECT_TRUE(fs::is_symlink(root_ / "out/a.hpp"));
+  EXPECT_EQ(text("a.hpp"), ours + "1");
+  EXPECT_EQ(fs::status(root_ / "kept.hpp").permissions(), fs::perms(0640));
+  fs::remove(root_ / "kept.hpp");
+  EXPECT_THROW(write({{"a.hpp", ours + "2"}}), InputError);
+  EXPECT_TRUE(fs::is_symlink(root_ / "out/a.hpp"));
+}
+
 TEST_F(OutputFiles, OfAnEarlierRunAreRemovedAndForeignOnesKept) {
   write({{"a.hpp", ours}, {"tasks.hpp", ours}});
   std::ofstream(root_ / "out/mine.txt") << "mine";
