@@ -25,6 +25,8 @@ import sys
 KINDS = (lambda d: {"helical": d.choice([0.7, -2])}, lambda d: {"universal": [0.36, -0.48, 0.8]}, lambda d: "planar",
          lambda d: "spherical", lambda d: "floating")
 OF_CONSTRAINTS = ("constraint_", "delassus", "impact", "constrained_", "inverse_constraint_")
+OF_PARTS = ("mass_matrix", "coriolis_matrix", "gravity", "bias", "inverse_dynamics", "momentum_matrix", "center_of_mass_jacobian")
+ROWS = {"distance": 1, "pin": 2, "point": 3}  # of loops that may be embedded here
 LOOPS = ("point", "weld", "hinge", "cylinder", "planar", "pin", "distance")
 
 
@@ -107,6 +109,35 @@ def urdf_of(robot):
     return text + "</robot>\n"
 
 
+def loop_of(d, links, kind):
+    loop = {"links": links, "type": kind, "at": [[0.1, 0.2, -0.03, 0.3, 0, 0.1 * d.randrange(2)], [-0.1, 0.05, 0.1, 0.7, 0.2, 0]]}
+    if kind == "distance":
+        loop["length"] = 0.4
+    return loop
+
+
+def embedded_loop(d, robot):
+    """A loop of which some joints are independent, as many as its rows leave; None: the two links drawn have too few between them."""
+    above = lambda link: [] if link == 0 else [link] + above(robot["joints"][link - 1]["parent"])
+    one, other = d.sample(range(len(robot["links"])), 2)
+    between = [robot["joints"][link - 1] for link in {*above(one)} ^ {*above(other)}]
+    moving = sorted(j["name"] for j in between if j["kind"] in ("revolute", "continuous", "prismatic"))
+    kind = d.choice(sorted(ROWS))
+    if len(moving) <= ROWS[kind] or any(j["kind"] in ("planar", "floating") for j in between):
+        return None
+    loop = loop_of(d, [f"l{one}", f"l{other}"], kind)
+    loop.pop("length", None)
+    return {**loop, "independent": d.sample(moving, len(moving) - ROWS[kind])}
+
+
+def part_of(d, single, links, base):
+    part = {"joints": sorted(d.sample(single, 1 + d.randrange(min(len(single), 5))))} if d.one_in(2) else \
+        {"subtree": d.sample(links, min(len(links), 1 + d.randrange(2)))}
+    if base == "floating" and d.one_in(2):
+        part["base"] = d.choice([True, False])
+    return part
+
+
 def scene_of(d, robot, quantities):
     moving = [(j["name"], f"l{i + 1}") for i, j in enumerate(robot["joints"])]
     single = [j["name"] for j in robot["joints"] if j["kind"] in ("revolute", "continuous", "prismatic")]
@@ -128,13 +159,9 @@ def scene_of(d, robot, quantities):
     if d.one_in(3):
         scene["contacts"] = {f"c{i}": {"link": link, "type": d.choice(["weld", "point", "point"]), "at": [0.1 * (i + 1), -0.07, 0.03],
                                        "axes": d.choice(["world", "link"])}
-                             for i, link in enumerate(d.sample(links, min(len(links), 1 + d.randrange(3))))}
+                             for i, link in enumerate(d.sample(links, min(len(links), 1 + d.choice([0, 1, 1, 2, 5]))))}
     if d.one_in(4) and len(links) > 1:
-        kind = d.choice(LOOPS)
-        scene["loops"] = {"loop": {"links": d.sample(links + ["l0"], 2), "type": kind,
-                                   "at": [[0.1, 0.2, -0.03, 0.3, 0, 0], [-0.1, 0.05, 0.1, 0.7, 0.2, 0]]}}
-        if kind == "distance":
-            scene["loops"]["loop"]["length"] = 0.4
+        scene["loops"] = {f"loop{i}": loop_of(d, d.sample(links + ["l0"], 2), d.choice(LOOPS)) for i in range(d.choice([1, 1, 1, 2, 3]))}
     rare = 1 + d.randrange(8)
     constrained = "contacts" in scene or "loops" in scene
     usable = [q for q in quantities if (constrained or not q.startswith(OF_CONSTRAINTS))
@@ -158,24 +185,36 @@ def scene_of(d, robot, quantities):
         some = d.some(single, rare)
         if some:
             scene[key] = {joint: value for joint in some}
-    mimic = [j for j in single if j != driver and d.one_in(8) and not any(j in scene.get(k, {}) for k in ("stiffness", "elastic"))]
+    drivers = [driver] + (d.sample(single, min(len(single), 2)) if d.one_in(2) else [])
+    mimic = [j for j in single if j not in drivers and d.one_in(8) and not any(j in scene.get(k, {}) for k in ("stiffness", "elastic"))]
     if mimic:
-        scene["mimic"] = {j: {"of": driver, "multiplier": d.choice([-0.5, 1.5]), "offset": 0.2} for j in mimic}
+        scene["mimic"] = {j: {"of": d.choice(drivers), "multiplier": d.choice([-0.5, 1.5]), "offset": 0.2} for j in mimic}
     if d.one_in(3):
-        used = {driver, *mimic, *scene.get("stiffness", {}), *scene.get("elastic", {})}
+        used = {*drivers, *mimic, *scene.get("stiffness", {}), *scene.get("elastic", {})}
         kinds = {j: (KINDS[0] if j in used else d.choice(KINDS))(d) for j in single if d.one_in(4)}
         if kinds:
             scene["joints"] = kinds
     if d.one_in(6) and len(single) > 2:
-        held = [j for j in single if j != driver and j not in mimic and d.one_in(5)]
+        held = [j for j in single if j not in drivers and j not in mimic and d.one_in(5)]
         if held:
             scene["locked"] = {j: 0.3 for j in held}
+    if {"constrained_inverse_dynamics", "inverse_constraint_forces"} & {*scene["outputs"]} and d.one_in(2):
+        scene["passive"] = [d.choice(single)]
     if scene.get("batch"):
         asked = {*scene["outputs"], *scene.get("functions", {}).get("one", [])}
         if "forward_dynamics" in asked and not constrained and not scene.get("rates_zero"):
             scene["rollouts"] = ["linearly_implicit"]
         elif {"constrained_forward_dynamics", "impact"} <= asked:
             scene["rollouts"] = ["impacts"]
+    embedded = embedded_loop(d, robot) if d.one_in(10) else None
+    if embedded:  # which go with fewer keys
+        for key in ("contacts", "batch", "rollouts", "mimic", "elastic", "locked", "joints", "forward_dynamics", "functions", "passive"):
+            scene.pop(key, None)
+        scene.update(parallel="serial", loops={"embedded": embedded},
+                     outputs=[q for q in scene["outputs"] if not q.startswith(OF_CONSTRAINTS) and "_d" not in q] or ["bias"])
+    elif d.one_in(4):
+        scene["outputs"] = [{q: part_of(d, single, links, scene["base"])} if q in OF_PARTS and d.one_in(2) else q
+                            for q in scene["outputs"]]
     return scene
 
 
