@@ -1,10 +1,12 @@
 #include "idle_keys.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <initializer_list>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "ir/implicit_joints.hpp"
@@ -83,14 +85,28 @@ void warn_of_idle_keys(const ir::Scene& scene, const ir::KinematicTree& tree, Di
   if (scene.coriolis == ir::Coriolis::christoffel && !keys.asked({Quantity::coriolis_matrix}))
     keys.warn("coriolis", "C is not asked for", "ask for coriolis_matrix; C v is the same by either C");
 
-  const bool losses = motion || keys.asked({Quantity::bias});
+  // At rest nothing is lost but in derivatives by v.
+  const bool losses = scene.rates_zero ? keys.asked({Quantity::inverse_dynamics_dv, Quantity::forward_dynamics_dv,
+                                                     Quantity::constrained_forward_dynamics_dv, Quantity::constraint_forces_dv})
+                                       : motion || keys.asked({Quantity::bias});
+  const char* const remedy_of_losses =
+      scene.rates_zero ? "leave it out, or rates_zero" : "ask for bias, inverse_dynamics or forward_dynamics";
   if ((scene.urdf_damping || !scene.damping.empty()) && !losses)
-    keys.warn("damping", "no output depends on damping", "ask for bias, inverse_dynamics or forward_dynamics");
+    keys.warn("damping", "no output depends on damping", remedy_of_losses);
   if ((scene.urdf_friction || !scene.friction.empty()) && !losses)
-    keys.warn("friction", "no output depends on friction", "ask for bias, inverse_dynamics or forward_dynamics");
-  if (!scene.stiffness.empty() && !losses && !keys.asked({Quantity::potential_energy}))
+    keys.warn("friction", "no output depends on friction", remedy_of_losses);
+  if (!scene.stiffness.empty() && !motion && !keys.asked({Quantity::bias, Quantity::potential_energy}))
     keys.warn("stiffness", "no output depends on springs",
               "ask for bias, potential_energy, inverse_dynamics or forward_dynamics");
+
+  constexpr Quantity of_velocities[] = {Quantity::kinetic_energy, Quantity::momentum_bias, Quantity::center_of_mass_bias,
+                                        Quantity::constraint_bias, Quantity::impact};
+  std::vector<std::string_view> zero;
+  for (const Quantity quantity : of_velocities)
+    if (scene.rates_zero && keys.asked({quantity})) zero.push_back(ir::name_of(quantity));
+  if (!zero.empty())
+    keys.warn("rates_zero", fmt::format("{} {} zero in every state", fmt::join(zero, ", "), zero.size() == 1 ? "is" : "are"),
+              "do not ask for what depends on velocities alone, or leave rates_zero out");
 
   if (scene.linearly_implicit && ir::implicit_joints(tree).empty())
     keys.warn("rollouts", "no joint has a damper or a spring, and linearly implicit steps are those of semi-implicit Euler",

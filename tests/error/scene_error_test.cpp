@@ -827,6 +827,14 @@ TEST(SceneOptions, KeysThatNoOutputHasToDoWithAreToldOf) {
   }
   EXPECT_TRUE(idle("stiffness", "elbow=1", "mass_matrix"));
   EXPECT_FALSE(idle("stiffness", "elbow=1", "potential_energy"));
+  EXPECT_TRUE(idle("rates_zero", "true", "bias,kinetic_energy"));
+  EXPECT_FALSE(idle("rates_zero", "true", "bias,mass_matrix"));
+  const auto at_rest = [](const char* output) {
+    return info({"--rates_zero", "true", "--damping", "elbow=1", "--outputs", output}).err;
+  };
+  EXPECT_EQ(at_rest("inverse_dynamics"),
+            "scene key 'damping': warning: no output depends on damping; leave it out, or rates_zero\n");
+  EXPECT_EQ(at_rest("inverse_dynamics_dv"), "");
   EXPECT_TRUE(idle("armature", "elbow=1", "gravity,coriolis_matrix,bias,center_of_mass"));
   for (const std::string output : {"mass_matrix", "kinetic_energy", "inverse_mass_matrix", "inverse_dynamics"})
     EXPECT_FALSE(idle("armature", "elbow=1", output)) << output;
