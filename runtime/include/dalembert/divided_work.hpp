@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "happens_before.hpp"
+#include "pause.hpp"
 
 namespace dalembert {
 
@@ -190,7 +191,7 @@ class DividedWork {
       Stretch got = from_front(mine);
       if (got.size() == 0) got = from_others(mine, now >= patience);
       if (got.size() == 0) {
-        pause();
+        detail::pause();
         ++now, ++waited;
         continue;
       }
@@ -242,14 +243,6 @@ class DividedWork {
       for (const int preparation : part.needs) have(preparation, mine);
       part.work(mine, begin, end);
     }
-  }
-
-  static void pause() {
-#if defined(__x86_64__) || defined(__i386__)
-    __builtin_ia32_pause();
-#elif defined(__aarch64__)
-    __asm__ volatile("yield");
-#endif
   }
 
   std::vector<Work> preparations_;

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "happens_before.hpp"
+#include "pause.hpp"
 
 namespace dalembert {
 
@@ -88,7 +89,7 @@ class TaskGraph {
     while (left_.load(std::memory_order_acquire) > 0) {
       int next = claim(thread);
       if (next == none) next = claim(none);
-      if (next == none) pause();
+      if (next == none) detail::pause();
       while (next != none) next = finish(next, thread);
     }
   }
@@ -118,14 +119,6 @@ class TaskGraph {
     }
     left_.fetch_sub(1, std::memory_order_acq_rel);
     return next;
-  }
-
-  static void pause() {
-#if defined(__x86_64__) || defined(__i386__)
-    __builtin_ia32_pause();
-#elif defined(__aarch64__)
-    __asm__ volatile("yield");
-#endif
   }
 
   const int threads_;

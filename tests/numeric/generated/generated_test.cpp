@@ -164,16 +164,18 @@ TEST_P(Generated, SerialEvaluationNeverAllocates) {
   EXPECT_EQ(heap_allocations() - before, 0u);
 }
 
-// Not a promise but a report: oneTBB owns its memory.
-TEST_P(GeneratedTasks, ReportTheirAllocations) {
+// oneTBB owns its memory, and how much it takes is no promise but a report; later evaluations need no more than the first.
+TEST_P(GeneratedTasks, DoNotAllocateMoreAndMore) {
   const State state = moderate_state(model.tree, 1);
   robot->set_state(state.q, state.v);
   const std::uint64_t start = heap_allocations();
   robot->evaluate(Variant::tasks);
   const std::uint64_t first = heap_allocations();
   for (int i = 0; i < 100; ++i) robot->evaluate(Variant::tasks);
+  const double later = static_cast<double>(heap_allocations() - first) / 100;
   std::printf("task graph: %llu allocations in the first evaluation, %.2f in each later one\n",
-              static_cast<unsigned long long>(first - start), static_cast<double>(heap_allocations() - first) / 100);
+              static_cast<unsigned long long>(first - start), later);
+  EXPECT_LE(later, static_cast<double>(first - start));
 }
 
 // Values that cannot matter are not read: a NaN in their place changes no bit.
