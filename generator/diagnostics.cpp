@@ -17,19 +17,24 @@ std::string to_string(const Diagnostic& d) {
   return text;
 }
 
-std::vector<std::string> lines(const Diagnostics& diagnostics, bool verbose) {
+std::vector<int> alike(const Diagnostics& diagnostics) {
   const auto kind = [](const Diagnostic& d) { return std::pair(d.file, d.kind.empty() ? d.message : d.kind); };
   std::map<std::pair<std::string, std::string>, int> count;
   for (const Diagnostic& d : diagnostics)
     if (d.severity == Severity::warning) ++count[kind(d)];
+  std::vector<int> numbers;
+  for (const Diagnostic& d : diagnostics)
+    numbers.push_back(d.severity == Severity::warning ? std::exchange(count[kind(d)], 0) : 1);
+  return numbers;
+}
+
+std::vector<std::string> lines(const Diagnostics& diagnostics, bool verbose) {
+  const std::vector<int> such = alike(diagnostics);
   std::vector<std::string> lines;
-  for (const Diagnostic& d : diagnostics) {
-    lines.push_back(to_string(d));
-    if (verbose || d.severity != Severity::warning) continue;
-    int& alike = count[kind(d)];
-    if (alike == 0) lines.pop_back();  // told with the first
-    if (alike > 1) lines.back() += fmt::format(" (the first of {} such warnings; --verbose shows all)", alike);
-    alike = 0;
+  for (size_t i = 0; i < diagnostics.size(); ++i) {
+    if (!verbose && such[i] == 0) continue;  // told with the first
+    lines.push_back(to_string(diagnostics[i]));
+    if (!verbose && such[i] > 1) lines.back() += fmt::format(" (the first of {} such warnings; --verbose shows all)", such[i]);
   }
   return lines;
 }

@@ -27,6 +27,10 @@ std::string to_string(const Diagnostic& diagnostic);
 
 using Diagnostics = std::vector<Diagnostic>;
 
+// Of each how many warnings of its kind there are in its file: at the first of them, and 0 at the others; of what is no warning
+// 1.
+std::vector<int> alike(const Diagnostics& diagnostics);
+
 // One line each, as they come. Of warnings of one kind in one file only the first, with their number; all of them when
 // `verbose`. Errors and notices are never left out.
 std::vector<std::string> lines(const Diagnostics& diagnostics, bool verbose);

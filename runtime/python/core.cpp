@@ -28,6 +28,8 @@ PyObject* open_library(PyObject*, PyObject* args) {
 PyObject* threads(PyObject*, PyObject* args) {
   int count = 0;
   if (!PyArg_ParseTuple(args, "|i", &count)) return nullptr;
+  if (PyTuple_GET_SIZE(args) > 0 && count < 1)
+    return PyErr_Format(PyExc_ValueError, "threads: %d threads are too few, expected 1 or more", count);
   if (count > 0) Workers::instance().set_count(std::min(count, 1024));
   return PyLong_FromLong(Workers::instance().count());
 }

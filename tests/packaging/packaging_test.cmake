@@ -59,6 +59,24 @@ dalembert_add_robot(arm URDF arm.urdf SCENE ${empty} NAME arm)
   endif()
 endforeach()
 
+# What has a keyword is no option beside it.
+foreach(options "--batch=true|OPTIONS has --batch; the keyword BATCH is for that" "--parallel tasks|the keyword TASKS"
+        "-o elsewhere|OPTIONS has -o; leave it out")
+  string(REPLACE "|" ";" options "${options}")
+  list(POP_FRONT options words)
+  file(WRITE "${WORK}/twice/CMakeLists.txt" "cmake_minimum_required(VERSION 3.25)
+project(twice LANGUAGES CXX)
+find_package(dalembert REQUIRED)
+dalembert_add_robot(arm URDF arm.urdf OPTIONS --base fixed ${words})
+")
+  run("configure with ${words}" ${CMAKE_COMMAND} -S "${WORK}/twice" -B "${WORK}/twice/build" -G "${GENERATOR}"
+      "-DCMAKE_PREFIX_PATH=${WORK}/prefix")
+  string(REGEX REPLACE "[ \n]+" " " output "${output}")
+  if(result EQUAL 0 OR NOT output MATCHES "${options}")
+    message(FATAL_ERROR "OPTIONS ${words} should be refused")
+  endif()
+endforeach()
+
 # A robot that is not there is missed before anything is built, one that is made while building is not.
 file(WRITE "${WORK}/missing/CMakeLists.txt" [[
 cmake_minimum_required(VERSION 3.25)

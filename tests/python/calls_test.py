@@ -4,7 +4,9 @@ import copy
 import ctypes
 import inspect
 import os
+import pathlib
 import pickle
+import tempfile
 import unittest
 import warnings
 
@@ -551,6 +553,28 @@ class States(unittest.TestCase):
             self.assertIn(f"the function '{name}' is robot['{name}'] alone", text)
             self.assertEqual(r[name](q, v).bias.tolist(), r.bias(q, v).tolist())
         self.assertEqual((r.dtype, set(r.outputs)), (np.float64, {"bias", *names}))
+
+    def test_numbers_of_things_are_whole_and_there_are_some(self):
+        for text, call in (("random: n is -1, expected", lambda: double.random(0, -1)),
+                           ("random: n is 1.5, expected", lambda: double.random(0, 1.5)),
+                           ("threads: 0 threads are too few", lambda: dalembert.threads(0)),
+                           (f"{10**19} steps are more", lambda: double.forward_dynamics_rollout(
+                               double.neutral(), np.zeros(double.nv), steps=10**19, time_step=0.01)),
+                           ("'bias' is given twice", lambda: single.evaluate(single.neutral(), np.zeros(single.nv),
+                                                                             outputs=["bias", "bias"]))):
+            with self.subTest(text), self.assertRaisesRegex(ValueError, text):
+                call()
+
+    def test_warnings_of_one_kind_are_one(self):
+        with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings(record=True) as said:
+            warnings.simplefilter("always")
+            urdf = pathlib.Path(folder) / "damped.urdf"
+            urdf.write_text(robots.robot("double_pendulum").read_text().replace("<axis", '<axis K="7000"'))
+            robot = dalembert.load(urdf, base="fixed", outputs=["center_of_mass"], flags=robots.quick, batch=False)
+        texts = [str(w.message) for w in said if w.category is dalembert.InputWarning]
+        self.assertEqual(len(texts), 1, texts)
+        self.assertRegex(texts[0], r"'K' of <axis> .*\(the first of 2 such warnings; the robot's notices are all\)")
+        self.assertEqual(len(robot.notices), 2)
 
     def test_states_that_are_not_finite_are_said_to_be(self):
         Q, V = double.random(np.random.default_rng(1), 3), np.zeros((3, double.nv))

@@ -112,10 +112,11 @@ std::string robot_json(const Library& library, const Request& request, const Com
       quaternions.push_back(fmt::format("[{}, {}, {}]", tree.base_positions() + positions[k],
                                         tree.base_coordinates() + coordinates[k], tree.bodies[k].displacements() > 0 ? 1 : 0));
   for (const ir::LinkPlacement& link : tree.links) links.push_back(link.link);
-  for (const Diagnostic& d : warnings)
-    if (d.severity != Severity::error)
-      said.push_back(fmt::format("[{}, {}]", json_string(d.severity == Severity::warning ? "warning" : "notice"),
-                                 json_string(to_string(d))));
+  const std::vector<int> such = alike(warnings);
+  for (size_t i = 0; i < warnings.size(); ++i)
+    if (warnings[i].severity != Severity::error)
+      said.push_back(fmt::format("[{}, {}, {}]", json_string(warnings[i].severity == Severity::warning ? "warning" : "notice"),
+                                 json_string(to_string(warnings[i])), such[i]));
   std::string command = model.command_line;
   for (const char* words : {"dalembert ", "generate "})
     if (command.starts_with(words)) command = command.substr(std::strlen(words));

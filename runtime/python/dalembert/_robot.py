@@ -213,6 +213,8 @@ class Rollout:
             raise TypeError(f"{self.__name__} needs steps, or {self._takes}, whose steps they are")
         if steps is not None and (not isinstance(steps, numbers.Integral) or steps < 0):
             raise ValueError(f"{self.__name__}: steps is {steps!r}, expected a whole number, 0 or more")
+        if steps is not None and steps >= 2**31:
+            raise ValueError(f"{self.__name__}: {steps} steps are more than there may be")
         if not isinstance(time_step, numbers.Real):
             raise TypeError(f"{self.__name__}: time_step is of type {type(time_step).__name__}, expected a number of seconds")
         return self._function.roll_out(
@@ -249,9 +251,10 @@ class Robot:
         if keywords.get("batch"):
             batches.prepare(sorted({f["part"] for f in facts["functions"] if f["batch_entry"] >= 0}))
         self._set_functions(_core.open(os.fspath(code)), batches, facts["functions"])
-        for kind, text in facts["said"]:
-            if kind == "warning":
-                warnings.warn(text, InputWarning, stacklevel=3)
+        for kind, text, alike in facts["said"]:
+            if kind == "warning" and alike > 0:
+                more = f" (the first of {alike} such warnings; the robot's notices are all)" if alike > 1 else ""
+                warnings.warn(text + more, InputWarning, stacklevel=3)
         return self
 
     def _set_facts(self, facts):
@@ -269,7 +272,7 @@ class Robot:
             body_names=tuple(facts["bodies"]),
             frame_names=tuple(facts["links"]),
             compiled_by=facts["compiled_by"],
-            notices=tuple(text for _, text in facts["said"]),
+            notices=tuple(text for _, text, _ in facts["said"]),
             _quaternions=numpy.array(facts["quaternions"], dtype=numpy.int64).reshape(-1, 3),
         )
         for key, name in (("lower", "lower_limits"), ("upper", "upper_limits"), ("velocity", "velocity_limits"),
@@ -404,6 +407,8 @@ class Robot:
         for name in names:
             if name not in self._function_of:
                 raise KeyError(self._unknown(name))
+        if len(set(names)) < len(names):
+            raise ValueError(f"evaluate: '{next(n for n in names if names.count(n) > 1)}' is given twice in outputs")
         by_function = {}
         for name in names:
             by_function.setdefault(self._function_of[name], []).append(name)
@@ -503,6 +508,8 @@ class Robot:
         ±1 m, its orientation uniform. rng: a numpy Generator, or a seed. Returns (nq,) or (n, nq). NotImplementedError where loops are
         embedded, here and in what follows."""
         self._of_own_joints("random()")
+        if n is not None and (not isinstance(n, numbers.Integral) or n < 0):
+            raise ValueError(f"random: n is {n!r}, expected a whole number, 0 or more")
         rng = numpy.random.default_rng(rng)
         count = 1 if n is None else int(n)
         free = numpy.array([1.0 if t == "prismatic" else math.pi for t in self.joint_types])
