@@ -172,7 +172,7 @@ std::string kernel_statements(const CodeInput& code, const std::string& limbs, c
                   ? fmt::format("  const dalembert::AxesInArray<Scalar> axes{{{}}};\n", name(code, kernel[Operand::axes]))
                   : axes;
     std::map<std::string, std::string> others{{"longest_path", std::to_string(ir::most_above(tree) + 1)},
-                                              {"first", std::to_string(kernel.first)},
+                                              {"first_column", std::to_string(kernel.first)},
                                               {"of_forces", kernel.of_forces ? "true" : "false"},
                                               {"turning_rows", std::to_string(kernel.turning_rows)},
                                               {"undriven", fmt::format("{}", fmt::join(kernel.undriven, ", "))}};

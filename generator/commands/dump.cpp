@@ -78,6 +78,22 @@ std::string input_text(const ir::KinematicTree& tree, const ir::Scene& scene, co
   }
 }
 
+// What is done behind the elements, and with which arrays.
+std::string kernels_text(const ir::Algorithm& algorithm) {
+  std::string text;
+  for (const ir::Kernel& kernel : algorithm.kernels) {
+    const ir::KernelRow& row = ir::row_of(kernel.kind);
+    text += fmt::format("kernel {}: {}\n", row.name, row.meaning);
+    for (size_t o = 0; o < static_cast<size_t>(ir::Operand::count); ++o) {
+      const auto operand = static_cast<ir::Operand>(o);
+      if (const int array = kernel[operand]; array >= 0)
+        text += fmt::format("  {} is {}: {}\n", ir::row_of(operand).name, algorithm.arrays[static_cast<size_t>(array)].name,
+                            ir::row_of(operand).meaning);
+    }
+  }
+  return text;
+}
+
 // One node a line: `%12 = multiply %3 %7  ; name`.
 std::string program_text(const ir::KinematicTree& tree, const ir::Scene& scene, const ir::Algorithm& algorithm,
                          const ir::Program& program) {
@@ -103,7 +119,7 @@ std::string program_text(const ir::KinematicTree& tree, const ir::Scene& scene, 
   }
   for (const ir::OutputElement& e : program.elements)
     text += fmt::format("{}({}, {}) = %{}\n", program.arrays[static_cast<size_t>(e.array)].name, e.row, e.column, e.node);
-  return text;
+  return text + kernels_text(algorithm);
 }
 
 std::string plan_text(const ir::KinematicTree& tree, const ir::Plan& plan) {
@@ -148,7 +164,7 @@ std::string rolled_text(const ir::Algorithm& algorithm, const ir::Plan& plan, co
   for (const ir::Pairs& p : algorithm.pairs)
     text += fmt::format("{} between two branches: block products of the runtime, {}\n",
                         algorithm.arrays[static_cast<size_t>(p.array)].name, p.equation);
-  return text;
+  return text + kernels_text(algorithm);
 }
 
 std::string pass_table(const Model& model) {

@@ -18,8 +18,8 @@ constexpr WholeRow rows[] = {
 #undef DALEMBERT_OPERAND
 #undef DALEMBERT_KERNEL
 };
-constexpr const char* operand_names[] = {
-#define DALEMBERT_OPERAND(name, meaning) #name,
+constexpr OperandRow operands[] = {
+#define DALEMBERT_OPERAND(name, meaning) {#name, meaning},
 #include "ir/kernels.def"
 #undef DALEMBERT_OPERAND
 #undef DALEMBERT_KERNEL
@@ -28,8 +28,8 @@ constexpr const char* operand_names[] = {
 const WholeRow& whole_row(Kernel::Kind kind) { return rows[static_cast<std::size_t>(kind)]; }
 
 Operand operand_called(const std::string& name) {
-  const auto at = std::find(std::begin(operand_names), std::end(operand_names), name);
-  return static_cast<Operand>(at - std::begin(operand_names));
+  const auto at = std::find_if(std::begin(operands), std::end(operands), [&](const OperandRow& o) { return name == o.name; });
+  return static_cast<Operand>(at - std::begin(operands));
 }
 
 using Access = KernelArgument::Access;
@@ -56,6 +56,7 @@ std::vector<int> arrays_with(const Kernel& kernel, std::initializer_list<Access>
 }  // namespace
 
 const KernelRow& row_of(Kernel::Kind kind) { return whole_row(kind).row; }
+const OperandRow& row_of(Operand operand) { return operands[static_cast<std::size_t>(operand)]; }
 
 KernelArgument kernel_argument(const std::string& text) {
   KernelArgument argument;

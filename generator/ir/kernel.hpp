@@ -67,6 +67,10 @@ struct KernelRow {
   const char *name, *header, *status, *meaning;
 };
 const KernelRow& row_of(Kernel::Kind kind);
+struct OperandRow {
+  const char *name, *meaning;
+};
+const OperandRow& row_of(Operand operand);
 
 // A call as its row has it, of those that the kernel makes.
 struct KernelCall {

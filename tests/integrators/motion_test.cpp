@@ -7,6 +7,8 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <cmath>
+#include <limits>
 #include <unsupported/Eigen/MatrixFunctions>
 
 #include "systems.hpp"
@@ -44,6 +46,26 @@ TEST(Move, IsTheMatrixExponential) {
     EXPECT_LT((pose(moved) - pose(some_pose()) * twist.exp()).cwiseAbs().maxCoeff(), 1e-14 * (1 + 10 * size)) << size;
     EXPECT_EQ(moved.tail<2>(), some_pose().tail<2>() + step.tail<2>());
   }
+}
+
+// (1 − cos a) / a² and (a − sin a) / a³, times which steps are a and a²: to the last digit at all angles.
+template <class T>
+void expect_whole_coefficients() {
+  for (double angle = 1e-4; angle < 3; angle *= 1.01) {
+    const T squared = static_cast<T>(angle) * static_cast<T>(angle);
+    T first, second;
+    integrators::detail::exponential_coefficients<T>(squared, first, second);
+    const long double x = squared, a = std::sqrt(x), half = std::sin(a / 2);
+    long double series = 0, term = 1 / 6.0L;  // (a − sin a) / a³
+    for (int k = 4; k < 60; k += 2) series += term, term *= -x / (k * (k + 1));
+    constexpr long double epsilon = std::numeric_limits<T>::epsilon();
+    EXPECT_LT(std::abs(first - 2 * half * half / x) * a, 2 * epsilon) << angle;
+    EXPECT_LT(std::abs(second - series) * x, 2 * epsilon) << angle;
+  }
+}
+TEST(Move, CoefficientsAreRightToTheLastDigit) {
+  expect_whole_coefficients<double>();
+  expect_whole_coefficients<float>();
 }
 
 TEST(Move, GoesBackWhereItCameFromAndKeepsTheQuaternionsLength) {

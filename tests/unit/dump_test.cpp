@@ -38,6 +38,10 @@ TEST(Dump, ShowsWhatEachStageIsMadeOf) {
   expect_in_order(dump(rolled, Stage::rolled), {"segment ", "constants per slot", "level 0, outwards", "R = Rp Rk Rz(q)",
                                                 "level 1, inwards", "block products"});
   expect_in_order(dump(straight, Stage::plan), {"straight form"});
+  const Model standing = read_robot(
+      "quadruped", {{"outputs", "constrained_forward_dynamics"}, {"contacts", "front_left_3_shank=point"}}, "rolled");
+  expect_in_order(dump(standing, Stage::rolled), {"segment ", "kernel solve_constrained", "\n  pivots is ",
+                                                  "\n  to is constrained_forward_dynamics: the result"});
   expect_in_order(dump(straight, Stage::rolled), {"straight form: no loops"});
 }
 

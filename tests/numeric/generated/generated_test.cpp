@@ -164,7 +164,7 @@ TEST_P(Generated, SerialEvaluationNeverAllocates) {
   EXPECT_EQ(heap_allocations() - before, 0u);
 }
 
-// oneTBB owns its memory, and how much it takes is no promise but a report; later evaluations need no more than the first.
+// oneTBB owns its memory, and how much it takes is no promise but a report; later evaluations do without, but for a few.
 TEST_P(GeneratedTasks, DoNotAllocateMoreAndMore) {
   const State state = moderate_state(model.tree, 1);
   robot->set_state(state.q, state.v);
@@ -175,7 +175,7 @@ TEST_P(GeneratedTasks, DoNotAllocateMoreAndMore) {
   const double later = static_cast<double>(heap_allocations() - first) / 100;
   std::printf("task graph: %llu allocations in the first evaluation, %.2f in each later one\n",
               static_cast<unsigned long long>(first - start), later);
-  EXPECT_LE(later, static_cast<double>(first - start));
+  EXPECT_LT(later, 1);
 }
 
 // Values that cannot matter are not read: a NaN in their place changes no bit.

@@ -29,18 +29,19 @@ inline constexpr bool may_float = int(Q::RowsAtCompileTime) == Eigen::Dynamic ||
 
 namespace detail {
 
-// (1 − cos a) / a² and (a − sin a) / a³ of an angle a, given by its square; their series where the quotients cancel.
+// (1 − cos a) / a² and (a − sin a) / a³ of an angle a, given by its square; their series where the quotients cancel. Of a
+// and a² times them, which is what counts, no more is lost than the last digit.
 template <class Scalar>
 void exponential_coefficients(Scalar squared, Scalar& first, Scalar& second) {
-  using std::cos;
   using std::sin;
   using std::sqrt;
-  if (squared < Scalar(1e-3)) {  // what is left out is below 1e-17
-    first = Scalar(0.5) - squared / 24 * (1 - squared / 30 * (1 - squared / 56 * (1 - squared / 90)));
-    second = Scalar(1) / 6 - squared / 120 * (1 - squared / 42 * (1 - squared / 72 * (1 - squared / 110)));
+  if (squared < Scalar(0.1)) {  // what is left out is below 1e-17
+    first = Scalar(0.5) - squared / 24 * (1 - squared / 30 * (1 - squared / 56 * (1 - squared / 90 * (1 - squared / 132))));
+    second =
+        Scalar(1) / 6 - squared / 120 * (1 - squared / 42 * (1 - squared / 72 * (1 - squared / 110 * (1 - squared / 156))));
   } else {
-    const Scalar angle = sqrt(squared);
-    first = (1 - cos(angle)) / squared;
+    const Scalar angle = sqrt(squared), half = sin(angle / 2);
+    first = 2 * half * half / squared;
     second = (angle - sin(angle)) / (squared * angle);
   }
 }
