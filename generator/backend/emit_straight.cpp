@@ -141,7 +141,7 @@ ir::Operations straight_operations(const CodeInput& code) {
 
 std::vector<std::string> straight_includes(const CodeInput& code) {
   std::vector<std::string> headers;
-  if (code.algorithm.embedding) headers.emplace_back("linkage");
+  if (code.algorithm.embedding) headers.insert(headers.end(), {"linkage", "sincos"});
   if (fills_matrices(code)) headers.emplace_back("straight_line");
   if (projects_by_rows(code)) headers.emplace_back("projections");
   if (Angles(code.program).count() > 0) headers.emplace_back("sincos");

@@ -8,6 +8,7 @@
 
 #include "both_forms.hpp"
 #include "commands/generic_engine.hpp"
+#include "compile.hpp"
 #include "costs.hpp"
 #include "passes/build_tree.hpp"
 #include "reference/engine.hpp"
@@ -210,6 +211,22 @@ TEST_P(Embedded, WhatIsNotAskedForIsNotFollowed) {
 }
 
 // Where crank and rod are in line the slider does not tell where they go.
+// Loops are closed by sines, whether anything else of a function is or not.
+TEST_P(Embedded, CodeIncludesWhatClosingCalls) {
+  Model model = load(GetParam());
+  model.scene.gravity_kind = ir::GravityKind::none;
+  model.scene.gravity = {0, 0, 0};
+  model.scene.outputs = {Quantity::gravity};
+  model.name = "linked";
+  bool called = false;
+  for (const backend::OutputFile& file : compile_without_self_test(model)) {
+    if (file.name != "dynamics.cpp") continue;
+    called = file.text.find("dalembert::sincos_at<") != file.text.npos;
+    EXPECT_NE(file.text.find("#include <dalembert/sincos.hpp>"), file.text.npos) << file.text.substr(0, 500);
+  }
+  EXPECT_TRUE(called);
+}
+
 TEST(TogglePoint, IsSaidAndNothingIsDividedBy) {
   const Model model = load({"slider_crank", {{"pin", {"slide"}}}, ""});
   State state = some_state(model.tree);
