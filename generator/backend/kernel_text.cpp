@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <initializer_list>
 #include <map>
 #include <set>
 #include <stdexcept>
@@ -106,10 +107,12 @@ std::string constraint_declarations(const CodeInput& code) {
   const auto first = std::find_if(kernels.begin(), kernels.end(), [](const ir::Kernel& k) { return k.of_constraints(); });
   if (first == kernels.end()) return "";
   std::string text = fmt::format("  using ConstraintsOfScene = {};\n", rows_type(first->paths));
-  const bool supported = any_kernel(code, [](const auto&k) { return k.kind == Kind::support || k.by_wrenches(); }),
-             responds =
-                 any_kernel(code, [](const auto&k) { return k.kind == Kind::respond || k.kind == Kind::respond_as_solved; }),
-             solved = any_kernel(code, [](const auto&k) { return k[Operand::right] >= 0; });
+  const auto any = [&](std::initializer_list<Kind> kinds) {
+    return any_kernel(code, [&](const ir::Kernel& k) { return std::find(kinds.begin(), kinds.end(), k.kind) != kinds.end(); });
+  };
+  const bool supported = any({Kind::support, Kind::support_by_wrenches}),
+             responds = any({Kind::respond, Kind::respond_as_solved}),
+             solved = any({Kind::solve_constrained, Kind::solve_constrained_by_limbs, Kind::impact, Kind::impact_by_limbs});
   if (!solved && !responds && !supported) return text;
   std::vector<std::string> active, regularization, weights;
   for (const ir::Constraint& constraint : code.scene.constraints()) {

@@ -211,7 +211,7 @@ def scene_of(d, robot, quantities):
         for key in ("contacts", "batch", "rollouts", "mimic", "elastic", "locked", "joints", "forward_dynamics", "functions", "passive"):
             scene.pop(key, None)
         scene.update(parallel="serial", loops={"embedded": embedded},
-                     outputs=[q for q in scene["outputs"] if not q.startswith(OF_CONSTRAINTS) and "_d" not in q] or ["bias"])
+                     outputs=[q for q in scene["outputs"] if not q.startswith(OF_CONSTRAINTS) and not q.endswith(("_dq", "_dv"))] or ["bias"])
     elif d.one_in(4):
         scene["outputs"] = [{q: part_of(d, single, links, scene["base"])} if q in OF_PARTS and d.one_in(2) else q
                             for q in scene["outputs"]]
