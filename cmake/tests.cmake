@@ -1,9 +1,14 @@
-# dalembert_add_gtest(TARGET [PREFIX prefix] [PROPERTIES name value...])   the tests of a program, as its sources name them
+# dalembert_add_gtest(TARGET [THREADS] [PREFIX prefix] [PROPERTIES name value...])   the tests of a program, as its sources name them
+#
+# THREADS: something in it runs on several, and the preset tsan has it.
 #
 # A test of many parameters is one of CTest's: a process for each of 4,000 would begin, and read a robot, as often. Which parameter
 # fails is in the output. In the long run (DALEMBERT_LONG_TESTS) tests find that word in their environment and take all their cases.
 function(dalembert_add_gtest target)
-  cmake_parse_arguments(ARG "" "PREFIX" "PROPERTIES" ${ARGN})
+  cmake_parse_arguments(ARG "THREADS" "PREFIX" "PROPERTIES" ${ARGN})
+  if(ARG_THREADS)
+    add_dependencies(threaded_tests ${target})
+  endif()
   get_target_property(sources ${target} SOURCES)
   foreach(source IN LISTS sources)
     set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${source})
@@ -24,6 +29,9 @@ function(dalembert_add_gtest target)
       endif()
       add_test(NAME ${name} COMMAND ${target} --gtest_brief=1 --gtest_filter=${filter})
       set_tests_properties(${name} PROPERTIES FAIL_REGULAR_EXPRESSION "] 0 tests from 0 " ${skipped} ${ARG_PROPERTIES})
+      if(ARG_THREADS)
+        set_property(TEST ${name} APPEND PROPERTY LABELS threads)
+      endif()
       if(DALEMBERT_LONG_TESTS)
         set_property(TEST ${name} APPEND PROPERTY ENVIRONMENT DALEMBERT_LONG_TESTS=1)
       endif()

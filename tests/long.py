@@ -29,8 +29,8 @@ def workflow(preset):
 # name: what it is, its commands, and more of their environment.
 STAGES = {
     "release": ("every test, those of benchmarks too", workflow("release"), {}),
-    "dev": ("every test with the address and undefined-behaviour sanitizers", workflow("dev"), {}),
-    "tsan": ("every test with the thread sanitizer", workflow("tsan"), {}),
+    "dev": ("the tests of sh tests/run.sh with the address and undefined-behaviour sanitizers", workflow("dev"), {}),
+    "tsan": ("what runs on threads, with the thread sanitizer", workflow("tsan"), {}),
     "matrix": ("emitted code in many compilers", [["python3", "tests/matrix/run.py"]], {}),
     "fuzz": ("URDFs and scenes, a million each", [["sh", "tests/fuzz/run.sh", "all", "1000000"]], {}),
     "random": ("scenes and robots drawn at random, interpreted; every quantity alone of large robots",
