@@ -249,8 +249,7 @@ class SceneCheck {
   // What <dynamics> says of joints that move, asked for by the scene.
   void urdf_values(const char* kind, double ir::Joint::*value) {
     for (const ir::Joint& joint : robot_.joints)
-      if (joint.type != ir::JointType::fixed && !is_cut(joint) && !scene_.locked.count(joint.name) &&
-          !(joint.*value >= 0 && std::isfinite(joint.*value)))
+      if (moves(joint) && !(joint.*value >= 0 && std::isfinite(joint.*value)))
         error(kind, fmt::format("the URDF's {} of joint '{}' is {}", kind, joint.name, not_usable(joint.*value)),
               fmt::format("correct it in the URDF, or give values: {}: {{joint: value}}", kind));
   }
@@ -576,25 +575,39 @@ class SceneCheck {
   }
 
   bool is_cut(const ir::Joint& joint) const { return is_cut_[static_cast<size_t>(joint.child)]; }
+  bool moves(const ir::Joint& joint) const {
+    return joint.type != ir::JointType::fixed && !is_cut(joint) && !scene_.locked.count(joint.name);
+  }
 
   // The place of an entry of a key; a key with a '/' is a place already.
   static std::string locate(const std::string& key, const std::string& name) {
     return key.find('/') == key.npos ? key + "/" + name : key;
   }
 
-  void error(const std::string& where, std::string message, std::string remedy) {
-    Place place{robot_.file, ""};  // neither written in the scene nor on the command line: the URDF's
+  Place place_of(const std::string& where) const {
     auto found = document_.places.find(where);
     if (found == document_.places.end()) found = document_.places.find(where.substr(0, where.find('/')));
-    if (found != document_.places.end()) place = found->second;
+    if (found != document_.places.end()) return found->second;
+    return {robot_.file, ""};  // neither written in the scene nor on the command line: the URDF's
+  }
+
+  void error(const std::string& where, std::string message, std::string remedy) {
+    const Place place = place_of(where);
     add_error(errors_, {Severity::error, place.file, place.element, std::move(message), std::move(remedy)});
   }
 
+  // Of "urdf" where there is nothing in the URDF to be taken.
+  void warn_of_nothing_in_urdf(const std::string& key) {
+    const Place place = place_of(key);
+    warnings_.push_back({Severity::warning, place.file, place.element, fmt::format("no joint that moves has a {} in the URDF", key),
+                         "remove the key, or write in the scene what is meant"});
+  }
+
   void warn_of_mimic() {
+    if (document_.urdf_mimic && scene_.mimic.empty()) warn_of_nothing_in_urdf("mimic");
     std::vector<std::string> joints;
     for (const ir::Joint& joint : robot_.joints)
-      if (joint.mimic && joint.type != ir::JointType::fixed && !is_cut(joint) && !scene_.locked.count(joint.name) &&
-          !scene_.mimic.count(joint.name))
+      if (joint.mimic && moves(joint) && !scene_.mimic.count(joint.name))
         joints.push_back("'" + joint.name + "'");
     if (!joints.empty())
       warnings_.push_back({Severity::warning, robot_.file, named(joints),
@@ -609,11 +622,16 @@ class SceneCheck {
 
   // Of joints whose loss in the URDF is neither taken nor given another value. An empty `damping: {}` says that none is wanted.
   void warn_of_losses(const char* kind, bool asked, const std::map<std::string, double>& values, double ir::Joint::*value) {
-    if (asked || (values.empty() && document_.given.count(kind))) return;
+    if (asked) {
+      if (std::none_of(robot_.joints.begin(), robot_.joints.end(),
+                       [&](const ir::Joint& joint) { return joint.*value != 0 && moves(joint); }))
+        warn_of_nothing_in_urdf(kind);
+      return;
+    }
+    if (values.empty() && document_.given.count(kind)) return;
     std::vector<std::string> joints;
     for (const ir::Joint& joint : robot_.joints)
-      if (joint.*value != 0 && joint.type != ir::JointType::fixed && !is_cut(joint) && !scene_.locked.count(joint.name) &&
-          !values.count(joint.name))
+      if (joint.*value != 0 && moves(joint) && !values.count(joint.name))
         joints.push_back("'" + joint.name + "'");
     if (!joints.empty())
       warnings_.push_back({Severity::warning, robot_.file, named(joints), fmt::format("<dynamics {}> is left out", kind),

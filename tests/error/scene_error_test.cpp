@@ -868,6 +868,12 @@ TEST(SceneOptions, KeysThatNoOutputHasToDoWithAreToldOf) {
       "same; leave the key out, or the mimic relations\n");
 }
 
+TEST(SceneOptions, WhatTheUrdfDoesNotHaveIsNotTakenInSilence) {
+  for (const std::string key : {"damping", "friction", "mimic"})
+    EXPECT_EQ(info({"--" + key, "urdf"}).err, "option --" + key + ": warning: no joint that moves has a " + key +
+                                                  " in the URDF; remove the key, or write in the scene what is meant\n");
+}
+
 TEST(SceneOptions, StaticsLeavesOutVelocityTermsUnlessTheyAreAskedFor) {
   EXPECT_EQ(info({"--rates_zero", "true"}).err, "");
   EXPECT_EQ(info({"--rates_zero", "true", "--outputs", "bias"}).err, "");

@@ -79,6 +79,8 @@ inline constexpr int doubles_in_register = 1;
 
 // The width of loops over bodies.
 #if defined(DALEMBERT_LANES)
+static_assert(DALEMBERT_LANES == 1 || DALEMBERT_LANES == 2 || DALEMBERT_LANES == 4 || DALEMBERT_LANES == 8,
+              "DALEMBERT_LANES is 1, 2, 4 or 8, or is not defined: the target's own registers");
 inline constexpr int native_lanes = DALEMBERT_LANES;
 #else
 inline constexpr int native_lanes = doubles_in_register;
