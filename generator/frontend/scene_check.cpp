@@ -599,7 +599,8 @@ class SceneCheck {
   // Of "urdf" where there is nothing in the URDF to be taken.
   void warn_of_nothing_in_urdf(const std::string& key) {
     const Place place = place_of(key);
-    warnings_.push_back({Severity::warning, place.file, place.element, fmt::format("no joint that moves has a {} in the URDF", key),
+    warnings_.push_back({Severity::warning, place.file, place.element,
+                         fmt::format("no joint that moves has a {} in the URDF", key),
                          "remove the key, or write in the scene what is meant"});
   }
 
@@ -607,8 +608,7 @@ class SceneCheck {
     if (document_.urdf_mimic && scene_.mimic.empty()) warn_of_nothing_in_urdf("mimic");
     std::vector<std::string> joints;
     for (const ir::Joint& joint : robot_.joints)
-      if (joint.mimic && moves(joint) && !scene_.mimic.count(joint.name))
-        joints.push_back("'" + joint.name + "'");
+      if (joint.mimic && moves(joint) && !scene_.mimic.count(joint.name)) joints.push_back("'" + joint.name + "'");
     if (!joints.empty())
       warnings_.push_back({Severity::warning, robot_.file, named(joints),
                            joints.size() > 1 ? "their <mimic> is left out: they are joints of their own"
@@ -631,8 +631,7 @@ class SceneCheck {
     if (values.empty() && document_.given.count(kind)) return;
     std::vector<std::string> joints;
     for (const ir::Joint& joint : robot_.joints)
-      if (joint.*value != 0 && moves(joint) && !values.count(joint.name))
-        joints.push_back("'" + joint.name + "'");
+      if (joint.*value != 0 && moves(joint) && !values.count(joint.name)) joints.push_back("'" + joint.name + "'");
     if (!joints.empty())
       warnings_.push_back({Severity::warning, robot_.file, named(joints), fmt::format("<dynamics {}> is left out", kind),
                            values.empty() ? fmt::format("ask for it with {}: urdf in the scene", kind)
