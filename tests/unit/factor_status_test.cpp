@@ -153,6 +153,45 @@ TEST(FactorStatus, HasTheBoundsOfTheInverse) {
   }
 }
 
+// Of more coordinates than registers hold, in trees drawn at random.
+TEST(FactorStatus, HasTheBoundsOfTheInverseOfLargeTrees) {
+  constexpr int many = 29;
+  constexpr double left = rounding / 12 * many;
+  using Large = Eigen::Matrix<double, many, many>;
+  std::mt19937 engine(4);
+  const auto uniform = [&] { return static_cast<double>(engine()) * 0x1p-31 - 1; };
+  for (int round = 0; round < 60; ++round) {
+    int parent[many];
+    Eigen::Matrix<double, 6, many> gain, joint;
+    Eigen::Matrix<double, many, 1> pivot, diagonal;
+    Large upper = Large::Constant(std::nan(""));  // of others nothing is read
+    Large unit = Large::Identity();
+    for (int k = 0; k < many; ++k) {
+      parent[k] = k - 1;
+      while (parent[k] >= 0 && round % 4 > 0 && uniform() > 0.2 * round / 4 - 1) parent[k] = parent[parent[k]];
+      for (int i = 0; i < 6; ++i) joint(i, k) = uniform(), gain(i, k) = 0.8 * uniform();
+      gain.col(k) += (1 - gain.col(k).dot(joint.col(k))) * joint.col(k) / joint.col(k).squaredNorm();
+      diagonal[k] = std::pow(10, 2 * uniform());
+      for (int i = parent[k]; i >= 0; i = parent[i]) unit(i, k) = upper(i, k) = gain.col(k).dot(joint.col(i));
+    }
+    const Large inverse = unit.inverse();
+    Eigen::Matrix<double, many, 1> bound;
+    for (int k = 0; k < many; ++k) bound[k] = inverse.row(k).cwiseAbs2().dot(diagonal), pivot[k] = 1e-3 * bound[k];
+    pivot[0] = std::min(pivot[0], diagonal[0] / 1000);  // so that bounds are asked for
+    for (int k = 0; k < many; ++k) {
+      const double kept = pivot[k];
+      for (const bool good : {true, false}) {
+        pivot[k] = (good ? 1.001 : 0.999) * left * bound[k];
+        for (const auto& status :
+             {dalembert::factor_status<many>(parent, upper.data(), pivot.data(), diagonal.data()),
+              dalembert::factor_status_by_gains<many>(parent, gain.data(), joint.data(), pivot.data(), diagonal.data())})
+          EXPECT_EQ(status.coordinate, good ? -1 : k) << round;
+      }
+      pivot[k] = kept;
+    }
+  }
+}
+
 // Of a fixed base, in float.
 TEST(FactorStatus, NeedsNoBase) {
   for (const float last : {1.0f, 0.0f, -1.0f, 5e-5f}) {

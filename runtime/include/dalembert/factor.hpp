@@ -23,16 +23,6 @@ inline constexpr int product_eights = native_lanes < 8 ? 2 : 4;
 
 namespace detail {
 
-// f(0), …, f(count - 1), written out, with constants for arguments: what they index stays in registers.
-template <class F, int... i>
-DALEMBERT_INLINE void write_out_constants(std::integer_sequence<int, i...>, const F& f) {
-  (void)std::initializer_list<int>{0, (f(std::integral_constant<int, i>{}), 0)...};
-}
-template <int count, class F>
-DALEMBERT_INLINE void for_constants(const F& f) {
-  write_out_constants(std::make_integer_sequence<int, count>{}, f);
-}
-
 // f(how many lanes, from where on) over `count` elements, whole registers first.
 template <int count, class F>
 DALEMBERT_INLINE void each_piece(const F& f) {

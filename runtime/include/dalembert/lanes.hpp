@@ -255,6 +255,20 @@ DALEMBERT_INLINE V computed(V x) {
   return x;
 }
 
+namespace detail {
+
+// f(0), …, f(count - 1), written out, with constants for arguments: what they index stays in registers.
+template <class F, int... i>
+DALEMBERT_INLINE void write_out_constants(std::integer_sequence<int, i...>, const F& f) {
+  (void)std::initializer_list<int>{0, (f(std::integral_constant<int, i>{}), 0)...};
+}
+template <int count, class F>
+DALEMBERT_INLINE void for_constants(const F& f) {
+  write_out_constants(std::make_integer_sequence<int, count>{}, f);
+}
+
+}  // namespace detail
+
 // What a loop hands from step to step, and what it hands on at its end. Written out, not loops: arrays that only constants
 // index stay in registers.
 namespace detail {

@@ -11,9 +11,9 @@
 // float 1e4, it is ok; of more coordinates where its largest eigenvalue is n / 12 at least, as those of trees and chains are.
 // The sum of e_k / D_k is the trace of its inverse.
 //
-// Bounds cost as much as the factors; they are only computed where some D_k / M_kk is below a least ratio. Where none is, the
-// product of all M_kk / D_k bounds that trace (the determinant bounds the least eigenvalue of a matrix whose diagonal is 1),
-// and what several joints lose with no mass between them are six ratios at most: a body has no more freedom.
+// Bounds cost up to as much as the factors; they are only computed where some D_k / M_kk is below a least ratio. Where none is,
+// the product of all M_kk / D_k bounds that trace (the determinant bounds the least eigenvalue of a matrix whose diagonal is
+// 1), and what several joints lose with no mass between them are six ratios at most: a body has no more freedom.
 #pragma once
 
 #include <cstdint>
@@ -75,29 +75,95 @@ FactorStatus<T> bounded_status(int n, const int* above, const T* factor, const T
   return {};
 }
 
+// The same for some k at a time, side by side; x_j is zero where j is not beyond k.
+template <int n, class T>
+__attribute__((noinline)) static FactorStatus<T> bounded_status_by_factor(const int* above, const T* factor, const T* pivots,
+                                                                          const T* diagonal) noexcept {
+  constexpr int w = native_lanes, registers = w < 4 ? 4 : 8 / w, some = w * registers;
+  struct Each {  // of some k
+    Lanes<T, w> of[registers] = {};
+    DALEMBERT_INLINE void add(T factor, const T* x) {
+      for_constants<registers>([&](auto r) DALEMBERT_IN_BLOCK { of[r] += factor * load<w>(x + r * w); });
+    }
+  };
+  T unit[2 * some - 1] = {}, x[n * some], bounds[some];
+  unit[some - 1] = T(1);
+  int run[n];  // where the coordinates above one begin that follow each other up to it
+  for (int j = 0; j < n; ++j) run[j] = j > 0 && above[j] == j - 1 ? run[j - 1] : j;
+  for (int last = n - 1; last >= 0; last -= some) {
+    const int first = last - some + 1, begin = first > 0 ? first : 0;
+    Each bound;
+    for (int j = begin; j < n; ++j) {
+      const T* const column = factor + j * n;
+      Each sum, other;
+      for (int i = above[j]; i >= begin; i = above[run[i]]) {
+        int from = run[i] > begin ? run[i] : begin;  // upwards: the newest x, which has to be waited for, comes last
+        for (; from < i; from += 2) {
+          sum.add(column[from], x + from * some);
+          other.add(column[from + 1], x + (from + 1) * some);
+        }
+        if (from == i) sum.add(column[i], x + i * some);
+      }
+      for_constants<registers>([&](auto r) DALEMBERT_IN_BLOCK {
+        Lanes<T, w> own = -(sum.of[r] + other.of[r]);
+        if (j <= last) own += load<w>(unit + (last - j) + r * w);
+        store<w, T>(x + j * some + r * w, own);
+        bound.of[r] += own * own * diagonal[j];
+      });
+    }
+    for_constants<registers>([&](auto r) DALEMBERT_IN_BLOCK { store<w, T>(bounds + r * w, bound.of[r]); });
+    for (int k = last; k >= begin; --k)
+      if (!exceeds<T>(pivots[k], bounds[k - first], rounding_left<T>(n))) return {k, pivots[k]};
+  }
+  return {};
+}
+
+// Six numbers of a twist or wrench, in registers.
+template <class T>
+struct Six {
+  Lanes<T, 4> four{};
+  Lanes<T, 2> two{};
+
+  static DALEMBERT_INLINE Six of(const T* from) { return {load<4>(from), load<2>(from + 4)}; }
+  DALEMBERT_INLINE T at(int i) const { return i < 4 ? four[i] : two[i - 4]; }
+  DALEMBERT_INLINE void add(const Six& x, T factor) { four += factor * x.four, two += factor * x.two; }
+  DALEMBERT_INLINE T dot(const Six& x) const {
+    const Lanes<T, 4> a = four * x.four;
+    const Lanes<T, 2> b = two * x.two;
+    return (a[0] + b[0]) + (a[1] + b[1]) + (a[2] + a[3]);
+  }
+};
+
 // The same of articulated bodies, from V and J of every coordinate, six numbers each: L_ki = V_k.J_i. With P_k = 1 - J_k V_k'
 // the parent's twist becomes the body's while k is free, and bounds add up from the tips: e_k = M_kk + J_k' E_k J_k, E_p +=
 // P_k' E_k P_k + M_kk V_k V_k'.
 template <int n, class T>
 __attribute__((noinline)) static FactorStatus<T> bounded_status_by_gains(const int* above, const T* gain, const T* joint,
                                                                          const T* pivots, const T* diagonal) noexcept {
-  constexpr int rows = 8;  // of which six: whole registers
-  T beyond[n][6 * rows] = {};
+  Six<T> e[6];  // E_k: of the coordinate that follows k in registers, of others in memory
+  T kept[n][36];
+  bool keeps[n] = {};
   for (int k = n - 1; k >= 0; --k) {
-    T v[rows] = {}, moved[rows] = {};
-    for (int c = 0; c < 6; ++c) {
-      v[c] = gain[6 * k + c];
-      for (int r = 0; r < rows; ++r) moved[r] += joint[6 * k + c] * beyond[k][rows * c + r];
-    }
-    T along = T(0);
-    for (int c = 0; c < 6; ++c) along += joint[6 * k + c] * moved[c];
-    const T bound = diagonal[k] + (along < T(0) ? T(0) : along);
+    if (k + 1 == n || above[k + 1] != k) for_constants<6>([&](auto c) DALEMBERT_IN_BLOCK { e[c] = {}; });
+    if (keeps[k]) for_constants<6>([&](auto c) DALEMBERT_IN_BLOCK { e[c].add(Six<T>::of(kept[k] + 6 * c), T(1)); });
+    const Six<T> v = Six<T>::of(gain + 6 * k), along = Six<T>::of(joint + 6 * k);
+    Six<T> sums[2];
+    for_constants<6>([&](auto c) DALEMBERT_IN_BLOCK { sums[c % 2].add(e[c], joint[6 * k + c]); });
+    sums[0].add(sums[1], T(1));
+    const Six<T>& moved = sums[0];
+    const T beyond = along.dot(moved), bound = diagonal[k] + (beyond < T(0) ? T(0) : beyond);
     if (!exceeds<T>(pivots[k], bound, rounding_left<T>(n))) return {k, pivots[k]};
     if (above[k] < 0) continue;
-    for (int r = 0; r < rows; ++r) moved[r] = T(0.5) * bound * v[r] - moved[r];
-    T* const parent = beyond[above[k]];
-    for (int c = 0; c < 6; ++c)
-      for (int r = 0; r < rows; ++r) parent[rows * c + r] += beyond[k][rows * c + r] + moved[r] * v[c] + v[r] * moved[c];
+    Six<T> left;
+    left.add(v, bound), left.add(moved, T(-1));
+    for_constants<6>([&](auto c) DALEMBERT_IN_BLOCK { e[c].add(v, left.at(c)), e[c].add(moved, -gain[6 * k + c]); });
+    if (above[k] == k - 1) continue;
+    T* const parent = kept[above[k]];
+    for_constants<6>([&](auto c) DALEMBERT_IN_BLOCK {
+      if (keeps[above[k]]) e[c].add(Six<T>::of(parent + 6 * c), T(1));
+      store<4, T>(parent + 6 * c, e[c].four), store<2, T>(parent + 6 * c + 4, e[c].two);
+    });
+    keeps[above[k]] = true;
   }
   return {};
 }
@@ -108,13 +174,6 @@ DALEMBERT_INLINE bool all_hold(const T* pivots, const T* diagonal) {
   CountOf<T> count = 0;
   for (int k = 0; k < n; ++k) count += exceeds<T>(pivots[k], diagonal[k], least_ratio<T>()) ? 1 : 0;
   return count == n;
-}
-
-template <int n, class T>
-__attribute__((noinline)) static FactorStatus<T> bounded_status_by_factor(const int* above, const T* factor, const T* pivots,
-                                                                          const T* diagonal) noexcept {
-  T x[n];
-  return bounded_status<T>(n, above, factor, pivots, diagonal, x);
 }
 
 }  // namespace detail
