@@ -186,33 +186,62 @@ DALEMBERT_INLINE void totals_of_four(const BlockRow<T, w, pieces>* rows, T* to) 
 }
 
 // A symmetric positive definite matrix of m rows becomes its inverse (Gauss and Jordan), pivot by pivot. Of what
-// it was, elements on the diagonal and behind it are read; the others may be anything. Several pivots at a time would be wrong
-// where rows say what others say: the inverse of a block that nearly is singular leaves nothing right of the rest, which is as
-// small as mu.
+// it was, elements on the diagonal and behind it are read; the others may be anything. A block of pivots inverted by itself
+// would be wrong where rows say what others say: the inverse of a block that nearly is singular leaves nothing right of the
+// rest, which is as small as mu. So two pivots follow each other, and rows are read and written once for both.
+//
+// Elements of a pivot's column are those of its row, with the other sign where they have been pivots themselves. Single numbers
+// are written behind registers: what is read next has been there for long.
 template <int m, int padded, class T>
 DALEMBERT_INLINE void invert_rows(T* a) {
   constexpr int w = native_lanes, pieces = padded / w;
-  for (int j = 0; j < m; ++j) {
-    T* const own = a + j * padded;
-    alignas(64) T was[padded];
-    const T reciprocal = T(1) / own[j];
-    const Lanes<T, w> times = broadcast<w, T>(reciprocal);
-    for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK {
+  using Pieces = Lanes<T, w>[pieces];
+  const auto each_piece_of_row = [](const auto& f) DALEMBERT_IN_BLOCK { for_constants<pieces>(f); };
+  for (int j = 0; j + 1 < m; j += 2) {
+    T *const own = a + j * padded, *const next = own + padded;
+    const T beside = own[j + 1], reciprocal = T(1) / own[j], share = beside * reciprocal,
+            second_reciprocal = T(1) / (next[j + 1] - beside * share), common = share * second_reciprocal;
+    alignas(64) T was[padded], second_was[padded];
+    Pieces first, second;
+    each_piece_of_row([&](auto i) DALEMBERT_IN_BLOCK {
       const Lanes<T, w> row = load<w>(own + i * w);
-      store<w, T>(was + i * w, row);
-      store<w, T>(own + i * w, row * times);
+      first[i] = row * broadcast<w, T>(reciprocal);
+      const Lanes<T, w> left = load<w>(next + i * w) - broadcast<w, T>(beside) * first[i];
+      second[i] = left * broadcast<w, T>(second_reciprocal);
+      store<w, T>(was + i * w, row), store<w, T>(second_was + i * w, left);
+      store<w, T>(own + i * w, first[i] - broadcast<w, T>(share) * second[i]), store<w, T>(next + i * w, second[i]);
     });
-    // Elements of the pivot's column are those of its row, with the other sign where they have been pivots themselves. Single
-    // numbers are written behind registers: what is read next has been there for long.
-    const auto subtract = [&](int r, T factor) DALEMBERT_IN_BLOCK {
+    const auto subtract = [&](int r, T factor, T second_factor) DALEMBERT_IN_BLOCK {
       T* const row = a + r * padded;
-      const Lanes<T, w> factors = broadcast<w, T>(factor);
-      for_constants<pieces>(
-          [&](auto i) DALEMBERT_IN_BLOCK { store<w, T>(row + i * w, load<w>(row + i * w) - factors * load<w>(own + i * w)); });
-      row[j] = -factor * reciprocal;
+      each_piece_of_row([&](auto i) DALEMBERT_IN_BLOCK {
+        store<w, T>(row + i * w,
+                    load<w>(row + i * w) - broadcast<w, T>(factor) * first[i] - broadcast<w, T>(second_factor) * second[i]);
+      });
+      row[j] = second_factor * common - factor * reciprocal;
+      row[j + 1] = -second_factor * second_reciprocal;
     };
-    for (int r = 0; r < j; ++r) subtract(r, -was[r]);
-    for (int r = j + 1; r < m; ++r) subtract(r, was[r]);
+    for (int r = 0; r < j; ++r) subtract(r, -was[r], -second_was[r]);
+    for (int r = j + 2; r < m; ++r) subtract(r, was[r], second_was[r]);
+    own[j] = reciprocal + share * common;
+    own[j + 1] = next[j] = -common;
+    next[j + 1] = second_reciprocal;
+  }
+  if constexpr (m % 2 == 1) {  // the last alone
+    constexpr int j = m - 1;
+    T* const own = a + j * padded;
+    const T reciprocal = T(1) / own[j];
+    alignas(64) T was[padded];
+    each_piece_of_row([&](auto i) DALEMBERT_IN_BLOCK {
+      const Lanes<T, w> row = load<w>(own + i * w);
+      store<w, T>(was + i * w, row), store<w, T>(own + i * w, row * broadcast<w, T>(reciprocal));
+    });
+    for (int r = 0; r < j; ++r) {
+      T* const row = a + r * padded;
+      each_piece_of_row([&](auto i) DALEMBERT_IN_BLOCK {
+        store<w, T>(row + i * w, load<w>(row + i * w) + broadcast<w, T>(was[r]) * load<w>(own + i * w));
+      });
+      row[j] = was[r] * reciprocal;
+    }
     own[j] = reciprocal;
   }
 }

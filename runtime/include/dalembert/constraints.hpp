@@ -370,9 +370,22 @@ struct InverseOfManyRows {
   DALEMBERT_INLINE void solve(Row (&rest)[count], Row (&to)[count]) const {
     alignas(64) T x[padded + behind], result[padded + behind] = {};
     for (int c = 0; c < count; ++c) rest[c].store(x + Rows::first(c));
-    sum_columns<1, m, false, T>(
-        m, [&](int, int r) { return x[r]; }, [&](int r) { return inverse + r * padded; },
-        [](int) -> const T* { return nullptr; }, [&](int) { return result; });
+    constexpr int w = native_lanes, pieces = padded / w;
+    if constexpr (pieces <= 6) {  // two sums each, so that one need not wait for the other
+      Lanes<T, w> even[pieces] = {}, odd[pieces] = {};
+      const auto add = [&](Lanes<T, w>(&sum)[pieces], int r) DALEMBERT_IN_BLOCK {
+        for_constants<pieces>(
+            [&](auto i) DALEMBERT_IN_BLOCK { sum[i] += broadcast<w, T>(x[r]) * load<w>(inverse + r * padded + i * w); });
+      };
+      DALEMBERT_KEEP_LOOP
+      for (int r = 0; r + 1 < m; r += 2) add(even, r), add(odd, r + 1);
+      if constexpr (m % 2 == 1) add(even, m - 1);
+      for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK { store<w, T>(result + i * w, even[i] + odd[i]); });
+    } else {
+      sum_columns<1, m, false, T>(
+          m, [&](int, int r) { return x[r]; }, [&](int r) { return inverse + r * padded; },
+          [](int) -> const T* { return nullptr; }, [&](int) { return result; });
+    }
     for (int i = m; i < padded; ++i) result[i] = T(0);  // sums of what the room had there
     for (int c = 0; c < count; ++c) to[c] = Row::load(result + Rows::first(c));
   }
