@@ -266,6 +266,13 @@ struct BlockColumns {
     return c * padded + r - Rows::first(c);
   }
 };
+// Registers of four are too few for it. clang 14 keeps the rows in memory all the same, and takes twice as long.
+#if defined(__clang__)
+inline constexpr bool few_rows_stay_in_registers = false;
+#else
+inline constexpr bool few_rows_stay_in_registers = native_lanes >= 8;
+#endif
+
 // The inverse of all rows together: of few, in registers.
 template <class Blocks, class Rows, class T>
 struct InverseOfFewRows {
@@ -595,9 +602,8 @@ DALEMBERT_INLINE ConstraintStatus<T> solve(const Way& way, const T* right, const
     known[c] = left[0];
   });
 
-  // Registers of four are too few even for few rows.
-  using Solver = std::conditional_t<(in_registers(Rows::first(count)) && native_lanes >= 8), InverseOfFewRows<Blocks, Rows, T>,
-                                    InverseOfManyRows<Blocks, Rows, T>>;
+  using Solver = std::conditional_t<in_registers(Rows::first(count)) && few_rows_stay_in_registers,
+                                    InverseOfFewRows<Blocks, Rows, T>, InverseOfManyRows<Blocks, Rows, T>>;
   const Solver solver(blocks, more);
   if (kept) {
     constexpr int stride = rows_in_lanes(Rows::first(count));
