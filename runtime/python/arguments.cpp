@@ -133,6 +133,10 @@ bool prepare_results(const Contents& f, PyObject* out, npy_intp states, const st
   if (out && !f.result_type) given[0] = out;
   Owned sequence;
   if (out && f.result_type) {
+    if (PyArray_Check(out)) {
+      PyErr_Format(PyExc_ValueError, "%U: out is one array, expected a tuple of %zd", f.name, static_cast<Py_ssize_t>(count));
+      return false;
+    }
     sequence = Owned(PySequence_Fast(out, "out is one array per result, in a tuple"));
     if (!sequence) return false;
     if (PySequence_Fast_GET_SIZE(sequence.get()) != static_cast<Py_ssize_t>(count)) {

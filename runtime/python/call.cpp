@@ -59,8 +59,14 @@ bool find_batch(Contents& f) {
 namespace {
 
 // What the coordinate is called: "joint 'knee' (v[7])".
-PyObject* complain_singular(const Contents& f, std::int32_t coordinate) {
-  PyObject* const name = coordinate < PyTuple_GET_SIZE(f.coordinates) ? PyTuple_GET_ITEM(f.coordinates, coordinate) : f.name;
+PyObject* complain_singular(const Contents& f, std::int32_t status) {
+  if (status >= f.nv)
+    return PyErr_Format(
+        singular_error,
+        "%U: linkage %zd (from 0) is at a toggle point: its loops do not tell where the joints that follow go, and "
+        "nothing can be told of this state",
+        f.name, static_cast<Py_ssize_t>(status - f.nv));
+  PyObject* const name = status < PyTuple_GET_SIZE(f.coordinates) ? PyTuple_GET_ITEM(f.coordinates, status) : f.name;
   return PyErr_Format(singular_error,
                       "%U: the mass matrix is not positive definite at this state, as the pivot of %U shows: look for bodies "
                       "without mass and for states that are no poses",
@@ -195,12 +201,14 @@ PyObject* long_way(Contents& f, PyObject* const* args, Py_ssize_t given_count, P
       const std::ptrdiff_t at =
           std::find_if(call.status, call.status + call.end, [](std::int32_t s) { return s >= 0; }) - call.status;
       const bool finite = not_finite(f, q.rows.first, at * q.rows.step, f.nq) == f.nq;
-      if (PyErr_WarnFormat(
-              singular_warning, 1,
-              "%U: the mass matrix is not positive definite at %zd of %zd states, the first of them number %zd%s: what "
-              "needs its inverse is zero there; return_status=True tells which",
-              f.name, static_cast<Py_ssize_t>(singular), static_cast<Py_ssize_t>(call.end), static_cast<Py_ssize_t>(at),
-              finite ? "" : ", whose q is not finite") < 0)
+      const bool toggle = call.status[at] >= f.nv;
+      if (PyErr_WarnFormat(singular_warning, 1,
+                           "%U: %s at %zd of %zd states, the first of them number %zd%s: %s zero there; "
+                           "return_status=True tells which",
+                           f.name, toggle ? "loops are at toggle points" : "the mass matrix is not positive definite",
+                           static_cast<Py_ssize_t>(singular), static_cast<Py_ssize_t>(call.end), static_cast<Py_ssize_t>(at),
+                           finite ? "" : ", whose q is not finite",
+                           toggle ? "all results are" : "what needs its inverse is") < 0)
         return nullptr;
     }
   }

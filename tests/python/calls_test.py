@@ -352,6 +352,7 @@ class Shapes(unittest.TestCase):
                 (ValueError, r"out has dtype float32, expected float64", lambda: M(q, out=np.empty((nv, nv), np.float32))),
                 (ValueError, r"out is of type list", lambda: M(q, out=[0])),
                 (ValueError, r"out has 1 arrays, expected one for each of 3 results", lambda: double.both(q, v, out=(q,))),
+                (ValueError, r"out is one array, expected a tuple of 3", lambda: double.both(q, v, out=q)),
                 (KeyError, r"there is no quantity 'mass_matrx'; did you mean 'mass_matrix'", lambda: double["mass_matrx"]),
                 (KeyError, r"was loaded without 'gravity'", lambda: double.evaluate(q, v, outputs=["gravity"])),
                 (AttributeError, r"was loaded without 'gravity'", lambda: double.gravity),
@@ -529,11 +530,20 @@ class States(unittest.TestCase):
             self.assertRaises(ValueError, wrong)
 
     def test_joints_that_follow_are_refused(self):
-        """Loops embedded: what moves all of q would leave the dependent joints behind."""
+        """Loops embedded: what moves all of q would leave the dependent joints behind; toggle points are told."""
         rod = {"links": ["slider", "rod"], "at": [[0, 0, 0], [0.5, 0, 0]], "type": "pin", "independent": ["crank_turn"]}
         crank = dalembert.load(robots.project / "tests/numeric/generated/mechanisms/slider_crank.urdf", base="fixed", batch=False,
                                outputs=["forward_dynamics"], loops={"pin": rod}, flags=robots.quick)
         self.assertEqual((crank.nq, crank.nv, crank.joint_names), (3, 1, ("crank_turn",)))
+        # A rod across the slider's way does not tell where it goes: linkage 0, behind the one coordinate.
+        tau, across, well = np.ones(1), np.array([0.3, np.pi / 2 - 0.3, 0.2]), np.array([0.3, -0.1, 0.6])
+        with self.assertRaisesRegex(dalembert.SingularError, "linkage 0 .* toggle point"):
+            crank.forward_dynamics(across, np.zeros(1), tau)
+        result, status = crank.forward_dynamics(across, np.zeros(1), tau, return_status=True)
+        self.assertEqual((result[0], status), (0, 1))
+        self.assertEqual(crank.forward_dynamics(well, np.zeros(1), tau, return_status=True)[1], -1)
+        with self.assertWarnsRegex(dalembert.SingularWarning, "toggle points at 1 of 2 states, the first of them number 1: all"):
+            crank.forward_dynamics([well, across], np.zeros((2, 1)), tau)
         q, v = crank.neutral(), np.zeros(1)
         for wrong in (crank.random, lambda: crank.integrate(q, v), lambda: crank.difference(q, q), lambda: crank.interpolate(q, q, 0.5),
                       lambda: crank.forward_dynamics_rollout(q, v, time_step=1e-3, steps=3)):
@@ -604,6 +614,8 @@ class Loading(unittest.TestCase):
         urdf = robots.robot("double_pendulum")
         for error, text, call in (
                 (dalembert.InputError, "there is no such file", lambda: dalembert.load("no_such.urdf")),
+                (dalembert.InputError, "there is no such file", lambda: dalembert.load(b"no_such.urdf")),
+                (dalembert.InputError, "this is a directory", lambda: dalembert.load(str(robots.project))),
                 (ValueError, "keyword locked: .*there is no joint 'wrist'", lambda: dalembert.load(urdf, locked={"wrist": 0.1})),
                 (TypeError, "no keyword 'bse'; did you mean 'base'", lambda: dalembert.load(urdf, bse="fixed")),
                 (KeyError, "there is no quantity 'mass_matrx'; did you mean 'mass_matrix'", lambda: dalembert.load(urdf, outputs=["mass_matrx"])),

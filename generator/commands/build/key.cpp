@@ -22,6 +22,8 @@ namespace {
 namespace fs = std::filesystem;
 
 std::string bytes_of(const fs::path& file) {
+  std::error_code ignored;
+  if (fs::is_directory(file, ignored)) return {};  // whoever reads it says so
   std::ifstream stream(file, std::ios::binary);
   return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
 }

@@ -24,6 +24,16 @@ std::string set_run_time_inputs(const Model& model) {
   return text;
 }
 
+// A status in the workspace, where it has one of that name.
+std::string status_reader(const char* reader, const std::string& member) {
+  return fmt::format(
+      "  template <class W>\n"
+      "  static auto {0}(const W& workspace, int) noexcept -> decltype((workspace.{1})) {{\n    return workspace.{1};\n  }}\n"
+      "  template <class W>\n"
+      "  static dalembert::table::NoStatus {0}(const W&, long) noexcept {{\n    return {{}};\n  }}\n",
+      reader, member);
+}
+
 // A class of what dalembert/function_table.hpp calls.
 std::string table_class(const Library& library, size_t index) {
   const TableFunction& f = library.functions[index];
@@ -31,7 +41,7 @@ std::string table_class(const Library& library, size_t index) {
   const bool takes_more = *f.function.input() != 0;
   int inputs = 0;
   for (const RunTimeInput& input : run_time_inputs(model)) inputs += input.size();
-  const std::string status = f.function.own_name("status"), set = set_run_time_inputs(model);
+  const std::string set = set_run_time_inputs(model);
   std::string copies;
   for (size_t i = 0; i < f.results.size(); ++i)
     copies += fmt::format("    dalembert::table::copy_result<{}, {}>(workspace.{}, results[{}], state);\n", f.results[i].rows,
@@ -46,19 +56,12 @@ std::string table_class(const Library& library, size_t index) {
       "noexcept {{\n"
       "    {1}::{4}(q, v{5}, workspace);\n  }}\n"
       "  static void copy(const Workspace& workspace, void* const* results, std::ptrdiff_t state) noexcept {{\n{6}  }}\n"
-      "  template <class W>\n"
-      "  static auto status(const W& workspace, int) noexcept -> decltype(static_cast<std::int32_t>(workspace.{7}.coordinate)) "
-      "{{\n"
-      "    return static_cast<std::int32_t>(workspace.{7}.coordinate);\n  }}\n"
-      "  template <class W>\n"
-      "  static std::int32_t status(const W&, long) noexcept {{\n    return -1;\n  }}\n"
-      "  template <class W>\n"
-      "  static constexpr auto has_status(int) noexcept -> decltype(sizeof(static_cast<const W*>(nullptr)->{7}) > 0) {{\n"
-      "    return true;\n  }}\n"
-      "  template <class W>\n"
-      "  static constexpr bool has_status(long) noexcept {{\n    return false;\n  }}\n"
+      "  static constexpr int nv = {1}::nv;\n"
+      "{7}{8}"
       "}};\n\n",
-      index, model.name, inputs, set, f.function.name, takes_more ? ", more" : "", copies, status);
+      index, model.name, inputs, set, f.function.name, takes_more ? ", more" : "", copies,
+      status_reader("of_mass_matrix", f.function.own_name("status")),
+      status_reader("of_linkages", f.function.own_name("linkage_status")));
 }
 
 // The same of a function's batches.

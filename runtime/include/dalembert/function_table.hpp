@@ -31,7 +31,8 @@ struct FunctionCall {
   StateRows q, v, more;       // nq, nv and nv numbers; `more` is not read by functions of q and v alone
   StateRows run_time;         // the run-time inputs one after another: gravity_vector, payloads, wrenches
   void* const* results;       // per result: room for the states' matrices
-  std::int32_t* status;       // per state: the coordinate at which M is not positive definite, or -1; may be null
+  std::int32_t* status;       // per state: the coordinate at which M is not positive definite; nv + n where embedded loops'
+                              // linkage n is at a toggle point; -1: neither. May be null.
   std::ptrdiff_t begin, end;  // which states
 };
 
@@ -96,8 +97,28 @@ inline void copy_result(const Scalar* from, void* to, std::ptrdiff_t state) noex
   }
 }
 
-// What a glue class Function says of one generated function: Scalar, Workspace, call(q, v, more, workspace), set(values,
-// workspace) for the run-time inputs, copy(workspace, results, state) and status(workspace).
+// What a glue class Function says of one generated function: Scalar, Workspace, nv, call(q, v, more, workspace), set(values,
+// workspace) for the run-time inputs, copy(workspace, results, state), and of_mass_matrix(workspace, 0) and
+// of_linkages(workspace, 0): the status of each, or NoStatus.
+struct NoStatus {};
+template <class Function>
+using OfMassMatrix = std::decay_t<decltype(Function::of_mass_matrix(std::declval<const typename Function::Workspace&>(), 0))>;
+template <class Function>
+using OfLinkages = std::decay_t<decltype(Function::of_linkages(std::declval<const typename Function::Workspace&>(), 0))>;
+
+template <class Function>
+std::int32_t status_in(const typename Function::Workspace& workspace) noexcept {
+  if constexpr (!std::is_same_v<OfMassMatrix<Function>, NoStatus>) {
+    const auto& status = Function::of_mass_matrix(workspace, 0);
+    if (!status.ok()) return static_cast<std::int32_t>(status.coordinate);
+  }
+  if constexpr (!std::is_same_v<OfLinkages<Function>, NoStatus>) {
+    const auto& status = Function::of_linkages(workspace, 0);
+    if (!status.ok()) return Function::nv + static_cast<std::int32_t>(status.linkage);
+  }
+  (void)workspace;
+  return -1;
+}
 
 // One state after another.
 template <class Function>
@@ -111,7 +132,7 @@ void run(const FunctionCall& call, void* untyped) noexcept {
     if (Function::run_time_inputs > 0) Function::set(row(call.run_time, s), workspace);
     Function::call(row(call.q, s), row(call.v, s), row(call.more, s), workspace);
     Function::copy(workspace, call.results, s);
-    if (call.status) call.status[s] = Function::status(workspace, 0);
+    if (call.status) call.status[s] = status_in<Function>(workspace);
   }
 }
 
@@ -255,7 +276,7 @@ FunctionEntry entry(const char* name, int results, bool (*self_test)(SelfTestRep
   FunctionEntry entry{};
   entry.name = name;
   entry.results = results;
-  entry.has_status = Function::template has_status<Workspace>(0);
+  entry.has_status = !std::is_same_v<OfMassMatrix<Function>, NoStatus> || !std::is_same_v<OfLinkages<Function>, NoStatus>;
   entry.create = []() noexcept -> void* { return new (std::nothrow) Workspace(); };
   entry.destroy = [](void* workspace) noexcept { delete static_cast<Workspace*>(workspace); };
   entry.run = run<Function>;

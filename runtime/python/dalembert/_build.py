@@ -102,7 +102,7 @@ def setting(key, value):
 def arguments(urdf, keywords):
     """The words of a command line for a robot and the keywords of load()."""
     names = scene_keys()
-    words = [os.fspath(urdf)]
+    words = [os.fsdecode(urdf)]
     if words[0].startswith("-"):
         words[0] = "./" + words[0]
     for key, value in keywords.items():

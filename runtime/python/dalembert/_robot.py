@@ -365,8 +365,8 @@ class Robot:
         for name, (_, size, unit, text) in self._run_time_at.items():
             lines.append(f"{name}: ({size},) or (n, {size}), in place of the robot's own: {text}; {unit}.")
         lines.append("out: an array, or one for each result, to write to." if one else "out: a tuple of arrays to write to.")
-        lines.append("return_status: also the coordinate at which the mass matrix is not positive definite, or -1; with n states "
-                     "an array.")
+        lines.append("return_status: also the coordinate at which the mass matrix is not positive definite, nv + n where embedded loops' "
+                     "linkage n is at a toggle point, or -1; with n states an array.")
         lines.append("")
         lines.append("Returns, of n states with n in front:")
         for r in f["results"]:
