@@ -74,6 +74,9 @@ class OutlineReader {
     if (trimmed(text).empty()) refuse(file_, "", "the file is empty", "name a URDF file");
     const std::string utf8 = without_zeros_behind_robot(as_utf8(text));
     const size_t end = parse_xml(document, file_, utf8);
+    if (!document.RootElement() && has_declarations_in_doctype(utf8))
+      refuse(file_, "<!DOCTYPE>", "declarations inside of it cannot be read",
+             "remove them, or have xmllint --noent put in what their entities stand for");
     if (document.Error() && !document.RootElement())
       refuse(file_, "", "this is not XML", "a URDF is an XML file whose root is <robot>");
     if (document.Error())
@@ -89,6 +92,12 @@ class OutlineReader {
     if (!document.RootElement()) refuse(file_, "", "this is not XML", "a URDF is an XML file whose root is <robot>");
     refuse(file_, fmt::format("<{}> (line {})", document.RootElement()->Value(), document.RootElement()->Row()),
            "there is no <robot> element", "a URDF's root is <robot>; convert other formats such as SDF or MJCF to URDF first");
+  }
+
+  // TinyXML takes the first '>' for the end of DOCTYPE.
+  static bool has_declarations_in_doctype(const std::string& text) {
+    const size_t begin = text.find("<!DOCTYPE"), end = text.find('>', begin == text.npos ? 0 : begin);
+    return begin != text.npos && text.find('[', begin) < end;
   }
 
   // Some writers end the file with the zero that ended their string. A zero elsewhere is refused: TinyXML stops there.

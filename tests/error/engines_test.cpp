@@ -268,6 +268,22 @@ TEST(Check, PassesWhereJointsMoveNoMass) {
   }
 }
 
+// What may be wrong by as much as it is large is not passed in silence: two contacts that hold one link twice.
+TEST(Check, SaysWhatItCannotTell) {
+  const auto check = [](const char* contacts) {
+    return run_dalembert({"check", arm, "--base", "floating", "--contacts", contacts, "--outputs",
+                          "constrained_forward_dynamics_dq", quickly[0], quickly[1]},
+                         ".");
+  };
+  const std::string said = "  not told: what rounding does may be as large as the result";
+  const Outcome twice = check("{held: {link: hand, type: weld}, again: {link: hand, type: point, at: [0.1, 0.2, 0]}}");
+  EXPECT_NE(twice.out.find("  not told\n"), twice.out.npos) << twice.err << twice.out;
+  EXPECT_NE(twice.out.find(said), twice.out.npos) << twice.out;
+  const Outcome once = check("{held: {link: hand, type: weld}}");
+  EXPECT_EQ(once.out.find("not told"), once.out.npos) << once.out;
+  EXPECT_EQ(once.status, 0) << once.err << once.out;
+}
+
 // A robot without any mass has Jacobians, and no dynamics.
 TEST(Eval, NeedsAMassForDynamicsOnly) {
   const std::string robot = ERROR_ROBOTS "/no_mass_at_all.urdf";

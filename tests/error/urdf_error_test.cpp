@@ -79,6 +79,8 @@ const Case defects[] = {
      "joint 'j' (line 25): error: the name is already taken by the joint of line 20; rename one of them"},
     {"duplicate_link",
      "link 'b' (line 14): error: the name is already taken by the link of line 8; rename one of them"},
+    {"doctype_entities",
+     "<!DOCTYPE>: error: declarations inside of it cannot be read; remove them, or have xmllint --noent put in what their entities stand for"},
     {"empty",
      "error: the file is empty; name a URDF file"},
     {"float_suffix",
