@@ -177,6 +177,11 @@ DALEMBERT_INLINE void store_count(T* to, const Lanes<T, 4>& x, int count) {
     *to = x[0];
   }
 }
+template <class T>
+DALEMBERT_INLINE void store_count(T* to, const Lanes<T, 2>& x, int count) {
+  if (count >= 2) store<2, T>(to, x);
+  else if (count == 1) *to = x[0];
+}
 
 // The same of eight limbs: out[l] has limb l's.
 template <class T>
@@ -208,12 +213,22 @@ DALEMBERT_BLOCK void put_column(T* const* to, const Lanes<T, width>* values, con
       }
     });
   } else {
-    Lanes<T, 4> turned[width];
-    transpose<T>(values, turned);
-    lanes<width>([&](int l) DALEMBERT_IN_BLOCK {
+    const auto stored = [&](int l) DALEMBERT_IN_BLOCK {
       const bool whole = joined != nullptr && joined[l] && count[l] == 3 && count[l + 1] > 0;
-      store_count<T>(to[l], turned[l], whole ? 4 : count[l]);
-    });
+      return whole ? 4 : count[l];
+    };
+    if constexpr (width == 2 && doubles_in_register * sizeof(double) < 4 * sizeof(T)) {
+      // g++ turns four rows of registers of two by way of memory, and waits for it.
+      Lanes<T, 2> first[2], last[2];
+      transpose_pair<T>(values, first), transpose_pair<T>(values + 2, last);
+      lanes<2>([&](int l) DALEMBERT_IN_BLOCK {
+        store_count<T>(to[l], first[l], stored(l)), store_count<T>(to[l] + 2, last[l], stored(l) - 2);
+      });
+    } else {
+      Lanes<T, 4> turned[width];
+      transpose<T>(values, turned);
+      lanes<width>([&](int l) DALEMBERT_IN_BLOCK { store_count<T>(to[l], turned[l], stored(l)); });
+    }
   }
 }
 
