@@ -148,7 +148,7 @@ def ci(_):
         (("hexapod", "straight", STANDING), ("clang++", "-O0", "native", 4)),
         (("unequal_limbs", "straight", HELD), ("g++", "-O0", "native", 4)),
         (("chain_7", "straight", FUNCTIONS), ("g++", "-O2", "x86-64", 4)),
-        (("unequal_limbs", "rolled", DRIVEN), ("clang++", "-O2", "native", 4)),
+        (("unequal_limbs", "rolled", DRIVEN), ("clang++", "-O1", "native", 4)),
         (("gantry_arms", "rolled", PUSHED), ("clang++", "-O2", "skylake-avx512", 4)),
         (("ankle", "rolled", EMBEDDED), ("clang++", "-O2", "native", 2)),
         (("unequal_limbs", "rolled", PARTS), ("g++", "-O2", "x86-64", 4)),
