@@ -488,6 +488,30 @@ TEST(ConstraintKernels, RowsOfRoundingHoldNothing) {
   EXPECT_EQ(result.status.rank, 0);
 }
 
+// What is left of the error along a direction that is a part s of what the others of its three rows are: of N there is mu N
+// more.
+TEST(ConstraintKernels, WhatIsNextToNothingIsGivenUp) {
+  using Rows = ConstraintRows<At12<6>, At21<6>>;
+  const Matrix turn = Eigen::Quaternion<Real>(0.3L, 0.5L, -0.2L, 0.7L).normalized().toRotationMatrix();
+  for (const Real part : {1e-6L, 1e-7L, 1e-8L}) {
+    System s(shape<Rows>(), 7);
+    const Matrix lower = Eigen::LLT<Matrix>(s.along().topLeftCorner(6, 6)).matrixL();
+    s.J.topRows(6) = lower.inverse() * s.J.topRows(6).eval();  // J M^-1 J' = 1
+    s.J.topRows(3) =
+        turn * Eigen::Matrix<Real, 3, 1>(1, 1, std::sqrt(part)).asDiagonal() * turn.transpose() * s.J.topRows(3).eval();
+    Vector right = Vector::Zero(12);
+    right.head(3) = turn.col(2);
+    const std::vector<double> none(12, 0.0);
+    const Result<double> result =
+        solved<double>(solve_constrained<n, Rows, Tree, double>, s, Vector::Zero(n), right, {1, 0}, none);
+    const Real held = Real(Proximal<double>::mu) * (2 + part) / 3, left = std::pow(held / (held + part), 3);
+    EXPECT_NEAR(static_cast<double>(1 - turn.col(2).dot((s.J * result.x).head(3))), static_cast<double>(left),
+                static_cast<double>(0.01L * left) + 1e-9)
+        << static_cast<double>(part);
+    EXPECT_NEAR(result.status.residual, static_cast<double>(left), 0.5 * static_cast<double>(left) + 1e-9);
+  }
+}
+
 // Nothing of a constraint that does not act reaches any number but its own rows', which are zero.
 TEST(ConstraintKernels, AMaskedConstraintChangesNothingByABit) {
   using Rows = ConstraintRows<At16<3>, At21<6>, At12<3>>;

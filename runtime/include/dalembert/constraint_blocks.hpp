@@ -196,14 +196,13 @@ template <int m, int padded, class T>
 DALEMBERT_INLINE void invert_rows(T* a) {
   constexpr int w = native_lanes, pieces = padded / w;
   using Pieces = Lanes<T, w>[pieces];
-  const auto each_piece_of_row = [](const auto& f) DALEMBERT_IN_BLOCK { for_constants<pieces>(f); };
   for (int j = 0; j + 1 < m; j += 2) {
     T *const own = a + j * padded, *const next = own + padded;
     const T beside = own[j + 1], reciprocal = T(1) / own[j], share = beside * reciprocal,
             second_reciprocal = T(1) / (next[j + 1] - beside * share), common = share * second_reciprocal;
     alignas(64) T was[padded], second_was[padded];
     Pieces first, second;
-    each_piece_of_row([&](auto i) DALEMBERT_IN_BLOCK {
+    for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK {
       const Lanes<T, w> row = load<w>(own + i * w);
       first[i] = row * broadcast<w, T>(reciprocal);
       const Lanes<T, w> left = load<w>(next + i * w) - broadcast<w, T>(beside) * first[i];
@@ -213,7 +212,7 @@ DALEMBERT_INLINE void invert_rows(T* a) {
     });
     const auto subtract = [&](int r, T factor, T second_factor) DALEMBERT_IN_BLOCK {
       T* const row = a + r * padded;
-      each_piece_of_row([&](auto i) DALEMBERT_IN_BLOCK {
+      for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK {
         store<w, T>(row + i * w,
                     load<w>(row + i * w) - broadcast<w, T>(factor) * first[i] - broadcast<w, T>(second_factor) * second[i]);
       });
@@ -231,13 +230,13 @@ DALEMBERT_INLINE void invert_rows(T* a) {
     T* const own = a + j * padded;
     const T reciprocal = T(1) / own[j];
     alignas(64) T was[padded];
-    each_piece_of_row([&](auto i) DALEMBERT_IN_BLOCK {
+    for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK {
       const Lanes<T, w> row = load<w>(own + i * w);
       store<w, T>(was + i * w, row), store<w, T>(own + i * w, row * broadcast<w, T>(reciprocal));
     });
     for (int r = 0; r < j; ++r) {
       T* const row = a + r * padded;
-      each_piece_of_row([&](auto i) DALEMBERT_IN_BLOCK {
+      for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK {
         store<w, T>(row + i * w, load<w>(row + i * w) + broadcast<w, T>(was[r]) * load<w>(own + i * w));
       });
       row[j] = was[r] * reciprocal;
