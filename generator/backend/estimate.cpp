@@ -194,7 +194,7 @@ double fetched(double instructions, int lanes) {
 // ns per unit of each feature; by registers of two, four and eight. Those of `along` are read off the elements' times of chains
 // of 50 to 500 joints (AMD EPYC, Zen 4).
 constexpr Features constants[3] = {
-    {1.82, 0.114, 0.0969, 5.61, 7.03, 0.142, 0.0336, 0, 0.292, 0.25, 0.0745, 0.0184, 54.5},
+    {1.82, 0.116, 0.0984, 5.57, 6.46, 0.133, 0.0418, 0, 0.292, 0.25, 0.073, 0.059, 43.1},
     {4.71, 0.143, 0.12, 5.9, 4.06, 0.154, 0.0988, 0, 0.345, 0.15, 0.0147, 0.031, 22.5},
     {3.05, 0.136, 0.0779, 13.4, 4.06, 0.145, 0.119, 0, 0.531, 0.31, 0.0573, 0.0208, 26.1},
 };
