@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <dalembert/integrators/linearly_implicit.hpp>
@@ -22,6 +21,7 @@
 #include "commands/precompiled_eigen.hpp"
 #include "commands/random_states.hpp"
 #include "ir/implicit_joints.hpp"
+#include "reference/eigenvalues.hpp"
 #include "reference/engine.hpp"
 
 namespace dalembert {
@@ -329,8 +329,7 @@ class Check {
       GenericDynamics dynamics(model_, output, state);
       const auto near = dynamics.linearised(state.q, state.v);
       const Eigen::MatrixXd system = near.mass + step * near.damping + (step * step) * near.stiffness;
-      const Eigen::VectorXd values =
-          Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(system, Eigen::EigenvaluesOnly).eigenvalues();
+      const Eigen::VectorXd values = reference::eigenvalues(system);
       const double epsilon = model_.scene.scalar == ir::ScalarType::float32 ? 0x1p-24 : 0x1p-53;
       result = std::max(result, 10 * epsilon * values.maxCoeff() / values.minCoeff());
     }

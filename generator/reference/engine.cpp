@@ -1,6 +1,5 @@
 #include "reference/engine.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <dalembert/constraint_shapes.hpp>
@@ -8,6 +7,7 @@
 
 #include "ir/constraint_paths.hpp"
 #include "reference/digits50.hpp"
+#include "reference/eigenvalues.hpp"
 
 namespace dalembert::reference {
 
@@ -46,7 +46,7 @@ std::vector<Eigen::MatrixXd> evaluate_whole(const ir::KinematicTree& tree, const
 
 double mass_condition(const ir::KinematicTree& tree, const ir::Scene& scene, const Inputs& inputs) {
   const Eigen::MatrixXd M = evaluate(tree, scene, {{ir::Quantity::mass_matrix, ""}}, inputs, Precision::float64).front();
-  const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(M, Eigen::EigenvaluesOnly).eigenvalues();
+  const Eigen::VectorXd values = eigenvalues(M);
   const double least = values.minCoeff(), largest = values.maxCoeff();
   return least > 0 ? largest / least : std::numeric_limits<double>::infinity();
 }
@@ -62,7 +62,7 @@ double symmetric_condition(Eigen::MatrixXd D, int times = 1) {
     D.row(i) /= length;
     D.col(i) /= length;
   }
-  const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(D, Eigen::EigenvaluesOnly).eigenvalues();
+  const Eigen::VectorXd values = eigenvalues(D);
   const double largest = values.maxCoeff(), mu = Proximal<double>::mu;
   const bool redundant = values.minCoeff() <= 100 * mu * largest;
   return redundant ? std::pow(16 / mu, times) : largest / values.minCoeff();

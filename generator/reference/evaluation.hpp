@@ -311,9 +311,10 @@ class EmbeddedEvaluation {
     std::vector<Wanted> all = wanted;
     for (const ir::Quantity quantity : {ir::Quantity::mass_matrix, ir::Quantity::momentum_matrix})
       all.push_back({quantity, ""});
-    const VectorX<S> acceleration = more_.size() == y_.size() ? VectorX<S>(T_ * more_ + turning_) : turning_;
-    at_rest_.emplace(opened_, scene_, all, q_, VectorX<S>(T_ * y_), turning_, wrenches_);
-    accelerated_.emplace(opened_, scene_, all, q_, VectorX<S>(T_ * y_), acceleration, wrenches_);
+    const VectorX<S> v = times(T_, y_);
+    const VectorX<S> acceleration = more_.size() == y_.size() ? VectorX<S>(times(T_, more_) + turning_) : turning_;
+    at_rest_.emplace(opened_, scene_, all, q_, v, turning_, wrenches_);
+    accelerated_.emplace(opened_, scene_, all, q_, v, acceleration, wrenches_);
     mass_ = at_rest_->result({ir::Quantity::mass_matrix, ""});
   }
 
@@ -322,17 +323,18 @@ class EmbeddedEvaluation {
     if (!wanted.quantity) return of_link(wanted);
     const auto whole = [&](Quantity quantity) { return at_rest_->result({quantity, ""}); };
     switch (*wanted.quantity) {
-      case Quantity::mass_matrix: return T_.transpose() * mass_ * T_;
-      case Quantity::coriolis_matrix: return T_.transpose() * (whole(Quantity::coriolis_matrix) * T_ + mass_ * T_rate_);
-      case Quantity::bias: return T_.transpose() * (whole(Quantity::bias) + mass_ * turning_);
+      case Quantity::mass_matrix: return along(times(mass_, T_));
+      case Quantity::coriolis_matrix: return along(times(whole(Quantity::coriolis_matrix), T_) + times(mass_, T_rate_));
+      case Quantity::bias: return along(whole(Quantity::bias) + times(mass_, turning_));
       case Quantity::gravity:
-      case Quantity::wrench_influence: return T_.transpose() * whole(*wanted.quantity);
+      case Quantity::wrench_influence: return along(whole(*wanted.quantity));
       case Quantity::inverse_dynamics:
-      case Quantity::regressor: return T_.transpose() * accelerated_->result(wanted);
+      case Quantity::regressor: return along(accelerated_->result(wanted));
       case Quantity::center_of_mass_jacobian:
-      case Quantity::momentum_matrix: return whole(*wanted.quantity) * T_;
-      case Quantity::center_of_mass_bias: return whole(*wanted.quantity) + whole(Quantity::center_of_mass_jacobian) * turning_;
-      case Quantity::momentum_bias: return whole(*wanted.quantity) + whole(Quantity::momentum_matrix) * turning_;
+      case Quantity::momentum_matrix: return times(whole(*wanted.quantity), T_);
+      case Quantity::center_of_mass_bias:
+        return whole(*wanted.quantity) + times(whole(Quantity::center_of_mass_jacobian), turning_);
+      case Quantity::momentum_bias: return whole(*wanted.quantity) + times(whole(Quantity::momentum_matrix), turning_);
       case Quantity::forward_dynamics:
       case Quantity::inverse_mass_matrix:
       case Quantity::mass_matrix_factor: return solved(*wanted.quantity);
@@ -341,6 +343,10 @@ class EmbeddedEvaluation {
   }
 
  private:
+  // Of matrices alone: each kind of product of expressions takes Eigen a second to compile.
+  static MatrixX<S> times(const MatrixX<S>& a, const MatrixX<S>& b) { return a * b; }
+  MatrixX<S> along(const MatrixX<S>& a) const { return times(T_.transpose(), a); }
+
   static ir::Scene without_embedded(ir::Scene scene) {
     scene.loops = scene.embedded;
     scene.embedded.clear();
@@ -372,35 +378,35 @@ class EmbeddedEvaluation {
       for (std::size_t i = 0; i < dependent.size(); ++i) to.row(dependent[i]) = -moved.row(static_cast<Eigen::Index>(i));
     };
     set(T_, others);
-    const VectorX<S> v = T_ * y_;
+    const VectorX<S> v = times(T_, y_);
     MatrixX<S> rates(J.rows(), n);
     const auto bias = [&](const VectorX<S>& at) { return generic::constraint_bias<S>(still.robot(), loops, q_, at); };
     for (Eigen::Index i = 0; i < n; ++i)
       rates.col(i) = (bias(VectorX<S>(v + T_.col(i))) - bias(VectorX<S>(v - T_.col(i)))) / S(4);
     set(T_rate_, rates);
-    turning_ = T_rate_ * y_;
+    turning_ = times(T_rate_, y_);
   }
 
   // Where loops do not tell where joints are, everything is zero.
   MatrixX<S> solved(ir::Quantity quantity) const {
     const auto n = static_cast<Eigen::Index>(tree_.nv());
     const Eigen::Index columns = quantity == ir::Quantity::forward_dynamics ? 1 : n;
-    const generic::Factorisation<S> factors(T_.transpose() * mass_ * T_);
+    const generic::Factorisation<S> factors(along(times(mass_, T_)));
     if (!factors.status().ok()) return MatrixX<S>::Zero(n, columns);
     if (quantity == ir::Quantity::mass_matrix_factor) return factors.upper();
     if (quantity == ir::Quantity::inverse_mass_matrix) return factors.solve(MatrixX<S>::Identity(n, n));
-    return factors.solve(MatrixX<S>(more_ - T_.transpose() * at_rest_->result({ir::Quantity::inverse_dynamics, ""})));
+    return factors.solve(MatrixX<S>(more_ - along(at_rest_->result({ir::Quantity::inverse_dynamics, ""}))));
   }
 
   MatrixX<S> of_link(const Wanted& wanted) const {
     using ir::LinkQuantity;
     const auto with_jacobian = [&](LinkQuantity jacobian) -> MatrixX<S> {
-      return at_rest_->result(wanted) + at_rest_->result({std::nullopt, wanted.link, jacobian}) * turning_;
+      return at_rest_->result(wanted) + times(at_rest_->result({std::nullopt, wanted.link, jacobian}), turning_);
     };
     switch (wanted.of_link) {
       case LinkQuantity::jacobian:
       case LinkQuantity::jacobian_world:
-      case LinkQuantity::jacobian_mixed: return at_rest_->result(wanted) * T_;
+      case LinkQuantity::jacobian_mixed: return times(at_rest_->result(wanted), T_);
       case LinkQuantity::acceleration_bias: return with_jacobian(LinkQuantity::jacobian);
       case LinkQuantity::acceleration_bias_world: return with_jacobian(LinkQuantity::jacobian_world);
       case LinkQuantity::acceleration_bias_mixed: return with_jacobian(LinkQuantity::jacobian_mixed);

@@ -130,6 +130,23 @@ void run_states(const FunctionEntry& entry, FunctionCall call, const std::vector
   });
 }
 
+// Says at how many of the states M is singular, or else loops do not tell where joints are. Whether to go on: a warning may be
+// an error.
+bool warn_of_states(const Contents& f, const FunctionCall& call, const Argument& q, bool toggle) {
+  const auto is_one = [&](std::int32_t status) { return status >= 0 && (status >= f.nv) == toggle; };
+  const std::ptrdiff_t at = std::find_if(call.status, call.status + call.end, is_one) - call.status;
+  if (at == call.end) return true;
+  const bool finite = not_finite(f, q.rows.first, at * q.rows.step, f.nq) == f.nq;
+  return PyErr_WarnFormat(singular_warning, 1,
+                          "%U: %s at %zd of %zd states, the first of them number %zd%s: %s zero there; "
+                          "return_status=True tells which",
+                          f.name, toggle ? "loops are at toggle points" : "the mass matrix is not positive definite",
+                          static_cast<Py_ssize_t>(std::count_if(call.status, call.status + call.end, is_one)),
+                          static_cast<Py_ssize_t>(call.end), static_cast<Py_ssize_t>(at),
+                          finite ? "" : ", whose q is not finite",
+                          toggle ? "all results are" : "what needs its inverse is") == 0;
+}
+
 PyObject* long_way(Contents& f, PyObject* const* args, Py_ssize_t given_count, PyObject* keywords) {
   Given given;
   if (!sort_arguments(f, args, given_count, keywords, given)) return nullptr;
@@ -197,20 +214,7 @@ PyObject* long_way(Contents& f, PyObject* const* args, Py_ssize_t given_count, P
         complain_singular(f, call.status[0]);
       return nullptr;
     }
-    if (singular > 0) {
-      const std::ptrdiff_t at =
-          std::find_if(call.status, call.status + call.end, [](std::int32_t s) { return s >= 0; }) - call.status;
-      const bool finite = not_finite(f, q.rows.first, at * q.rows.step, f.nq) == f.nq;
-      const bool toggle = call.status[at] >= f.nv;
-      if (PyErr_WarnFormat(singular_warning, 1,
-                           "%U: %s at %zd of %zd states, the first of them number %zd%s: %s zero there; "
-                           "return_status=True tells which",
-                           f.name, toggle ? "loops are at toggle points" : "the mass matrix is not positive definite",
-                           static_cast<Py_ssize_t>(singular), static_cast<Py_ssize_t>(call.end), static_cast<Py_ssize_t>(at),
-                           finite ? "" : ", whose q is not finite",
-                           toggle ? "all results are" : "what needs its inverse is") < 0)
-        return nullptr;
-    }
+    if (singular > 0 && !(warn_of_states(f, call, q, false) && warn_of_states(f, call, q, true))) return nullptr;
   }
   for (std::size_t i = 0; i < results.arrays.size(); ++i)
     if (results.written_to[i] && PyArray_CopyInto(results.arrays[i].array(), results.written_to[i].array()) < 0) return nullptr;

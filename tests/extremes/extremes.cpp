@@ -2,7 +2,6 @@
 
 #include <stdlib.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
@@ -13,6 +12,7 @@
 #include "commands/random_states.hpp"
 #include "commands/report/errors.hpp"
 #include "commands/report/subject.hpp"
+#include "reference/eigenvalues.hpp"
 
 namespace dalembert::extremes {
 
@@ -34,7 +34,7 @@ namespace {
 
 // As far as double tells the smallest eigenvalue from zero.
 double condition(const Eigen::MatrixXd& M) {
-  const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(M, Eigen::EigenvaluesOnly).eigenvalues();
+  const Eigen::VectorXd values = reference::eigenvalues(M);
   const double largest = values.tail<1>()[0];
   return largest / std::max(values[0], 0x1p-52 * largest);
 }

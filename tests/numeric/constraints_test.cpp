@@ -2,12 +2,12 @@
 // them against dense algebra.
 #include <gtest/gtest.h>
 
-#include <Eigen/Eigenvalues>
 #include <cstdlib>
 #include <dalembert/generic/constraint_derivatives.hpp>
 
 #include "identities.hpp"
 #include "load_robot.hpp"
+#include "reference/eigenvalues.hpp"
 #include "scale.hpp"
 #include "states.hpp"
 
@@ -66,7 +66,7 @@ class Constraints : public ::testing::TestWithParam<RobotAndBase> {
     if (!(M.diagonal().minCoeff() > 0)) return true;
     const Eigen::VectorXd scale = M.diagonal().cwiseSqrt().cwiseInverse();
     M = scale.asDiagonal() * M * scale.asDiagonal();
-    return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(M, Eigen::EigenvaluesOnly).eigenvalues().minCoeff() < 1e-13;
+    return reference::eigenvalues(M).minCoeff() < 1e-13;
   }
   // Rows that only the file's decimals keep from depending on each other: no number of proximal steps tells which they are.
   bool are_doubtful(const Rows& contacts) const {

@@ -6,6 +6,7 @@ import inspect
 import os
 import pathlib
 import pickle
+import re
 import tempfile
 import unittest
 import warnings
@@ -544,6 +545,11 @@ class States(unittest.TestCase):
         self.assertEqual(crank.forward_dynamics(well, np.zeros(1), tau, return_status=True)[1], -1)
         with self.assertWarnsRegex(dalembert.SingularWarning, "toggle points at 1 of 2 states, the first of them number 1: all"):
             crank.forward_dynamics([well, across], np.zeros((2, 1)), tau)
+        with warnings.catch_warnings(record=True) as said:
+            warnings.simplefilter("always")
+            crank.forward_dynamics([well, across, np.nan * well, across], np.zeros((4, 1)), np.ones((4, 1)))
+        for words in ("toggle points at 2 of 4 states, the first of them number 1", "positive definite at 1 of 4 .* number 2, whose q is not finite"):
+            self.assertTrue(any(re.search(words, str(s.message)) for s in said), words)
         q, v = crank.neutral(), np.zeros(1)
         for wrong in (crank.random, lambda: crank.integrate(q, v), lambda: crank.difference(q, q), lambda: crank.interpolate(q, q, 0.5),
                       lambda: crank.forward_dynamics_rollout(q, v, time_step=1e-3, steps=3)):

@@ -1,6 +1,9 @@
 // The runtime's functions for rows of constraints, on random trees, against dense algebra.
 #include <gtest/gtest.h>
 
+// Products of what is dense here are sums written out: Eigen's for large matrices take half a minute to compile.
+#define EIGEN_CACHEFRIENDLY_PRODUCT_THRESHOLD 100
+
 #include <Eigen/Dense>
 #include <algorithm>
 #include <dalembert/constraint_response.hpp>
@@ -13,8 +16,13 @@ namespace dalembert {
 namespace {
 
 using Real = long double;
-using Matrix = Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic>;
-using Vector = Eigen::Matrix<Real, Eigen::Dynamic, 1>;
+constexpr int most = 64;
+template <class T>
+using Dense = Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic, 0, most, most>;
+template <class T>
+using Column = Eigen::Matrix<T, Eigen::Dynamic, 1, 0, most, 1>;
+using Matrix = Dense<Real>;
+using Vector = Column<Real>;
 
 // A base of six coordinates, a limb of three on it, two limbs of four on that, and one of five on the base.
 constexpr int n = 22;
@@ -81,7 +89,7 @@ struct System {
 };
 
 template <class T>
-Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic> in(const Matrix& m) {
+Dense<T> in(const Matrix& m) {
   return m.cast<T>();
 }
 
@@ -99,7 +107,7 @@ template <class T>
 Result<T> solved(SolveConstrained<T> solve, const System& s, const Vector& effort, const Vector& right,
                  const std::vector<T>& active, const std::vector<T>& regularization) {
   const auto J = in<T>(s.J), U = in<T>(s.U), D = in<T>(s.D), b = in<T>(right);
-  Eigen::Matrix<T, Eigen::Dynamic, 1> x = effort.cast<T>(), forces(s.J.rows());
+  Column<T> x = effort.cast<T>(), forces(s.J.rows());
   std::vector<T> room(static_cast<size_t>(constraint_room(s.shape.count, 6, n, s.shape.all())),
                       T(7));  // what was there before is not read
   Result<T> result;
@@ -175,13 +183,15 @@ TEST(ConstraintKernels, WeldsAreWhatDenseAlgebraSays) { expect_dense<ConstraintR
 TEST(ConstraintKernels, PointsWhoseBodiesShareALimbAre) {
   expect_dense<ConstraintRows<At12<3>, At16<3>, At8<3>, At21<3>>>(1e-11);
 }
+#ifdef DALEMBERT_LONG_TESTS  // each set takes seconds to compile
 TEST(ConstraintKernels, WeldsAndPointsMixedAre) { expect_dense<ConstraintRows<At16<3>, At21<6>, At12<3>>>(1e-11); }
-TEST(ConstraintKernels, TheBaseItselfIs) { expect_dense<ConstraintRows<AtBase<3>, From12To16<5, 3>>>(1e-11); }
-
-TEST(ConstraintKernels, LoopsAre) {
-  expect_dense<ConstraintRows<From12To21<2, 2>, From8To12<3, 1>, At16<3>>>(1e-11);
+TEST(ConstraintKernels, LoopsOfOneRowAndFourAre) {
   expect_dense<ConstraintRows<At21<6>, From12To16<4, 2>, From12To21<1, 1>, From8To12<6, 3>>>(1e-10);
 }
+#endif
+TEST(ConstraintKernels, TheBaseItselfIs) { expect_dense<ConstraintRows<AtBase<3>, From12To16<5, 3>>>(1e-11); }
+
+TEST(ConstraintKernels, LoopsAre) { expect_dense<ConstraintRows<From12To21<2, 2>, From8To12<3, 1>, At16<3>>>(1e-11); }
 
 // V and J of articulated bodies, and wrenches on the base: M's U is V_k.J_i, and J's rows wrench.J_k.
 struct Limbs {
@@ -562,7 +572,7 @@ Derived derived(const Derivatives<T>& kernels, const System& s, const Matrix& ef
                 const Matrix& left, const Matrix& right, const std::vector<T>& active, const std::vector<T>& regularization,
                 int first, bool solve_first) {
   const int m = s.shape.all(), stride = inverse_stride(n), more = static_cast<int>(left.rows());
-  using Numbers = Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic>;
+  using Numbers = Dense<T>;
   const Numbers J = in<T>(s.J), e = in<T>(efforts), c = in<T>(changes), l = in<T>(left), r = in<T>(right);
   Numbers inverse = Numbers::Zero(stride, n + 7), projected = Numbers::Constant(stride, n + 7, T(7));
   inverse.topLeftCorner(n, n) = in<T>(s.M.inverse());
@@ -653,8 +663,10 @@ void expect_derivatives(double tolerance) {
 
 TEST(ConstraintKernels, DerivativesAreWhatDenseAlgebraSays) {
   expect_derivatives<double, ConstraintRows<At12<3>, From12To16<5, 3>, AtBase<6>>>(1e-8);
-  expect_derivatives<float, ConstraintRows<At12<3>, At21<3>>>(1e-2);
 }
+#ifdef DALEMBERT_LONG_TESTS
+TEST(ConstraintKernels, DerivativesInFloatAre) { expect_derivatives<float, ConstraintRows<At12<3>, At21<3>>>(1e-2); }
+#endif
 
 // Rows that say the same: d(dv) is what it is without those that say it again, for changes that do so, too.
 TEST(ConstraintKernels, RedundantRowsChangeNoDerivative) {

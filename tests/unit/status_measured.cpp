@@ -1,11 +1,11 @@
 #include "status_measured.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
 #include "both_forms.hpp"
+#include "reference/eigenvalues.hpp"
 #include "reference/engine.hpp"
 
 namespace dalembert::status_family {
@@ -37,7 +37,7 @@ Measured measure(const Shape& shape, double distance, unsigned seed) {
   Eigen::MatrixXd M = evaluated(ir::Quantity::mass_matrix, reference::Precision::digits_50);
   const Eigen::VectorXd scale = M.diagonal().cwiseSqrt().cwiseInverse();
   M = (scale.asDiagonal() * M * scale.asDiagonal()).eval();
-  const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(M, Eigen::EigenvaluesOnly).eigenvalues();
+  const Eigen::VectorXd values = reference::eigenvalues(M);
   measured.condition = values.maxCoeff() / std::max(values.minCoeff(), 1e-17);
   for (const auto& [function, quantity] : {std::pair{ir::Function::forward_dynamics, ir::Quantity::forward_dynamics},
                                            std::pair{ir::Function::evaluate, ir::Quantity::inverse_mass_matrix}}) {

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -18,6 +17,7 @@
 #include "commands/report/rounding.hpp"
 #include "commands/report/variants.hpp"
 #include "costs.hpp"
+#include "reference/eigenvalues.hpp"
 
 namespace dalembert::reporting {
 namespace {
@@ -210,7 +210,7 @@ class Stability {
     const Eigen::MatrixXd M = reference::evaluate(model.tree, model.scene, {{ir::Quantity::mass_matrix, ""}},
                                                   {state.q, state.v}, reference::Precision::float64)
                                   .front();
-    const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(M, Eigen::EigenvaluesOnly).eigenvalues();
+    const Eigen::VectorXd values = reference::eigenvalues(M);
     const double largest = values.tail<1>()[0], smallest = std::max(values[0], 0x1p-53 * largest);
     return std::max(good_ulp, 5 * largest / smallest);
   }

@@ -6,7 +6,6 @@
 #include <unistd.h>
 
 #include <Eigen/Core>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -18,6 +17,7 @@
 #include <vector>
 
 #include "batch_robots.hpp"  // written by CMake
+#include "reference/eigenvalues.hpp"
 
 namespace {
 
@@ -180,7 +180,7 @@ class Batches : public testing::Test {
         Eigen::MatrixXd M = Eigen::Map<const Matrix>(output.single(workspace)).template cast<double>();
         const Eigen::VectorXd scale = M.diagonal().cwiseSqrt().cwiseInverse();
         M = scale.asDiagonal() * M * scale.asDiagonal();
-        const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(M, Eigen::EigenvaluesOnly).eigenvalues();
+        const Eigen::VectorXd values = dalembert::reference::eigenvalues(M);
         return values.maxCoeff() / values.minCoeff();
       }
     return 1;
@@ -605,7 +605,7 @@ struct StiffRollouts : Rollouts<Robot> {
       }
       near.force = Eigen::Map<const V>(tau) - Eigen::Map<const V>(outputs[1].single(workspace));
       const Matrix system = near.mass + step * near.damping + (step * step) * near.stiffness;
-      const V values = Eigen::SelfAdjointEigenSolver<Matrix>(system, Eigen::EigenvaluesOnly).eigenvalues();
+      const V values = dalembert::reference::eigenvalues(system);
       least = values.minCoeff(), largest = values.maxCoeff();
       return near;
     }
