@@ -4,12 +4,14 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <initializer_list>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "ir/implicit_joints.hpp"
+#include "passes/parameters.hpp"
+#include "passes/reads.hpp"
 
 namespace dalembert {
 namespace {
@@ -18,16 +20,19 @@ using ir::Quantity;
 
 class IdleKeys {
  public:
-  IdleKeys(const ir::Scene& scene, Diagnostics& warnings) : outputs_(scene.quantities()), warnings_(warnings) {}
+  IdleKeys(const ir::Scene& scene, const ir::KinematicTree& tree, Diagnostics& warnings)
+      : scene_(scene), tree_(tree), outputs_(scene.quantities()), warnings_(warnings) {}
 
-  // Whether one of these is asked for.
-  bool asked(std::initializer_list<Quantity> readers) const {
-    return any([&](Quantity output) { return std::find(readers.begin(), readers.end(), output) != readers.end(); });
-  }
+  bool asked(Quantity quantity) const { return std::find(outputs_.begin(), outputs_.end(), quantity) != outputs_.end(); }
   // Whether an output is asked for of which `heeds` says so.
   template <class Heeds>
   bool any(const Heeds& heeds) const {
     return std::any_of(outputs_.begin(), outputs_.end(), heeds);
+  }
+  // What the equations of the outputs read, found when it is first asked for.
+  const passes::Reads& reads() {
+    if (!reads_) reads_.emplace(tree_, scene_);
+    return *reads_;
   }
 
   void warn(const std::string& key, const std::string& fault, const std::string& remedy) {
@@ -35,22 +40,18 @@ class IdleKeys {
   }
 
  private:
+  const ir::Scene& scene_;
+  const ir::KinematicTree& tree_;
   std::vector<Quantity> outputs_;
   Diagnostics& warnings_;
+  std::optional<passes::Reads> reads_;
 };
-
-// Of the functions of forces and accelerations, but for the regressor, whose columns are multiplied by parameters later.
-bool of_motion(Quantity quantity) {
-  return ir::row_of(quantity).function != ir::Function::evaluate && quantity != Quantity::regressor;
-}
 
 }  // namespace
 
 void warn_of_idle_keys(const ir::Scene& scene, const ir::KinematicTree& tree, Diagnostics& warnings) {
-  IdleKeys keys(scene, warnings);
-  const bool motion = keys.any(of_motion);
-  if (!scene.wrenches.empty() &&
-      !keys.any([](Quantity output) { return of_motion(output) && output != Quantity::inverse_dynamics_dv; }))
+  IdleKeys keys(scene, tree, warnings);
+  if (!scene.wrenches.empty() && !keys.reads().input(ir::InputKind::wrench))
     keys.warn("wrenches", "no output depends on the wrenches",
               "ask for inverse_dynamics, forward_dynamics or their derivatives");
 
@@ -82,20 +83,17 @@ void warn_of_idle_keys(const ir::Scene& scene, const ir::KinematicTree& tree, Di
     keys.warn("forward_dynamics", "mimic joints are solved for by factorization all the same",
               "leave the key out, or the mimic relations");
 
-  if (scene.coriolis == ir::Coriolis::christoffel && !keys.asked({Quantity::coriolis_matrix}))
+  if (scene.coriolis == ir::Coriolis::christoffel && !keys.asked(Quantity::coriolis_matrix))
     keys.warn("coriolis", "C is not asked for", "ask for coriolis_matrix; C v is the same by either C");
 
-  // At rest nothing is lost but in derivatives by v.
-  const bool losses = scene.rates_zero ? keys.asked({Quantity::inverse_dynamics_dv, Quantity::forward_dynamics_dv,
-                                                     Quantity::constrained_forward_dynamics_dv, Quantity::constraint_forces_dv})
-                                       : motion || keys.asked({Quantity::bias});
   const char* const remedy_of_losses =
       scene.rates_zero ? "leave it out, or rates_zero" : "ask for bias, inverse_dynamics or forward_dynamics";
-  if ((scene.urdf_damping || !scene.damping.empty()) && !losses)
+  if ((scene.urdf_damping || !scene.damping.empty()) && !keys.reads().parameter(passes::damping_p))
     keys.warn("damping", "no output depends on damping", remedy_of_losses);
-  if ((scene.urdf_friction || !scene.friction.empty()) && !losses)
+  if ((scene.urdf_friction || !scene.friction.empty()) && !keys.reads().parameter(passes::friction_p))
     keys.warn("friction", "no output depends on friction", remedy_of_losses);
-  if (!scene.stiffness.empty() && !motion && !keys.asked({Quantity::bias, Quantity::potential_energy}))
+  if (!scene.stiffness.empty() && !keys.reads().parameter(passes::stiffness_p) &&
+      !keys.reads().parameter(passes::half_stiffness_p))
     keys.warn("stiffness", "no output depends on springs",
               "ask for bias, potential_energy, inverse_dynamics or forward_dynamics");
 
@@ -103,7 +101,7 @@ void warn_of_idle_keys(const ir::Scene& scene, const ir::KinematicTree& tree, Di
                                         Quantity::constraint_bias, Quantity::impact};
   std::vector<std::string_view> zero;
   for (const Quantity quantity : of_velocities)
-    if (scene.rates_zero && keys.asked({quantity})) zero.push_back(ir::name_of(quantity));
+    if (scene.rates_zero && keys.asked(quantity)) zero.push_back(ir::name_of(quantity));
   if (!zero.empty())
     keys.warn("rates_zero", fmt::format("{} {} zero in every state", fmt::join(zero, ", "), zero.size() == 1 ? "is" : "are"),
               "do not ask for what depends on velocities alone, or leave rates_zero out");
@@ -111,13 +109,13 @@ void warn_of_idle_keys(const ir::Scene& scene, const ir::KinematicTree& tree, Di
   if (scene.linearly_implicit && ir::implicit_joints(tree).empty())
     keys.warn("rollouts", "no joint has a damper or a spring, and linearly implicit steps are those of semi-implicit Euler",
               "give joints damping, stiffness or elastic, or leave linearly_implicit out");
-  if (!scene.armature.empty() && !solved && !motion && !keys.asked({Quantity::mass_matrix, Quantity::kinetic_energy}))
+  if (!scene.armature.empty() && !keys.reads().parameter(passes::armature_p) &&
+      !keys.reads().parameter(passes::half_armature_p))
     keys.warn("armature", "no output depends on armature",
               "ask for mass_matrix, kinetic_energy, inverse_dynamics or forward_dynamics");
-  if (scene.gravity_kind == ir::GravityKind::run_time && !motion &&
-      !keys.asked({Quantity::gravity, Quantity::bias, Quantity::potential_energy, Quantity::regressor}))
+  if (scene.gravity_kind == ir::GravityKind::run_time && !keys.reads().input(ir::InputKind::gravity))
     keys.warn("gravity", "no output depends on gravity", "leave run_time out");
-  if (!scene.payloads.empty() && !keys.any([](Quantity output) { return ir::row_of(output).needs != ir::Needs::nothing; }))
+  if (!scene.payloads.empty() && !keys.reads().mass())
     keys.warn("payloads", "no output depends on masses",
               "leave the payloads out; the regressor's columns are the same with them");
 }

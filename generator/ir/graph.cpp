@@ -82,6 +82,12 @@ NodeId Graph::input(Input input) { return intern({Op::input, no_node, no_node, 0
 
 NodeId Graph::unary(Op op, NodeId a) { return intern({op, a, no_node, 0, {}, {}}); }
 
+NodeId Graph::sign(NodeId a) {
+  if (const double value = (*this)[a].value; options_.fold && is_constant(a))
+    return constant(value > 0 ? 1 : value < 0 ? -1 : 0);
+  return unary(Op::sign, a);
+}
+
 NodeId Graph::negate(NodeId a) {
   const Node n = (*this)[a];
   if (n.op == Op::constant) return constant(-n.value);

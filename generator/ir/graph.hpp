@@ -78,7 +78,7 @@ class Graph {
   NodeId input(Input input);
   NodeId sine(NodeId a) { return unary(Op::sine, a); }
   NodeId cosine(NodeId a) { return unary(Op::cosine, a); }
-  NodeId sign(NodeId a) { return unary(Op::sign, a); }
+  NodeId sign(NodeId a);
   NodeId negate(NodeId a);
   NodeId add(NodeId a, NodeId b);
   NodeId subtract(NodeId a, NodeId b);

@@ -827,6 +827,9 @@ TEST(SceneOptions, KeysThatNoOutputHasToDoWithAreToldOf) {
   }
   EXPECT_TRUE(idle("stiffness", "elbow=1", "mass_matrix"));
   EXPECT_FALSE(idle("stiffness", "elbow=1", "potential_energy"));
+  for (const std::string key : {"friction", "stiffness"})  // of which forces do not change with velocities
+    EXPECT_TRUE(idle(key, "elbow=1", "inverse_dynamics_dv")) << key;
+  EXPECT_FALSE(idle("damping", "elbow=1", "inverse_dynamics_dv"));
   EXPECT_TRUE(idle("rates_zero", "true", "bias,kinetic_energy"));
   EXPECT_FALSE(idle("rates_zero", "true", "bias,mass_matrix"));
   const auto at_rest = [](const char* output) {
@@ -835,7 +838,7 @@ TEST(SceneOptions, KeysThatNoOutputHasToDoWithAreToldOf) {
   EXPECT_EQ(at_rest("inverse_dynamics"),
             "scene key 'damping': warning: no output depends on damping; leave it out, or rates_zero\n");
   EXPECT_EQ(at_rest("inverse_dynamics_dv"), "");
-  EXPECT_TRUE(idle("armature", "elbow=1", "gravity,coriolis_matrix,bias,center_of_mass"));
+  EXPECT_TRUE(idle("armature", "elbow=1", "gravity,coriolis_matrix,bias,center_of_mass,inverse_dynamics_dq"));
   for (const std::string output : {"mass_matrix", "kinetic_energy", "inverse_mass_matrix", "inverse_dynamics"})
     EXPECT_FALSE(idle("armature", "elbow=1", output)) << output;
   EXPECT_TRUE(idle("gravity", "run_time", "mass_matrix,kinetic_energy"));
@@ -854,7 +857,9 @@ TEST(SceneOptions, KeysThatNoOutputHasToDoWithAreToldOf) {
   EXPECT_EQ(info({"--wrenches", "hand", "--outputs", "bias"}).err, wrenches);
   EXPECT_EQ(info({"--wrenches", "hand", "--outputs", "regressor,inverse_dynamics_dv"}).err, wrenches);
   EXPECT_EQ(info({"--wrenches", "hand", "--outputs", "inverse_dynamics"}).err, "");
-  EXPECT_EQ(info({"--wrenches", "hand", "--outputs", "bias", "--functions", "{f: [forward_dynamics_dv]}"}).err, "");
+  // Pushing changes accelerations, not how they change with velocities.
+  EXPECT_EQ(info({"--wrenches", "hand", "--outputs", "bias", "--functions", "{f: [forward_dynamics_dv]}"}).err, wrenches);
+  EXPECT_EQ(info({"--wrenches", "hand", "--outputs", "bias", "--functions", "{f: [forward_dynamics_dq]}"}).err, "");
   EXPECT_EQ(
       info({"--forward_dynamics", "factorization"}).err,
       "scene key 'forward_dynamics': warning: no output is solved for with M; ask for forward_dynamics, inverse_mass_matrix "
