@@ -5,7 +5,8 @@
 
 namespace dalembert::ir {
 
-// Whether a header that generated code includes defines the name as a macro for a value: no identifier can be called so.
+// Whether a header that generated code includes, or stands beside it, defines the name as a macro for a value, or all names
+// that begin so are left to such macros (EIGEN_, SYS_): no identifier can be called so.
 bool is_library_macro(std::string_view text);
 
 // Whether such a header declares the name at global scope: no namespace can be called so, while an enumerator can.

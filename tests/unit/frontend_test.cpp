@@ -84,21 +84,24 @@ TEST(Identifier, KeepsWhatItCan) {
 // Joints' names are enumerators: none may be a macro where a user's program includes the code. As this compiler sees the
 // headers.
 TEST(LibraryNames, CompriseEveryMacroOfTheHeaders) {
-  const std::string command = std::string(COMPILER) +
-                              " -std=gnu++17 -dM -E -x c++ -I" EIGEN
-                              " -include Eigen/Dense -include oneapi/tbb.h -include cmath "
-                              "-include csignal -include cstdio -include unistd.h -include sys/mman.h -include ctime /dev/null";
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> all(popen(command.c_str(), "r"), pclose);
-  ASSERT_TRUE(all);
-  char line[4096], name[4096];
-  int macros = 0;
-  while (std::fgets(line, sizeof line, all.get()))
-    if (std::sscanf(line, "#define %[A-Za-z0-9_(]", name) == 1 && name[0] != '_' &&
-        std::string(name).find('(') == std::string::npos) {
-      ++macros;
-      EXPECT_TRUE(ir::is_library_macro(name)) << name;
-    }
-  EXPECT_GT(macros, 500);
+  for (const std::string language : {"gnu++17", "gnu++20"}) {
+    const std::string command =
+        std::string(COMPILER) + " -std=" + language +
+        " -dM -E -x c++ -I" EIGEN
+        " -include Eigen/Dense -include oneapi/tbb.h -include cmath -include csignal -include cstdio -include unistd.h"
+        " -include sys/mman.h -include ctime /dev/null";
+    const std::unique_ptr<std::FILE, int (*)(std::FILE*)> all(popen(command.c_str(), "r"), pclose);
+    ASSERT_TRUE(all);
+    char line[4096], name[4096];
+    int macros = 0;
+    while (std::fgets(line, sizeof line, all.get()))
+      if (std::sscanf(line, "#define %[A-Za-z0-9_(]", name) == 1 && name[0] != '_' &&
+          std::string(name).find('(') == std::string::npos) {
+        ++macros;
+        EXPECT_TRUE(ir::is_library_macro(name)) << name;
+      }
+    EXPECT_GT(macros, 500) << language;
+  }
   for (const char* predefined : {"__LINE__", "__linux__"}) EXPECT_TRUE(ir::is_library_macro(predefined)) << predefined;
   for (const char* joint : {"_1", "__", "__left", "LF_HAA", "J1", "E1"}) EXPECT_FALSE(ir::is_library_macro(joint)) << joint;
 }
