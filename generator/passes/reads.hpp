@@ -12,7 +12,8 @@ namespace dalembert::passes {
 
 class Reads {
  public:
-  // Of all functions of the scene, by their equations: zeros of the robot's own numbers are not looked at.
+  // Of all functions of the scene, by their equations. What is handed to a kernel counts, whether or not the kernel needs it,
+  // and zeros of the robot's own numbers are not looked at.
   Reads(const ir::KinematicTree& tree, const ir::Scene& scene);
 
   bool input(ir::InputKind kind) const { return inputs_.contains(kind); }

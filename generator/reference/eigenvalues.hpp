@@ -5,7 +5,7 @@
 
 namespace dalembert::reference {
 
-// Of a symmetric matrix (n × n, its lower half is read), in increasing order. Not finite where an element is not.
+// Of a symmetric matrix (n × n, of finite numbers; its lower half is read), in increasing order.
 Eigen::VectorXd eigenvalues(const Eigen::MatrixXd& symmetric);
 
 }  // namespace dalembert::reference
