@@ -27,3 +27,31 @@ function(dalembert_use_precompiled target name)
   # Read from there, GCC 12's <string> is no system's header any more, and it sees copies of 2^63 bytes in it.
   target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-stringop-overflow -Wno-array-bounds>)
 endfunction()
+
+# dalembert_read_eigen_precompiled(DIRECTORY...)   the targets there and below that have no precompiled header of their own: tests
+#                                                  and examples, whose emitted code is many small files
+#
+# A target whose sources define EIGEN_... before they include Eigen has the property DALEMBERT_EIGEN_AS_IT_IS.
+function(dalembert_read_eigen_precompiled)
+  get_property(flags GLOBAL PROPERTY DALEMBERT_PRECOMPILED_EIGEN)
+  if(CMAKE_BUILD_TYPE STREQUAL "Debug" OR NOT CMAKE_CXX_COMPILER_ID STREQUAL "GNU" OR NOT flags)
+    return()
+  endif()
+  foreach(directory IN LISTS ARGN)
+    get_property(targets DIRECTORY ${directory} PROPERTY BUILDSYSTEM_TARGETS)
+    foreach(target IN LISTS targets)
+      get_target_property(type ${target} TYPE)
+      get_target_property(own ${target} PRECOMPILE_HEADERS)
+      get_target_property(reused ${target} PRECOMPILE_HEADERS_REUSE_FROM)
+      get_target_property(as_it_is ${target} DALEMBERT_EIGEN_AS_IT_IS)
+      if(type MATCHES "^(EXECUTABLE|(STATIC|OBJECT)_LIBRARY)$" AND NOT own AND NOT reused AND NOT as_it_is)
+        target_compile_options(${target} PRIVATE "$<$<COMPILE_LANGUAGE:CXX>:SHELL:${flags}>")
+        add_dependencies(${target} precompiled_eigen)
+      endif()
+    endforeach()
+    get_property(subdirectories DIRECTORY ${directory} PROPERTY SUBDIRECTORIES)
+    if(subdirectories)
+      dalembert_read_eigen_precompiled(${subdirectories})
+    endif()
+  endforeach()
+endfunction()

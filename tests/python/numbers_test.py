@@ -19,7 +19,7 @@ warnings.simplefilter("ignore", dalembert.InputWarning)
 class Mahru(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.keywords = dict(base="floating", outputs=["mass_matrix", "bias"])
+        cls.keywords = dict(base="floating", outputs=["mass_matrix", "bias"], flags=robots.quick)
         cls.robot = dalembert.load(robots.mahru, **cls.keywords)
         rng = np.random.default_rng(33)
         cls.Q = cls.robot.random(rng, 64)
@@ -30,7 +30,8 @@ class Mahru(unittest.TestCase):
         the folder that source_of() names. Of batches, too: the C++ batch's bits."""
         r = self.robot
         self.assertEqual(r.source_of("mass_matrix").name, f"mass_matrix_of_{r.source.name}")
-        whole, alone = robots.CFunctions(r.source, batches=False), robots.CFunctions(r.source_of("mass_matrix"))
+        whole = robots.CFunctions(r.source, batches=False, flags=robots.quick)
+        alone = robots.CFunctions(r.source_of("mass_matrix"), flags=robots.quick)
         nv = r.nv
         for q, v in zip(self.Q[:8], self.V):
             whole.call("evaluate", q, v)
@@ -128,7 +129,7 @@ class Mahru(unittest.TestCase):
 class Eval(unittest.TestCase):
     def test_the_same_bits_as_eval(self):
         """Of one state, and of a batch those of eval's engine `batch`."""
-        urdf, flags = robots.robot("skew_axes"), "-O1 -std=c++17"
+        urdf, flags = robots.robot("skew_axes"), robots.quick
         robot = dalembert.load(urdf, base="fixed", outputs=["mass_matrix", "bias", "forward_dynamics"], flags=flags)
         rng = np.random.default_rng(8)
         n = 5

@@ -44,14 +44,14 @@ def include_folders():
 
 
 class CFunctions:
-    """A folder of generated code, compiled as docs tell users to and called through its C interface."""
+    """A folder of generated code, compiled (unless told otherwise as docs tell users to) and called through its C interface."""
 
-    def __init__(self, folder, batches=True):
+    def __init__(self, folder, batches=True, flags="-O3 -march=native -std=c++17"):
         self.name = folder.name
         with tempfile.TemporaryDirectory(prefix="dalembert.c.") as temporary:
             library = pathlib.Path(temporary) / "code.so"
             sources = [str(folder / name) for name in ("dynamics.cpp", "c_api.cpp") + (("batch.cpp",) if batches else ())]
-            subprocess.run(["c++", "-O3", "-march=native", "-std=c++17", "-shared", "-fPIC",
+            subprocess.run(["c++", *flags.split(), "-shared", "-fPIC",
                             *(word for include in include_folders() for word in ("-isystem", include)), *sources, "-o", str(library)],
                            check=True)
             self.library = ctypes.CDLL(str(library))

@@ -40,7 +40,7 @@ TEST_P(Algorithm, RunsInBothFormsAsTheGenericEngineDoes) {
     size_t number = of_robot;
     for (const ir::QuantityRow& row : ir::quantities()) {
       if (description.joints.size() > 48 && !std::getenv("DALEMBERT_LARGE_ROBOTS")) continue;
-      if (!long_tests() && ++number % 3 != 0) continue;  // each quantity of a third of the robots
+      if (!long_tests() && ++number % 6 != 0) continue;  // each quantity of a sixth of the robots
       ir::Scene alone = all;
       alone.outputs = {row.quantity};
       scenes[row.name] = alone;
@@ -107,9 +107,9 @@ TEST_P(Algorithm, RunsInBothFormsAsTheGenericEngineDoes) {
         scenes[fmt::format("{}, driven joints", ir::row_of(quantity).name)] = alone;
       }
     }
-    if (large && !long_tests())  // each scene of a third of the larger robots
+    if (large && !long_tests())  // each scene of a sixth of the larger robots
       std::erase_if(scenes, [&](const auto& scene) {
-        return scene.first != "all" && scene.first != "driven joints" && ++number % 3 != 0;
+        return scene.first != "all" && scene.first != "driven joints" && ++number % 6 != 0;
       });
     if (description.joints.size() > 48 && !long_tests())
       std::erase_if(scenes, [](const auto& scene) { return scene.first != "all" && scene.first != "driven joints"; });
