@@ -6,6 +6,8 @@
 #include <chrono>
 #include <cstring>
 #include <dalembert/batch_layout.hpp>
+#include <memory>
+#include <new>
 #include <stdexcept>
 
 #include "diagnostics.hpp"
@@ -31,7 +33,9 @@ void append(std::vector<char>& to, const Eigen::VectorXd& numbers) {
 }  // namespace
 
 BatchEngine::BatchEngine(const Model& whole, const std::vector<Output>& outputs, const CompilerOptions& options)
-    : model_(asked_for(whole, outputs)), code_(model_.name, compile_without_self_test(model_), options) {
+    : model_(asked_for(whole, outputs)),
+      code_(model_.name, compile_without_self_test(model_), options),
+      acting_setters_(model_, code_) {
   for (const ir::EmittedFunction& f : ir::functions_of(model_.scene)) {
     const std::string name = model_.name + "_batch_" + f.name;
     Call call{f.name, reinterpret_cast<void*>(code_.function<void()>(name)), {}, {}, {}};
@@ -62,9 +66,9 @@ BatchEngine::Columns BatchEngine::columns(const std::vector<State>& states) cons
   return columns;
 }
 
-std::vector<char> BatchEngine::options(const Columns& columns) const {
+std::vector<char> BatchEngine::options(const Columns& columns, const void* workspace) const {
   // NAME_batch_options of c_api.h: a workspace for all states, then an array each for gravity, payloads and wrenches.
-  std::vector<const void*> given{nullptr};
+  std::vector<const void*> given{workspace};
   if (model_.scene.gravity_kind == ir::GravityKind::run_time) given.push_back(nullptr);
   given.resize(given.size() + model_.scene.payloads.size(), nullptr);
   for (const std::vector<char>& wrench : columns.of_wrench) given.push_back(wrench.empty() ? nullptr : wrench.data());
@@ -76,8 +80,8 @@ std::vector<char> BatchEngine::options(const Columns& columns) const {
   return options;
 }
 
-void BatchEngine::run(const Columns& columns) {
-  const std::vector<char> options = this->options(columns);
+void BatchEngine::run(const Columns& columns, const void* workspace) {
+  const std::vector<char> options = this->options(columns, workspace);
   const size_t bytes = scalar_bytes(model_);
   for (Call& call : calls_) {
     std::vector<void*> pointers;
@@ -97,7 +101,32 @@ void BatchEngine::run(const Columns& columns) {
 }
 
 void BatchEngine::evaluate(const std::vector<State>& states) {
-  run(scalar_bytes(model_) == 4 ? columns<float>(states) : columns<double>(states));
+  const bool single = scalar_bytes(model_) == 4;
+  const Columns all = single ? columns<float>(states) : columns<double>(states);
+  run(all);
+  const auto otherwise = [](const State& state) { return !state.acting.active.empty(); };
+  if (std::none_of(states.begin(), states.end(), otherwise)) return;
+  const std::unique_ptr<void, void (*)(void*)> workspace(code_.function<void*()>(model_.name + "_create")(),
+                                                         code_.function<void(void*)>(model_.name + "_destroy"));
+  if (!workspace) throw std::bad_alloc();
+  std::vector<Call> results = calls_;
+  for (size_t s = 0; s < states.size(); ++s) {
+    if (!otherwise(states[s])) continue;
+    single ? acting_setters_.set<float>(states[s].acting, workspace.get())
+           : acting_setters_.set<double>(states[s].acting, workspace.get());
+    run(all, workspace.get());
+    for (size_t c = 0; c < results.size(); ++c) {
+      results[c].status[s] = calls_[c].status[s];
+      for (size_t o = 0; o < results[c].results.size(); ++o) {
+        std::vector<char>& to = results[c].results[o];
+        const std::vector<char>& from = calls_[c].results[o];
+        const auto begin = static_cast<std::ptrdiff_t>(s * (from.size() / states.size())),
+                   end = begin + static_cast<std::ptrdiff_t>(from.size() / states.size());
+        std::copy(from.begin() + begin, from.begin() + end, to.begin() + begin);
+      }
+    }
+  }
+  calls_ = std::move(results);
 }
 
 const BatchEngine::Call& BatchEngine::call_of(const Output& output, size_t& index) const {

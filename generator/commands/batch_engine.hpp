@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "commands/acting_setters.hpp"
 #include "commands/compiler.hpp"
 #include "commands/output.hpp"
 #include "commands/state_file.hpp"
@@ -19,7 +20,8 @@ class BatchEngine {
   // Generates the model's batches with these outputs and compiles them.
   BatchEngine(const Model& model, const std::vector<Output>& outputs, const CompilerOptions& options);
 
-  // Evaluates all outputs at all states, in one call per function.
+  // Evaluates all outputs at all states, in one call per function; those of which constraints act otherwise than in a new
+  // workspace once more in such calls, for what a workspace says is of all states.
   void evaluate(const std::vector<State>& states);
 
   // An output at one of the states last evaluated, rows × columns; and what its function reported of it: the coordinate at
@@ -57,18 +59,19 @@ class BatchEngine {
     size_t count = 0;
   };
 
-  // The options of c_api.h, matrices by columns.
-  std::vector<char> options(const Columns& columns) const;
+  // The options of c_api.h, matrices by columns. workspace: null: a new one.
+  std::vector<char> options(const Columns& columns, const void* workspace = nullptr) const;
   template <class Scalar>
   Ends roll_out_in(const Output& acceleration, const std::vector<State>& states, size_t steps, double time_step,
                    RolloutMethod method);
   template <class Scalar>
   Columns columns(const std::vector<State>& states) const;
-  void run(const Columns& columns);
+  void run(const Columns& columns, const void* workspace = nullptr);
   const Call& call_of(const Output& output, size_t& index) const;
 
   Model model_;
   LoadedCode code_;
+  ActingSetters acting_setters_;
   std::vector<Call> calls_;
 };
 

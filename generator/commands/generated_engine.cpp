@@ -76,6 +76,7 @@ GeneratedEngine::GeneratedEngine(const Model& whole, const std::vector<Output>& 
                       task_graphs_ ? function(task_graphs_call(name_, f.name)) : nullptr});
   for (const ir::ExternalWrench& wrench : model.scene.wrenches)
     wrench_setters_.push_back(function(name_ + "_set_wrench_" + ir::identifier(wrench.link)));
+  acting_setters_ = ActingSetters(model, code_);
 }
 
 template <class Scalar>
@@ -88,15 +89,16 @@ void GeneratedEngine::call(const Call& call, const Scalar* q, const Scalar* v, c
 }
 
 template <class Scalar>
-void GeneratedEngine::set_wrenches(const State& state) {
+void GeneratedEngine::set_inputs(const State& state) {
   const Eigen::VectorX<Scalar> values = state.wrenches.cast<Scalar>();
   for (size_t i = 0; i < wrench_setters_.size() && values.size() > 0; ++i)
     reinterpret_cast<void (*)(const Scalar*, Workspace*)>(wrench_setters_[i])(values.data() + 6 * i, workspace_.get());
+  acting_setters_.set<Scalar>(state.acting, workspace_.get());
 }
 
 template <class Scalar>
 void GeneratedEngine::call(const State& state) {
-  set_wrenches<Scalar>(state);
+  set_inputs<Scalar>(state);
   const Eigen::VectorX<Scalar> q = state.q.cast<Scalar>(), v = state.v.cast<Scalar>(), more = state.more.cast<Scalar>();
   for (const Call& c : calls_) call<Scalar>(c, q.data(), v.data(), more.data());
 }
@@ -121,7 +123,7 @@ int GeneratedEngine::status(const Output& output) const {
 
 template <class Scalar>
 CallTime GeneratedEngine::time_in(const std::vector<State>& states, const std::vector<Call>& calls) {
-  set_wrenches<Scalar>(states.front());
+  set_inputs<Scalar>(states.front());
   std::vector<Eigen::VectorX<Scalar>> q, v, more;
   for (const State& state : states) {
     q.push_back(state.q.cast<Scalar>());

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "commands/acting_setters.hpp"
 #include "commands/compiler.hpp"
 #include "commands/output.hpp"
 #include "commands/state_file.hpp"
@@ -61,7 +62,7 @@ class GeneratedEngine {
   template <class Scalar>
   void call(const State& state);
   template <class Scalar>
-  void set_wrenches(const State& state);
+  void set_inputs(const State& state);
   template <class Scalar>
   Eigen::MatrixXd read(const Output& output) const;
   struct Call;
@@ -83,6 +84,7 @@ class GeneratedEngine {
 
   std::vector<Call> calls_;
   std::vector<void*> wrench_setters_;  // void(const Scalar* wrench, Workspace*), of the scene's in order
+  ActingSetters acting_setters_;
   std::unique_ptr<Workspace, void (*)(Workspace*)> workspace_;
   std::unique_ptr<TaskGraphs, void (*)(TaskGraphs*)> task_graphs_;
   bool by_task_graph_ = false;

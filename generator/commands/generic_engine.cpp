@@ -1,18 +1,18 @@
 #include "commands/generic_engine.hpp"
 
-#include "reference/engine.hpp"
-
 namespace dalembert {
 
 namespace {
 
 Eigen::MatrixXd evaluate(const Model& model, const Output& output, const State& state, reference::Precision precision) {
   return reference::evaluate(model.tree, model.scene, {{output.quantity, output.link, output.of_link, output.selection()}},
-                             {state.q, state.v, state.more, state.wrenches}, precision)
+                             inputs(state), precision)
       .front();
 }
 
 }  // namespace
+
+reference::Inputs inputs(const State& state) { return {state.q, state.v, state.more, state.wrenches, state.acting}; }
 
 Eigen::MatrixXd evaluate_generic(const Model& model, const Output& output, const State& state) {
   return evaluate(model, output, state, reference::Precision::float64);

@@ -6,8 +6,11 @@
 #include "commands/output.hpp"
 #include "commands/state_file.hpp"
 #include "pipeline.hpp"
+#include "reference/engine.hpp"
 
 namespace dalembert {
+
+reference::Inputs inputs(const State& state);
 
 // The output at the state, rows × columns, computed in double. Run-time inputs have the scene's values.
 Eigen::MatrixXd evaluate_generic(const Model& model, const Output& output, const State& state);

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cstdint>
 #include <numbers>
 #include <random>
 
@@ -12,10 +13,11 @@ namespace {
 // Uniform numbers, the same on every system (the distributions of <random> are not).
 class Uniform {
  public:
+  explicit Uniform(std::uint64_t seed = 2016) : engine_(seed) {}
   double operator()(double low, double high) { return low + (high - low) * static_cast<double>(engine_() >> 11) * 0x1p-53; }
 
  private:
-  std::mt19937_64 engine_{2016};
+  std::mt19937_64 engine_;
 };
 
 }  // namespace
@@ -42,6 +44,22 @@ std::vector<State> random_states(const ir::KinematicTree& tree, int count) {
     states.push_back(std::move(state));
   }
   return states;
+}
+
+ir::Acting random_acting(const ir::Scene& scene, unsigned number) {
+  Uniform uniform(number);
+  ir::Acting acting;
+  const std::vector<ir::Constraint> constraints = scene.constraints();
+  for (std::size_t c = 0; c < constraints.size(); ++c) {
+    acting.active.push_back(uniform(0, 1) < 0.5);
+    acting.restitution.push_back(uniform(0, 1));
+  }
+  acting.weights.resize(scene.constraint_rows());
+  for (double& weight : acting.weights) weight = uniform(0.1, 1);
+  if (uniform(0, 1) < 0.5) return acting;
+  acting.regularization.resize(scene.constraint_rows());
+  for (double& more : acting.regularization) more = uniform(0.1, 1);
+  return acting;
 }
 
 }  // namespace dalembert

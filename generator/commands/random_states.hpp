@@ -5,6 +5,7 @@
 
 #include "commands/state_file.hpp"
 #include "ir/kinematic_tree.hpp"
+#include "ir/scene.hpp"
 
 namespace dalembert {
 
@@ -12,5 +13,9 @@ namespace dalembert {
 // forces, [-1, 1] m for the base's position; its orientation a unit quaternion. The same states on every system and in
 // every run.
 std::vector<State> random_states(const ir::KinematicTree& tree, int count);
+
+// How the scene's constraints may act: each with one in two, whether or not it gives way, restitution and weights between 0
+// and 1. Another draw for each number.
+ir::Acting random_acting(const ir::Scene& scene, unsigned number);
 
 }  // namespace dalembert

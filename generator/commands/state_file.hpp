@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "diagnostics.hpp"
+#include "ir/acting.hpp"
 #include "ir/function.hpp"
 #include "ir/kinematic_tree.hpp"
 
@@ -17,6 +18,7 @@ struct State {
   Eigen::VectorXd v;           // nv
   Eigen::VectorXd more{};      // nv: what the function takes besides; empty where it takes nothing
   Eigen::VectorXd wrenches{};  // six numbers for each of the scene's, where the function takes something besides
+  ir::Acting acting{};         // as in a new workspace, where the state is a file's
 };
 
 // What is read of a file or a pipe: some hundred thousand states of a humanoid.

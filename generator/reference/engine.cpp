@@ -72,8 +72,12 @@ double symmetric_condition(Eigen::MatrixXd D, int times = 1) {
 double support_condition(const ir::KinematicTree& tree, const ir::Scene& scene, const Inputs& inputs) {
   const std::vector<int> undriven = ir::undriven_coordinates(tree, scene);
   if (undriven.empty()) return 0;
-  const Eigen::MatrixXd J =
-      evaluate(tree, scene, {{ir::Quantity::constraint_jacobian, ""}}, inputs, Precision::extended).front();
+  Eigen::MatrixXd J = evaluate(tree, scene, {{ir::Quantity::constraint_jacobian, ""}}, inputs, Precision::extended).front();
+  for (Eigen::Index r = 0; r < inputs.acting.weights.size(); ++r) J.row(r) *= std::sqrt(inputs.acting.weights[r]);
+  Eigen::Index row = 0;
+  const std::vector<ir::Constraint> all = scene.constraints();
+  for (std::size_t c = 0; c < inputs.acting.active.size(); row += all[c++].rows)
+    if (!inputs.acting.active[c]) J.middleRows(row, all[c].rows).setZero();
   Eigen::MatrixXd own(J.rows(), static_cast<Eigen::Index>(undriven.size()));
   for (std::size_t i = 0; i < undriven.size(); ++i) own.col(static_cast<Eigen::Index>(i)) = J.col(undriven[i]);
   return symmetric_condition(own.transpose() * own);

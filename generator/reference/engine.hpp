@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "ir/acting.hpp"
 #include "ir/kinematic_tree.hpp"
 #include "ir/part.hpp"
 #include "ir/scene.hpp"
@@ -27,6 +28,7 @@ struct Inputs {
   Eigen::VectorXd
       more{};  // nv: what the function of the quantity takes besides (ir/function.hpp); empty where it takes nothing
   Eigen::VectorXd wrenches{};  // six numbers for each of the scene's; empty: all are zero
+  ir::Acting acting{};         // of the scene's constraints
 };
 
 enum class Precision { float32, float64, extended, digits_50 };  // extended: long double

@@ -26,10 +26,10 @@ class Evaluation {
  public:
   Evaluation(const ir::KinematicTree& tree, const ir::Scene& scene, const std::vector<Wanted>& wanted, const Inputs& inputs)
       : Evaluation(tree, scene, wanted, inputs.q.cast<S>(), inputs.v.cast<S>(), inputs.more.cast<S>(),
-                   inputs.wrenches.cast<S>()) {}
+                   inputs.wrenches.cast<S>(), inputs.acting) {}
   // The same, of inputs in the scalar.
   Evaluation(const ir::KinematicTree& tree, const ir::Scene& scene, const std::vector<Wanted>& wanted, const VectorX<S>& q,
-             const VectorX<S>& v, const VectorX<S>& more, const VectorX<S>& wrenches)
+             const VectorX<S>& v, const VectorX<S>& more, const VectorX<S>& wrenches, const ir::Acting& acting = {})
       : tree_(tree),
         scene_(scene),
         robot_(to_generic<S>(tree, scene.gravity, scene.coriolis)),
@@ -37,7 +37,8 @@ class Evaluation {
         own_q_(q),
         own_v_(v),
         more_(more),
-        given_(wrenches) {
+        given_(wrenches),
+        acting_(acting) {
     generic::check_size<S>(q, robot_.nq(), "q");
     generic::check_size<S>(v, robot_.nv(), "v");
     if (scene.rates_zero) own_v_.setZero();
@@ -80,7 +81,7 @@ class Evaluation {
       case ir::Quantity::constraint_bias: return generic::constraint_bias<S>(robot_, constraints(), own_q_, own_v_);
       case ir::Quantity::delassus_matrix: return delassus_matrix();
       case ir::Quantity::impact:
-        return constrained(generic::impact<S>(robot_, constraints(), own_q_, own_v_, options()), false);
+        return constrained(generic::impact<S>(robot_, constraints(), own_q_, own_v_, options_of_impact()), false);
       case ir::Quantity::constrained_forward_dynamics: return constrained(constrained_motion(), false);
       case ir::Quantity::constraint_forces: return constrained(constrained_motion(), true);
       case ir::Quantity::constrained_forward_dynamics_dq: return derived(&Derivatives::dq);
@@ -122,8 +123,23 @@ class Evaluation {
   }
   // As many proximal steps as code of the scene's number type takes.
   generic::ConstraintOptions<S> options() const {
-    if (scene_.scalar == ir::ScalarType::float32) return {S(Proximal<float>::mu), Proximal<float>::steps, {}, {}, {}, {}};
-    return {S(Proximal<double>::mu), Proximal<double>::steps, {}, {}, {}, {}};
+    const bool single = scene_.scalar == ir::ScalarType::float32;
+    return {single ? S(Proximal<float>::mu) : S(Proximal<double>::mu),
+            single ? Proximal<float>::steps : Proximal<double>::steps,
+            acting_.active,
+            acting_.regularization.template cast<S>(),
+            {},
+            acting_.weights.template cast<S>()};
+  }
+  generic::ConstraintOptions<S> options_of_impact() const {
+    generic::ConstraintOptions<S> options = this->options();
+    if (acting_.restitution.empty()) return options;
+    options.wanted = -(generic::constraint_jacobian<S>(robot_, constraints(), own_q_) * own_v_);
+    Eigen::Index row = 0;
+    const std::vector<ir::Constraint> all = scene_.constraints();
+    for (std::size_t c = 0; c < all.size(); row += all[c++].rows)
+      options.wanted.segment(row, all[c].rows) *= S(acting_.restitution[c]);
+    return options;
   }
   generic::Constrained<S> constrained_motion() const {
     return generic::constrained_forward_dynamics<S>(robot_, constraints(), own_q_, own_v_, more_, wrenches_, options());
@@ -286,6 +302,7 @@ class Evaluation {
   const generic::Reduction<S> reduction_;
   VectorX<S> q_, v_;                         // of every joint
   VectorX<S> own_q_, own_v_, more_, given_;  // as given; the last: wrenches on links
+  const ir::Acting acting_;
   mutable std::optional<Derivatives> derivatives_;
   VectorX<S> wrenches_;  // on bodies, along their axes and about their origins, in the order of W's columns
   generic::Kinematics<S> kinematics_;

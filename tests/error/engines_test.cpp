@@ -319,6 +319,27 @@ TEST(Check, FindsAWrongLine) {
   EXPECT_NE(outcome.out.find("FAILS: mass_matrix("), std::string::npos) << outcome.out;
 }
 
+// What is off or gives way is compared, too: code in which all constraints always act is found.
+TEST(Check, LetsConstraintsGo) {
+  const TemporaryFolder folder;
+  const std::string compiler = folder.path() + "/compiler";
+  write_text(compiler,
+             "#!/bin/sh\nfor file; do case \"$file\" in */code_and_interface.cpp)\n"
+             "  sed -i 's/[.]active [?] Scalar(1) : Scalar(0)/.active ? Scalar(1) : Scalar(1)/' "
+             "\"${file%/*}/dynamics.cpp\";;\nesac; done\nexec c++ \"$@\"\n");
+  chmod(compiler.c_str(), 0700);
+  for (const char* cxx : {"c++", compiler.c_str()}) {
+    setenv("CXX", cxx, 1);
+    const Outcome outcome = run_dalembert(
+        {"check", arm, "--base", "fixed", "--outputs", "impact", "--contacts", "hand=point", quickly[0], quickly[1]}, ".");
+    unsetenv("CXX");
+    EXPECT_EQ(outcome.status, cxx == compiler ? 1 : 0) << outcome.err << outcome.out;
+    EXPECT_EQ(outcome.out.find("DIFFERS") != std::string::npos, cxx == compiler) << outcome.out;
+    EXPECT_NE(outcome.out.find("20 random states, in half of them some contacts or loops off or giving way"), std::string::npos)
+        << outcome.out;
+  }
+}
+
 // Rollouts beside the integrators with the generic engine's accelerations, of contacts and joints with quaternions too; and
 // where nothing acts that should, both check and self-test say so.
 TEST(Check, CoversRollouts) {

@@ -125,7 +125,9 @@ std::array<ir::Arrays, 2> run_section(const ir::Algorithm& algorithm, bool only,
       case ir::InputKind::wrench: return state.wrenches[6 * in.index + in.component];
       case ir::InputKind::constraint:
         if (in.component >= ir::contact_anchor) return gains.anchor[in.component - ir::contact_anchor];
-        return in.component == ir::contact_kp ? gains.kp : in.component == ir::contact_kd ? gains.kd : 0.0;
+        if (in.component == ir::contact_restitution)
+          return state.acting.restitution.empty() ? 0.0 : state.acting.restitution[static_cast<size_t>(in.index)];
+        return in.component == ir::contact_kp ? gains.kp : gains.kd;
       case ir::InputKind::element: return left[form].at(array(in.index))(in.component);
       case ir::InputKind::payload: return payload[static_cast<size_t>(in.component)];
       default: return std::nan("");
@@ -135,14 +137,14 @@ std::array<ir::Arrays, 2> run_section(const ir::Algorithm& algorithm, bool only,
   ir::Program line = unroll.program();
   passes::project_by_rows(written_out, line, unroll, tree);
   if (only) passes::write_out_kernels(written_out, line, ir::coordinate_tree(tree));
-  ir::Arrays straight = ir::run(written_out, line, tree, input, left[0]);
+  ir::Arrays straight = ir::run(written_out, line, tree, input, left[0], state.acting);
   if (tree.bodies.empty()) return {straight, straight};  // a base alone
   form = 1;
   ir::CompileOptions options;
   options.write_limbs = tree.joints() % 2 == 0;  // loops over a limb alone on half of the robots, written out on the others
   const ir::Plan plan = passes::plan(tree, model.scene, ir::Form::rolled, options, passes::rows_in_pairs(algorithm, tree));
   const ir::RolledProgram program = passes::roll(algorithm, unroll, tree, model.scene, plan, {});
-  return {straight, ir::run(algorithm, program, plan, tree, model.scene.rates_zero, input, left[1])};
+  return {straight, ir::run(algorithm, program, plan, tree, model.scene.rates_zero, input, left[1], state.acting)};
 }
 
 }  // namespace
@@ -236,15 +238,16 @@ std::array<ir::Arrays, 2> run_both(const Model& model, const State& state, const
   return results;
 }
 
-void expect_generic_values(const Model& model, const Payload& payload, double slack) {
+void expect_generic_values(const Model& model, const Payload& payload, double slack, const ir::Acting& acting) {
   Model expected = model;
   for (const std::string& link : model.scene.payloads) expected.tree = welded(expected.tree, link, payload);
-  const State state = some_state(model.tree);
+  State state = some_state(model.tree);
+  state.acting = acting;
   const auto [straight, rolled] = run_both(model, state, payload);
   for (const Output& output : outputs_of(model)) {
     SCOPED_TRACE(output.name);
     const Eigen::MatrixXd reference = evaluate_generic(expected, output, state);
-    const reference::Inputs inputs{state.q, state.v, state.more, state.wrenches};
+    const reference::Inputs inputs = dalembert::inputs(state);
     const double condition =
         reference::condition({output.quantity, output.link, output.of_link}, expected.tree, expected.scene, inputs);
     const auto tolerance_of = [&](double scale) { return slack * scale * std::max(1e-12, 10 * 0x1p-53 * condition); };

@@ -57,6 +57,6 @@ std::array<ir::Arrays, 2> run_both(const Model& model, const State& state, const
 
 // Every output of the scene, in both forms, with `payload` at each link that carries one. slack: how many times what rounding
 // is otherwise allowed.
-void expect_generic_values(const Model& model, const Payload& payload = {}, double slack = 1);
+void expect_generic_values(const Model& model, const Payload& payload = {}, double slack = 1, const ir::Acting& acting = {});
 
 }  // namespace dalembert

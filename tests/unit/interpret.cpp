@@ -78,13 +78,14 @@ void run_projections(const Algorithm& algorithm, const KinematicTree& tree, Arra
 class RolledRun {
  public:
   RolledRun(const Algorithm& algorithm, const RolledProgram& program, const Plan& plan, const KinematicTree& tree,
-            bool rates_zero, FunctionInput input)
+            bool rates_zero, FunctionInput input, const Acting& acting)
       : algorithm_(algorithm),
         program_(program),
         plan_(plan),
         tree_(tree),
         rates_zero_(rates_zero),
         input_(std::move(input)),
+        acting_(acting),
         coordinates_(tree.coordinates()) {
     for (const KeptArray& a : program.arrays) kept_.push_back(Eigen::MatrixXd::Zero(a.components, plan.slots + 8));
   }
@@ -105,7 +106,7 @@ class RolledRun {
       for (int i = 0; i < segments; ++i) segment(level % 2 == 0 ? i : segments - 1 - i, level);
     }
     results();
-    run_kernels(algorithm_, arrays_, coordinate_tree(tree_).above);
+    run_kernels(algorithm_, arrays_, coordinate_tree(tree_).above, acting_);
     return arrays_;
   }
 
@@ -303,6 +304,7 @@ class RolledRun {
   const KinematicTree& tree_;
   const bool rates_zero_;
   const FunctionInput input_;
+  const Acting acting_;
   const std::vector<int> coordinates_;
   std::vector<Eigen::MatrixXd> kept_;  // component, slot
   double nowhere_ = 0;
@@ -312,20 +314,20 @@ class RolledRun {
 }  // namespace
 
 Arrays run(const Algorithm& algorithm, const Program& program, const KinematicTree& tree, const FunctionInput& input,
-           Arrays arrays) {
+           Arrays arrays, const Acting& acting) {
   for (std::size_t i = algorithm.inherited; i < program.arrays.size(); ++i)
     if (const OutputArray& a = program.arrays[i]; !a.written_out) arrays[a.name] = Eigen::MatrixXd::Zero(a.rows, a.columns);
   const std::vector<double> values = interpret<double>(program.graph, input);
   for (const OutputElement& e : program.elements)
     arrays[program.arrays[static_cast<std::size_t>(e.array)].name](e.row, e.column) = values[static_cast<std::size_t>(e.node)];
   run_projections(algorithm, tree, arrays);
-  run_kernels(algorithm, arrays, coordinate_tree(tree).above);
+  run_kernels(algorithm, arrays, coordinate_tree(tree).above, acting);
   return arrays;
 }
 
 Arrays run(const Algorithm& algorithm, const RolledProgram& program, const Plan& plan, const KinematicTree& tree,
-           bool rates_zero, const FunctionInput& input, const Arrays& arrays) {
-  RolledRun rolled(algorithm, program, plan, tree, rates_zero, input);
+           bool rates_zero, const FunctionInput& input, const Arrays& arrays, const Acting& acting) {
+  RolledRun rolled(algorithm, program, plan, tree, rates_zero, input, acting);
   rolled.run(arrays);
   return rolled.run(arrays);
 }

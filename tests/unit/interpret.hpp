@@ -7,6 +7,7 @@
 #include <map>
 #include <string>
 
+#include "ir/acting.hpp"
 #include "ir/kinematic_tree.hpp"
 #include "ir/plan.hpp"
 #include "ir/program.hpp"
@@ -19,10 +20,10 @@ using Arrays = std::map<std::string, Eigen::MatrixXd>;      // by name
 
 // The straight form. `arrays`: those that sections before have filled.
 Arrays run(const Algorithm& algorithm, const Program& program, const KinematicTree& tree, const FunctionInput& input,
-           Arrays arrays = {});
+           Arrays arrays = {}, const Acting& acting = {});
 
 // The rolled form, likewise. Evaluated twice, the results being the second's: nothing may be left of the first.
 Arrays run(const Algorithm& algorithm, const RolledProgram& program, const Plan& plan, const KinematicTree& tree,
-           bool rates_zero, const FunctionInput& input, const Arrays& arrays = {});
+           bool rates_zero, const FunctionInput& input, const Arrays& arrays = {}, const Acting& acting = {});
 
 }  // namespace dalembert::ir

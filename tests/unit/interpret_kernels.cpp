@@ -58,11 +58,11 @@ MatrixXd without_room(const MatrixXd& room, Index n) {
                                                              Eigen::OuterStride<>(inverse_stride(static_cast<int>(n))));
 }
 
-// Of constraints all act, and nothing gives way.
 class KernelRun {
  public:
-  KernelRun(const Algorithm& algorithm, Arrays& arrays, const std::vector<int>& above, const Kernel& kernel)
-      : algorithm_(algorithm), arrays_(arrays), above_(above), kernel_(kernel) {}
+  KernelRun(const Algorithm& algorithm, Arrays& arrays, const std::vector<int>& above, const Acting& acting,
+            const Kernel& kernel)
+      : algorithm_(algorithm), arrays_(arrays), above_(above), acting_(acting), kernel_(kernel) {}
 
   void run() {
     using Kind = Kernel::Kind;
@@ -117,6 +117,15 @@ class KernelRun {
     of(Operand::to).rightCols(count) = -without_room(of(Operand::inverse), efforts.rows()) * efforts.rightCols(count);
   }
 
+  // One for each row that acts, zero for others.
+  VectorXd acts() const {
+    const ConstraintPaths& paths = kernel_.paths;
+    VectorXd all = VectorXd::Ones(paths.first.back());
+    for (std::size_t c = 0; c < acting_.active.size(); ++c)
+      if (!acting_.active[c]) all.segment(paths.first[c], paths.first[c + 1] - paths.first[c]).setZero();
+    return all;
+  }
+
   // J of rows, rounding being nothing.
   MatrixXd rows() {
     const MatrixXd& J = of(Operand::jacobian);
@@ -147,7 +156,13 @@ class KernelRun {
     return {rows_along(joint), upper};
   }
 
-  // By how much J M^-1 J' is more on its diagonal in proximal steps.
+  // J of rows that act, and M's U.
+  std::pair<MatrixXd, MatrixXd> acting_rows_and_factor() {
+    auto [J, upper] = rows_and_factor();
+    return {acts().asDiagonal() * J, upper};
+  }
+
+  // By how much J M^-1 J' of rows that act is more on its diagonal in proximal steps.
   VectorXd held_by(const MatrixXd& along) const {
     const ConstraintPaths& paths = kernel_.paths;
     VectorXd held(along.rows());
@@ -159,15 +174,22 @@ class KernelRun {
         for (int r = begin; r < end; ++r) held[r] = (along(r, r) > 0 ? 1e-8 : 1.0) * (mean > 0 ? mean : 1);
       }
     }
-    return held;
+    return held.cwiseProduct(acts());
   }
 
-  // What along f = right comes to by proximal steps.
-  MatrixXd proximal(const MatrixXd& along, const VectorXd& held, const MatrixXd& right) const {
-    const Eigen::LDLT<MatrixXd> factors(along + MatrixXd(held.asDiagonal()));
+  // What along f = right comes to by proximal steps, `more` being what gives way.
+  MatrixXd proximal(const MatrixXd& along, const VectorXd& held, const VectorXd& more, const MatrixXd& right) const {
+    const Eigen::LDLT<MatrixXd> factors(along + MatrixXd((held + more).asDiagonal()));
     MatrixXd f = MatrixXd::Zero(along.rows(), right.cols());
     for (int step = 0; step < kernel_.solutions; ++step) f = factors.solve(right + held.asDiagonal() * f).eval();
     return f;
+  }
+  // The same of the constraints' rows: none on those that do not act.
+  MatrixXd forces(const MatrixXd& along, const MatrixXd& right) const {
+    const VectorXd acts = this->acts();
+    VectorXd more = VectorXd::Ones(acts.size()) - acts;
+    if (acting_.regularization.size() > 0) more += acts.cwiseProduct(acting_.regularization);
+    return proximal(along, held_by(along), more, acts.asDiagonal() * right);
   }
 
   void delassus() {
@@ -176,19 +198,19 @@ class KernelRun {
   }
 
   void solve_constrained() {
-    const auto [J, upper] = rows_and_factor();
+    const auto [J, upper] = acting_rows_and_factor();
     const VectorXd pivots = of(Operand::pivots).col(0);
     const MatrixXd inverse = product(upper, pivots).inverse(), along = J * inverse * J.transpose();
     if (kernel_.by_limbs()) of(Operand::to) = upper * pivots.asDiagonal() * of(Operand::to);
     const VectorXd free = inverse * of(Operand::to);
-    of(Operand::forces) = proximal(along, held_by(along), of(Operand::right) - J * free);
+    of(Operand::forces) = forces(along, of(Operand::right) - J * free);
     of(Operand::to) = free + inverse * J.transpose() * of(Operand::forces);
   }
 
   void impact() {
-    const auto [J, upper] = rows_and_factor();
+    const auto [J, upper] = acting_rows_and_factor();
     const MatrixXd inverse = product(upper, of(Operand::pivots).col(0)).inverse(), along = J * inverse * J.transpose();
-    of(Operand::forces) = proximal(along, held_by(along), of(Operand::right));
+    of(Operand::forces) = forces(along, of(Operand::right));
     of(Operand::to) += inverse * J.transpose() * of(Operand::forces);
   }
 
@@ -211,15 +233,18 @@ class KernelRun {
     }
     of(Operand::forces).setZero();
     if (count == 0) return;
-    const MatrixXd along = own.transpose() * own;
+    VectorXd weights = acts();
+    if (acting_.weights.size() > 0) weights = weights.cwiseProduct(acting_.weights).eval();
+    const MatrixXd along = own.transpose() * weights.asDiagonal() * own;
     const VectorXd held = 1e-8 * along.diagonal().unaryExpr([](double x) { return x > 0 ? x : 1.0; });
-    of(Operand::forces) = own * proximal(along, held, lacking);
+    of(Operand::forces) = weights.asDiagonal() * own * proximal(along, held, VectorXd::Zero(count), lacking);
     of(Operand::to) -= J.transpose() * of(Operand::forces);
   }
 
   void respond() {
-    const MatrixXd J = rows(), M = without_room(of(Operand::inverse), J.cols()), along = J * M * J.transpose();
-    const MatrixXd L = proximal(along, held_by(along), MatrixXd::Identity(J.rows(), J.rows()));
+    const MatrixXd J = acts().asDiagonal() * rows(), M = without_room(of(Operand::inverse), J.cols()),
+                   along = J * M * J.transpose();
+    const MatrixXd L = forces(along, MatrixXd::Identity(J.rows(), J.rows()));
     const MatrixXd B = M * J.transpose() * L;
     of(Operand::response).resize(J.cols() + J.rows(), J.rows());
     of(Operand::response) << B, L;
@@ -244,13 +269,14 @@ class KernelRun {
   const Algorithm& algorithm_;
   Arrays& arrays_;
   const std::vector<int>& above_;
+  const Acting& acting_;
   const Kernel& kernel_;
 };
 
 }  // namespace
 
-void run_kernels(const Algorithm& algorithm, Arrays& arrays, const std::vector<int>& above) {
-  for (const Kernel& kernel : algorithm.kernels) KernelRun(algorithm, arrays, above, kernel).run();
+void run_kernels(const Algorithm& algorithm, Arrays& arrays, const std::vector<int>& above, const Acting& acting) {
+  for (const Kernel& kernel : algorithm.kernels) KernelRun(algorithm, arrays, above, acting, kernel).run();
   if (!algorithm.guard) return;
   // A section goes by what one before has found.
   if (algorithm.guard->pivots >= 0)

@@ -10,6 +10,6 @@ namespace dalembert::ir {
 
 // All of the algorithm's, in order; then what its guard says ("status"), and what is not told where M is singular. above: the
 // coordinate above each.
-void run_kernels(const Algorithm& algorithm, Arrays& arrays, const std::vector<int>& above);
+void run_kernels(const Algorithm& algorithm, Arrays& arrays, const std::vector<int>& above, const Acting& acting);
 
 }  // namespace dalembert::ir

@@ -1,5 +1,7 @@
 #include "commands/report/subject.hpp"
 
+#include "commands/generic_engine.hpp"
+
 namespace dalembert::reporting {
 namespace {
 
@@ -13,7 +15,7 @@ std::vector<reference::Wanted> wanted(const std::vector<Output>& outputs) {
 
 Exact exact_at(const Model& model, const std::vector<Output>& outputs, const State& state) {
   const std::vector<reference::Wanted> list = wanted(outputs);
-  const reference::Inputs inputs{state.q, state.v, state.more, state.wrenches};
+  const reference::Inputs inputs = dalembert::inputs(state);
   Exact exact{reference::evaluate(model.tree, model.scene, list, inputs, reference::Precision::digits_50), {}};
   reference::LeastScale scale(model.tree, model.scene, inputs);
   for (const reference::Wanted& w : list) exact.least_scales.push_back(scale.of(w));
@@ -21,8 +23,7 @@ Exact exact_at(const Model& model, const std::vector<Output>& outputs, const Sta
 }
 
 std::vector<Eigen::MatrixXd> generic_at(const Model& model, const std::vector<Output>& outputs, const State& state) {
-  return reference::evaluate(model.tree, model.scene, wanted(outputs), {state.q, state.v, state.more, state.wrenches},
-                             reference::Precision::float64);
+  return reference::evaluate(model.tree, model.scene, wanted(outputs), inputs(state), reference::Precision::float64);
 }
 
 State rounded_to_float(State state) {
