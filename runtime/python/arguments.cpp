@@ -97,13 +97,14 @@ bool sort_arguments(const Contents& f, PyObject* const* args, Py_ssize_t given, 
     else if (f.more && same(name, f.more)) place = &to.more;
     for (std::size_t r = 0; r < f.run_time_inputs.size(); ++r)
       if (same(name, f.run_time_inputs[r].name)) place = &to.run_time[r];
-    if (same(name, name_status)) {
+    if (same(name, name_status) || (f.single.entry->has_constraints && same(name, name_constraints))) {
       const int truth = PyObject_IsTrue(value);
       if (truth < 0) return false;
-      to.return_status = truth > 0;
+      (same(name, name_status) ? to.return_status : to.return_constraint_status) = truth > 0;
     } else if (!place) {
       std::string known = f.more ? std::string("q, v, ") + PyUnicode_AsUTF8(f.more) : "q, v";
       for (const RunTimeInput& input : f.run_time_inputs) known += std::string(", ") + PyUnicode_AsUTF8(input.name);
+      if (f.single.entry->has_constraints) known += ", return_constraint_status";
       PyErr_Format(PyExc_TypeError, "%U has no argument '%U'; there are %s, out and return_status", f.name, name,
                    known.c_str());
       return false;

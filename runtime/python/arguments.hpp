@@ -17,7 +17,7 @@ struct Argument {
 
 struct Given {
   PyObject *q = nullptr, *v = nullptr, *more = nullptr, *out = nullptr;
-  bool return_status = false;
+  bool return_status = false, return_constraint_status = false;
   std::vector<PyObject*> run_time;  // per run-time input
 };
 

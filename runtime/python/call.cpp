@@ -147,6 +147,28 @@ bool warn_of_states(const Contents& f, const FunctionCall& call, const Argument&
                           toggle ? "all results are" : "what needs its inverse is") == 0;
 }
 
+// dalembert.ConstraintStatus of numbers three by three. states: -1 for one without an axis.
+PyObject* constraint_status(const double* numbers, npy_intp states) {
+  Owned result(PyStructSequence_New(constraint_status_type));
+  for (int i = 0; result && i < 3; ++i) {
+    PyObject* field;
+    if (states < 0) {
+      field = i < 2 ? PyFloat_FromDouble(numbers[i]) : PyLong_FromDouble(numbers[i]);
+      if (!field) return nullptr;
+    } else {
+      field = PyArray_SimpleNew(1, &states, i < 2 ? NPY_DOUBLE : NPY_INT32);
+      if (!field) return nullptr;
+      void* const data = PyArray_DATA(reinterpret_cast<PyArrayObject*>(field));
+      for (npy_intp s = 0; s < states; ++s) {
+        if (i < 2) static_cast<double*>(data)[s] = numbers[3 * s + i];
+        else static_cast<std::int32_t*>(data)[s] = static_cast<std::int32_t>(numbers[3 * s + i]);
+      }
+    }
+    PyStructSequence_SET_ITEM(result.get(), i, field);
+  }
+  return result.release();
+}
+
 PyObject* long_way(Contents& f, PyObject* const* args, Py_ssize_t given_count, PyObject* keywords) {
   Given given;
   if (!sort_arguments(f, args, given_count, keywords, given)) return nullptr;
@@ -191,8 +213,17 @@ PyObject* long_way(Contents& f, PyObject* const* args, Py_ssize_t given_count, P
     std::fill_n(numbers, size, -1);
     if (f.single.entry->has_status) call.status = numbers;
   }
-  if (many && states > 0 && !find_batch(f)) return nullptr;
-  Code& code = many && f.batch.entry ? f.batch : f.single;
+  Owned constraints;
+  if (given.return_constraint_status) {
+    npy_intp size[] = {call.end, 3};
+    constraints = Owned(PyArray_SimpleNew(2, size, NPY_DOUBLE));
+    if (!constraints) return nullptr;
+    call.constraints = static_cast<double*>(PyArray_DATA(constraints.array()));
+  }
+  // Batches of states in lanes have no such status.
+  const bool by_batch = many && !given.return_constraint_status;
+  if (by_batch && states > 0 && !find_batch(f)) return nullptr;
+  Code& code = by_batch && f.batch.entry ? f.batch : f.single;
   {
     std::vector<Workspace> workspaces;
     const int threads =
@@ -220,9 +251,17 @@ PyObject* long_way(Contents& f, PyObject* const* args, Py_ssize_t given_count, P
     if (results.written_to[i] && PyArray_CopyInto(results.arrays[i].array(), results.written_to[i].array()) < 0) return nullptr;
   Owned packed_results(packed(f, results.arrays, !given.out));
   if (!packed_results) return nullptr;
-  if (!given.return_status) return packed_results.release();
-  if (many) return Py_BuildValue("(NN)", packed_results.release(), status.release());
-  return Py_BuildValue("(Ni)", packed_results.release(), static_cast<std::int32_t*>(PyArray_DATA(status.array()))[0]);
+  if (!given.return_status && !given.return_constraint_status) return packed_results.release();
+  if (given.return_status && !many) {
+    const std::int32_t number = static_cast<std::int32_t*>(PyArray_DATA(status.array()))[0];
+    status = Owned(PyLong_FromLong(number));
+    if (!status) return nullptr;
+  }
+  Owned of_constraints(given.return_constraint_status ? constraint_status(call.constraints, many ? call.end : -1) : nullptr);
+  if (given.return_constraint_status && !of_constraints) return nullptr;
+  if (!given.return_constraint_status) return Py_BuildValue("(NN)", packed_results.release(), status.release());
+  if (!given.return_status) return Py_BuildValue("(NN)", packed_results.release(), of_constraints.release());
+  return Py_BuildValue("(NNN)", packed_results.release(), status.release(), of_constraints.release());
 }
 
 // ---- The short way

@@ -34,11 +34,33 @@ PyObject* threads(PyObject*, PyObject* args) {
   return PyLong_FromLong(Workers::instance().count());
 }
 
-PyMethodDef module_functions[] = {{"open", open_library, METH_VARARGS, "A robot's compiled code, loaded."},
-                                  {"integrate", integrate, METH_VARARGS, "Rows of q moved by rows of twists."},
-                                  {"difference", difference, METH_VARARGS, "The twists that lead from rows of q to others."},
-                                  {"threads", threads, METH_VARARGS, "How many threads share a batch; an argument sets it."},
-                                  {}};
+PyObject* has_constraint_status(PyObject*, PyObject* args) {
+  PyObject* library;
+  int entry;
+  if (!PyArg_ParseTuple(args, "Oi", &library, &entry)) return nullptr;
+  const FunctionTable* const table = table_of(library);
+  if (!table) return nullptr;
+  return PyBool_FromLong(entry >= 0 && entry < table->functions && table->entries[entry].has_constraints);
+}
+
+PyStructSequence_Field constraint_status_fields[] = {
+    {"residual",
+     "the largest error that is left of a row that acts: m/s^2 or rad/s^2, of an impact m/s or rad/s; of inverse "
+     "dynamics the largest effort that is left where there is no motor: N or N m"},
+    {"least_pivot", "at most 1; near 1e-8 (float: 1e-4) where rows say what others say"},
+    {"rank", "how many rows that act say something new"},
+    {}};
+PyStructSequence_Desc constraint_status_description = {
+    "dalembert.ConstraintStatus", "What solving for contacts and loops came to, of one state or, as arrays, of n.",
+    constraint_status_fields, 3};
+
+PyMethodDef module_functions[] = {
+    {"open", open_library, METH_VARARGS, "A robot's compiled code, loaded."},
+    {"has_constraint_status", has_constraint_status, METH_VARARGS, "Whether an entry of a library has one."},
+    {"integrate", integrate, METH_VARARGS, "Rows of q moved by rows of twists."},
+    {"difference", difference, METH_VARARGS, "The twists that lead from rows of q to others."},
+    {"threads", threads, METH_VARARGS, "How many threads share a batch; an argument sets it."},
+    {}};
 
 PyModuleDef module_definition = {
     PyModuleDef_HEAD_INIT, "dalembert._core", nullptr, -1, module_functions, nullptr, nullptr, nullptr, nullptr};
@@ -52,6 +74,7 @@ PyMODINIT_FUNC PyInit__core() {
   if (!prepare_function_type()) return nullptr;
   name_out = PyUnicode_InternFromString("out");
   name_status = PyUnicode_InternFromString("return_status");
+  name_constraints = PyUnicode_InternFromString("return_constraint_status");
   name_q = PyUnicode_InternFromString("q");
   name_v = PyUnicode_InternFromString("v");
   name_active = PyUnicode_InternFromString("active");
@@ -65,7 +88,9 @@ PyMODINIT_FUNC PyInit__core() {
                                                PyExc_RuntimeWarning, nullptr);
   stopped_warning = PyErr_NewExceptionWithDoc(
       "dalembert.StoppedWarning", "Motions of a rollout could not make all of their steps.", PyExc_RuntimeWarning, nullptr);
-  if (!singular_error || !singular_warning || !stopped_warning ||
+  constraint_status_type = PyStructSequence_NewType(&constraint_status_description);
+  if (!singular_error || !singular_warning || !stopped_warning || !constraint_status_type ||
+      PyModule_AddObjectRef(module.get(), "ConstraintStatus", reinterpret_cast<PyObject*>(constraint_status_type)) < 0 ||
       PyModule_AddObjectRef(module.get(), "SingularError", singular_error) < 0 ||
       PyModule_AddObjectRef(module.get(), "SingularWarning", singular_warning) < 0 ||
       PyModule_AddObjectRef(module.get(), "StoppedWarning", stopped_warning) < 0 ||

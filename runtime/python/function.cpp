@@ -11,7 +11,9 @@
 namespace dalembert::python {
 
 PyObject *singular_error = nullptr, *singular_warning = nullptr, *stopped_warning = nullptr;
-PyObject *name_out = nullptr, *name_status = nullptr, *name_q = nullptr, *name_v = nullptr, *name_active = nullptr;
+PyObject *name_out = nullptr, *name_status = nullptr, *name_constraints = nullptr, *name_q = nullptr, *name_v = nullptr,
+         *name_active = nullptr;
+PyTypeObject* constraint_status_type = nullptr;
 PyTypeObject function_type = {PyVarObject_HEAD_INIT(nullptr, 0)};
 
 namespace {
@@ -121,6 +123,8 @@ PyGetSetDef function_attributes[] = {
     {"__signature__", [](PyObject* self, void*) { return object_or_none(of(self).signature); }, nullptr, nullptr, nullptr},
     {"has_status", [](PyObject* self, void*) { return PyBool_FromLong(of(self).single.entry->has_status); }, nullptr,
      "Whether the function needs M to be positive definite, and says where it is not.", nullptr},
+    {"has_constraint_status", [](PyObject* self, void*) { return PyBool_FromLong(of(self).single.entry->has_constraints); },
+     nullptr, "Whether the function solves for contacts or loops, and says what came of it.", nullptr},
     {}};
 
 }  // namespace

@@ -14,7 +14,8 @@ inline constexpr const char* library_capsule = "dalembert.library";
 
 // Made with the module, and never given up.
 extern PyObject *singular_error, *singular_warning, *stopped_warning;
-extern PyObject *name_out, *name_status, *name_q, *name_v, *name_active;
+extern PyTypeObject* constraint_status_type;  // of residual, least_pivot and rank
+extern PyObject *name_out, *name_status, *name_constraints, *name_q, *name_v, *name_active;
 extern PyTypeObject function_type;
 
 struct Shape {

@@ -226,6 +226,63 @@ class Rollouts(unittest.TestCase):
         self.assertIn("(steps, 8) for all motions", f.__doc__)
 
 
+class ConstraintStatuses(unittest.TestCase):
+    """What solving for rows came to, of which some say what others say."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.robot = dalembert.load(robots.robot("two_branches_at_base"), base="floating", flags=robots.quick,
+                                   outputs=["mass_matrix", "constrained_forward_dynamics", "constraint_forces", "impact", "constraint_jacobian",
+                                            "constraint_bias", "constrained_inverse_dynamics"],
+                                   contacts={"held": {"link": "a_02", "type": "weld"}, "again": {"link": "a_02", "type": "point", "at": [0.1, 0, 0]}})
+        rng = np.random.default_rng(8)
+        n = 5
+        cls.Q, (cls.V, cls.TAU) = cls.robot.random(rng, n), rng.uniform(-1, 1, (2, n, cls.robot.nv))
+
+    def test_of_one_state_and_of_many(self):
+        r, (q, v, tau) = self.robot, (self.Q, self.V, self.TAU)
+        for function, arguments in ((r.constrained_forward_dynamics, (q, v, tau)), (r.impact, (q, v)),
+                                    (r.constrained_inverse_dynamics, (q, v, tau))):
+            results, many = function(*arguments, return_constraint_status=True)
+            np.testing.assert_allclose(results, function(*arguments), rtol=0, atol=1e-9 * np.abs(results).max())
+            self.assertIsInstance(many, dalembert.ConstraintStatus)
+            self.assertEqual([x.shape for x in many], [(len(q),)] * 3)
+            self.assertEqual(many.rank.tolist(), [6] * len(q))
+            for s in range(len(q)):
+                result, status, one = function(*(x[s] for x in arguments), return_status=True, return_constraint_status=True)
+                self.assertEqual(result.tobytes(), results[s].tobytes())
+                self.assertEqual(status, -1)
+                self.assertEqual((one.residual, one.least_pivot, one.rank), tuple(x[s] for x in many))
+        free = v.copy()
+        free[:] = 0  # speeds that do not contradict the rows
+        a, told = r.constrained_forward_dynamics(q, free, tau, return_constraint_status=True)
+        self.assertLess(told.residual.max(), 1e-9)
+        self.assertLess(told.least_pivot.max(), 1e-6)
+        left = np.einsum("nij,nj->ni", r.constraint_jacobian(q), a) + r.constraint_bias(q, free)
+        self.assertLess(np.abs(left).max(), 1e-8)
+        alone = r.constrained_forward_dynamics(q, free, tau, contact_again=dalembert.Contact(active=False), return_constraint_status=True)[1]
+        self.assertGreater(alone.least_pivot.min(), 1e-6)
+        self.assertEqual(alone.rank.tolist(), [6] * len(q))
+
+    def test_of_several_quantities(self):
+        r, at = self.robot, (self.Q, self.V)
+        names = ["constrained_forward_dynamics", "constraint_forces"]
+        values, status, told = r.evaluate(*at, tau=self.TAU, outputs=names, return_status=True, return_constraint_status=True)
+        self.assertEqual(values._fields, tuple(names))
+        self.assertEqual((status.tolist(), told.rank.tolist()), ([-1] * 5, [6] * 5))
+        with self.assertRaisesRegex(TypeError, "the quantities of one function"):
+            r.evaluate(*at, tau=self.TAU, outputs=["impact", "constraint_forces"], return_constraint_status=True)
+
+    def test_only_where_rows_are_solved_for(self):
+        r = self.robot
+        self.assertTrue(r.impact.has_constraint_status)
+        self.assertIn("return_constraint_status", str(r.impact.__signature__) + r.impact.__doc__)
+        self.assertFalse(r.mass_matrix.has_constraint_status)
+        self.assertNotIn("return_constraint_status", r.mass_matrix.__doc__)
+        with self.assertRaisesRegex(TypeError, "no argument 'return_constraint_status'"):
+            r.mass_matrix(self.Q, return_constraint_status=True)
+
+
 class SwitchedContacts(unittest.TestCase):
     """Contacts and loops that come on and go in rollouts, with impacts."""
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "backend/templates.hpp"
 #include "ir/identifier.hpp"
@@ -34,6 +35,17 @@ std::string status_reader(const char* reader, const std::string& member) {
       reader, member);
 }
 
+std::string status_readers(const ir::EmittedFunction& function) {
+  std::string text;
+  for (const auto& [reader, member] : {std::pair{"of_mass_matrix", "status"},
+                                       {"of_linkages", "linkage_status"},
+                                       {"of_constraints", "constraint_status"},
+                                       {"of_impact", "impact_status"},
+                                       {"of_support", "support_status"}})
+    text += status_reader(reader, function.own_name(member));
+  return text;
+}
+
 // A class of what dalembert/function_table.hpp calls.
 std::string table_class(const Library& library, size_t index) {
   const TableFunction& f = library.functions[index];
@@ -57,11 +69,9 @@ std::string table_class(const Library& library, size_t index) {
       "    {1}::{4}(q, v{5}, workspace);\n  }}\n"
       "  static void copy(const Workspace& workspace, void* const* results, std::ptrdiff_t state) noexcept {{\n{6}  }}\n"
       "  static constexpr int nv = {1}::nv;\n"
-      "{7}{8}"
+      "{7}"
       "}};\n\n",
-      index, model.name, inputs, set, f.function.name, takes_more ? ", more" : "", copies,
-      status_reader("of_mass_matrix", f.function.own_name("status")),
-      status_reader("of_linkages", f.function.own_name("linkage_status")));
+      index, model.name, inputs, set, f.function.name, takes_more ? ", more" : "", copies, status_readers(f.function));
 }
 
 // The same of a function's batches.

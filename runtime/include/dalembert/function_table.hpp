@@ -19,7 +19,7 @@
 
 namespace dalembert {
 
-inline constexpr std::int32_t function_table_version = 2;
+inline constexpr std::int32_t function_table_version = 3;
 
 // The rows of one argument: that of state s begins s · step numbers behind the first; with a step of 0 all states share one.
 struct StateRows {
@@ -33,6 +33,7 @@ struct FunctionCall {
   void* const* results;       // per result: room for the states' matrices
   std::int32_t* status;       // per state: the coordinate at which M is not positive definite; nv + n where embedded loops'
                               // linkage n is at a toggle point; -1: neither. May be null.
+  double* constraints;        // per state: residual, least pivot, rank as in ConstraintStatus. May be null.
   std::ptrdiff_t begin, end;  // which states
 };
 
@@ -54,7 +55,7 @@ struct RolloutCall {
 struct FunctionEntry {
   const char* name;
   std::int32_t results;
-  bool has_status;
+  bool has_status, has_constraints;
   void* (*create)() noexcept;  // a workspace; null where there is no memory. Threads do not share one.
   void (*destroy)(void* workspace) noexcept;
   void (*run)(const FunctionCall& call, void* workspace) noexcept;
@@ -98,13 +99,44 @@ inline void copy_result(const Scalar* from, void* to, std::ptrdiff_t state) noex
 }
 
 // What a glue class Function says of one generated function: Scalar, Workspace, nv, call(q, v, more, workspace), set(values,
-// workspace) for the run-time inputs, copy(workspace, results, state), and of_mass_matrix(workspace, 0) and
-// of_linkages(workspace, 0): the status of each, or NoStatus.
+// workspace) for the run-time inputs, copy(workspace, results, state), and of_mass_matrix(workspace, 0), of_linkages(workspace,
+// 0), of_constraints(workspace, 0), of_impact(workspace, 0) and of_support(workspace, 0): the status of each, or NoStatus.
 struct NoStatus {};
 template <class Function>
 using OfMassMatrix = std::decay_t<decltype(Function::of_mass_matrix(std::declval<const typename Function::Workspace&>(), 0))>;
 template <class Function>
 using OfLinkages = std::decay_t<decltype(Function::of_linkages(std::declval<const typename Function::Workspace&>(), 0))>;
+
+template <class Function>
+using OfConstraints = std::decay_t<decltype(Function::of_constraints(std::declval<const typename Function::Workspace&>(), 0))>;
+template <class Function>
+using OfImpact = std::decay_t<decltype(Function::of_impact(std::declval<const typename Function::Workspace&>(), 0))>;
+template <class Function>
+using OfSupport = std::decay_t<decltype(Function::of_support(std::declval<const typename Function::Workspace&>(), 0))>;
+
+template <class Function>
+constexpr bool keeps_to_constraints() noexcept {
+  return !std::is_same_v<OfConstraints<Function>, NoStatus> || !std::is_same_v<OfImpact<Function>, NoStatus> ||
+         !std::is_same_v<OfSupport<Function>, NoStatus>;
+}
+
+// Residual, least pivot and rank; where a function solves for several things, the worst.
+template <class Function>
+void put_constraints(const typename Function::Workspace& workspace, double* to) noexcept {
+  bool first = true;
+  const auto put = [&](const auto& status) noexcept {
+    if constexpr (!std::is_same_v<std::decay_t<decltype(status)>, NoStatus>) {
+      const double numbers[] = {static_cast<double>(status.residual), static_cast<double>(status.least_pivot),
+                                static_cast<double>(status.rank)};
+      for (int i = 0; i < 3; ++i)
+        if (first || !(i == 0 ? numbers[i] <= to[i] : numbers[i] >= to[i])) to[i] = numbers[i];
+      first = false;
+    }
+  };
+  put(Function::of_constraints(workspace, 0));
+  put(Function::of_impact(workspace, 0));
+  put(Function::of_support(workspace, 0));
+}
 
 template <class Function>
 std::int32_t status_in(const typename Function::Workspace& workspace) noexcept {
@@ -133,6 +165,7 @@ void run(const FunctionCall& call, void* untyped) noexcept {
     Function::call(row(call.q, s), row(call.v, s), row(call.more, s), workspace);
     Function::copy(workspace, call.results, s);
     if (call.status) call.status[s] = status_in<Function>(workspace);
+    if (call.constraints) put_constraints<Function>(workspace, call.constraints + 3 * s);
   }
 }
 
@@ -276,6 +309,7 @@ FunctionEntry entry(const char* name, int results, bool (*self_test)(SelfTestRep
   FunctionEntry entry{};
   entry.name = name;
   entry.results = results;
+  entry.has_constraints = keeps_to_constraints<Function>();
   entry.has_status = !std::is_same_v<OfMassMatrix<Function>, NoStatus> || !std::is_same_v<OfLinkages<Function>, NoStatus>;
   entry.create = []() noexcept -> void* { return new (std::nothrow) Workspace(); };
   entry.destroy = [](void* workspace) noexcept { delete static_cast<Workspace*>(workspace); };

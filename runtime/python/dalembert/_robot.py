@@ -302,10 +302,11 @@ class Robot:
             one = len(f["results"]) == 1 and not f["named"]
             fields = tuple(r["field"] for r in f["results"])
             name = f["results"][0]["name"] if one else f["name"]
+            solves = _core.has_constraint_status(library, f["entry"])
             made = _core.Function(
                 library, f["entry"], name, f["takes"] or None, f["reads_velocities"], self.nq, self.nv,
                 tuple(tuple(r["shape"]) for r in f["results"]), None if one else _results_type(f["name"], fields),
-                self._run_time if run_time else None, run_time, coordinates, self._docstring(f, one), self._signature(f, run_time),
+                self._run_time if run_time else None, run_time, coordinates, self._docstring(f, one, solves), self._signature(f, run_time, solves),
                 functools.partial(batches.find, f["part"], f["batch_entry"]) if batches and f["batch_entry"] >= 0 else None,
                 f["acceleration"])
             if one or f["named"]:
@@ -345,7 +346,7 @@ class Robot:
                  if g["takes"] in ("", f["takes"]) and "impact" in (names := [r["quantity"] for r in g["results"]])]
         return (places, *(tells[0] if tells else (None, 0)))
 
-    def _docstring(self, f, one):
+    def _docstring(self, f, one, solves):
         lines = []
         if one:
             r = f["results"][0]
@@ -367,13 +368,16 @@ class Robot:
         lines.append("out: an array, or one for each result, to write to." if one else "out: a tuple of arrays to write to.")
         lines.append("return_status: also the coordinate at which the mass matrix is not positive definite, nv + n where embedded loops' "
                      "linkage n is at a toggle point, or -1; with n states an array.")
+        if solves:
+            lines.append("return_constraint_status: also a dalembert.ConstraintStatus: residual, least_pivot and rank of the rows, numbers or, "
+                         "with n states, arrays.")
         lines.append("")
         lines.append("Returns, of n states with n in front:")
         for r in f["results"]:
             lines.append(f"    {r['field']}: {_axes(r['shape'], r['symbol'])}, {r['unit']}" + ("" if one else f"; {r['help']}"))
         return "\n".join(lines)
 
-    def _signature(self, f, run_time):
+    def _signature(self, f, run_time, solves):
         P = inspect.Parameter
         optional_v = not f["reads_velocities"] and not f["takes"]
         parameters = [P("q", P.POSITIONAL_OR_KEYWORD), P("v", P.POSITIONAL_OR_KEYWORD, default=None if optional_v else P.empty)]
@@ -381,6 +385,8 @@ class Robot:
             parameters.append(P(f["takes"], P.POSITIONAL_OR_KEYWORD))
         parameters += [P(name, P.KEYWORD_ONLY, default=None) for name, _, _ in run_time]
         parameters += [P("out", P.KEYWORD_ONLY, default=None), P("return_status", P.KEYWORD_ONLY, default=False)]
+        if solves:
+            parameters.append(P("return_constraint_status", P.KEYWORD_ONLY, default=False))
         return inspect.Signature(parameters)
 
     # ---- Several quantities
@@ -390,7 +396,8 @@ class Robot:
 
         outputs: names of what load() was asked for; without, all that q and v give (and with `a` or `tau`, all that these give).
         Quantities of one function (docs/scene.md) share what they share. Keywords `out` and `return_status` and run-time inputs are
-        those of the functions; with `return_status`, (results, status), status being -1 where M is positive definite everywhere.
+        those of the functions; with `return_status`, (results, status), status being -1 where M is positive definite everywhere;
+        `return_constraint_status` goes with quantities of one function.
         """
         if outputs is None and (a is None or tau is None):  # all of one function, without further ado
             whole = self._by_inputs.get("a" if a is not None else "tau" if tau is not None else "")
@@ -414,7 +421,9 @@ class Robot:
             by_function.setdefault(self._function_of[name], []).append(name)
         if "out" in more and len(by_function) > 1:
             raise TypeError("evaluate: `out` takes the quantities of one function; call it for each")
-        values, status = {}, None
+        if more.get("return_constraint_status") and len(by_function) > 1:
+            raise TypeError("evaluate: `return_constraint_status` goes with the quantities of one function; call it for each")
+        values, status, told = {}, None, ()
         for function, wanted in by_function.items():
             made, facts, one = self._whole[function]
             takes = facts["takes"]
@@ -428,13 +437,18 @@ class Robot:
             if extra and v is None:
                 raise TypeError(f"evaluate: {wanted[0]} needs v")
             result = made(q, *(() if v is None else (v,)), *extra, **more)
+            if more.get("return_constraint_status"):
+                *result, solved = result
+                told = (solved,)
+                result = tuple(result) if len(result) > 1 else result[0]
             if more.get("return_status"):
                 result, of_this = result
                 status = of_this if status is None else numpy.maximum(status, of_this)
             for name in wanted:
                 values[name] = result if one else getattr(result, name)
         packed = _results_type("Results", tuple(names))(*(values[name] for name in names))
-        return (packed, status) if more.get("return_status") else packed
+        told = ((status,) if more.get("return_status") else ()) + told
+        return (packed, *told) if told else packed
 
     def __getitem__(self, name):
         """The function of that name: robot["mass_matrix"] is robot.mass_matrix. KeyError where there is none."""
