@@ -35,6 +35,13 @@ DALEMBERT_SYSTEM_CODE(WamArm, wam_arm)
 #endif
 #undef DALEMBERT_SYSTEM_CODE
 
+// M⁻¹ f: for all systems one instance of Eigen's factors, of matrices that have room for any of them and allocate nothing.
+using AnySize = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 32, 32>;
+inline Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 32, 1> solved(
+    const AnySize& mass, const Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 32, 1>& force) {
+  return Eigen::LDLT<AnySize>(mass).solve(force);
+}
+
 template <class Code>
 class System {
  public:
@@ -49,8 +56,7 @@ class System {
 
   VectorV acceleration(const VectorQ& q, const VectorV& v) {
     Code::evaluate(q, v, workspace_);
-    const Matrix mass = Code::mass(workspace_);
-    return Eigen::LDLT<Matrix>(mass).solve(force(q, v));
+    return VectorV(solved(Code::mass(workspace_), force(q, v)));
   }
 
   integrators::Linearised<double, nv> linearised(const VectorQ& q, const VectorV& v) {
