@@ -26,10 +26,13 @@ std::string input_text(const CodeInput& code, const ir::Input& input) {
                          ir::identifier(code.scene.wrenches.at(static_cast<size_t>(input.index)).link), input.component);
     case ir::InputKind::constraint: {
       const std::string contact = "workspace." + code.scene.constraints().at(static_cast<size_t>(input.index)).member;
-      if (input.component == ir::contact_kp) return contact + ".kp";
-      if (input.component == ir::contact_kd) return contact + ".kd";
-      if (input.component == ir::contact_restitution) return contact + ".restitution";
-      return fmt::format("{}.anchor[{}]", contact, input.component - ir::contact_anchor);
+      const auto if_active = [&](const std::string& member) {  // what is off may be no number
+        return fmt::format("({0}.active ? {0}.{1} : Scalar(0))", contact, member);
+      };
+      if (input.component == ir::contact_kp) return if_active("kp");
+      if (input.component == ir::contact_kd) return if_active("kd");
+      if (input.component == ir::contact_restitution) return if_active("restitution");
+      return if_active(fmt::format("anchor[{}]", input.component - ir::contact_anchor));
     }
     case ir::InputKind::element:
       return fmt::format("workspace.{}[{}]", code.algorithm.arrays[static_cast<size_t>(input.index)].name, input.component);

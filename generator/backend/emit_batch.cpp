@@ -658,7 +658,7 @@ std::string batch_c_declarations(const Folder& folder) {
     given =
         fmt::format(
             "  // Run-time inputs: those of the workspace for all states, NULL: those of a new one; or, where they are not\n"
-            "  // NULL, one per state.\n"
+            "  // NULL, one per state, laid out as states are: in rows, or in lanes.\n"
             "  const {}_workspace* workspace;\n",
             n) +
         given;

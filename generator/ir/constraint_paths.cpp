@@ -96,9 +96,11 @@ std::vector<int> undriven_coordinates(const KinematicTree& tree, const Scene& sc
   const int base = tree.base_coordinates();
   std::vector<int> undriven;
   for (int j = 0; j < base; ++j) undriven.push_back(j);
-  for (int k = 0; k < tree.joints(); ++k)
-    if (std::count(scene.passive.begin(), scene.passive.end(), tree.bodies[static_cast<std::size_t>(k)].joint) > 0)
+  for (int k = 0; k < tree.joints(); ++k) {
+    const Body& body = tree.bodies[static_cast<std::size_t>(k)];
+    if (std::count(scene.passive.begin(), scene.passive.end(), body.of.empty() ? body.joint : body.of) > 0)
       undriven.push_back(base + coordinates[static_cast<std::size_t>(k)]);
+  }
   std::sort(undriven.begin(), undriven.end());
   undriven.erase(std::unique(undriven.begin(), undriven.end()), undriven.end());
   return undriven;

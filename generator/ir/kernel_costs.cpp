@@ -109,6 +109,7 @@ Operations respond(const Kernel& kernel, const KinematicTree& tree, bool execute
   o.multiply += (kernel.solutions - 1) * rows * lanes;
   o.multiply_adds((kernel.solutions - 1) * rows * rows * lanes);
   o.multiply_adds(n * rows * lanes);   // B
+  o.multiply += rows;                  // whether it is made once more
   o.multiply_adds(n * rows * column);  // N
   return o;
 }

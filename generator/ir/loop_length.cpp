@@ -13,8 +13,13 @@ double loop_length(const KinematicTree& tree, const Loop& loop) {
     const auto link =
         std::find_if(tree.links.begin(), tree.links.end(), [&](const LinkPlacement& l) { return l.link == loop.links[i]; });
     points[i] = link->placement * loop.at[i].translation();
-    for (int k = link->body; k >= 0; k = tree.bodies[static_cast<std::size_t>(k)].parent)
-      points[i] = tree.bodies[static_cast<std::size_t>(k)].placement * points[i];
+    for (int k = link->body; k >= 0; k = tree.bodies[static_cast<std::size_t>(k)].parent) {
+      const Body& body = tree.bodies[static_cast<std::size_t>(k)];
+      if (body.driven())  // whose driver is at zero
+        points[i] = body.axis * (body.slide_per_unit() * body.offset) +
+                    Eigen::AngleAxisd(body.turns() ? body.offset : 0, body.axis) * points[i];
+      points[i] = body.placement * points[i];
+    }
   }
   return (points[1] - points[0]).norm();
 }

@@ -10,6 +10,7 @@
 #include "commands/generic_engine.hpp"
 #include "compile.hpp"
 #include "costs.hpp"
+#include "ir/loop_length.hpp"
 #include "passes/build_tree.hpp"
 #include "reference/eigenvalues.hpp"
 #include "reference/engine.hpp"
@@ -226,6 +227,31 @@ TEST_P(Embedded, CodeIncludesWhatClosingCalls) {
     EXPECT_NE(file.text.find("#include <dalembert/sincos.hpp>"), file.text.npos) << file.text.substr(0, 500);
   }
   EXPECT_TRUE(called);
+}
+
+// A rod without a length has the one of the robot where q is zero: mimic joints stand at their offsets, locked ones where they
+// are locked.
+TEST(LoopLength, IsThatWhereQIsZero) {
+  const ir::RobotDescription chain = robot("chain_7");
+  std::vector<std::string> joints;
+  for (const ir::Joint& joint : chain.joints)
+    if (joint.type != ir::JointType::fixed) joints.push_back(joint.name);
+  const std::string first = link_moved_by(chain, joints.front()), last = link_moved_by(chain, joints.back());
+  ir::Scene scene;
+  scene.base = ir::Base::fixed;
+  scene.loops = {
+      {"rod", {first, last}, {Eigen::Isometry3d::Identity(), Eigen::Isometry3d::Identity()}, ir::LoopType::distance, {}}};
+  scene.mimic[joints[3]] = {joints[1], 0.5, 0.8};
+  scene.locked[joints[4]] = 0.7;
+  scene.frames = {{ir::LinkQuantity::pose, first}, {ir::LinkQuantity::pose, last}};
+  scene.outputs.clear();
+  const Model model = model_of(chain, scene);
+  State at_zero = some_state(model.tree);
+  at_zero.q.setZero();
+  const std::vector<Output> outputs = outputs_of(model);
+  const Eigen::MatrixXd one = evaluate_generic(model, outputs[0], at_zero),
+                        other = evaluate_generic(model, outputs[1], at_zero);
+  EXPECT_NEAR(ir::loop_length(model.tree, model.scene.loops.front()), (one.col(3) - other.col(3)).norm(), 1e-12);
 }
 
 TEST(TogglePoint, IsSaidAndNothingIsDividedBy) {

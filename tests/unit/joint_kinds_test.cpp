@@ -7,6 +7,8 @@
 #include <dalembert/integrators/rk4.hpp>
 
 #include "both_forms.hpp"
+#include "commands/generic_engine.hpp"
+#include "ir/constraint_paths.hpp"
 #include "reference/generic_model.hpp"
 #include "reference/instances.hpp"
 
@@ -52,6 +54,23 @@ TEST_P(JointKinds, SoTheyDoByFactorsWithLossesAndOtherC) {
   scene.outputs.clear();
   for (const ir::QuantityRow& row : ir::quantities()) scene.outputs.push_back(row.quantity);
   expect_generic_values(model_of(robot.robot, scene), tool, 1000);
+}
+
+// A passive joint of several coordinates has no effort at any of them, where the contact can bear it.
+TEST_P(JointKinds, ArePassiveWhole) {
+  scene.contacts = {{"foot", "l6", ir::ContactType::weld, {0.1, -0.2, 0.05}, false}};
+  scene.passive = {"j2"};
+  scene.jacobians.clear();
+  scene.frames.clear();
+  scene.outputs = {ir::Quantity::constrained_inverse_dynamics};
+  const Model model = model_of(robot.robot, scene);
+  const std::vector<int> undriven = ir::undriven_coordinates(model.tree, model.scene);
+  const auto base = static_cast<size_t>(model.tree.base_coordinates());
+  ASSERT_EQ(undriven.size(), base + static_cast<size_t>(ir::coordinates_of(robot.joints.at("j2").type)));
+  expect_generic_values(model, {}, 1000);
+  if (base > 0) return;  // a weld bears no more than six
+  const Eigen::VectorXd efforts = evaluate_generic(model, outputs_of(model).front(), some_state(model.tree));
+  for (const int k : undriven) EXPECT_LT(std::abs(efforts[k]), 1e-6 * efforts.cwiseAbs().maxCoeff()) << k;
 }
 
 struct Falling {

@@ -60,6 +60,7 @@ struct ResponseParts {
   T* const along;                 // L, as `inverse`
   T* const moved;                 // M^-1 J', as `columns`
   T *const scaled, *const other;  // as `inverse`, on the way to L
+  T* const left;                  // J N, as `columns`
   T* const acting;                // J of what acts, laid out as J
 
   explicit ResponseParts(T* room)
@@ -71,7 +72,8 @@ struct ResponseParts {
         moved(along + m * padded),
         scaled(moved + stride * m),
         other(scaled + m * padded),
-        acting(other + m * padded) {}
+        left(other + m * padded),
+        acting(left + stride * m) {}
 };
 
 // The inverse of J M^-1 J' + R + mu N, and mu N, as solve_constrained() has them, where it is not asked for.
@@ -107,6 +109,45 @@ DALEMBERT_INLINE void invert_response(const ResponseParts<n, Rows, T>& parts, co
     }
   }
   invert_rows<m, padded>(parts.inverse);
+}
+
+// Where rows say what others say, numbers of L are as large as 1 / mu, and what rounding does to them is felt along rows that
+// say something new: it is of L's size, and so from a share of it on more than of the last digits.
+template <int n, class Rows, class T>
+DALEMBERT_INLINE bool rounding_is_felt(const ResponseParts<n, Rows, T>& parts) {
+  using Parts = ResponseParts<n, Rows, T>;
+  T share = T(0);
+  for (int r = 0; r < Parts::m; ++r) {
+    const T own = parts.along[r * Parts::padded + r] * parts.held[r];
+    share = own > share ? own : share;
+  }
+  return share > T(sizeof(T) == 4 ? 1e-2 : 1e-4);
+}
+
+// B' grows by L (J N - R B'), of which nothing should be left.
+template <int n, class Rows, class T>
+__attribute__((noinline)) static void refine_response(const ResponseParts<n, Rows, T>& parts, const T* active,
+                                                      const T* regularization, const T* projected) noexcept {
+  using Parts = ResponseParts<n, Rows, T>;
+  constexpr int m = Parts::m, padded = Parts::padded, stride = Parts::stride;
+  for_constants<Rows::count>([&](auto constraint) DALEMBERT_IN_BLOCK {
+    constexpr int c = decltype(constraint)::value, first = Rows::first(c);
+    using Path = typename Rows::template path<c>;
+    sum_columns<Path::rows, n, false, T>(
+        Path::length, [&](int r, int k) { return parts.acting[Path::at[k] * m + first + r]; },
+        [&](int k) { return projected + Path::at[k] * stride; }, [](int) -> const T* { return nullptr; },
+        [&](int r) { return parts.left + (first + r) * stride; });
+    for (int r = first; r < first + Path::rows; ++r) {
+      const T gives_way = active[c] > T(0) ? regularization[r] : T(0);
+      for (int i = 0; i < n; ++i) parts.left[r * stride + i] -= gives_way * parts.columns[r * stride + i];
+    }
+  });
+  in_sixes<m>([&](auto columns, int first) DALEMBERT_IN_BLOCK {
+    const auto own = [&](int r) { return parts.columns + (first + r) * stride; };
+    sum_columns<decltype(columns)::value, n, false, T>(
+        m, [&](int r, int k) { return parts.along[(first + r) * padded + k]; }, [&](int k) { return parts.left + k * stride; },
+        own, own);
+  });
 }
 
 // `columns` columns of `to` from k on, which are zero before column `first`, less B times the changes of rows begin … end - 1.
@@ -202,14 +243,21 @@ __attribute__((noinline)) static void respond(const T* jacobian, const T* invers
         m, [&](int r, int k) { return parts.along[(first + r) * padded + k]; }, [&](int k) { return parts.moved + k * stride; },
         none, column_of(parts.columns, first));
   });
+  constexpr int most = sizeof(T) == 4 ? 2 : 1;
+  const int again = constraint_detail::rounding_is_felt(parts) ? most : 0;
+  for (int time = 0;; ++time) {
+    in_sixes<n>([&](auto columns, int first) DALEMBERT_IN_BLOCK {
+      sum_columns<decltype(columns)::value, n, true, T>(
+          m, [&](int j, int k) { return parts.moved[k * stride + first + j]; },
+          [&](int k) { return parts.columns + k * stride; }, [&](int j) { return inverse + (first + j) * stride; },
+          column_of(projected, first));
+    });
+    if (time == again) break;
+    constraint_detail::refine_response<n, Rows>(parts, active, regularization, projected);
+  }
   if constexpr (forces)
     for (int r = 0; r < m; ++r)
       for (int i = 0; i < n; ++i) parts.rows[i * padded + r] = parts.columns[r * stride + i];
-  in_sixes<n>([&](auto columns, int first) DALEMBERT_IN_BLOCK {
-    sum_columns<decltype(columns)::value, n, true, T>(
-        m, [&](int j, int k) { return parts.moved[k * stride + first + j]; }, [&](int k) { return parts.columns + k * stride; },
-        [&](int j) { return inverse + (first + j) * stride; }, column_of(projected, first));
-  });
 }
 
 // df/dtau = -B'.

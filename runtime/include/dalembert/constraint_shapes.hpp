@@ -24,7 +24,7 @@ constexpr int constraint_room(int count, int rows, int longest, int m) {
 
 // Numbers of what tells how n coordinates respond, of m rows: M^-1 J' and M^-1 J' L, a column per row, the latter a row per
 // coordinate, too; J; L, and what it is made of, mu N among it. In registers of eight: others want less.
-constexpr int response_room(int n, int m) { return (2 * inverse_stride(n) + n) * m + (n + 4 * m + 1) * padded_rows(m); }
+constexpr int response_room(int n, int m) { return (3 * inverse_stride(n) + n) * m + (n + 4 * m + 1) * padded_rows(m); }
 // Of how they respond to forces that turn with one link and move with another: `more` columns and rows likewise.
 constexpr int turning_room(int n, int m, int more) { return more * (inverse_stride(n) + padded_rows(m)); }
 

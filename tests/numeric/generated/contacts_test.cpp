@@ -168,6 +168,13 @@ TEST(Contacts, ThatDoNotActChangeNothingByABit) {
     EXPECT_EQ(before.after[k], after.after[k]);
   }
   for (Eigen::Index r = 0; r < before.forces.size(); ++r) EXPECT_EQ(before.forces[r], after.forces[r]);
+  Contact& off = w.contact_front_right;
+  off.kp = off.kd = off.restitution = off.anchor[0] = off.anchor[6] = off.regularization[0] = std::nan("");
+  const Results beside_nan = results_of(s, w);
+  EXPECT_TRUE(beside_nan.acceleration == after.acceleration && beside_nan.after == after.after &&
+              beside_nan.forces == after.forces);
+  off = {};
+  off.active = false;
   EXPECT_EQ(largest(after.forces.segment(3, 3)), 0);
   EXPECT_EQ(w.forward_dynamics_constraint_status.rank, 9);
   // It is what the other rows alone make.
@@ -265,6 +272,10 @@ TEST(Contacts, OfAQuadrupedAreDifferentiatedAsTheyAreSet) {
   // Of one that does not act nothing reaches the others by a bit.
   w.contact_hind_right_3_knee.kp = 1e6;
   w.contact_hind_right_3_knee.regularization[0] = 7;
+  Contact& off = w.contact_hind_right_3_knee;
+  const Motion beside_large = motion_of(s, w);
+  EXPECT_TRUE(before.by_q == beside_large.by_q && before.by_v == beside_large.by_v && before.by_tau == beside_large.by_tau);
+  off.kp = off.kd = off.anchor[0] = off.anchor[6] = off.regularization[0] = std::nan("");
   const Motion after = motion_of(s, w);
   EXPECT_TRUE(before.by_q == after.by_q && before.by_v == after.by_v && before.by_tau == after.by_tau);
   EXPECT_EQ(largest(after.by_q.bottomRows(3)) + largest(after.by_v.bottomRows(3)) + largest(after.by_tau.bottomRows(3)), 0);

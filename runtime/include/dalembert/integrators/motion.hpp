@@ -190,12 +190,12 @@ V rate_of_step(const Q& q, const V& step, const V& v, const Joints& joints = no_
       [&](auto, auto i) {
         const Matrix6<Scalar> bracket = ad<Scalar>(Vector6<Scalar>(step.template segment<6>(i)));
         const Vector6<Scalar> once = bracket * v.template segment<6>(i);
-        rate.template segment<6>(i) += once / 2 + bracket * once / 12;
+        rate.template segment<6>(i) += once / Scalar(2) + bracket * once / Scalar(12);
       },
       [&](auto, auto i) {
         const Vector3<Scalar> turning = step.template segment<3>(i),
                               once = turning.cross(Vector3<Scalar>(v.template segment<3>(i)));
-        rate.template segment<3>(i) += once / 2 + turning.cross(once) / 12;
+        rate.template segment<3>(i) += once / Scalar(2) + turning.cross(once) / Scalar(12);
       },
       [](Eigen::Index, Eigen::Index, Eigen::Index) {});
   return rate;
