@@ -231,10 +231,11 @@ class ConstraintStatuses(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls):
-        cls.robot = dalembert.load(robots.robot("two_branches_at_base"), base="floating", flags=robots.quick,
-                                   outputs=["mass_matrix", "constrained_forward_dynamics", "constraint_forces", "impact", "constraint_jacobian",
-                                            "constraint_bias", "constrained_inverse_dynamics"],
-                                   contacts={"held": {"link": "a_02", "type": "weld"}, "again": {"link": "a_02", "type": "point", "at": [0.1, 0, 0]}})
+        cls.robot = dalembert.load(robots.robot("double_pendulum"), base="floating", flags=robots.quick, batch=False,
+                                   outputs=["mass_matrix", "constrained_forward_dynamics", "constraint_forces", "impact",
+                                            "constrained_inverse_dynamics"],
+                                   contacts={"held": {"link": "link_02", "type": "weld"},
+                                             "again": {"link": "link_02", "type": "point", "at": [0.1, 0, 0]}})
         rng = np.random.default_rng(8)
         n = 5
         cls.Q, (cls.V, cls.TAU) = cls.robot.random(rng, n), rng.uniform(-1, 1, (2, n, cls.robot.nv))
@@ -253,13 +254,10 @@ class ConstraintStatuses(unittest.TestCase):
                 self.assertEqual(result.tobytes(), results[s].tobytes())
                 self.assertEqual(status, -1)
                 self.assertEqual((one.residual, one.least_pivot, one.rank), tuple(x[s] for x in many))
-        free = v.copy()
-        free[:] = 0  # speeds that do not contradict the rows
-        a, told = r.constrained_forward_dynamics(q, free, tau, return_constraint_status=True)
+        free = np.zeros_like(v)  # speeds that do not contradict the rows
+        told = r.constrained_forward_dynamics(q, free, tau, return_constraint_status=True)[1]
         self.assertLess(told.residual.max(), 1e-9)
         self.assertLess(told.least_pivot.max(), 1e-6)
-        left = np.einsum("nij,nj->ni", r.constraint_jacobian(q), a) + r.constraint_bias(q, free)
-        self.assertLess(np.abs(left).max(), 1e-8)
         alone = r.constrained_forward_dynamics(q, free, tau, contact_again=dalembert.Contact(active=False), return_constraint_status=True)[1]
         self.assertGreater(alone.least_pivot.min(), 1e-6)
         self.assertEqual(alone.rank.tolist(), [6] * len(q))
