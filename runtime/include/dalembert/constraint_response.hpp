@@ -111,6 +111,18 @@ DALEMBERT_INLINE void invert_response(const ResponseParts<n, Rows, T>& parts, co
   invert_rows<m, padded>(parts.inverse);
 }
 
+// N = M^-1 - B J M^-1.
+template <int n, class Rows, class T>
+__attribute__((noinline)) static void project_inverse(const ResponseParts<n, Rows, T>& parts, const T* inverse,
+                                                      T* projected) noexcept {
+  constexpr int m = ResponseParts<n, Rows, T>::m, stride = ResponseParts<n, Rows, T>::stride;
+  in_sixes<n>([&](auto columns, int first) DALEMBERT_IN_BLOCK {
+    sum_columns<decltype(columns)::value, n, true, T>(
+        m, [&](int j, int k) { return parts.moved[k * stride + first + j]; }, [&](int k) { return parts.columns + k * stride; },
+        [&](int j) { return inverse + (first + j) * stride; }, [&](int j) { return projected + (first + j) * stride; });
+  });
+}
+
 // Where rows say what others say, numbers of L are as large as 1 / mu, and what rounding does to them is felt along rows that
 // say something new: it is of L's size, and so from a share of it on more than of the last digits.
 template <int n, class Rows, class T>
@@ -243,17 +255,12 @@ __attribute__((noinline)) static void respond(const T* jacobian, const T* invers
         m, [&](int r, int k) { return parts.along[(first + r) * padded + k]; }, [&](int k) { return parts.moved + k * stride; },
         none, column_of(parts.columns, first));
   });
-  constexpr int most = sizeof(T) == 4 ? 2 : 1;
-  const int again = constraint_detail::rounding_is_felt(parts) ? most : 0;
-  for (int time = 0;; ++time) {
-    in_sixes<n>([&](auto columns, int first) DALEMBERT_IN_BLOCK {
-      sum_columns<decltype(columns)::value, n, true, T>(
-          m, [&](int j, int k) { return parts.moved[k * stride + first + j]; },
-          [&](int k) { return parts.columns + k * stride; }, [&](int j) { return inverse + (first + j) * stride; },
-          column_of(projected, first));
-    });
-    if (time == again) break;
-    constraint_detail::refine_response<n, Rows>(parts, active, regularization, projected);
+  constraint_detail::project_inverse(parts, inverse, projected);
+  if (constraint_detail::rounding_is_felt(parts)) {
+    for (int again = sizeof(T) == 4 ? 2 : 1; again > 0; --again) {
+      constraint_detail::refine_response(parts, active, regularization, projected);
+      constraint_detail::project_inverse(parts, inverse, projected);
+    }
   }
   if constexpr (forces)
     for (int r = 0; r < m; ++r)
