@@ -155,7 +155,7 @@ class ParagraphWriter {
   }
 
   static std::string lanes_of(const ir::Segment& segment, Direction direction) {
-    if (direction == Direction::anywhere) return segment.is_short() ? "dalembert::short_lanes" : "dalembert::native_lanes";
+    if (direction == Direction::anywhere) return segment.by_fours() ? "dalembert::short_lanes" : "dalembert::native_lanes";
     return segment.width > 2 ? "together" : std::to_string(segment.width);
   }
   // Whether the loop may have to run for some of the limbs and then for others: two share any register.

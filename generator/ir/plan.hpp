@@ -36,6 +36,9 @@ struct Segment {
   }
   int slots() const { return steps * width; }
   bool is_short() const { return slots() <= 4; }  // takes half of the eight slots to which segments are padded
+  // Whether loops over its slots take registers of four where there are wider ones. Recursions have left a limb's numbers one
+  // by one, or four at a time: what is wider waits until all of them have reached the cache.
+  bool by_fours() const { return width <= 4 && slots() <= (width == 1 ? 8 : 16); }
 };
 
 struct Plan {
