@@ -110,7 +110,7 @@ std::string constraint_declarations(const CodeInput& code) {
   const auto any = [&](std::initializer_list<Kind> kinds) {
     return any_kernel(code, [&](const ir::Kernel& k) { return std::find(kinds.begin(), kinds.end(), k.kind) != kinds.end(); });
   };
-  const bool supported = any({Kind::support, Kind::support_by_wrenches}),
+  const bool supported = any({Kind::support, Kind::support_by_wrenches, Kind::support_at_points}),
              responds = any({Kind::respond, Kind::respond_as_solved}),
              solved = any({Kind::solve_constrained, Kind::solve_constrained_by_limbs, Kind::impact, Kind::impact_by_limbs});
   if (!solved && !responds && !supported) return text;
@@ -128,6 +128,13 @@ std::string constraint_declarations(const CodeInput& code) {
   if (solved || responds)
     text += fmt::format("  const Scalar row_regularization[] = {{\n      {}}};\n", wrapped(regularization, 6));
   if (supported) text += fmt::format("  const Scalar row_weight[] = {{\n      {}}};\n", wrapped(weights, 6));
+  return text;
+}
+
+// How many of the coordinates without a motor are the base's, and all of them.
+std::string undriven_text(const ir::Kernel& kernel) {
+  std::string text = std::to_string(kernel.base_undriven);
+  for (const int k : kernel.undriven) text += fmt::format(", {}", k);
   return text;
 }
 
@@ -178,7 +185,7 @@ std::string kernel_statements(const CodeInput& code, const std::string& limbs, c
                                               {"first_column", std::to_string(kernel.first)},
                                               {"of_forces", kernel.of_forces ? "true" : "false"},
                                               {"turning_rows", std::to_string(kernel.turning_rows)},
-                                              {"undriven", fmt::format("{}", fmt::join(kernel.undriven, ", "))}};
+                                              {"undriven", undriven_text(kernel)}};
     const std::string status = ir::row_of(kernel.kind).status,
                       into = status.empty() ? "" : fmt::format("workspace.{} = ", own_name(code, status));
     const auto add = [&](const std::string& call) {

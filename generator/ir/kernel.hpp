@@ -37,7 +37,8 @@ struct Kernel {
   int solutions = 2;            // proximal steps
   bool of_forces = false;       // respond: whether derivatives of forces are asked for, here or later
   int turning_rows = 0;         // derive
-  std::vector<int> undriven{};  // support: the coordinates u
+  std::vector<int> undriven{};  // support: the coordinates u, of which the first are the base's
+  int base_undriven = 0;        // how many
 
   explicit Kernel(Kind k, std::initializer_list<std::pair<Operand, int>> operands = {}) : kind(k) {
     arrays_.fill(-1);
@@ -52,7 +53,7 @@ struct Kernel {
   // wrenches on the base.
   bool of_constraints() const { return kind >= Kind::delassus; }
   bool by_limbs() const;
-  bool by_wrenches() const { return kind == Kind::support_by_wrenches; }
+  bool by_wrenches() const { return kind == Kind::support_by_wrenches || kind == Kind::support_at_points; }
 
   // Arrays that it reads, and that it fills; rooms that nothing else reads are neither. All that it has to do with.
   std::vector<int> read() const;

@@ -128,6 +128,24 @@ Operations derive(const Kernel& kernel, const KinematicTree& tree, bool executed
   return o;
 }
 
+// The base's equations along the world's axes, where forces have nothing to do with each other.
+Operations support_at_points(const Kernel& kernel) {
+  Sum o;
+  const ConstraintPaths& paths = kernel.paths;
+  o.multiply_adds(18);  // what is lacking, along these axes
+  o.divide += 6;
+  o.multiply_adds(22 + kernel.solutions * 30);
+  o.multiply += 12;
+  for (std::size_t c = 0; c + 1 < paths.first.size(); ++c) {
+    const bool weld = rows_of(paths, c) > 3;
+    o.multiply_adds(15 + 15 + 18 +
+                    6L * (paths.length(c) - 6));  // products of rows; force and moment; along the base's axes; joints
+    o.add += 6 + (weld ? 6 : 0);
+    if (weld) o.multiply += 3;
+  }
+  return o;
+}
+
 Operations support(const Kernel& kernel) {
   Sum o;
   const ConstraintPaths& paths = kernel.paths;
@@ -220,6 +238,7 @@ Operations operations_of(const Kernel& kernel, const KinematicTree& kinematic_tr
     case Kind::impact_by_limbs: return solve_rows(kernel, kinematic_tree, executed);
     case Kind::support:
     case Kind::support_by_wrenches: return support(kernel);
+    case Kind::support_at_points: return support_at_points(kernel);
     case Kind::respond:
     case Kind::respond_as_solved: return respond(kernel, kinematic_tree, executed);
     case Kind::derive: return derive(kernel, kinematic_tree, executed);

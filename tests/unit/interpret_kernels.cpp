@@ -78,7 +78,8 @@ class KernelRun {
       case Kind::impact:
       case Kind::impact_by_limbs: return impact();
       case Kind::support:
-      case Kind::support_by_wrenches: return support();
+      case Kind::support_by_wrenches:
+      case Kind::support_at_points: return support();
       case Kind::respond:
       case Kind::respond_as_solved: return respond();
       case Kind::derive: return derive();
@@ -132,9 +133,26 @@ class KernelRun {
     return (J.array().abs() <= Proximal<double>::unmoved).select(MatrixXd::Zero(J.rows(), J.cols()), J);
   }
 
+  // Rows along the world's axes, as wrenches on the base.
+  MatrixXd wrenches_at_points() {
+    const MatrixXd turn = of(Operand::turn);
+    const ConstraintPaths& paths = kernel_.paths;
+    MatrixXd wrenches = MatrixXd::Zero(paths.first.back(), 6);
+    for (std::size_t c = 0; c + 1 < paths.first.size(); ++c) {
+      const Eigen::Vector3d x = of(Operand::points).col(static_cast<Index>(c));
+      for (int r = paths.first[c]; r < paths.first[c + 1]; ++r) {
+        const int i = r - paths.first[c];
+        const Eigen::Vector3d along = Eigen::Vector3d::Unit(i % 3);
+        if (i < 3) wrenches.row(r) << along.transpose() * turn, x.cross(along).transpose() * turn;
+        else wrenches.row(r).tail(3) = along.transpose() * turn;
+      }
+    }
+    return wrenches;
+  }
+
   // J of the rows' wrenches on the base and of the axes that coordinates move along, 6 x n.
   MatrixXd rows_along(const MatrixXd& joint) {
-    const MatrixXd& wrenches = of(Operand::jacobian);
+    const MatrixXd wrenches = kernel_.kind == Kernel::Kind::support_at_points ? wrenches_at_points() : of(Operand::jacobian);
     const ConstraintPaths& paths = kernel_.paths;
     MatrixXd J = MatrixXd::Zero(wrenches.rows(), joint.cols());
     for (std::size_t c = 0; c + 1 < paths.first.size(); ++c)
@@ -215,8 +233,10 @@ class KernelRun {
   }
 
   void support() {
-    MatrixXd J = of(Operand::jacobian);
-    if (kernel_.by_wrenches()) {
+    MatrixXd J;
+    if (!kernel_.by_wrenches()) {
+      J = of(Operand::jacobian);
+    } else {
       MatrixXd joint = MatrixXd::Zero(6, of(Operand::to).rows());
       joint.leftCols(6).setIdentity();
       Index column = 0;
@@ -236,7 +256,9 @@ class KernelRun {
     VectorXd weights = acts();
     if (acting_.weights.size() > 0) weights = weights.cwiseProduct(acting_.weights).eval();
     const MatrixXd along = own.transpose() * weights.asDiagonal() * own;
-    const VectorXd held = 1e-8 * along.diagonal().unaryExpr([](double x) { return x > 0 ? x : 1.0; });
+    VectorXd held = along.diagonal();
+    for (Index i = 0; i < kernel_.base_undriven; i += 3) held.segment(i, 3).setConstant(held.segment(i, 3).mean());
+    held = 1e-8 * held.unaryExpr([](double x) { return x > 0 ? x : 1.0; });
     of(Operand::forces) = weights.asDiagonal() * own * proximal(along, held, VectorXd::Zero(count), lacking);
     of(Operand::to) -= J.transpose() * of(Operand::forces);
   }

@@ -49,6 +49,10 @@ class ConstraintRows {
   virtual RowRoles biases(Builder& b) const = 0;      // J̇ v
   virtual RowRoles errors(Builder& b) const = 0;      // how far from where it shall be; to first order J v is its rate
 
+  // Where a contact acts, from the base's origin along the world's axes, if its rows are along these: a role of the base; else
+  // −1.
+  virtual int point_in_world(Builder&) const { return -1; }
+
   // How J v̇ + J̇ v + kd J v + kp e changes with q, or v, at v̇ held; to the array's rows from the first on.
   virtual void changes(Builder& b, bool by_q, int array) const = 0;
   virtual HeldRoles wrench(Builder& b) const = 0;

@@ -347,16 +347,36 @@ int joint_axes(Builder& b, const std::vector<int>& moving) {
   return array;
 }
 
+// Whether all rows are along the world's axes.
+bool along_world(const Builder& b) {
+  const auto& contacts = b.scene().contacts;
+  return std::none_of(contacts.begin(), contacts.end(), [](const auto& contact) { return contact.along_link; });
+}
+
+void points_in_world(Builder& b, ir::Kernel& kernel) {
+  const auto all = constraint_rows(b);
+  kernel[Operand::points] = b.internal_array(b.own_name("points"), 3, static_cast<int>(all.size()));
+  kernel[Operand::turn] = b.internal_array(b.own_name("base_in_world"), 3, 3);
+  for (const auto& rows : all)
+    b.result({kernel[Operand::points], ir::Layout::base, rows->point_in_world(b), 3 * rows->index()});
+  b.result({kernel[Operand::turn], ir::Layout::base, base_in_world(b).axes});
+}
+
 // Torques and forces come of one kernel, whichever is asked for.
 void support(Builder& b) {
-  if (b.made({Kind::support, Kind::support_by_wrenches})) return;
+  if (b.made({Kind::support, Kind::support_by_wrenches, Kind::support_at_points})) return;
   const auto nothing = [](int) {};
   const int to = array_of(b, ir::Quantity::constrained_inverse_dynamics, "efforts", b.tree().nv(), 1, nothing);
   const std::vector<int> undriven = ir::undriven_coordinates(b.tree(), b.scene());
   const bool by_wrenches = base_alone_is_undriven(b, undriven);
-  ir::Kernel support = kernel_of_constraints(b, by_wrenches ? Kind::support_by_wrenches : Kind::support);
+  const bool at_points = by_wrenches && along_world(b);
+  ir::Kernel support = kernel_of_constraints(b, at_points     ? Kind::support_at_points
+                                                : by_wrenches ? Kind::support_by_wrenches
+                                                              : Kind::support);
   support.undriven = undriven;
-  support[Operand::jacobian] = by_wrenches ? base_columns(b) : jacobian(b);
+  support.base_undriven = b.base_coordinates();
+  if (at_points) points_in_world(b, support);
+  else support[Operand::jacobian] = by_wrenches ? base_columns(b) : jacobian(b);
   if (by_wrenches) support[Operand::axes] = joint_axes(b, support.paths.moving());
   support[Operand::forces] =
       array_of(b, ir::Quantity::inverse_constraint_forces, "borne", b.tree().constraint_rows, 1, nothing);

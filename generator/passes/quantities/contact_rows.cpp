@@ -21,6 +21,7 @@ class ContactRows : public ConstraintRows {
   RowRoles velocities(Builder& b) const override;
   RowRoles biases(Builder& b) const override;
   RowRoles errors(Builder& b) const override;
+  int point_in_world(Builder& b) const override;
   void changes(Builder& b, bool by_q, int array) const override;
   HeldRoles wrench(Builder& b) const override;
 
@@ -157,6 +158,20 @@ RowRoles ContactRows::errors(Builder& b) const {
   }
   store(s, role, linear, angular);
   return roles(role);
+}
+
+int ContactRows::point_in_world(Builder& b) const {
+  if (contact_.along_link) return -1;
+  const RowAxes axes(b, *this);
+  const std::string name_of_it = "point_in_world_" + name();
+  const int role =
+      b.role({name_of_it, "xw", "the point of contact " + contact_.name + " from the base's origin along the world's axes", "m",
+              Shape::vector});
+  if (b.has(name_of_it)) return role;
+  SweepBuilder s = b.sweep_of_base(name_of_it, "x = X0 x");
+  const Vec3 x = axes.turned(s, axes.point(s));
+  s.store(role, x);
+  return role;
 }
 
 HeldRoles ContactRows::wrench(Builder& b) const {

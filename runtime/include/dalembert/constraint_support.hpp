@@ -16,92 +16,118 @@ struct AxesInArray {
   typename LimbsInArrays<T>::Joint joint(int place, int) const { return {nullptr, axes + 6 * place}; }
 };
 
-// Coordinates without a motor.
-template <int... coordinates>
+// Coordinates without a motor, `own_base` of them the base's.
+template <int own_base, int... coordinates>
 struct Undriven {
-  static constexpr int count = sizeof...(coordinates);
+  static constexpr int count = sizeof...(coordinates), base = own_base;
   static constexpr int at[sizeof...(coordinates) + 1] = {coordinates..., 0};
 };
 
 namespace constraint_detail {
 
-// y of support(): (J_u' W J_u + mu N) y = to_u + mu N y, a few times over.
-template <int all, class Without, class T>
-DALEMBERT_INLINE void solve_support(const T* jacobian, const T* weighted, const T* to, T* y, ConstraintStatus<T>& status) {
-  constexpr int u = Without::count;
-  Redundancy<T> redundancy;
-  if constexpr (u > 0 && u <= 8) {  // a floating base
-    constexpr int w = native_lanes, pieces = (u + w - 1) / w;
-    RowsInRegisters<u, pieces, SameColumns, T> a;
-    using Row = BlockRow<T, w, pieces>;
-    for_constants<u>([&](auto i) DALEMBERT_IN_BLOCK { a.rows[i] = Row{}; });
-    DALEMBERT_KEEP_LOOP
-    for (int r = 0; r < all; ++r) {
-      const Row row = Row::of([&](int i) { return i < u ? jacobian[Without::at[least(i, u - 1)] * all + r] : T(0); });
-      for_constants<u>([&](auto i) DALEMBERT_IN_BLOCK {
-        const Lanes<T, w> factor = broadcast<w, T>(weighted[i * all + r]);
-        for_constants<pieces>([&](auto k) DALEMBERT_IN_BLOCK { a.rows[i].piece[k] += factor * row.piece[k]; });
+// mu N of A's coordinates: N is the mean of A's diagonal over the base's first three, along its axes, and over the three that
+// turn it, whichever way the base stands; of any other its own.
+template <int u, int base, class T, class Diagonal>
+DALEMBERT_INLINE void hold(const Diagonal& diagonal, T* held) {
+  const auto of = [](T N) { return Proximal<T>::mu * (N > T(0) ? N : T(1)); };
+  for (int i = 0; i < base; i += 3)
+    held[i] = held[i + 1] = held[i + 2] = of((diagonal(i) + diagonal(i + 1) + diagonal(i + 2)) * T(1.0 / 3));
+  for (int i = base; i < u; ++i) held[i] = of(diagonal(i));
+}
+
+// y of (A + mu N) y = to + mu N y, a few times over, and how much of it rows can bear. Of A the half below the diagonal is read
+// and spoilt.
+//
+// Of few coordinates: no number waits for more than it needs. The first `apart` of them have nothing to do with each other.
+template <int u, int apart, class T>
+DALEMBERT_INLINE void solve_support(T (&a)[u][u], const T (&held)[u], const T (&to)[u], T (&y)[u],
+                                    ConstraintStatus<T>& status) {
+  // A = L D L'. Pivots follow each other: a block of them inverted by itself would leave nothing right of rows that say what
+  // others say.
+  T reciprocals[u], L[u][u], of_L[u][u], inverse[u][u];
+  const auto behind = [](auto of_j, const auto& f) DALEMBERT_IN_BLOCK {
+    constexpr int j = decltype(of_j)::value, from = j + 1 > apart ? j + 1 : apart;
+    for_constants<u - from>([&](auto i) DALEMBERT_IN_BLOCK { f(std::integral_constant<int, from + decltype(i)::value>{}); });
+  };
+  for_constants<u>([&](auto i) DALEMBERT_IN_BLOCK { a[i][i] += held[i]; });
+  for_constants<u>([&](auto j) DALEMBERT_IN_BLOCK {
+    reciprocals[j] = T(1) / a[j][j];
+    behind(j, [&](auto i) DALEMBERT_IN_BLOCK {
+      L[i][j] = a[i][j] * reciprocals[j];
+      behind(j, [&](auto k) DALEMBERT_IN_BLOCK {
+        if (k <= i) a[i][k] -= L[i][j] * a[k][j];
       });
-    }
-    T held[u], left_of[u];
-    for_constants<u>([&](auto i) DALEMBERT_IN_BLOCK {
-      const T own = lane<w, T>(a.rows[i].piece[i / w], i % w);
-      held[i] = Proximal<T>::mu * (own > T(0) ? own : T(1));
     });
-    const auto of = [](const T* from)
-                        DALEMBERT_IN_BLOCK { return Row::of([&](int i) { return i < u ? from[least(i, u - 1)] : T(0); }); };
-    const Row hold = of(held);
-    for_constants<u>([&](auto i) DALEMBERT_IN_BLOCK { a.rows[i] = a.rows[i].with_only(hold, i); });
-    a.invert();
-    for_constants<u>([&](auto i) DALEMBERT_IN_BLOCK { left_of[i] = lane<w, T>(a.rows[i].piece[i / w], i % w); });
-    for (int i = 0; i < u; ++i) redundancy.add(held[i] * left_of[i]);
-    const Row right = Row::of([&](int i) { return i < u ? to[Without::at[least(i, u - 1)]] : T(0); });
-    Row solved = a.times(right);
-    for_constants<Proximal<T>::steps - 1>([&](auto) DALEMBERT_IN_BLOCK { solved = a.times(right.plus(hold, solved)); });
-    for_constants<u>([&](auto i) DALEMBERT_IN_BLOCK { y[i] = lane<w, T>(solved.piece[i / w], i % w); });
-  } else {
-    // L D L', D's reciprocals on the diagonal.
-    constexpr int room = u > 0 ? u : 1;
-    T L[room * room], held[room];
-    for (int i = 0; i < u; ++i) {
-      for (int j = 0; j <= i; ++j) {
-        T sum = T(0);
-        for (int r = 0; r < all; ++r) sum += jacobian[Without::at[i] * all + r] * weighted[j * all + r];
-        L[i * room + j] = sum;
-      }
-      const T own = L[i * room + i];
-      held[i] = Proximal<T>::mu * (own > T(0) ? own : T(1));
-      L[i * room + i] = own + held[i];
-      y[i] = T(0);
+  });
+  // L^-1, and A^-1 by it: products are over sooner than one row behind another.
+  for_constants<u>([&](auto j) DALEMBERT_IN_BLOCK {
+    behind(j, [&](auto i) DALEMBERT_IN_BLOCK {
+      T sum = L[i][j];
+      behind(j, [&](auto k) DALEMBERT_IN_BLOCK {
+        if (k < i) sum += L[i][k] * of_L[k][j];
+      });
+      of_L[i][j] = -sum;
+    });
+  });
+  Redundancy<T> redundancy;
+  for_constants<u>([&](auto j) DALEMBERT_IN_BLOCK {
+    for_constants<u>([&](auto i) DALEMBERT_IN_BLOCK {
+      if (i > j) return;
+      T sum = i == j ? reciprocals[j] : j >= apart ? of_L[j][i] * reciprocals[j] : T(0);
+      behind(j, [&](auto k) DALEMBERT_IN_BLOCK { sum += of_L[k][i] * (reciprocals[k] * of_L[k][j]); });
+      inverse[i][j] = sum;
+      if (i == j) redundancy.add(held[i] * sum);
+      else inverse[j][i] = sum;
+    });
+  });
+  redundancy.tell(u, status);
+  const auto solve = [&](const T(&right)[u]) DALEMBERT_IN_BLOCK {
+    for_constants<u>([&](auto i) DALEMBERT_IN_BLOCK {
+      T sums[2] = {};
+      for_constants<u>([&](auto j) DALEMBERT_IN_BLOCK { sums[j % 2] += inverse[i][j] * right[j]; });
+      y[i] = sums[0] + sums[1];
+    });
+  };
+  solve(to);
+  for_constants<Proximal<T>::steps - 1>([&](auto) DALEMBERT_IN_BLOCK {
+    T right[u];
+    for_constants<u>([&](auto i) DALEMBERT_IN_BLOCK { right[i] = to[i] + held[i] * y[i]; });
+    solve(right);
+  });
+}
+// Of many.
+template <int u, class T>
+DALEMBERT_INLINE void solve_support_in_loops(T (&L)[u][u], const T (&held)[u], const T (&to)[u], T (&y)[u],
+                                             ConstraintStatus<T>& status) {
+  for (int i = 0; i < u; ++i) L[i][i] += held[i], y[i] = T(0);
+  for (int i = 0; i < u; ++i) {  // D's reciprocals on the diagonal
+    const T reciprocal = L[i][i] = T(1) / L[i][i];
+    for (int k = i + 1; k < u; ++k) {
+      const T factor = L[k][i] * reciprocal;
+      for (int j = i + 1; j <= k; ++j) L[k][j] -= factor * L[j][i];
     }
-    for (int i = 0; i < u; ++i) {
-      const T reciprocal = L[i * room + i] = T(1) / L[i * room + i];
-      for (int k = i + 1; k < u; ++k) {
-        const T factor = L[k * room + i] * reciprocal;
-        for (int j = i + 1; j <= k; ++j) L[k * room + j] -= factor * L[j * room + i];
-      }
-      for (int k = i + 1; k < u; ++k) L[k * room + i] *= reciprocal;
+    for (int k = i + 1; k < u; ++k) L[k][i] *= reciprocal;
+  }
+  Redundancy<T> redundancy;
+  for (int k = 0; k < u; ++k) {  // (L^-1)' D^-1 L^-1 on its diagonal
+    T column[u], left = T(0);
+    for (int i = k; i < u; ++i) {
+      column[i] = T(i == k ? 1 : 0);
+      for (int j = k; j < i; ++j) column[i] -= L[i][j] * column[j];
+      left += column[i] * column[i] * L[i][i];
     }
-    for (int k = 0; k < u; ++k) {  // (L^-1)' D^-1 L^-1 on its diagonal
-      T column[room], left = T(0);
-      for (int i = k; i < u; ++i) {
-        column[i] = T(i == k ? 1 : 0);
-        for (int j = k; j < i; ++j) column[i] -= L[i * room + j] * column[j];
-        left += column[i] * column[i] * L[i * room + i];
-      }
-      redundancy.add(held[k] * left);
-    }
-    for (int step = 0; step < Proximal<T>::steps; ++step) {
-      for (int i = 0; i < u; ++i) y[i] = to[Without::at[i]] + held[i] * y[i];
-      for (int i = 0; i < u; ++i)
-        for (int j = 0; j < i; ++j) y[i] -= L[i * room + j] * y[j];
-      for (int i = u - 1; i >= 0; --i) {
-        y[i] *= L[i * room + i];
-        for (int k = i + 1; k < u; ++k) y[i] -= L[k * room + i] * y[k];
-      }
-    }
+    redundancy.add(held[k] * left);
   }
   redundancy.tell(u, status);
+  for (int step = 0; step < Proximal<T>::steps; ++step) {
+    for (int i = 0; i < u; ++i) y[i] = to[i] + held[i] * y[i];
+    for (int i = 0; i < u; ++i)
+      for (int j = 0; j < i; ++j) y[i] -= L[i][j] * y[j];
+    for (int i = u - 1; i >= 0; --i) {
+      y[i] *= L[i][i];
+      for (int k = i + 1; k < u; ++k) y[i] -= L[k][i] * y[k];
+    }
+  }
 }
 
 // The largest error so far; NaN once one is.
@@ -111,34 +137,90 @@ DALEMBERT_INLINE void keep_largest(T& most, T error) {
   most = size > most || size != size ? size : most;
 }
 
+// Of J_u' W J_u, the half below the diagonal.
+template <int all, class Without, int u, class T>
+DALEMBERT_INLINE void products_of_rows(const T* jacobian, const T* weight, T (&to)[u][u]) {
+  if constexpr (u <= 8) {
+    constexpr int w = least(native_lanes, 4), pieces = (u + w - 1) / w;
+    using Row = BlockRow<T, w, pieces>;
+    Row sums[u] = {};
+    DALEMBERT_KEEP_LOOP
+    for (int r = 0; r < all; ++r) {
+      const Row row = Row::of([&](int i) { return i < u ? jacobian[Without::at[least(i, u - 1)] * all + r] : T(0); });
+      const Lanes<T, w> times = broadcast<w, T>(weight[r]);
+      Row weighted;
+      for_constants<pieces>([&](auto k) DALEMBERT_IN_BLOCK { weighted.piece[k] = times * row.piece[k]; });
+      for_constants<u>([&](auto i) DALEMBERT_IN_BLOCK {
+        const Lanes<T, w> factor = broadcast<w, T>(jacobian[Without::at[i] * all + r]);
+        for_constants<pieces>([&](auto k) DALEMBERT_IN_BLOCK { sums[i].piece[k] += factor * weighted.piece[k]; });
+      });
+    }
+    constexpr int padded = w * pieces;
+    alignas(64) T own[u * padded];
+    for_constants<u>([&](auto i) DALEMBERT_IN_BLOCK { sums[i].store(own + i * padded); });
+    for_constants<u>([&](auto i) DALEMBERT_IN_BLOCK {
+      for (int j = 0; j <= i; ++j) to[i][j] = own[i * padded + j];
+    });
+  } else {
+    for (int i = 0; i < u; ++i)
+      for (int j = 0; j <= i; ++j) {
+        T sum = T(0);
+        for (int r = 0; r < all; ++r)
+          sum += jacobian[Without::at[i] * all + r] * weight[r] * jacobian[Without::at[j] * all + r];
+        to[i][j] = sum;
+      }
+  }
+}
+
 // Forces f = W J_u y, and how y was found.
 template <class Rows, class Without, class T>
 DALEMBERT_INLINE ConstraintStatus<T> support_forces(const T* jacobian, const T* active, const T* weights, const T* to,
                                                     T* forces) {
-  constexpr int all = Rows::first(Rows::count), u = Without::count, room = u > 0 ? u : 1;
+  constexpr int all = Rows::first(Rows::count), u = Without::count;
   ConstraintStatus<T> status;
-  T weight[all];
-  each_index<Rows::count>([&](auto c) DALEMBERT_IN_BLOCK {
-    for (int r = Rows::first(c); r < Rows::first(c + 1); ++r) weight[r] = active[c] > T(0) ? weights[r] : T(0);
+  if constexpr (u == 0) {
+    for (int r = 0; r < all; ++r) forces[r] = T(0);
+    return status;
+  } else {
+    T weight[all];
+    each_index<Rows::count>([&](auto c) DALEMBERT_IN_BLOCK {
+      for (int r = Rows::first(c); r < Rows::first(c + 1); ++r) weight[r] = active[c] > T(0) ? weights[r] : T(0);
+    });
+    T A[u][u], held[u], lacking[u], y[u];
+    for (int i = 0; i < u; ++i) lacking[i] = to[Without::at[i]];
+    products_of_rows<all, Without>(jacobian, weight, A);
+    hold<u, Without::base>([&](int i) { return A[i][i]; }, held);
+    if constexpr (u <= 8) solve_support<u, 0>(A, held, lacking, y, status);
+    else solve_support_in_loops(A, held, lacking, y, status);
+    each_piece<all>([&](auto lanes, auto at) DALEMBERT_IN_BLOCK {
+      constexpr int w = decltype(lanes)::value, from = decltype(at)::value;
+      Lanes<T, w> sum{};
+      for (int i = 0; i < u; ++i) sum += broadcast<w, T>(y[i]) * load<w>(jacobian + Without::at[i] * all + from);
+      store<w, T>(forces + from, sum * load<w>(weight + from));
+    });
+    return status;
+  }
+}
+
+// Of a wrench on the base, along its axes about its origin, that constraint c bears: what is left to do.
+template <class Rows, class C, class Axes, class T>
+DALEMBERT_INLINE void bear(C c, const Axes& axes, const T (&wrench)[6], T* to) {
+  for_constants<6>([&](auto j) DALEMBERT_IN_BLOCK { to[j] -= wrench[j]; });
+  each_above<Rows>(c, [&](auto k) DALEMBERT_IN_BLOCK {
+    if (k < 6) return;
+    const int at = Rows::paths[c][k];
+    const auto joint = axes.joint(Rows::moving.of[c][k] - 6, at);
+    const auto along = [&](int j) DALEMBERT_IN_BLOCK { return joint.axis(j) * wrench[j]; };
+    const T first = along(0) + along(1), second = along(2) + along(3), third = along(4) + along(5);
+    to[at] -= first + second + third;
   });
-  T weighted[room * all], y[room];
-  for (int i = 0; i < u; ++i)
-    for (int r = 0; r < all; ++r) weighted[i * all + r] = weight[r] * jacobian[Without::at[i] * all + r];
-  solve_support<all, Without>(jacobian, weighted, to, y, status);
-  each_piece<all>([&](auto lanes, auto at) DALEMBERT_IN_BLOCK {
-    constexpr int w = decltype(lanes)::value, from = decltype(at)::value;
-    Lanes<T, w> sum{};
-    for (int i = 0; i < u; ++i) sum += broadcast<w, T>(y[i]) * load<w>(weighted + i * all + from);
-    store<w, T>(forces + from, sum);
-  });
-  return status;
 }
 
 }  // namespace constraint_detail
 
 // to becomes to - J' f, f = W J_u y being what makes it zero at the coordinates u that have no motor: of all such f the one
-// with the least sum of f^2 / W. y is found by proximal steps as above, with N the diagonal of J_u' W J_u: what no constraint
-// can bear stays, and is the residual.
+// with the least sum of f^2 / W. y is found by proximal steps as above, with N as hold() has it: what no constraint can bear
+// stays, and is the residual.
 template <int n, class Rows, class Without, class T>
 __attribute__((noinline)) static ConstraintStatus<T> support(const T* jacobian, const T* active, const T* weights, T* forces,
                                                              T* to) noexcept {
@@ -163,7 +245,7 @@ __attribute__((noinline)) static ConstraintStatus<T> support_by_wrenches(const A
                                                                          const T* weights, T* forces, T* to) noexcept {
   constexpr int all = Rows::first(Rows::count), base = 6;
   ConstraintStatus<T> status =
-      constraint_detail::support_forces<Rows, Undriven<0, 1, 2, 3, 4, 5>>(wrenches, active, weights, to, forces);
+      constraint_detail::support_forces<Rows, Undriven<base, 0, 1, 2, 3, 4, 5>>(wrenches, active, weights, to, forces);
   constraint_detail::each_index<Rows::count>([&](auto c) DALEMBERT_IN_BLOCK {
     T pushed[base];
     constraint_detail::for_constants<base>([&](auto j) DALEMBERT_IN_BLOCK {
@@ -171,18 +253,67 @@ __attribute__((noinline)) static ConstraintStatus<T> support_by_wrenches(const A
       for (int r = 0; r < Rows::rows[c]; ++r)
         sums[r % 2] += wrenches[j * all + Rows::first(c) + r] * forces[Rows::first(c) + r];
       pushed[j] = sums[0] + sums[1];
-      to[j] -= pushed[j];
     });
-    constraint_detail::each_above<Rows>(c, [&](auto k) DALEMBERT_IN_BLOCK {
-      if (k < base) return;
-      const int at = Rows::paths[c][k];
-      const auto joint = axes.joint(Rows::moving.of[c][k] - base, at);
-      const auto along = [&](int j) DALEMBERT_IN_BLOCK { return joint.axis(j) * pushed[j]; };
-      const T first = along(0) + along(1), second = along(2) + along(3), third = along(4) + along(5);
-      to[at] -= first + second + third;
-    });
+    constraint_detail::bear<Rows>(c, axes, pushed, to);
   });
-  for (int j = 0; j < base; ++j) constraint_detail::keep_largest(status.residual, to[j]);
+  constraint_detail::for_constants<base>([&](auto j)
+                                             DALEMBERT_IN_BLOCK { constraint_detail::keep_largest(status.residual, to[j]); });
+  return status;
+}
+
+// The same where all rows are along the world's axes: seen along these, what rows push the base with is ones, and where they
+// push it. turn: the base's axes in the world, column by column. points: where constraints act, from the base's origin along
+// the world's axes, three numbers each.
+template <int n, class Rows, class Axes, class T>
+__attribute__((noinline)) static ConstraintStatus<T> support_at_points(const Axes& axes, const T* turn, const T* points,
+                                                                       const T* active, const T* weights, T* forces,
+                                                                       T* to) noexcept {
+  using namespace constraint_detail;
+  constexpr int base = 6;
+  ConstraintStatus<T> status;
+  T weight[Rows::count][base], A[base][base] = {};
+  each_index<Rows::count>([&](auto c) DALEMBERT_IN_BLOCK {
+    T* const own = weight[c];
+    for_constants<base>([&](auto r) DALEMBERT_IN_BLOCK {
+      if (r < Rows::rows[c]) own[r] = active[c] > T(0) ? weights[Rows::first(c) + r] : T(0);
+    });
+    // The sum over the rows e of a point x of w [e; x × e] [e; x × e]'.
+    const T x = points[3 * c], y = points[3 * c + 1], z = points[3 * c + 2];
+    const T xy = own[1] * x, xz = own[2] * x, yx = own[0] * y, yz = own[2] * y, zx = own[0] * z, zy = own[1] * z;
+    A[0][0] += own[0], A[1][1] += own[1], A[2][2] += own[2];
+    A[4][0] += zx, A[5][0] -= yx, A[3][1] -= zy, A[5][1] += xy, A[3][2] += yz, A[4][2] -= xz;
+    A[3][3] += zy * z + yz * y, A[4][4] += zx * z + xz * x, A[5][5] += yx * y + xy * x;
+    A[4][3] -= yz * x, A[5][3] -= zy * x, A[5][4] -= yx * z;
+    if (Rows::rows[c] > 3) A[3][3] += own[3], A[4][4] += own[4], A[5][5] += own[5];
+  });
+  T held[base], lacking[base], y[base];
+  hold<base, base>([&](int i) { return A[i][i]; }, held);
+  for_constants<base>([&](auto i) DALEMBERT_IN_BLOCK {
+    constexpr int from = decltype(i)::value / 3 * 3, row = decltype(i)::value % 3;
+    lacking[i] = turn[row] * to[from] + turn[3 + row] * to[from + 1] + turn[6 + row] * to[from + 2];
+  });
+  solve_support<base, 3>(A, held, lacking, y, status);
+  each_index<Rows::count>([&](auto c) DALEMBERT_IN_BLOCK {
+    const T *const at = points + 3 * c, *const own = weight[c];
+    T *const force = forces + Rows::first(c), moment[3];
+    for_constants<3>([&](auto i) DALEMBERT_IN_BLOCK {
+      constexpr int next = (decltype(i)::value + 1) % 3, last = (decltype(i)::value + 2) % 3;
+      force[i] = own[i] * (y[i] + (y[3 + next] * at[last] - y[3 + last] * at[next]));
+    });
+    for_constants<3>([&](auto i) DALEMBERT_IN_BLOCK {
+      constexpr int next = (decltype(i)::value + 1) % 3, last = (decltype(i)::value + 2) % 3;
+      moment[i] = at[next] * force[last] - at[last] * force[next];
+      if (Rows::rows[c] > 3) moment[i] += force[3 + i] = own[3 + i] * y[3 + i];
+    });
+    T pushed[base];
+    for_constants<base>([&](auto j) DALEMBERT_IN_BLOCK {
+      constexpr int column = 3 * (decltype(j)::value % 3);
+      const T* const by = decltype(j)::value < 3 ? force : moment;
+      pushed[j] = turn[column] * by[0] + turn[column + 1] * by[1] + turn[column + 2] * by[2];
+    });
+    bear<Rows>(c, axes, pushed, to);
+  });
+  for_constants<base>([&](auto j) DALEMBERT_IN_BLOCK { keep_largest(status.residual, to[j]); });
   return status;
 }
 

@@ -311,7 +311,10 @@ Constrained<S> constrained_inverse_dynamics(const Model<S>& model, const Constra
   }
   const MatrixX<S> weighted = weights.asDiagonal() * own;
   MatrixX<S> G = own.transpose() * weighted;
+  // N of the base: one of its three axes, one about them, whichever way these stand.
   VectorX<S> held = options.mu * G.diagonal(), y = VectorX<S>::Zero(count);
+  for (Eigen::Index i = 0; i < model.base_rows(); i += 3)
+    if (i + 3 <= count) held.segment(i, 3).setConstant(held.segment(i, 3).sum() / S(3));
   for (Eigen::Index i = 0; i < count; ++i) {
     if (!(held[i] > S(0))) held[i] = options.mu;
     G(i, i) += held[i];
