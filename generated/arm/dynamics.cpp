@@ -3,6 +3,7 @@
 // This file is yours: no licence of the generator applies to it.
 #include "dynamics.hpp"
 
+#include <dalembert/narrow_packing.hpp>
 #include <dalembert/sincos.hpp>
 #include <dalembert/straight_line.hpp>
 namespace arm {

@@ -4,6 +4,7 @@
 #include "dynamics.hpp"
 
 #include <dalembert/blocks.hpp>
+#include <dalembert/narrow_packing.hpp>
 #include <dalembert/runs.hpp>
 #include <dalembert/sincos.hpp>
 namespace mahru {
@@ -165,7 +166,7 @@ void prepare(const Scalar* q, const Scalar* v, Workspace& workspace) noexcept {
   Workspace::Scratch& scratch = workspace.scratch;
   static_cast<void>(scratch);
   // Sines and cosines of all angles together.
-  dalembert::sincos_of_slots_at<32, 7>(q + 7, slot_joint, first_of_four, scratch.sine[0], scratch.cosine[0]);
+  dalembert::sincos_of_slots_at<32, 7, 4>(q + 7, slot_joint, first_of_four, scratch.sine[0], scratch.cosine[0]);
   for (const int i : first_of_four) dalembert::store<4, Scalar>(scratch.rate[0] + i, dalembert::gather<4>(v + 6, slot_joint + i));
   // The base: R = 1, p = 0, V; J = 1, dJ = ad(V) J
   // h = R hk + m p, S = R Sk R' + R hk p' + p (R hk)' + m p p'

@@ -120,6 +120,14 @@ std::string at_rest(const CodeInput& code, int sine, int cosine) {
   return text;
 }
 
+// Of sincos_of_slots(): how many slots, fours of them, and angles together where recursions take four limbs at most.
+std::string slots_text(const CodeInput& code) {
+  const auto& segments = code.plan.segments;
+  const bool by_fours =
+      code.plan.slots > 8 && std::none_of(segments.begin(), segments.end(), [](const auto& s) { return s.width > 4; });
+  return fmt::format("{}, {}{}", code.plan.slots, fours(code).size(), by_fours ? ", 4" : "");
+}
+
 std::string sines_text(const CodeInput& code, bool held) {
   const Joints joints(code);
   if (joints.turning.empty()) return "";
@@ -128,12 +136,11 @@ std::string sines_text(const CodeInput& code, bool held) {
   if (!plain(code))
     return "  // Sines and cosines of all angles together; slots without a turning joint stay at zero.\n" +
            spread(code, "scratch.angle[0]", "turning", joints.turning, held) +
-           fmt::format("  dalembert::sincos_of_slots<{}, {}>(scratch.angle[0], first_of_four, {}, {});\n", code.plan.slots,
-                       fours(code).size(), s, c);
+           fmt::format("  dalembert::sincos_of_slots<{}>(scratch.angle[0], first_of_four, {}, {});\n", slots_text(code), s, c);
   return fmt::format(
       "  // Sines and cosines of all angles together.\n"
-      "  dalembert::sincos_of_slots_at<{}, {}>(q + {}, slot_joint, first_of_four, {}, {});\n",
-      code.plan.slots, fours(code).size(), base_positions(code), s, c);
+      "  dalembert::sincos_of_slots_at<{}>(q + {}, slot_joint, first_of_four, {}, {});\n",
+      slots_text(code), base_positions(code), s, c);
 }
 
 // A kept role that is a joint's number of one of the function's vectors.

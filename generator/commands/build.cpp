@@ -52,7 +52,8 @@ bool is_straight(const std::string& text) {
   constexpr std::string_view include = "#include <dalembert/";
   for (size_t at = 0; (at = text.find(include, at)) != text.npos;) {
     const std::string_view file = std::string_view(text).substr(at += include.size());
-    if (!file.starts_with("sincos.hpp") && !file.starts_with("straight_line.hpp")) return false;
+    if (!file.starts_with("sincos.hpp") && !file.starts_with("straight_line.hpp") && !file.starts_with("narrow_packing.hpp"))
+      return false;
   }
   return true;
 }

@@ -124,13 +124,13 @@ template <int n>
 void sincos_at(const Counted* angle, const int* at, Counted* sine, Counted* cosine) {
   for (int i = 0; i < (n + 3) / 4 * 4; ++i) sine_and_cosine(angle[at[i]], sine[i], cosine[i]);
 }
-template <int slots, int fours>
+template <int slots, int fours, int most = 8>
 void sincos_of_slots(const Counted* angle, const int* first_of_four, Counted* sine, Counted* cosine) {
   for (int i = 0; i < fours; ++i)
     for (int slot = first_of_four[i]; slot < first_of_four[i] + 4; ++slot)
       sine_and_cosine(angle[slot], sine[slot], cosine[slot]);
 }
-template <int slots, int fours>
+template <int slots, int fours, int most = 8>
 void sincos_of_slots_at(const Counted* angle, const int* at, const int* first_of_four, Counted* sine, Counted* cosine) {
   for (int i = 0; i < fours; ++i)
     for (int slot = first_of_four[i]; slot < first_of_four[i] + 4; ++slot)

@@ -35,21 +35,16 @@ DALEMBERT_INLINE void hold(const Diagonal& diagonal, T* held) {
   for (int i = base; i < u; ++i) held[i] = of(diagonal(i));
 }
 
-// y of (A + mu N) y = to + mu N y, a few times over, and how much of it rows can bear. Of A the half below the diagonal is read
-// and spoilt.
-//
-// Of few coordinates: no number waits for more than it needs. The first `apart` of them have nothing to do with each other.
-template <int u, int apart, class T>
-DALEMBERT_INLINE void solve_support(T (&a)[u][u], const T (&held)[u], const T (&to)[u], T (&y)[u],
-                                    ConstraintStatus<T>& status) {
-  // A = L D L'. Pivots follow each other: a block of them inverted by itself would leave nothing right of rows that say what
-  // others say.
-  T reciprocals[u], L[u][u], of_L[u][u], inverse[u][u];
+// The inverse of a symmetric matrix of few coordinates, A = L D L', of which the half below the diagonal is read and spoilt. No
+// number waits for more than it needs. Pivots follow each other: a block of them inverted by itself would leave nothing right
+// of rows that say what others say.
+template <int u, class T>
+DALEMBERT_INLINE void invert_few(T (&a)[u][u], T (&inverse)[u][u]) {
+  T reciprocals[u], L[u][u], of_L[u][u];
   const auto behind = [](auto of_j, const auto& f) DALEMBERT_IN_BLOCK {
-    constexpr int j = decltype(of_j)::value, from = j + 1 > apart ? j + 1 : apart;
+    constexpr int from = decltype(of_j)::value + 1;
     for_constants<u - from>([&](auto i) DALEMBERT_IN_BLOCK { f(std::integral_constant<int, from + decltype(i)::value>{}); });
   };
-  for_constants<u>([&](auto i) DALEMBERT_IN_BLOCK { a[i][i] += held[i]; });
   for_constants<u>([&](auto j) DALEMBERT_IN_BLOCK {
     reciprocals[j] = T(1) / a[j][j];
     behind(j, [&](auto i) DALEMBERT_IN_BLOCK {
@@ -59,8 +54,7 @@ DALEMBERT_INLINE void solve_support(T (&a)[u][u], const T (&held)[u], const T (&
       });
     });
   });
-  // L^-1, and A^-1 by it: products are over sooner than one row behind another.
-  for_constants<u>([&](auto j) DALEMBERT_IN_BLOCK {
+  for_constants<u>([&](auto j) DALEMBERT_IN_BLOCK {  // L^-1
     behind(j, [&](auto i) DALEMBERT_IN_BLOCK {
       T sum = L[i][j];
       behind(j, [&](auto k) DALEMBERT_IN_BLOCK {
@@ -69,25 +63,19 @@ DALEMBERT_INLINE void solve_support(T (&a)[u][u], const T (&held)[u], const T (&
       of_L[i][j] = -sum;
     });
   });
-  Redundancy<T> redundancy;
   for_constants<u>([&](auto j) DALEMBERT_IN_BLOCK {
-    for_constants<u>([&](auto i) DALEMBERT_IN_BLOCK {
-      if (i > j) return;
-      T sum = i == j ? reciprocals[j] : j >= apart ? of_L[j][i] * reciprocals[j] : T(0);
+    for_constants<decltype(j)::value + 1>([&](auto i) DALEMBERT_IN_BLOCK {
+      T sum = i == j ? reciprocals[j] : of_L[j][i] * reciprocals[j];
       behind(j, [&](auto k) DALEMBERT_IN_BLOCK { sum += of_L[k][i] * (reciprocals[k] * of_L[k][j]); });
       inverse[i][j] = sum;
-      if (i == j) redundancy.add(held[i] * sum);
-      else inverse[j][i] = sum;
+      if (i != j) inverse[j][i] = sum;
     });
   });
-  redundancy.tell(u, status);
-  const auto solve = [&](const T(&right)[u]) DALEMBERT_IN_BLOCK {
-    for_constants<u>([&](auto i) DALEMBERT_IN_BLOCK {
-      T sums[2] = {};
-      for_constants<u>([&](auto j) DALEMBERT_IN_BLOCK { sums[j % 2] += inverse[i][j] * right[j]; });
-      y[i] = sums[0] + sums[1];
-    });
-  };
+}
+
+// y of (A + mu N) y = to + mu N y, a few times over. solve: y by (A + mu N)^-1 of what it is given.
+template <int u, class T, class Solve>
+DALEMBERT_INLINE void approach(const T (&held)[u], const T (&to)[u], T (&y)[u], const Solve& solve) {
   solve(to);
   for_constants<Proximal<T>::steps - 1>([&](auto) DALEMBERT_IN_BLOCK {
     T right[u];
@@ -95,7 +83,74 @@ DALEMBERT_INLINE void solve_support(T (&a)[u][u], const T (&held)[u], const T (&
     solve(right);
   });
 }
-// Of many.
+
+// That y, and how much of it rows can bear. Of A the half below the diagonal is read and spoilt.
+template <int u, class T>
+DALEMBERT_INLINE void solve_support(T (&a)[u][u], const T (&held)[u], const T (&to)[u], T (&y)[u],
+                                    ConstraintStatus<T>& status) {
+  T inverse[u][u];
+  for_constants<u>([&](auto i) DALEMBERT_IN_BLOCK { a[i][i] += held[i]; });
+  invert_few(a, inverse);
+  Redundancy<T> redundancy;
+  for_constants<u>([&](auto i) DALEMBERT_IN_BLOCK { redundancy.add(held[i] * inverse[i][i]); });
+  redundancy.tell(u, status);
+  approach(held, to, y, [&](const T(&right)[u]) DALEMBERT_IN_BLOCK {
+    for_constants<u>([&](auto i) DALEMBERT_IN_BLOCK {
+      T sums[2] = {};
+      for_constants<u>([&](auto j) DALEMBERT_IN_BLOCK { sums[j % 2] += inverse[i][j] * right[j]; });
+      y[i] = sums[0] + sums[1];
+    });
+  });
+}
+// The same of a base along the world's axes: forces have nothing to do with each other, nor with moments about their own axes.
+template <class T>
+DALEMBERT_INLINE void solve_support_of_base(const T (&a)[6][6], const T (&held)[6], const T (&to)[6], T (&y)[6],
+                                            ConstraintStatus<T>& status) {
+  T of_force[3], lever[3][3], rest[3][3], inverse[3][3];
+  const auto others = [](auto i, const auto& f) DALEMBERT_IN_BLOCK {
+    f(std::integral_constant<int, (decltype(i)::value + 1) % 3>{});
+    f(std::integral_constant<int, (decltype(i)::value + 2) % 3>{});
+  };
+  for_constants<3>([&](auto i) DALEMBERT_IN_BLOCK {
+    of_force[i] = T(1) / (a[i][i] + held[i]);
+    others(i, [&](auto k) DALEMBERT_IN_BLOCK { lever[k][i] = a[3 + k][i] * of_force[i]; });
+  });
+  for_constants<3>([&](auto k) DALEMBERT_IN_BLOCK {
+    for_constants<decltype(k)::value + 1>([&](auto l) DALEMBERT_IN_BLOCK {
+      T own = a[3 + k][3 + l];
+      if (k == l) own += held[3 + k];
+      others(k, [&](auto i) DALEMBERT_IN_BLOCK {
+        if (i != l) own -= lever[k][i] * a[3 + l][i];
+      });
+      rest[k][l] = own;
+    });
+  });
+  invert_few(rest, inverse);
+  Redundancy<T> redundancy;
+  for_constants<3>([&](auto i) DALEMBERT_IN_BLOCK {
+    constexpr int next = (decltype(i)::value + 1) % 3, last = (decltype(i)::value + 2) % 3;
+    const T along = inverse[next][next] * lever[next][i] + inverse[next][last] * lever[last][i],
+            across = inverse[last][next] * lever[next][i] + inverse[last][last] * lever[last][i];
+    redundancy.add(held[i] * (of_force[i] + lever[next][i] * along + lever[last][i] * across));
+    redundancy.add(held[3 + i] * inverse[i][i]);
+  });
+  redundancy.tell(6, status);
+  approach(held, to, y, [&](const T(&right)[6]) DALEMBERT_IN_BLOCK {
+    T moment[3];
+    for_constants<3>([&](auto k) DALEMBERT_IN_BLOCK {
+      moment[k] = right[3 + k];
+      others(k, [&](auto i) DALEMBERT_IN_BLOCK { moment[k] -= lever[k][i] * right[i]; });
+    });
+    for_constants<3>([&](auto k) DALEMBERT_IN_BLOCK {
+      y[3 + k] = inverse[k][0] * moment[0] + inverse[k][1] * moment[1] + inverse[k][2] * moment[2];
+    });
+    for_constants<3>([&](auto i) DALEMBERT_IN_BLOCK {
+      y[i] = of_force[i] * right[i];
+      others(i, [&](auto k) DALEMBERT_IN_BLOCK { y[i] -= lever[k][i] * y[3 + k]; });
+    });
+  });
+}
+// The same of many coordinates.
 template <int u, class T>
 DALEMBERT_INLINE void solve_support_in_loops(T (&L)[u][u], const T (&held)[u], const T (&to)[u], T (&y)[u],
                                              ConstraintStatus<T>& status) {
@@ -190,7 +245,7 @@ DALEMBERT_INLINE ConstraintStatus<T> support_forces(const T* jacobian, const T* 
     for (int i = 0; i < u; ++i) lacking[i] = to[Without::at[i]];
     products_of_rows<all, Without>(jacobian, weight, A);
     hold<u, Without::base>([&](int i) { return A[i][i]; }, held);
-    if constexpr (u <= 8) solve_support<u, 0>(A, held, lacking, y, status);
+    if constexpr (u <= 8) solve_support(A, held, lacking, y, status);
     else solve_support_in_loops(A, held, lacking, y, status);
     each_piece<all>([&](auto lanes, auto at) DALEMBERT_IN_BLOCK {
       constexpr int w = decltype(lanes)::value, from = decltype(at)::value;
@@ -292,7 +347,7 @@ __attribute__((noinline)) static ConstraintStatus<T> support_at_points(const Axe
     constexpr int from = decltype(i)::value / 3 * 3, row = decltype(i)::value % 3;
     lacking[i] = turn[row] * to[from] + turn[3 + row] * to[from + 1] + turn[6 + row] * to[from + 2];
   });
-  solve_support<base, 3>(A, held, lacking, y, status);
+  solve_support_of_base(A, held, lacking, y, status);
   each_index<Rows::count>([&](auto c) DALEMBERT_IN_BLOCK {
     const T *const at = points + 3 * c, *const own = weight[c];
     T *const force = forces + Rows::first(c), moment[3];

@@ -130,9 +130,9 @@ DALEMBERT_BLOCK void sincos_row(const Read& read, T* sine, T* cosine) {
   constexpr int w = angle_lanes(n);
   sincos_each<(n + w - 1) / w, w>([](int i) { return w * i; }, read, sine, cosine);
 }
-template <int slots, int fours, class T, class Read>
+template <int slots, int fours, int most, class T, class Read>
 DALEMBERT_BLOCK void sincos_limbs(const Read& read, const int* first_of_four, T* sine, T* cosine) {
-  constexpr int w = angle_lanes(slots);
+  constexpr int w = least(angle_lanes(slots), most);
   if constexpr (w == 8) sincos_row<slots>(read, sine, cosine);
   else sincos_each<fours * 4 / w, w>([=](int i) { return first_of_four[i * w / 4] + i * w % 4; }, read, sine, cosine);
 }
@@ -151,15 +151,16 @@ DALEMBERT_BLOCK void sincos_at(const T* angle, const int* at, T* sine, T* cosine
 }
 
 // Of the angles of limbs: those of the slots first_of_four[0], … and the three behind each of them, so many fours. Other slots,
-// of `slots`, a multiple of eight, must hold numbers; theirs may be written or not.
-template <int slots, int fours, class T>
+// of `slots`, a multiple of eight, must hold numbers; theirs may be written or not. most: 4
+// where what comes behind takes no more slots at a time, and so waits for no more.
+template <int slots, int fours, int most = 8, class T>
 DALEMBERT_BLOCK void sincos_of_slots(const T* angle, const int* first_of_four, T* sine, T* cosine) {
-  detail::sincos_limbs<slots, fours>([angle](int i) { return angle[i]; }, first_of_four, sine, cosine);
+  detail::sincos_limbs<slots, fours, most>([angle](int i) { return angle[i]; }, first_of_four, sine, cosine);
 }
 // The angle of a slot is angle[at[slot]].
-template <int slots, int fours, class T>
+template <int slots, int fours, int most = 8, class T>
 DALEMBERT_BLOCK void sincos_of_slots_at(const T* angle, const int* at, const int* first_of_four, T* sine, T* cosine) {
-  detail::sincos_limbs<slots, fours>([angle, at](int i) { return angle[at[i]]; }, first_of_four, sine, cosine);
+  detail::sincos_limbs<slots, fours, most>([angle, at](int i) { return angle[at[i]]; }, first_of_four, sine, cosine);
 }
 
 }  // namespace dalembert
