@@ -313,8 +313,13 @@ Constrained<S> constrained_inverse_dynamics(const Model<S>& model, const Constra
   MatrixX<S> G = own.transpose() * weighted;
   // N of the base: one of its three axes, one about them, whichever way these stand.
   VectorX<S> held = options.mu * G.diagonal(), y = VectorX<S>::Zero(count);
-  for (Eigen::Index i = 0; i < model.base_rows(); i += 3)
-    if (i + 3 <= count) held.segment(i, 3).setConstant(held.segment(i, 3).sum() / S(3));
+  for (int first = 0; first < model.base_rows(); first += 3) {
+    std::vector<Eigen::Index> own;
+    S sum = S(0);
+    for (Eigen::Index i = 0; i < count; ++i)
+      if (const int k = undriven[static_cast<size_t>(i)]; k >= first && k < first + 3) own.push_back(i), sum += held[i];
+    for (const Eigen::Index i : own) held[i] = sum / S(static_cast<int>(own.size()));
+  }
   for (Eigen::Index i = 0; i < count; ++i) {
     if (!(held[i] > S(0))) held[i] = options.mu;
     G(i, i) += held[i];
