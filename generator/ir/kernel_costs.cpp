@@ -132,16 +132,17 @@ Operations derive(const Kernel& kernel, const KinematicTree& tree, bool executed
 Operations support_at_points(const Kernel& kernel) {
   Sum o;
   const ConstraintPaths& paths = kernel.paths;
-  o.multiply_adds(18);  // what is lacking, along these axes
-  o.divide += 6;
-  o.multiply_adds(22 + kernel.solutions * 30);
-  o.multiply += 12;
+  const long solutions = kernel.solutions;
+  o.multiply += 18, o.add += 12;  // what is lacking, along these axes
+  o.divide += 6;                  // forces, and the inverse of what moments have left
+  o.multiply += 16;
+  o.multiply_adds(18);
+  o.multiply += 6 * solutions;
+  o.multiply_adds(18 * solutions + 6 * (solutions - 1));
   for (std::size_t c = 0; c + 1 < paths.first.size(); ++c) {
-    const bool weld = rows_of(paths, c) > 3;
-    o.multiply_adds(15 + 15 + 18 +
-                    6L * (paths.length(c) - 6));  // products of rows; force and moment; along the base's axes; joints
-    o.add += 6 + (weld ? 6 : 0);
-    if (weld) o.multiply += 3;
+    o.multiply += 48, o.add += 45;  // products of rows, force and moment, both along the base's axes and taken from the base
+    if (rows_of(paths, c) > 3) o.multiply += 3, o.add += 6;
+    o.multiply_adds(6L * (paths.length(c) - 6));
   }
   return o;
 }
