@@ -614,7 +614,7 @@ std::string definitions(const CodeInput& function) {
 }
 
 std::string source(const Folder& folder, const std::string& banner) {
-  std::set<std::string> headers{"narrow_packing"};
+  std::set<std::string> headers{"narrow_packing"};  // for whatever is written here
   for (const CodeInput* f : folder.sections())
     for (const CodeInput* form : {f, f->elsewhere})
       if (form)

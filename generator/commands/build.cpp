@@ -49,10 +49,10 @@ void generate_part(const Library& library, size_t p, std::vector<backend::Output
 
 // Whether it is lines of operations alone: no function of the runtime in it is inlined here and called there.
 bool is_straight(const std::string& text) {
-  constexpr std::string_view include = "#include <dalembert/";
+  constexpr std::string_view include = "#include <dalembert/", of_lines[] = {"sincos.", "straight_line.", "narrow_packing."};
   for (size_t at = 0; (at = text.find(include, at)) != text.npos;) {
     const std::string_view file = std::string_view(text).substr(at += include.size());
-    if (!file.starts_with("sincos.hpp") && !file.starts_with("straight_line.hpp") && !file.starts_with("narrow_packing.hpp"))
+    if (std::none_of(std::begin(of_lines), std::end(of_lines), [&](std::string_view name) { return file.starts_with(name); }))
       return false;
   }
   return true;
