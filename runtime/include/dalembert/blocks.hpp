@@ -57,8 +57,8 @@ DALEMBERT_BLOCK void cross_tiles(const Joints<T, nl>& lower, const BranchTable& 
         at.row_above[l] = above.first_row[l] + r0, at.left_above[l] = above.length[l] - r0;
         at.row_below[l] = limbs.first_row[l] + c0, at.left_below[l] = above.length[l] > 0 ? limbs.length[l] - c0 : 0;
       });
-      tiles_of<out, Standing, width, decltype(rows)::value, decltype(below)::value, false, T>(Kinds{}, p, up.from(r0), at,
-                                                                                              matrices, leading);
+      tiles_of<out, Standing, width, decltype(rows)::value, decltype(below)::value, together<T>(width, steps), false, T>(
+          Kinds{}, p, up.from(r0), at, matrices, leading);
     });
   });
 }
@@ -76,7 +76,8 @@ DALEMBERT_BLOCK void limb_tiles(const Joints<T, nl>& lower, const Joints<T, nu>&
         at.row_above[l] = limbs.first_row[l] + r0, at.left_above[l] = limbs.length[l] - r0;
         at.row_below[l] = limbs.first_row[l] + c0, at.left_below[l] = limbs.length[l] - c0;
       });
-      tiles_of<out, EachAbove, width, decltype(rows)::value, decltype(below)::value, decltype(diagonal)::value, T>(
+      constexpr int pack = together<T>(width, steps);
+      tiles_of<out, EachAbove, width, decltype(rows)::value, decltype(below)::value, pack, decltype(diagonal)::value, T>(
           Kinds{}, p, upper.from(r0), at, matrices, leading);
     };
     repeat<out, (steps - 1) / 4>(
@@ -244,7 +245,7 @@ DALEMBERT_BLOCK void base_rows(const T* force, int stride, const BranchTable& li
     const BranchTable these = limbs.from(lane);
     detail::each_tile<block_written_out(steps), steps>(0, steps, [&](int r0, auto size) DALEMBERT_IN_BLOCK {
       constexpr int rows = decltype(size)::value;
-      constexpr int pack = std::is_same_v<To, T*> && rows > 2 ? detail::together<T>(n, rows) : 1;
+      constexpr int pack = std::is_same_v<To, T*> && rows > 2 ? detail::together<T>(n, steps) : 1;
       detail::base_rows_from<n, rows, pack, T>(r0, lanes_for(count), force, stride, these, matrix, leading);
     });
   });

@@ -98,11 +98,12 @@ DALEMBERT_INLINE void transpose_pair(const Lanes<T, 2>* rows, Lanes<T, 2>* out) 
 }
 
 // Steps of limbs that share a register: their slots follow one another, and where registers hold twice as many numbers as there
-// are limbs that takes half the instructions, and of turning rows into columns a third.
+// are limbs that takes half the instructions, and of turning rows into columns a third. Not of short limbs: there the last step
+// has been stored just before, and who reads two steps at once waits until both have reached the cache.
 template <class T>
 constexpr int together(int width, int steps) {
   const bool fits = (width == 4 || width == 2) && 2 * width <= doubles_in_register;
-  return shuffles_in_registers && std::is_same_v<T, double> && fits && steps > 1 ? 2 : 1;
+  return shuffles_in_registers && std::is_same_v<T, double> && fits && steps > 3 ? 2 : 1;
 }
 
 // Four steps of four limbs in two registers: turned[l] has limb l's.

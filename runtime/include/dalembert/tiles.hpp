@@ -129,10 +129,11 @@ struct OneAbove {
     return broadcast<n * times, T>(*from);
   }
 };
-// Up to four joints above by as many below, for `width` limbs at once: [above][below].
-template <int width, int columns, class T>
+// Up to four joints above by as many below, for `lanes` limbs at once, of `pack` joints below in a register: [above][below].
+template <int limbs, int below, int packed, class T>
 struct Tile {
-  static constexpr int pack = together<T>(width, columns), groups = (columns + pack - 1) / pack;
+  using Number = T;
+  static constexpr int width = limbs, columns = below, pack = below > 1 ? packed : 1, groups = (columns + pack - 1) / pack;
   Lanes<T, width * pack> at[4][groups];
 
   DALEMBERT_INLINE Lanes<T, width> operator()(int r, int c) const {
@@ -158,9 +159,9 @@ constexpr bool wanted_group(Part part, int r, int g) {
 }
 
 // One component's products: tile[r][c] = or += below[c] · above[r]. Every value is read once, and the tile stays in registers.
-template <bool set, Part part, class Standing, int width, int rows, int columns, class T>
-DALEMBERT_BLOCK void component(Tile<width, columns, T>& tile, const T* below, int below_step, const T* above, int above_step) {
-  constexpr int pack = Tile<width, columns, T>::pack, groups = Tile<width, columns, T>::groups, n = width * pack;
+template <bool set, Part part, class Standing, int rows, class Tile, class T>
+DALEMBERT_BLOCK void component(Tile& tile, const T* below, int below_step, const T* above, int above_step) {
+  constexpr int width = Tile::width, columns = Tile::columns, pack = Tile::pack, groups = Tile::groups, n = width * pack;
   Lanes<T, n> b[groups];
   lanes<groups>([&](int g) DALEMBERT_IN_BLOCK { b[g] = load<n, T>(below + g * pack * below_step); });
   lanes<rows>([&](int r) DALEMBERT_IN_BLOCK {
@@ -174,42 +175,40 @@ DALEMBERT_BLOCK void component(Tile<width, columns, T>& tile, const T* below, in
 }
 
 // tile[r][c] = or += Σ_j below[j][c] · above[j][r], component by component, three of them.
-template <bool from_zero, Part part, class Standing, int width, int rows, int columns, class T>
-DALEMBERT_BLOCK void products(Tile<width, columns, T>& tile, const T* below, int below_step, int below_stride, const T* above,
-                              int above_step, int above_stride) {
+template <bool from_zero, Part part, class Standing, int rows, class Tile, class T>
+DALEMBERT_BLOCK void products(Tile& tile, const T* below, int below_step, int below_stride, const T* above, int above_step,
+                              int above_stride) {
   lanes<3>([&](int j) DALEMBERT_IN_BLOCK {
     const T *from_below = below + j * below_stride, *from_above = above + j * above_stride;
-    if (from_zero && j == 0)
-      component<true, part, Standing, width, rows, columns, T>(tile, from_below, below_step, from_above, above_step);
-    else component<false, part, Standing, width, rows, columns, T>(tile, from_below, below_step, from_above, above_step);
+    if (from_zero && j == 0) component<true, part, Standing, rows>(tile, from_below, below_step, from_above, above_step);
+    else component<false, part, Standing, rows>(tile, from_below, below_step, from_above, above_step);
   });
 }
 
 // The same as a loop that no compiler unrolls: less code. It starts from zeros.
-template <bool from_zero, Part part, class Standing, int width, int rows, int columns, class T>
-DALEMBERT_BLOCK void products_in_loop(Tile<width, columns, T>& tile, const T* below, int below_step, int below_stride,
-                                      const T* above, int above_step, int above_stride) {
+template <bool from_zero, Part part, class Standing, int rows, class Tile, class T>
+DALEMBERT_BLOCK void products_in_loop(Tile& tile, const T* below, int below_step, int below_stride, const T* above,
+                                      int above_step, int above_stride) {
   if constexpr (from_zero)
     lanes<rows>([&](int r) DALEMBERT_IN_BLOCK {
-      constexpr int pack = Tile<width, columns, T>::pack, groups = Tile<width, columns, T>::groups;
-      lanes<groups>([&](int g) DALEMBERT_IN_BLOCK {
-        if (wanted_group<pack, columns>(part, r, g)) tile.at[r][g] = Lanes<T, width * pack>{};
+      lanes<Tile::groups>([&](int g) DALEMBERT_IN_BLOCK {
+        if (wanted_group<Tile::pack, Tile::columns>(part, r, g)) tile.at[r][g] = Lanes<T, Tile::width * Tile::pack>{};
       });
     });
   DALEMBERT_KEEP_LOOP
   for (int j = 0; j < 3; ++j)
-    component<false, part, Standing, width, rows, columns, T>(tile, below + j * below_stride, below_step,
-                                                              above + j * above_stride, above_step);
+    component<false, part, Standing, rows>(tile, below + j * below_stride, below_step, above + j * above_stride, above_step);
 }
 
 // Products of `rows` joints above with `columns` below.
-template <bool loop, Part part, class Standing, int width, int rows, int columns, class T>
+template <bool loop, Part part, class Standing, int rows, class Tile>
 struct Products {
+  using T = typename Tile::Number;
   int below_step, below_stride, above_step, above_stride;
 
   // The sum of the terms, factor by factor.
   template <int nl, int nu, int lower, int upper, class... Rest>
-  DALEMBERT_INLINE void fill(Tile<width, columns, T>& tile, const Joints<T, nl>& below, const Joints<T, nu>& above,
+  DALEMBERT_INLINE void fill(Tile& tile, const Joints<T, nl>& below, const Joints<T, nu>& above,
                              Sum<Term<lower, upper>, Rest...>) const {
     sum<true>(tile, below.at[lower], above.at[upper]);
     add(tile, below, above, Sum<Rest...>{});
@@ -217,22 +216,19 @@ struct Products {
 
  private:
   template <int nl, int nu>
-  DALEMBERT_INLINE void add(Tile<width, columns, T>&, const Joints<T, nl>&, const Joints<T, nu>&, Sum<>) const {}
+  DALEMBERT_INLINE void add(Tile&, const Joints<T, nl>&, const Joints<T, nu>&, Sum<>) const {}
   template <int nl, int nu, int lower, int upper, class... Rest>
-  DALEMBERT_INLINE void add(Tile<width, columns, T>& tile, const Joints<T, nl>& below, const Joints<T, nu>& above,
+  DALEMBERT_INLINE void add(Tile& tile, const Joints<T, nl>& below, const Joints<T, nu>& above,
                             Sum<Term<lower, upper>, Rest...>) const {
     sum<false>(tile, below.at[lower], above.at[upper]);
     add(tile, below, above, Sum<Rest...>{});
   }
 
   template <bool from_zero>
-  DALEMBERT_INLINE void sum(Tile<width, columns, T>& tile, const T* below, const T* above) const {
+  DALEMBERT_INLINE void sum(Tile& tile, const T* below, const T* above) const {
     if constexpr (loop)
-      products_in_loop<from_zero, part, Standing, width, rows, columns, T>(tile, below, below_step, below_stride, above,
-                                                                           above_step, above_stride);
-    else
-      products<from_zero, part, Standing, width, rows, columns, T>(tile, below, below_step, below_stride, above, above_step,
-                                                                   above_stride);
+      products_in_loop<from_zero, part, Standing, rows>(tile, below, below_step, below_stride, above, above_step, above_stride);
+    else products<from_zero, part, Standing, rows>(tile, below, below_step, below_stride, above, above_step, above_stride);
   }
 };
 
@@ -249,9 +245,9 @@ DALEMBERT_INLINE V second_halves(const V& x, const V& y, std::integer_sequence<i
 }
 
 // What stands below a tile's diagonal, from another's above it, rows and columns exchanged.
-template <int width, int columns, class T>
-DALEMBERT_BLOCK void mirror(Tile<width, columns, T>& tile, const Tile<width, columns, T>& below) {
-  constexpr int pack = Tile<width, columns, T>::pack;
+template <class Tile>
+DALEMBERT_BLOCK void mirror(Tile& tile, const Tile& below) {
+  constexpr int width = Tile::width, columns = Tile::columns, pack = Tile::pack;
   lanes<columns>([&](int r) DALEMBERT_IN_BLOCK {
     if constexpr (pack == 1) {
       lanes<columns>([&](int c) DALEMBERT_IN_BLOCK {
@@ -279,8 +275,8 @@ struct Place {
 // Whether a tile is stored a register at a time, without taking its limbs apart first.
 template <class From, class To>
 constexpr bool turns_packed = false;
-template <int width, int columns, class T>
-constexpr bool turns_packed<Tile<width, columns, T>, T*> = Tile<width, columns, T>::pack == 2;
+template <int width, int columns, int pack, class T>
+constexpr bool turns_packed<Tile<width, columns, pack, T>, T*> = Tile<width, columns, pack, T>::pack == 2;
 
 // Stores tile[above][below] as columns of the lower limb's joints (rows run over `above`), or of the upper limb's.
 template <bool by_upper, int rows, int columns, int width, class T, class From, class To>
@@ -317,39 +313,41 @@ DALEMBERT_BLOCK void put(const To& matrix, int leading, const From& tile, const 
 }
 
 // Both triangles of an off-diagonal tile of `rows` joints above by `columns` below, or the whole of a diagonal one.
-template <bool out, class Standing, int width, int rows, int columns, bool diagonal, class T, int nl, int nu, class AboveSum,
-          class To>
+template <bool out, class Standing, int width, int rows, int columns, int pack, bool diagonal, class T, int nl, int nu,
+          class AboveSum, class To>
 DALEMBERT_BLOCK void tile_of(Symmetric<AboveSum>, const Joints<T, nl>& lower, const Joints<T, nu>& up, const Place<width>& at,
                              const To& matrix, int leading) {
+  using Filled = Tile<width, columns, pack, T>;
   constexpr bool loop = products_loop(out, rows, columns, diagonal);
-  const Products<loop, diagonal ? Part::upper : Part::all, Standing, width, rows, columns, T> products{lower.step, lower.stride,
-                                                                                                       up.step, up.stride};
-  Tile<width, columns, T> m;
+  const Products<loop, diagonal ? Part::upper : Part::all, Standing, rows, Filled> products{lower.step, lower.stride, up.step,
+                                                                                            up.stride};
+  Filled m;
   products.fill(m, lower, up, AboveSum{});
   if constexpr (diagonal) {
-    mirror<width, columns, T>(m, m);
+    mirror(m, m);
     put<false, rows, columns, width, T>(matrix, leading, m, at);
   } else {
     put<false, rows, columns, width, T>(matrix, leading, m, at);
     put<true, rows, columns, width, T>(matrix, leading, m, at);
   }
 }
-template <bool out, class Standing, int width, int rows, int columns, bool diagonal, class T, int nl, int nu, class AboveSum,
-          class BelowSum, class To>
+template <bool out, class Standing, int width, int rows, int columns, int pack, bool diagonal, class T, int nl, int nu,
+          class AboveSum, class BelowSum, class To>
 DALEMBERT_BLOCK void tile_of(Square<AboveSum, BelowSum>, const Joints<T, nl>& lower, const Joints<T, nu>& up,
                              const Place<width>& at, const To& matrix, int leading) {
+  using Filled = Tile<width, columns, pack, T>;
   constexpr bool loop = products_loop(out, rows, columns, diagonal);
-  const Products<loop, diagonal ? Part::upper : Part::all, Standing, width, rows, columns, T> products{lower.step, lower.stride,
-                                                                                                       up.step, up.stride};
-  const Products<loop, diagonal ? Part::strictly_upper : Part::all, Standing, width, rows, columns, T> others{
-      lower.step, lower.stride, up.step, up.stride};
-  Tile<width, columns, T> above;  // element (i, k)
+  const Products<loop, diagonal ? Part::upper : Part::all, Standing, rows, Filled> products{lower.step, lower.stride, up.step,
+                                                                                            up.stride};
+  const Products<loop, diagonal ? Part::strictly_upper : Part::all, Standing, rows, Filled> others{lower.step, lower.stride,
+                                                                                                   up.step, up.stride};
+  Filled above;  // element (i, k)
   products.fill(above, lower, up, AboveSum{});
   if constexpr (!diagonal) put<false, rows, columns, width, T>(matrix, leading, above, at);
-  Tile<width, columns, T> below;  // element (k, i)
+  Filled below;  // element (k, i)
   others.fill(below, lower, up, BelowSum{});
   if constexpr (diagonal) {
-    mirror<width, columns, T>(above, below);
+    mirror(above, below);
     put<false, rows, columns, width, T>(matrix, leading, above, at);
   } else {
     put<true, rows, columns, width, T>(matrix, leading, below, at);
@@ -357,13 +355,13 @@ DALEMBERT_BLOCK void tile_of(Square<AboveSum, BelowSum>, const Joints<T, nl>& lo
 }
 
 // The same tile of every matrix.
-template <bool out, class Standing, int width, int rows, int columns, bool diagonal, class T, int nl, int nu, class To,
-          class... Kinds>
+template <bool out, class Standing, int width, int rows, int columns, int pack, bool diagonal, class T, int nl, int nu,
+          class To, class... Kinds>
 DALEMBERT_BLOCK void tiles_of(Matrices<Kinds...>, const Joints<T, nl>& lower, const Joints<T, nu>& up, const Place<width>& at,
                               const To* matrices, int leading) {
   int m = 0;
   (void)std::initializer_list<int>{
-      (tile_of<out, Standing, width, rows, columns, diagonal, T>(Kinds{}, lower, up, at, matrices[m++], leading), 0)...};
+      (tile_of<out, Standing, width, rows, columns, pack, diagonal, T>(Kinds{}, lower, up, at, matrices[m++], leading), 0)...};
 }
 
 }  // namespace detail
