@@ -10,6 +10,7 @@
 #include "commands/output.hpp"
 #include "commands/timing.hpp"
 #include "compile.hpp"
+#include "ir/moved_links.hpp"
 #include "ir/plan_words.hpp"
 #include "left_out.hpp"
 
@@ -174,9 +175,9 @@ std::string parts_text(const Model& model) {
   std::string text;
   for (const Output& output : outputs_of(model)) {
     if (!output.part) continue;
-    const auto of = [&](const auto& row) { return ir::in_words(*output.part, row.rows, row.columns, model.tree); };
+    const auto [rows, columns] = output.axes();
     text += fmt::format("  {}, {} x {}, {}\n", output.name, output.rows, output.columns,
-                        output.quantity ? of(ir::row_of(*output.quantity)) : of(ir::row_of(output.of_link)));
+                        ir::in_words(*output.part, rows, columns, model.tree));
   }
   return text.empty() ? "" : "\nparts of results:\n" + text;
 }
@@ -237,7 +238,7 @@ std::string plan_json(const Lowered& lowered) {
 // Per function and width of registers, what the estimates are made of.
 std::string features_json(const Model& model, const Lowered& lowered) {
   std::string text;
-  for (const int lanes : {2, 4, 8})
+  for (const int lanes : backend::register_widths)
     for (const auto& [function, values] : features(model, lowered, lanes)) {
       std::string list;
       for (size_t i = 0; i < values.size(); ++i)
@@ -282,12 +283,9 @@ std::string describe(const Model& model) {
 
 std::string describe_json(const Model& model) {
   const ir::KinematicTree& tree = model.tree;
-  std::vector<std::string> joints, bodies;
-  if (tree.base_coordinates() > 0) bodies.push_back(tree.base_link);
-  for (const ir::Body& body : tree.bodies) {
+  std::vector<std::string> joints;
+  for (const ir::Body& body : tree.bodies)
     if (body.independent()) joints.push_back(body.joint);
-    bodies.push_back(body.name);
-  }
   const Lowered lowered = lower(model);
   const std::vector<OperationCost> before = too_large_to_compare(lowered) ? std::vector<OperationCost>{} : costs_before(model);
   return fmt::format(
@@ -295,7 +293,7 @@ std::string describe_json(const Model& model) {
       "  \"bodies\": {},\n{}  \"workspace_bytes\": {},\n  \"quantities\": {{{}\n  }},\n  \"without_scene\": {{{}\n  }},\n"
       "  \"executed\": {{{}\n  }},\n  \"plan\": {{{}\n  }},\n  \"estimates\": {{{}\n  }}\n}}\n",
       json_string(tree.robot), json_string(model.name), ir::row_of(tree.base_joint).word, tree.nq(), tree.nv(),
-      json_array(joints), json_array(bodies), parts_json(model), workspace_bytes(model, lowered),
+      json_array(joints), json_array(ir::names_of_links(tree)), parts_json(model), workspace_bytes(model, lowered),
       quantities_json(operation_costs(lowered, tree)), quantities_json(before),
       executed_json(executed_operations(model, lowered)), plan_json(lowered), features_json(model, lowered));
 }

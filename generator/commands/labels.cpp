@@ -4,6 +4,8 @@
 
 #include <utility>
 
+#include "ir/moved_links.hpp"
+
 namespace dalembert {
 namespace {
 
@@ -33,9 +35,7 @@ Names coordinate_names(const ir::KinematicTree& tree) {
 
 Names per_body(const ir::KinematicTree& tree, const Names& parts) {
   Names names;
-  if (tree.base_coordinates() > 0) append(names, behind(tree.base_link, parts));
-  for (const ir::Body& body : tree.bodies)
-    if (body.part + 1 == body.parts) append(names, behind(body.name, parts));
+  for (const std::string& link : ir::names_of_links(tree)) append(names, behind(link, parts));
   return names;
 }
 
@@ -81,9 +81,7 @@ Names names_along(ir::Extent extent, const Model& model) {
 }  // namespace
 
 Labels labels_of(const Model& model, const Output& output) {
-  const auto [rows, columns] = output.quantity
-                                   ? std::pair(ir::row_of(*output.quantity).rows, ir::row_of(*output.quantity).columns)
-                                   : std::pair(ir::row_of(output.of_link).rows, ir::row_of(output.of_link).columns);
+  const auto [rows, columns] = output.axes();
   const auto asked = [](Names all, const std::optional<std::vector<int>>& numbers) {
     if (!numbers) return all;
     Names some;

@@ -57,10 +57,16 @@ std::vector<Output> named_outputs(const Model& model) {
 
 }  // namespace
 
+std::pair<ir::Extent, ir::Extent> Output::axes() const {
+  const auto of = [](const auto& row) { return std::pair(row.rows, row.columns); };
+  return quantity ? of(ir::row_of(*quantity)) : of(ir::row_of(of_link));
+}
+
+const char* Output::registered() const { return quantity ? ir::row_of(*quantity).name : ir::row_of(of_link).name; }
+
 ir::Selection Output::selection() const {
-  const ir::Part* const asked = part ? &*part : nullptr;
-  if (quantity) return ir::selection(asked, ir::row_of(*quantity).rows, ir::row_of(*quantity).columns);
-  return ir::selection(asked, ir::row_of(of_link).rows, ir::row_of(of_link).columns);
+  const auto [along_rows, along_columns] = axes();
+  return ir::selection(part ? &*part : nullptr, along_rows, along_columns);
 }
 
 Output output_named(const Model& model, const std::string& name) {

@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "ir/emitted_function.hpp"
@@ -20,6 +21,9 @@ struct Output {
   ir::EmittedFunction function{};  // that computes it; of a standard one without its quantities
   std::optional<ir::Part> part{};  // of the result, where it is not wanted whole
 
+  // What its rows and columns are, and the word for all that is computed like it: mass_matrix, jacobian.
+  std::pair<ir::Extent, ir::Extent> axes() const;
+  const char* registered() const;
   ir::Selection selection() const;
 };
 

@@ -12,6 +12,7 @@
 
 #include "backend/templates.hpp"
 #include "commands/compiler.hpp"
+#include "commands/labels.hpp"
 #include "commands/output.hpp"
 #include "compile.hpp"
 
@@ -50,12 +51,9 @@ std::string results_table(const Model& model) {
   for (const Output& output : outputs_of(model)) {
     const std::string more = output.function.input();
     const std::string call = fmt::format("`{}(q, v{}, workspace)`", output.function.name, more.empty() ? "" : ", " + more);
-    const auto row = [&](const auto& from) {
-      text += fmt::format("| {} | `{}` | {} | {} | {} |\n", call, output.name, shape(output.rows, output.columns), from.unit,
-                          from.help);
-    };
-    if (output.quantity) row(ir::row_of(*output.quantity));
-    else row(ir::row_of(output.of_link));
+    const Words words = words_of(output);
+    text += fmt::format("| {} | `{}` | {} | {} | {} |\n", call, output.name, shape(output.rows, output.columns), words.unit,
+                        words.help);
   }
   return text;
 }

@@ -7,6 +7,7 @@
 
 #include "ir/emitted_function.hpp"
 #include "ir/identifier.hpp"
+#include "ir/kernel.hpp"
 #include "ir/library_names.hpp"
 
 namespace dalembert::frontend {
@@ -95,6 +96,11 @@ constexpr const char* of_constrained_derivatives[] = {"constrained_derivatives",
                                                       "constrained_derivatives_turned",
                                                       "constrained_derivatives_turning_room"};
 
+// What one has besides where loops are embedded.
+constexpr const char* of_linkages[] = {
+    "linkage_status",      "followers", "follower_rates", "speeds_of_all_joints", "accelerations_of_all_joints",
+    "forces_of_all_joints"};
+
 // What the code has of a function besides its results.
 std::vector<std::string> names_of(const ir::EmittedFunction& function) {
   std::vector<std::string> names{function.name, function.type + "Scratch", function.type + "TaskGraph",
@@ -103,6 +109,7 @@ std::vector<std::string> names_of(const ir::EmittedFunction& function) {
     names.push_back(function.type + type);
   for (const char* word : {"_batch", "_batch_tasks", "_batch_blocks", "_batch_results"}) names.push_back(function.name + word);
   for (const char* word : own) names.push_back(function.own_name(word));
+  for (const std::string& status : ir::kernel_statuses()) names.push_back(function.own_name(status));
   const auto may_compute = [&](ir::Quantity quantity) {
     return function.named ? function.computes(quantity) : function.inputs == ir::Function::forward_dynamics;
   };
@@ -165,9 +172,7 @@ std::vector<TakenName> taken_names(const ir::Scene& scene) {
     for (size_t i = 0; i < scene.embedded.size(); ++i)  // linkages are no more
       taken.insert("Linkage" + std::to_string(i));
     for (const char* function : {"", "inverse_dynamics_", "forward_dynamics_"})
-      for (const char* member : {"linkage_status", "followers", "follower_rates", "speeds_of_all_joints",
-                                 "accelerations_of_all_joints", "forces_of_all_joints"})
-        taken.insert(std::string(function) + member);
+      for (const char* member : of_linkages) taken.insert(std::string(function) + member);
   }
   std::vector<std::string> of_links;
   for (const ir::LinkOutput& output : scene.link_outputs()) add_names_of_result(ir::name_of(output), of_links);
@@ -176,6 +181,8 @@ std::vector<TakenName> taken_names(const ir::Scene& scene) {
   for (const ir::NamedFunction& f : scene.functions) {
     const ir::EmittedFunction function = ir::named_function(f.name, f.quantities, f.of_links);
     std::vector<std::string> names = names_of(function);
+    if (!scene.embedded.empty())
+      for (const char* member : of_linkages) names.push_back(function.own_name(member));
     for (const ir::Quantity quantity : function.quantities) add_names_of_result(function.result(quantity), names);
     for (const ir::LinkOutput& output : function.of_links) add_names_of_result(function.result(output), names);
     const auto clash = std::find_if(names.begin(), names.end(), [&](const std::string& name) {

@@ -56,6 +56,13 @@ std::vector<int> arrays_with(const Kernel& kernel, std::initializer_list<Access>
 }  // namespace
 
 const KernelRow& row_of(Kernel::Kind kind) { return whole_row(kind).row; }
+std::vector<std::string> kernel_statuses() {
+  std::vector<std::string> all;
+  for (const WholeRow& whole : rows)
+    if (*whole.row.status != 0 && std::find(all.begin(), all.end(), whole.row.status) == all.end())
+      all.push_back(whole.row.status);
+  return all;
+}
 const OperandRow& row_of(Operand operand) { return operands[static_cast<std::size_t>(operand)]; }
 
 KernelArgument kernel_argument(const std::string& text) {

@@ -68,6 +68,8 @@ struct KernelRow {
   const char *name, *header, *status, *meaning;
 };
 const KernelRow& row_of(Kernel::Kind kind);
+// The members of workspaces in which kernels tell how they fared, each once.
+std::vector<std::string> kernel_statuses();
 struct OperandRow {
   const char *name, *meaning;
 };

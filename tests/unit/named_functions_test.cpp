@@ -129,6 +129,18 @@ TEST(NamedFunctions, AreNotCalledLikeWhatEveryHeaderHas) {
     EXPECT_EQ(frontend::taken_names(scene_of({}, {{name, {Quantity::gravity}}})).size(), 1u) << name;
 }
 
+// Nor like what says how another's constraints fared, which C's interface has a function for; nor what keeps another's
+// linkages.
+TEST(NamedFunctions, AreNotCalledLikeTheStatusOfAnother) {
+  for (const char* name :
+       {"constraint_status", "impact_status", "forward_dynamics_impact_status", "inverse_dynamics_support_status"})
+    EXPECT_EQ(frontend::taken_names(scene_of({}, {{name, {Quantity::gravity}}})).size(), 1u) << name;
+  ir::Scene scene = scene_of({}, {{"lean", {Quantity::mass_matrix}}, {"lean_linkage_status", {Quantity::gravity}}});
+  EXPECT_TRUE(frontend::taken_names(scene).empty());
+  scene.embedded.emplace_back();
+  EXPECT_EQ(frontend::taken_names(scene).size(), 1u);
+}
+
 // What depends on the accelerations that M's factors give is a function behind the first, which users do not see; dv'/dv does
 // not.
 TEST(NamedFunctions, AreComputedInSectionsWhereAccelerationsComeLate) {

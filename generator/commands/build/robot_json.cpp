@@ -8,6 +8,7 @@
 
 #include "commands/json.hpp"
 #include "commands/labels.hpp"
+#include "ir/moved_links.hpp"
 
 namespace dalembert {
 
@@ -23,22 +24,13 @@ std::string array(const std::vector<std::string>& items) { return fmt::format("[
 
 // The registry's row of an output: its axes without those of extent one, symbol, unit and help.
 std::string output_json(const Output& output, const std::string& of_function, const Model& model) {
+  const auto [rows, columns] = output.axes();
   std::vector<std::string> shape;
-  std::string symbol, unit, help, quantity;
-  const auto read = [&](const auto& row) {
-    if (row.rows != ir::Extent::one) shape.push_back(std::to_string(output.rows));
-    if (row.columns != ir::Extent::one) shape.push_back(std::to_string(output.columns));
-    quantity = row.name;
-    unit = row.unit;
-    help = row.help;
-    if (output.part) help += fmt::format(". Here {}", ir::in_words(*output.part, row.rows, row.columns, model.tree));
-  };
-  if (output.quantity) {
-    read(ir::row_of(*output.quantity));
-    symbol = ir::row_of(*output.quantity).symbol;
-  } else {
-    read(ir::row_of(output.of_link));
-  }
+  if (rows != ir::Extent::one) shape.push_back(std::to_string(output.rows));
+  if (columns != ir::Extent::one) shape.push_back(std::to_string(output.columns));
+  const Words words = words_of(output);
+  std::string help = words.help;
+  if (output.part) help += fmt::format(". Here {}", ir::in_words(*output.part, rows, columns, model.tree));
   std::string field = output.name;  // "mass_matrix" of the scene's "balance_mass_matrix"
   if (!of_function.empty() && field.starts_with(of_function + "_")) field = field.substr(of_function.size() + 1);
   // Of a part, what its rows and columns are.
@@ -50,8 +42,8 @@ std::string output_json(const Output& output, const std::string& of_function, co
   return fmt::format(
       "{{\"name\": {}, \"field\": {}, \"quantity\": {}, \"link\": {}, \"shape\": {}, \"symbol\": {}, \"unit\": {}, \"help\": "
       "{}{}}}",
-      json_string(output.name), json_string(field), json_string(quantity), json_string(output.link), array(shape),
-      json_string(symbol), json_string(unit), json_string(help), names);
+      json_string(output.name), json_string(field), json_string(output.registered()), json_string(output.link), array(shape),
+      json_string(words.symbol), json_string(words.unit), json_string(help), names);
 }
 
 std::string functions_json(const Library& library) {
@@ -90,10 +82,8 @@ std::string robot_json(const Library& library, const Request& request, const Com
                        std::uintmax_t code_bytes, const Diagnostics& warnings) {
   const Model& model = library.parts.front().model;
   const ir::KinematicTree& tree = model.tree;
-  std::vector<std::string> joints, types, bodies, links, said, lower, upper, velocity, effort;
-  if (tree.base_coordinates() > 0) bodies.push_back(tree.base_link);
+  std::vector<std::string> joints, types, links, said, lower, upper, velocity, effort;
   for (const ir::Body& body : tree.bodies) {
-    if (body.part + 1 == body.parts) bodies.push_back(body.name);
     if (!body.independent()) continue;
     joints.push_back(body.joint);
     types.push_back(ir::row_of(body.type).word);
@@ -130,8 +120,8 @@ std::string robot_json(const Library& library, const Request& request, const Com
       json_string(command), json_string(tree.robot), json_string(model.name), json_string(request.robot),
       ir::row_of(tree.base_joint).word, json_string(tree.base_link), tree.nq(), tree.nv(),
       model.scene.scalar == ir::ScalarType::float32 ? "float32" : "float64", array(quaternions), json_array(joints),
-      json_array(types), json_array(bodies), json_array(links), array(lower), array(upper), array(velocity), array(effort),
-      functions_json(library), run_time_json(model),
+      json_array(types), json_array(ir::names_of_links(tree)), json_array(links), array(lower), array(upper), array(velocity),
+      array(effort), functions_json(library), run_time_json(model),
       json_string(fmt::format("{}", fmt::join(compiler_and_flags(options), " "))), code_bytes, array(said));
 }
 
