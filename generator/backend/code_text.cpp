@@ -126,6 +126,43 @@ std::string next_section_call(const CodeInput& section) {
   return fmt::format("  {}(q, v, workspace.{}, workspace);\n", next.name, array_of(*section.next, next.accelerations).name);
 }
 
+std::string quantities(const CodeInput& code) {
+  std::vector<std::string> names;
+  for (const ir::OutputArray& a : code.program.arrays)
+    if (!a.internal) names.push_back(a.name);
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+std::string result_words(const Folder& folder, const ir::OutputArray& array) {
+  const auto words = [&](const char* symbol, const std::string& shape, const char* unit, const std::string& help) {
+    return fmt::format("{}{}{} [{}]: {}.", symbol, shape.empty() ? "" : ", ", shape, unit, help);
+  };
+  // What stands there of a result of which a part is asked for.
+  const auto words_of_part = [&](const auto& row, const std::string& help, const ir::Part& part) {
+    const std::string shape =
+        array.columns == 1 ? std::to_string(array.rows) : fmt::format("{} x {}", array.rows, array.columns);
+    return words(row.symbol, shape, row.unit,
+                 fmt::format("{}. Here {}", help, ir::in_words(part, row.rows, row.columns, *folder.common().robot)));
+  };
+  for (const CodeInput& code : folder.functions) {
+    const ir::EmittedFunction& function = function_of(code);
+    for (const ir::Quantity quantity : function.quantities) {
+      const ir::QuantityRow& row = ir::row_of(quantity);
+      if (const ir::Part* const part = function.part(quantity); part && function.result(quantity) == array.name)
+        return words_of_part(row, row.help, *part);
+      if (function.result(quantity) == array.name)
+        return words(row.symbol, ir::shape(row.rows, row.columns), row.unit, row.help);
+    }
+    for (const ir::LinkOutput& output : function.of_links) {
+      const ir::LinkQuantityRow& row = ir::row_of(output.quantity);
+      if (output.part && function.result(output) == array.name) return words_of_part(row, ir::help_of(output), *output.part);
+      if (function.result(output) == array.name)
+        return words(row.symbol, ir::shape(row.rows, row.columns), row.unit, ir::help_of(output));
+    }
+  }
+  return fmt::format("{} x {}", array.rows, array.columns);
+}
+
 int element_index(const ir::OutputArray& array, int row, int column) { return row + array.rows * column; }
 
 }  // namespace dalembert::backend

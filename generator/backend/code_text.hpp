@@ -42,6 +42,11 @@ std::string clear_statements(const CodeInput& code);
 std::string section_declaration(const CodeInput& section);
 std::string next_section_call(const CodeInput& section);
 
+// What a function computes: the names of its results.
+std::string quantities(const CodeInput& code);
+// What stands at a result: symbol, shape, unit, meaning; the shape alone of what no registry knows.
+std::string result_words(const Folder& folder, const ir::OutputArray& array);
+
 // `row + nv * column` worked out.
 int element_index(const ir::OutputArray& array, int row, int column);
 

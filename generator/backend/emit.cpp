@@ -9,6 +9,7 @@
 
 #include "backend/code_text.hpp"
 #include "backend/emit_batch.hpp"
+#include "backend/emit_c.hpp"
 #include "backend/emit_embedded.hpp"
 #include "backend/emit_rolled.hpp"
 #include "backend/emit_self_test.hpp"
@@ -23,6 +24,7 @@
 #include "dalembert/version.hpp"
 #include "ir/identifier.hpp"
 #include "ir/joint_words.hpp"
+#include "ir/moved_links.hpp"
 
 namespace dalembert::backend {
 namespace {
@@ -40,13 +42,6 @@ std::vector<const ir::Body*> own_coordinates(const CodeInput& code) {
   for (const ir::Body& b : code.robot->bodies)
     if (b.independent()) bodies.push_back(&b);
   return bodies;
-}
-
-std::string quantities(const CodeInput& code) {
-  std::vector<std::string> names;
-  for (const ir::OutputArray& a : code.program.arrays)
-    if (!a.internal) names.push_back(a.name);
-  return fmt::format("{}", fmt::join(names, ", "));
 }
 
 // What stands in the workspace for a function in either form.
@@ -112,74 +107,44 @@ std::string run_time_inputs(const CodeInput& code) {
 
 std::string contact_type(const CodeInput& code) {
   if (code.scene.contacts.empty()) return "";
-  return "// How a contact acts, given at run time. Its rows' accelerations shall be -kd J v - kp e, e being how far it is "
-         "from\n"
-         "// its anchor.\n"
-         "struct Contact {\n"
-         "  bool active = true;             // else it exerts nothing\n"
-         "  Scalar kp = 0, kd = 0;          // 1/s^2, 1/s\n"
-         "  Scalar restitution = 0;         // of an impact: J v becomes -restitution J v\n"
-         "  Scalar anchor[7] = {0, 0, 0, 0, 0, 0, 1};  // place in the world, m, and quaternion x y z w; matters where kp "
-         "does\n"
-         "  Scalar regularization[6] = {};  // added to the diagonal of J M^-1 J', per row: rows give way\n"
-         "  Scalar weight[6] = {1, 1, 1, 1, 1, 1};  // per row, of its force in inverse dynamics: 0: it bears "
-         "nothing\n"
-         "};\n\n";
+  return R"(// How a contact acts, given at run time. Its rows' accelerations shall be -kd J v - kp e, e being how far it is from
+// its anchor.
+struct Contact {
+  bool active = true;             // else it exerts nothing
+  Scalar kp = 0, kd = 0;          // 1/s^2, 1/s
+  Scalar restitution = 0;         // of an impact: J v becomes -restitution J v
+  Scalar anchor[7] = {0, 0, 0, 0, 0, 0, 1};  // place in the world, m, and quaternion x y z w; matters where kp does
+  Scalar regularization[6] = {};  // added to the diagonal of J M^-1 J', per row: rows give way
+  Scalar weight[6] = {1, 1, 1, 1, 1, 1};  // per row, of its force in inverse dynamics: 0: it bears nothing
+};
+
+)";
 }
 
 std::string loop_type(const CodeInput& code) {
   if (code.scene.loops.empty()) return "";
-  return "// How a loop acts, given at run time. Its rows' accelerations shall be -kd J v - kp e, e being how far it is from "
-         "closed.\n"
-         "struct Loop {\n"
-         "  bool active = true;             // else it exerts nothing\n"
-         "  Scalar kp = 0, kd = 0;          // 1/s^2, 1/s\n"
-         "  Scalar restitution = 0;         // of an impact: J v becomes -restitution J v\n"
-         "  Scalar regularization[6] = {};  // added to the diagonal of J M^-1 J', per row: rows give way\n"
-         "  Scalar weight[6] = {1, 1, 1, 1, 1, 1};  // per row, of its force in inverse dynamics: 0: it bears "
-         "nothing\n"
-         "};\n\n";
+  return R"(// How a loop acts, given at run time. Its rows' accelerations shall be -kd J v - kp e, e being how far it is from closed.
+struct Loop {
+  bool active = true;             // else it exerts nothing
+  Scalar kp = 0, kd = 0;          // 1/s^2, 1/s
+  Scalar restitution = 0;         // of an impact: J v becomes -restitution J v
+  Scalar regularization[6] = {};  // added to the diagonal of J M^-1 J', per row: rows give way
+  Scalar weight[6] = {1, 1, 1, 1, 1, 1};  // per row, of its force in inverse dynamics: 0: it bears nothing
+};
+
+)";
 }
 
 std::string payload_type(const CodeInput& code) {
   if (code.scene.payloads.empty()) return "";
-  return "// A rigid body welded to a link, given at run time.\n"
-         "struct Payload {\n"
-         "  Scalar mass = 0;          // kg\n"
-         "  Scalar com[3] = {};       // centre of mass, m, in the link's frame\n"
-         "  Scalar inertia[6] = {};   // xx xy xz yy yz zz about the centre of mass, kg m^2, the link's axes\n"
-         "};\n\n";
-}
+  return R"(// A rigid body welded to a link, given at run time.
+struct Payload {
+  Scalar mass = 0;          // kg
+  Scalar com[3] = {};       // centre of mass, m, in the link's frame
+  Scalar inertia[6] = {};   // xx xy xz yy yz zz about the centre of mass, kg m^2, the link's axes
+};
 
-// What stands at a result: symbol, shape, unit, meaning; the shape alone of what no registry knows.
-std::string result_words(const Folder& folder, const ir::OutputArray& array) {
-  const auto words = [&](const char* symbol, const std::string& shape, const char* unit, const std::string& help) {
-    return fmt::format("{}{}{} [{}]: {}.", symbol, shape.empty() ? "" : ", ", shape, unit, help);
-  };
-  // What stands there of a result of which a part is asked for.
-  const auto words_of_part = [&](const auto& row, const std::string& help, const ir::Part& part) {
-    const std::string shape =
-        array.columns == 1 ? std::to_string(array.rows) : fmt::format("{} x {}", array.rows, array.columns);
-    return words(row.symbol, shape, row.unit,
-                 fmt::format("{}. Here {}", help, ir::in_words(part, row.rows, row.columns, *folder.common().robot)));
-  };
-  for (const CodeInput& code : folder.functions) {
-    const ir::EmittedFunction& function = function_of(code);
-    for (const ir::Quantity quantity : function.quantities) {
-      const ir::QuantityRow& row = ir::row_of(quantity);
-      if (const ir::Part* const part = function.part(quantity); part && function.result(quantity) == array.name)
-        return words_of_part(row, row.help, *part);
-      if (function.result(quantity) == array.name)
-        return words(row.symbol, ir::shape(row.rows, row.columns), row.unit, row.help);
-    }
-    for (const ir::LinkOutput& output : function.of_links) {
-      const ir::LinkQuantityRow& row = ir::row_of(output.quantity);
-      if (output.part && function.result(output) == array.name) return words_of_part(row, ir::help_of(output), *output.part);
-      if (function.result(output) == array.name)
-        return words(row.symbol, ir::shape(row.rows, row.columns), row.unit, ir::help_of(output));
-    }
-  }
-  return fmt::format("{} x {}", array.rows, array.columns);
+)";
 }
 
 std::string views(const Folder& folder) {
@@ -245,7 +210,7 @@ std::string unread(const CodeInput& code) {
 
 // The functions that the function calls in this order, for the task graph.
 std::string stage_declarations(const CodeInput& code) {
-  if (!code.plan.tasks || code.plan.form != ir::Form::rolled) return "";
+  if (!code.plan.tasks || !code.is_rolled()) return "";
   const std::string scope = own_name(code, "stages");
   std::string text =
       fmt::format("// What {}() is made of, for the task graph.\nnamespace {} {{\n\n", code.algorithm.section.name, scope);
@@ -398,9 +363,7 @@ OutputFile header(const Folder& folder) {
     joints.push_back(ir::identifier(b->joint));
     joint_names.push_back(quoted(b->joint));
   }
-  if (code.robot->base_coordinates() > 0) body_names.push_back(quoted(code.robot->base_link));
-  for (const ir::Body& b : code.robot->bodies)
-    if (b.part + 1 == b.parts) body_names.push_back(quoted(b.name));
+  for (const std::string& name : ir::names_of_links(*code.robot)) body_names.push_back(quoted(name));
   const bool base_moves = code.robot->base_coordinates() > 0;
   std::string report;
   for (const std::string& line : folder.report) report += comment_lines(line, 0, 2);
@@ -443,133 +406,6 @@ OutputFile header(const Folder& folder) {
               {"view_definitions", view_definitions(folder)},
               {"workspace_bytes", std::to_string(workspace_bytes(folder))},
               {"stages", of_sections(folder, stage_declarations)}})};
-}
-
-// get: `const T* NAME_ARRAY(const NAME_workspace*)`; set: run-time inputs.
-void c_functions(const Folder& folder, std::string& declarations, std::string& definitions) {
-  const CodeInput& code = folder.common();
-  const std::string n = code.name, s = scalar_name(code.scene.scalar);
-  const auto add = [&](const std::string& comment, const std::string& signature, const std::string& body) {
-    declarations += comment_lines(comment) + signature + ";\n\n";
-    definitions += fmt::format("{} {{\n{}}}\n\n", signature, body);
-  };
-  for (const CodeInput& f : folder.functions) {
-    const ir::EmittedFunction& function = function_of(f);
-    const std::string input = *function.input() ? fmt::format(", {}: {}_nv() {}", function.input(), n, function.meaning()) : "";
-    add(fmt::format("Computes {}. q: {}_nq() positions, v: {}_nv() velocities{}. Does not allocate.", quantities(f), n, n,
-                    input),
-        fmt::format("void {}_{}({}, {}_workspace* workspace)", n, function.name, parameters_of(f, fmt::format("const {}* ", s)),
-                    n),
-        fmt::format("  {}::{}({}, *workspace);\n", n, function.name, arguments_of(f)));
-  }
-  if (!code.tree.linkages.empty())
-    add("Closes the embedded loops: q's dependent joints move. error: the largest that is left, m or rad; least_pivot: as in "
-        "dalembert::LinkageStatus; null: not wanted. The linkage at a toggle point, counted from 0; -1: none is",
-        fmt::format("int {0}_close_loops({1}* q, {1}* error, {1}* least_pivot)", n, s),
-        fmt::format("  const dalembert::LinkageStatus<{1}> status = {0}::close_loops(q);\n"
-                    "  if (error) *error = status.error;\n"
-                    "  if (least_pivot) *least_pivot = status.least_pivot;\n"
-                    "  return status.linkage;\n",
-                    n, s));
-  for (const CodeInput& f : folder.functions) {
-    if (!f.algorithm.embedding) continue;
-    const std::string status = own_name(f, "linkage_status");
-    add("The linkage at a toggle point, counted from 0, as of the last call; -1: none is. error, m or rad, least_pivot: as in "
-        "dalembert::LinkageStatus; null: not wanted",
-        fmt::format("int {1}_{2}({0}* error, {0}* least_pivot, const {1}_workspace* workspace)", s, n, status),
-        fmt::format("  if (error) *error = workspace->{0}.error;\n"
-                    "  if (least_pivot) *least_pivot = workspace->{0}.least_pivot;\n"
-                    "  return workspace->{0}.linkage;\n",
-                    status));
-  }
-  for (const CodeInput& f : folder.functions) {
-    if (!f.algorithm.guard) continue;
-    const std::string status = own_name(f, "status");
-    add(fmt::format(
-            "The coordinate whose pivot shows that the mass matrix is not positive definite, as of the last call; -1: it is"),
-        fmt::format("int {}_{}(const {}_workspace* workspace)", n, status, n),
-        fmt::format("  return workspace->{}.coordinate;\n", status));
-  }
-  for (const CodeInput& f : folder.functions) {
-    if (f.algorithm.factor < 0) continue;
-    const std::string name = own_name(f, "solve");
-    add(fmt::format("b becomes M^-1 b, by the factors that {}_{}() left: columns of {}_nv() numbers, one after another. 1; 0 "
-                    "where M is not positive definite, and b is zero then",
-                    n, function_of(f).name, n),
-        fmt::format("int {}_{}({}* b, int columns, const {}_workspace* workspace)", n, name, s, n),
-        fmt::format("  return {0}::{1}(b, columns, {0}::nv, *workspace) ? 1 : 0;\n", n, name));
-  }
-  for (const ir::OutputArray& a : folder.arrays())
-    add(result_words(folder, a), fmt::format("const {}* {}_{}(const {}_workspace* workspace)", s, n, ir::c_accessor(a.name), n),
-        fmt::format("  return workspace->{};\n", a.name));
-  if (code.scene.gravity_kind == ir::GravityKind::run_time)
-    add("gravity: 3 numbers, m/s^2, world axes",
-        fmt::format("void {}_set_gravity(const {}* gravity, {}_workspace* workspace)", n, s, n),
-        "  for (int i = 0; i < 3; ++i) workspace->gravity_vector[i] = gravity[i];\n");
-  for (const ir::ExternalWrench& wrench : code.scene.wrenches) {
-    const std::string id = ir::identifier(wrench.link);
-    add(fmt::format("wrench: force (N), then moment (N m) on the link at its origin, along {} axes",
-                    wrench.in_world ? "the world's" : "its"),
-        fmt::format("void {0}_set_wrench_{1}(const {2}* wrench, {0}_workspace* workspace)", n, id, s),
-        fmt::format("  for (int i = 0; i < 6; ++i) workspace->wrench_{}[i] = wrench[i];\n", id));
-  }
-  for (const ir::Contact& contact : code.scene.contacts) {
-    const std::string id = ir::identifier(contact.name);
-    add(fmt::format(
-            "active: 1 or 0, kp (1/s^2), kd (1/s), restitution: as in {}::Contact; anchor: 7 numbers, regularization: {}; "
-            "null: as they are",
-            n, contact.rows()),
-        fmt::format("void {0}_set_contact_{1}(int active, {2} kp, {2} kd, {2} restitution, const {2}* anchor,\n"
-                    "    const {2}* regularization, {0}_workspace* workspace)",
-                    n, id, s),
-        fmt::format("  {0}::Contact& contact = workspace->contact_{1};\n"
-                    "  contact.active = active != 0;\n"
-                    "  contact.kp = kp;\n"
-                    "  contact.kd = kd;\n"
-                    "  contact.restitution = restitution;\n"
-                    "  for (int i = 0; anchor && i < 7; ++i) contact.anchor[i] = anchor[i];\n"
-                    "  for (int i = 0; regularization && i < {2}; ++i) contact.regularization[i] = regularization[i];\n",
-                    n, id, contact.rows()));
-  }
-  for (const ir::Constraint& c : code.scene.constraints()) {
-    add(fmt::format("weight: {} numbers, of the rows' forces in inverse dynamics", c.rows),
-        fmt::format("void {0}_weigh_{1}(const {2}* weight, {0}_workspace* workspace)", n, c.member, s),
-        fmt::format("  for (int i = 0; i < {1}; ++i) workspace->{0}.weight[i] = weight[i];\n", c.member, c.rows));
-    if (!c.loop) continue;
-    add(fmt::format("active: 1 or 0, kp (1/s^2), kd (1/s), restitution: as in {}::Loop; regularization: {}; null: as it is", n,
-                    c.rows),
-        fmt::format("void {0}_set_{1}(int active, {2} kp, {2} kd, {2} restitution, const {2}* regularization,\n"
-                    "    {0}_workspace* workspace)",
-                    n, c.member, s),
-        fmt::format("  {0}::Loop& loop = workspace->{1};\n"
-                    "  loop.active = active != 0;\n"
-                    "  loop.kp = kp;\n"
-                    "  loop.kd = kd;\n"
-                    "  loop.restitution = restitution;\n"
-                    "  for (int i = 0; regularization && i < {2}; ++i) loop.regularization[i] = regularization[i];\n",
-                    n, c.member, c.rows));
-  }
-  for (const CodeInput& f : folder.functions)
-    for (const ir::Kernel& kernel : f.algorithm.kernels)
-      if (const char* status = ir::row_of(kernel.kind).status; *status)
-        add("The largest error that is left of a constraint's row; least_pivot, rank: as in dalembert::ConstraintStatus; null: "
-            "not wanted",
-            fmt::format("{0} {1}_{2}({0}* least_pivot, int* rank, const {1}_workspace* workspace)", s, n, own_name(f, status)),
-            fmt::format("  if (least_pivot) *least_pivot = workspace->{0}.least_pivot;\n"
-                        "  if (rank) *rank = workspace->{0}.rank;\n"
-                        "  return workspace->{0}.residual;\n",
-                        own_name(f, status)));
-  for (const std::string& link : code.scene.payloads) {
-    const std::string id = ir::identifier(link);
-    add("mass (kg), com: 3 numbers (m, link axes), inertia: xx xy xz yy yz zz about the com (kg m^2, link axes)",
-        fmt::format("void {0}_set_payload_{1}({2} mass, const {2}* com, const {2}* inertia, {0}_workspace* workspace)", n, id,
-                    s),
-        fmt::format("  {0}::Payload& payload = workspace->payload_{1};\n"
-                    "  payload.mass = mass;\n"
-                    "  for (int i = 0; i < 3; ++i) payload.com[i] = com[i];\n"
-                    "  for (int i = 0; i < 6; ++i) payload.inertia[i] = inertia[i];\n",
-                    n, id));
-  }
 }
 
 std::string form_source(const CodeInput& code, const Symbol& symbol) {
@@ -688,16 +524,16 @@ std::size_t workspace_bytes(const Folder& folder) {
 std::vector<OutputFile> emit(const Folder& folder) {
   const std::string &name = folder.common().name, top = banner(folder);
   std::vector<OutputFile> files{header(folder), {"dynamics.cpp", source(folder, top)}};
-  std::string declarations, definitions, guard = name + "_C_API_H";
-  c_functions(folder, declarations, definitions);
-  declarations += batch_c_declarations(folder);
+  std::string guard = name + "_C_API_H";
+  CText c = c_functions(folder);
+  c.declarations += batch_c_declarations(folder);
   std::transform(guard.begin(), guard.end(), guard.begin(), [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
   files.push_back({"c_api.h", render("c_api.h", {{"banner", top},
                                                  {"guard", guard},
                                                  {"includes", folder.common().scene.batch ? "\n#include <stddef.h>\n" : ""},
                                                  {"name", name},
-                                                 {"declarations", declarations}})});
-  files.push_back({"c_api.cpp", render("c_api.cpp", {{"banner", top}, {"name", name}, {"definitions", definitions}})});
+                                                 {"declarations", c.declarations}})});
+  files.push_back({"c_api.cpp", render("c_api.cpp", {{"banner", top}, {"name", name}, {"definitions", c.definitions}})});
   if (folder.tasks()) {
     files.push_back({"tasks.hpp", tasks_header(folder, top)});
     files.push_back({"tasks.cpp", tasks_source(folder, top)});

@@ -13,7 +13,6 @@
 #include "backend/kept.hpp"
 #include "backend/literals.hpp"
 #include "backend/target.hpp"
-#include "ir/written_limb.hpp"
 
 namespace dalembert::backend {
 namespace {
@@ -48,13 +47,12 @@ class ParagraphWriter {
         rolled_(code.rolled.segments[segment]),
         level_(level),
         paragraph_(paragraph),
-        written_(ir::written_limb(code.plan, code.rolled, segment, paragraph)),
         target_(lanes_of(segment_, paragraph.direction)) {
     for (const ir::Carried& c : paragraph.carried) carried_[c.role].push_back(&c);
   }
 
   std::string run() const {
-    const std::string body = written_.empty() ? loop() : written_out();
+    const std::string body = paragraph_.written.empty() ? loop() : written_out();
     return fmt::format("  // {}\n  {{\n{}  }}\n", fmt::join(paragraph_.equations, "\n  // "), body);
   }
 
@@ -77,9 +75,9 @@ class ParagraphWriter {
   // Body after body, with its constants in place.
   std::string written_out() const {
     std::string text;
-    for (size_t i = 0; i < written_.size(); ++i) text += step_text(i);
+    for (size_t i = 0; i < paragraph_.written.size(); ++i) text += step_text(i);
     if (paragraph_.direction != Direction::inwards) return text;
-    const size_t last = written_.size() - 1;
+    const size_t last = paragraph_.written.size() - 1;
     for (const auto& [role, components] : carried_) {
       if (!hands_on(role)) continue;
       std::vector<std::string> values;
@@ -90,7 +88,7 @@ class ParagraphWriter {
   }
 
   std::string step_text(size_t i) const {
-    const ir::LimbStep& step = written_[i];
+    const ir::LimbStep& step = paragraph_.written[i];
     const auto stored = [&](int role, int component) {
       return std::any_of(step.stores.begin(), step.stores.end(),
                          [&](const ir::Value& v) { return kept(code_, v.role, v.component) == kept(code_, role, component); });
@@ -120,7 +118,7 @@ class ParagraphWriter {
       if (n.op == ir::Op::constant) constants += fmt::format("    {}{};\n", to, literal(n.value, code_.scene.scalar));
       else sinks.push_back({v.node, to, ";"});
     }
-    const bool last = i + 1 == written_.size();
+    const bool last = i + 1 == paragraph_.written.size();
     for (const ir::Carried& c : step.carried)
       if (!step.graph.is_constant(c.node) && (!last || hands_on(c.role)))
         sinks.push_back({c.node, fmt::format("const Scalar {} = ", carried_name(c, i)), ";"});
@@ -135,9 +133,9 @@ class ParagraphWriter {
                        suffix.empty() ? "" : "_" + suffix, step + 1);
   }
   std::string carried_text(size_t step, const ir::Carried& c) const {
-    for (const ir::Carried& own : written_[step].carried)
+    for (const ir::Carried& own : paragraph_.written[step].carried)
       if (own.role == c.role && own.component == c.component) {
-        const ir::Node& n = written_[step].graph[own.node];
+        const ir::Node& n = paragraph_.written[step].graph[own.node];
         return n.op == ir::Op::constant ? literal(n.value, code_.scene.scalar) : carried_name(own, step);
       }
     throw std::logic_error("a value is read of a branch that it does not leave");
@@ -348,7 +346,6 @@ class ParagraphWriter {
   const ir::SegmentCode& rolled_;
   const int level_;
   const ir::Paragraph& paragraph_;
-  const std::vector<ir::LimbStep> written_;  // empty: it is a loop
   const Target target_;
   std::map<int, std::vector<const ir::Carried*>> carried_;  // by role
 };
@@ -365,14 +362,10 @@ std::string segment_tables(const CodeInput& code, size_t segment) {
   std::set<int> read;
   for (const ir::SegmentStage& stage : c.stages)
     for (const ir::Paragraph& p : stage.paragraphs) {
-      if (!ir::written_limb(code.plan, code.rolled, segment, p).empty()) continue;
-      std::vector<ir::NodeId> roots;
-      for (const auto& x : p.stores) roots.push_back(x.node);
-      for (const auto& x : p.carried) roots.push_back(x.node);
-      const auto uses = ir::uses(p.graph, roots);
-      for (ir::NodeId id = 0; id < p.graph.size(); ++id)
-        if (uses[static_cast<size_t>(id)] > 0 && p.graph[id].op == ir::Op::input && p.graph[id].input.kind == InputKind::table)
-          read.insert(p.graph[id].input.index);
+      if (!p.written.empty()) continue;
+      ir::each_input(p.graph, p.roots(), [&](const ir::Input& in) {
+        if (in.kind == InputKind::table) read.insert(in.index);
+      });
     }
   std::string text;
   for (int column : read) {

@@ -7,7 +7,7 @@
 
 namespace dalembert::backend {
 
-// Statements of the paragraph over the slots of segment `segment`, inside a function that has `Kept& kept`.
+// Statements of the paragraph over the slots of segment `segment`, inside a function that has `scratch` (kept.hpp).
 std::string paragraph_text(const CodeInput& code, size_t segment, int level, const ir::Paragraph& paragraph);
 
 // The tables of constants the segment's paragraphs read.

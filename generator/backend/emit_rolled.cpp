@@ -80,15 +80,9 @@ bool is_of_state(InputKind kind) {
 }
 
 bool reads_state(const ir::BaseStage& stage) {
-  std::vector<ir::NodeId> roots;
-  for (const auto& v : stage.stores) roots.push_back(v.node);
-  for (const auto& v : stage.body_stores) roots.push_back(v.node);
-  for (const auto& e : stage.elements) roots.push_back(e.node);
-  const auto uses = ir::uses(stage.graph, roots);
-  for (ir::NodeId id = 0; id < stage.graph.size(); ++id)
-    if (uses[static_cast<size_t>(id)] > 0 && stage.graph[id].op == ir::Op::input && is_of_state(stage.graph[id].input.kind))
-      return true;
-  return false;
+  bool any = false;
+  ir::each_input(stage.graph, stage.roots(), [&](const ir::Input& in) { any = any || is_of_state(in.kind); });
+  return any;
 }
 
 struct PivotRoles {
@@ -311,14 +305,11 @@ std::string tables_text(const CodeInput& code) {
 std::vector<Stage> rolled_stages(const CodeInput& code) {
   std::vector<Stage> all;
   const auto& segments = code.plan.segments;
-  int levels = 0;
-  for (const ir::BaseStage& b : code.rolled.base) levels = std::max(levels, b.level);
-  for (const ir::SegmentCode& s : code.rolled.segments)
-    for (const ir::SegmentStage& stage : s.stages) levels = std::max(levels, stage.level);
   const auto numbered = [](const std::string& name, int round) {
     return round == 0 ? name : fmt::format("{}_{}", name, round + 1);
   };
-  for (int level = 0; level <= levels; ++level) {
+  const int last = code.rolled.levels() - 1;
+  for (int level = 0; level <= last; ++level) {
     std::string base = level == 0 ? prepare_statements(code) : "";
     bool state = level == 0 && (prepare_reads_q(code) || prepare_spreads(code));
     for (const ir::BaseStage& b : code.rolled.base) {
@@ -344,9 +335,9 @@ std::vector<Stage> rolled_stages(const CodeInput& code) {
     for (size_t s = 0; s < segments.size(); ++s)
       if (std::string body = elements_stage(code, s); !body.empty())
         all.push_back(
-            {Stage::Kind::elements, levels, static_cast<int>(s), "elements_" + segments[s].name, false, std::move(body)});
+            {Stage::Kind::elements, last, static_cast<int>(s), "elements_" + segments[s].name, false, std::move(body)});
   if (const std::string body = results_statements(code); !body.empty())
-    all.push_back({Stage::Kind::results, levels, -1, "results", false, body});
+    all.push_back({Stage::Kind::results, last, -1, "results", false, body});
   return all;
 }
 

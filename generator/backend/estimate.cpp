@@ -11,7 +11,6 @@
 #include "backend/kept.hpp"
 #include "dalembert/chain_shapes.hpp"
 #include "ir/coordinate_tree.hpp"
-#include "ir/written_limb.hpp"
 
 namespace dalembert::backend {
 namespace {
@@ -124,17 +123,15 @@ void add_written(const std::vector<ir::LimbStep>& steps, int lanes, Features& f)
 
 void add_paragraph(const CodeInput& code, size_t segment, const ir::Paragraph& p, int lanes, Features& f) {
   const ir::Segment& s = code.plan.segments[segment];
-  std::vector<ir::NodeId> roots, handed;
-  for (const ir::Value& v : p.stores) roots.push_back(v.node);
+  const std::vector<ir::NodeId> roots = p.roots();
+  std::vector<ir::NodeId> handed;
   for (const ir::Carried& c : p.carried) handed.push_back(c.node);
-  roots.insert(roots.end(), handed.begin(), handed.end());
   const Work work(p.graph, roots, fused(lanes));
   const auto carried = [](const ir::Input& in) { return in.kind == ir::InputKind::carried; };
   // The first step's inputs, the last step's outputs: nothing else is there to be done.
   const double ends = p.direction == ir::Direction::anywhere ? 0 : work.longest([](const ir::Input&) { return true; }, roots);
   of(f, Feature::waiting) += ends;
-  if (const std::vector<ir::LimbStep> written = ir::written_limb(code.plan, code.rolled, segment, p); !written.empty())
-    return add_written(written, lanes, f);
+  if (!p.written.empty()) return add_written(p.written, lanes, f);
   const bool anywhere = p.direction == ir::Direction::anywhere;
   const double each = anywhere ? 1 : registers(s.limbs(), lanes), steps = anywhere ? registers(s.slots(), lanes) : s.steps;
   const double operations = each * (work.operations() + 4 * work.divisions() + static_cast<double>(p.stores.size()) / 2);
@@ -214,11 +211,7 @@ namespace {
 void add_base(const CodeInput& code, int level, int lanes, Features& f) {
   for (const ir::BaseStage& stage : code.rolled.base) {
     if (stage.level != level) continue;
-    std::vector<ir::NodeId> roots;
-    for (const auto& v : stage.stores) roots.push_back(v.node);
-    for (const auto& v : stage.body_stores) roots.push_back(v.node);
-    for (const auto& e : stage.elements) roots.push_back(e.node);
-    add_straight(stage.graph, roots, lanes, f);
+    add_straight(stage.graph, stage.roots(), lanes, f);
   }
   if (level == 0) of(f, Feature::sines) = registers(static_cast<int>(prepare_operations(code).sincos), lanes);
 }
@@ -258,18 +251,14 @@ double nanoseconds(const CodeInput& code, const Features& f, int lanes) {
 Features features(const CodeInput& code, int lanes) {
   Features f{};
   of(f, Feature::call) = 1;
-  if (code.plan.form != ir::Form::rolled) {
+  if (!code.is_rolled()) {
     add_steps_behind(code, lanes, f);
     add_straight(code.program.graph, code.program.roots(), lanes, f);
     of(f, Feature::fetched) = fetched(of(f, Feature::scalar), lanes);
     of(f, Feature::sines) = registers(static_cast<int>(straight_operations(code).sincos), lanes);
     return f;
   }
-  int levels = 0;
-  for (const ir::BaseStage& b : code.rolled.base) levels = std::max(levels, b.level);
-  for (const ir::SegmentCode& s : code.rolled.segments)
-    for (const ir::SegmentStage& stage : s.stages) levels = std::max(levels, stage.level);
-  for (int level = 0; level <= levels; ++level) {
+  for (int level = 0; level < code.rolled.levels(); ++level) {
     add_base(code, level, lanes, f);
     for (size_t s = 0; s < code.plan.segments.size(); ++s) add_segment(code, s, level, lanes, f);
   }

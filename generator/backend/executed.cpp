@@ -12,7 +12,6 @@
 #include "backend/emit_straight.hpp"
 #include "backend/kept.hpp"
 #include "ir/embedding_cost.hpp"
-#include "ir/written_limb.hpp"
 
 namespace dalembert::backend {
 namespace {
@@ -27,16 +26,13 @@ ir::Operations of(const ir::Graph& graph, const std::vector<ir::NodeId>& roots, 
 }
 
 ir::Operations paragraph(const CodeInput& code, size_t segment, const ir::Paragraph& p) {
-  if (const std::vector<ir::LimbStep> written = ir::written_limb(code.plan, code.rolled, segment, p); !written.empty()) {
+  if (!p.written.empty()) {
     ir::Operations sum;
-    for (const ir::LimbStep& step : written) sum += of(step.graph, step.roots());
+    for (const ir::LimbStep& step : p.written) sum += of(step.graph, step.roots());
     return sum;
   }
   const ir::Segment& s = code.plan.segments[segment];
-  std::vector<ir::NodeId> roots;
-  for (const ir::Value& v : p.stores) roots.push_back(v.node);
-  for (const ir::Carried& c : p.carried) roots.push_back(c.node);
-  return of(p.graph, roots,
+  return of(p.graph, p.roots(),
             p.direction == ir::Direction::anywhere ? whole_registers(s.slots()) : s.steps * s.computed(counted_lanes));
 }
 
@@ -47,13 +43,7 @@ long handed_on(const ir::SegmentCode& code) {
   return additions;
 }
 
-ir::Operations base(const ir::BaseStage& stage) {
-  std::vector<ir::NodeId> roots;
-  for (const auto& v : stage.stores) roots.push_back(v.node);
-  for (const auto& v : stage.body_stores) roots.push_back(v.node);
-  for (const auto& e : stage.elements) roots.push_back(e.node);
-  return of(stage.graph, roots);
-}
+ir::Operations base(const ir::BaseStage& stage) { return of(stage.graph, stage.roots()); }
 
 void add_elements(const CodeInput& code, ir::Operations& sum) {
   for (size_t segment = 0; segment < code.plan.segments.size(); ++segment)
@@ -109,8 +99,7 @@ long driven_results(const CodeInput& code) {
 long guard_products(const CodeInput& code) {
   const std::optional<ir::Guard>& guard = code.algorithm.guard;
   if (!guard || guard->pivots < 0) return 0;
-  return code.plan.form == ir::Form::rolled ? checked_pivots(code)
-                                            : code.algorithm.arrays[static_cast<size_t>(guard->pivots)].rows;
+  return code.is_rolled() ? checked_pivots(code) : code.algorithm.arrays[static_cast<size_t>(guard->pivots)].rows;
 }
 
 }  // namespace
@@ -124,7 +113,7 @@ ir::Operations executed_operations(const CodeInput& code) {
     sum += ir::operations_of_linkages(code.tree, embedding->rates >= 0);
     for (const ir::Projected& p : embedding->projected) sum += ir::operations_of(p, code.tree);
   }
-  if (code.plan.form != ir::Form::rolled) return sum += straight_operations(code);
+  if (!code.is_rolled()) return sum += straight_operations(code);
   sum += prepare_operations(code);
   for (const ir::BaseStage& stage : code.rolled.base) sum += base(stage);
   for (size_t s = 0; s < code.plan.segments.size(); ++s) {

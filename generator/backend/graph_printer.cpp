@@ -31,7 +31,7 @@ class Printer {
       : graph_(graph), style_(style), halve_(halve), text_of_(static_cast<size_t>(graph.size())) {
     std::vector<NodeId> roots;
     for (const Sink& s : sinks) roots.push_back(s.node);
-    uses_ = named(graph, roots);
+    uses_ = ir::uses_in_text(graph, roots);
     for (const Sink& s : sinks) sinks_[s.node].push_back(&s);
   }
 
@@ -86,19 +86,6 @@ class Printer {
   };
 
   static size_t at(NodeId id) { return static_cast<size_t>(id); }
-
-  // How often the text names each value: as ir::uses(), but a sine or cosine does not name its angle, computed elsewhere.
-  static std::vector<std::int32_t> named(const ir::Graph& graph, const std::vector<NodeId>& roots) {
-    std::vector<std::int32_t> count(at(graph.size()), 0);
-    for (NodeId root : roots) ++count[at(root)];
-    for (NodeId id = graph.size() - 1; id >= 0; --id) {
-      const ir::Node& n = graph[id];
-      if (count[at(id)] == 0 || n.op == Op::sine || n.op == Op::cosine) continue;
-      if (n.a != ir::no_node) ++count[at(n.a)];
-      if (n.b != ir::no_node) ++count[at(n.b)];
-    }
-    return count;
-  }
 
   bool is_number(NodeId id) const { return id == ir::no_node || graph_.is_constant(id); }
   bool of_numbers(const ir::Node& n) const { return n.op != Op::input && is_number(n.a) && is_number(n.b); }

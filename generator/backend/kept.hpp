@@ -7,7 +7,7 @@
 
 namespace dalembert::backend {
 
-// `kept.role[component]`, or `kept.role(component)` where another role's array is used: one value per slot.
+// `scratch.role[component]`, or `scratch.role(component)` where another role's array is used: one value per slot.
 std::string kept(const CodeInput& code, int role, int component);
 // The same of what limbs hand on.
 std::string received(const CodeInput& code, int role, int component);
@@ -29,7 +29,7 @@ bool has_driven(const CodeInput& code);
 // Rows of matrices if driven joints had rows of their own.
 int expanded_rows(const CodeInput& code);
 
-// The definition of struct Kept, and its arrays' size in bytes.
+// The definition of the struct that `scratch` is, and its arrays' size in bytes.
 std::string kept_definition(const CodeInput& code);
 std::size_t kept_bytes(const CodeInput& code);
 

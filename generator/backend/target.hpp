@@ -1,4 +1,5 @@
-// The text of values in lanes: one place that knows how the runtime is spoken to (runtime/include/dalembert/lanes.hpp).
+// The text of values in lanes: loads, stores, gathers and sums in the words of runtime/include/dalembert/lanes.hpp, or of a
+// single number.
 #pragma once
 
 #include <string>

@@ -485,7 +485,7 @@ double stored_bytes(const CodeInput& code, const Stage& s) {
 
 // Of a section, whose tasks' names begin with `prefix`; nothing joined yet.
 std::vector<Task> tasks_of(const CodeInput& code, const std::string& prefix) {
-  if (code.plan.form != ir::Form::rolled) {  // one piece of code, one task
+  if (!code.is_rolled()) {  // one piece of code, one task
     const std::string& name = code.algorithm.section.name;
     return {{name,
              {fmt::format("{}::{}({}, *w)", code.name, name, held_arguments(code))},
@@ -598,7 +598,7 @@ TaskPlan plan_with_edges(const CodeInput& code) {
   std::vector<Task> tasks = tasks_of(code, "");
   std::string prefix;
   // Section by section. Straight code calls the next one itself.
-  if (code.plan.form == ir::Form::rolled)
+  if (code.is_rolled())
     for (const CodeInput* section = code.next; section; section = section->next) {
       const int before = static_cast<int>(tasks.size());
       std::set<int> last;

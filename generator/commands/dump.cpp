@@ -143,10 +143,7 @@ std::string text_of(const ir::Operations& o) {
 
 std::string paragraph_text(const ir::Segment& segment, int level, const ir::Paragraph& paragraph) {
   constexpr const char* directions[] = {"outwards", "inwards", "anywhere"};
-  std::vector<ir::NodeId> roots;
-  for (const ir::Value& v : paragraph.stores) roots.push_back(v.node);
-  for (const ir::Carried& c : paragraph.carried) roots.push_back(c.node);
-  const ir::Operations per_slot = ir::count(paragraph.graph, ir::uses(paragraph.graph, roots));
+  const ir::Operations per_slot = ir::count(paragraph.graph, ir::uses(paragraph.graph, paragraph.roots()));
   return fmt::format("    level {}, {}: values stored: {}, carried: {}; slots: {}, each {}\n      {}\n", level,
                      directions[static_cast<size_t>(paragraph.direction)], paragraph.stores.size(), paragraph.carried.size(),
                      segment.slots(), text_of(per_slot), fmt::join(paragraph.equations, ". "));

@@ -170,16 +170,23 @@ NodeId Graph::make(Op op, NodeId a, NodeId b, double value) {
   return no_node;
 }
 
-std::vector<std::int32_t> uses(const Graph& graph, const std::vector<NodeId>& roots) {
+namespace {
+std::vector<std::int32_t> uses_but(const Graph& graph, const std::vector<NodeId>& roots, bool by_sines) {
   std::vector<std::int32_t> count(static_cast<std::size_t>(graph.size()), 0);
   for (NodeId root : roots) ++count[static_cast<std::size_t>(root)];
   for (NodeId id = graph.size() - 1; id >= 0; --id) {
-    if (count[static_cast<std::size_t>(id)] == 0) continue;
     const Node& n = graph[id];
+    if (count[static_cast<std::size_t>(id)] == 0 || (!by_sines && (n.op == Op::sine || n.op == Op::cosine))) continue;
     if (n.a != no_node) ++count[static_cast<std::size_t>(n.a)];
     if (n.b != no_node) ++count[static_cast<std::size_t>(n.b)];
   }
   return count;
+}
+}  // namespace
+
+std::vector<std::int32_t> uses(const Graph& graph, const std::vector<NodeId>& roots) { return uses_but(graph, roots, true); }
+std::vector<std::int32_t> uses_in_text(const Graph& graph, const std::vector<NodeId>& roots) {
+  return uses_but(graph, roots, false);
 }
 
 Operations count(const Graph& graph, const std::vector<std::int32_t>& uses) {

@@ -43,8 +43,8 @@ struct Input {
   bool operator==(const Input&) const = default;
 };
 
-// What a node was first made for: a sweep of the algorithm (or, counted on from there, pairs and projections) and the body (−1:
-// the base).
+// What a node was first made for: a sweep of the algorithm (or, counted on from there, pairs, projections and kernels) and the
+// body (−1: the base).
 struct Tag {
   std::int16_t sweep = -1;
   std::int32_t body = -1;
@@ -138,6 +138,16 @@ class Copy {
 
 // Marks every node that the roots need; result[id] is the number of uses (roots count as uses, operands of used nodes too).
 std::vector<std::int32_t> uses(const Graph& graph, const std::vector<NodeId>& roots);
+// The same of what a text names: a sine or cosine does not name its angle, which is computed elsewhere.
+std::vector<std::int32_t> uses_in_text(const Graph& graph, const std::vector<NodeId>& roots);
+
+// Calls f(input) for every input that the roots need, in the order of the graph.
+template <class F>
+void each_input(const Graph& graph, const std::vector<NodeId>& roots, const F& f) {
+  const std::vector<std::int32_t> used = uses(graph, roots);
+  for (NodeId id = 0; id < graph.size(); ++id)
+    if (used[static_cast<std::size_t>(id)] > 0 && graph[id].op == Op::input) f(graph[id].input);
+}
 
 template <class InputNode>
 void Copy::nodes(const std::vector<NodeId>& wanted, const InputNode& input) {

@@ -50,6 +50,17 @@ struct Carried {
   }
 };
 
+// What one body does of a limb that is written out, body after body. Inputs: `carried` from the step before, `of_body` what is
+// kept of a body, its own included, `received` what limbs hand on to it.
+struct LimbStep {
+  int body = 0;
+  Graph graph;
+  std::vector<Value> stores;     // to the body's slot
+  std::vector<Carried> carried;  // to the next step, which reads it, or, of the last inwards, to whoever it hangs on
+
+  std::vector<NodeId> roots() const;  // all of them
+};
+
 // Some sweeps on the bodies of one segment.
 struct Paragraph {
   std::vector<std::string> equations;
@@ -57,6 +68,9 @@ struct Paragraph {
   Graph graph;
   std::vector<Value> stores;  // to this slot
   std::vector<Carried> carried;
+  std::vector<LimbStep> written{};  // in the order in which they run; none: it is a loop
+
+  std::vector<NodeId> roots() const;  // of the loop
 };
 
 // The paragraphs of one level of one segment.
@@ -100,6 +114,8 @@ struct BaseStage {
   std::vector<Value> stores;  // to the base's slot
   std::vector<BodyStore> body_stores;
   std::vector<BlockElement> elements;
+
+  std::vector<NodeId> roots() const;
 };
 
 // A matrix of pairs between joints; the base's rows and columns are kept per joint.
@@ -124,6 +140,9 @@ struct RolledProgram {
   std::vector<RolledPairs> pairs;  // parallel to Algorithm::pairs
   std::vector<AddedConstant> added;
   std::map<std::tuple<int, int, int>, double> base_coordinates;  // role, component, coordinate: what projections read of them
+
+  // One more than the highest of any stage; at least one.
+  int levels() const;
 };
 
 }  // namespace dalembert::ir

@@ -24,12 +24,4 @@ struct Live {
 
 Live live(const ir::Algorithm& algorithm, int base_coordinates);
 
-// Calls f(input) for every input that the nodes need.
-template <class F>
-void each_input(const ir::Graph& graph, const std::vector<ir::NodeId>& nodes, const F& f) {
-  const std::vector<std::int32_t> uses = ir::uses(graph, nodes);
-  for (ir::NodeId id = 0; id < graph.size(); ++id)
-    if (uses[static_cast<std::size_t>(id)] > 0 && graph[id].op == ir::Op::input) f(graph[id].input);
-}
-
 }  // namespace dalembert::passes

@@ -35,9 +35,7 @@ class ReadSweep {
     std::vector<ir::NodeId> roots;
     for (const auto& [component, node] : values_)
       if (wanted.contains(component)) roots.push_back(node);
-    const std::vector<std::int32_t> used = ir::uses(graph_, roots);
-    for (ir::NodeId id = 0; id < graph_.size(); ++id)
-      if (used[static_cast<std::size_t>(id)] > 0 && graph_[id].op == ir::Op::input) read(graph_[id].input);
+    ir::each_input(graph_, roots, read);
   }
 
  private:

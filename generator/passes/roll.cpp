@@ -8,6 +8,7 @@
 #include "passes/levels.hpp"
 #include "passes/parameters.hpp"
 #include "passes/roll_state.hpp"
+#include "passes/write_limbs.hpp"
 
 namespace dalembert::passes {
 namespace {
@@ -201,6 +202,7 @@ ir::RolledProgram roll(const ir::Algorithm& algorithm, Unroll& unroll, const ir:
   prune(state);
   roll_base(state);
   place(state);
+  write_limbs(plan, state.program);
   return std::move(state.program);
 }
 

@@ -121,7 +121,7 @@ class BaseRoll {
     const ir::Sweep& from = state_.algorithm.sweeps[static_cast<std::size_t>(sweep)];
     const auto [copy, fresh] = copies_.try_emplace(sweep, from.graph, graph());
     if (fresh) stage_->equations.push_back(from.equation);
-    return made_[key] = copy->second.node(value, [&](const ir::Input& in) { return input(from, in); });
+    return made_[key] = copy->second.node(value, [&](const ir::Input& in) { return input(in); });
   }
 
   // The sweep that stores it at the base, and its node: one of the base's own before one of all bodies.
@@ -138,7 +138,7 @@ class BaseRoll {
     return found;
   }
 
-  NodeId input(const ir::Sweep& sweep, const ir::Input& in) {
+  NodeId input(const ir::Input& in) {
     ir::Graph& g = graph();
     switch (in.kind) {
       case InputKind::parameter: {
@@ -158,7 +158,7 @@ class BaseRoll {
         const NodeId node = state_.unroll.kept(in.index, in.component, in.body);
         return state_.constant(node) ? g.constant(state_.value(node)) : g.input(in);
       }
-      default: (void)sweep; return g.input(in);
+      default: return g.input(in);
     }
   }
 

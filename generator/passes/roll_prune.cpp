@@ -26,13 +26,13 @@ class Pruning {
   void run() {
     for (bool changed = true; changed;) {
       const auto before = std::pair(slots_, state_.base_needs);
-      for (std::size_t s = 0; s < slots_.size(); ++s) each_paragraph(s, [&](Paragraph& p, int level) { follow(s, p, level); });
+      for (std::size_t s = 0; s < slots_.size(); ++s) each_paragraph(s, [&](Paragraph& p) { follow(s, p); });
       changed = std::pair(slots_, state_.base_needs) != before;
     }
     for (std::size_t s = 0; s < slots_.size(); ++s) {
       ir::SegmentCode& code = state_.program.segments[s];
-      each_paragraph(s, [&](Paragraph& p, int level) {
-        const Values live = follow(s, p, level);
+      each_paragraph(s, [&](Paragraph& p) {
+        const Values live = follow(s, p);
         std::erase_if(p.stores, [&](const ir::Value& v) { return !slots_[s].keeps({v.role, v.component}); });
         std::erase_if(p.carried, [&](const ir::Carried& c) { return !carries(s, p, c, live); });
       });
@@ -62,7 +62,7 @@ class Pruning {
   void each_paragraph(std::size_t segment, const F& f) {
     auto& stages = state_.program.segments[segment].stages;
     for (std::size_t i = stages.size(); i-- > 0;)
-      for (std::size_t p = stages[i].paragraphs.size(); p-- > 0;) f(stages[i].paragraphs[p], stages[i].level);
+      for (std::size_t p = stages[i].paragraphs.size(); p-- > 0;) f(stages[i].paragraphs[p]);
   }
 
   bool wanted_by(int parent, const RoleComponent& value) const {
@@ -96,7 +96,7 @@ class Pruning {
   }
 
   // The carried values a paragraph needs for what it keeps; notes what it reads.
-  Values follow(std::size_t segment, const Paragraph& p, int) {
+  Values follow(std::size_t segment, const Paragraph& p) {
     Slots& own = slots_[segment];
     Values live;
     for (Values before{{-1, -1}}; live != before;) {

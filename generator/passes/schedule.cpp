@@ -26,7 +26,7 @@ struct Statement {
 class Schedule {
  public:
   Schedule(const ir::Graph& graph, const std::vector<NodeId>& roots)
-      : graph_(graph), uses_(uses_in_text(graph, roots)), statement_of_(uses_.size(), none) {
+      : graph_(graph), uses_(ir::uses_in_text(graph, roots)), statement_of_(uses_.size(), none) {
     std::vector<bool> root(uses_.size(), false);
     for (const NodeId id : roots) root[at(id)] = true;
     for (NodeId id = 0; id < graph.size(); ++id)
@@ -67,19 +67,6 @@ class Schedule {
       case Op::divide: return divide_latency;
       default: return 0;
     }
-  }
-
-  // A sine does not read its angle: all sines are computed before.
-  static std::vector<std::int32_t> uses_in_text(const ir::Graph& graph, const std::vector<NodeId>& roots) {
-    std::vector<std::int32_t> count(at(graph.size()), 0);
-    for (const NodeId root : roots) ++count[at(root)];
-    for (NodeId id = graph.size() - 1; id >= 0; --id) {
-      const ir::Node& n = graph[id];
-      if (count[at(id)] == 0 || n.op == Op::sine || n.op == Op::cosine) continue;
-      for (const NodeId operand : {n.a, n.b})
-        if (operand != ir::no_node) ++count[at(operand)];
-    }
-    return count;
   }
 
   void add(NodeId value) {

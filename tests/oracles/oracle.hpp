@@ -1,7 +1,7 @@
 // What an independent program says about a robot, in this project's conventions.
 //
 // An oracle reads the URDF itself and shares no code with the compiler or its front end: only the order of the joints (by
-// name) and the conventions of q and v (design.md, "Contracts") are given to it. Floating base: q = [position, quaternion
+// name) and the conventions of q and v (docs/conventions.md) are given to it. Floating base: q = [position, quaternion
 // x y z w, joints], v = [base twist in base axes, linear first; joint rates].
 #pragma once
 

@@ -53,7 +53,7 @@ void expect_same_bits(const ir::KinematicTree& a, const ir::KinematicTree& b) {
   }
 }
 
-// Spatial inertia at a frame's origin, twists linear first (algorithm.md, eq. 12).
+// Spatial inertia at a frame's origin, twists linear first (Shin, Park and Park 2016, section 2).
 Matrix6 spatial(const ir::Inertia& inertia) {
   const Eigen::Vector3d c = inertia.com;
   Eigen::Matrix3d cross;

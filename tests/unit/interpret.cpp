@@ -11,7 +11,6 @@
 #include "ir/coordinate_tree.hpp"
 #include "ir/moved_links.hpp"
 #include "ir/row_runs.hpp"
-#include "ir/written_limb.hpp"
 #include "passes/joints.hpp"
 
 namespace dalembert::ir {
@@ -95,12 +94,8 @@ class RolledRun {
     for (const OutputArray& a : algorithm_.own_arrays())
       if (!a.written_out) arrays_[a.name] = Eigen::MatrixXd::Zero(a.rows, a.columns);
     joints();
-    int levels = 0;
-    for (const SegmentCode& s : program_.segments)
-      for (const SegmentStage& stage : s.stages) levels = std::max(levels, stage.level);
-    for (const BaseStage& b : program_.base) levels = std::max(levels, b.level);
     const int segments = static_cast<int>(plan_.segments.size());
-    for (int level = 0; level <= levels; ++level) {
+    for (int level = 0; level < program_.levels(); ++level) {
       for (const BaseStage& b : program_.base)
         if (b.level == level) base(b);
       for (int i = 0; i < segments; ++i) segment(level % 2 == 0 ? i : segments - 1 - i, level);
@@ -168,9 +163,8 @@ class RolledRun {
                                                                    : kept(c.role, c.component, slot(s.parents[at]));
             carried[{c.role, c.component}].push_back(start);
           }
-        const std::vector<LimbStep> written = written_limb(plan_, program_, static_cast<std::size_t>(number), p);
-        for (const LimbStep& step : written) take(step, carried);
-        for (int i = 0; i < s.steps && written.empty(); ++i) {
+        for (const LimbStep& step : p.written) take(step, carried);
+        for (int i = 0; i < s.steps && p.written.empty(); ++i) {
           const int step = p.direction == Direction::inwards ? s.steps - 1 - i : i;
           std::vector<std::vector<double>> values;
           for (int lane = 0; lane < s.width; ++lane) {

@@ -308,9 +308,6 @@ struct RowsInRegisters {
     return following;
   }
 };
-struct SameColumns {
-  static constexpr int of(int r) { return r; }
-};
 
 // `columns` columns to(j) = base(j) more, or less, by the sum over k < count of factor(j, k) from(k): `pieces` registers of
 // each from `begin` on. base: null where it is none.

@@ -1,12 +1,20 @@
-#include "ir/written_limb.hpp"
+#include "passes/write_limbs.hpp"
 
 #include <algorithm>
 #include <map>
 #include <optional>
 #include <utility>
+#include <vector>
 
-namespace dalembert::ir {
+namespace dalembert::passes {
 namespace {
+
+using ir::Carried;
+using ir::Direction;
+using ir::InputKind;
+using ir::LimbStep;
+using ir::NodeId;
+using ir::Value;
 
 // Longer limbs' text is fetched anew in every call, which takes longer than what folds.
 constexpr int most_steps = 12;
@@ -16,7 +24,7 @@ using Handed = std::map<std::pair<int, int>, std::optional<double>>;
 
 class LimbWriter {
  public:
-  LimbWriter(const Segment& segment, const SegmentCode& code, const Paragraph& paragraph)
+  LimbWriter(const ir::Segment& segment, const ir::SegmentCode& code, const ir::Paragraph& paragraph)
       : segment_(segment), code_(code), paragraph_(paragraph) {}
 
   std::vector<LimbStep> run() const {
@@ -29,8 +37,8 @@ class LimbWriter {
       const int place = inwards ? segment_.steps - 1 - i : i;
       steps.push_back(step(place, i == 0 && !inwards, handed));
       for (const Carried& c : steps.back().carried) {
-        const Node& n = steps.back().graph[c.node];
-        handed[{c.role, c.component}] = n.op == Op::constant ? std::optional<double>(n.value) : std::nullopt;
+        const ir::Node& n = steps.back().graph[c.node];
+        handed[{c.role, c.component}] = n.op == ir::Op::constant ? std::optional<double>(n.value) : std::nullopt;
       }
     }
     // From the last on, since what is handed to it may be of no use there.
@@ -43,22 +51,21 @@ class LimbWriter {
 
  private:
   static bool reads(const LimbStep& step, const Carried& c) {
-    const std::vector<std::int32_t> used = uses(step.graph, step.roots());
-    for (NodeId id = 0; id < step.graph.size(); ++id)
-      if (const Node& n = step.graph[id]; used[static_cast<std::size_t>(id)] > 0 && n.op == Op::input &&
-                                          n.input == Input{InputKind::carried, c.role, c.component})
-        return true;
-    return false;
+    bool found = false;
+    ir::each_input(step.graph, step.roots(), [&](const ir::Input& in) {
+      found = found || in == ir::Input{InputKind::carried, c.role, c.component};
+    });
+    return found;
   }
   bool hands_on(const Carried& c) const {
-    return std::any_of(code_.handed.begin(), code_.handed.end(), [&](const HandedOn& h) { return h.role == c.role; });
+    return std::any_of(code_.handed.begin(), code_.handed.end(), [&](const ir::HandedOn& h) { return h.role == c.role; });
   }
 
   LimbStep step(int place, bool from_parent, const Handed& handed) const {
     LimbStep s;
     s.body = segment_.bodies.front()[static_cast<std::size_t>(place)];
-    Copy copy(paragraph_.graph, s.graph);
-    const auto input = [&](Input in) {
+    ir::Copy copy(paragraph_.graph, s.graph);
+    const auto input = [&](ir::Input in) {
       switch (in.kind) {
         case InputKind::table:
           return s.graph.constant(code_.columns[static_cast<std::size_t>(in.index)].values[static_cast<std::size_t>(place)]);
@@ -71,10 +78,7 @@ class LimbWriter {
         default: return s.graph.input(in);
       }
     };
-    std::vector<NodeId> wanted;
-    for (const Value& v : paragraph_.stores) wanted.push_back(v.node);
-    for (const Carried& c : paragraph_.carried) wanted.push_back(c.node);
-    copy.nodes(wanted, input);
+    copy.nodes(paragraph_.roots(), input);
     for (Value v : paragraph_.stores) {
       v.node = copy.node(v.node, input);
       s.stores.push_back(v);
@@ -86,25 +90,23 @@ class LimbWriter {
     return s;
   }
 
-  const Segment& segment_;
-  const SegmentCode& code_;
-  const Paragraph& paragraph_;
+  const ir::Segment& segment_;
+  const ir::SegmentCode& code_;
+  const ir::Paragraph& paragraph_;
 };
 
 }  // namespace
 
-std::vector<NodeId> LimbStep::roots() const {
-  std::vector<NodeId> nodes;
-  for (const Value& v : stores) nodes.push_back(v.node);
-  for (const Carried& c : carried) nodes.push_back(c.node);
-  return nodes;
+void write_limbs(const ir::Plan& plan, ir::RolledProgram& program) {
+  if (!plan.write_limbs) return;
+  for (std::size_t i = 0; i < plan.segments.size(); ++i) {
+    const ir::Segment& segment = plan.segments[i];
+    if (segment.width != 1 || segment.steps > most_steps) continue;
+    ir::SegmentCode& code = program.segments[i];
+    for (ir::SegmentStage& stage : code.stages)
+      for (ir::Paragraph& p : stage.paragraphs)
+        if (p.direction != Direction::anywhere) p.written = LimbWriter(segment, code, p).run();
+  }
 }
 
-std::vector<LimbStep> written_limb(const Plan& plan, const RolledProgram& program, std::size_t segment,
-                                   const Paragraph& paragraph) {
-  const Segment& s = plan.segments[segment];
-  if (!plan.write_limbs || s.width != 1 || s.steps > most_steps || paragraph.direction == Direction::anywhere) return {};
-  return LimbWriter(s, program.segments[segment], paragraph).run();
-}
-
-}  // namespace dalembert::ir
+}  // namespace dalembert::passes

@@ -1,6 +1,6 @@
 // Loops over a limb that stands alone, written out: what its bodies' constants leave of them. That the numbers are the same,
 // tests of both forms say, which run either.
-#include "ir/written_limb.hpp"
+#include "passes/write_limbs.hpp"
 
 #include <gtest/gtest.h>
 
@@ -30,15 +30,14 @@ void each_paragraph(const Lowered& lowered, const Visit& visit) {
     for (const LoweredSection& section : f.sections)
       for (size_t s = 0; s < section.plan.segments.size(); ++s)
         for (const ir::SegmentStage& stage : section.rolled.segments[s].stages)
-          for (const ir::Paragraph& p : stage.paragraphs)
-            visit(section, s, p, ir::written_limb(section.plan, section.rolled, s, p));
+          for (const ir::Paragraph& p : stage.paragraphs) visit(section, s, p, p.written);
 }
 
 long operations(const ir::Graph& graph, const std::vector<ir::NodeId>& roots) {
   return ir::count(graph, ir::uses(graph, roots)).total();
 }
 
-TEST(WrittenLimb, IsShorterThanTheLoopAndReadsNoTable) {
+TEST(WriteLimbs, IsShorterThanTheLoopAndReadsNoTable) {
   long in_loops = 0, written_out = 0;
   each_paragraph(
       rolled("chain_7", true), [&](const LoweredSection& section, size_t segment, const ir::Paragraph& p, const auto& steps) {
@@ -47,10 +46,7 @@ TEST(WrittenLimb, IsShorterThanTheLoopAndReadsNoTable) {
           return;
         }
         ASSERT_EQ(steps.size(), static_cast<size_t>(section.plan.segments[segment].steps));
-        std::vector<ir::NodeId> of_loop;
-        for (const ir::Value& v : p.stores) of_loop.push_back(v.node);
-        for (const ir::Carried& c : p.carried) of_loop.push_back(c.node);
-        in_loops += static_cast<long>(steps.size()) * operations(p.graph, of_loop);
+        in_loops += static_cast<long>(steps.size()) * operations(p.graph, p.roots());
         for (const ir::LimbStep& step : steps) {
           written_out += operations(step.graph, step.roots());
           EXPECT_EQ(step.stores.size(), p.stores.size());
@@ -65,7 +61,7 @@ TEST(WrittenLimb, IsShorterThanTheLoopAndReadsNoTable) {
   EXPECT_LT(written_out, in_loops);
 }
 
-TEST(WrittenLimb, IsOfALimbAloneThatIsShortAndWhereItIsNotLeftOut) {
+TEST(WriteLimbs, IsOfALimbAloneThatIsShortAndWhereItIsNotLeftOut) {
   const auto any = [](const Lowered& lowered) {
     bool found = false;
     each_paragraph(lowered, [&](const auto&, size_t, const auto&, const auto& steps) { found = found || !steps.empty(); });
