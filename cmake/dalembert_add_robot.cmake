@@ -31,6 +31,10 @@ include("${CMAKE_CURRENT_LIST_DIR}/dalembert_check_compiler.cmake")
 
 function(dalembert_add_robot target)
   cmake_parse_arguments(PARSE_ARGV 1 ARG "TASKS;BATCH;NATIVE;NO_SELF_TEST" "URDF;SCENE;NAME" "OPTIONS")
+  if(NOT CMAKE_CXX_COMPILER_LOADED)
+    message(FATAL_ERROR "dalembert_add_robot(${target}): generated code is C++, and this project has no such language; "
+                        "add CXX to the languages of project(), or call enable_language(CXX)")
+  endif()
   if(ARG_UNPARSED_ARGUMENTS)
     message(FATAL_ERROR "dalembert_add_robot(${target}): unknown argument '${ARG_UNPARSED_ARGUMENTS}'; "
                         "options of the generator go behind OPTIONS")
@@ -109,7 +113,10 @@ function(dalembert_add_robot target)
     VERBATIM)
 
   add_library(${target} STATIC ${files} "${stamp}")
-  target_include_directories(${target} PUBLIC "${include_dir}")
+  # Whoever installs a library of his own that links this one has no use for a path into the build folder.
+  target_include_directories(${target} PUBLIC "$<BUILD_INTERFACE:${include_dir}>")
+  # Several files define what they alone need to see of the C interface's workspace.
+  set_target_properties(${target} PROPERTIES UNITY_BUILD OFF)
   target_link_libraries(${target} PUBLIC dalembert::runtime)
   set(options "")
   if(ARG_NATIVE)

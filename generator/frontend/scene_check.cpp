@@ -261,7 +261,7 @@ class SceneCheck {
   void mimic() {
     if (document_.urdf_mimic)
       for (const ir::Joint& joint : robot_.joints)
-        if (joint.mimic && !is_cut(joint) && !scene_.locked.count(joint.name)) scene_.mimic.emplace(joint.name, *joint.mimic);
+        if (joint.mimic && moves(joint)) scene_.mimic.emplace(joint.name, *joint.mimic);
     for (const auto& [name, relation] : scene_.mimic) {
       const std::string key = document_.urdf_mimic ? "mimic" : "mimic/" + name;
       const std::string of = document_.urdf_mimic ? key : key + part_of_entry + "of";
@@ -606,7 +606,12 @@ class SceneCheck {
 
   void warn_of_mimic() {
     if (document_.urdf_mimic && scene_.mimic.empty()) warn_of_nothing_in_urdf("mimic");
-    std::vector<std::string> joints;
+    std::vector<std::string> still, joints;
+    for (const ir::Joint& joint : robot_.joints)
+      if (joint.mimic && joint.type == ir::JointType::fixed && document_.urdf_mimic) still.push_back("'" + joint.name + "'");
+    if (!still.empty())
+      warnings_.push_back({Severity::warning, robot_.file, named(still), "a fixed joint follows no other: <mimic> is left out",
+                           "remove it there, or give the joint another type"});
     for (const ir::Joint& joint : robot_.joints)
       if (joint.mimic && moves(joint) && !scene_.mimic.count(joint.name)) joints.push_back("'" + joint.name + "'");
     if (!joints.empty())

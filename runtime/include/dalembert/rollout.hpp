@@ -1,15 +1,16 @@
 // Rollouts, inside: a block of motions stays in registers' lanes from step to step, blocks in strips as in batch.hpp.
 #pragma once
 
-#include <Eigen/Core>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <initializer_list>
 #include <limits>
 #include <type_traits>
 
 #include "dalembert/batch.hpp"
-#include "dalembert/integrators/motion.hpp"
+#include "dalembert/integrators/screws.hpp"
+#include "dalembert/quaternion_joint.hpp"
 #include "dalembert/rollout_layout.hpp"
 
 namespace dalembert {
@@ -29,38 +30,71 @@ DALEMBERT_BLOCK void copy_numbers(const V* from, V* to) {
   for (int i = 0; i < n; ++i) to[i] = from[i];
 }
 
+// Of one motion: of_pose(first of q, of v) of a floating base and floating joints, of_turn of spherical ones, of_rest(first of
+// q, of v, how many) of what adds.
+template <int nq, int nv, std::size_t count, class Pose, class Turn, class Rest>
+DALEMBERT_BLOCK void each_part_of_motion(const std::array<QuaternionJoint, count>& joints, const Pose& of_pose,
+                                         const Turn& of_turn, const Rest& of_rest) {
+  int at = 0, i = 0;
+  if constexpr (nq != nv + static_cast<int>(count)) {
+    of_pose(0, 0);
+    at = 7, i = 6;
+  }
+  for (std::size_t j = 0; j < count; ++j) {
+    const QuaternionJoint& joint = joints[j];
+    of_rest(at, i, joint.v - i);
+    if (joint.slides) of_pose(joint.q, joint.v);
+    else of_turn(joint.q, joint.v);
+    at = joint.q + (joint.slides ? 7 : 4);
+    i = joint.v + (joint.slides ? 6 : 3);
+  }
+  of_rest(at, i, nv - i);
+}
+
 // next = q · exp(step), and on a fixed base q + step.
-template <class T, int nq, int nv, class V, class... Joints>
-DALEMBERT_BLOCK void move_lanes(const V* q, const V* step, V* next, const Joints&... joints) {
+template <class T, int nq, int nv, class V, class Joints = std::array<QuaternionJoint, 0>>
+DALEMBERT_BLOCK void move_lanes(const V* q, const V* step, V* next, const Joints& joints = {}) {
   if constexpr (nq == nv) {
-    (void)std::initializer_list<int>{((void)joints, 0)...};
+    (void)joints;
     for (int i = 0; i < nq; ++i) next[i] = q[i] + step[i];
   } else {
     for (int lane = 0; lane < batch_width<T>; ++lane) {
-      Eigen::Matrix<T, nq, 1> from, to;
-      Eigen::Matrix<T, nv, 1> by;
-      take_state<T>(q, nq, lane, from.data());
-      take_state<T>(step, nv, lane, by.data());
-      integrators::move(from, by, to, joints...);
-      put_state<T>(to.data(), nq, lane, next);
+      T from[nq], by[nv], to[nq];
+      take_state<T>(q, nq, lane, from);
+      take_state<T>(step, nv, lane, by);
+      using namespace integrators::detail;
+      each_part_of_motion<nq, nv>(
+          joints, [&](int at, int i) DALEMBERT_IN_BLOCK { move_pose_by(from + at, by + i, to + at); },
+          [&](int at, int i) DALEMBERT_IN_BLOCK { turn_quaternion(from + at, by + i, to + at); },
+          [&](int at, int i, int some) DALEMBERT_IN_BLOCK {
+            for (int j = 0; j < some; ++j) to[at + j] = from[at + j] + by[i + j];
+          });
+      put_state<T>(to, nq, lane, next);
     }
   }
 }
 
 // rate: how `step` changes when q · exp(step) moves with `speed` (integrators::rate_of_step).
-template <class T, int nq, int nv, class V, class... Joints>
-DALEMBERT_BLOCK void rate_lanes(const V* q, const V* step, const V* speed, V* rate, const Joints&... joints) {
+template <class T, int nq, int nv, class V, class Joints = std::array<QuaternionJoint, 0>>
+DALEMBERT_BLOCK void rate_lanes(const V* step, const V* speed, V* rate, const Joints& joints = {}) {
   copy_numbers<T, nv>(speed, rate);
-  if constexpr (nq != nv)
+  if constexpr (nq == nv) {
+    (void)step, (void)joints;
+  } else {
     for (int lane = 0; lane < batch_width<T>; ++lane) {
-      Eigen::Matrix<T, nq, 1> at;
-      Eigen::Matrix<T, nv, 1> by, moving;
-      take_state<T>(q, nq, lane, at.data());
-      take_state<T>(step, nv, lane, by.data());
-      take_state<T>(speed, nv, lane, moving.data());
-      const Eigen::Matrix<T, nv, 1> r = integrators::rate_of_step(at, by, moving, joints...);
-      put_state<T>(r.data(), nv, lane, rate);
+      T by[nv], moving[nv], rates[nv];
+      take_state<T>(step, nv, lane, by);
+      take_state<T>(speed, nv, lane, moving);
+      using namespace integrators::detail;
+      each_part_of_motion<nq, nv>(
+          joints, [&](int, int i) DALEMBERT_IN_BLOCK { rate_of_screw(by + i, moving + i, rates + i); },
+          [&](int, int i) DALEMBERT_IN_BLOCK { rate_of_turn(by + i, moving + i, rates + i); },
+          [&](int, int i, int some) DALEMBERT_IN_BLOCK {
+            for (int j = i; j < i + some; ++j) rates[j] = moving[j];
+          });
+      put_state<T>(rates, nv, lane, rate);
     }
+  }
 }
 
 // What of a program's contacts and loops comes on and goes: how many, and the place of the first among what is given.
@@ -230,7 +264,7 @@ static inline void roll_out(Program&& program, const Rollout<T>& rollout, const 
             Block& block = blocks[b];
             const V* const a = block.values + acceleration;
             V rate[nv];
-            detail::rate_lanes<T, nq, nv>(m.q, m.step, block.v, rate, joints...);
+            detail::rate_lanes<T, nq, nv>(m.step, block.v, rate, joints...);
             for (int i = 0; i < nv; ++i) {
               m.steps[i] += share * rate[i], m.changes[i] += share * a[i];
               m.step[i] = ahead * rate[i], m.change[i] = ahead * a[i];

@@ -10,6 +10,7 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <cmath>
+#include <dalembert/integrators/screws.hpp>
 #include <dalembert/quaternion_joint.hpp>
 #include <dalembert/spatial.hpp>
 
@@ -29,60 +30,25 @@ inline constexpr bool may_float = int(Q::RowsAtCompileTime) == Eigen::Dynamic ||
 
 namespace detail {
 
-// (1 − cos a) / a² and (a − sin a) / a³ of an angle a, given by its square; their series where the quotients cancel. Of a
-// and a² times them, which is what counts, no more is lost than the last digit.
-template <class Scalar>
-void exponential_coefficients(Scalar squared, Scalar& first, Scalar& second) {
-  using std::sin;
-  using std::sqrt;
-  if (squared < Scalar(0.1)) {  // what is left out is below 1e-17
-    first = Scalar(0.5) - squared / 24 * (1 - squared / 30 * (1 - squared / 56 * (1 - squared / 90 * (1 - squared / 132))));
-    second =
-        Scalar(1) / 6 - squared / 120 * (1 - squared / 42 * (1 - squared / 72 * (1 - squared / 110 * (1 - squared / 156))));
-  } else {
-    const Scalar angle = sqrt(squared), half = sin(angle / 2);
-    first = 2 * half * half / squared;
-    second = (angle - sin(angle)) / (squared * angle);
-  }
-}
-
-// sin(a/2) / a and cos(a/2).
-template <class Scalar>
-void half_angle(Scalar squared, Scalar& sine, Scalar& cosine) {
-  using std::cos;
-  using std::sin;
-  using std::sqrt;
-  const Scalar angle = sqrt(squared);
-  cosine = cos(angle / 2);
-  sine = squared < Scalar(1e-8) ? Scalar(0.5) - squared / 48 : sin(angle / 2) / angle;
-}
-
 // The quaternion at q[at], turned by the angular step at step[from]; written to next.
 template <class Q, class V>
 void turn(const Q& q, const V& step, Q& next, Eigen::Index at, Eigen::Index from) {
   using Scalar = typename Q::Scalar;
-  Scalar sine, cosine;
-  half_angle(Scalar(step.template segment<3>(from).squaredNorm()), sine, cosine);
-  const Scalar x = q[at], y = q[at + 1], z = q[at + 2], w = q[at + 3];
-  const Scalar a = sine * step[from], b = sine * step[from + 1], c = sine * step[from + 2], d = cosine;
-  Eigen::Matrix<Scalar, 4, 1> turned(w * a + x * d + y * c - z * b, w * b - x * c + y * d + z * a,
-                                     w * c + x * b - y * a + z * d, w * d - x * a - y * b - z * c);
-  turned *= (3 - turned.squaredNorm()) / 2;
-  next.template segment<4>(at) = turned;
+  const Scalar was[4] = {q[at], q[at + 1], q[at + 2], q[at + 3]}, by[3] = {step[from], step[from + 1], step[from + 2]};
+  Scalar turned[4];
+  turn_quaternion(was, by, turned);
+  for (int i = 0; i < 4; ++i) next[at + i] = turned[i];
 }
 
 // The pose at q[at], seven entries, moved by the twist at step[from]; written to next.
 template <class Q, class V>
 void move_pose(const Q& q, const V& step, Q& next, Eigen::Index at, Eigen::Index from) {
   using Scalar = typename Q::Scalar;
-  const Vector3<Scalar> slide = step.template segment<3>(from), turning = step.template segment<3>(from + 3);
-  Scalar first, second;
-  exponential_coefficients(Scalar(turning.squaredNorm()), first, second);
-  const Vector3<Scalar> across = turning.cross(slide);
-  const Vector3<Scalar> along = slide + first * across + second * turning.cross(across);
-  next.template segment<3>(at) =
-      q.template segment<3>(at) + rotation_of_quaternion<Scalar>(q[at + 3], q[at + 4], q[at + 5], q[at + 6]) * along;
-  turn(q, step, next, at + 3, from + 3);
+  Scalar was[7], by[6], moved[7];
+  for (int i = 0; i < 7; ++i) was[i] = q[at + i];
+  for (int i = 0; i < 6; ++i) by[i] = step[from + i];
+  move_pose_by(was, by, moved);
+  for (int i = 0; i < 7; ++i) next[at + i] = moved[i];
 }
 
 // The angular step at step[into], such that turn(from, step) is the quaternion of `to`; its angle, and half that one's sine.
@@ -188,14 +154,16 @@ V rate_of_step(const Q& q, const V& step, const V& v, const Joints& joints = no_
   detail::each_part(
       q, v, joints,
       [&](auto, auto i) {
-        const Matrix6<Scalar> bracket = ad<Scalar>(Vector6<Scalar>(step.template segment<6>(i)));
-        const Vector6<Scalar> once = bracket * v.template segment<6>(i);
-        rate.template segment<6>(i) += once / Scalar(2) + bracket * once / Scalar(12);
+        Scalar by[6], moving[6], rates[6];
+        for (int j = 0; j < 6; ++j) by[j] = step[i + j], moving[j] = v[i + j];
+        detail::rate_of_screw(by, moving, rates);
+        for (int j = 0; j < 6; ++j) rate[i + j] = rates[j];
       },
       [&](auto, auto i) {
-        const Vector3<Scalar> turning = step.template segment<3>(i),
-                              once = turning.cross(Vector3<Scalar>(v.template segment<3>(i)));
-        rate.template segment<3>(i) += once / Scalar(2) + turning.cross(once) / Scalar(12);
+        Scalar by[3], moving[3], rates[3];
+        for (int j = 0; j < 3; ++j) by[j] = step[i + j], moving[j] = v[i + j];
+        detail::rate_of_turn(by, moving, rates);
+        for (int j = 0; j < 3; ++j) rate[i + j] = rates[j];
       },
       [](Eigen::Index, Eigen::Index, Eigen::Index) {});
   return rate;
