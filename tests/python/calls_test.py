@@ -33,7 +33,7 @@ def setUpModule():
                  functions={"both": ["bias", "center_of_mass", "pose_link_02"], "info": ["bias"]}, flags=robots.quick, batch=True)
     double = dalembert.load(urdf, **scene)
     single = dalembert.load(urdf, scalar=np.float32, base="fixed", outputs=["mass_matrix", "bias", "forward_dynamics"], flags=robots.quick, batch=False)
-    arm = dalembert.load(urdf, base="fixed", outputs="forward_dynamics", flags=robots.quick, payloads=["link_02"])
+    arm = dalembert.load(urdf, base="fixed", outputs="forward_dynamics", flags=robots.quick.split(), payloads=["link_02"])
     stiff = dalembert.load(urdf, base="fixed", outputs=["mass_matrix", "bias", "forward_dynamics"], flags=robots.quick, batch=True,
                            rollouts=["linearly_implicit"], **STIFF)
 

@@ -108,6 +108,8 @@ def arguments(urdf, keywords):
     for key, value in keywords.items():
         if key in OPTIONS:
             if value is not None:
+                if key == "flags" and not isinstance(value, str):
+                    value = " ".join(value)
                 words.append(f"--{key}={os.fspath(value) if key == 'scene' else value}")
         elif key in names and (value is None and key != "gravity" or value is False and key == "batch"):
             continue  # not given; whether a robot's batches are used makes no other code

@@ -79,7 +79,8 @@ def load(urdf, **keywords):
     """The robot's functions, generated and compiled, or found in the cache.
 
     urdf: the file's name. Keywords: `scene`, a YAML file; the scene's keys (docs/scene.md), which override it: base, gravity,
-    outputs, functions, frames, locked, ...; and compiler, flags, form, lanes, name, as of `dalembert generate` and `check`.
+    outputs, functions, frames, locked, ...; and compiler, flags (one string, or a list of them), form, lanes, name, as of
+    `dalembert generate` and `check`.
     batch: True compiles the functions' batches now, False never, one state then being computed after another; without, a function's
     batch is compiled when it is called for n states first.
     Raises InputError (a ValueError) where the input is wrong, KeyError for a quantity that there is not, TypeError for an unknown
