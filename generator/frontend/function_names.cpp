@@ -80,7 +80,7 @@ constexpr const char* own[] = {"scratch",      "status",         "stages",
                                "batch_blocks", "batch_results",  "check_batch",
                                "gain",         "joint",          "constrained_accelerations",
                                "forces",       "response",       "projected_inverse",
-                               "row_wrenches", "joint_axes"};
+                               "row_wrenches", "joint_axes",     "diagonal_apart"};
 // What one with sections behind the first (ir/algorithm.hpp) has besides.
 constexpr const char* of_derivatives[] = {"accelerations",          "derivatives",
                                           "derivatives_scratch",    "derivatives_stages",

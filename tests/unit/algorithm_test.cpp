@@ -224,6 +224,36 @@ TEST(AlgorithmAt, DerivativesWithWrenchesAreDifferences) {
   }
 }
 
+// A joint's follower turns back what it turns, about the same axis: what is left of M is a difference, whose rounding its own
+// size does not tell. What is ok has a right digit, and what has lost five is ok still.
+TEST(AlgorithmAt, WhatFollowersCancelIsNotTakenForInertia) {
+  ir::RobotDescription gear = robot("double_pendulum");
+  for (ir::Joint& joint : gear.joints) joint.origin = Eigen::Isometry3d::Identity(), joint.axis = Eigen::Vector3d::UnitZ();
+  ir::Scene scene;
+  scene.base = ir::Base::fixed;
+  scene.outputs = {ir::Quantity::forward_dynamics};
+  int ok = 0;
+  for (int digits = 1; digits <= 20; ++digits)
+    for (const double off : {0.0, 0.5}) {
+      const double own = std::pow(10.0, -digits), multiplier = -1 + off * std::sqrt(own);
+      const double rest = 1 + multiplier, exact = own + rest * rest;
+      for (const double inertia : {own, 1.0})
+        gear.links[inertia == own ? 1 : 2].inertia =
+            ir::Inertia{1, Eigen::Vector3d::Zero(), inertia * Eigen::Matrix3d::Identity()};
+      scene.mimic["link_02_joint"] = {"link_01_joint", multiplier, 0};
+      const Model model = model_of(gear, scene);
+      State state = some_state(model.tree);
+      state.v.setZero();
+      state.more.setConstant(exact);
+      for (const ir::Arrays& form : run_both(model, state, {})) {
+        const double acceleration = form.at("forward_dynamics")(0, 0);
+        EXPECT_TRUE(acceleration == 0 ? digits > 10 : std::abs(acceleration - 1) < 0.1) << own << ": " << acceleration;
+        ok += acceleration != 0;
+      }
+    }
+  EXPECT_LT(ok, 4 * 14);
+}
+
 // A frame of the scene's own against its link's results, computed in fifty digits and moved by hand.
 TEST(AlgorithmAt, AFrameOfTheScenesOwnIsItsLinkMovedByHand) {
   using Matrix = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;

@@ -1,5 +1,8 @@
 // M = U D U', eliminated from the last coordinate to the first (Featherstone 2008, section 6.3; D and U' are those of
 // articulated bodies). What moves by a driver's coordinate is in M already.
+#include <algorithm>
+#include <vector>
+
 #include "dalembert/chain_shapes.hpp"
 #include "ir/coordinate_tree.hpp"
 #include "passes/quantities/quantities.hpp"
@@ -18,6 +21,27 @@ int own_array(Builder& b, ir::Quantity quantity, const char* name) {
   return b.computes(quantity) && !b.function().part(quantity) ? b.output(quantity) : b.internal_array(b.own_name(name), nv, nv);
 }
 
+// M_kk of every coordinate, its joint's and those of joints that follow it each taken by itself: what rounding has left of M_kk
+// where they cancel. −1: no joint follows another, and M's diagonal says the same.
+int diagonal_apart(Builder& b) {
+  const std::vector<ir::Body>& bodies = b.tree().bodies;
+  if (std::none_of(bodies.begin(), bodies.end(), [](const ir::Body& body) { return body.driven(); })) return -1;
+  const int role = b.role({"diagonal_apart", "Mkk", "M_kk of the joint by itself", "kg or kg m^2", Shape::scalar});
+  const int array = b.internal_array(b.own_name("diagonal_apart"), b.tree().nv(), 1);
+  b.result({array, ir::Layout::per_coordinate, role});
+  const Poses p = poses(b);
+  const int force = forces(b).inertia;
+  SweepBuilder s = b.sweep("diagonals_apart", "M_kk = F_k.J_k", Direction::anywhere);
+  s.store(role, element({s.own3(force, 0), s.own3(force, 3)}, joint_of(s, p)) + s.parameter(armature_p));
+  if (b.base_coordinates() == 0) return array;
+  SweepBuilder base = b.sweep_of_base("base_diagonals", "M_BB = A*");
+  for (int k = 0; k < 6; ++k) {
+    const Twist unit = unit_twist(base, k);
+    base.store(role, 0, element(apply_inertia(base.own(composite_mass(b)), sums_of(base, subtree_sums(b)), unit), unit), k);
+  }
+  return array;
+}
+
 }  // namespace
 
 int mass_matrix_factor(Builder& b) {
@@ -27,13 +51,14 @@ int mass_matrix_factor(Builder& b) {
   const int array = own_array(b, ir::Quantity::mass_matrix_factor, "factor");
   const int longest = ir::most_above(ir::coordinate_tree(b.tree())) + 1;
   const int room = b.internal_array(b.own_name("unscaled_factor"), factor_stride(longest), nv);
-  b.guard() =
-      ir::Guard{b.internal_array(b.own_name("pivots"), nv, 1), b.internal_array(b.own_name("diagonal"), nv, 1), {}, array};
+  const int pivots = b.internal_array(b.own_name("pivots"), nv, 1), diagonal = b.internal_array(b.own_name("diagonal"), nv, 1);
+  const int apart = diagonal_apart(b);
+  b.guard() = ir::Guard{pivots, apart >= 0 ? apart : diagonal, {}, array};
   b.kernel(ir::Kernel(Kind::factor, {{Operand::mass, mass},
                                      {Operand::unscaled, room},
                                      {Operand::factor, array},
-                                     {Operand::pivots, b.guard()->pivots},
-                                     {Operand::diagonal, b.guard()->diagonal}}));
+                                     {Operand::pivots, pivots},
+                                     {Operand::diagonal, diagonal}}));
   return array;
 }
 

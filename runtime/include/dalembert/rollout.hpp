@@ -2,8 +2,8 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <cstddef>
 #include <initializer_list>
 #include <limits>
 #include <type_traits>
@@ -30,18 +30,30 @@ DALEMBERT_BLOCK void copy_numbers(const V* from, V* to) {
   for (int i = 0; i < n; ++i) to[i] = from[i];
 }
 
+// The joints with quaternions, as generated code lists them where there are any.
+template <int n>
+struct QuaternionJoints {
+  static constexpr int count = n;
+  const QuaternionJoint* at;
+};
+DALEMBERT_BLOCK QuaternionJoints<0> listed() { return {nullptr}; }
+template <std::size_t n>
+DALEMBERT_BLOCK QuaternionJoints<static_cast<int>(n)> listed(const QuaternionJoint (&joints)[n]) {
+  return {joints};
+}
+
 // Of one motion: of_pose(first of q, of v) of a floating base and floating joints, of_turn of spherical ones, of_rest(first of
 // q, of v, how many) of what adds.
-template <int nq, int nv, std::size_t count, class Pose, class Turn, class Rest>
-DALEMBERT_BLOCK void each_part_of_motion(const std::array<QuaternionJoint, count>& joints, const Pose& of_pose,
-                                         const Turn& of_turn, const Rest& of_rest) {
+template <int nq, int nv, int count, class Pose, class Turn, class Rest>
+DALEMBERT_BLOCK void each_part_of_motion(const QuaternionJoints<count>& joints, const Pose& of_pose, const Turn& of_turn,
+                                         const Rest& of_rest) {
   int at = 0, i = 0;
-  if constexpr (nq != nv + static_cast<int>(count)) {
+  if constexpr (nq != nv + count) {
     of_pose(0, 0);
     at = 7, i = 6;
   }
-  for (std::size_t j = 0; j < count; ++j) {
-    const QuaternionJoint& joint = joints[j];
+  for (int j = 0; j < count; ++j) {
+    const QuaternionJoint& joint = joints.at[j];
     of_rest(at, i, joint.v - i);
     if (joint.slides) of_pose(joint.q, joint.v);
     else of_turn(joint.q, joint.v);
@@ -52,10 +64,10 @@ DALEMBERT_BLOCK void each_part_of_motion(const std::array<QuaternionJoint, count
 }
 
 // next = q · exp(step), and on a fixed base q + step.
-template <class T, int nq, int nv, class V, class Joints = std::array<QuaternionJoint, 0>>
-DALEMBERT_BLOCK void move_lanes(const V* q, const V* step, V* next, const Joints& joints = {}) {
+template <class T, int nq, int nv, class V, class... Joints>
+DALEMBERT_BLOCK void move_lanes(const V* q, const V* step, V* next, const Joints&... joints) {
   if constexpr (nq == nv) {
-    (void)joints;
+    (void)std::initializer_list<int>{((void)joints, 0)...};
     for (int i = 0; i < nq; ++i) next[i] = q[i] + step[i];
   } else {
     for (int lane = 0; lane < batch_width<T>; ++lane) {
@@ -64,7 +76,7 @@ DALEMBERT_BLOCK void move_lanes(const V* q, const V* step, V* next, const Joints
       take_state<T>(step, nv, lane, by);
       using namespace integrators::detail;
       each_part_of_motion<nq, nv>(
-          joints, [&](int at, int i) DALEMBERT_IN_BLOCK { move_pose_by(from + at, by + i, to + at); },
+          listed(joints...), [&](int at, int i) DALEMBERT_IN_BLOCK { move_pose_by(from + at, by + i, to + at); },
           [&](int at, int i) DALEMBERT_IN_BLOCK { turn_quaternion(from + at, by + i, to + at); },
           [&](int at, int i, int some) DALEMBERT_IN_BLOCK {
             for (int j = 0; j < some; ++j) to[at + j] = from[at + j] + by[i + j];
@@ -75,11 +87,11 @@ DALEMBERT_BLOCK void move_lanes(const V* q, const V* step, V* next, const Joints
 }
 
 // rate: how `step` changes when q · exp(step) moves with `speed` (integrators::rate_of_step).
-template <class T, int nq, int nv, class V, class Joints = std::array<QuaternionJoint, 0>>
-DALEMBERT_BLOCK void rate_lanes(const V* step, const V* speed, V* rate, const Joints& joints = {}) {
+template <class T, int nq, int nv, class V, class... Joints>
+DALEMBERT_BLOCK void rate_lanes(const V* step, const V* speed, V* rate, const Joints&... joints) {
   copy_numbers<T, nv>(speed, rate);
   if constexpr (nq == nv) {
-    (void)step, (void)joints;
+    (void)step, (void)std::initializer_list<int>{((void)joints, 0)...};
   } else {
     for (int lane = 0; lane < batch_width<T>; ++lane) {
       T by[nv], moving[nv], rates[nv];
@@ -87,7 +99,7 @@ DALEMBERT_BLOCK void rate_lanes(const V* step, const V* speed, V* rate, const Jo
       take_state<T>(speed, nv, lane, moving);
       using namespace integrators::detail;
       each_part_of_motion<nq, nv>(
-          joints, [&](int, int i) DALEMBERT_IN_BLOCK { rate_of_screw(by + i, moving + i, rates + i); },
+          listed(joints...), [&](int, int i) DALEMBERT_IN_BLOCK { rate_of_screw(by + i, moving + i, rates + i); },
           [&](int, int i) DALEMBERT_IN_BLOCK { rate_of_turn(by + i, moving + i, rates + i); },
           [&](int, int i, int some) DALEMBERT_IN_BLOCK {
             for (int j = i; j < i + some; ++j) rates[j] = moving[j];
