@@ -48,19 +48,22 @@ TEST(Move, IsTheMatrixExponential) {
   }
 }
 
-// (1 − cos a) / a² and (a − sin a) / a³, times which steps are a and a²: to the last digit at all angles.
+// (1 − cos a) / a² and (a − sin a) / a³, times which steps are a and a², and what quaternions turn by: to the last digit at all
+// angles.
 template <class T>
 void expect_whole_coefficients() {
   for (double angle = 1e-4; angle < 3; angle *= 1.01) {
     const T squared = static_cast<T>(angle) * static_cast<T>(angle);
-    T first, second;
-    integrators::detail::exponential_coefficients<T>(squared, first, second);
+    integrators::detail::Screw<T> screw;
+    integrators::detail::screw_of<T>(squared, screw);
     const long double x = squared, a = std::sqrt(x), half = std::sin(a / 2);
     long double series = 0, term = 1 / 6.0L;  // (a − sin a) / a³
     for (int k = 4; k < 60; k += 2) series += term, term *= -x / (k * (k + 1));
     constexpr long double epsilon = std::numeric_limits<T>::epsilon();
-    EXPECT_LT(std::abs(first - 2 * half * half / x) * a, 2 * epsilon) << angle;
-    EXPECT_LT(std::abs(second - series) * x, 2 * epsilon) << angle;
+    EXPECT_LT(std::abs(screw.first - 2 * half * half / x) * a, 2 * epsilon) << angle;
+    EXPECT_LT(std::abs(screw.second - series) * x, 2 * epsilon) << angle;
+    EXPECT_LT(std::abs(screw.sine - half / a) * a, epsilon) << angle;
+    EXPECT_LT(std::abs(screw.cosine - std::cos(a / 2)), epsilon) << angle;
   }
 }
 TEST(Move, CoefficientsAreRightToTheLastDigit) {

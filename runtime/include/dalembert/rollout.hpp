@@ -63,50 +63,57 @@ DALEMBERT_BLOCK void each_part_of_motion(const QuaternionJoints<count>& joints, 
   of_rest(at, i, nv - i);
 }
 
-// next = q · exp(step), and on a fixed base q + step.
-template <class T, int nq, int nv, class V, class... Joints>
-DALEMBERT_BLOCK void move_lanes(const V* q, const V* step, V* next, const Joints&... joints) {
-  if constexpr (nq == nv) {
-    (void)std::initializer_list<int>{((void)joints, 0)...};
-    for (int i = 0; i < nq; ++i) next[i] = q[i] + step[i];
-  } else {
-    for (int lane = 0; lane < batch_width<T>; ++lane) {
-      T from[nq], by[nv], to[nq];
-      take_state<T>(q, nq, lane, from);
-      take_state<T>(step, nv, lane, by);
-      using namespace integrators::detail;
-      each_part_of_motion<nq, nv>(
-          listed(joints...), [&](int at, int i) DALEMBERT_IN_BLOCK { move_pose_by(from + at, by + i, to + at); },
-          [&](int at, int i) DALEMBERT_IN_BLOCK { turn_quaternion(from + at, by + i, to + at); },
-          [&](int at, int i, int some) DALEMBERT_IN_BLOCK {
-            for (int j = 0; j < some; ++j) to[at + j] = from[at + j] + by[i + j];
-          });
-      put_state<T>(to, nq, lane, next);
-    }
+// By the angles' squares, lane by lane: a lane's bits do not depend on the others.
+template <class T>
+DALEMBERT_BLOCK void screw_of_lanes(const BatchLanes<T>& squared, integrators::detail::Screw<BatchLanes<T>>& screw) {
+  using namespace integrators::detail;
+  screw_of_small<T>(squared, screw);
+  int large = 0;
+  for (int l = 0; l < batch_width<T>; ++l) large += lane<batch_width<T>, T>(squared, l) < T(small_square) ? 0 : 1;
+  for (int l = 0; large > 0 && l < batch_width<T>; ++l) {
+    const T own = lane<batch_width<T>, T>(squared, l);
+    if (own < T(small_square)) continue;
+    Screw<T> by_functions;
+    screw_of_large(own, by_functions);
+    put_state<T>(&by_functions.first, 1, l, &screw.first);
+    put_state<T>(&by_functions.second, 1, l, &screw.second);
+    put_state<T>(&by_functions.sine, 1, l, &screw.sine);
+    put_state<T>(&by_functions.cosine, 1, l, &screw.cosine);
   }
 }
 
+// next = q · exp(step), and on a fixed base q + step.
+template <class T, int nq, int nv, class... Joints>
+DALEMBERT_BLOCK void move_lanes(const BatchLanes<T>* q, const BatchLanes<T>* step, BatchLanes<T>* next,
+                                const Joints&... joints) {
+  using namespace integrators::detail;
+  Screw<BatchLanes<T>> screw;
+  each_part_of_motion<nq, nv>(
+      listed(joints...),
+      [&](int at, int i) DALEMBERT_IN_BLOCK {
+        screw_of_lanes<T>(square(step + i + 3), screw);
+        move_pose_by(q + at, step + i, screw, next + at);
+      },
+      [&](int at, int i) DALEMBERT_IN_BLOCK {
+        screw_of_lanes<T>(square(step + i), screw);
+        turn_quaternion(q + at, step + i, screw, next + at);
+      },
+      [&](int at, int i, int some) DALEMBERT_IN_BLOCK {
+        for (int j = 0; j < some; ++j) next[at + j] = q[at + j] + step[i + j];
+      });
+}
+
 // rate: how `step` changes when q · exp(step) moves with `speed` (integrators::rate_of_step).
-template <class T, int nq, int nv, class V, class... Joints>
-DALEMBERT_BLOCK void rate_lanes(const V* step, const V* speed, V* rate, const Joints&... joints) {
-  copy_numbers<T, nv>(speed, rate);
-  if constexpr (nq == nv) {
-    (void)step, (void)std::initializer_list<int>{((void)joints, 0)...};
-  } else {
-    for (int lane = 0; lane < batch_width<T>; ++lane) {
-      T by[nv], moving[nv], rates[nv];
-      take_state<T>(step, nv, lane, by);
-      take_state<T>(speed, nv, lane, moving);
-      using namespace integrators::detail;
-      each_part_of_motion<nq, nv>(
-          listed(joints...), [&](int, int i) DALEMBERT_IN_BLOCK { rate_of_screw(by + i, moving + i, rates + i); },
-          [&](int, int i) DALEMBERT_IN_BLOCK { rate_of_turn(by + i, moving + i, rates + i); },
-          [&](int, int i, int some) DALEMBERT_IN_BLOCK {
-            for (int j = i; j < i + some; ++j) rates[j] = moving[j];
-          });
-      put_state<T>(rates, nv, lane, rate);
-    }
-  }
+template <class T, int nq, int nv, class... Joints>
+DALEMBERT_BLOCK void rate_lanes(const BatchLanes<T>* step, const BatchLanes<T>* speed, BatchLanes<T>* rate,
+                                const Joints&... joints) {
+  using namespace integrators::detail;
+  each_part_of_motion<nq, nv>(
+      listed(joints...), [&](int, int i) DALEMBERT_IN_BLOCK { rate_of_screw(step + i, speed + i, rate + i); },
+      [&](int, int i) DALEMBERT_IN_BLOCK { rate_of_turn(step + i, speed + i, rate + i); },
+      [&](int, int i, int some) DALEMBERT_IN_BLOCK {
+        for (int j = i; j < i + some; ++j) rate[j] = speed[j];
+      });
 }
 
 // What of a program's contacts and loops comes on and goes: how many, and the place of the first among what is given.

@@ -478,6 +478,29 @@ TYPED_TEST(Rollouts, AreWhatIntegratorsMake) {
   }
 }
 
+// A step that turns far is computed by other functions than those beside it.
+TYPED_TEST(Rollouts, TurnFarBesideMotionsThatHardlyTurn) {
+  using Q = Eigen::Matrix<double, TypeParam::nq, 1>;
+  using V = Eigen::Matrix<double, TypeParam::nv, 1>;
+  const std::size_t nq = this->nq, nv = this->nv;
+  for (std::size_t s = 1; nq > nv && s < this->n; s += 4) this->v[s * nv + 3] = 60;
+  const auto method = dalembert::RolloutMethod::semi_implicit_euler;
+  const auto serial = [](const auto& batch, const auto& to) { return TypeParam::rollout(batch, to); };
+  const auto all = this->run(method, serial);
+  for (std::size_t s = 0; s < this->n; ++s) {
+    Q q = Eigen::Map<const Q>(this->q.data() + s * nq);
+    V v = Eigen::Map<const V>(this->v.data() + s * nv);
+    SingleDynamics<TypeParam> dynamics;
+    dynamics.tau = this->tau.data() + s * this->steps * nv;
+    dalembert::integrators::semi_implicit_euler(dynamics, 0.01, q, v);
+    const double* const first = all.path_q.data() + s * this->steps * nq;
+    EXPECT_LT((Eigen::Map<const Q>(first) - q).template lpNorm<Eigen::Infinity>(),
+              1e-12 * (1 + v.template lpNorm<Eigen::Infinity>()));
+    const auto one = this->run(method, serial, s, 1);
+    EXPECT_EQ(std::memcmp(one.path_q.data(), first, sizeof(double) * nq), 0);
+  }
+}
+
 TYPED_TEST(Rollouts, AreTheSameBitsWhereverAMotionStands) {
   const auto method = dalembert::RolloutMethod::rk4;
   const auto serial = [](const auto& batch, const auto& to) { return TypeParam::rollout(batch, to); };

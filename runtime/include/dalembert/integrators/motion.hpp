@@ -36,7 +36,9 @@ void turn(const Q& q, const V& step, Q& next, Eigen::Index at, Eigen::Index from
   using Scalar = typename Q::Scalar;
   const Scalar was[4] = {q[at], q[at + 1], q[at + 2], q[at + 3]}, by[3] = {step[from], step[from + 1], step[from + 2]};
   Scalar turned[4];
-  turn_quaternion(was, by, turned);
+  Screw<Scalar> screw;
+  screw_of(square(by), screw);
+  turn_quaternion(was, by, screw, turned);
   for (int i = 0; i < 4; ++i) next[at + i] = turned[i];
 }
 
@@ -47,7 +49,9 @@ void move_pose(const Q& q, const V& step, Q& next, Eigen::Index at, Eigen::Index
   Scalar was[7], by[6], moved[7];
   for (int i = 0; i < 7; ++i) was[i] = q[at + i];
   for (int i = 0; i < 6; ++i) by[i] = step[from + i];
-  move_pose_by(was, by, moved);
+  Screw<Scalar> screw;
+  screw_of(square(by + 3), screw);
+  move_pose_by(was, by, screw, moved);
   for (int i = 0; i < 7; ++i) next[at + i] = moved[i];
 }
 
