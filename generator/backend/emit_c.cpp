@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <utility>
+
 #include "backend/code_text.hpp"
 #include "backend/literals.hpp"
 #include "ir/identifier.hpp"

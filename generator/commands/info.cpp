@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "backend/estimate.hpp"
 #include "commands/json.hpp"
 #include "commands/labels.hpp"
 #include "commands/output.hpp"

@@ -16,7 +16,7 @@ struct Labels {
 
 Labels labels_of(const Model& model, const Output& output);
 
-// A symbol and a unit, as the registry has them.
+// A symbol, a unit and help, as the registry has them; of a link, with its name.
 struct Words {
   std::string symbol, unit, help;
 };

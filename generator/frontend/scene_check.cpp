@@ -608,7 +608,8 @@ class SceneCheck {
     if (document_.urdf_mimic && scene_.mimic.empty()) warn_of_nothing_in_urdf("mimic");
     std::vector<std::string> still, joints;
     for (const ir::Joint& joint : robot_.joints)
-      if (joint.mimic && joint.type == ir::JointType::fixed && document_.urdf_mimic) still.push_back("'" + joint.name + "'");
+      if (document_.urdf_mimic && joint.mimic && joint.type == ir::JointType::fixed && !is_cut(joint))
+        still.push_back("'" + joint.name + "'");
     if (!still.empty())
       warnings_.push_back({Severity::warning, robot_.file, named(still), "a fixed joint follows no other: <mimic> is left out",
                            "remove it there, or give the joint another type"});

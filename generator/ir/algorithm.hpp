@@ -154,7 +154,8 @@ struct OutputArray {
 // Arrays that mean something only where the mass matrix is positive definite: where a pivot of its factorisation is not above
 // what rounding leaves of M's diagonal they are zero, and the function's status says which.
 struct Guard {
-  int pivots = 0, diagonal = 0;  // arrays, nv × 1; −1: a section before has found out
+  // Arrays, nv × 1; −1: a section before has found out. Where joints follow others, the diagonal is what they feel apart.
+  int pivots = 0, diagonal = 0;
   std::vector<int> arrays{};
   // By what it tells what rounding may have left of pivots (dalembert/factor.hpp): U of M = U D U', above the diagonal of an
   // nv × nv array; or, where there is none, V and J of articulated bodies, 6 × nv each. −1: none.

@@ -252,6 +252,18 @@ TEST(AlgorithmAt, WhatFollowersCancelIsNotTakenForInertia) {
       }
     }
   EXPECT_LT(ok, 4 * 14);
+  // What pivots are measured by: the base's as M has it.
+  scene.base = ir::Base::floating;
+  scene.outputs.push_back(ir::Quantity::mass_matrix);
+  gear.links[1].inertia->inertia = 0.5 * Eigen::Matrix3d::Identity();
+  gear.links[2].inertia->inertia = 0.7 * Eigen::Matrix3d::Identity();
+  scene.mimic["link_02_joint"].multiplier = -0.9;
+  const Model floating = model_of(gear, scene);
+  for (const ir::Arrays& form : run_both(floating, some_state(floating.tree), {})) {
+    Eigen::VectorXd expected = form.at("mass_matrix").diagonal();
+    expected[6] = 0.5 + 0.7 + 0.9 * 0.9 * 0.7;
+    EXPECT_TRUE(form.at("forward_dynamics_diagonal_apart").isApprox(expected, 1e-14));
+  }
 }
 
 // A frame of the scene's own against its link's results, computed in fifty digits and moved by hand.

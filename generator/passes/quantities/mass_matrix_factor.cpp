@@ -22,7 +22,8 @@ int own_array(Builder& b, ir::Quantity quantity, const char* name) {
 }
 
 // M_kk of every coordinate, its joint's and those of joints that follow it each taken by itself: what rounding has left of M_kk
-// where they cancel. −1: no joint follows another, and M's diagonal says the same.
+// where they cancel. Where they do not M_kk may be as many times more as there are of them, which 4096 roundings have room for.
+// −1: no joint follows another, and M's diagonal says the same.
 int diagonal_apart(Builder& b) {
   const std::vector<ir::Body>& bodies = b.tree().bodies;
   if (std::none_of(bodies.begin(), bodies.end(), [](const ir::Body& body) { return body.driven(); })) return -1;

@@ -39,7 +39,7 @@ DALEMBERT_BLOCK Joints<T, n> joints_of(const Factors<T, n>& p, int first, int st
 template <class T, int limbs, int lane = 0, class F>
 DALEMBERT_BLOCK void each_tile_part(const F& f) {
   constexpr int most = lanes_together<T, limbs>, some = most < 2 ? 2 : most;
-  static_assert(some == lanes_for(limbs) || together<T>(some, 2) == 1, "steps of a part are not neighbours");
+  static_assert(some == lanes_for(limbs) || together<T>(some, 4) == 1, "steps of a part are not neighbours");
   f(std::integral_constant<int, some>{}, std::integral_constant<int, lane>{});
   if constexpr (lane + some < limbs) each_tile_part<T, limbs, lane + some>(f);
 }

@@ -9,7 +9,8 @@
 // leave small parts, elements of M are off by some hundred ulp, behind long chains by a thousand. With rows and columns of M
 // divided by sqrt(M_kk), e_k / D_k is at most 1 over the least eigenvalue: where M so divided has a condition below 1e12, in
 // float 1e4, it is ok; of more coordinates where its largest eigenvalue is n / 12 at least, as those of trees and chains are.
-// The sum of e_k / D_k is the trace of its inverse.
+// The sum of e_k / D_k is the trace of its inverse. Where joints follow others M_jj is what they feel apart, which is not less
+// than M_jj but for a factor below their number, and more where they cancel: so much more is wrong with M's elements.
 //
 // Bounds cost up to as much as the factors; they are only computed where some D_k / M_kk is below a least ratio. Where none is,
 // the product of all M_kk / D_k bounds that trace (the determinant bounds the least eigenvalue of a matrix whose diagonal is

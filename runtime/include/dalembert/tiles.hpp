@@ -159,9 +159,10 @@ constexpr bool wanted_group(Part part, int r, int g) {
 }
 
 // One component's products: tile[r][c] = or += below[c] · above[r]. Every value is read once, and the tile stays in registers.
-template <bool set, Part part, class Standing, int rows, class Tile, class T>
-DALEMBERT_BLOCK void component(Tile& tile, const T* below, int below_step, const T* above, int above_step) {
-  constexpr int width = Tile::width, columns = Tile::columns, pack = Tile::pack, groups = Tile::groups, n = width * pack;
+template <bool set, Part part, class Standing, int rows, class Filled, class T>
+DALEMBERT_BLOCK void component(Filled& tile, const T* below, int below_step, const T* above, int above_step) {
+  constexpr int width = Filled::width, columns = Filled::columns, pack = Filled::pack, groups = Filled::groups,
+                n = width * pack;
   Lanes<T, n> b[groups];
   lanes<groups>([&](int g) DALEMBERT_IN_BLOCK { b[g] = load<n, T>(below + g * pack * below_step); });
   lanes<rows>([&](int r) DALEMBERT_IN_BLOCK {
@@ -175,8 +176,8 @@ DALEMBERT_BLOCK void component(Tile& tile, const T* below, int below_step, const
 }
 
 // tile[r][c] = or += Σ_j below[j][c] · above[j][r], component by component, three of them.
-template <bool from_zero, Part part, class Standing, int rows, class Tile, class T>
-DALEMBERT_BLOCK void products(Tile& tile, const T* below, int below_step, int below_stride, const T* above, int above_step,
+template <bool from_zero, Part part, class Standing, int rows, class Filled, class T>
+DALEMBERT_BLOCK void products(Filled& tile, const T* below, int below_step, int below_stride, const T* above, int above_step,
                               int above_stride) {
   lanes<3>([&](int j) DALEMBERT_IN_BLOCK {
     const T *from_below = below + j * below_stride, *from_above = above + j * above_stride;
@@ -186,13 +187,13 @@ DALEMBERT_BLOCK void products(Tile& tile, const T* below, int below_step, int be
 }
 
 // The same as a loop that no compiler unrolls: less code. It starts from zeros.
-template <bool from_zero, Part part, class Standing, int rows, class Tile, class T>
-DALEMBERT_BLOCK void products_in_loop(Tile& tile, const T* below, int below_step, int below_stride, const T* above,
+template <bool from_zero, Part part, class Standing, int rows, class Filled, class T>
+DALEMBERT_BLOCK void products_in_loop(Filled& tile, const T* below, int below_step, int below_stride, const T* above,
                                       int above_step, int above_stride) {
   if constexpr (from_zero)
     lanes<rows>([&](int r) DALEMBERT_IN_BLOCK {
-      lanes<Tile::groups>([&](int g) DALEMBERT_IN_BLOCK {
-        if (wanted_group<Tile::pack, Tile::columns>(part, r, g)) tile.at[r][g] = Lanes<T, Tile::width * Tile::pack>{};
+      lanes<Filled::groups>([&](int g) DALEMBERT_IN_BLOCK {
+        if (wanted_group<Filled::pack, Filled::columns>(part, r, g)) tile.at[r][g] = Lanes<T, Filled::width * Filled::pack>{};
       });
     });
   DALEMBERT_KEEP_LOOP
@@ -201,14 +202,14 @@ DALEMBERT_BLOCK void products_in_loop(Tile& tile, const T* below, int below_step
 }
 
 // Products of `rows` joints above with `columns` below.
-template <bool loop, Part part, class Standing, int rows, class Tile>
+template <bool loop, Part part, class Standing, int rows, class Filled>
 struct Products {
-  using T = typename Tile::Number;
+  using T = typename Filled::Number;
   int below_step, below_stride, above_step, above_stride;
 
   // The sum of the terms, factor by factor.
   template <int nl, int nu, int lower, int upper, class... Rest>
-  DALEMBERT_INLINE void fill(Tile& tile, const Joints<T, nl>& below, const Joints<T, nu>& above,
+  DALEMBERT_INLINE void fill(Filled& tile, const Joints<T, nl>& below, const Joints<T, nu>& above,
                              Sum<Term<lower, upper>, Rest...>) const {
     sum<true>(tile, below.at[lower], above.at[upper]);
     add(tile, below, above, Sum<Rest...>{});
@@ -216,16 +217,16 @@ struct Products {
 
  private:
   template <int nl, int nu>
-  DALEMBERT_INLINE void add(Tile&, const Joints<T, nl>&, const Joints<T, nu>&, Sum<>) const {}
+  DALEMBERT_INLINE void add(Filled&, const Joints<T, nl>&, const Joints<T, nu>&, Sum<>) const {}
   template <int nl, int nu, int lower, int upper, class... Rest>
-  DALEMBERT_INLINE void add(Tile& tile, const Joints<T, nl>& below, const Joints<T, nu>& above,
+  DALEMBERT_INLINE void add(Filled& tile, const Joints<T, nl>& below, const Joints<T, nu>& above,
                             Sum<Term<lower, upper>, Rest...>) const {
     sum<false>(tile, below.at[lower], above.at[upper]);
     add(tile, below, above, Sum<Rest...>{});
   }
 
   template <bool from_zero>
-  DALEMBERT_INLINE void sum(Tile& tile, const T* below, const T* above) const {
+  DALEMBERT_INLINE void sum(Filled& tile, const T* below, const T* above) const {
     if constexpr (loop)
       products_in_loop<from_zero, part, Standing, rows>(tile, below, below_step, below_stride, above, above_step, above_stride);
     else products<from_zero, part, Standing, rows>(tile, below, below_step, below_stride, above, above_step, above_stride);
@@ -245,9 +246,9 @@ DALEMBERT_INLINE V second_halves(const V& x, const V& y, std::integer_sequence<i
 }
 
 // What stands below a tile's diagonal, from another's above it, rows and columns exchanged.
-template <class Tile>
-DALEMBERT_BLOCK void mirror(Tile& tile, const Tile& below) {
-  constexpr int width = Tile::width, columns = Tile::columns, pack = Tile::pack;
+template <class Filled>
+DALEMBERT_BLOCK void mirror(Filled& tile, const Filled& below) {
+  constexpr int width = Filled::width, columns = Filled::columns, pack = Filled::pack;
   lanes<columns>([&](int r) DALEMBERT_IN_BLOCK {
     if constexpr (pack == 1) {
       lanes<columns>([&](int c) DALEMBERT_IN_BLOCK {

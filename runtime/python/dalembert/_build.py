@@ -109,6 +109,8 @@ def arguments(urdf, keywords):
         if key in OPTIONS:
             if value is not None:
                 if key == "flags" and not isinstance(value, str):
+                    if any(" " in flag for flag in value):
+                        raise ValueError("load(): a flag with a blank in it cannot be handed on; give flags without")
                     value = " ".join(value)
                 words.append(f"--{key}={os.fspath(value) if key == 'scene' else value}")
         elif key in names and (value is None and key != "gravity" or value is False and key == "batch"):

@@ -1,8 +1,8 @@
 // A pose moved by a twist, on numbers alone: what motion.hpp does of Eigen's vectors and rollout.hpp of lanes.
 //
 // A pose is seven numbers: place in the world (m), quaternion x y z w. A twist is six, in the pose's own axes, linear first (m,
-// rad: velocity times time). All of it has internal linkage: files that are compiled
-// for different processors must not share one.
+// rad: velocity times time). All of it has internal linkage: files
+// that are compiled for different processors must not share one.
 #pragma once
 
 #include <cmath>
@@ -22,10 +22,10 @@ constexpr double small_square = 0.1;
 // By the angle's square. T: a number of type S, or lanes of such.
 template <class S, class T>
 static inline void screw_of_small(const T& squared, Screw<T>& screw) {
-  const auto less = [&](double part, const T& rest) { return S(1) - squared * S(1 / part) * rest; };
+  const auto less = [&](double part, const T& rest) { return S(1) - squared * (S(1) / S(part)) * rest; };
   const T one = squared * S(0) + S(1);
   screw.first = S(0.5) * less(12, less(30, less(56, less(90, less(132, less(182, one))))));
-  screw.second = S(1.0 / 6) * less(20, less(42, less(72, less(110, less(156, less(210, one))))));
+  screw.second = S(1) / S(6) * less(20, less(42, less(72, less(110, less(156, less(210, one))))));
   screw.sine = S(0.5) * less(24, less(80, less(168, less(288, less(440, less(624, one))))));
   screw.cosine = less(8, less(48, less(120, less(224, less(360, less(528, one))))));
 }
