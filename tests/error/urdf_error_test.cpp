@@ -242,6 +242,8 @@ const Case doubts[] = {
      "joints 'k', 'l': warning: nothing that moves there has a mass: M is singular; lock such joints with massless: lock in the scene, give the links <inertial>, or the joints an armature in the scene"},
     {"mimic",
      "joint 'k': warning: its <mimic> is left out: it is a joint of its own; ask for it with mimic: urdf in the scene"},
+    {"mimic_on_fixed_joint",
+     "joint 'k': warning: its <mimic> is left out: it is a joint of its own; ask for it with mimic: urdf in the scene"},
     {"mimic_without_joint",
      "joint 'j': warning: its <mimic> is left out: it is a joint of its own; ask for it with mimic: urdf in the scene"},
     {"negative_by_rounding",
