@@ -17,6 +17,18 @@ function(run_well what)
   set(output "${output}" PARENT_SCOPE)
 endfunction()
 
+# A project of one file, which configuring should refuse by these words.
+function(refused folder lines words)
+  file(WRITE "${WORK}/${folder}/CMakeLists.txt" "cmake_minimum_required(VERSION 3.25)\n${lines}")
+  run("configure ${folder}" ${CMAKE_COMMAND} -S "${WORK}/${folder}" -B "${WORK}/${folder}/build" -G "${GENERATOR}"
+      "-DCMAKE_PREFIX_PATH=${WORK}/prefix")
+  string(REGEX REPLACE "[ \n]+" " " output "${output}")
+  if(result EQUAL 0 OR NOT output MATCHES "${words}")
+    message(FATAL_ERROR "${folder} should be refused by '${words}'")
+  endif()
+  set(output "${output}" PARENT_SCOPE)
+endfunction()
+
 run_well("install" ${CMAKE_COMMAND} --install "${BUILD}" --prefix "${WORK}/prefix")
 if(NOT EXISTS "${WORK}/prefix/share/doc/dalembert/docs/scene.md")  # which errors cite
   message(FATAL_ERROR "the pages should be installed")
@@ -46,67 +58,42 @@ endif()
 
 # A variable that is not set, quoted and not.
 foreach(empty "\"\${unset}\"" "\${unset}")
-  file(WRITE "${WORK}/empty/CMakeLists.txt"
-       "cmake_minimum_required(VERSION 3.25)
-project(empty LANGUAGES CXX)
+  refused(empty "project(empty LANGUAGES CXX)
 find_package(dalembert REQUIRED)
 dalembert_add_robot(arm URDF arm.urdf SCENE ${empty} NAME arm)
-")
-  run("configure without a scene's name" ${CMAKE_COMMAND} -S "${WORK}/empty" -B "${WORK}/empty/build" -G "${GENERATOR}"
-      "-DCMAKE_PREFIX_PATH=${WORK}/prefix")
-  if(result EQUAL 0 OR NOT output MATCHES "SCENE has no value")
-    message(FATAL_ERROR "a SCENE without a value should be refused")
-  endif()
+" "SCENE has no value")
 endforeach()
 
 # What has a keyword is no option beside it.
 foreach(options "--batch=true|OPTIONS has --batch; the keyword BATCH is for that" "--parallel tasks|the keyword TASKS"
         "-o elsewhere|OPTIONS has -o; leave it out")
   string(REPLACE "|" ";" options "${options}")
-  list(POP_FRONT options words)
-  file(WRITE "${WORK}/twice/CMakeLists.txt" "cmake_minimum_required(VERSION 3.25)
-project(twice LANGUAGES CXX)
+  list(POP_FRONT options option)
+  refused(twice "project(twice LANGUAGES CXX)
 find_package(dalembert REQUIRED)
-dalembert_add_robot(arm URDF arm.urdf OPTIONS --base fixed ${words})
-")
-  run("configure with ${words}" ${CMAKE_COMMAND} -S "${WORK}/twice" -B "${WORK}/twice/build" -G "${GENERATOR}"
-      "-DCMAKE_PREFIX_PATH=${WORK}/prefix")
-  string(REGEX REPLACE "[ \n]+" " " output "${output}")
-  if(result EQUAL 0 OR NOT output MATCHES "${options}")
-    message(FATAL_ERROR "OPTIONS ${words} should be refused")
-  endif()
+dalembert_add_robot(arm URDF arm.urdf OPTIONS --base fixed ${option})
+" "${options}")
 endforeach()
 
 # A robot that is not there is missed before anything is built, one that is made while building is not.
-file(WRITE "${WORK}/missing/CMakeLists.txt" [[
-cmake_minimum_required(VERSION 3.25)
-project(missing LANGUAGES CXX)
+refused(missing [[project(missing LANGUAGES CXX)
 find_package(dalembert REQUIRED)
 add_custom_command(OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/made.urdf COMMAND xacro made.xacro -o made.urdf)
 dalembert_add_robot(made URDF ${CMAKE_CURRENT_BINARY_DIR}/made.urdf)
 dalembert_add_robot(gripper URDF robots/gripper.urdf)
-]])
-run("configure with a robot that is not there" ${CMAKE_COMMAND} -S "${WORK}/missing" -B "${WORK}/missing/build" -G "${GENERATOR}"
-    "-DCMAKE_PREFIX_PATH=${WORK}/prefix")
-string(REGEX REPLACE "[ \n]+" " " output "${output}")
-if(result EQUAL 0 OR output MATCHES "robot\\(made\\)" OR
-   NOT output MATCHES "dalembert_add_robot\\(gripper\\): there is no URDF ${WORK}/missing/robots/gripper.urdf;")
-  message(FATAL_ERROR "a URDF that is not there should be refused by name")
+]] "dalembert_add_robot\\(gripper\\): there is no URDF ${WORK}/missing/robots/gripper.urdf;")
+if(output MATCHES "robot\\(made\\)")
+  message(FATAL_ERROR "a URDF that a command makes should not be missed")
 endif()
 
-# Without C++; and as part of a library that others find installed, several files a compilation.
+# Generated code is C++.
 set(urdf "${WORK}/project/cart_pole.urdf")
-file(WRITE "${WORK}/of_c/CMakeLists.txt" "cmake_minimum_required(VERSION 3.25)
-project(of_c LANGUAGES C)
+refused(of_c "project(of_c LANGUAGES C)
 find_package(dalembert REQUIRED)
 dalembert_add_robot(arm URDF \"${urdf}\")
-")
-run("configure a project of C" ${CMAKE_COMMAND} -S "${WORK}/of_c" -B "${WORK}/of_c/build" -G "${GENERATOR}"
-    "-DCMAKE_PREFIX_PATH=${WORK}/prefix")
-string(REGEX REPLACE "[ \n]+" " " output "${output}")
-if(result EQUAL 0 OR NOT output MATCHES "add CXX to the languages of project")
-  message(FATAL_ERROR "a project without C++ should be told so")
-endif()
+" "add CXX to the languages of project")
+
+# A robot in a library that others find installed, several files a compilation.
 file(WRITE "${WORK}/exported/controller.cpp" "#include \"arm/dynamics.hpp\"\nint joints() { return arm::nv; }\n")
 file(WRITE "${WORK}/exported/CMakeLists.txt" "cmake_minimum_required(VERSION 3.25)
 project(exported LANGUAGES CXX)
