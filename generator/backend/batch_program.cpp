@@ -10,6 +10,7 @@
 #include "backend/graph_printer.hpp"
 #include "backend/literals.hpp"
 #include "ir/implicit_joints.hpp"
+#include "ir/run_time_inputs.hpp"
 
 namespace dalembert::backend {
 namespace {
@@ -37,20 +38,19 @@ std::vector<int> BatchArray::by_rows() const {
 }
 
 int given_place(const CodeInput& code, const ir::Input& input) {
-  const int gravity = code.scene.gravity_kind == ir::GravityKind::run_time ? 3 : 0;
-  const int payloads = 10 * static_cast<int>(code.scene.payloads.size());
-  switch (input.kind) {
-    case ir::InputKind::gravity: return input.component;
-    case ir::InputKind::payload: return gravity + 10 * input.index + input.component;
-    case ir::InputKind::wrench: return gravity + payloads + 6 * input.index + input.component;
-    case ir::InputKind::implicit: return given_count(code) + ir::implicit_numbers * input.index + input.component;
-    default: throw std::logic_error("no run-time input of the scene");
+  if (input.kind == ir::InputKind::implicit) return given_count(code) + ir::implicit_numbers * input.index + input.component;
+  int place = input.component;
+  for (const ir::RunTimeInput& given : ir::inputs_of_each_state(code.scene)) {
+    if (given.kind == input.kind && given.index == input.index) return place;
+    place += given.size();
   }
+  throw std::logic_error("no run-time input of a batch");
 }
 
 int given_count(const CodeInput& code) {
-  return (code.scene.gravity_kind == ir::GravityKind::run_time ? 3 : 0) + 10 * static_cast<int>(code.scene.payloads.size()) +
-         6 * static_cast<int>(code.scene.wrenches.size());
+  int count = 0;
+  for (const ir::RunTimeInput& input : ir::inputs_of_each_state(code.scene)) count += input.size();
+  return count;
 }
 
 BatchProgram::BatchProgram(const CodeInput& code, const CodeInput* line)

@@ -11,6 +11,7 @@
 #include "backend/literals.hpp"
 #include "ir/coordinate_tree.hpp"
 #include "ir/identifier.hpp"
+#include "ir/run_time_inputs.hpp"
 
 namespace dalembert::backend {
 
@@ -20,29 +21,17 @@ std::string input_text(const CodeInput& code, const ir::Input& input) {
     case ir::InputKind::velocity: return fmt::format("v[{}]", input.index);
     case ir::InputKind::acceleration:
     case ir::InputKind::effort: return fmt::format("{}[{}]", code.algorithm.section.input(), input.index);
-    case ir::InputKind::gravity: return fmt::format("workspace.gravity_vector[{}]", input.component);
+    case ir::InputKind::gravity:
+    case ir::InputKind::payload:
     case ir::InputKind::wrench:
-      return fmt::format("workspace.wrench_{}[{}]",
-                         ir::identifier(code.scene.wrenches.at(static_cast<size_t>(input.index)).link), input.component);
     case ir::InputKind::constraint: {
-      const std::string contact = "workspace." + code.scene.constraints().at(static_cast<size_t>(input.index)).member;
-      const auto if_active = [&](const std::string& member) {  // what is off may be no number
-        return fmt::format("({0}.active ? {0}.{1} : Scalar(0))", contact, member);
-      };
-      if (input.component == ir::contact_kp) return if_active("kp");
-      if (input.component == ir::contact_kd) return if_active("kd");
-      if (input.component == ir::contact_restitution) return if_active("restitution");
-      return if_active(fmt::format("anchor[{}]", input.component - ir::contact_anchor));
+      const ir::RunTimeInput given = ir::run_time_input(code.scene, input);
+      const std::string element = "workspace." + given.element(input.component);
+      if (input.kind != ir::InputKind::constraint) return element;
+      return fmt::format("(workspace.{}.active ? {} : Scalar(0))", given.name, element);  // what is off may be no number
     }
     case ir::InputKind::element:
       return fmt::format("workspace.{}[{}]", code.algorithm.arrays[static_cast<size_t>(input.index)].name, input.component);
-    case ir::InputKind::payload: {
-      const std::string payload =
-          "workspace.payload_" + ir::identifier(code.scene.payloads.at(static_cast<size_t>(input.index)));
-      if (input.component == 0) return payload + ".mass";
-      if (input.component < 4) return fmt::format("{}.com[{}]", payload, input.component - 1);
-      return fmt::format("{}.inertia[{}]", payload, input.component - 4);
-    }
     default: throw std::logic_error("an input of a loop outside a loop");
   }
 }

@@ -25,6 +25,7 @@
 #include "ir/identifier.hpp"
 #include "ir/joint_words.hpp"
 #include "ir/moved_links.hpp"
+#include "ir/run_time_inputs.hpp"
 
 namespace dalembert::backend {
 namespace {
@@ -89,25 +90,35 @@ std::string results(const Folder& folder) {
 
 std::string run_time_inputs(const CodeInput& code) {
   std::string text;
-  const ir::Scene& s = code.scene;
-  if (s.gravity_kind == ir::GravityKind::run_time)
-    text += with_comment(fmt::format("  Scalar gravity_vector[3] = {{{}, {}, {}}};", literal(s.gravity[0], s.scalar),
-                                     literal(s.gravity[1], s.scalar), literal(s.gravity[2], s.scalar)),
-                         "acceleration of free fall, m/s^2, world axes");
-  for (const std::string& link : s.payloads)
-    text += with_comment(fmt::format("  Payload payload_{};", ir::identifier(link)), "carried by " + s.called(link));
-  for (const ir::Constraint& c : s.constraints())
-    text += with_comment(fmt::format("  {} {};", c.loop ? "Loop" : "Contact", c.member), "of " + c.of);
-  for (const ir::ExternalWrench& wrench : s.wrenches)
-    text += with_comment(fmt::format("  Scalar wrench_{}[6] = {{}};", ir::identifier(wrench.link)),
-                         fmt::format("external force, N, and moment, N m, on {} at its origin, along {} axes",
-                                     s.called(wrench.link), wrench.in_world ? "the world's" : "its"));
+  for (const ir::RunTimeInput& input : ir::run_time_inputs(code.scene)) {
+    std::vector<std::string> start;
+    if (std::any_of(input.start.begin(), input.start.end(), [](double x) { return x != 0; }))
+      for (const double x : input.start) start.push_back(literal(x, code.scene.scalar));
+    text += with_comment(input.type.empty()
+                             ? fmt::format("  Scalar {}[{}] = {{{}}};", input.name, input.size(), fmt::join(start, ", "))
+                             : fmt::format("  {} {};", input.type, input.name),
+                         input.meaning);
+  }
   return text.empty() ? "" : "\n  // Run-time inputs: set them as you need, before a call.\n" + text;
 }
 
-std::string contact_type(const CodeInput& code) {
-  if (code.scene.contacts.empty()) return "";
-  return R"(// How a contact acts, given at run time. Its rows' accelerations shall be -kd J v - kp e, e being how far it is from
+// What a run-time input is that is no array.
+struct Structure {
+  const char* name;
+  int numbers;
+  const char* text;
+};
+constexpr Structure structures[] = {
+    {"Payload", 10, R"(// A rigid body welded to a link, given at run time.
+struct Payload {
+  Scalar mass = 0;          // kg
+  Scalar com[3] = {};       // centre of mass, m, in the link's frame
+  Scalar inertia[6] = {};   // xx xy xz yy yz zz about the centre of mass, kg m^2, the link's axes
+};
+
+)"},
+    {"Contact", 23,
+     R"(// How a contact acts, given at run time. Its rows' accelerations shall be -kd J v - kp e, e being how far it is from
 // its anchor.
 struct Contact {
   bool active = true;             // else it exerts nothing
@@ -118,12 +129,9 @@ struct Contact {
   Scalar weight[6] = {1, 1, 1, 1, 1, 1};  // per row, of its force in inverse dynamics: 0: it bears nothing
 };
 
-)";
-}
-
-std::string loop_type(const CodeInput& code) {
-  if (code.scene.loops.empty()) return "";
-  return R"(// How a loop acts, given at run time. Its rows' accelerations shall be -kd J v - kp e, e being how far it is from closed.
+)"},
+    {"Loop", 16,
+     R"(// How a loop acts, given at run time. Its rows' accelerations shall be -kd J v - kp e, e being how far it is from closed.
 struct Loop {
   bool active = true;             // else it exerts nothing
   Scalar kp = 0, kd = 0;          // 1/s^2, 1/s
@@ -132,19 +140,26 @@ struct Loop {
   Scalar weight[6] = {1, 1, 1, 1, 1, 1};  // per row, of its force in inverse dynamics: 0: it bears nothing
 };
 
-)";
-}
-
-std::string payload_type(const CodeInput& code) {
-  if (code.scene.payloads.empty()) return "";
-  return R"(// A rigid body welded to a link, given at run time.
-struct Payload {
-  Scalar mass = 0;          // kg
-  Scalar com[3] = {};       // centre of mass, m, in the link's frame
-  Scalar inertia[6] = {};   // xx xy xz yy yz zz about the centre of mass, kg m^2, the link's axes
+)"},
 };
 
-)";
+std::string types_of_inputs(const CodeInput& code) {
+  const std::vector<ir::RunTimeInput> inputs = ir::run_time_inputs(code.scene);
+  std::string text;
+  for (const Structure& structure : structures)
+    if (std::any_of(inputs.begin(), inputs.end(), [&](const auto& input) { return input.type == structure.name; }))
+      text += structure.text;
+  return text;
+}
+
+std::size_t numbers_of_inputs(const CodeInput& code) {
+  std::size_t numbers = 0;
+  for (const ir::RunTimeInput& input : ir::run_time_inputs(code.scene)) {
+    const auto* const structure =
+        std::find_if(std::begin(structures), std::end(structures), [&](const Structure& s) { return input.type == s.name; });
+    numbers += static_cast<std::size_t>(structure == std::end(structures) ? input.size() : structure->numbers);
+  }
+  return numbers;
 }
 
 std::string views(const Folder& folder) {
@@ -397,7 +412,7 @@ OutputFile header(const Folder& folder) {
               {"joint_names", joint_names.empty() ? "nullptr" : wrapped(joint_names, 4)},
               {"body_names", wrapped(body_names, 4)},
               {"link_table", link_table(code) + moved_parameters(code)},
-              {"types", payload_type(code) + contact_type(code) + loop_type(code)},
+              {"types", types_of_inputs(code)},
               {"results", results(folder)},
               {"run_time_inputs", run_time_inputs(code)},
               {"scratch", scratch_members(folder)},
@@ -509,10 +524,7 @@ std::size_t workspace_bytes(const Folder& folder) {
   for (const CodeInput& f : folder.functions)
     for (const ir::Kernel& kernel : f.algorithm.kernels)
       if (*ir::row_of(kernel.kind).status) bytes += 3 * scalar;
-  bytes += scene.contacts.size() * 23 * scalar;  // whether it acts, gains, restitution, anchor, regularization, weight
-  bytes += scene.loops.size() * 16 * scalar;     // the same without an anchor
-  if (scene.gravity_kind == ir::GravityKind::run_time) bytes += 3 * scalar;
-  bytes += (scene.payloads.size() * 10 + scene.wrenches.size() * 6) * scalar;  // mass, centre of mass, inertia; force, moment
+  bytes += numbers_of_inputs(folder.common()) * scalar;
   align();
   for (const CodeInput* f : folder.sections()) {
     if (const CodeInput* rolled = f->rolled_form()) bytes += kept_bytes(*rolled);

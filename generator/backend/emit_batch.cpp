@@ -15,60 +15,45 @@
 #include "diagnostics.hpp"
 #include "ir/identifier.hpp"
 #include "ir/implicit_joints.hpp"
+#include "ir/run_time_inputs.hpp"
 
 namespace dalembert::backend {
 namespace {
 
-// A run-time input of the scene: the member of the workspace, the numbers of it, and the member of a batch that has one per
-// state.
-struct Given {
-  std::string each, comment;
-  int count;
-  std::string of_all;  // declares `of_all`, from `batch`
-};
+using ir::RunTimeInput;
 
-std::vector<Given> given_inputs(const CodeInput& code) {
-  const ir::Scene& scene = code.scene;
-  std::vector<Given> all;
-  if (scene.gravity_kind == ir::GravityKind::run_time) {
-    std::vector<std::string> start;
-    for (int i = 0; i < 3; ++i) start.push_back(literal(scene.gravity[i], scene.scalar));
-    all.push_back(
-        {"gravity_vectors", "3 numbers each: gravity, m/s^2, world axes", 3,
-         fmt::format("      const Scalar usual[] = {{{}}};\n"
-                     "      const Scalar* const of_all = batch.workspace ? batch.workspace->gravity_vector : usual;\n",
-                     fmt::join(start, ", "))});
+// Declares `of_all`, what all states have of an input, from `batch`.
+std::string of_all(const RunTimeInput& input, const ir::Scene& scene) {
+  std::vector<std::string> numbers;
+  if (input.type.empty()) {
+    for (const double x : input.start) numbers.push_back(literal(x, scene.scalar));
+    return fmt::format(
+        "      const Scalar usual[] = {{{}}};\n"
+        "      const Scalar* const of_all = batch.workspace ? batch.workspace->{} : usual;\n",
+        fmt::join(numbers, ", "), input.name);
   }
-  for (const std::string& link : scene.payloads) {
-    const std::string id = ir::identifier(link);
-    all.push_back({"payloads_" + id,
-                   fmt::format("10 numbers each: what link {} carries, as a Payload: mass, com, inertia", comment_text(link)),
-                   10,
-                   fmt::format("      const Payload payload = batch.workspace ? batch.workspace->payload_{} : Payload{{}};\n"
-                               "      const Scalar of_all[] = {{payload.mass, payload.com[0], payload.com[1], payload.com[2],\n"
-                               "                               payload.inertia[0], payload.inertia[1], payload.inertia[2],\n"
-                               "                               payload.inertia[3], payload.inertia[4], payload.inertia[5]}};\n",
-                               id)});
-  }
-  for (const ir::ExternalWrench& wrench : scene.wrenches) {
-    const std::string id = ir::identifier(wrench.link);
-    all.push_back({"wrenches_" + id,
-                   fmt::format("6 numbers each: on link {}, along {} axes: force, N, and moment, N m",
-                               comment_text(wrench.link), wrench.in_world ? "the world's" : "its"),
-                   6,
-                   fmt::format("      const Scalar none[6] = {{}};\n"
-                               "      const Scalar* const of_all = batch.workspace ? batch.workspace->wrench_{} : none;\n",
-                               id)});
-  }
-  return all;
+  for (int i = 0; i < input.size(); ++i) numbers.push_back("of_each." + input.element(i).substr(input.name.size() + 1));
+  return fmt::format(
+      "      const {0} of_each = batch.workspace ? batch.workspace->{1} : {0}{{}};\n"
+      "      const Scalar of_all[] = {{{2}}};\n",
+      input.type, input.name, wrapped(numbers, 31));
+}
+
+// Beside the member of a batch that has one for each state.
+std::string comment_of_each(const RunTimeInput& input) {
+  std::string text = fmt::format("{} numbers each: {}", input.size(), comment_text(input.meaning));
+  if (input.type.empty()) return text;
+  std::vector<std::string> members;
+  for (const RunTimeInput::Member& member : input.members) members.push_back(member.name.substr(input.name.size() + 1));
+  return text + fmt::format(", as a {}: {}", input.type, fmt::join(members, ", "));
 }
 
 // Whether anything of a workspace acts on a batch: run-time inputs, and how contacts and loops hold.
-bool reads_workspace(const CodeInput& code) { return !given_inputs(code).empty() || !code.scene.constraints().empty(); }
+bool reads_workspace(const CodeInput& code) { return !ir::run_time_inputs(code.scene).empty(); }
 
 std::string given_members(const CodeInput& code) {
-  const std::vector<Given> all = given_inputs(code);
   if (!reads_workspace(code)) return "";
+  const std::vector<RunTimeInput> all = ir::inputs_of_each_state(code.scene);
   std::string text =
       all.empty()
           ? "  // How contacts and loops hold: as in this workspace, or without one as in a new workspace.\n"
@@ -76,7 +61,7 @@ std::string given_members(const CodeInput& code) {
             "where there is a\n"
             "  // pointer, one for each state, laid out as states are.\n";
   text += "  const Workspace* workspace = nullptr;\n";
-  for (const Given& g : all) text += fmt::format("  const Scalar* {} = nullptr;  // {}\n", g.each, g.comment);
+  for (const RunTimeInput& g : all) text += fmt::format("  const Scalar* {} = nullptr;  // {}\n", g.each, comment_of_each(g));
   return text;
 }
 
@@ -196,7 +181,8 @@ class BatchFunction {
     const std::string n = code_.name, s = scalar_name(code_.scene.scalar);
     std::string fields, given;
     for (const BatchArray& a : program_.results()) fields += fmt::format("    to.{0} = results->{0};\n", a.array.name);
-    for (const Given& g : given_inputs(code_)) given += fmt::format("    batch.{0} = options->{0};\n", g.each);
+    for (const RunTimeInput& g : ir::inputs_of_each_state(code_.scene))
+      given += fmt::format("    batch.{0} = options->{0};\n", g.each);
     if (reads_workspace(code_)) given = "    batch.workspace = options->workspace;\n" + given;
     return fmt::format(
                "int {0}_batch_{1}(const {2}* q, const {2}* v, const {2}* input, size_t n, const {0}_{1}_batch_results* "
@@ -339,21 +325,14 @@ class BatchFunction {
           "      Scalar {0}[nv];\n"
           "      dalembert::take_state<Scalar>(block.input, nv, state, {0});\n",
           vectors[2]);
-    const ir::Scene& scene = code_.scene;
     int at = 0;
-    const auto given = [&](const std::string& to, int count) {
-      text += fmt::format("      dalembert::take_state<Scalar>(block.given + {}, {}, state, {});\n", at, count, to);
-      at += count;
-    };
-    if (scene.gravity_kind == ir::GravityKind::run_time) given("workspace.gravity_vector", 3);
-    for (const std::string& link : scene.payloads) {
-      const std::string payload = "workspace.payload_" + ir::identifier(link);
-      given("&" + payload + ".mass", 1);
-      given(payload + ".com", 3);
-      given(payload + ".inertia", 6);
-    }
-    for (const ir::ExternalWrench& wrench : scene.wrenches) given("workspace.wrench_" + ir::identifier(wrench.link), 6);
-    for (const ir::Constraint& c : scene.constraints()) {
+    for (const RunTimeInput& input : ir::inputs_of_each_state(code_.scene))
+      for (const RunTimeInput::Member& member : input.members) {
+        text += fmt::format("      dalembert::take_state<Scalar>(block.given + {}, {}, state, {}workspace.{});\n", at,
+                            member.count(), member.size > 0 ? "" : "&", member.name);
+        at += member.count();
+      }
+    for (const ir::Constraint& c : code_.scene.constraints()) {
       text += fmt::format("      if (batch.workspace) workspace.{0} = batch.workspace->{0};\n", c.member);
       if (switched)
         text += fmt::format("      workspace.{}.active = dalembert::lane<width, Scalar>(block.given[{}], state) > Scalar(0);\n",
@@ -413,13 +392,13 @@ class BatchFunction {
   std::string with_given() const {
     std::string text;
     int at = 0;
-    for (const Given& g : given_inputs(code_)) {
+    for (const RunTimeInput& g : ir::inputs_of_each_state(code_.scene)) {
       text += fmt::format(
           "    {{\n{}      dalembert::read_given<{}, Scalar>(batch.{}, of_all, batch.states, first, states, block.given + "
           "{});\n"
           "    }}\n",
-          g.of_all, g.count, g.each, at);
-      at += g.count;
+          of_all(g, code_.scene), g.size(), g.each, at);
+      at += g.size();
     }
     return text.empty() ? "    (void)block, (void)first, (void)states;\n" : text;
   }
@@ -653,7 +632,8 @@ std::string batch_c_declarations(const Folder& folder) {
   const CodeInput& code = folder.common();
   const std::string n = code.name, s = scalar_name(code.scene.scalar);
   std::string given;
-  for (const Given& g : given_inputs(code)) given += fmt::format("  const {}* {};  // {}\n", s, g.each, g.comment);
+  for (const RunTimeInput& g : ir::inputs_of_each_state(code.scene))
+    given += fmt::format("  const {}* {};  // {}\n", s, g.each, comment_of_each(g));
   if (reads_workspace(code))
     given =
         fmt::format(

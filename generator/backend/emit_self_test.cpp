@@ -9,6 +9,7 @@
 #include "backend/literals.hpp"
 #include "backend/templates.hpp"
 #include "ir/identifier.hpp"
+#include "ir/run_time_inputs.hpp"
 
 namespace dalembert::backend {
 namespace {
@@ -43,22 +44,11 @@ class SelfTestText {
   // Run-time inputs have values of their own.
   std::string inputs() const {
     std::string text;
-    const auto set = [&](const std::string& what, double value) {
-      text += fmt::format("  workspace.{} = {};\n", what, literal(value, code_.scene.scalar));
-    };
-    if (code_.scene.gravity_kind == ir::GravityKind::run_time)
-      for (int i = 0; i < 3; ++i) set(fmt::format("gravity_vector[{}]", i), test_.gravity[i]);
-    for (size_t w = 0; w < code_.scene.wrenches.size(); ++w)
-      for (int i = 0; i < 6; ++i)
-        set(fmt::format("wrench_{}[{}]", ir::identifier(code_.scene.wrenches[w].link), i),
-            test_.wrenches[6 * static_cast<Eigen::Index>(w) + i]);
-    for (size_t p = 0; p < test_.payloads.size(); ++p) {
-      const ir::Inertia& payload = test_.payloads[p];
-      const std::string name = "payload_" + ir::identifier(code_.scene.payloads[p]);
-      set(name + ".mass", payload.mass);
-      for (int i = 0; i < 3; ++i) set(fmt::format("{}.com[{}]", name, i), payload.com[i]);
-      for (int i = 0, k = 0; i < 3; ++i)
-        for (int j = i; j < 3; ++j) set(fmt::format("{}.inertia[{}]", name, k++), payload.inertia(i, j));
+    for (const ir::RunTimeInput& input : ir::inputs_of_each_state(code_.scene)) {
+      const std::vector<double> values = test_.given(input);
+      for (int i = 0; i < input.size(); ++i)
+        text += fmt::format("  workspace.{} = {};\n", input.element(i),
+                            literal(values[static_cast<size_t>(i)], code_.scene.scalar));
     }
     return text;
   }
@@ -124,9 +114,7 @@ class SelfTestText {
     std::string text = "    Batch batch;\n    batch.count = 1;\n    batch.matrices = dalembert::MatrixLayout::by_columns;\n";
     text += fmt::format("    batch.q = q_{0};\n    batch.v = v_{0};\n", s);
     if (takes_more()) text += fmt::format("    batch.input = input_{};\n", s);
-    const ir::Scene& scene = code_.scene;
-    if (scene.gravity_kind == ir::GravityKind::run_time || !scene.payloads.empty() || !scene.wrenches.empty())
-      text += "    batch.workspace = &workspace;\n";
+    if (!ir::inputs_of_each_state(code_.scene).empty()) text += "    batch.workspace = &workspace;\n";
     return text;
   }
 

@@ -11,6 +11,7 @@
 #include <stdexcept>
 
 #include "diagnostics.hpp"
+#include "ir/run_time_inputs.hpp"
 
 namespace dalembert {
 namespace {
@@ -67,11 +68,13 @@ BatchEngine::Columns BatchEngine::columns(const std::vector<State>& states) cons
 }
 
 std::vector<char> BatchEngine::options(const Columns& columns, const void* workspace) const {
-  // NAME_batch_options of c_api.h: a workspace for all states, then an array each for gravity, payloads and wrenches.
+  // NAME_batch_options of c_api.h: a workspace for all states, then an array for each of its inputs.
   std::vector<const void*> given{workspace};
-  if (model_.scene.gravity_kind == ir::GravityKind::run_time) given.push_back(nullptr);
-  given.resize(given.size() + model_.scene.payloads.size(), nullptr);
-  for (const std::vector<char>& wrench : columns.of_wrench) given.push_back(wrench.empty() ? nullptr : wrench.data());
+  for (const ir::RunTimeInput& input : ir::inputs_of_each_state(model_.scene)) {
+    const bool is_wrench = input.kind == ir::InputKind::wrench;
+    const std::vector<char>* const own = is_wrench ? &columns.of_wrench[static_cast<size_t>(input.index)] : nullptr;
+    given.push_back(own && !own->empty() ? own->data() : nullptr);
+  }
   if (model_.scene.impacts) given.push_back(nullptr);  // all as in a new workspace
   std::vector<char> options(4 * sizeof(int) + given.size() * sizeof(void*), 0);
   const int numbers[] = {0, 0, static_cast<int>(MatrixLayout::by_columns), 0};

@@ -9,6 +9,7 @@
 #include "ir/identifier.hpp"
 #include "ir/kernel.hpp"
 #include "ir/library_names.hpp"
+#include "ir/run_time_inputs.hpp"
 
 namespace dalembert::frontend {
 
@@ -161,12 +162,8 @@ std::vector<TakenName> taken_names(const ir::Scene& scene) {
   if (scene.functions.empty()) return {};
   static const std::set<std::string> of_every_folder = names_of_every_folder();
   std::set<std::string> taken;  // by this scene
-  for (const std::string& link : scene.payloads)
-    for (const char* of_payload : {"payload_", "set_payload_"}) taken.insert(of_payload + ir::identifier(link));
-  for (const ir::ExternalWrench& wrench : scene.wrenches)
-    for (const char* of_wrench : {"wrench_", "set_wrench_"}) taken.insert(of_wrench + ir::identifier(wrench.link));
-  for (const ir::Constraint& c : scene.constraints())
-    for (const char* of_constraint : {"", "set_", "weigh_"}) taken.insert(of_constraint + c.member);
+  for (const ir::RunTimeInput& input : ir::run_time_inputs(scene))
+    for (const char* setter : {"", "set_", "weigh_"}) taken.insert(setter + input.name);
   if (!scene.embedded.empty()) {
     for (const char* name : {"close_loops", "of_all_joints", "independent_runs", "followers"}) taken.insert(name);
     for (size_t i = 0; i < scene.embedded.size(); ++i)  // linkages are no more

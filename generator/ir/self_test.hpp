@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "ir/robot_description.hpp"
+#include "ir/run_time_inputs.hpp"
 
 namespace dalembert::ir {
 
@@ -40,6 +41,9 @@ struct SelfTest {
   double step = 0;
   std::vector<int> left_out;  // indices as above: outputs whose results the scalar cannot hold
   std::string precision;      // of the arithmetic behind the expectations, in words
+
+  // What the scene's run-time input has in it: one of those that there is one of for each state.
+  std::vector<double> given(const RunTimeInput& input) const;
 };
 
 }  // namespace dalembert::ir

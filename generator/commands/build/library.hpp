@@ -49,14 +49,4 @@ std::string table_name(const TableFunction& function);
 // Which of the function's results is v̇, so that motions can be computed with it; −1: none.
 int acceleration_of(const TableFunction& function);
 
-// The workspace's members that a scene has set at run time, and how many numbers they hold; 0: it is no array.
-struct RunTimeInput {
-  std::string name, unit, help;
-  std::vector<std::pair<std::string, int>> members;
-  std::vector<double> start;
-  int size() const { return static_cast<int>(start.size()); }
-};
-
-std::vector<RunTimeInput> run_time_inputs(const Model& model);
-
 }  // namespace dalembert

@@ -9,6 +9,7 @@
 #include "commands/json.hpp"
 #include "commands/labels.hpp"
 #include "ir/moved_links.hpp"
+#include "ir/run_time_inputs.hpp"
 
 namespace dalembert {
 
@@ -67,7 +68,7 @@ std::string functions_json(const Library& library) {
 
 std::string run_time_json(const Model& model) {
   std::vector<std::string> all;
-  for (const RunTimeInput& input : run_time_inputs(model)) {
+  for (const ir::RunTimeInput& input : ir::run_time_inputs(model.scene)) {
     std::vector<std::string> start;
     for (const double x : input.start) start.push_back(number(x));
     all.push_back(fmt::format("{{\"name\": {}, \"unit\": {}, \"help\": {}, \"start\": {}}}", json_string(input.name),

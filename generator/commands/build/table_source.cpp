@@ -7,6 +7,7 @@
 
 #include "backend/templates.hpp"
 #include "ir/identifier.hpp"
+#include "ir/run_time_inputs.hpp"
 
 namespace dalembert {
 
@@ -15,12 +16,14 @@ namespace {
 std::string set_run_time_inputs(const Model& model) {
   std::string text;
   int at = 0;
-  for (const RunTimeInput& input : run_time_inputs(model))
-    for (const auto& [member, size] : input.members) {
-      if (member.ends_with(".active")) text += fmt::format("    workspace.{} = values[{}] != 0;\n", member, at);
-      else if (size == 0) text += fmt::format("    workspace.{} = values[{}];\n", member, at);
-      else text += fmt::format("    for (int i = 0; i < {1}; ++i) workspace.{0}[i] = values[{2} + i];\n", member, size, at);
-      at += std::max(size, 1);
+  for (const ir::RunTimeInput& input : ir::run_time_inputs(model.scene))
+    for (const ir::RunTimeInput::Member& member : input.members) {
+      if (member.name.ends_with(".active")) text += fmt::format("    workspace.{} = values[{}] != 0;\n", member.name, at);
+      else if (member.size == 0) text += fmt::format("    workspace.{} = values[{}];\n", member.name, at);
+      else
+        text += fmt::format("    for (int i = 0; i < {1}; ++i) workspace.{0}[i] = values[{2} + i];\n", member.name, member.size,
+                            at);
+      at += member.count();
     }
   return text;
 }
@@ -52,7 +55,7 @@ std::string table_class(const Library& library, size_t index) {
   const Model& model = library.parts[f.part].model;
   const bool takes_more = *f.function.input() != 0;
   int inputs = 0;
-  for (const RunTimeInput& input : run_time_inputs(model)) inputs += input.size();
+  for (const ir::RunTimeInput& input : ir::run_time_inputs(model.scene)) inputs += input.size();
   const std::string set = set_run_time_inputs(model);
   std::string copies;
   for (size_t i = 0; i < f.results.size(); ++i)
@@ -79,18 +82,14 @@ std::string batch_class(const Library& library, size_t index) {
   const TableFunction& f = library.functions[index];
   const Model& model = library.parts[f.part].model;
   const std::string name = model.name;
-  const std::vector<RunTimeInput> inputs = run_time_inputs(model);
+  const std::vector<ir::RunTimeInput> inputs = ir::run_time_inputs(model.scene);
   int given = 0;
   std::string each, pointers;
-  for (const RunTimeInput& input : inputs) {
-    // gravity_vector of one state is gravity_vectors of many, payload_hand payloads_hand, wrench_hand wrenches_hand.
-    std::string member = input.name;
-    if (member.starts_with("payload_")) member.insert(7, "s");
-    else if (member.starts_with("wrench_")) member.insert(6, "es");
-    else member += "s";
-    each += fmt::format(
-        "    batch.{} = dalembert::table::gathered(from + {}, step, {}, n, room + {} * dalembert::table::states_together);\n",
-        member, given, input.size(), given);
+  for (const ir::RunTimeInput& input : inputs) {
+    if (!input.each.empty())
+      each += fmt::format(
+          "    batch.{} = dalembert::table::gathered(from + {}, step, {}, n, room + {} * dalembert::table::states_together);\n",
+          input.each, given, input.size(), given);
     given += input.size();
   }
   for (size_t i = 0; i < f.results.size(); ++i)
