@@ -351,11 +351,7 @@ std::string joint_indices(const CodeInput& code) {
 // What integrators ask for.
 std::string quaternion_joints(const CodeInput& code) {
   std::vector<std::string> all;
-  const std::vector<int> positions = code.robot->positions(), coordinates = code.robot->coordinates();
-  for (std::size_t k = 0; k < code.robot->bodies.size(); ++k)
-    if (const ir::Body& body = code.robot->bodies[k]; body.has_quaternion())
-      all.push_back(fmt::format("{{{}, {}, {}}}", code.robot->base_positions() + positions[k],
-                                code.robot->base_coordinates() + coordinates[k], body.displacements() > 0));
+  for (const auto& [q, v, slides] : code.robot->quaternion_joints()) all.push_back(fmt::format("{{{}, {}, {}}}", q, v, slides));
   if (all.empty()) return "";
   return fmt::format(
       "// Joints with a quaternion, for dalembert/integrators: a member of that name of your dynamics.\n"

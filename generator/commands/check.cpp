@@ -106,14 +106,8 @@ class GenericDynamics {
  public:
   std::vector<QuaternionJoint> quaternion_joints;
 
-  GenericDynamics(const Model& model, const Output& output, const State& state) : model_(model), output_(output), at_(state) {
-    const ir::KinematicTree& tree = model.tree;
-    const std::vector<int> positions = tree.positions(), coordinates = tree.coordinates();
-    for (size_t k = 0; k < tree.bodies.size(); ++k)
-      if (tree.bodies[k].has_quaternion())
-        quaternion_joints.push_back({tree.base_positions() + positions[k], tree.base_coordinates() + coordinates[k],
-                                     tree.bodies[k].displacements() > 0});
-  }
+  GenericDynamics(const Model& model, const Output& output, const State& state)
+      : quaternion_joints(model.tree.quaternion_joints()), model_(model), output_(output), at_(state) {}
 
   Eigen::VectorXd acceleration(const Eigen::VectorXd& q, const Eigen::VectorXd& v) {
     at_.q = q, at_.v = v;

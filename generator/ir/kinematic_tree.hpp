@@ -19,6 +19,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <dalembert/quaternion_joint.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -170,13 +171,20 @@ struct KinematicTree {
     while (below > body) below = bodies[static_cast<size_t>(below)].parent;
     return below == body;
   }
+  // Joints with a quaternion, as integrators know them; not the base.
+  std::vector<QuaternionJoint> quaternion_joints() const {
+    std::vector<QuaternionJoint> all;
+    const std::vector<int> position = positions(), coordinate = coordinates();
+    for (size_t k = 0; k < bodies.size(); ++k)
+      if (bodies[k].has_quaternion())
+        all.push_back({base_positions() + position[k], base_coordinates() + coordinate[k], bodies[k].displacements() > 0});
+    return all;
+  }
   // Where in q unit quaternions x y z w begin: the base's first.
   std::vector<int> quaternions() const {
     std::vector<int> first;
     if (row_of(base_joint).has_quaternion()) first.push_back(row_of(base_joint).quaternion);
-    const std::vector<int> position = positions();
-    for (size_t k = 0; k < bodies.size(); ++k)
-      if (bodies[k].has_quaternion()) first.push_back(base_positions() + position[k] + bodies[k].displacements());
+    for (const QuaternionJoint& joint : quaternion_joints()) first.push_back(joint.q + (joint.slides ? 3 : 0));
     return first;
   }
   // The base moves where it has any.

@@ -97,11 +97,8 @@ std::string robot_json(const Library& library, const Request& request, const Com
     effort.push_back(number(limits.effort));
   }
   std::vector<std::string> quaternions;
-  const std::vector<int> positions = tree.positions(), coordinates = tree.coordinates();
-  for (size_t k = 0; k < tree.bodies.size(); ++k)
-    if (tree.bodies[k].has_quaternion())
-      quaternions.push_back(fmt::format("[{}, {}, {}]", tree.base_positions() + positions[k],
-                                        tree.base_coordinates() + coordinates[k], tree.bodies[k].displacements() > 0 ? 1 : 0));
+  for (const auto& [q, v, slides] : tree.quaternion_joints())
+    quaternions.push_back(fmt::format("[{}, {}, {}]", q, v, slides ? 1 : 0));
   for (const ir::LinkPlacement& link : tree.links) links.push_back(link.link);
   const std::vector<int> such = alike(warnings);
   for (size_t i = 0; i < warnings.size(); ++i)
