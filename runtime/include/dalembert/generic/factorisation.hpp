@@ -46,11 +46,14 @@ class Factorisation {
   // M⁻¹ b, b: n × any number of columns.
   MatrixX<S> solve(MatrixX<S> b) const {
     const Eigen::Index n = factors_.rows();
+    // Joints that do not move each other's bodies have zeros, most of all where branches are many.
     for (Eigen::Index k = n - 1; k >= 0; --k)
-      for (Eigen::Index i = 0; i < k; ++i) b.row(i) -= factors_(k, i) * b.row(k);
+      for (Eigen::Index i = 0; i < k; ++i)
+        if (factors_(k, i) != S(0)) b.row(i) -= factors_(k, i) * b.row(k);
     for (Eigen::Index k = 0; k < n; ++k) {
       b.row(k) /= factors_(k, k);
-      for (Eigen::Index i = 0; i < k; ++i) b.row(k) -= factors_(k, i) * b.row(i);
+      for (Eigen::Index i = 0; i < k; ++i)
+        if (factors_(k, i) != S(0)) b.row(k) -= factors_(k, i) * b.row(i);
     }
     return b;
   }
