@@ -104,13 +104,15 @@ class Lowering {
   static long operations(const ir::Program& program) {
     return ir::count(program.graph, ir::uses(program.graph, program.roots())).total();
   }
+  // Of what holds contacts and loops no block of states has a number for each.
   static bool is_whole_line(const LoweredSection& line) {
-    return line.algorithm.kernels.empty() && operations(line.program) <= most_operations;
+    const ir::Program& program = line.program;
+    return line.algorithm.kernels.empty() && operations(program) <= most_operations &&
+           !ir::inputs_read(program, ir::uses(program.graph, program.roots())).constraints;
   }
 
   void add_batch(LoweredFunction& chosen) const {
-    // What contacts are solved by is no line of operations.
-    if (operations(chosen.first().program) > most_operations || model_.scene.any_constraint()) return;
+    if (operations(chosen.first().program) > most_operations) return;
     std::optional<LoweredSection> line = straight_line(function_, false);
     if (line && is_whole_line(*line)) chosen.batch = std::move(line);
   }

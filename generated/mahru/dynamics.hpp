@@ -14,7 +14,7 @@
 #include <dalembert/arguments.hpp>
 #include <dalembert/version.hpp>
 
-static_assert(dalembert::runtime_version == 14,
+static_assert(dalembert::runtime_version == 15,
               "mahru was generated for another runtime: generate it again");
 
 namespace mahru {

@@ -356,7 +356,7 @@ class BatchFunction {
   std::string calls(bool switched = false) const {
     std::string text =
         "  void call_for_each(Block& block) noexcept {\n"
-        "    for (int state = 0; state < width; ++state) {\n" +
+        "    for (int state = 0; state < block.states; ++state) {\n" +
         call(code_, switched);
     for (const BatchArray& a : program_.results()) {
       // Packed is row by row, and the workspace has columns.

@@ -11,6 +11,7 @@ InputsRead inputs_read(const Program& program, const std::vector<std::int32_t>& 
     if (n.input.kind == InputKind::position) read.positions.insert(n.input.index);
     if (n.input.kind == InputKind::velocity) read.velocities.insert(n.input.index);
     read.input = read.input || n.input.kind == InputKind::acceleration || n.input.kind == InputKind::effort;
+    read.constraints = read.constraints || n.input.kind == InputKind::constraint;
   }
   return read;
 }

@@ -36,6 +36,7 @@ struct InputsRead {
   std::set<int> positions;   // indices into q
   std::set<int> velocities;  // indices into v
   bool input = false;        // what the function takes besides q and v
+  bool constraints = false;  // how contacts and loops hold
   int base_positions = 0;    // as in Program
 
   bool base_pose() const { return !positions.empty() && *positions.begin() < base_positions; }

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <map>
 #include <robots.hpp>
 #include <set>
 #include <string_view>
@@ -10,6 +11,7 @@
 #include "costs.hpp"
 #include "frontend/function_names.hpp"
 #include "frontend/urdf_reader.hpp"
+#include "lower.hpp"
 #include "passes/build_tree.hpp"
 #include "passes/normalise.hpp"
 #include "passes/quantities/quantities.hpp"
@@ -224,6 +226,23 @@ TEST(NamedFunctions, LeaveTheOutputsAlone) {
   };
   EXPECT_GT(evaluate(without).size(), 1000u);
   EXPECT_EQ(evaluate(without), evaluate(with));
+}
+
+// A register of states has no place for how a contact holds each of them; what contacts do not touch needs none.
+TEST(NamedFunctions, AreCalledStateByStateWhereContactsHoldAndNowhereElse) {
+  ir::Scene scene =
+      scene_of({Quantity::constrained_forward_dynamics}, {{"free", {Quantity::bias, Quantity::forward_dynamics}},
+                                                          {"rows", {Quantity::constraint_jacobian, Quantity::constraint_bias}},
+                                                          {"struck", {Quantity::impact}}});
+  scene.batch = true;
+  Model model = model_of(scene);
+  model.scene.contacts = {ir::Contact{"tip", model.tree.links.back().link}};
+  Diagnostics warnings;
+  model.tree = passes::build_tree(model.description, model.scene, warnings);
+  std::map<std::string, bool> in_lanes;
+  for (const LoweredFunction& f : lower(model).functions) in_lanes[f.name()] = f.batch.has_value();
+  EXPECT_EQ(in_lanes,
+            (std::map<std::string, bool>{{"forward_dynamics", false}, {"free", true}, {"rows", true}, {"struck", false}}));
 }
 
 }  // namespace

@@ -36,6 +36,7 @@ struct BatchBlock {
   alignas(64) V angle[at_least_one(angles)], sine[at_least_one(angles)], cosine[at_least_one(angles)];
   alignas(64) V scratch[at_least_one(kept_values)], values[elements + 1];
   int status[batch_width<T>];  // where the function solves equations with M
+  int states;                  // that are wanted; other lanes may be anything
 };
 
 namespace detail {
@@ -309,7 +310,8 @@ static inline void run_batch(Program&& program, std::size_t first, std::size_t e
     std::size_t states[P::strip];
     for (std::size_t at = first; at < end && count < P::strip; at += w, ++count) {
       states[count] = end - at < w ? end - at : w;
-      program.fill(blocks[count], at, static_cast<int>(states[count]));
+      blocks[count].states = static_cast<int>(states[count]);
+      program.fill(blocks[count], at, blocks[count].states);
     }
     program.run(blocks, count);
     for (int i = 0; i < count; ++i) {

@@ -206,7 +206,7 @@ static inline void roll_out(Program&& program, const Rollout<T>& rollout, const 
   detail::RolloutBlock<T, nq, nv> motions[strip];
   const V h = broadcast<w, T>(rollout.time_step);
   for (Block& block : blocks) {
-    block.values[Block::element_count] = V{};
+    for (V& x : block.values) x = V{};  // lanes of no motion, which a program may leave alone, move by numbers too
     for (int& s : block.status) s = -1;
   }
   while (first < end) {
@@ -217,6 +217,7 @@ static inline void roll_out(Program&& program, const Rollout<T>& rollout, const 
       states[count] = end - first < static_cast<std::size_t>(w) ? static_cast<int>(end - first) : w;
       read_states<nq, T>(q, states_in, first, states[count], motions[count].q);
       read_states<nv, T>(v, states_in, first, states[count], motions[count].v);
+      blocks[count].states = states[count];
       program.with_given(blocks[count], first, states[count]);
       for (V& x : blocks[count].input) x = V{};  // what the motions before had is not theirs
       for (int& s : motions[count].stopped) s = -1;
