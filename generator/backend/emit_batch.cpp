@@ -333,6 +333,7 @@ class BatchFunction {
         at += member.count();
       }
     for (const ir::Constraint& c : code_.scene.constraints()) {
+      if (!program_.by_calls()) break;  // what is in lanes reads none
       text += fmt::format("      if (batch.workspace) workspace.{0} = batch.workspace->{0};\n", c.member);
       if (switched)
         text += fmt::format("      workspace.{}.active = dalembert::lane<width, Scalar>(block.given[{}], state) > Scalar(0);\n",

@@ -344,13 +344,14 @@ TEST(Check, LetsConstraintsGo) {
 // where nothing acts that should, both check and self-test say so.
 TEST(Check, CoversRollouts) {
   setenv("CXX", "c++ -Wall -Wextra -Wpedantic -Werror", 1);
-  const Outcome held = run_dalembert(
-      {"check", arm, "--base", "fixed", "--batch", "true", "--outputs", "constrained_forward_dynamics,impact", "--contacts",
-       "hand=point", "--rollouts", "impacts", "--joints", "{elbow: spherical}", quickly[0], quickly[1]},
-      ".");
+  const Outcome held =
+      run_dalembert({"check", arm, "--base", "fixed", "--batch", "true", "--outputs", "constrained_forward_dynamics,impact",
+                     "--functions", "{free: [bias, forward_dynamics]}", "--contacts", "hand=point", "--rollouts", "impacts",
+                     "--joints", "{elbow: spherical}", quickly[0], quickly[1]},
+                    ".");
   EXPECT_EQ(held.status, 0) << held.err << held.out;
   for (const char* line :
-       {"its rollouts, 4 steps ", "constrained_forward_dynamics, Euler ", "constrained_forward_dynamics, rk4 "})
+       {"its rollouts, 4 steps ", "constrained_forward_dynamics, Euler ", "constrained_forward_dynamics, rk4 ", "free, Euler "})
     EXPECT_NE(held.out.find(line), std::string::npos) << line << held.out;
 
   // Stiff joints by linearly implicit steps: one of a ball, one behind a motor, one that drives another; dampers and springs
