@@ -41,11 +41,10 @@ std::string column_name(const std::vector<ir::Column>& columns, int index) {
 
 class ParagraphWriter {
  public:
-  ParagraphWriter(const CodeInput& code, size_t segment, int level, const ir::Paragraph& paragraph)
+  ParagraphWriter(const CodeInput& code, size_t segment, const ir::Paragraph& paragraph)
       : code_(code),
         segment_(code.plan.segments[segment]),
         rolled_(code.rolled.segments[segment]),
-        level_(level),
         paragraph_(paragraph),
         target_(lanes_of(segment_, paragraph.direction)) {
     for (const ir::Carried& c : paragraph.carried) carried_[c.role].push_back(&c);
@@ -68,15 +67,13 @@ class ParagraphWriter {
     std::string loop = fmt::format("    using V [[maybe_unused]] = {};\n", target_.type()) + carried_from_outside() +
                        loop_head() + step + "    }\n";
     if (in_parts()) loop = part_by_part(loop);
-    if (paragraph_.direction == Direction::inwards) loop += handed_on();
-    return loop;
+    return loop + handed_on();
   }
 
   // Body after body, with its constants in place.
   std::string written_out() const {
     std::string text;
     for (size_t i = 0; i < paragraph_.written.size(); ++i) text += step_text(i);
-    if (paragraph_.direction != Direction::inwards) return text;
     const size_t last = paragraph_.written.size() - 1;
     for (const auto& [role, components] : carried_) {
       if (!hands_on(role)) continue;
@@ -89,10 +86,6 @@ class ParagraphWriter {
 
   std::string step_text(size_t i) const {
     const ir::LimbStep& step = paragraph_.written[i];
-    const auto stored = [&](int role, int component) {
-      return std::any_of(step.stores.begin(), step.stores.end(),
-                         [&](const ir::Value& v) { return kept(code_, v.role, v.component) == kept(code_, role, component); });
-    };
     int temporaries = 0;
     PrintStyle s;
     s.type = "Scalar";
@@ -100,23 +93,23 @@ class ParagraphWriter {
     s.indent = "    ";
     s.flat_sums = true;
     s.name = [&](ir::NodeId) { return fmt::format("t{}_{}", ++temporaries, i + 1); };
-    s.input = [&](const ir::Input& in) { return in.kind == InputKind::carried ? variable(in, i) : number(in); };
+    s.input = [&](const ir::Input& in) { return in.kind == InputKind::carried ? variable(in, i) : number(code_, address(in)); };
     s.input_name = [&](const ir::Input& in) {
       if (in.kind == InputKind::carried) return variable(in, i);
-      const bool own = in.kind == InputKind::of_body && in.body == step.body;
-      return fmt::format("{}_{}", input_name(own ? ir::Input{InputKind::state, in.index, in.component} : in), i + 1);
+      return fmt::format("{}_{}", kept_name(address(in), step.body), i + 1);
     };
     // What the body's own values are stored over.
     s.held = [&](const ir::Input& in) {
-      return in.kind == InputKind::of_body && in.body == step.body && stored(in.index, in.component);
+      return in.kind == InputKind::kept && std::any_of(step.stores.begin(), step.stores.end(),
+                                                       [&](const ir::Store& store) { return store.to == address(in); });
     };
     std::vector<Sink> sinks;
     std::string constants;  // at the end: they may go over what is read
-    for (const ir::Value& v : step.stores) {
-      const std::string to = fmt::format("{}[{}] = ", kept(code_, v.role, v.component), slot_text(code_, step.body));
-      const ir::Node& n = step.graph[v.node];
+    for (const ir::Store& store : step.stores) {
+      const std::string to = number(code_, store.to) + " = ";
+      const ir::Node& n = step.graph[store.node];
       if (n.op == ir::Op::constant) constants += fmt::format("    {}{};\n", to, literal(n.value, code_.scene.scalar));
-      else sinks.push_back({v.node, to, ";"});
+      else sinks.push_back({store.node, to, ";"});
     }
     const bool last = i + 1 == paragraph_.written.size();
     for (const ir::Carried& c : step.carried)
@@ -146,11 +139,6 @@ class ParagraphWriter {
     c.role = in.index, c.component = in.component;
     return carried_name(c, step - 1);
   }
-  std::string number(const ir::Input& in) const {
-    const std::string from =
-        in.kind == InputKind::received ? received(code_, in.index, in.component) : kept(code_, in.index, in.component);
-    return fmt::format("{}[{}]", from, slot_text(code_, in.body));
-  }
 
   static std::string lanes_of(const ir::Segment& segment, Direction direction) {
     if (direction == Direction::anywhere) return segment.by_fours() ? "dalembert::short_lanes" : "dalembert::native_lanes";
@@ -163,12 +151,11 @@ class ParagraphWriter {
   std::string part_by_part(const std::string& loop) const {
     std::string text;
     std::string body = "    constexpr int together = decltype(some)::value;\n" + loop;
-    if (paragraph_.direction == Direction::inwards)
-      for (const auto& [role, components] : carried_) {
-        if (!hands_on(role)) continue;
-        text += fmt::format("    dalembert::AllLanes<Scalar, {}> {}[{}];\n", segment_.limbs(), all(role), components.size());
-        body += fmt::format("    dalembert::keep_lanes({}, {}, lane);\n", all(role), name(role));
-      }
+    for (const auto& [role, components] : carried_) {
+      if (!hands_on(role)) continue;
+      text += fmt::format("    dalembert::AllLanes<Scalar, {}> {}[{}];\n", segment_.limbs(), all(role), components.size());
+      body += fmt::format("    dalembert::keep_lanes({}, {}, lane);\n", all(role), name(role));
+    }
     text +=
         fmt::format("    dalembert::each_part<Scalar, {}>([&](auto some, int lane) DALEMBERT_IN_BLOCK {{\n", segment_.limbs());
     std::istringstream lines(body);
@@ -176,8 +163,8 @@ class ParagraphWriter {
     return text + "    });\n";
   }
   bool hands_on(int role) const {
-    return std::any_of(rolled_.handed.begin(), rolled_.handed.end(),
-                       [&](const ir::HandedOn& h) { return h.level == level_ && h.role == role; });
+    return std::any_of(paragraph_.handed.begin(), paragraph_.handed.end(),
+                       [&](const ir::HandedOn& h) { return h.role == role; });
   }
   // What the lanes of a carried role hand on.
   std::string all(int role) const { return in_parts() ? "all_" + name(role) : name(role); }
@@ -224,30 +211,32 @@ class ParagraphWriter {
   std::string input(const ir::Input& in) const {
     switch (in.kind) {
       case InputKind::carried: return variable(in.index, in.component);
-      case InputKind::state: return target_.load(kept(code_, in.index, in.component) + " + slot");
-      case InputKind::received: return target_.load(received(code_, in.index, in.component) + " + slot");
+      case InputKind::kept: return in.body == ir::Address::own ? target_.load(own(address(in))) : of_all(address(in));
       case InputKind::table:
         return target_.load(fmt::format("{}_{} + i", segment_.name, column_name(rolled_.columns, in.index)));
-      case InputKind::of_body:
-        return target_.broadcast(fmt::format("{}[{}]", kept(code_, in.index, in.component), slot_text(code_, in.body)));
       default: throw std::logic_error("an input of the function is read by a body");
     }
   }
   std::string input_name(const ir::Input& in) const {
     if (in.kind == InputKind::carried) return variable(in.index, in.component);
     if (in.kind == InputKind::table) return column_name(rolled_.columns, in.index) + "_k";
-    const ir::Role& r = code_.rolled.roles[static_cast<size_t>(in.index)];
-    const std::string suffix = ir::component_suffix(r.shape, in.component);
-    const std::string whose = in.kind == InputKind::of_body    ? (in.body < 0 ? "base_" : fmt::format("body_{}_", in.body))
-                              : in.kind == InputKind::received ? "received_"
-                                                               : "";
+    return kept_name(address(in), ir::Address::own);
+  }
+  // own: whose numbers are called by their role alone.
+  std::string kept_name(const ir::Address& a, int own) const {
+    const ir::Role& r = code_.rolled.roles[static_cast<size_t>(a.role)];
+    const std::string suffix = ir::component_suffix(r.shape, a.component);
+    const std::string whose = a.body == own ? "" : a.body < 0 ? "base_" : fmt::format("body_{}_", a.body);
     return whose + r.name + (suffix.empty() ? "" : "_" + suffix);
   }
+  // The numbers of a step's slots, and one number for all of them.
+  std::string own(const ir::Address& a) const { return kept(code_, a.role, a.component) + " + slot"; }
+  std::string of_all(const ir::Address& a) const { return target_.broadcast(number(code_, a)); }
 
   std::vector<Sink> sinks() const {
     std::vector<Sink> sinks;
-    for (const ir::Value& s : paragraph_.stores) {
-      const std::string to = kept(code_, s.role, s.component) + " + slot";
+    for (const ir::Store& s : paragraph_.stores) {
+      const std::string to = own(s.to);
       const ir::Node& n = paragraph_.graph[s.node];
       if (n.op == ir::Op::constant) sinks.push_back({s.node, target_.store_constant(to), "));"});
       else if (n.op == ir::Op::input && n.input.kind == InputKind::table)
@@ -266,15 +255,8 @@ class ParagraphWriter {
 
   // Outwards: the parents' values; inwards: nothing yet.
   std::string carried_from_outside() const {
-    std::string text;
-    std::set<int> parents;
-    std::vector<std::string> slots;
-    for (size_t lane = 0; lane < segment_.parents.size(); ++lane) {
-      slots.push_back(slot_text(code_, segment_.parents[lane]));
-      if (segment_.bodies[lane].front() >= 0) parents.insert(segment_.parents[lane]);
-    }
-    std::string tables;
-    bool gathers = false;
+    std::string text, tables;
+    std::vector<std::string> parents;  // slots to gather from
     const std::string at_lane = in_parts() ? " + lane" : "";
     for (const auto& [role, components] : carried_) {
       std::vector<std::string> values;
@@ -290,53 +272,41 @@ class ParagraphWriter {
           values.push_back(target_.load(table + at_lane));
         } else if (c->known()) {
           values.push_back(equal ? target_.broadcast(numbers.front()) : target_.numbers(numbers));
-        } else if (parents.size() == 1) {
-          values.push_back(
-              target_.broadcast(fmt::format("{}[{}]", kept(code_, role, c->component), slot_text(code_, *parents.begin()))));
+        } else if (c->from.size() == 1) {
+          values.push_back(of_all(c->from.front()));
         } else {
           values.push_back(target_.gather(kept(code_, role, c->component), "parents" + at_lane));
-          gathers = true;
+          parents.clear();
+          for (const ir::Address& from : c->from) parents.push_back(slot_text(code_, from.body));
         }
       }
       text += fmt::format("    V {}[{}] = {{{}}};\n", name(role), components.size(), fmt::join(values, ",\n        "));
     }
-    return (gathers ? fmt::format("    static constexpr int parents[] = {{{}}};\n", fmt::join(slots, ", ")) : "") + tables +
-           text;
+    if (!parents.empty())
+      tables = fmt::format("    static constexpr int parents[] = {{{}}};\n", fmt::join(parents, ", ")) + tables;
+    return tables + text;
   }
 
   // Runs of components of a role that go to one body in the same way are one call.
   std::string handed_on() const {
     std::string text;
-    const auto& handed = rolled_.handed;
-    for (size_t i = 0; i < handed.size();) {
-      const ir::HandedOn& h = handed[i];
-      if (h.level != level_ || !carried_.contains(h.role)) {
-        ++i;
-        continue;
-      }
+    for (const ir::HandedOn& h : paragraph_.handed) {
       std::vector<const ir::HandedOn*> run;
-      for (const ir::HandedOn& next : handed)
-        if (next.level == h.level && next.role == h.role && next.parent == h.parent && next.received == h.received &&
-            next.first == h.first)
+      for (const ir::HandedOn& next : paragraph_.handed)
+        if (next.role == h.role && next.to.role == h.to.role && next.to.body == h.to.body && next.first == h.first)
           run.push_back(&next);
-      if (run.front() != &h) {  // printed with an earlier one
-        ++i;
-        continue;
-      }
+      if (run.front() != &h) continue;  // printed with an earlier one
       for (size_t from = 0; from < run.size();) {
         size_t to = from + 1;
         const size_t first = place(h.role, run[from]->component);
         while (to < run.size() && run[to]->component == run[to - 1]->component + 1 &&
                place(h.role, run[to]->component) == first + (to - from))
           ++to;
-        const std::string target =
-            h.received ? received(code_, h.role, run[from]->component) : kept(code_, h.role, run[from]->component);
         text += fmt::format("    dalembert::{}_lanes<{}>({}, {}, {} + {}, {});\n", h.first ? "set" : "add",
                             fmt::format("{}, {}, {}", segment_.width, to - from, fmt::join(h.lanes, ", ")), all(h.role), first,
-                            target, slot_text(code_, h.parent), stride(code_));
+                            kept(code_, h.to.role, run[from]->to.component), slot_text(code_, h.to.body), stride(code_));
         from = to;
       }
-      ++i;
     }
     return text;
   }
@@ -344,7 +314,6 @@ class ParagraphWriter {
   const CodeInput& code_;
   const ir::Segment& segment_;
   const ir::SegmentCode& rolled_;
-  const int level_;
   const ir::Paragraph& paragraph_;
   const Target target_;
   std::map<int, std::vector<const ir::Carried*>> carried_;  // by role
@@ -352,8 +321,8 @@ class ParagraphWriter {
 
 }  // namespace
 
-std::string paragraph_text(const CodeInput& code, size_t segment, int level, const ir::Paragraph& paragraph) {
-  return ParagraphWriter(code, segment, level, paragraph).run();
+std::string paragraph_text(const CodeInput& code, size_t segment, const ir::Paragraph& paragraph) {
+  return ParagraphWriter(code, segment, paragraph).run();
 }
 
 std::string segment_tables(const CodeInput& code, size_t segment) {

@@ -8,7 +8,7 @@
 namespace dalembert::backend {
 
 // Statements of the paragraph over the slots of segment `segment`, inside a function that has `scratch` (kept.hpp).
-std::string paragraph_text(const CodeInput& code, size_t segment, int level, const ir::Paragraph& paragraph);
+std::string paragraph_text(const CodeInput& code, size_t segment, const ir::Paragraph& paragraph);
 
 // The tables of constants the segment's paragraphs read.
 std::string segment_tables(const CodeInput& code, size_t segment);

@@ -48,10 +48,7 @@ std::string layout(const CodeInput& code) {
 // What the base computes at one of its stages.
 std::string base_statements(const CodeInput& code, const ir::BaseStage& stage) {
   std::vector<Sink> sinks;
-  for (const ir::Value& v : stage.stores)
-    sinks.push_back({v.node, fmt::format("{}[{}] = ", kept(code, v.role, v.component), slot_text(code, -1)), ";"});
-  for (const ir::BodyStore& v : stage.body_stores)
-    sinks.push_back({v.node, fmt::format("{}[{}] = ", kept(code, v.role, v.component), slot_text(code, v.body)), ";"});
+  for (const auto& [to, node] : stage.stores) sinks.push_back({node, number(code, to) + " = ", ";"});
   for (const ir::BlockElement& e : stage.elements) {
     const ir::OutputArray& a = code.algorithm.arrays[static_cast<size_t>(e.array)];
     sinks.push_back({e.node,
@@ -63,11 +60,7 @@ std::string base_statements(const CodeInput& code, const ir::BaseStage& stage) {
   style.type = "Scalar";
   style.scalar = code.scene.scalar;
   style.input = [&](const ir::Input& in) {
-    if (in.kind == InputKind::of_body)
-      return fmt::format("{}[{}]", kept(code, in.index, in.component), slot_text(code, in.body));
-    if (in.kind == InputKind::received)
-      return fmt::format("{}[{}]", received(code, in.index, in.component), slot_text(code, -1));
-    return input_text(code, in);
+    return in.kind == InputKind::kept ? number(code, address(in)) : input_text(code, in);
   };
   std::string text = "  // The base";
   for (size_t i = 0; i < stage.equations.size(); ++i) text += (i == 0 ? ": " : "\n  // ") + stage.equations[i];
@@ -325,7 +318,7 @@ std::vector<Stage> rolled_stages(const CodeInput& code) {
       std::string body;
       for (const ir::SegmentStage& stage : code.rolled.segments[s].stages)
         for (const ir::Paragraph& p : stage.paragraphs)
-          if (stage.level == level) body += paragraph_text(code, s, level, p);
+          if (stage.level == level) body += paragraph_text(code, s, p);
       const std::string direction = numbered(level % 2 == 0 ? "outwards" : "inwards", level / 2);
       if (!body.empty())
         all.push_back({Stage::Kind::segment, level, static_cast<int>(s), direction + "_" + segments[s].name, false, body});

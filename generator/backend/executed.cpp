@@ -37,9 +37,9 @@ ir::Operations paragraph(const CodeInput& code, size_t segment, const ir::Paragr
 }
 
 // Sums over lanes, and what they are added to.
-long handed_on(const ir::SegmentCode& code) {
+long handed_on(const ir::Paragraph& p) {
   long additions = 0;
-  for (const ir::HandedOn& h : code.handed) additions += static_cast<long>(h.lanes.size()) - (h.first ? 1 : 0);
+  for (const ir::HandedOn& h : p.handed) additions += static_cast<long>(h.lanes.size()) - (h.first ? 1 : 0);
   return additions;
 }
 
@@ -116,11 +116,12 @@ ir::Operations executed_operations(const CodeInput& code) {
   if (!code.is_rolled()) return sum += straight_operations(code);
   sum += prepare_operations(code);
   for (const ir::BaseStage& stage : code.rolled.base) sum += base(stage);
-  for (size_t s = 0; s < code.plan.segments.size(); ++s) {
+  for (size_t s = 0; s < code.plan.segments.size(); ++s)
     for (const ir::SegmentStage& stage : code.rolled.segments[s].stages)
-      for (const ir::Paragraph& p : stage.paragraphs) sum += paragraph(code, s, p);
-    sum.add += handed_on(code.rolled.segments[s]);
-  }
+      for (const ir::Paragraph& p : stage.paragraphs) {
+        sum += paragraph(code, s, p);
+        sum.add += handed_on(p);
+      }
   add_elements(code, sum);
   sum.add += driven_results(code) + static_cast<long>(code.rolled.added.size());
   return sum;

@@ -11,12 +11,6 @@
 namespace dalembert::backend {
 namespace {
 
-std::string at(const CodeInput& code, const ir::Place& place, const std::string& own, int component) {
-  const std::string& array = code.rolled.arrays.at(static_cast<size_t>(place.array)).name;
-  return array == own ? fmt::format("scratch.{}[{}]", array, place.from + component)
-                      : fmt::format("scratch.{}({})", own, component);
-}
-
 std::size_t scalar_bytes(const CodeInput& code) { return code.scene.scalar == ir::ScalarType::float32 ? 4 : 8; }
 
 struct Array {
@@ -39,20 +33,20 @@ std::vector<Array> arrays(const CodeInput& code) {
 }  // namespace
 
 std::string kept(const CodeInput& code, int role, int component) {
-  return at(code, code.rolled.places.at(static_cast<size_t>(role)), code.rolled.roles.at(static_cast<size_t>(role)).name,
-            component);
+  const ir::Place& place = code.rolled.places.at(static_cast<size_t>(role));
+  const std::string &array = code.rolled.arrays.at(static_cast<size_t>(place.array)).name,
+                    &own = code.rolled.roles[static_cast<size_t>(role)].name;
+  return array == own ? fmt::format("scratch.{}[{}]", array, place.from + component)
+                      : fmt::format("scratch.{}({})", own, component);
 }
 
-std::string received(const CodeInput& code, int role, int component) {
-  return at(code, code.rolled.received.at(static_cast<size_t>(role)),
-            "received_" + code.rolled.roles.at(static_cast<size_t>(role)).name, component);
+std::string number(const CodeInput& code, const ir::Address& address) {
+  return fmt::format("{}[{}]", kept(code, address.role, address.component), slot_text(code, address.body));
 }
 
 bool is_kept(const CodeInput& code, int role) { return code.rolled.places.at(static_cast<size_t>(role)).array >= 0; }
 
-int slot_of(const CodeInput& code, int body) {
-  return body < 0 ? code.plan.root_slot : code.plan.slot_of[static_cast<size_t>(body)];
-}
+int slot_of(const CodeInput& code, int body) { return code.plan.slot(body); }
 
 std::string slot_text(const CodeInput& code, int body) { return body < 0 ? "base_slot" : std::to_string(slot_of(code, body)); }
 

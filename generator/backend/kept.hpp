@@ -9,8 +9,8 @@ namespace dalembert::backend {
 
 // `scratch.role[component]`, or `scratch.role(component)` where another role's array is used: one value per slot.
 std::string kept(const CodeInput& code, int role, int component);
-// The same of what limbs hand on.
-std::string received(const CodeInput& code, int role, int component);
+// The number at a fixed slot: `scratch.role[component][slot]`.
+std::string number(const CodeInput& code, const ir::Address& address);
 // Whether the role is kept at all.
 bool is_kept(const CodeInput& code, int role);
 

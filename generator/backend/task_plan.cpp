@@ -395,7 +395,9 @@ class StageOrder {
         if (parent >= 0) on.insert(segment_of_[static_cast<size_t>(parent)]);
       // Who adds to nothing shares nothing: limbs on a base that stands.
       std::set<int> added;
-      for (const ir::HandedOn& h : code.rolled.segments[s].handed) added.insert(h.parent);
+      for (const ir::SegmentStage& stage : code.rolled.segments[s].stages)
+        for (const ir::Paragraph& p : stage.paragraphs)
+          for (const ir::HandedOn& h : p.handed) added.insert(h.to.body);
       for (const int other : on)
         above.insert(above_[static_cast<size_t>(other)].begin(), above_[static_cast<size_t>(other)].end());
       adds_to_.push_back(std::move(added));
@@ -443,7 +445,7 @@ class StageOrder {
       for (const ir::Paragraph& p : stage.paragraphs)
         for (ir::NodeId id = 0; id < p.graph.size() && stage.level == s.level; ++id) {
           const ir::Node& n = p.graph[id];
-          if (n.op != ir::Op::input || n.input.kind != ir::InputKind::of_body || n.input.body < 0) continue;
+          if (n.op != ir::Op::input || n.input.kind != ir::InputKind::kept || n.input.body < 0) continue;
           const int other = segment_of_[static_cast<size_t>(n.input.body)];
           add([&](const Stage& t) { return t.kind == Stage::Kind::segment && t.segment == other && t.level < s.level; });
         }

@@ -33,6 +33,7 @@ enum class InputKind : std::uint8_t {
   of_body,       // index, component: a role of body `body` (−1: the base)
   received,      // index, component: what limbs attached to the body have handed on, kept per slot
   table,         // index: column of a segment's table of constants, one value per slot
+  kept,          // index, component, body: an address of the rolled form (ir/rolled.hpp)
 };
 
 struct Input {
@@ -91,6 +92,14 @@ class Graph {
   NodeId size() const { return static_cast<NodeId>(nodes_.size()); }
   bool is_constant(NodeId id) const { return (*this)[id].op == Op::constant; }
   bool is_constant(NodeId id, double value) const { return is_constant(id) && (*this)[id].value == value; }
+
+  // The same nodes of other inputs, of which no two that are needed may become one. f: Input → Input.
+  template <class F>
+  void rename_inputs(const F& f) {
+    for (Node& n : nodes_)
+      if (n.op == Op::input) n.input = f(n.input);
+    resize_table(table_.size());
+  }
 
   // Of the nodes made from here on.
   void set_tag(Tag tag) { tag_ = tag; }

@@ -54,6 +54,8 @@ struct Plan {
   int root_slot = 0;                            // beside a short segment, where there is one, else after the last
   std::vector<int> slot_of;                     // per body
 
+  // The slot of a body, or of the base (−1).
+  int slot(int body) const { return body < 0 ? root_slot : slot_of[static_cast<std::size_t>(body)]; }
   // The segment that holds a body; -1 for the base.
   int segment_of(int body) const {
     for (std::size_t s = 0; s < segments.size(); ++s)

@@ -17,7 +17,7 @@ std::vector<NodeId> nodes_of(const Lists&... lists) {
 
 std::vector<NodeId> LimbStep::roots() const { return nodes_of(stores, carried); }
 std::vector<NodeId> Paragraph::roots() const { return nodes_of(stores, carried); }
-std::vector<NodeId> BaseStage::roots() const { return nodes_of(stores, body_stores, elements); }
+std::vector<NodeId> BaseStage::roots() const { return nodes_of(stores, elements); }
 
 int RolledProgram::levels() const {
   int highest = 0;

@@ -14,6 +14,22 @@
 
 namespace dalembert::ir {
 
+// A number that is kept: a component of a role, at the slot of a body (−1: the base), or in a loop at its own slot.
+struct Address {
+  static constexpr int own = -2;      // body
+  static constexpr int unknown = -1;  // role: place() has not said it yet, or nothing needs it
+  int role = 0, component = 0, body = own;
+  bool operator==(const Address&) const = default;
+
+  Input input() const { return {InputKind::kept, role, component, body}; }
+};
+inline Address address(const Input& in) { return {in.index, in.component, in.body}; }
+
+struct Store {
+  Address to;
+  NodeId node = no_node;
+};
+
 // Where a role is kept: from a component of an array on. Roles whose values are not needed at the same time, or are the same,
 // share an array.
 struct Place {
@@ -43,6 +59,7 @@ struct Carried {
   int role = 0, component = 0;
   NodeId node = no_node;                       // outwards: this body's value; inwards: what it hands on
   std::vector<std::optional<double>> initial;  // outwards, per lane: the parent's value where it is constant
+  std::vector<Address> from{};                 // outwards, unless known: the parents', per lane, or one that all lanes have
 
   // Whether all lanes begin with constants; else the parents' values are kept.
   bool known() const {
@@ -50,24 +67,32 @@ struct Carried {
   }
 };
 
-// What one body does of a limb that is written out, body after body. Inputs: `carried` from the step before, `of_body` what is
-// kept of a body, its own included, `received` what limbs hand on to it.
+// What one body does of a limb that is written out, body after body. Inputs: `carried` from the step before, `kept`.
 struct LimbStep {
   int body = 0;
   Graph graph;
-  std::vector<Value> stores;     // to the body's slot
+  std::vector<Store> stores;     // to the body's slot
   std::vector<Carried> carried;  // to the next step, which reads it, or, of the last inwards, to whoever it hangs on
 
   std::vector<NodeId> roots() const;  // all of them
 };
 
-// Some sweeps on the bodies of one segment.
+// What the loop hands on to a body: summed over the lanes that hang on it.
+struct HandedOn {
+  int role = 0, component = 0;  // carried
+  Address to;  // where it is added: to what is kept of the role already, or to a role of its own, which place() makes
+  std::vector<int> lanes;
+  bool first = false;  // the first to come: it sets the number instead of adding to it
+};
+
+// Some sweeps on the bodies of one segment. Inputs, once roles have their places: `carried`, `table`, `kept`.
 struct Paragraph {
   std::vector<std::string> equations;
   Direction direction = Direction::anywhere;
   Graph graph;
-  std::vector<Value> stores;  // to this slot
+  std::vector<Store> stores;  // to this slot
   std::vector<Carried> carried;
+  std::vector<HandedOn> handed{};   // inwards, behind the last step
   std::vector<LimbStep> written{};  // in the order in which they run; none: it is a loop
 
   std::vector<NodeId> roots() const;  // of the loop
@@ -79,20 +104,9 @@ struct SegmentStage {
   std::vector<Paragraph> paragraphs;
 };
 
-// What a segment hands on to a body: summed over the lanes that hang on it.
-struct HandedOn {
-  int role = 0, component = 0;
-  int level = 0;
-  int parent = -1;  // the body; −1: the base
-  std::vector<int> lanes;
-  bool received = false;  // to a place of its own, else to what is kept of the role already
-  bool first = false;     // the first to come: it sets the place instead of adding to it
-};
-
 struct SegmentCode {
   std::vector<Column> columns;
   std::vector<SegmentStage> stages;
-  std::vector<HandedOn> handed;
 };
 
 struct BlockElement {
@@ -100,19 +114,12 @@ struct BlockElement {
   NodeId node = no_node;
 };
 
-// A value that belongs to one body, such as what a payload adds to it.
-struct BodyStore {
-  int role = 0, component = 0, body = 0;
-  NodeId node = no_node;
-};
-
-// The base at one level, without lanes. Level 0 comes before all segments.
+// The base at one level, without lanes. Level 0 comes before all segments. Inputs: the function's, `kept`.
 struct BaseStage {
   int level = 0;
   std::vector<std::string> equations;
   Graph graph;
-  std::vector<Value> stores;  // to the base's slot
-  std::vector<BodyStore> body_stores;
+  std::vector<Store> stores;  // to the base's slot, or to bodies': what payloads add to these
   std::vector<BlockElement> elements;
 
   std::vector<NodeId> roots() const;
@@ -132,8 +139,8 @@ struct AddedConstant {
 };
 
 struct RolledProgram {
-  std::vector<Role> roles;              // the algorithm's, then those that the rolled form adds
-  std::vector<Place> places, received;  // per role: of its values, of what limbs hand on
+  std::vector<Role> roles;    // the algorithm's, then those that the rolled form adds
+  std::vector<Place> places;  // per role
   std::vector<KeptArray> arrays;
   std::vector<SegmentCode> segments;  // parallel to Plan::segments
   std::vector<BaseStage> base;

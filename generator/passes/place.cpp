@@ -15,7 +15,7 @@ class Placing {
   explicit Placing(RollState& state) : state_(state), program_(state.program) {
     const std::size_t roles = program_.roles.size();
     program_.places.resize(roles);
-    program_.received.resize(roles);
+    received_.resize(roles, -1);
     used_.resize(roles, false);
     at_base_.resize(roles, false);
     of_few_.resize(roles, false);
@@ -39,13 +39,7 @@ class Placing {
         const ir::Place& at = program_.places[static_cast<std::size_t>(equal_to_[r].first)];
         program_.places[r] = {at.array, at.from + equal_to_[r].second};
       }
-    for (const ir::SegmentCode& code : program_.segments)
-      for (const ir::HandedOn& h : code.handed) {
-        ir::Place& to = program_.received[static_cast<std::size_t>(h.role)];
-        if (!h.received || to.array >= 0) continue;
-        const ir::Role& r = program_.roles[static_cast<std::size_t>(h.role)];
-        to = new_array("received_" + r.name, r.meaning + ", accumulated from attached branches", r.components());
-      }
+    say_addresses();
   }
 
  private:
@@ -74,14 +68,14 @@ class Placing {
 
   void collect() {
     first_written_.assign(program_.roles.size(), always);
-    for (const ir::SegmentCode& code : program_.segments) {
+    for (const ir::SegmentCode& code : program_.segments)
       for (const ir::SegmentStage& stage : code.stages)
         for (const ir::Paragraph& p : stage.paragraphs) {
           std::vector<ir::NodeId> roots;
-          for (const ir::Value& v : p.stores) {
-            roots.push_back(v.node);
-            note_write(v.role, v.component, stage.level);
-            int& first = first_written_[static_cast<std::size_t>(v.role)];
+          for (const auto& [to, node] : p.stores) {
+            roots.push_back(node);
+            note_write(to.role, to.component, stage.level);
+            int& first = first_written_[static_cast<std::size_t>(to.role)];
             first = std::min(first, stage.level);
           }
           for (const ir::Carried& c : p.carried) {
@@ -91,21 +85,16 @@ class Placing {
           each_input(p.graph, roots, [&](const ir::Input& in) {
             if (in.kind == InputKind::state || in.kind == InputKind::of_body) note_read(in.index, in.component, stage.level);
           });
+          for (const ir::HandedOn& h : p.handed)
+            if (h.to.role == h.role) note_read(h.role, h.component, stage.level), note_write(h.role, h.component, stage.level);
         }
-      for (const ir::HandedOn& h : code.handed)
-        if (!h.received) note_read(h.role, h.component, h.level), note_write(h.role, h.component, h.level);
-    }
     for (const ir::BaseStage& stage : program_.base) {
       std::vector<ir::NodeId> roots;
-      for (const ir::Value& v : stage.stores) {
-        roots.push_back(v.node);
-        note_write(v.role, v.component, stage.level);
-        at_base_[static_cast<std::size_t>(v.role)] = true;
-      }
-      for (const ir::BodyStore& v : stage.body_stores) {
-        note_write(v.role, v.component, stage.level);
-        at_base_[static_cast<std::size_t>(v.role)] = true;
-        of_few_[static_cast<std::size_t>(v.role)] = true;
+      for (const auto& [to, node] : stage.stores) {
+        roots.push_back(node);
+        note_write(to.role, to.component, stage.level);
+        at_base_[static_cast<std::size_t>(to.role)] = true;
+        if (to.body >= 0) of_few_[static_cast<std::size_t>(to.role)] = true;
       }
       for (const ir::BlockElement& e : stage.elements) roots.push_back(e.node);
       each_input(stage.graph, roots, [&](const ir::Input& in) {
@@ -166,9 +155,9 @@ class Placing {
       drop_equal_stores(r, other, from);
     }
   }
-  static const ir::Value* stored(const ir::Paragraph& p, int role, int component) {
-    for (const ir::Value& v : p.stores)
-      if (v.role == role && v.component == component) return &v;
+  static const ir::Store* stored(const ir::Paragraph& p, int role, int component) {
+    for (const ir::Store& s : p.stores)
+      if (s.to == ir::Address{role, component}) return &s;
     return nullptr;
   }
   bool equal(int role, int other, int from) const {
@@ -177,7 +166,7 @@ class Placing {
       for (const ir::SegmentStage& stage : code.stages)
         for (const ir::Paragraph& p : stage.paragraphs)
           for (int i = 0; i < program_.roles[static_cast<std::size_t>(role)].components(); ++i) {
-            const ir::Value *a = stored(p, role, i), *b = stored(p, other, from + i);
+            const ir::Store *a = stored(p, role, i), *b = stored(p, other, from + i);
             if (!a && b && stores_any(p, role)) return false;
             if (!a) continue;
             if (b ? b->node != a->node : stored_elsewhere(code, p, other, from + i)) return false;
@@ -204,7 +193,7 @@ class Placing {
     return false;
   }
   static bool stores_any(const ir::Paragraph& p, int role) {
-    return std::any_of(p.stores.begin(), p.stores.end(), [&](const ir::Value& v) { return v.role == role; });
+    return std::any_of(p.stores.begin(), p.stores.end(), [&](const ir::Store& s) { return s.to.role == role; });
   }
   // By another paragraph of the segment.
   static bool stored_elsewhere(const ir::SegmentCode& code, const ir::Paragraph& own, int role, int component) {
@@ -219,7 +208,7 @@ class Placing {
         for (ir::Paragraph& p : stage.paragraphs) {
           const ir::Paragraph before = p;
           std::erase_if(p.stores,
-                        [&](const ir::Value& v) { return v.role == role && stored(before, other, from + v.component); });
+                        [&](const ir::Store& s) { return s.to.role == role && stored(before, other, from + s.to.component); });
         }
   }
 
@@ -269,8 +258,59 @@ class Placing {
     return {};
   }
 
+  // The role that is what limbs hand on of a role.
+  int received(int role) {
+    int& made = received_[static_cast<std::size_t>(role)];
+    if (made >= 0) return made;
+    made = static_cast<int>(program_.roles.size());
+    ir::Role own = program_.roles[static_cast<std::size_t>(role)];
+    own.name = "received_" + own.name, own.meaning += ", accumulated from attached branches", own.unit = "";
+    own.over = -1;
+    program_.places.push_back(new_array(own.name, own.meaning, own.components()));
+    program_.roles.push_back(std::move(own));
+    return made;
+  }
+
+  // From here on nobody asks of which kind an input is, or where to what limbs hand on goes.
+  void say_addresses() {
+    for (ir::SegmentCode& code : program_.segments)
+      for (ir::SegmentStage& stage : code.stages)
+        for (ir::Paragraph& p : stage.paragraphs)
+          for (ir::HandedOn& h : p.handed)
+            if (h.to.role == ir::Address::unknown) h.to.role = received(h.role);
+    for (std::size_t s = 0; s < program_.segments.size(); ++s)
+      for (ir::SegmentStage& stage : program_.segments[s].stages)
+        for (ir::Paragraph& p : stage.paragraphs) {
+          say_addresses(p.graph, ir::Address::own);
+          for (ir::Carried& c : p.carried)
+            if (p.direction == ir::Direction::outwards && !c.known()) c.from = parents(state_.plan.segments[s], c);
+        }
+    for (ir::BaseStage& stage : program_.base) say_addresses(stage.graph, -1);
+  }
+  void say_addresses(ir::Graph& graph, int own) const {
+    graph.rename_inputs([&](const ir::Input& in) {
+      switch (in.kind) {
+        case InputKind::state: return ir::Address{in.index, in.component, own}.input();
+        case InputKind::of_body: return ir::Address{in.index, in.component, in.body}.input();
+        case InputKind::received: return ir::Address{received_[static_cast<std::size_t>(in.index)], in.component, own}.input();
+        default: return in;
+      }
+    });
+  }
+  static std::vector<ir::Address> parents(const ir::Segment& segment, const ir::Carried& c) {
+    std::set<int> all;
+    std::vector<ir::Address> of_lanes;
+    for (std::size_t lane = 0; lane < segment.parents.size(); ++lane) {
+      if (segment.bodies[lane].front() >= 0) all.insert(segment.parents[lane]);
+      of_lanes.push_back({c.role, c.component, segment.parents[lane]});
+    }
+    if (all.size() == 1) return {{c.role, c.component, *all.begin()}};
+    return of_lanes;
+  }
+
   RollState& state_;
   ir::RolledProgram& program_;
+  std::vector<int> received_;                     // per role: the one that is what limbs hand on of it, −1: none
   std::vector<bool> used_, at_base_;              // per role; at_base_: stored for the base, or for single bodies
   std::vector<bool> of_few_;                      // per role: stored for single bodies; the others' zeros are from the start
   std::vector<std::vector<int>> read_, written_;  // per role and component: the last level that does, −1: none

@@ -25,20 +25,20 @@ class BaseRoll {
   // Stages read what earlier ones store: the last first.
   void run() {
     for (int level = last_; level >= 0; level -= 2) {
-      stages_.insert(stages_.begin(), {level, {}, ir::Graph(state_.options), {}, {}, {}});
+      stages_.insert(stages_.begin(), {level, {}, ir::Graph(state_.options), {}, {}});
       stage_ = &stages_.front();
       copies_.clear();
       made_.clear();
-      if (level == 0) payloads();
+      const std::vector<ir::Store> to_bodies = level == 0 ? payloads() : std::vector<ir::Store>{};
       if (level == last_) results();
       const auto needed = needs_[level];
       for (const RoleComponent& value : needed) {
         const NodeId node = state_.known(value.first) ? of_base(value.first, value.second, -1) : input_of(value);
-        stage_->stores.push_back({value.first, value.second, node});
+        stage_->stores.push_back({{value.first, value.second, -1}, node});
       }
+      stage_->stores.insert(stage_->stores.end(), to_bodies.begin(), to_bodies.end());
     }
-    std::erase_if(stages_,
-                  [](const ir::BaseStage& s) { return s.stores.empty() && s.body_stores.empty() && s.elements.empty(); });
+    std::erase_if(stages_, [](const ir::BaseStage& s) { return s.stores.empty() && s.elements.empty(); });
     state_.program.base = std::move(stages_);
   }
 
@@ -52,15 +52,18 @@ class BaseRoll {
     return no_node;
   }
 
-  void payloads() {
+  // What they add to bodies.
+  std::vector<ir::Store> payloads() {
+    std::vector<ir::Store> stores;
     ir::Copy copy(state_.unroll.program().graph, graph());
     for (const auto& [parameter, role] : state_.added_parameters)
       for (int body = 0; body < state_.tree.joints(); ++body) {
         const NodeId node = state_.unroll.added_parameter(parameter, body);
         const int segment = state_.plan.segment_of(body);
         if (node == no_node || !state_.read[static_cast<std::size_t>(segment)].contains({role, 0})) continue;
-        stage_->body_stores.push_back({role, 0, body, copy.node(node, [&](const ir::Input& in) { return graph().input(in); })});
+        stores.push_back({{role, 0, body}, copy.node(node, [&](const ir::Input& in) { return graph().input(in); })});
       }
+    return stores;
   }
 
   void results() {

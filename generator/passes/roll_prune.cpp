@@ -33,7 +33,7 @@ class Pruning {
       ir::SegmentCode& code = state_.program.segments[s];
       each_paragraph(s, [&](Paragraph& p) {
         const Values live = follow(s, p);
-        std::erase_if(p.stores, [&](const ir::Value& v) { return !slots_[s].keeps({v.role, v.component}); });
+        std::erase_if(p.stores, [&](const ir::Store& v) { return !slots_[s].keeps({v.to.role, v.to.component}); });
         std::erase_if(p.carried, [&](const ir::Carried& c) { return !carries(s, p, c, live); });
       });
       for (ir::SegmentStage& stage : code.stages)
@@ -102,8 +102,8 @@ class Pruning {
     for (Values before{{-1, -1}}; live != before;) {
       before = live;
       std::vector<NodeId> roots;
-      for (const ir::Value& v : p.stores)
-        if (own.keeps({v.role, v.component})) roots.push_back(v.node);
+      for (const ir::Store& s : p.stores)
+        if (own.keeps({s.to.role, s.to.component})) roots.push_back(s.node);
       for (const ir::Carried& c : p.carried)
         if (carries(segment, p, c, live)) roots.push_back(c.node);
       each_input(p.graph, roots, [&](const ir::Input& in) {
@@ -163,9 +163,8 @@ class Pruning {
     std::set<std::tuple<int, RoleComponent, int>> set;  // level, value, parent
     for (std::size_t s = slots_.size(); s-- > 0;) {
       const ir::Segment& segment = state_.plan.segments[s];
-      ir::SegmentCode& code = state_.program.segments[s];
-      for (const ir::SegmentStage& stage : code.stages)
-        for (const Paragraph& p : stage.paragraphs) {
+      for (ir::SegmentStage& stage : state_.program.segments[s].stages)
+        for (Paragraph& p : stage.paragraphs) {
           if (p.direction != Direction::inwards) continue;
           for (const ir::Carried& c : p.carried) {
             std::map<int, std::vector<int>> lanes_of;  // by parent
@@ -176,7 +175,8 @@ class Pruning {
               if (!wanted_by(parent, value)) continue;
               const bool received = !state_.adds_to_own(parent < 0 ? -1 : state_.plan.segment_of(parent), value);
               const bool first = received && set.insert({stage.level, value, parent}).second;
-              code.handed.push_back({c.role, c.component, stage.level, parent, lanes, received, first});
+              const ir::Address to{received ? ir::Address::unknown : c.role, c.component, parent};
+              p.handed.push_back({c.role, c.component, to, lanes, first});
             }
           }
         }

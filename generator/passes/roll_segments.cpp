@@ -207,8 +207,8 @@ class SegmentRoll {
       else copy_base_products(step.pairs);
     }
     if (group.direction == Direction::outwards) carry_outwards();
-    for (const ir::Value& v : paragraph_->stores)
-      if (varies(v.role, v.component)) state_.stored[number_].try_emplace({v.role, v.component}, group.level);
+    for (const ir::Store& s : paragraph_->stores)
+      if (varies(s.to.role, s.to.component)) state_.stored[number_].try_emplace({s.to.role, s.to.component}, group.level);
   }
 
   bool varies(int role, int component) {
@@ -235,7 +235,7 @@ class SegmentRoll {
     copy.nodes(all, of_input);
     for (const ir::Value& v : sweep.stores)
       if (live.body[live.at(v.role, v.component)])
-        paragraph_->stores.push_back({v.role, v.component, made_[{v.role, v.component}] = copy.node(v.node, of_input)});
+        paragraph_->stores.push_back({{v.role, v.component}, made_[{v.role, v.component}] = copy.node(v.node, of_input)});
     for (const ir::Value& v : sweep.carries)
       if (handed_on(v)) paragraph_->carried.push_back({v.role, v.component, copy.node(v.node, of_input), {}});
   }
@@ -277,7 +277,7 @@ class SegmentRoll {
           const NodeId part = paragraph_->graph.add(paragraph_->graph.add(three[0], three[1]), three[2]);
           sum = sum == no_node ? part : paragraph_->graph.add(sum, part);
         }
-        paragraph_->stores.push_back({role, j, sum});
+        paragraph_->stores.push_back({{role, j}, sum});
       }
     };
     add(p.above, to.columns);

@@ -14,7 +14,6 @@ using ir::Direction;
 using ir::InputKind;
 using ir::LimbStep;
 using ir::NodeId;
-using ir::Value;
 
 // Longer limbs' text is fetched anew in every call, which takes longer than what folds.
 constexpr int most_steps = 12;
@@ -58,7 +57,15 @@ class LimbWriter {
     return found;
   }
   bool hands_on(const Carried& c) const {
-    return std::any_of(code_.handed.begin(), code_.handed.end(), [&](const ir::HandedOn& h) { return h.role == c.role; });
+    return std::any_of(paragraph_.handed.begin(), paragraph_.handed.end(),
+                       [&](const ir::HandedOn& h) { return h.role == c.role; });
+  }
+
+  // Where the first step has from what others have from the step before.
+  ir::Address parent_of(const ir::Input& in) const {
+    return std::find_if(paragraph_.carried.begin(), paragraph_.carried.end(),
+                        [&](const Carried& c) { return c.role == in.index && c.component == in.component; })
+        ->from.front();
   }
 
   LimbStep step(int place, bool from_parent, const Handed& handed) const {
@@ -71,18 +78,16 @@ class LimbWriter {
           return s.graph.constant(code_.columns[static_cast<std::size_t>(in.index)].values[static_cast<std::size_t>(place)]);
         case InputKind::carried:
           if (const std::optional<double>& known = handed.at({in.index, in.component}); known) return s.graph.constant(*known);
-          if (from_parent) in = {InputKind::of_body, in.index, in.component, segment_.parents.front()};
+          return s.graph.input(from_parent ? parent_of(in).input() : in);
+        case InputKind::kept:
+          if (in.body == ir::Address::own) in.body = s.body;
           return s.graph.input(in);
-        case InputKind::state: return s.graph.input({InputKind::of_body, in.index, in.component, s.body});
-        case InputKind::received: return s.graph.input({InputKind::received, in.index, in.component, s.body});
         default: return s.graph.input(in);
       }
     };
     copy.nodes(paragraph_.roots(), input);
-    for (Value v : paragraph_.stores) {
-      v.node = copy.node(v.node, input);
-      s.stores.push_back(v);
-    }
+    for (const auto& [to, node] : paragraph_.stores)
+      s.stores.push_back({{to.role, to.component, s.body}, copy.node(node, input)});
     for (Carried c : paragraph_.carried) {
       c.node = copy.node(c.node, input);
       s.carried.push_back(c);

@@ -107,17 +107,16 @@ class RolledRun {
 
  private:
   // What has no place nobody may need: not a number.
-  double& place(const Place& p, int component, int slot) {
+  double& kept(int role, int component, int slot) {
+    const Place p = role == Address::unknown ? Place{} : program_.places.at(static_cast<std::size_t>(role));
     if (p.array < 0) return nowhere_ = std::nan("");
     return kept_[static_cast<std::size_t>(p.array)](p.from + component, slot);
   }
-  double& kept(int role, int component, int slot) {
-    return place(program_.places.at(static_cast<std::size_t>(role)), component, slot);
+  // own: the slot at which a loop is.
+  double& kept(const Address& a, int own = -1) {
+    return kept(a.role, a.component, a.body == Address::own ? own : slot(a.body));
   }
-  double& received(int role, int component, int slot) {
-    return place(program_.received.at(static_cast<std::size_t>(role)), component, slot);
-  }
-  int slot(int body) const { return body < 0 ? plan_.root_slot : plan_.slot_of[static_cast<std::size_t>(body)]; }
+  int slot(int body) const { return plan_.slot(body); }
   int row(int body) const { return tree_.base_coordinates() + coordinates_[static_cast<std::size_t>(body)]; }
 
   void joints() {
@@ -136,13 +135,9 @@ class RolledRun {
   }
 
   void base(const BaseStage& b) {
-    const std::vector<double> values = interpret<double>(b.graph, [&](const Input& in) {
-      if (in.kind == InputKind::of_body) return kept(in.index, in.component, slot(in.body));
-      if (in.kind == InputKind::received) return received(in.index, in.component, slot(-1));
-      return input_(in);
-    });
-    for (const Value& v : b.stores) kept(v.role, v.component, slot(-1)) = values[static_cast<std::size_t>(v.node)];
-    for (const BodyStore& v : b.body_stores) kept(v.role, v.component, slot(v.body)) = values[static_cast<std::size_t>(v.node)];
+    const std::vector<double> values = interpret<double>(
+        b.graph, [&](const Input& in) { return in.kind == InputKind::kept ? kept(address(in)) : input_(in); });
+    for (const auto& [to, node] : b.stores) kept(to) = values[static_cast<std::size_t>(node)];
     for (const BlockElement& e : b.elements)
       arrays_[algorithm_.arrays[static_cast<std::size_t>(e.array)].name](e.row, e.column) =
           values[static_cast<std::size_t>(e.node)];
@@ -160,7 +155,7 @@ class RolledRun {
             const auto at = static_cast<std::size_t>(lane);
             const double start = p.direction == Direction::inwards ? 0
                                  : c.known()                       ? *c.initial[at]
-                                                                   : kept(c.role, c.component, slot(s.parents[at]));
+                                                                   : kept(c.from.size() == 1 ? c.from.front() : c.from[at]);
             carried[{c.role, c.component}].push_back(start);
           }
         for (const LimbStep& step : p.written) take(step, carried);
@@ -174,9 +169,7 @@ class RolledRun {
                 case InputKind::table:
                   return code.columns[static_cast<std::size_t>(in.index)]
                       .values[static_cast<std::size_t>(step * s.width + lane)];
-                case InputKind::state: return kept(in.index, in.component, here);
-                case InputKind::received: return received(in.index, in.component, here);
-                case InputKind::of_body: return kept(in.index, in.component, slot(in.body));
+                case InputKind::kept: return kept(address(in), here);
                 case InputKind::carried: {
                   const auto at = carried.find({in.index, in.component});
                   return at == carried.end() ? std::nan("") : at->second[static_cast<std::size_t>(lane)];
@@ -187,19 +180,16 @@ class RolledRun {
           }
           for (int lane = 0; lane < s.width; ++lane) {
             const auto at = static_cast<std::size_t>(lane);
-            for (const Value& v : p.stores)
-              kept(v.role, v.component, s.first_slot + step * s.width + lane) = values[at][static_cast<std::size_t>(v.node)];
+            for (const auto& [to, node] : p.stores)
+              kept(to, s.first_slot + step * s.width + lane) = values[at][static_cast<std::size_t>(node)];
             for (const Carried& c : p.carried)
               carried[{c.role, c.component}][at] = values[at][static_cast<std::size_t>(c.node)];
           }
         }
-        if (p.direction != Direction::inwards) continue;
-        for (const HandedOn& h : code.handed) {
-          const auto from = carried.find({h.role, h.component});
-          if (h.level != level || from == carried.end()) continue;
+        for (const HandedOn& h : p.handed) {
           double sum = 0;
-          for (int lane : h.lanes) sum += from->second[static_cast<std::size_t>(lane)];
-          double& to = h.received ? received(h.role, h.component, slot(h.parent)) : kept(h.role, h.component, slot(h.parent));
+          for (int lane : h.lanes) sum += carried.at({h.role, h.component})[static_cast<std::size_t>(lane)];
+          double& to = kept(h.to);
           to = h.first ? sum : to + sum;
         }
       }
@@ -211,14 +201,13 @@ class RolledRun {
   void take(const LimbStep& step, OfLanes& carried) {
     const std::vector<double> values = interpret<double>(step.graph, [&](const Input& in) {
       switch (in.kind) {
-        case InputKind::received: return received(in.index, in.component, slot(in.body));
-        case InputKind::of_body: return kept(in.index, in.component, slot(in.body));
+        case InputKind::kept: return kept(address(in));
         case InputKind::carried: return carried.at({in.index, in.component}).front();
         default: return input_(in);
       }
     });
     const auto value = [&](NodeId node) { return values[static_cast<std::size_t>(node)]; };
-    for (const Value& v : step.stores) kept(v.role, v.component, slot(step.body)) = value(v.node);
+    for (const auto& [to, node] : step.stores) kept(to) = value(node);
     for (const Carried& c : step.carried) carried.at({c.role, c.component}).front() = value(c.node);
   }
 

@@ -1,0 +1,93 @@
+// What the rolled form says of its loops: text, counts and the interpreter read it, and decide nothing of it again.
+#include "ir/rolled.hpp"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "both_forms.hpp"
+#include "lower.hpp"
+
+namespace dalembert {
+namespace {
+
+Lowered rolled(const char* name, bool write_limbs) {
+  ir::Scene scene;
+  scene.outputs = {ir::Quantity::mass_matrix, ir::Quantity::coriolis_matrix, ir::Quantity::forward_dynamics,
+                   ir::Quantity::forward_dynamics_dq};
+  const ir::RobotDescription description = robot(name);
+  scene.payloads = {description.links[static_cast<size_t>(description.joints.back().child)].name};
+  Model model = model_of(description, scene);
+  model.options.form = ir::Form::rolled;
+  model.options.write_limbs = write_limbs;
+  return lower(model);
+}
+
+// Whether a number stands in an array of the scratch, at a slot that there is.
+class Addresses {
+ public:
+  explicit Addresses(const LoweredSection& section) : section_(section), program_(section.rolled) {}
+
+  // own: whether there is a slot that a loop is at.
+  void expect(const ir::Address& a, bool own) const {
+    ASSERT_GE(a.role, 0);
+    const auto role = static_cast<size_t>(a.role);
+    ASSERT_LT(role, program_.roles.size());
+    const ir::Place& place = program_.places[role];
+    ASSERT_GE(place.array, 0) << program_.roles[role].name;
+    EXPECT_GE(a.component, 0);
+    EXPECT_LT(a.component, program_.roles[role].components());
+    EXPECT_LT(place.from + a.component, program_.arrays[static_cast<size_t>(place.array)].components);
+    if (a.body == ir::Address::own) EXPECT_TRUE(own) << program_.roles[role].name;
+    else EXPECT_LT(section_.plan.slot(a.body), section_.plan.slots + 1);
+  }
+  void expect(const ir::Graph& graph, const std::vector<ir::NodeId>& roots, bool own) const {
+    const std::set<ir::InputKind> without_addresses{ir::InputKind::state, ir::InputKind::of_body, ir::InputKind::received};
+    ir::each_input(graph, roots, [&](const ir::Input& in) {
+      EXPECT_FALSE(without_addresses.contains(in.kind));
+      if (in.kind == ir::InputKind::kept) expect(ir::address(in), own);
+    });
+  }
+  void expect(const ir::Segment& segment, const ir::Paragraph& p) const {
+    expect(p.graph, p.roots(), true);
+    for (const ir::Store& s : p.stores) expect(s.to, true);
+    for (const ir::HandedOn& h : p.handed) expect(h.to, false);
+    for (const ir::Carried& c : p.carried) {
+      EXPECT_EQ(c.from.empty(), c.known());
+      EXPECT_TRUE(c.from.size() <= 1 || c.from.size() == static_cast<size_t>(segment.width));
+      for (const ir::Address& from : c.from) expect(from, false);
+    }
+    for (const ir::LimbStep& step : p.written) {
+      expect(step.graph, step.roots(), false);
+      for (const ir::Store& s : step.stores) {
+        expect(s.to, false);
+        EXPECT_EQ(s.to.body, step.body);
+      }
+    }
+  }
+
+ private:
+  const LoweredSection& section_;
+  const ir::RolledProgram& program_;
+};
+
+TEST(Rolled, SaysWhereAllStandsThatIsReadAndStored) {
+  for (const char* name : {"chain_7", "hexapod", "two_levels_of_branching", "unequal_limbs"})
+    for (const bool write_limbs : {false, true}) {
+      SCOPED_TRACE(name);
+      const Lowered lowered = rolled(name, write_limbs);
+      for (const LoweredSection* section : lowered.all_sections()) {
+        const Addresses addresses(*section);
+        for (const ir::BaseStage& b : section->rolled.base) {
+          addresses.expect(b.graph, b.roots(), false);
+          for (const ir::Store& s : b.stores) addresses.expect(s.to, false);
+        }
+        for (size_t s = 0; s < section->plan.segments.size(); ++s)
+          for (const ir::SegmentStage& stage : section->rolled.segments[s].stages)
+            for (const ir::Paragraph& p : stage.paragraphs) addresses.expect(section->plan.segments[s], p);
+      }
+    }
+}
+
+}  // namespace
+}  // namespace dalembert
