@@ -46,27 +46,28 @@ class ParagraphWriter {
         segment_(code.plan.segments[segment]),
         rolled_(code.rolled.segments[segment]),
         paragraph_(paragraph),
-        target_(lanes_of(segment_, paragraph.direction)) {
+        loop_(paragraph.loop),
+        target_(lanes_of(loop_)) {
     for (const ir::Carried& c : paragraph.carried) carried_[c.role].push_back(&c);
   }
 
   std::string run() const {
-    const std::string body = paragraph_.written.empty() ? loop() : written_out();
+    const std::string body = paragraph_.written.empty() ? text_of_loop() : written_out();
     return fmt::format("  // {}\n  {{\n{}  }}\n", fmt::join(paragraph_.equations, "\n  // "), body);
   }
 
  private:
-  std::string loop() const {
+  std::string text_of_loop() const {
     std::string step;
     for (const auto& [role, components] : carried_)
       step += fmt::format("      V next_{}[{}];\n", name(role), components.size());
     step += print(paragraph_.graph, sinks(), style());
     for (const auto& [role, components] : carried_) step += fmt::format("      dalembert::carry({0}, next_{0});\n", name(role));
     // Of limbs that move no mass there may be nothing to read or write at a slot.
-    if (step.find(" + slot") != step.npos) step = fmt::format("      const int slot = {} + i;\n", segment_.first_slot) + step;
+    if (step.find(" + slot") != step.npos) step = fmt::format("      const int slot = {} + i;\n", loop_.first_slot) + step;
     std::string loop = fmt::format("    using V [[maybe_unused]] = {};\n", target_.type()) + carried_from_outside() +
                        loop_head() + step + "    }\n";
-    if (in_parts()) loop = part_by_part(loop);
+    if (loop_.in_parts()) loop = part_by_part(loop);
     return loop + handed_on();
   }
 
@@ -122,7 +123,7 @@ class ParagraphWriter {
   std::string carried_name(const ir::Carried& c, size_t step) const {
     const ir::Role& r = code_.rolled.roles[static_cast<size_t>(c.role)];
     const std::string suffix = ir::component_suffix(r.shape, c.component);
-    return fmt::format("{}{}{}_{}", paragraph_.direction == Direction::inwards ? "handed_" : "of_", r.name,
+    return fmt::format("{}{}{}_{}", loop_.direction == Direction::inwards ? "handed_" : "of_", r.name,
                        suffix.empty() ? "" : "_" + suffix, step + 1);
   }
   std::string carried_text(size_t step, const ir::Carried& c) const {
@@ -140,12 +141,14 @@ class ParagraphWriter {
     return carried_name(c, step - 1);
   }
 
-  static std::string lanes_of(const ir::Segment& segment, Direction direction) {
-    if (direction == Direction::anywhere) return segment.by_fours() ? "dalembert::short_lanes" : "dalembert::native_lanes";
-    return segment.width > 2 ? "together" : std::to_string(segment.width);
+  static std::string lanes_of(const ir::SlotLoop& loop) {
+    switch (loop.lanes) {
+      case ir::SlotLoop::Lanes::along: return "dalembert::native_lanes";
+      case ir::SlotLoop::Lanes::by_fours: return "dalembert::short_lanes";
+      case ir::SlotLoop::Lanes::in_parts: return "together";
+      default: return std::to_string(loop.width);
+    }
   }
-  // Whether the loop may have to run for some of the limbs and then for others: two share any register.
-  bool in_parts() const { return segment_.width > 2 && paragraph_.direction != Direction::anywhere; }
 
   // The loop for as many limbs at a time as share a register; sums over limbs are taken of all of them.
   std::string part_by_part(const std::string& loop) const {
@@ -153,11 +156,10 @@ class ParagraphWriter {
     std::string body = "    constexpr int together = decltype(some)::value;\n" + loop;
     for (const auto& [role, components] : carried_) {
       if (!hands_on(role)) continue;
-      text += fmt::format("    dalembert::AllLanes<Scalar, {}> {}[{}];\n", segment_.limbs(), all(role), components.size());
+      text += fmt::format("    dalembert::AllLanes<Scalar, {}> {}[{}];\n", loop_.limbs, all(role), components.size());
       body += fmt::format("    dalembert::keep_lanes({}, {}, lane);\n", all(role), name(role));
     }
-    text +=
-        fmt::format("    dalembert::each_part<Scalar, {}>([&](auto some, int lane) DALEMBERT_IN_BLOCK {{\n", segment_.limbs());
+    text += fmt::format("    dalembert::each_part<Scalar, {}>([&](auto some, int lane) DALEMBERT_IN_BLOCK {{\n", loop_.limbs);
     std::istringstream lines(body);
     for (std::string line; std::getline(lines, line);) text += "  " + line + "\n";
     return text + "    });\n";
@@ -167,10 +169,10 @@ class ParagraphWriter {
                        [&](const ir::HandedOn& h) { return h.role == role; });
   }
   // What the lanes of a carried role hand on.
-  std::string all(int role) const { return in_parts() ? "all_" + name(role) : name(role); }
+  std::string all(int role) const { return loop_.in_parts() ? "all_" + name(role) : name(role); }
 
   std::string name(int role) const {
-    const bool inwards = paragraph_.direction == Direction::inwards;
+    const bool inwards = loop_.direction == Direction::inwards;
     return (inwards ? "below_" : "above_") + code_.rolled.roles[static_cast<size_t>(role)].name;
   }
   // Where among the carried components of a role this one is.
@@ -184,16 +186,14 @@ class ParagraphWriter {
   std::string variable(int role, int component) const { return fmt::format("{}[{}]", name(role), place(role, component)); }
 
   std::string loop_head() const {
-    const char* line = "    for (int i = {}; i {} {}; i {} {}) {{\n";
-    const int last = segment_.slots() - segment_.width;
-    switch (paragraph_.direction) {
-      case Direction::inwards:
-        return fmt::format(fmt::runtime(line), in_parts() ? fmt::format("{} + lane", last) : std::to_string(last), ">=", 0,
-                           "-=", segment_.width);
-      case Direction::outwards:
-        return fmt::format(fmt::runtime(line), in_parts() ? "lane" : "0", "<", segment_.slots(), "+=", segment_.width);
-      default: return fmt::format(fmt::runtime(line), 0, "<", segment_.slots(), "+=", target_.width());
-    }
+    const bool inwards = loop_.direction == Direction::inwards;
+    const std::string begin = std::to_string(loop_.step(0) * loop_.width),
+                      each = loop_.by_steps() ? std::to_string(loop_.width) : target_.width();
+    return fmt::format("    for (int i = {}; i {}; i {}= {}) {{\n",
+                       !loop_.in_parts() ? begin
+                       : inwards         ? begin + " + lane"
+                                         : "lane",
+                       inwards ? ">= 0" : fmt::format("< {}", loop_.slots()), inwards ? '-' : '+', each);
   }
 
   PrintStyle style() const {
@@ -257,16 +257,16 @@ class ParagraphWriter {
   std::string carried_from_outside() const {
     std::string text, tables;
     std::vector<std::string> parents;  // slots to gather from
-    const std::string at_lane = in_parts() ? " + lane" : "";
+    const std::string at_lane = loop_.in_parts() ? " + lane" : "";
     for (const auto& [role, components] : carried_) {
       std::vector<std::string> values;
       for (const ir::Carried* c : components) {
-        if (paragraph_.direction == Direction::inwards) continue;
+        if (loop_.direction == Direction::inwards) continue;
         std::vector<std::string> numbers;
         for (const auto& x : c->initial) numbers.push_back(literal(x.value_or(0), code_.scene.scalar));
         const bool equal =
             std::all_of(numbers.begin(), numbers.end(), [&](const std::string& x) { return x == numbers.front(); });
-        if (c->known() && !equal && in_parts()) {
+        if (c->known() && !equal && loop_.in_parts()) {
           const std::string table = fmt::format("{}_{}_of_parent", name(role), values.size());
           tables += fmt::format("    static constexpr Scalar {}[] = {{{}}};\n", table, fmt::join(numbers, ", "));
           values.push_back(target_.load(table + at_lane));
@@ -303,7 +303,7 @@ class ParagraphWriter {
                place(h.role, run[to]->component) == first + (to - from))
           ++to;
         text += fmt::format("    dalembert::{}_lanes<{}>({}, {}, {} + {}, {});\n", h.first ? "set" : "add",
-                            fmt::format("{}, {}, {}", segment_.width, to - from, fmt::join(h.lanes, ", ")), all(h.role), first,
+                            fmt::format("{}, {}, {}", loop_.width, to - from, fmt::join(h.lanes, ", ")), all(h.role), first,
                             kept(code_, h.to.role, run[from]->to.component), slot_text(code_, h.to.body), stride(code_));
         from = to;
       }
@@ -315,6 +315,7 @@ class ParagraphWriter {
   const ir::Segment& segment_;
   const ir::SegmentCode& rolled_;
   const ir::Paragraph& paragraph_;
+  const ir::SlotLoop& loop_;
   const Target target_;
   std::map<int, std::vector<const ir::Carried*>> carried_;  // by role
 };

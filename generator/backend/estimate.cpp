@@ -121,24 +121,23 @@ void add_written(const std::vector<ir::LimbStep>& steps, int lanes, Features& f)
   of(f, Feature::waiting) += std::max(0.0, recurrence - (of(f, Feature::scalar) - before) / begun_in_a_cycle);
 }
 
-void add_paragraph(const CodeInput& code, size_t segment, const ir::Paragraph& p, int lanes, Features& f) {
-  const ir::Segment& s = code.plan.segments[segment];
+void add_paragraph(const ir::Paragraph& p, int lanes, Features& f) {
   const std::vector<ir::NodeId> roots = p.roots();
   std::vector<ir::NodeId> handed;
   for (const ir::Carried& c : p.carried) handed.push_back(c.node);
   const Work work(p.graph, roots, fused(lanes));
   const auto carried = [](const ir::Input& in) { return in.kind == ir::InputKind::carried; };
   // The first step's inputs, the last step's outputs: nothing else is there to be done.
-  const double ends = p.direction == ir::Direction::anywhere ? 0 : work.longest([](const ir::Input&) { return true; }, roots);
+  const double ends = p.loop.by_steps() ? work.longest([](const ir::Input&) { return true; }, roots) : 0;
   of(f, Feature::waiting) += ends;
   if (!p.written.empty()) return add_written(p.written, lanes, f);
-  const bool anywhere = p.direction == ir::Direction::anywhere;
-  const double each = anywhere ? 1 : registers(s.limbs(), lanes), steps = anywhere ? registers(s.slots(), lanes) : s.steps;
-  const double operations = each * (work.operations() + 4 * work.divisions() + static_cast<double>(p.stores.size()) / 2);
-  of(f, Feature::lanes) += steps * operations;
+  const double trips = p.loop.trips(lanes);
+  const double operations =
+      p.loop.side_by_side(lanes) * (work.operations() + 4 * work.divisions() + static_cast<double>(p.stores.size()) / 2);
+  of(f, Feature::lanes) += trips * operations;
   of(f, Feature::loops) += 1;
-  if (!anywhere)
-    of(f, Feature::waiting) += std::max(0.0, (steps - 1) * (work.longest(carried, handed) - operations / begun_in_a_cycle));
+  if (p.loop.by_steps())
+    of(f, Feature::waiting) += std::max(0.0, (trips - 1) * (work.longest(carried, handed) - operations / begun_in_a_cycle));
 }
 
 void add_elements(const CodeInput& code, size_t segment, int lanes, Features& f) {
@@ -219,7 +218,7 @@ void add_base(const CodeInput& code, int level, int lanes, Features& f) {
 void add_segment(const CodeInput& code, size_t segment, int level, int lanes, Features& f) {
   for (const ir::SegmentStage& stage : code.rolled.segments[segment].stages)
     for (const ir::Paragraph& p : stage.paragraphs)
-      if (stage.level == level) add_paragraph(code, segment, p, lanes, f);
+      if (stage.level == level) add_paragraph(p, lanes, f);
 }
 
 // What stands behind the sweeps, in either form.

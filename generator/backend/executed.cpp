@@ -16,8 +16,6 @@
 namespace dalembert::backend {
 namespace {
 
-int whole_registers(int count) { return (count + counted_lanes - 1) / counted_lanes * counted_lanes; }
-
 ir::Operations of(const ir::Graph& graph, const std::vector<ir::NodeId>& roots, long times = 1) {
   ir::Operations o = ir::count(graph, ir::uses(graph, roots));
   o.add *= times, o.multiply *= times, o.divide *= times;
@@ -25,22 +23,13 @@ ir::Operations of(const ir::Graph& graph, const std::vector<ir::NodeId>& roots, 
   return o;
 }
 
-ir::Operations paragraph(const CodeInput& code, size_t segment, const ir::Paragraph& p) {
-  if (!p.written.empty()) {
-    ir::Operations sum;
-    for (const ir::LimbStep& step : p.written) sum += of(step.graph, step.roots());
-    return sum;
-  }
-  const ir::Segment& s = code.plan.segments[segment];
-  return of(p.graph, p.roots(),
-            p.direction == ir::Direction::anywhere ? whole_registers(s.slots()) : s.steps * s.computed(counted_lanes));
-}
-
-// Sums over lanes, and what they are added to.
-long handed_on(const ir::Paragraph& p) {
-  long additions = 0;
-  for (const ir::HandedOn& h : p.handed) additions += static_cast<long>(h.lanes.size()) - (h.first ? 1 : 0);
-  return additions;
+ir::Operations paragraph(const ir::Paragraph& p) {
+  ir::Operations sum;
+  if (p.written.empty()) sum = of(p.graph, p.roots(), p.loop.computed(counted_lanes));
+  for (const ir::LimbStep& step : p.written) sum += of(step.graph, step.roots());
+  // Sums over lanes, and what they are added to.
+  for (const ir::HandedOn& h : p.handed) sum.add += static_cast<long>(h.lanes.size()) - (h.first ? 1 : 0);
+  return sum;
 }
 
 ir::Operations base(const ir::BaseStage& stage) { return of(stage.graph, stage.roots()); }
@@ -116,12 +105,9 @@ ir::Operations executed_operations(const CodeInput& code) {
   if (!code.is_rolled()) return sum += straight_operations(code);
   sum += prepare_operations(code);
   for (const ir::BaseStage& stage : code.rolled.base) sum += base(stage);
-  for (size_t s = 0; s < code.plan.segments.size(); ++s)
-    for (const ir::SegmentStage& stage : code.rolled.segments[s].stages)
-      for (const ir::Paragraph& p : stage.paragraphs) {
-        sum += paragraph(code, s, p);
-        sum.add += handed_on(p);
-      }
+  for (const ir::SegmentCode& segment : code.rolled.segments)
+    for (const ir::SegmentStage& stage : segment.stages)
+      for (const ir::Paragraph& p : stage.paragraphs) sum += paragraph(p);
   add_elements(code, sum);
   sum.add += driven_results(code) + static_cast<long>(code.rolled.added.size());
   return sum;

@@ -141,12 +141,12 @@ std::string text_of(const ir::Operations& o) {
   return fmt::format("{} multiply, {} add, {} sin/cos, {} divide", o.multiply, o.add, o.sincos, o.divide);
 }
 
-std::string paragraph_text(const ir::Segment& segment, int level, const ir::Paragraph& paragraph) {
+std::string paragraph_text(int level, const ir::Paragraph& paragraph) {
   constexpr const char* directions[] = {"outwards", "inwards", "anywhere"};
   const ir::Operations per_slot = ir::count(paragraph.graph, ir::uses(paragraph.graph, paragraph.roots()));
   return fmt::format("    level {}, {}: values stored: {}, carried: {}; slots: {}, each {}\n      {}\n", level,
-                     directions[static_cast<size_t>(paragraph.direction)], paragraph.stores.size(), paragraph.carried.size(),
-                     segment.slots(), text_of(per_slot), fmt::join(paragraph.equations, ". "));
+                     directions[static_cast<size_t>(paragraph.loop.direction)], paragraph.stores.size(),
+                     paragraph.carried.size(), paragraph.loop.slots(), text_of(per_slot), fmt::join(paragraph.equations, ". "));
 }
 
 std::string rolled_text(const ir::Algorithm& algorithm, const ir::Plan& plan, const ir::RolledProgram& rolled) {
@@ -156,7 +156,7 @@ std::string rolled_text(const ir::Algorithm& algorithm, const ir::Plan& plan, co
     const ir::SegmentCode& code = rolled.segments[s];
     text += fmt::format("segment {}: {} constants per slot\n", plan.segments[s].name, code.columns.size());
     for (const ir::SegmentStage& stage : code.stages)
-      for (const ir::Paragraph& paragraph : stage.paragraphs) text += paragraph_text(plan.segments[s], stage.level, paragraph);
+      for (const ir::Paragraph& paragraph : stage.paragraphs) text += paragraph_text(stage.level, paragraph);
   }
   for (const ir::Pairs& p : algorithm.pairs)
     text += fmt::format("{} between two branches: block products of the runtime, {}\n",

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <algorithm>
-#include <bit>
 #include <string>
 #include <vector>
 
@@ -24,21 +23,13 @@ struct Segment {
   int limbs() const {
     return static_cast<int>(std::count_if(bodies.begin(), bodies.end(), [](const auto& limb) { return limb.front() >= 0; }));
   }
-  // Lanes that recursions compute of one step where registers hold `lanes`: what is left over takes a smaller register.
-  int computed(int lanes) const {
-    const int whole = limbs() / lanes * lanes;
-    return whole + (whole < limbs() ? static_cast<int>(std::bit_ceil(static_cast<unsigned>(limbs() - whole))) : 0);
-  }
-  // … and tiles, whole registers of two lanes at least.
+  // Lanes that tiles compute of one step where registers hold `lanes`: whole registers of two at least.
   int computed_of_tiles(int lanes) const {
     const int some = std::max(2, std::min(width, lanes));
     return (limbs() + some - 1) / some * some;
   }
   int slots() const { return steps * width; }
   bool is_short() const { return slots() <= 4; }  // takes half of the eight slots to which segments are padded
-  // Whether loops over its slots take registers of four where there are wider ones. Recursions have left a limb's numbers one
-  // by one, or four at a time: what is wider waits until all of them have reached the cache.
-  bool by_fours() const { return width <= 4 && slots() <= (width == 1 ? 8 : 16); }
 };
 
 struct Plan {

@@ -1,5 +1,7 @@
 #include "ir/rolled.hpp"
 
+#include <bit>
+
 namespace dalembert::ir {
 namespace {
 
@@ -18,6 +20,12 @@ std::vector<NodeId> nodes_of(const Lists&... lists) {
 std::vector<NodeId> LimbStep::roots() const { return nodes_of(stores, carried); }
 std::vector<NodeId> Paragraph::roots() const { return nodes_of(stores, carried); }
 std::vector<NodeId> BaseStage::roots() const { return nodes_of(stores, elements); }
+
+int SlotLoop::computed(int register_lanes) const {
+  if (!by_steps()) return register_lanes * trips(register_lanes);
+  const int left = limbs % register_lanes;
+  return steps * (limbs - left + (left > 0 ? static_cast<int>(std::bit_ceil(static_cast<unsigned>(left))) : 0));
+}
 
 int RolledProgram::levels() const {
   int highest = 0;

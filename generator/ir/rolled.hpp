@@ -77,6 +77,33 @@ struct LimbStep {
   std::vector<NodeId> roots() const;  // all of them
 };
 
+// How a loop goes over the slots of its segment.
+struct SlotLoop {
+  enum class Lanes {
+    along,     // slots in any order, as many at a time as a register holds
+    by_fours,  // likewise, but four at most
+    all,       // step by step, all lanes of a step at a time
+    in_parts,  // step by step for as many limbs as share a register, and again for the next
+  };
+  Direction direction = Direction::anywhere;
+  Lanes lanes = Lanes::along;
+  int first_slot = 0, steps = 0, width = 1, limbs = 1;  // as of ir::Segment
+
+  bool by_steps() const { return lanes == Lanes::all || lanes == Lanes::in_parts; }
+  bool in_parts() const { return lanes == Lanes::in_parts; }
+  int slots() const { return steps * width; }
+  // The step that is taken as number i.
+  int step(int i) const { return direction == Direction::inwards ? steps - 1 - i : i; }
+  // Where registers hold so many numbers: how many steps or registers come one after another, and registers of each step.
+  int trips(int register_lanes) const { return by_steps() ? steps : registers(slots(), register_lanes); }
+  int side_by_side(int register_lanes) const { return by_steps() ? registers(limbs, register_lanes) : 1; }
+  // Numbers that are computed of each value; of what is left over of a step in a smaller register.
+  int computed(int register_lanes) const;
+
+ private:
+  static int registers(int count, int lanes) { return (count + lanes - 1) / lanes; }
+};
+
 // What the loop hands on to a body: summed over the lanes that hang on it.
 struct HandedOn {
   int role = 0, component = 0;  // carried
@@ -88,7 +115,7 @@ struct HandedOn {
 // Some sweeps on the bodies of one segment. Inputs, once roles have their places: `carried`, `table`, `kept`.
 struct Paragraph {
   std::vector<std::string> equations;
-  Direction direction = Direction::anywhere;
+  SlotLoop loop;
   Graph graph;
   std::vector<Store> stores;  // to this slot
   std::vector<Carried> carried;

@@ -80,7 +80,7 @@ class Placing {
           }
           for (const ir::Carried& c : p.carried) {
             roots.push_back(c.node);
-            if (p.direction == ir::Direction::outwards && !c.known()) note_read(c.role, c.component, stage.level);
+            if (p.loop.direction == ir::Direction::outwards && !c.known()) note_read(c.role, c.component, stage.level);
           }
           each_input(p.graph, roots, [&](const ir::Input& in) {
             if (in.kind == InputKind::state || in.kind == InputKind::of_body) note_read(in.index, in.component, stage.level);
@@ -283,7 +283,7 @@ class Placing {
         for (ir::Paragraph& p : stage.paragraphs) {
           say_addresses(p.graph, ir::Address::own);
           for (ir::Carried& c : p.carried)
-            if (p.direction == ir::Direction::outwards && !c.known()) c.from = parents(state_.plan.segments[s], c);
+            if (p.loop.direction == ir::Direction::outwards && !c.known()) c.from = parents(state_.plan.segments[s], c);
         }
     for (ir::BaseStage& stage : program_.base) say_addresses(stage.graph, -1);
   }

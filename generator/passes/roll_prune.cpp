@@ -89,7 +89,7 @@ class Pruning {
     const RoleComponent value{c.role, c.component};
     if (live.contains(value)) return true;
     const ir::Segment& s = state_.plan.segments[segment];
-    if (p.direction != Direction::inwards) return false;
+    if (p.loop.direction != Direction::inwards) return false;
     for (std::size_t lane = 0; lane < s.parents.size(); ++lane)
       if (s.bodies[lane].front() >= 0 && wanted_by(s.parents[lane], value)) return true;
     return false;
@@ -115,7 +115,7 @@ class Pruning {
         read_of_body(in);
       });
     }
-    if (p.direction == Direction::outwards)
+    if (p.loop.direction == Direction::outwards)
       for (const ir::Carried& c : p.carried) {
         if (!live.contains({c.role, c.component})) continue;
         if (c.known()) continue;
@@ -165,7 +165,7 @@ class Pruning {
       const ir::Segment& segment = state_.plan.segments[s];
       for (ir::SegmentStage& stage : state_.program.segments[s].stages)
         for (Paragraph& p : stage.paragraphs) {
-          if (p.direction != Direction::inwards) continue;
+          if (p.loop.direction != Direction::inwards) continue;
           for (const ir::Carried& c : p.carried) {
             std::map<int, std::vector<int>> lanes_of;  // by parent
             for (std::size_t lane = 0; lane < segment.parents.size(); ++lane)

@@ -187,6 +187,17 @@ class SegmentRoll {
     }
   }
 
+  ir::SlotLoop loop_of(Direction direction) const {
+    using Lanes = ir::SlotLoop::Lanes;
+    // Recursions have left a short limb's numbers one by one, or four at a time: what reads more of them waits until all have
+    // reached the cache.
+    const bool short_limbs = segment_.width <= 4 && segment_.slots() <= (segment_.width == 1 ? 8 : 16);
+    const Lanes lanes = direction == Direction::anywhere ? (short_limbs ? Lanes::by_fours : Lanes::along)
+                        : segment_.width > 2             ? Lanes::in_parts  // two share any register
+                                                         : Lanes::all;
+    return {direction, lanes, segment_.first_slot, segment_.steps, segment_.width, segment_.limbs()};
+  }
+
   // Whether limbs hand the value on to bodies of this segment, to a place of its own.
   bool receives(const RoleComponent& value) const {
     if (state_.adds_to_own(static_cast<int>(number_), value)) return false;
@@ -199,7 +210,7 @@ class SegmentRoll {
   void write(const Group& group) {
     if (code_.stages.empty() || code_.stages.back().level != group.level) code_.stages.push_back({group.level, {}});
     auto& paragraphs = code_.stages.back().paragraphs;
-    paragraphs.push_back({{}, group.direction, ir::Graph(state_.options), {}, {}});
+    paragraphs.push_back({{}, loop_of(group.direction), ir::Graph(state_.options), {}, {}});
     paragraph_ = &paragraphs.back();
     made_.clear();
     for (const RollStep& step : group.steps) {

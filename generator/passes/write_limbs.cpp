@@ -28,7 +28,7 @@ class LimbWriter {
 
   std::vector<LimbStep> run() const {
     std::vector<LimbStep> steps;
-    const bool inwards = paragraph_.direction == Direction::inwards;
+    const bool inwards = paragraph_.loop.direction == Direction::inwards;
     Handed handed;
     for (const Carried& c : paragraph_.carried)
       handed[{c.role, c.component}] = inwards ? std::optional<double>(0) : c.initial.front();
@@ -105,12 +105,11 @@ class LimbWriter {
 void write_limbs(const ir::Plan& plan, ir::RolledProgram& program) {
   if (!plan.write_limbs) return;
   for (std::size_t i = 0; i < plan.segments.size(); ++i) {
-    const ir::Segment& segment = plan.segments[i];
-    if (segment.width != 1 || segment.steps > most_steps) continue;
     ir::SegmentCode& code = program.segments[i];
     for (ir::SegmentStage& stage : code.stages)
       for (ir::Paragraph& p : stage.paragraphs)
-        if (p.direction != Direction::anywhere) p.written = LimbWriter(segment, code, p).run();
+        if (p.loop.by_steps() && p.loop.width == 1 && p.loop.steps <= most_steps)
+          p.written = LimbWriter(plan.segments[i], code, p).run();
   }
 }
 

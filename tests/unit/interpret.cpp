@@ -144,31 +144,30 @@ class RolledRun {
   }
 
   void segment(int number, int level) {
-    const Segment& s = plan_.segments[static_cast<std::size_t>(number)];
     const SegmentCode& code = program_.segments[static_cast<std::size_t>(number)];
     for (const SegmentStage& stage : code.stages)
       for (const Paragraph& p : stage.paragraphs) {
         if (stage.level != level) continue;
         OfLanes carried;
+        const SlotLoop& loop = p.loop;
         for (const Carried& c : p.carried)
-          for (int lane = 0; lane < s.width; ++lane) {
+          for (int lane = 0; lane < loop.width; ++lane) {
             const auto at = static_cast<std::size_t>(lane);
-            const double start = p.direction == Direction::inwards ? 0
-                                 : c.known()                       ? *c.initial[at]
-                                                                   : kept(c.from.size() == 1 ? c.from.front() : c.from[at]);
+            const double start = loop.direction == Direction::inwards ? 0
+                                 : c.known()                          ? *c.initial[at]
+                                                                      : kept(c.from.size() == 1 ? c.from.front() : c.from[at]);
             carried[{c.role, c.component}].push_back(start);
           }
         for (const LimbStep& step : p.written) take(step, carried);
-        for (int i = 0; i < s.steps && p.written.empty(); ++i) {
-          const int step = p.direction == Direction::inwards ? s.steps - 1 - i : i;
+        for (int i = 0; i < loop.steps && p.written.empty(); ++i) {
+          const int first = loop.step(i) * loop.width;  // of the segment's slots
           std::vector<std::vector<double>> values;
-          for (int lane = 0; lane < s.width; ++lane) {
-            const int here = s.first_slot + step * s.width + lane;
+          for (int lane = 0; lane < loop.width; ++lane) {
+            const int here = loop.first_slot + first + lane;
             values.push_back(interpret<double>(p.graph, [&](const Input& in) {
               switch (in.kind) {
                 case InputKind::table:
-                  return code.columns[static_cast<std::size_t>(in.index)]
-                      .values[static_cast<std::size_t>(step * s.width + lane)];
+                  return code.columns[static_cast<std::size_t>(in.index)].values[static_cast<std::size_t>(first + lane)];
                 case InputKind::kept: return kept(address(in), here);
                 case InputKind::carried: {
                   const auto at = carried.find({in.index, in.component});
@@ -178,10 +177,10 @@ class RolledRun {
               }
             }));
           }
-          for (int lane = 0; lane < s.width; ++lane) {
+          for (int lane = 0; lane < loop.width; ++lane) {
             const auto at = static_cast<std::size_t>(lane);
             for (const auto& [to, node] : p.stores)
-              kept(to, s.first_slot + step * s.width + lane) = values[at][static_cast<std::size_t>(node)];
+              kept(to, loop.first_slot + first + lane) = values[at][static_cast<std::size_t>(node)];
             for (const Carried& c : p.carried)
               carried[{c.role, c.component}][at] = values[at][static_cast<std::size_t>(c.node)];
           }

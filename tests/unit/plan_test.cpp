@@ -65,13 +65,10 @@ TEST(Plan, LaysUnlikeLimbsSideBySideWhereRegistersHaveRoom) {
   EXPECT_EQ(limbs_side_by_side(star({13, 2})), (std::vector{1, 1})) << "and none joins a long limb";
 }
 
-TEST(Plan, ComputesNoMoreLanesThanLimbsNeed) {
+TEST(Plan, HasTilesOfWholeRegisters) {
   const ir::Plan plan = passes::plan(star(5, 2), {}, ir::Form::rolled, {});
   const ir::Segment& s = plan.segments.front();
   EXPECT_EQ(s.limbs(), 5);
-  EXPECT_EQ(s.computed(8), 8);
-  EXPECT_EQ(s.computed(4), 5);
-  EXPECT_EQ(s.computed(2), 5);
   EXPECT_EQ(s.computed_of_tiles(4), 8);
   EXPECT_EQ(s.computed_of_tiles(2), 6);
 }

@@ -89,5 +89,38 @@ TEST(Rolled, SaysWhereAllStandsThatIsReadAndStored) {
     }
 }
 
+using Lanes = ir::SlotLoop::Lanes;
+
+TEST(Rolled, SaysHowLoopsGo) {
+  for (const char* name : {"chain_7", "hexapod", "two_levels_of_branching", "unequal_limbs"}) {
+    SCOPED_TRACE(name);
+    const Lowered lowered = rolled(name, false);
+    for (const LoweredSection* section : lowered.all_sections())
+      for (size_t s = 0; s < section->plan.segments.size(); ++s)
+        for (const ir::SegmentStage& stage : section->rolled.segments[s].stages)
+          for (const ir::Paragraph& p : stage.paragraphs) {
+            const ir::Segment& segment = section->plan.segments[s];
+            EXPECT_EQ(p.loop.slots(), segment.slots());
+            EXPECT_EQ(p.loop.limbs, segment.limbs());
+            EXPECT_EQ(p.loop.by_steps(), p.loop.direction != ir::Direction::anywhere);
+            EXPECT_EQ(p.loop.in_parts(), p.loop.by_steps() && segment.limbs() > 2) << "two share any register";
+            EXPECT_EQ(p.loop.step(0), p.loop.direction == ir::Direction::inwards ? segment.steps - 1 : 0);
+          }
+  }
+}
+
+TEST(Rolled, ComputesNoMoreLanesThanLimbsNeed) {
+  const ir::SlotLoop five{ir::Direction::outwards, Lanes::in_parts, 0, 2, 8, 5};
+  EXPECT_EQ(five.computed(8), 2 * 8);
+  EXPECT_EQ(five.computed(4), 2 * 5);
+  EXPECT_EQ(five.computed(2), 2 * 5);
+  EXPECT_EQ(five.trips(4), 2);
+  EXPECT_EQ(five.side_by_side(4), 2);
+  const ir::SlotLoop along{ir::Direction::anywhere, Lanes::along, 0, 9, 1, 1};
+  EXPECT_EQ(along.computed(4), 12);
+  EXPECT_EQ(along.trips(4), 3);
+  EXPECT_EQ(along.side_by_side(4), 1);
+}
+
 }  // namespace
 }  // namespace dalembert
