@@ -6,8 +6,6 @@
 #include <algorithm>
 #include <functional>
 #include <optional>
-#include <set>
-#include <tuple>
 
 #include "backend/code_text.hpp"
 #include "backend/emit_driven.hpp"
@@ -84,19 +82,6 @@ struct PivotRoles {
   bool has(int role) const { return role == pivot || role == diagonal || role == gain || role == linear || role == angular; }
 };
 
-// Bodies, own or driven, whose coordinate a result has.
-std::vector<int> bodies_of(const CodeInput& code, const ir::Result& r) {
-  std::vector<int> bodies;
-  const std::vector<int> coordinates = code.tree.coordinates();
-  const ir::OutputArray& array = code.algorithm.arrays[static_cast<size_t>(r.array)];
-  for (int k = 0; k < code.tree.joints(); ++k) {
-    const int at = base_rows(code) + coordinates[static_cast<size_t>(k)];
-    if ((r.layout == ir::Layout::columns ? array.column(at) : array.row(at)) < 0) continue;
-    if (r.over.contains(code.tree, k)) bodies.push_back(k);
-  }
-  return bodies;
-}
-
 // The roles of the pivots, of M's diagonal and of V and J, where nothing reads their arrays but the check whether M can be
 // solved with and rows that go up limbs: these read them where limbs leave them.
 std::optional<PivotRoles> pivots_in_slots(const CodeInput& code) {
@@ -133,48 +118,28 @@ std::optional<AxesRoles> axes_in_slots(const CodeInput& code) {
   return roles;
 }
 
-// Whether it has every joint's number in its place.
-bool of_all_joints(const CodeInput& code, const ir::Result& r) {
-  return r.over.is_all() && !has_driven(code) && !code.tree.within &&
-         !code.algorithm.arrays[static_cast<size_t>(r.array)].is_part();
-}
-
 // Roles of joints that are results: copied to their rows or columns, a driven joint's added to its driver's.
 std::string joint_results(const CodeInput& code) {
-  const std::vector<int> coordinates = code.tree.coordinates();
   const std::optional<PivotRoles> in_slots = pivots_in_slots(code);
   const std::optional<AxesRoles> axes = axes_in_slots(code);
   std::string text;
   std::vector<std::string> of_all;
-  // A coordinate may have a part of two results: of a loop's two links, where one follows a joint above the other.
-  std::set<std::tuple<int, int, int>> set;
-  for (size_t n = 0; n < code.algorithm.results.size(); ++n) {
-    const ir::Result& r = code.algorithm.results[n];
-    if (r.layout == ir::Layout::base || !is_kept(code, r.role)) continue;
+  for (const ir::JointResult& joints : code.rolled.results) {
+    const ir::Result& r = code.algorithm.results[static_cast<size_t>(joints.result)];
     if ((in_slots && in_slots->has(r.role)) || (axes && axes->array == r.array)) continue;
     const ir::OutputArray& array = code.algorithm.arrays[static_cast<size_t>(r.array)];
-    const int components = code.rolled.roles[static_cast<size_t>(r.role)].components();
-    const bool columns = r.layout == ir::Layout::columns;
-    const int step = columns ? array.rows : 1;
-    const bool all = of_all_joints(code, r);
-    const auto to = [&](const std::string& row, int component) {
-      return fmt::format("workspace.{}[{}]", array.name,
-                         step == 1 ? row : fmt::format("{} * ({}) + {}", step, row, r.from + component));
-    };
-    if (all) {
-      for (int i = 0; i < components; ++i)
-        of_all.push_back(
-            fmt::format("{} = {}[joint_slot[k]];\n", to(fmt::format("{} + k", base_rows(code)), i), kept(code, r.role, i)));
+    if (!joints.whole) {
+      for (const auto& [at, from, first] : joints.elements)
+        text += fmt::format("  workspace.{}[{}] {} {};\n", array.name, at, first ? "=" : "+=", number(code, from));
       continue;
     }
-    for (int k : bodies_of(code, r)) {
-      const int of_whole = base_rows(code) + coordinates[static_cast<size_t>(k)],
-                row = columns ? array.column(of_whole) : array.row(of_whole);
-      const bool first = set.insert({r.array, row, columns ? r.from : 0}).second;
-      for (int i = 0; i < components; ++i)
-        text += fmt::format("  workspace.{}[{}] {} {}[{}];\n", array.name, columns ? step * row + r.from + i : row,
-                            first ? "=" : "+=", kept(code, r.role, i), slot_of(code, k));
-    }
+    const int components = code.rolled.roles[static_cast<size_t>(r.role)].components(),
+              step = r.layout == ir::Layout::columns ? array.rows : 1;
+    const std::string row = fmt::format("{} + k", base_rows(code));
+    for (int i = 0; i < components; ++i)
+      of_all.push_back(fmt::format("workspace.{}[{}] = {}[joint_slot[k]];\n", array.name,
+                                   step == 1 ? row : fmt::format("{} * ({}) + {}", step, row, r.from + i),
+                                   kept(code, r.role, i)));
   }
   if (of_all.empty()) return text;
   const std::string loop = fmt::format("  for (int k = 0; k < {}; ++k) ", code.tree.joints());
@@ -183,10 +148,8 @@ std::string joint_results(const CodeInput& code) {
 }
 
 bool joint_loops(const CodeInput& code) {
-  return !has_driven(code) &&
-         std::any_of(code.algorithm.results.begin(), code.algorithm.results.end(), [&](const ir::Result& r) {
-           return r.layout != ir::Layout::base && of_all_joints(code, r) && is_kept(code, r.role);
-         });
+  return std::any_of(code.rolled.results.begin(), code.rolled.results.end(),
+                     [](const ir::JointResult& joints) { return joints.whole; });
 }
 
 // Behind the base's own pivots, where it floats: there one operation waits for another, and there is time.

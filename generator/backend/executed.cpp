@@ -10,7 +10,6 @@
 #include "backend/emit_projections.hpp"
 #include "backend/emit_rolled.hpp"
 #include "backend/emit_straight.hpp"
-#include "backend/kept.hpp"
 #include "ir/embedding_cost.hpp"
 
 namespace dalembert::backend {
@@ -61,25 +60,13 @@ void add_projections(const CodeInput& code, ir::Operations& sum) {
   }
 }
 
-// Whether the result's array has the row or column of a body's coordinate.
-bool array_has(const CodeInput& code, const ir::Result& r, int body, const std::vector<int>& coordinates) {
-  const ir::OutputArray& array = code.algorithm.arrays[static_cast<size_t>(r.array)];
-  const int at = base_rows(code) + coordinates[static_cast<size_t>(body)];
-  return (r.layout == ir::Layout::columns ? array.column(at) : array.row(at)) >= 0;
-}
-
-// Of driven joints' results, added to their drivers': all but the first of each row.
-long driven_results(const CodeInput& code) {
-  if (!has_driven(code)) return 0;
-  const std::vector<int> coordinates = code.tree.coordinates();
-  long additions = driven_additions(code);
-  for (const ir::Result& r : code.algorithm.results) {
-    if (r.layout == ir::Layout::base || !is_kept(code, r.role)) continue;
-    std::set<int> rows;
-    for (int k = 0; k < code.tree.joints(); ++k)
-      if (array_has(code, r, k, coordinates) && r.over.contains(code.tree, k) &&
-          !rows.insert(coordinates[static_cast<size_t>(k)]).second)
-        additions += code.rolled.roles[static_cast<size_t>(r.role)].components();
+// Of joints' results: driven joints' are added to their drivers'.
+long added_results(const CodeInput& code) {
+  long additions = driven_additions(code) + static_cast<long>(code.rolled.added.size());
+  for (const ir::JointResult& joints : code.rolled.results) {
+    std::set<int> elements;
+    for (const auto& e : joints.elements) elements.insert(e.at);
+    additions += static_cast<long>(joints.elements.size() - elements.size());
   }
   return additions;
 }
@@ -109,7 +96,7 @@ ir::Operations executed_operations(const CodeInput& code) {
     for (const ir::SegmentStage& stage : segment.stages)
       for (const ir::Paragraph& p : stage.paragraphs) sum += paragraph(p);
   add_elements(code, sum);
-  sum.add += driven_results(code) + static_cast<long>(code.rolled.added.size());
+  sum.add += added_results(code);
   return sum;
 }
 

@@ -158,6 +158,18 @@ struct RolledPairs {
   int rows = -1;     // role, six components: elements (k, 0…5)
 };
 
+// A role of joints that is a result: which elements are which joints' numbers.
+struct JointResult {
+  struct Element {
+    int at = 0;  // in the array, column by column
+    Address from;
+    bool first = false;  // the first to come: others are added to it, as of joints that follow one
+  };
+  int result = 0;      // of the algorithm
+  bool whole = false;  // every joint's number in its place: a loop over joints
+  std::vector<Element> elements;
+};
+
 // A constant added to an element: armature; or that much of a body's role.
 struct AddedConstant {
   int array = 0, row = 0, column = 0;
@@ -172,6 +184,7 @@ struct RolledProgram {
   std::vector<SegmentCode> segments;  // parallel to Plan::segments
   std::vector<BaseStage> base;
   std::vector<RolledPairs> pairs;  // parallel to Algorithm::pairs
+  std::vector<JointResult> results;
   std::vector<AddedConstant> added;
   std::map<std::tuple<int, int, int>, double> base_coordinates;  // role, component, coordinate: what projections read of them
 

@@ -267,17 +267,11 @@ class RolledRun {
         for (int j = 0; j < tree_.base_coordinates(); ++j)
           project(j, [&](const Input& in) { return program_.base_coordinates.at({in.index, in.component, j}); });
       }
-    for (const Result& r : algorithm_.results)
-      for (int k = 0; k < tree_.joints() && r.layout != Layout::base; ++k)
-        for (int i = 0; i < program_.roles[static_cast<std::size_t>(r.role)].components(); ++i) {
-          if (!r.over.contains(tree_, k)) continue;
-          const OutputArray& array = algorithm_.arrays[static_cast<std::size_t>(r.array)];
-          Eigen::MatrixXd& m = arrays_[array.name];
-          const int at = r.layout == Layout::columns ? array.column(row(k)) : array.row(row(k));
-          if (at < 0) continue;
-          if (r.layout == Layout::columns) m(r.from + i, at) += kept(r.role, i, slot(k));
-          else m(at, 0) += kept(r.role, i, slot(k));
-        }
+    for (const JointResult& joints : program_.results) {
+      const int array = algorithm_.results[static_cast<std::size_t>(joints.result)].array;
+      double* const to = arrays_[algorithm_.arrays[static_cast<std::size_t>(array)].name].data();
+      for (const auto& [at, from, first] : joints.elements) to[at] = (first ? 0 : to[at]) + kept(from);
+    }
   }
 
   const Algorithm& algorithm_;

@@ -11,8 +11,7 @@
 namespace dalembert {
 namespace {
 
-Lowered rolled(const char* name, bool write_limbs) {
-  ir::Scene scene;
+Lowered rolled(const char* name, bool write_limbs, ir::Scene scene = {}) {
   scene.outputs = {ir::Quantity::mass_matrix, ir::Quantity::coriolis_matrix, ir::Quantity::forward_dynamics,
                    ir::Quantity::forward_dynamics_dq};
   const ir::RobotDescription description = robot(name);
@@ -87,6 +86,32 @@ TEST(Rolled, SaysWhereAllStandsThatIsReadAndStored) {
             for (const ir::Paragraph& p : stage.paragraphs) addresses.expect(section->plan.segments[s], p);
       }
     }
+}
+
+TEST(Rolled, SaysWhichElementsAreWhichJoints) {
+  ir::Scene follows;
+  follows.mimic["link_03_joint"] = {"link_05_joint", 2, 0};
+  for (const bool mimic : {false, true}) {
+    const Lowered lowered = rolled("chain_7", true, mimic ? follows : ir::Scene{});
+    size_t results = 0;
+    for (const LoweredSection* section : lowered.all_sections())
+      for (const ir::JointResult& joints : section->rolled.results) {
+        const ir::Result& r = section->algorithm.results[static_cast<size_t>(joints.result)];
+        const ir::OutputArray& array = section->algorithm.arrays[static_cast<size_t>(r.array)];
+        const size_t components = static_cast<size_t>(section->rolled.roles[static_cast<size_t>(r.role)].components());
+        EXPECT_EQ(joints.elements.size(), 7 * components) << array.name;
+        EXPECT_EQ(joints.whole, !mimic) << array.name;
+        std::set<int> set;
+        for (const auto& [at, from, first] : joints.elements) {
+          EXPECT_LT(at, array.rows * array.columns);
+          EXPECT_EQ(set.insert(at).second, first) << "what comes behind the first is added to it";
+          Addresses(*section).expect(from, false);
+        }
+        EXPECT_EQ(set.size(), (mimic ? 6 : 7) * components);
+        ++results;
+      }
+    EXPECT_GT(results, 0u);
+  }
 }
 
 using Lanes = ir::SlotLoop::Lanes;
