@@ -22,10 +22,33 @@ int role_of(const CodeInput& code, Source source, bool held) {
   return -1;
 }
 
-struct Joints {
-  std::vector<int> turning, sliding;
-  bool quaternions = false;  // some joints' positions are not one number each
-  explicit Joints(const CodeInput& code) {
+// A kept role that is a joint's number of one of the function's vectors.
+struct Gathered {
+  int role;
+  std::string vector;
+  int first;  // the joints' numbers in it begin there
+};
+std::vector<Gathered> gathered(const CodeInput& code) {
+  std::vector<Gathered> all;
+  const std::vector<std::string> vectors = vectors_of(code);
+  const auto add = [&](Source source, const std::string& vector, int first) {
+    if (const int role = role_of(code, source, false); role >= 0) all.push_back({role, vector, first});
+  };
+  add(Source::position, vectors[0], base_positions(code));
+  add(Source::rate, vectors[1], base_rows(code));
+  for (const Source source : {Source::acceleration, Source::effort}) add(source, vectors.back(), base_rows(code));
+  return all;
+}
+
+// What is to be prepared: statements, tables and counts follow from this.
+struct Prepared {
+  std::vector<int> turning, sliding;  // joints
+  bool quaternions = false;           // some joints' positions are not one number each
+  bool plain = false;                 // all joints turn, and each by a coordinate of its own
+  int sine[2], cosine[2], slide[2];   // roles of the joints as they are, and held; −1: none, or no joint has it
+  std::vector<Gathered> gathered;
+
+  explicit Prepared(const CodeInput& code) : gathered(backend::gathered(code)) {
     for (int k = 0; k < code.tree.joints(); ++k) {
       const ir::Body& joint = code.tree.bodies[static_cast<size_t>(k)];
       quaternions = quaternions || joint.of_quaternion();
@@ -33,18 +56,20 @@ struct Joints {
       if (joint.turns()) turning.push_back(k);
       if (joint.slides()) sliding.push_back(k);
     }
+    plain = sliding.empty() && !quaternions && !has_driven(code);
+    for (const bool held : {false, true}) {
+      sine[held] = turning.empty() ? -1 : role_of(code, Source::sine, held);
+      cosine[held] = turning.empty() ? -1 : role_of(code, Source::cosine, held);
+      slide[held] = sliding.empty() ? -1 : role_of(code, Source::slide, held);
+    }
   }
+
+  bool sines(bool held) const { return sine[held] >= 0; }  // a sine comes with its cosine
+  bool any_sines() const { return sines(false) || sines(true); }
+  bool any_slides() const { return slide[false] >= 0 || slide[true] >= 0; }
+  bool angles() const { return any_sines() && !plain; }
+  bool spreads() const { return !gathered.empty(); }
 };
-
-bool sines(const CodeInput& code, bool held) {
-  return role_of(code, Source::sine, held) >= 0 || role_of(code, Source::cosine, held) >= 0;
-}
-
-// All joints turn, and each by a coordinate of its own.
-bool plain(const CodeInput& code) {
-  const Joints joints(code);
-  return joints.sliding.empty() && !joints.quaternions && !has_driven(code);
-}
 
 // The coordinate of every slot's joint, as a number of q or of v; where a lane has no body left, its last joint's.
 std::vector<int> coordinates_of_slots(const CodeInput& code, bool of_q) {
@@ -61,9 +86,6 @@ std::vector<int> coordinates_of_slots(const CodeInput& code, bool of_q) {
     }
   return of;
 }
-
-// Whether what is gathered of every slot's joint are numbers of q alone, which in a part of a robot are others than those of v.
-bool of_q_alone(const CodeInput& code) { return !prepare_spreads(code); }
 
 // The first slots of all fours in which limbs stand.
 std::vector<int> fours(const CodeInput& code) {
@@ -110,13 +132,12 @@ std::string spread(const CodeInput& code, const std::string& array, const std::s
                      array, kind, base_positions(code), text);
 }
 
-std::string at_rest(const CodeInput& code, int sine, int cosine) {
+std::string at_rest(const CodeInput& code, const Prepared& p) {
   std::string text;
-  for (int k = 0; k < code.tree.joints(); ++k) {
-    if (!code.tree.carries_reference(static_cast<size_t>(k))) continue;
-    if (sine >= 0) text += fmt::format("  {}[{}] = 0;\n", kept(code, sine, 0), slot_of(code, k));
-    if (cosine >= 0) text += fmt::format("  {}[{}] = 1;\n", kept(code, cosine, 0), slot_of(code, k));
-  }
+  for (int k = 0; k < code.tree.joints(); ++k)
+    if (code.tree.carries_reference(static_cast<size_t>(k)))
+      text += fmt::format("  {0}[{2}] = 0;\n  {1}[{2}] = 1;\n", kept(code, p.sine[true], 0), kept(code, p.cosine[true], 0),
+                          slot_of(code, k));
   return text;
 }
 
@@ -128,14 +149,11 @@ std::string slots_text(const CodeInput& code) {
   return fmt::format("{}, {}{}", code.plan.slots, fours(code).size(), by_fours ? ", 4" : "");
 }
 
-std::string sines_text(const CodeInput& code, bool held) {
-  const Joints joints(code);
-  if (joints.turning.empty()) return "";
-  const int sine = role_of(code, Source::sine, held), cosine = role_of(code, Source::cosine, held);
-  const std::string s = kept(code, sine, 0), c = kept(code, cosine, 0);
-  if (!plain(code))
+std::string sines_text(const CodeInput& code, const Prepared& p, bool held) {
+  const std::string s = kept(code, p.sine[held], 0), c = kept(code, p.cosine[held], 0);
+  if (!p.plain)
     return "  // Sines and cosines of all angles together; slots without a turning joint stay at zero.\n" +
-           spread(code, "scratch.angle[0]", "turning", joints.turning, held) +
+           spread(code, "scratch.angle[0]", "turning", p.turning, held) +
            fmt::format("  dalembert::sincos_of_slots<{}>(scratch.angle[0], first_of_four, {}, {});\n", slots_text(code), s, c);
   return fmt::format(
       "  // Sines and cosines of all angles together.\n"
@@ -143,71 +161,47 @@ std::string sines_text(const CodeInput& code, bool held) {
       slots_text(code), base_positions(code), s, c);
 }
 
-// A kept role that is a joint's number of one of the function's vectors.
-struct Gathered {
-  int role;
-  std::string vector;
-  int first;  // the joints' numbers in it begin there
-};
-std::vector<Gathered> gathered(const CodeInput& code) {
-  std::vector<Gathered> all;
-  const std::vector<std::string> vectors = vectors_of(code);
-  const auto add = [&](Source source, const std::string& vector, int first) {
-    if (const int role = role_of(code, source, false); role >= 0) all.push_back({role, vector, first});
-  };
-  add(Source::position, vectors[0], base_positions(code));
-  add(Source::rate, vectors[1], base_rows(code));
-  for (const Source source : {Source::acceleration, Source::effort}) add(source, vectors.back(), base_rows(code));
-  return all;
-}
-
 }  // namespace
 
-bool needs_angles(const CodeInput& code) {
-  return !plain(code) && !Joints(code).turning.empty() && (sines(code, false) || sines(code, true));
-}
+bool needs_angles(const CodeInput& code) { return Prepared(code).angles(); }
 
 bool prepare_reads_q(const CodeInput& code) {
-  const Joints joints(code);
-  const bool slides = role_of(code, Source::slide, false) >= 0 || role_of(code, Source::slide, true) >= 0;
-  return (!joints.turning.empty() && (sines(code, false) || sines(code, true))) || (!joints.sliding.empty() && slides);
+  const Prepared p(code);
+  return p.any_sines() || p.any_slides();
 }
 
-bool prepare_spreads(const CodeInput& code) { return !gathered(code).empty(); }
+bool prepare_spreads(const CodeInput& code) { return Prepared(code).spreads(); }
 
 std::string prepare_statements(const CodeInput& code) {
-  const Joints joints(code);
+  const Prepared p(code);
   std::string text;
-  const bool own = sines(code, false), held = sines(code, true);
-  if (own) text += sines_text(code, false);
-  if (held) {
-    const int sine = role_of(code, Source::sine, true), cosine = role_of(code, Source::cosine, true);
-    if (own) {
-      text += fmt::format(
-          "  // The joints that carry the frame of reference stand at zero in Phase I: nothing made of poses depends on them.\n"
-          "  for (int i = 0; i < {}; ++i) {{\n    {}[i] = {}[i];\n    {}[i] = {}[i];\n  }}\n",
-          code.plan.slots, kept(code, sine, 0), kept(code, role_of(code, Source::sine, false), 0), kept(code, cosine, 0),
-          kept(code, role_of(code, Source::cosine, false), 0));
-    } else {
-      text += sines_text(code, true);
-    }
-    text += at_rest(code, sine, cosine);
+  if (p.sines(false)) text += sines_text(code, p, false);
+  if (p.sines(true)) {
+    text +=
+        p.sines(false)
+            ? fmt::format(
+                  "  // The joints that carry the frame of reference stand at zero in Phase I: nothing made of poses depends "
+                  "on them.\n"
+                  "  for (int i = 0; i < {}; ++i) {{\n    {}[i] = {}[i];\n    {}[i] = {}[i];\n  }}\n",
+                  code.plan.slots, kept(code, p.sine[true], 0), kept(code, p.sine[false], 0), kept(code, p.cosine[true], 0),
+                  kept(code, p.cosine[false], 0))
+            : sines_text(code, p, true);
+    text += at_rest(code, p);
   }
-  for (const bool rest : {false, true})
-    if (const int slide = role_of(code, Source::slide, rest); slide >= 0 && !joints.sliding.empty())
-      text += spread(code, kept(code, slide, 0), "sliding", joints.sliding, rest);
-  for (const Gathered& g : gathered(code))
+  for (const bool held : {false, true})
+    if (p.slide[held] >= 0) text += spread(code, kept(code, p.slide[held], 0), "sliding", p.sliding, held);
+  for (const Gathered& g : p.gathered)
     text += fmt::format(
         "  for (const int i : first_of_four) dalembert::store<4, Scalar>({} + i, dalembert::gather<4>({} + {}, {} + "
         "i));\n",
         kept(code, g.role, 0), g.vector, g.first,
-        joints.quaternions && code.rolled.roles[static_cast<size_t>(g.role)].source == Source::position ? "slot_position"
-                                                                                                        : "slot_joint");
+        p.quaternions && code.rolled.roles[static_cast<size_t>(g.role)].source == Source::position ? "slot_position"
+                                                                                                   : "slot_joint");
   return text;
 }
 
 std::string prepare_tables(const CodeInput& code) {
-  const Joints joints(code);
+  const Prepared p(code);
   const std::vector<int> coordinates = code.tree.positions();
   std::string text;
   const auto tables = [&](const std::string& kind, const std::vector<int>& of) {
@@ -215,39 +209,33 @@ std::string prepare_tables(const CodeInput& code) {
     for (int k : of) slots.push_back(slot_of(code, k)), from.push_back(coordinates[static_cast<size_t>(k)]);
     text += int_table(kind + "_slot", slots) + int_table(kind + "_joint", from);
   };
-  const bool any_sines = sines(code, false) || sines(code, true);
-  if (prepare_spreads(code) || (plain(code) && any_sines))
-    text += int_table("slot_joint", coordinates_of_slots(code, of_q_alone(code)));
-  if (joints.quaternions && role_of(code, Source::position, false) >= 0)
+  // Numbers of q alone in a part of a robot are others than those of v.
+  if (p.spreads() || (p.plain && p.any_sines())) text += int_table("slot_joint", coordinates_of_slots(code, !p.spreads()));
+  if (p.quaternions && role_of(code, Source::position, false) >= 0)
     text += int_table("slot_position", coordinates_of_slots(code, true));
-  if (prepare_spreads(code) || (!joints.turning.empty() && any_sines)) text += int_table("first_of_four", fours(code));
-  if (needs_angles(code)) tables("turning", joints.turning);
-  const bool slides = role_of(code, Source::slide, false) >= 0 || role_of(code, Source::slide, true) >= 0;
-  if (slides && !joints.sliding.empty()) tables("sliding", joints.sliding);
+  if (p.spreads() || p.any_sines()) text += int_table("first_of_four", fours(code));
+  if (p.angles()) tables("turning", p.turning);
+  if (p.any_slides()) tables("sliding", p.sliding);
   return text;
 }
 
 ir::Operations prepare_operations(const CodeInput& code) {
-  const Joints joints(code);
+  const Prepared p(code);
   ir::Operations sum;
+  const auto rests = [&](int k, bool held) { return held && code.tree.carries_reference(static_cast<size_t>(k)); };
   // A multiplier and an offset each.
   const auto positions = [&](const std::vector<int>& of, bool held) {
     for (const int k : of)
-      if (code.tree.bodies[static_cast<size_t>(k)].driven() && !(held && code.tree.carries_reference(static_cast<size_t>(k))))
-        ++sum.multiply, ++sum.add;
+      if (code.tree.bodies[static_cast<size_t>(k)].driven() && !rests(k, held)) ++sum.multiply, ++sum.add;
   };
-  const bool own = sines(code, false), held = sines(code, true);
-  if ((own || held) && !joints.turning.empty()) {
-    if (!plain(code)) positions(joints.turning, !own);
-    sum.sincos = 4 * static_cast<long>(fours(code).size());
-  }
-  for (const bool rest : {false, true})
-    if (role_of(code, Source::slide, rest) >= 0) {
-      positions(joints.sliding, rest);
-      for (const int k : joints.sliding)
-        if (code.tree.bodies[static_cast<size_t>(k)].is_screw() &&
-            !(rest && code.tree.carries_reference(static_cast<size_t>(k))))
-          ++sum.multiply;
+  if (p.any_sines()) sum.sincos = 4 * static_cast<long>(fours(code).size());
+  if (p.angles()) positions(p.turning, !p.sines(false));
+  for (const bool held : {false, true})
+    if (p.slide[held] >= 0) {
+      positions(p.sliding, held);
+      sum.multiply += std::count_if(p.sliding.begin(), p.sliding.end(), [&](int k) {
+        return code.tree.bodies[static_cast<size_t>(k)].is_screw() && !rests(k, held);
+      });
     }
   return sum;
 }
