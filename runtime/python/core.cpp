@@ -47,7 +47,8 @@ PyStructSequence_Field constraint_status_fields[] = {
     {"residual",
      "the largest error that is left of a row that acts: m/s^2 or rad/s^2, of an impact m/s or rad/s; of inverse "
      "dynamics the largest effort that is left where there is no motor: N or N m"},
-    {"least_pivot", "at most 1; near 1e-8 (float: 1e-4) where rows say what others say"},
+    {"least_pivot",
+     "at most 1; near 1e-8 (float: 1e-4) where rows say what others say; -1 where a weight is negative or not finite"},
     {"rank", "how many rows that act say something new"},
     {}};
 PyStructSequence_Desc constraint_status_description = {

@@ -2,6 +2,8 @@
 // to 100 digits on a few, with and without driven joints, armature, damping, friction and external wrenches.
 #include <gtest/gtest.h>
 
+#include <dalembert/generic/constraints.hpp>
+
 #include "identities.hpp"
 #include "load_robot.hpp"
 #include "reference/generic_model.hpp"
@@ -338,6 +340,29 @@ TEST(GenericForwardDynamics, NoticesWhatIsNoNumber) {
   Eigen::VectorXd q = s.q;
   q[6] = std::numeric_limits<double>::quiet_NaN();
   EXPECT_FALSE(generic::forward_dynamics<double>(s.model, q, s.v, s.tau).status.ok());
+}
+
+// However small or large all of them are: forces are those of weights beside one.
+TEST(GenericDynamics, WeightsOfConstraintsMatterByTheirRatio) {
+  generic::Model<double> model;
+  model.floating_base = true;
+  model.base.mass = 3;
+  model.base.inertia.setIdentity();
+  model.gravity = {0, 0, -9.81};
+  const VectorX<double> q = VectorX<double>::Unit(7, 6), v = VectorX<double>::Zero(6),
+                        v_dot = VectorX<double>::LinSpaced(6, -1, 1);
+  generic::Contact<double> weld, point;
+  point.rows = 3, point.frame.translation = {0.3, 0.1, -0.2};
+  const auto forces = [&](double size) {
+    generic::ConstraintOptions<double> options;
+    options.weights = size * VectorX<double>::LinSpaced(9, 1, 2);
+    const auto result = generic::constrained_inverse_dynamics<double>(model, generic::Constraints<double>{weld, point}, q, v,
+                                                                      v_dot, {0, 1, 2, 3, 4, 5}, {}, options);
+    EXPECT_LT(result.residual, 1e-12);
+    return result.forces;
+  };
+  const VectorX<double> expected = forces(1);
+  for (const double size : {1e-308, 1e-30, 1e30, 8e307}) EXPECT_LT((forces(size) - expected).norm(), 1e-12 * expected.norm());
 }
 
 TEST(GenericDynamics, RefusesArgumentsOfWrongSize) {

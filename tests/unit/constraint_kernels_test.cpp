@@ -6,6 +6,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <cmath>
 #include <dalembert/constraint_response.hpp>
 #include <dalembert/constraint_support.hpp>
 #include <dalembert/constraints.hpp>
@@ -399,6 +400,96 @@ TEST(ConstraintKernels, SupportIsTheLeastByItsWeights) {
   EXPECT_EQ(status.rank, 0);
   EXPECT_GT(status.residual, 0.5);
   EXPECT_TRUE(to.allFinite());
+}
+
+// Weights matter by their ratio: however large or small all of them are, forces are the same. What is no weight counts as zero,
+// and the status says so.
+template <class Support>
+void expect_any_weights(const Support& support_by, int all) {
+  std::vector<double> usual;
+  for (int r = 0; r < all; ++r) usual.push_back(0.5 + 0.1 * r);
+  const auto with = [&](const std::vector<double>& weights) -> Result<double> {
+    Result<double> result;
+    Eigen::VectorXd forces(all), to = numbers(n, 1).cast<double>();
+    result.status = support_by(weights.data(), forces.data(), to.data());
+    result.forces = forces.cast<Real>(), result.x = to.cast<Real>();
+    return result;
+  };
+  const auto expect_same = [&](const Result<double>& a, const Result<double>& b, double tolerance) {
+    EXPECT_LE(error(a.forces, b.forces), tolerance);
+    EXPECT_LE((a.x - b.x).cwiseAbs().maxCoeff(), tolerance * numbers(n, 1).cwiseAbs().maxCoeff());
+    EXPECT_EQ(a.status.rank, b.status.rank);
+  };
+  const Result<double> expected = with(usual);
+  for (const double size : {1e-307, 1e-308, 1e-200, 1e-90, 1e90, 1e200, 1e306, 9e307}) {
+    SCOPED_TRACE(size);
+    std::vector<double> weights = usual;
+    for (double& weight : weights) weight *= size;
+    const Result<double> result = with(weights);
+    expect_same(result, expected, 1e-11);
+    EXPECT_NEAR(result.status.least_pivot, expected.status.least_pivot, 1e-9);
+  }
+  for (const double wrong : {-1.0, -1e-9, HUGE_VAL, -HUGE_VAL, std::nan("")}) {
+    SCOPED_TRACE(wrong);
+    std::vector<double> without = usual, weights = usual;
+    without[1] = 0, weights[1] = wrong;
+    expect_same(with(weights), with(without), 1e-11);
+    EXPECT_EQ(with(weights).forces[1], 0);
+    EXPECT_EQ(with(weights).status.least_pivot, -1);
+    EXPECT_GT(with(without).status.least_pivot, 0);
+    const Result<double> none = with(std::vector<double>(usual.size(), wrong));
+    EXPECT_EQ(none.forces.cwiseAbs().maxCoeff(), 0);
+    EXPECT_EQ(none.x, numbers(n, 1).cast<double>().cast<Real>().eval());
+    EXPECT_EQ(none.status.rank, 0);
+    EXPECT_EQ(none.status.least_pivot, -1);
+  }
+  // One that is next to nothing beside others bears nothing, and does no harm.
+  std::vector<double> small = usual;
+  for (int r = 0; r < 6; ++r) small[static_cast<size_t>(r)] = 1e-310;
+  const Result<double> rest = with(small);
+  EXPECT_TRUE(rest.x.allFinite());
+  EXPECT_LT(rest.forces.head(6).cwiseAbs().maxCoeff(), 1e-250L);
+}
+TEST(ConstraintKernels, WeightsOfSupportMatterByTheirRatio) {
+  {
+    using Rows = ConstraintRows<At12<6>, From12To16<5, 3>, At21<3>>;
+    const auto J = in<double>(System(shape<Rows>(), 6).J);
+    const double active[] = {1, 1, 1};
+    expect_any_weights(
+        [&](const double* weights, double* forces, double* to) {
+          return support<n, Rows, Undriven<6, 0, 1, 2, 3, 4, 5, 11>>(J.data(), active, weights, forces, to);
+        },
+        14);
+    // What is off may have weights of any kind.
+    const double off[] = {1, 0, 1};
+    std::vector<double> weights(14, 1.0), others = weights;
+    for (size_t r = 6; r < 11; ++r) others[r] = r % 2 == 0 ? std::nan("") : -HUGE_VAL;
+    Eigen::VectorXd forces(14), to = numbers(n, 1).cast<double>(), same_forces(14), same = to;
+    support<n, Rows, Undriven<6, 0, 1, 2, 3, 4, 5, 11>>(J.data(), off, weights.data(), forces.data(), to.data());
+    const auto status =
+        support<n, Rows, Undriven<6, 0, 1, 2, 3, 4, 5, 11>>(J.data(), off, others.data(), same_forces.data(), same.data());
+    EXPECT_EQ(forces, same_forces);
+    EXPECT_EQ(to, same);
+    EXPECT_GT(status.least_pivot, 0);
+  }
+  using Rows = ConstraintRows<At12<6>, At16<3>, At21<3>>;
+  System s(shape<Rows>(), 3);
+  const Limbs limbs(s, 3);
+  const InPairs where(limbs, s.D);
+  const auto wrenches = in<double>(limbs.wrenches);
+  const double active[] = {1, 1, 1};
+  expect_any_weights(
+      [&](const double* weights, double* forces, double* to) {
+        return support_by_wrenches<n, Rows>(where.axes(), wrenches.data(), active, weights, forces, to);
+      },
+      12);
+  const Eigen::Matrix3d turn = Eigen::Quaterniond(0.4, -0.3, 0.7, 0.2).normalized().toRotationMatrix();
+  const Eigen::VectorXd points = numbers(9, 4).cast<double>();
+  expect_any_weights(
+      [&](const double* weights, double* forces, double* to) {
+        return support_at_points<n, Rows>(where.axes(), turn.data(), points.data(), active, weights, forces, to);
+      },
+      12);
 }
 
 TEST(ConstraintKernels, FloatsAre) {

@@ -13,7 +13,7 @@ template <class T>
 struct ConstraintStatus {
   T residual = T(0);  // the largest error that is left of a row that acts, m/s^2 or rad/s^2; of an impact, m/s or rad/s
   // The least that is left of a row's N when all others are eliminated, its pivot as the last of them; at most 1: near mu where
-  // rows say what others say.
+  // rows say what others say. Of inverse dynamics -1: a row that acts has a weight that is none.
   T least_pivot = T(1);
   int rank = 0;  // how many rows that act say something new
 };

@@ -2,9 +2,11 @@
 // of all such by their weights. Nothing allocates; loops depend on the robot and its constraints alone.
 #pragma once
 
+#include <cmath>
 #include <dalembert/constraint_blocks.hpp>
 #include <dalembert/constraint_limbs.hpp>
 #include <dalembert/constraint_shapes.hpp>
+#include <limits>
 
 namespace dalembert {
 
@@ -25,11 +27,69 @@ struct Undriven {
 
 namespace constraint_detail {
 
+// The weights of rows that act with zeros for those that are none (negative, infinite, no numbers), and a power of two that
+// takes the largest next to one; zeros of other rows. Returns whether there was none such.
+template <class Rows, class T>
+__attribute__((noinline, cold)) static bool mend_weights(const T* active, const T* weights, T* to) noexcept {
+  constexpr int all = Rows::first(Rows::count);
+  T most = T(0);
+  bool are_weights = true;
+  for (int c = 0; c < Rows::count; ++c)
+    for (int r = Rows::first(c); r < Rows::first(c + 1); ++r) {
+      const T given = active[c] > T(0) ? weights[r] : T(0);
+      const bool is_weight = given >= T(0) && given <= std::numeric_limits<T>::max();
+      to[r] = is_weight ? given : T(0);
+      are_weights = are_weights && is_weight;
+      most = to[r] > most ? to[r] : most;
+    }
+  int exponent = 0;
+  std::frexp(most, &exponent);
+  for (int r = 0; r < all; ++r) to[r] = std::ldexp(to[r], -exponent);
+  return are_weights;
+}
+
+// Whether weights of rows that act are such that no product of them is infinite or lost, and none is negative by more than
+// rounding beside others. Nobody waits for the answer.
+template <class Rows, class T>
+DALEMBERT_INLINE bool are_ordinary(const T* active, const T* weights) {
+  T sums[2] = {}, sizes[2] = {};  // the same, unless one is negative or no number
+  each_index<Rows::count>([&](auto c) DALEMBERT_IN_BLOCK {
+    const bool acts = active[c] > T(0);
+    for_constants<6>([&](auto r) DALEMBERT_IN_BLOCK {
+      if (r >= Rows::rows[c]) return;
+      const T weight = acts ? weights[Rows::first(c) + r] : T(0);
+      sums[r % 2] += weight;
+      sizes[r % 2] += weight < T(0) ? -weight : weight;
+    });
+  });
+  const T sum = sums[0] + sums[1], size = sizes[0] + sizes[1];
+  constexpr T most = sizeof(T) == 8 ? T(1e100) : T(1e10), least = T(1) / most;
+  return sum == size && sum <= most && (sum >= least || sum == T(0));
+}
+
+// Weights to go on with. Forces depend on their ratios alone: ordinary ones are taken as they are, others are mended. A row
+// whose weight is none bears nothing.
+template <class Rows, class T>
+struct Weights {
+  const T* of;
+  bool are_weights = true;
+  T mended[Rows::first(Rows::count)];
+
+  DALEMBERT_INLINE Weights(const T* active, const T* weights) : of(weights) {
+    if (__builtin_expect(are_ordinary<Rows>(active, weights), 1)) return;
+    are_weights = mend_weights<Rows>(active, weights, mended);
+    of = mended;
+  }
+  Weights(const Weights&) = delete;
+  Weights& operator=(const Weights&) = delete;
+};
+
 // mu N of A's coordinates: N is the mean of A's diagonal over the base's first three, along its axes, and over the three that
-// turn it, whichever way the base stands; of any other its own.
+// turn it, whichever way the base stands; of any other its own. An N so small that its inverse is next to infinity is none.
 template <int u, int base, class T, class Diagonal>
 DALEMBERT_INLINE void hold(const Diagonal& diagonal, T* held) {
-  const auto of = [](T N) { return Proximal<T>::mu * (N > T(0) ? N : T(1)); };
+  const T least = sizeof(T) == 8 ? T(1e-270) : T(1e-25);
+  const auto of = [=](T N) { return Proximal<T>::mu * (N > least ? N : T(1)); };
   for (int i = 0; i < base; i += 3)
     held[i] = held[i + 1] = held[i + 2] = of((diagonal(i) + diagonal(i + 1) + diagonal(i + 2)) * T(1.0 / 3));
   for (int i = base; i < u; ++i) held[i] = of(diagonal(i));
@@ -237,9 +297,10 @@ DALEMBERT_INLINE ConstraintStatus<T> support_forces(const T* jacobian, const T* 
     for (int r = 0; r < all; ++r) forces[r] = T(0);
     return status;
   } else {
+    const Weights<Rows, T> used(active, weights);
     T weight[all];
     each_index<Rows::count>([&](auto c) DALEMBERT_IN_BLOCK {
-      for (int r = Rows::first(c); r < Rows::first(c + 1); ++r) weight[r] = active[c] > T(0) ? weights[r] : T(0);
+      for (int r = Rows::first(c); r < Rows::first(c + 1); ++r) weight[r] = active[c] > T(0) ? used.of[r] : T(0);
     });
     T A[u][u], held[u], lacking[u], y[u];
     for (int i = 0; i < u; ++i) lacking[i] = to[Without::at[i]];
@@ -253,6 +314,7 @@ DALEMBERT_INLINE ConstraintStatus<T> support_forces(const T* jacobian, const T* 
       for (int i = 0; i < u; ++i) sum += broadcast<w, T>(y[i]) * load<w>(jacobian + Without::at[i] * all + from);
       store<w, T>(forces + from, sum * load<w>(weight + from));
     });
+    if (!used.are_weights) status.least_pivot = T(-1);
     return status;
   }
 }
@@ -275,7 +337,7 @@ DALEMBERT_INLINE void bear(C c, const Axes& axes, const T (&wrench)[6], T* to) {
 
 // to becomes to - J' f, f = W J_u y being what makes it zero at the coordinates u that have no motor: of all such f the one
 // with the least sum of f^2 / W. y is found by proximal steps as above, with N as hold() has it: what no constraint can bear
-// stays, and is the residual.
+// stays, and is the residual. The least pivot is -1 where a row that acts has a weight that is none.
 template <int n, class Rows, class Without, class T>
 __attribute__((noinline)) static ConstraintStatus<T> support(const T* jacobian, const T* active, const T* weights, T* forces,
                                                              T* to) noexcept {
@@ -326,11 +388,12 @@ __attribute__((noinline)) static ConstraintStatus<T> support_at_points(const Axe
   using namespace constraint_detail;
   constexpr int base = 6;
   ConstraintStatus<T> status;
+  const Weights<Rows, T> used(active, weights);
   T weight[Rows::count][base], A[base][base] = {};
   each_index<Rows::count>([&](auto c) DALEMBERT_IN_BLOCK {
     T* const own = weight[c];
     for_constants<base>([&](auto r) DALEMBERT_IN_BLOCK {
-      if (r < Rows::rows[c]) own[r] = active[c] > T(0) ? weights[Rows::first(c) + r] : T(0);
+      if (r < Rows::rows[c]) own[r] = active[c] > T(0) ? used.of[Rows::first(c) + r] : T(0);
     });
     // The sum over the rows e of a point x of w [e; x × e] [e; x × e]'.
     const T x = points[3 * c], y = points[3 * c + 1], z = points[3 * c + 2];
@@ -348,6 +411,7 @@ __attribute__((noinline)) static ConstraintStatus<T> support_at_points(const Axe
     lacking[i] = turn[row] * to[from] + turn[3 + row] * to[from + 1] + turn[6 + row] * to[from + 2];
   });
   solve_support_of_base(A, held, lacking, y, status);
+  if (!used.are_weights) status.least_pivot = T(-1);
   each_index<Rows::count>([&](auto c) DALEMBERT_IN_BLOCK {
     const T *const at = points + 3 * c, *const own = weight[c];
     T *const force = forces + Rows::first(c), moment[3];

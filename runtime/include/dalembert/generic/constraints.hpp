@@ -302,6 +302,8 @@ Constrained<S> constrained_inverse_dynamics(const Model<S>& model, const Constra
   const std::vector<std::pair<int, int>> blocks = constraints.rows();
   for (size_t c = 0; c < blocks.size(); row += blocks[c++].first)
     if (!options.active.empty() && !options.active[c]) weights.segment(row, blocks[c].first).setZero();
+  if (weights.size() > 0)  // they matter by their ratios: so none is too small or large for products
+    if (const S most = weights.maxCoeff(); most > S(1e10) || (most > S(0) && most < S(1e-10))) weights /= most;
   const auto count = static_cast<Eigen::Index>(undriven.size());
   MatrixX<S> own(J.rows(), count);
   VectorX<S> lacking(count);
