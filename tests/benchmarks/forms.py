@@ -9,6 +9,7 @@ the constants of the estimate by which it chooses (generator/backend/estimate.cp
 
 Each way of one robot and quantity is a shared object; all of them run in one process, in turn, from three copies each (code beyond
 the first-level cache is faster in one copy than in another). Prints medians in ns and chosen / best. Needs the release build.
+Runs side by side keep out of each other's folders, though not of each other's time.
 """
 import argparse
 import concurrent.futures
@@ -20,11 +21,12 @@ import re
 import shutil
 import statistics
 import subprocess
+import tempfile
 import time
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 BUILD = ROOT / "build" / "release"
-FOLDER = BUILD / "forms"
+FOLDER = None  # of this run alone: another may be under way
 DATA = "/usr/share/doc/dart/data"
 QUANTITIES = {
     "M": "mass_matrix", "C": "coriolis_matrix", "M+C": "mass_matrix,coriolis_matrix", "g": "gravity", "bias": "bias",
@@ -90,9 +92,8 @@ def built(name, quantity, way, target, tree=ROOT):
 
 def timed(objects, rounds, prefix):
     driver = FOLDER / "driver"
-    source = pathlib.Path(__file__).with_name("forms_driver.cpp")
-    if not driver.exists() or driver.stat().st_mtime < source.stat().st_mtime:
-        subprocess.run(["c++", "-O2", "-std=c++17", source, "-o", driver, "-ldl"], check=True)
+    if not driver.exists():
+        subprocess.run(["c++", "-O2", "-std=c++17", pathlib.Path(__file__).with_name("forms_driver.cpp"), "-o", driver, "-ldl"], check=True)
     times = [[] for _ in objects]
     for _ in range(3):
         copies = [shutil.copy(code, FOLDER / f"copy_{i}.so") for i, code in enumerate(objects)]
@@ -242,8 +243,12 @@ def main():
     options = parser.parse_args()
     if options.fit:
         return fit(options)
-    FOLDER.mkdir(parents=True, exist_ok=True)
-    (against if options.against else measure)(options)
+    if not (BUILD / "bin" / "dalembert").exists():
+        parser.error(f"there is no generator in {BUILD}: cmake --preset release && cmake --build --preset release")
+    global FOLDER
+    with tempfile.TemporaryDirectory(prefix="forms.", dir=BUILD) as folder:
+        FOLDER = pathlib.Path(folder)
+        (against if options.against else measure)(options)
 
 
 if __name__ == "__main__":
