@@ -18,6 +18,7 @@ std::string reserved(const std::string& identifier, bool is_joint) {
   if (ir::is_cpp_keyword(identifier)) return "the name is a keyword of C++";
   // Enumerators bear joints' names bare.
   if (is_joint && ir::is_library_macro(identifier)) return "the name is a macro of the C++ library";
+  if (is_joint && ir::is_macro_of_the_code(identifier)) return "the name could be a macro of the generated code";
   return "";
 }
 

@@ -153,7 +153,7 @@ std::string fault_of_function_name(const std::string& name) {
   if (name != ir::identifier(name) || name.front() == '_' || name.back() == '_' || name.find("__") != name.npos)
     return fmt::format("'{}' cannot be the name of a function", name);
   if (ir::is_cpp_keyword(name)) return fmt::format("'{}' is a keyword of C++", name);
-  if (name.starts_with("DALEMBERT_")) return fmt::format("'{}' could be a macro of the runtime", name);
+  if (ir::is_macro_of_the_code(name)) return fmt::format("'{}' could be a macro of the generated code", name);
   if (ir::is_library_macro(name)) return fmt::format("'{}' is a name of the C++ library", name);
   return "";
 }

@@ -185,11 +185,13 @@ constexpr std::string_view library_functions[] = {
 }  // namespace
 
 bool is_library_macro(std::string_view text) {
-  for (const std::string_view prefix : {"EIGEN_", "TBB_", "ONETBB_", "DALEMBERT_", "SYS_"})
+  for (const std::string_view prefix : {"EIGEN_", "TBB_", "ONETBB_", "SYS_"})
     if (text.starts_with(prefix)) return true;
   if (text.size() > 4 && text.starts_with("__") && text.ends_with("__")) return true;  // __LINE__, __linux__
   return std::binary_search(std::begin(macros), std::end(macros), text);
 }
+
+bool is_macro_of_the_code(std::string_view text) { return text.starts_with("DALEMBERT_") || text.ends_with("_C_API_H"); }
 
 bool is_library_function(std::string_view text) {
   return std::binary_search(std::begin(library_functions), std::end(library_functions), text);

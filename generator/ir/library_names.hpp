@@ -9,6 +9,10 @@ namespace dalembert::ir {
 // that begin so are left to such macros (EIGEN_, SYS_): no identifier can be called so.
 bool is_library_macro(std::string_view text);
 
+// Whether the name is left to macros of the runtime and of generated code: DALEMBERT_..., and guards of headers for C, of
+// any robot. No identifier can be called so.
+bool is_macro_of_the_code(std::string_view text);
+
 // Whether such a header declares the name at global scope: no namespace can be called so, while an enumerator can.
 bool is_library_function(std::string_view text);
 

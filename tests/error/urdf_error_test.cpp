@@ -207,6 +207,8 @@ const Case doubts[] = {
      "joint 'j' (line 14): warning: the <origin> of this floating joint is not used; q gives the pose of its child in the world"},
     {"function_robot",
      "robot 'index': warning: 'index' is a name of the C++ library; its namespace is 'index_'; give another with --name"},
+    {"guard_joint",
+     "joint 'ARM_C_API_H' (line 14): warning: the name could be a macro of the generated code; it is called 'ARM_C_API_H_' here"},
     {"implicit_world",
      "joint 'stand' (line 14): warning: its parent link 'world' does not exist; it is added; write <link name=\"world\"/>"},
     {"incomplete_inertia",

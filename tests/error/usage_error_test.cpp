@@ -30,6 +30,9 @@ TEST(Usage, BadCommandLinesAreRefused) {
   expect_refused(run_dalembert({"info", sound, "--name", "a-b"}, "."),
                  "option --name: error: 'a-b' cannot be the name of a C++");
   expect_refused(run_dalembert({"info", sound, "--name", "class"}, "."), "option --name: error: 'class' is a keyword of C++");
+  for (const char* macro : {"DALEMBERT_INLINE", "ARM_C_API_H"})
+    expect_refused(run_dalembert({"info", sound, "--name", macro}, "."),
+                   "option --name: error: '" + std::string(macro) + "' could be a macro of the generated code");
 }
 
 TEST(Usage, NoCommandMeetsThreeToBeginWith) {
