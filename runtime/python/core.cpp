@@ -43,6 +43,24 @@ PyObject* has_constraint_status(PyObject*, PyObject* args) {
   return PyBool_FromLong(entry >= 0 && entry < table->functions && table->entries[entry].has_constraints);
 }
 
+// Of C-contiguous rows of q, which move; of each its status as numbers, three by three.
+PyObject* close_loops(PyObject*, PyObject* args) {
+  PyObject* library;
+  PyArrayObject* q;
+  if (!PyArg_ParseTuple(args, "OO!", &library, &PyArray_Type, &q)) return nullptr;
+  const FunctionTable* const table = table_of(library);
+  if (!table) return nullptr;
+  if (!table->close_loops || PyArray_NDIM(q) != 2 || PyArray_ITEMSIZE(q) != table->scalar_bytes || !PyArray_ISCARRAY(q))
+    return PyErr_Format(PyExc_ValueError, "rows of q of a robot with embedded loops were expected");
+  npy_intp sizes[] = {PyArray_DIM(q, 0), 3};
+  Owned status(PyArray_SimpleNew(2, sizes, NPY_DOUBLE));
+  if (!status) return nullptr;
+  Py_BEGIN_ALLOW_THREADS;
+  table->close_loops(PyArray_DATA(q), sizes[0], static_cast<double*>(PyArray_DATA(status.array())));
+  Py_END_ALLOW_THREADS;
+  return status.release();
+}
+
 PyStructSequence_Field constraint_status_fields[] = {
     {"residual",
      "the largest error that is left of a row that acts: m/s^2 or rad/s^2, of an impact m/s or rad/s; of inverse "
@@ -58,6 +76,7 @@ PyStructSequence_Desc constraint_status_description = {
 PyMethodDef module_functions[] = {
     {"open", open_library, METH_VARARGS, "A robot's compiled code, loaded."},
     {"has_constraint_status", has_constraint_status, METH_VARARGS, "Whether an entry of a library has one."},
+    {"close_loops", close_loops, METH_VARARGS, "Rows of q whose embedded loops are closed, in place, and what is left."},
     {"integrate", integrate, METH_VARARGS, "Rows of q moved by rows of twists."},
     {"difference", difference, METH_VARARGS, "The twists that lead from rows of q to others."},
     {"threads", threads, METH_VARARGS, "How many threads share a batch; an argument sets it."},

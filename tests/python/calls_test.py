@@ -611,6 +611,53 @@ class States(unittest.TestCase):
             with self.assertRaisesRegex(NotImplementedError, "close_loops"):
                 wrong()
 
+        # What the C function makes of it, of one state and of n; independent positions and what is given stay.
+        given = well.copy()
+        closed, status = crank.close_loops(given, return_status=True)
+        generated = robots.CFunctions(crank.source, batches=False, flags=robots.quick)
+        by_c = given.copy()
+        self.assertEqual(generated.call_loops(by_c), -1)
+        np.testing.assert_allclose(closed, by_c, rtol=0, atol=1e-14)
+        self.assertEqual((given.tolist(), closed[0]), (well.tolist(), well[0]))
+        self.assertGreater(np.abs(closed - well).max(), 1e-3)
+        self.assertIsInstance(status, dalembert.LinkageStatus)
+        self.assertLess(status.error, 1e-14)
+        self.assertGreater(status.least_pivot, 0.1)
+        self.assertEqual(status.linkage, -1)
+        self.assertEqual(crank.close_loops(list(well)).tolist(), closed.tolist())
+        turned = np.array([[0.3 + 0.1 * i, *closed[1:]] for i in range(4)])
+        many, of_many = crank.close_loops(turned, return_status=True)
+        self.assertEqual([a.tolist() for a in many], [crank.close_loops(row).tolist() for row in turned])
+        self.assertEqual((many[0].tolist(), of_many.linkage.tolist(), of_many.error.shape), (closed.tolist(), [-1] * 4, (4,)))
+        self.assertEqual(crank.close_loops(np.empty((0, 3))).shape, (0, 3))
+        with self.assertRaisesRegex(dalembert.SingularError, "close_loops: linkage 0 .* toggle point"):
+            crank.close_loops(across)
+        self.assertEqual(crank.close_loops(across, return_status=True)[1].linkage, 0)
+        with self.assertWarnsRegex(dalembert.SingularWarning, "toggle points at 1 of 2 states, the first of them number 1: joints that follow stay"):
+            crank.close_loops([well, across])
+        with self.assertWarnsRegex(RuntimeWarning, r"stay open by up to .* at state 1: begin nearer"):
+            crank.close_loops([well, [0.3, -0.1, 1e6]])
+        for text, wrong in ((r"q has shape \(2,\)", [0, 0]), (r"q\[1\] is nan", [0, np.nan, 0])):
+            with self.assertRaisesRegex(ValueError, text):
+                crank.close_loops(wrong)
+        with self.assertRaisesRegex(ValueError, "no loop of this robot is embedded"):
+            double.close_loops(double.neutral())
+        self.assertEqual(pickle.loads(pickle.dumps(crank)).close_loops(well).tolist(), closed.tolist())
+
+    def test_names_that_the_field_has(self):
+        q, v = double.random(0), np.ones(double.nv)
+        self.assertEqual(double.evaluate(q, v, outputs="crba").mass_matrix.tolist(), double.mass_matrix(q).tolist())
+        both = double.evaluate(q, v, tau=v, outputs=["aba", "kinetic_energy", "joint_space_inertia"])
+        self.assertEqual(both._fields, ("forward_dynamics", "kinetic_energy", "mass_matrix"))
+        self.assertIs(double["rnea"], double.inverse_dynamics)
+        self.assertIs(double.crba, double.mass_matrix)
+        self.assertEqual(double.source_of("aba"), double.source_of("forward_dynamics"))
+        for error, text, call in ((ValueError, "'mass_matrix' is given twice", lambda: double.evaluate(q, v, outputs=["crba", "mass_matrix"])),
+                                  (KeyError, "loaded without 'inverse_mass_matrix'", lambda: double["minv"]),
+                                  (AttributeError, "loaded without 'inverse_mass_matrix'", lambda: double.minv)):
+            with self.subTest(text), self.assertRaisesRegex(error, text):
+                call()
+
     def test_functions_called_like_something_of_every_robot(self):
         """They are robot["name"] alone, and the warning says so; the robot's own stays what it is."""
         names = ["info", "dtype", "outputs", "lambda", "None"]

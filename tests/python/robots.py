@@ -65,6 +65,10 @@ class CFunctions:
     def call(self, function, *vectors):
         self._function(function)(*(ctypes.c_void_p(v.ctypes.data) for v in vectors), self.workspace)
 
+    def call_loops(self, q):
+        """Closes embedded loops; the linkage at a toggle point, or -1."""
+        return self._function("close_loops", ctypes.c_int)(ctypes.c_void_p(q.ctypes.data), None, None)
+
     def result(self, name, rows, columns):
         import numpy
         at = self._function(name, ctypes.POINTER(ctypes.c_double))(self.workspace)

@@ -152,11 +152,20 @@ std::string table_source(const Library& library) {
     entries += fmt::format("    dalembert::table::entry<Function{}>(\"{}\", {}, {}::self_test),\n", i, table_name(f),
                            f.results.size(), library.parts[f.part].model.name);
   }
+  const Model& whole = library.parts.front().model;
+  std::string closing;
+  if (!whole.tree.linkages.empty())
+    closing = fmt::format(
+        "void close_loops(void* q, std::ptrdiff_t count, double* status) noexcept {{\n"
+        "  dalembert::table::close_rows<{0}::nq, {0}::Scalar>({0}::close_loops, q, count, status);\n}}\n",
+        whole.name);
   return backend::render("function_table.cpp", {{"name", library.parts.front().model.name},
                                                 {"includes", includes},
                                                 {"functions", functions},
+                                                {"closing", closing},
                                                 {"entries", entries},
-                                                {"count", std::to_string(library.functions.size())}});
+                                                {"count", std::to_string(library.functions.size())},
+                                                {"close_loops", closing.empty() ? "nullptr" : "close_loops"}});
 }
 
 std::string batch_table_source(const Library& library, const std::vector<size_t>& functions) {
@@ -171,8 +180,10 @@ std::string batch_table_source(const Library& library, const std::vector<size_t>
                          {{"name", name},
                           {"includes", fmt::format("#include \"{0}/batch.hpp\"\n#include \"{0}/self_test.hpp\"\n", name)},
                           {"functions", classes},
+                          {"closing", ""},
                           {"entries", entries},
-                          {"count", std::to_string(functions.size())}});
+                          {"count", std::to_string(functions.size())},
+                          {"close_loops", "nullptr"}});
 }
 
 }  // namespace dalembert

@@ -11,6 +11,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <dalembert/linkage.hpp>
 #include <dalembert/rollout_layout.hpp>
 #include <dalembert/self_test.hpp>
 #include <new>
@@ -19,7 +20,7 @@
 
 namespace dalembert {
 
-inline constexpr std::int32_t function_table_version = 3;
+inline constexpr std::int32_t function_table_version = 4;
 
 // The rows of one argument: that of state s begins s · step numbers behind the first; with a step of 0 all states share one.
 struct StateRows {
@@ -68,6 +69,9 @@ struct FunctionTable {
   std::int32_t scalar_bytes;  // 4: float, 8: double
   std::int32_t functions;
   const FunctionEntry* entries;
+  // Closes embedded loops of so many rows of q, one after another; status: of each row error, least pivot, linkage as in
+  // LinkageStatus. Null: none are embedded.
+  void (*close_loops)(void* q, std::ptrdiff_t count, double* status) noexcept;
 };
 
 namespace table {
@@ -150,6 +154,17 @@ std::int32_t status_in(const typename Function::Workspace& workspace) noexcept {
   }
   (void)workspace;
   return -1;
+}
+
+// Each row by `close`, which takes its nq numbers and tells a LinkageStatus.
+template <int nq, class Scalar, class Status>
+void close_rows(Status (*close)(Scalar*) noexcept, void* q, std::ptrdiff_t count, double* status) noexcept {
+  for (std::ptrdiff_t i = 0; i < count; ++i) {
+    const Status told = close(static_cast<Scalar*>(q) + i * nq);
+    status[3 * i] = static_cast<double>(told.error);
+    status[3 * i + 1] = static_cast<double>(told.least_pivot);
+    status[3 * i + 2] = static_cast<double>(told.linkage);
+  }
 }
 
 // One state after another.

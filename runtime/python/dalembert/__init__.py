@@ -13,9 +13,9 @@ axes, joint rates]. docs/python.md is a first page, docs/scene.md describes the 
 from ._build import InputError, SelfTestError, check, clear_cache, info, link_quantities, quantities, report, scene_keys
 from ._core import ConstraintStatus, SingularError, SingularWarning, StoppedWarning, threads
 from ._place import VERSION as __version__
-from ._robot import Contact, InputWarning, Loop, Payload, Robot, load
+from ._robot import Contact, InputWarning, LinkageStatus, Loop, Payload, Robot, load
 
 __all__ = [
-    "ConstraintStatus", "Contact", "InputError", "InputWarning", "Loop", "Payload", "Robot", "SelfTestError", "SingularError", "SingularWarning", "StoppedWarning",
+    "ConstraintStatus", "Contact", "InputError", "InputWarning", "LinkageStatus", "Loop", "Payload", "Robot", "SelfTestError", "SingularError", "SingularWarning", "StoppedWarning",
     "check", "clear_cache", "info", "link_quantities", "load", "quantities", "report", "scene_keys", "threads",
 ]

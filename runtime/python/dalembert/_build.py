@@ -48,6 +48,11 @@ def scene_keys():
     return list(_registry()["scene_keys"])
 
 
+def in_our_names(name):
+    """What a quantity is called here: the name itself, where it is none of the field's for it."""
+    return _registry()["aliases"].get(name, name) if isinstance(name, str) else name
+
+
 def did_you_mean(name, names):
     """"; did you mean 'mass_matrix'?" where one of the names is close, else what there is."""
     near = difflib.get_close_matches(str(name), names, 1, 0.6)

@@ -75,6 +75,14 @@ class Loop(NamedTuple):
         return _of_rows(self, size)
 
 
+class LinkageStatus(NamedTuple):
+    """What closing embedded loops came to (scene key `loops` with `independent`), of one state or, as arrays, of n."""
+
+    error: float  # the largest that is left, m or rad
+    least_pivot: float  # near zero where there is a toggle point
+    linkage: int  # the first at a toggle point, from 0, or -1
+
+
 def load(urdf, **keywords):
     """The robot's functions, generated and compiled, or found in the cache.
 
@@ -146,8 +154,8 @@ class _Batches:
 
 def _refuse_followers(what):
     raise NotImplementedError(f"{what} knows no joints that follow others: loops of this robot are embedded, and q has their dependent "
-                              "joints, too. Move the independent positions and close the loops by close_loops() of the generated "
-                              "code (robot.source), or leave 'independent' out of the loops")
+                              "joints, too. Move the independent positions and let close_loops() move the others, or leave "
+                              "'independent' out of the loops")
 
 
 class Rollout:
@@ -292,6 +300,7 @@ class Robot:
             at += len(i["start"])
 
     def _set_functions(self, library, batches, functions):
+        self.__dict__["_library"] = library
         base = ["the base's linear velocity along x", "along y", "along z", "the base's angular velocity about x", "about y",
                 "about z"] if self.floating_base else []
         coordinates = tuple([f"{b} (v[{i}])" for i, b in enumerate(base)] +
@@ -395,7 +404,7 @@ class Robot:
     def evaluate(self, q, v=None, *, a=None, tau=None, outputs=None, **more):
         """Several quantities in one call, as a named tuple.
 
-        outputs: names of what load() was asked for; without, all that q and v give (and with `a` or `tau`, all that these give).
+        outputs: names of what load() was asked for, or what else the field calls it; without, all that q and v give (and with `a` or `tau`, all that these give).
         Quantities of one function (docs/scene.md) share what they share. Keywords `out` and `return_status` and run-time inputs are
         those of the functions; with `return_status`, (results, status), status being -1 where M is positive definite everywhere;
         `return_constraint_status` goes with quantities of one function.
@@ -411,7 +420,7 @@ class Robot:
             if not names:
                 raise KeyError(f"{self.name} was loaded without quantities of " + (f"q, v and {takes}" if takes else "q and v"))
         else:
-            names = [outputs] if isinstance(outputs, str) else list(outputs)
+            names = [_build.in_our_names(name) for name in ([outputs] if isinstance(outputs, str) else outputs)]
         for name in names:
             if name not in self._function_of:
                 raise KeyError(self._unknown(name))
@@ -452,18 +461,22 @@ class Robot:
         return (packed, *told) if told else packed
 
     def __getitem__(self, name):
-        """The function of that name: robot["mass_matrix"] is robot.mass_matrix. KeyError where there is none."""
-        if name in self._callables:
-            return self._callables[name]
+        """The function of that name, or of what else the field calls it: robot["mass_matrix"], and robot["crba"], is
+        robot.mass_matrix. KeyError where there is none."""
+        ours = name if name in self._callables else _build.in_our_names(name)
+        if ours in self._callables:
+            return self._callables[ours]
         raise KeyError(self._unknown(name))
 
     def source_of(self, name):
         """The folder of the C++ that a function of the robot is: that of the quantity alone; robot.source has the whole scene's."""
-        if name not in self._callables:
+        ours = name if name in self._callables else _build.in_our_names(name)
+        if ours not in self._callables:
             raise KeyError(self._unknown(name))
-        return self._folders[name]
+        return self._folders[ours]
 
     def _unknown(self, name):
+        name = _build.in_our_names(name)
         known = list(self.outputs)
         if name in _build.quantities():
             return f"{self.name} was loaded without '{name}': add it to outputs; there are {', '.join(known)}"
@@ -479,6 +492,8 @@ class Robot:
             return self._run_time[at:at + size]
         if name.startswith("_"):
             raise AttributeError(name)
+        if _build.in_our_names(name) in self._callables:
+            return self[name]
         raise AttributeError(self._unknown(name))
 
     def __setattr__(self, name, value):
@@ -597,6 +612,40 @@ class Robot:
         step = fraction[..., None] * step
         start = numpy.ascontiguousarray(numpy.broadcast_to(start, (len(step), self.nq)))
         return self._as_given(_core.integrate(start, numpy.ascontiguousarray(step), self._quaternions), single)
+
+    def close_loops(self, q, *, return_status=False):
+        """q with embedded loops closed: their dependent joints move by eight steps of Newton's from where they are, which keeps a
+        linkage in its branch, all others stay. A row of q is as the C++ function of that name leaves it. return_status: also a
+        dalembert.LinkageStatus; without, one state at a toggle point raises SingularError, of n they warn, and so do loops that stay
+        open by more than 1e-6 (float32: 1e-3)."""
+        if not self._has_followers():
+            raise ValueError("close_loops: no loop of this robot is embedded: q has no joints that follow others; name 'independent' "
+                             "joints of a loop when the robot is loaded")
+        (rows,), single = self._rows(q=(q, self.nq))
+        if single and not numpy.isfinite(rows).all():
+            at = int(numpy.isfinite(rows[0]).argmin())
+            raise ValueError(f"close_loops: q[{at}] is {rows[0, at]}, and the function needs finite numbers")
+        rows = numpy.array(rows, dtype=self.dtype, order="C")
+        told = _core.close_loops(self._library, rows)
+        error, least_pivot, linkage = told[:, 0].copy(), told[:, 1].copy(), told[:, 2].astype(numpy.int32)
+        result = rows[0] if single else rows
+        if return_status:
+            return result, LinkageStatus(error[0].item(), least_pivot[0].item(), linkage[0].item()) if single else LinkageStatus(
+                error, least_pivot, linkage)
+        toggle = linkage >= 0
+        if single and toggle[0]:
+            raise _core.SingularError(f"close_loops: linkage {linkage[0]} (from 0) is at a toggle point: its loops do not tell where the "
+                                      "joints that follow go")
+        if toggle.any():
+            warnings.warn(f"close_loops: loops are at toggle points at {toggle.sum()} of {len(rows)} states, the first of them number "
+                          f"{toggle.argmax()}: joints that follow stay where they were; return_status=True tells which",
+                          _core.SingularWarning, stacklevel=2)
+        left = numpy.where(toggle, 0.0, error)
+        if left.max(initial=0) > (1e-6 if self.dtype == numpy.float64 else 1e-3):
+            warnings.warn(f"close_loops: loops stay open by up to {left.max():.3g} (m, rad)" +
+                          ("" if single else f" at state {left.argmax()}") + ": begin nearer to where they are closed", RuntimeWarning,
+                          stacklevel=2)
+        return result
 
     # ---- The generator's other commands, of this robot and scene
 
