@@ -1,6 +1,7 @@
 #include "arguments.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <new>
 #include <string>
@@ -36,6 +37,73 @@ bool overlap(PyArrayObject* a, PyArrayObject* b) {
 }
 
 }  // namespace
+
+Holds held_by(PyObject* name) {
+  const char* const text = PyUnicode_AsUTF8(name);
+  const auto begins = [&](const char* word) { return text && std::strncmp(text, word, std::strlen(word)) == 0; };
+  return begins("contact_") ? Holds::contact : begins("loop_") ? Holds::loop : Holds::nothing;
+}
+
+bool can_hold(PyObject* who, PyObject* name, Holds holds, const void* numbers, int type, npy_intp size, npy_intp state) {
+  if (holds == Holds::nothing) return true;
+  const auto number = [&](npy_intp i) {
+    return type == NPY_DOUBLE ? static_cast<const double*>(numbers)[i] : static_cast<const float*>(numbers)[i];
+  };
+  if (number(0) == 0) return true;  // it is off
+  // Before any contact's or loop's rows: active, gains, restitution; of a contact its anchor, too.
+  const npy_intp before = holds == Holds::contact ? 11 : 4, rows = (size - before) / 2;
+  const auto complain = [&](npy_intp i, const char* what) {
+    static const char* const single[] = {"active", "kp", "kd", "restitution"};
+    std::string member = i < 4               ? single[i]
+                         : i < before        ? "anchor[" + std::to_string(i - 4)
+                         : i < before + rows ? "regularization[" + std::to_string(i - before)
+                                             : "weight[" + std::to_string(i - before - rows);
+    if (i >= 4) member += "]";
+    const Owned value(PyFloat_FromDouble(number(i)));
+    if (value)
+      PyErr_Format(PyExc_ValueError, "%V%s%U: %s%s is %R, expected %s", who, "", who ? ": " : "", name, member.c_str(),
+                   state >= 0 ? (" of state " + std::to_string(state)).c_str() : "", value.get(), what);
+    return false;
+  };
+  for (npy_intp i = 0; i < size; ++i) {
+    const bool none_below = i >= before;
+    if (!std::isfinite(number(i)) || (none_below && number(i) < 0))
+      return complain(i, i == 0 ? "true or false" : none_below ? "a finite number, zero or more" : "a finite number");
+  }
+  if (holds == Holds::contact && rows == 6 && number(1) != 0 && number(7) == 0 && number(8) == 0 && number(9) == 0)
+    return number(10) != 0 || complain(10, "a quaternion x y z w in anchor[3] to anchor[6], such as 0 0 0 1: it has no length");
+  return true;
+}
+
+PyObject* check_run_time_input(PyObject*, PyObject* args) {
+  PyObject* name;
+  PyArrayObject* numbers;
+  if (!PyArg_ParseTuple(args, "UO!", &name, &PyArray_Type, &numbers)) return nullptr;
+  if (PyArray_TYPE(numbers) != NPY_DOUBLE || !PyArray_ISCARRAY_RO(numbers))
+    return PyErr_Format(PyExc_ValueError, "an array of float64 was expected");
+  if (!can_hold(nullptr, name, held_by(name), PyArray_DATA(numbers), NPY_DOUBLE, PyArray_SIZE(numbers), -1)) return nullptr;
+  Py_RETURN_NONE;
+}
+
+bool are_quaternions(const Contents& f, const StateRows& q, npy_intp states) {
+  if (f.quaternions.empty()) return true;
+  const npy_intp count = states < 0 ? 1 : q.step == 0 ? std::min<npy_intp>(states, 1) : states;
+  const auto find = [&](const auto* numbers) -> bool {
+    for (npy_intp s = 0; s < count; ++s, numbers += q.step)
+      for (const Quaternion& quaternion : f.quaternions) {
+        const auto* const x = numbers + quaternion.first;
+        if (x[0] != 0 || x[1] != 0 || x[2] != 0 || x[3] != 0) continue;
+        const auto first = static_cast<Py_ssize_t>(quaternion.first);
+        PyErr_Format(
+            PyExc_ValueError,
+            "%U: q[%zd] to q[%zd]%s, %U, are zero, expected a unit quaternion x y z w, such as 0 0 0 1: neutral() has it",
+            f.name, first, first + 3, states >= 0 ? (" of state " + std::to_string(s)).c_str() : "", quaternion.whose);
+        return false;
+      }
+    return true;
+  };
+  return f.type == NPY_DOUBLE ? find(static_cast<const double*>(q.first)) : find(static_cast<const float*>(q.first));
+}
 
 PyObject* new_result(const Contents& f, const Shape& shape, npy_intp states) {
   npy_intp sizes[3];
@@ -224,6 +292,12 @@ bool take_run_time(const Contents& f, const Given& given, std::vector<Argument>&
     if (!given.run_time[r]) continue;
     const Owned numbers(numbers_of(given.run_time[r], input.size));
     if (!numbers || !take(f, numbers.get(), input.name, input.size, own[r])) return false;
+    for (npy_intp s = 0; input.holds != Holds::nothing && s < std::max<npy_intp>(own[r].states, own[r].states < 0); ++s)
+      if (!can_hold(
+              f.name, input.name, input.holds,
+              static_cast<const unsigned char*>(own[r].rows.first) + s * own[r].rows.step * static_cast<npy_intp>(f.scalar),
+              f.type, input.size, own[r].states < 0 ? -1 : s))
+        return false;
     per_state = per_state || own[r].states >= 0;
   }
   for (std::size_t r = 0; r < own.size(); ++r) {

@@ -41,6 +41,19 @@ bool prepare_results(const Contents& f, PyObject* out, npy_intp states, const st
 bool take_run_time(const Contents& f, const Given& given, std::vector<Argument>& own, npy_intp& states,
                    std::vector<unsigned char>& memory, StateRows& rows);
 
+// What a run-time input of that name holds.
+Holds held_by(PyObject* name);
+
+// Whether the numbers of a contact or loop are ones that can hold: where it acts none is infinite or NaN, no regularization and
+// no weight negative, a weld's anchor is turned somehow. who: whose argument it is, or null. False with an error set that names
+// the number. As a function of Python: of (name, float64 numbers).
+bool can_hold(PyObject* who, PyObject* name, Holds holds, const void* numbers, int type, npy_intp size, npy_intp state);
+PyObject* check_run_time_input(PyObject* module, PyObject* args);
+
+// Whether quaternions of q are no zeros: those turn nothing, and dynamics would be of no robot. states: -1 for one without an
+// axis. False with an error set that names the four numbers.
+bool are_quaternions(const Contents& f, const StateRows& q, npy_intp states);
+
 PyObject* new_result(const Contents& f, const Shape& shape, npy_intp states);
 
 }  // namespace dalembert::python

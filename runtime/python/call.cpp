@@ -198,6 +198,7 @@ PyObject* long_way(Contents& f, PyObject* const* args, Py_ssize_t given_count, P
   call.more = more.rows;
   Results results;
   if (!prepare_results(f, given.out, states, {&q, &v, &more}, results)) return nullptr;
+  if (!are_quaternions(f, call.q, states)) return nullptr;
   std::vector<void*> data;
   for (std::size_t i = 0; i < results.arrays.size(); ++i)
     data.push_back(PyArray_DATA((results.written_to[i] ? results.written_to[i] : results.arrays[i]).array()));
@@ -303,6 +304,7 @@ PyObject* call(PyObject* self, PyObject* const* args, std::size_t flagged, PyObj
   call.v.first = given > 1 ? plain(f, args[1], f.nv) : f.zeros.data();
   call.more.first = given > 2 ? plain(f, args[2], f.nv) : nullptr;
   if (!call.q.first || !call.v.first || (given > 2 && !call.more.first)) return long_way(f, args, given, keywords);
+  if (!are_quaternions(f, call.q, -1)) return nullptr;
   const Workspace workspace(f.single);
   if (!workspace.get()) return PyErr_NoMemory();
   if (f.run_time) call.run_time.first = PyArray_DATA(reinterpret_cast<PyArrayObject*>(f.run_time));

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "arguments.hpp"
 #include "function.hpp"
 #include "motions.hpp"
 #include "workers.hpp"
@@ -77,6 +78,7 @@ PyMethodDef module_functions[] = {
     {"open", open_library, METH_VARARGS, "A robot's compiled code, loaded."},
     {"has_constraint_status", has_constraint_status, METH_VARARGS, "Whether an entry of a library has one."},
     {"close_loops", close_loops, METH_VARARGS, "Rows of q whose embedded loops are closed, in place, and what is left."},
+    {"check_run_time_input", check_run_time_input, METH_VARARGS, "Refuses a contact's or loop's numbers that cannot hold."},
     {"integrate", integrate, METH_VARARGS, "Rows of q moved by rows of twists."},
     {"difference", difference, METH_VARARGS, "The twists that lead from rows of q to others."},
     {"threads", threads, METH_VARARGS, "How many threads share a batch; an argument sets it."},

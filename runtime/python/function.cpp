@@ -5,6 +5,7 @@
 
 #include <cstddef>
 
+#include "arguments.hpp"
 #include "call.hpp"
 #include "rollouts.hpp"
 
@@ -26,6 +27,7 @@ void deallocate(PyObject* self) {
       Py_XDECREF(code->library);
     }
     for (RunTimeInput& input : f->run_time_inputs) Py_DECREF(input.name);
+    for (Quaternion& quaternion : f->quaternions) Py_DECREF(quaternion.whose);
     for (PyObject* object :
          {f->find_batch, f->name, f->more, f->result_type, f->run_time, f->coordinates, f->doc, f->signature})
       Py_XDECREF(object);
@@ -47,13 +49,13 @@ bool read_shapes(PyObject* list, Contents& f) {
 }
 
 PyObject* new_function(PyTypeObject* type, PyObject* args, PyObject*) {
-  PyObject *library, *name, *more, *shapes, *result_type, *run_time, *run_time_inputs, *coordinates, *doc, *signature,
-      *find_batch;
+  PyObject *library, *name, *more, *shapes, *result_type, *run_time, *run_time_inputs, *coordinates, *quaternions, *doc,
+      *signature, *find_batch;
   int entry, needs_v, acceleration;
   Py_ssize_t nq, nv;
-  if (!PyArg_ParseTuple(args, "OiUOpnnO!OOO!O!UOOi", &library, &entry, &name, &more, &needs_v, &nq, &nv, &PyTuple_Type, &shapes,
-                        &result_type, &run_time, &PyTuple_Type, &run_time_inputs, &PyTuple_Type, &coordinates, &doc, &signature,
-                        &find_batch, &acceleration))
+  if (!PyArg_ParseTuple(args, "OiUOpnnO!OOO!O!O!UOOi", &library, &entry, &name, &more, &needs_v, &nq, &nv, &PyTuple_Type,
+                        &shapes, &result_type, &run_time, &PyTuple_Type, &run_time_inputs, &PyTuple_Type, &coordinates,
+                        &PyTuple_Type, &quaternions, &doc, &signature, &find_batch, &acceleration))
     return nullptr;
   const FunctionTable* const functions = table_of(library);
   if (!functions) return nullptr;
@@ -102,7 +104,13 @@ PyObject* new_function(PyTypeObject* type, PyObject* args, PyObject*) {
     PyObject* input;
     int at, size;
     if (!PyArg_ParseTuple(PyTuple_GET_ITEM(run_time_inputs, i), "Uii", &input, &at, &size)) return nullptr;
-    f->run_time_inputs.push_back({Py_NewRef(input), at, size});
+    f->run_time_inputs.push_back({Py_NewRef(input), at, size, held_by(input)});
+  }
+  for (Py_ssize_t i = 0; i < PyTuple_GET_SIZE(quaternions); ++i) {
+    PyObject* whose;
+    Py_ssize_t first;
+    if (!PyArg_ParseTuple(PyTuple_GET_ITEM(quaternions, i), "nU", &first, &whose)) return nullptr;
+    f->quaternions.push_back({first, Py_NewRef(whose)});
   }
   return self.release();
 }

@@ -23,9 +23,18 @@ struct Shape {
   npy_intp size[2] = {1, 1};
 };
 
+enum class Holds { nothing, contact, loop };
+
 struct RunTimeInput {
   PyObject* name;  // interned
   int at, size;
+  Holds holds;  // what the numbers say of
+};
+
+// Four numbers of q.
+struct Quaternion {
+  npy_intp first;
+  PyObject* whose;  // "the base's quaternion"
 };
 
 // A function of compiled code, and what calls of it need.
@@ -48,6 +57,7 @@ struct Contents {
            *doc = nullptr, *signature = nullptr;
   std::vector<Shape> shapes;
   std::vector<RunTimeInput> run_time_inputs;
+  std::vector<Quaternion> quaternions;
   std::vector<double> zeros;  // where v is not read and not given
   const char* text() const { return PyUnicode_AsUTF8(name); }
 };

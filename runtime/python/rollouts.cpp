@@ -186,6 +186,7 @@ PyObject* roll_out(PyObject* self, PyObject* args) {
   if (!prepare_results(of_rollout, out == Py_None ? nullptr : out, motions, {&q, &v, &acting.array, &switching.active.array},
                        results))
     return nullptr;
+  if (!are_quaternions(of_rollout, q.rows, q.states >= 0 ? motions : -1)) return nullptr;
   npy_intp count = many ? motions : 1;
   Owned status(PyArray_SimpleNew(1, &count, NPY_INT32));
   if (!status) return nullptr;

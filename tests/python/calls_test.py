@@ -262,6 +262,47 @@ class ConstraintStatuses(unittest.TestCase):
         self.assertGreater(alone.least_pivot.min(), 1e-6)
         self.assertEqual(alone.rank.tolist(), [6] * len(q))
 
+    def test_weights_that_are_none(self):
+        """By their ratio alone; a negative one counts as zero and is told, or refused where it is given as a whole."""
+        r, (q, v, a) = self.robot, (self.Q[0], self.V[0], self.TAU[0])
+        off = dict(contact_again=dalembert.Contact(active=False), return_constraint_status=True)
+        expected, _ = r.constrained_inverse_dynamics(q, v, a, **off)
+        for weight in (1e-308, 1e300):
+            tau, told = r.constrained_inverse_dynamics(q, v, a, contact_held=dalembert.Contact(weight=(weight,) * 6), **off)
+            np.testing.assert_allclose(tau, expected, rtol=0, atol=1e-9 * np.abs(expected).max())
+            self.assertEqual(told.rank, 6)
+        again = copy.deepcopy(r)
+        again.contact_held[18] = -1
+        tau, told = again.constrained_inverse_dynamics(q, v, a, return_constraint_status=True)
+        self.assertTrue(np.isfinite(tau).all())
+        self.assertEqual(told.least_pivot, -1)
+
+    def test_numbers_that_cannot_hold_are_refused(self):
+        r, (q, v, tau) = copy.deepcopy(self.robot), (self.Q[0], self.V[0], self.TAU[0])
+        Contact, inf, nan = dalembert.Contact, np.inf, np.nan
+        with_last = lambda x: (1, 1, 1, 1, 1, x)
+        before = r.contact_held.tolist()
+        for text, contact in (
+                (r"contact_held: kp is inf, expected a finite number", Contact(kp=inf)), (r"kd is nan", Contact(kd=nan)),
+                (r"active is nan, expected true or false", Contact(active=nan)), (r"restitution is -inf", Contact(restitution=-inf)),
+                (r"anchor\[2\] is inf", Contact(anchor=(0, 0, inf, 0, 0, 0, 1))),
+                (r"anchor\[6\] is 0.0, expected a quaternion x y z w in anchor\[3\]", Contact(kp=1, anchor=(0,) * 7)),
+                (r"regularization\[5\] is inf, expected a finite number, zero or more", Contact(regularization=with_last(inf))),
+                (r"regularization\[5\] is -0.1", Contact(regularization=with_last(-0.1))),
+                (r"weight\[5\] is nan", Contact(weight=with_last(nan))), (r"weight\[5\] is -1.0", Contact(weight=with_last(-1)))):
+            with self.subTest(text), self.assertRaisesRegex(ValueError, text):
+                r.contact_held = contact
+            with self.subTest(text), self.assertRaisesRegex(ValueError, "^constrained_forward_dynamics: contact_held: "):
+                r.constrained_forward_dynamics(q, v, tau, contact_held=contact)
+        self.assertEqual(r.contact_held.tolist(), before)
+        with self.assertRaisesRegex(ValueError, r"contact_held: kp of state 1 is inf"):
+            r.constrained_forward_dynamics(self.Q[:2], v, tau, contact_held=[Contact(), Contact(kp=inf)])
+        with self.assertRaisesRegex(ValueError, r"contact_again: weight\[2\] is inf"):
+            r.contact_again = Contact(weight=(1, 1, inf, inf, inf, inf))
+        r.contact_held = Contact(active=False, kp=nan, weight=(-1,) * 6)  # what is off holds nothing
+        r.contact_again = Contact(anchor=(0,) * 7)  # a point has no turn
+        self.assertTrue(np.isfinite(r.constrained_forward_dynamics(q, v, tau)).all())
+
     def test_of_several_quantities(self):
         r, at = self.robot, (self.Q, self.V)
         names = ["constrained_forward_dynamics", "constraint_forces"]
@@ -657,6 +698,36 @@ class States(unittest.TestCase):
                                   (AttributeError, "loaded without 'inverse_mass_matrix'", lambda: double.minv)):
             with self.subTest(text), self.assertRaisesRegex(error, text):
                 call()
+
+    def test_quaternions_of_zeros_are_refused(self):
+        """By name: they turn nothing, and what came of them would be numbers like any others."""
+        rng = np.random.default_rng(4)
+        good, zero, v = double.random(rng, 3), np.zeros(double.nq), np.zeros(double.nv)
+        some = good.copy()
+        some[1, 3:7] = 0
+        base = r"q\[3\] to q\[6\]{}, the base's quaternion, are zero, expected a unit quaternion x y z w"
+        out = np.full((double.nv, double.nv), 7.0)
+        for text, call in (("mass_matrix: " + base.format(""), lambda: double.mass_matrix(zero)),
+                           ("mass_matrix: " + base.format(""), lambda: double.mass_matrix(zero, out=out)),
+                           ("mass_matrix: " + base.format(""), lambda: double.mass_matrix(list(zero))),
+                           ("mass_matrix: " + base.format(" of state 1"), lambda: double.mass_matrix(some)),
+                           ("mass_matrix: " + base.format(" of state 0"), lambda: double.mass_matrix(np.broadcast_to(zero, (3, double.nq)))),
+                           (base.format(""), lambda: double.evaluate(zero, v)),
+                           (base.format(""), lambda: double.both(zero, v)),
+                           ("forward_dynamics_rollout: " + base.format(""), lambda: double.forward_dynamics_rollout(zero, v, steps=1, time_step=0.1)),
+                           (base.format(" of state 1"), lambda: double.forward_dynamics_rollout(some, v, steps=1, time_step=0.1)),
+                           (base.format(""), lambda: double.integrate(zero, v)),
+                           (base.format(" of state 1").replace("q", "end", 2), lambda: double.difference(good, some))):
+            with self.subTest(text), self.assertRaisesRegex(ValueError, text):
+                call()
+        self.assertTrue((out == 7).all())
+        self.assertTrue(np.isnan(double.both(np.full(double.nq, np.nan), v).pose_link_02).any())
+        balls = dalembert.load(robots.robot("double_pendulum"), base="fixed", joints={"link_02_joint": "spherical"}, scalar="float",
+                               outputs=["mass_matrix"], flags=robots.quick, batch=False)
+        self.assertEqual(balls.mass_matrix(balls.neutral()).shape, (4, 4))
+        with self.assertRaisesRegex(ValueError, r"q\[1\] to q\[4\], the quaternion of joint 'link_02_joint', are zero"):
+            balls.mass_matrix(np.zeros(5, np.float32))
+
 
     def test_functions_called_like_something_of_every_robot(self):
         """They are robot["name"] alone, and the warning says so; the robot's own stays what it is."""

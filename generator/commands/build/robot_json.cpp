@@ -96,9 +96,11 @@ std::string robot_json(const Library& library, const Request& request, const Com
     velocity.push_back(number(limits.velocity));
     effort.push_back(number(limits.effort));
   }
-  std::vector<std::string> quaternions;
+  std::vector<std::string> quaternions, turning;
   for (const auto& [q, v, slides] : tree.quaternion_joints())
     quaternions.push_back(fmt::format("[{}, {}, {}]", q, v, slides ? 1 : 0));
+  for (const ir::Body& body : tree.bodies)
+    if (body.has_quaternion()) turning.push_back(body.of);
   for (const ir::LinkPlacement& link : tree.links) links.push_back(link.link);
   const std::vector<int> such = alike(warnings);
   for (size_t i = 0; i < warnings.size(); ++i)
@@ -111,15 +113,16 @@ std::string robot_json(const Library& library, const Request& request, const Com
   return fmt::format(
       "{{\n  \"command_line\": {},\n  \"robot\": {},\n  \"name\": {},\n  \"file\": {},\n  \"base\": \"{}\",\n  \"base_link\": "
       "{},\n  \"nq\": {},\n"
-      "  \"nv\": {},\n  \"scalar\": \"{}\",\n  \"quaternions\": {},\n  \"joints\": {},\n  \"joint_types\": {},\n  \"bodies\": "
+      "  \"nv\": {},\n  \"scalar\": \"{}\",\n  \"quaternions\": {},\n  \"quaternion_joints\": {},\n  \"joints\": {},\n  "
+      "\"joint_types\": {},\n  \"bodies\": "
       "{},\n  \"links\": {},\n"
       "  \"lower\": {},\n  \"upper\": {},\n  \"velocity\": {},\n  \"effort\": {},\n  \"functions\": {},\n  \"run_time\": {},\n"
       "  \"compiled_by\": {},\n  \"code_bytes\": {},\n  \"said\": {}\n}}\n",
       json_string(command), json_string(tree.robot), json_string(model.name), json_string(request.robot),
       ir::row_of(tree.base_joint).word, json_string(tree.base_link), tree.nq(), tree.nv(),
-      model.scene.scalar == ir::ScalarType::float32 ? "float32" : "float64", array(quaternions), json_array(joints),
-      json_array(types), json_array(ir::names_of_links(tree)), json_array(links), array(lower), array(upper), array(velocity),
-      array(effort), functions_json(library), run_time_json(model),
+      model.scene.scalar == ir::ScalarType::float32 ? "float32" : "float64", array(quaternions), json_array(turning),
+      json_array(joints), json_array(types), json_array(ir::names_of_links(tree)), json_array(links), array(lower),
+      array(upper), array(velocity), array(effort), functions_json(library), run_time_json(model),
       json_string(fmt::format("{}", fmt::join(compiler_and_flags(options), " "))), code_bytes, array(said));
 }
 

@@ -283,6 +283,8 @@ class Robot:
             compiled_by=facts["compiled_by"],
             notices=tuple(text for _, text, _ in facts["said"]),
             _quaternions=numpy.array(facts["quaternions"], dtype=numpy.int64).reshape(-1, 3),
+            _turning=tuple(["the base's quaternion"] * (facts["base"] == "floating") +
+                           [f"the quaternion of joint '{joint}'" for joint in facts["quaternion_joints"]]),
         )
         for key, name in (("lower", "lower_limits"), ("upper", "upper_limits"), ("velocity", "velocity_limits"),
                           ("effort", "effort_limits")):
@@ -305,6 +307,7 @@ class Robot:
                 "about z"] if self.floating_base else []
         coordinates = tuple([f"{b} (v[{i}])" for i, b in enumerate(base)] +
                             [f"joint '{j}' (v[{len(base) + i}])" for i, j in enumerate(self.joint_names)])
+        quaternions = tuple(zip(self._first_of_quaternions(), self._turning))
         run_time = tuple((name, at, size) for name, (at, size, _, _) in self._run_time_at.items())
         whole, single, results, scene_functions, callable_functions = {}, {}, {}, {}, []
         self.__dict__["_folders"] = {}
@@ -316,7 +319,7 @@ class Robot:
             made = _core.Function(
                 library, f["entry"], name, f["takes"] or None, f["reads_velocities"], self.nq, self.nv,
                 tuple(tuple(r["shape"]) for r in f["results"]), None if one else _results_type(f["name"], fields),
-                self._run_time if run_time else None, run_time, coordinates, self._docstring(f, one, solves), self._signature(f, run_time, solves),
+                self._run_time if run_time else None, run_time, coordinates, quaternions, self._docstring(f, one, solves), self._signature(f, run_time, solves),
                 functools.partial(batches.find, f["part"], f["batch_entry"]) if batches and f["batch_entry"] >= 0 else None,
                 f["acceleration"])
             if one or f["named"]:
@@ -510,6 +513,7 @@ class Robot:
         value = numpy.asarray(value)
         if value.shape != (size,) or value.dtype.kind not in "biuf":
             raise ValueError(f"{name} has shape {value.shape} and dtype {value.dtype}, expected ({size},): {text}, {unit}")
+        _core.check_run_time_input(name, numpy.ascontiguousarray(value, dtype=float))
         self._run_time[at:at + size] = value
 
     # ---- States
@@ -572,6 +576,12 @@ class Robot:
                     raise ValueError(f"{name} has {len(value)} states, and others have {count}")
                 count = len(value)
             rows.append(value.astype(numpy.float64, copy=False))
+            for first, whose in zip(self._first_of_quaternions(), self._turning) if size == self.nq else ():
+                zero = ~rows[-1][..., first:first + 4].any(-1)
+                if zero.any():
+                    of = f" of state {zero.argmax()}" if value.ndim == 2 else ""
+                    raise ValueError(f"{name}[{first}] to {name}[{first + 3}]{of}, {whose}, are zero, expected a unit quaternion x y z w, such "
+                                     "as 0 0 0 1: neutral() has it")
         n = 1 if count is None else count
         return [numpy.require(numpy.broadcast_to(r, (n, r.shape[-1])), requirements="CA") for r in rows], count is None
 
