@@ -16,6 +16,11 @@ install(EXPORT dalembert_targets NAMESPACE dalembert:: DESTINATION ${package_dir
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/dalembert-config.cmake.in
   ${PROJECT_BINARY_DIR}/dalembert-config.cmake INSTALL_DESTINATION ${package_dir})
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/dalembert-config-version.cmake COMPATIBILITY SameMinorVersion)
+# The same of this build, as it stands: -Ddalembert_DIR=<this build folder>.
+export(EXPORT dalembert_targets NAMESPACE dalembert:: FILE "${PROJECT_BINARY_DIR}/dalembert_targets.cmake")
+foreach(file dalembert_add_robot.cmake dalembert_check_compiler.cmake)
+  configure_file(${CMAKE_CURRENT_LIST_DIR}/${file} ${PROJECT_BINARY_DIR}/${file} COPYONLY)
+endforeach()
 install(FILES ${PROJECT_BINARY_DIR}/dalembert-config.cmake ${PROJECT_BINARY_DIR}/dalembert-config-version.cmake
               ${CMAKE_CURRENT_LIST_DIR}/dalembert_add_robot.cmake ${CMAKE_CURRENT_LIST_DIR}/dalembert_check_compiler.cmake
         DESTINATION ${package_dir})

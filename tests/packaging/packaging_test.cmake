@@ -110,6 +110,20 @@ run_well("configure a library with a robot" ${CMAKE_COMMAND} -S "${WORK}/exporte
 run_well("build it" ${CMAKE_COMMAND} --build "${WORK}/exported/build")
 run_well("install it" ${CMAKE_COMMAND} --install "${WORK}/exported/build" --prefix "${WORK}/exported/prefix")
 
+# Without installing: from the build folder.
+file(WRITE "${WORK}/from_build/main.cpp" "#include \"arm/dynamics.hpp\"\nint main() { return arm::nv - 2; }\n")
+file(WRITE "${WORK}/from_build/CMakeLists.txt" "cmake_minimum_required(VERSION 3.25)
+project(from_build LANGUAGES CXX)
+find_package(dalembert REQUIRED)
+dalembert_add_robot(arm URDF \"${urdf}\" OPTIONS --base fixed)
+add_executable(from_build main.cpp)
+target_link_libraries(from_build PRIVATE arm)
+")
+run_well("configure on the build folder" ${CMAKE_COMMAND} -S "${WORK}/from_build" -B "${WORK}/from_build/build" -G "${GENERATOR}"
+         "-DCMAKE_CXX_FLAGS=${CXX_FLAGS}" "-Ddalembert_DIR=${BUILD}")
+run_well("build on it" ${CMAKE_COMMAND} --build "${WORK}/from_build/build")
+run_well("run that" "${WORK}/from_build/build/from_build")
+
 run_well("build again" ${CMAKE_COMMAND} --build "${WORK}/build")
 if(output MATCHES "Generating|Building")
   message(FATAL_ERROR "nothing changed, and yet something was built again")
