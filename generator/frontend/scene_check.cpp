@@ -263,26 +263,52 @@ class SceneCheck {
       for (const ir::Joint& joint : robot_.joints)
         if (joint.mimic && moves(joint)) scene_.mimic.emplace(joint.name, *joint.mimic);
     for (const auto& [name, relation] : scene_.mimic) {
-      const std::string key = document_.urdf_mimic ? "mimic" : "mimic/" + name;
-      const std::string of = document_.urdf_mimic ? key : key + part_of_entry + "of";
-      if (relation.of.empty()) {
-        error(key, fmt::format("the URDF's <mimic> of joint '{}' names no joint", name),
-              "correct it in the URDF, or write the relations in the scene");
+      const std::string key = "mimic/" + name, of = key + part_of_entry + "of";
+      if (document_.urdf_mimic ? !sound_in_urdf(name, relation) : !free_joint(key, name) || !free_joint(of, relation.of))
         continue;
-      }
-      if (!free_joint(key, name) || !free_joint(of, relation.of)) continue;
       if (!of_one_coordinate(key, name) || !of_one_coordinate(of, relation.of)) continue;
       if (relation.of == name) error(key, fmt::format("joint '{}' drives itself", name), "name another joint as its driver");
       else if (scene_.mimic.count(relation.of))
         error(key, fmt::format("joint '{}' mimics '{}', which is a mimic joint itself", name, relation.of),
               "name the joint at the end of the chain as the driver, which has a coordinate of its own");
-      if (!std::isfinite(relation.multiplier) || !std::isfinite(relation.offset))
-        error(key, fmt::format("the URDF's <mimic> of joint '{}' has no finite multiplier and offset", name),
-              "correct it in the URDF, or write the relations in the scene");
       if (relation.multiplier == 0)
         error(key, fmt::format("the multiplier of joint '{}' is zero: it would not move", name),
               fmt::format("lock it at its offset instead: locked: {{{}: {}}}", name, relation.offset));
     }
+  }
+
+  // Whether the URDF's <mimic> of a joint that moves has numbers, and names another that moves.
+  bool sound_in_urdf(const std::string& name, const ir::Mimic& relation) {
+    const std::string otherwise = "in the URDF, or write the relations in the scene: mimic: {joint: {of: other_joint}}";
+    const auto refuse = [&](const std::string& message, const std::string& remedy) {
+      error("mimic/" + name, message, remedy);
+      return false;
+    };
+    if (relation.of.empty()) return refuse("its <mimic> names no joint", "correct it " + otherwise);
+    if (!std::isfinite(relation.multiplier) || !std::isfinite(relation.offset))
+      return refuse("its <mimic> has no finite multiplier and offset", "correct it " + otherwise);
+    const auto driver = joints_.find(relation.of);
+    if (driver == joints_.end()) {
+      std::vector<std::string> others;  // that have a coordinate of their own
+      for (const ir::Joint& joint : robot_.joints)
+        if (moves(joint) && !scene_.mimic.count(joint.name)) others.push_back(joint.name);
+      return refuse(
+          fmt::format("it follows joint '{}', which does not exist", relation.of),
+          fmt::format("correct its <mimic> {}; {}", otherwise, other_kind(relation.of, suggestion(relation.of, others))));
+    }
+    const ir::Joint& joint = robot_.joints[static_cast<size_t>(driver->second)];
+    if (is_cut(joint))
+      return refuse(fmt::format("it follows joint '{}', which is cut off", relation.of),
+                    fmt::format("cut it off too, lock it, or take the link that '{}' belongs to out of 'cut'", relation.of));
+    if (joint.type == ir::JointType::fixed)
+      return refuse(
+          fmt::format("it follows joint '{}', which is fixed", relation.of),
+          fmt::format("lock it too: locked: {{{}: {}}}; or correct its <mimic> {}", name, relation.offset, otherwise));
+    if (const auto locked = scene_.locked.find(relation.of); locked != scene_.locked.end())
+      return refuse(fmt::format("it follows joint '{}', which is locked", relation.of),
+                    fmt::format("lock it too: locked: {{{}: {}}}; or unlock '{}'", name,
+                                relation.multiplier * locked->second + relation.offset, relation.of));
+    return true;
   }
 
   // A driven joint's spring would not be at rest where its driver's is.
@@ -585,6 +611,12 @@ class SceneCheck {
   }
 
   Place place_of(const std::string& where) const {
+    constexpr std::string_view of_mimic = "mimic/";
+    if (document_.urdf_mimic && where.starts_with(of_mimic)) {
+      const std::string name = where.substr(of_mimic.size(), where.find(part_of_entry) - of_mimic.size());
+      return {robot_.file,
+              fmt::format("joint '{}' (line {})", name, robot_.joints[static_cast<size_t>(joints_.at(name))].line)};
+    }
     auto found = document_.places.find(where);
     if (found == document_.places.end()) found = document_.places.find(where.substr(0, where.find('/')));
     if (found != document_.places.end()) return found->second;

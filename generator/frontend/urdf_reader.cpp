@@ -114,6 +114,7 @@ ir::Joint joint(const JointOutline& from) {
   joint.friction = from.friction;
   joint.mimic = from.mimic;
   joint.limits = from.limits;
+  joint.line = from.line;
   return joint;
 }
 

@@ -64,6 +64,7 @@ struct Joint {
   double friction = 0;                                       // <dynamics friction>, N m or N; NaN: no number
   std::optional<Mimic> mimic;
   Limits limits;
+  int line = 0;  // of the file
 };
 
 struct RobotDescription {

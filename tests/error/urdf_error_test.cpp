@@ -246,6 +246,8 @@ const Case doubts[] = {
      "joint 'k': warning: its <mimic> is left out: it is a joint of its own; ask for it with mimic: urdf in the scene"},
     {"mimic_on_fixed_joint",
      "joint 'k': warning: its <mimic> is left out: it is a joint of its own; ask for it with mimic: urdf in the scene"},
+    {"mimic_of_others",
+     "joints 'a', 'b', 'l_finger': warning: their <mimic> is left out: they are joints of their own; ask for it with mimic: urdf in the scene"},
     {"mimic_without_joint",
      "joint 'j': warning: its <mimic> is left out: it is a joint of its own; ask for it with mimic: urdf in the scene"},
     {"negative_by_rounding",
@@ -402,9 +404,17 @@ const Use uses[] = {
      "option --damping: error: the URDF's damping of joint 'j' is no finite number; correct it in the URDF, or give values: damping: {joint: value}", ""},
     {"malformed_mimic_asked_for", "malformed_mimic", {"--mimic", "urdf"}, 2,
      "joint 'k' (line 29): warning: <mimic multiplier=\"twice\"> is not a number: it is not used; write finite decimal numbers such as 0.25 or 1e-3\n"
-     "option --mimic: error: the URDF's <mimic> of joint 'k' has no finite multiplier and offset; correct it in the URDF, or write the relations in the scene", ""},
+     "joint 'k' (line 25): error: its <mimic> has no finite multiplier and offset; correct it in the URDF, or write the relations in the scene: mimic: {joint: {of: other_joint}}", ""},
     {"mimic_of_nobody_asked_for", "mimic_without_joint", {"--mimic", "urdf"}, 2,
-     "option --mimic: error: the URDF's <mimic> of joint 'j' names no joint; correct it in the URDF, or write the relations in the scene", ""},
+     "joint 'j' (line 14): error: its <mimic> names no joint; correct it in the URDF, or write the relations in the scene: mimic: {joint: {of: other_joint}}", ""},
+    {"mimic_of_joints_that_do_not_move", "mimic_of_others", {"--mimic", "urdf", "--base", "fixed", "--locked", "r=0.5"}, 2,
+     "joint 'a' (line 12): error: it follows joint 'r', which is locked; lock it too: locked: {a: -0.9}; or unlock 'r'\n"
+     "joint 'b' (line 18): error: it follows joint 'f', which is fixed; lock it too: locked: {b: 0.2}; or correct its <mimic> in the URDF, or write the relations in the scene: mimic: {joint: {of: other_joint}}\n"
+     "joint 'l_finger' (line 24): error: it follows joint 'finger', which does not exist; correct its <mimic> in the URDF, or write the relations in the scene: mimic: {joint: {of: other_joint}}; there is none to choose from", ""},
+    {"mimic_of_what_is_cut_off", "mimic_of_others", {"--mimic", "urdf", "--base", "fixed", "--cut", "rl", "--locked", "b,l_finger"}, 2,
+     "joint 'a' (line 12): error: it follows joint 'r', which is cut off; cut it off too, lock it, or take the link that 'r' belongs to out of 'cut'", ""},
+    {"mimic_of_nobody_there", "mimic_of_others", {"--mimic", "urdf", "--base", "fixed", "--locked", "b"}, 2,
+     "joint 'l_finger' (line 24): error: it follows joint 'finger', which does not exist; correct its <mimic> in the URDF, or write the relations in the scene: mimic: {joint: {of: other_joint}}; choose from r", ""},
     {"mimic_on_fixed_joint_asked_for", "mimic_on_fixed_joint", {"--mimic", "urdf", "--base", "fixed"}, 0,
      "joint 'f': warning: a fixed joint follows no other: <mimic> is left out; remove it there, or give the joint another type",
      "nq = 1, nv = 1"},
