@@ -9,7 +9,10 @@
 #include <cerrno>
 #include <cstdio>
 #include <memory>
+#include <sstream>
+#include <string_view>
 
+#include "frontend/numbers.hpp"
 #include "frontend/sdf_reader.hpp"
 #include "frontend/text_file.hpp"
 #include "frontend/urdf_reader.hpp"
@@ -31,12 +34,30 @@ std::string text_of(std::FILE* file) {
   return text;
 }
 
-// The last line that says something: of a trace of Python's, the exception.
-std::string last_line(const std::string& text) {
-  const size_t end = text.find_last_not_of(" \n\t");
-  if (end == text.npos) return "it says nothing";
-  const size_t begin = text.find_last_of('\n', end);
-  return text.substr(begin + 1, end - begin);  // npos + 1: from the beginning
+// Why xacro fails, in one line. xacro says what is wrong first ("error: name 'm' is not defined"), then where it was met ("when
+// evaluating expression 'm'"), up to the file, which is told only where it is another one. Anything else ends with what
+// matters: of a trace of Python's, the exception.
+std::string cause(const std::string& text, const std::string& path) {
+  constexpr std::string_view error = "error: ", of_xml = "XML parsing error: ";
+  std::istringstream lines(text);
+  std::string said, last;
+  bool what = false;  // whether lines say what is wrong, and not yet where
+  for (std::string line; std::getline(lines, line);) {
+    line = std::string(trimmed(line));
+    if (!line.empty()) last = line;
+    if (said.empty()) {
+      what = line.starts_with(error) || line.starts_with(of_xml);
+      if (what) said = line.starts_with(error) ? line.substr(error.size()) : line;
+      continue;
+    }
+    if (line.empty()) break;  // general advice follows
+    const bool file = line.starts_with("when processing file: ") || line.starts_with("in file: ");
+    const bool where = file || line.starts_with("when ");
+    what = what && !where;
+    if (what || (where && !(file && line.ends_with(": " + path)))) said += ", " + line;
+  }
+  if (!said.empty()) return said;
+  return last.empty() ? "it says nothing" : last;
 }
 
 }  // namespace
@@ -67,7 +88,7 @@ std::string expanded_xacro(const std::string& path) {
     refuse("the program xacro is not installed, and the file has to be expanded",
            "install ROS's xacro and put it on PATH, or expand the file elsewhere: xacro FILE > robot.urdf");
   if (status != 0)
-    refuse("xacro fails: " + last_line(text_of(err.get())),
+    refuse("xacro fails: " + cause(text_of(err.get()), path),
            "correct the file; where it needs arguments, run xacro yourself: xacro FILE NAME:=VALUE > robot.urdf");
   return text_of(out.get());
 }

@@ -314,6 +314,35 @@ class Xacro(Folder):
         self.assertEqual((status, out), (2, ""))
         self.assertIn("xacro fails: XacroException: no such macro", said)
 
+    def said_of(self, robot, *lines):
+        """What is said where xacro prints these lines and fails."""
+        self.write("said", "\n".join(lines) + "\n")
+        self.write("xacro", f'#!/bin/sh\n/bin/cat "{self.folder}/said" >&2\nexit 2\n').chmod(0o755)
+        status, out, said = run("info", robot, path=str(self.folder))
+        self.assertEqual((status, out), (2, ""))
+        self.assertEqual(said.count("\n"), 1, said)
+        return re.search("xacro: error: xacro fails: (.*); correct the file; where it needs arguments", said)[1]
+
+    def test_it_is_said_why_it_fails(self):
+        robot = self.write("a.xacro", "<robot/>")
+        here = f"when processing file: {robot}"
+        self.assertEqual(self.said_of(robot, "error: Undefined substitution argument base", here),
+                         "Undefined substitution argument base")
+        self.assertEqual(self.said_of(robot, "warning: redefining global symbol: pi", "error: name 'm' is not defined ",
+                                      "when evaluating expression 'm'", here),
+                         "name 'm' is not defined, when evaluating expression 'm'")
+        self.assertEqual(self.said_of(robot, "error: Undefined parameters [b]", "when instantiating macro: leg (legs.xacro)",
+                                      "instantiated from: robot (a.xacro)", f"in file: {robot}"),
+                         "Undefined parameters [b], when instantiating macro: leg (legs.xacro)")
+        self.assertEqual(self.said_of(robot, "error: circular variable definition: a -> b -> a", "Consider lazy_eval ",
+                                      "when evaluating expression 'a'", here),
+                         "circular variable definition: a -> b -> a, Consider lazy_eval, when evaluating expression 'a'")
+        self.assertEqual(self.said_of(robot, "XML parsing error: not well-formed (invalid token): line 1, column 74",
+                                      "when processing file: b.xacro", f"included from: {robot}", "", "Check that:",
+                                      " - Your XML is well-formed"),
+                         "XML parsing error: not well-formed (invalid token): line 1, column 74, when processing file: b.xacro")
+        self.assertEqual(self.said_of(robot, ""), "it says nothing")
+
 
 class Tables(unittest.TestCase):
     def help_of(self, *words):
