@@ -97,15 +97,14 @@ Eigen::Matrix3d inertia(ElementReader& read, const TiXmlElement& inertial) {
 
 ir::JointType joint_type(ElementReader& read, const TiXmlElement& element) {
   const ir::JointWords words = ir::urdf_joint_words(), of_scenes = ir::joint_words();
-  std::vector<std::string> usual;  // a robot is seldom written with what only its root has
-  for (const auto& [word, type] : words)
-    if (!ir::row_of(type).has_quaternion()) usual.push_back(word);
-  const std::string last = usual.back();
-  usual.pop_back();
-  const std::string name = read.required(element, "type",
-                                         fmt::format("write type=\"{}\", {} or {}", usual.front(),
-                                                     fmt::join(usual.begin() + 1, usual.end(), ", "), last))
-                               .value_or("");
+  std::vector<std::string> all;
+  for (const auto& [word, type] : words) all.push_back(word);
+  const std::string last = all.back();
+  all.pop_back();
+  const std::string name =
+      read.required(element, "type",
+                    fmt::format("write type=\"{}\", {} or {}", all.front(), fmt::join(all.begin() + 1, all.end(), ", "), last))
+          .value_or("");
   const auto among = [&](const ir::JointWords& these) {
     return std::find_if(these.begin(), these.end(), [&](const auto& row) { return row.first == name; });
   };
@@ -114,7 +113,7 @@ ir::JointType joint_type(ElementReader& read, const TiXmlElement& element) {
     read.error(element, fmt::format("joints of type '{}' are not supported", name),
                among(of_scenes) != of_scenes.end() || name == "ball" || name == "screw"
                    ? "write a type of URDF's, and what the joint is in the scene: joints: {joint: ...}"
-                   : fmt::format("use {} or {}", fmt::join(usual, ", "), last));
+                   : fmt::format("use {} or {}", fmt::join(all, ", "), last));
   return ir::JointType::fixed;
 }
 
