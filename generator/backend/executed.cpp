@@ -1,7 +1,6 @@
 #include "backend/executed.hpp"
 
 #include <algorithm>
-#include <set>
 #include <vector>
 
 #include "backend/emit_driven.hpp"
@@ -60,14 +59,11 @@ void add_projections(const CodeInput& code, ir::Operations& sum) {
   }
 }
 
-// Of joints' results: driven joints' are added to their drivers'.
+// Of joints' results: driven joints' are added to their drivers', and those of a loop's second link to its first's.
 long added_results(const CodeInput& code) {
   long additions = driven_additions(code) + static_cast<long>(code.rolled.added.size());
-  for (const ir::JointResult& joints : code.rolled.results) {
-    std::set<int> elements;
-    for (const auto& e : joints.elements) elements.insert(e.at);
-    additions += static_cast<long>(joints.elements.size() - elements.size());
-  }
+  for (const ir::JointResult& joints : code.rolled.results)
+    additions += std::count_if(joints.elements.begin(), joints.elements.end(), [](const auto& e) { return !e.first; });
   return additions;
 }
 

@@ -92,6 +92,12 @@ const Case cases[] = {
     {"slides", "gantry_arms", "rolled", {{"outputs", everything}, {"base", "fixed"}}},
     {"fingers", "hand", "rolled", {{"base", "fixed"}}},
     {"legs", "hexapod", "rolled", {{"outputs", everything}}},
+    {"loop_of_driven_arms",
+     "mahru",
+     "rolled",
+     {{"outputs", "constraint_jacobian"},
+      {"loops", "{grip: {links: [left_hand, right_hand], type: point}}"},
+      {"mimic", "{right_elbow: {of: left_elbow}}"}}},
 };
 
 Model model_of(const Case& c) {
