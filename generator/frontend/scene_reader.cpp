@@ -16,6 +16,7 @@
 #include "frontend/text_file.hpp"
 #include "frontend/yaml_text.hpp"
 #include "ir/aliases.hpp"
+#include "ir/magnitudes.hpp"
 #include "ir/plan_words.hpp"
 #include "ir/rotation.hpp"
 
@@ -70,6 +71,8 @@ class SceneReader {
 
   void read(const std::string& key, const YamlNode& name, const YamlNode& value) {
     key_ = key;
+    entry_.clear();
+    document_.largest.erase(key);
     for (const Key& known : keys()) {
       if (key != known.name) continue;
       document_.given.insert(key);
@@ -758,6 +761,8 @@ class SceneReader {
     const std::optional<double> value = parse_number(node.scalar);
     if (!value || !std::isfinite(*value))
       refuse(node, fmt::format("'{}' is not a finite number", node.scalar), "write a finite decimal number");
+    if (SceneDocument::Number& largest = document_.largest[key_]; std::abs(*value) > largest.size)
+      largest = {std::abs(*value), node.scalar, entry_, place(node)};
     return *value;
   }
 
@@ -820,6 +825,7 @@ class SceneReader {
     std::string entry = key_ + "/";
     if (!inside.empty()) entry += inside + part_of_entry;
     entry += node.scalar;
+    entry_ = inside.empty() ? node.scalar : inside;
     if (!document_.places.emplace(entry, place(node)).second)
       refuse(node, fmt::format("'{}' is given twice", node.scalar), "keep one of them");
     return node.scalar;
@@ -831,8 +837,24 @@ class SceneReader {
   SceneDocument& document_;
   ir::Scene& scene_;
   std::string file_;
-  std::string key_;
+  std::string key_, entry_;  // entry: the last that was named
 };
+
+// Which number type there is to be is known behind the last key.
+void check_magnitudes(const SceneDocument& document) {
+  Diagnostics errors;
+  for (const std::string& key : scene_keys()) {
+    const auto found = document.largest.find(key);
+    if (found == document.largest.end() || found->second.size <= ir::largest_of(document.scene.scalar)) continue;
+    const auto& [size, text, entry, place] = found->second;
+    add_error(errors,
+              {Severity::error, place.file, place.element,
+               fmt::format("the number {}{} is larger in size than {}", text,
+                           entry.empty() ? "" : fmt::format(" of '{}'", entry), ir::largest_in_words(document.scene.scalar)),
+               "correct the number: lengths are m, masses kg, angles rad"});
+  }
+  if (!errors.empty()) throw InputError(errors);
+}
 
 void read_file(SceneDocument& document, const std::string& file, const std::string& text) {
   std::optional<YamlNode> root;
@@ -887,6 +909,7 @@ SceneDocument read_scene_text(const std::string& file, const std::string& text, 
     }
     SceneReader(document, "").read(setting.key, scalar_node(setting.key), value);
   }
+  check_magnitudes(document);
   return document;
 }
 

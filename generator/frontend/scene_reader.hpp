@@ -49,6 +49,13 @@ struct SceneDocument {
   std::vector<ir::Frame> placed_by_functions;                  // frames that stand in functions
   // "locked" for a key, "locked/l_knee" for an entry of it, "mimic/l_knee" + part_of_entry + "of" for a part of that
   std::map<std::string, Place> places;
+  // Per key the largest number that it holds, whatever is made of it, and of which entry, if of one.
+  struct Number {
+    double size = 0;
+    std::string text, entry;
+    Place place;
+  };
+  std::map<std::string, Number> largest;
 };
 
 // `file`: empty when there is none. Throws InputError at the first unknown key or value, with line and column and a remedy.

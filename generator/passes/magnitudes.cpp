@@ -6,6 +6,7 @@
 #include <initializer_list>
 
 #include "diagnostics.hpp"
+#include "ir/magnitudes.hpp"
 
 namespace dalembert::passes {
 
@@ -21,23 +22,24 @@ struct Range {
   }
   bool holds(const ir::Inertia& inertia) const { return holds(inertia.mass) && holds(inertia.com) && holds(inertia.inertia); }
   bool holds(const ir::Body& body) const {
-    for (const double number :
-         {body.armature, body.damping, body.friction, body.multiplier, body.offset, body.spring.k, body.spring.rest})
+    for (const double number : {body.armature, body.damping, body.friction, body.multiplier, body.offset, body.spring.k,
+                                body.spring.rest, body.pitch})
       if (!holds(number)) return false;
     return holds(body.inertia) && holds(body.placement.matrix());
+  }
+  bool holds(const ir::Loop& loop) const {
+    return holds(loop.at[0].matrix()) && holds(loop.at[1].matrix()) && holds(loop.length.value_or(0));
   }
 };
 
 }  // namespace
 
 void check_magnitudes(const ir::KinematicTree& tree, const ir::Scene& scene, const std::string& file) {
-  const bool single = scene.scalar == ir::ScalarType::float32;
-  const Range range{single ? largest_number_in_float : largest_number};
+  const Range range{ir::largest_of(scene.scalar)};
   Diagnostics errors;
   const auto refuse = [&](std::string element, const std::string& where) {
     add_error(errors, {Severity::error, where, std::move(element),
-                       fmt::format("a length, mass or other number is larger than {:g}{}", range.largest,
-                                   single ? ", too large for float" : ""),
+                       fmt::format("a length, mass or other number is larger than {}", ir::largest_in_words(scene.scalar)),
                        "check the numbers of the URDF and the scene: lengths are m, masses kg"});
   };
   if (!range.holds(tree.base)) refuse(fmt::format("link '{}'", tree.base_link), file);
@@ -45,6 +47,9 @@ void check_magnitudes(const ir::KinematicTree& tree, const ir::Scene& scene, con
     if (!range.holds(body)) refuse(fmt::format("joint '{}' and link '{}'", body.joint, body.name), file);
   for (const ir::LinkPlacement& link : tree.links)
     if (!range.holds(link.placement.matrix())) refuse(link.in_words(), link.on.empty() ? file : "");
+  for (const std::vector<ir::Loop>* loops : {&scene.loops, &scene.embedded})
+    for (const ir::Loop& loop : *loops)
+      if (!range.holds(loop)) refuse(fmt::format("loop '{}'", loop.name), file);
   if (!range.holds(scene.gravity)) refuse("scene key 'gravity'", "");
   if (!errors.empty()) throw InputError(errors);
 }

@@ -8,13 +8,9 @@
 
 namespace dalembert::passes {
 
-// Beyond this, products such as mass · length² · rate² come near the end of double's range; no robot is near it.
-inline constexpr double largest_number = 1e60;
-// The same of float, for robots that are computed in it: constants are products of at most three.
-inline constexpr double largest_number_in_float = 1e12;
-
-// Throws InputError naming the joints (or the base) whose placement, inertia, losses or mimic relation holds a larger number,
-// or none at all because a sum has overflowed, and gravity. `file`: the URDF, for the diagnostics.
+// Throws InputError naming the joints (or the base) whose placement, inertia, losses, pitch or mimic relation holds a number
+// larger than ir/magnitudes.hpp says, or none at all because a sum has overflowed, loops and gravity. What a scene's text says
+// has been looked at number by number when it was read (frontend/scene_reader.cpp). `file`: the URDF, for the diagnostics.
 void check_magnitudes(const ir::KinematicTree& tree, const ir::Scene& scene, const std::string& file);
 
 }  // namespace dalembert::passes

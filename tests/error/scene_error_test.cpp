@@ -311,7 +311,25 @@ const Case defects[] = {
      "arm.urdf: frame 'sole': error: pose_sole is asked for of a link that does not move: the base is fixed; name a descendant of a joint that moves, or ask for base: floating\n"},
     {"frame_far_away",
      "frames: {sole: {link: hand, at: [0, 0, 1e70]}}\n",
-     "frame 'sole': error: a length, mass or other number is larger than 1e+60; check the numbers of the URDF and the scene: lengths are m, masses kg\n"},
+     "scene.yaml: line 1, column 40: key 'frames': error: the number 1e70 of 'sole' is larger in size than 1e+60; correct the number: lengths are m, masses kg, angles rad\n"},
+    {"contact_far_away",
+     "outputs: [constraint_jacobian]\ncontacts: {touch: {link: hand, type: point, at: [0, 0, -1e300]}}\n",
+     "scene.yaml: line 2, column 56: key 'contacts': error: the number -1e300 of 'touch' is larger in size than 1e+60; correct the number: lengths are m, masses kg, angles rad\n"},
+    {"loop_far_away",
+     "outputs: [constraint_jacobian]\nloops: {grip: {links: [base, hand], at: [[0, 0, 0], [0, 1e61, 1]], type: point}}\n",
+     "scene.yaml: line 2, column 57: key 'loops': error: the number 1e61 of 'grip' is larger in size than 1e+60; correct the number: lengths are m, masses kg, angles rad\n"},
+    {"rod_too_long",
+     "outputs: [constraint_jacobian]\nloops: {rod: {links: [base, hand], type: distance, length: 1e300}}\n",
+     "scene.yaml: line 2, column 60: key 'loops': error: the number 1e300 of 'rod' is larger in size than 1e+60; correct the number: lengths are m, masses kg, angles rad\n"},
+    {"pitch_too_long",
+     "joints: {elbow: {helical: 1e300}}\n",
+     "scene.yaml: line 1, column 27: key 'joints': error: the number 1e300 of 'elbow' is larger in size than 1e+60; correct the number: lengths are m, masses kg, angles rad\n"},
+    {"pitch_too_long_in_float",
+     "joints: {elbow: {helical: 2e12}}\nscalar: float\n",
+     "scene.yaml: line 1, column 27: key 'joints': error: the number 2e12 of 'elbow' is larger in size than 1e+12, too large for float; correct the number: lengths are m, masses kg, angles rad\n"},
+    {"gravity_and_damping_too_strong",
+     "gravity: [0, 0, 1e61]\ndamping: {elbow: 1, wrist: 1e62}\n",
+     "scene.yaml: line 1, column 17: key 'gravity': error: the number 1e61 is larger in size than 1e+60; correct the number: lengths are m, masses kg, angles rad\nscene.yaml: line 2, column 28: key 'damping': error: the number 1e62 of 'wrist' is larger in size than 1e+60; correct the number: lengths are m, masses kg, angles rad\n"},
     {"function_of_an_unknown_frame",
      "functions: {reach: [bias, sloe]}\nframes: {sole: {link: hand, at: [0, 0, 1]}}\n",
      "scene.yaml: line 1, column 27: key 'functions': error: the quantity 'sloe' is unknown; did you mean 'sole'?\n"},
@@ -874,6 +892,17 @@ TEST(SceneOptions, KeysThatNoOutputHasToDoWithAreToldOf) {
           .err,
       "scene key 'forward_dynamics': warning: mimic joints are solved for by factorization all the "
       "same; leave the key out, or the mimic relations\n");
+}
+
+TEST(SceneOptions, OfAKeyGivenTwiceTheLargeNumbersAreTheOptions) {
+  const TemporaryFolder folder;
+  const std::string scene = folder.path() + "/scene.yaml";
+  write_text(scene, "locked: {elbow: 1e300}\nscalar: float\n");
+  EXPECT_EQ(info({"--scene", scene, "--base", "fixed", "--locked", "elbow=1"}).err, "");
+  EXPECT_EQ(info({"--scene", scene, "--locked", "elbow=1e13"}).err,
+            "option --locked: error: the number 1e13 of 'elbow' is larger in size than 1e+12, too large for float; correct the "
+            "number: lengths are m, masses kg, angles rad\n");
+  EXPECT_EQ(info({"--scene", scene, "--base", "fixed", "--locked", "elbow=1e13", "--scalar", "double"}).err, "");
 }
 
 TEST(SceneOptions, WhatTheUrdfDoesNotHaveIsNotTakenInSilence) {

@@ -485,6 +485,14 @@ TEST(BuildTree, NumbersTooLargeToComputeWithAreRefused) {
   scene = {};
   scene.gravity.x() = 1e61;
   EXPECT_EQ(refusal("1", "0 0 0", scene), "scene key 'gravity'" + message);
+  // A file's own loops and screws, which no scene's text has.
+  scene = {};
+  scene.loops.push_back({.name = "rod", .links = {"a", "b"}});
+  scene.loops.front().at[1].translation().y() = 1e61;
+  EXPECT_EQ(refusal("1", "0 0 0", scene), "r.urdf: loop 'rod'" + message);
+  scene = {};
+  scene.joints["j"] = {.type = ir::JointType::helical, .pitch = -1e61};
+  EXPECT_EQ(refusal("1", "0 0 0", scene), "r.urdf: joint 'j' and link 'b'" + message);
 
   scene = {};
   scene.scalar = ir::ScalarType::float32;
