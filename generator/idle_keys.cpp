@@ -47,6 +47,21 @@ class IdleKeys {
   std::optional<passes::Reads> reads_;
 };
 
+// Those that are not derivatives of others.
+std::string quantities_of_constraints() {
+  std::vector<std::string_view> names;
+  for (const ir::QuantityRow& row : ir::quantities()) {
+    const std::string_view name = row.name;
+    const bool derivative = std::any_of(names.begin(), names.end(), [&](std::string_view of) {
+      return name.size() > of.size() + 2 && name.starts_with(of) && name.substr(of.size(), 2) == "_d";
+    });
+    if (ir::is_of_constraints(row.quantity) && !derivative) names.push_back(name);
+  }
+  const std::string_view last = names.back();
+  names.pop_back();
+  return fmt::format("{} or {}", fmt::join(names, ", "), last);
+}
+
 }  // namespace
 
 void warn_of_idle_keys(const ir::Scene& scene, const ir::KinematicTree& tree, Diagnostics& warnings) {
@@ -70,10 +85,17 @@ void warn_of_idle_keys(const ir::Scene& scene, const ir::KinematicTree& tree, Di
 
   if (scene.any_constraint() && !keys.any(ir::is_of_constraints))
     keys.warn(scene.contacts.empty() ? "loops" : "contacts", "no output depends on the contacts and loops",
-              "ask for constraint_jacobian, constraint_bias, delassus_matrix, impact, constrained_forward_dynamics or "
-              "constraint_forces");
+              "ask for " + quantities_of_constraints());
   if (!scene.passive.empty() && !keys.any([](Quantity output) { return ir::row_of(output).scale == ir::Scale::supported; }))
     keys.warn("passive", "no output depends on which joints are passive", "ask for constrained_inverse_dynamics");
+
+  if (scene.any_constraint() && scene.base == ir::Base::fixed && scene.passive.empty() &&
+      keys.any([](Quantity output) { return ir::row_of(output).scale == ir::Scale::supported; }))
+    warnings.push_back(
+        {Severity::notice, "", "scene key 'passive'",
+         "the base is fixed and every joint has a motor: in constrained inverse dynamics contacts and loops bear "
+         "nothing, and their forces are zero",
+         "name the joints without a motor, or ask for inverse_dynamics, which is the same"});
 
   const bool solved = keys.any([](Quantity output) { return ir::is_solved(ir::row_of(output).scale); });
   if (scene.forward_dynamics && !solved)

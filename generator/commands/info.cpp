@@ -11,6 +11,7 @@
 #include "commands/output.hpp"
 #include "commands/timing.hpp"
 #include "compile.hpp"
+#include "ir/constraint_words.hpp"
 #include "ir/moved_links.hpp"
 #include "ir/plan_words.hpp"
 #include "left_out.hpp"
@@ -138,6 +139,22 @@ std::string frames(const ir::Scene& scene) {
   std::string text = "\nframes of the scene (frame: link, position in the link's frame in m, roll pitch yaw in rad):\n";
   for (const ir::Frame& frame : scene.placed)
     text += fmt::format("  {}: {}, {}, {}\n", frame.name, frame.link, vector(frame.xyz), vector(frame.rpy));
+  return text;
+}
+
+// Whose rows are whose.
+std::string contacts_and_loops(const ir::Scene& scene) {
+  if (!scene.any_constraint()) return "";
+  std::vector<std::string> called;  // in the order of rows
+  for (const ir::Contact& c : scene.contacts) called.push_back(c.name + ": " + word_of(ir::contact_words(), c.type));
+  for (const ir::Loop& l : scene.loops) called.push_back(l.name + ": " + word_of(ir::loop_words(), l.type));
+  std::string text = "\ncontacts and loops (name: type, link, rows of the constraints):\n";
+  const std::vector<ir::Constraint> constraints = scene.constraints();
+  int row = 0;
+  for (size_t i = 0; i < constraints.size(); row += constraints[i++].rows)
+    text += fmt::format("  {}, {}, {}\n", called[i], constraints[i].of,
+                        constraints[i].rows == 1 ? fmt::format("row {}", row)
+                                                 : fmt::format("rows {} to {}", row, row + constraints[i].rows - 1));
   return text;
 }
 
@@ -277,7 +294,7 @@ std::string plan_text(const Lowered& lowered) {
 std::string describe(const Model& model) {
   const Lowered lowered = lower(model);
   std::string text = summary(model) + coordinates(model.tree) + bodies(model.tree) + linkages(model.tree) + links(model.tree) +
-                     frames(model.scene) + sparsity(model.tree) + parts_text(model) + "\n";
+                     frames(model.scene) + contacts_and_loops(model.scene) + sparsity(model.tree) + parts_text(model) + "\n";
   for (const std::string& line : left_out(model, lowered)) text += line + "\n";
   return text + plan_text(lowered);
 }

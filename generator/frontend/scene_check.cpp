@@ -63,6 +63,7 @@ class SceneCheck {
     say_what_base_is_taken();
     warn_of_mimic();
     say_what_loops_are_taken();
+    warn_of_turned_rods();
     warn_of_losses("damping", scene_.urdf_damping, scene_.damping, &ir::Joint::damping);
     warn_of_losses("friction", scene_.urdf_friction, scene_.friction, &ir::Joint::friction);
     return std::move(scene_);
@@ -114,6 +115,21 @@ class SceneCheck {
     if (given && !left_out.empty() && !(scene_.loops.empty() && scene_.embedded.empty()))
       warnings_.push_back({Severity::warning, robot_.file, named(left_out), "what they hold together is left out",
                            "name them under loops too, or leave loops out of the scene to have them as the file says"});
+  }
+
+  // A rod has a ball at each end.
+  void warn_of_turned_rods() {
+    if (!document_.given.count("loops")) return;
+    for (const std::vector<ir::Loop>* list : {&scene_.loops, &scene_.embedded})
+      for (const ir::Loop& loop : *list) {
+        if (loop.type != ir::LoopType::distance || (loop.at[0].linear().isIdentity(0) && loop.at[1].linear().isIdentity(0)))
+          continue;
+        const Place place = place_of("loops/" + loop.name + part_of_entry + "at");
+        warnings_.push_back(
+            {Severity::warning, place.file, place.element,
+             fmt::format("roll pitch yaw of loop '{}' are left out: a distance is between two points", loop.name),
+             "write x y z alone, or another type"});
+      }
   }
 
   void wrenches() {

@@ -16,6 +16,7 @@
 #include "frontend/text_file.hpp"
 #include "frontend/yaml_text.hpp"
 #include "ir/aliases.hpp"
+#include "ir/constraint_words.hpp"
 #include "ir/magnitudes.hpp"
 #include "ir/plan_words.hpp"
 #include "ir/rotation.hpp"
@@ -490,13 +491,7 @@ class SceneReader {
       scene_.contacts.push_back(std::move(contact));
     }
   }
-  ir::ContactType contact_type(const YamlNode& node) const {
-    if (node.is_scalar() && node.scalar == "weld") return ir::ContactType::weld;
-    if (node.is_scalar() && node.scalar == "point") return ir::ContactType::point;
-    const std::string given = node.is_scalar() ? node.scalar : "";
-    refuse(node, given.empty() ? "the type of a contact is no word" : fmt::format("'{}' is no type of contact", given),
-           suggestion(given, {"weld", "point"}));
-  }
+  ir::ContactType contact_type(const YamlNode& node) const { return type_of("contact", node, ir::contact_words()); }
   void part_of_contact(ir::Contact& contact, const YamlEntry& part) {
     const std::string name = entry_name(part.key, contact.name);
     if (name == "link") {
@@ -578,19 +573,17 @@ class SceneReader {
              suggestion(name, {"links", "at", "type", "length", "independent"}));
     }
   }
-  ir::LoopType loop_type(const YamlNode& node) const {
-    using ir::LoopType;
-    static const std::vector<std::pair<std::string, LoopType>> types = {
-        {"point", LoopType::point},       {"weld", LoopType::weld},     {"hinge", LoopType::hinge},
-        {"cylinder", LoopType::cylinder}, {"planar", LoopType::planar}, {"pin", LoopType::pin},
-        {"distance", LoopType::distance}};
+  ir::LoopType loop_type(const YamlNode& node) const { return type_of("loop", node, ir::loop_words()); }
+  template <class T>
+  T type_of(const char* kind, const YamlNode& node, const std::vector<std::pair<std::string, T>>& types) const {
     std::vector<std::string> names;
     for (const auto& [name, type] : types) {
       if (node.is_scalar() && node.scalar == name) return type;
       names.push_back(name);
     }
     const std::string given = node.is_scalar() ? node.scalar : "";
-    refuse(node, given.empty() ? "the type of a loop is no word" : fmt::format("'{}' is no type of loop", given),
+    refuse(node,
+           given.empty() ? fmt::format("the type of a {} is no word", kind) : fmt::format("'{}' is no type of {}", given, kind),
            suggestion(given, names));
   }
   static constexpr const char* pose_remedy =

@@ -894,6 +894,56 @@ TEST(SceneOptions, KeysThatNoOutputHasToDoWithAreToldOf) {
       "same; leave the key out, or the mimic relations\n");
 }
 
+TEST(SceneOptions, ContactsThatNothingDependsOnAreNamedWithAllThatDoes) {
+  EXPECT_EQ(info({"--contacts", "hand=weld", "--outputs", "bias"}).err,
+            "scene key 'contacts': warning: no output depends on the contacts and loops; ask for constraint_jacobian, "
+            "constraint_bias, delassus_matrix, impact, constrained_forward_dynamics, constraint_forces, "
+            "constrained_inverse_dynamics or inverse_constraint_forces\n");
+}
+
+TEST(SceneOptions, WhereEveryJointHasAMotorContactsBearNothing) {
+  const auto said = [](const char* base, std::vector<std::string> options) {
+    options.insert(options.end(), {"--base", base, "--contacts", "hand=point", "--outputs", "constrained_inverse_dynamics"});
+    return info(std::move(options)).err;
+  };
+  EXPECT_EQ(
+      said("fixed", {}),
+      "scene key 'passive': notice: the base is fixed and every joint has a motor: in constrained inverse dynamics contacts "
+      "and loops bear nothing, and their forces are zero; name the joints without a motor, or ask for inverse_dynamics, "
+      "which is the same\n");
+  EXPECT_EQ(said("fixed", {"--passive", "elbow"}), "");
+  EXPECT_EQ(said("floating", {}), "");
+}
+
+TEST(SceneOptions, ADistanceTakesNoAngles) {
+  const auto said = [](const std::string& at) {
+    return info({"--loops", "{rod: {links: [base, hand], type: distance, at: " + at + "}}", "--outputs", "constraint_forces"})
+        .err;
+  };
+  EXPECT_EQ(said("[[0, 0, 1], [0, 0, 0, 0, 1.57, 0]]"),
+            "option --loops: warning: roll pitch yaw of loop 'rod' are left out: a distance is between two points; write x y z "
+            "alone, or another type\n");
+  EXPECT_EQ(said("[[0, 0, 1, 0, 0, 0], [0, 0, 0]]"), "");
+}
+
+TEST(SceneOptions, InfoSaysWhoseRowsAreWhose) {
+  const auto told = [](const std::vector<std::string>& options) {
+    const std::string out = info(options).out;
+    const size_t begin = out.find("contacts and loops (");
+    return begin == out.npos ? "" : out.substr(begin, out.find("\n\n", begin) + 1 - begin);
+  };
+  EXPECT_EQ(told({"--contacts", "{toe: {link: sole, type: point}, hand: weld}", "--frames",
+                  "{sole: {link: finger, at: [0, 0, 1], outputs: []}}", "--loops",
+                  "{rod: {links: [tool, hand], type: distance, length: 1}, pair: {links: [base, finger], type: pin}}",
+                  "--outputs", "constraint_jacobian"}),
+            "contacts and loops (name: type, link, rows of the constraints):\n"
+            "  toe: point, frame sole, rows 0 to 2\n"
+            "  hand: weld, link hand, rows 3 to 8\n"
+            "  rod: distance, link tool and link hand, row 9\n"
+            "  pair: pin, link base and link finger, rows 10 to 11\n");
+  EXPECT_EQ(told({}), "");
+}
+
 TEST(SceneOptions, OfAKeyGivenTwiceTheLargeNumbersAreTheOptions) {
   const TemporaryFolder folder;
   const std::string scene = folder.path() + "/scene.yaml";
