@@ -11,11 +11,13 @@ namespace dalembert {
 // What solving for constraints came to.
 template <class T>
 struct ConstraintStatus {
-  T residual = T(0);  // the largest error that is left of a row that acts, m/s^2 or rad/s^2; of an impact, m/s or rad/s
+  // The largest error that the proximal steps leave of a row that acts, by how much the last of them changed the forces:
+  // without the rounding of v̇. m/s^2 or rad/s^2; of an impact, m/s or rad/s.
+  T residual = T(0);
   // The least that is left of a row's N when all others are eliminated, its pivot as the last of them; at most 1: near mu where
   // rows say what others say. Of inverse dynamics -1: a row that acts has a weight that is none.
   T least_pivot = T(1);
-  int rank = 0;  // how many rows that act say something new
+  int rank = 0;  // how many rows that act say something new; one with regularization may do so, whatever the others say
 };
 
 // A constraint between two bodies: its rows, linear ones first, and the coordinates above one of them or both, in order. The
