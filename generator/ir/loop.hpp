@@ -28,7 +28,7 @@ struct Loop {
   std::array<std::string, 2> links;
   std::array<Eigen::Isometry3d, 2> at{Eigen::Isometry3d::Identity(), Eigen::Isometry3d::Identity()};  // on each, in its frame
   LoopType type = LoopType::point;
-  std::optional<double> length;  // of a distance, m; else what it is where all joints are at zero
+  std::optional<double> length{};  // of a distance, m; else what it is where all joints are at zero
   std::vector<std::string>
       independent{};  // joints that others between the links follow: the loop is embedded; else it has rows
 
