@@ -89,11 +89,14 @@ class SceneCheck {
     const ir::Link& root = robot_.links[static_cast<size_t>(robot_.root)];
     if (document_.given.count("base") || robot_.floating_root || root.name == "world") return;
     const bool floats = scene_.base == ir::Base::floating;
+    const bool any_moves =
+        std::any_of(robot_.joints.begin(), robot_.joints.end(), [&](const ir::Joint& joint) { return moves(joint); });
     warnings_.push_back({Severity::notice, robot_.file, fmt::format("link '{}'", root.name),
                          fmt::format("neither the scene nor the URDF says whether this base moves: {}",
                                      floats ? "it floats, for it has an inertia" : "it is fixed, for it has no inertia"),
-                         floats ? "weld it to the world with --base fixed, or say --base floating"
-                                : "let it move with --base floating, or say --base fixed"});
+                         !floats     ? "let it move with --base floating, or say --base fixed"
+                         : any_moves ? "weld it to the world with --base fixed, or say --base floating"
+                                     : "say --base floating: no joint would move of one that is fixed"});
   }
 
   // A file's loops are the scene's, where the scene says nothing of loops.

@@ -209,10 +209,21 @@ class TreeBuilder {
     }
   }
 
+  // A remedy that works: a base that floats has a mass, and an extent where M is solved with.
   void check_something_moves() {
-    if (tree_.nv() == 0)
-      throw InputError({Severity::error, robot_.file, fmt::format("robot '{}'", robot_.name),
-                        "no joint is left to move and the base is fixed", "unlock a joint, or ask for --base floating"});
+    if (tree_.nv() > 0) return;
+    const ir::Inertia all = combined(parts_[0]);
+    const std::vector<ir::Quantity> asked = scene_.quantities();
+    const bool solved = std::any_of(asked.begin(), asked.end(),
+                                    [](ir::Quantity quantity) { return ir::is_solved(ir::row_of(quantity).scale); });
+    const bool may_float = all.mass != 0 && (!solved || !all.inertia.isZero(0));
+    const char* joint = !scene_.locked.empty() ? scene_.lock_massless ? "let a joint move a mass" : "unlock a joint"
+                        : !scene_.cut.empty()  ? "cut off less"
+                                               : "give it a joint that moves";
+    throw InputError({Severity::error, robot_.file, fmt::format("robot '{}'", robot_.name),
+                      "no joint is left to move and the base is fixed",
+                      fmt::format("{}, or {}ask for --base floating", joint,
+                                  may_float ? "" : "give a link an <inertial> with a mass and an extent and ")});
   }
 
   // Where M is singular.

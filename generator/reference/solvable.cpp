@@ -27,10 +27,9 @@ std::string place(const ir::KinematicTree& tree, const MotionWithoutMass& motion
 }
 
 std::string remedy(const ir::KinematicTree& tree, const MotionWithoutMass& motion) {
-  std::string text =
-      motion.base
-          ? fmt::format("give link '{}' an <inertial> with a mass and an extent, or ask for --base fixed", tree.base_link)
-          : "give the links that move <inertial> with a mass and an extent";
+  std::string text = motion.base ? fmt::format("give link '{}' an <inertial> with a mass and an extent", tree.base_link)
+                                 : "give the links that move <inertial> with a mass and an extent";
+  if (motion.base && tree.independent_joints() > 0) text += ", or ask for --base fixed";  // else nothing would move
   if (!motion.bodies.empty())
     text += motion.bodies.size() > 1 ? "; or lock one of the joints, or give it an armature"
                                      : "; or lock the joint, or give it an armature";

@@ -144,7 +144,7 @@ const Case defects[] = {
     {"not_xml",
      "error: this is not XML; a URDF is an XML file whose root is <robot>"},
     {"nothing_moves",
-     "robot 'r': error: no joint is left to move and the base is fixed; unlock a joint, or ask for --base floating"},
+     "robot 'r': error: no joint is left to move and the base is fixed; give it a joint that moves, or ask for --base floating"},
     {"origin_between_tags",
      "link 'b' (line 10): error: <origin> has <xyz> between its tags, where nothing is read; write <origin xyz=\"...\" rpy=\"...\"/>\n"
      "joint 'j' (line 19): error: <origin> has '0 0 -1' between its tags, where nothing is read; write <origin xyz=\"...\" rpy=\"...\"/>"},
@@ -270,6 +270,8 @@ const Case doubts[] = {
      "robot 'no_robot_name' (line 1): warning: <robot> has no name; the file's is taken; write <robot name=\"...\">"},
     {"point_mass",
      "link 'b' (line 8): warning: the link has a mass but no rotational inertia: a point mass; give <inertia> if it has an extent"},
+    {"point_mass_alone",
+     "link 'a' (line 2): warning: the link has a mass but no rotational inertia: a point mass; give <inertia> if it has an extent"},
     {"point_mass_on_axis",
      "joint 'j': warning: link 'b' has no inertia about the joint's axis: M is singular; give the link a rotational inertia, or the joint an armature in the scene\n"
      "link 'b' (line 8): warning: the link has a mass but no rotational inertia: a point mass; give <inertia> if it has an extent"},
@@ -422,6 +424,21 @@ const Use uses[] = {
      "nq = 1, nv = 1"},
     {"massless_base_floats", "massless_base", {"--base", "floating", "--outputs", "bias,forward_dynamics"}, 2,
      "base 'a', joint 'j': error: can move without moving any mass, wherever the robot stands: the mass matrix is singular, and there is no forward_dynamics; give link 'a' an <inertial> with a mass and an extent, or ask for --base fixed; or lock the joint, or give it an armature", ""},
+    {"point_mass_floats", "point_mass_alone", {"--base", "floating", "--outputs", "forward_dynamics"}, 2,
+     "link 'a' (line 2): warning: the link has a mass but no rotational inertia: a point mass; give <inertia> if it has an extent\n"
+     "base 'a': error: can move without moving any mass, wherever the robot stands: the mass matrix is singular, and there is no forward_dynamics; give link 'a' an <inertial> with a mass and an extent", ""},
+    {"point_mass_fixed", "point_mass_alone", {"--base", "fixed", "--outputs", "forward_dynamics"}, 2,
+     "robot 'r': error: no joint is left to move and the base is fixed; give it a joint that moves, or give a link an <inertial> with a mass and an extent and ask for --base floating", ""},
+    {"point_mass_fixed_without_inverse", "point_mass_alone", {"--base", "fixed", "--outputs", "mass_matrix"}, 2,
+     "robot 'r': error: no joint is left to move and the base is fixed; give it a joint that moves, or ask for --base floating", ""},
+    {"point_mass_floats_without_inverse", "point_mass_alone", {"--base", "floating", "--outputs", "mass_matrix"}, 0,
+     "link 'a' (line 2): warning: the link has a mass but no rotational inertia: a point mass; give <inertia> if it has an extent", "nv = 6"},
+    {"all_is_cut_off", "massless_base", {"--base", "fixed", "--cut", "b"}, 2,
+     "robot 'r': error: no joint is left to move and the base is fixed; cut off less, or give a link an <inertial> with a mass and an extent and ask for --base floating", ""},
+    {"all_that_moves_no_mass_is_locked", "no_mass_at_all", {"--base", "fixed", "--massless", "lock"}, 2,
+     "link 'a' (line 3): warning: <inertial> has no <inertia>: zeros are taken; add <inertia ixx=... ixy=... ixz=... iyy=... iyz=... izz=.../> in kg m² (the first of 2 such warnings; --verbose shows all)\n"
+     "joint 'j': warning: what moves no mass is locked, as the scene says; lock it by name to choose where\n"
+     "robot 'r': error: no joint is left to move and the base is fixed; let a joint move a mass, or give a link an <inertial> with a mass and an extent and ask for --base floating", ""},
     {"massless_base_needs_no_inverse", "massless_base", {"--base", "floating", "--outputs", "mass_matrix,inverse_dynamics"}, 0, "", "nv = 8"},
     {"massless_base_with_locked_joint", "massless_base", {"--base", "floating", "--outputs", "inverse_mass_matrix", "--locked", "j"}, 0, "", "nv = 7"},
     {"massless_base_with_payload", "massless_base", {"--base", "floating", "--outputs", "mass_matrix_factor", "--payloads", "a"}, 0, "", "nv = 8"},
@@ -541,6 +558,10 @@ TEST(Urdf, WhatBaseIsTakenIsSaidWhereNobodySays) {
     }
   }
   EXPECT_EQ(run_dalembert({"info", "massless_base.urdf"}, ERROR_ROBOTS).err, fixed);
+  EXPECT_EQ(
+      said(run_dalembert({"info", "point_mass_alone.urdf"}, ERROR_ROBOTS).err).notices,
+      "point_mass_alone.urdf: link 'a': notice: neither the scene nor the URDF says whether this base moves: it floats, for it "
+      "has an inertia; say --base floating: no joint would move of one that is fixed\n");
   EXPECT_EQ(run_dalembert({"info", "massless_base.urdf", "--base", "fixed"}, ERROR_ROBOTS).err, "");
 }
 
