@@ -311,9 +311,10 @@ class SceneCheck {
       std::vector<std::string> others;  // that have a coordinate of their own
       for (const ir::Joint& joint : robot_.joints)
         if (moves(joint) && !scene_.mimic.count(joint.name)) others.push_back(joint.name);
-      return refuse(
-          fmt::format("it follows joint '{}', which does not exist", relation.of),
-          fmt::format("correct its <mimic> {}; {}", otherwise, other_kind(relation.of, suggestion(relation.of, others))));
+      const std::string remedy = others.empty() ? "add that joint, or remove the <mimic>"
+                                                : fmt::format("correct its <mimic> {}; {}", otherwise,
+                                                              other_kind(relation.of, suggestion(relation.of, others)));
+      return refuse(fmt::format("it follows joint '{}', which does not exist", relation.of), remedy);
     }
     const ir::Joint& joint = robot_.joints[static_cast<size_t>(driver->second)];
     if (is_cut(joint))

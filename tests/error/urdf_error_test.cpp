@@ -414,7 +414,7 @@ const Use uses[] = {
     {"mimic_of_joints_that_do_not_move", "mimic_of_others", {"--mimic", "urdf", "--base", "fixed", "--locked", "r=0.5"}, 2,
      "joint 'a' (line 12): error: it follows joint 'r', which is locked; lock it too: locked: {a: -0.9}; or unlock 'r'\n"
      "joint 'b' (line 18): error: it follows joint 'f', which is fixed; lock it too: locked: {b: 0.2}; or correct its <mimic> in the URDF, or write the relations in the scene: mimic: {joint: {of: other_joint}}\n"
-     "joint 'l_finger' (line 24): error: it follows joint 'finger', which does not exist; correct its <mimic> in the URDF, or write the relations in the scene: mimic: {joint: {of: other_joint}}; there is none to choose from", ""},
+     "joint 'l_finger' (line 24): error: it follows joint 'finger', which does not exist; add that joint, or remove the <mimic>", ""},
     {"mimic_of_what_is_cut_off", "mimic_of_others", {"--mimic", "urdf", "--base", "fixed", "--cut", "rl", "--locked", "b,l_finger"}, 2,
      "joint 'a' (line 12): error: it follows joint 'r', which is cut off; cut it off too, lock it, or take the link that 'r' belongs to out of 'cut'", ""},
     {"mimic_of_nobody_there", "mimic_of_others", {"--mimic", "urdf", "--base", "fixed", "--locked", "b"}, 2,
