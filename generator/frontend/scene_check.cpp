@@ -287,12 +287,34 @@ class SceneCheck {
         continue;
       if (!of_one_coordinate(key, name) || !of_one_coordinate(of, relation.of)) continue;
       if (relation.of == name) error(key, fmt::format("joint '{}' drives itself", name), "name another joint as its driver");
-      else if (scene_.mimic.count(relation.of))
-        error(key, fmt::format("joint '{}' mimics '{}', which is a mimic joint itself", name, relation.of),
-              "name the joint at the end of the chain as the driver, which has a coordinate of its own");
+    }
+    compose_mimic();
+    for (const auto& [name, relation] : scene_.mimic)
       if (relation.multiplier == 0)
-        error(key, fmt::format("the multiplier of joint '{}' is zero: it would not move", name),
+        error("mimic/" + name, fmt::format("the multiplier of joint '{}' is zero: it would not move", name),
               fmt::format("lock it at its offset instead: locked: {{{}: {}}}", name, relation.offset));
+  }
+
+  // Who follows a follower follows whom that one follows: q_a = m_a (m_b q_c + o_b) + o_a. Each chain is walked once, up to
+  // what has been composed before.
+  void compose_mimic() {
+    std::set<std::string> walked;
+    for (const auto& [first, relation] : scene_.mimic) {
+      std::vector<std::string> chain;
+      std::string name = first;
+      for (; scene_.mimic.count(name) && walked.insert(name).second; name = scene_.mimic.at(name).of) chain.push_back(name);
+      if (const auto ring = std::find(chain.begin(), chain.end(), name); chain.end() - ring > 1)
+        error(
+            "mimic/" + name,
+            fmt::format("joints '{}' follow one another in a ring: none moves by itself", fmt::join(ring, chain.end(), "', '")),
+            "let one of them follow a joint outside of the ring, or none");
+      for (size_t i = chain.size(); i-- > 0;) {
+        ir::Mimic& follower = scene_.mimic.at(chain[i]);
+        if (const auto driver = scene_.mimic.find(follower.of); driver != scene_.mimic.end()) {
+          const ir::Mimic& its = driver->second;
+          follower = {its.of, follower.multiplier * its.multiplier, follower.multiplier * its.offset + follower.offset};
+        }
+      }
     }
   }
 

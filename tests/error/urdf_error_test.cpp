@@ -248,6 +248,10 @@ const Case doubts[] = {
      "joint 'k': warning: its <mimic> is left out: it is a joint of its own; ask for it with mimic: urdf in the scene"},
     {"mimic_on_fixed_joint",
      "joint 'k': warning: its <mimic> is left out: it is a joint of its own; ask for it with mimic: urdf in the scene"},
+    {"mimic_chain",
+     "joints 'a', 'b', 'd': warning: their <mimic> is left out: they are joints of their own; ask for it with mimic: urdf in the scene"},
+    {"mimic_chain_and_ring",
+     "joints 'a', 'b', 'c', 'd': warning: their <mimic> is left out: they are joints of their own; ask for it with mimic: urdf in the scene"},
     {"mimic_of_others",
      "joints 'a', 'b', 'l_finger': warning: their <mimic> is left out: they are joints of their own; ask for it with mimic: urdf in the scene"},
     {"mimic_without_joint",
@@ -411,6 +415,11 @@ const Use uses[] = {
      "joint 'k' (line 25): error: its <mimic> has no finite multiplier and offset; correct it in the URDF, or write the relations in the scene: mimic: {joint: {of: other_joint}}", ""},
     {"mimic_of_nobody_asked_for", "mimic_without_joint", {"--mimic", "urdf"}, 2,
      "joint 'j' (line 14): error: its <mimic> names no joint; correct it in the URDF, or write the relations in the scene: mimic: {joint: {of: other_joint}}", ""},
+    {"mimic_ring", "mimic_chain", {"--mimic", "{a: {of: d}, d: {of: b}, b: {of: a}}", "--base", "fixed"}, 2,
+     "option --mimic: error: joints 'a', 'd', 'b' follow one another in a ring: none moves by itself; let one of them follow a joint outside of the ring, or none", ""},
+    {"mimic_ring_in_urdf", "mimic_chain_and_ring", {"--mimic", "urdf", "--base", "fixed"}, 2,
+     "joint 'd' (line 28): error: joint 'd' drives itself; name another joint as its driver\n"
+     "joint 'a' (line 7): error: joints 'a', 'b' follow one another in a ring: none moves by itself; let one of them follow a joint outside of the ring, or none", ""},
     {"mimic_of_joints_that_do_not_move", "mimic_of_others", {"--mimic", "urdf", "--base", "fixed", "--locked", "r=0.5"}, 2,
      "joint 'a' (line 12): error: it follows joint 'r', which is locked; lock it too: locked: {a: -0.9}; or unlock 'r'\n"
      "joint 'b' (line 18): error: it follows joint 'f', which is fixed; lock it too: locked: {b: 0.2}; or correct its <mimic> in the URDF, or write the relations in the scene: mimic: {joint: {of: other_joint}}\n"
@@ -563,6 +572,33 @@ TEST(Urdf, WhatBaseIsTakenIsSaidWhereNobodySays) {
       "point_mass_alone.urdf: link 'a': notice: neither the scene nor the URDF says whether this base moves: it floats, for it "
       "has an inertia; say --base floating: no joint would move of one that is fixed\n");
   EXPECT_EQ(run_dalembert({"info", "massless_base.urdf", "--base", "fixed"}, ERROR_ROBOTS).err, "");
+}
+
+// a follows b, b follows c, d follows a: all follow c.
+TEST(Urdf, ChainsOfMimicJointsAreComposed) {
+  const TemporaryFolder folder;
+  const std::string states = folder.path() + "/states";
+  write_text(states, "0.5 -1.25\n");
+  const auto of = [&](const std::string& mimic, const char* output) {
+    const Outcome run = run_dalembert({"eval", "mimic_chain.urdf", "--base", "fixed", "--engine", "generic", "--armature",
+                                       "{a: 1, b: 2, c: 3, d: 4}", "--state", states, "--output", output, "--mimic", mimic},
+                                      ERROR_ROBOTS);
+    EXPECT_EQ(run.status, 0) << run.err;
+    EXPECT_EQ(run.err, "");
+    return run.out;
+  };
+  for (const char* output : {"mass_matrix", "bias"}) {
+    const std::string direct =
+        of("{a: {of: c, multiplier: -1, offset: 0.75}, b: {of: c, multiplier: 0.5, offset: -0.25}, "
+           "d: {of: c, multiplier: -0.25, offset: 1.1875}}",
+           output);
+    EXPECT_FALSE(direct.empty());
+    EXPECT_EQ(of("urdf", output), direct);
+    EXPECT_EQ(of("{d: {of: a, multiplier: 0.25, offset: 1}, a: {of: b, multiplier: -2, offset: 0.25}, "
+                 "b: {of: c, multiplier: 0.5, offset: -0.25}}",
+                 output),
+              direct);
+  }
 }
 
 // The text with blanks, line ends and tabs at both ends of every attribute and between its numbers.
