@@ -66,7 +66,7 @@ void take_floating_root(const std::string& file, UrdfOutline& outline, Diagnosti
                                     "world and does not move",
                                     with_mass.size() > 1 ? "s" : "", fmt::join(with_mass, ", ")),
                         "give it to the link below the joint"});
-  if (!joint.origin.xyz.isZero(0) || !joint.origin.rpy.isZero(0))
+  if (!joint.origin.xyz.isZero(0) || !joint.origin.rpy.isZero(0) || joint.origin.rotation)
     warnings.push_back({Severity::warning, file, place(joint), "the <origin> of this floating joint is not used",
                         "q gives the pose of its child in the world"});
 

@@ -18,6 +18,8 @@ namespace dalembert::frontend {
 struct Frame {
   Eigen::Vector3d xyz = Eigen::Vector3d::Zero();  // m
   Eigen::Vector3d rpy = Eigen::Vector3d::Zero();  // rad
+  // Instead of rpy, where the rotation is computed (an SDF's resolved poses): near a pitch of 90° angles have half its digits.
+  std::optional<Eigen::Matrix3d> rotation = {};
 };
 
 // <inertial> as written: what is missing is zero. The inertia's axes are those of `origin`.
@@ -54,6 +56,7 @@ struct UrdfOutline {
   std::vector<JointOutline> joints;  // in the file's order
   std::vector<ir::Loop> loops;       // of an SDF: joints to links that have a parent already
   bool floating_root = false;        // the root hung on a floating joint
+  Frame root_pose = {};              // of an SDF: where the root link stands in the model
 };
 
 // Reads the text of a URDF. `file` is for the diagnostics, and for the name of a robot without one. Throws InputError with

@@ -93,11 +93,13 @@ urdf::ModelInterfaceSharedPtr parse(const std::string& file, const UrdfOutline& 
   return model;
 }
 
+Eigen::Matrix3d rotation(const Frame& frame) { return frame.rotation ? *frame.rotation : ir::rotation_from_rpy(frame.rpy); }
+
 ir::Link link(const LinkOutline& from) {
   ir::Link link{.name = from.name, .line = from.line};
   if (from.inertial && (from.inertial->mass != 0 || !from.inertial->inertia.isZero(0)))  // a frame otherwise
     link.inertia = ir::Inertia{from.inertial->mass, from.inertial->origin.xyz,
-                               ir::rotated(from.inertial->inertia, ir::rotation_from_rpy(from.inertial->origin.rpy))};
+                               ir::rotated(from.inertial->inertia, rotation(from.inertial->origin))};
   return link;
 }
 
@@ -105,7 +107,7 @@ ir::Joint joint(const JointOutline& from) {
   ir::Joint joint;
   joint.name = from.name;
   joint.type = from.type;
-  joint.origin.linear() = ir::rotation_from_rpy(from.origin.rpy);
+  joint.origin.linear() = rotation(from.origin);
   joint.origin.translation() = from.origin.xyz;
   if (joint.type != ir::JointType::fixed) joint.axis = from.axis.stableNormalized();
   if (joint.type == ir::JointType::universal) joint.second = from.second.stableNormalized();
@@ -139,6 +141,8 @@ ir::RobotDescription robot_of(const std::string& file, UrdfOutline outline, Diag
   robot.name = outline.robot;
   robot.floating_root = outline.floating_root;
   robot.loops = std::move(outline.loops);
+  robot.root_pose.linear() = rotation(outline.root_pose);
+  robot.root_pose.translation() = outline.root_pose.xyz;
   std::unordered_map<std::string, int> index;
   for (const LinkOutline& from : outline.links) {
     index.emplace(from.name, static_cast<int>(robot.links.size()));

@@ -77,6 +77,8 @@ struct RobotDescription {
   std::vector<std::vector<int>> children;
   std::vector<Loop> loops;     // joints of the file that close loops, its own parent link first
   bool floating_root = false;  // the file hangs the root on a floating joint
+  // Of the root link in the frame that a fixed base stands in; where the base floats, q says where it is.
+  Eigen::Isometry3d root_pose = Eigen::Isometry3d::Identity();
 };
 
 }  // namespace dalembert::ir

@@ -74,7 +74,8 @@ class TreeBuilder {
   };
 
   void walk() {
-    std::vector<Visit> stack{{robot_.root, -1, -1, Eigen::Isometry3d::Identity()}};
+    const bool fixed = scene_.base == ir::Base::fixed;
+    std::vector<Visit> stack{{robot_.root, -1, -1, fixed ? robot_.root_pose : Eigen::Isometry3d::Identity()}};
     while (!stack.empty()) {
       Visit visit = std::move(stack.back());
       stack.pop_back();

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <limits>
+#include <map>
 #include <optional>
 #include <sdf/sdf.hh>
 #include <set>
@@ -24,11 +25,27 @@ using ignition::math::Pose3d;
 
 constexpr double same_place = 1e-12;  // m, rad: rounding of resolved poses
 
-bool is_identity(const Pose3d& pose) { return pose.Pos().Length() < same_place && pose.Rot().Euler().Length() < same_place; }
-
 Eigen::Vector3d vector(const ignition::math::Vector3d& v) { return {v.X(), v.Y(), v.Z()}; }
 
-Frame frame(const Pose3d& pose) { return {vector(pose.Pos()), vector(pose.Rot().Euler())}; }
+Eigen::Quaterniond quaternion(const ignition::math::Quaterniond& q) {
+  return Eigen::Quaterniond(q.W(), q.X(), q.Y(), q.Z()).normalized();
+}
+
+bool is_identity(const Pose3d& pose) {
+  return pose.Pos().Length() < same_place && 2 * quaternion(pose.Rot()).vec().norm() < same_place;
+}
+
+// What products of a few quaternions leave where a turn was meant to be square: more than the compiler takes for rounding.
+Eigen::Matrix3d rotation(const ignition::math::Quaterniond& q) {
+  constexpr double dust = 1e-15;
+  Eigen::Matrix3d result = quaternion(q).toRotationMatrix();
+  for (double& entry : result.reshaped())
+    for (double exact : {0., 1., -1.})
+      if (std::abs(entry - exact) < dust) entry = exact;
+  return result;
+}
+
+Frame frame(const Pose3d& pose) { return {vector(pose.Pos()), Eigen::Vector3d::Zero(), rotation(pose.Rot())}; }
 
 // The numbers of an element as they are written.
 template <size_t count>
@@ -56,7 +73,7 @@ std::optional<Frame> written_pose(const sdf::ElementPtr& element) {
     return std::nullopt;
   const auto n = written_numbers<6>(pose);
   if (!n) return std::nullopt;
-  return Frame{{(*n)[0], (*n)[1], (*n)[2]}, {(*n)[3], (*n)[4], (*n)[5]}};
+  return Frame{{(*n)[0], (*n)[1], (*n)[2]}, {(*n)[3], (*n)[4], (*n)[5]}, {}};
 }
 
 int line_of(const sdf::ElementPtr& element) { return element ? element->LineNumber().value_or(0) : 0; }
@@ -75,8 +92,9 @@ class SdfReader {
     if (!is_identity(model.RawPose()) && model.PoseRelativeTo().empty())
       ignore("model", model.Name(), "its pose in the world",
              "a fixed base's frame is the model's; a floating base's pose is in q");
-    add_model(model, "");
+    add_model(model, "", Pose3d());
     stop_on_errors();
+    place_root();
     return std::move(outline_);
   }
 
@@ -112,19 +130,36 @@ class SdfReader {
          "leave one, the robot, in the file"});
   }
 
-  void add_model(const sdf::Model& model, const std::string& prefix) {
+  // in_whole: the model's pose in the whole one.
+  void add_model(const sdf::Model& model, const std::string& prefix, const Pose3d& in_whole) {
     if (model.Static()) ignore("model", prefix + model.Name(), "that it is static", "say it in the scene: base: fixed");
     if (model.Element() && model.Element()->HasElement("plugin"))
       ignore("model", prefix + model.Name(), "what its plugins do", "the dynamics is of links and joints alone");
-    for (uint64_t i = 0; i < model.LinkCount(); ++i) add_link(*model.LinkByIndex(i), prefix);
-    for (uint64_t i = 0; i < model.ModelCount(); ++i)
-      add_model(*model.ModelByIndex(i), prefix + model.ModelByIndex(i)->Name() + "::");
+    for (uint64_t i = 0; i < model.LinkCount(); ++i) {
+      const sdf::Link& link = *model.LinkByIndex(i);
+      add_link(link, prefix);
+      const auto written = prefix.empty() && link.PoseRelativeTo().empty() ? written_pose(link.Element()) : std::nullopt;
+      poses_.emplace(prefix + link.Name(), written ? *written : frame(in_whole * resolved(link.SemanticPose(), "")));
+    }
+    for (uint64_t i = 0; i < model.ModelCount(); ++i) {
+      const sdf::Model& nested = *model.ModelByIndex(i);
+      add_model(nested, prefix + nested.Name() + "::", in_whole * resolved(nested.SemanticPose(), ""));
+    }
     for (uint64_t i = 0; i < model.JointCount(); ++i)
       if (const sdf::Joint& joint = *model.JointByIndex(i); joint.Type() != sdf::JointType::GEARBOX)
         add_joint(model, joint, prefix);
     for (uint64_t i = 0; i < model.JointCount(); ++i)
       if (const sdf::Joint& joint = *model.JointByIndex(i); joint.Type() == sdf::JointType::GEARBOX) add_gearbox(joint, prefix);
     for (uint64_t i = 0; i < model.FrameCount(); ++i) add_frame(*model.FrameByIndex(i), prefix);
+  }
+
+  // The root link hangs on no joint whose frame would say where it stands.
+  void place_root() {
+    std::set<std::string> below;
+    for (const JointOutline& joint : outline_.joints) below.insert(joint.child);
+    for (const LinkOutline& link : outline_.links)
+      if (const auto pose = poses_.find(link.name); pose != poses_.end() && !below.count(link.name))
+        outline_.root_pose = pose->second;  // of several roots the reader of robots complains
   }
 
   void add_link(const sdf::Link& link, const std::string& prefix) {
@@ -177,6 +212,12 @@ class SdfReader {
         return refuse(fmt::format("joints of type '{}' are not known here", joint.Element()->Get<std::string>("type")),
                       "there are revolute, continuous, prismatic, screw, ball, universal, revolute2 and fixed ones");
     }
+    // SDF has a default only for those of an <axis> that is there.
+    const sdf::JointAxis *const axis = joint.Axis(0), *const second = joint.Axis(1);
+    const bool turns_two_ways = out.type == ir::JointType::universal;
+    if (out.type != ir::JointType::fixed && out.type != ir::JointType::spherical && (!axis || (turns_two_ways && !second)))
+      return refuse(axis ? "it has no second axis" : "it has no axis",
+                    turns_two_ways ? "write its <axis> and <axis2>" : "write its <axis>, with the direction as <xyz>");
     std::string parent, child;
     const size_t before = errors_.size();
     take(joint.ResolveParentLink(parent));
@@ -201,14 +242,12 @@ class SdfReader {
                child_link->PoseRelativeTo() == (in_world ? "" : joint.ParentLinkName())) {
       if (const auto written = written_pose(child_link->Element())) out.origin = *written;
     }
-    const sdf::JointAxis *const axis = joint.Axis(0), *const second = joint.Axis(1);
-    if (axis && out.type != ir::JointType::fixed && out.type != ir::JointType::spherical) read_axis(*axis, out);
+    if (out.type != ir::JointType::fixed && out.type != ir::JointType::spherical) read_axis(*axis, out);
     if (out.type == ir::JointType::helical) {
       out.pitch = pitch(joint, out);
       if (!std::isfinite(out.pitch)) return refuse("its thread_pitch is 0: no turn moves it", "make it a prismatic joint");
     }
-    if (out.type == ir::JointType::universal) {
-      if (!axis || !second) return refuse("it has no second axis", "write its <axis> and <axis2>");
+    if (turns_two_ways) {
       JointOutline of_second = out;
       read_axis(*second, of_second);
       out.second = of_second.axis;
@@ -243,10 +282,9 @@ class SdfReader {
   // A joint to a link that hangs on another one already holds the two together.
   void add_loop(const sdf::Joint& joint, JointOutline& out, const Pose3d& in_parent, const Pose3d& in_child) {
     const auto isometry = [](const Pose3d& pose) {
-      const auto& turn = pose.Rot();
       Eigen::Isometry3d result = Eigen::Isometry3d::Identity();
       result.translation() = vector(pose.Pos());
-      result.linear() = Eigen::Quaterniond(turn.W(), turn.X(), turn.Y(), turn.Z()).toRotationMatrix();
+      result.linear() = rotation(pose.Rot());
       return result;
     };
     ir::Loop loop;
@@ -309,11 +347,15 @@ class SdfReader {
     // The joint between the reference body and a link, and the sense in which its coordinate is that angle.
     const auto angle = [&](const std::string& link, unsigned which) -> std::optional<std::pair<std::string, double> > {
       const sdf::JointAxis* const axis = joint.Axis(which) ? joint.Axis(which) : joint.Axis(0);
+      if (!axis) {
+        refuse("it has no axis", "write its <axis>, that of the joint whose angle it is to measure");
+        return std::nullopt;
+      }
       for (const Hinge& hinge : hinges_) {
         const bool behind = hinge.parent == reference && hinge.child == link;
         if (!behind && !(hinge.child == reference && hinge.parent == link)) continue;
         ignition::math::Vector3d in_link;
-        if (axis) take(axis->ResolveXyz(in_link, hinge.child.substr(prefix.size())));
+        take(axis->ResolveXyz(in_link, hinge.child.substr(prefix.size())));
         const double sense = vector(in_link).normalized().dot(hinge.axis) * (behind ? 1 : -1);
         if (std::abs(sense) > 1 - 1e-9) return std::pair(hinge.joint, sense < 0 ? -1. : 1.);
         refuse(fmt::format("its {} is not that of joint '{}', whose angle it is to measure", which == 0 ? "<axis>" : "<axis2>",
@@ -405,7 +447,8 @@ class SdfReader {
   Diagnostics errors_;
   UrdfOutline outline_;
   std::vector<Hinge> hinges_;
-  std::set<std::string> children_;  // links that hang on a joint
+  std::set<std::string> children_;      // links that hang on a joint
+  std::map<std::string, Frame> poses_;  // of links in the whole model
   bool has_world_ = false;
 };
 
