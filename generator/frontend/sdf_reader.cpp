@@ -1,5 +1,6 @@
 #include "frontend/sdf_reader.hpp"
 
+#include <console_bridge/console.h>
 #include <dlfcn.h>
 #include <fmt/format.h>
 
@@ -24,8 +25,16 @@ ir::RobotDescription read_sdf(const std::string& path, Diagnostics& warnings) {
   if (!outline_of)
     throw InputError({Severity::error, path, "SDF", fmt::format("the library that reads SDF cannot be opened: {}", dlerror()),
                       "install dalembert again, and libsdformat 12 with it"});
+  // What libsdformat cannot read it tries as a URDF, and urdfdom complains of that.
+  struct Silence {
+    Silence() { console_bridge::noOutputHandler(); }
+    ~Silence() { console_bridge::restorePreviousOutputHandler(); }
+  };
   UrdfOutline outline;
-  outline_of(path, warnings, outline);
+  {
+    const Silence silence;
+    outline_of(path, warnings, outline);
+  }
   return robot_of(path, std::move(outline), warnings);
 #else
   (void)warnings;

@@ -9,13 +9,21 @@
 #include <array>
 #include <cmath>
 #include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <optional>
 #include <sdf/sdf.hh>
 #include <set>
+#include <string_view>
+#include <tuple>
+#include <vector>
 
+#include "frontend/numbers.hpp"
 #include "frontend/urdf_outline.hpp"
+#include "sdf/sdf_text.hpp"
 
 namespace dalembert::frontend {
 
@@ -47,19 +55,17 @@ Eigen::Matrix3d rotation(const ignition::math::Quaterniond& q) {
 
 Frame frame(const Pose3d& pose) { return {vector(pose.Pos()), Eigen::Vector3d::Zero(), rotation(pose.Rot())}; }
 
+std::string text_of(const sdf::ElementPtr& element) {
+  return element->GetValue() ? std::string(trimmed(element->GetValue()->GetAsString())) : std::string();
+}
+
 // The numbers of an element as they are written.
 template <size_t count>
 std::optional<std::array<double, count> > written_numbers(const sdf::ElementPtr& element) {
-  if (!element->GetValue()) return std::nullopt;
-  const std::string text = element->GetValue()->GetAsString();
-  std::array<double, count> numbers;
-  const char* at = text.c_str();
-  for (double& number : numbers) {
-    char* end = nullptr;
-    number = std::strtod(at, &end);
-    if (end == at) return std::nullopt;
-    at = end;
-  }
+  const std::optional<std::vector<double> > all = parse_numbers(text_of(element));
+  if (!all || all->size() != count) return std::nullopt;
+  std::array<double, count> numbers{};
+  std::copy(all->begin(), all->end(), numbers.begin());
   return numbers;
 }
 
@@ -78,14 +84,49 @@ std::optional<Frame> written_pose(const sdf::ElementPtr& element) {
 
 int line_of(const sdf::ElementPtr& element) { return element ? element->LineNumber().value_or(0) : 0; }
 
+// A folder for copies of files, removed in the end.
+class Folder {
+ public:
+  Folder() = default;
+  ~Folder() {
+    std::error_code ignored;
+    if (!path_.empty()) std::filesystem::remove_all(path_, ignored);
+  }
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+
+  // The path of a file with the text; empty where it cannot be written.
+  std::string file(const std::string& name, const std::string& text) {
+    std::error_code ignored;
+    if (path_.empty()) {
+      std::string pattern = (std::filesystem::temp_directory_path(ignored) / "dalembert.sdf.XXXXXX").string();
+      if (!mkdtemp(pattern.data())) return "";
+      path_ = pattern;
+    }
+    const std::string path = (path_ / name).string();
+    std::ofstream file(path, std::ios::binary);
+    return file << text && file.flush() ? path : "";
+  }
+
+ private:
+  std::filesystem::path path_;
+};
+
 class SdfReader {
  public:
   SdfReader(const std::string& file, Diagnostics& warnings) : file_(file), warnings_(warnings) {}
 
   UrdfOutline read() {
     sdf::Console::Instance()->SetQuiet(true);
+    for (const char* variable : {"GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RESOURCE_PATH", "GAZEBO_MODEL_PATH"})
+      if (const char* const folders = std::getenv(variable)) config_.AddURIPath("model://", folders);
+    const SdfText sdf = essential(file_);
+    if (!sdf.root.empty() && sdf.root != "sdf" && sdf.root != "gazebo")  // the latter in files of 2011
+      throw InputError({Severity::error, file_, fmt::format("<{}>", sdf.root), "the root of an SDF is <sdf>",
+                        sdf.root == "robot" ? "call a URDF .urdf" : "name an SDF"});
+    stop_on_errors();
     sdf::Root root;
-    take(root.Load(file_));
+    take_causes(root.LoadSdfString(sdf.text, config_));
     stop_on_errors();
     const sdf::Model& model = only_model(root);
     outline_.robot = model.Name();
@@ -99,11 +140,66 @@ class SdfReader {
   }
 
  private:
+  // The text without what is idle. Included files are given to libsdformat as copies of which the same holds.
+  SdfText essential(const std::string& path, int depth = 0) {
+    std::ifstream file(path, std::ios::binary);
+    const std::string text{std::istreambuf_iterator<char>(file), {}};
+    return without_idle_elements(text, [&](const std::string& uri) { return copy_of_included(uri, path, depth); });
+  }
+  std::string copy_of_included(const std::string& uri, const std::string& from, int depth) {
+    constexpr int deepest = 20;  // files that include themselves
+    std::string path = sdf::findFile(uri, true, true, config_);
+    if (path.empty() && uri.find("://") == std::string::npos) path = (std::filesystem::path(from).parent_path() / uri).string();
+    std::error_code ignored;
+    if (std::filesystem::is_directory(path, ignored)) path = sdf::getModelFilePath(path);
+    if (!std::filesystem::is_regular_file(path, ignored)) return "";  // libsdformat says so
+    if (depth == deepest) {
+      add_error(errors_, {Severity::error, from, fmt::format("<uri>{}</uri>", uri), "files include each other without end",
+                          "remove one <include>"});
+      return "";
+    }
+    if (const auto known = copies_.find(path); known != copies_.end()) return known->second;
+    const SdfText sdf = essential(path, depth + 1);
+    if (sdf.root != "sdf") return "";
+    const std::string copy = folder_.file(fmt::format("{}.sdf", copies_.size()), sdf.text);
+    if (!copy.empty()) copies_.emplace(path, copy), originals_.emplace(copy, path);
+    return copy;
+  }
+
   void take(const sdf::Errors& errors) {
-    for (const sdf::Error& error : errors)
-      add_error(errors_,
-                {Severity::error, file_, error.LineNumber() ? fmt::format("line {}", *error.LineNumber()) : std::string("SDF"),
-                 "libsdformat says: " + error.Message(), "correct the element it names"});
+    for (const sdf::Error& error : errors) take(error, "correct the element it names");
+  }
+  void take(const sdf::Error& error, const std::string& remedy) {
+    const auto original = originals_.find(error.FilePath().value_or(""));
+    add_error(errors_, {Severity::error, original == originals_.end() ? file_ : original->second,
+                        error.LineNumber() ? fmt::format("line {}", *error.LineNumber()) : std::string("SDF"),
+                        "libsdformat says: " + error.Message(), remedy});
+  }
+  // Of errors while a file is read those that others do not follow from. Inertias are judged by the robot's own check.
+  void take_causes(const sdf::Errors& errors) {
+    const auto is_lookup = [](const sdf::Error& error) { return error.Code() == sdf::ErrorCode::URI_LOOKUP; };
+    const bool lookup = std::any_of(errors.begin(), errors.end(), is_lookup);
+    for (const sdf::Error& error : errors) {
+      if (error.Code() == sdf::ErrorCode::LINK_INERTIA_INVALID || (lookup && !is_lookup(error))) continue;
+      const bool encloses =
+          error.Message().starts_with("Error reading element <") || error.Code() == sdf::ErrorCode::STRING_READ;
+      if (encloses && !errors_.empty()) continue;
+      if (error.Code() == sdf::ErrorCode::STRING_READ)
+        add_error(errors_, {Severity::error, file_, "SDF", "libsdformat says: Unable to read it", "correct what is no XML"});
+      else take(error, lookup ? remedy_of_lookup(error.Message()) : "correct the element it names");
+    }
+  }
+  // Of a robot beside others the folder is seldom far.
+  std::string remedy_of_lookup(const std::string& message) const {
+    const size_t scheme = message.find("://"), begin = scheme == message.npos ? message.find('[') + 1 : scheme + 3;
+    const std::string name = message.substr(begin, message.find_first_of("/]", begin) - begin);
+    std::string holder = "FOLDER";
+    std::error_code ignored;
+    std::filesystem::path folder = std::filesystem::absolute(file_, ignored).parent_path();
+    for (int level = 0; level < 5 && !name.empty() && holder == "FOLDER"; ++level, folder = folder.parent_path())
+      if (std::filesystem::exists(folder / name, ignored)) holder = folder.string();
+    return fmt::format("say where '{}' is: SDF_PATH={} dalembert ...{}", name, holder,
+                       holder == "FOLDER" ? ", the folder that holds the model's" : "");
   }
   void stop_on_errors() const {
     if (!errors_.empty()) throw InputError(errors_);
@@ -133,7 +229,7 @@ class SdfReader {
   // in_whole: the model's pose in the whole one.
   void add_model(const sdf::Model& model, const std::string& prefix, const Pose3d& in_whole) {
     if (model.Static()) ignore("model", prefix + model.Name(), "that it is static", "say it in the scene: base: fixed");
-    if (model.Element() && model.Element()->HasElement("plugin"))
+    if (model.Element() && model.Element()->HasElement("dalembert:plugin"))
       ignore("model", prefix + model.Name(), "what its plugins do", "the dynamics is of links and joints alone");
     for (uint64_t i = 0; i < model.LinkCount(); ++i) {
       const sdf::Link& link = *model.LinkByIndex(i);
@@ -165,24 +261,63 @@ class SdfReader {
   void add_link(const sdf::Link& link, const std::string& prefix) {
     LinkOutline out{prefix + link.Name(), line_of(link.Element()), {}};
     const sdf::ElementPtr element = link.Element();
-    const bool has_inertial = element && element->HasElement("inertial");
-    const auto& inertial = link.Inertial();
-    const auto& m = inertial.MassMatrix();
     InertialOutline is;
-    is.mass = m.Mass();
-    is.origin = frame(inertial.Pose());
-    if (has_inertial)
-      if (const auto written = written_pose(element->GetElement("inertial"))) is.origin = *written;
-    is.inertia << m.Ixx(), m.Ixy(), m.Ixz(), m.Ixy(), m.Iyy(), m.Iyz(), m.Ixz(), m.Iyz(), m.Izz();
-    if (!has_inertial)
+    is.mass = 1;  // SDF's own
+    is.inertia = Eigen::Matrix3d::Identity();
+    if (element && element->HasElement("inertial")) {
+      is.origin = frame(link.Inertial().Pose());
+      read_inertial(element->GetElement("inertial"), out, is);
+    } else {
       warnings_.push_back({Severity::warning, file_, place(out), "it has no <inertial>: SDF gives it 1 kg and 1 kg m²",
                            "write its inertial, of mass 0 where it is a frame"});
+    }
     out.inertial = is;
     if (element && element->HasElement("gravity") && !element->Get<bool>("gravity"))
       ignore("link", out.name, "that gravity does not act on it", "there is no such thing here");
     if (element && element->HasElement("velocity_decay"))
       ignore("link", out.name, "its velocity_decay", "damping of joints can be said in the scene");
     outline_.links.push_back(std::move(out));
+  }
+
+  // The numbers as they are written: libsdformat reads 1,5 as 1, and has none where an inertia is no body's.
+  void read_inertial(const sdf::ElementPtr& inertial, const LinkOutline& link, InertialOutline& is) {
+    const auto warn = [&](const std::string& what, const char* remedy) {
+      warnings_.push_back({Severity::warning, file_, place(link), what, remedy});
+    };
+    const auto read = [&](const sdf::ElementPtr& of, const char* name, double& number) {
+      if (!of->HasElement(name) || !of->GetElement(name)->GetExplicitlySetInFile()) return false;
+      const std::string text = text_of(of->GetElement(name));
+      const std::optional<double> value = parse_number(text);
+      if (value && std::isfinite(*value)) number = *value;
+      else
+        add_error(errors_, {Severity::error, file_, place(link),
+                            fmt::format("<{0}>{1}</{0}> is not a {2}", name, text, value ? "finite number" : "number"),
+                            "write a decimal number"});
+      return true;
+    };
+    const auto only = [&](const sdf::ElementPtr& of, std::initializer_list<std::string_view> known) {
+      for (sdf::ElementPtr e = of->GetFirstElement(); e; e = e->GetNextElement())
+        if (e->GetName().find(':') == std::string::npos && std::find(known.begin(), known.end(), e->GetName()) == known.end())
+          warnings_.push_back({Severity::warning, file_, place(link),
+                               fmt::format("unknown element <{}> of <{}> is ignored", e->GetName(), of->GetName()),
+                               fmt::format("known are {}", fmt::join(known, ", "))});
+    };
+    only(inertial, {"mass", "pose", "inertia"});
+    if (const auto written = written_pose(inertial)) is.origin = *written;
+    if (!read(inertial, "mass", is.mass)) warn("<inertial> has no <mass>: SDF gives it 1 kg", "write its <mass> in kg");
+    if (!inertial->HasElement("inertia"))
+      return warn("<inertial> has no <inertia>: SDF gives it 1 kg m²", "write its <inertia>: <ixx>, <iyy> and <izz> in kg m²");
+    const sdf::ElementPtr inertia = inertial->GetElement("inertia");
+    only(inertia, {"ixx", "iyy", "izz", "ixy", "ixz", "iyz"});
+    std::vector<std::string> missing;
+    for (const auto& [name, i, k] :
+         {std::tuple{"ixx", 0, 0}, {"iyy", 1, 1}, {"izz", 2, 2}, {"ixy", 0, 1}, {"ixz", 0, 2}, {"iyz", 1, 2}}) {
+      if (!read(inertia, name, is.inertia(i, k)) && i == k) missing.push_back(name);
+      is.inertia(k, i) = is.inertia(i, k);
+    }
+    if (!missing.empty())
+      warn(fmt::format("<inertia> has no {}: SDF gives it 1 kg m²", fmt::join(missing, ", ")),
+           "write all of ixx, iyy and izz in kg m²");
   }
 
   Pose3d resolved(const sdf::SemanticPose& pose, const std::string& to) {
@@ -344,13 +479,10 @@ class SdfReader {
       return refuse("it has no gearbox_reference_body", "write the link against which both angles are measured");
     const std::string written = element->Get<std::string>("gearbox_reference_body"),
                       reference = written == "world" ? written : prefix + written;
+    if (!joint.Axis(0)) return refuse("it has no axis", "write its <axis>, that of the joint whose angle it is to measure");
     // The joint between the reference body and a link, and the sense in which its coordinate is that angle.
     const auto angle = [&](const std::string& link, unsigned which) -> std::optional<std::pair<std::string, double> > {
       const sdf::JointAxis* const axis = joint.Axis(which) ? joint.Axis(which) : joint.Axis(0);
-      if (!axis) {
-        refuse("it has no axis", "write its <axis>, that of the joint whose angle it is to measure");
-        return std::nullopt;
-      }
       for (const Hinge& hinge : hinges_) {
         const bool behind = hinge.parent == reference && hinge.child == link;
         if (!behind && !(hinge.child == reference && hinge.parent == link)) continue;
@@ -444,6 +576,9 @@ class SdfReader {
 
   const std::string& file_;
   Diagnostics& warnings_;
+  sdf::ParserConfig config_ = sdf::ParserConfig::GlobalConfig();
+  Folder folder_;
+  std::map<std::string, std::string> copies_, originals_;  // of included files: path → copy, and back
   Diagnostics errors_;
   UrdfOutline outline_;
   std::vector<Hinge> hinges_;

@@ -20,8 +20,8 @@ JOINTS = ("link_1_joint", "link_2_joint", "link_3_joint")  # of tests/robots/ske
 has_sdf = os.environ.get("DALEMBERT_TEST_SDF", "1") == "1"
 
 
-def run(*words, path=None):
-    environment = dict(os.environ)
+def run(*words, path=None, variables={}):
+    environment = dict(os.environ, **variables)
     if path is not None:
         environment["PATH"] = path
     result = subprocess.run([dalembert, *map(str, words)], capture_output=True, text=True, env=environment)
@@ -274,7 +274,11 @@ class Sdf(Folder):
                  r"there are 2 models: 'm', 'n'; leave one"),
                 (f'<model name="m">{two}</model>', "two links|root"),
                 ('<model name="m"><link/></model>', "libsdformat says"),
-                ("<robot/>", "libsdformat says"),
+                ("<robot/>", r"<robot>: error: the root of an SDF is <sdf>; call a URDF \.urdf"),
+                ("<mujoco/>", r"<mujoco>: error: the root of an SDF is <sdf>; name an SDF"),
+                (f'<model name="m">{two}</link></model>', "libsdformat says"),
+                (f'<model name="m">{two}<joint name="j" type="gearbox"><parent>a</parent><child>b</child>'
+                 "<gearbox_reference_body>a</gearbox_reference_body></joint></model>", r"joint 'j' \(line 1\): error: it has no axis"),
                 (f'<model name="m">{two}<joint name="j" type="fixed"><parent>a</parent><child>c</child></joint></model>', "libsdformat says"),
         ):
             with self.subTest(said):
@@ -290,6 +294,154 @@ class Sdf(Folder):
         self.assertRegex(said, r"link 'a' \(line 1\): warning: it has no <inertial>: SDF gives it 1 kg")
         self.assertIn("model 'm': warning: that it is static is ignored", said)
         self.assertIn("link 'a': warning: that gravity does not act on it is ignored", said)
+
+
+    INERTIAL = "<inertial><pose>{0} 0 0 0</pose><mass>1</mass><inertia><ixx>0.1</ixx><iyy>0.12</iyy><izz>0.15</izz></inertia></inertial>"
+
+    def test_joints_without_an_axis_are_refused(self):
+        links = "".join(f'<link name="{name}">{self.INERTIAL.format("0 0 0")}</link>' for name in "abc")
+        joint = lambda name, kind, parent, child, more="": (f'\n<joint name="{name}" type="{kind}"><parent>{parent}</parent>'
+                                                            f"<child>{child}</child>{more}</joint>")
+        axis = "<axis><xyz>0 0 1</xyz></axis>"
+        closed = joint("i", "revolute", "a", "b", axis) + joint("k", "revolute", "a", "c", axis)
+        for kind in ("revolute", "continuous", "prismatic", "screw", "universal", "revolute2"):
+            for before, pair in (("", ("a", "b")), (closed, ("b", "c"))):
+                with self.subTest(kind, loop=bool(before)):
+                    robot = self.write("bare.sdf", f'<sdf version="1.9"><model name="m">{links}{before}{joint("j", kind, *pair)}</model></sdf>')
+                    status, out, said = run("info", robot)
+                    self.assertEqual((status, out), (2, ""), said)
+                    self.assertRegex(said, rf"joint 'j' \(line {4 if before else 2}\): error: it has no axis; write its <axis>")
+
+    def test_turns_near_a_right_angle_keep_their_digits(self):
+        """A pitch of almost 90° that libsdformat resolves: Euler's angles of it have half the digits."""
+        for pitch in ("1.5707963", "1.57079632679", "1.5707963267948966", "-1.5707963", "1.2"):
+            with self.subTest(pitch):
+                body = "<inertial><origin xyz='0.1 0.2 0.3'/><mass value='1'/><inertia ixx='0.1' iyy='0.12' izz='0.15' ixy='0' ixz='0' iyz='0'/></inertial>"
+                urdf = self.write("turned.urdf", f"""<robot name="m"><link name="a">{body}</link><link name="f"/><link name="b">{body}</link>
+<joint name="weld" type="fixed"><parent link="a"/><child link="f"/><origin xyz="0 0 1" rpy="0.5 {pitch} 0.3"/></joint>
+<joint name="j" type="continuous"><parent link="f"/><child link="b"/><origin rpy="0.4 0 0"/><axis xyz="0 0 1"/></joint></robot>""")
+                inertial = self.INERTIAL.format("0.1 0.2 0.3")
+                sdf = self.write("turned.sdf", f"""<sdf version="1.9"><model name="m"><link name="a">{inertial}</link>
+<frame name="f" attached_to="a"><pose relative_to="a">0 0 1 0.5 {pitch} 0.3</pose></frame>
+<link name="b"><pose relative_to="f">0 0 0 0.4 0 0</pose>{inertial}</link>
+<joint name="j" type="revolute"><parent>a</parent><child>b</child><axis><xyz>0 0 1</xyz></axis></joint></model></sdf>""")
+                states = self.write("states", "0.3 -0.7 0.2\n")
+                ask = lambda robot: run("eval", robot, "--state", states, "--output", "inverse_dynamics", "--engine", "generic", "--base", "fixed")
+                (status, result, said), expected = ask(sdf), ask(urdf)
+                self.assertEqual((status, expected[0]), (0, 0), said + expected[2])
+                self.assertLess(abs(float(result) - float(expected[1])), 4e-15)
+
+    def test_a_fixed_base_stands_as_it_does_in_the_model(self):
+        inertial = self.INERTIAL.format("0.1 0.2 0.3")
+
+        def robot(pose, more=""):
+            links = f'<link name="b"><pose relative_to="a">0 0 1 0 0 0</pose>{inertial}</link>'
+            joint = '<joint name="j" type="revolute"><parent>a</parent><child>b</child><axis><xyz>0 0 1</xyz></axis></joint>'
+            return self.write("root.sdf", f'<sdf version="1.9"><model name="m"><link name="a"><pose>{pose}</pose>{inertial}</link>{links}{joint}'
+                                          f"{more}</model></sdf>")
+
+        weld = '<joint name="w" type="fixed"><parent>world</parent><child>a</child></joint>'
+        pose = "0.3 0.2 0.1 1.5708 0.4 0.2"
+        for output, options in (("gravity", ()), ("pose_b", ("--frames", "{b: [pose]}"))):
+            result = self.numbers(robot(pose), output, *options, "--base", "fixed")
+            self.assertEqual(result, self.numbers(robot(pose, weld), output, *options))
+            self.assertNotEqual(result, self.numbers(robot("0 0 0 0 0 0"), output, *options, "--base", "fixed"))
+        # One that floats is where q says.
+        states = "0 0 0 0 0 0 1 0.3" + 7 * " 0"
+        self.assertEqual(self.numbers(robot(pose), "gravity", "--base", "floating", state=states),
+                         self.numbers(robot("0 0 0 0 0 0"), "gravity", "--base", "floating", state=states))
+        # In a model within, its pose counts as well.
+        nested = lambda within, link: self.write("within.sdf", f"""<sdf version="1.9"><model name="m"><model name="n"><pose>{within}</pose>
+<link name="a"><pose>{link}</pose>{inertial}</link><link name="b"><pose relative_to="a">0 0 1 0 0 0</pose>{inertial}</link>
+<joint name="j" type="revolute"><parent>a</parent><child>b</child><axis><xyz>0 0 1</xyz></axis></joint></model></model></sdf>""")
+        twice = self.numbers(nested("0 0 1 0.5 0 0", "0 0 0 0.7 0 0"), "gravity", "--base", "fixed")
+        once = self.numbers(robot("0 0 0 1.2 0 0"), "gravity", "--base", "fixed")
+        self.assertTrue(len(once) == 1 and abs(twice[0] - once[0]) < 1e-14 and abs(once[0]) > 0.1, (twice, once))
+
+    def numbers(self, robot, output, *options, state="0.3 0"):
+        states = self.write("states", state + "\n")
+        status, printed, said = run("eval", robot, "--state", states, "--output", output, "--engine", "generic", *options)
+        self.assertEqual(status, 0, said)
+        return [float(x) for x in printed.split()]
+
+    def test_defaults_and_unknown_elements_of_inertials_are_said(self):
+        def said_of(inertial):
+            robot = self.write("inertial.sdf", f'<sdf version="1.9"><model name="m">\n<link name="a"><inertial>{inertial}</inertial></link></model></sdf>')
+            return run("info", robot, "--verbose")
+
+        moments = "<inertia><ixx>0.1</ixx><iyy>0.1</iyy><izz>0.1</izz></inertia>"
+        for inertial, warnings in (
+                ("<mass>1</mass>", ("<inertial> has no <inertia>: SDF gives it 1 kg m²",)),
+                (moments, ("<inertial> has no <mass>: SDF gives it 1 kg",)),
+                ("<mass>1</mass><inertia><ixx>1</ixx></inertia>", ("<inertia> has no iyy, izz: SDF gives it 1 kg m²",)),
+                ("<masss>3</masss>" + moments, ("unknown element <masss> of <inertial> is ignored; known are mass, pose, inertia",
+                                                "<inertial> has no <mass>: SDF gives it 1 kg")),
+                ("<mass>2</mass>" + moments, ()),
+        ):
+            with self.subTest(inertial):
+                status, _, said = said_of(inertial)
+                self.assertEqual(status, 0, said)
+                self.assertEqual(said.count("warning"), len(warnings), said)
+                for warning in warnings:
+                    self.assertIn("link 'a' (line 2): warning: " + warning, said)
+        for text in ("1,5", "1.5kg", "1 2", "nan"):
+            status, out, said = said_of(f"<mass>{text}</mass>{moments}")
+            self.assertEqual((status, out), (2, ""), said)
+            self.assertRegex(said, rf"link 'a' \(line 2\): error: <mass>{text}</mass> is not a (finite )?number; write")
+        self.assertIn("<iyy>0,1</iyy> is not a number", said_of("<mass>1</mass>" + moments.replace("<iyy>0.1", "<iyy>0,1"))[2])
+        # What no body has is judged as in a URDF.
+        status, _, said = said_of("<mass>1</mass><inertia><ixx>0.1</ixx><iyy>0.1</iyy><izz>0.3</izz></inertia>")
+        self.assertEqual(status, 0, said)
+        self.assertRegex(said, "link 'a'.*warning: .*inertia")
+        status, _, said = said_of("<mass>-1</mass>" + moments)
+        self.assertEqual(status, 2)
+        self.assertNotIn("libsdformat", said)
+
+    IDLE = ("<visual name='v'><geometry><box><size>1 1 1</size></box></geometry><material><script><name>Gazebo/Grey</name></script></material>"
+            "</visual><!-- <link> --><collision name='c'>\n<surface><friction><ode><mu>much</mu></ode></friction></surface></collision>"
+            "<sensor name='s' type='camera'><camera><horizontal_fov>9</horizontal_fov></camera></sensor><light/><battery><![CDATA[<]]></battery>")
+
+    def test_faults_of_what_no_dynamics_uses_do_not_matter(self):
+        robot = self.write("looks.sdf", f"""<sdf version="1.9"><world name="w"><light/><model name="m"><plugin/>
+<link name="a">{self.INERTIAL.format("0 0 0")}{self.IDLE}</link>
+<link name="b"/></model></world></sdf>""")
+        status, out, said = run("info", robot)
+        self.assertEqual((status, out), (2, ""))  # of two roots, with the line below a sensor's
+        self.assertNotIn("libsdformat", said)
+        self.assertRegex(said, r"link 'b'|'b' \(line 4\)")
+        robot.write_text(robot.read_text().replace('<link name="b"/>', ""))
+        status, _, said = run("info", robot)
+        self.assertEqual(status, 0, said)
+        self.assertIn("model 'm': warning: what its plugins do is ignored", said)
+
+    def test_included_models(self):
+        """By SDF_PATH, by Gazebo's variables, beside the file; read like the file itself. Where there is none, the remedy, once."""
+        folder = self.folder / "models" / "arm"
+        folder.mkdir(parents=True)
+        (folder / "model.config").write_text('<model><name>arm</name><version>1.0</version><sdf version="1.9">arm.sdf</sdf></model>')
+        (folder / "arm.sdf").write_text(f'<sdf version="1.9"><model name="arm"><link name="a">{self.INERTIAL.format("0 0 0")}{self.IDLE}</link>'
+                                        "</model></sdf>")
+        robot = self.write("including.sdf", '<sdf version="1.9"><model name="m">\n<include><uri>model://arm</uri></include></model></sdf>')
+        status, out, said = run("info", robot)
+        self.assertEqual((status, out), (2, ""))
+        self.assertEqual(said.count("error"), 1, said)
+        self.assertRegex(said, r"line 2: error: libsdformat says: Unable to find uri\[model://arm\]; say where 'arm' is: SDF_PATH=FOLDER dalembert")
+        for variable in ("SDF_PATH", "GZ_SIM_RESOURCE_PATH", "GAZEBO_MODEL_PATH"):
+            status, out, said = run("info", robot, variables={variable: str(self.folder / "models")})
+            self.assertEqual(status, 0, said)
+            self.assertIn("arm::a", out)
+        beside = self.write("models/beside.sdf", robot.read_text())
+        self.assertIn(f"SDF_PATH={self.folder / 'models'} dalembert", run("info", beside)[2])
+        relative = self.write("relative.sdf", robot.read_text().replace("model://arm", "models/arm"))
+        self.assertEqual(run("info", relative)[0], 0)
+        itself = self.write("models/arm/arm.sdf", robot.read_text().replace("model://arm", "arm.sdf"))
+        self.assertIn("files include each other without end", run("info", itself)[2])
+
+    def test_nothing_is_said_that_is_not_ours(self):
+        robot = self.write("comma.sdf", '<sdf version="1.9"><model name="m">\n<link name="a"><pose>0,0,1 0 0 0</pose></link></model></sdf>')
+        status, out, said = run("info", robot)
+        self.assertEqual((status, out), (2, ""))
+        self.assertEqual(said, f"{robot}: line 2: error: libsdformat says: Error reading element <pose>; correct the element it names\n")
 
 
 @unittest.skipIf(has_sdf, "built with libsdformat")
