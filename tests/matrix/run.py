@@ -14,13 +14,14 @@ import concurrent.futures
 import hashlib
 import json
 import pathlib
-import re
 import subprocess
 import sys
 import threading
 import time
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 import design
+import emitted_code
 import table
 import toolchain
 
@@ -49,15 +50,7 @@ def run(command, **more):
 
 
 def digest(code):
-    """Of the code under test, the self-test that judges it, and the runtime headers they include."""
-    seen, todo = {}, [code.parent / name for name in (code.name, "dynamics.hpp", "self_test.cpp", "self_test.hpp")]
-    while todo:
-        file = todo.pop()
-        if file not in seen:
-            seen[file] = file.read_bytes()
-            names = re.findall(r'#include [<"]dalembert/(\w+\.hpp)[>"]', seen[file].decode())
-            todo += [ROOT / "runtime/include/dalembert" / name for name in names]
-    return hashlib.sha256(b"".join(seen[file] for file in sorted(seen))).hexdigest()
+    return emitted_code.digest(code.parent / name for name in (code.name, "dynamics.hpp", "self_test.cpp", "self_test.hpp"))
 
 
 class Matrix:

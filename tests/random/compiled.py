@@ -5,7 +5,8 @@
 A case is a robot (joints of every kind, light and massless links, axes along and askew, equal and unequal branches), a scene
 (any of the scene file's keys), a compiler, a level, a target and a width. `dalembert check` has to pass, or to refuse the scene
 by name (exit status 2). What fails is made smaller as long as it fails in the same way, and said with its seed and its files.
-Cases that have passed are remembered in the folder by their seed, as long as the generator stays the same. Exit status: 0 or 1.
+Cases that have passed are remembered in the folder by their seed, as long as what is generated, its self-test, the runtime headers it
+includes and the compiler stay the same. Exit status: 0 or 1.
 """
 
 import argparse
@@ -20,6 +21,10 @@ import re
 import shutil
 import subprocess
 import sys
+
+sys.path[:0] = [str(pathlib.Path(__file__).resolve().parents[1] / folder) for folder in (".", "matrix")]
+import emitted_code
+import toolchain
 
 # From the joints' own table: what a joint may be turned into.
 KINDS = (lambda d: {"helical": d.choice([0.7, -2])}, lambda d: {"universal": [0.36, -0.48, 0.8]}, lambda d: "planar",
@@ -250,14 +255,30 @@ class Cores:
 CORES = Cores()
 
 
-def run(dalembert, folder, case):
-    """'ok', 'refused', or the first line of what is wrong; and all that was said."""
+def command_of(dalembert, verb, folder, case):
+    """Of a case whose files are in the folder."""
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "robot.urdf").write_text(urdf_of(case["robot"]))
     (folder / "scene.yaml").write_text(json.dumps(case["scene"], indent=1) + "\n")  # JSON is YAML
+    return [dalembert, verb, folder / "robot.urdf", "--scene", folder / "scene.yaml", "--form", case["toolchain"]["form"]]
+
+
+def what_is_compiled(dalembert, folder, case, runtime):
+    """A digest of the code, the self-test that judges it, the runtime and the compiler; None where nothing is generated."""
+    code = folder / "code"
+    done = subprocess.run([*command_of(dalembert, "generate", folder, case), "-o", code], capture_output=True, check=False)
+    if done.returncode != 0:
+        return None
     t = case["toolchain"]
-    command = [dalembert, "check", folder / "robot.urdf", "--scene", folder / "scene.yaml", "--form", t["form"],
-               "--compiler", t["compiler"], "--flags", t["flags"]]
+    text = emitted_code.digest(code.iterdir(), runtime) + toolchain.version(t["compiler"]) + t["flags"]
+    shutil.rmtree(code)
+    return hashlib.sha256(text.encode()).hexdigest()[:24]
+
+
+def run(dalembert, folder, case):
+    """'ok', 'refused', or the first line of what is wrong; and all that was said."""
+    t = case["toolchain"]
+    command = [*command_of(dalembert, "check", folder, case), "--compiler", t["compiler"], "--flags", t["flags"]]
     (folder / "command").write_text(" ".join(f"'{word}'" if " " in str(word) else str(word) for word in command) + "\n")
     try:
         result = CORES.run(command)
@@ -270,6 +291,14 @@ def run(dalembert, folder, case):
         return "refused", said
     wrong = "does not compile" if "does not compile" in said else f"exit status {result.returncode}"
     return wrong, said
+
+
+def run_unless_known(dalembert, folder, case, runtime, known):
+    """As run(), and the digest: a case that has passed with this digest is not run again."""
+    digest = what_is_compiled(dalembert, folder, case, runtime)
+    if digest is not None and digest == known:
+        return "ok", "", digest
+    return *run(dalembert, folder, case), digest
 
 
 def smaller(dalembert, folder, case, wrong):
@@ -317,28 +346,27 @@ def main():
     options = parser.parse_args()
     quantities = words(options.dalembert, "outputs A,B,...")
     options.work.mkdir(parents=True, exist_ok=True)
-    key = hashlib.sha256(pathlib.Path(options.dalembert).read_bytes() + pathlib.Path(__file__).read_bytes()).hexdigest()
+    runtime = pathlib.Path(os.environ.get("DALEMBERT_INCLUDE", str(emitted_code.RUNTIME)).split(":")[0])
     notes = options.work / "passed.json"
     known = json.loads(notes.read_text()) if notes.exists() else {}
-    if known.get("key") != key:
-        known = {"key": key, "native": {}, "all": {}}
-    passed = known["native" if options.native else "all"]
-    seeds = [s for s in range(options.first, options.first + options.cases) if str(s) not in passed]
-    wrong = []
+    passed = known.setdefault("native" if options.native else "all", {})
+    outcomes, wrong = [], []
     with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
-        futures = {pool.submit(run, options.dalembert, options.work / f"{s}", case_of(s, quantities, options.native)): s for s in seeds}
+        futures = {pool.submit(run_unless_known, options.dalembert, options.work / f"{s}", case_of(s, quantities, options.native),
+                               runtime, passed.get(str(s))): s for s in range(options.first, options.first + options.cases)}
         for done, future in enumerate(concurrent.futures.as_completed(futures), 1):
-            seed, (outcome, said) = futures[future], future.result()
+            seed, (outcome, said, digest) = futures[future], future.result()
+            outcomes.append(outcome)
             if outcome in ("ok", "refused"):
-                passed[str(seed)] = outcome
-                notes.write_text(json.dumps(known))
+                if outcome == "ok":
+                    passed[str(seed)] = digest
+                    notes.write_text(json.dumps(known))
                 shutil.rmtree(options.work / f"{seed}")
             else:
                 wrong.append((seed, outcome))
                 print(f"case {seed}: {outcome}\n{said[-1500:]}", flush=True)
             if done % 25 == 0:
-                print(f"{done} of {len(seeds)}", flush=True)
-    outcomes = [passed.get(str(s)) for s in range(options.first, options.first + options.cases)]
+                print(f"{done} of {options.cases}", flush=True)
     print(f"{options.cases} cases: {outcomes.count('ok')} right, {outcomes.count('refused')} refused by name, {len(wrong)} wrong")
     for seed, outcome in wrong[:5]:
         folder = options.work / f"{seed}"

@@ -164,11 +164,11 @@ struct Redundancy {
   }
 };
 
-// to[i] = the sum of row i's numbers, four rows at once.
+// The sums of four rows' numbers.
 template <class T, int w, int pieces>
-DALEMBERT_INLINE void totals_of_four(const BlockRow<T, w, pieces>* rows, T* to) {
+DALEMBERT_INLINE Lanes<T, 4> sums_of_four(const BlockRow<T, w, pieces>* rows) {
   if constexpr (w < 4 || !shuffles_in_registers) {
-    for (int i = 0; i < 4; ++i) to[i] = rows[i].total();
+    return each_lane<4, T>([&](int i) DALEMBERT_IN_BLOCK { return rows[i].total(); });
   } else {
     const auto of_four = [&](int i) DALEMBERT_IN_BLOCK {
       Lanes<T, w> sum = rows[i].piece[0];
@@ -181,8 +181,12 @@ DALEMBERT_INLINE void totals_of_four(const BlockRow<T, w, pieces>* rows, T* to) 
       return shuffled<T, 0, 4, 2, 6>(a, b) + shuffled<T, 1, 5, 3, 7>(a, b);
     };
     const Lanes<T, 4> a = of_two(0), b = of_two(2);
-    store<4, T>(to, shuffled<T, 0, 1, 4, 5>(a, b) + shuffled<T, 2, 3, 6, 7>(a, b));
+    return shuffled<T, 0, 1, 4, 5>(a, b) + shuffled<T, 2, 3, 6, 7>(a, b);
   }
+}
+template <class T, int w, int pieces>
+DALEMBERT_INLINE void totals_of_four(const BlockRow<T, w, pieces>* rows, T* to) {
+  store<4, T>(to, sums_of_four(rows));
 }
 
 // A symmetric positive definite matrix of m rows becomes its inverse (Gauss and Jordan), pivot by pivot. Of what
@@ -308,6 +312,44 @@ struct RowsInRegisters {
     return following;
   }
 };
+
+// The inverse of a symmetric matrix of few coordinates, A = L D L', of which the half below the diagonal is read and spoilt; of
+// several in lanes. No number waits for more than it needs. Pivots follow each other: a block of them inverted by itself would
+// leave nothing right of rows that say what others say.
+template <int u, class T>
+DALEMBERT_INLINE void invert_few(T (&a)[u][u], T (&inverse)[u][u]) {
+  T reciprocals[u], L[u][u], of_L[u][u];
+  const auto behind = [](auto of_j, const auto& f) DALEMBERT_IN_BLOCK {
+    constexpr int from = decltype(of_j)::value + 1;
+    for_constants<u - from>([&](auto i) DALEMBERT_IN_BLOCK { f(std::integral_constant<int, from + decltype(i)::value>{}); });
+  };
+  for_constants<u>([&](auto j) DALEMBERT_IN_BLOCK {
+    reciprocals[j] = (T{} + 1) / a[j][j];
+    behind(j, [&](auto i) DALEMBERT_IN_BLOCK {
+      L[i][j] = a[i][j] * reciprocals[j];
+      behind(j, [&](auto k) DALEMBERT_IN_BLOCK {
+        if (k <= i) a[i][k] -= L[i][j] * a[k][j];
+      });
+    });
+  });
+  for_constants<u>([&](auto j) DALEMBERT_IN_BLOCK {  // L^-1
+    behind(j, [&](auto i) DALEMBERT_IN_BLOCK {
+      T sum = L[i][j];
+      behind(j, [&](auto k) DALEMBERT_IN_BLOCK {
+        if (k < i) sum += L[i][k] * of_L[k][j];
+      });
+      of_L[i][j] = -sum;
+    });
+  });
+  for_constants<u>([&](auto j) DALEMBERT_IN_BLOCK {
+    for_constants<decltype(j)::value + 1>([&](auto i) DALEMBERT_IN_BLOCK {
+      T sum = i == j ? reciprocals[j] : of_L[j][i] * reciprocals[j];
+      behind(j, [&](auto k) DALEMBERT_IN_BLOCK { sum += of_L[k][i] * (reciprocals[k] * of_L[k][j]); });
+      inverse[i][j] = sum;
+      if (i != j) inverse[j][i] = sum;
+    });
+  });
+}
 
 // `columns` columns to(j) = base(j) more, or less, by the sum over k < count of factor(j, k) from(k): `pieces` registers of
 // each from `begin` on. base: null where it is none.

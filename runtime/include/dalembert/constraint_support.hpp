@@ -95,44 +95,6 @@ DALEMBERT_INLINE void hold(const Diagonal& diagonal, T* held) {
   for (int i = base; i < u; ++i) held[i] = of(diagonal(i));
 }
 
-// The inverse of a symmetric matrix of few coordinates, A = L D L', of which the half below the diagonal is read and spoilt. No
-// number waits for more than it needs. Pivots follow each other: a block of them inverted by itself would leave nothing right
-// of rows that say what others say.
-template <int u, class T>
-DALEMBERT_INLINE void invert_few(T (&a)[u][u], T (&inverse)[u][u]) {
-  T reciprocals[u], L[u][u], of_L[u][u];
-  const auto behind = [](auto of_j, const auto& f) DALEMBERT_IN_BLOCK {
-    constexpr int from = decltype(of_j)::value + 1;
-    for_constants<u - from>([&](auto i) DALEMBERT_IN_BLOCK { f(std::integral_constant<int, from + decltype(i)::value>{}); });
-  };
-  for_constants<u>([&](auto j) DALEMBERT_IN_BLOCK {
-    reciprocals[j] = T(1) / a[j][j];
-    behind(j, [&](auto i) DALEMBERT_IN_BLOCK {
-      L[i][j] = a[i][j] * reciprocals[j];
-      behind(j, [&](auto k) DALEMBERT_IN_BLOCK {
-        if (k <= i) a[i][k] -= L[i][j] * a[k][j];
-      });
-    });
-  });
-  for_constants<u>([&](auto j) DALEMBERT_IN_BLOCK {  // L^-1
-    behind(j, [&](auto i) DALEMBERT_IN_BLOCK {
-      T sum = L[i][j];
-      behind(j, [&](auto k) DALEMBERT_IN_BLOCK {
-        if (k < i) sum += L[i][k] * of_L[k][j];
-      });
-      of_L[i][j] = -sum;
-    });
-  });
-  for_constants<u>([&](auto j) DALEMBERT_IN_BLOCK {
-    for_constants<decltype(j)::value + 1>([&](auto i) DALEMBERT_IN_BLOCK {
-      T sum = i == j ? reciprocals[j] : of_L[j][i] * reciprocals[j];
-      behind(j, [&](auto k) DALEMBERT_IN_BLOCK { sum += of_L[k][i] * (reciprocals[k] * of_L[k][j]); });
-      inverse[i][j] = sum;
-      if (i != j) inverse[j][i] = sum;
-    });
-  });
-}
-
 // y of (A + mu N) y = to + mu N y, a few times over. solve: y by (A + mu N)^-1 of what it is given.
 template <int u, class T, class Solve>
 DALEMBERT_INLINE void approach(const T (&held)[u], const T (&to)[u], T (&y)[u], const Solve& solve) {

@@ -20,6 +20,7 @@
 #include <dalembert/constraint_blocks.hpp>
 #include <dalembert/constraint_limbs.hpp>
 #include <dalembert/constraint_shapes.hpp>
+#include <dalembert/limbs_apart.hpp>
 
 namespace dalembert {
 namespace constraint_detail {
@@ -676,6 +677,18 @@ DALEMBERT_INLINE ConstraintStatus<T> solve(const Way& way, const T* right, const
   return status;
 }
 
+template <int n, class Rows, class Tree, bool at_rest, class Limbs, class T>
+DALEMBERT_INLINE ConstraintStatus<T> solve_by_limbs(const Limbs& limbs, const T* wrenches, const T* right, const T* active,
+                                                    const T* regularization, T* room, T* forces, T* x) {
+  if constexpr (lanes_of_limbs<Rows, Limbs>().slot >= 0) {
+    static_cast<void>(room);
+    return solve_limbs_apart<n, Rows, Tree, at_rest>(limbs, wrenches, right, active, regularization, forces, x);
+  } else {
+    return solve<n, Rows, Tree, at_rest>(WayByLimbs<n, Limbs, T>{wrenches, limbs}, right, active, regularization, room, forces,
+                                         x);
+  }
+}
+
 }  // namespace constraint_detail
 
 // to = J M^-1 J', all rows of all constraints, whether they act or not.
@@ -712,8 +725,8 @@ __attribute__((noinline)) static ConstraintStatus<T> solve_constrained_by_limbs(
                                                                                 const T* right, const T* active,
                                                                                 const T* regularization, T* room, T* forces,
                                                                                 T* x) noexcept {
-  return constraint_detail::solve<n, Rows, Tree, false>(constraint_detail::WayByLimbs<n, Limbs, T>{wrenches, limbs}, right,
-                                                        active, regularization, room, forces, x);
+  return constraint_detail::solve_by_limbs<n, Rows, Tree, false>(limbs, wrenches, right, active, regularization, room, forces,
+                                                                 x);
 }
 
 // v becomes what it is after an impact, v + M^-1 J' f, f being the impulses that change J v by `right`.
@@ -733,8 +746,8 @@ __attribute__((noinline)) static ConstraintStatus<T> solve_impact_by_limbs(const
                                                                            const T* regularization, T* room, T* impulses,
                                                                            T* v) noexcept {
   T change[n] = {};
-  const ConstraintStatus<T> status = constraint_detail::solve<n, Rows, Tree, true>(
-      constraint_detail::WayByLimbs<n, Limbs, T>{wrenches, limbs}, right, active, regularization, room, impulses, change);
+  const ConstraintStatus<T> status = constraint_detail::solve_by_limbs<n, Rows, Tree, true>(
+      limbs, wrenches, right, active, regularization, room, impulses, change);
   for (int k = 0; k < n; ++k) v[k] += change[k];
   return status;
 }

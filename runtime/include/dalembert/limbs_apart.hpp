@@ -1,0 +1,386 @@
+// Points of limbs that have the base in common and nothing else, as the feet of animals with many legs: one limb in each lane.
+//
+// What a limb's joints leave is a small matrix of its own, S, and limbs know of each other by the base alone, W being Y's rows
+// there and D_b the base's pivots (constraints.hpp):
+//
+//   (S + W' D_b^-1 W) f = c   is   f = S^-1 c - X' D^-1 X c,   L D L' = D_b + W S^-1 W',   X = L^-1 W S^-1.
+//
+// So a matrix of six is factored whatever the number of limbs, and for all limbs at once one of three inverted. mu N is part of
+// S; where a limb's rows say what others of it say, X has numbers of 1/mu that cancel, and half of the digits are left: the
+// last proximal step adds what is missing, as there.
+#pragma once
+
+#include <dalembert/constraint_blocks.hpp>
+#include <dalembert/constraint_limbs.hpp>
+#include <dalembert/constraint_shapes.hpp>
+
+namespace dalembert {
+namespace constraint_detail {
+
+// Which limb has which lane, by the slots of its joints; none, where this is not how to solve for constraints.
+struct LanesOfLimbs {
+  int slot = -1, stride = 0;  // of the first lane's first joint, and from joint to joint
+  int limb[8] = {-1, -1, -1, -1, -1, -1, -1, -1};
+};
+// Points of limbs apart whose joints stand beside each other, each with joints enough to go where its point does, and as many
+// limbs as share a register: two are solved for together as soon.
+template <class Rows, class Limbs>
+constexpr LanesOfLimbs lanes_of_limbs() {
+  constexpr int base = 6, rows = 3, lanes = lanes_for(Rows::count);
+  LanesOfLimbs none, found;
+  if constexpr (Limbs::in_slots && Rows::count >= 3 && lanes <= native_lanes) {
+    for (int a = 0; a < Rows::count; ++a) {
+      if (Rows::rows[a] != rows || Rows::linear[a] != rows || Rows::lengths[a] < base + rows) return none;
+      for (int b = a + 1; b < Rows::count; ++b) {
+        const auto& both = Rows::shared.pieces[Rows::pair(a, b)];
+        if (both.count != 1 || both.a[0] != 0 || both.size[0] != base) return none;
+      }
+    }
+    found.slot = Limbs::slot(Rows::paths[0][base]);
+    found.stride = Limbs::slot(Rows::paths[0][base + 1]) - found.slot;
+    int last = found.slot;
+    for (int c = 0; c < Rows::count; ++c) {
+      const int first = Limbs::slot(Rows::paths[c][base]);
+      for (int k = base; k < Rows::lengths[c]; ++k)
+        if (Limbs::slot(Rows::paths[c][k]) != first + (k - base) * found.stride) return none;
+      found.slot = least(found.slot, first);
+      last = first > last ? first : last;
+    }
+    if (last - found.slot >= lanes || found.slot + (Rows::longest() - base - 1) * found.stride + lanes > Limbs::slots_in_all)
+      return none;
+    for (int c = 0; c < Rows::count; ++c) found.limb[Limbs::slot(Rows::paths[c][base]) - found.slot] = c;
+  }
+  return found;
+}
+
+// A number per limb and row, from rows one after another, and back.
+template <class Rows, class Limbs, class T>
+struct RowsOfLimbs {
+  static constexpr int rows = 3, lanes = lanes_for(Rows::count);
+  static constexpr LanesOfLimbs in = lanes_of_limbs<Rows, Limbs>();
+  static constexpr bool in_order() {
+    for (int c = 0; c < 4; ++c)
+      if (in.limb[c] != c) return false;
+    return shuffles_in_registers && lanes == 4 && Rows::count == 4;
+  }
+  using V = Lanes<T, lanes>;
+
+  static DALEMBERT_INLINE void load_rows(const T* from, V (&to)[rows]) {
+    if constexpr (in_order()) {
+      const V a = load<4>(from), b = load<4>(from + 4), c = load<4>(from + 8);
+      const V first = shuffled<T, 0, 5, 2, 3>(shuffled<T, 0, 1, 6, 3>(a, b), c),
+              second = shuffled<T, 0, 1, 6, 3>(shuffled<T, 4, 1, 2, 7>(a, b), c),
+              third = shuffled<T, 4, 1, 2, 7>(shuffled<T, 0, 5, 2, 3>(a, b), c);
+      to[0] = shuffled<T, 0, 3, 2, 1>(first, first);
+      to[1] = shuffled<T, 1, 0, 3, 2>(second, second);
+      to[2] = shuffled<T, 2, 1, 0, 3>(third, third);
+    } else {
+      for_constants<rows>([&](auto r) DALEMBERT_IN_BLOCK {
+        to[r] = each_lane<lanes, T>([&](int lane) { return in.limb[lane] < 0 ? T(0) : from[rows * in.limb[lane] + r]; });
+      });
+    }
+  }
+  static DALEMBERT_INLINE void store_rows(const V (&from)[rows], T* to) {
+    if constexpr (in_order()) {
+      const V a = shuffled<T, 0, 3, 2, 1>(from[0], from[0]), b = shuffled<T, 1, 0, 3, 2>(from[1], from[1]),
+              c = shuffled<T, 2, 1, 0, 3>(from[2], from[2]);
+      store<4, T>(to, shuffled<T, 0, 1, 6, 3>(shuffled<T, 0, 5, 2, 3>(a, b), c));
+      store<4, T>(to + 4, shuffled<T, 0, 5, 2, 3>(shuffled<T, 0, 1, 6, 3>(b, a), c));
+      store<4, T>(to + 8, shuffled<T, 4, 1, 2, 7>(shuffled<T, 0, 1, 6, 3>(a, b), c));
+    } else {
+      for_constants<rows>([&](auto r) DALEMBERT_IN_BLOCK {
+        for_constants<lanes>([&](auto lane_of) DALEMBERT_IN_BLOCK {
+          constexpr int c = in.limb[decltype(lane_of)::value];
+          if constexpr (c >= 0) to[rows * c + r] = lane<lanes, T>(from[r], lane_of);
+        });
+      });
+    }
+  }
+};
+
+template <class Rows, class Limbs, class T>
+struct LimbsApart {
+  using Load = RowsOfLimbs<Rows, Limbs, T>;
+  static constexpr int base = 6, rows = Load::rows, steps = Rows::longest() - base, lanes = Load::lanes;
+  static constexpr LanesOfLimbs in = Load::in;
+  using V = typename Load::V;
+  using One = BlockRow<T, lanes, 1>;
+
+  const Limbs& limbs;
+  V own[steps][rows], own_reciprocal[steps];  // Y of limbs' joints, and D^-1
+  V at_base[base][rows];                      // W
+  T base_pivot[base], base_reciprocal[base];
+  V along[rows][rows], inverse[rows][rows];  // S without R and mu N, the lower half; S^-1
+  V response[base][rows];                    // L^-1 W S^-1, L D L' = D_b + W S^-1 W'
+  T reciprocal[base];                        // D^-1
+
+  // Whether a limb has a joint so far from the base.
+  static constexpr bool has_joint(int lane, int step) {
+    return in.limb[lane] >= 0 && base + step < Rows::lengths[in.limb[lane] < 0 ? 0 : in.limb[lane]];
+  }
+  static constexpr bool all_have_joints(int step) {
+    for (int lane = 0; lane < lanes; ++lane)
+      if (!has_joint(lane, step)) return false;
+    return true;
+  }
+  static constexpr int coordinate(int lane, int step) { return Rows::paths[in.limb[lane]][base + step]; }
+  // What joints at that step have; zero where a limb has none.
+  template <class Step>
+  static DALEMBERT_INLINE V of_joints(Step, const V& at_slots) {
+    if constexpr (all_have_joints(Step::value)) return at_slots;
+    else return each_lane<lanes, T>([](int lane) { return T(has_joint(lane, Step::value) ? 1 : 0); }) > V{} ? at_slots : V{};
+  }
+
+  explicit DALEMBERT_INLINE LimbsApart(const Limbs& of) : limbs(of) {}
+
+  // Sums over limbs of some numbers.
+  template <int some>
+  static DALEMBERT_INLINE void over_limbs(const One (&of)[some], T (&to)[some]) {
+    for_constants<some / 4>([&](auto four) DALEMBERT_IN_BLOCK {
+      constexpr int i = 4 * decltype(four)::value;
+      const Lanes<T, 4> sums = sums_of_four(of + i);
+      for_constants<4>([&](auto k) DALEMBERT_IN_BLOCK { to[i + k] = sums[decltype(k)::value]; });
+    });
+  }
+  static DALEMBERT_INLINE V product(const V (&a)[rows], const V (&b)[rows]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+  // Y, S and what the base's own pivots are.
+  DALEMBERT_INLINE void fill(const T* wrenches, const V& acts) {
+    constexpr int all = Rows::first(Rows::count);
+    const V most = broadcast<lanes, T>(Proximal<T>::unmoved * Proximal<T>::unmoved);
+    for_constants<base>([&](auto j) DALEMBERT_IN_BLOCK {
+      Load::load_rows(wrenches + j * all, at_base[j]);
+      for_constants<rows>([&](auto r) DALEMBERT_IN_BLOCK {
+        const V x = at_base[j][r];
+        at_base[j][r] = (x * x <= most ? V{} : x) * acts;
+      });
+    });
+    for_constants<base>([&](auto j) DALEMBERT_IN_BLOCK {
+      base_pivot[j] = limbs.pivot(j);
+      base_reciprocal[j] = T(1) / base_pivot[j];
+    });
+    for_constants<steps>([&](auto back) DALEMBERT_IN_BLOCK {
+      constexpr std::integral_constant<int, steps - 1 - decltype(back)::value> step{};
+      constexpr int slot = in.slot + decltype(step)::value * in.stride;
+      const auto joints = limbs.template beside<lanes>(slot);
+      const auto axis = [&](int j) DALEMBERT_IN_BLOCK { return of_joints(step, joints.axis(j)); };
+      for_constants<rows>([&](auto r) DALEMBERT_IN_BLOCK {
+        const auto of = [&](int j) DALEMBERT_IN_BLOCK { return axis(j) * at_base[j][r]; };
+        const V first = of(0) + of(1), second = of(2) + of(3), third = of(4) + of(5);
+        own[step][r] = first + second + third;
+      });
+      for_constants<base>([&](auto j) DALEMBERT_IN_BLOCK {
+        const V yields = of_joints(step, joints.gain(j));
+        for_constants<rows>([&](auto r) DALEMBERT_IN_BLOCK { at_base[j][r] -= yields * own[step][r]; });
+      });
+      own_reciprocal[step] = of_joints(step, broadcast<lanes, T>(T(1)) / load<lanes>(limbs.pivot_slots + slot));
+    });
+    for_constants<base>([&](auto back) DALEMBERT_IN_BLOCK {
+      constexpr int k = base - 1 - decltype(back)::value;
+      for_constants<k>([&](auto j) DALEMBERT_IN_BLOCK {
+        const V yields = broadcast<lanes, T>(limbs.base_gain(k, j));
+        for_constants<rows>([&](auto r) DALEMBERT_IN_BLOCK { at_base[j][r] -= yields * at_base[k][r]; });
+      });
+    });
+    for_constants<rows>([&](auto r) DALEMBERT_IN_BLOCK {
+      for_constants<decltype(r)::value + 1>([&](auto s) DALEMBERT_IN_BLOCK { along[r][s] = V{}; });
+      for_constants<steps>([&](auto k) DALEMBERT_IN_BLOCK {
+        const V weighted = own[k][r] * own_reciprocal[k];
+        for_constants<decltype(r)::value + 1>([&](auto s) DALEMBERT_IN_BLOCK { along[r][s] += weighted * own[k][s]; });
+      });
+    });
+  }
+  // What rows move of themselves, per limb and row.
+  DALEMBERT_INLINE V diagonal(int r) const {
+    V of = along[r][r];
+    for_constants<base>(
+        [&](auto j) DALEMBERT_IN_BLOCK { of += at_base[j][r] * at_base[j][r] * broadcast<lanes, T>(base_reciprocal[j]); });
+    return of;
+  }
+
+  // more: what the diagonal has more.
+  DALEMBERT_INLINE void invert(const V (&more)[rows]) {
+    V limb[rows][rows];
+    for_constants<rows>([&](auto r) DALEMBERT_IN_BLOCK {
+      for_constants<decltype(r)::value + 1>([&](auto s) DALEMBERT_IN_BLOCK { limb[r][s] = along[r][s]; });
+      limb[r][r] += more[r];
+    });
+    invert_few(limb, inverse);
+    for_constants<base>([&](auto j) DALEMBERT_IN_BLOCK {
+      for_constants<rows>([&](auto r) DALEMBERT_IN_BLOCK { response[j][r] = product(inverse[r], at_base[j]); });
+    });
+    One of_pairs[24] = {};  // of base x base, the lower half
+    for_constants<base>([&](auto i) DALEMBERT_IN_BLOCK {
+      for_constants<decltype(i)::value + 1>(
+          [&](auto j) DALEMBERT_IN_BLOCK { of_pairs[i * (i + 1) / 2 + j].piece[0] = product(response[i], at_base[j]); });
+    });
+    T a[24];
+    over_limbs(of_pairs, a);
+    const auto at = [](int i, int j) { return i * (i + 1) / 2 + j; };
+    for_constants<base>([&](auto i) DALEMBERT_IN_BLOCK { a[at(i, i)] += base_pivot[i]; });
+    for_constants<base>([&](auto j) DALEMBERT_IN_BLOCK {
+      reciprocal[j] = T(1) / a[at(j, j)];
+      for_constants<base - 1 - j>([&](auto behind) DALEMBERT_IN_BLOCK {
+        constexpr int i = decltype(j)::value + 1 + decltype(behind)::value;
+        const T factor = a[at(i, j)] * reciprocal[j];
+        for_constants<i - j>([&](auto k) DALEMBERT_IN_BLOCK { a[at(i, j + 1 + k)] -= factor * a[at(j + 1 + k, j)]; });
+        for_constants<rows>([&](auto r) DALEMBERT_IN_BLOCK { response[i][r] -= broadcast<lanes, T>(factor) * response[j][r]; });
+      });
+    });
+  }
+
+  // The diagonal of the inverse of all rows.
+  DALEMBERT_INLINE V left_of(int r) const {
+    V left = inverse[r][r];
+    for_constants<base>(
+        [&](auto j) DALEMBERT_IN_BLOCK { left -= response[j][r] * response[j][r] * broadcast<lanes, T>(reciprocal[j]); });
+    return left;
+  }
+
+  DALEMBERT_INLINE void solve(const V (&right)[rows], V (&f)[rows]) const {
+    One of[8] = {};
+    T z[8];
+    for_constants<base>([&](auto j) DALEMBERT_IN_BLOCK { of[j].piece[0] = product(response[j], right); });
+    over_limbs(of, z);
+    for_constants<rows>([&](auto r) DALEMBERT_IN_BLOCK {
+      V sum[2] = {inverse[r][0] * right[0] + inverse[r][1] * right[1], inverse[r][2] * right[2]};
+      for_constants<base>([&](auto j)
+                              DALEMBERT_IN_BLOCK { sum[j % 2] -= response[j][r] * broadcast<lanes, T>(z[j] * reciprocal[j]); });
+      f[r] = sum[0] + sum[1];
+    });
+  }
+
+  // D_b^-1 W f.
+  DALEMBERT_INLINE void moved_base(const V (&f)[rows], T (&to)[8]) const {
+    One of[8] = {};
+    for_constants<base>([&](auto j) DALEMBERT_IN_BLOCK { of[j].piece[0] = product(at_base[j], f); });
+    over_limbs(of, to);
+    for_constants<base>([&](auto j) DALEMBERT_IN_BLOCK { to[j] *= base_reciprocal[j]; });
+  }
+
+  // rest = rest - (S + W' D_b^-1 W) f.
+  DALEMBERT_INLINE void subtract_along(const V (&f)[rows], V (&rest)[rows]) const {
+    T moves[8];
+    moved_base(f, moves);
+    V sum[rows];
+    for_constants<rows>([&](auto r) DALEMBERT_IN_BLOCK {
+      sum[r] = V{};
+      for_constants<rows>([&](auto s) DALEMBERT_IN_BLOCK {
+        constexpr int high = decltype(r)::value > decltype(s)::value ? decltype(r)::value : decltype(s)::value;
+        constexpr int low = decltype(r)::value + decltype(s)::value - high;
+        sum[r] += along[high][low] * f[s];
+      });
+    });
+    for_constants<base>([&](auto j) DALEMBERT_IN_BLOCK {
+      for_constants<rows>([&](auto r) DALEMBERT_IN_BLOCK {
+        if constexpr (decltype(j)::value % 2 == 0) rest[r] -= broadcast<lanes, T>(moves[j]) * at_base[j][r];
+        else sum[r] += broadcast<lanes, T>(moves[j]) * at_base[j][r];
+      });
+    });
+    for_constants<rows>([&](auto r) DALEMBERT_IN_BLOCK { rest[r] -= sum[r]; });
+  }
+};
+
+// As solve() of constraints.hpp, by articulated bodies. x comes as D^-1 L'^-1 of the efforts; at_rest: whether it is zero.
+template <int n, class Rows, class Tree, bool at_rest, class Limbs, class T>
+DALEMBERT_INLINE ConstraintStatus<T> solve_limbs_apart(const Limbs& limbs, const T* wrenches, const T* right, const T* active,
+                                                       const T* regularization, T* forces, T* x) {
+  using Apart = LimbsApart<Rows, Limbs, T>;
+  using V = typename Apart::V;
+  constexpr int lanes = Apart::lanes, rows = Apart::rows, base = Apart::base, steps = Apart::steps;
+  const V none{}, one = broadcast<lanes, T>(T(1));
+  const V given = each_lane<lanes, T>([&](int l) { return Apart::in.limb[l] < 0 ? T(0) : active[Apart::in.limb[l]]; });
+  Apart apart(limbs);
+  apart.fill(wrenches, given);
+
+  // c, mu N, and what the diagonal has more.
+  V known[rows], held[rows], regular[rows], more[rows], all_along[rows], at_joints[steps];
+  V of_limb = none;
+  for_constants<rows>([&](auto r) DALEMBERT_IN_BLOCK {
+    all_along[r] = apart.diagonal(r);
+    of_limb += all_along[r];
+  });
+  const V sum = broadcast<lanes, T>(T(least_share) * BlockRow<T, lanes, 1>{{of_limb}}.total()) + of_limb * T(1.0 / 3);
+  const V mean = sum > none ? sum : one;
+  Apart::Load::load_rows(regularization, regular);
+  Apart::Load::load_rows(right, known);
+  for_constants<rows>([&](auto r) DALEMBERT_IN_BLOCK {
+    const V hold = (all_along[r] > none ? broadcast<lanes, T>(Proximal<T>::mu) : one) * mean;
+    held[r] = given > none ? hold : none;
+    regular[r] = given > none ? regular[r] : none;
+    more[r] = given > none ? hold + regular[r] : one;
+    known[r] = given > none ? known[r] : none;
+  });
+  if constexpr (!at_rest) {
+    V others[rows] = {};
+    for_constants<steps>([&](auto k) DALEMBERT_IN_BLOCK {
+      constexpr int step = decltype(k)::value;
+      at_joints[k] =
+          each_lane<lanes, T>([&](int l) { return Apart::has_joint(l, step) ? x[Apart::coordinate(l, step)] : T(0); });
+      for_constants<rows>([&](auto r) DALEMBERT_IN_BLOCK { others[r] += at_joints[k] * apart.own[k][r]; });
+    });
+    for_constants<base>([&](auto j) DALEMBERT_IN_BLOCK {
+      for_constants<rows>([&](auto r) DALEMBERT_IN_BLOCK { known[r] -= broadcast<lanes, T>(x[j]) * apart.at_base[j][r]; });
+    });
+    for_constants<rows>([&](auto r) DALEMBERT_IN_BLOCK { known[r] -= others[r]; });
+  }
+  apart.invert(more);
+
+  ConstraintStatus<T> status;
+  int acting = 0;
+  for (int c = 0; c < Rows::count; ++c) acting += active[c] > T(0) ? rows : 0;
+  V lost{}, most{};
+  for_constants<rows>([&](auto r) DALEMBERT_IN_BLOCK {
+    const V of_row = held[r] * apart.left_of(r);
+    lost += of_row;
+    most = of_row > most ? of_row : most;
+  });
+  Redundancy<T> redundancy{BlockRow<T, lanes, 1>{{lost}}.total()};
+  for_constants<lanes>([&](auto i) DALEMBERT_IN_BLOCK {
+    const T of_row = lane<lanes, T>(most, i);
+    redundancy.most = of_row > redundancy.most ? of_row : redundancy.most;
+  });
+  redundancy.tell(acting, status);
+
+  // Products with an inverse leave an error of its condition: the last step adds what is missing.
+  V before[rows], rest[rows], solved[rows];
+  apart.solve(known, before);
+  for_constants<Proximal<T>::steps - 2>([&](auto) DALEMBERT_IN_BLOCK {
+    for_constants<rows>([&](auto r) DALEMBERT_IN_BLOCK { rest[r] = known[r] + held[r] * before[r]; });
+    apart.solve(rest, before);
+  });
+  for_constants<rows>([&](auto r) DALEMBERT_IN_BLOCK { rest[r] = known[r] - regular[r] * before[r]; });
+  apart.subtract_along(before, rest);
+  apart.solve(rest, solved);
+  V residual{}, undefined{};  // a NaN's difference from itself is one
+  for_constants<rows>([&](auto r) DALEMBERT_IN_BLOCK {
+    const V error = held[r] * solved[r], size = error < none ? -error : error;
+    residual = size > residual ? size : residual;
+    undefined += error - error;
+    solved[r] += before[r];
+  });
+  Apart::Load::store_rows(solved, forces);
+  for_constants<lanes>([&](auto i) DALEMBERT_IN_BLOCK {
+    const T size = lane<lanes, T>(residual, i);
+    status.residual = size > status.residual ? size : status.residual;
+  });
+  status.residual += BlockRow<T, lanes, 1>{{undefined}}.total();
+
+  T moves[8];
+  apart.moved_base(solved, moves);
+  for_constants<base>([&](auto j) DALEMBERT_IN_BLOCK { x[j] += moves[j]; });
+  for_constants<steps>([&](auto k) DALEMBERT_IN_BLOCK {
+    constexpr int step = decltype(k)::value;
+    V moved = Apart::product(apart.own[k], solved) * apart.own_reciprocal[k];
+    if constexpr (!at_rest) moved += at_joints[k];
+    for_constants<lanes>([&](auto l) DALEMBERT_IN_BLOCK {
+      constexpr int limb = decltype(l)::value;
+      if constexpr (Apart::has_joint(limb, step)) x[Apart::coordinate(limb, step)] = lane<lanes, T>(moved, l);
+    });
+  });
+  accelerate_outwards<Tree>(limbs, x);
+  return status;
+}
+
+}  // namespace constraint_detail
+}  // namespace dalembert
