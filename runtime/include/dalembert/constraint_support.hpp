@@ -14,6 +14,7 @@ namespace dalembert {
 // name them, six numbers each.
 template <class T>
 struct AxesInArray {
+  static constexpr bool in_slots = false;
   const T* axes;
   typename LimbsInArrays<T>::Joint joint(int place, int) const { return {nullptr, axes + 6 * place}; }
 };
@@ -295,6 +296,142 @@ DALEMBERT_INLINE void bear(C c, const Axes& axes, const T (&wrench)[6], T* to) {
   });
 }
 
+// Rows along the world's axes at points, one constraint after another. turn: the base's axes in the world, column by column.
+template <class Rows, class Axes, class T>
+struct RowsAtPoints {
+  static constexpr int base = 6;
+  const Axes& axes;
+  const T* points;
+  T weight[Rows::count][base];
+
+  DALEMBERT_INLINE RowsAtPoints(const Axes& of, const T* where, const T* active, const T* weights) : axes(of), points(where) {
+    each_index<Rows::count>([&](auto c) DALEMBERT_IN_BLOCK {
+      for_constants<base>([&](auto r) DALEMBERT_IN_BLOCK {
+        if (r < Rows::rows[c]) weight[c][r] = active[c] > T(0) ? weights[Rows::first(c) + r] : T(0);
+      });
+    });
+  }
+
+  // A is the sum over the rows e of points x of w [e; x × e] [e; x × e]'.
+  DALEMBERT_INLINE void products(T (&A)[base][base]) const {
+    for_constants<base>([&](auto i)
+                            DALEMBERT_IN_BLOCK { for_constants<base>([&](auto j) DALEMBERT_IN_BLOCK { A[i][j] = T(0); }); });
+    each_index<Rows::count>([&](auto c) DALEMBERT_IN_BLOCK {
+      const T* const own = weight[c];
+      const T x = points[3 * c], y = points[3 * c + 1], z = points[3 * c + 2];
+      const T xy = own[1] * x, xz = own[2] * x, yx = own[0] * y, yz = own[2] * y, zx = own[0] * z, zy = own[1] * z;
+      A[0][0] += own[0], A[1][1] += own[1], A[2][2] += own[2];
+      A[4][0] += zx, A[5][0] -= yx, A[3][1] -= zy, A[5][1] += xy, A[3][2] += yz, A[4][2] -= xz;
+      A[3][3] += zy * z + yz * y, A[4][4] += zx * z + xz * x, A[5][5] += yx * y + xy * x;
+      A[4][3] -= yz * x, A[5][3] -= zy * x, A[5][4] -= yx * z;
+      if (Rows::rows[c] > 3) A[3][3] += own[3], A[4][4] += own[4], A[5][5] += own[5];
+    });
+  }
+
+  // Forces of y, and what they leave to do.
+  DALEMBERT_INLINE void bear(const T* turn, const T (&y)[base], T* forces, T* to) const {
+    each_index<Rows::count>([&](auto c) DALEMBERT_IN_BLOCK {
+      const T *const at = points + 3 * c, *const own = weight[c];
+      T *const force = forces + Rows::first(c), moment[3];
+      for_constants<3>([&](auto i) DALEMBERT_IN_BLOCK {
+        constexpr int next = (decltype(i)::value + 1) % 3, last = (decltype(i)::value + 2) % 3;
+        force[i] = own[i] * (y[i] + (y[3 + next] * at[last] - y[3 + last] * at[next]));
+      });
+      for_constants<3>([&](auto i) DALEMBERT_IN_BLOCK {
+        constexpr int next = (decltype(i)::value + 1) % 3, last = (decltype(i)::value + 2) % 3;
+        moment[i] = at[next] * force[last] - at[last] * force[next];
+        if (Rows::rows[c] > 3) moment[i] += force[3 + i] = own[3 + i] * y[3 + i];
+      });
+      T pushed[base];
+      for_constants<base>([&](auto j) DALEMBERT_IN_BLOCK {
+        constexpr int column = 3 * (decltype(j)::value % 3);
+        const T* const by = decltype(j)::value < 3 ? force : moment;
+        pushed[j] = turn[column] * by[0] + turn[column + 1] * by[1] + turn[column + 2] * by[2];
+      });
+      constraint_detail::bear<Rows>(c, axes, pushed, to);
+    });
+  }
+};
+
+// The same of limbs beside each other, all constraints at once.
+template <class Rows, class Axes, class T>
+struct RowsAtPointsBeside {
+  using Beside = ConstraintsBeside<Rows, Axes, T>;
+  using V = typename Beside::V;
+  using One = BlockRow<T, Beside::lanes, 1>;
+  static constexpr int base = 6, rows = Rows::rows[0], lanes = Beside::lanes;
+  const Axes& axes;
+  V at[3], weight[rows];
+
+  DALEMBERT_INLINE RowsAtPointsBeside(const Axes& of, const T* points, const T* active, const T* weights) : axes(of) {
+    Beside::load_points(points, at);
+    const V acts = Beside::of_constraints([&](int c) { return active[c]; });
+    for_constants<rows>([&](auto r) DALEMBERT_IN_BLOCK {
+      const V own = Beside::of_constraints([&](int c) { return weights[rows * c + r]; });
+      weight[r] = acts > V{} ? own : V{};
+    });
+  }
+
+  DALEMBERT_INLINE void products(T (&A)[base][base]) const {
+    const V x = at[0], y = at[1], z = at[2];
+    const V xy = weight[1] * x, xz = weight[2] * x, yx = weight[0] * y, yz = weight[2] * y, zx = weight[0] * z,
+            zy = weight[1] * z;
+    One of[16] = {{{weight[0]}}, {{weight[1]}}, {{weight[2]}}, {{zx}}, {{yx}}, {{zy}}, {{xy}}, {{yz}}, {{xz}}};
+    of[9].piece[0] = zy * z + yz * y, of[10].piece[0] = zx * z + xz * x, of[11].piece[0] = yx * y + xy * x;
+    of[12].piece[0] = yz * x, of[13].piece[0] = zy * x, of[14].piece[0] = yx * z;
+    if constexpr (rows > 3) for_constants<3>([&](auto i) DALEMBERT_IN_BLOCK { of[9 + i].piece[0] += weight[3 + i]; });
+    T sums[16];
+    Beside::over_limbs(of, sums);
+    for_constants<3>([&](auto i) DALEMBERT_IN_BLOCK { A[i][i] = sums[i], A[3 + i][3 + i] = sums[9 + i]; });
+    A[1][0] = A[2][0] = A[2][1] = A[3][0] = A[4][1] = A[5][2] = T(0);
+    A[4][0] = sums[3], A[5][0] = -sums[4], A[3][1] = -sums[5], A[5][1] = sums[6], A[3][2] = sums[7], A[4][2] = -sums[8];
+    A[4][3] = -sums[12], A[5][3] = -sums[13], A[5][4] = -sums[14];
+  }
+
+  DALEMBERT_INLINE void bear(const T* turn, const T (&y)[base], T* forces, T* to) const {
+    V force[rows], moment[3], pushed[base];
+    const auto all = [](T x) DALEMBERT_IN_BLOCK { return broadcast<lanes, T>(x); };
+    for_constants<3>([&](auto i) DALEMBERT_IN_BLOCK {
+      constexpr int next = (decltype(i)::value + 1) % 3, last = (decltype(i)::value + 2) % 3;
+      force[i] = weight[i] * (all(y[i]) + (all(y[3 + next]) * at[last] - all(y[3 + last]) * at[next]));
+    });
+    for_constants<3>([&](auto i) DALEMBERT_IN_BLOCK {
+      constexpr int next = (decltype(i)::value + 1) % 3, last = (decltype(i)::value + 2) % 3;
+      moment[i] = at[next] * force[last] - at[last] * force[next];
+      if constexpr (rows > 3) moment[i] += force[3 + i] = weight[3 + i] * all(y[3 + i]);
+    });
+    One of[8] = {};
+    for_constants<base>([&](auto j) DALEMBERT_IN_BLOCK {
+      constexpr int column = 3 * (decltype(j)::value % 3);
+      const V* const by = decltype(j)::value < 3 ? force : moment;
+      of[j].piece[0] = pushed[j] = all(turn[column]) * by[0] + all(turn[column + 1]) * by[1] + all(turn[column + 2]) * by[2];
+    });
+    T sums[8];
+    Beside::over_limbs(of, sums);
+    for_constants<base>([&](auto j) DALEMBERT_IN_BLOCK { to[j] -= sums[j]; });
+    for_constants<Beside::steps>([&](auto step) DALEMBERT_IN_BLOCK {
+      const auto joints = axes.template beside<lanes>(Beside::slot(step));
+      const auto along = [&](int j) DALEMBERT_IN_BLOCK { return joints.axis(j) * pushed[j]; };
+      const V first = along(0) + along(1), second = along(2) + along(3), third = along(4) + along(5),
+              done = first + second + third;
+      for_constants<lanes>([&](auto l) DALEMBERT_IN_BLOCK {
+        constexpr int limb = decltype(l)::value, k = decltype(step)::value;
+        if constexpr (Beside::has_joint(limb, k)) to[Beside::coordinate(limb, k)] -= lane<lanes, T>(done, l);
+      });
+    });
+    if constexpr (rows == 3) {
+      Beside::store_points(force, forces);
+    } else {
+      for_constants<rows>([&](auto r) DALEMBERT_IN_BLOCK {
+        for_constants<lanes>([&](auto l) DALEMBERT_IN_BLOCK {
+          constexpr int c = Beside::in.limb[decltype(l)::value];
+          if constexpr (c >= 0) forces[rows * c + r] = lane<lanes, T>(force[r], l);
+        });
+      });
+    }
+  }
+};
+
 }  // namespace constraint_detail
 
 // to becomes to - J' f, f = W J_u y being what makes it zero at the coordinates u that have no motor: of all such f the one
@@ -349,24 +486,13 @@ __attribute__((noinline)) static ConstraintStatus<T> support_at_points(const Axe
                                                                        T* to) noexcept {
   using namespace constraint_detail;
   constexpr int base = 6;
+  using Support = std::conditional_t<(limbs_beside<Rows, Axes>().slot >= 0), RowsAtPointsBeside<Rows, Axes, T>,
+                                     RowsAtPoints<Rows, Axes, T>>;
   ConstraintStatus<T> status;
   const Weights<Rows, T> used(active, weights);
-  T weight[Rows::count][base], A[base][base] = {};
-  each_index<Rows::count>([&](auto c) DALEMBERT_IN_BLOCK {
-    T* const own = weight[c];
-    for_constants<base>([&](auto r) DALEMBERT_IN_BLOCK {
-      if (r < Rows::rows[c]) own[r] = active[c] > T(0) ? used.of[Rows::first(c) + r] : T(0);
-    });
-    // The sum over the rows e of a point x of w [e; x × e] [e; x × e]'.
-    const T x = points[3 * c], y = points[3 * c + 1], z = points[3 * c + 2];
-    const T xy = own[1] * x, xz = own[2] * x, yx = own[0] * y, yz = own[2] * y, zx = own[0] * z, zy = own[1] * z;
-    A[0][0] += own[0], A[1][1] += own[1], A[2][2] += own[2];
-    A[4][0] += zx, A[5][0] -= yx, A[3][1] -= zy, A[5][1] += xy, A[3][2] += yz, A[4][2] -= xz;
-    A[3][3] += zy * z + yz * y, A[4][4] += zx * z + xz * x, A[5][5] += yx * y + xy * x;
-    A[4][3] -= yz * x, A[5][3] -= zy * x, A[5][4] -= yx * z;
-    if (Rows::rows[c] > 3) A[3][3] += own[3], A[4][4] += own[4], A[5][5] += own[5];
-  });
-  T held[base], lacking[base], y[base];
+  const Support rows(axes, points, active, used.of);
+  T A[base][base], held[base], lacking[base], y[base];
+  rows.products(A);
   hold<base, base>([&](int i) { return A[i][i]; }, held);
   for_constants<base>([&](auto i) DALEMBERT_IN_BLOCK {
     constexpr int from = decltype(i)::value / 3 * 3, row = decltype(i)::value % 3;
@@ -374,26 +500,7 @@ __attribute__((noinline)) static ConstraintStatus<T> support_at_points(const Axe
   });
   solve_support_of_base(A, held, lacking, y, status);
   if (!used.are_weights) status.least_pivot = T(-1);
-  each_index<Rows::count>([&](auto c) DALEMBERT_IN_BLOCK {
-    const T *const at = points + 3 * c, *const own = weight[c];
-    T *const force = forces + Rows::first(c), moment[3];
-    for_constants<3>([&](auto i) DALEMBERT_IN_BLOCK {
-      constexpr int next = (decltype(i)::value + 1) % 3, last = (decltype(i)::value + 2) % 3;
-      force[i] = own[i] * (y[i] + (y[3 + next] * at[last] - y[3 + last] * at[next]));
-    });
-    for_constants<3>([&](auto i) DALEMBERT_IN_BLOCK {
-      constexpr int next = (decltype(i)::value + 1) % 3, last = (decltype(i)::value + 2) % 3;
-      moment[i] = at[next] * force[last] - at[last] * force[next];
-      if (Rows::rows[c] > 3) moment[i] += force[3 + i] = own[3 + i] * y[3 + i];
-    });
-    T pushed[base];
-    for_constants<base>([&](auto j) DALEMBERT_IN_BLOCK {
-      constexpr int column = 3 * (decltype(j)::value % 3);
-      const T* const by = decltype(j)::value < 3 ? force : moment;
-      pushed[j] = turn[column] * by[0] + turn[column + 1] * by[1] + turn[column + 2] * by[2];
-    });
-    bear<Rows>(c, axes, pushed, to);
-  });
+  rows.bear(turn, y, forces, to);
   for_constants<base>([&](auto j) DALEMBERT_IN_BLOCK { keep_largest(status.residual, to[j]); });
   return status;
 }

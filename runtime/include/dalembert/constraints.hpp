@@ -680,7 +680,7 @@ DALEMBERT_INLINE ConstraintStatus<T> solve(const Way& way, const T* right, const
 template <int n, class Rows, class Tree, bool at_rest, class Limbs, class T>
 DALEMBERT_INLINE ConstraintStatus<T> solve_by_limbs(const Limbs& limbs, const T* wrenches, const T* right, const T* active,
                                                     const T* regularization, T* room, T* forces, T* x) {
-  if constexpr (lanes_of_limbs<Rows, Limbs>().slot >= 0) {
+  if constexpr (are_points_of_limbs_apart<Rows, Limbs>()) {
     static_cast<void>(room);
     return solve_limbs_apart<n, Rows, Tree, at_rest>(limbs, wrenches, right, active, regularization, forces, x);
   } else {

@@ -17,93 +17,20 @@
 namespace dalembert {
 namespace constraint_detail {
 
-// Which limb has which lane, by the slots of its joints; none, where this is not how to solve for constraints.
-struct LanesOfLimbs {
-  int slot = -1, stride = 0;  // of the first lane's first joint, and from joint to joint
-  int limb[8] = {-1, -1, -1, -1, -1, -1, -1, -1};
-};
-// Points of limbs apart whose joints stand beside each other, each with joints enough to go where its point does, and as many
-// limbs as share a register: two are solved for together as soon.
+// Whether constraints are points of limbs beside each other, each with joints enough to go where its point does: two are solved
+// for together as soon.
 template <class Rows, class Limbs>
-constexpr LanesOfLimbs lanes_of_limbs() {
-  constexpr int base = 6, rows = 3, lanes = lanes_for(Rows::count);
-  LanesOfLimbs none, found;
-  if constexpr (Limbs::in_slots && Rows::count >= 3 && lanes <= native_lanes) {
-    for (int a = 0; a < Rows::count; ++a) {
-      if (Rows::rows[a] != rows || Rows::linear[a] != rows || Rows::lengths[a] < base + rows) return none;
-      for (int b = a + 1; b < Rows::count; ++b) {
-        const auto& both = Rows::shared.pieces[Rows::pair(a, b)];
-        if (both.count != 1 || both.a[0] != 0 || both.size[0] != base) return none;
-      }
-    }
-    found.slot = Limbs::slot(Rows::paths[0][base]);
-    found.stride = Limbs::slot(Rows::paths[0][base + 1]) - found.slot;
-    int last = found.slot;
-    for (int c = 0; c < Rows::count; ++c) {
-      const int first = Limbs::slot(Rows::paths[c][base]);
-      for (int k = base; k < Rows::lengths[c]; ++k)
-        if (Limbs::slot(Rows::paths[c][k]) != first + (k - base) * found.stride) return none;
-      found.slot = least(found.slot, first);
-      last = first > last ? first : last;
-    }
-    if (last - found.slot >= lanes || found.slot + (Rows::longest() - base - 1) * found.stride + lanes > Limbs::slots_in_all)
-      return none;
-    for (int c = 0; c < Rows::count; ++c) found.limb[Limbs::slot(Rows::paths[c][base]) - found.slot] = c;
-  }
-  return found;
+constexpr bool are_points_of_limbs_apart() {
+  for (const int length : Rows::lengths)
+    if (length < 9) return false;
+  return Rows::count >= 3 && Rows::rows[0] == 3 && limbs_beside<Rows, Limbs>().slot >= 0;
 }
-
-// A number per limb and row, from rows one after another, and back.
-template <class Rows, class Limbs, class T>
-struct RowsOfLimbs {
-  static constexpr int rows = 3, lanes = lanes_for(Rows::count);
-  static constexpr LanesOfLimbs in = lanes_of_limbs<Rows, Limbs>();
-  static constexpr bool in_order() {
-    for (int c = 0; c < 4; ++c)
-      if (in.limb[c] != c) return false;
-    return shuffles_in_registers && lanes == 4 && Rows::count == 4;
-  }
-  using V = Lanes<T, lanes>;
-
-  static DALEMBERT_INLINE void load_rows(const T* from, V (&to)[rows]) {
-    if constexpr (in_order()) {
-      const V a = load<4>(from), b = load<4>(from + 4), c = load<4>(from + 8);
-      const V first = shuffled<T, 0, 5, 2, 3>(shuffled<T, 0, 1, 6, 3>(a, b), c),
-              second = shuffled<T, 0, 1, 6, 3>(shuffled<T, 4, 1, 2, 7>(a, b), c),
-              third = shuffled<T, 4, 1, 2, 7>(shuffled<T, 0, 5, 2, 3>(a, b), c);
-      to[0] = shuffled<T, 0, 3, 2, 1>(first, first);
-      to[1] = shuffled<T, 1, 0, 3, 2>(second, second);
-      to[2] = shuffled<T, 2, 1, 0, 3>(third, third);
-    } else {
-      for_constants<rows>([&](auto r) DALEMBERT_IN_BLOCK {
-        to[r] = each_lane<lanes, T>([&](int lane) { return in.limb[lane] < 0 ? T(0) : from[rows * in.limb[lane] + r]; });
-      });
-    }
-  }
-  static DALEMBERT_INLINE void store_rows(const V (&from)[rows], T* to) {
-    if constexpr (in_order()) {
-      const V a = shuffled<T, 0, 3, 2, 1>(from[0], from[0]), b = shuffled<T, 1, 0, 3, 2>(from[1], from[1]),
-              c = shuffled<T, 2, 1, 0, 3>(from[2], from[2]);
-      store<4, T>(to, shuffled<T, 0, 1, 6, 3>(shuffled<T, 0, 5, 2, 3>(a, b), c));
-      store<4, T>(to + 4, shuffled<T, 0, 5, 2, 3>(shuffled<T, 0, 1, 6, 3>(b, a), c));
-      store<4, T>(to + 8, shuffled<T, 4, 1, 2, 7>(shuffled<T, 0, 1, 6, 3>(a, b), c));
-    } else {
-      for_constants<rows>([&](auto r) DALEMBERT_IN_BLOCK {
-        for_constants<lanes>([&](auto lane_of) DALEMBERT_IN_BLOCK {
-          constexpr int c = in.limb[decltype(lane_of)::value];
-          if constexpr (c >= 0) to[rows * c + r] = lane<lanes, T>(from[r], lane_of);
-        });
-      });
-    }
-  }
-};
 
 template <class Rows, class Limbs, class T>
 struct LimbsApart {
-  using Load = RowsOfLimbs<Rows, Limbs, T>;
-  static constexpr int base = 6, rows = Load::rows, steps = Rows::longest() - base, lanes = Load::lanes;
-  static constexpr LanesOfLimbs in = Load::in;
-  using V = typename Load::V;
+  using Beside = ConstraintsBeside<Rows, Limbs, T>;
+  static constexpr int base = Beside::base, rows = 3, steps = Beside::steps, lanes = Beside::lanes;
+  using V = typename Beside::V;
   using One = BlockRow<T, lanes, 1>;
 
   const Limbs& limbs;
@@ -114,34 +41,8 @@ struct LimbsApart {
   V response[base][rows];                    // L^-1 W S^-1, L D L' = D_b + W S^-1 W'
   T reciprocal[base];                        // D^-1
 
-  // Whether a limb has a joint so far from the base.
-  static constexpr bool has_joint(int lane, int step) {
-    return in.limb[lane] >= 0 && base + step < Rows::lengths[in.limb[lane] < 0 ? 0 : in.limb[lane]];
-  }
-  static constexpr bool all_have_joints(int step) {
-    for (int lane = 0; lane < lanes; ++lane)
-      if (!has_joint(lane, step)) return false;
-    return true;
-  }
-  static constexpr int coordinate(int lane, int step) { return Rows::paths[in.limb[lane]][base + step]; }
-  // What joints at that step have; zero where a limb has none.
-  template <class Step>
-  static DALEMBERT_INLINE V of_joints(Step, const V& at_slots) {
-    if constexpr (all_have_joints(Step::value)) return at_slots;
-    else return each_lane<lanes, T>([](int lane) { return T(has_joint(lane, Step::value) ? 1 : 0); }) > V{} ? at_slots : V{};
-  }
-
   explicit DALEMBERT_INLINE LimbsApart(const Limbs& of) : limbs(of) {}
 
-  // Sums over limbs of some numbers.
-  template <int some>
-  static DALEMBERT_INLINE void over_limbs(const One (&of)[some], T (&to)[some]) {
-    for_constants<some / 4>([&](auto four) DALEMBERT_IN_BLOCK {
-      constexpr int i = 4 * decltype(four)::value;
-      const Lanes<T, 4> sums = sums_of_four(of + i);
-      for_constants<4>([&](auto k) DALEMBERT_IN_BLOCK { to[i + k] = sums[decltype(k)::value]; });
-    });
-  }
   static DALEMBERT_INLINE V product(const V (&a)[rows], const V (&b)[rows]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
   // Y, S and what the base's own pivots are.
@@ -149,7 +50,7 @@ struct LimbsApart {
     constexpr int all = Rows::first(Rows::count);
     const V most = broadcast<lanes, T>(Proximal<T>::unmoved * Proximal<T>::unmoved);
     for_constants<base>([&](auto j) DALEMBERT_IN_BLOCK {
-      Load::load_rows(wrenches + j * all, at_base[j]);
+      Beside::load_points(wrenches + j * all, at_base[j]);
       for_constants<rows>([&](auto r) DALEMBERT_IN_BLOCK {
         const V x = at_base[j][r];
         at_base[j][r] = (x * x <= most ? V{} : x) * acts;
@@ -161,19 +62,19 @@ struct LimbsApart {
     });
     for_constants<steps>([&](auto back) DALEMBERT_IN_BLOCK {
       constexpr std::integral_constant<int, steps - 1 - decltype(back)::value> step{};
-      constexpr int slot = in.slot + decltype(step)::value * in.stride;
+      constexpr int slot = Beside::slot(decltype(step)::value);
       const auto joints = limbs.template beside<lanes>(slot);
-      const auto axis = [&](int j) DALEMBERT_IN_BLOCK { return of_joints(step, joints.axis(j)); };
+      const auto axis = [&](int j) DALEMBERT_IN_BLOCK { return Beside::of_joints(step, joints.axis(j)); };
       for_constants<rows>([&](auto r) DALEMBERT_IN_BLOCK {
         const auto of = [&](int j) DALEMBERT_IN_BLOCK { return axis(j) * at_base[j][r]; };
         const V first = of(0) + of(1), second = of(2) + of(3), third = of(4) + of(5);
         own[step][r] = first + second + third;
       });
       for_constants<base>([&](auto j) DALEMBERT_IN_BLOCK {
-        const V yields = of_joints(step, joints.gain(j));
+        const V yields = Beside::of_joints(step, joints.gain(j));
         for_constants<rows>([&](auto r) DALEMBERT_IN_BLOCK { at_base[j][r] -= yields * own[step][r]; });
       });
-      own_reciprocal[step] = of_joints(step, broadcast<lanes, T>(T(1)) / load<lanes>(limbs.pivot_slots + slot));
+      own_reciprocal[step] = Beside::of_joints(step, broadcast<lanes, T>(T(1)) / load<lanes>(limbs.pivot_slots + slot));
     });
     for_constants<base>([&](auto back) DALEMBERT_IN_BLOCK {
       constexpr int k = base - 1 - decltype(back)::value;
@@ -215,7 +116,7 @@ struct LimbsApart {
           [&](auto j) DALEMBERT_IN_BLOCK { of_pairs[i * (i + 1) / 2 + j].piece[0] = product(response[i], at_base[j]); });
     });
     T a[24];
-    over_limbs(of_pairs, a);
+    Beside::over_limbs(of_pairs, a);
     const auto at = [](int i, int j) { return i * (i + 1) / 2 + j; };
     for_constants<base>([&](auto i) DALEMBERT_IN_BLOCK { a[at(i, i)] += base_pivot[i]; });
     for_constants<base>([&](auto j) DALEMBERT_IN_BLOCK {
@@ -241,7 +142,7 @@ struct LimbsApart {
     One of[8] = {};
     T z[8];
     for_constants<base>([&](auto j) DALEMBERT_IN_BLOCK { of[j].piece[0] = product(response[j], right); });
-    over_limbs(of, z);
+    Beside::over_limbs(of, z);
     for_constants<rows>([&](auto r) DALEMBERT_IN_BLOCK {
       V sum[2] = {inverse[r][0] * right[0] + inverse[r][1] * right[1], inverse[r][2] * right[2]};
       for_constants<base>([&](auto j)
@@ -254,7 +155,7 @@ struct LimbsApart {
   DALEMBERT_INLINE void moved_base(const V (&f)[rows], T (&to)[8]) const {
     One of[8] = {};
     for_constants<base>([&](auto j) DALEMBERT_IN_BLOCK { of[j].piece[0] = product(at_base[j], f); });
-    over_limbs(of, to);
+    Beside::over_limbs(of, to);
     for_constants<base>([&](auto j) DALEMBERT_IN_BLOCK { to[j] *= base_reciprocal[j]; });
   }
 
@@ -286,10 +187,11 @@ template <int n, class Rows, class Tree, bool at_rest, class Limbs, class T>
 DALEMBERT_INLINE ConstraintStatus<T> solve_limbs_apart(const Limbs& limbs, const T* wrenches, const T* right, const T* active,
                                                        const T* regularization, T* forces, T* x) {
   using Apart = LimbsApart<Rows, Limbs, T>;
+  using Beside = typename Apart::Beside;
   using V = typename Apart::V;
   constexpr int lanes = Apart::lanes, rows = Apart::rows, base = Apart::base, steps = Apart::steps;
   const V none{}, one = broadcast<lanes, T>(T(1));
-  const V given = each_lane<lanes, T>([&](int l) { return Apart::in.limb[l] < 0 ? T(0) : active[Apart::in.limb[l]]; });
+  const V given = Beside::of_constraints([&](int c) { return active[c]; });
   Apart apart(limbs);
   apart.fill(wrenches, given);
 
@@ -302,8 +204,8 @@ DALEMBERT_INLINE ConstraintStatus<T> solve_limbs_apart(const Limbs& limbs, const
   });
   const V sum = broadcast<lanes, T>(T(least_share) * BlockRow<T, lanes, 1>{{of_limb}}.total()) + of_limb * T(1.0 / 3);
   const V mean = sum > none ? sum : one;
-  Apart::Load::load_rows(regularization, regular);
-  Apart::Load::load_rows(right, known);
+  Beside::load_points(regularization, regular);
+  Beside::load_points(right, known);
   for_constants<rows>([&](auto r) DALEMBERT_IN_BLOCK {
     const V hold = (all_along[r] > none ? broadcast<lanes, T>(Proximal<T>::mu) : one) * mean;
     held[r] = given > none ? hold : none;
@@ -316,7 +218,7 @@ DALEMBERT_INLINE ConstraintStatus<T> solve_limbs_apart(const Limbs& limbs, const
     for_constants<steps>([&](auto k) DALEMBERT_IN_BLOCK {
       constexpr int step = decltype(k)::value;
       at_joints[k] =
-          each_lane<lanes, T>([&](int l) { return Apart::has_joint(l, step) ? x[Apart::coordinate(l, step)] : T(0); });
+          each_lane<lanes, T>([&](int l) { return Beside::has_joint(l, step) ? x[Beside::coordinate(l, step)] : T(0); });
       for_constants<rows>([&](auto r) DALEMBERT_IN_BLOCK { others[r] += at_joints[k] * apart.own[k][r]; });
     });
     for_constants<base>([&](auto j) DALEMBERT_IN_BLOCK {
@@ -359,7 +261,7 @@ DALEMBERT_INLINE ConstraintStatus<T> solve_limbs_apart(const Limbs& limbs, const
     undefined += error - error;
     solved[r] += before[r];
   });
-  Apart::Load::store_rows(solved, forces);
+  Beside::store_points(solved, forces);
   for_constants<lanes>([&](auto i) DALEMBERT_IN_BLOCK {
     const T size = lane<lanes, T>(residual, i);
     status.residual = size > status.residual ? size : status.residual;
@@ -375,7 +277,7 @@ DALEMBERT_INLINE ConstraintStatus<T> solve_limbs_apart(const Limbs& limbs, const
     if constexpr (!at_rest) moved += at_joints[k];
     for_constants<lanes>([&](auto l) DALEMBERT_IN_BLOCK {
       constexpr int limb = decltype(l)::value;
-      if constexpr (Apart::has_joint(limb, step)) x[Apart::coordinate(limb, step)] = lane<lanes, T>(moved, l);
+      if constexpr (Beside::has_joint(limb, step)) x[Beside::coordinate(limb, step)] = lane<lanes, T>(moved, l);
     });
   });
   accelerate_outwards<Tree>(limbs, x);
