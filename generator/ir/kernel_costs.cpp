@@ -164,6 +164,46 @@ Operations support(const Kernel& kernel) {
   return o;
 }
 
+// Whether constraints are points of limbs apart, which the runtime solves for limb by limb (limbs_apart.hpp).
+bool are_points_of_limbs_apart(const Kernel& kernel) {
+  const ConstraintPaths& paths = kernel.paths;
+  const auto count = static_cast<std::size_t>(paths.count());
+  if (!kernel.by_limbs() || kernel.kind == Kind::delassus_by_limbs || count < 3) return false;
+  for (std::size_t a = 0; a < count; ++a) {
+    if (rows_of(paths, a) != 3 || paths.length(a) < 9) return false;
+    for (std::size_t b = a + 1; b < count; ++b)
+      if (shared(paths, a, b) != 6) return false;
+  }
+  return true;
+}
+Operations solve_limbs_apart(const Kernel& kernel, const KinematicTree& tree, bool executed) {
+  const ConstraintPaths& paths = kernel.paths;
+  const long limbs = !executed ? paths.count() : paths.count() <= 4 ? 4 : 8, sums = limbs - 1, n = tree.nv();
+  long joints = 0;  // above the points, without the base's
+  for (std::size_t c = 0; c < static_cast<std::size_t>(paths.count()); ++c) joints += paths.length(c) - 6;
+  if (executed) joints = limbs * (paths.longest() - 6);
+  Sum o;
+  o.divide += 6 + joints;
+  o.multiply += 39 * joints, o.add += 33 * joints;  // Y, and S of it
+  o.multiply_adds(6 * joints + 45 * limbs);
+  o.multiply += 18 * limbs;  // N
+  o.multiply_adds(18 * limbs);
+  o.divide += 3 * limbs;  // S^-1
+  o.multiply += 10 * limbs;
+  o.multiply_adds(9 * limbs);
+  o.multiply += 39 * limbs + 15;  // what it makes of the base, factored
+  o.multiply_adds((36 + 42 + 45) * limbs + 35);
+  o.add += 21 * sums + 6;
+  o.divide += 6;
+  o.multiply_adds(45 * limbs * (kernel.solutions + 1));  // solutions, and what the last step adds
+  o.add += 6 * sums * (kernel.solutions + 2);
+  o.multiply += 6 * (kernel.solutions + 2);
+  o.multiply_adds(2 * 3 * (joints + 6 * limbs));  // right side, forces on coordinates
+  o.multiply += joints, o.add += 6 + joints;
+  o.multiply_adds(15 + 12 * (n - 6));
+  return o;
+}
+
 // J M^-1 J', and where it is not all that is wanted, solving for forces and what they do.
 Operations solve_rows(const Kernel& kernel, const KinematicTree& tree, bool executed) {
   const ConstraintPaths& paths = kernel.paths;
@@ -236,7 +276,9 @@ Operations operations_of(const Kernel& kernel, const KinematicTree& kinematic_tr
     case Kind::solve_constrained:
     case Kind::solve_constrained_by_limbs:
     case Kind::impact:
-    case Kind::impact_by_limbs: return solve_rows(kernel, kinematic_tree, executed);
+    case Kind::impact_by_limbs:
+      return are_points_of_limbs_apart(kernel) ? solve_limbs_apart(kernel, kinematic_tree, executed)
+                                               : solve_rows(kernel, kinematic_tree, executed);
     case Kind::support:
     case Kind::support_by_wrenches: return support(kernel);
     case Kind::support_at_points: return support_at_points(kernel);

@@ -157,7 +157,8 @@ void expect_support() {
 TEST(LimbsApart, SupportAtFeetIsWhatTheirWrenchesGive) { expect_support<All>(); }
 TEST(LimbsApart, SupportAtThreeFeetIs) { expect_support<Three>(); }
 TEST(LimbsApart, SupportAtSolesIs) {
-  expect_support<ConstraintRows<RowPath<6, 0, 1, 2, 3, 4, 5, 18, 19, 20, 21>, RowPath<6, 0, 1, 2, 3, 4, 5, 13, 14, 15, 16, 17>>>();
+  expect_support<
+      ConstraintRows<RowPath<6, 0, 1, 2, 3, 4, 5, 18, 19, 20, 21>, RowPath<6, 0, 1, 2, 3, 4, 5, 13, 14, 15, 16, 17>>>();
 }
 
 // Numbers that are none are not forces: the status has them.
