@@ -43,6 +43,10 @@ void expect_dense(const Limbs& limbs, const System& s, double tolerance) {
   std::vector<double> room(static_cast<size_t>(constraint_room(s.shape.count, 3, n, all)), 7.0);
   const Where numbers_of_limbs(limbs, s.D);
   const auto where = numbers_of_limbs.limbs();
+  Eigen::MatrixXd along(all, all);
+  delassus_by_limbs<n, Rows>(where, wrenches.data(), room.data(), along.data());
+  EXPECT_LT((along.cast<Real>() - s.along()).cwiseAbs().maxCoeff(), 1e-12 * s.along().cwiseAbs().maxCoeff());
+  EXPECT_EQ(along, along.transpose());
   for (unsigned mask = 0; mask < (1u << s.shape.count); ++mask)
     for (const double gives_way : {0.0, 0.01}) {
       SCOPED_TRACE(testing::Message() << "mask " << mask << ", R " << gives_way);

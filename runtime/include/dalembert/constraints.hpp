@@ -699,7 +699,14 @@ __attribute__((noinline)) static void delassus(const T* jacobian, const T* facto
 // The same of a floating base by articulated bodies: M is L' D L, L_ki = V_k.J_i. wrenches: J's columns of the base.
 template <int n, class Rows, class Limbs, class T>
 __attribute__((noinline)) static void delassus_by_limbs(const Limbs& limbs, const T* wrenches, T* room, T* to) noexcept {
-  constraint_detail::delassus<n, Rows>(constraint_detail::WayByLimbs<n, Limbs, T>{wrenches, limbs}, room, to);
+  if constexpr (constraint_detail::are_points_of_limbs_apart<Rows, Limbs>()) {
+    static_cast<void>(room);
+    constraint_detail::LimbsApart<Rows, Limbs, T> apart(limbs);
+    apart.fill(wrenches, constraint_detail::ConstraintsBeside<Rows, Limbs, T>::of_constraints([](int) { return T(1); }));
+    apart.delassus(to);
+  } else {
+    constraint_detail::delassus<n, Rows>(constraint_detail::WayByLimbs<n, Limbs, T>{wrenches, limbs}, room, to);
+  }
 }
 
 // x becomes M^-1 (x + J' f), and f what makes J x = b. factor: M's U, of which the half above the diagonal is read. right: b.

@@ -43,6 +43,7 @@ struct LimbsApart {
 
   explicit DALEMBERT_INLINE LimbsApart(const Limbs& of) : limbs(of) {}
 
+  static constexpr int larger(int a, int b) { return a > b ? a : b; }
   static DALEMBERT_INLINE V product(const V (&a)[rows], const V (&b)[rows]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
   // Y, S and what the base's own pivots are.
@@ -91,6 +92,33 @@ struct LimbsApart {
       });
     });
   }
+  // J M^-1 J'.
+  DALEMBERT_INLINE void delassus(T* to) const {
+    constexpr int all = Rows::first(Rows::count);
+    alignas(64) T weighted[base][rows][lanes];  // D_b^-1 W
+    for_constants<base>([&](auto j) DALEMBERT_IN_BLOCK {
+      for_constants<rows>([&](auto r) DALEMBERT_IN_BLOCK {
+        store<lanes, T>(weighted[j][r], broadcast<lanes, T>(base_reciprocal[j]) * at_base[j][r]);
+      });
+    });
+    for_constants<lanes>([&](auto limb) DALEMBERT_IN_BLOCK {
+      constexpr int l = decltype(limb)::value, c = Beside::in.limb[l];
+      if constexpr (c >= 0) {
+        for_constants<rows>([&](auto r) DALEMBERT_IN_BLOCK {
+          V row[rows];
+          for_constants<rows>([&](auto s) DALEMBERT_IN_BLOCK {
+            row[s] = with_lane_of<lanes, T, l>(V{}, along[larger(r, s)][least(r, s)]);
+            for_constants<base>([&](auto j)
+                                    DALEMBERT_IN_BLOCK { row[s] += broadcast<lanes, T>(weighted[j][r][l]) * at_base[j][s]; });
+          });
+          Beside::store_points(row, to + (rows * c + r) * all);
+        });
+      }
+    });
+    for (int i = 1; i < all; ++i)  // the same numbers below the diagonal and above it
+      for (int k = 0; k < i; ++k) to[i * all + k] = to[k * all + i];
+  }
+
   // What rows move of themselves, per limb and row.
   DALEMBERT_INLINE V diagonal(int r) const {
     V of = along[r][r];
@@ -166,11 +194,7 @@ struct LimbsApart {
     V sum[rows];
     for_constants<rows>([&](auto r) DALEMBERT_IN_BLOCK {
       sum[r] = V{};
-      for_constants<rows>([&](auto s) DALEMBERT_IN_BLOCK {
-        constexpr int high = decltype(r)::value > decltype(s)::value ? decltype(r)::value : decltype(s)::value;
-        constexpr int low = decltype(r)::value + decltype(s)::value - high;
-        sum[r] += along[high][low] * f[s];
-      });
+      for_constants<rows>([&](auto s) DALEMBERT_IN_BLOCK { sum[r] += along[larger(r, s)][least(r, s)] * f[s]; });
     });
     for_constants<base>([&](auto j) DALEMBERT_IN_BLOCK {
       for_constants<rows>([&](auto r) DALEMBERT_IN_BLOCK {
