@@ -49,10 +49,7 @@ Making making(const ir::Algorithm& algorithm, const std::set<int>& arrays) {
 }
 
 std::vector<std::int32_t> uses(const ir::Program& program, const Making& made) {
-  std::vector<ir::NodeId> roots;
-  for (const ir::OutputElement& e : program.elements)
-    if (made.arrays.contains(e.array)) roots.push_back(e.node);
-  return ir::uses(program.graph, roots);
+  return ir::uses(program.graph, program.roots(made.arrays));
 }
 
 // The cost of what was made by a section.
@@ -66,11 +63,10 @@ OperationCost cost_of(const std::string& name, const LoweredSection& section, co
   cost.operations = ir::count(program.graph, uses);
   for (int phase = 1; phase <= 3; ++phase)
     cost.phases[static_cast<size_t>(phase - 1)] = count(program.graph, uses, phases, phase);
-  for (const ir::Kernel& kernel : made.kernels) {
-    const ir::Operations operations = ir::operations_of(kernel, tree, false);
-    cost.operations += operations;
-    cost.phases[2] += operations;
-  }
+  ir::Operations elements = ir::counted(program, made.arrays);
+  for (const ir::Kernel& kernel : made.kernels) elements += ir::operations_of(kernel, tree, false);
+  cost.operations += elements;
+  cost.phases[2] += elements;
   const ir::InputsRead read = ir::inputs_read(program, uses);
   cost.reads_base_pose = read.base_pose();
   cost.reads_base_position = read.base_position();
@@ -237,8 +233,9 @@ std::vector<OperationCost> costs_before(const Model& model) {
 }
 
 bool too_large_to_compare(const Lowered& lowered) {
-  ir::NodeId nodes = 0;
-  for (const LoweredSection* section : lowered.all_sections()) nodes += section->program.graph.size();
+  long nodes = 0;
+  for (const LoweredSection* section : lowered.all_sections())
+    nodes += section->program.graph.size() + section->program.counted.nodes;
   return nodes > 500'000;
 }
 

@@ -26,14 +26,15 @@ struct Way {
 
 class Lowering {
  public:
-  Lowering(const Model& model, const ir::NormalTree& normal, const ir::EmittedFunction& function)
+  Lowering(const Model& model, const ir::NormalTree& normal, const ir::EmittedFunction& function, ir::Elements elements)
       : model_(model),
         part_(part_of(model, function)),
         tree_(part_ ? part_->tree : model.tree),
         normal_(part_ ? part_->normal : normal),
         function_(function),
         planned_(planned(model, function)),
-        options_{model.options.fold, model.options.share} {}
+        options_{model.options.fold, model.options.share},
+        elements_(elements) {}
 
   // As far as the unrolled program.
   LoweredFunction program() const {
@@ -41,7 +42,7 @@ class Lowering {
     LoweredFunction lowered;
     lowered.part = part_;
     lowered.sections = described(solver);
-    for (LoweredSection& section : lowered.sections) section.program = unrolled(section.algorithm, false).take_program();
+    for (LoweredSection& section : lowered.sections) section.program = unrolled(section.algorithm, elements_).take_program();
     return lowered;
   }
 
@@ -101,18 +102,15 @@ class Lowering {
 
   // Of lines for batches. Longer ones take a compiler minutes, and kernels take a loop's time from there on.
   static constexpr long most_operations = 150000;
-  static long operations(const ir::Program& program) {
-    return ir::count(program.graph, ir::uses(program.graph, program.roots())).total();
-  }
   // Of what holds contacts and loops no block of states has a number for each.
   static bool is_whole_line(const LoweredSection& line) {
     const ir::Program& program = line.program;
-    return line.algorithm.kernels.empty() && operations(program) <= most_operations &&
+    return line.algorithm.kernels.empty() && ir::operations(program).total() <= most_operations &&
            !ir::inputs_read(program, ir::uses(program.graph, program.roots())).constraints;
   }
 
   void add_batch(LoweredFunction& chosen) const {
-    if (operations(chosen.first().program) > most_operations) return;
+    if (ir::operations(chosen.first().program).total() > most_operations) return;
     std::optional<LoweredSection> line = straight_line(function_, false);
     if (line && is_whole_line(*line)) chosen.batch = std::move(line);
   }
@@ -139,7 +137,7 @@ class Lowering {
       f.program = passes::Unroll(f.algorithm, tree_, normal_, model_.scene, options).take_program();
       f.plan.form = ir::Form::straight;
       passes::write_out_kernels(f.algorithm, f.program, ir::coordinate_tree(tree_), true);
-      const ir::Operations o = ir::count(f.program.graph, ir::uses(f.program.graph, f.program.roots()));
+      const ir::Operations o = ir::operations(f.program);
       const long cost = o.add + o.multiply + division * o.divide;
       if (least > 0 && cost >= least) continue;
       least = cost;
@@ -156,8 +154,8 @@ class Lowering {
     return sections;
   }
 
-  passes::Unroll unrolled(const ir::Algorithm& algorithm, bool names) const {
-    return {algorithm, tree_, normal_, model_.scene, passes::UnrollOptions{options_, names}};
+  passes::Unroll unrolled(const ir::Algorithm& algorithm, ir::Elements elements, bool names = false) const {
+    return {algorithm, tree_, normal_, model_.scene, passes::UnrollOptions{options_, names, false, elements}};
   }
 
   void add_ways(ir::Solver solver, std::vector<Way>& ways) const {
@@ -168,9 +166,8 @@ class Lowering {
     unrolls.reserve(lowered.size());
     ir::Operations operations;
     for (const LoweredSection& f : lowered) {
-      unrolls.push_back(unrolled(f.algorithm, names));
-      const ir::Program& program = unrolls.back().program();
-      operations += ir::count(program.graph, ir::uses(program.graph, program.roots()));
+      unrolls.push_back(unrolled(f.algorithm, elements_, names));
+      operations += ir::operations(unrolls.back().program());
     }
     ir::CompileOptions options = model_.options;
     if (options.form == ir::Form::automatic && planned_.form) options.form = *planned_.form;
@@ -180,11 +177,13 @@ class Lowering {
       for (size_t section = 0; section < lowered.size(); ++section) {
         LoweredSection& f = way.sections[section];
         f.plan = passes::plan(tree_, model_.scene, form, model_.options, passes::rows_in_pairs(f.algorithm, tree_));
-        if (form == ir::Form::rolled)
+        if (form == ir::Form::rolled) {
           f.rolled = passes::roll(f.algorithm, unrolls[section], tree_, model_.scene, f.plan, options_);
-        f.program = &form == &forms.back() ? unrolls[section].take_program() : unrolls[section].program();
-        if (form == ir::Form::straight) {
-          passes::project_by_rows(f.algorithm, f.program, unrolls[section], tree_);
+          f.program = unrolls[section].take_program();
+        } else {
+          passes::Unroll whole = unrolled(f.algorithm, ir::Elements::kept, names);
+          f.program = whole.take_program();
+          passes::project_by_rows(f.algorithm, f.program, whole, tree_);
           if (lowered.size() == 1) passes::write_out_kernels(f.algorithm, f.program, ir::coordinate_tree(tree_));
           way.candidate.order = f.plan.order = planned_.order.value_or(ir::Order::as_written);
           if (f.plan.order != ir::Order::as_written)
@@ -206,6 +205,7 @@ class Lowering {
   const ir::EmittedFunction& function_;
   const ir::FunctionPlan planned_;
   const ir::Graph::Options options_;
+  const ir::Elements elements_;
 };
 
 // Arrays that users do not see.
@@ -216,7 +216,7 @@ void make_internal(LoweredSection& section) {
 
 // Each function calls another, on the tree without loops, and has no equations of its own.
 template <class Lower>
-Lowered lower_embedded(const Model& model, const Lower& lower) {
+Lowered lower_embedded(const Model& model, ir::Elements elements, const Lower& lower) {
   Lowered lowered;
   auto opened = std::make_shared<Model>(model);
   opened->tree = model.tree.opened();
@@ -228,7 +228,7 @@ Lowered lower_embedded(const Model& model, const Lower& lower) {
     LoweredSection called{std::move(embedded.algorithm), {}, {}, {}};
     called.program.arrays = called.algorithm.arrays;
     called.program.base_positions = model.tree.base_positions();
-    LoweredFunction whole = lower(Lowering(*opened, lowered.normal, embedded.of_opened));
+    LoweredFunction whole = lower(Lowering(*opened, lowered.normal, embedded.of_opened, elements));
     for (LoweredSection& section : whole.sections) make_internal(section);
     if (whole.elsewhere) make_internal(*whole.elsewhere);
     ir::Embedding& embedding = *called.algorithm.embedding;
@@ -245,12 +245,12 @@ Lowered lower_embedded(const Model& model, const Lower& lower) {
 }
 
 template <class Lower>
-Lowered lower_functions(const Model& model, const Lower& lower) {
-  if (!model.tree.linkages.empty()) return lower_embedded(model, lower);
+Lowered lower_functions(const Model& model, ir::Elements elements, const Lower& lower) {
+  if (!model.tree.linkages.empty()) return lower_embedded(model, elements, lower);
   Lowered lowered;
   lowered.normal = passes::normalise(model.tree, passes::normalise_options(model.scene, model.options.move_parameters));
   for (const ir::EmittedFunction& function : ir::functions_of(model.scene))
-    lowered.functions.push_back(lower(Lowering(model, lowered.normal, function)));
+    lowered.functions.push_back(lower(Lowering(model, lowered.normal, function, elements)));
   return lowered;
 }
 
@@ -271,11 +271,11 @@ std::vector<const LoweredSection*> Lowered::all_sections() const {
   return all;
 }
 
-Lowered lower(const Model& model) {
-  return lower_functions(model, [](const Lowering& lowering) { return lowering.form(); });
+Lowered lower(const Model& model, ir::Elements elements) {
+  return lower_functions(model, elements, [](const Lowering& lowering) { return lowering.form(); });
 }
-Lowered lower_to_programs(const Model& model) {
-  return lower_functions(model, [](const Lowering& lowering) { return lowering.program(); });
+Lowered lower_to_programs(const Model& model, ir::Elements elements) {
+  return lower_functions(model, elements, [](const Lowering& lowering) { return lowering.program(); });
 }
 
 }  // namespace dalembert

@@ -69,9 +69,9 @@ struct Lowered {
 
   std::vector<const LoweredSection*> all_sections() const;
 };
-// Runs the passes, those that the model's options leave in.
-Lowered lower(const Model& model);
+// Runs the passes, those that the model's options leave in. `elements`: in programs that are not themselves the code.
+Lowered lower(const Model& model, ir::Elements elements = ir::Elements::counted);
 // As far as the unrolled programs, which is all that counting needs, and without names in them.
-Lowered lower_to_programs(const Model& model);
+Lowered lower_to_programs(const Model& model, ir::Elements elements = ir::Elements::counted);
 
 }  // namespace dalembert

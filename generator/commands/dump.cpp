@@ -196,7 +196,7 @@ std::string stage_text(const Model& model, const Lowered& lowered, Stage stage) 
 }  // namespace
 
 std::string dump(const Model& model, Stage stage) {
-  Lowered lowered = lower(model);
+  Lowered lowered = lower(model, ir::Elements::kept);
   decide_tasks(model, lowered);
   return stage_text(model, lowered, stage) + pass_table(model);
 }

@@ -1,5 +1,6 @@
 #include "ir/graph.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <set>
 #include <utility>
@@ -36,42 +37,70 @@ std::size_t hash(const Key& k) {
 
 }  // namespace
 
-std::size_t Graph::place_of(const Node& node) const {
+std::size_t Graph::place_of(const Node& node, const Table& table) const {
   const Key key = key_of(node);
-  const std::size_t mask = table_.size() - 1;
+  const std::size_t mask = table.places.size() - 1;
   std::size_t at = hash(key) & mask;
-  while (table_[at] != no_node && !(key_of((*this)[table_[at]]) == key)) at = (at + 1) & mask;
+  while (table.places[at] != no_node && !(key_of((*this)[table.places[at]]) == key)) at = (at + 1) & mask;
   return at;
 }
 
 void Graph::reserve(std::size_t nodes) {
   nodes_.reserve(nodes);
-  if (2 * nodes > table_.size()) resize_table(std::bit_ceil(2 * nodes));
+  if (2 * nodes > table_.places.size()) resize(table_, std::bit_ceil(2 * nodes));
 }
 
-void Graph::resize_table(std::size_t places) {
+void Graph::resize(Table& table, std::size_t places) {
   std::vector<NodeId> old(places, no_node);
-  old.swap(table_);
+  old.swap(table.places);
   for (NodeId id : old)
-    if (id != no_node) table_[place_of((*this)[id])] = id;
+    if (id != no_node) table.places[place_of((*this)[id], table)] = id;
+}
+
+void Graph::open_scope(const std::vector<NodeId>& own, const std::vector<NodeId>& readers) {
+  scope_ = size();
+  own_.assign(static_cast<std::size_t>(scope_), false);
+  for (const NodeId id : own) own_[static_cast<std::size_t>(id)] = true;
+  for (const NodeId id : readers)
+    if (is_entry((*this)[id])) enter(id, table_of_scope_);
+}
+
+void Graph::close_scope() {
+  nodes_.resize(static_cast<std::size_t>(scope_));
+  std::fill(table_of_scope_.places.begin(), table_of_scope_.places.end(), no_node);
+  table_of_scope_.entries = 0;
+  scope_ = no_node;
+}
+
+void Graph::enter(NodeId id, Table& table) {
+  NodeId& place = table.places[place_of((*this)[id], table)];
+  if (place != no_node) return;
+  place = id;
+  if (2 * ++table.entries > table.places.size()) resize(table, 2 * table.places.size());
 }
 
 NodeId Graph::intern(Node node) {
-  const bool leaf = node.op == Op::constant || node.op == Op::input;
   node.tag = tag_;
-  if (!options_.share && !leaf) {
+  if (!is_entry(node)) {
     nodes_.push_back(node);
     return size() - 1;
   }
-  const std::size_t at = place_of(node);
-  if (table_[at] != no_node) return table_[at];
-  const NodeId id = table_[at] = size();
+  if (const NodeId found = find(node); found != no_node) {
+    if (found >= retagged_) nodes_[static_cast<std::size_t>(found)].tag = tag_;
+    return found;
+  }
   nodes_.push_back(node);
-  if (2 * ++entries_ > table_.size()) resize_table(2 * table_.size());
-  return id;
+  enter(size() - 1, scope_ == no_node ? table_ : table_of_scope_);
+  return size() - 1;
 }
 
-NodeId Graph::find(Op op, NodeId a, NodeId b) const { return table_[place_of(Node{op, a, b, 0, {}, {}})]; }
+NodeId Graph::find(const Node& node) const {
+  if (scope_ != no_node) {
+    const NodeId found = table_of_scope_.places[place_of(node, table_of_scope_)];
+    if (found != no_node || of_scope(node.a) || of_scope(node.b)) return found;
+  }
+  return table_.places[place_of(node, table_)];
+}
 
 NodeId Graph::constant(double value) {
   if (value == 0) value = 0;  // one zero: −0 would not compare equal as a key
@@ -125,7 +154,7 @@ NodeId Graph::subtract(NodeId a, NodeId b) {
   if ((*this)[b].op == Op::negate) return add(a, (*this)[b].a);
   if ((*this)[a].op == Op::negate) return negate(add((*this)[a].a, b));
   if (options_.share)
-    if (const NodeId reverse = find(Op::subtract, b, a); reverse != no_node) return unary(Op::negate, reverse);
+    if (const NodeId reverse = find({Op::subtract, b, a, 0, {}, {}}); reverse != no_node) return unary(Op::negate, reverse);
   return intern({Op::subtract, a, b, 0, {}, {}});
 }
 
@@ -194,15 +223,9 @@ Operations count(const Graph& graph, const std::vector<std::int32_t>& uses) {
   std::set<NodeId> angles;
   for (NodeId id = 0; id < graph.size(); ++id) {
     if (uses[static_cast<std::size_t>(id)] == 0) continue;
-    switch (graph[id].op) {
-      case Op::add:
-      case Op::subtract: ++total.add; break;
-      case Op::multiply: ++total.multiply; break;
-      case Op::divide: ++total.divide; break;
-      case Op::sine:
-      case Op::cosine: angles.insert(graph[id].a); break;
-      default: break;
-    }
+    const Node& n = graph[id];
+    total.count(n.op);
+    if (n.op == Op::sine || n.op == Op::cosine) angles.insert(n.a);
   }
   total.sincos = static_cast<long>(angles.size());
   return total;

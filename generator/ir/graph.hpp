@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 namespace dalembert::ir {
@@ -98,26 +99,45 @@ class Graph {
   void rename_inputs(const F& f) {
     for (Node& n : nodes_)
       if (n.op == Op::input) n.input = f(n.input);
-    resize_table(table_.size());
+    resize(table_, table_.places.size());
   }
+
+  // From open_scope() on nodes are made to be forgotten, all of them, by close_scope(). `own`: nodes that no others will read
+  // but those of the scope and `readers`, which do already. They are known so that a long table need not be asked for them.
+  void open_scope(const std::vector<NodeId>& own, const std::vector<NodeId>& readers);
+  void close_scope();
 
   // Of the nodes made from here on.
   void set_tag(Tag tag) { tag_ = tag; }
+  // And of those from this number on that are found again.
+  void retag_from(NodeId first) { retagged_ = first; }
 
  private:
   NodeId unary(Op op, NodeId a);
   NodeId intern(Node node);
-  NodeId find(Op op, NodeId a, NodeId b) const;
+  NodeId find(const Node& node) const;  // one equal to it; no_node: there is none
+
+  // By which nodes are found: open addressing; a power of two, at most half full.
+  struct Table {
+    std::vector<NodeId> places = std::vector<NodeId>(1024, no_node);
+    std::size_t entries = 0;
+  };
 
   // Where in the table a node equal to this one stands, or the free place where it belongs.
-  std::size_t place_of(const Node& node) const;
-  void resize_table(std::size_t places);
+  std::size_t place_of(const Node& node, const Table& table) const;
+  void resize(Table& table, std::size_t places);
+  // Whether it can be found again.
+  bool is_entry(const Node& node) const { return options_.share || node.op == Op::constant || node.op == Op::input; }
+  bool of_scope(NodeId id) const { return id != no_node && (id >= scope_ || own_[static_cast<std::size_t>(id)]); }
+  void enter(NodeId id, Table& table);
 
   Options options_{};
   std::vector<Node> nodes_;
-  std::vector<NodeId> table_ = std::vector<NodeId>(1024, no_node);  // open addressing; a power of two, at most half full
-  std::size_t entries_ = 0;
+  Table table_, table_of_scope_;  // the second is small and quickly emptied
+  NodeId scope_ = no_node;        // its first node; no_node: none is open
+  std::vector<bool> own_;         // of the nodes before it
   Tag tag_{};
+  NodeId retagged_ = std::numeric_limits<NodeId>::max();
 };
 
 // The nodes of another graph once more, with other inputs; made one by one as they are asked for.
@@ -203,6 +223,11 @@ struct Operations {
   long divide = 0;
   long sincos = 0;
   long total() const { return add + multiply + divide; }
+  void count(Op op) {
+    if (op == Op::add || op == Op::subtract) ++add;
+    if (op == Op::multiply) ++multiply;
+    if (op == Op::divide) ++divide;
+  }
   Operations& operator+=(const Operations& o) {
     add += o.add, multiply += o.multiply, divide += o.divide, sincos += o.sincos;
     return *this;

@@ -1,6 +1,22 @@
 #include "ir/program.hpp"
 
+#include <algorithm>
+
 namespace dalembert::ir {
+
+Operations operations(const Program& program) {
+  Operations sum = count(program.graph, uses(program.graph, program.roots()));
+  for (const CountedElements::Share& share : program.counted.shares) sum += share.operations;
+  return sum;
+}
+
+Operations counted(const Program& program, const std::set<int>& of_arrays) {
+  Operations sum;
+  for (const CountedElements::Share& share : program.counted.shares)
+    if (std::any_of(share.arrays.begin(), share.arrays.end(), [&](int array) { return of_arrays.contains(array); }))
+      sum += share.operations;
+  return sum;
+}
 
 InputsRead inputs_read(const Program& program, const std::vector<std::int32_t>& uses) {
   InputsRead read;

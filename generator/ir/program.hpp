@@ -1,6 +1,7 @@
 // A robot's dynamics as one scalar program: which node goes to which element of which result.
 #pragma once
 
+#include <map>
 #include <set>
 #include <string>
 #include <vector>
@@ -16,6 +17,21 @@ struct OutputElement {
   NodeId node = no_node;
 };
 
+// Whether a program has the elements of matrices that a body fills with all that is above it, or has counted and forgotten
+// them: as many as bodies in a chain squared (passes/unroll.hpp).
+enum class Elements { kept, counted };
+
+struct CountedElements {
+  // Operations that these arrays need, and no other.
+  struct Share {
+    std::set<int> arrays;
+    Operations operations;
+  };
+  std::vector<Share> shares;
+  std::map<int, std::vector<NodeId>> factors;  // per array: the nodes of the graph that they were made of
+  long nodes = 0;                              // forgotten
+};
+
 struct Program {
   Graph graph;
   int base_positions = 0;  // positions below this index are the base's
@@ -23,13 +39,31 @@ struct Program {
   std::vector<OutputElement> elements;  // structural zeros are not listed
   std::vector<std::string> names;       // per node: a name for reading, empty where there is none
   std::vector<NodeId> order;            // in which the nodes needed are computed; empty: that of their numbers
+  CountedElements counted{};            // instead of elements
 
+  // What all arrays need of the graph, or some.
   std::vector<NodeId> roots() const {
+    return roots_of([](int) { return true; });
+  }
+  std::vector<NodeId> roots(const std::set<int>& of_arrays) const {
+    return roots_of([&](int array) { return of_arrays.contains(array); });
+  }
+
+ private:
+  template <class Wanted>
+  std::vector<NodeId> roots_of(const Wanted& wanted) const {
     std::vector<NodeId> ids;
-    for (const OutputElement& e : elements) ids.push_back(e.node);
+    for (const OutputElement& e : elements)
+      if (wanted(e.array)) ids.push_back(e.node);
+    for (const auto& [array, factors] : counted.factors)
+      if (wanted(array)) ids.insert(ids.end(), factors.begin(), factors.end());
     return ids;
   }
 };
+
+// Of one evaluation: of all arrays; and what was counted and forgotten of some.
+Operations operations(const Program& program);
+Operations counted(const Program& program, const std::set<int>& of_arrays);
 
 // Which inputs the nodes used (see uses()) depend on.
 struct InputsRead {

@@ -36,19 +36,13 @@ Unroll::Unroll(const ir::Algorithm& algorithm, const ir::KinematicTree& tree, co
       base_producer_(algorithm.roles.size(), -1),
       values_((tree.bodies.size() + 7) * static_cast<std::size_t>(live_.offset.back()), no_node),
       handed_((tree.bodies.size() + 1) * static_cast<std::size_t>(live_.offset.back()), no_node),
-      done_(algorithm.sweeps.size(), std::vector<bool>(tree.bodies.size() + 1, false)) {
+      done_(algorithm.sweeps.size(), std::vector<bool>(tree.bodies.size() + 1, false)),
+      known_(algorithm.pairs.size() + algorithm.projections.size(), std::vector<bool>(tree.bodies.size(), false)),
+      turns_(algorithm.pairs.size(), std::vector<NodeId>(tree.bodies.size() + 1, std::numeric_limits<NodeId>::max())) {
   program_.graph = ir::Graph(options.graph);
   program_.base_positions = tree.base_positions();
   program_.arrays = algorithm.arrays;
-  std::size_t pairs = 0;  // the elements are most of a long chain's nodes
-  std::vector<std::size_t> depth(tree.bodies.size(), 1);
-  for (std::size_t k = 0; k < tree.bodies.size(); ++k) {
-    if (tree.bodies[k].parent >= 0) depth[k] += depth[static_cast<std::size_t>(tree.bodies[k].parent)];
-    pairs += depth[k];
-  }
-  std::size_t per_pair = 0;
-  for (const ir::Pairs& p : algorithm.pairs) per_pair += 6 * (p.above.size() + p.below.size());
-  program_.graph.reserve(pairs * per_pair);
+  if (options.elements == ir::Elements::kept) reserve_elements();
   for (std::size_t s = 0; s < algorithm.sweeps.size(); ++s)
     for (const ir::Value& v : algorithm.sweeps[s].stores)
       (algorithm.sweeps[s].over.is_base() ? base_producer_ : producer_)[static_cast<std::size_t>(v.role)] = static_cast<int>(s);
@@ -59,8 +53,23 @@ Unroll::Unroll(const ir::Algorithm& algorithm, const ir::KinematicTree& tree, co
         quaternion_parameters(program_.graph, tree, normal, positions_, coordinates_, scene.rates_zero, body));
   add_implicit_joints();
   find_companions();
+  if (options.elements == ir::Elements::counted) column_is_ = Column::met;
   for (const Loop& loop : loops()) run_loop(loop);
+  if (options.elements == ir::Elements::counted) count_elements();
   collect_results();
+}
+
+// They are most of a long chain's nodes.
+void Unroll::reserve_elements() {
+  std::size_t pairs = 0;
+  std::vector<std::size_t> depth(tree_.bodies.size(), 1);
+  for (std::size_t k = 0; k < tree_.bodies.size(); ++k) {
+    if (tree_.bodies[k].parent >= 0) depth[k] += depth[static_cast<std::size_t>(tree_.bodies[k].parent)];
+    pairs += depth[k];
+  }
+  std::size_t per_pair = 0;
+  for (const ir::Pairs& p : algorithm_.pairs) per_pair += 6 * (p.above.size() + p.below.size());
+  program_.graph.reserve(pairs * per_pair);
 }
 
 // To the armature, the armature having been zero or not.
@@ -195,6 +204,10 @@ void Unroll::find_companions() {
 void Unroll::run_loop(const Loop& loop) {
   const bool inwards =
       loop.sweeps.empty() || algorithm_.sweeps[static_cast<std::size_t>(loop.sweeps.front())].direction == Direction::inwards;
+  const auto pairs = [&](int p, int body) {
+    run_pairs(p, body);
+    turns_[static_cast<std::size_t>(p)][place(body, -1)] = program_.graph.size();
+  };
   const int bodies = tree_.joints();
   for (int i = 0; i < bodies; ++i) {
     const int body = inwards ? bodies - 1 - i : i;
@@ -203,11 +216,11 @@ void Unroll::run_loop(const Loop& loop) {
       if (inwards) continue;
       for (int companion : companions_[static_cast<std::size_t>(s)]) run_sweep(companion, body);
     }
-    for (int p : loop.pairs) run_pairs(p, body);
+    for (int p : loop.pairs) pairs(p, body);
   }
   for (int s : loop.sweeps)
     if (inwards) run_sweep(s, -1);
-  for (int p : loop.pairs) run_pairs(p, -1);
+  for (int p : loop.pairs) pairs(p, -1);
   for (std::size_t p = 0; p < algorithm_.projections.size() && loop.sweeps.empty(); ++p)
     for (int body = tree_.base_coordinates() > 0 ? -1 : 0; body < bodies; ++body) run_projection(static_cast<int>(p), body);
 }
@@ -310,17 +323,18 @@ NodeId Unroll::added_parameter(int parameter, int body) const {
   return at == added.end() ? no_node : at->second;
 }
 
+NodeId Unroll::factor(std::size_t place, int role, int component) {
+  const int body = static_cast<int>(place) - 1, bodies = tree_.joints();
+  return body < bodies ? value(role, component, body) : value(role, component, -1, body - bodies);
+}
+
 NodeId Unroll::dot(const std::vector<ir::PairTerm>& terms, std::size_t lower, std::size_t upper) {
   ir::Graph& g = program_.graph;
-  const auto of = [&](std::size_t place, int role, int component) {
-    const int body = static_cast<int>(place) - 1, bodies = tree_.joints();
-    return body < bodies ? value(role, component, body) : value(role, component, -1, body - bodies);
-  };
   NodeId sum = no_node;
   for (const ir::PairTerm& t : terms) {
     NodeId three[3];
     for (int i : {2, 1, 0}) {
-      const NodeId a = of(lower, t.lower, t.lower_from + i), b = of(upper, t.upper, t.upper_from + i);
+      const NodeId a = factor(lower, t.lower, t.lower_from + i), b = factor(upper, t.upper, t.upper_from + i);
       g.set_tag(tag_);
       three[i] = g.multiply(a, b);
     }
@@ -333,7 +347,7 @@ NodeId Unroll::dot(const std::vector<ir::PairTerm>& terms, std::size_t lower, st
 // Body k with itself, with the bodies above it, and with the base's coordinates.
 void Unroll::run_pairs(int pairs, int body) {
   const ir::Pairs& p = algorithm_.pairs[static_cast<std::size_t>(pairs)];
-  program_.graph.set_tag(tag_ = {static_cast<std::int16_t>(algorithm_.sweeps.size() + static_cast<std::size_t>(pairs)), body});
+  program_.graph.set_tag(tag_ = tag_of(pairs, body));
   const ir::OutputArray& array = algorithm_.arrays[static_cast<std::size_t>(p.array)];
   const bool base_asked = base_rows_ > 0 && array.row(0) >= 0;
   const auto asked = [&](int b) { return array.row(row_of(b)) >= 0; };
@@ -344,7 +358,9 @@ void Unroll::run_pairs(int pairs, int body) {
     return;
   }
   const std::size_t lower = place(body, -1);
-  for (int i = body; i >= 0; i = tree_.bodies[static_cast<std::size_t>(i)].parent) {
+  bool known = false;
+  for (int i = body; i >= 0 && !known; i = tree_.bodies[static_cast<std::size_t>(i)].parent) {
+    known = is_known(pairs, body, i);
     if (!asked(i)) continue;
     NodeId above = dot(p.above, lower, place(i, -1));
     if (i == body && p.diagonal >= 0) above = program_.graph.add(above, parameter(p.diagonal, body));
@@ -370,7 +386,7 @@ void Unroll::run_pairs(int pairs, int body) {
 
 void Unroll::run_projection(int projection, int body) {
   const ir::Projection& p = algorithm_.projections[static_cast<std::size_t>(projection)];
-  const std::size_t number = algorithm_.sweeps.size() + algorithm_.pairs.size() + static_cast<std::size_t>(projection);
+  const int filling = static_cast<int>(algorithm_.pairs.size()) + projection;
   const int columns = static_cast<int>(p.columns.size()), link = body < 0 ? 0 : links_[static_cast<std::size_t>(body)];
   if (link < 0) return;
   const int first = columns * link;
@@ -378,7 +394,7 @@ void Unroll::run_projection(int projection, int body) {
   if (array.column(first) < 0) return;
   const auto project = [&](int row, int above, int coordinate) {
     if (array.row(row) < 0) return;
-    tag_ = {static_cast<std::int16_t>(number), body};
+    tag_ = tag_of(filling, body);
     ir::Copy copy(p.graph, program_.graph);
     for (int c = 0; c < columns; ++c) {
       const NodeId node = copy.node(p.columns[static_cast<std::size_t>(c)], [&](const ir::Input& in) {
@@ -390,7 +406,11 @@ void Unroll::run_projection(int projection, int body) {
       put(p.array, row, first + c, node);
     }
   };
-  for (int i = body; i >= 0; i = tree_.bodies[static_cast<std::size_t>(i)].parent) project(row_of(i), i, -1);
+  bool known = false;
+  for (int i = body; i >= 0 && !known; i = tree_.bodies[static_cast<std::size_t>(i)].parent) {
+    known = is_known(filling, body, i);
+    project(row_of(i), i, -1);
+  }
   for (int j = 0; j < base_rows_; ++j) project(j, -1, j);
 }
 
@@ -399,6 +419,12 @@ void Unroll::put(int array, int row, int column, NodeId node) {
   const ir::OutputArray& part = algorithm_.arrays[static_cast<std::size_t>(array)];
   row = part.row(row), column = part.column(column);
   if (row < 0 || column < 0) return;  // not asked for
+  if (column_is_ == Column::met) return;
+  if (column_is_ == Column::counted && each_alone_) {
+    column_.emplace_back(array, node);
+    return;
+  }
+  if (column_is_ == Column::counted) sums_.emplace_back(array, column, row);
   const auto [at, made] = elements_.try_emplace({array, column, row}, node);
   if (!made) at->second = program_.graph.add(at->second, node);
 }

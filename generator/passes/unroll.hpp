@@ -3,8 +3,13 @@
 // Every sweep's graph is copied for every body, with parameters replaced by constants, and roles by the nodes they are; the
 // graph folds and shares as it is made, so the robot's zeros and ones disappear. What no result needs is not copied
 // (passes/live.hpp).
+//
+// What grows with the square of a robot are the elements of its matrices. A program that nobody writes out need not hold them:
+// column by column, a body with all that is above it, they are made, counted and forgotten. The counts are those of the program
+// that has them all, for two columns share no operation on a factor that only one of them has; what has none such is kept.
 #pragma once
 
+#include <cstdint>
 #include <map>
 #include <string>
 #include <vector>
@@ -23,6 +28,7 @@ struct UnrollOptions {
   ir::Graph::Options graph{};
   bool names = true;      // keep names for reading
   bool implicit = false;  // dampers and springs as a linearly implicit step has them (ir/implicit_joints.hpp)
+  ir::Elements elements = ir::Elements::kept;
 };
 
 class Unroll {
@@ -31,8 +37,8 @@ class Unroll {
   Unroll(const ir::Algorithm& algorithm, const ir::KinematicTree& tree, const ir::NormalTree& normal, const ir::Scene& scene,
          const UnrollOptions& options = {});
 
-  // The program of all results. Elements that are zero for every state are left out; they stand in the order of arrays and,
-  // within one, column by column.
+  // The program of all results, or, where elements are counted, of all others. Elements that are zero for every state are left
+  // out; they stand in the order of arrays and, within one, column by column.
   const ir::Program& program() const { return program_; }
   ir::Program take_program() { return std::move(program_); }
 
@@ -70,17 +76,29 @@ class Unroll {
   std::vector<Loop> joined(std::vector<Loop> loops) const;
   int last_inwards(int role, std::vector<int>& known) const;
   void run_loop(const Loop& loop);
+  void reserve_elements();
   void add_implicit_joints();
   ir::NodeId implicit_effort(ir::NodeId effort, int body);
   void find_companions();
   void run_sweep(int sweep, int body);
   void run_pairs(int pairs, int body);
   void run_projection(int projection, int body);
+  void count_elements();
+  long operations_from(int first_tag) const;
+  void claim_factors();
+  void claim(ir::NodeId factor, int body);
+  void count_column(int body);
+  bool is_known(int filling, int body, int above);
+  ir::NodeId factor(std::size_t place, int role, int component);
   ir::NodeId dot(const std::vector<ir::PairTerm>& terms, std::size_t lower, std::size_t upper);
   ir::NodeId value(int role, int component, int body, int coordinate = -1);
   ir::NodeId input(const ir::Sweep& sweep, const ir::Input& input, int body);
   void collect_results();
   void put(int array, int row, int column, ir::NodeId node);
+  // Of what fills a matrix: pairs and, behind them, projections.
+  ir::Tag tag_of(int filling, int body) const {
+    return {static_cast<std::int16_t>(static_cast<int>(algorithm_.sweeps.size()) + filling), body};
+  }
   int row_of(int body) const { return base_rows_ + coordinates_[static_cast<std::size_t>(body)]; }
   void name(ir::NodeId node, const ir::Role& role, int component, int body);
 
@@ -100,6 +118,18 @@ class Unroll {
   std::vector<ir::NodeId> values_, handed_;
   std::vector<std::vector<bool>> done_;                       // per sweep and body + 1
   std::map<std::tuple<int, int, int>, ir::NodeId> elements_;  // array, column, row
+  // Where elements are counted:
+  std::vector<int> filled_;                               // arrays: by pairs and, behind them, by projections; a bit each
+  std::vector<std::vector<bool>> known_;                  // by these, per body: whether one below has met it
+  std::vector<std::vector<ir::NodeId>> turns_;            // per pairs and body + 1: nodes there were behind its turn
+  std::vector<int> owner_;                                // per node: the only body in whose column it is a factor
+  std::vector<std::vector<ir::NodeId>> own_, readers_;    // per body: these nodes, and those that read them
+  enum class Column { none, met, counted } column_is_{};  // what is done with elements that are put
+  bool each_alone_ = false;                               // no two bodies have a coordinate together
+  std::vector<std::pair<int, ir::NodeId>> column_;        // its elements' arrays and nodes
+  std::vector<std::tuple<int, int, int>> sums_;           // where not each is alone: its elements among all
+  std::vector<std::uint64_t> needed_by_;                  // per node: arrays whose counted elements need it
+  std::map<std::uint64_t, ir::Operations> counted_;       // by the arrays that need them
   ir::Program program_;
   ir::Tag tag_;
 };

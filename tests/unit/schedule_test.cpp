@@ -22,7 +22,7 @@ constexpr ir::Order orders[] = {ir::Order::as_written, ir::Order::longest_first,
 ir::Program program_of(const char* name, ir::Quantity quantity) {
   ir::Scene scene;
   scene.outputs = {quantity};
-  return lower_to_programs(model_of(robot(name), scene)).functions.front().first().program;
+  return lower_to_programs(model_of(robot(name), scene), ir::Elements::kept).functions.front().first().program;
 }
 
 TEST(Schedule, HasWhatIsNeededOnceAndOperandsFirst) {

@@ -95,7 +95,7 @@ void add_sparsity(const ir::Program& program, const std::set<std::string>& unkno
 }  // namespace
 
 void add_forms(const Subject& subject, Rows& rows) {
-  const Lowered lowered = lower(subject.model);
+  const Lowered lowered = lower(subject.model, ir::Elements::kept);
   add_plan(subject, lowered, rows);
   add_costs(subject, lowered, rows);
   const std::set<std::string> unknown = filled_by_kernels(lowered);
