@@ -27,16 +27,20 @@ class Factorisation {
   explicit Factorisation(MatrixX<S> M) : factors_(std::move(M)) {
     const Eigen::Index n = factors_.rows();
     const VectorX<S> diagonal = factors_.diagonal();
+    VectorX<S> row(n), l(n);  // of a row what is not zero: elements of a row are far apart, those of a column side by side
+    std::vector<Eigen::Index> above;
     bool all_hold = true;
     for (Eigen::Index k = n - 1; k >= 0; --k) {
       const S pivot = factors_(k, k);
       all_hold = all_hold && pivot > dalembert::detail::least_ratio<S>() * diagonal[k] && pivot > S(0);
+      above.clear();
       for (Eigen::Index i = 0; i < k; ++i) {
-        if (factors_(k, i) == S(0)) continue;
-        const S l = factors_(k, i) / pivot;
-        for (Eigen::Index j = 0; j <= i; ++j) factors_(i, j) -= l * factors_(k, j);
+        row[i] = factors_(k, i);
+        l[i] = factors_(k, i) /= pivot;
+        if (row[i] != S(0)) above.push_back(i);
       }
-      factors_.row(k).head(k) /= pivot;
+      for (auto j = above.begin(); j != above.end(); ++j)
+        for (auto i = j; i != above.end(); ++i) factors_(*i, *j) -= l[*i] * row[*j];
     }
     if (!all_hold) status_ = bounded_status(diagonal);
   }
@@ -46,14 +50,19 @@ class Factorisation {
   // M⁻¹ b, b: n × any number of columns.
   MatrixX<S> solve(MatrixX<S> b) const {
     const Eigen::Index n = factors_.rows();
+    const MatrixX<S> u = upper();
     // Joints that do not move each other's bodies have zeros, most of all where branches are many.
-    for (Eigen::Index k = n - 1; k >= 0; --k)
-      for (Eigen::Index i = 0; i < k; ++i)
-        if (factors_(k, i) != S(0)) b.row(i) -= factors_(k, i) * b.row(k);
-    for (Eigen::Index k = 0; k < n; ++k) {
-      b.row(k) /= factors_(k, k);
-      for (Eigen::Index i = 0; i < k; ++i)
-        if (factors_(k, i) != S(0)) b.row(k) -= factors_(k, i) * b.row(i);
+    for (Eigen::Index column = 0; column < b.cols(); ++column) {
+      auto x = b.col(column);
+      for (Eigen::Index k = n - 1; k >= 0; --k) {
+        if (x[k] == S(0)) continue;
+        for (Eigen::Index i = 0; i < k; ++i)
+          if (u(i, k) != S(0)) x[i] -= u(i, k) * x[k];
+      }
+      for (Eigen::Index k = 0; k < n; ++k) x[k] /= factors_(k, k);
+      for (Eigen::Index i = 0; i < n; ++i)
+        for (Eigen::Index k = i + 1; k < n; ++k)
+          if (factors_(k, i) != S(0)) x[k] -= factors_(k, i) * x[i];
     }
     return b;
   }
