@@ -73,21 +73,20 @@ SideBySide side_by_side(const CodeInput& code, const Above& above) {
 }
 
 // Whether the matrices have rows of the limb's joints: then of all of them.
-bool asked(const CodeInput& code, const PairsOfRows& group, const std::vector<int>& limb) {
-  if (limb.empty() || limb.front() < 0) return false;
-  return group.array->row(base_rows(code) + code.tree.coordinates()[static_cast<size_t>(limb.front())]) >= 0;
+bool asked(const PairsOfRows& group, const std::vector<int>& limb) {
+  return !limb.empty() && limb.front() >= 0 && group.rows[static_cast<size_t>(limb.front())] >= 0;
 }
 
 // The segment's limbs, those without rows being empty.
-std::vector<std::vector<int>> limbs_asked(const CodeInput& code, const PairsOfRows& group, const ir::Segment& segment) {
+std::vector<std::vector<int>> limbs_asked(const PairsOfRows& group, const ir::Segment& segment) {
   std::vector<std::vector<int>> limbs = segment.bodies;
   for (auto& limb : limbs)
-    if (!asked(code, group, limb)) limb.clear();
+    if (!asked(group, limb)) limb.clear();
   return limbs;
 }
 
-bool any_asked(const CodeInput& code, const PairsOfRows& group, const ir::Segment& segment) {
-  return std::any_of(segment.bodies.begin(), segment.bodies.end(), [&](const auto& limb) { return asked(code, group, limb); });
+bool any_asked(const PairsOfRows& group, const ir::Segment& segment) {
+  return std::any_of(segment.bodies.begin(), segment.bodies.end(), [&](const auto& limb) { return asked(group, limb); });
 }
 
 std::vector<Above> all_above(const CodeInput& code, const PairsOfRows& group, const ir::Segment& segment) {
@@ -95,7 +94,7 @@ std::vector<Above> all_above(const CodeInput& code, const PairsOfRows& group, co
   for (size_t lane = 0; lane < segment.parents.size(); ++lane) {
     auto limbs = limbs_above(code, segment.parents[lane]);
     for (auto& limb : limbs)
-      if (!asked(code, group, limb) || !asked(code, group, segment.bodies[lane])) limb.clear();
+      if (!asked(group, limb) || !asked(group, segment.bodies[lane])) limb.clear();
     if (limbs.size() > levels.size()) levels.resize(limbs.size(), {std::vector<std::vector<int>>(segment.parents.size()), 0});
     for (size_t level = 0; level < limbs.size(); ++level) {
       levels[level].steps = std::max(levels[level].steps, limbs[level].size());
@@ -108,7 +107,7 @@ std::vector<Above> all_above(const CodeInput& code, const PairsOfRows& group, co
 // The first row of a limb. Where joints are driven rows are those that all joints would have (emit_driven.hpp).
 int first_row(const CodeInput& code, const PairsOfRows& group, const std::vector<int>& limb) {
   if (has_driven(code)) return base_rows(code) + limb.front();
-  return group.array->row(base_rows(code) + code.tree.coordinates()[static_cast<size_t>(limb.front())]);
+  return group.rows[static_cast<size_t>(limb.front())];
 }
 
 // First row and length of each lane's limb.
@@ -222,12 +221,17 @@ int split_columns(const CodeInput& code, const ir::Segment& segment) {
 
 std::vector<PairsOfRows> pairs_by_rows(const CodeInput& code) {
   std::vector<PairsOfRows> groups;
+  const std::vector<int> coordinates = code.tree.coordinates();
   for (size_t p = 0; p < code.algorithm.pairs.size(); ++p) {
     const ir::OutputArray& array = code.algorithm.arrays[static_cast<size_t>(code.algorithm.pairs[p].array)];
     const auto same = std::find_if(groups.begin(), groups.end(),
                                    [&](const PairsOfRows& group) { return group.array->row_map == array.row_map; });
-    if (same != groups.end()) same->pairs.push_back(p);
-    else groups.push_back({{p}, &array, groups.empty() ? "" : fmt::format("_{}", groups.size() + 1)});
+    if (same != groups.end()) {
+      same->pairs.push_back(p);
+      continue;
+    }
+    groups.push_back({{p}, &array, {}, groups.empty() ? "" : fmt::format("_{}", groups.size() + 1)});
+    for (const int coordinate : coordinates) groups.back().rows.push_back(array.row(base_rows(code) + coordinate));
   }
   return groups;
 }
@@ -249,11 +253,11 @@ std::string limb_tables(const CodeInput& code, size_t segment) {
   std::string text;
   for (const PairsOfRows& group : pairs_by_rows(code)) {
     const ir::Segment& s = code.plan.segments[segment];
-    if (!any_asked(code, group, s)) continue;
+    if (!any_asked(group, s)) continue;
     const bool one_by_one = limb_after_limb(code, s), with_base = code.rolled.pairs[group.pairs.front()].columns >= 0;
     const std::vector<Above> levels = all_above(code, group, s);
     if (one_by_one) {
-      text += long_limb_table(code, group, s.name + "_branches" + group.suffix, limbs_asked(code, group, s));
+      text += long_limb_table(code, group, s.name + "_branches" + group.suffix, limbs_asked(group, s));
       for (size_t level = 0; level < levels.size(); ++level)
         if (levels[level].steps > 0)
           text +=
@@ -261,7 +265,7 @@ std::string limb_tables(const CodeInput& code, size_t segment) {
     }
     if (s.width > 1 && (with_base || !one_by_one)) {
       std::vector<int> first, length;
-      rows_of(code, group, limbs_asked(code, group, s), first, length);
+      rows_of(code, group, limbs_asked(group, s), first, length);
       text += int_table(s.name + "_row" + group.suffix, first) + int_table(s.name + "_length" + group.suffix, length);
     }
     if (one_by_one) continue;
@@ -365,7 +369,7 @@ std::string elements_stage(const CodeInput& code, size_t segment) {
   const std::vector<PairsOfRows> groups = pairs_by_rows(code);
   std::string text;
   for (const PairsOfRows& group : groups) {
-    if (!any_asked(code, group, s)) continue;
+    if (!any_asked(group, s)) continue;
     const std::string own = elements_of_group(code, group, s, groups.size() == 1);
     text += groups.size() == 1 ? own : "  {\n" + own + "  }\n";
   }
@@ -404,7 +408,7 @@ void long_limb_counts(const CodeInput& code, const PairsOfRows& group, const ir:
     return rows <= 0 ? 0 : (rows + at_once - 1) / at_once * at_once;
   };
   std::vector<int> first, length;
-  rows_of(code, group, limbs_asked(code, group, s), first, length);
+  rows_of(code, group, limbs_asked(group, s), first, length);
   const int together = lanes == 8 ? 2 : 1;
   const auto each_columns = [&](int columns, const auto& f) {
     for (int k = 0; k < columns;) {
@@ -442,7 +446,7 @@ ElementCounts element_counts(const CodeInput& code, size_t segment, const ir::Pa
   for (const PairsOfRows& g : pairs_by_rows(code))
     for (const size_t number : g.pairs)
       if (&code.algorithm.pairs[number] == &pairs) group = g;
-  if (!any_asked(code, group, s)) return counts;
+  if (!any_asked(group, s)) return counts;
   const std::vector<Above> levels = all_above(code, group, s);
   if (limb_after_limb(code, s)) {
     long_limb_counts(code, group, s, levels, lanes, counts);

@@ -13,6 +13,7 @@ namespace dalembert::backend {
 struct PairsOfRows {
   std::vector<size_t> pairs;     // of the algorithm, in order
   const ir::OutputArray* array;  // the first one's: what is said of rows holds for all
+  std::vector<int> rows;         // per body: its row of that array; −1: not asked for
   std::string suffix;            // of names that are theirs; the first ones' is empty
 };
 std::vector<PairsOfRows> pairs_by_rows(const CodeInput& code);
