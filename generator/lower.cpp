@@ -127,18 +127,23 @@ class Lowering {
   // For batches: the way of the fewest operations, a division being several. None where a section waits for another.
   std::optional<LoweredSection> straight_line(const ir::EmittedFunction& function, bool implicit) const {
     constexpr long division = 6;
+    const auto cost_of = [](const ir::Operations& o) { return o.add + o.multiply + division * o.divide; };
     std::optional<LoweredSection> cheapest;
     long least = 0;
     for (const ir::Solver solver : passes::solvers(function, tree_, model_.scene)) {
       std::vector<LoweredSection> sections = described(function, solver, true);
       if (sections.size() > 1) continue;
       LoweredSection f = std::move(sections.front());
-      const passes::UnrollOptions options{options_, tree_.joints() < 200, implicit};
+      passes::UnrollOptions options{options_, tree_.joints() < 200, implicit, ir::Elements::counted};
+      // Kernels written out add to it: of a long chain's M the cube of its joints.
+      const long without_kernels =
+          cost_of(ir::operations(passes::Unroll(f.algorithm, tree_, normal_, model_.scene, options).program()));
+      if (without_kernels > division * most_operations || (least > 0 && without_kernels >= least)) continue;
+      options.elements = ir::Elements::kept;
       f.program = passes::Unroll(f.algorithm, tree_, normal_, model_.scene, options).take_program();
       f.plan.form = ir::Form::straight;
       passes::write_out_kernels(f.algorithm, f.program, ir::coordinate_tree(tree_), true);
-      const ir::Operations o = ir::operations(f.program);
-      const long cost = o.add + o.multiply + division * o.divide;
+      const long cost = cost_of(ir::operations(f.program));
       if (least > 0 && cost >= least) continue;
       least = cost;
       cheapest = std::move(f);
