@@ -13,7 +13,9 @@ namespace dalembert::passes {
 namespace {
 
 using Kind = ir::Kernel::Kind;
+using ir::Direction;
 using ir::Operand;
+using ir::Shape;
 
 // As an array: the output, where that is the whole, or one that is none.
 int own_array(Builder& b, ir::Quantity quantity, const char* name) {
