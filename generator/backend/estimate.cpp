@@ -89,7 +89,7 @@ class Work {
 void add_kernels(const CodeInput& code, Features& f) {
   const ir::CoordinateTree tree = ir::coordinate_tree(code.tree);
   for (const ir::Kernel& kernel : code.algorithm.kernels) {
-    const ir::Operations o = ir::operations_of(kernel, code.tree, true);
+    const ir::Operations o = ir::operations_of(kernel, code.tree, true, code.is_rolled());
     of(f, Feature::step_operations) += static_cast<double>(o.multiply);
     of(f, Feature::divide) += static_cast<double>(o.divide);
     if (kernel.of_constraints()) continue;

@@ -79,7 +79,7 @@ long guard_products(const CodeInput& code) {
 ir::Operations executed_operations(const CodeInput& code) {
   ir::Operations sum;
   sum.multiply = guard_products(code);
-  for (const ir::Kernel& kernel : code.algorithm.kernels) sum += ir::operations_of(kernel, code.tree, true);
+  for (const ir::Kernel& kernel : code.algorithm.kernels) sum += ir::operations_of(kernel, code.tree, true, code.is_rolled());
   add_projections(code, sum);
   if (const std::optional<ir::Embedding>& embedding = code.algorithm.embedding) {
     sum += ir::operations_of_linkages(code.tree, embedding->rates >= 0);

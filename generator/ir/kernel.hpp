@@ -92,7 +92,7 @@ struct KernelArgument {
 };
 KernelArgument kernel_argument(const std::string& text);
 
-// Padding left out, or with it, as the code executes it.
-Operations operations_of(const Kernel& kernel, const KinematicTree& tree, bool executed);
+// Padding left out, or with it, as the code executes it; in_loops: where loops over branches have left what it reads.
+Operations operations_of(const Kernel& kernel, const KinematicTree& tree, bool executed, bool in_loops = false);
 
 }  // namespace dalembert::ir

@@ -164,11 +164,12 @@ Operations support(const Kernel& kernel) {
   return o;
 }
 
-// Whether constraints are points of limbs apart, which the runtime solves for limb by limb (limbs_apart.hpp).
+// Whether constraints are points of limbs apart, which the runtime solves for limb by limb where loops leave their joints
+// beside each other and a register holds a number of each (limbs_apart.hpp): as loops of four lanes and more execute them.
 bool are_points_of_limbs_apart(const Kernel& kernel) {
   const ConstraintPaths& paths = kernel.paths;
   const auto count = static_cast<std::size_t>(paths.count());
-  if (!kernel.by_limbs() || kernel.kind == Kind::delassus_by_limbs || count < 3) return false;
+  if (!kernel.by_limbs() || count < 3 || count > 8) return false;
   for (std::size_t a = 0; a < count; ++a) {
     if (rows_of(paths, a) != 3 || paths.length(a) < 9) return false;
     for (std::size_t b = a + 1; b < count; ++b)
@@ -176,16 +177,18 @@ bool are_points_of_limbs_apart(const Kernel& kernel) {
   }
   return true;
 }
-Operations solve_limbs_apart(const Kernel& kernel, const KinematicTree& tree, bool executed) {
+Operations solve_limbs_apart(const Kernel& kernel, const KinematicTree& tree) {
   const ConstraintPaths& paths = kernel.paths;
-  const long limbs = !executed ? paths.count() : paths.count() <= 4 ? 4 : 8, sums = limbs - 1, n = tree.nv();
-  long joints = 0;  // above the points, without the base's
-  for (std::size_t c = 0; c < static_cast<std::size_t>(paths.count()); ++c) joints += paths.length(c) - 6;
-  if (executed) joints = limbs * (paths.longest() - 6);
+  const long limbs = paths.count() <= 4 ? 4 : 8, sums = limbs - 1, n = tree.nv(), joints = limbs * (paths.longest() - 6);
   Sum o;
   o.divide += 6 + joints;
   o.multiply += 39 * joints, o.add += 33 * joints;  // Y, and S of it
   o.multiply_adds(6 * joints + 45 * limbs);
+  if (kernel.kind == Kind::delassus_by_limbs) {  // products at the base of each row with all limbs
+    o.multiply += 18 * limbs;
+    o.multiply_adds(3 * paths.count() * 18 * limbs);
+    return o;
+  }
   o.multiply += 18 * limbs;  // N
   o.multiply_adds(18 * limbs);
   o.divide += 3 * limbs;  // S^-1
@@ -259,7 +262,7 @@ Operations solve_rows(const Kernel& kernel, const KinematicTree& tree, bool exec
 
 }  // namespace
 
-Operations operations_of(const Kernel& kernel, const KinematicTree& kinematic_tree, bool executed) {
+Operations operations_of(const Kernel& kernel, const KinematicTree& kinematic_tree, bool executed, bool in_loops) {
   const CoordinateTree tree = coordinate_tree(kinematic_tree);
   const auto of_chains = [&](const auto& of) {
     Operations o;
@@ -272,13 +275,13 @@ Operations operations_of(const Kernel& kernel, const KinematicTree& kinematic_tr
     case Kind::invert: return of_chains(invert);
     case Kind::negative_product: return of_chains(negative_product);
     case Kind::delassus:
-    case Kind::delassus_by_limbs:
     case Kind::solve_constrained:
+    case Kind::impact: return solve_rows(kernel, kinematic_tree, executed);
+    case Kind::delassus_by_limbs:
     case Kind::solve_constrained_by_limbs:
-    case Kind::impact:
     case Kind::impact_by_limbs:
-      return are_points_of_limbs_apart(kernel) ? solve_limbs_apart(kernel, kinematic_tree, executed)
-                                               : solve_rows(kernel, kinematic_tree, executed);
+      return in_loops && are_points_of_limbs_apart(kernel) ? solve_limbs_apart(kernel, kinematic_tree)
+                                                           : solve_rows(kernel, kinematic_tree, executed);
     case Kind::support:
     case Kind::support_by_wrenches: return support(kernel);
     case Kind::support_at_points: return support_at_points(kernel);

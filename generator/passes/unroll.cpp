@@ -42,7 +42,7 @@ Unroll::Unroll(const ir::Algorithm& algorithm, const ir::KinematicTree& tree, co
   program_.graph = ir::Graph(options.graph);
   program_.base_positions = tree.base_positions();
   program_.arrays = algorithm.arrays;
-  if (options.elements == ir::Elements::kept) reserve_elements();
+  if (!counts_elements()) reserve_elements();
   for (std::size_t s = 0; s < algorithm.sweeps.size(); ++s)
     for (const ir::Value& v : algorithm.sweeps[s].stores)
       (algorithm.sweeps[s].over.is_base() ? base_producer_ : producer_)[static_cast<std::size_t>(v.role)] = static_cast<int>(s);
@@ -53,9 +53,9 @@ Unroll::Unroll(const ir::Algorithm& algorithm, const ir::KinematicTree& tree, co
         quaternion_parameters(program_.graph, tree, normal, positions_, coordinates_, scene.rates_zero, body));
   add_implicit_joints();
   find_companions();
-  if (options.elements == ir::Elements::counted) column_is_ = Column::met;
+  if (counts_elements()) column_is_ = Column::met;
   for (const Loop& loop : loops()) run_loop(loop);
-  if (options.elements == ir::Elements::counted) count_elements();
+  if (counts_elements()) count_elements();
   collect_results();
 }
 

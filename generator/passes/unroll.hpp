@@ -118,7 +118,8 @@ class Unroll {
   std::vector<ir::NodeId> values_, handed_;
   std::vector<std::vector<bool>> done_;                       // per sweep and body + 1
   std::map<std::tuple<int, int, int>, ir::NodeId> elements_;  // array, column, row
-  // Where elements are counted:
+  // Where elements are counted, which all are but for those that parts of a quaternion's joint add to each other's:
+  bool counts_elements() const;
   std::vector<int> filled_;                               // arrays: by pairs and, behind them, by projections; a bit each
   std::vector<std::vector<bool>> known_;                  // by these, per body: whether one below has met it
   std::vector<std::vector<ir::NodeId>> turns_;            // per pairs and body + 1: nodes there were behind its turn

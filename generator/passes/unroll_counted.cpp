@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cassert>
 #include <limits>
 
 #include "ir/moved_links.hpp"
@@ -14,6 +15,12 @@ using ir::NodeId;
 namespace {
 constexpr int nobody = -2, several = -1;  // whose a factor is
 }  // namespace
+
+bool Unroll::counts_elements() const {
+  const bool adds = tree_.any_quaternion() && std::any_of(algorithm_.pairs.begin(), algorithm_.pairs.end(),
+                                                          [](const ir::Pairs& p) { return p.between >= 0; });
+  return options_.elements == ir::Elements::counted && !adds;
+}
 
 // Elements have their turn among the sweeps: who asks first for what sweeps of any order make, and who makes first what both
 // need, decides whose operation it is. At their turn they are made up to a body that another one below it has met, for all that
@@ -87,6 +94,7 @@ long Unroll::operations_from(int first_tag) const {
 // Column by column, all matrices of a column together. Where bodies have a coordinate together, elements are sums of several
 // columns: those stay.
 void Unroll::count_elements() {
+  assert(algorithm_.pairs.size() + algorithm_.projections.size() <= 64);  // a bit each
   claim_factors();
   for (const ir::Pairs& p : algorithm_.pairs) filled_.push_back(p.array);
   for (const ir::Projection& p : algorithm_.projections) filled_.push_back(p.array);

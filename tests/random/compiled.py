@@ -264,14 +264,25 @@ def command_of(dalembert, verb, folder, case):
 
 
 def what_is_compiled(dalembert, folder, case, runtime):
-    """A digest of the code, the self-test that judges it, the runtime and the compiler; None where nothing is generated."""
-    code = folder / "code"
-    done = subprocess.run([*command_of(dalembert, "generate", folder, case), "-o", code], capture_output=True, check=False)
-    if done.returncode != 0:
+    """A digest of the code of all outputs and of each by itself, as `check` compiles them, the self-tests that judge them, the
+    runtime and the compiler; None where nothing is generated."""
+    t, code = case["toolchain"], folder / "code"
+    if not toolchain.there(t["compiler"]):
         return None
-    t = case["toolchain"]
-    text = emitted_code.digest(code.iterdir(), runtime) + toolchain.version(t["compiler"]) + t["flags"]
-    shutil.rmtree(code)
+    text = toolchain.version(t["compiler"]) + t["flags"]
+    for output in [None, *case["scene"]["outputs"]]:
+        scene = {**case["scene"], **({"outputs": [output]} if output else {})}
+        try:
+            done = CORES.run([*command_of(dalembert, "generate", folder, {**case, "scene": scene}), "-o", code])
+        except subprocess.TimeoutExpired:
+            return None
+        if done.returncode == 0:
+            text += emitted_code.digest(code.iterdir(), runtime)
+            shutil.rmtree(code)
+        elif output is None:
+            return None
+        else:
+            text += "refused"
     return hashlib.sha256(text.encode()).hexdigest()[:24]
 
 
@@ -346,7 +357,8 @@ def main():
     options = parser.parse_args()
     quantities = words(options.dalembert, "outputs A,B,...")
     options.work.mkdir(parents=True, exist_ok=True)
-    runtime = pathlib.Path(os.environ.get("DALEMBERT_INCLUDE", str(emitted_code.RUNTIME)).split(":")[0])
+    given = [pathlib.Path(folder) for folder in os.environ.get("DALEMBERT_INCLUDE", "").split(":") if folder]
+    runtime = next((folder for folder in given if (folder / "dalembert/version.hpp").exists()), emitted_code.RUNTIME)
     notes = options.work / "passed.json"
     known = json.loads(notes.read_text()) if notes.exists() else {}
     passed = known.setdefault("native" if options.native else "all", {})

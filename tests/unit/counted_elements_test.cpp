@@ -117,6 +117,20 @@ TEST(CountedElements, LeaveAProgramThatGrowsWithTheRobot) {
   }
 }
 
+// What parts of such a joint do to each other is added to elements that are there.
+TEST(CountedElements, OfJointsWithQuaternions) {
+  for (const std::vector<Quantity>& asked : outputs)
+    for (const ir::Base base : {ir::Base::fixed, ir::Base::floating}) {
+      ir::Scene scene;
+      scene.base = base;
+      scene.outputs = asked;
+      ir::RobotDescription robot = chain(6);
+      robot.joints[1].type = ir::JointType::spherical;
+      robot.joints[3].type = ir::JointType::floating;
+      expect_same(model_of(robot, scene));
+    }
+}
+
 // Elements are sums where joints follow others.
 TEST(CountedElements, OfJointsThatFollowOthers) {
   for (const std::vector<Quantity>& asked : outputs) {

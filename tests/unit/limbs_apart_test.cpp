@@ -23,19 +23,27 @@ using Crossed = ConstraintRows<ThirdKnee, FirstFoot, FourthFoot, SecondFoot>;
 using Three = ConstraintRows<FourthFoot, FirstFoot, ThirdKnee>;
 using WithHip = ConstraintRows<FirstFoot, SecondFoot, ThirdHip, FourthFoot>;
 
+// Five limbs of three, and a joint alone.
+using Insect = ChainTree<ChainBelow<0, 6>, ChainBelow<6, 3, 0, 6>, ChainBelow<9, 3, 0, 6>, ChainBelow<12, 3, 0, 6>,
+                         ChainBelow<15, 3, 0, 6>, ChainBelow<18, 3, 0, 6>, ChainBelow<21, 1, 0, 6>>;
+constexpr int above_insect[n] = {-1, 0, 1, 2, 3, 4, 5, 6, 7, 5, 9, 10, 5, 12, 13, 5, 15, 16, 5, 18, 19, 5};
+using FiveBeside = InSlots<0, 8, 16, 1, 9, 17, 2, 10, 18, 3, 11, 19, 4, 12, 20, 5>;
+using Five = ConstraintRows<RowPath<3, 0, 1, 2, 3, 4, 5, 15, 16, 17>, RowPath<3, 0, 1, 2, 3, 4, 5, 6, 7, 8>,
+                            RowPath<3, 0, 1, 2, 3, 4, 5, 12, 13, 14>, RowPath<3, 0, 1, 2, 3, 4, 5, 18, 19, 20>,
+                            RowPath<3, 0, 1, 2, 3, 4, 5, 9, 10, 11>>;
+
 template <class Rows, class Where>
 constexpr bool by_limb() {
   using Slots = decltype(std::declval<const Where&>().limbs());
   return constraint_detail::are_points_of_limbs_apart<Rows, Slots>();
 }
-constexpr bool wide = native_lanes >= 4;
-static_assert(by_limb<All, BesideEachOther>() == wide && by_limb<Crossed, BesideEachOther>() == wide &&
-                  by_limb<Three, BesideEachOther>() == wide,
-              "where a register holds a number of each");
+static_assert(by_limb<All, BesideEachOther>() && by_limb<Crossed, BesideEachOther>() && by_limb<Three, BesideEachOther>() &&
+                  by_limb<Five, FiveBeside>(),
+              "registers of eight hold a number of each");
 static_assert(!by_limb<WithHip, BesideEachOther>() && !by_limb<All, OneAtATime>() && !by_limb<All, InArrays>(),
               "these take all rows together");
 
-template <class Rows, class Where>
+template <class Rows, class Where, class Tree = Legs>
 void expect_dense(const Limbs& limbs, const System& s, double tolerance) {
   const int all = s.shape.all();
   const Vector effort = numbers(n, 1), right = numbers(all, 2), start = (s.U * s.D.asDiagonal()).inverse() * effort;
@@ -55,29 +63,30 @@ void expect_dense(const Limbs& limbs, const System& s, double tolerance) {
       for (int r = 0; r < all; ++r) regularization.push_back(gives_way * r);
       const auto [expected, forces] = dense(s, effort, right, active, regularization);
       Eigen::VectorXd x = start.cast<double>(), f(all), v = Eigen::VectorXd::Ones(n), impulses(all);
-      const auto status = solve_constrained_by_limbs<n, Rows, Legs>(where, wrenches.data(), b.data(), active.data(),
+      const auto status = solve_constrained_by_limbs<n, Rows, Tree>(where, wrenches.data(), b.data(), active.data(),
                                                                     regularization.data(), room.data(), f.data(), x.data());
       EXPECT_LT(error(x.cast<Real>(), expected), tolerance);
       EXPECT_LE((f.cast<Real>() - forces).cwiseAbs().maxCoeff(), tolerance * forces.cwiseAbs().maxCoeff());
       EXPECT_EQ(status.rank, 3 * std::count(active.begin(), active.end(), 1.0));
       EXPECT_LT(status.residual, tolerance);
       for (int r = 0; r < all; ++r) EXPECT_TRUE(active[static_cast<size_t>(r / 3)] > 0 || f[r] == 0);
-      solve_impact_by_limbs<n, Rows, Legs>(where, wrenches.data(), b.data(), active.data(), regularization.data(), room.data(),
+      solve_impact_by_limbs<n, Rows, Tree>(where, wrenches.data(), b.data(), active.data(), regularization.data(), room.data(),
                                            impulses.data(), v.data());
       const Vector after = Vector::Ones(n) + dense(s, Vector::Zero(n), right, active, regularization).first;
       EXPECT_LT(error(v.cast<Real>(), after), tolerance);
     }
 }
-template <class Rows, class Where>
-void expect_dense() {
+template <class Rows, class Where, class Tree = Legs>
+void expect_dense(const int* above = above_legs) {
   for (unsigned seed = 1; seed < 4; ++seed) {
-    System s(shape_of<Rows>(above_legs), seed);
+    System s(shape_of<Rows>(above), seed);
     const Limbs limbs(s, seed);
-    expect_dense<Rows, Where>(limbs, s, 1e-10);
+    expect_dense<Rows, Where, Tree>(limbs, s, 1e-10);
   }
 }
 TEST(LimbsApart, FeetAreWhatDenseAlgebraSays) { expect_dense<All, BesideEachOther>(); }
 TEST(LimbsApart, FeetInAnyOrderAre) { expect_dense<Crossed, BesideEachOther>(); }
+TEST(LimbsApart, FiveAre) { expect_dense<Five, FiveBeside, Insect>(above_insect); }
 TEST(LimbsApart, ThreeOfFourAre) { expect_dense<Three, BesideEachOther>(); }
 TEST(LimbsApart, ALimbWithFewJointsIs) { expect_dense<WithHip, BesideEachOther>(); }
 
@@ -128,8 +137,7 @@ TEST(LimbsApart, RowsThatSayTheSameAreTold) {
 template <class Rows>
 void expect_support() {
   using Slots = decltype(std::declval<const BesideEachOther&>().limbs());
-  static_assert((constraint_detail::limbs_beside<Rows, Slots>().slot >= 0) == (lanes_for(Rows::count) <= native_lanes),
-                "where a register holds a number of each");
+  static_assert(constraint_detail::limbs_beside<Rows, Slots>().slot >= 0, "registers of eight hold a number of each");
   System s(shape_of<Rows>(above_legs), 3);
   const Limbs limbs(s, 3);
   const BesideEachOther where(limbs, s.D);

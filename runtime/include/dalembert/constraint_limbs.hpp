@@ -1,5 +1,5 @@
 // What articulated bodies leave of each coordinate, V, J and D (pivots.hpp), and accelerations by it from the base outwards:
-// M = L' D L, L_ki = V_k.J_i.
+// M = L' D L, L_ki = V_k.J_i; and constraints of limbs whose joints stand beside each other, a limb in each lane.
 #pragma once
 
 #include <dalembert/constraint_blocks.hpp>
@@ -125,6 +125,7 @@ struct ChainsInLanes {
     return false;
   }
 };
+
 // Which lane each constraint has, by the slots of the joints above it.
 struct LanesOfLimbs {
   int slot = -1, stride = 0;  // of the first lane's first joint, and from joint to joint; -1: there are no such lanes
@@ -154,7 +155,8 @@ constexpr LanesOfLimbs limbs_beside() {
       found.slot = least(found.slot, first);
       last = first > last ? first : last;
     }
-    if (last - found.slot >= lanes || found.slot + (Rows::longest() - base - 1) * found.stride + lanes > Limbs::slots_in_all)
+    if (found.stride < 1 || last - found.slot >= lanes ||
+        found.slot + (Rows::longest() - base - 1) * found.stride + lanes > Limbs::slots_in_all)
       return none;
     for (int c = 0; c < Rows::count; ++c) found.limb[Limbs::slot(Rows::paths[c][base]) - found.slot] = c;
   }

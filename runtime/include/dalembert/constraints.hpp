@@ -681,7 +681,7 @@ template <int n, class Rows, class Tree, bool at_rest, class Limbs, class T>
 DALEMBERT_INLINE ConstraintStatus<T> solve_by_limbs(const Limbs& limbs, const T* wrenches, const T* right, const T* active,
                                                     const T* regularization, T* room, T* forces, T* x) {
   if constexpr (are_points_of_limbs_apart<Rows, Limbs>()) {
-    static_cast<void>(room);
+    static_cast<void>(room);  // made for any number of lanes
     return solve_limbs_apart<n, Rows, Tree, at_rest>(limbs, wrenches, right, active, regularization, forces, x);
   } else {
     return solve<n, Rows, Tree, at_rest>(WayByLimbs<n, Limbs, T>{wrenches, limbs}, right, active, regularization, room, forces,

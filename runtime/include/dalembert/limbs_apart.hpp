@@ -17,8 +17,8 @@
 namespace dalembert {
 namespace constraint_detail {
 
-// Whether constraints are points of limbs beside each other, each with joints enough to go where its point does: two are solved
-// for together as soon.
+// Whether constraints are points of limbs beside each other: at least three, for two are solved for together as fast, and none
+// with fewer joints than rows, whose S would be singular everywhere.
 template <class Rows, class Limbs>
 constexpr bool are_points_of_limbs_apart() {
   for (const int length : Rows::lengths)
@@ -92,6 +92,7 @@ struct LimbsApart {
       });
     });
   }
+
   // J M^-1 J'.
   DALEMBERT_INLINE void delassus(T* to) const {
     constexpr int all = Rows::first(Rows::count);
