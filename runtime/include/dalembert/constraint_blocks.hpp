@@ -164,6 +164,42 @@ struct Redundancy {
   }
 };
 
+// The same of rows in lanes.
+template <class T, int w>
+struct RedundancyInLanes {
+  Lanes<T, w> lost{}, most{};
+  DALEMBERT_INLINE void add(const Lanes<T, w>& share) {
+    lost += share;
+    most = share > most ? share : most;
+  }
+  DALEMBERT_INLINE Redundancy<T> of_all() const {
+    Redundancy<T> all{BlockRow<T, w, 1>{{lost}}.total()};
+    for_constants<w>([&](auto i) DALEMBERT_IN_BLOCK {
+      const T share = lane<w, T>(most, i);
+      all.most = share > all.most ? share : all.most;
+    });
+    return all;
+  }
+};
+// The largest error of rows in lanes; none, where one is no number: a NaN's difference from itself is one.
+template <class T, int w>
+struct ErrorInLanes {
+  Lanes<T, w> most{}, undefined{};
+  DALEMBERT_INLINE void add(const Lanes<T, w>& error) {
+    const Lanes<T, w> size = error < Lanes<T, w>{} ? -error : error;
+    most = size > most ? size : most;
+    undefined += error - error;
+  }
+  DALEMBERT_INLINE T of_all() const {
+    T all = T(0);
+    for_constants<w>([&](auto i) DALEMBERT_IN_BLOCK {
+      const T size = lane<w, T>(most, i);
+      all = size > all ? size : all;
+    });
+    return all + BlockRow<T, w, 1>{{undefined}}.total();
+  }
+};
+
 // The sums of four rows' numbers.
 template <class T, int w, int pieces>
 DALEMBERT_INLINE Lanes<T, 4> sums_of_four(const BlockRow<T, w, pieces>* rows) {

@@ -615,21 +615,12 @@ DALEMBERT_INLINE ConstraintStatus<T> solve(const Way& way, const T* right, const
   Row left_of[count];
   solver.diagonal(left_of);
   int acting = 0;
-  V lost{}, most{};
+  RedundancyInLanes<T, w> redundancy;
   each_index<count>([&](auto c) DALEMBERT_IN_BLOCK {
     acting += active[c] > T(0) ? Rows::rows[c] : 0;
-    for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK {
-      const V share = held[c].piece[i] * left_of[c].piece[i];
-      lost += share;
-      most = share > most ? share : most;
-    });
+    for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK { redundancy.add(held[c].piece[i] * left_of[c].piece[i]); });
   });
-  Redundancy<T> redundancy{BlockRow<T, w, 1>{{lost}}.total()};
-  for_constants<w>([&](auto i) DALEMBERT_IN_BLOCK {
-    const T share = lane<w, T>(most, i);
-    redundancy.most = share > redundancy.most ? share : redundancy.most;
-  });
-  redundancy.tell(acting, status);
+  redundancy.of_all().tell(acting, status);
 
   // Products with an inverse leave an error of its condition: the last step adds what is missing.
   Row before[count], rest[count], solved[count];
@@ -638,20 +629,13 @@ DALEMBERT_INLINE ConstraintStatus<T> solve(const Way& way, const T* right, const
   blocks.subtract_along(before, rest);
   solver.solve(rest, solved);
   each_index<count>([&](auto c) DALEMBERT_IN_BLOCK { solved[c].add(before[c]); });
-  V residual{}, undefined{};  // a NaN's difference from itself is one
+  ErrorInLanes<T, w> error;
   each_index<count>([&](auto c) DALEMBERT_IN_BLOCK {
     store_rows<Rows>(c, solved[c], forces);
-    for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK {
-      const V error = held[c].piece[i] * (solved[c].piece[i] - before[c].piece[i]), size = error < none ? -error : error;
-      residual = size > residual ? size : residual;
-      undefined += error - error;
-    });
+    for_constants<pieces>([&](auto i)
+                              DALEMBERT_IN_BLOCK { error.add(held[c].piece[i] * (solved[c].piece[i] - before[c].piece[i])); });
   });
-  for_constants<w>([&](auto i) DALEMBERT_IN_BLOCK {
-    const T size = lane<w, T>(residual, i);
-    status.residual = size > status.residual ? size : status.residual;
-  });
-  status.residual += BlockRow<T, w, 1>{{undefined}}.total();
+  status.residual = error.of_all();
 
   constexpr auto& moving = Rows::moving;
   constexpr int whole = (moving.size + 3) / 4 * 4;

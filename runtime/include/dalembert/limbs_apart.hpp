@@ -256,18 +256,9 @@ DALEMBERT_INLINE ConstraintStatus<T> solve_limbs_apart(const Limbs& limbs, const
   ConstraintStatus<T> status;
   int acting = 0;
   for (int c = 0; c < Rows::count; ++c) acting += active[c] > T(0) ? rows : 0;
-  V lost{}, most{};
-  for_constants<rows>([&](auto r) DALEMBERT_IN_BLOCK {
-    const V of_row = held[r] * apart.left_of(r);
-    lost += of_row;
-    most = of_row > most ? of_row : most;
-  });
-  Redundancy<T> redundancy{BlockRow<T, lanes, 1>{{lost}}.total()};
-  for_constants<lanes>([&](auto i) DALEMBERT_IN_BLOCK {
-    const T of_row = lane<lanes, T>(most, i);
-    redundancy.most = of_row > redundancy.most ? of_row : redundancy.most;
-  });
-  redundancy.tell(acting, status);
+  RedundancyInLanes<T, lanes> redundancy;
+  for_constants<rows>([&](auto r) DALEMBERT_IN_BLOCK { redundancy.add(held[r] * apart.left_of(r)); });
+  redundancy.of_all().tell(acting, status);
 
   // Products with an inverse leave an error of its condition: the last step adds what is missing.
   V before[rows], rest[rows], solved[rows];
@@ -279,19 +270,13 @@ DALEMBERT_INLINE ConstraintStatus<T> solve_limbs_apart(const Limbs& limbs, const
   for_constants<rows>([&](auto r) DALEMBERT_IN_BLOCK { rest[r] = known[r] - regular[r] * before[r]; });
   apart.subtract_along(before, rest);
   apart.solve(rest, solved);
-  V residual{}, undefined{};  // a NaN's difference from itself is one
+  ErrorInLanes<T, lanes> error;
   for_constants<rows>([&](auto r) DALEMBERT_IN_BLOCK {
-    const V error = held[r] * solved[r], size = error < none ? -error : error;
-    residual = size > residual ? size : residual;
-    undefined += error - error;
+    error.add(held[r] * solved[r]);
     solved[r] += before[r];
   });
   Beside::store_points(solved, forces);
-  for_constants<lanes>([&](auto i) DALEMBERT_IN_BLOCK {
-    const T size = lane<lanes, T>(residual, i);
-    status.residual = size > status.residual ? size : status.residual;
-  });
-  status.residual += BlockRow<T, lanes, 1>{{undefined}}.total();
+  status.residual = error.of_all();
 
   T moves[8];
   apart.moved_base(solved, moves);
