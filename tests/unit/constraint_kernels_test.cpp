@@ -192,36 +192,7 @@ TEST(ConstraintKernels, SupportByWrenchesIsWhatAllOfJGives) {
 
 // Rows along the world's axes, of points: by these, and as wrenches on the base.
 TEST(ConstraintKernels, SupportAtPointsIsWhatTheirWrenchesGive) {
-  using Rows = ConstraintRows<At12<6>, At16<3>, At21<3>>;
-  System s(shape<Rows>(), 3);
-  const Limbs limbs(s, 3);
-  const InPairs where(limbs, s.D);
-  const Eigen::Matrix3d turn = Eigen::Quaterniond(0.4, -0.3, 0.7, 0.2).normalized().toRotationMatrix();
-  const Eigen::Matrix3d points = Eigen::Map<const Eigen::Matrix3d>(numbers(9, 4).cast<double>().eval().data());
-  Eigen::Matrix<double, 12, 6> wrenches = Eigen::Matrix<double, 12, 6>::Zero();
-  for (int c = 0; c < 3; ++c)
-    for (int r = Rows::first(c); r < Rows::first(c + 1); ++r) {
-      const Eigen::Vector3d along = Eigen::Vector3d::Unit((r - Rows::first(c)) % 3), point = points.col(c);
-      if (r - Rows::first(c) < 3) wrenches.row(r) << along.transpose() * turn, point.cross(along).transpose() * turn;
-      else wrenches.row(r).tail(3) = along.transpose() * turn;
-    }
-  const Vector effort = numbers(n, 1);
-  std::vector<double> weights;
-  for (int r = 0; r < 12; ++r) weights.push_back(0.5 + 0.1 * r);
-  // A weld and points, all of them or one point alone, which bears what it can, and nothing.
-  for (const std::vector<double>& active : {std::vector<double>{1, 1, 1}, {0, 1, 1}, {0, 0, 1}, {1, 0, 0}, {0, 0, 0}}) {
-    Eigen::VectorXd forces(12), expected_forces(12), to = effort.cast<double>(), expected = to;
-    const auto status = support_by_wrenches<n, Rows>(where.axes(), wrenches.data(), active.data(), weights.data(),
-                                                     expected_forces.data(), expected.data());
-    const auto own = support_at_points<n, Rows>(where.axes(), turn.data(), points.data(), active.data(), weights.data(),
-                                                forces.data(), to.data());
-    // Of what points cannot bear, products with numbers of 1/mu are left.
-    const double tolerance = status.rank == 6 || status.rank == 0 ? 1e-11 : 1e-6;
-    EXPECT_LT((to - expected).cwiseAbs().maxCoeff(), tolerance * effort.cast<double>().cwiseAbs().maxCoeff());
-    EXPECT_LE((forces - expected_forces).cwiseAbs().maxCoeff(), tolerance * expected_forces.cwiseAbs().maxCoeff());
-    EXPECT_EQ(own.rank, status.rank);
-    EXPECT_NEAR(own.residual, status.residual, tolerance * 10);
-  }
+  expect_support_at_points<ConstraintRows<At12<6>, At16<3>, At21<3>>, InPairs>(above);
 }
 
 // f = W J_u y, J_u' f what is lacking at the coordinates u.

@@ -4,6 +4,8 @@
 // Products of what is dense here are sums written out: Eigen's for large matrices take half a minute to compile.
 #define EIGEN_CACHEFRIENDLY_PRODUCT_THRESHOLD 100
 
+#include <gtest/gtest.h>
+
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
@@ -153,6 +155,44 @@ struct InSlots : InArrays {
   }
   LimbsInSlots<double, 6, stride, slots...> axes() const { return limbs(); }
 };
+
+// What rows along the world's axes bear in inverse dynamics, by points, and as wrenches on the base.
+template <class Rows, class Where>
+void expect_support_at_points(const int* above) {
+  System s(shape_of<Rows>(above), 3);
+  const Limbs limbs(s, 3);
+  const Where where(limbs, s.D);
+  const Eigen::Matrix3d turn = Eigen::Quaterniond(0.4, -0.3, 0.7, 0.2).normalized().toRotationMatrix();
+  const int all = s.shape.all(), count = Rows::count;
+  const Eigen::VectorXd points = numbers(3 * count, 4).cast<double>();
+  Eigen::MatrixXd wrenches = Eigen::MatrixXd::Zero(all, 6);
+  std::vector<double> weights;
+  for (int c = 0; c < count; ++c)
+    for (int r = 0; r < Rows::rows[c]; ++r) {
+      const Eigen::Vector3d along = Eigen::Vector3d::Unit(r % 3), point = points.segment<3>(3 * c);
+      const int row = Rows::first(c) + r;
+      if (r < 3) wrenches.row(row) << along.transpose() * turn, point.cross(along).transpose() * turn;
+      else wrenches.row(row).tail(3) = along.transpose() * turn;
+      weights.push_back(0.5 + 0.1 * row);
+    }
+  const Vector effort = numbers(n, 1);
+  for (unsigned mask = 0; mask < (1u << count); ++mask) {
+    SCOPED_TRACE(mask);
+    std::vector<double> active;
+    for (int c = 0; c < count; ++c) active.push_back((mask >> c) & 1u ? 1 : 0);
+    Eigen::VectorXd forces(all), expected_forces(all), to = effort.cast<double>(), expected = to;
+    const auto status = support_by_wrenches<n, Rows>(where.axes(), wrenches.data(), active.data(), weights.data(),
+                                                     expected_forces.data(), expected.data());
+    const auto own = support_at_points<n, Rows>(where.axes(), turn.data(), points.data(), active.data(), weights.data(),
+                                                forces.data(), to.data());
+    // Of what points cannot bear, products with numbers of 1/mu are left.
+    const double tolerance = status.rank == 6 || status.rank == 0 ? 1e-11 : 1e-6;
+    EXPECT_LT((to - expected).cwiseAbs().maxCoeff(), tolerance * effort.cast<double>().cwiseAbs().maxCoeff());
+    EXPECT_LE((forces - expected_forces).cwiseAbs().maxCoeff(), tolerance * expected_forces.cwiseAbs().maxCoeff());
+    EXPECT_EQ(own.rank, status.rank);
+    EXPECT_NEAR(own.residual, status.residual, tolerance * 10);
+  }
+}
 
 }  // namespace
 }  // namespace dalembert

@@ -138,37 +138,7 @@ template <class Rows>
 void expect_support() {
   using Slots = decltype(std::declval<const BesideEachOther&>().limbs());
   static_assert(constraint_detail::limbs_beside<Rows, Slots>().slot >= 0, "registers of eight hold a number of each");
-  System s(shape_of<Rows>(above_legs), 3);
-  const Limbs limbs(s, 3);
-  const BesideEachOther where(limbs, s.D);
-  const Eigen::Matrix3d turn = Eigen::Quaterniond(0.4, -0.3, 0.7, 0.2).normalized().toRotationMatrix();
-  const int all = s.shape.all(), count = Rows::count, rows = Rows::rows[0];
-  const Eigen::VectorXd points = numbers(3 * count, 4).cast<double>();
-  Eigen::MatrixXd wrenches = Eigen::MatrixXd::Zero(all, 6);
-  std::vector<double> weights;
-  for (int r = 0; r < all; ++r) {
-    const Eigen::Vector3d along = Eigen::Vector3d::Unit(r % 3), point = points.segment<3>(3 * (r / rows));
-    if (r % rows < 3) wrenches.row(r) << along.transpose() * turn, point.cross(along).transpose() * turn;
-    else wrenches.row(r).tail(3) = along.transpose() * turn;
-    weights.push_back(0.5 + 0.1 * r);
-  }
-  const Vector effort = numbers(n, 1);
-  for (unsigned mask = 0; mask < (1u << count); ++mask) {
-    SCOPED_TRACE(mask);
-    std::vector<double> active;
-    for (int c = 0; c < count; ++c) active.push_back((mask >> c) & 1u ? 1 : 0);
-    Eigen::VectorXd forces(all), expected_forces(all), to = effort.cast<double>(), expected = to;
-    const auto status = support_by_wrenches<n, Rows>(where.axes(), wrenches.data(), active.data(), weights.data(),
-                                                     expected_forces.data(), expected.data());
-    const auto own = support_at_points<n, Rows>(where.axes(), turn.data(), points.data(), active.data(), weights.data(),
-                                                forces.data(), to.data());
-    // Of what points cannot bear, products with numbers of 1/mu are left.
-    const double tolerance = status.rank == 6 || status.rank == 0 ? 1e-11 : 1e-6;
-    EXPECT_LT((to - expected).cwiseAbs().maxCoeff(), tolerance * effort.cast<double>().cwiseAbs().maxCoeff());
-    EXPECT_LE((forces - expected_forces).cwiseAbs().maxCoeff(), tolerance * expected_forces.cwiseAbs().maxCoeff());
-    EXPECT_EQ(own.rank, status.rank);
-    EXPECT_NEAR(own.residual, status.residual, tolerance * 10);
-  }
+  expect_support_at_points<Rows, BesideEachOther>(above_legs);
 }
 TEST(LimbsApart, SupportAtFeetIsWhatTheirWrenchesGive) { expect_support<All>(); }
 TEST(LimbsApart, SupportAtThreeFeetIs) { expect_support<Three>(); }

@@ -6,6 +6,7 @@
 #include <dalembert/constraint_blocks.hpp>
 #include <dalembert/constraint_limbs.hpp>
 #include <dalembert/constraint_shapes.hpp>
+#include <dalembert/constraints_beside.hpp>
 #include <limits>
 
 namespace dalembert {

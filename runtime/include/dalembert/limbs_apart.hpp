@@ -10,9 +10,7 @@
 // last proximal step adds what is missing, as there.
 #pragma once
 
-#include <dalembert/constraint_blocks.hpp>
-#include <dalembert/constraint_limbs.hpp>
-#include <dalembert/constraint_shapes.hpp>
+#include <dalembert/constraints_beside.hpp>
 
 namespace dalembert {
 namespace constraint_detail {
