@@ -8,7 +8,6 @@
 #include <optional>
 
 #include "backend/code_text.hpp"
-#include "backend/emit_driven.hpp"
 #include "backend/emit_pairs.hpp"
 #include "backend/emit_paragraph.hpp"
 #include "backend/emit_prepare.hpp"
@@ -219,7 +218,7 @@ std::string limbs_in_slots(const CodeInput& code) {
 }
 
 std::string results_statements(const CodeInput& code) {
-  std::string text = driven_statements(code) + joint_results(code);
+  std::string text = following_statements(code) + joint_results(code);
   for (const ir::AddedConstant& a : code.rolled.added) {
     const ir::OutputArray& array = code.algorithm.arrays[static_cast<size_t>(a.array)];
     const auto index = element_index(array, a.row, a.column);
@@ -249,7 +248,7 @@ std::string tables_text(const CodeInput& code) {
   for (int k = 0; k < code.tree.joints(); ++k) slots.push_back(slot_of(code, k));
   if (joint_loops(code)) text += int_table("joint_slot", slots);
   text += pivots_table(code);
-  text += driven_tables(code);
+  text += following_tables(code);
   for (size_t s = 0; s < code.plan.segments.size(); ++s)
     text += "\n// " + code.plan.segments[s].name + ", a row per step, a column per lane\n" + segment_tables(code, s) +
             limb_tables(code, s);
@@ -313,8 +312,8 @@ std::vector<std::string> rolled_includes(const CodeInput& code) {
   std::vector<std::string> headers;
   if (pairs && lanes) headers.emplace_back("blocks");
   if (pairs && alone) headers.emplace_back("runs");
-  if (pairs && std::any_of(code.plan.segments.begin(), code.plan.segments.end(),
-                           [&](const ir::Segment& s) { return limb_after_limb(code, s); }))
+  if (pairs &&
+      std::any_of(code.plan.segments.begin(), code.plan.segments.end(), [](const ir::Segment& s) { return s.limb_after_limb; }))
     headers.emplace_back("long_limbs");
   if (projects_by_rows(code)) headers.emplace_back("projections");
   if (prepare_reads_q(code)) headers.emplace_back("sincos");
@@ -335,7 +334,7 @@ std::string arguments_of(const CodeInput& code, const Stage& stage) {
   if (code.plan.sweeps_apart) text += fmt::format("Workspace::{}& scratch, ", own_type(code, "Scratch"));
   text += "Workspace& workspace";
   if (code.plan.sweeps_apart && stage.kind == Stage::Kind::base) text += ", bool results";
-  if (stage.kind == Stage::Kind::elements && elements_split(code, code.plan.segments[static_cast<size_t>(stage.segment)]))
+  if (stage.kind == Stage::Kind::elements && code.plan.segments[static_cast<size_t>(stage.segment)].splits_columns())
     text += ", int begin, int end";
   return text;
 }
@@ -347,7 +346,7 @@ std::string call_of(const CodeInput& code, const Stage& stage) {
   if (code.plan.sweeps_apart && stage.kind == Stage::Kind::base) text += ", true";
   if (stage.kind != Stage::Kind::elements) return text;
   const ir::Segment& s = code.plan.segments[static_cast<size_t>(stage.segment)];
-  return elements_split(code, s) ? fmt::format("{}, 0, {}", text, split_columns(code, s)) : text;
+  return s.splits_columns() ? fmt::format("{}, 0, {}", text, s.columns()) : text;
 }
 
 std::string rolled_source(const CodeInput& code, const Symbol& symbol) {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <vector>
 
-#include "backend/emit_pairs.hpp"
 #include "backend/emit_prepare.hpp"
 #include "backend/emit_projections.hpp"
 #include "backend/emit_straight.hpp"
@@ -141,17 +140,20 @@ void add_paragraph(const ir::Paragraph& p, int lanes, Features& f) {
 }
 
 void add_elements(const CodeInput& code, size_t segment, int lanes, Features& f) {
-  const Feature feature = limb_after_limb(code, code.plan.segments[segment]) ? Feature::along : Feature::tiles;
-  for (const ir::Pairs& p : code.algorithm.pairs) {
-    const ElementCounts computed = element_counts(code, segment, p, lanes);
-    const auto add = [&](const std::vector<ir::PairTerm>& terms, long elements) {
-      of(f, feature) += 3.0 * static_cast<double>(terms.size()) * static_cast<double>(elements) / lanes;
-    };
-    add(p.above, computed.above);
-    add(p.symmetric ? p.above : p.below, computed.below);
-    of(f, Feature::stores) += static_cast<double>(computed.above + computed.below) / lanes;
-    of(f, Feature::loops) += 1;
-  }
+  const ir::Segment& s = code.plan.segments[segment];
+  const Feature feature = s.limb_after_limb ? Feature::along : Feature::tiles;
+  for (const ir::PairBlocks& matrices : code.rolled.blocks)
+    for (const ir::ElementSums& sums : matrices.sums) {
+      const ir::ElementCounts computed =
+          ir::element_counts(code.tree, s, matrices, matrices.segments[segment], sums.symmetric, lanes);
+      const auto add = [&](const std::vector<ir::FactorTerm>& terms, long elements) {
+        of(f, feature) += 3.0 * static_cast<double>(terms.size()) * static_cast<double>(elements) / lanes;
+      };
+      add(sums.above, computed.above);
+      add(sums.symmetric ? sums.above : sums.below, computed.below);
+      of(f, Feature::stores) += static_cast<double>(computed.above + computed.below) / lanes;
+      of(f, Feature::loops) += 1;
+    }
 }
 
 void add_projections(const CodeInput& code, int lanes, Features& f) {

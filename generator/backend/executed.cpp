@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <vector>
 
-#include "backend/emit_driven.hpp"
-#include "backend/emit_pairs.hpp"
 #include "backend/emit_prepare.hpp"
 #include "backend/emit_projections.hpp"
 #include "backend/emit_rolled.hpp"
@@ -33,19 +31,21 @@ ir::Operations paragraph(const ir::Paragraph& p) {
 ir::Operations base(const ir::BaseStage& stage) { return of(stage.graph, stage.roots()); }
 
 void add_elements(const CodeInput& code, ir::Operations& sum) {
-  for (size_t segment = 0; segment < code.plan.segments.size(); ++segment)
-    for (const ir::Pairs& p : code.algorithm.pairs) {
-      const ElementCounts computed = element_counts(code, segment, p, counted_lanes);
-      const auto add = [&](const std::vector<ir::PairTerm>& terms, long elements) {
-        const long products = 3 * static_cast<long>(terms.size());
-        if (products == 0) return;
-        sum.multiply += products * elements;
-        sum.add += (products - 1) * elements;
-      };
-      add(p.above, computed.above);
-      add(p.symmetric ? p.above : p.below, computed.below);
-      sum.add += computed.added_to_zero;
-    }
+  for (const ir::PairBlocks& matrices : code.rolled.blocks)
+    for (size_t segment = 0; segment < code.plan.segments.size(); ++segment)
+      for (const ir::ElementSums& sums : matrices.sums) {
+        const ir::ElementCounts computed = ir::element_counts(code.tree, code.plan.segments[segment], matrices,
+                                                              matrices.segments[segment], sums.symmetric, counted_lanes);
+        const auto add = [&](const std::vector<ir::FactorTerm>& terms, long elements) {
+          const long products = 3 * static_cast<long>(terms.size());
+          if (products == 0) return;
+          sum.multiply += products * elements;
+          sum.add += (products - 1) * elements;
+        };
+        add(sums.above, computed.above);
+        add(sums.symmetric ? sums.above : sums.below, computed.below);
+        sum.add += computed.added_to_zero;
+      }
 }
 
 void add_projections(const CodeInput& code, ir::Operations& sum) {
@@ -61,7 +61,10 @@ void add_projections(const CodeInput& code, ir::Operations& sum) {
 
 // Of joints' results: driven joints' are added to their drivers', and those of a loop's second link to its first's.
 long added_results(const CodeInput& code) {
-  long additions = driven_additions(code) + static_cast<long>(code.rolled.added.size());
+  long additions = static_cast<long>(code.rolled.added.size());
+  for (const ir::PairBlocks& matrices : code.rolled.blocks)
+    additions += static_cast<long>(matrices.sums.size() * matrices.following.to.size()) -
+                 static_cast<long>(matrices.sums.size()) * matrices.following.set;
   for (const ir::JointResult& joints : code.rolled.results)
     additions += std::count_if(joints.elements.begin(), joints.elements.end(), [](const auto& e) { return !e.first; });
   return additions;

@@ -9,7 +9,6 @@
 #include <set>
 
 #include "backend/code_text.hpp"
-#include "backend/emit_pairs.hpp"
 #include "backend/emit_rolled.hpp"
 #include "backend/estimate.hpp"
 
@@ -326,7 +325,7 @@ struct ColumnRange {
   double share;
 };
 std::vector<ColumnRange> columns_side_by_side(const CodeInput& code, const ir::Segment& s, int parts) {
-  const int columns = split_columns(code, s);
+  const int columns = s.columns();
   int above = 0;
   for (const int parent : s.parents) above = std::max(above, depth(code, parent));
   const auto cost = [&](int column) { return column + 4.0 + above; };
@@ -348,9 +347,9 @@ std::vector<ColumnRange> columns_side_by_side(const CodeInput& code, const ir::S
 // Parts of a segment's columns: of limbs one after another whole limbs, or parts of one; else parts that take about as long.
 std::vector<std::pair<int, int>> column_ranges(const CodeInput& code, const ir::Segment& s, double nanoseconds) {
   if (!code.plan.join_tasks) nanoseconds = 1e9;  // as many as there can be
-  if (!elements_split(code, s)) return {{0, split_columns(code, s)}};
+  if (!s.splits_columns()) return {{0, s.columns()}};
   std::vector<std::pair<int, int>> ranges;
-  if (limb_after_limb(code, s)) {
+  if (s.limb_after_limb) {
     double waiting = 0;  // of limbs that are too short for a part of their own
     int begin = 0, at = 0;
     const std::vector<Limb> limbs = limbs_of(code, s, nanoseconds);
@@ -521,7 +520,7 @@ std::vector<Task> tasks_of(const CodeInput& code, const std::string& prefix) {
     const ir::Segment& segment = code.plan.segments[static_cast<size_t>(s.segment)];
     const auto ranges = column_ranges(code, segment, nanoseconds);
     for (const auto& [begin, end] : ranges)
-      add(fmt::format("{}_{}", s.name, begin), elements_split(code, segment) ? fmt::format(", {}, {}", begin, end) : "",
+      add(fmt::format("{}_{}", s.name, begin), segment.splits_columns() ? fmt::format(", {}, {}", begin, end) : "",
           nanoseconds / static_cast<double>(ranges.size()));
   }
   return tasks;
@@ -532,7 +531,7 @@ void add_elements(const CodeInput& code, const Stage& stage, double nanoseconds,
                   std::vector<Task>& tasks) {
   const ir::Segment& segment = code.plan.segments[static_cast<size_t>(stage.segment)];
   const std::string call = fmt::format("{}::{}(scratch, *w", own_name(code, "stages"), stage.name);
-  if (!elements_split(code, segment)) {
+  if (!segment.splits_columns()) {
     tasks.push_back({stage.name, {call + ")"}, false, nanoseconds, 0, after});
     return;
   }
@@ -548,7 +547,7 @@ void add_elements(const CodeInput& code, const Stage& stage, double nanoseconds,
                      to - from,
                      step});
   };
-  if (limb_after_limb(code, segment)) {
+  if (segment.limb_after_limb) {
     int at = 0;
     for (const Limb& limb : limbs_of(code, segment, nanoseconds)) {
       if (limb.joints == 0) continue;

@@ -19,6 +19,8 @@ struct Segment {
   int first_slot = 0;
   std::vector<std::vector<int>> bodies;  // [lane][step], -1 where padded
   std::vector<int> parents;              // per lane: the body the limb is attached to, -1: the base
+  // Whether the elements of matrices are computed limb after limb, lanes along a limb, and not limbs in lanes.
+  bool limb_after_limb = false;
 
   int limbs() const {
     return static_cast<int>(std::count_if(bodies.begin(), bodies.end(), [](const auto& limb) { return limb.front() >= 0; }));
@@ -29,6 +31,16 @@ struct Segment {
     return (limbs() + some - 1) / some * some;
   }
   int slots() const { return steps * width; }
+  int joints() const {
+    int all = 0;
+    for (const auto& limb : bodies)
+      all += static_cast<int>(std::count_if(limb.begin(), limb.end(), [](int b) { return b >= 0; }));
+    return all;
+  }
+  // Whether elements can be computed a range of columns at a time: their blocks are loops. How many columns there are: limb
+  // after limb those of all, else steps.
+  bool splits_columns() const { return steps > 8 || limb_after_limb; }
+  int columns() const { return limb_after_limb ? joints() : steps; }
   bool is_short() const { return slots() <= 4; }  // takes half of the eight slots to which segments are padded
 };
 

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "ir/algorithm.hpp"
+#include "ir/pair_blocks.hpp"
 
 namespace dalembert::ir {
 
@@ -184,6 +185,7 @@ struct RolledProgram {
   std::vector<SegmentCode> segments;  // parallel to Plan::segments
   std::vector<BaseStage> base;
   std::vector<RolledPairs> pairs;  // parallel to Algorithm::pairs
+  std::vector<PairBlocks> blocks;  // which fill them
   std::vector<JointResult> results;
   std::vector<AddedConstant> added;
   std::map<std::tuple<int, int, int>, double> base_coordinates;  // role, component, coordinate: what projections read of them

@@ -4,6 +4,7 @@
 #include <bit>
 #include <set>
 
+#include "dalembert/tile_shapes.hpp"
 #include "ir/identifier.hpp"
 
 namespace dalembert::passes {
@@ -147,6 +148,8 @@ void lay_out(const ir::KinematicTree& tree, const std::vector<int>& rows, size_t
     ir::Segment s;
     s.width = static_cast<int>(std::bit_ceil(group.size()));
     for (int l : group) s.steps = std::max(s.steps, static_cast<int>(limbs[static_cast<size_t>(l)].size()));
+    s.limb_after_limb =
+        tree.independent_joints() == tree.joints() && s.steps >= (s.width > 1 ? long_limb_beside_others : long_limb);
     const bool fits = s.is_short() && half >= 0;
     s.first_slot = fits ? half : plan.slots;
     s.name = ir::identifier(tree.bodies[static_cast<size_t>(limbs[static_cast<size_t>(group.front())].front())].joint);

@@ -201,6 +201,7 @@ ir::RolledProgram roll(const ir::Algorithm& algorithm, Unroll& unroll, const ir:
   roll_segments(state);
   prune(state);
   roll_base(state);
+  roll_pairs(state);
   roll_results(state);
   place(state);
   write_limbs(plan, state.program);

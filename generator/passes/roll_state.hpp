@@ -71,6 +71,8 @@ void roll_segments(RollState& state);
 void prune(RollState& state);
 // The base's stages: what the segments and the results read of it.
 void roll_base(RollState& state);
+// Matrices of pairs: which are filled together, and between which limbs their blocks are.
+void roll_pairs(RollState& state);
 // Which roles of joints go to which elements of results.
 void roll_results(RollState& state);
 // Gives values their places.
