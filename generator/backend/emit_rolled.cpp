@@ -75,57 +75,13 @@ bool reads_state(const ir::BaseStage& stage) {
   return any;
 }
 
-struct PivotRoles {
-  int pivot = -1, diagonal = -1, gain = -1, linear = -1, angular = -1;
-
-  bool has(int role) const { return role == pivot || role == diagonal || role == gain || role == linear || role == angular; }
-};
-
-// The roles of the pivots, of M's diagonal and of V and J, where nothing reads their arrays but the check whether M can be
-// solved with and rows that go up limbs: these read them where limbs leave them.
-std::optional<PivotRoles> pivots_in_slots(const CodeInput& code) {
-  const std::optional<ir::Guard>& guard = code.algorithm.guard;
-  const std::vector<ir::Kernel>& kernels = code.algorithm.kernels;
-  const bool by_limbs = std::any_of(kernels.begin(), kernels.end(), [](const ir::Kernel& k) { return k.by_limbs(); });
-  const bool others =
-      std::any_of(kernels.begin(), kernels.end(), [](const ir::Kernel& k) { return !k.by_limbs() && !k.by_wrenches(); });
-  if (!guard || others) return {};
-  PivotRoles roles;
-  for (const ir::Result& r : code.algorithm.results) {
-    if (r.array == guard->pivots) roles.pivot = r.role;
-    if (r.array == guard->diagonal) roles.diagonal = r.role;
-    if (r.array == guard->gain) roles.gain = r.role;
-    if (r.array == guard->joint) (r.from == 0 ? roles.linear : roles.angular) = r.role;
-  }
-  // Rows go up limbs by all of them.
-  for (const int role : {roles.gain, roles.linear, roles.angular})
-    if (by_limbs && (role < 0 || !is_kept(code, role))) return {};
-  return roles;
-}
-
-// Joints' axes where limbs leave them, for what constraints bear; none: in their array.
-struct AxesRoles {
-  int array = -1, linear = -1, angular = -1;
-};
-std::optional<AxesRoles> axes_in_slots(const CodeInput& code) {
-  AxesRoles roles;
-  for (const ir::Kernel& kernel : code.algorithm.kernels)
-    if (kernel.by_wrenches()) roles.array = kernel[ir::Operand::axes];
-  for (const ir::Result& r : code.algorithm.results)
-    if (r.array == roles.array) (r.from == 0 ? roles.linear : roles.angular) = r.role;
-  if (roles.linear < 0 || !is_kept(code, roles.linear) || !is_kept(code, roles.angular)) return {};
-  return roles;
-}
-
 // Roles of joints that are results: copied to their rows or columns, a driven joint's added to its driver's.
 std::string joint_results(const CodeInput& code) {
-  const std::optional<PivotRoles> in_slots = pivots_in_slots(code);
-  const std::optional<AxesRoles> axes = axes_in_slots(code);
   std::string text;
   std::vector<std::string> of_all;
   for (const ir::JointResult& joints : code.rolled.results) {
+    if (!joints.copied) continue;
     const ir::Result& r = code.algorithm.results[static_cast<size_t>(joints.result)];
-    if ((in_slots && in_slots->has(r.role)) || (axes && axes->array == r.array)) continue;
     const ir::OutputArray& array = code.algorithm.arrays[static_cast<size_t>(r.array)];
     if (!joints.whole) {
       for (const auto& [at, from, first] : joints.elements)
@@ -151,16 +107,13 @@ bool joint_loops(const CodeInput& code) {
                      [](const ir::JointResult& joints) { return joints.whole; });
 }
 
-// Behind the base's own pivots, where it floats: there one operation waits for another, and there is time.
-bool checked_at_base(const CodeInput& code, const ir::BaseStage& stage) {
-  return pivots_in_slots(code) && std::any_of(stage.elements.begin(), stage.elements.end(), [&](const ir::BlockElement& e) {
-           return e.array == code.algorithm.guard->pivots;
-         });
+bool checked_at_base(const CodeInput& code) {
+  return std::any_of(code.rolled.base.begin(), code.rolled.base.end(), [](const ir::BaseStage& b) { return b.checks_pivots; });
 }
 
 // Of dalembert::JointSlots.
 std::string slots_of_joints(const CodeInput& code) {
-  const PivotRoles in_slots = *pivots_in_slots(code);
+  const ir::PivotRoles& in_slots = *code.rolled.pivots_in_slots;
   const auto at = [&](int role) { return is_kept(code, role) ? kept(code, role, 0) : "nullptr"; };
   return fmt::format("{}, {}, no_joint, {}, {}, {}, {}, joint_slot", at(in_slots.pivot), at(in_slots.diagonal),
                      at(in_slots.gain), at(in_slots.linear), at(in_slots.angular), stride(code));
@@ -173,15 +126,12 @@ std::string status_of_slots(const CodeInput& code) {
 }
 
 std::string pivots_statements(const CodeInput& code) {
-  if (!pivots_in_slots(code)) return guard_statements(code);
-  const auto& stages = code.rolled.base;
-  const bool checked =
-      std::any_of(stages.begin(), stages.end(), [&](const auto& stage) { return checked_at_base(code, stage); });
-  return (checked ? "" : status_of_slots(code)) + clear_statements(code);
+  if (!code.rolled.pivots_in_slots) return guard_statements(code);
+  return (checked_at_base(code) ? "" : status_of_slots(code)) + clear_statements(code);
 }
 
 std::string pivots_table(const CodeInput& code) {
-  if (!pivots_in_slots(code)) return "";
+  if (!code.rolled.pivots_in_slots) return "";
   std::vector<int> none(static_cast<size_t>(code.plan.slots), 1);
   for (int k = 0; k < code.tree.joints(); ++k) none[static_cast<size_t>(slot_of(code, k))] = 0;
   std::vector<std::string> texts;
@@ -197,7 +147,7 @@ std::string limbs_type(const CodeInput& code) {
 
 // Along which joints feel what constraints bear; empty: by an array.
 std::string axes_of_slots(const CodeInput& code) {
-  const std::optional<AxesRoles> axes = axes_in_slots(code);
+  const std::optional<ir::AxesRoles>& axes = code.rolled.axes_in_slots;
   if (!axes) return "";
   return fmt::format("  const {} axes{{nullptr, nullptr, {}, {}, nullptr, nullptr}};\n", limbs_type(code),
                      kept(code, axes->linear, 0), kept(code, axes->angular, 0));
@@ -207,10 +157,10 @@ std::string axes_of_slots(const CodeInput& code) {
 std::string limbs_in_slots(const CodeInput& code) {
   const std::vector<ir::Kernel>& kernels = code.algorithm.kernels;
   const auto first = std::find_if(kernels.begin(), kernels.end(), [](const ir::Kernel& k) { return k.by_limbs(); });
-  if (first == kernels.end() || !pivots_in_slots(code)) return "";
+  if (first == kernels.end() || !code.rolled.pivots_in_slots) return "";
   const ir::Kernel& kernel = *first;
   const auto name = [&](int array) { return code.algorithm.arrays[static_cast<size_t>(array)].name; };
-  const PivotRoles in_slots = *pivots_in_slots(code);
+  const ir::PivotRoles& in_slots = *code.rolled.pivots_in_slots;
   const auto at = [&](int role) { return kept(code, role, 0); };
   return fmt::format("  const {} branches{{\n      {}, {}, {}, {},\n      workspace.{}, workspace.{}}};\n", limbs_type(code),
                      at(in_slots.pivot), at(in_slots.gain), at(in_slots.linear), at(in_slots.angular),
@@ -270,7 +220,7 @@ std::vector<Stage> rolled_stages(const CodeInput& code) {
     for (const ir::BaseStage& b : code.rolled.base) {
       if (b.level != level) continue;
       base += base_statements(code, b);
-      if (checked_at_base(code, b)) base += status_of_slots(code);
+      if (b.checks_pivots) base += status_of_slots(code);
       state = state || reads_state(b);
     }
     if (!base.empty())
@@ -299,8 +249,8 @@ std::vector<Stage> rolled_stages(const CodeInput& code) {
 int checked_pivots(const CodeInput& code) {
   const std::optional<ir::Guard>& guard = code.algorithm.guard;
   if (!guard || guard->pivots < 0) return 0;
-  return pivots_in_slots(code) ? base_rows(code) + code.plan.slots
-                               : code.algorithm.arrays[static_cast<size_t>(guard->pivots)].rows;
+  return code.rolled.pivots_in_slots ? base_rows(code) + code.plan.slots
+                                     : code.algorithm.arrays[static_cast<size_t>(guard->pivots)].rows;
 }
 
 std::vector<std::string> rolled_includes(const CodeInput& code) {
@@ -324,9 +274,7 @@ std::vector<std::string> rolled_includes(const CodeInput& code) {
 }
 
 bool can_sweep_apart(const CodeInput& code) {
-  const bool checked =
-      std::any_of(code.rolled.base.begin(), code.rolled.base.end(), [&](const auto& b) { return checked_at_base(code, b); });
-  return code.is_rolled() && !code.next && !code.algorithm.pairs.empty() && !has_driven(code) && !checked;
+  return code.is_rolled() && !code.next && !code.algorithm.pairs.empty() && !has_driven(code) && !checked_at_base(code);
 }
 
 std::string arguments_of(const CodeInput& code, const Stage& stage) {

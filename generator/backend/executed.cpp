@@ -66,7 +66,8 @@ long added_results(const CodeInput& code) {
     additions += static_cast<long>(matrices.sums.size() * matrices.following.to.size()) -
                  static_cast<long>(matrices.sums.size()) * matrices.following.set;
   for (const ir::JointResult& joints : code.rolled.results)
-    additions += std::count_if(joints.elements.begin(), joints.elements.end(), [](const auto& e) { return !e.first; });
+    if (joints.copied)
+      additions += std::count_if(joints.elements.begin(), joints.elements.end(), [](const auto& e) { return !e.first; });
   return additions;
 }
 

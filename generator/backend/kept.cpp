@@ -44,7 +44,7 @@ std::string number(const CodeInput& code, const ir::Address& address) {
   return fmt::format("{}[{}]", kept(code, address.role, address.component), slot_text(code, address.body));
 }
 
-bool is_kept(const CodeInput& code, int role) { return code.rolled.places.at(static_cast<size_t>(role)).array >= 0; }
+bool is_kept(const CodeInput& code, int role) { return code.rolled.is_kept(role); }
 
 int slot_of(const CodeInput& code, int body) { return code.plan.slot(body); }
 

@@ -149,6 +149,7 @@ struct BaseStage {
   Graph graph;
   std::vector<Store> stores;  // to the base's slot, or to bodies': what payloads add to these
   std::vector<BlockElement> elements;
+  bool checks_pivots = false;  // of limbs: behind the base's own, where one operation waits for another, and there is time
 
   std::vector<NodeId> roots() const;
 };
@@ -169,6 +170,18 @@ struct JointResult {
   int result = 0;      // of the algorithm
   bool whole = false;  // every joint's number in its place: a loop over joints
   std::vector<Element> elements;
+  bool copied = true;  // else it is read where limbs leave it
+};
+
+// What nothing reads but the check whether M can be solved with and rows of constraints that go up limbs: roles of joints,
+// which they read in their slots. −1: not asked for.
+struct PivotRoles {
+  int pivot = -1, diagonal = -1;             // of M
+  int gain = -1, linear = -1, angular = -1;  // V, J
+};
+// Likewise joints' axes, for what constraints bear.
+struct AxesRoles {
+  int linear = -1, angular = -1;
 };
 
 // A constant added to an element: armature; or that much of a body's role.
@@ -187,9 +200,12 @@ struct RolledProgram {
   std::vector<RolledPairs> pairs;  // parallel to Algorithm::pairs
   std::vector<PairBlocks> blocks;  // which fill them
   std::vector<JointResult> results;
+  std::optional<PivotRoles> pivots_in_slots;
+  std::optional<AxesRoles> axes_in_slots;
   std::vector<AddedConstant> added;
   std::map<std::tuple<int, int, int>, double> base_coordinates;  // role, component, coordinate: what projections read of them
 
+  bool is_kept(int role) const { return places.at(static_cast<std::size_t>(role)).array >= 0; }
   // One more than the highest of any stage; at least one.
   int levels() const;
 };

@@ -204,6 +204,7 @@ ir::RolledProgram roll(const ir::Algorithm& algorithm, Unroll& unroll, const ir:
   roll_pairs(state);
   roll_results(state);
   place(state);
+  leave_in_slots(state);
   write_limbs(plan, state.program);
   return std::move(state.program);
 }

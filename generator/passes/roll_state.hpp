@@ -77,5 +77,7 @@ void roll_pairs(RollState& state);
 void roll_results(RollState& state);
 // Gives values their places.
 void place(RollState& state);
+// Which results need not be copied from there.
+void leave_in_slots(RollState& state);
 
 }  // namespace dalembert::passes
