@@ -157,20 +157,23 @@ void add_elements(const CodeInput& code, size_t segment, int lanes, Features& f)
 }
 
 void add_projections(const CodeInput& code, int lanes, Features& f) {
-  if (!projects_by_rows(code)) return;
-  for (const ir::Projection& p : code.algorithm.projections) {
-    if (!projects_by_rows(code, p)) continue;
-    const double columns = static_cast<double>(p.columns.size());
-    const RowCounts counts = row_counts(code, p, lanes);
-    const double registers = static_cast<double>(counts.registers);
-    // Of the base's rows every second sum takes a product with it.
-    const ir::Operations of_base = base_row_operations(code, p);
-    of(f, Feature::scalar) += static_cast<double>(of_base.multiply) + static_cast<double>(of_base.add) / (fused(lanes) ? 2 : 1);
-    of(f, Feature::stores) += static_cast<double>(counts.base_elements);
+  for (size_t number = 0; number < code.algorithm.projections.size(); ++number) {
+    const ir::Projection& p = code.algorithm.projections[number];
+    const std::vector<ir::ProjectedBody>& bodies = projected_bodies(code, number);
+    if (bodies.empty()) continue;
+    const double columns = static_cast<double>(p.columns.size()),
+                 registers = static_cast<double>(ir::row_counts(bodies, lanes).registers);
     of(f, Feature::lanes) += registers * (Work(p.graph, p.columns, fused(lanes)).operations() + columns / 2);
     of(f, Feature::loops) += 1;
-    // Copies of the joints' numbers, and of bodies' that are the base's rows.
-    if (code.is_rolled()) of(f, Feature::stores) += 6.0 * code.tree.joints() * (1 + columns * base_rows(code) / 60);
+    if (!code.is_rolled()) continue;
+    // Copies of the joints' numbers, and of bodies' that are the base's rows, of which every second sum takes a product with
+    // it.
+    const ir::RolledProjection& rolled = code.rolled.projections[number];
+    const ir::Operations of_base = ir::count(rolled.graph, ir::uses(rolled.graph, rolled.roots()));
+    const double each = static_cast<double>(of_base.multiply) + static_cast<double>(of_base.add) / (fused(lanes) ? 2 : 1);
+    of(f, Feature::scalar) += each * static_cast<double>(bodies.size());
+    of(f, Feature::stores) += static_cast<double>(rolled.base.size() * bodies.size());
+    of(f, Feature::stores) += 6.0 * code.tree.joints() * (1 + columns * base_rows(code) / 60);
   }
 }
 

@@ -49,13 +49,15 @@ void add_elements(const CodeInput& code, ir::Operations& sum) {
 }
 
 void add_projections(const CodeInput& code, ir::Operations& sum) {
-  if (!projects_by_rows(code)) return;
-  for (const ir::Projection& p : code.algorithm.projections) {
-    if (!projects_by_rows(code, p)) continue;
-    const RowCounts computed = row_counts(code, p, counted_lanes);
+  for (size_t number = 0; number < code.algorithm.projections.size(); ++number) {
+    const ir::Projection& p = code.algorithm.projections[number];
+    const std::vector<ir::ProjectedBody>& bodies = projected_bodies(code, number);
+    const ir::RowCounts computed = ir::row_counts(bodies, counted_lanes);
     sum += of(p.graph, p.columns, computed.rows);
-    sum += base_row_operations(code, p);
     sum.add += computed.added * static_cast<long>(p.columns.size());
+    if (!code.is_rolled()) continue;
+    const ir::RolledProjection& rolled = code.rolled.projections[number];
+    sum += of(rolled.graph, rolled.roots(), static_cast<long>(bodies.size()));
   }
 }
 

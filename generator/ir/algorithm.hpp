@@ -20,6 +20,7 @@
 #include "ir/kernel.hpp"
 #include "ir/kinematic_tree.hpp"
 #include "ir/quantity.hpp"
+#include "ir/row_runs.hpp"
 
 namespace dalembert::ir {
 
@@ -115,8 +116,9 @@ struct Projection {
   std::string equation;
   Graph graph;                  // inputs of kind state: roles of the body; of kind carried: of the joint above it
   std::vector<NodeId> columns;  // the elements of the joint's row, the body's columns from left to right
-  // What straight lines leave for lanes that run along rows (passes/project_by_rows.hpp), arrays: the graph's inputs of kind
-  // state, a column per body; those of kind carried, a row per joint. −1: nothing.
+  // Of straight lines (passes/project_by_rows.hpp): the bodies whose columns lanes give, which run along rows, and what lines
+  // leave for them, arrays: the graph's inputs of kind state, a column per body; those of kind carried, a row per joint.
+  std::vector<ProjectedBody> by_rows{};
   int bodies = -1, joints = -1;
 
   std::vector<Input> inputs(InputKind kind) const;  // each once, in the order of the graph

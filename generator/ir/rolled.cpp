@@ -20,6 +20,7 @@ std::vector<NodeId> nodes_of(const Lists&... lists) {
 std::vector<NodeId> LimbStep::roots() const { return nodes_of(stores, carried); }
 std::vector<NodeId> Paragraph::roots() const { return nodes_of(stores, carried); }
 std::vector<NodeId> BaseStage::roots() const { return nodes_of(stores, elements); }
+std::vector<NodeId> RolledProjection::roots() const { return nodes_of(base); }
 
 int SlotLoop::computed(int register_lanes) const {
   if (!by_steps()) return register_lanes * trips(register_lanes);

@@ -4,10 +4,8 @@
 #pragma once
 
 #include <algorithm>
-#include <map>
 #include <optional>
 #include <string>
-#include <tuple>
 #include <vector>
 
 #include "ir/algorithm.hpp"
@@ -160,6 +158,16 @@ struct RolledPairs {
   int rows = -1;     // role, six components: elements (k, 0…5)
 };
 
+// A projection: lanes run along the rows of joints, and the base's rows, whose coordinates are constants, are what that leaves
+// of its graph.
+struct RolledProjection {
+  std::vector<ProjectedBody> bodies;
+  Graph graph;                     // inputs of kind state: roles of the body
+  std::vector<BlockElement> base;  // columns count from the body's first
+
+  std::vector<NodeId> roots() const;
+};
+
 // A role of joints that is a result: which elements are which joints' numbers.
 struct JointResult {
   struct Element {
@@ -197,13 +205,13 @@ struct RolledProgram {
   std::vector<KeptArray> arrays;
   std::vector<SegmentCode> segments;  // parallel to Plan::segments
   std::vector<BaseStage> base;
-  std::vector<RolledPairs> pairs;  // parallel to Algorithm::pairs
-  std::vector<PairBlocks> blocks;  // which fill them
+  std::vector<RolledPairs> pairs;             // parallel to Algorithm::pairs
+  std::vector<PairBlocks> blocks;             // which fill them
+  std::vector<RolledProjection> projections;  // parallel to Algorithm::projections
   std::vector<JointResult> results;
   std::optional<PivotRoles> pivots_in_slots;
   std::optional<AxesRoles> axes_in_slots;
   std::vector<AddedConstant> added;
-  std::map<std::tuple<int, int, int>, double> base_coordinates;  // role, component, coordinate: what projections read of them
 
   bool is_kept(int role) const { return places.at(static_cast<std::size_t>(role)).array >= 0; }
   // One more than the highest of any stage; at least one.

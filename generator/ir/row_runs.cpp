@@ -47,4 +47,16 @@ int computed_rows(const RowRun& run, int lanes) {
   return run.count >= w ? whole(w) : run.count == 3 ? 4 : run.count;
 }
 
+RowCounts row_counts(const std::vector<ProjectedBody>& bodies, int lanes) {
+  RowCounts counts;
+  for (const ProjectedBody& body : bodies)
+    for (const RowRun& run : body.runs) {
+      const int rows = computed_rows(run, lanes);
+      counts.rows += rows;
+      counts.registers += lanes > 4 && rows >= lanes ? rows / lanes : (rows + 3) / 4;
+      if (run.adds) ++counts.added;
+    }
+  return counts;
+}
+
 }  // namespace dalembert::ir

@@ -25,4 +25,17 @@ bool by_rows(const KinematicTree& tree, int body);
 // overlapping the one before; of a shorter run a register of two, or a number alone.
 int computed_rows(const RowRun& run, int lanes);
 
+// A body whose columns lanes give.
+struct ProjectedBody {
+  int body = 0;
+  int column = 0;  // its first
+  std::vector<RowRun> runs;
+};
+// Rows that lanes compute of them, by registers of `lanes`; and the registers.
+struct RowCounts {
+  long rows = 0, registers = 0;
+  long added = 0;  // of the rows: those that are added to others
+};
+RowCounts row_counts(const std::vector<ProjectedBody>& bodies, int lanes);
+
 }  // namespace dalembert::ir

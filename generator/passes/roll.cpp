@@ -173,12 +173,6 @@ ir::RolledProgram roll(const ir::Algorithm& algorithm, Unroll& unroll, const ir:
     for (std::size_t lane = 0; lane < s.parents.size(); ++lane)
       if (s.bodies[lane].front() >= 0)
         state.children[static_cast<std::size_t>(s.parents[lane] + 1)].push_back(s.bodies[lane].front());
-  for (const ir::Projection& p : algorithm.projections)
-    each_input(p.graph, p.columns, [&](const ir::Input& in) {
-      for (int j = 0; j < tree.base_coordinates() && in.kind == InputKind::carried; ++j)
-        state.program.base_coordinates[{in.index, in.component, j}] =
-            state.value(unroll.coordinate_role(in.index, in.component, j));
-    });
   const std::vector<int> coordinates = tree.coordinates();
   for (const ir::Pairs& p : algorithm.pairs)
     for (int k = 0; k < tree.joints() && p.diagonal >= 0; ++k) {
@@ -202,6 +196,7 @@ ir::RolledProgram roll(const ir::Algorithm& algorithm, Unroll& unroll, const ir:
   prune(state);
   roll_base(state);
   roll_pairs(state);
+  roll_projections(state);
   roll_results(state);
   place(state);
   leave_in_slots(state);

@@ -73,6 +73,8 @@ void prune(RollState& state);
 void roll_base(RollState& state);
 // Matrices of pairs: which are filled together, and between which limbs their blocks are.
 void roll_pairs(RollState& state);
+// Projections: the bodies whose columns lanes give, and the base's rows.
+void roll_projections(RollState& state);
 // Which roles of joints go to which elements of results.
 void roll_results(RollState& state);
 // Gives values their places.

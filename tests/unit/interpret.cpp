@@ -9,8 +9,6 @@
 
 #include "interpret_kernels.hpp"
 #include "ir/coordinate_tree.hpp"
-#include "ir/moved_links.hpp"
-#include "ir/row_runs.hpp"
 #include "passes/joints.hpp"
 
 namespace dalembert::ir {
@@ -43,7 +41,7 @@ std::vector<Scalar> interpret(const Graph& graph, const InputValue& input) {
 }
 
 // What straight lines leave to lanes of rows.
-void run_projections(const Algorithm& algorithm, const KinematicTree& tree, Arrays& arrays) {
+void run_projections(const Algorithm& algorithm, Arrays& arrays) {
   const auto array = [&](int index) -> Eigen::MatrixXd& {
     return arrays[algorithm.arrays[static_cast<std::size_t>(index)].name];
   };
@@ -54,21 +52,18 @@ void run_projections(const Algorithm& algorithm, const KinematicTree& tree, Arra
       return std::find(inputs.begin(), inputs.end(), in) - inputs.begin();
     };
     const int columns = static_cast<int>(p.columns.size());
-    const std::vector<int> links = numbers_of_links(tree);
-    for (int body = 0; body < tree.joints(); ++body) {
-      if (links[static_cast<std::size_t>(body)] < 0 || !by_rows(tree, body)) continue;
-      for (const RowRun& run : row_runs(tree, body))
+    for (const ProjectedBody& body : p.by_rows)
+      for (const RowRun& run : body.runs)
         for (int i = 0; i < run.count; ++i) {
           const std::vector<double> values = interpret<double>(p.graph, [&](const Input& in) {
-            return in.kind == InputKind::state ? array(p.bodies)(place(bodies, in), body)
+            return in.kind == InputKind::state ? array(p.bodies)(place(bodies, in), body.body)
                                                : array(p.joints)(run.joint + i, place(joints, in));
           });
           for (int c = 0; c < columns; ++c) {
-            double& to = array(p.array)(run.row + i, columns * links[static_cast<std::size_t>(body)] + c);
+            double& to = array(p.array)(run.row + i, body.column + c);
             to = (run.adds ? to : 0) + values[static_cast<std::size_t>(p.columns[static_cast<std::size_t>(c)])];
           }
         }
-    }
   }
 }
 
@@ -117,7 +112,6 @@ class RolledRun {
     return kept(a.role, a.component, a.body == Address::own ? own : slot(a.body));
   }
   int slot(int body) const { return plan_.slot(body); }
-  int row(int body) const { return tree_.base_coordinates() + coordinates_[static_cast<std::size_t>(body)]; }
 
   void joints() {
     for (std::size_t r = 0; r < program_.roles.size(); ++r) {
@@ -210,66 +204,90 @@ class RolledRun {
     for (const Carried& c : step.carried) carried.at({c.role, c.component}).front() = value(c.node);
   }
 
-  double dot(const std::vector<PairTerm>& terms, int lower, int upper) {
-    double sum = 0;
-    for (const PairTerm& t : terms)
-      for (int i = 0; i < 3; ++i)
-        sum += kept(t.lower, t.lower_from + i, slot(lower)) * kept(t.upper, t.upper_from + i, slot(upper));
-    return sum;
+  // Matrices of pairs, block by block as they are laid out. Where joints follow others, their rows and columns stand apart
+  // until all are there.
+  void elements(const PairBlocks& group, const ElementSums& sums) {
+    Eigen::MatrixXd& m = of_array(algorithm_.pairs[static_cast<std::size_t>(sums.pairs)].array);
+    const RolledPairs& base = program_.pairs[static_cast<std::size_t>(sums.pairs)];
+    const std::vector<int>& row = group.following.row;
+    const int rows = static_cast<int>(row.size()), following = tree_.joints() - tree_.independent_joints();
+    std::vector<double> apart(static_cast<std::size_t>(2 * following * rows), std::nan(""));
+    const auto put = [&](int i, int k, double value) {
+      const auto of = [&](int at) { return row[static_cast<std::size_t>(at)]; };
+      if (row.empty()) m(i, k) = value;
+      else if (of(k) < 0) apart[static_cast<std::size_t>((-1 - of(k)) * rows + i)] = value;
+      else if (of(i) < 0) apart[static_cast<std::size_t>((following - 1 - of(i)) * rows + k)] = value;
+      else m(of(i), of(k)) = value;
+    };
+    const auto dot = [&](const std::vector<FactorTerm>& terms, int lower_slot, int upper_slot) {
+      double sum = 0;
+      for (const FactorTerm& t : terms) {
+        const PairFactor lower = group.lower[static_cast<std::size_t>(t.lower)],
+                         upper = group.upper[static_cast<std::size_t>(t.upper)];
+        for (int i = 0; i < 3; ++i)
+          sum += kept(lower.role, lower.from + i, lower_slot) * kept(upper.role, upper.from + i, upper_slot);
+      }
+      return sum;
+    };
+    for (const SegmentBlocks& blocks : group.segments)
+      for (std::size_t lane = 0; lane < blocks.limbs.size(); ++lane)
+        for (int c = 0; c < blocks.limbs[lane].joints(); ++c) {
+          const LimbRows& limb = blocks.limbs[lane];
+          const int column = limb.row + c, here = limb.slot + c * limb.stride;
+          const auto with = [&](const LimbRows& upper, int count) {
+            for (int r = 0; r < count; ++r) {
+              const int there = upper.slot + r * upper.stride, at = upper.row + r;
+              const double above = dot(sums.above, here, there);
+              put(at, column, above);
+              if (at == column) continue;
+              if (sums.symmetric) put(column, at, above);
+              if (!sums.below.empty()) put(column, at, dot(sums.below, here, there));
+            }
+          };
+          with(limb, c + 1);
+          for (const BlocksAbove& above : blocks.above) with(above.limbs[lane], above.limbs[lane].joints());
+          for (int j = 0; j < 6 && base.columns >= 0; ++j) {
+            put(j, column, kept(base.columns, j, here));
+            if (base.rows >= 0) put(column, j, kept(base.rows, j, here));
+          }
+        }
+    for (std::size_t e = 0; e < group.following.to.size(); ++e) {
+      double& to = m.data()[group.following.to[e]];
+      to = (static_cast<int>(e) < group.following.set ? 0 : to) + apart[static_cast<std::size_t>(group.following.from[e])];
+    }
   }
 
-  void results() {
-    for (std::size_t n = 0; n < algorithm_.pairs.size(); ++n) {
-      const Pairs& p = algorithm_.pairs[n];
-      Eigen::MatrixXd& m = arrays_[algorithm_.arrays[static_cast<std::size_t>(p.array)].name];
-      const OutputArray& array = algorithm_.arrays[static_cast<std::size_t>(p.array)];
-      for (int k = 0; k < tree_.joints(); ++k) {
-        const int column = array.row(row(k));
-        if (column < 0) continue;
-        for (int i = k; i >= 0; i = tree_.bodies[static_cast<std::size_t>(i)].parent) {
-          const int at = array.row(row(i));
-          if (at < 0) continue;
-          const double above = dot(p.above, k, i);
-          m(at, column) += above;
-          if (i == k) continue;
-          if (p.symmetric) m(column, at) += above;
-          if (!p.below.empty()) m(column, at) += dot(p.below, k, i);
-        }
-        for (int j = 0; j < 6 && program_.pairs[n].columns >= 0; ++j) {
-          m(j, column) += kept(program_.pairs[n].columns, j, slot(k));
-          if (program_.pairs[n].rows >= 0) m(column, j) += kept(program_.pairs[n].rows, j, slot(k));
-        }
-      }
-    }
-    for (const AddedConstant& a : program_.added)
-      arrays_[algorithm_.arrays[static_cast<std::size_t>(a.array)].name](a.row, a.column) +=
-          a.role < 0 ? a.value : a.value * kept(a.role, 0, slot(a.body));
-    const std::vector<int> links = numbers_of_links(tree_);
-    for (const Projection& p : algorithm_.projections)
-      for (int body = 0; body < tree_.joints(); ++body) {
-        if (links[static_cast<std::size_t>(body)] < 0) continue;
-        const OutputArray& array = algorithm_.arrays[static_cast<std::size_t>(p.array)];
-        const int columns = static_cast<int>(p.columns.size()),
-                  first = array.column(columns * links[static_cast<std::size_t>(body)]);
-        if (first < 0) continue;
-        const auto project = [&](int of_whole, const std::function<double(const Input&)>& upper) {
-          const int at = array.row(of_whole);
-          if (at < 0) return;
+  // In lanes along rows; the base's one by one.
+  void project(const Projection& p, const RolledProjection& rolled) {
+    Eigen::MatrixXd& to = of_array(p.array);
+    for (const ProjectedBody& body : rolled.bodies) {
+      const auto of_body = [&](const Input& in) { return kept(in.index, in.component, slot(body.body)); };
+      for (const RowRun& run : body.runs)
+        for (int i = 0; i < run.count; ++i) {
           const std::vector<double> values = interpret<double>(p.graph, [&](const Input& in) {
-            return in.kind == InputKind::state ? kept(in.index, in.component, slot(body)) : upper(in);
+            return in.kind == InputKind::state ? of_body(in) : kept(in.index, in.component, slot(run.joint + i));
           });
-          for (int c = 0; c < columns; ++c)
-            arrays_[algorithm_.arrays[static_cast<std::size_t>(p.array)].name](at, first + c) +=
-                values[static_cast<std::size_t>(p.columns[static_cast<std::size_t>(c)])];
-        };
-        for (int i = body; i >= 0; i = tree_.bodies[static_cast<std::size_t>(i)].parent)
-          project(row(i), [&](const Input& in) { return kept(in.index, in.component, slot(i)); });
-        for (int j = 0; j < tree_.base_coordinates(); ++j)
-          project(j, [&](const Input& in) { return program_.base_coordinates.at({in.index, in.component, j}); });
-      }
+          for (std::size_t c = 0; c < p.columns.size(); ++c) {
+            double& element = to(run.row + i, body.column + static_cast<int>(c));
+            element = (run.adds ? element : 0) + values[static_cast<std::size_t>(p.columns[c])];
+          }
+        }
+      const std::vector<double> values = interpret<double>(rolled.graph, of_body);
+      for (const BlockElement& e : rolled.base) to(e.row, body.column + e.column) = values[static_cast<std::size_t>(e.node)];
+    }
+  }
+
+  Eigen::MatrixXd& of_array(int array) { return arrays_[algorithm_.arrays[static_cast<std::size_t>(array)].name]; }
+
+  void results() {
+    for (const PairBlocks& group : program_.blocks)
+      for (const ElementSums& sums : group.sums) elements(group, sums);
+    for (const AddedConstant& a : program_.added)
+      of_array(a.array)(a.row, a.column) += a.role < 0 ? a.value : a.value * kept(a.role, 0, slot(a.body));
+    for (std::size_t p = 0; p < algorithm_.projections.size(); ++p) project(algorithm_.projections[p], program_.projections[p]);
     for (const JointResult& joints : program_.results) {
       const int array = algorithm_.results[static_cast<std::size_t>(joints.result)].array;
-      double* const to = arrays_[algorithm_.arrays[static_cast<std::size_t>(array)].name].data();
+      double* const to = of_array(array).data();
       for (const auto& [at, from, first] : joints.elements) to[at] = (first ? 0 : to[at]) + kept(from);
     }
   }
@@ -296,7 +314,7 @@ Arrays run(const Algorithm& algorithm, const Program& program, const KinematicTr
   const std::vector<double> values = interpret<double>(program.graph, input);
   for (const OutputElement& e : program.elements)
     arrays[program.arrays[static_cast<std::size_t>(e.array)].name](e.row, e.column) = values[static_cast<std::size_t>(e.node)];
-  run_projections(algorithm, tree, arrays);
+  run_projections(algorithm, arrays);
   run_kernels(algorithm, arrays, coordinate_tree(tree).above, acting);
   return arrays;
 }
