@@ -149,6 +149,34 @@ std::string paragraph_text(int level, const ir::Paragraph& paragraph) {
                      paragraph.carried.size(), paragraph.loop.slots(), text_of(per_slot), fmt::join(paragraph.equations, ". "));
 }
 
+// Matrices that are filled together, and between which branches.
+std::string blocks_text(const ir::Algorithm& algorithm, const ir::Plan& plan, const ir::PairBlocks& matrices) {
+  std::string text;
+  for (const ir::ElementSums& sums : matrices.sums) {
+    const ir::Pairs& pairs = algorithm.pairs[static_cast<size_t>(sums.pairs)];
+    text += fmt::format("{}{}: {}", text.empty() ? "" : ". ", algorithm.arrays[static_cast<size_t>(pairs.array)].name,
+                        pairs.equation);
+  }
+  text += "\n";
+  for (size_t s = 0; s < plan.segments.size(); ++s) {
+    const ir::Segment& segment = plan.segments[s];
+    const ir::SegmentBlocks& blocks = matrices.segments[s];
+    if (blocks.empty()) continue;
+    text += fmt::format("    blocks of {}, {}: with itself", segment.name,
+                        segment.limb_after_limb ? "one branch after another"
+                        : segment.width > 1     ? "branches in lanes"
+                                                : "along rows");
+    for (const ir::BlocksAbove& above : blocks.above) {
+      if (above.steps == 0) continue;
+      constexpr const char* where[] = {"each lane's own", "of one branch", "beside each other in one segment"};
+      text += fmt::format("; with {} joint{} above, {}", above.steps, above.steps == 1 ? "" : "s",
+                          where[static_cast<size_t>(above.where)]);
+    }
+    text += "\n";
+  }
+  return text;
+}
+
 std::string rolled_text(const ir::Algorithm& algorithm, const ir::Plan& plan, const ir::RolledProgram& rolled) {
   if (plan.form == ir::Form::straight) return "straight form: no loops\n";
   std::string text;
@@ -158,9 +186,7 @@ std::string rolled_text(const ir::Algorithm& algorithm, const ir::Plan& plan, co
     for (const ir::SegmentStage& stage : code.stages)
       for (const ir::Paragraph& paragraph : stage.paragraphs) text += paragraph_text(stage.level, paragraph);
   }
-  for (const ir::Pairs& p : algorithm.pairs)
-    text += fmt::format("{} between two branches: block products of the runtime, {}\n",
-                        algorithm.arrays[static_cast<size_t>(p.array)].name, p.equation);
+  for (const ir::PairBlocks& matrices : rolled.blocks) text += blocks_text(algorithm, plan, matrices);
   return text + kernels_text(algorithm);
 }
 

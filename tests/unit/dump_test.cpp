@@ -36,7 +36,7 @@ TEST(Dump, ShowsWhatEachStageIsMadeOf) {
   expect_in_order(dump(rolled, Stage::program), {"= input q[", "phase 1", "mass_matrix(0, 0) = %"});
   expect_in_order(dump(rolled, Stage::plan), {"rolled form, serial", "segment ", "lane 0 on base"});
   expect_in_order(dump(rolled, Stage::rolled), {"segment ", "constants per slot", "level 0, outwards", "R = Rp Rk Rz(q)",
-                                                "level 1, inwards", "block products"});
+                                                "level 1, inwards", "M_ik = F_k.J_i", "blocks of ", "with itself"});
   expect_in_order(dump(straight, Stage::plan), {"straight form"});
   const Model standing = read_robot(
       "quadruped", {{"outputs", "constrained_forward_dynamics"}, {"contacts", "front_left_3_shank=point"}}, "rolled");
