@@ -47,7 +47,8 @@ JointPosition SweepBuilder::position(bool reference) {
 
 Twist SweepBuilder::joint_twist() {
   const BodyConstants constants = body();
-  Twist own = joint_motion(constants, parameter(moves_p) * rate());
+  const Sym speed = rate();
+  const Twist own = joint_motion(constants, parameter(moves_p) * speed);
   const Vec3 linear = parameter3(joint_twist_p), angular = parameter3(joint_twist_p + 3);
   return {own.linear + linear, own.angular + angular};
 }

@@ -56,9 +56,9 @@ Sums moments(const Pose& pose, const BodyConstants& body) {
   // S as a sum of a bᵀ + b aᵀ over the body's axes a: half the multiplications of R (S_k Rᵀ).
   const Vec3 x = column(r, 0), y = column(r, 1), z = column(r, 2);
   const Sym6& s = body.second;
-  const Vec3 xz = s[2] * z, xy = s[1] * y, along_x = body.first[0] * p + body.half_second[0] * x + xy + xz;
-  const Vec3 yz = s[4] * z, along_y = body.first[1] * p + body.half_second[1] * y + yz;
-  const Vec3 along_z = body.first[2] * p + body.half_second[2] * z;
+  const Vec3 xz = s[2] * z, xy = s[1] * y, xx = body.half_second[0] * x, along_x = body.first[0] * p + xx + xy + xz;
+  const Vec3 yz = s[4] * z, yy = body.half_second[1] * y, along_y = body.first[1] * p + yy + yz;
+  const Vec3 zz = body.half_second[2] * z, along_z = body.first[2] * p + zz;
   for (std::size_t i = 0; i < 3; ++i)
     for (std::size_t j = i; j < 3; ++j) {
       const auto half = [&](std::size_t a, std::size_t b) {

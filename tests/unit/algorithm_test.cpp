@@ -1,5 +1,6 @@
 // The algorithms in both forms on every robot, and where numbers are awkward.
 #include <fmt/format.h>
+#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cstdlib>

@@ -2,6 +2,8 @@
 // oracle_dart_test and generic_dynamics_test hold to others.
 #include "joint_kinds.hpp"
 
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <dalembert/generic/whole_robot.hpp>
 #include <dalembert/integrators/rk4.hpp>

@@ -18,7 +18,8 @@ int accelerations(Builder& b) {
   SweepBuilder s = b.sweep("accelerations", "A = Ap + J ddq + dJ dq", Direction::outwards);
   const Twist joint = joint_of(s, p), above{s.carried3(a, 0), s.carried3(a, 3)};
   const Twist moved = body_twist(above, joint, solved ? s.own(solution.acceleration) : s.acceleration());
-  s.store(a, body_twist(moved, {s.own3(p.joint_rate, 0), s.own3(p.joint_rate, 3)}, s.rate()));
+  const Sym rate = s.rate();
+  s.store(a, body_twist(moved, {s.own3(p.joint_rate, 0), s.own3(p.joint_rate, 3)}, rate));
   return a;
 }
 

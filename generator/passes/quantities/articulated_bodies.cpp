@@ -117,7 +117,8 @@ BaseFactors base_factors_of(Builder& b, SweepBuilder& base) {
   const BlockRoles total = removed_below(b);
   const Blocks removed = blocks(
       total, [&](int role, int from) { return base.own3(role, from); }, [&](int role, int i) { return base.own(role, i); });
-  return base_factors(base.own(composite_mass(b)), sums_of(base, subtree_sums(b)), removed, base);
+  const Sums sums = sums_of(base, subtree_sums(b));
+  return base_factors(base.own(composite_mass(b)), sums, removed, base);
 }
 
 }  // namespace
@@ -211,7 +212,7 @@ SolvedRoles solved_accelerations(Builder& b) {
   SweepBuilder in = b.sweep("residuals", "e = tau - (C v + g) - p.J, ddq0 = e / D; p_p += p + V e", Direction::inwards);
   const Twist reaction{in.carried3(handed, 0), in.carried3(handed, 3)}, joint = joint_of(in, p);
   in.store(total, reaction);
-  const Sym residual = in.effort() - in.own(bias) - element(reaction, joint);
+  const Sym reacting = element(reaction, joint), biased = in.own(bias), residual = in.effort() - biased - reacting;
   in.store(start, residual * in.own(a.inverse_pivot));
   const Twist gain{in.own3(a.gain, 0), in.own3(a.gain, 3)};
   in.hand_on(handed, reaction.linear + residual * gain.linear, 0);
@@ -222,7 +223,10 @@ SolvedRoles solved_accelerations(Builder& b) {
   if (b.base_coordinates() > 0) {
     const BaseFactors f = base_factors_of(b, base);
     const Twist effort = base.base_effort(), own_bias = base_bias(b, base);
-    x = {effort.linear - own_bias.linear - base.own3(total, 0), effort.angular - own_bias.angular - base.own3(total, 3)};
+    const Vec3 below = base.own3(total, 0);
+    x.linear = effort.linear - own_bias.linear - below;
+    const Vec3 turning_below = base.own3(total, 3);
+    x.angular = effort.angular - own_bias.angular - turning_below;
     if (external >= 0) x = {x.linear + base.own3(external, 0), x.angular + base.own3(external, 3)};
     for (int k = 5; k >= 0; --k)
       for (int i = 0; i < k; ++i)
@@ -239,7 +243,7 @@ SolvedRoles solved_accelerations(Builder& b) {
 
   SweepBuilder out = b.sweep("accelerate", "ddq = ddq0 - V.dV_p, dV = dV_p + J ddq", Direction::outwards);
   const Twist above{out.carried3(motion, 0), out.carried3(motion, 3)}, own_gain{out.own3(a.gain, 0), out.own3(a.gain, 3)};
-  const Sym acceleration = out.own(start) - element(own_gain, above);
+  const Sym taken = element(own_gain, above), acceleration = out.own(start) - taken;
   out.store(solved, acceleration);
   out.store(motion, body_twist(above, joint_of(out, p), acceleration));
   return roles;

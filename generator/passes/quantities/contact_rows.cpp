@@ -338,7 +338,8 @@ void ContactRows::changes(Builder& b, bool by_q, int array) const {
   if (frame_.body >= 0) {
     SweepBuilder s = b.sweep("changes_" + by + name(), equation, Direction::anywhere, moving);
     const auto six = [&](int own) { return Twist{s.own3(own, 0), s.own3(own, 3)}; };
-    add(s, joint_of(s, p), six(motion.drift), six(motion.rates), six(motion.curvature), -1);
+    const Twist curvature = six(motion.curvature), rates = six(motion.rates), drift = six(motion.drift);
+    add(s, joint_of(s, p), drift, rates, curvature, -1);
   }
   if (b.base_coordinates() > 0) {
     SweepBuilder base = b.sweep_of_base("base_changes_" + by + name(), equation);

@@ -112,10 +112,15 @@ int less_external(Builder& b, int torque, int base_wrench) {
   if (b.has(name)) return rest;
   const Poses p = poses(b, Frame::base);
   SweepBuilder s = b.sweep(name, of.meaning + " - E.J", Direction::anywhere);
-  s.store(rest, s.own(torque) - element({s.own3(external, 0), s.own3(external, 3)}, joint_of(s, p)));
+  const Twist joint = joint_of(s, p);
+  const Sym borne = element({s.own3(external, 0), s.own3(external, 3)}, joint);
+  s.store(rest, s.own(torque) - borne);
   if (base_wrench >= 0 && b.base_coordinates() > 0) {
     SweepBuilder base = b.sweep_of_base("base_" + name, of.meaning + " - E");
-    for (int j = 0; j < 6; ++j) base.store(rest, 0, base.own(base_wrench, j) - base.own(external, j), j);
+    for (int j = 0; j < 6; ++j) {
+      const Sym borne_by_base = base.own(external, j);
+      base.store(rest, 0, base.own(base_wrench, j) - borne_by_base, j);
+    }
   }
   return rest;
 }
@@ -139,7 +144,7 @@ WorldWrenchRoles world_wrenches(Builder& b) {
     if (!pushed.in_world) continue;
     const Vec3 f = s.of3(-1, pushed.wrench, 0), n = s.of3(-1, pushed.moment);
     const Vec3 velocity = joint.linear + cross(joint.angular, s.of3(-1, pushed.origin));
-    const Vec3 own = cross(f, velocity) + cross(n, joint.angular);
+    const Vec3 turned = cross(n, joint.angular), own = cross(f, velocity) + turned;
     lower = lower + bears(s, i) * own;
   }
   s.store(roles.lower, lower);

@@ -10,7 +10,8 @@ int unbalanced(Builder& b) {
   const int residual = b.role({"unbalanced", "e", "tau - (C v + g)", "N, N m", ir::Shape::scalar});
   if (b.has("unbalanced")) return residual;
   SweepBuilder s = b.sweep("unbalanced", "e = tau - (C v + g)", ir::Direction::anywhere);
-  s.store(residual, s.parameter(own_coordinate_p) * s.effort() - s.own(bias));
+  const Sym biased = s.own(bias), motor = s.effort();
+  s.store(residual, s.parameter(own_coordinate_p) * motor - biased);
   if (b.base_coordinates() == 0) return residual;
   SweepBuilder base = b.sweep_of_base("base_unbalanced", "e = tau - (C v + g)");
   const Twist effort = base.base_effort();

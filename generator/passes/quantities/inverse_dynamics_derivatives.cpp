@@ -67,7 +67,7 @@ int subtree_wrench(Builder& b, const Poses& p, const SumRoles& own, int accelera
   if (b.has("body_wrenches")) return total;
   SweepBuilder s = b.sweep("body_wrenches", "[f; n] = I A + B V of the body", Direction::anywhere);
   const Sums sums = sums_of(s, own);
-  const Twist inertial = apply_inertia(s.parameter(mass_p), sums, acceleration_of(s, acceleration));
+  const Twist accelerated = acceleration_of(s, acceleration), inertial = apply_inertia(s.parameter(mass_p), sums, accelerated);
   s.store(body, sum(inertial, apply_bias(sums, velocity_of(s, p))));
 
   SweepBuilder a = b.sweep("accumulate_wrenches", "f, n summed over the subtree", Direction::inwards);
@@ -129,7 +129,8 @@ Factors factors(Builder& b) {
   s.store(r.transposed, transposed + transposed);
   const Twist curved = apply_inertia(m, subtree, {s.own3(r.curvature, 0), s.own3(r.curvature, 3)});
   const Twist biased = twice(apply_bias(subtree, axis_rate));
-  Twist by_position = sum(sum(curved, biased), turned(axis, f));
+  const Twist with_axis = turned(axis, f);
+  Twist by_position = sum(sum(curved, biased), with_axis);
   if (in_world.derivative >= 0)
     by_position = sum(by_position, {s.own3(in_world.derivative, 0), s.own3(in_world.derivative, 3)});
   s.store(r.by_position, by_position);

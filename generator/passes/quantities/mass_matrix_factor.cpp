@@ -35,12 +35,15 @@ int diagonal_apart(Builder& b) {
   const Poses p = poses(b);
   const int force = forces(b).inertia;
   SweepBuilder s = b.sweep("diagonals_apart", "M_kk = F_k.J_k", Direction::anywhere);
-  s.store(role, element({s.own3(force, 0), s.own3(force, 3)}, joint_of(s, p)) + s.parameter(armature_p));
+  const Sym armature = s.parameter(armature_p);
+  const Twist joint = joint_of(s, p);
+  s.store(role, element({s.own3(force, 0), s.own3(force, 3)}, joint) + armature);
   if (b.base_coordinates() == 0) return array;
   SweepBuilder base = b.sweep_of_base("base_diagonals", "M_BB = A*");
   for (int k = 0; k < 6; ++k) {
     const Twist unit = unit_twist(base, k);
-    base.store(role, 0, element(apply_inertia(base.own(composite_mass(b)), sums_of(base, subtree_sums(b)), unit), unit), k);
+    const Sums sums = sums_of(base, subtree_sums(b));
+    base.store(role, 0, element(apply_inertia(base.own(composite_mass(b)), sums, unit), unit), k);
   }
   return array;
 }

@@ -62,14 +62,21 @@ NewtonEuler newton_euler(Builder& b, Driven driven) {
   const Motion parent{out.carried3(motion.angular), out.carried3(motion.angular_acceleration),
                       out.carried3(motion.acceleration)};
   const BodyConstants body = out.body();
-  Motion state = b.tree().any_quaternion() ? propagate(parent, body, out.position(), out.joint_twist())
-                                           : propagate(parent, body, out.position(), out.rate());
+  Motion state;
+  if (b.tree().any_quaternion()) {
+    const Twist joint = out.joint_twist();
+    state = propagate(parent, body, out.position(), joint);
+  } else {
+    const Sym rate = out.rate();
+    state = propagate(parent, body, out.position(), rate);
+  }
   if (accelerated) accelerate(state, body, out.acceleration());
   store(out, motion, state);
 
   SweepBuilder wrenches =
       b.sweep(motions + "wrenches", "f = m a + dw x h + w x (w x h), n = h x a + I dw + w x I w", Direction::anywhere);
-  const Force f = body_force(motion_of(wrenches, motion), wrenches.body());
+  const BodyConstants inertia = wrenches.body();
+  const Force f = body_force(motion_of(wrenches, motion), inertia);
   wrenches.store(wrench, f.force, 0);
   wrenches.store(wrench, f.torque, 3);
 
@@ -82,11 +89,17 @@ NewtonEuler newton_euler(Builder& b, Driven driven) {
   const Vec3 torque_below = in.carried3(wrench, 3), turning = in.own3(wrench, 3) + torque_below;
   in.store(total, force, 0);
   in.store(total, turning, 3);
-  const Sym rate = in.rate(), friction = in.parameter(friction_p) * Sym{rate.graph, rate.graph->sign(rate.id)};
+  const Sym rate = in.rate(), sign{rate.graph, rate.graph->sign(rate.id)}, friction = in.parameter(friction_p) * sign;
   const Sym damping = in.parameter(damping_p) * rate;
   Sym own = sum_of_products(k.turning, turning[2], k.sliding, force[2]) + damping + friction;
-  if (b.tree().any_spring()) own = own + in.parameter(stiffness_p) * (in.coordinate() - in.parameter(rest_p));
-  if (accelerated) own = own + in.parameter(armature_p) * in.acceleration();
+  if (b.tree().any_spring()) {
+    const Sym rest = in.parameter(rest_p), strain = in.coordinate() - rest;
+    own = own + in.parameter(stiffness_p) * strain;
+  }
+  if (accelerated) {
+    const Sym acceleration = in.acceleration();
+    own = own + in.parameter(armature_p) * acceleration;
+  }
   in.store(torque, own);
   const Vec3 origin = k.translation + q.displacement * column(k.rotation, 2), moved = to_parent(k, q, force);
   in.hand_on(wrench, moved, 0);

@@ -14,7 +14,7 @@ namespace {
 int spring_energy(Builder& b) {
   const int energy = b.role({"spring_energy", "Us", "energy of the subtree's springs", "J", Shape::scalar});
   SweepBuilder in = b.sweep("springs", "Us = Us_below + k (q - rest)^2/2", Direction::inwards);
-  const Sym strain = in.coordinate() - in.parameter(rest_p), square = strain * strain, below = in.carried(energy);
+  const Sym rest = in.parameter(rest_p), strain = in.coordinate() - rest, square = strain * strain, below = in.carried(energy);
   const Sym total = in.parameter(half_stiffness_p) * square + below;
   in.store(energy, total);
   in.hand_on(energy, 0, total);

@@ -59,7 +59,8 @@ Poses poses(Builder& b, Frame frame) {
     const Vec3 turning = here.rotation * s.parameter3(joint_twist_p + 3), sliding = here.rotation * s.parameter3(joint_twist_p),
                lever = cross(here.position, turning);
     before = {above.linear + sliding + lever, above.angular + turning};
-    velocity = body_twist(before, joint, s.parameter(moves_p) * s.rate());
+    const Sym rate = s.rate();
+    velocity = body_twist(before, joint, s.parameter(moves_p) * rate);
   } else {
     velocity = body_twist(above, joint, s.rate());
   }
@@ -123,7 +124,8 @@ BodyAndSubtree body_and_subtree_sums(Builder& b, Frame frame) {
   SweepBuilder m = b.sweep(in + "moments", "h = R hk + m p, S = R Sk R' + R hk p' + p (R hk)' + m p p'", Direction::anywhere);
   const BodyConstants c = m.body();
   Sums s = moments(pose_of(m, p), c);
-  add_velocity(s, velocity_of(m, p), c.mass, b.half_traces() ? c.half_trace : m.constant(0));
+  const Sym half_trace = b.half_traces() ? c.half_trace : m.constant(0);
+  add_velocity(s, velocity_of(m, p), c.mass, half_trace);
   m.store(own.first, s.first);
   for (int i = 0; i < 6; ++i) m.store(own.second, i, s.second[static_cast<std::size_t>(i)]);
   m.store(own.momentum, s.momentum);
@@ -184,7 +186,8 @@ ForceRoles forces(Builder& b, Frame frame) {
     if (coordinate < 0) s.store(r.transposed, apply_bias_transposed(subtree, joint));
   };
   SweepBuilder s = b.sweep(in + "forces", "F = A* J, G = A* dJ + B* J, H = P x Jv + D' Jw", Direction::anywhere);
-  add(s, joint_of(s, p), {s.own3(p.joint_rate, 0), s.own3(p.joint_rate, 3)}, -1);
+  const Twist joint_rate{s.own3(p.joint_rate, 0), s.own3(p.joint_rate, 3)};
+  add(s, joint_of(s, p), joint_rate, -1);
   if (b.base_coordinates() == 0) return r;
   SweepBuilder base = b.sweep_of_base(in + "base_forces", "M_BB = A*, C_BB = A* ad(V) + B*");
   for (int j = 0; j < b.base_coordinates(); ++j) {
@@ -207,7 +210,9 @@ GravityRoles gravity_torques(Builder& b) {
   root.store(down, root.gravity_in_base());
 
   SweepBuilder out = b.sweep("falling", "down = (Rk Rz(q))' down_p", Direction::outwards);
-  out.store(down, to_child(out.body(), out.position(), out.carried3(down)));
+  const Vec3 above = out.carried3(down);
+  const JointPosition position = out.position();
+  out.store(down, to_child(out.body(), position, above));
 
   SweepBuilder in =
       b.sweep("weights", "g = " + either_way("-(h x down)_z", "-m down_z") + "; h_p += Rk Rz(q) h + m p", Direction::inwards);
