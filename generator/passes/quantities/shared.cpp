@@ -150,7 +150,8 @@ BodyAndSubtree christoffel_sums(Builder& b, Frame frame) {
   SweepBuilder m = b.sweep(in + "moments", "D of the body without t", Direction::anywhere);
   const BodyConstants c = m.body();
   Sums s = moments(pose_of(m, p), c);
-  add_velocity(s, velocity_of(m, p), c.mass, m.constant(0));
+  const Sym without_trace = m.constant(0);
+  add_velocity(s, velocity_of(m, p), c.mass, without_trace);
   for (int i = 0; i < 3; ++i) m.store(all.body.bias, s.bias[static_cast<std::size_t>(i)], 3 * i);
   SweepBuilder a = accumulate(b, in + "accumulate", "D without t");
   add_up(a, all.body.bias, all.subtree.bias, Shape::matrix);
