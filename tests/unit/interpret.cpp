@@ -204,6 +204,21 @@ class RolledRun {
     for (const Carried& c : step.carried) carried.at({c.role, c.component}).front() = value(c.node);
   }
 
+  // Where blocks find a joint of the limb above a lane.
+  int slot_above(const Segment& segment, const BlocksAbove& above, std::size_t lane, int r) const {
+    const LimbRows& limb = above.limbs[lane];
+    if (segment.limb_after_limb) return limb.slot + r * limb.stride;
+    switch (above.where) {
+      case BlocksAbove::Where::one: return above.one.slot + r * above.one.stride;
+      case BlocksAbove::Where::lanes: {
+        const Segment& other = plan_.segments[static_cast<std::size_t>(above.segment)];
+        return other.first_slot + r * other.width + above.lanes[lane];
+      }
+      case BlocksAbove::Where::slots: break;
+    }
+    return above.slots_of[static_cast<std::size_t>(r) * above.limbs.size() + lane];
+  }
+
   // Matrices of pairs, block by block as they are laid out. Where joints follow others, their rows and columns stand apart
   // until all are there.
   void elements(const PairBlocks& group, const ElementSums& sums) {
@@ -229,28 +244,29 @@ class RolledRun {
       }
       return sum;
     };
-    for (const SegmentBlocks& blocks : group.segments)
+    for (std::size_t s = 0; s < group.segments.size(); ++s) {
+      const SegmentBlocks& blocks = group.segments[s];
       for (std::size_t lane = 0; lane < blocks.limbs.size(); ++lane)
         for (int c = 0; c < blocks.limbs[lane].joints(); ++c) {
           const LimbRows& limb = blocks.limbs[lane];
           const int column = limb.row + c, here = limb.slot + c * limb.stride;
-          const auto with = [&](const LimbRows& upper, int count) {
-            for (int r = 0; r < count; ++r) {
-              const int there = upper.slot + r * upper.stride, at = upper.row + r;
-              const double above = dot(sums.above, here, there);
-              put(at, column, above);
-              if (at == column) continue;
-              if (sums.symmetric) put(column, at, above);
-              if (!sums.below.empty()) put(column, at, dot(sums.below, here, there));
-            }
+          const auto element = [&](int at, int there) {
+            const double above = dot(sums.above, here, there);
+            put(at, column, above);
+            if (at == column) return;
+            if (sums.symmetric) put(column, at, above);
+            if (!sums.below.empty()) put(column, at, dot(sums.below, here, there));
           };
-          with(limb, c + 1);
-          for (const BlocksAbove& above : blocks.above) with(above.limbs[lane], above.limbs[lane].joints());
+          for (int r = 0; r <= c; ++r) element(limb.row + r, limb.slot + r * limb.stride);
+          for (const BlocksAbove& above : blocks.above)
+            for (int r = 0; r < above.limbs[lane].joints(); ++r)
+              element(above.limbs[lane].row + r, slot_above(plan_.segments[s], above, lane, r));
           for (int j = 0; j < 6 && base.columns >= 0; ++j) {
             put(j, column, kept(base.columns, j, here));
             if (base.rows >= 0) put(column, j, kept(base.rows, j, here));
           }
         }
+    }
     for (std::size_t e = 0; e < group.following.to.size(); ++e) {
       double& to = m.data()[group.following.to[e]];
       to = (static_cast<int>(e) < group.following.set ? 0 : to) + apart[static_cast<std::size_t>(group.following.from[e])];
