@@ -10,12 +10,13 @@
 #include "backend/kept.hpp"
 #include "dalembert/chain_shapes.hpp"
 #include "ir/coordinate_tree.hpp"
+#include "ir/latency.hpp"
 
 namespace dalembert::backend {
 namespace {
 
-// Cycles, as on most processors of today; two multiply-adds begin in one.
-constexpr double latency = 4, divide_latency = 13, begun_in_a_cycle = 2;
+// Multiply-adds.
+constexpr double begun_in_a_cycle = 2;
 // Numbers stored one by one must have reached the cache before lanes can read them together.
 constexpr double until_lanes_read = 1.1;
 
@@ -72,10 +73,10 @@ class Work {
   bool absorbs(const ir::Node& n) const { return fused_ && (is_product(n.a) || is_product(n.b)); }
   double cycles(const ir::Node& n, ir::NodeId id) const {
     switch (n.op) {
-      case ir::Op::multiply: return fused_ && used(id) == 1 ? 0 : latency;
-      case ir::Op::divide: return divide_latency;
+      case ir::Op::multiply: return fused_ && used(id) == 1 ? 0 : ir::latency;
+      case ir::Op::divide: return ir::divide_latency;
       case ir::Op::negate: return 0;
-      default: return latency;
+      default: return ir::latency;
     }
   }
 

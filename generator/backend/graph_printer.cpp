@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "backend/literals.hpp"
+#include "ir/latency.hpp"
 
 namespace dalembert::backend {
 namespace {
@@ -19,9 +20,7 @@ using ir::Op;
 
 constexpr int longest_expression = 14;  // operations
 
-// Cycles, as on most processors of today.
-constexpr int latency = 4, divide_latency = 14;
-constexpr int early = -1000;  // does not wait for the step before
+constexpr int early = -1000;  // a cycle: does not wait for the step before
 
 enum Precedence { sum = 1, product = 2, sign = 3, atom = 4 };
 
@@ -134,8 +133,8 @@ class Printer {
 
   // When a chain of multiply-adds in this order is done.
   static int done(const std::vector<Term>& terms) {
-    int ready = after(terms.front().ready, terms.front().is_product ? latency : 0);
-    for (size_t i = 1; i < terms.size(); ++i) ready = after(std::max(ready, terms[i].ready), latency);
+    int ready = after(terms.front().ready, terms.front().is_product ? ir::latency : 0);
+    for (size_t i = 1; i < terms.size(); ++i) ready = after(std::max(ready, terms[i].ready), ir::latency);
     return ready;
   }
 
@@ -170,8 +169,8 @@ class Printer {
       return std::tuple(a.ready, a.is_product, a.negative) < std::tuple(b.ready, b.is_product, b.negative);
     });
     for (size_t i = 0; i < terms.size(); ++i) halves[(terms.size() - i) % 2].push_back(terms[i]);
-    const int ready = after(std::max(done(halves[0]), done(halves[1])), latency);
-    if (t.ready - ready < 2 * latency) return;
+    const int ready = after(std::max(done(halves[0]), done(halves[1])), ir::latency);
+    if (t.ready - ready < 2 * ir::latency) return;
     t.ready = ready;
     const bool negated = halves[1].front().negative;
     t.text = chain(halves[0]) + (negated ? " - (" : " + (") + chain(halves[1], negated) + ")";
@@ -179,12 +178,12 @@ class Printer {
 
   Text expression(const ir::Node& n, NodeId id) const {
     const auto binary = [&](const char* op, int precedence, int right) {
-      return Text{
-          operand(n.a, precedence) + op + operand(n.b, right),
-          precedence,
-          1 + text_of_[at(n.a)].operations + text_of_[at(n.b)].operations,
-          {},
-          after(std::max(text_of_[at(n.a)].ready, text_of_[at(n.b)].ready), n.op == Op::divide ? divide_latency : latency)};
+      return Text{operand(n.a, precedence) + op + operand(n.b, right),
+                  precedence,
+                  1 + text_of_[at(n.a)].operations + text_of_[at(n.b)].operations,
+                  {},
+                  after(std::max(text_of_[at(n.a)].ready, text_of_[at(n.b)].ready),
+                        n.op == Op::divide ? ir::divide_latency : ir::latency)};
     };
     switch (n.op) {
       case Op::constant: {

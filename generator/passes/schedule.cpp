@@ -5,14 +5,13 @@
 #include <cstdint>
 #include <tuple>
 
+#include "ir/latency.hpp"
+
 namespace dalembert::passes {
 namespace {
 
 using ir::NodeId;
 using ir::Op;
-
-// Cycles, as on most processors of today.
-constexpr int latency = 4, divide_latency = 13;
 
 // A value that has a name, and the values without one that it alone is made of.
 struct Statement {
@@ -63,8 +62,8 @@ class Schedule {
     switch (op) {
       case Op::add:
       case Op::subtract:
-      case Op::multiply: return latency;
-      case Op::divide: return divide_latency;
+      case Op::multiply: return ir::latency;
+      case Op::divide: return ir::divide_latency;
       default: return 0;
     }
   }
