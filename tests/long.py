@@ -1,6 +1,6 @@
 """Everything that takes hours, by one command that may be stopped and gone on with: see tests/long.sh.
 
-A stage that has passed leaves a note in build/long, with what it was run on: the commit, and what differs from it. Exit status: 0
+A stage that has passed leaves a note in build/long, with what it was run on: a digest of the files that it is about. Exit status: 0
 all stages asked for have passed, 1 one has failed, 2 a stage is asked for that there is none of.
 """
 import argparse
@@ -40,12 +40,13 @@ STAGES = {
 }
 
 
-def state_of_tree():
-    """The commit, and a digest of what is not committed."""
-    def git(*words):
-        return subprocess.run(["git", *words], cwd=ROOT, capture_output=True, check=True).stdout
-    changed = git("diff", "HEAD", "--", ".", ":!tests/README.md") + git("status", "--porcelain", "--", ".", ":!tests/README.md")
-    return git("rev-parse", "HEAD").decode().strip() + " " + hashlib.sha256(changed).hexdigest()[:16]
+def state_of_tree(stage):
+    """A digest of the files that the stage is about, committed or not: pages are the release's alone."""
+    files = [".", ":!tests/README.md"] + ([] if stage == "release" else [":!docs", ":!*.md"])
+    digest = hashlib.sha256()
+    for words in (["ls-files", "--stage"], ["diff", "HEAD"], ["status", "--porcelain"]):
+        digest.update(subprocess.run(["git", *words, "--", *files], cwd=ROOT, capture_output=True, check=True).stdout)
+    return digest.hexdigest()[:16]
 
 
 def note_of(stage):
@@ -116,12 +117,11 @@ def main():
     if options.random:
         STAGES["random"][2].update(DALEMBERT_RANDOM_ROBOTS=str(options.random),
                                    DALEMBERT_RANDOM_SCENES=str(max(1, options.random // 30)))
-    tree = state_of_tree()
     if options.list:
         for stage, (what, _, _) in STAGES.items():
             note = note_of(stage)
             state = "not run here" if not note else ("passed" if note["passed"] else "failed") + \
-                ("" if note["tree"] == tree else " on another tree") + f", {in_words(note['seconds'])}"
+                ("" if note["tree"] == state_of_tree(stage) else " on another tree") + f", {in_words(note['seconds'])}"
             print(f"{stage:8} {what}: {state}")
         return 0
     NOTES.mkdir(parents=True, exist_ok=True)
@@ -130,6 +130,7 @@ def main():
     for number, stage in enumerate(wanted, 1):
         note, log = note_of(stage), NOTES / f"{stage}.log"
         head = f"== [{number}/{len(wanted)}] {stage}: {STAGES[stage][0]}"
+        tree = state_of_tree(stage)
         if note and note["passed"] and note["tree"] == tree and not options.again:
             print(f"{head}; passed on this tree already ({in_words(note['seconds'])})")
             continue
