@@ -142,20 +142,39 @@ std::string frames(const ir::Scene& scene) {
   return text;
 }
 
-// Whose rows are whose.
-std::string contacts_and_loops(const ir::Scene& scene) {
-  if (!scene.any_constraint()) return "";
-  std::vector<std::string> called;  // in the order of rows
-  for (const ir::Contact& c : scene.contacts) called.push_back(c.name + ": " + word_of(ir::contact_words(), c.type));
-  for (const ir::Loop& l : scene.loops) called.push_back(l.name + ": " + word_of(ir::loop_words(), l.type));
-  std::string text = "\ncontacts and loops (name: type, link, rows of the constraints):\n";
+// Whose rows are whose, in the order of rows.
+struct OwnRows {
+  std::string name, type, of;
+  int first = 0, count = 0;
+};
+std::vector<OwnRows> rows_of_constraints(const ir::Scene& scene) {
+  std::vector<OwnRows> all;
+  for (const ir::Contact& c : scene.contacts) all.push_back({c.name, word_of(ir::contact_words(), c.type), "", 0, 0});
+  for (const ir::Loop& l : scene.loops) all.push_back({l.name, word_of(ir::loop_words(), l.type), "", 0, 0});
   const std::vector<ir::Constraint> constraints = scene.constraints();
+  all.resize(constraints.size());
   int row = 0;
   for (size_t i = 0; i < constraints.size(); row += constraints[i++].rows)
-    text += fmt::format("  {}, {}, {}\n", called[i], constraints[i].of,
-                        constraints[i].rows == 1 ? fmt::format("row {}", row)
-                                                 : fmt::format("rows {} to {}", row, row + constraints[i].rows - 1));
+    all[i].of = constraints[i].of, all[i].first = row, all[i].count = constraints[i].rows;
+  return all;
+}
+
+std::string contacts_and_loops(const ir::Scene& scene) {
+  if (!scene.any_constraint()) return "";
+  std::string text = "\ncontacts and loops (name: type, link, rows of the constraints):\n";
+  for (const OwnRows& c : rows_of_constraints(scene))
+    text += fmt::format(
+        "  {}: {}, {}, {}\n", c.name, c.type, c.of,
+        c.count == 1 ? fmt::format("row {}", c.first) : fmt::format("rows {} to {}", c.first, c.first + c.count - 1));
   return text;
+}
+
+std::string constraints_json(const ir::Scene& scene) {
+  std::string text;
+  for (const OwnRows& c : rows_of_constraints(scene))
+    text += fmt::format("{}\n    {}: {{\"type\": {}, \"of\": {}, \"first_row\": {}, \"rows\": {}}}", text.empty() ? "" : ",",
+                        json_string(c.name), json_string(c.type), json_string(c.of), c.first, c.count);
+  return text.empty() ? "" : fmt::format("  \"constraints\": {{{}\n  }},\n", text);
 }
 
 // Row and column i, k of M are structurally non-zero when one body is the other's ancestor; the base is everyone's.
@@ -308,11 +327,11 @@ std::string describe_json(const Model& model) {
   const std::vector<OperationCost> before = too_large_to_compare(lowered) ? std::vector<OperationCost>{} : costs_before(model);
   return fmt::format(
       "{{\n  \"robot\": {},\n  \"name\": {},\n  \"base\": \"{}\",\n  \"nq\": {},\n  \"nv\": {},\n  \"joints\": {},\n"
-      "  \"bodies\": {},\n{}  \"workspace_bytes\": {},\n  \"quantities\": {{{}\n  }},\n  \"without_scene\": {{{}\n  }},\n"
+      "  \"bodies\": {},\n{}{}  \"workspace_bytes\": {},\n  \"quantities\": {{{}\n  }},\n  \"without_scene\": {{{}\n  }},\n"
       "  \"executed\": {{{}\n  }},\n  \"plan\": {{{}\n  }},\n  \"estimates\": {{{}\n  }}\n}}\n",
       json_string(tree.robot), json_string(model.name), ir::row_of(tree.base_joint).word, tree.nq(), tree.nv(),
-      json_array(joints), json_array(ir::names_of_links(tree)), parts_json(model), workspace_bytes(model, lowered),
-      quantities_json(operation_costs(lowered, tree)), quantities_json(before),
+      json_array(joints), json_array(ir::names_of_links(tree)), constraints_json(model.scene), parts_json(model),
+      workspace_bytes(model, lowered), quantities_json(operation_costs(lowered, tree)), quantities_json(before),
       executed_json(executed_operations(model, lowered)), plan_json(lowered), features_json(model, lowered));
 }
 

@@ -943,6 +943,11 @@ TEST(SceneOptions, InfoSaysWhoseRowsAreWhose) {
             "  rod: distance, link tool and link hand, row 9\n"
             "  pair: pin, link base and link finger, rows 10 to 11\n");
   EXPECT_EQ(told({}), "");
+  const std::string json =
+      info({"--json", "--contacts", "{toe: {link: finger, type: point}, hand: weld}", "--outputs", "constraint_jacobian"}).out;
+  EXPECT_NE(json.find("\"hand\": {\"type\": \"weld\", \"of\": \"link hand\", \"first_row\": 3, \"rows\": 6}"), json.npos)
+      << json;
+  EXPECT_EQ(info({"--json"}).out.find("\"constraints\""), std::string::npos);
 }
 
 TEST(SceneOptions, OfAKeyGivenTwiceTheLargeNumbersAreTheOptions) {
