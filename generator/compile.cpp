@@ -113,7 +113,7 @@ void decide_tasks(const Model& model, Lowered& lowered) {
       serial += backend::estimate(*section, backend::usual_lanes(*section));
     bool pays = f.is_rolled() && !f.elsewhere && (!automatic || serial > too_little);
     plan.sweeps_apart = pays && backend::better_apart(f);  // code sees it
-    if (automatic) pays = pays && backend::worth_a_graph(backend::plan_tasks(f));
+    if (automatic) pays = pays && ir::worth_a_graph(backend::plan_tasks(f));
     plan.sweeps_apart = plan.sweeps_apart && pays;
     for (LoweredSection& section : lowered.functions[i].sections)
       if (automatic) section.plan.tasks = pays;

@@ -29,7 +29,7 @@ void decide_tasks(const Model& model, Lowered& lowered);
 struct FunctionTasks {
   std::string function;
   bool emitted = false;
-  backend::TaskPlan plan;
+  ir::TaskPlan plan;
   int lanes = 4;  // of the registers that this is expected on
 };
 std::vector<FunctionTasks> tasks_of_functions(const Model& model, Lowered lowered);

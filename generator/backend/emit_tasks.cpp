@@ -13,6 +13,9 @@
 namespace dalembert::backend {
 namespace {
 
+using ir::Task;
+using ir::TaskPlan;
+
 std::string calls_text(const Task& task) {
   return task.calls.size() == 1 ? " " + task.calls.front() + "; "
                                 : fmt::format("\n    {};\n  ", fmt::join(task.calls, ";\n    "));
@@ -49,14 +52,14 @@ std::string divided_text(const CodeInput& code, const TaskPlan& plan) {
     const Task& task = plan.preparations[p];
     text += fmt::format("  {}work_.prepare({}, {});\n",
                         needed.contains(static_cast<int>(p)) ? fmt::format("const int {} = ", task.name) : "",
-                        work(task, "int place"), code.plan.weigh_tasks ? units_of(task.nanoseconds) : 0);
+                        work(task, "int place"), code.plan.weigh_tasks ? ir::units_of(task.nanoseconds) : 0);
   }
   for (const Task& task : plan.tasks) {
     std::vector<std::string> needs;
     for (const int p : task.after) needs.push_back(plan.preparations[static_cast<size_t>(p)].name);
     text += fmt::format("  work_.add({}, {}, {}, {}, {{{}}});\n",
                         work(task, task.step > 0 ? "int place, int begin, int end" : "int place, int, int"), task.columns,
-                        task.step, units_of(task.nanoseconds), fmt::join(needs, ", "));
+                        task.step, ir::units_of(task.nanoseconds), fmt::join(needs, ", "));
   }
   if (!plan.end->calls.empty()) text += fmt::format("  work_.end_with({});\n", work(*plan.end, "int place"));
   return text;

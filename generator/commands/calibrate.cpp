@@ -161,7 +161,7 @@ void measure_threads(ir::MachineCosts& costs, const fs::path& folder, const Comp
     auto with = std::make_shared<ir::MachineCosts>(costs);
     with->threads.coming *= factor, with->threads.parting *= factor;
     const Model model = model_of(c, folder, with, "tasks");
-    return backend::schedule_tasks(tasks_of_functions(model, lower(model)).front().plan, 2).nanoseconds;
+    return ir::schedule_tasks(tasks_of_functions(model, lower(model)).front().plan, 2).nanoseconds;
   };
   double factor = 0;
   std::vector<double> measured;

@@ -11,14 +11,14 @@
 namespace dalembert {
 namespace {
 
-using backend::Task;
+using ir::Task;
 
 std::string of_function(const FunctionTasks& f, int threads) {
   const std::vector<Task>& tasks = f.plan.tasks;
-  const double serial = backend::serial_time(f.plan), longest = backend::critical_path(f.plan);
+  const double serial = ir::serial_time(f.plan), longest = ir::critical_path(f.plan);
   if (tasks.size() == 1 && !f.plan.divided())
     return fmt::format("  {}: one task, {}; nothing to be gained by a second thread\n", f.function, time_text(serial));
-  const backend::TaskSchedule schedule = backend::schedule_tasks(f.plan, threads);
+  const ir::TaskSchedule schedule = ir::schedule_tasks(f.plan, threads);
   std::string text = fmt::format(
       "  {}: {}, {} one after another, {} along the longest way{}\n    on {} thread{}: {}, {:.2f} times as fast as serial "
       "code; "
@@ -26,11 +26,11 @@ std::string of_function(const FunctionTasks& f, int threads) {
       f.function, f.plan.divided() ? "elements in stretches" : fmt::format("{} tasks", tasks.size()), time_text(serial),
       time_text(longest), f.emitted ? "" : "; nothing for several threads is generated (parallel: tasks would)", threads,
       threads == 1 ? "" : "s", time_text(threads == 1 ? serial : schedule.nanoseconds),
-      threads == 1 ? 1.0 : serial / schedule.nanoseconds, backend::useful_threads(f.plan));
+      threads == 1 ? 1.0 : serial / schedule.nanoseconds, ir::useful_threads(f.plan));
   std::string counts, ratios;
   for (int p = 1; p <= 64; p *= 2) {
     counts += fmt::format("{:>7}", p);
-    ratios += fmt::format("{:>7.2f}", p == 1 ? 1.0 : serial / backend::schedule_tasks(f.plan, p).nanoseconds);
+    ratios += fmt::format("{:>7.2f}", p == 1 ? 1.0 : serial / ir::schedule_tasks(f.plan, p).nanoseconds);
   }
   text += fmt::format("    threads  {}\n    speed-up {}\n", counts, ratios);
   if (f.plan.divided()) {
@@ -44,7 +44,7 @@ std::string of_function(const FunctionTasks& f, int threads) {
   }
   text += "    on the longest way:";
   // From its end back: of what a task comes after, that which ends last in a world of enough threads.
-  const backend::TaskSchedule enough = backend::schedule_tasks(f.plan, static_cast<int>(tasks.size()));
+  const ir::TaskSchedule enough = ir::schedule_tasks(f.plan, static_cast<int>(tasks.size()));
   std::vector<std::string> way;
   const auto add = [&](const Task& t) { way.push_back(fmt::format("{} ({})", t.name, time_text(t.nanoseconds))); };
   int task = 0;
@@ -75,7 +75,7 @@ std::string tasks_svg(const std::vector<FunctionTasks>& functions, int threads) 
     return a.plan.tasks.size() < b.plan.tasks.size();
   });
   const std::vector<Task>& tasks = f.plan.tasks;
-  const backend::TaskSchedule schedule = backend::schedule_tasks(f.plan, threads);
+  const ir::TaskSchedule schedule = ir::schedule_tasks(f.plan, threads);
   constexpr double left = 70, width = 1000, row = 44, box = 30, top = 40;
   const double height = top + row * threads + 30, scale = width / std::max(schedule.nanoseconds, 1.0);
   std::string svg = fmt::format(
@@ -84,18 +84,18 @@ std::string tasks_svg(const std::vector<FunctionTasks>& functions, int threads) 
       "tasks on {} threads, "
       "{} expected, {:.2f} times as fast as serial code</text>\n",
       left + width + 20, height, backend::banner_mark, left, f.function, tasks.size(), threads, time_text(schedule.nanoseconds),
-      backend::serial_time(f.plan) / std::max(schedule.nanoseconds, 1.0));
+      ir::serial_time(f.plan) / std::max(schedule.nanoseconds, 1.0));
   const auto y = [&](int thread) { return top + row * thread; };
   for (int t = 0; t < threads; ++t) svg += fmt::format("<text x=\"4\" y=\"{:.0f}\">thread {}</text>\n", y(t) + 19, t + 1);
   for (size_t t = 0; t < tasks.size(); ++t)
     for (const int a : tasks[t].after) {
-      const backend::Run &from = schedule.runs[static_cast<size_t>(a)], &to = schedule.runs[t];
+      const ir::Run &from = schedule.runs[static_cast<size_t>(a)], &to = schedule.runs[t];
       if (from.thread == to.thread) continue;
       svg +=
           fmt::format("<line x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\" stroke=\"#999\" stroke-width=\"0.7\"/>\n",
                       left + scale * from.end, y(from.thread) + box / 2, left + scale * to.begin, y(to.thread) + box / 2);
     }
-  const auto draw = [&](const Task& task, const backend::Run& run) {
+  const auto draw = [&](const Task& task, const ir::Run& run) {
     const double x = left + scale * run.begin, wide = std::max(scale * (run.end - run.begin) - 0.5, 0.5);
     svg += fmt::format(
         "<g><title>{0}: {1}</title><rect x=\"{2:.1f}\" y=\"{3:.0f}\" width=\"{4:.1f}\" height=\"{5:.0f}\" fill=\"{6}\" "
@@ -107,9 +107,9 @@ std::string tasks_svg(const std::vector<FunctionTasks>& functions, int threads) 
       svg += fmt::format("<text x=\"{:.1f}\" y=\"{:.0f}\">{}</text>", x + 2, y(run.thread) + 19, task.name.substr(0, letters));
     svg += "</g>\n";
   };
-  for (const backend::Run& run : schedule.begins) draw({"sweeps", {}, false, run.end - run.begin, 0, {}}, run);
+  for (const ir::Run& run : schedule.begins) draw({"sweeps", {}, false, run.end - run.begin, 0, {}}, run);
   if (f.plan.divided()) {
-    for (const backend::Run& run : schedule.runs) draw({"elements", {}, false, run.end - run.begin, 0, {}}, run);
+    for (const ir::Run& run : schedule.runs) draw({"elements", {}, false, run.end - run.begin, 0, {}}, run);
     if (f.plan.end->nanoseconds > 0) draw(*f.plan.end, *schedule.end);
   } else {
     for (size_t t = 0; t < tasks.size(); ++t) draw(tasks[t], schedule.runs[t]);

@@ -19,8 +19,8 @@
 namespace dalembert {
 namespace {
 
-using backend::Task;
-using backend::TaskPlan;
+using ir::Task;
+using ir::TaskPlan;
 
 // Branches of so many joints on a base that stands.
 class TaskPlans : public testing::Test {
@@ -80,8 +80,8 @@ TEST_F(TaskPlans, GraphsAreGeneratedWhereTwoThreadsAreExpectedToBeWorthThem) {
 
 TEST_F(TaskPlans, SmallRobotsAreOneTaskOrNoMoreThreadsThanOne) {
   const TaskPlan plan = plan_of(tree(3, 6, "tasks"));
-  EXPECT_EQ(backend::useful_threads(plan), 1);
-  EXPECT_FALSE(backend::worth_a_graph(plan));
+  EXPECT_EQ(ir::useful_threads(plan), 1);
+  EXPECT_FALSE(ir::worth_a_graph(plan));
 }
 
 // What a call computes, it computes once: the parts of a segment's columns follow one another from 0 to all of them.
@@ -140,9 +140,9 @@ TEST_F(TaskPlans, SchedulesKeepTheEdges) {
     const TaskPlan plan = plan_of(tree(3, 60, "tasks", outputs));
     const std::vector<Task>& tasks = plan.tasks;
     ASSERT_FALSE(plan.divided()) << outputs;
-    const double serial = backend::serial_time(plan), longest = backend::critical_path(plan);
+    const double serial = ir::serial_time(plan), longest = ir::critical_path(plan);
     for (const int threads : {1, 2, 3, 8, 64}) {
-      const backend::TaskSchedule schedule = backend::schedule_tasks(plan, threads);
+      const ir::TaskSchedule schedule = ir::schedule_tasks(plan, threads);
       ASSERT_EQ(schedule.runs.size(), tasks.size());
       EXPECT_GE(schedule.nanoseconds, longest * (1 - 1e-12));
       EXPECT_GE(schedule.nanoseconds, serial / threads);
@@ -154,7 +154,7 @@ TEST_F(TaskPlans, SchedulesKeepTheEdges) {
           EXPECT_LE(schedule.runs[static_cast<size_t>(before)].end, schedule.runs[t].begin);
         }
         for (size_t u = 0; u < t; ++u) {
-          const backend::Run &one = schedule.runs[u], &other = schedule.runs[t];
+          const ir::Run &one = schedule.runs[u], &other = schedule.runs[t];
           EXPECT_TRUE(one.thread != other.thread || one.end <= other.begin || other.end <= one.begin);
         }
       }
@@ -168,7 +168,7 @@ TEST_F(TaskPlans, SchedulesDivideElements) {
     const TaskPlan plan = plan_of(tree(3, 130, "tasks", outputs));
     ASSERT_TRUE(plan.divided());
     for (const int threads : {1, 2, 3, 8, 64}) {
-      const backend::TaskSchedule schedule = backend::schedule_tasks(plan, threads);
+      const ir::TaskSchedule schedule = ir::schedule_tasks(plan, threads);
       ASSERT_LE(schedule.runs.size(), static_cast<size_t>(threads));
       ASSERT_EQ(schedule.runs.size(), schedule.begins.size());
       double elements = 0;
@@ -181,9 +181,9 @@ TEST_F(TaskPlans, SchedulesDivideElements) {
       double alone = 0;
       for (const Task& t : plan.tasks) alone += t.nanoseconds;
       EXPECT_GE(elements, alone * (1 - 1e-12));
-      EXPECT_GE(schedule.nanoseconds, backend::critical_path(plan) * (1 - 1e-12));
+      EXPECT_GE(schedule.nanoseconds, ir::critical_path(plan) * (1 - 1e-12));
       if (threads == 1) {
-        EXPECT_NEAR(schedule.nanoseconds, backend::serial_time(plan), 1e-6);
+        EXPECT_NEAR(schedule.nanoseconds, ir::serial_time(plan), 1e-6);
       }
     }
   }
