@@ -516,10 +516,9 @@ std::size_t workspace_bytes(const Folder& folder) {
     }
     if (f.algorithm.embedding) bytes = (bytes + scalar - 1) / scalar * scalar + 2 * scalar + std::max<std::size_t>(scalar, 4);
     if (f.algorithm.guard && f.algorithm.section.is_first()) bytes = (bytes + scalar - 1) / scalar * scalar + 2 * scalar;
-  }
-  for (const CodeInput& f : folder.functions)
     for (const ir::Kernel& kernel : f.algorithm.kernels)
-      if (*ir::row_of(kernel.kind).status) bytes += 3 * scalar;
+      if (*ir::row_of(kernel.kind).status) bytes = (bytes + scalar - 1) / scalar * scalar + 3 * scalar;
+  }
   bytes += numbers_of_inputs(folder.common()) * scalar;
   align();
   for (const CodeInput* f : folder.sections()) {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <optional>
 #include <set>
 #include <vector>
@@ -26,9 +27,13 @@ std::string entry(const std::string& function, const ir::FunctionPlan& plan) {
   return fmt::format("{}: {{{}}}", function, parts);
 }
 
+// Before anything is measured there is nothing to paste.
 [[noreturn]] void refuse(const std::string& file, const std::string& message, const ScenePlan& plan) {
+  const bool measured =
+      std::any_of(plan.begin(), plan.end(), [](const auto& f) { return f.second.form || f.second.solver || f.second.order; });
   throw InputError({Severity::error, file, "key 'plan'", message + ": the file is as it was",
-                    "paste this into it yourself:\n" + plan_lines(plan)});
+                    measured ? "paste this into it yourself:\n" + plan_lines(plan)
+                             : "write it so that a plan can stand in it, or give its keys as options instead of --scene"});
 }
 
 // Lines with their ends.

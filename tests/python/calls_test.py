@@ -289,9 +289,16 @@ class ConstraintStatuses(unittest.TestCase):
                 (r"anchor\[6\] is 0.0, expected a quaternion x y z w in anchor\[3\]", Contact(kp=1, anchor=(0,) * 7)),
                 (r"regularization\[5\] is inf, expected a finite number, zero or more", Contact(regularization=with_last(inf))),
                 (r"regularization\[5\] is -0.1", Contact(regularization=with_last(-0.1))),
+                (r"anchor of Contact has 3 numbers, expected 7", Contact(anchor=(0, 0, 0))),
+                (r"regularization of Contact has 1 number, expected 6", Contact(regularization=-1)),
+                (r"kp of Contact has 2 numbers, expected 1", Contact(kp=(1, 2))),
                 (r"weight\[5\] is nan", Contact(weight=with_last(nan))), (r"weight\[5\] is -1.0", Contact(weight=with_last(-1)))):
             with self.subTest(text), self.assertRaisesRegex(ValueError, text):
                 r.contact_held = contact
+            if " of Contact has " in text:
+                with self.subTest(text), self.assertRaisesRegex(ValueError, text):
+                    r.constrained_forward_dynamics(q, v, tau, contact_held=contact)
+                continue
             with self.subTest(text), self.assertRaisesRegex(ValueError, "^constrained_forward_dynamics: contact_held: "):
                 r.constrained_forward_dynamics(q, v, tau, contact_held=contact)
         self.assertEqual(r.contact_held.tolist(), before)
@@ -299,6 +306,8 @@ class ConstraintStatuses(unittest.TestCase):
             r.constrained_forward_dynamics(self.Q[:2], v, tau, contact_held=[Contact(), Contact(kp=inf)])
         with self.assertRaisesRegex(ValueError, r"contact_again: weight\[2\] is inf"):
             r.contact_again = Contact(weight=(1, 1, inf, inf, inf, inf))
+        with self.assertRaisesRegex(ValueError, "anchor of Contact has 3 numbers"):  # a point's too, whose rows would make up for it
+            r.contact_again = Contact(anchor=(0, 0, 0))
         r.contact_held = Contact(active=False, kp=nan, weight=(-1,) * 6)  # what is off holds nothing
         r.contact_again = Contact(anchor=(0,) * 7)  # a point has no turn
         self.assertTrue(np.isfinite(r.constrained_forward_dynamics(q, v, tau)).all())

@@ -26,10 +26,18 @@ def _in_a_row(parts):
     return numpy.concatenate([numpy.ravel(part).astype(float) for part in parts])
 
 
-def _of_rows(constraint, size):
-    """The numbers of a Contact or Loop whose last two members are given for six rows, or for as many as there are."""
-    rows = (size - len(_in_a_row(constraint[:-2]))) // 2
-    return _in_a_row(constraint[:-2] + tuple(part[:rows] if len(part) == 6 else part for part in constraint[-2:]))
+def _members(value, **counts):
+    """The numbers of a Payload, Contact or Loop one after another. counts: of members that have several, how many; a member of
+    rows may have six, whose last ones are left out. ValueError for a member that has others."""
+    parts = []
+    for name, part in zip(value._fields, value):
+        wanted, part = counts.get(name, 1), numpy.ravel(part)
+        if len(part) == 6 and name in ("regularization", "weight"):
+            part = part[:wanted]
+        if len(part) != wanted:
+            raise ValueError(f"{name} of {type(value).__name__} has {len(part)} number{'s' * (len(part) != 1)}, expected {wanted}")
+        parts.append(part.astype(float))
+    return numpy.concatenate(parts)
 
 
 class Payload(NamedTuple):
@@ -41,7 +49,7 @@ class Payload(NamedTuple):
 
     def numbers(self, size):
         """As run-time inputs have them, one after another."""
-        return _in_a_row(self)
+        return _members(self, com=3, inertia=6)
 
 
 class Contact(NamedTuple):
@@ -57,7 +65,8 @@ class Contact(NamedTuple):
 
     def numbers(self, size):
         """As run-time inputs have them, one after another: of all rows together `size`."""
-        return _of_rows(self, size)
+        rows = max(0, (size - 11) // 2)  # less: another's place, and refused there
+        return _members(self, anchor=7, regularization=rows, weight=rows)
 
 
 class Loop(NamedTuple):
@@ -72,7 +81,8 @@ class Loop(NamedTuple):
 
     def numbers(self, size):
         """As run-time inputs have them, one after another: of all rows together `size`."""
-        return _of_rows(self, size)
+        rows = max(0, (size - 4) // 2)
+        return _members(self, regularization=rows, weight=rows)
 
 
 class LinkageStatus(NamedTuple):
