@@ -57,8 +57,7 @@ TEST(Calibrate, IsWhatChoicesGoBy) {
   const FunctionTasks before = tasks_of_functions(committed, lower(committed)).front(),
                       after = tasks_of_functions(measured, lower(measured)).front();
   EXPECT_EQ(after.lanes, 4);
-  EXPECT_NEAR(backend::serial_time(before.plan), 3 * backend::serial_time(after.plan),
-              1e-9 * backend::serial_time(before.plan));
+  EXPECT_NEAR(ir::serial_time(before.plan), 3 * ir::serial_time(after.plan), 1e-9 * ir::serial_time(before.plan));
   EXPECT_NE(measured.command_line.find("--calibrated"), std::string::npos);
   EXPECT_EQ(committed.command_line.find("--calibrated"), std::string::npos);
 }
