@@ -39,6 +39,8 @@ Making making(const ir::Algorithm& algorithm, const std::set<int>& arrays) {
       guard && std::any_of(guard->arrays.begin(), guard->arrays.end(), [&](int array) { return arrays.contains(array); })) {
     m.arrays.insert({guard->pivots, guard->diagonal, guard->factor, guard->gain, guard->joint});  // some may be none
   }
+  for (const ir::Projection& p : algorithm.projections)
+    if (!p.by_rows.empty() && arrays.contains(p.array)) m.arrays.insert({p.bodies, p.joints});
   for (auto kernel = algorithm.kernels.rbegin(); kernel != algorithm.kernels.rend(); ++kernel) {
     const std::vector<int> filled = kernel->filled();
     if (std::none_of(filled.begin(), filled.end(), [&](int array) { return m.arrays.contains(array); })) continue;

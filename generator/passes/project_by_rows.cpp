@@ -20,6 +20,19 @@ std::vector<ir::ProjectedBody> projected_bodies(const ir::KinematicTree& tree, c
   return bodies;
 }
 
+namespace {
+
+ir::Operations operations_of(const ir::Program& program, const std::set<int>& arrays) {
+  return ir::count(program.graph, ir::uses(program.graph, program.roots(arrays)));
+}
+
+// Of two counts, the second of some of the first's nodes.
+ir::Operations rest(const ir::Operations& whole, const ir::Operations& part) {
+  return {whole.add - part.add, whole.multiply - part.multiply, whole.divide - part.divide, whole.sincos - part.sincos};
+}
+
+}  // namespace
+
 void project_by_rows(ir::Algorithm& algorithm, ir::Program& program, Unroll& unroll, const ir::KinematicTree& tree) {
   const int base_rows = tree.base_coordinates();
   const auto array = [&](const std::string& name, int rows, int columns) {
@@ -37,6 +50,7 @@ void project_by_rows(ir::Algorithm& algorithm, ir::Program& program, Unroll& unr
     p.by_rows = projected_bodies(tree, p, to);
     std::erase_if(p.by_rows, [&](const ir::ProjectedBody& body) { return !ir::by_rows(tree, body.body); });
     if (p.by_rows.empty()) continue;
+    const ir::Operations in_line = operations_of(program, {p.array});
     std::set<int> theirs;  // first columns
     for (const ir::ProjectedBody& body : p.by_rows) theirs.insert(body.column);
     std::erase_if(program.elements, [&](const ir::OutputElement& e) {
@@ -53,6 +67,7 @@ void project_by_rows(ir::Algorithm& algorithm, ir::Program& program, Unroll& unr
     for (int k = 0; k < tree.joints(); ++k)
       for (std::size_t i = 0; i < of_joint.size(); ++i)
         put(p.joints, k, static_cast<int>(i), unroll.kept(of_joint[i].index, of_joint[i].component, k));
+    program.counted.shares.push_back({{p.array}, rest(in_line, operations_of(program, {p.array, p.bodies, p.joints}))});
   }
   if (!algorithm.projections.empty()) program.arrays = algorithm.arrays;
 }

@@ -117,6 +117,29 @@ TEST(CountedElements, LeaveAProgramThatGrowsWithTheRobot) {
   }
 }
 
+// Of straight lines, whose rows lanes give: the line without them is what elements are counted in.
+TEST(CountedElements, OfProjectionsByRows) {
+  for (const ir::Base base : {ir::Base::fixed, ir::Base::floating})
+    for (const std::vector<Quantity>& asked :
+         {std::vector<Quantity>{Quantity::regressor}, std::vector<Quantity>{Quantity::inverse_dynamics, Quantity::regressor}}) {
+      ir::Scene scene;
+      scene.base = base;
+      scene.outputs = asked;
+      Model model = model_of(chain(9), scene);
+      const std::vector<OperationCost> in_line = operation_costs(lower_to_programs(model), model.tree);
+      model.options.form = ir::Form::straight;
+      const Lowered straight = lower(model);
+      ASSERT_FALSE(straight.functions.front().first().algorithm.projections.front().by_rows.empty());
+      const std::vector<OperationCost> by_rows = operation_costs(straight, model.tree);
+      ASSERT_EQ(by_rows.size(), in_line.size());
+      for (size_t i = 0; i < by_rows.size(); ++i) {  // a few that rows read belong to another phase
+        EXPECT_EQ(text(by_rows[i].operations), text(in_line[i].operations));
+        EXPECT_EQ(by_rows[i].positions_not_read, in_line[i].positions_not_read);
+        EXPECT_EQ(by_rows[i].velocities_not_read, in_line[i].velocities_not_read);
+      }
+    }
+}
+
 // What parts of such a joint do to each other is added to elements that are there.
 TEST(CountedElements, OfJointsWithQuaternions) {
   for (const std::vector<Quantity>& asked : outputs)
