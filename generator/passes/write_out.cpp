@@ -205,19 +205,30 @@ class Writing {
 
 namespace {
 
-// Whether a matrix has elements all along its diagonal: a body without mass may have none in any state, and what then is to be
-// divided by is left to the runtime, which tells.
-bool has_diagonal(const ir::Program& program, int array, int size) {
+// Whether there is something to divide by at every coordinate: a body without mass may leave nothing in any state, which is
+// left to the runtime, which tells. place: where in an array a coordinate's number is.
+template <class Place>
+bool is_full(const ir::Program& program, int array, int size, const Place& place) {
   return size == std::count_if(program.elements.begin(), program.elements.end(),
-                               [&](const ir::OutputElement& e) { return e.array == array && e.row == e.column; });
+                               [&](const ir::OutputElement& e) { return e.array == array && place(e); });
+}
+bool has_diagonal(const ir::Program& program, int matrix, int size) {
+  return is_full(program, matrix, size, [](const ir::OutputElement& e) { return e.row == e.column; });
+}
+bool has_pivots(const ir::Program& program, int pivots, int size) {
+  return is_full(program, pivots, size, [](const ir::OutputElement&) { return true; });
 }
 
 }  // namespace
 
 void write_out_kernels(ir::Algorithm& algorithm, ir::Program& program, const ir::CoordinateTree& tree, bool products) {
   if (std::all_of(algorithm.kernels.begin(), algorithm.kernels.end(), [](const auto& k) { return k.of_constraints(); })) return;
-  for (const ir::Kernel& kernel : algorithm.kernels)
+  bool factored = false;  // else pivots are what articulated bodies leave
+  for (const ir::Kernel& kernel : algorithm.kernels) {
     if (kernel.kind == Kind::factor && !has_diagonal(program, kernel[Operand::mass], tree.size())) return;
+    factored = factored || kernel.kind == Kind::factor;
+    if (kernel.kind == Kind::invert && !factored && !has_pivots(program, kernel[Operand::pivots], tree.size())) return;
+  }
   Writing(algorithm, program, tree, products).run();
 }
 

@@ -87,5 +87,30 @@ TEST(Status, OfANeckOfParallelAxesIsNotOk) {
   }
 }
 
+// Two slides that are parallel but for such digits: all numbers are constants, and what the first has to be divided by is a
+// zero that stands nowhere.
+TEST(Status, OfConstantsThatLeaveNothingIsNotOk) {
+  const std::string slides = R"(<robot name="slides"><link name="base"/><link name="between"/>
+    <link name="end"><inertial><mass value="2"/><inertia ixx="0.01" iyy="0.03" izz="0.03" ixy="0" ixz="0" iyz="0"/></inertial></link>
+    <joint name="one" type="prismatic"><parent link="base"/><child link="between"/><axis xyz="0 0 1"/>
+      <limit lower="-1" upper="1" effort="1" velocity="1"/></joint>
+    <joint name="other" type="prismatic"><parent link="between"/><child link="end"/><origin rpy="1e-9 0 0"/><axis xyz="0 0 1"/>
+      <limit lower="-1" upper="1" effort="1" velocity="1"/></joint></robot>)";
+  Diagnostics warnings;
+  ir::Scene scene;
+  scene.base = ir::Base::fixed;
+  const Model model = model_of(frontend::read_urdf_text("slides.urdf", slides, warnings), scene);
+  for (const auto& [function, quantity] : {std::pair{ir::Function::forward_dynamics, ir::Quantity::forward_dynamics},
+                                           std::pair{ir::Function::evaluate, ir::Quantity::inverse_mass_matrix}}) {
+    ir::EmittedFunction own = ir::standard_function(function);
+    own.quantities = {quantity};
+    for (const ir::Solver solver : {ir::Solver::articulated_bodies, ir::Solver::factorization})
+      for (const ir::Arrays& form : run_function(own, model, some_state(model.tree), {}, {}, solver)) {
+        EXPECT_GE(form.at("status")(0, 0), 0) << own.result(quantity);
+        EXPECT_EQ(form.at(own.result(quantity)).cwiseAbs().maxCoeff(), 0) << own.result(quantity);
+      }
+  }
+}
+
 }  // namespace
 }  // namespace dalembert
