@@ -45,3 +45,19 @@ function(dalembert_for_the_long_run)
     set_target_properties(${ARGN} PROPERTIES EXCLUDE_FROM_ALL ON)
   endif()
 endfunction()
+
+# dalembert_python_environment(RESULT)   what Python needs to load this build's module. An interpreter that is not sanitized itself
+# needs the sanitizer's library first.
+function(dalembert_python_environment result)
+  set(environment "PYTHONPATH=${PROJECT_BINARY_DIR}/python" "PYTHONDONTWRITEBYTECODE=1")
+  if(CMAKE_CXX_FLAGS MATCHES "fsanitize=[a-z,]*address")
+    foreach(library asan stdc++)
+      execute_process(COMMAND ${CMAKE_CXX_COMPILER} -print-file-name=lib${library}.so OUTPUT_VARIABLE file
+                      OUTPUT_STRIP_TRAILING_WHITESPACE)
+      list(APPEND files ${file})
+    endforeach()
+    list(JOIN files " " files)
+    list(APPEND environment "LD_PRELOAD=${files}" "ASAN_OPTIONS=detect_leaks=0:allocator_may_return_null=1")
+  endif()
+  set(${result} "${environment}" PARENT_SCOPE)
+endfunction()
