@@ -72,7 +72,10 @@ double symmetric_condition(Eigen::MatrixXd D, int times = 1) {
 double support_condition(const ir::KinematicTree& tree, const ir::Scene& scene, const Inputs& inputs) {
   const std::vector<int> undriven = ir::undriven_coordinates(tree, scene);
   if (undriven.empty()) return 0;
-  Eigen::MatrixXd J = evaluate(tree, scene, {{ir::Quantity::constraint_jacobian, ""}}, inputs, Precision::extended).front();
+  // Elements that are rounding are none.
+  Eigen::MatrixXd J = evaluate(tree, scene, {{ir::Quantity::constraint_jacobian, ""}}, inputs, Precision::extended)
+                          .front()
+                          .unaryExpr([](double x) { return std::abs(x) <= Proximal<double>::unmoved ? 0 : x; });
   for (Eigen::Index r = 0; r < inputs.acting.weights.size(); ++r) J.row(r) *= std::sqrt(inputs.acting.weights[r]);
   Eigen::Index row = 0;
   const std::vector<ir::Constraint> all = scene.constraints();

@@ -234,6 +234,27 @@ TEST(ConstraintKernels, SupportIsTheLeastByItsWeights) {
   EXPECT_TRUE(to.allFinite());
 }
 
+// A joint whose axis goes through all points moves no row but by rounding, which forces of 1e15 would make use of: it is left.
+TEST(ConstraintKernels, SupportMakesNothingOfRounding) {
+  using Rows = ConstraintRows<At12<6>, From12To16<5, 3>, At21<3>>;
+  System s(shape<Rows>(), 6);
+  s.J.col(11).setZero();
+  const auto exact = in<double>(s.J);
+  for (Eigen::Index r = 0; r < s.J.rows(); ++r) s.J(r, 11) = Real(1e-17) * Real(static_cast<int>(r % 3) - 1);
+  const auto rounded = in<double>(s.J);
+  const std::vector<double> weights(14, 1), active(3, 1);
+  const auto with = [&](const auto& J) {
+    Eigen::VectorXd both(14 + n), forces(14), to = numbers(n, 1).cast<double>();
+    const auto status =
+        support<n, Rows, Undriven<6, 0, 1, 2, 3, 4, 5, 11>>(J.data(), active.data(), weights.data(), forces.data(), to.data());
+    EXPECT_EQ(status.rank, 6);
+    EXPECT_EQ(status.residual, std::abs(to[11]));
+    both << forces, to;
+    return both;
+  };
+  EXPECT_LT((with(rounded) - with(exact)).cwiseAbs().maxCoeff(), 1e-12);
+}
+
 // Weights matter by their ratio: however large or small all of them are, forces are the same. What is no weight counts as zero,
 // and the status says so.
 template <class Support>

@@ -244,6 +244,7 @@ class KernelRun {
         if (k >= 6) joint.col(k) = of(Operand::axes).col(column++);
       J = rows_along(joint);
     }
+    J = J.unaryExpr([](double x) { return std::abs(x) <= 0x1p-46 ? 0.0 : x; }).eval();  // what is rounding holds nothing
     const auto count = static_cast<Index>(kernel_.undriven.size());
     MatrixXd own(J.rows(), count);
     VectorXd lacking(count);

@@ -10,6 +10,7 @@
 
 #include "both_forms.hpp"
 #include "commands/generic_engine.hpp"
+#include "frontend/urdf_reader.hpp"
 #include "ir/constraint_paths.hpp"
 #include "reference/generic_model.hpp"
 #include "reference/instances.hpp"
@@ -73,6 +74,45 @@ TEST_P(JointKinds, ArePassiveWhole) {
   if (base > 0) return;  // a weld bears no more than six
   const Eigen::VectorXd efforts = evaluate_generic(model, outputs_of(model).front(), some_state(model.tree));
   for (const int k : undriven) EXPECT_LT(std::abs(efforts[k]), 1e-6 * efforts.cwiseAbs().maxCoeff()) << k;
+}
+
+// Where a passive joint's axis goes through the point that is held, forces do nothing about it: both are what they are without
+// it.
+TEST(Passive, KeepsWhatNoForceBears) {
+  const auto link = [](const std::string& name) {
+    return "<link name='" + name +
+           "'><inertial><origin xyz='0.01 0.02 0.1'/><mass value='1'/>"
+           "<inertia ixx='0.02' iyy='0.021' izz='0.019' ixy='0.001' ixz='0' iyz='0'/></inertial></link>";
+  };
+  const auto joint = [](const std::string& name, const std::string& parent, const std::string& child, const std::string& axis) {
+    return "<joint name='" + name + "' type='continuous'><parent link='" + parent + "'/><child link='" + child +
+           "'/><origin xyz='0.1 0.2 0.3' rpy='0.1 0.2 0.3'/><axis xyz='" + axis + "'/></joint>";
+  };
+  const std::string arm = "<robot name='arm'>" + link("base") + link("a") + link("b") + link("c") +
+                          joint("j1", "base", "a", "0 1 0") + joint("j2", "a", "b", "1 0 0") +
+                          joint("j3", "b", "c", "0.2 1 0.3") + "</robot>";
+  Diagnostics warnings;
+  ir::Scene scene;
+  scene.base = ir::Base::fixed;
+  scene.contacts = {{"tip", "c", ir::ContactType::point, {0.02, 0.1, 0.03}, false}};  // on j3's axis
+  scene.passive = {"j3"};
+  scene.outputs = {ir::Quantity::inverse_dynamics, ir::Quantity::constrained_inverse_dynamics,
+                   ir::Quantity::inverse_constraint_forces};
+  const Model model = model_of(frontend::read_urdf_text("arm.urdf", arm, warnings), scene);
+  for (unsigned seed = 1; seed < 20; ++seed) {
+    State state = some_state(model.tree);
+    state.q *= 0.17 * seed;
+    const auto evaluated = [&](ir::Quantity quantity, reference::Precision precision) {
+      return reference::evaluate(model.tree, model.scene, {{quantity, {}}}, {state.q, state.v, state.more, {}}, precision)
+          .front();
+    };
+    for (const reference::Precision precision : {reference::Precision::float64, reference::Precision::digits_50}) {
+      EXPECT_EQ(evaluated(ir::Quantity::inverse_constraint_forces, precision).cwiseAbs().maxCoeff(), 0);
+      EXPECT_EQ(evaluated(ir::Quantity::constrained_inverse_dynamics, precision),
+                evaluated(ir::Quantity::inverse_dynamics, precision));
+    }
+  }
+  expect_generic_values(model, {}, 1000);
 }
 
 struct Falling {

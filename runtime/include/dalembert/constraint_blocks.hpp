@@ -15,6 +15,12 @@ using detail::for_constants;
 constexpr int rows_in_lanes(int m) { return (m + native_lanes - 1) / native_lanes * native_lanes; }
 constexpr int lanes_in_block(int padded) { return least(native_lanes, padded); }
 
+// Elements of J, one or several in lanes, but for those that are rounding. What is not a number stays so.
+template <class T, class Numbers>
+DALEMBERT_INLINE Numbers without_rounding(const Numbers& x) {
+  return x * x <= Numbers{} + Proximal<T>::unmoved * Proximal<T>::unmoved ? Numbers{} : x;
+}
+
 enum class Into { set, add };
 
 // to[r][s] = the sum over k of a[k][r] b[k][s], as many rows of a block as say something; or this more or less. a and b:

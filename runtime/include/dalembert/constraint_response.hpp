@@ -210,11 +210,11 @@ __attribute__((noinline)) static void respond(const T* jacobian, const T* invers
   });
   for_constants<padded / w>([&](auto piece) DALEMBERT_IN_BLOCK {
     constexpr int from = decltype(piece)::value * w;
-    const V acting = load<w>(acts + from), zero{}, unmoved = broadcast<w, T>(Proximal<T>::unmoved);
+    const V acting = load<w>(acts + from);
     DALEMBERT_KEEP_LOOP
     for (int i = 0; i < n; ++i) {
-      const V x = detail::load_piece<m, w>(jacobian + i * m, from), size = x < zero ? -x : x;
-      detail::store_piece<m, w>(parts.acting + i * m, from, (size <= unmoved ? zero : x) * acting);
+      const V x = detail::load_piece<m, w>(jacobian + i * m, from);
+      detail::store_piece<m, w>(parts.acting + i * m, from, constraint_detail::without_rounding<T>(x) * acting);
     }
   });
   for_constants<Rows::count>([&](auto constraint) DALEMBERT_IN_BLOCK {

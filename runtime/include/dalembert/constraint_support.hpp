@@ -217,20 +217,20 @@ DALEMBERT_INLINE void keep_largest(T& most, T error) {
 }
 
 // Of J_u' W J_u, the half below the diagonal.
-template <int all, class Without, int u, class T>
-DALEMBERT_INLINE void products_of_rows(const T* jacobian, const T* weight, T (&to)[u][u]) {
+template <int all, int u, class T>
+DALEMBERT_INLINE void products_of_rows(const T (&jacobian)[u][all], const T* weight, T (&to)[u][u]) {
   if constexpr (u <= 8) {
     constexpr int w = least(native_lanes, 4), pieces = (u + w - 1) / w;
     using Row = BlockRow<T, w, pieces>;
     Row sums[u] = {};
     DALEMBERT_KEEP_LOOP
     for (int r = 0; r < all; ++r) {
-      const Row row = Row::of([&](int i) { return i < u ? jacobian[Without::at[least(i, u - 1)] * all + r] : T(0); });
+      const Row row = Row::of([&](int i) { return i < u ? jacobian[least(i, u - 1)][r] : T(0); });
       const Lanes<T, w> times = broadcast<w, T>(weight[r]);
       Row weighted;
       for_constants<pieces>([&](auto k) DALEMBERT_IN_BLOCK { weighted.piece[k] = times * row.piece[k]; });
       for_constants<u>([&](auto i) DALEMBERT_IN_BLOCK {
-        const Lanes<T, w> factor = broadcast<w, T>(jacobian[Without::at[i] * all + r]);
+        const Lanes<T, w> factor = broadcast<w, T>(jacobian[i][r]);
         for_constants<pieces>([&](auto k) DALEMBERT_IN_BLOCK { sums[i].piece[k] += factor * weighted.piece[k]; });
       });
     }
@@ -244,8 +244,7 @@ DALEMBERT_INLINE void products_of_rows(const T* jacobian, const T* weight, T (&t
     for (int i = 0; i < u; ++i)
       for (int j = 0; j <= i; ++j) {
         T sum = T(0);
-        for (int r = 0; r < all; ++r)
-          sum += jacobian[Without::at[i] * all + r] * weight[r] * jacobian[Without::at[j] * all + r];
+        for (int r = 0; r < all; ++r) sum += jacobian[i][r] * weight[r] * jacobian[j][r];
         to[i][j] = sum;
       }
   }
@@ -266,16 +265,22 @@ DALEMBERT_INLINE ConstraintStatus<T> support_forces(const T* jacobian, const T* 
     each_index<Rows::count>([&](auto c) DALEMBERT_IN_BLOCK {
       for (int r = Rows::first(c); r < Rows::first(c + 1); ++r) weight[r] = active[c] > T(0) ? used.of[r] : T(0);
     });
-    T A[u][u], held[u], lacking[u], y[u];
-    for (int i = 0; i < u; ++i) lacking[i] = to[Without::at[i]];
-    products_of_rows<all, Without>(jacobian, weight, A);
+    T rows[u][all], A[u][u], held[u], lacking[u], y[u];
+    for (int i = 0; i < u; ++i) {
+      lacking[i] = to[Without::at[i]];
+      each_piece<all>([&](auto lanes, auto at) DALEMBERT_IN_BLOCK {
+        constexpr int w = decltype(lanes)::value, from = decltype(at)::value;
+        store<w, T>(rows[i] + from, without_rounding<T>(load<w>(jacobian + Without::at[i] * all + from)));
+      });
+    }
+    products_of_rows(rows, weight, A);
     hold<u, Without::base>([&](int i) { return A[i][i]; }, held);
     if constexpr (u <= 8) solve_support(A, held, lacking, y, status);
     else solve_support_in_loops(A, held, lacking, y, status);
     each_piece<all>([&](auto lanes, auto at) DALEMBERT_IN_BLOCK {
       constexpr int w = decltype(lanes)::value, from = decltype(at)::value;
       Lanes<T, w> sum{};
-      for (int i = 0; i < u; ++i) sum += broadcast<w, T>(y[i]) * load<w>(jacobian + Without::at[i] * all + from);
+      for (int i = 0; i < u; ++i) sum += broadcast<w, T>(y[i]) * load<w>(rows[i] + from);
       store<w, T>(forces + from, sum * load<w>(weight + from));
     });
     if (!used.are_weights) status.least_pivot = T(-1);
@@ -302,11 +307,11 @@ template <class Rows, class Axes, class T>
 struct RowsAtPoints {
   static constexpr int base = 6;
   const Axes& axes;
-  const T* points;
-  T weight[Rows::count][base];
+  T points[Rows::count][3], weight[Rows::count][base];
 
-  DALEMBERT_INLINE RowsAtPoints(const Axes& of, const T* where, const T* active, const T* weights) : axes(of), points(where) {
+  DALEMBERT_INLINE RowsAtPoints(const Axes& of, const T* where, const T* active, const T* weights) : axes(of) {
     each_index<Rows::count>([&](auto c) DALEMBERT_IN_BLOCK {
+      for_constants<3>([&](auto i) DALEMBERT_IN_BLOCK { points[c][i] = without_rounding<T>(where[3 * c + i]); });
       for_constants<base>([&](auto r) DALEMBERT_IN_BLOCK {
         if (r < Rows::rows[c]) weight[c][r] = active[c] > T(0) ? weights[Rows::first(c) + r] : T(0);
       });
@@ -319,7 +324,7 @@ struct RowsAtPoints {
                             DALEMBERT_IN_BLOCK { for_constants<base>([&](auto j) DALEMBERT_IN_BLOCK { A[i][j] = T(0); }); });
     each_index<Rows::count>([&](auto c) DALEMBERT_IN_BLOCK {
       const T* const own = weight[c];
-      const T x = points[3 * c], y = points[3 * c + 1], z = points[3 * c + 2];
+      const T x = points[c][0], y = points[c][1], z = points[c][2];
       const T xy = own[1] * x, xz = own[2] * x, yx = own[0] * y, yz = own[2] * y, zx = own[0] * z, zy = own[1] * z;
       A[0][0] += own[0], A[1][1] += own[1], A[2][2] += own[2];
       A[4][0] += zx, A[5][0] -= yx, A[3][1] -= zy, A[5][1] += xy, A[3][2] += yz, A[4][2] -= xz;
@@ -332,7 +337,7 @@ struct RowsAtPoints {
   // Forces of y, and what they leave to do.
   DALEMBERT_INLINE void bear(const T* turn, const T (&y)[base], T* forces, T* to) const {
     each_index<Rows::count>([&](auto c) DALEMBERT_IN_BLOCK {
-      const T *const at = points + 3 * c, *const own = weight[c];
+      const T *const at = points[c], *const own = weight[c];
       T *const force = forces + Rows::first(c), moment[3];
       for_constants<3>([&](auto i) DALEMBERT_IN_BLOCK {
         constexpr int next = (decltype(i)::value + 1) % 3, last = (decltype(i)::value + 2) % 3;
@@ -366,6 +371,7 @@ struct RowsAtPointsBeside {
 
   DALEMBERT_INLINE RowsAtPointsBeside(const Axes& of, const T* points, const T* active, const T* weights) : axes(of) {
     Beside::load_points(points, at);
+    for_constants<3>([&](auto i) DALEMBERT_IN_BLOCK { at[i] = without_rounding<T>(at[i]); });
     const V acts = Beside::of_constraints([&](int c) { return active[c]; });
     for_constants<rows>([&](auto r) DALEMBERT_IN_BLOCK {
       const V own = Beside::of_constraints([&](int c) { return weights[rows * c + r]; });

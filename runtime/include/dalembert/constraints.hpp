@@ -40,12 +40,6 @@ struct ConstraintBlocks {
   // b is not before a.
   T* of(int a, int b) const { return inertia + Rows::pair(a, b) * block; }
 
-  // What is not a number stays so.
-  static DALEMBERT_INLINE Lanes<T, w> without_rounding(const Lanes<T, w>& x) {
-    const Lanes<T, w> most = broadcast<w, T>(Proximal<T>::unmoved * Proximal<T>::unmoved);
-    return x * x <= most ? broadcast<w, T>(T(0)) : x;
-  }
-
   // J's rows of a constraint, in one column of so many, times `acts`, which is zero where they are another's.
   template <int c, int coordinate, int columns>
   static DALEMBERT_INLINE void load_rows(const T* jacobian, const Lanes<T, w> (&acts)[pieces], Lanes<T, w> (&to)[pieces]) {
@@ -57,7 +51,7 @@ struct ConstraintBlocks {
       else
         to[i] = each_lane<w, T>(
             [&](int lane) { return begin + lane < own ? jacobian[least(from + lane, columns * all - 1)] : T(0); });
-      to[i] = without_rounding(to[i]) * acts[i];
+      to[i] = without_rounding<T>(to[i]) * acts[i];
     });
   }
 

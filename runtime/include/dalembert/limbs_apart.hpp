@@ -47,13 +47,9 @@ struct LimbsApart {
   // Y, S and what the base's own pivots are.
   DALEMBERT_INLINE void fill(const T* wrenches, const V& acts) {
     constexpr int all = Rows::first(Rows::count);
-    const V most = broadcast<lanes, T>(Proximal<T>::unmoved * Proximal<T>::unmoved);
     for_constants<base>([&](auto j) DALEMBERT_IN_BLOCK {
       Beside::load_points(wrenches + j * all, at_base[j]);
-      for_constants<rows>([&](auto r) DALEMBERT_IN_BLOCK {
-        const V x = at_base[j][r];
-        at_base[j][r] = (x * x <= most ? V{} : x) * acts;
-      });
+      for_constants<rows>([&](auto r) DALEMBERT_IN_BLOCK { at_base[j][r] = without_rounding<T>(at_base[j][r]) * acts; });
     });
     for_constants<base>([&](auto j) DALEMBERT_IN_BLOCK {
       base_pivot[j] = limbs.pivot(j);

@@ -212,16 +212,18 @@ struct ActingRows {
   VectorX<S> held, acts;  // acts: one or zero, per row
 };
 
+// Rows of rounding alone would hold what they do not touch; a robot's own numbers are rounded to double.
+template <class S>
+MatrixX<S> without_rounding(const MatrixX<S>& J) {
+  S unmoved = S(0x1p-46);
+  if (unmoved < S(64) * std::numeric_limits<S>::epsilon()) unmoved = S(64) * std::numeric_limits<S>::epsilon();
+  return J.unaryExpr([&](const S& x) { return x <= unmoved && x >= -unmoved ? S(0) : x; });
+}
+
 template <class S>
 ActingRows<S> acting_rows(const Constraints<S>& constraints, const MatrixX<S>& J, const Factorisation<S>& mass,
                           const ConstraintOptions<S>& options) {
-  // Rows of rounding alone would hold what they do not touch; a robot's own numbers are rounded to double.
-  S unmoved = S(0x1p-46);
-  if (unmoved < S(64) * std::numeric_limits<S>::epsilon()) unmoved = S(64) * std::numeric_limits<S>::epsilon();
-  ActingRows<S> rows{J.unaryExpr([&](const S& x) { return x <= unmoved && x >= -unmoved ? S(0) : x; }),
-                     {},
-                     VectorX<S>::Zero(J.rows()),
-                     VectorX<S>::Ones(J.rows())};
+  ActingRows<S> rows{without_rounding<S>(J), {}, VectorX<S>::Zero(J.rows()), VectorX<S>::Ones(J.rows())};
   const std::vector<std::pair<int, int>> blocks = constraints.rows();
   int row = 0;
   for (size_t c = 0; c < blocks.size(); row += blocks[c++].first)
@@ -296,7 +298,7 @@ Constrained<S> constrained_inverse_dynamics(const Model<S>& model, const Constra
                                             In<S> v_dot, const std::vector<int>& undriven, In<S> wrenches = VectorX<S>(),
                                             const ConstraintOptions<S>& options = {}) {
   Constrained<S> result{inverse_dynamics<S>(model, q, v, v_dot, wrenches), VectorX<S>::Zero(constraints.all_rows()), {}, S(0)};
-  const MatrixX<S> J = constraint_jacobian<S>(model, constraints, q);
+  const MatrixX<S> J = detail::without_rounding<S>(constraint_jacobian<S>(model, constraints, q));
   VectorX<S> weights = options.weights.size() > 0 ? options.weights : VectorX<S>(VectorX<S>::Ones(J.rows()));
   int row = 0;
   const std::vector<std::pair<int, int>> blocks = constraints.rows();
