@@ -46,12 +46,26 @@ std::string int_table(const std::string& name, const std::vector<int>& values) {
   return fmt::format("constexpr int {}[] = {{{}{}}};\n", name, texts.size() > 16 ? "\n    " : "", wrapped(texts, 4));
 }
 
+namespace {
+
+// Whether a character that turns the direction of writing, U+202A to U+202E or U+2066 to U+2069, begins there: three bytes,
+// with which text can look other than it is.
+bool turns_writing(std::string_view text, size_t at) {
+  const std::string_view bytes = text.substr(at, 3);
+  return (bytes >= "\xe2\x80\xaa" && bytes <= "\xe2\x80\xae") || (bytes >= "\xe2\x81\xa6" && bytes <= "\xe2\x81\xa9");
+}
+
+}  // namespace
+
 std::string quoted(std::string_view text) {
   std::string out = "\"";
-  for (const char c : text) {
+  size_t escaped = 0;  // bytes before this one
+  for (size_t at = 0; at < text.size(); ++at) {
+    const char c = text[at];
     if (c == '"' || c == '\\' || (c == '?' && out.back() == '?')) out += '\\';  // "??/" would be a trigraph
+    if (turns_writing(text, at)) escaped = at + 3;
     const auto byte = static_cast<unsigned char>(c);
-    if (byte < 0x20 || byte == 0x7f) out += fmt::format("\\{:03o}", byte);
+    if (byte < 0x20 || byte == 0x7f || at < escaped) out += fmt::format("\\{:03o}", byte);
     else out += c;
   }
   return out + "\"";
@@ -59,7 +73,15 @@ std::string quoted(std::string_view text) {
 
 std::string comment_text(std::string_view text) {
   std::string out;
-  for (const char c : text) out += static_cast<unsigned char>(c) < 0x20 || c == 0x7f ? ' ' : c;
+  for (size_t at = 0; at < text.size(); ++at) {
+    const char c = text[at];
+    if (turns_writing(text, at)) {
+      at += 2;
+      continue;
+    }
+    if (c == '?' && out.ends_with('?')) out += ' ';  // "??/" at the end of a line would continue it
+    out += static_cast<unsigned char>(c) < 0x20 || c == 0x7f ? ' ' : c;
+  }
   while (!out.empty() && out.back() == '\\') out.pop_back();  // a comment line must not continue
   return out;
 }

@@ -168,6 +168,11 @@ ir::Limits limits(ElementReader& read, const TiXmlElement& element, bool endless
                  : i == 0            ? -std::numeric_limits<double>::infinity()
                                      : std::numeric_limits<double>::infinity();
   }
+  if (limits.lower > limits.upper)
+    read.warning(element, fmt::format("lower {} is above upper {}", limits.lower, limits.upper),
+                 "exchange them, or correct a sign: no position is within");
+  for (const auto& [name, value] : {std::pair{"effort", limits.effort}, std::pair{"velocity", limits.velocity}})
+    if (value < 0) read.warning(element, fmt::format("{} {} is negative", name, value), "give the largest size allowed");
   return limits;
 }
 

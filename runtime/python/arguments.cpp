@@ -45,30 +45,33 @@ Holds held_by(PyObject* name) {
 }
 
 bool can_hold(PyObject* who, PyObject* name, Holds holds, const void* numbers, int type, npy_intp size, npy_intp state) {
-  if (holds == Holds::nothing) return true;
   const auto number = [&](npy_intp i) {
     return type == NPY_DOUBLE ? static_cast<const double*>(numbers)[i] : static_cast<const float*>(numbers)[i];
   };
-  if (number(0) == 0) return true;  // it is off
+  if (holds != Holds::nothing && number(0) == 0) return true;  // it is off
   // Before any contact's or loop's rows: active, gains, restitution; of a contact its anchor, too.
   const npy_intp before = holds == Holds::contact ? 11 : 4, rows = (size - before) / 2;
   const auto complain = [&](npy_intp i, const char* what) {
     static const char* const single[] = {"active", "kp", "kd", "restitution"};
-    std::string member = i < 4               ? single[i]
-                         : i < before        ? "anchor[" + std::to_string(i - 4)
-                         : i < before + rows ? "regularization[" + std::to_string(i - before)
-                                             : "weight[" + std::to_string(i - before - rows);
-    if (i >= 4) member += "]";
+    std::string member = holds == Holds::nothing ? "[" + std::to_string(i)
+                         : i < 4                 ? single[i]
+                         : i < before            ? "anchor[" + std::to_string(i - 4)
+                         : i < before + rows     ? "regularization[" + std::to_string(i - before)
+                                                 : "weight[" + std::to_string(i - before - rows);
+    if (i >= 4 || holds == Holds::nothing) member += "]";
     const Owned value(PyFloat_FromDouble(number(i)));
     if (value)
-      PyErr_Format(PyExc_ValueError, "%V%s%U: %s%s is %R, expected %s", who, "", who ? ": " : "", name, member.c_str(),
+      PyErr_Format(PyExc_ValueError, "%V%s%U%s%s%s is %R, expected %s", who, "", who ? ": " : "", name,
+                   holds == Holds::nothing ? "" : ": ", member.c_str(),
                    state >= 0 ? (" of state " + std::to_string(state)).c_str() : "", value.get(), what);
     return false;
   };
   for (npy_intp i = 0; i < size; ++i) {
-    const bool none_below = i >= before;
+    const bool none_below = holds != Holds::nothing && i >= before;
     if (!std::isfinite(number(i)) || (none_below && number(i) < 0))
-      return complain(i, i == 0 ? "true or false" : none_below ? "a finite number, zero or more" : "a finite number");
+      return complain(i, holds != Holds::nothing && i == 0 ? "true or false"
+                         : none_below                      ? "a finite number, zero or more"
+                                                           : "a finite number");
   }
   if (holds == Holds::contact && rows == 6 && number(1) != 0 && number(7) == 0 && number(8) == 0 && number(9) == 0)
     return number(10) != 0 || complain(10, "a quaternion x y z w in anchor[3] to anchor[6], such as 0 0 0 1: it has no length");
@@ -292,7 +295,7 @@ bool take_run_time(const Contents& f, const Given& given, std::vector<Argument>&
     if (!given.run_time[r]) continue;
     const Owned numbers(numbers_of(given.run_time[r], input.size));
     if (!numbers || !take(f, numbers.get(), input.name, input.size, own[r])) return false;
-    for (npy_intp s = 0; input.holds != Holds::nothing && s < std::max<npy_intp>(own[r].states, own[r].states < 0); ++s)
+    for (npy_intp s = 0; s < std::max<npy_intp>(own[r].states, own[r].states < 0); ++s)
       if (!can_hold(
               f.name, input.name, input.holds,
               static_cast<const unsigned char*>(own[r].rows.first) + s * own[r].rows.step * static_cast<npy_intp>(f.scalar),

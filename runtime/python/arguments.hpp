@@ -44,9 +44,9 @@ bool take_run_time(const Contents& f, const Given& given, std::vector<Argument>&
 // What a run-time input of that name holds.
 Holds held_by(PyObject* name);
 
-// Whether the numbers of a contact or loop are ones that can hold: where it acts none is infinite or NaN, no regularization and
-// no weight negative, a weld's anchor is turned somehow. who: whose argument it is, or null. False with an error set that names
-// the number. As a function of Python: of (name, float64 numbers).
+// Whether the numbers of a run-time input will do: none is infinite or NaN. Those of a contact or loop matter where it acts,
+// and have to be ones that can hold: no regularization and no weight negative, a weld's anchor turned somehow. who: whose
+// argument it is, or null. False with an error set that names the number. As a function of Python: of (name, float64 numbers).
 bool can_hold(PyObject* who, PyObject* name, Holds holds, const void* numbers, int type, npy_intp size, npy_intp state);
 PyObject* check_run_time_input(PyObject* module, PyObject* args);
 

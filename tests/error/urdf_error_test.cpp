@@ -233,6 +233,9 @@ const Case doubts[] = {
      "joint 'j' (line 18): warning: <dynamics damping=\"0.1 Nms\"> is not a number: it is not used; write finite decimal numbers such as 0.25 or 1e-3\n"
      "joint 'j': warning: <dynamics damping> is left out; ask for it with damping: urdf in the scene\n"
      "joint 'j': warning: <dynamics friction> is left out; ask for it with friction: urdf in the scene"},
+    {"limits_exchanged",
+     "joint 'j' (line 18): warning: lower 3.8 is above upper 2.8; exchange them, or correct a sign: no position is within\n"
+     "joint 'j' (line 18): warning: effort -5 is negative; give the largest size allowed"},
     {"malformed_limit",
      "joint 'j' (line 18): warning: <limit upper=\"1.5rad\"> is not a number: it is not used; write finite decimal numbers such as 0.25 or 1e-3\n"
      "joint 'j' (line 18): warning: <limit effort=\"\"> is not a number: it is not used; write finite decimal numbers such as 0.25 or 1e-3\n"

@@ -604,6 +604,11 @@ class RunTime(unittest.TestCase):
         result, status = arm.forward_dynamics(q, v, tau, payload_link_02=light, return_status=True)
         self.assertEqual(list(status >= 0), [False, True, False])
         self.assertEqual(list((result == 0).all(axis=1)), [False, True, False])
+        light[1, 0] = np.nan
+        with self.assertRaisesRegex(ValueError, r"forward_dynamics: payload_link_02\[0\] of state 1 is nan, expected a finite number"):
+            arm.forward_dynamics(q, v, tau, payload_link_02=light)
+        with self.assertRaisesRegex(ValueError, r"^payload_link_02\[0\] is nan, expected a finite number"):
+            arm.payload_link_02 = light[1]
         self.assertEqual(arm.forward_dynamics(q, v, tau, return_status=True)[1], -1)
         self.assertTrue(issubclass(dalembert.SingularError, ArithmeticError))
 

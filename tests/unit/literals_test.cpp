@@ -23,6 +23,15 @@ TEST(Quoted, EscapesWhatEndsALiteralOrBeginsATrigraph) {
   EXPECT_EQ(quoted("left-arm 2?"), R"("left-arm 2?")");
   EXPECT_EQ(quoted("a\"b\\c\n"), R"("a\"b\\c\012")");
   EXPECT_EQ(quoted("what?\?/"), R"("what?\?/")");
+  EXPECT_EQ(quoted("a\u202e\u2067b\u2019"), R"("a\342\200\256\342\201\247b’")");
+}
+
+TEST(CommentText, NeitherContinuesItsLineNorTurnsIt) {
+  EXPECT_EQ(comment_text("left arm\\\\"), "left arm");
+  EXPECT_EQ(comment_text("why?\?/"), "why? ?/");
+  EXPECT_EQ(comment_text("a\tb\nc"), "a b c");
+  EXPECT_EQ(comment_text("a\u202e\u2067b\u2019"), "ab’");
+  EXPECT_EQ(comment_lines("of tip?\?/", 0), "// of tip? ?/\n");
 }
 
 }  // namespace
