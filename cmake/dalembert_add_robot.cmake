@@ -8,7 +8,8 @@
 #
 #     #include "my_robot/dynamics.hpp"       // namespace my_robot
 #
-#   NAME     folder, namespace and C prefix of the code; TARGET if not given. Two robots in one program need two names.
+#   NAME     folder, namespace and C prefix of the code; TARGET if not given. Robots of one name in one program are kept apart in
+#            C++, as long as no file includes both; by c_api.h they are not: there they need two names.
 #   TASKS    emit the oneTBB task graph as well (NAME/tasks.hpp). The only case in which oneTBB is needed.
 #   BATCH    emit functions of many states at once as well (NAME/batch.hpp; NAME/batch_tasks.hpp, for which a program that includes
 #            it links oneTBB). Without it the scene's key `batch` is taken to be false.

@@ -7,6 +7,7 @@
 #include <functional>
 #include <iterator>
 
+#include "backend/code_name.hpp"
 #include "backend/code_text.hpp"
 #include "backend/emit.hpp"
 #include "backend/emit_batch.hpp"
@@ -17,13 +18,9 @@
 namespace dalembert {
 namespace {
 
-// FNV-1a, 64 bits: tells one URDF from another in the banner; no protection against anyone.
 std::string hash_of_file(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
-  std::uint64_t hash = 0xcbf29ce484222325ull;
-  for (std::istreambuf_iterator<char> at(file), end; at != end; ++at)
-    hash = (hash ^ static_cast<unsigned char>(*at)) * 0x100000001b3ull;
-  return fmt::format("{:016x}", hash);
+  return backend::hash_of(std::string(std::istreambuf_iterator<char>(file), {}));
 }
 
 backend::Folder folder(const Model& model, const Lowered& lowered) {

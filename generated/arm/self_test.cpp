@@ -10,6 +10,7 @@
 #include "dynamics.hpp"
 
 namespace arm {
+inline namespace code_b9eac092 {
 namespace {
 
 constexpr Scalar q_0[] = {
@@ -127,6 +128,7 @@ bool self_test(SelfTestReport* report) noexcept {
   return test.finish(report);
 }
 
+}  // namespace code_b9eac092
 }  // namespace arm
 
 extern "C" int arm_self_test(arm_self_test_report* report) {

@@ -17,7 +17,9 @@
 static_assert(dalembert::runtime_version == 15,
               "mahru was generated for another runtime: generate it again");
 
+// Code of another scene or robot has another inner name: where a program has both, none is linked in the other's place.
 namespace mahru {
+inline namespace code_5f9c9961 {
 
 using Scalar = double;
 
@@ -175,6 +177,7 @@ void results(Workspace& workspace) noexcept;
 
 }  // namespace stages
 
+}  // namespace code_5f9c9961
 }  // namespace mahru
 
 // Notes

@@ -10,6 +10,7 @@
 #include "dynamics.hpp"
 
 namespace mahru {
+inline namespace code_5f9c9961 {
 namespace {
 
 constexpr Scalar q_0[] = {
@@ -364,6 +365,7 @@ bool self_test(SelfTestReport* report) noexcept {
   return test.finish(report);
 }
 
+}  // namespace code_5f9c9961
 }  // namespace mahru
 
 extern "C" int mahru_self_test(mahru_self_test_report* report) {

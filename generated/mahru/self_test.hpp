@@ -7,6 +7,7 @@
 #include <dalembert/self_test.hpp>
 
 namespace mahru {
+inline namespace code_5f9c9961 {
 
 using dalembert::SelfTestReport;
 
@@ -22,4 +23,5 @@ using dalembert::SelfTestReport;
 //   bias                     every element at every state
 bool self_test(SelfTestReport* report = nullptr) noexcept;
 
+}  // namespace code_5f9c9961
 }  // namespace mahru

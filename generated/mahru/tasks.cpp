@@ -4,6 +4,7 @@
 #include "tasks.hpp"
 
 namespace mahru {
+inline namespace code_5f9c9961 {
 
 TaskGraph::TaskGraph(Workspace& workspace) : graph_(1) {
   Workspace* const w = &workspace;
@@ -25,4 +26,5 @@ void TaskGraph::evaluate(const Scalar* q, const Scalar* v) {
   v_ = v;
   graph_.run();
 }
+}  // namespace code_5f9c9961
 }  // namespace mahru

@@ -7,6 +7,7 @@
 #include <cctype>
 #include <set>
 
+#include "backend/code_name.hpp"
 #include "backend/code_text.hpp"
 #include "backend/emit_batch.hpp"
 #include "backend/emit_c.hpp"
@@ -392,6 +393,7 @@ OutputFile header(const Folder& folder) {
                                (code.robot->any_quaternion() ? "#include <dalembert/quaternion_joint.hpp>\n" : "")},
               {"runtime_version", std::to_string(runtime_version)},
               {"name", code.name},
+              {"code", code_mark},
               {"scalar", scalar_name(code.scene.scalar)},
               {"nq", std::to_string(code.robot->nq())},
               {"nv", std::to_string(code.robot->nv())},
@@ -471,6 +473,7 @@ std::string source(const Folder& folder, const std::string& banner) {
   for (const std::string& header : headers) includes += fmt::format("#include <dalembert/{}.hpp>\n", header);
   return render("dynamics.cpp", {{"banner", banner},
                                  {"name", folder.common().name},
+                                 {"code", code_mark},
                                  {"includes", includes},
                                  {"functions", linkage_structs(folder.common()) + of_functions(folder, definitions)}});
 }
@@ -548,6 +551,7 @@ std::vector<OutputFile> emit(const Folder& folder) {
   for (OutputFile& file : batch_files(folder, top)) files.push_back(std::move(file));
   if (folder.self_test)
     for (OutputFile& file : self_test_files(folder, *folder.self_test, top)) files.push_back(std::move(file));
+  name_by_content(files);
   return files;
 }
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "backend/batch_function.hpp"
+#include "backend/code_name.hpp"
 #include "backend/code_text.hpp"
 #include "backend/literals.hpp"
 #include "backend/templates.hpp"
@@ -134,16 +135,19 @@ std::vector<OutputFile> batch_files(const Folder& folder, const std::string& ban
   // Compilers keep more on the stack than blocks, up to a tenth and 8 kB of it as measured.
   return {{"batch.hpp", render("batch.hpp", {{"banner", banner},
                                              {"name", code.name},
+                                             {"code", code_mark},
                                              {"stack", std::to_string((bytes + bytes / 8) / 1024 + 12)},
                                              {"includes", rolls_out ? "#include <dalembert/rollout_layout.hpp>\n" : ""},
                                              {"given", given_members(code)},
                                              {"functions", declarations}})},
           {"batch.cpp", render("batch.cpp", {{"banner", banner},
                                              {"name", code.name},
+                                             {"code", code_mark},
                                              {"includes", rolls_out ? "#include <dalembert/rollout.hpp>\n" : ""},
                                              {"functions", definitions},
                                              {"c_functions", c_functions}})},
-          {"batch_tasks.hpp", render("batch_tasks.hpp", {{"banner", banner}, {"name", code.name}, {"functions", tasks}})}};
+          {"batch_tasks.hpp",
+           render("batch_tasks.hpp", {{"banner", banner}, {"name", code.name}, {"code", code_mark}, {"functions", tasks}})}};
 }
 
 }  // namespace dalembert::backend

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "backend/code_name.hpp"
 #include "backend/code_text.hpp"
 #include "backend/literals.hpp"
 #include "backend/templates.hpp"
@@ -229,11 +230,14 @@ class SelfTestText {
 std::vector<OutputFile> self_test_files(const Folder& folder, const ir::SelfTest& test, const std::string& banner) {
   const SelfTestText text(folder, test);
   const std::string& name = folder.common().name;
-  return {{"self_test.hpp",
-           render("self_test.hpp",
-                  {{"banner", banner}, {"name", name}, {"precision", test.precision}, {"compared", text.compared()}})},
+  return {{"self_test.hpp", render("self_test.hpp", {{"banner", banner},
+                                                     {"name", name},
+                                                     {"code", code_mark},
+                                                     {"precision", test.precision},
+                                                     {"compared", text.compared()}})},
           {"self_test.cpp", render("self_test.cpp", {{"banner", banner},
                                                      {"name", name},
+                                                     {"code", code_mark},
                                                      {"tables", text.tables()},
                                                      {"includes", text.includes()},
                                                      {"runs", text.runs()},

@@ -5,6 +5,7 @@
 
 #include <set>
 
+#include "backend/code_name.hpp"
 #include "backend/code_text.hpp"
 #include "backend/literals.hpp"
 #include "backend/task_plan.hpp"
@@ -112,8 +113,9 @@ std::string tasks_header(const Folder& folder, const std::string& banner) {
   }
   const std::string includes = fmt::format("{}{}", divided ? "#include <dalembert/divided_work.hpp>\n" : "",
                                            graphs ? "#include <dalembert/task_graph.hpp>\n" : "");
-  return render("tasks.hpp",
-                {{"banner", banner}, {"name", folder.common().name}, {"includes", includes}, {"classes", classes}});
+  return render(
+      "tasks.hpp",
+      {{"banner", banner}, {"name", folder.common().name}, {"code", code_mark}, {"includes", includes}, {"classes", classes}});
 }
 
 std::string tasks_source(const Folder& folder, const std::string& banner) {
@@ -131,7 +133,7 @@ std::string tasks_source(const Folder& folder, const std::string& banner) {
                                          {"work", plan.divided() ? divided_text(code, plan) : graph_text(plan.tasks)},
                                          {"keep", keep}});
   }
-  return render("tasks.cpp", {{"banner", banner}, {"name", folder.common().name}, {"classes", classes}});
+  return render("tasks.cpp", {{"banner", banner}, {"name", folder.common().name}, {"code", code_mark}, {"classes", classes}});
 }
 
 }  // namespace dalembert::backend
