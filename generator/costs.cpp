@@ -11,15 +11,6 @@
 namespace dalembert {
 namespace {
 
-// The needed nodes of one phase. What belongs to no sweep is a payload's moments.
-ir::Operations count(const ir::Graph& graph, std::vector<std::int32_t> uses, const std::vector<int>& phases, int phase) {
-  for (ir::NodeId id = 0; id < graph.size(); ++id) {
-    const int sweep = graph[id].tag.sweep;
-    if ((sweep < 0 ? 2 : phases[static_cast<size_t>(sweep)]) != phase) uses[static_cast<size_t>(id)] = 0;
-  }
-  return ir::count(graph, uses);
-}
-
 std::vector<int> missing(const std::set<int>& read, int size) {
   std::vector<int> rest;
   for (int i = 0; i < size; ++i)
@@ -50,34 +41,77 @@ Making making(const ir::Algorithm& algorithm, const std::set<int>& arrays) {
   return m;
 }
 
-std::vector<std::int32_t> uses(const ir::Program& program, const Making& made) {
-  return ir::uses(program.graph, program.roots(made.arrays));
-}
+// What a section's arrays cost: each as much work as it needs nodes, for outputs may be thousands.
+class Counting {
+ public:
+  Counting(const LoweredSection& section, const ir::KinematicTree& tree)
+      : section_(section), tree_(tree), phases_(passes::phases(section.algorithm)), roots_(program().arrays.size()) {
+    for (const ir::OutputElement& e : program().elements) roots_[static_cast<size_t>(e.array)].push_back(e.node);
+    for (const auto& [array, factors] : program().counted.factors)
+      roots_[static_cast<size_t>(array)].insert(roots_[static_cast<size_t>(array)].end(), factors.begin(), factors.end());
+    met_.resize(static_cast<size_t>(program().graph.size()), false);
+  }
 
-// The cost of what was made by a section.
-OperationCost cost_of(const std::string& name, const LoweredSection& section, const Making& made,
-                      const ir::KinematicTree& tree) {
-  const ir::Program& program = section.program;
-  const std::vector<int> phases = passes::phases(section.algorithm);
-  const std::vector<std::int32_t> uses = dalembert::uses(program, made);
-  OperationCost cost;
-  cost.name = name;
-  cost.operations = ir::count(program.graph, uses);
-  for (int phase = 1; phase <= 3; ++phase)
-    cost.phases[static_cast<size_t>(phase - 1)] = count(program.graph, uses, phases, phase);
-  ir::Operations elements = ir::counted(program, made.arrays);
-  for (const ir::Kernel& kernel : made.kernels) elements += ir::operations_of(kernel, tree, false);
-  cost.operations += elements;
-  cost.phases[2] += elements;
-  const ir::InputsRead read = ir::inputs_read(program, uses);
-  cost.reads_base_pose = read.base_pose();
-  cost.reads_base_position = read.base_position();
-  cost.reads_position = read.joint_positions();
-  cost.reads_velocity = !read.velocities.empty();
-  cost.positions_not_read = missing(read.positions, tree.nq());
-  cost.velocities_not_read = missing(read.velocities, tree.nv());
-  return cost;
-}
+  const LoweredSection& section() const { return section_; }
+
+  // reads_input: set to whether it reads what the function takes besides q and v.
+  OperationCost cost_of(const std::string& name, const Making& made, bool* reads_input = nullptr) {
+    OperationCost cost;
+    cost.name = name;
+    ir::InputsRead read;
+    read.base_positions = program().base_positions;
+    std::set<ir::NodeId> angles;
+    std::array<std::set<ir::NodeId>, 3> angles_of_phases;
+    for (const ir::NodeId id : needed(made)) {
+      const ir::Node& n = program().graph[id];
+      const auto phase = static_cast<size_t>(phase_of(n.tag)) - 1;
+      cost.operations.count(n.op);
+      cost.phases[phase].count(n.op);
+      if (n.op == ir::Op::sine || n.op == ir::Op::cosine) angles.insert(n.a), angles_of_phases[phase].insert(n.a);
+      if (n.op == ir::Op::input) read.add(n.input);
+    }
+    cost.operations.sincos = static_cast<long>(angles.size());
+    for (size_t i = 0; i < 3; ++i) cost.phases[i].sincos = static_cast<long>(angles_of_phases[i].size());
+    ir::Operations elements = ir::counted(program(), made.arrays);
+    for (const ir::Kernel& kernel : made.kernels) elements += ir::operations_of(kernel, tree_, false);
+    cost.operations += elements;
+    cost.phases[2] += elements;
+    cost.reads_base_pose = read.base_pose();
+    cost.reads_base_position = read.base_position();
+    cost.reads_position = read.joint_positions();
+    cost.reads_velocity = !read.velocities.empty();
+    cost.positions_not_read = missing(read.positions, tree_.nq());
+    cost.velocities_not_read = missing(read.velocities, tree_.nv());
+    if (reads_input) *reads_input = read.input;
+    return cost;
+  }
+
+ private:
+  const ir::Program& program() const { return section_.program; }
+  // What belongs to no sweep is a payload's moments.
+  int phase_of(const ir::Tag& tag) const { return tag.sweep < 0 ? 2 : phases_[static_cast<size_t>(tag.sweep)]; }
+
+  std::vector<ir::NodeId> needed(const Making& made) {
+    std::vector<ir::NodeId> nodes;
+    const auto add = [&](ir::NodeId id) {
+      if (id == ir::no_node || met_[static_cast<size_t>(id)]) return;
+      met_[static_cast<size_t>(id)] = true;
+      nodes.push_back(id);
+    };
+    for (const int array : made.arrays)
+      if (array >= 0 && array < static_cast<int>(roots_.size()))
+        for (const ir::NodeId id : roots_[static_cast<size_t>(array)]) add(id);
+    for (size_t i = 0; i < nodes.size(); ++i) add(program().graph[nodes[i]].a), add(program().graph[nodes[i]].b);
+    for (const ir::NodeId id : nodes) met_[static_cast<size_t>(id)] = false;
+    return nodes;
+  }
+
+  const LoweredSection& section_;
+  const ir::KinematicTree& tree_;
+  std::vector<int> phases_;
+  std::vector<std::vector<ir::NodeId>> roots_;  // per array
+  std::vector<bool> met_;                       // per node; false between calls
+};
 
 // Everything that it makes.
 Making all_of(const ir::Algorithm& algorithm) {
@@ -157,7 +191,7 @@ OperationCost embedded_cost(const std::string& name, const LoweredSection& f, co
     for (const std::string& array : {p.from, p.more})
       if (const int at = array_called(array, opened.algorithm); at >= 0) from.insert(at);
   }
-  OperationCost cost = cost_of(name, opened, making(opened.algorithm, from), opened_tree);
+  OperationCost cost = Counting(opened, opened_tree).cost_of(name, making(opened.algorithm, from));
   for (const ir::Kernel& kernel : made.kernels) own += ir::operations_of(kernel, tree, false);
   own += ir::operations_of_linkages(tree, e.rates >= 0 && (cost.reads_velocity || e.accelerated));
   cost.operations += own;
@@ -190,18 +224,18 @@ std::vector<OperationCost> embedded_costs(const Lowered& lowered, const ir::Kine
 namespace {
 
 // Of an array, with what is made for it in the sections before the one that fills it.
-OperationCost cost_of(int array, const LoweredFunction& f, const ir::KinematicTree& tree) {
-  const std::string& name = f.first().program.arrays[static_cast<size_t>(array)].name;
+OperationCost cost_of(int array, std::vector<Counting>& sections) {
+  const std::string& name = sections.front().section().program.arrays[static_cast<size_t>(array)].name;
   std::set<int> wanted{array};
   OperationCost cost;
-  for (size_t s = f.sections.size(); s-- > 0;) {
-    const LoweredSection& section = f.sections[s];
-    const Making made = making(section.algorithm, wanted);
-    const OperationCost own = cost_of(name, section, made, tree);
-    cost = s + 1 == f.sections.size() ? own : sum(own, cost);
+  for (size_t s = sections.size(); s-- > 0;) {
+    const ir::Algorithm& algorithm = sections[s].section().algorithm;
+    const Making made = making(algorithm, wanted);
+    bool reads_input = false;
+    const OperationCost own = sections[s].cost_of(name, made, &reads_input);
+    cost = s + 1 == sections.size() ? own : sum(own, cost);
     wanted.insert(made.arrays.begin(), made.arrays.end());
-    if (ir::inputs_read(section.program, uses(section.program, made)).input)
-      wanted.insert(section.algorithm.section.accelerations);
+    if (reads_input) wanted.insert(algorithm.section.accelerations);
   }
   return cost;
 }
@@ -212,14 +246,16 @@ std::vector<OperationCost> operation_costs(const Lowered& lowered, const ir::Kin
   if (lowered.opened) return embedded_costs(lowered, tree);
   std::vector<OperationCost> costs;
   for (const LoweredSection* section : lowered.all_sections()) {
-    const OperationCost all = cost_of("all", *section, all_of(section->algorithm), tree);
+    const OperationCost all = Counting(*section, tree).cost_of("all", all_of(section->algorithm));
     if (costs.empty()) costs.push_back(all);
     else costs.front() = sum(costs.front(), all);
   }
   for (const LoweredFunction& f : lowered.functions) {
     const std::vector<ir::OutputArray>& arrays = f.first().program.arrays;
+    std::vector<Counting> sections;
+    for (const LoweredSection& section : f.sections) sections.emplace_back(section, tree);
     for (size_t a = 0; a < arrays.size(); ++a)
-      if (!arrays[a].internal) costs.push_back(cost_of(static_cast<int>(a), f, tree));
+      if (!arrays[a].internal) costs.push_back(cost_of(static_cast<int>(a), sections));
   }
   return costs;
 }

@@ -18,17 +18,18 @@ Operations counted(const Program& program, const std::set<int>& of_arrays) {
   return sum;
 }
 
+void InputsRead::add(const Input& in) {
+  if (in.kind == InputKind::position) positions.insert(in.index);
+  if (in.kind == InputKind::velocity) velocities.insert(in.index);
+  input = input || in.kind == InputKind::acceleration || in.kind == InputKind::effort;
+  constraints = constraints || in.kind == InputKind::constraint;
+}
+
 InputsRead inputs_read(const Program& program, const std::vector<std::int32_t>& uses) {
   InputsRead read;
   read.base_positions = program.base_positions;
-  for (NodeId id = 0; id < program.graph.size(); ++id) {
-    const Node& n = program.graph[id];
-    if (uses[static_cast<std::size_t>(id)] == 0 || n.op != Op::input) continue;
-    if (n.input.kind == InputKind::position) read.positions.insert(n.input.index);
-    if (n.input.kind == InputKind::velocity) read.velocities.insert(n.input.index);
-    read.input = read.input || n.input.kind == InputKind::acceleration || n.input.kind == InputKind::effort;
-    read.constraints = read.constraints || n.input.kind == InputKind::constraint;
-  }
+  for (NodeId id = 0; id < program.graph.size(); ++id)
+    if (const Node& n = program.graph[id]; uses[static_cast<std::size_t>(id)] > 0 && n.op == Op::input) read.add(n.input);
   return read;
 }
 

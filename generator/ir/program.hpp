@@ -73,6 +73,7 @@ struct InputsRead {
   bool constraints = false;  // how contacts and loops hold
   int base_positions = 0;    // as in Program
 
+  void add(const Input& in);
   bool base_pose() const { return !positions.empty() && *positions.begin() < base_positions; }
   bool base_position() const { return base_pose() && *positions.begin() < 3; }  // not the orientation alone
   bool joint_positions() const { return !positions.empty() && *positions.rbegin() >= base_positions; }

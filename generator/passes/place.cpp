@@ -1,5 +1,8 @@
 #include <algorithm>
 #include <limits>
+#include <map>
+#include <optional>
+#include <set>
 
 #include "passes/roll_state.hpp"
 
@@ -122,29 +125,58 @@ class Placing {
 
   // A sine comes with its cosine.
   void keep_sines_in_pairs() {
-    for (std::size_t a = 0; a < used_.size(); ++a)
-      for (std::size_t b = 0; b < used_.size(); ++b) {
-        const ir::Role &sine = program_.roles[a], &cosine = program_.roles[b];
-        if (sine.source == ir::Source::sine && cosine.source == ir::Source::cosine && sine.held == cosine.held &&
-            (used_[a] || used_[b]))
+    for (std::size_t a = 0; a < used_.size(); ++a) {
+      const ir::Role& sine = program_.roles[a];
+      for (std::size_t b = 0; sine.source == ir::Source::sine && b < used_.size(); ++b)
+        if (program_.roles[b].source == ir::Source::cosine && sine.held == program_.roles[b].held && (used_[a] || used_[b]))
           used_[a] = used_[b] = true;
-      }
+    }
+  }
+
+  // What a paragraph stores, by role and component and by node: the first of each.
+  struct Stored {
+    std::size_t segment = 0;
+    ir::Paragraph* paragraph = nullptr;
+    std::map<RoleComponent, ir::NodeId> nodes{};
+    std::map<ir::NodeId, std::vector<RoleComponent>> of_node{};
+
+    std::optional<ir::NodeId> node(int role, int component) const {
+      const auto found = nodes.find({role, component});
+      return found == nodes.end() ? std::nullopt : std::optional(found->second);
+    }
+  };
+
+  void find_stores() {
+    storing_.resize(program_.roles.size());
+    for (std::size_t segment = 0; segment < program_.segments.size(); ++segment)
+      for (ir::SegmentStage& stage : program_.segments[segment].stages)
+        for (ir::Paragraph& p : stage.paragraphs) {
+          const std::size_t number = stored_.size();
+          Stored& stored = stored_.emplace_back(Stored{segment, &p});
+          for (const ir::Store& s : p.stores) {
+            const RoleComponent place{s.to.role, s.to.component};
+            if (s.to.body != ir::Address::own || !stored.nodes.emplace(place, s.node).second) continue;
+            stored.of_node[s.node].push_back(place);
+            std::vector<std::size_t>& storing = storing_[static_cast<std::size_t>(s.to.role)];
+            if (storing.empty() || storing.back() != number) storing.push_back(number);
+          }
+        }
   }
 
   // Where a role is, in every paragraph that stores it, what some components of another are, it is kept there.
   void share_equal_values() {
+    find_stores();
     equal_to_.assign(program_.roles.size(), {-1, 0});
+    std::vector<bool> stands_for(program_.roles.size(), false);
     for (int r = 0; r < static_cast<int>(program_.roles.size()); ++r) {
       const auto at = static_cast<std::size_t>(r);
-      const auto stands_for = [&](const std::pair<int, int>& equal) { return equal.first == r; };
-      if (!used_[at] || at_base_[at] || std::any_of(equal_to_.begin(), equal_to_.end(), stands_for)) continue;
-      for (int other = 0; other < static_cast<int>(program_.roles.size()); ++other) {
-        const int spare = program_.roles[static_cast<std::size_t>(other)].components() - program_.roles[at].components();
-        for (int from = 0; other != r && from <= spare && equal_to_[at].first < 0; ++from)
-          if (used_[static_cast<std::size_t>(other)] && equal_to_[static_cast<std::size_t>(other)].first < 0 &&
-              equal(r, other, from) && alone_at(r, other, from))
-            equal_to_[at] = {other, from};
-        if (equal_to_[at].first >= 0) break;
+      if (!used_[at] || at_base_[at] || stands_for[at]) continue;
+      for (const auto& [other, from] : candidates(r)) {
+        const auto o = static_cast<std::size_t>(other);
+        if (!used_[o] || equal_to_[o].first >= 0 || !equal(r, other, from) || !alone_at(r, other, from)) continue;
+        equal_to_[at] = {other, from};
+        stands_for[o] = true;
+        break;
       }
       if (equal_to_[at].first < 0) continue;
       const auto [other, from] = equal_to_[at];
@@ -155,61 +187,65 @@ class Placing {
       drop_equal_stores(r, other, from);
     }
   }
-  static const ir::Store* stored(const ir::Paragraph& p, int role, int component) {
-    for (const ir::Store& s : p.stores)
-      if (s.to == ir::Address{role, component}) return &s;
-    return nullptr;
+  const std::vector<std::size_t>& storing(int role) const { return storing_[static_cast<std::size_t>(role)]; }
+  int components(int role) const { return program_.roles[static_cast<std::size_t>(role)].components(); }
+
+  // Roles, and components of theirs from which on, that somewhere are the same number as one of the role's.
+  std::set<std::pair<int, int>> candidates(int role) const {
+    std::set<std::pair<int, int>> found;
+    for (const std::size_t number : storing(role))
+      for (int i = 0; i < components(role); ++i)
+        if (const std::optional<ir::NodeId> node = stored_[number].node(role, i))
+          for (const auto& [other, component] : stored_[number].of_node.at(*node))
+            if (other != role && component >= i && component - i + components(role) <= components(other))
+              found.insert({other, component - i});
+    return found;
   }
   bool equal(int role, int other, int from) const {
     bool somewhere = false;
-    for (const ir::SegmentCode& code : program_.segments)
-      for (const ir::SegmentStage& stage : code.stages)
-        for (const ir::Paragraph& p : stage.paragraphs)
-          for (int i = 0; i < program_.roles[static_cast<std::size_t>(role)].components(); ++i) {
-            const ir::Store *a = stored(p, role, i), *b = stored(p, other, from + i);
-            if (!a && b && stores_any(p, role)) return false;
-            if (!a) continue;
-            if (b ? b->node != a->node : stored_elsewhere(code, p, other, from + i)) return false;
-            somewhere = somewhere || b;
-          }
+    for (const std::size_t number : storing(role))
+      for (int i = 0; i < components(role); ++i) {
+        const std::optional<ir::NodeId> a = stored_[number].node(role, i), b = stored_[number].node(other, from + i);
+        if (!a && b) return false;
+        if (!a) continue;
+        if (b ? *b != *a : stored_elsewhere(number, other, from + i)) return false;
+        somewhere = somewhere || b;
+      }
     return somewhere;
   }
   // Whether no third role that stands there already has values of its own where this one has.
   bool alone_at(int role, int other, int from) const {
-    const int components = program_.roles[static_cast<std::size_t>(role)].components();
     for (int third = 0; third < static_cast<int>(equal_to_.size()); ++third) {
       const auto [place, first] = equal_to_[static_cast<std::size_t>(third)];
-      const int count = program_.roles[static_cast<std::size_t>(third)].components();
-      if (place != other || first >= from + components || from >= first + count) continue;
-      for (const ir::SegmentCode& code : program_.segments)
-        if (stored_in(code, role) && stored_in(code, third)) return false;
+      if (place != other || first >= from + components(role) || from >= first + components(third)) continue;
+      for (const std::size_t a : storing(role))
+        for (const std::size_t b : storing(third))
+          if (stored_[a].segment == stored_[b].segment) return false;
     }
     return true;
   }
-  static bool stored_in(const ir::SegmentCode& code, int role) {
-    for (const ir::SegmentStage& stage : code.stages)
-      for (const ir::Paragraph& p : stage.paragraphs)
-        if (stores_any(p, role)) return true;
-    return false;
-  }
-  static bool stores_any(const ir::Paragraph& p, int role) {
-    return std::any_of(p.stores.begin(), p.stores.end(), [&](const ir::Store& s) { return s.to.role == role; });
-  }
   // By another paragraph of the segment.
-  static bool stored_elsewhere(const ir::SegmentCode& code, const ir::Paragraph& own, int role, int component) {
-    for (const ir::SegmentStage& stage : code.stages)
-      for (const ir::Paragraph& p : stage.paragraphs)
-        if (&p != &own && stored(p, role, component)) return true;
-    return false;
+  bool stored_elsewhere(std::size_t own, int role, int component) const {
+    return std::any_of(storing(role).begin(), storing(role).end(), [&](std::size_t number) {
+      return number != own && stored_[number].segment == stored_[own].segment && stored_[number].node(role, component);
+    });
   }
   void drop_equal_stores(int role, int other, int from) {
-    for (ir::SegmentCode& code : program_.segments)
-      for (ir::SegmentStage& stage : code.stages)
-        for (ir::Paragraph& p : stage.paragraphs) {
-          const ir::Paragraph before = p;
-          std::erase_if(p.stores,
-                        [&](const ir::Store& s) { return s.to.role == role && stored(before, other, from + s.to.component); });
-        }
+    std::erase_if(storing_[static_cast<std::size_t>(role)], [&](std::size_t number) {
+      Stored& in = stored_[number];
+      const auto is_stored = [&](int component) { return in.node(other, from + component).has_value(); };
+      std::erase_if(in.paragraph->stores, [&](const ir::Store& s) { return s.to.role == role && is_stored(s.to.component); });
+      bool left = false;
+      for (int i = 0; i < components(role); ++i) {
+        const std::optional<ir::NodeId> node = in.node(role, i);
+        if (!node) continue;
+        left = left || !is_stored(i);
+        if (!is_stored(i)) continue;
+        in.nodes.erase({role, i});
+        std::erase(in.of_node.at(*node), RoleComponent{role, i});
+      }
+      return !left;
+    });
   }
 
   ir::Place new_array(const std::string& name, const std::string& meaning, int components) {
@@ -221,12 +257,14 @@ class Placing {
     const auto at = static_cast<std::size_t>(role);
     const ir::Role& r = program_.roles[at];
     ir::Place& place = program_.places[at];
+    occupants_.resize(program_.arrays.size());
     if (r.over >= 0 && used_[static_cast<std::size_t>(r.over)] &&
         program_.places[static_cast<std::size_t>(r.over)].array >= 0 && read_no_more(r.over, first_written_[at]))
       place = program_.places[static_cast<std::size_t>(r.over)];
     else if (share && r.source == ir::Source::sweep && !at_base_[at]) place = free_place(role);
     if (place.array < 0) place = new_array(r.name, r.meaning + (r.unit.empty() ? "" : ", " + r.unit), r.components());
-    occupants_.push_back(role);
+    occupants_.resize(program_.arrays.size());
+    occupants_[static_cast<std::size_t>(place.array)].push_back(role);
   }
 
   // Whether nobody reads the role after the level.
@@ -243,10 +281,9 @@ class Placing {
     for (int array = 0; array < static_cast<int>(program_.arrays.size()); ++array)
       for (int from = 0; from + components <= program_.arrays[static_cast<std::size_t>(array)].components; ++from) {
         bool free = true;
-        for (const int other : occupants_) {
+        for (const int other : occupants_[static_cast<std::size_t>(array)]) {
           const auto o = static_cast<std::size_t>(other);
           const ir::Place& place = program_.places[o];
-          if (place.array != array) continue;
           for (int i = 0; i < program_.roles[o].components(); ++i) {
             const bool touched = place.from + i >= from && place.from + i < from + components;
             const int last = std::max(read_[o][static_cast<std::size_t>(i)], written_[o][static_cast<std::size_t>(i)]);
@@ -310,13 +347,15 @@ class Placing {
 
   RollState& state_;
   ir::RolledProgram& program_;
-  std::vector<int> received_;                     // per role: the one that is what limbs hand on of it, −1: none
-  std::vector<bool> used_, at_base_;              // per role; at_base_: stored for the base, or for single bodies
-  std::vector<bool> of_few_;                      // per role: stored for single bodies; the others' zeros are from the start
-  std::vector<std::vector<int>> read_, written_;  // per role and component: the last level that does, −1: none
-  std::vector<int> first_written_;                // per role
-  std::vector<std::pair<int, int>> equal_to_;     // per role: the role, and the component from which on, that it equals
-  std::vector<int> occupants_;                    // roles that have a place, in order
+  std::vector<int> received_;                      // per role: the one that is what limbs hand on of it, −1: none
+  std::vector<bool> used_, at_base_;               // per role; at_base_: stored for the base, or for single bodies
+  std::vector<bool> of_few_;                       // per role: stored for single bodies; the others' zeros are from the start
+  std::vector<std::vector<int>> read_, written_;   // per role and component: the last level that does, −1: none
+  std::vector<int> first_written_;                 // per role
+  std::vector<std::pair<int, int>> equal_to_;      // per role: the role, and the component from which on, that it equals
+  std::vector<Stored> stored_;                     // of each paragraph
+  std::vector<std::vector<std::size_t>> storing_;  // per role: the paragraphs that store it
+  std::vector<std::vector<int>> occupants_;        // per array: roles that have a place there, in order
 };
 
 }  // namespace
