@@ -30,7 +30,7 @@ Key key_of(const Node& n) {
 }
 
 std::size_t hash(const Key& k) {
-  std::uint64_t x = (k.tail ^ (k.head << 56)) * 0x9E3779B97F4A7C15ull;
+  std::uint64_t x = (k.tail ^ k.head * 0xC2B2AE3D27D4EB4Full) * 0x9E3779B97F4A7C15ull;
   x ^= x >> 32;
   return static_cast<std::size_t>(x * 0xD6E8FEB86659FD93ull >> 16);
 }

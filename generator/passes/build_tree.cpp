@@ -98,8 +98,10 @@ class TreeBuilder {
     const size_t links = tree_.links.size();
     for (const ir::Frame& frame : scene_.placed)
       for (size_t l = 0; l < links; ++l)
-        if (const ir::LinkPlacement link = tree_.links[l]; link.link == frame.link)
-          tree_.links.push_back({frame.name, link.body, link.placement * frame.in_link(), frame.link});
+        if (tree_.links[l].link == frame.link) {
+          ir::LinkPlacement placed{frame.name, tree_.links[l].body, tree_.links[l].placement * frame.in_link(), frame.link};
+          tree_.links.push_back(std::move(placed));
+        }
   }
 
   bool moves(const ir::Joint& joint) const { return joint.type != ir::JointType::fixed && !scene_.locked.count(joint.name); }
@@ -269,6 +271,9 @@ class TreeBuilder {
   // With a fixed base, links welded to it carry nothing and have neither a pose nor a Jacobian worth computing.
   void check_links() {
     if (tree_.base_coordinates() > 0) return;
+    std::vector<ir::LinkOutput> outputs = scene_.link_outputs();
+    for (const ir::NamedFunction& function : scene_.functions)
+      outputs.insert(outputs.end(), function.of_links.begin(), function.of_links.end());
     for (const ir::LinkPlacement& placement : tree_.links) {
       if (placement.body >= 0) continue;
       const std::string element = placement.in_words();
@@ -279,9 +284,6 @@ class TreeBuilder {
       if (is_payload(placement.link))
         error(element, "a payload is asked for at a link that does not move",
               "name a descendant of a joint that moves, or ask for base: floating");
-      std::vector<ir::LinkOutput> outputs = scene_.link_outputs();
-      for (const ir::NamedFunction& function : scene_.functions)
-        outputs.insert(outputs.end(), function.of_links.begin(), function.of_links.end());
       const auto asked = std::find_if(outputs.begin(), outputs.end(),
                                       [&](const ir::LinkOutput& output) { return output.link == placement.link; });
       if (asked != outputs.end())

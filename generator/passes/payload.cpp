@@ -1,5 +1,7 @@
 #include "passes/payload.hpp"
 
+#include <vector>
+
 #include "passes/parameters.hpp"
 
 namespace dalembert::passes {
@@ -34,10 +36,14 @@ std::map<int, ir::NodeId> payload_parameters(ir::Graph& graph, const ir::Kinemat
   Vec3 added_first = constant3(Eigen::Vector3d::Zero());
   Sym6 added_second;
   added_second.fill(constant(0));
+  std::vector<const ir::LinkPlacement*> on_body;
+  for (const ir::LinkPlacement& link : tree.links)
+    if (link.body == body) on_body.push_back(&link);
   bool any = false;
   for (size_t i = 0; i < scene.payloads.size(); ++i)
-    for (const ir::LinkPlacement& link : tree.links) {
-      if (link.link != scene.payloads[i] || link.body != body) continue;
+    for (const ir::LinkPlacement* on : on_body) {
+      const ir::LinkPlacement& link = *on;
+      if (link.link != scene.payloads[i]) continue;
       any = true;
       const auto value = [&](int component) {
         return Sym{&graph, graph.input({ir::InputKind::payload, static_cast<int>(i), component})};
