@@ -17,9 +17,8 @@
 static_assert(dalembert::runtime_version == 15,
               "arm was generated for another runtime: generate it again");
 
-// Code of another scene or robot has another inner name: where a program has both, none is linked in the other's place.
 namespace arm {
-inline namespace code_b9eac092 {
+inline namespace code_c7451b0c {  // other content has another name, and none is linked in the other's place
 
 using Scalar = double;
 
@@ -121,7 +120,7 @@ inline Result<6, 7> jacobian_link_07(const Workspace& workspace) {
 }
 void jacobian_link_07(const Workspace&&) = delete;
 
-}  // namespace code_b9eac092
+}  // namespace code_c7451b0c
 }  // namespace arm
 
 // Notes

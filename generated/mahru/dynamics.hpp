@@ -17,9 +17,8 @@
 static_assert(dalembert::runtime_version == 15,
               "mahru was generated for another runtime: generate it again");
 
-// Code of another scene or robot has another inner name: where a program has both, none is linked in the other's place.
 namespace mahru {
-inline namespace code_5f9c9961 {
+inline namespace code_d2efb38b {  // other content has another name, and none is linked in the other's place
 
 using Scalar = double;
 
@@ -177,7 +176,7 @@ void results(Workspace& workspace) noexcept;
 
 }  // namespace stages
 
-}  // namespace code_5f9c9961
+}  // namespace code_d2efb38b
 }  // namespace mahru
 
 // Notes

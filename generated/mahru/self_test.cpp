@@ -10,7 +10,7 @@
 #include "dynamics.hpp"
 
 namespace mahru {
-inline namespace code_5f9c9961 {
+inline namespace code_d2efb38b {
 namespace {
 
 constexpr Scalar q_0[] = {
@@ -365,7 +365,7 @@ bool self_test(SelfTestReport* report) noexcept {
   return test.finish(report);
 }
 
-}  // namespace code_5f9c9961
+}  // namespace code_d2efb38b
 }  // namespace mahru
 
 extern "C" int mahru_self_test(mahru_self_test_report* report) {

@@ -4,7 +4,7 @@
 #include "tasks.hpp"
 
 namespace mahru {
-inline namespace code_5f9c9961 {
+inline namespace code_d2efb38b {
 
 TaskGraph::TaskGraph(Workspace& workspace) : graph_(1) {
   Workspace* const w = &workspace;
@@ -26,5 +26,5 @@ void TaskGraph::evaluate(const Scalar* q, const Scalar* v) {
   v_ = v;
   graph_.run();
 }
-}  // namespace code_5f9c9961
+}  // namespace code_d2efb38b
 }  // namespace mahru

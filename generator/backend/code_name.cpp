@@ -12,10 +12,8 @@ std::string hash_of(std::string_view bytes) {
   return fmt::format("{:016x}", hash);
 }
 
-void name_by_content(std::vector<OutputFile>& files) {
-  std::string all;
-  for (const OutputFile& file : files) all += file.text;
-  const std::string name = "code_" + hash_of(all).substr(0, 8), mark = code_mark;
+void name_by_content(std::vector<OutputFile>& files, std::string_view content) {
+  const std::string name = "code_" + hash_of(content).substr(0, 8), mark = code_mark;
   for (OutputFile& file : files)
     for (size_t at = file.text.find(mark); at != std::string::npos; at = file.text.find(mark, at + name.size()))
       file.text.replace(at, mark.size(), name);

@@ -12,9 +12,9 @@ namespace dalembert::backend {
 // FNV-1a, 64 bits, as 16 digits.
 std::string hash_of(std::string_view bytes);
 
-// Stands in files as they are written for the name of the inner namespace, which their content gives. Functions of the same
-// names with other content have other symbols: linked into one program, none takes the other's place.
+// Stands in files as they are written for the name of the inner namespace. The content, which is what functions do, gives it:
+// those of the same names with other content have other symbols, and linked into one program none takes the other's place.
 inline constexpr const char* code_mark = "code_of_these_files";
-void name_by_content(std::vector<OutputFile>& files);
+void name_by_content(std::vector<OutputFile>& files, std::string_view content);
 
 }  // namespace dalembert::backend

@@ -12,6 +12,7 @@
 #include "backend/emit_batch.hpp"
 #include "backend/emit_c.hpp"
 #include "backend/emit_embedded.hpp"
+#include "backend/emit_notes.hpp"
 #include "backend/emit_rolled.hpp"
 #include "backend/emit_self_test.hpp"
 #include "backend/emit_straight.hpp"
@@ -180,23 +181,6 @@ std::string view_definitions(const Folder& folder) {
         "}}\n"
         "void {0}(const Workspace&&) = delete;\n",
         a.name, a.rows, a.columns);
-  return text;
-}
-
-std::string link_table(const CodeInput& code) {
-  std::string text = "// Links and the bodies they move with:\n";
-  for (const ir::LinkPlacement& link : code.robot->links)
-    if (link.on.empty())
-      text += comment_lines(
-          fmt::format("  {:<32} {}", link.link,
-                      link.body < 0 ? code.robot->base_link : code.robot->bodies[static_cast<size_t>(link.body)].name),
-          0, 4);
-  if (code.scene.placed.empty()) return text;
-  text += "// Frames of the scene, the links that they are on, their origins there, m, and roll, pitch, yaw, rad:\n";
-  for (const ir::Frame& frame : code.scene.placed)
-    text += comment_lines(fmt::format("  {:<32} {}, {:.6g} {:.6g} {:.6g}, {:.6g} {:.6g} {:.6g}", frame.name, frame.link,
-                                      frame.xyz.x(), frame.xyz.y(), frame.xyz.z(), frame.rpy.x(), frame.rpy.y(), frame.rpy.z()),
-                          0, 4);
   return text;
 }
 
@@ -409,7 +393,7 @@ OutputFile header(const Folder& folder) {
               {"joint_enum", wrapped(joints, 2)},
               {"joint_names", joint_names.empty() ? "nullptr" : wrapped(joint_names, 4)},
               {"body_names", wrapped(body_names, 4)},
-              {"link_table", link_table(code) + moved_parameters(code)},
+              {"link_table", tables_of_robot(code) + moved_parameters(code)},
               {"types", types_of_inputs(code)},
               {"results", results(folder)},
               {"run_time_inputs", run_time_inputs(code)},
@@ -551,7 +535,8 @@ std::vector<OutputFile> emit(const Folder& folder) {
   for (OutputFile& file : batch_files(folder, top)) files.push_back(std::move(file));
   if (folder.self_test)
     for (OutputFile& file : self_test_files(folder, *folder.self_test, top)) files.push_back(std::move(file));
-  name_by_content(files);
+  // The banner tells where they are from, and how they were asked for.
+  name_by_content(files, std::string_view(files[1].text).substr(top.size()));
   return files;
 }
 

@@ -18,7 +18,7 @@ namespace dalembert::backend {
 
 namespace {
 
-using Kind = ir::Kernel::Kind;
+using KernelKind = ir::Kernel::Kind;
 using ir::Operand;
 
 std::string name(const CodeInput& code, int array) {
@@ -51,7 +51,7 @@ std::map<int, std::string> coordinates_above(const CodeInput& code, const ir::Co
   std::map<int, std::string> names;
   std::map<int, std::string> by_parent;  // chains that hang on one coordinate share a table
   for (const ir::Kernel& kernel : code.algorithm.kernels) {
-    if (kernel.kind != Kind::invert && kernel.kind != Kind::negative_product) continue;
+    if (kernel.kind != KernelKind::invert && kernel.kind != KernelKind::negative_product) continue;
     for (const ir::Chain& chain : ir::chains(tree, kernel.first)) {
       const int parent = tree.above[static_cast<size_t>(chain.first)];
       const auto [at, is_new] = by_parent.try_emplace(parent, "{nullptr, 0}");
@@ -107,12 +107,13 @@ std::string constraint_declarations(const CodeInput& code) {
   const auto first = std::find_if(kernels.begin(), kernels.end(), [](const ir::Kernel& k) { return k.of_constraints(); });
   if (first == kernels.end()) return "";
   std::string text = fmt::format("  using ConstraintsOfScene = {};\n", rows_type(first->paths));
-  const auto any = [&](std::initializer_list<Kind> kinds) {
+  const auto any = [&](std::initializer_list<KernelKind> kinds) {
     return any_kernel(code, [&](const ir::Kernel& k) { return std::find(kinds.begin(), kinds.end(), k.kind) != kinds.end(); });
   };
-  const bool supported = any({Kind::support, Kind::support_by_wrenches, Kind::support_at_points}),
-             responds = any({Kind::respond, Kind::respond_as_solved}),
-             solved = any({Kind::solve_constrained, Kind::solve_constrained_by_limbs, Kind::impact, Kind::impact_by_limbs});
+  const bool supported = any({KernelKind::support, KernelKind::support_by_wrenches, KernelKind::support_at_points}),
+             responds = any({KernelKind::respond, KernelKind::respond_as_solved}),
+             solved = any({KernelKind::solve_constrained, KernelKind::solve_constrained_by_limbs, KernelKind::impact,
+                           KernelKind::impact_by_limbs});
   if (!solved && !responds && !supported) return text;
   std::vector<std::string> active, regularization, weights;
   for (const ir::Constraint& constraint : code.scene.constraints()) {
@@ -217,7 +218,7 @@ std::vector<std::string> kernel_includes(const CodeInput& code) {
 }
 
 bool solves(const CodeInput& code) {
-  return any_kernel(code, [](const ir::Kernel& kernel) { return kernel.kind == Kind::factor; });
+  return any_kernel(code, [](const ir::Kernel& kernel) { return kernel.kind == KernelKind::factor; });
 }
 
 std::string solve_definition(const CodeInput& code) {

@@ -129,6 +129,24 @@ TEST(Header, OfTheCommittedRobotsIsTheManual) {
 }
 
 // Names may be as long as a URDF has them; lines are broken where a blank allows it.
+// Who has the header alone knows whose rows are whose, and who follows whom.
+TEST(Header, TellsRowsAndFollowers) {
+  const Settings settings{
+      {"contacts", "{foot: {link: c_01, type: weld}, toe: {link: d_02, type: point, at: [0.1, 0, -0.05], axes: link}}"},
+      {"loops", "{tie: {links: [e_02, f_01], type: hinge}}"},
+      {"mimic", "{b_02_joint: {of: b_01_joint, multiplier: -2, offset: 0.1}}"},
+      {"outputs", "constraint_jacobian"}};
+  const std::string wrapped = compile_without_self_test(read_robot("two_levels_of_branching", settings, "")).front().text,
+                    text = std::regex_replace(wrapped, std::regex("\n//     "), " ");
+  for (const char* line :
+       {"//   b_02_joint = -2 b_01_joint + 0.1\n",
+        "//   foot: weld of link c_01, at 0 0 0 in its frame, m; rows 0 to 2 x y z, 3 to 5 about x y z, along the world's "
+        "axes\n",
+        "//   toe: point of link d_02, at 0.1 0 -0.05 in its frame, m; rows 6 to 8 x y z, along the link's axes\n",
+        "rows 9 to 11 x y z, 12 to 13 about x y, along the first frame's axes\n"})
+    EXPECT_NE(text.find(line), text.npos) << line;
+}
+
 TEST(Header, LongNamesBreakLines) {
   const TestRobot* robot = std::find_if(std::begin(test_robots), std::end(test_robots),
                                         [](const TestRobot& r) { return r.name == std::string_view("chain_7"); });
