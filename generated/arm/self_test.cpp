@@ -10,7 +10,7 @@
 #include "dynamics.hpp"
 
 namespace arm {
-inline namespace code_c7451b0c {
+inline namespace code_e7a45187 {
 namespace {
 
 constexpr Scalar q_0[] = {
@@ -128,7 +128,7 @@ bool self_test(SelfTestReport* report) noexcept {
   return test.finish(report);
 }
 
-}  // namespace code_c7451b0c
+}  // namespace code_e7a45187
 }  // namespace arm
 
 extern "C" int arm_self_test(arm_self_test_report* report) {

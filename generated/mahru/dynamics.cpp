@@ -8,7 +8,7 @@
 #include <dalembert/runs.hpp>
 #include <dalembert/sincos.hpp>
 namespace mahru {
-inline namespace code_d2efb38b {
+inline namespace code_4b6b295c {
 namespace {
 
 // Branches side by side in lanes; slot = first + step * width + lane.
@@ -1200,5 +1200,5 @@ void evaluate(const Scalar* q, const Scalar* v, Workspace& workspace) noexcept {
   stages::results(workspace);
 }
 
-}  // namespace code_d2efb38b
+}  // namespace code_4b6b295c
 }  // namespace mahru

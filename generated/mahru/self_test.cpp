@@ -10,7 +10,7 @@
 #include "dynamics.hpp"
 
 namespace mahru {
-inline namespace code_d2efb38b {
+inline namespace code_4b6b295c {
 namespace {
 
 constexpr Scalar q_0[] = {
@@ -365,7 +365,7 @@ bool self_test(SelfTestReport* report) noexcept {
   return test.finish(report);
 }
 
-}  // namespace code_d2efb38b
+}  // namespace code_4b6b295c
 }  // namespace mahru
 
 extern "C" int mahru_self_test(mahru_self_test_report* report) {

@@ -7,7 +7,7 @@
 #include <dalembert/self_test.hpp>
 
 namespace mahru {
-inline namespace code_d2efb38b {
+inline namespace code_4b6b295c {
 
 using dalembert::SelfTestReport;
 
@@ -23,5 +23,5 @@ using dalembert::SelfTestReport;
 //   bias                     every element at every state
 bool self_test(SelfTestReport* report = nullptr) noexcept;
 
-}  // namespace code_d2efb38b
+}  // namespace code_4b6b295c
 }  // namespace mahru

@@ -17,4 +17,7 @@ std::string hash_of(std::string_view bytes);
 inline constexpr const char* code_mark = "code_of_these_files";
 void name_by_content(std::vector<OutputFile>& files, std::string_view content);
 
+// The text of a file under the name that another file has.
+std::string named_as(std::string text, std::string_view other);
+
 }  // namespace dalembert::backend

@@ -535,8 +535,8 @@ std::vector<OutputFile> emit(const Folder& folder) {
   for (OutputFile& file : batch_files(folder, top)) files.push_back(std::move(file));
   if (folder.self_test)
     for (OutputFile& file : self_test_files(folder, *folder.self_test, top)) files.push_back(std::move(file));
-  // The banner tells where they are from, and how they were asked for.
-  name_by_content(files, std::string_view(files[1].text).substr(top.size()));
+  // The banner tells where they are from, and how they were asked for; what a workspace begins with is in the header.
+  name_by_content(files, files[0].text.substr(top.size()) + files[1].text.substr(top.size()));
   return files;
 }
 

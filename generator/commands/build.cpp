@@ -7,6 +7,7 @@
 #include <numeric>
 #include <string_view>
 
+#include "backend/code_name.hpp"
 #include "commands/build/batches.hpp"
 #include "commands/build/key.hpp"
 #include "commands/build/library.hpp"
@@ -44,6 +45,7 @@ void generate_part(const Library& library, size_t p, std::vector<backend::Output
   std::vector<backend::OutputFile> with = compile(model);
   const bool worth = find(with, "batch.cpp")->text.size() <= longest;
   if (worth || for_controller) files = std::move(with);
+  self_test = backend::named_as(self_test, find(files, "dynamics.hpp")->text);
   if (worth) batched = std::move(found);
 }
 

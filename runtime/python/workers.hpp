@@ -8,6 +8,7 @@
 #include <atomic>
 #include <condition_variable>
 #include <cstddef>
+#include <exception>
 #include <functional>
 #include <mutex>
 #include <thread>
@@ -36,24 +37,29 @@ class Workers {
   void set_count(int count) { count_.store(count, std::memory_order_relaxed); }
 
   // Calls work(w) with w from 0 to `threads` - 1, each on a thread of its own, the last on the caller's, and returns when all
-  // have returned. One after another where somebody else's batch has the threads.
+  // have returned. One after another where somebody else's batch has the threads, or the system gives no more of them.
   void run(int threads, const std::function<void(int)>& work) {
     std::unique_lock<std::mutex> mine(busy_, std::try_to_lock);
     if (!mine.owns_lock() || threads <= 1) {
       for (int w = 0; w < threads; ++w) work(w);
       return;
     }
+    int others = threads - 1;
     {
       const std::lock_guard<std::mutex> lock(mutex_);
-      while (static_cast<int>(threads_.size()) < threads - 1)
-        threads_.emplace_back([this, w = static_cast<int>(threads_.size())] { serve(w); }).detach();
+      try {
+        while (static_cast<int>(threads_.size()) < others)
+          threads_.emplace_back([this, w = static_cast<int>(threads_.size())] { serve(w); }).detach();
+      } catch (const std::exception&) {
+        others = static_cast<int>(threads_.size());
+      }
       work_ = &work;
-      asked_ = threads - 1;
-      left_ = threads - 1;
+      asked_ = others;
+      left_ = others;
       ++turn_;
     }
     wake_.notify_all();
-    work(threads - 1);
+    for (int w = others; w < threads; ++w) work(w);
     std::unique_lock<std::mutex> lock(mutex_);
     done_.wait(lock, [this] { return left_ == 0; });
     work_ = nullptr;

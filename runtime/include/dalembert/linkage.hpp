@@ -203,7 +203,7 @@ struct IndependentRuns {
 
 // of all = T of v.
 template <class Runs, int all, int count, class T>
-void spread(const Follower* followers, const T* G, const T* of_v, T* of_all) noexcept {
+static inline void spread(const Follower* followers, const T* G, const T* of_v, T* of_all) noexcept {
   for (int i = 0; i < all; ++i) of_all[i] = T(0);
   Runs::each([&](int i, int at) { of_all[at] = of_v[i]; });
   for (int i = 0; i < count; ++i) of_all[followers[i].coordinate] += G[i] * of_v[followers[i].follows];
@@ -211,13 +211,13 @@ void spread(const Follower* followers, const T* G, const T* of_v, T* of_all) noe
 
 // of all += T' v: accelerations that dependent joints have at y'' = 0.
 template <int count, class T>
-void add_turning(const Follower* followers, const T* G_rate, const T* v, T* of_all) noexcept {
+static inline void add_turning(const Follower* followers, const T* G_rate, const T* v, T* of_all) noexcept {
   for (int i = 0; i < count; ++i) of_all[followers[i].coordinate] += G_rate[i] * v[followers[i].follows];
 }
 
 // to = from T, of `rows` rows.
 template <class Runs, int rows, int count, class T>
-void project_columns(const Follower* followers, const T* G, const T* from, T* to) noexcept {
+static inline void project_columns(const Follower* followers, const T* G, const T* from, T* to) noexcept {
   Runs::each([&](int c, int at) {
     for (int r = 0; r < rows; ++r) to[c * rows + r] = from[at * rows + r];
   });
@@ -230,21 +230,22 @@ void project_columns(const Follower* followers, const T* G, const T* from, T* to
 
 // A column of T' from, of nv rows.
 template <class Runs, int count, class T>
-void project_column(const Follower* followers, const T* G, const T* from, T* to) noexcept {
+static inline void project_column(const Follower* followers, const T* G, const T* from, T* to) noexcept {
   Runs::each([&](int r, int at) { to[r] = from[at]; });
   for (int i = 0; i < count; ++i) to[followers[i].follows] += G[i] * from[followers[i].coordinate];
 }
 
 // to = T' from, of `columns` columns.
 template <class Runs, int columns, int nv, int all, int count, class T>
-void project_rows(const Follower* followers, const T* G, const T* from, T* to) noexcept {
+static inline void project_rows(const Follower* followers, const T* G, const T* from, T* to) noexcept {
   for (int c = 0; c < columns; ++c) project_column<Runs, count>(followers, G, from + c * all, to + c * nv);
 }
 
 // to = T' (from T + turned T'), nv x nv; turned: null where it is T' from T alone. Columns that nothing follows are a column of
 // `from`, made shorter.
 template <class Runs, int nv, int all, int count, class T>
-void project_both(const Follower* followers, const T* G, const T* from, const T* turned, const T* G_rate, T* to) noexcept {
+static inline void project_both(const Follower* followers, const T* G, const T* from, const T* turned, const T* G_rate,
+                                T* to) noexcept {
   bool followed[nv] = {};
   for (int i = 0; i < count; ++i) followed[followers[i].follows] = true;
   Runs::each([&](int c, int at) {
@@ -269,7 +270,7 @@ void project_both(const Follower* followers, const T* G, const T* from, const T*
 // to = from + J a, of `rows` rows, a being what dependent joints are accelerated by at y'' = 0: nothing else's columns are
 // read.
 template <int rows, int count, class T>
-void add_bias(const Follower* followers, const T* G_rate, const T* v, const T* J, const T* from, T* to) noexcept {
+static inline void add_bias(const Follower* followers, const T* G_rate, const T* v, const T* J, const T* from, T* to) noexcept {
   for (int r = 0; r < rows; ++r) to[r] = from[r];
   for (int i = 0; i < count; ++i) {
     const T acceleration = G_rate[i] * v[followers[i].follows];
@@ -279,16 +280,16 @@ void add_bias(const Follower* followers, const T* G_rate, const T* v, const T* J
 }
 
 template <int size, class T>
-void copy_numbers(const T* from, T* to) noexcept {
+static inline void copy_numbers(const T* from, T* to) noexcept {
   for (int i = 0; i < size; ++i) to[i] = from[i];
 }
 // to = from - to.
 template <int size, class T>
-void subtract_from(const T* from, T* to) noexcept {
+static inline void subtract_from(const T* from, T* to) noexcept {
   for (int i = 0; i < size; ++i) to[i] = from[i] - to[i];
 }
 template <int size, class T>
-void clear_at_toggle_point(const LinkageStatus<T>& status, T* numbers) noexcept {
+static inline void clear_at_toggle_point(const LinkageStatus<T>& status, T* numbers) noexcept {
   if (status.ok()) return;
   for (int i = 0; i < size; ++i) numbers[i] = T(0);
 }
