@@ -26,17 +26,23 @@ def workflow(preset):
             ["ctest", "--preset", preset, "-j", JOBS]]
 
 
+def build_release(*targets):
+    return [["cmake", "--preset", "release"], ["cmake", "--build", "--preset", "release", "-j", JOBS, "--target", *targets]]
+
+
 # name: what it is, its commands, and more of their environment.
 STAGES = {
     "release": ("every test, those of benchmarks too", workflow("release"), {}),
     "dev": ("the tests of sh tests/run.sh with the address and undefined-behaviour sanitizers", workflow("dev"), {}),
     "tsan": ("what runs on threads, with the thread sanitizer", workflow("tsan"), {}),
-    "matrix": ("emitted code in many compilers", [["python3", "tests/matrix/run.py"]], {}),
+    "matrix": ("emitted code in many compilers", [*build_release("bin/dalembert"), ["python3", "tests/matrix/run.py"]], {}),
     "fuzz": ("URDFs and scenes, a million each", [["sh", "tests/fuzz/run.sh", "all", "1000000"]], {}),
     "random": ("scenes and robots drawn at random, interpreted; every quantity alone of large robots",
-               [["ctest", "--preset", "release", "-j", JOBS, "-R", "^(RandomScenes|RandomRobots|Algorithm|Constraints)[.]"]],
+               [*build_release("random_scenes_test", "algorithm_test", "constraints_test"),
+                ["ctest", "--preset", "release", "-j", JOBS, "-R", "^(RandomScenes|RandomRobots|Algorithm|Constraints)[.]"]],
                {"DALEMBERT_RANDOM_SCENES": "300", "DALEMBERT_RANDOM_ROBOTS": "10000", "DALEMBERT_LARGE_ROBOTS": "1"}),
-    "compiled": ("robots and scenes drawn at random, compiled", [["python3", "tests/random/compiled.py", "build/release/bin/dalembert"]], {}),
+    "compiled": ("robots and scenes drawn at random, compiled",
+                 [*build_release("bin/dalembert"), ["python3", "tests/random/compiled.py", "build/release/bin/dalembert"]], {}),
 }
 
 

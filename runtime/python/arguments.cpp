@@ -295,12 +295,6 @@ bool take_run_time(const Contents& f, const Given& given, std::vector<Argument>&
     if (!given.run_time[r]) continue;
     const Owned numbers(numbers_of(given.run_time[r], input.size));
     if (!numbers || !take(f, numbers.get(), input.name, input.size, own[r])) return false;
-    for (npy_intp s = 0; s < std::max<npy_intp>(own[r].states, own[r].states < 0); ++s)
-      if (!can_hold(
-              f.name, input.name, input.holds,
-              static_cast<const unsigned char*>(own[r].rows.first) + s * own[r].rows.step * static_cast<npy_intp>(f.scalar),
-              f.type, input.size, own[r].states < 0 ? -1 : s))
-        return false;
     per_state = per_state || own[r].states >= 0;
   }
   for (std::size_t r = 0; r < own.size(); ++r) {
@@ -322,6 +316,16 @@ bool take_run_time(const Contents& f, const Given& given, std::vector<Argument>&
   } catch (const std::bad_alloc&) {
     PyErr_NoMemory();
     return false;
+  }
+  for (std::size_t r = 0; r < own.size(); ++r) {
+    if (!given.run_time[r]) continue;
+    const RunTimeInput& input = f.run_time_inputs[r];
+    for (npy_intp s = 0; s < std::max<npy_intp>(own[r].states, own[r].states < 0); ++s)
+      if (!can_hold(
+              f.name, input.name, input.holds,
+              static_cast<const unsigned char*>(own[r].rows.first) + s * own[r].rows.step * static_cast<npy_intp>(f.scalar),
+              f.type, input.size, own[r].states < 0 ? -1 : s))
+        return false;
   }
   for (std::size_t s = 0; s < count; ++s) {
     unsigned char* const to = memory.data() + s * width * f.scalar;

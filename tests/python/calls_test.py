@@ -565,6 +565,20 @@ class RunTime(unittest.TestCase):
         rng = np.random.default_rng(6)
         self.Q, self.V, self.A = self.robot.random(rng, 4), rng.uniform(-1, 1, (4, self.robot.nv)), np.zeros((4, self.robot.nv))
 
+    def test_of_more_states_than_there_is_memory_for(self):
+        """Refused before any of them is looked at."""
+        many = lambda x: np.broadcast_to(x, (10**15, len(x)))
+        r, (q, v, a) = self.robot, (self.Q[0], self.V[0], self.A[0])
+        for given in (dict(gravity_vector=many([0.0, 0, -1])), dict(wrench_link_02=many(np.zeros(6)), gravity_vector=many([0.0, 0, -1]))):
+            for call in (lambda: r.inverse_dynamics(many(q), v, a, **given), lambda: r.inverse_dynamics(q, v, a, **given),
+                         lambda: r.evaluate(many(q), many(v), tau=many(a), **given),
+                         lambda: r.forward_dynamics_rollout(many(q), v, a[None], time_step=0.1, **given),
+                         lambda: r.forward_dynamics_rollout(q, v, a[None], time_step=0.1, **given)):
+                self.assertRaises(MemoryError, call)
+            with self.assertRaisesRegex(ValueError, f"has {10**15} states, and other arguments have 4"):
+                r.inverse_dynamics(self.Q, v, a, **given)
+        self.assertRaises(MemoryError, lambda: r.mass_matrix(many(q)))
+
     def test_attributes_and_per_state(self):
         r, Q, V, A = self.robot, self.Q, self.V, self.A
         before = r.inverse_dynamics(Q, V, A)

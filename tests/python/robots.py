@@ -2,14 +2,29 @@
 
 import atexit
 import ctypes
+import faulthandler
 import os
 import pathlib
 import shutil
 import subprocess
 import tempfile
+import threading
 
 project = pathlib.Path(os.environ["DALEMBERT_TEST_PROJECT"])
 mahru = project / "examples/mahru/mahru.urdf"
+
+
+
+def say_what_is_waited_for():
+    """A test that hangs is ended by the suite without a word of where it hung."""
+    processes = ["ps", "-ww", "-eLo", "pid,ppid,stat,wchan:24,time,args"]
+    timer = threading.Timer(840, lambda: subprocess.run(processes, stdout=2))
+    timer.daemon = True
+    timer.start()
+    faulthandler.dump_traceback_later(850, exit=True)
+
+
+say_what_is_waited_for()
 
 # The tests' own cache, which they share: what several load is compiled once. The suite begins with an empty one.
 cache = os.environ.get("DALEMBERT_TEST_CACHE") or tempfile.mkdtemp(prefix="dalembert.python.")
