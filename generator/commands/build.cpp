@@ -14,6 +14,7 @@
 #include "commands/build/robot_json.hpp"
 #include "commands/build/table_source.hpp"
 #include "commands/cache.hpp"
+#include "commands/json.hpp"
 #include "commands/parallel.hpp"
 #include "compile.hpp"
 
@@ -155,7 +156,7 @@ std::string command_line_of(const fs::path& entry) {
   std::ifstream file(entry / entry_file);
   constexpr std::string_view key = "  \"command_line\": ";
   for (std::string line; std::getline(file, line);)
-    if (line.starts_with(key)) return line.substr(key.size() + 1, line.size() - key.size() - 3);
+    if (line.starts_with(key)) return text_of_json_string(std::string_view(line).substr(key.size(), line.size() - key.size() - 1));
   return "";
 }
 

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cstdlib>
+
 namespace dalembert {
 
 namespace {
@@ -33,6 +35,23 @@ std::string json_string(std::string_view text) {
     text.remove_prefix(length == 0 ? 1 : length);
   }
   return json + '"';
+}
+
+std::string text_of_json_string(std::string_view json) {
+  json.remove_prefix(1);
+  std::string text;
+  while (json.size() > 1) {
+    size_t length = 1;
+    if (json.front() != '\\') text += json.front();
+    else if (json[1] != 'u') text += json[1], length = 2;
+    else {
+      const std::string digits(json.substr(2, 4));
+      length = 6;
+      text += digits == "fffd" ? "\xef\xbf\xbd" : std::string(1, static_cast<char>(std::strtol(digits.c_str(), nullptr, 16)));
+    }
+    json.remove_prefix(length);
+  }
+  return text;
 }
 
 std::string json_array(const std::vector<std::string>& texts) {

@@ -11,6 +11,9 @@ namespace dalembert {
 // U+FFFD.
 std::string json_string(std::string_view text);
 
+// The text of a string that json_string wrote.
+std::string text_of_json_string(std::string_view json);
+
 // ["a", "b"]
 std::string json_array(const std::vector<std::string>& texts);
 

@@ -1,9 +1,10 @@
 #!/bin/sh
 # sh emitted_code_test.sh DALEMBERT PROJECT EIGEN WORK COMPILER [FLAG...]
 #
-# Generates five robots that between them use every form of emitted code, and compiles each emitted file with COMPILER FLAG...
-# and warnings as errors, Eigen being a system header as it is to users. Without a FLAG also what must not compile: wrong_uses.cpp. Exit status: 0 good, 1 a file does not compile
-# or shares functions, or compiles and should not, 77 this machine cannot tell.
+# Generates six robots that between them use every form of emitted code, and compiles each emitted file with COMPILER FLAG...
+# and warnings as errors, Eigen being a system header as it is to users. Without a FLAG also what must not compile: wrong_uses.cpp.
+# Exit status: 0 good, 1 a file does not compile or shares functions or tables, or compiles and should not, 77 this machine cannot
+# tell.
 set -eu
 dalembert=$1 project=$2 eigen=$3 work=$4 compiler=$5
 shift 5
@@ -41,6 +42,10 @@ generate_robot massless_fingers --base fixed --form rolled --parallel serial \
 # States by lanes, and motions of a base that floats.
 generate_robot double_pendulum --base floating --joints "{link_02_joint: spherical}" --parallel serial --outputs forward_dynamics --batch true --rollouts linearly_implicit
 
+# Rows of contacts.
+generate_robot branch_below_base --base floating --parallel serial --contacts "{held: {link: c_03, type: point}}" \
+  --outputs impact,constrained_inverse_dynamics
+
 # oneTBB's headers are the same for every target; a cross compiler must see them without the rest of /usr/include.
 for folder in oneapi tbb; do
   if [ -d "/usr/include/$folder" ]; then ln -s "/usr/include/$folder" "$work/headers/$folder"; fi
@@ -57,6 +62,11 @@ for source in "$work"/*/*.cpp; do
   if nm -C "$source.o" | grep -E ' [VWu] .*(dalembert::([A-Za-z]+(<[^<>]*>)?::)*~?[A-Za-z_]+[<(]|Eigen::Matrix<)' |
     grep -v 'dalembert::TaskGraph'; then
     echo "these functions of the runtime are not the file's own"
+    failed=1
+  fi
+  # Nor may a table be one with another shared object's: that keeps an object loaded until the process ends.
+  if readelf -sW --demangle "$source.o" | grep ' UNIQUE *DEFAULT .*dalembert::'; then
+    echo "these tables of the runtime are not the shared object's own"
     failed=1
   fi
 done

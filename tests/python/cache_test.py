@@ -145,6 +145,7 @@ exec cp "$kept" "$to"
         self.assertEqual(len(self.left()), 2)
         listed = subprocess.run([robots.executable(), "cache"], env=self.environment, capture_output=True, text=True, check=True).stdout
         self.assertEqual(listed.count("robot.urdf --base fixed --outputs"), 2, listed)
+        self.assertNotIn("\\", listed)  # as a shell takes it
         # A damaged entry is made again.
         for code in self.entries.glob("*/code.so"):
             code.write_bytes(code.read_bytes()[:100])

@@ -115,6 +115,7 @@ TEST(Json, StringsAreEscaped) {
   EXPECT_EQ(json_string("plain"), "\"plain\"");
   EXPECT_EQ(json_string("a\"b\\c\n\x01"), "\"a\\\"b\\\\c\\u000a\\u0001\"");
   EXPECT_EQ(json_string("g\xc3\xa9"), "\"g\xc3\xa9\"");
+  for (const char* text : {"", "a\"b\\c\n\x01", "g\xc3\xa9"}) EXPECT_EQ(text_of_json_string(json_string(text)), text);
   EXPECT_EQ(json_string("\xc3(\xed\xa0\x80"), "\"\\ufffd(\\ufffd\\ufffd\\ufffd\"");  // not UTF-8
   EXPECT_EQ(json_array({"a", "b"}), "[\"a\", \"b\"]");
   EXPECT_EQ(json_array({}), "[]");

@@ -29,7 +29,7 @@ template <class T, int base, int stride, int... slots>
 struct LimbsInSlots {
   static constexpr bool in_slots = true;
   static constexpr int slots_in_all = stride;
-  static constexpr int slot_of[sizeof...(slots) + 1] = {slots..., 0};  // with a bound, which clang asks for
+  DALEMBERT_TABLE int slot_of[sizeof...(slots) + 1] = {slots..., 0};  // with a bound, which clang asks for
   static constexpr int slot(int k) { return slot_of[k - base]; }
   const T *pivot_slots, *gain_slots, *linear_slots, *angular_slots, *gains, *pivots;
 

@@ -6,6 +6,10 @@
 #include <dalembert/constraint_shapes.hpp>
 #include <tuple>
 
+// A static array of a class template that is each shared object's own. One that several share (a unique symbol) keeps the object,
+// and what that refers to, loaded until the process ends.
+#define DALEMBERT_TABLE static constexpr __attribute__((visibility("hidden")))
+
 namespace dalembert {
 
 // What solving for constraints came to.
@@ -25,7 +29,7 @@ struct ConstraintStatus {
 template <int own_rows, int own_linear, int own_common, int own_split, int... coordinates>
 struct LoopPath {
   static constexpr int rows = own_rows, linear = own_linear, length = sizeof...(coordinates);
-  static constexpr int at[] = {coordinates...};
+  DALEMBERT_TABLE int at[] = {coordinates...};
   // Whether the i-th of them stands above the k-th.
   static constexpr bool is_above(int i, int k) { return i < k && (k < own_split || i < own_common || i >= own_split); }
 };
@@ -53,8 +57,8 @@ struct SharedPieces {
 template <class... Paths>
 struct ConstraintRows {
   static constexpr int count = sizeof...(Paths);
-  static constexpr int rows[count] = {Paths::rows...}, linear[count] = {Paths::linear...}, lengths[count] = {Paths::length...};
-  static constexpr const int* paths[count] = {Paths::at...};
+  DALEMBERT_TABLE int rows[count] = {Paths::rows...}, linear[count] = {Paths::linear...}, lengths[count] = {Paths::length...};
+  DALEMBERT_TABLE const int* paths[count] = {Paths::at...};
   template <int c>
   using path = std::tuple_element_t<c, std::tuple<Paths...>>;
 
@@ -108,7 +112,7 @@ struct ConstraintRows {
       }
     return all;
   }
-  static constexpr Moving moving = moving_coordinates();
+  DALEMBERT_TABLE Moving moving = moving_coordinates();
   // Which of the coordinates above constraint c is the i-th of those above any; -1: none.
   static constexpr int along(int c, int i) {
     for (int k = 0; k < lengths[c]; ++k)
@@ -121,14 +125,15 @@ struct ConstraintRows {
 template <int chain_first, int chain_count, int... runs>
 struct ChainBelow {
   static constexpr int first = chain_first, count = chain_count, run_count = sizeof...(runs) / 2;
-  static constexpr int run[sizeof...(runs) + 1] = {runs..., 0};
+  DALEMBERT_TABLE int run[sizeof...(runs) + 1] = {runs..., 0};
 };
 // From the root on.
 template <class... Chains>
 struct ChainTree {
-  static constexpr int count = sizeof...(Chains), first[count] = {Chains::first...}, length[count] = {Chains::count...};
+  static constexpr int count = sizeof...(Chains);
+  DALEMBERT_TABLE int first[count] = {Chains::first...}, length[count] = {Chains::count...};
   // The coordinate that each hangs on; -1: none.
-  static constexpr int above[count] = {(Chains::run_count > 0 ? Chains::run[1] - 1 : -1)...};
+  DALEMBERT_TABLE int above[count] = {(Chains::run_count > 0 ? Chains::run[1] - 1 : -1)...};
   template <int c>
   using chain = std::tuple_element_t<c, std::tuple<Chains...>>;
 

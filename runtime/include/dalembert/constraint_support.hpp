@@ -24,7 +24,7 @@ struct AxesInArray {
 template <int own_base, int... coordinates>
 struct Undriven {
   static constexpr int count = sizeof...(coordinates), base = own_base;
-  static constexpr int at[sizeof...(coordinates) + 1] = {coordinates..., 0};
+  DALEMBERT_TABLE int at[sizeof...(coordinates) + 1] = {coordinates..., 0};
 };
 
 namespace constraint_detail {
