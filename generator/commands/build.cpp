@@ -156,7 +156,8 @@ std::string command_line_of(const fs::path& entry) {
   std::ifstream file(entry / entry_file);
   constexpr std::string_view key = "  \"command_line\": ";
   for (std::string line; std::getline(file, line);)
-    if (line.starts_with(key)) return text_of_json_string(std::string_view(line).substr(key.size(), line.size() - key.size() - 1));
+    if (line.starts_with(key))
+      return text_of_json_string(std::string_view(line).substr(key.size(), line.size() - key.size() - 1));
   return "";
 }
 

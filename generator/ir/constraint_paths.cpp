@@ -22,9 +22,8 @@ int last_coordinate(const KinematicTree& tree, int body) {
 
 // The coordinates above a link's body, the tree's root first.
 std::vector<int> coordinates_above(const KinematicTree& tree, const CoordinateTree& coordinates, const std::string& name) {
-  const auto link = std::find_if(tree.links.begin(), tree.links.end(), [&](const LinkPlacement& l) { return l.link == name; });
   std::vector<int> above;
-  for (int k = last_coordinate(tree, link->body); k >= 0; k = coordinates.above[static_cast<std::size_t>(k)])
+  for (int k = last_coordinate(tree, tree.find_link(name)->body); k >= 0; k = coordinates.above[static_cast<std::size_t>(k)])
     above.push_back(k);
   std::reverse(above.begin(), above.end());
   return above;

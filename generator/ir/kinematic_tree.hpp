@@ -22,6 +22,7 @@
 #include <dalembert/quaternion_joint.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "ir/linkage.hpp"
@@ -105,6 +106,11 @@ struct KinematicTree {
   std::vector<Linkage> linkages;  // whose loops are embedded
   std::optional<WithinRobot> within{};
 
+  // The link or frame of this name; null where there is none.
+  const LinkPlacement* find_link(std::string_view name) const {
+    const auto at = std::find_if(links.begin(), links.end(), [&](const LinkPlacement& placed) { return placed.link == name; });
+    return at == links.end() ? nullptr : &*at;
+  }
   int joints() const { return static_cast<int>(bodies.size()); }  // moving joints, driven ones included
   // Per body: which of the joint coordinates is its own, or its driver's, counted from 0 behind the base's; -1 of what follows
   // by a loop.

@@ -10,8 +10,7 @@ double loop_length(const KinematicTree& tree, const Loop& loop) {
   if (loop.length) return *loop.length;
   Eigen::Vector3d points[2];
   for (std::size_t i = 0; i < 2; ++i) {
-    const auto link =
-        std::find_if(tree.links.begin(), tree.links.end(), [&](const LinkPlacement& l) { return l.link == loop.links[i]; });
+    const LinkPlacement* const link = tree.find_link(loop.links[i]);
     points[i] = link->placement * loop.at[i].translation();
     for (int k = link->body; k >= 0; k = tree.bodies[static_cast<std::size_t>(k)].parent) {
       const Body& body = tree.bodies[static_cast<std::size_t>(k)];

@@ -119,6 +119,10 @@ struct Scene {
     return all;
   }
 
+  bool has_payload(const std::string& link) const {
+    return std::find(payloads.begin(), payloads.end(), link) != payloads.end();
+  }
+
   // "link left_foot", or "frame sole" of a frame of the scene's own.
   std::string called(const std::string& link) const {
     const bool own = std::any_of(placed.begin(), placed.end(), [&](const Frame& frame) { return frame.name == link; });

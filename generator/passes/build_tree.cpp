@@ -55,18 +55,14 @@ class TreeBuilder {
       embed_loops(tree_, scene_, robot_);
       warn_of_massless_joints();
     }
-    for (const ir::Contact& contact : scene_.contacts) tree_.held.emplace_back(body_of(contact.link), ir::nobody);
-    for (const ir::Loop& loop : scene_.loops) tree_.held.emplace_back(body_of(loop.links[1]), body_of(loop.links[0]));
+    for (const ir::Contact& contact : scene_.contacts) tree_.held.emplace_back(tree_.find_link(contact.link)->body, ir::nobody);
+    for (const ir::Loop& loop : scene_.loops)
+      tree_.held.emplace_back(tree_.find_link(loop.links[1])->body, tree_.find_link(loop.links[0])->body);
     check_magnitudes(tree_, scene_, robot_.file);
     return std::move(tree_);
   }
 
  private:
-  int body_of(const std::string& link) const {
-    return std::find_if(tree_.links.begin(), tree_.links.end(), [&](const ir::LinkPlacement& at) { return at.link == link; })
-        ->body;
-  }
-
   // A link still to be visited: the joint above it (-1 for the root), and the body its parent link is part of.
   struct Visit {
     int link, joint, parent_body;
@@ -261,11 +257,7 @@ class TreeBuilder {
 
   bool carries_payload(int body) const {
     return std::any_of(tree_.links.begin(), tree_.links.end(),
-                       [&](const ir::LinkPlacement& link) { return link.body == body && is_payload(link.link); });
-  }
-
-  bool is_payload(const std::string& link) const {
-    return std::find(scene_.payloads.begin(), scene_.payloads.end(), link) != scene_.payloads.end();
+                       [&](const ir::LinkPlacement& link) { return link.body == body && scene_.has_payload(link.link); });
   }
 
   // With a fixed base, links welded to it carry nothing and have neither a pose nor a Jacobian worth computing.
@@ -281,7 +273,7 @@ class TreeBuilder {
                       [&](const ir::ExternalWrench& wrench) { return wrench.link == placement.link; }))
         error(element, "a wrench is asked for on a link that does not move",
               "name a descendant of a joint that moves, or ask for base: floating");
-      if (is_payload(placement.link))
+      if (scene_.has_payload(placement.link))
         error(element, "a payload is asked for at a link that does not move",
               "name a descendant of a joint that moves, or ask for base: floating");
       const auto asked = std::find_if(outputs.begin(), outputs.end(),
@@ -301,9 +293,8 @@ class TreeBuilder {
     };
     std::vector<Held> all;
     for (const ir::Contact& contact : scene_.contacts) {
-      const auto link = std::find_if(tree_.links.begin(), tree_.links.end(),
-                                     [&](const ir::LinkPlacement& placement) { return placement.link == contact.link; });
-      if (link == tree_.links.end()) continue;  // the scene's check has said so
+      const ir::LinkPlacement* const link = tree_.find_link(contact.link);
+      if (!link) continue;  // the scene's check has said so
       const Held held{&contact, link->body, link->placement * contact.at};
       const std::string element = fmt::format("contact '{}'", contact.name);
       if (held.body < 0 && tree_.base_coordinates() == 0)
@@ -335,9 +326,8 @@ class TreeBuilder {
       Held held{&loop, {}, {}};
       bool there = true;
       for (std::size_t i = 0; i < 2; ++i) {
-        const auto link = std::find_if(tree_.links.begin(), tree_.links.end(),
-                                       [&](const ir::LinkPlacement& placement) { return placement.link == loop.links[i]; });
-        there = there && link != tree_.links.end();
+        const ir::LinkPlacement* const link = tree_.find_link(loop.links[i]);
+        there = there && link;
         if (!there) break;  // the scene's check has said so
         held.bodies[i] = link->body;
         held.at[i] = link->placement * loop.at[i];

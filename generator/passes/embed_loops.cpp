@@ -51,8 +51,7 @@ class Embedding {
     own.name = loop.name;
     std::array<std::vector<int>, 2> above;
     for (size_t i = 0; i < 2; ++i) {
-      const auto link = std::find_if(tree_.links.begin(), tree_.links.end(),
-                                     [&](const ir::LinkPlacement& l) { return l.link == loop.links[i]; });
+      const ir::LinkPlacement* const link = tree_.find_link(loop.links[i]);
       own.frames[i] = link->placement * loop.at[i];
       for (int k = link->body; k >= 0; k = body(k).parent) above[i].insert(above[i].begin(), k);
     }

@@ -20,8 +20,7 @@ struct Moved {
 Moved moved(const ir::KinematicTree& tree, const ir::Scene& scene) {
   Moved moved{std::vector<bool>(tree.bodies.size() + 1, false), std::vector<bool>(tree.bodies.size() + 1, false)};
   for (const ir::LinkPlacement& link : tree.links)
-    if (std::find(scene.payloads.begin(), scene.payloads.end(), link.link) != scene.payloads.end())
-      moved.mass[at(link.body + 1)] = true;
+    if (scene.has_payload(link.link)) moved.mass[at(link.body + 1)] = true;
   for (size_t k = tree.bodies.size() + 1; k-- > 0;) {
     const ir::Inertia& own = k == 0 ? tree.base : tree.bodies[k - 1].inertia;
     if (own.mass != 0) moved.mass[k] = true;

@@ -9,12 +9,6 @@
 namespace dalembert::passes {
 namespace {
 
-const ir::LinkPlacement* placement(const ir::KinematicTree& tree, const std::string& link) {
-  for (const ir::LinkPlacement& at : tree.links)
-    if (at.link == link) return &at;
-  return nullptr;
-}
-
 // The joint that moves a body is called so in the URDF, in the scene or in what is printed.
 bool is_called(const ir::Body& body, const std::string& name) {
   return ir::matches(name, body.joint) || (!body.of.empty() && ir::matches(name, body.of)) ||
@@ -38,7 +32,7 @@ void resolve(ir::Part& part, const std::string& result, const ir::KinematicTree&
     bool base = part.base.value_or(false);
     std::vector<bool> wanted(tree.bodies.size(), !named && !base);
     for (const std::string& link : part.subtrees) {
-      const ir::LinkPlacement* const at = placement(tree, link);
+      const ir::LinkPlacement* const at = tree.find_link(link);
       if (!at) continue;
       if (at->body < 0 && !part.base) base = true;
       for (int k = 0; k < tree.joints(); ++k)
@@ -60,7 +54,7 @@ void resolve(ir::Part& part, const std::string& result, const ir::KinematicTree&
   const std::vector<int> numbers = ir::numbers_of_links(tree);
   std::set<int> bodies;
   for (const std::string& link : part.links) {
-    const ir::LinkPlacement* const at = placement(tree, link);
+    const ir::LinkPlacement* const at = tree.find_link(link);
     if (!at) continue;
     if (at->body < 0 && tree.base_coordinates() == 0)
       refuse(result, "link '" + link + "' does not move: the base is fixed", "name a descendant of a joint that moves");

@@ -215,8 +215,7 @@ class Evaluation {
     Transform<S> frame;  // in the body
   };
   Place place(const std::string& link) const {
-    const auto placed =
-        std::find_if(tree_.links.begin(), tree_.links.end(), [&](const ir::LinkPlacement& p) { return p.link == link; });
+    const ir::LinkPlacement* const placed = tree_.find_link(link);
     return {placed->body, {placed->placement.linear().template cast<S>(), placed->placement.translation().template cast<S>()}};
   }
 

@@ -113,8 +113,7 @@ struct Elimination {
     }
     const ir::Inertia something{1, {0.2, -0.3, 0.5}, Eigen::Vector3d(1, 1.2, 1.5).asDiagonal()};
     for (const ir::LinkPlacement& link : tree.links)
-      if (std::find(scene.payloads.begin(), scene.payloads.end(), link.link) != scene.payloads.end())
-        inertia[at(link.body + 1)] += spatial<S>(something);
+      if (scene.has_payload(link.link)) inertia[at(link.body + 1)] += spatial<S>(something);
     std::vector<Matrix6<S>> composite = inertia;
     for (size_t k = n; k-- > 1;) {
       const Vector6<S> along = axis[k].cwiseAbs();

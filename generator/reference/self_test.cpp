@@ -88,8 +88,7 @@ void set_inputs(ir::SelfTest& test, ir::KinematicTree& tree, ir::Scene& scene) {
   const ir::KinematicTree empty = tree;
   for (const std::string& link : scene.payloads) {
     test.payloads.push_back(make_payload(empty, static_cast<int>(test.payloads.size()), scene.scalar));
-    const auto placed =
-        std::find_if(tree.links.begin(), tree.links.end(), [&](const ir::LinkPlacement& p) { return p.link == link; });
+    const ir::LinkPlacement* const placed = tree.find_link(link);
     ir::Inertia& carrier = placed->body < 0 ? tree.base : tree.bodies[static_cast<size_t>(placed->body)].inertia;
     carrier = passes::combined({carrier, passes::moved(test.payloads.back(), placed->placement)});
   }

@@ -6,8 +6,8 @@
 #include <dalembert/constraint_shapes.hpp>
 #include <tuple>
 
-// A static array of a class template that is each shared object's own. One that several share (a unique symbol) keeps the object,
-// and what that refers to, loaded until the process ends.
+// A static array of a class template that is each shared object's own. One that several share (a unique symbol) keeps the
+// object, and what that refers to, loaded until the process ends.
 #define DALEMBERT_TABLE static constexpr __attribute__((visibility("hidden")))
 
 namespace dalembert {
