@@ -48,19 +48,27 @@ std::string from_utf16(std::string_view text, bool big_endian) {
 }
 
 bool is_utf8(std::string_view text) {
-  int tail = 0;
-  for (char c : text) {
-    const unsigned char byte = static_cast<unsigned char>(c);
-    const bool continues = byte >= 0x80 && byte < 0xc0;
-    if (continues != (tail > 0)) return false;
-    if (continues) --tail;
-    else if (byte >= 0xf8) return false;
-    else tail = byte < 0x80 ? 0 : byte < 0xe0 ? 1 : byte < 0xf0 ? 2 : 3;
+  while (!text.empty()) {
+    const size_t length = utf8_length(text);
+    if (length == 0) return false;
+    text.remove_prefix(length);
   }
-  return tail == 0;
+  return true;
 }
 
 }  // namespace
+
+size_t utf8_length(std::string_view text) {
+  const auto byte = [&](size_t i) { return static_cast<unsigned char>(text[i]); };
+  const unsigned char first = byte(0);
+  const size_t length = first < 0x80 ? 1 : first < 0xC2 ? 0 : first < 0xE0 ? 2 : first < 0xF0 ? 3 : first < 0xF5 ? 4 : 0;
+  if (length == 0 || length > text.size()) return 0;
+  for (size_t i = 1; i < length; ++i)
+    if ((byte(i) & 0xC0) != 0x80) return 0;
+  const bool overlong = (first == 0xE0 && byte(1) < 0xA0) || (first == 0xF0 && byte(1) < 0x90);
+  const bool not_a_character = (first == 0xED && byte(1) >= 0xA0) || (first == 0xF4 && byte(1) >= 0x90);
+  return overlong || not_a_character ? 0 : length;
+}
 
 std::string as_utf8(const std::string& text) {
   std::string_view view = text;
