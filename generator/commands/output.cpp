@@ -84,21 +84,27 @@ Output output_named(const Model& model, const std::string& name) {
   const std::vector<Output> named = named_outputs(model);
   for (const Output& output : named)
     if (output.name == name) return output;
-  // jacobian_world_hand is the jacobian of a link world_hand where there is one, else the jacobian_world of a hand.
+  // What the scene asks for is called so; of anything else the name has to tell what it is: jacobian_world_hand is the
+  // jacobian_world of a hand, or the jacobian of a link world_hand.
+  for (const ir::LinkOutput& asked : model.scene.link_outputs())
+    if (ir::name_of(asked) == ir::identifier(name)) return output_of(model, asked);
   std::string link;
+  std::vector<ir::LinkOutput> meant;
   for (const ir::LinkQuantityRow& row : ir::link_quantities()) {
     const std::string prefix = std::string(row.name) + "_";
     if (!name.starts_with(prefix)) continue;
     link = name.substr(prefix.size());
-    for (const ir::LinkPlacement& placement : model.tree.links) {
-      if (placement.link != link && ir::identifier(placement.link) != link) continue;
-      if (placement.body < 0 && model.tree.base_coordinates() == 0)
-        refuse(fmt::format("link '{}' does not move: the base is fixed", link), "name a descendant of a joint that moves");
-      ir::LinkOutput output{row.quantity, placement.link};
-      for (const ir::LinkOutput& asked : model.scene.link_outputs())
-        if (asked == output) output = asked;
-      return output_of(model, output);
-    }
+    for (const ir::LinkPlacement& placement : model.tree.links)
+      if (placement.link == link || ir::identifier(placement.link) == link) meant.push_back({row.quantity, placement.link});
+  }
+  if (meant.size() > 1)
+    refuse(fmt::format("'{}' is two things: {}, and {}", name, ir::help_of(meant[0]), ir::help_of(meant[1])),
+           "ask for one of them in `frames`");
+  if (!meant.empty()) {
+    if (model.tree.find_link(meant[0].link)->body < 0 && model.tree.base_coordinates() == 0)
+      refuse(fmt::format("link '{}' does not move: the base is fixed", meant[0].link),
+             "name a descendant of a joint that moves");
+    return output_of(model, meant[0]);
   }
   if (!link.empty()) {
     std::vector<std::string> links;

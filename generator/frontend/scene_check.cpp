@@ -551,19 +551,26 @@ class SceneCheck {
             "name fewer of them");
   }
 
-  // A name in a function: jacobian_world_hand is the jacobian of a link world_hand where there is one, else the jacobian_world
-  // of a hand; a link's name alone is all that `frames` asks of it, or what it asks by default. A link is called by its name or
-  // as an identifier.
+  // A name in a function: what `frames` calls so, or else what it has to be: jacobian_world_hand is the jacobian_world of a
+  // hand, or the jacobian of a link world_hand. A link's name alone is all that `frames` asks of it, or what it asks by
+  // default. A link is called by its name or as an identifier.
   std::vector<ir::LinkOutput> explained(const std::string& where, const std::string& name) {
     const auto is = [](const std::string& link, std::string_view called) {
       return called == link || called == ir::identifier(link);
     };
+    for (const ir::LinkOutput& output : scene_.link_outputs())
+      if (ir::name_of(output) == ir::identifier(name)) return {{output.quantity, output.link}};
+    std::vector<ir::LinkOutput> meant;
     for (const ir::LinkQuantityRow& row : ir::link_quantities()) {
       const std::string prefix = std::string(row.name) + "_";
       if (!name.starts_with(prefix)) continue;
       for (const std::string& link : in_order_)
-        if (is(link, std::string_view(name).substr(prefix.size()))) return {{row.quantity, link}};
+        if (is(link, std::string_view(name).substr(prefix.size()))) meant.push_back({row.quantity, link});
     }
+    if (meant.size() > 1)
+      error(where, fmt::format("'{}' is two things: {}, and {}", name, ir::help_of(meant[0]), ir::help_of(meant[1])),
+            "ask for one of them in `frames`: the function takes that");
+    if (!meant.empty()) return {meant.front()};
     for (const std::string& link : in_order_) {
       if (!is(link, name)) continue;
       std::vector<ir::LinkOutput> outputs;

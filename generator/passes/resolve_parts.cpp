@@ -37,9 +37,12 @@ void resolve(ir::Part& part, const std::string& result, const ir::KinematicTree&
       if (at->body < 0 && !part.base) base = true;
       for (int k = 0; k < tree.joints(); ++k)
         if (at->body < 0 || tree.is_above(at->body, k)) wanted[static_cast<std::size_t>(k)] = true;
-      // Of a joint of several coordinates all of them move the link.
-      for (int k = at->body; k > 0 && tree.bodies[static_cast<std::size_t>(k)].part > 0;)
-        wanted[static_cast<std::size_t>(--k)] = true;
+      // Of a joint of several coordinates all of them move the link, and of an elastic one motor and spring.
+      const auto has_more_above = [&](int k) {
+        const ir::Body& body = tree.bodies[static_cast<std::size_t>(k)];
+        return body.part > 0 || !body.elastic.empty();
+      };
+      for (int k = at->body; k > 0 && has_more_above(k);) wanted[static_cast<std::size_t>(--k)] = true;
     }
     for (std::size_t k = 0; k < wanted.size(); ++k)
       for (const std::string& name : part.joints) wanted[k] = wanted[k] || is_called(tree.bodies[k], name);

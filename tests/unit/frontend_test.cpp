@@ -109,7 +109,7 @@ TEST(LibraryNames, CompriseEveryMacroOfTheHeaders) {
 TEST(Text, IsMadeUtf8) {
   EXPECT_EQ(frontend::as_utf8("gauch\xc3\xa9"), "gauch\xc3\xa9");
   EXPECT_EQ(frontend::as_utf8("gauch\xe9"), "gauch\xc3\xa9");                  // ISO 8859-1
-  EXPECT_EQ(frontend::as_utf8("a\xed\xa0\x80"), "a\xc3\xad\xc2\xa0\xc2\x80");     // half of a pair is no UTF-8
+  EXPECT_EQ(frontend::as_utf8("a\xed\xa0\x80"), "a\xc3\xad\xc2\xa0\xc2\x80");  // half of a pair is no UTF-8
   EXPECT_EQ(frontend::as_utf8("\xef\xbb\xbfgauch\xc3\xa9"), "gauch\xc3\xa9");  // marked
   EXPECT_EQ(frontend::as_utf8("\xef\xbb\xbfgauch\xe9"), "gauch\xc3\xa9");      // wrongly
   const std::string little("\xff\xfe<\0\xe9\0\x3d\xd8\x00\xde", 10), big("\xfe\xff\0<\0\xe9\xd8\x3d\xde\x00", 10);

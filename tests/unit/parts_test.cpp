@@ -119,6 +119,19 @@ long operations(const Model& model) {
 
 const char* const arm = "[{mass_matrix: {subtree: left_shoulder_pitch_link}}]";
 
+TEST(Parts, OfASubtreeHaveTheMotorOfAnElasticJoint) {
+  const auto rows = [](const std::string& part) {
+    const Model model = mahru("[{mass_matrix: " + part + "}]", {{"elastic", "{left_elbow: {k: 300, inertia: 0.2}}"}});
+    return model.scene.parts.begin()->second.coordinates;
+  };
+  const Model whole = mahru("mass_matrix");
+  const auto elbow = std::find_if(whole.tree.bodies.begin(), whole.tree.bodies.end(),
+                                  [](const ir::Body& b) { return b.joint == "left_elbow"; });
+  const std::vector<int> all = rows("{subtree: " + elbow->name + "}");
+  EXPECT_EQ(all, rows("{joints: [left_elbow, left_wrist_*]}"));
+  EXPECT_GE(all.size(), 2u);
+}
+
 TEST(Parts, AnArmsRowsOfMCostNoMoreThanTheArmAlone) {
   const Model part = mahru(arm);
   std::string others = "{";

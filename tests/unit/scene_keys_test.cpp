@@ -142,6 +142,12 @@ TEST(SceneFrames, AreNamedInFunctionsAsTheyAreAskedForUnderFrames) {
   EXPECT_EQ(asked("{sole: twist, l3: [pose]}"), (All{{LinkQuantity::twist, "sole"}, {LinkQuantity::pose, "l3"}}));
   EXPECT_EQ(asked("[bias, {sole: [local_world_aligned]}, {heel: {link: l3, at: [0, 1, 0], outputs: [pose]}}]"),
             (All{{LinkQuantity::jacobian_mixed, "sole"}, {LinkQuantity::pose, "heel"}}));
+  // jacobian_world of a frame tool and jacobian of a frame world_tool have one name: `frames` says whose it is.
+  const std::string alike =
+      "frames: {tool: {link: l3, outputs: [%]}, world_tool: {link: l2, outputs: []}}\nfunctions: {f: jacobian_world_tool}\n";
+  const auto with = [&](const std::string& outputs) { return std::string(alike).replace(alike.find('%'), 1, outputs); };
+  EXPECT_EQ(scene_of(with("jacobian_world")).functions.front().of_links, (All{{LinkQuantity::jacobian_world, "tool"}}));
+  EXPECT_THROW(scene_of(with("pose")), InputError);
   // What `frames` says nothing of has what a link in a list has.
   EXPECT_EQ(asked("l1"), (All{{LinkQuantity::pose, "l1"},
                               {LinkQuantity::twist, "l1"},
