@@ -232,7 +232,11 @@ class SceneCheck {
     for (const auto& [name, kind] : scene_.joints) {
       if (!moving_joint("joints", name)) continue;
       const ir::Joint& joint = robot_.joints[static_cast<size_t>(joints_.at(name))];
-      if (kind.type == ir::JointType::universal && joint.axis.cross(kind.second).norm() < 1e-9)
+      if (ir::row_of(kind.type).has_axis && !joint.axis_is_known)
+        error("joints/" + name,
+              fmt::format("joint '{}' is {} in the URDF and has no <axis> there", name, ir::row_of(joint.type).word),
+              "give it one in the URDF: <axis xyz=\"0 0 1\"/> or another direction");
+      else if (kind.type == ir::JointType::universal && joint.axis.cross(kind.second).norm() < 1e-9)
         error("joints/" + name, fmt::format("the second axis of joint '{}' is its first: together they turn one way", name),
               "give the axis of the cross's other pin, in the child link's frame");
       if (!ir::turns(joint.type) && kind.type == ir::JointType::helical)

@@ -145,6 +145,17 @@ Eigen::Vector3d axis(ElementReader& read, const TiXmlElement& element) {
   return direction.value_or(otherwise);
 }
 
+// Of a joint that has none as it stands in the file: one that the scene makes another kind of may need it.
+std::optional<Eigen::Vector3d> axis_of_another_kind(const TiXmlElement& element) {
+  const TiXmlElement* const axis = element.FirstChildElement("axis");
+  const char* const text = axis ? axis->Attribute("xyz") : nullptr;
+  const std::optional<std::vector<double>> values = text ? parse_numbers(text) : std::nullopt;
+  if (!values || values->size() != 3) return std::nullopt;
+  const Eigen::Vector3d direction((*values)[0], (*values)[1], (*values)[2]);
+  if (!direction.allFinite() || direction.stableNorm() < 1e-9) return std::nullopt;
+  return direction;
+}
+
 // Numbers that the dynamics does not use: what is odd about them is at most worth a warning.
 void read_unused(ElementReader& read, const TiXmlElement& element, std::initializer_list<std::string_view> attributes) {
   read.only_attributes(element, attributes);
@@ -203,6 +214,11 @@ JointOutline read_joint(ElementReader& read, const TiXmlElement& element, const 
   outline.child = end(read, element, "child");
   outline.origin = frame(read, element);
   if (ir::row_of(outline.type).has_axis) outline.axis = axis(read, element);
+  else if (outline.type == ir::JointType::floating) {
+    const std::optional<Eigen::Vector3d> direction = axis_of_another_kind(element);
+    outline.axis_is_known = direction.has_value();
+    outline.axis = direction.value_or(outline.axis);
+  }
   if (const TiXmlElement* dynamics = element.FirstChildElement("dynamics")) {
     read.data_in_attributes(*dynamics, "write <dynamics damping=\"...\" friction=\"...\"/>");
     read.only_attributes(*dynamics, {"damping", "friction"});

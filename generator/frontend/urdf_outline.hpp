@@ -42,7 +42,8 @@ struct JointOutline {
   std::string parent;  // link names
   std::string child;
   Frame origin;
-  Eigen::Vector3d axis = Eigen::Vector3d::UnitX();    // of any length but zero
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitX();  // of any length but zero
+  bool axis_is_known = true;  // not where a floating joint has none: a scene may make it one that needs it
   Eigen::Vector3d second = Eigen::Vector3d::UnitY();  // likewise: universal
   double pitch = 0;                                   // helical: m per turn
   double damping = 0, friction = 0;                   // NaN where the text is no number: refused by those who read it

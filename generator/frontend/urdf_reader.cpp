@@ -110,6 +110,7 @@ ir::Joint joint(const JointOutline& from) {
   joint.origin.linear() = rotation(from.origin);
   joint.origin.translation() = from.origin.xyz;
   if (joint.type != ir::JointType::fixed) joint.axis = from.axis.stableNormalized();
+  joint.axis_is_known = from.axis_is_known;
   if (joint.type == ir::JointType::universal) joint.second = from.second.stableNormalized();
   joint.pitch = from.pitch;
   joint.damping = from.damping;

@@ -58,6 +58,7 @@ struct Joint {
   int child = -1;
   Eigen::Isometry3d origin = Eigen::Isometry3d::Identity();  // child link's frame in the parent link's frame at q = 0
   Eigen::Vector3d axis = Eigen::Vector3d::UnitX();           // unit, in the child link's frame; planar: the plane's normal
+  bool axis_is_known = true;                                 // not where a floating joint of the file has none
   double pitch = 0;                                          // as in JointKind
   Eigen::Vector3d second = Eigen::Vector3d::UnitY();         // likewise
   double damping = 0;                                        // <dynamics damping>, N m s/rad or N s/m; NaN: no number

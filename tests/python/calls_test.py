@@ -517,6 +517,20 @@ class Shapes(unittest.TestCase):
         outs = tuple(np.empty_like(x) for x in double.both(Q, self.V))
         for given, back in zip(outs, double.both(Q, self.V, out=outs)):
             self.assertIs(given, back)
+        for names in (["mass_matrix", "kinetic_energy"], ["kinetic_energy", "mass_matrix"]):  # whatever the function's own order is
+            outs = [np.empty_like(getattr(double.evaluate(Q, self.V), name)) for name in names]
+            results = double.evaluate(Q, self.V, outputs=names, out=outs)
+            for name, given, back in zip(names, outs, results):
+                self.assertIs(given, back)
+                self.assertEqual(given.tobytes(), getattr(double.evaluate(Q, self.V), name).tobytes())
+
+    def test_evaluate_gives_what_its_arguments_give(self):
+        q, v, a = self.Q[0], self.V[0], self.TAU[0]
+        self.assertEqual(set(double.evaluate(q, v, a=a, tau=a)._fields), {"inverse_dynamics", "forward_dynamics"})
+        with self.assertRaisesRegex(TypeError, "inverse_dynamics needs v"):
+            double.evaluate(q, a=a)
+        with self.assertRaisesRegex(KeyError, "'both' is a function of the scene, and not a quantity: call robot"):
+            double.evaluate(q, v, outputs=["both"])
 
     def test_results_are_the_callers(self):
         first = double.mass_matrix(self.Q[0])

@@ -128,6 +128,25 @@ ir::Scene scene_of(const std::string& text) {
   return frontend::check_scene(frontend::read_scene_text("r.yaml", text, {}), robot, warnings);
 }
 
+TEST(SceneJoints, ThatFloatInTheFileTurnAboutTheAxisThatItGives) {
+  const auto axis_with = [](const std::string& axis) {
+    Diagnostics warnings;
+    const std::string text =
+        "<robot name='r'><link name='a'/><link name='b'/><link name='c'/><joint name='turn' type='continuous'>"
+        "<parent link='a'/><child link='b'/><axis xyz='1 0 0'/></joint>"
+        "<joint name='free' type='floating'><parent link='b'/><child link='c'/>" +
+        axis + "</joint></robot>";
+    const ir::RobotDescription robot = frontend::read_urdf_text("r.urdf", text, warnings);
+    EXPECT_TRUE(warnings.empty()) << warnings.front().message;
+    frontend::check_scene(frontend::read_scene_text("r.yaml", "base: fixed\njoints: {free: spherical}\n", {}), robot, warnings);
+    frontend::check_scene(frontend::read_scene_text("r.yaml", "base: fixed\njoints: {free: planar}\n", {}), robot, warnings);
+    return Eigen::Vector3d(robot.joints[1].axis);
+  };
+  EXPECT_EQ(axis_with("<axis xyz='0 0 2'/>"), Eigen::Vector3d::UnitZ());
+  for (const char* none : {"", "<axis/>", "<axis xyz='0 0 0'/>", "<axis xyz='z'/>"})
+    EXPECT_THROW(axis_with(none), InputError) << none;
+}
+
 TEST(SceneFrames, AreNamedInFunctionsAsTheyAreAskedForUnderFrames) {
   using ir::LinkQuantity;
   const std::string frames = "frames: {l2: [twist], sole: {link: l3, at: [0, 0, 1], outputs: [pose, jacobian_mixed]}}\n";

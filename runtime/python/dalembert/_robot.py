@@ -418,25 +418,26 @@ class Robot:
         """Several quantities in one call, as a named tuple.
 
         outputs: names of what load() was asked for, or what else the field calls it; without, all that q and v give (and with `a` or `tau`, all that these give).
-        Quantities of one function (docs/scene.md) share what they share. Keywords `out` and `return_status` and run-time inputs are
+        Quantities of one function (docs/scene.md) share what they share. `out`, in the order of `outputs`, and `return_status` and run-time inputs are
         those of the functions; with `return_status`, (results, status), status being -1 where M is positive definite everywhere;
         `return_constraint_status` goes with quantities of one function.
         """
         if outputs is None and (a is None or tau is None):  # all of one function, without further ado
             whole = self._by_inputs.get("a" if a is not None else "tau" if tau is not None else "")
-            if whole:
+            if whole and (v is not None or a is None and tau is None):
                 return whole(q, *(x for x in (v, a, tau) if x is not None), **more)
         given = {"": True, "a": a is not None, "tau": tau is not None}
         if outputs is None:
-            takes = "a" if given["a"] else "tau" if given["tau"] else ""
-            names = [n for n, f in self._function_of.items() if self._whole[f][1]["takes"] == takes]
+            takes = [x for x in ("a", "tau") if given[x]] or [""]
+            names = [n for n, f in self._function_of.items() if self._whole[f][1]["takes"] in takes]
             if not names:
-                raise KeyError(f"{self.name} was loaded without quantities of " + (f"q, v and {takes}" if takes else "q and v"))
+                raise KeyError(f"{self.name} was loaded without quantities of " + " and ".join(["q", "v", *filter(None, takes)]))
         else:
             names = [_build.in_our_names(name) for name in ([outputs] if isinstance(outputs, str) else outputs)]
         for name in names:
             if name not in self._function_of:
-                raise KeyError(self._unknown(name))
+                raise KeyError(self._unknown(name) if name not in self._whole else
+                               f"'{name}' is a function of the scene, and not a quantity: call robot['{name}']")
         if len(set(names)) < len(names):
             raise ValueError(f"evaluate: '{next(n for n in names if names.count(n) > 1)}' is given twice in outputs")
         by_function = {}
@@ -459,6 +460,9 @@ class Robot:
             extra = (a if takes == "a" else tau,) if takes else ()
             if extra and v is None:
                 raise TypeError(f"evaluate: {wanted[0]} needs v")
+            out = more.get("out")
+            if not one and isinstance(out, (tuple, list)) and len(out) == len(wanted):  # in the order of outputs
+                more["out"] = tuple(out[wanted.index(field)] for field in _fields(facts))
             result = made(q, *(() if v is None else (v,)), *extra, **more)
             if more.get("return_constraint_status"):
                 *result, solved = result
