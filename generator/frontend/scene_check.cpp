@@ -564,17 +564,17 @@ class SceneCheck {
     };
     for (const ir::LinkOutput& output : scene_.link_outputs())
       if (ir::name_of(output) == ir::identifier(name)) return {{output.quantity, output.link}};
-    std::vector<ir::LinkOutput> meant;
+    std::vector<ir::LinkOutput> of_links;
     for (const ir::LinkQuantityRow& row : ir::link_quantities()) {
       const std::string prefix = std::string(row.name) + "_";
       if (!name.starts_with(prefix)) continue;
       for (const std::string& link : in_order_)
-        if (is(link, std::string_view(name).substr(prefix.size()))) meant.push_back({row.quantity, link});
+        if (is(link, std::string_view(name).substr(prefix.size()))) of_links.push_back({row.quantity, link});
     }
-    if (meant.size() > 1)
-      error(where, fmt::format("'{}' is two things: {}, and {}", name, ir::help_of(meant[0]), ir::help_of(meant[1])),
+    if (of_links.size() > 1)
+      error(where, fmt::format("'{}' is two things: {}, and {}", name, ir::help_of(of_links[0]), ir::help_of(of_links[1])),
             "ask for one of them in `frames`: the function takes that");
-    if (!meant.empty()) return {meant.front()};
+    if (!of_links.empty()) return {of_links.front()};
     for (const std::string& link : in_order_) {
       if (!is(link, name)) continue;
       std::vector<ir::LinkOutput> outputs;
