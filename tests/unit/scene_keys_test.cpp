@@ -129,7 +129,7 @@ ir::Scene scene_of(const std::string& text) {
 }
 
 TEST(SceneJoints, ThatFloatInTheFileTurnAboutTheAxisThatItGives) {
-  const auto axis_with = [](const std::string& axis) {
+  const auto axis_with = [](const std::string& axis) -> Eigen::Vector3d {
     Diagnostics warnings;
     const std::string text =
         "<robot name='r'><link name='a'/><link name='b'/><link name='c'/><joint name='turn' type='continuous'>"
@@ -140,7 +140,7 @@ TEST(SceneJoints, ThatFloatInTheFileTurnAboutTheAxisThatItGives) {
     EXPECT_TRUE(warnings.empty()) << warnings.front().message;
     frontend::check_scene(frontend::read_scene_text("r.yaml", "base: fixed\njoints: {free: spherical}\n", {}), robot, warnings);
     frontend::check_scene(frontend::read_scene_text("r.yaml", "base: fixed\njoints: {free: planar}\n", {}), robot, warnings);
-    return Eigen::Vector3d(robot.joints[1].axis);
+    return std::find_if(robot.joints.begin(), robot.joints.end(), [](const ir::Joint& j) { return j.name == "free"; })->axis;
   };
   EXPECT_EQ(axis_with("<axis xyz='0 0 2'/>"), Eigen::Vector3d::UnitZ());
   for (const char* none : {"", "<axis/>", "<axis xyz='0 0 0'/>", "<axis xyz='z'/>"})
