@@ -111,7 +111,7 @@ struct ChainsInLanes {
     ++all.stages;
     return all;
   }
-  static constexpr All value = groups();
+  DALEMBERT_TABLE All value = groups();
 
   static constexpr int longest_of_stage(int stage) {
     int most_steps = 0;

@@ -45,7 +45,7 @@ struct KnownColumns {
     all.column[all.count] = n;
     return all;
   }
-  static constexpr Table value = table();
+  DALEMBERT_TABLE Table value = table();
 };
 
 // Where what respond() makes stands in its room.

@@ -94,7 +94,7 @@ struct ConstraintRows {
         }
     return all;
   }
-  static constexpr Shared shared = shared_pieces();
+  DALEMBERT_TABLE Shared shared = shared_pieces();
 
   // The coordinates above any of them, each once, and where those above each constraint stand among them.
   struct Moving {
