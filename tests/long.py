@@ -1,12 +1,12 @@
 """Everything that takes hours, by one command that may be stopped and gone on with: see tests/long.sh.
 
-A stage that has passed leaves a note in build/long, with what it was run on: a digest of the files that it is about. Exit status: 0
-all stages asked for have passed, 1 one has failed, 2 a stage is asked for that there is none of.
+The table in tests/README.md is what is remembered, on another machine too: a row says what a stage was run on, by a digest of its
+commands and of the files that it is about. Exit status: 0 all stages asked for have passed, 1 one has failed, 2 a stage is asked for
+that there is none of.
 """
 import argparse
 import datetime
 import hashlib
-import json
 import os
 import pathlib
 import platform
@@ -16,8 +16,9 @@ import sys
 import time
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
-NOTES = ROOT / "build" / "long"
+LOGS = ROOT / "build" / "long"
 README = ROOT / "tests" / "README.md"
+HEAD = ["stage", "what", "came of it", "took", "when and where", "tree"]
 JOBS = str(os.cpu_count())
 
 
@@ -47,17 +48,21 @@ STAGES = {
 
 
 def state_of_tree(stage):
-    """A digest of the files that the stage is about, committed or not: pages are the release's alone."""
-    files = [".", ":!tests/README.md"] + ([] if stage == "release" else [":!docs", ":!*.md"])
-    digest = hashlib.sha256()
+    """A digest of the stage's commands and of the files that it is about, committed or not: pages are the release's alone."""
+    files = [".", ":!tests/README.md", ":!tests/long.*"] + ([] if stage == "release" else [":!docs", ":!*.md"])
+    _, commands, more = STAGES[stage]
+    digest = hashlib.sha256(repr(([[word for word in command if word != JOBS] for command in commands], more)).encode())
     for words in (["ls-files", "--stage"], ["diff", "HEAD"], ["status", "--porcelain"]):
         digest.update(subprocess.run(["git", *words, "--", *files], cwd=ROOT, capture_output=True, check=True).stdout)
-    return digest.hexdigest()[:16]
+    return digest.hexdigest()[:12]
 
 
-def note_of(stage):
-    path = NOTES / f"{stage}.json"
-    return json.loads(path.read_text()) if path.exists() else {}
+def machine():
+    """The processor as the kernel calls it, with what tells its generation."""
+    cpuinfo = pathlib.Path("/proc/cpuinfo")
+    fields = dict(re.findall(r"^([\w ]+?)\s*: (.*)$", cpuinfo.read_text() if cpuinfo.exists() else "", re.M))
+    name = fields.get("model name", platform.machine())
+    return name + (f" (family {fields['cpu family']}, model {fields['model']})" if "cpu family" in fields else "") + f", {JOBS} cores"
 
 
 def in_words(seconds):
@@ -97,16 +102,30 @@ def result_in(log):
     return "; ".join(dict.fromkeys(found[-2:]))
 
 
-def write_table():
-    rows = ["| stage | what | came of it | took | on |", "|---|---|---|---:|---|"]
-    for stage, (what, _, _) in STAGES.items():
-        note = note_of(stage)
-        if note:
-            rows.append(f"| `{stage}` | {what} | {note['result'] or ('passed' if note['passed'] else 'failed')} | "
-                        f"{in_words(note['seconds'])} | {note['date']}, {note['machine']} |")
-    table = "<!-- long -->\n" + "\n".join(rows) + "\n<!-- /long -->"
-    text = README.read_text()
-    README.write_text(re.sub(r"<!-- long -->.*?<!-- /long -->", lambda _: table, text, flags=re.S))
+def table():
+    """{stage: its row's cells}, of the stages that were run."""
+    rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in README.read_text().splitlines() if line.startswith("| `")]
+    return {row[0].strip("`"): row for row in rows if row[0].strip("`") in STAGES and len(row) == len(HEAD)}
+
+
+def write_row(row):
+    rows = {**table(), row[0].strip("`"): row}
+    lines = ["| " + " | ".join(HEAD) + " |", "|---|---|---|---:|---|---|"]
+    lines += ["| " + " | ".join(rows[stage]) + " |" for stage in STAGES if stage in rows]
+    text = "<!-- long -->\n" + "\n".join(lines) + "\n<!-- /long -->"
+    README.write_text(re.sub(r"<!-- long -->.*?<!-- /long -->", lambda _: text, README.read_text(), flags=re.S))
+
+
+def passed_here(stage):
+    row = table().get(stage)
+    return row is not None and row[2].startswith("passed") and row[5] == f"`{state_of_tree(stage)}`"
+
+
+def said_of(stage):
+    row = table().get(stage)
+    if row is None:
+        return "not run yet"
+    return f"{row[2]} on {'this' if row[5] == f'`{state_of_tree(stage)}`' else 'another'} tree, {row[3]}, {row[4]}"
 
 
 def main():
@@ -125,31 +144,24 @@ def main():
                                    DALEMBERT_RANDOM_SCENES=str(max(1, options.random // 30)))
     if options.list:
         for stage, (what, _, _) in STAGES.items():
-            note = note_of(stage)
-            state = "not run here" if not note else ("passed" if note["passed"] else "failed") + \
-                ("" if note["tree"] == state_of_tree(stage) else " on another tree") + f", {in_words(note['seconds'])}"
-            print(f"{stage:8} {what}: {state}")
+            print(f"{stage:8} {what}: {said_of(stage)}")
         return 0
-    NOTES.mkdir(parents=True, exist_ok=True)
+    LOGS.mkdir(parents=True, exist_ok=True)
     failed = []
     wanted = options.stages or list(STAGES)
     for number, stage in enumerate(wanted, 1):
-        note, log = note_of(stage), NOTES / f"{stage}.log"
-        head = f"== [{number}/{len(wanted)}] {stage}: {STAGES[stage][0]}"
-        tree = state_of_tree(stage)
-        if note and note["passed"] and note["tree"] == tree and not options.again:
-            print(f"{head}; passed on this tree already ({in_words(note['seconds'])})")
+        head, log = f"== [{number}/{len(wanted)}] {stage}: {STAGES[stage][0]}", LOGS / f"{stage}.log"
+        if passed_here(stage) and not options.again:
+            print(f"{head}; {said_of(stage)}")
             continue
-        last = f"; {in_words(note['seconds'])} the last time" if note else ""
-        print(f"{head}; begun {datetime.datetime.now():%H:%M}{last}; build/long/{stage}.log", flush=True)
+        tree = state_of_tree(stage)
+        print(f"{head}; {said_of(stage)}; begun {datetime.datetime.now():%H:%M}; build/long/{stage}.log", flush=True)
         log.write_bytes(b"")
         begun = time.time()
         passed = run(stage, log)
-        note = {"passed": passed, "tree": tree, "seconds": time.time() - begun, "result": result_in(log),
-                "date": f"{datetime.date.today()}", "machine": f"{platform.machine()}, {JOBS} cores"}
-        (NOTES / f"{stage}.json").write_text(json.dumps(note))
-        print(f"   {'passed' if passed else 'FAILED'} after {in_words(note['seconds'])}: {note['result']}", flush=True)
-        write_table()
+        result, took = ("passed; " if passed else "FAILED; ") + result_in(log), in_words(time.time() - begun)
+        print(f"   {result} after {took}", flush=True)
+        write_row([f"`{stage}`", STAGES[stage][0], result.strip("; "), took, f"{datetime.date.today()}, {machine()}", f"`{tree}`"])
         if not passed:
             failed.append(stage)
     if failed:
