@@ -55,9 +55,16 @@ class Arguments : public ::testing::Test {
     expected = copy();
   }
 
+  // All bytes but those between members of the status, which nobody sets.
   static std::vector<std::byte> copy() {
     std::vector<std::byte> bytes(sizeof(Workspace));
     std::memcpy(bytes.data(), Code::workspace.get(), bytes.size());
+    const auto& status = Code::workspace->status;
+    const auto address = [](const auto& of) { return reinterpret_cast<const std::byte*>(&of); };
+    const auto place = [&](const auto& of) { return bytes.data() + (address(of) - address(*Code::workspace)); };
+    std::memset(place(status), 0, sizeof status);
+    std::memcpy(place(status.coordinate), &status.coordinate, sizeof status.coordinate);
+    std::memcpy(place(status.pivot), &status.pivot, sizeof status.pivot);
     return bytes;
   }
   // Whether the call left what the one with pointers leaves; before it the workspace has seen another state.
