@@ -2,7 +2,7 @@
 
 The table in tests/README.md is what is remembered, on another machine too: a row says what a stage was run on, by a digest of its
 commands and of the files that it is about. Exit status: 0 all stages asked for have passed, 1 one has failed, 2 a stage is asked for
-that there is none of.
+that there is none of. What it needs is installed first; where that fails it is 1, too.
 """
 import argparse
 import datetime
@@ -18,8 +18,10 @@ import time
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 LOGS = ROOT / "build" / "long"
 README = ROOT / "tests" / "README.md"
-HEAD = ["stage", "what", "came of it", "took", "when and where", "tree"]
+COLUMNS = ["stage", "what", "came of it", "took", "when and where", "tree"]
 JOBS = str(os.cpu_count())
+# Without one of them a stage would leave out what it is for, and pass.
+SETUP = ["sh", "cmake/setup.sh", "build", "example", "test", "sdf", "fuzz", "matrix"]
 
 
 def workflow(preset):
@@ -96,7 +98,9 @@ def run(stage, log):
 def result_in(log):
     """What the tools say in the end, in few words."""
     text = log.read_text(errors="replace")
-    found = [f"{m[1]} tests, {m[0]} failed" for m in re.findall(r"(\d+) tests? failed out of (\d+)", text)]
+    skipped = text.count("***Skipped")
+    found = [f"{m[1]} tests, {m[0]} failed" + (f", {skipped} skipped" if skipped else "")
+             for m in re.findall(r"(\d+) tests? failed out of (\d+)", text)]
     found += [f"{m} cells" for m in re.findall(r"(\d+ cells: \d+ right, \d+ wrong)", text)]
     found += [f"{m} runs" for m in re.findall(r"stat::number_of_executed_units:\s+(\d+)", text)]
     return "; ".join(dict.fromkeys(found[-2:]))
@@ -105,12 +109,12 @@ def result_in(log):
 def table():
     """{stage: its row's cells}, of the stages that were run."""
     rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in README.read_text().splitlines() if line.startswith("| `")]
-    return {row[0].strip("`"): row for row in rows if row[0].strip("`") in STAGES and len(row) == len(HEAD)}
+    return {row[0].strip("`"): row for row in rows if row[0].strip("`") in STAGES and len(row) == len(COLUMNS)}
 
 
 def write_row(row):
     rows = {**table(), row[0].strip("`"): row}
-    lines = ["| " + " | ".join(HEAD) + " |", "|---|---|---|---:|---|---|"]
+    lines = ["| " + " | ".join(COLUMNS) + " |", "|---|---|---|---:|---|---|"]
     lines += ["| " + " | ".join(rows[stage]) + " |" for stage in STAGES if stage in rows]
     text = "<!-- long -->\n" + "\n".join(lines) + "\n<!-- /long -->"
     README.write_text(re.sub(r"<!-- long -->.*?<!-- /long -->", lambda _: text, README.read_text(), flags=re.S))
@@ -146,6 +150,8 @@ def main():
         for stage, (what, _, _) in STAGES.items():
             print(f"{stage:8} {what}: {said_of(stage)}")
         return 0
+    if subprocess.run(SETUP, cwd=ROOT).returncode != 0:
+        return 1
     LOGS.mkdir(parents=True, exist_ok=True)
     failed = []
     wanted = options.stages or list(STAGES)
