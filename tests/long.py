@@ -56,7 +56,7 @@ def state_of_tree(stage):
     digest = hashlib.sha256(repr(([[word for word in command if word != JOBS] for command in commands], more)).encode())
     for words in (["ls-files", "--stage"], ["diff", "HEAD"], ["status", "--porcelain"]):
         digest.update(subprocess.run(["git", *words, "--", *files], cwd=ROOT, capture_output=True, check=True).stdout)
-    return digest.hexdigest()[:12]
+    return digest.hexdigest()[:16]  # longer than what git prints of commits, which tests/docs keeps out of pages
 
 
 def machine():
