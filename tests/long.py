@@ -5,6 +5,7 @@ commands and of the files that it is about. Exit status: 0 all stages asked for 
 that there is none of. What it needs is installed first; where that fails it is 1, too.
 """
 import argparse
+import dataclasses
 import datetime
 import hashlib
 import os
@@ -33,27 +34,35 @@ def build_release(*targets):
     return [["cmake", "--preset", "release"], ["cmake", "--build", "--preset", "release", "-j", JOBS, "--target", *targets]]
 
 
-# name: what it is, its commands, and more of their environment.
+@dataclasses.dataclass
+class Stage:
+    what: str
+    commands: list
+    environment: dict = dataclasses.field(default_factory=dict)  # more than the caller's
+    cases: int = 0  # of tests/random/compiled.py behind the commands, some at a time: gone on with behind the last that are right
+
+
 STAGES = {
-    "release": ("every test, those of benchmarks too", workflow("release"), {}),
-    "dev": ("the tests of sh tests/run.sh with the address and undefined-behaviour sanitizers", workflow("dev"), {}),
-    "tsan": ("what runs on threads, with the thread sanitizer", workflow("tsan"), {}),
-    "matrix": ("emitted code in many compilers", [*build_release("bin/dalembert"), ["python3", "tests/matrix/run.py"]], {}),
-    "fuzz": ("URDFs and scenes, a million each", [["sh", "tests/fuzz/run.sh", "all", "1000000"]], {}),
-    "random": ("scenes and robots drawn at random, interpreted; every quantity alone of large robots",
-               [*build_release("random_scenes_test", "algorithm_test", "constraints_test"),
-                ["ctest", "--preset", "release", "-j", JOBS, "-R", "^(RandomScenes|RandomRobots|Algorithm|Constraints)[.]"]],
-               {"DALEMBERT_RANDOM_SCENES": "300", "DALEMBERT_RANDOM_ROBOTS": "10000", "DALEMBERT_LARGE_ROBOTS": "1"}),
-    "compiled": ("robots and scenes drawn at random, compiled",
-                 [*build_release("bin/dalembert"), ["python3", "tests/random/compiled.py", "build/release/bin/dalembert"]], {}),
+    "release": Stage("every test, those of benchmarks too", workflow("release")),
+    "dev": Stage("the tests of sh tests/run.sh with the address and undefined-behaviour sanitizers", workflow("dev")),
+    "tsan": Stage("what runs on threads, with the thread sanitizer", workflow("tsan")),
+    "matrix": Stage("emitted code in many compilers", [*build_release("bin/dalembert"), ["python3", "tests/matrix/run.py"]]),
+    "fuzz": Stage("URDFs and scenes, a million each", [["sh", "tests/fuzz/run.sh", "all", "1000000"]]),
+    "random": Stage("scenes and robots drawn at random, interpreted; every quantity alone of large robots",
+                    [*build_release("random_scenes_test", "algorithm_test", "constraints_test"),
+                     ["ctest", "--preset", "release", "-j", JOBS, "-R", "^(RandomScenes|RandomRobots|Algorithm|Constraints)[.]"]],
+                    {"DALEMBERT_RANDOM_SCENES": "300", "DALEMBERT_RANDOM_ROBOTS": "10000", "DALEMBERT_LARGE_ROBOTS": "1"}),
+    "compiled": Stage("robots and scenes drawn at random, compiled", build_release("bin/dalembert"), cases=500),
 }
 
 
 def state_of_tree(stage):
     """A digest of the stage's commands and of the files that it is about, committed or not: pages are the release's alone."""
     files = [".", ":!tests/README.md", ":!tests/long.*"] + ([] if stage == "release" else [":!docs", ":!*.md"])
-    _, commands, more = STAGES[stage]
-    digest = hashlib.sha256(repr(([[word for word in command if word != JOBS] for command in commands], more)).encode())
+    commands = [[word for word in command if word != JOBS] for command in STAGES[stage].commands]
+    digest = hashlib.sha256(repr((commands, STAGES[stage].environment)).encode())
+    if STAGES[stage].cases:
+        digest.update(str(STAGES[stage].cases).encode())
     for words in (["ls-files", "--stage"], ["diff", "HEAD"], ["status", "--porcelain"]):
         digest.update(subprocess.run(["git", *words, "--", *files], cwd=ROOT, capture_output=True, check=True).stdout)
     return digest.hexdigest()[:16]  # longer than what git prints of commits, which tests/docs keeps out of pages
@@ -71,39 +80,49 @@ def in_words(seconds):
     return f"{seconds / 60:.0f} min" if seconds >= 90 else f"{seconds:.0f} s"
 
 
-def run(stage, log):
-    """Whether all commands succeed; their output goes to the log, its last line to the screen now and then."""
-    _, commands, more = STAGES[stage]
-    for command in commands:
-        print("   $ " + " ".join(command), flush=True)
-        with open(log, "ab") as out:
-            process = subprocess.Popen(command, cwd=ROOT, stdout=out, stderr=subprocess.STDOUT, env={**os.environ, **more})
-            said = time.time()
-            try:
-                while process.poll() is None:
-                    time.sleep(1)
-                    if time.time() - said >= 60:
-                        said = time.time()
-                        lines = log.read_bytes()[-4000:].decode(errors="replace").split("\n")
-                        print("     " + next((x.strip() for x in reversed(lines) if x.strip()), "")[:110], flush=True)
-            except KeyboardInterrupt:
-                process.terminate()
-                process.wait()
-                raise
-        if process.returncode != 0:
-            return False
-    return True
+def in_seconds(words):
+    number, unit = words.split()
+    return float(number) * (60 if unit == "min" else 1)
 
 
-def result_in(log):
+def run(command, environment, log):
+    """Whether a command succeeds; its output goes to the log, its last line to the screen now and then."""
+    print("   $ " + " ".join(command), flush=True)
+    with open(log, "ab") as out:
+        process = subprocess.Popen(command, cwd=ROOT, stdout=out, stderr=subprocess.STDOUT, env={**os.environ, **environment})
+        said = time.time()
+        try:
+            while process.poll() is None:
+                time.sleep(1)
+                if time.time() - said >= 60:
+                    said = time.time()
+                    lines = log.read_bytes()[-4000:].decode(errors="replace").split("\n")
+                    print("     " + next((x.strip() for x in reversed(lines) if x.strip()), "")[:110], flush=True)
+        except KeyboardInterrupt:
+            process.terminate()
+            process.wait()
+            raise
+    return process.returncode == 0
+
+
+def result_in(text):
     """What the tools say in the end, in few words."""
-    text = log.read_text(errors="replace")
     skipped = text.count("***Skipped")
     found = [f"{m[1]} tests, {m[0]} failed" + (f", {skipped} skipped" if skipped else "")
              for m in re.findall(r"(\d+) tests? failed out of (\d+)", text)]
     found += [f"{m} cells" for m in re.findall(r"(\d+ cells: \d+ right, \d+ wrong)", text)]
     found += [f"{m} runs" for m in re.findall(r"stat::number_of_executed_units:\s+(\d+)", text)]
     return "; ".join(dict.fromkeys(found[-2:]))
+
+
+def cases_in(text):
+    """[cases, right, refused by name, wrong], of all runs that the text has the last line of; of a row likewise."""
+    found = re.findall(r"(\d+) cases[:,] (\d+) right, (\d+) refused by name, (\d+) wrong", text)
+    return [sum(int(number) for number in numbers) for numbers in zip(*found)] or [0, 0, 0, 0]
+
+
+def cases_in_words(counts):
+    return "{} cases, {} right, {} refused by name, {} wrong".format(*counts)
 
 
 def table():
@@ -120,16 +139,51 @@ def write_row(row):
     README.write_text(re.sub(r"<!-- long -->.*?<!-- /long -->", lambda _: text, README.read_text(), flags=re.S))
 
 
-def passed_here(stage):
+def row_of_this_tree(stage):
     row = table().get(stage)
-    return row is not None and row[2].startswith("passed") and row[5] == f"`{state_of_tree(stage)}`"
+    return row if row is not None and row[5] == f"`{state_of_tree(stage)}`" else None
+
+
+def passed_here(stage):
+    row = row_of_this_tree(stage)
+    return row is not None and row[2].startswith("passed")
 
 
 def said_of(stage):
     row = table().get(stage)
     if row is None:
         return "not run yet"
-    return f"{row[2]} on {'this' if row[5] == f'`{state_of_tree(stage)}`' else 'another'} tree, {row[3]}, {row[4]}"
+    return f"{row[2]} on {'this' if row == row_of_this_tree(stage) else 'another'} tree, {row[3]}, {row[4]}"
+
+
+def run_stage(name, log, again):
+    """Whether it passes; writes its row, between some cases and the next, too."""
+    stage, tree = STAGES[name], state_of_tree(name)
+    where, begun, counts = f"{datetime.date.today()}, {machine()}", time.time(), [0, 0, 0, 0]
+    before = row_of_this_tree(name)
+    if before is not None and before[2].startswith("so far") and not again:
+        counts, begun = cases_in(before[2]), begun - in_seconds(before[3])
+        where = before[4] if where in before[4] else before[4] + "; " + where
+
+    def write(outcome, found):
+        took = in_words(time.time() - begun)
+        print(f"   {outcome}; {found} after {took}", flush=True)
+        write_row([f"`{name}`", stage.what, f"{outcome}; {found}".strip("; "), took, where, f"`{tree}`"])
+
+    log.write_bytes(b"")
+    passed = all(run(command, stage.environment, log) for command in stage.commands)
+    while passed and counts[0] < stage.cases:
+        size, some = log.stat().st_size, min(20, stage.cases - counts[0])
+        passed = run(["python3", "tests/random/compiled.py", "build/release/bin/dalembert", "--first", str(counts[0]), "--cases", str(some)],
+                     stage.environment, log)
+        more = cases_in(log.read_bytes()[size:].decode(errors="replace"))
+        passed = passed and more[0] == some
+        counts = [a + b for a, b in zip(counts, more)]
+        if passed and counts[0] < stage.cases:
+            write("so far", cases_in_words(counts))
+    found = cases_in_words(counts) if stage.cases else result_in(log.read_text(errors="replace"))
+    write("passed" if passed else "FAILED", found)
+    return passed
 
 
 def main():
@@ -144,11 +198,11 @@ def main():
             print(f"long.sh: there is no stage '{stage}'; there are {', '.join(STAGES)}", file=sys.stderr)
             return 2
     if options.random:
-        STAGES["random"][2].update(DALEMBERT_RANDOM_ROBOTS=str(options.random),
-                                   DALEMBERT_RANDOM_SCENES=str(max(1, options.random // 30)))
+        STAGES["random"].environment.update(DALEMBERT_RANDOM_ROBOTS=str(options.random),
+                                            DALEMBERT_RANDOM_SCENES=str(max(1, options.random // 30)))
     if options.list:
-        for stage, (what, _, _) in STAGES.items():
-            print(f"{stage:8} {what}: {said_of(stage)}")
+        for name, stage in STAGES.items():
+            print(f"{name:8} {stage.what}: {said_of(name)}")
         return 0
     if subprocess.run(SETUP, cwd=ROOT).returncode != 0:
         return 1
@@ -156,19 +210,12 @@ def main():
     failed = []
     wanted = options.stages or list(STAGES)
     for number, stage in enumerate(wanted, 1):
-        head, log = f"== [{number}/{len(wanted)}] {stage}: {STAGES[stage][0]}", LOGS / f"{stage}.log"
+        head, log = f"== [{number}/{len(wanted)}] {stage}: {STAGES[stage].what}", LOGS / f"{stage}.log"
         if passed_here(stage) and not options.again:
             print(f"{head}; {said_of(stage)}")
             continue
-        tree = state_of_tree(stage)
         print(f"{head}; {said_of(stage)}; begun {datetime.datetime.now():%H:%M}; build/long/{stage}.log", flush=True)
-        log.write_bytes(b"")
-        begun = time.time()
-        passed = run(stage, log)
-        result, took = ("passed; " if passed else "FAILED; ") + result_in(log), in_words(time.time() - begun)
-        print(f"   {result} after {took}", flush=True)
-        write_row([f"`{stage}`", STAGES[stage][0], result.strip("; "), took, f"{datetime.date.today()}, {machine()}", f"`{tree}`"])
-        if not passed:
+        if not run_stage(stage, log, options.again):
             failed.append(stage)
     if failed:
         print("failed: " + ", ".join(failed))
