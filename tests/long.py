@@ -39,26 +39,32 @@ class Stage:
     what: str
     commands: list
     environment: dict = dataclasses.field(default_factory=dict)  # more than the caller's
+    about: tuple = (".", ":!docs", ":!*.md")  # the files that it is run on, as git's pathspecs
     cases: int = 0  # of tests/random/compiled.py behind the commands, some at a time: gone on with behind the last that are right
 
 
+# What the generator is made of, and what it emits is compiled with.
+GENERATOR = ("CMakeLists.txt", "CMakePresets.json", "cmake", "generator", "runtime", "templates")
 STAGES = {
-    "release": Stage("every test, those of benchmarks too", workflow("release")),
+    "release": Stage("every test, those of benchmarks too", workflow("release"), about=(".",)),
     "dev": Stage("the tests of sh tests/run.sh with the address and undefined-behaviour sanitizers", workflow("dev")),
     "tsan": Stage("what runs on threads, with the thread sanitizer", workflow("tsan")),
-    "matrix": Stage("emitted code in many compilers", [*build_release("bin/dalembert"), ["python3", "tests/matrix/run.py"]]),
-    "fuzz": Stage("URDFs and scenes, a million each", [["sh", "tests/fuzz/run.sh", "all", "1000000"]]),
+    "matrix": Stage("emitted code in many compilers", [*build_release("bin/dalembert"), ["python3", "tests/matrix/run.py"]],
+                    about=(*GENERATOR, "tests/matrix", "tests/*.py", "tests/robots", "tests/numeric/generated/mechanisms", "examples/mahru/*.urdf")),
+    "fuzz": Stage("URDFs and scenes, a million each", [["sh", "tests/fuzz/run.sh", "all", "1000000"]],
+                  about=(*GENERATOR, "tests/CMakeLists.txt", "tests/fuzz", "tests/error", "tests/robots", "examples/scenes")),
     "random": Stage("scenes and robots drawn at random, interpreted; every quantity alone of large robots",
                     [*build_release("random_scenes_test", "algorithm_test", "constraints_test"),
                      ["ctest", "--preset", "release", "-j", JOBS, "-R", "^(RandomScenes|RandomRobots|Algorithm|Constraints)[.]"]],
                     {"DALEMBERT_RANDOM_SCENES": "300", "DALEMBERT_RANDOM_ROBOTS": "10000", "DALEMBERT_LARGE_ROBOTS": "1"}),
-    "compiled": Stage("robots and scenes drawn at random, compiled", build_release("bin/dalembert"), cases=500),
+    "compiled": Stage("robots and scenes drawn at random, compiled", build_release("bin/dalembert"), cases=500,
+                      about=(*GENERATOR, "tests/random", "tests/*.py", "tests/matrix/toolchain.py")),
 }
 
 
 def state_of_tree(stage):
-    """A digest of the stage's commands and of the files that it is about, committed or not: pages are the release's alone."""
-    files = [".", ":!tests/README.md", ":!tests/long.*"] + ([] if stage == "release" else [":!docs", ":!*.md"])
+    """A digest of the stage's commands and of the files that it is about, committed or not."""
+    files = [*STAGES[stage].about, ":!tests/README.md", ":!tests/long.*"]
     commands = [[word for word in command if word != JOBS] for command in STAGES[stage].commands]
     digest = hashlib.sha256(repr((commands, STAGES[stage].environment)).encode())
     if STAGES[stage].cases:
@@ -173,7 +179,7 @@ def run_stage(name, log, again):
     log.write_bytes(b"")
     passed = all(run(command, stage.environment, log) for command in stage.commands)
     while passed and counts[0] < stage.cases:
-        size, some = log.stat().st_size, min(20, stage.cases - counts[0])
+        size, some = log.stat().st_size, min(50, stage.cases - counts[0])
         passed = run(["python3", "tests/random/compiled.py", "build/release/bin/dalembert", "--first", str(counts[0]), "--cases", str(some)],
                      stage.environment, log)
         more = cases_in(log.read_bytes()[size:].decode(errors="replace"))

@@ -143,8 +143,8 @@ class GenericDynamics {
 
 class Check {
  public:
-  Check(const Model& model, const CompilerOptions& options)
-      : model_(model), options_(options), outputs_(outputs_of(model)), states_(random_states(model.tree, 20)) {
+  Check(const Model& model, const CompilerOptions& options, Pieces which)
+      : model_(model), options_(options), which_(which), outputs_(outputs_of(model)), states_(random_states(model.tree, 20)) {
     if (model.scene.constraint_rows() > 0)
       for (unsigned s = 1; s < states_.size(); s += 2) states_[s].acting = random_acting(model.scene, s);
   }
@@ -155,10 +155,11 @@ class Check {
                     ir::row_of(model_.tree.base_joint).word, states_.size(),
                     model_.scene.constraint_rows() > 0 ? ", in half of them some contacts or loops off or giving way" : "");
     for (const Output& output : outputs_) expected_.push_back(references(model_, output, states_));
-    const std::vector<std::vector<size_t>> all = pieces(outputs_);
+    std::vector<std::vector<size_t>> all = pieces(outputs_);
     const bool one = all.size() == 1;
-    const Engines engines = compiled(all);
-    heading(one ? "its code" : "each by code of its own");
+    if (!one && which_ == Pieces::together) all.clear();
+    const Engines engines = compiled(all, one);
+    if (!all.empty()) heading(one ? "its code" : "each by code of its own");
     for (size_t p = 0; p < all.size(); ++p) {
       GeneratedEngine& alone = *engines.single[p];
       const bool line_of_its_own = all[p].size() > 1;
@@ -182,13 +183,12 @@ class Check {
  private:
   struct Engines {
     std::vector<std::unique_ptr<GeneratedEngine>> single;  // a piece's
-    std::unique_ptr<GeneratedEngine> together;             // where there are more pieces than one
+    std::unique_ptr<GeneratedEngine> together;             // where one piece is not all
     std::unique_ptr<BatchEngine> batch;                    // where the scene has one
   };
 
-  // All that is run, compiled on all cores; the longest first.
-  Engines compiled(const std::vector<std::vector<size_t>>& pieces) const {
-    const bool one = pieces.size() == 1;
+  // All that is run, compiled on all cores; the longest first. `one`: one piece is all.
+  Engines compiled(const std::vector<std::vector<size_t>>& pieces, bool one) const {
     constexpr size_t repaid = 4;  // as many runs of the compiler as making the header takes the time of
     std::optional<PrecompiledEigen> eigen;
     if (pieces.size() >= repaid) eigen.emplace(options_);
@@ -353,6 +353,7 @@ class Check {
 
   const Model& model_;
   const CompilerOptions& options_;
+  Pieces which_;
   std::vector<Output> outputs_;
   std::vector<State> states_;
   std::vector<References> expected_;
@@ -363,6 +364,8 @@ class Check {
 
 }  // namespace
 
-CheckReport check(const Model& model, const CompilerOptions& options) { return Check(model, options).run(); }
+CheckReport check(const Model& model, const CompilerOptions& options, Pieces which) {
+  return Check(model, options, which).run();
+}
 
 }  // namespace dalembert

@@ -205,8 +205,12 @@ void add_eval(Command& command) {
 
 void add_check(Command& command) {
   const auto compiler = add_compiler_options(command.parser);
-  command.run = [&command, compiler](Diagnostics& warnings) {
-    const CheckReport report = check(read_model(command.shared.request(), warnings), *compiler);
+  const auto together = std::make_shared<bool>(false);
+  command.parser.add_flag("--together", *together,
+                          "only what all outputs are computed by in one, not each by code of its own as well: compiles less");
+  command.run = [&command, compiler, together](Diagnostics& warnings) {
+    const CheckReport report = check(read_model(command.shared.request(), warnings), *compiler,
+                                     *together ? Pieces::together : Pieces::each_and_together);
     const int printed = print_result(report.text);
     return printed != good || report.passed ? printed : check_failed;
   };

@@ -96,12 +96,12 @@ def parts(program):
 
 
 def constraints(_):
-    """Contacts, parts of results and embedded loops: each with every compiler, level, target and width, which take turns."""
+    """Contacts, parts of results and embedded loops: each with every compiler; levels, targets and widths take turns."""
     scenes = [*itertools.product(LINKS, FORMS, [HELD, STANDING, PARTS]), *itertools.product(["ankle"], FORMS, [EMBEDDED])]
     cells = []
-    for i, (scene, compiler, level) in enumerate(itertools.product(scenes, [*COMPILERS, AARCH64], LEVELS[1:])):
+    for i, (scene, compiler) in enumerate(itertools.product(scenes, [*COMPILERS, AARCH64])):
         target = "aarch64" if compiler == AARCH64 else TARGETS[i * 7 % len(TARGETS)]
-        cells.append((scene, (compiler, level, target, LANES[(i + i // 4) % len(LANES)])))
+        cells.append((scene, (compiler, LEVELS[1 + (i + i // 6) % 3], target, LANES[(i // 3 + i // 4) % len(LANES)])))
     return cells
 
 
