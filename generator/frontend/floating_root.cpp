@@ -69,6 +69,9 @@ void take_floating_root(const std::string& file, UrdfOutline& outline, Diagnosti
   if (!joint.origin.xyz.isZero(0) || !joint.origin.rpy.isZero(0) || joint.origin.rotation)
     warnings.push_back({Severity::warning, file, place(joint), "the <origin> of this floating joint is not used",
                         "q gives the pose of its child in the world"});
+  if (joint.damping != 0 || joint.friction != 0)
+    warnings.push_back({Severity::warning, file, place(joint), "the <dynamics> of this floating joint is not used",
+                        "a base has neither damping nor friction here: a run-time wrench can act on its link"});
 
   std::erase_if(outline.joints, [&](const JointOutline& j) { return lost.count(j.parent) > 0; });
   std::erase_if(outline.links, [&](const LinkOutline& link) { return lost.count(link.name) > 0; });

@@ -21,6 +21,7 @@
 #include <tuple>
 #include <vector>
 
+#include "frontend/nearest.hpp"
 #include "frontend/numbers.hpp"
 #include "frontend/urdf_outline.hpp"
 #include "sdf/sdf_text.hpp"
@@ -126,14 +127,17 @@ class SdfReader {
                         sdf.root == "robot" ? "call a URDF .urdf" : "name an SDF"});
     stop_on_errors();
     sdf::Root root;
-    take_causes(root.LoadSdfString(sdf.text, config_));
+    const sdf::Errors errors = root.LoadSdfString(sdf.text, config_);
+    take_causes(errors);
     stop_on_errors();
+    warn_of_doubts(sdf.text, errors);
     const sdf::Model& model = only_model(root);
     outline_.robot = model.Name();
-    if (!is_identity(model.RawPose()) && model.PoseRelativeTo().empty())
+    if (!is_identity(model.RawPose()) || !model.PlacementFrameName().empty())
       ignore("model", model.Name(), "its pose in the world",
              "a fixed base's frame is the model's; a floating base's pose is in q");
     add_model(model, "", Pose3d());
+    refuse_loops_to_nowhere();
     stop_on_errors();
     place_root();
     return std::move(outline_);
@@ -144,7 +148,16 @@ class SdfReader {
   SdfText essential(const std::string& path, int depth = 0) {
     std::ifstream file(path, std::ios::binary);
     const std::string text{std::istreambuf_iterator<char>(file), {}};
-    return without_idle_elements(text, [&](const std::string& uri) { return copy_of_included(uri, path, depth); });
+    SdfText sdf = without_idle_elements(text, [&](const std::string& uri) { return copy_of_included(uri, path, depth); });
+    for (Diagnostic& error : sdf.errors) {
+      error.file = path;
+      add_error(errors_, std::move(error));
+    }
+    for (Diagnostic& warning : sdf.warnings) {
+      warning.file = path;
+      warnings_.push_back(std::move(warning));
+    }
+    return sdf;
   }
   std::string copy_of_included(const std::string& uri, const std::string& from, int depth) {
     constexpr int deepest = 20;  // files that include themselves
@@ -170,10 +183,65 @@ class SdfReader {
     for (const sdf::Error& error : errors) take(error, "correct the element it names");
   }
   void take(const sdf::Error& error, const std::string& remedy) {
-    const auto original = originals_.find(error.FilePath().value_or(""));
-    add_error(errors_, {Severity::error, original == originals_.end() ? file_ : original->second,
-                        error.LineNumber() ? fmt::format("line {}", *error.LineNumber()) : std::string("SDF"),
-                        "libsdformat says: " + error.Message(), remedy});
+    add_error(errors_, diagnostic(Severity::error, error, "libsdformat says: " + error.Message(), remedy));
+  }
+  Diagnostic diagnostic(Severity severity, const sdf::Error& error, std::string what, std::string remedy) const {
+    return {severity, original_of(error.FilePath().value_or("")),
+            error.LineNumber() ? fmt::format("line {}", *error.LineNumber()) : std::string("SDF"), std::move(what),
+            std::move(remedy)};
+  }
+  // The file as it is called where a copy was read.
+  const std::string& original_of(const std::string& path) const {
+    const auto original = originals_.find(path);
+    return original == originals_.end() ? file_ : original->second;
+  }
+  // What libsdformat holds against a file that it reads all the same. Elements are told by their descriptions:
+  // warn_of_elements().
+  void warn_of_doubts(const std::string& text, const sdf::Errors& known) {
+    sdf::ParserConfig strict = config_;
+    strict.SetWarningsPolicy(sdf::EnforcementPolicy::ERR);
+    strict.SetDeprecatedElementsPolicy(sdf::EnforcementPolicy::LOG);
+    sdf::Root again;
+    for (const sdf::Error& error : again.LoadSdfString(text, strict)) {
+      const auto is_same = [&](const sdf::Error& other) { return other.Message() == error.Message(); };
+      if (std::any_of(known.begin(), known.end(), is_same)) continue;
+      const std::string message(trimmed(error.Message()));
+      // "XML Attribute[frame] in element[pose] not defined in SDF."
+      const auto bracketed = [&](std::string_view before) {
+        const size_t begin = message.find(before) + before.size();
+        return message.substr(begin, message.find(']', begin) - begin);
+      };
+      const bool is_attribute = message.starts_with("XML Attribute[") && message.find("not defined in SDF") != message.npos;
+      warnings_.push_back(
+          is_attribute ? diagnostic(Severity::warning, error,
+                                    fmt::format("unknown attribute '{}' of <{}> is ignored", bracketed("Attribute["),
+                                                bracketed("element[")),
+                                    "correct or remove it")
+                       : diagnostic(Severity::warning, error, "libsdformat says: " + message, "correct the element it names"));
+    }
+  }
+  // Of elements within: those that SDF does not have, and those that stand twice where one may. Links, joints and nested models
+  // are looked at by themselves.
+  void warn_of_elements(const sdf::ElementPtr& of, const std::string& element) {
+    std::set<std::string> seen;
+    for (sdf::ElementPtr within = of ? of->GetFirstElement() : nullptr; within; within = within->GetNextElement()) {
+      const std::string& name = within->GetName();
+      const auto warn = [&](const std::string& what, const std::string& remedy) {
+        warnings_.push_back({Severity::warning, original_of(within->FilePath()), element, what, remedy});
+      };
+      if (name.find(':') != name.npos) continue;
+      if (!of->HasElementDescription(name)) {
+        std::vector<std::string> known;
+        for (unsigned int i = 0; i < of->GetElementDescriptionCount(); ++i)
+          known.push_back(of->GetElementDescription(i)->GetName());
+        warn(fmt::format("unknown element <{}> of <{}> is ignored", name, of->GetName()), suggestion(name, known));
+        continue;
+      }
+      const std::string& required = of->GetElementDescription(name)->GetRequired();
+      if (!seen.insert(name).second && required != "*" && required != "+")
+        warn(fmt::format("a second <{}> in <{}> is ignored", name, of->GetName()), "keep one of them");
+      if (name != "link" && name != "joint" && name != "model") warn_of_elements(within, element);
+    }
   }
   // Of errors while a file is read those that others do not follow from. Inertias are judged by the robot's own check.
   void take_causes(const sdf::Errors& errors) {
@@ -214,7 +282,10 @@ class SdfReader {
     for (uint64_t w = 0; w < root.WorldCount(); ++w) {
       const sdf::World& world = *root.WorldByIndex(w);
       for (uint64_t m = 0; m < world.ModelCount(); ++m) models.push_back(world.ModelByIndex(m));
-      if (vector(world.Gravity()) != Eigen::Vector3d(0, 0, -9.8))  // what libsdformat has where nothing is said
+      const sdf::ElementPtr own = world.Element(),
+                            gravity = own && own->HasElement("gravity") ? own->GetElement("gravity") : nullptr;
+      if (gravity && gravity->GetExplicitlySetInFile() &&
+          vector(world.Gravity()) != Eigen::Vector3d(0, 0, -9.81))  // the scene's
         ignore("world", world.Name(), "its gravity", "say it in the scene: gravity");
     }
     if (models.size() == 1) return *models.front();
@@ -228,6 +299,7 @@ class SdfReader {
 
   // in_whole: the model's pose in the whole one.
   void add_model(const sdf::Model& model, const std::string& prefix, const Pose3d& in_whole) {
+    warn_of_elements(model.Element(), fmt::format("model '{}'", prefix + model.Name()));
     if (model.Static()) ignore("model", prefix + model.Name(), "that it is static", "say it in the scene: base: fixed");
     if (model.Element() && model.Element()->HasElement("dalembert:plugin"))
       ignore("model", prefix + model.Name(), "what its plugins do", "the dynamics is of links and joints alone");
@@ -243,10 +315,24 @@ class SdfReader {
     }
     for (uint64_t i = 0; i < model.JointCount(); ++i)
       if (const sdf::Joint& joint = *model.JointByIndex(i); joint.Type() != sdf::JointType::GEARBOX)
-        add_joint(model, joint, prefix);
+        add_joint(model, joint, prefix, in_whole);
     for (uint64_t i = 0; i < model.JointCount(); ++i)
       if (const sdf::Joint& joint = *model.JointByIndex(i); joint.Type() == sdf::JointType::GEARBOX) add_gearbox(joint, prefix);
     for (uint64_t i = 0; i < model.FrameCount(); ++i) add_frame(*model.FrameByIndex(i), prefix);
+  }
+
+  // A robot that no joint holds to the world floats, and has no link that stands for the world.
+  void refuse_loops_to_nowhere() {
+    const auto is_in_world = [](const JointOutline& joint) { return joint.parent == "world"; };
+    if (std::any_of(outline_.joints.begin(), outline_.joints.end(), is_in_world)) return;
+    for (const ir::Loop& loop : outline_.loops)
+      if (loop.links[0] == "world")
+        add_error(errors_,
+                  {Severity::error, file_, fmt::format("joint '{}'", loop.name),
+                   fmt::format("link '{}' hangs on another joint already, and this one would hold to the world a robot "
+                               "that no joint joins to it",
+                               loop.links[1]),
+                   "remove it, and say in the scene what holds the link: contacts"});
   }
 
   // The root link hangs on no joint whose frame would say where it stands.
@@ -261,6 +347,7 @@ class SdfReader {
   void add_link(const sdf::Link& link, const std::string& prefix) {
     LinkOutline out{prefix + link.Name(), line_of(link.Element()), {}};
     const sdf::ElementPtr element = link.Element();
+    warn_of_elements(element, place(out));
     InertialOutline is;
     is.mass = 1;  // SDF's own
     is.inertia = Eigen::Matrix3d::Identity();
@@ -274,6 +361,8 @@ class SdfReader {
     out.inertial = is;
     if (element && element->HasElement("gravity") && !element->Get<bool>("gravity"))
       ignore("link", out.name, "that gravity does not act on it", "there is no such thing here");
+    if (element && element->HasElement("kinematic") && element->Get<bool>("kinematic"))
+      ignore("link", out.name, "that it is kinematic", "there is no such thing here");
     if (element && element->HasElement("velocity_decay"))
       ignore("link", out.name, "its velocity_decay", "damping of joints can be said in the scene");
     outline_.links.push_back(std::move(out));
@@ -295,20 +384,11 @@ class SdfReader {
                             "write a decimal number"});
       return true;
     };
-    const auto only = [&](const sdf::ElementPtr& of, std::initializer_list<std::string_view> known) {
-      for (sdf::ElementPtr e = of->GetFirstElement(); e; e = e->GetNextElement())
-        if (e->GetName().find(':') == std::string::npos && std::find(known.begin(), known.end(), e->GetName()) == known.end())
-          warnings_.push_back({Severity::warning, file_, place(link),
-                               fmt::format("unknown element <{}> of <{}> is ignored", e->GetName(), of->GetName()),
-                               fmt::format("known are {}", fmt::join(known, ", "))});
-    };
-    only(inertial, {"mass", "pose", "inertia"});
     if (const auto written = written_pose(inertial)) is.origin = *written;
     if (!read(inertial, "mass", is.mass)) warn("<inertial> has no <mass>: SDF gives it 1 kg", "write its <mass> in kg");
     if (!inertial->HasElement("inertia"))
       return warn("<inertial> has no <inertia>: SDF gives it 1 kg m²", "write its <inertia>: <ixx>, <iyy> and <izz> in kg m²");
     const sdf::ElementPtr inertia = inertial->GetElement("inertia");
-    only(inertia, {"ixx", "iyy", "izz", "ixy", "ixz", "iyz"});
     std::vector<std::string> missing;
     for (const auto& [name, i, k] :
          {std::tuple{"ixx", 0, 0}, {"iyy", 1, 1}, {"izz", 2, 2}, {"ixy", 0, 1}, {"ixz", 0, 2}, {"iyz", 1, 2}}) {
@@ -326,10 +406,12 @@ class SdfReader {
     return result;
   }
 
-  void add_joint(const sdf::Model& model, const sdf::Joint& joint, const std::string& prefix) {
+  // in_whole: the model's pose in the whole one.
+  void add_joint(const sdf::Model& model, const sdf::Joint& joint, const std::string& prefix, const Pose3d& in_whole) {
     JointOutline out;
     out.name = prefix + joint.Name();
     out.line = line_of(joint.Element());
+    warn_of_elements(joint.Element(), place(out));
     const auto refuse = [&](const std::string& what, const char* remedy) {
       add_error(errors_, {Severity::error, file_, place(out), what, remedy});
     };
@@ -359,7 +441,8 @@ class SdfReader {
     take(joint.ResolveChildLink(child));
     if (errors_.size() > before) return;
     const bool in_world = parent == "world";
-    const Pose3d in_parent = resolved(joint.SemanticPose(), in_world ? "__model__" : parent),
+    const Pose3d in_parent =
+                     in_world ? in_whole * resolved(joint.SemanticPose(), "__model__") : resolved(joint.SemanticPose(), parent),
                  in_child = resolved(joint.SemanticPose(), child);
     if (in_world && !has_world_) {
       has_world_ = true;
@@ -368,13 +451,19 @@ class SdfReader {
     out.parent = in_world ? "world" : prefix + parent;
     out.child = prefix + child;
     if (!children_.insert(out.child).second) return add_loop(joint, out, in_parent, in_child);
-    // As it is written, where it is written in the parent's frame: rounding has no part in it then.
+    // As it is written, where it is written in the parent's frame: rounding has no part in it then. Names of frames are those
+    // of the joint's own model, but of a child link in a nested one that model's.
     out.origin = frame(in_parent);
-    const sdf::Link* const child_link = model.LinkByName(child);
-    if (joint.PoseRelativeTo() == joint.ParentLinkName() && !in_world) {
+    const sdf::Link* const child_link = child.find("::") == child.npos ? model.LinkByName(child) : nullptr;
+    const bool parent_is_link = in_world ? prefix.empty() : joint.ParentLinkName() == parent;
+    const std::string parent_frame = in_world ? "__model__" : parent;
+    const auto is_in_parent = [&](const std::string& relative_to) {
+      return relative_to == parent_frame || (in_world && relative_to.empty());
+    };
+    if (parent_is_link && !joint.PoseRelativeTo().empty() && is_in_parent(joint.PoseRelativeTo())) {
       if (const auto written = written_pose(joint.Element())) out.origin = *written;
-    } else if (joint.PoseRelativeTo().empty() && is_identity(in_child) && child_link &&
-               child_link->PoseRelativeTo() == (in_world ? "" : joint.ParentLinkName())) {
+    } else if (parent_is_link && joint.PoseRelativeTo().empty() && is_identity(in_child) && child_link &&
+               is_in_parent(child_link->PoseRelativeTo())) {
       if (const auto written = written_pose(child_link->Element())) out.origin = *written;
     }
     if (out.type != ir::JointType::fixed && out.type != ir::JointType::spherical) read_axis(*axis, out);

@@ -1,7 +1,13 @@
 #include "sdf/sdf_text.hpp"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <iterator>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -60,6 +66,83 @@ size_t end_of_markup(std::string_view text, size_t at) {
   return nowhere;
 }
 
+// The value of a tag's attribute; empty where it has none.
+std::string_view attribute(std::string_view tag, std::string_view name) {
+  constexpr std::string_view blanks = " \t\r\n";
+  for (size_t at = tag.find(name); at != nowhere; at = tag.find(name, at + 1)) {
+    if (at == 0 || blanks.find(tag[at - 1]) == nowhere) continue;
+    const size_t equals = tag.find_first_not_of(blanks, at + name.size());
+    if (equals == nowhere || tag[equals] != '=') continue;
+    const size_t quote = tag.find_first_not_of(blanks, equals + 1);
+    if (quote == nowhere || (tag[quote] != '"' && tag[quote] != '\'')) continue;
+    return tag.substr(quote + 1, tag.find(tag[quote], quote + 1) - quote - 1);
+  }
+  return {};
+}
+
+// Elements whose text is numbers, by what they stand in. Those of <inertial> and of gearboxes are read by themselves.
+struct Numbers {
+  std::string_view within, name;  // the former empty: anything
+  size_t count;
+  bool may_be_infinite = false;
+};
+constexpr std::array all_numbers{Numbers{"", "pose", 6},
+                                 Numbers{"axis", "xyz", 3},
+                                 Numbers{"axis2", "xyz", 3},
+                                 Numbers{"dynamics", "damping", 1},
+                                 Numbers{"dynamics", "friction", 1},
+                                 Numbers{"dynamics", "spring_reference", 1},
+                                 Numbers{"dynamics", "spring_stiffness", 1},
+                                 Numbers{"limit", "lower", 1, true},
+                                 Numbers{"limit", "upper", 1, true},
+                                 Numbers{"limit", "effort", 1, true},
+                                 Numbers{"limit", "velocity", 1, true},
+                                 Numbers{"joint", "thread_pitch", 1},
+                                 Numbers{"joint", "screw_thread_pitch", 1},
+                                 Numbers{"world", "gravity", 3}};
+
+const Numbers* numbers_of(std::string_view within, std::string_view name) {
+  const auto* const found = std::find_if(all_numbers.begin(), all_numbers.end(), [&](const Numbers& numbers) {
+    return numbers.name == name && (numbers.within.empty() || numbers.within == within);
+  });
+  return found == all_numbers.end() ? nullptr : found;
+}
+
+// What is to stand instead of an element's text; nothing: it may stay. `remark` tells what is wrong with it.
+std::optional<std::string> corrected(const Numbers& numbers, std::string_view tag, std::string_view text,
+                                     const std::function<void(Severity, std::string what, std::string remedy)>& remark) {
+  const bool quaternion = numbers.name == "pose" && attribute(tag, "rotation_format") == "quat_xyzw";
+  const size_t count = numbers.count + (quaternion ? 1 : 0);
+  const std::string element = fmt::format("<{0}>{1}</{0}>", numbers.name, trimmed(text));
+  std::optional<std::vector<double>> all = parse_numbers(text);
+  const auto is_usable = [&](double number) {
+    return std::isfinite(number) || (numbers.may_be_infinite && !std::isnan(number));
+  };
+  if (all && all->empty() && numbers.name == "pose") return {};  // zeros, as SDF has it
+  if (!all || all->size() != count || !std::all_of(all->begin(), all->end(), is_usable)) {
+    remark(Severity::error,
+           count == 1 ? element + " is not a finite number" : fmt::format("{} is not {} finite numbers", element, count),
+           count == 1 ? "write a decimal number" : "write decimal numbers, with blanks between them");
+    return {};
+  }
+  if (!quaternion) return {};
+  const double length = std::hypot(std::hypot((*all)[3], (*all)[4]), std::hypot((*all)[5], (*all)[6]));
+  if (length == 0 || !std::isfinite(length)) {
+    remark(Severity::error, element + ": its quaternion is none", "write x y z and then qx qy qz qw, of length 1");
+    return {};
+  }
+  constexpr double rounding_in_files = 0.01;
+  if (std::abs(length - 1) > rounding_in_files)
+    remark(Severity::warning,
+           fmt::format("{}: its quaternion has the length {:.6g} and is taken as of length 1", element, length),
+           "write x y z and then qx qy qz qw, of length 1");
+  std::for_each(all->begin() + 3, all->end(), [&](double& number) { number /= length; });
+  std::vector<std::string> words;
+  std::transform(all->begin(), all->end(), std::back_inserter(words),
+                 [](double number) { return fmt::format("{:.17g}", number); });
+  return fmt::format("{}", fmt::join(words, " "));
+}
+
 std::string_view name_in(std::string_view tag) {
   const size_t begin = tag[1] == '/' ? 2 : 1;
   return tag.substr(begin, tag.find_first_of(" \t\r\n/>", begin) - begin);
@@ -73,6 +156,7 @@ SdfText without_idle_elements(const std::string& text, const std::function<std::
   std::vector<std::string_view> open;  // elements, from the root on
   size_t idle = 0;                     // how many are open where an idle one begins; 0: outside of them
   size_t kept = 0, content = 0;        // what is before is in the result; behind the latest start tag
+  std::string_view start;              // that tag
   const auto pass = [&](size_t begin, size_t end, std::string_view instead) {
     result.text.append(all, kept, begin - kept).append(instead);
     result.text.append(static_cast<size_t>(std::count(all.begin() + static_cast<std::ptrdiff_t>(begin),
@@ -83,7 +167,7 @@ SdfText without_idle_elements(const std::string& text, const std::function<std::
   size_t begin_of_idle = 0;
   for (size_t at = all.find('<'); at != nowhere; at = all.find('<', at)) {
     const size_t end = end_of_markup(all, at);
-    if (end == nowhere) return {text, result.root};
+    if (end == nowhere) return {text, result.root, result.errors, result.warnings};
     const std::string_view tag = all.substr(at, end - at);
     if (tag[1] != '!' && tag[1] != '?') {
       const std::string_view name = name_in(tag);
@@ -91,16 +175,26 @@ SdfText without_idle_elements(const std::string& text, const std::function<std::
       if (!closes) {
         if (result.root.empty()) result.root = name;
         open.push_back(name);
-        content = end;
+        content = end, start = tag;
         if (idle == 0 && is_idle(name)) {
           idle = open.size();
           begin_of_idle = at;
         }
       } else if (open.empty() || open.back() != name) {
-        return {text, result.root};
+        return {text, result.root, result.errors, result.warnings};
       } else if (idle == 0 && name == "uri" && open.size() > 1 && open[open.size() - 2] == "include") {
         if (const std::string other = found(std::string(trimmed(all.substr(content, at - content)))); !other.empty())
           pass(content, at, other);
+      } else if (const Numbers* const numbers =
+                     idle == 0 && open.size() > 1 ? numbers_of(open[open.size() - 2], name) : nullptr) {
+        const std::string_view numerals = all.substr(content, at - content);
+        const auto remark = [&](Severity severity, std::string what, std::string remedy) {
+          const auto line = 1 + std::count(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(content), '\n');
+          (severity == Severity::error ? result.errors : result.warnings)
+              .push_back({severity, "", fmt::format("line {}", line), std::move(what), std::move(remedy)});
+        };
+        if (numerals.find('<') == nowhere)  // a comment within is libsdformat's to judge
+          if (const auto instead = corrected(*numbers, start, numerals, remark)) pass(content, at, *instead);
       }
       if (closes || is_empty) {
         const size_t level = open.size();
@@ -113,7 +207,7 @@ SdfText without_idle_elements(const std::string& text, const std::function<std::
     }
     at = end;
   }
-  if (!open.empty()) return {text, result.root};
+  if (!open.empty()) return {text, result.root, result.errors, result.warnings};
   result.text.append(all, kept);
   return result;
 }

@@ -206,7 +206,8 @@ const Case doubts[] = {
     {"floating_leaf", "joint 'free': warning: nothing that moves there has a mass: M is singular; lock such joints with massless: lock in the scene, give the links <inertial>, or the joints an armature in the scene"},
     {"floating_root_with_inertia",
      "joint 'j' (line 14): warning: the inertia of link 'a' above this floating joint is not used: what is above it is the world and does not move; give it to the link below the joint\n"
-     "joint 'j' (line 14): warning: the <origin> of this floating joint is not used; q gives the pose of its child in the world"},
+     "joint 'j' (line 14): warning: the <origin> of this floating joint is not used; q gives the pose of its child in the world\n"
+     "joint 'j' (line 14): warning: the <dynamics> of this floating joint is not used; a base has neither damping nor friction here: a run-time wrench can act on its link"},
     {"function_robot",
      "robot 'index': warning: 'index' is a name of the C++ library; its namespace is 'index_'; give another with --name"},
     {"guard_joint",

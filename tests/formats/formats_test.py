@@ -358,6 +358,99 @@ class Sdf(Folder):
         once = self.numbers(robot("0 0 0 1.2 0 0"), "gravity", "--base", "fixed")
         self.assertTrue(len(once) == 1 and abs(twice[0] - once[0]) < 1e-14 and abs(once[0]) > 0.1, (twice, once))
 
+    def test_frames_that_share_a_name_with_links_or_stand_between(self):
+        """A joint's parent that is a frame, names that mean other links in a nested model, joints to the world within one: poses by hand."""
+        inertial = self.INERTIAL.format("0 0 0")
+        link = lambda name, pose: f'<link name="{name}">{pose}{inertial}</link>'
+        joint = lambda name, parent, child, pose="", kind="revolute": (
+            f'<joint name="{name}" type="{kind}">{pose}<parent>{parent}</parent><child>{child}</child>'
+            + ("" if kind == "fixed" else "<axis><xyz>0 1 0</xyz></axis>") + "</joint>")
+        frame = '<frame name="F" attached_to="base"><pose>0 0 1 0 0 0</pose></frame>'
+        at_frame = '<pose relative_to="F">0.5 0 0 0 0 0</pose>'
+        quarter = 1.5707963267948966
+        turned_x, turned_z, straight = [1, 0, 0, 0, 0, -1, 0, 1, 0], [0, -1, 0, 1, 0, 0, 0, 0, 1], [1, 0, 0, 0, 1, 0, 0, 0, 1]
+        cases = {
+            "joint in a frame": (link("base", "") + frame + link("arm", '<pose relative_to="J"/>') + joint("J", "F", "arm", at_frame),
+                                 "arm", straight, [0.5, 0, 1]),
+            "child in a frame": (link("base", "") + frame + link("arm", at_frame) + joint("J", "F", "arm"), "arm", straight, [0.5, 0, 1]),
+            "weld of a nested model": (f'<model name="n"><pose>0 0 1 {quarter} 0 0</pose>{link("base", "<pose>0 0 0.1 0 0 0</pose>")}'
+                                       f'{link("arm", "<pose>0.5 0 0.1 0 0 0</pose>")}{joint("J", "base", "arm")}</model>'
+                                       + joint("weld", "world", "n::base", kind="fixed"), "n::arm", turned_x, [0.5, -0.1, 1]),
+            "hinge to the world in a nested model": (f'<model name="n"><pose>0 0 1 0 0 {quarter}</pose>{link("arm", "<pose>0.5 0 0 0 0 0</pose>")}'
+                                                     + joint("J", "world", "arm") + "</model>", "n::arm", turned_z, [0, 0.5, 1]),
+            "the nested model's own base": (link("base", "") + f'<model name="n"><pose>0.3 0 1 0 0 {quarter}</pose>'
+                                            + link("base", "") + link("arm", '<pose relative_to="base">0.4 0 0 0 0 0</pose>')
+                                            + joint("fix", "base", "arm", kind="fixed") + "</model>" + joint("J", "base", "n::base"),
+                                            "n::arm", turned_z, [0.3, 0.4, 1]),
+            "child of a nested model": (link("base", "") + f'<model name="n"><pose>0 0 1 0 0 {quarter}</pose><frame name="base"><pose>0.1 0 0 0 0 0</pose></frame>'
+                                        + link("arm", '<pose relative_to="base">0.3 0 0 0 0 0</pose>') + "</model>" + joint("J", "base", "n::arm"),
+                                        "n::arm", turned_z, [0, 0.4, 1]),
+        }
+        for what, (model, arm, turn, place) in cases.items():
+            with self.subTest(what):
+                robot = self.write("frames.sdf", f'<sdf version="1.9"><model name="m">{model}</model></sdf>')
+                pose = self.numbers(robot, f"pose_{arm}", "--base", "fixed", "--frames", f"{{'{arm}': [pose]}}", state="0 0")
+                expected = [number for row in range(3) for number in (*turn[3 * row:3 * row + 3], place[row])]
+                self.assertTrue(all(abs(a - b) < 1e-14 for a, b in zip(pose, expected)) and len(pose) == 12, (pose, expected))
+
+    def test_quaternions_have_the_length_1(self):
+        inertial = self.INERTIAL.format("0.1 0 0")
+        robot = lambda pose: self.write("quaternion.sdf", f"""<sdf version="1.9"><model name="m"><link name="a">{inertial}</link>
+<link name="b">{pose}{inertial}</link>
+<joint name="j" type="revolute"><parent>a</parent><child>b</child><axis><xyz>0 1 0</xyz></axis></joint></model></sdf>""")
+        as_quaternion = '<pose rotation_format="quat_xyzw">\n{}</pose>'
+        options = "pose_b", "--base", "fixed", "--frames", "{b: [pose]}"
+        expected = self.numbers(robot("<pose>1 0.2 0 0 0 1.5707963267948966</pose>"), *options)
+        for turn, warns in (("0 0 0.7071067811865476 0.7071067811865476", False), ("0 0 0.707 0.707", False), ("0 0 1 1", True),
+                            ("-0 -0 -2 -2", True)):
+            sdf = robot(as_quaternion.format("1 0.2 0 " + turn))
+            self.assertTrue(all(abs(a - b) < 1e-15 for a, b in zip(self.numbers(sdf, *options), expected)), turn)
+            self.assertEqual("line 2: warning: <pose>1 0.2 0 " + turn + "</pose>: its quaternion has the length" in run("info", sdf)[2], warns)
+        status, out, said = run("info", robot(as_quaternion.format("1 0.2 0 0 0 0 0")))
+        self.assertEqual((status, out), (2, ""))
+        self.assertIn("line 2: error: <pose>1 0.2 0 0 0 0 0</pose>: its quaternion is none", said)
+
+    def test_numbers_that_are_none_are_refused_and_what_is_not_known_is_said(self):
+        def said_of(joint="", axis="", of_xyz="", pose="<pose>1 0 0 0 0 0</pose>", world="{}", more=""):
+            inertial = self.INERTIAL.format("0.1 0 0")
+            model = f"""<model name="m"><link name="a">{inertial}{more}</link>
+<link name="b">{pose}{inertial}</link>
+<joint name="j" type="revolute"><parent>a</parent><child>b</child>{joint}<axis><xyz{of_xyz}>0 1 0</xyz>{axis}</axis></joint></model>"""
+            return run("info", self.write("said.sdf", f'<sdf version="1.9">{world.format(model)}</sdf>'), "--base", "fixed", "--verbose")
+
+        for what, line, message in (
+                ({"pose": "<pose>1,5 0 0 0 0 0</pose>"}, 2, "<pose>1,5 0 0 0 0 0</pose> is not 6 finite numbers"),
+                ({"pose": "<pose>1 0 0 0 0 0.5rad</pose>"}, 2, "<pose>1 0 0 0 0 0.5rad</pose> is not 6 finite numbers"),
+                ({"pose": "<pose>1 0 0 0 0</pose>"}, 2, "<pose>1 0 0 0 0</pose> is not 6 finite numbers"),
+                ({"axis": "<dynamics><damping>1.5.2</damping></dynamics>"}, 3, "<damping>1.5.2</damping> is not a finite number"),
+                ({"axis": "<dynamics><friction>inf</friction></dynamics>"}, 3, "<friction>inf</friction> is not a finite number"),
+                ({"axis": "<limit><lower>-1,5</lower></limit>"}, 3, "<lower>-1,5</lower> is not a finite number"),
+        ):
+            with self.subTest(message):
+                status, out, said = said_of(**what)
+                self.assertEqual((status, out), (2, ""), said)
+                self.assertIn(f"line {line}: error: {message}; write", said)
+        for what, message in (
+                ({"axis": "<xzy>1 0 0</xzy>"}, r"joint 'j' \(line 3\): warning: unknown element <xzy> of <axis> is ignored; did you mean 'xyz'"),
+                ({"joint": "<pos relative_to='a'>3 0 0 0 0 0</pos>"}, r"joint 'j' \(line 3\): warning: unknown element <pos> of <joint> is ignored"),
+                ({"of_xyz": " expressed_i='a'"}, "line 3: warning: unknown attribute 'expressed_i' of <xyz> is ignored"),
+                ({"pose": "<pose frame='a'>1 0 0 0 0 0</pose>"}, "line 2: warning: unknown attribute 'frame' of <pose> is ignored"),
+                ({"pose": "<pose>1 0 0 0 0 0</pose><pose>2 0 0 0 0 0</pose>"}, r"link 'b' \(line 2\): warning: a second <pose> in <link> is ignored"),
+                ({"axis": "</axis><axis><xyz>1 0 0</xyz>"}, r"joint 'j' \(line 3\): warning: a second <axis> in <joint> is ignored"),
+                ({"more": "<kinematic>true</kinematic>"}, "link 'a': warning: that it is kinematic is ignored"),
+                ({"world": '<world name="w"><gravity>0 0 -9.8</gravity>{}</world>'}, "world 'w': warning: its gravity is ignored"),
+        ):
+            with self.subTest(message):
+                status, _, said = said_of(**what)
+                self.assertEqual(status, 0, said)
+                self.assertRegex(said, message)
+                self.assertEqual(said.count("warning"), 1, said)
+        for what in ({}, {"axis": "<limit><lower>-inf</lower><upper>inf</upper></limit>"}, {"pose": "<pose/>"}, {"pose": "<pose> </pose>"},
+                     {"world": '<world name="w"><gravity>0 0 -9.81</gravity>{}</world>'}, {"world": '<world name="w">{}</world>'},
+                     {"joint": "<own:pos xmlns:own='http://here'>3</own:pos>"}):
+            status, _, said = said_of(**what)
+            self.assertEqual((status, said), (0, ""), what)
+
     def numbers(self, robot, output, *options, state="0.3 0"):
         states = self.write("states", state + "\n")
         status, printed, said = run("eval", robot, "--state", states, "--output", output, "--engine", "generic", *options)
@@ -374,7 +467,7 @@ class Sdf(Folder):
                 ("<mass>1</mass>", ("<inertial> has no <inertia>: SDF gives it 1 kg m²",)),
                 (moments, ("<inertial> has no <mass>: SDF gives it 1 kg",)),
                 ("<mass>1</mass><inertia><ixx>1</ixx></inertia>", ("<inertia> has no iyy, izz: SDF gives it 1 kg m²",)),
-                ("<masss>3</masss>" + moments, ("unknown element <masss> of <inertial> is ignored; known are mass, pose, inertia",
+                ("<masss>3</masss>" + moments, ("unknown element <masss> of <inertial> is ignored; did you mean 'mass'?",
                                                 "<inertial> has no <mass>: SDF gives it 1 kg")),
                 ("<mass>2</mass>" + moments, ()),
         ):
@@ -441,7 +534,7 @@ class Sdf(Folder):
         robot = self.write("comma.sdf", '<sdf version="1.9"><model name="m">\n<link name="a"><pose>0,0,1 0 0 0</pose></link></model></sdf>')
         status, out, said = run("info", robot)
         self.assertEqual((status, out), (2, ""))
-        self.assertEqual(said, f"{robot}: line 2: error: libsdformat says: Error reading element <pose>; correct the element it names\n")
+        self.assertEqual(said, f"{robot}: line 2: error: <pose>0,0,1 0 0 0</pose> is not 6 finite numbers; write decimal numbers, with blanks between them\n")
 
 
 @unittest.skipIf(has_sdf, "built with libsdformat")

@@ -179,6 +179,24 @@ TEST(JointTypes, AreWhatTheirPartsAre) {
   EXPECT_STREQ(ir::row_of(ir::JointType::helical).word, ir::word_of(true, true));
 }
 
+// Directions in the plane, by the shortest turn from z: its axis has no z. Normals near −z are where that cancels.
+TEST(JointTypes, PlanarDirectionsAreInThePlane) {
+  for (const double aside : {0.0, 1e-12, 1e-9, 1e-7, 4e-5, 5e-5, 1e-3, 0.3, 2.0})
+    for (const double down : {-1.0, 1.0})
+      for (const double angle : {0.0, 0.4, 2.0, 4.0}) {
+        SCOPED_TRACE(testing::Message() << aside << " " << down << " " << angle);
+        ir::Joint joint;
+        joint.type = ir::JointType::planar;
+        joint.axis = Eigen::Vector3d(aside * std::cos(angle), aside * std::sin(angle), down).normalized();
+        const std::vector<ir::JointPart> parts = ir::row_of(joint.type).parts(joint);
+        const Eigen::Vector3d x = parts[0].axis, y = parts[1].axis, n = joint.axis;
+        EXPECT_LT(std::abs(x.dot(n)), 3e-12);  // what is taken for −z itself
+        EXPECT_LT(std::abs(y.dot(n)), 3e-12);
+        EXPECT_LT((x.cross(y) - n).norm(), 3e-12);
+        EXPECT_LT(std::abs(x.y() - y.x()), 1e-14);
+      }
+}
+
 INSTANTIATE_TEST_SUITE_P(Kinds, JointKinds, testing::Combine(testing::ValuesIn(joint_kind_robots()), testing::Bool()),
                          [](const auto& info) {
                            return std::get<0>(info.param) + (std::get<1>(info.param) ? "_floating" : "_fixed");

@@ -9,11 +9,13 @@ namespace {
 std::vector<JointPart> planar_parts(const Joint& joint) {
   const Eigen::Vector3d& n = joint.axis;
   Eigen::Vector3d x = Eigen::Vector3d::UnitX(), y = Eigen::Vector3d::UnitY();
-  if (n.z() > -1 + 1e-9) {
-    x -= n.x() / (1 + n.z()) * (n + Eigen::Vector3d::UnitZ());
-    y -= n.y() / (1 + n.z()) * (n + Eigen::Vector3d::UnitZ());
-  } else {
+  const double aside = n.head<2>().squaredNorm();
+  if (n.z() < 0 && aside < 1e-20) {
     y = -y;  // of all half turns that about x
+  } else {
+    const Eigen::Vector3d sum(n.x(), n.y(), n.z() < 0 ? aside / (1 - n.z()) : 1 + n.z());  // of n and z, without cancellation
+    x -= n.x() / sum.z() * sum;
+    y -= n.y() / sum.z() * sum;
   }
   return {sliding("x", x.normalized()), sliding("y", y.normalized()), turning("rz", n)};
 }
