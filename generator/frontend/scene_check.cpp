@@ -381,6 +381,9 @@ class SceneCheck {
             "ask for constrained_forward_dynamics");
     if (scene_.impacts && !asked(ir::Quantity::impact))
       error(key, "no function tells what an impact does", "ask for impact, beside constrained_forward_dynamics");
+    if (scene_.rates_zero)
+      error(key, "velocities are zero, and nothing moves",
+            std::string("leave rates_zero out, or ") + (scene_.impacts ? "impacts" : "linearly_implicit"));
     if (!scene_.linearly_implicit) return;
     if (!asked(ir::Quantity::forward_dynamics)) error(key, "no function tells how the robot moves", "ask for forward_dynamics");
     if (scene_.any_constraint())
@@ -389,7 +392,6 @@ class SceneCheck {
                         scene_.contacts.empty() ? "loop" : "contact",
                         scene_.contacts.empty() ? scene_.loops.front().name : scene_.contacts.front().name),
             "leave linearly_implicit out, or the contacts and loops");
-    if (scene_.rates_zero) error(key, "velocities are zero, and nothing moves", "leave rates_zero out, or linearly_implicit");
   }
 
   // The joints and links whose rows and columns are asked for.

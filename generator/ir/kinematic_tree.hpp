@@ -51,6 +51,7 @@ struct Body {
   Spring spring;                                   // of the joint's own coordinate: a driven body has none
   std::string elastic;                             // the elastic joint whose deflection this body's joint is; else empty
   double pitch = 0;                                // of a helical joint: how far it slides per turn, m
+  Limits limits;                                   // of a joint of one coordinate, as the URDF has them
   // Of a joint of several coordinates, which are as many bodies: what the URDF calls it, what it is, and which of them this is.
   std::string of;
   JointType kind = JointType::fixed;

@@ -1,5 +1,6 @@
 #include "ir/linkage.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -89,25 +90,47 @@ LinkageStatus<double> close_loops(const KinematicTree& tree, int steps, Eigen::V
   return status;
 }
 
+// How far apart a linkage's bodies and loops are at most, were its joints in one line, m; half a metre at least.
+static double reach(const Linkage& linkage, const KinematicTree& tree) {
+  double sum = 0;
+  for (const std::vector<int>* joints : {&linkage.dependent, &linkage.independent})
+    for (const int k : *joints) sum += tree.bodies[static_cast<std::size_t>(k)].placement.translation().norm();
+  for (const LinkageLoop& loop : linkage.loops)
+    sum += loop.length + loop.frames[0].translation().norm() + loop.frames[1].translation().norm();
+  return std::max(sum, 0.5);
+}
+
 ClosedState draw_closed(const KinematicTree& tree, Eigen::VectorXd& q, int tries, double least_pivot, bool from_q) {
   constexpr int patient = 60;
   constexpr double closed = 1e-12;  // m, rad: rounding
   const std::vector<int> positions = tree.positions();
   ClosedState state;
   std::mt19937_64 engine(31);  // whose numbers are the same on every system
-  const auto uniform = [&](double most) { return most * (static_cast<double>(engine() >> 11) * 0x1p-52 - 1); };
+  const auto uniform = [&](double least, double most) {
+    return least + (most - least) * (static_cast<double>(engine() >> 11) * 0x1p-53);
+  };
+  // Anywhere; of slides every other time within their limits, for a cylinder's zero may be far from where it works.
+  const auto draw = [&](const Body& body, double reach, bool within) {
+    if (body.turns()) return uniform(-std::numbers::pi, std::numbers::pi);
+    const Limits& limits = body.limits;
+    if (within && std::isfinite(limits.lower) && std::isfinite(limits.upper) && limits.lower < limits.upper)
+      return uniform(limits.lower, limits.upper);
+    return uniform(-reach, reach);
+  };
   for (int i = 0; i < tries && !state.closed; ++i) {
-    for (const Linkage& linkage : tree.linkages)
+    for (const Linkage& linkage : tree.linkages) {
+      const double far = reach(linkage, tree);
       for (const std::vector<int>* joints : {&linkage.dependent, &linkage.independent})
         for (const int k : *joints) {
           const Body& body = tree.bodies[static_cast<std::size_t>(k)];
           double& position = q[tree.base_positions() + positions[static_cast<std::size_t>(k)]];
           // Where joints are first is kept for the independent ones.
           if (i > 0 || !from_q) {
-            const double drawn = uniform(body.turns() ? std::numbers::pi : 0.5);
+            const double drawn = draw(body, far, i % 2 == 1);
             if (i > tries / 4 || body.follows) position = drawn;
           }
         }
+    }
     Eigen::VectorXd start = q;
     const double pivot = close_loops(tree, 1, start).least_pivot;
     const LinkageStatus<double> status = close_loops(tree, patient, q);

@@ -143,6 +143,7 @@ class TreeBuilder {
     body.joint = name;
     body.type = part.type;
     body.pitch = joint.pitch;
+    if (ir::row_of(joint.type).nv == 1) body.limits = joint.limits;
     body.parent = visit.parent_body;
     // Here rather than in a later pass: what counts as the robot is the same for generated code and for its references.
     body.placement = visit.placement;
@@ -166,6 +167,7 @@ class TreeBuilder {
     link.joint = distinct(joint.name + "_spring");
     link.parent = add(std::move(body));
     link.placement.setIdentity();
+    link.limits = {};
     link.friction = 0;
     link.damping = elastic->second.damping;
     link.spring = {elastic->second.k, 0};

@@ -209,7 +209,7 @@ def scene_of(d, robot, quantities):
         asked = {*scene["outputs"], *scene.get("functions", {}).get("one", [])}
         if "forward_dynamics" in asked and not constrained and not scene.get("rates_zero"):
             scene["rollouts"] = ["linearly_implicit"]
-        elif {"constrained_forward_dynamics", "impact"} <= asked:
+        elif {"constrained_forward_dynamics", "impact"} <= asked and not scene.get("rates_zero"):
             scene["rollouts"] = ["impacts"]
     embedded = embedded_loop(d, robot) if d.one_in(10) else None
     if embedded:  # which go with fewer keys

@@ -33,7 +33,8 @@ const Mechanism slider_crank{"slider_crank", {{"pin", {"crank_turn"}}}, "rod"}, 
           {"right_achilles", {"right_shin_joint"}},
           {"left_toes", {"left_crank_joint"}},
           {"right_toes", {"right_crank_joint"}}},
-         "left_foot"};
+         "left_foot"},
+    boom{"boom", {}, "rod"};
 
 double largest(const MatrixXd& m) { return m.cwiseAbs().maxCoeff<Eigen::PropagateNaN>(); }
 
@@ -70,7 +71,7 @@ MatrixXd exact(const Model& model, Quantity quantity, const State& state) {
 }
 
 class Embedded : public testing::TestWithParam<Mechanism> {};
-INSTANTIATE_TEST_SUITE_P(Mechanisms, Embedded, testing::Values(slider_crank, ankle, legs),
+INSTANTIATE_TEST_SUITE_P(Mechanisms, Embedded, testing::Values(slider_crank, ankle, legs, boom),
                          [](const auto& p) { return p.param.name; });
 
 TEST_P(Embedded, BothFormsAreTheGenericEngine) {
