@@ -27,8 +27,7 @@ namespace {
 std::string fault_of(const std::string& name) {
   if (name != ir::identifier(name)) return fmt::format("'{}' cannot be the name of a C++ namespace", name);
   if (ir::is_cpp_keyword(name)) return fmt::format("'{}' is a keyword of C++", name);
-  if (ir::is_library_macro(name) || ir::is_library_function(name))
-    return fmt::format("'{}' is a name of the C++ library", name);
+  if (ir::is_library_macro(name) || ir::is_library_name(name)) return fmt::format("'{}' is a name of the C++ library", name);
   if (ir::is_macro_of_the_code(name)) return fmt::format("'{}' could be a macro of the generated code", name);
   // The last ones by their C functions: pthread_create, sem_destroy.
   for (const char* taken : {"dalembert", "std", "Eigen", "tbb", "main", "pthread", "timer", "thrd", "tss", "sem", "mtx", "cnd"})

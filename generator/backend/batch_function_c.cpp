@@ -96,7 +96,7 @@ std::string BatchFunction::rollout_definition(const std::string& given) const {
       "  rollout.stopped = stopped;\n{4}"
       "  return static_cast<int>({0}::{1}_rollout(batch, rollout));\n}}\n\n",
       code_.name, function_of(code_).name, scalar_name(code_.scene.scalar), given,
-      has_impacts() ? "  if (options) rollout.active = options->active;\n" : "");
+      impact_ ? "  if (options) rollout.active = options->active;\n" : "");  // refused by those that contacts do not hold
 }
 
 }  // namespace dalembert::backend

@@ -106,10 +106,11 @@ constexpr const char* of_linkages[] = {
 // What the code has of a function besides its results.
 std::vector<std::string> names_of(const ir::EmittedFunction& function) {
   std::vector<std::string> names{function.name, function.type + "Scratch", function.type + "TaskGraph",
-                                 "batch_" + function.name};
+                                 "batch_" + function.name, "rollout_" + function.name};
   for (const char* type : {"BatchResults", "BatchBlock", "BatchProgram", "ImplicitProgram", "ContactProgram"})
     names.push_back(function.type + type);
-  for (const char* word : {"_batch", "_batch_tasks", "_batch_blocks", "_batch_results"}) names.push_back(function.name + word);
+  for (const char* word : {"_batch", "_batch_tasks", "_batch_blocks", "_batch_results", "_rollout", "_rollout_tasks"})
+    names.push_back(function.name + word);
   for (const char* word : own) names.push_back(function.own_name(word));
   for (const std::string& status : ir::kernel_statuses()) names.push_back(function.own_name(status));
   const auto may_compute = [&](ir::Quantity quantity) {

@@ -8,7 +8,8 @@ namespace dalembert::ir {
 namespace {
 
 // What g++ and clang define, none of it with a leading '_', where Eigen, oneTBB and the libraries' headers beside them are
-// included (glibc); of functions what someone may call a robot. Sorted, for binary search.
+// included (glibc), and what these have in the global namespace besides: functions, types, constants. Sorted, for binary
+// search.
 // clang-format off
 constexpr std::string_view macros[] = {
     "ADJ_ESTERROR", "ADJ_FREQUENCY", "ADJ_MAXERROR", "ADJ_MICRO", "ADJ_NANO", "ADJ_OFFSET", "ADJ_OFFSET_SINGLESHOT",
@@ -160,26 +161,99 @@ constexpr std::string_view macros[] = {
     "si_pkey", "si_ptr", "si_status", "si_stime", "si_syscall", "si_timerid", "si_uid", "si_upper", "si_utime",
     "si_value", "sigcontext_struct", "sigev_notify_attributes", "sigev_notify_function", "stderr", "stdin", "stdout",
     "unix"};
-constexpr std::string_view library_functions[] = {
-    "abort", "abs", "access", "acos", "acosh", "alarm", "aligned_alloc", "asctime", "asin", "asinh", "atan", "atan2",
-    "atanh", "atexit", "atof", "atoi", "atol", "atoll", "basename", "bcmp", "bcopy", "brk", "bsearch", "bzero",
-    "calloc", "cbrt", "ceil", "chdir", "clearenv", "clock", "close", "copysign", "cos", "cosh", "crypt", "ctermid",
-    "ctime", "daemon", "difftime", "div", "drem", "dup", "erand48", "erf", "erfc", "execl", "execv", "execve", "exit",
-    "exp", "exp10", "exp2", "expm1", "fabs", "fclose", "fdim", "feof", "ferror", "fflush", "ffs", "fgetc", "fgets",
-    "finite", "floor", "fma", "fmax", "fmin", "fmod", "fopen", "fork", "fprintf", "fputc", "fputs", "fread", "free",
-    "freopen", "frexp", "fscanf", "fseek", "fsync", "ftell", "fwrite", "gamma", "getc", "getchar", "getenv", "getpid",
-    "gets", "getuid", "getw", "gmtime", "hypot", "ilogb", "index", "isalnum", "isalpha", "iscntrl", "isdigit",
-    "isgraph", "islower", "isprint", "ispunct", "isspace", "isupper", "isxdigit", "j0", "j1", "jn", "kill", "labs",
-    "ldexp", "ldiv", "lgamma", "link", "llabs", "lldiv", "localtime", "lockf", "log", "log10", "log1p", "log2",
-    "logb", "lrint", "lround", "lseek", "malloc", "memchr", "memcmp", "memcpy", "memmove", "memset", "mktime", "modf",
-    "nan", "nanosleep", "nearbyint", "nextafter", "nice", "open", "pause", "perror", "pipe", "pow", "printf", "putc",
-    "putchar", "puts", "putw", "qsort", "rand", "random", "read", "realloc", "remove", "remquo", "rename", "rewind",
-    "rindex", "rint", "rmdir", "round", "scalb", "scanf", "select", "setbuf", "setenv", "signal", "significand",
-    "sin", "sincos", "sinh", "sleep", "sprintf", "sqrt", "srand", "sscanf", "stpcpy", "strcat", "strchr", "strcmp",
-    "strcpy", "strdup", "strerror", "strlen", "strstr", "strtod", "strtok", "strtol", "swab", "symlink", "sync",
-    "system", "tan", "tanh", "tempnam", "tgamma", "time", "timegm", "tmpfile", "tmpnam", "toascii", "tolower",
-    "toupper", "trunc", "truncate", "ttyname", "tzset", "uname", "ungetc", "unlink", "usleep", "vfork", "wait",
-    "write", "y0", "y1", "yn"};
+constexpr std::string_view library_names[] = {
+    "FILE", "a64l", "abort", "abs", "access", "acct", "acos", "acosh", "alarm", "aligned_alloc", "alloca",
+    "arc4random", "arc4random_buf", "arc4random_uniform", "asctime", "asin", "asinh", "asprintf", "at_quick_exit",
+    "atan", "atan2", "atanh", "atexit", "atof", "atoi", "atol", "atoll", "basename", "bcmp", "bcopy", "blkcnt64_t",
+    "blkcnt_t", "blksize_t", "brk", "bsearch", "btowc", "bzero", "caddr_t", "calloc", "canonicalize",
+    "canonicalize_file_name", "cbrt", "ceil", "chdir", "chown", "chroot", "clearenv", "clearerr", "clock",
+    "clock_adjtime", "clock_getcpuclockid", "clock_getres", "clock_gettime", "clock_nanosleep", "clock_settime",
+    "clock_t", "clockid_t", "clone", "close", "close_range", "closefrom", "comparison_fn_t", "confstr",
+    "cookie_close_function_t", "cookie_io_functions_t", "cookie_read_function_t", "cookie_seek_function_t",
+    "cookie_write_function_t", "copy_file_range", "copysign", "cos", "cosh", "cpu_set_t", "crypt", "ctermid", "ctime",
+    "cuserid", "daddl", "daddr_t", "daemon", "daylight", "ddivl", "dev_t", "dfmal", "difftime", "div", "div_t",
+    "dmull", "double_t", "dprintf", "drand48", "drand48_data", "drem", "dsqrtl", "dsubl", "dup", "dup2", "dup3",
+    "duplocale", "dysize", "eaccess", "ecvt", "endusershell", "environ", "erand48", "erf", "erfc", "error_t",
+    "euidaccess", "execl", "execle", "execlp", "execv", "execve", "execveat", "execvp", "execvpe", "exit", "exp",
+    "exp10", "exp2", "explicit_bzero", "expm1", "f32addf32x", "f32addf64", "f32addf64x", "f32divf32x", "f32divf64",
+    "f32divf64x", "f32fmaf32x", "f32fmaf64", "f32fmaf64x", "f32mulf32x", "f32mulf64", "f32mulf64x", "f32sqrtf32x",
+    "f32sqrtf64", "f32sqrtf64x", "f32subf32x", "f32subf64", "f32subf64x", "f32xaddf64", "f32xaddf64x", "f32xdivf64",
+    "f32xdivf64x", "f32xfmaf64", "f32xfmaf64x", "f32xmulf64", "f32xmulf64x", "f32xsqrtf64", "f32xsqrtf64x",
+    "f32xsubf64", "f32xsubf64x", "f64addf64x", "f64divf64x", "f64fmaf64x", "f64mulf64x", "f64sqrtf64x", "f64subf64x",
+    "fabs", "faccessat", "fadd", "fchdir", "fchown", "fchownat", "fclose", "fcloseall", "fcvt", "fd_mask", "fd_set",
+    "fdatasync", "fdim", "fdiv", "fdopen", "feof", "ferror", "fexecve", "fflush", "ffma", "ffs", "ffsll", "fgetc",
+    "fgetpos", "fgets", "fgetwc", "fgetws", "fileno", "finite", "float_t", "flockfile", "floor", "fma", "fmax",
+    "fmaximum", "fmaximum_mag", "fmaximum_mag_num", "fmaximum_num", "fmaxmag", "fmemopen", "fmin", "fminimum",
+    "fminimum_mag", "fminimum_mag_num", "fminimum_num", "fminmag", "fmod", "fmul", "fopen", "fopencookie", "fork",
+    "fpathconf", "fpos64_t", "fpos_t", "fpregset_t", "fprintf", "fputc", "fputs", "fputwc", "fputws", "fread", "free",
+    "freelocale", "freopen", "frexp", "fromfp", "fromfpx", "fsblkcnt64_t", "fsblkcnt_t", "fscanf", "fseek", "fseeko",
+    "fsetpos", "fsfilcnt64_t", "fsfilcnt_t", "fsid_t", "fsqrt", "fsub", "fsync", "ftell", "ftello", "ftruncate",
+    "ftrylockfile", "funlockfile", "fwide", "fwprintf", "fwrite", "fwscanf", "gamma", "gcvt", "get_current_dir_name",
+    "getc", "getchar", "getcpu", "getcwd", "getdate", "getdate_err", "getdelim", "getdomainname", "getdtablesize",
+    "getegid", "getentropy", "getenv", "geteuid", "getgid", "getgroups", "gethostid", "gethostname", "getline",
+    "getloadavg", "getlogin", "getopt", "getpagesize", "getpass", "getpayload", "getpgid", "getpgrp", "getpid",
+    "getppid", "getpt", "getresgid", "getresuid", "gets", "getsid", "getsubopt", "gettid", "getuid", "getusershell",
+    "getw", "getwc", "getwchar", "getwd", "gid_t", "gmtime", "grantpt", "greg_t", "gregset_t", "group_member",
+    "gsignal", "hypot", "id_t", "ilogb", "imaxabs", "imaxdiv", "imaxdiv_t", "index", "initstate", "ino64_t", "ino_t",
+    "int16_t", "int32_t", "int64_t", "int8_t", "int_fast16_t", "int_fast32_t", "int_fast64_t", "int_fast8_t",
+    "int_least16_t", "int_least32_t", "int_least64_t", "int_least8_t", "intmax_t", "intptr_t", "iovec", "isalnum",
+    "isalpha", "isascii", "isatty", "isblank", "iscntrl", "isctype", "isdigit", "isgraph", "isinff", "isinfl",
+    "islower", "isnanf", "isnanl", "isprint", "ispunct", "isspace", "isupper", "iswalnum", "iswalpha", "iswblank",
+    "iswcntrl", "iswctype", "iswdigit", "iswgraph", "iswlower", "iswprint", "iswpunct", "iswspace", "iswupper",
+    "iswxdigit", "isxdigit", "itimerspec", "j0", "j1", "jn", "jrand48", "key_t", "kill", "killpg", "l64a", "labs",
+    "lchown", "lcong48", "lconv", "ldexp", "ldiv", "ldiv_t", "lgamma", "lgammaf32_r", "lgammaf32x_r", "lgammaf64_r",
+    "lgammaf64x_r", "lgammaf_r", "lgammal_r", "link", "linkat", "llabs", "lldiv", "lldiv_t", "llogb", "llrint",
+    "llround", "locale_t", "localeconv", "localtime", "lockf", "loff_t", "log", "log10", "log1p", "log2", "logb",
+    "lrand48", "lrint", "lround", "lseek", "madvise", "malloc", "max_align_t", "mblen", "mbrlen", "mbrtowc",
+    "mbsinit", "mbsnrtowcs", "mbsrtowcs", "mbstate_t", "mbstowcs", "mbtowc", "mcontext_t", "memccpy", "memchr",
+    "memcmp", "memcpy", "memfd_create", "memfrob", "memmem", "memmove", "mempcpy", "memset", "mincore", "mkdtemp",
+    "mkostemp", "mkostemps", "mkstemp", "mkstemps", "mktemp", "mktime", "mlock", "mlock2", "mlockall", "mmap",
+    "mode_t", "modf", "mprotect", "mrand48", "mremap", "msync", "munlock", "munlockall", "munmap", "nan", "nanosleep",
+    "nearbyint", "newlocale", "nextafter", "nextdown", "nexttoward", "nextup", "nice", "nlink_t", "nrand48",
+    "obstack", "obstack_printf", "obstack_vprintf", "off64_t", "off_t", "on_exit", "open", "open_memstream",
+    "open_wmemstream", "optarg", "opterr", "optind", "optopt", "pathconf", "pause", "pclose", "perror", "pid_t",
+    "pipe", "pipe2", "pkey_alloc", "pkey_free", "pkey_get", "pkey_mprotect", "pkey_set", "popen", "posix_madvise",
+    "posix_memalign", "posix_openpt", "pow", "pread", "printf", "process_madvise", "process_mrelease", "profil",
+    "program_invocation_name", "program_invocation_short_name", "pselect", "psiginfo", "psignal", "ptrdiff_t",
+    "ptsname", "putc", "putchar", "putenv", "puts", "putw", "putwc", "putwchar", "pwrite", "qecvt", "qfcvt", "qgcvt",
+    "qsort", "quad_t", "quick_exit", "raise", "rand", "random", "random_data", "read", "readlink", "readlinkat",
+    "realloc", "reallocarray", "realpath", "register_t", "remainder", "remap_file_pages", "remove", "remquo",
+    "rename", "renameat", "renameat2", "revoke", "rewind", "rindex", "rint", "rmdir", "round", "roundeven", "rpmatch",
+    "sbrk", "scalb", "scalbln", "scalbn", "scanf", "secure_getenv", "seed48", "select", "setbuf", "setbuffer",
+    "setdomainname", "setegid", "setenv", "seteuid", "setgid", "sethostid", "sethostname", "setlinebuf", "setlocale",
+    "setlogin", "setns", "setpayload", "setpayloadsig", "setpgid", "setpgrp", "setregid", "setresgid", "setresuid",
+    "setreuid", "setsid", "setstate", "setuid", "setusershell", "setvbuf", "shm_open", "shm_unlink", "sig_atomic_t",
+    "sig_t", "sigabbrev_np", "sigaction", "sigaddset", "sigaltstack", "sigandset", "sigblock", "sigcontext",
+    "sigdelset", "sigdescr_np", "sigemptyset", "sigevent", "sigevent_t", "sigfillset", "siggetmask", "sighandler_t",
+    "sighold", "sigignore", "siginfo_t", "siginterrupt", "sigisemptyset", "sigismember", "signal", "signgam",
+    "significand", "sigorset", "sigpause", "sigpending", "sigprocmask", "sigqueue", "sigrelse", "sigreturn", "sigset",
+    "sigset_t", "sigsetmask", "sigstack", "sigsuspend", "sigtimedwait", "sigval", "sigval_t", "sigwait",
+    "sigwaitinfo", "sin", "sincos", "sinh", "size_t", "sleep", "snprintf", "socklen_t", "sprintf", "sqrt", "srand",
+    "srand48", "srandom", "sscanf", "ssignal", "ssize_t", "stack_t", "stpcpy", "stpncpy", "strcasecmp", "strcat",
+    "strchr", "strcmp", "strcoll", "strcpy", "strcspn", "strdup", "strerror", "strerrordesc_np", "strerrorname_np",
+    "strfromd", "strfromf", "strfromf32", "strfromf32x", "strfromf64x", "strfroml", "strfry", "strftime", "strlen",
+    "strncasecmp", "strncat", "strncmp", "strncpy", "strndup", "strnlen", "strptime", "strsep", "strsignal", "strspn",
+    "strstr", "strtod", "strtof", "strtof32", "strtof32x", "strtof64_l", "strtof64x", "strtoimax", "strtok", "strtol",
+    "strtold", "strtoll_l", "strtoq", "strtoul", "strtoull_l", "strtoumax", "strtouq", "strverscmp", "strxfrm",
+    "suseconds_t", "swab", "swprintf", "swscanf", "symlink", "symlinkat", "sync", "syncfs", "syscall", "sysconf",
+    "system", "sysv_signal", "tan", "tanh", "tcgetpgrp", "tcsetpgrp", "tempnam", "tgamma", "tgkill", "time", "time_t",
+    "timegm", "timelocal", "timer_create", "timer_delete", "timer_getoverrun", "timer_gettime", "timer_settime",
+    "timer_t", "timespec", "timespec_get", "timespec_getres", "timeval", "timex", "timezone", "tm", "tmpfile",
+    "tmpnam", "toascii", "tolower", "totalorder", "totalordermag", "toupper", "towctrans", "towlower", "towupper",
+    "trunc", "truncate", "ttyname", "ttyslot", "tzname", "tzset", "u_char", "u_int", "u_int16_t", "u_int32_t",
+    "u_int64_t", "u_int8_t", "u_long", "u_quad_t", "u_short", "ualarm", "ucontext_t", "ufromfp", "ufromfpx", "uid_t",
+    "uint", "uint16_t", "uint32_t", "uint64_t", "uint8_t", "uint_fast16_t", "uint_fast32_t", "uint_fast64_t",
+    "uint_fast8_t", "uint_least16_t", "uint_least32_t", "uint_least64_t", "uint_least8_t", "uintmax_t", "uintptr_t",
+    "ulong", "uname", "ungetc", "ungetwc", "unlink", "unlinkat", "unlockpt", "unsetenv", "unshare", "useconds_t",
+    "uselocale", "ushort", "usleep", "va_list", "valloc", "vasprintf", "vdprintf", "vfork", "vfprintf", "vfscanf",
+    "vfwprintf", "vfwscanf", "vhangup", "vprintf", "vscanf", "vsnprintf", "vsprintf", "vsscanf", "vswprintf",
+    "vswscanf", "vwprintf", "vwscanf", "wait", "wcpcpy", "wcpncpy", "wcrtomb", "wcscasecmp", "wcscat", "wcschr",
+    "wcschrnul", "wcscmp", "wcscoll", "wcscpy", "wcscspn", "wcsdup", "wcsftime", "wcslen", "wcsncasecmp", "wcsncat",
+    "wcsncmp", "wcsncpy", "wcsnlen", "wcsnrtombs", "wcspbrk", "wcsrchr", "wcsrtombs", "wcsspn", "wcsstr", "wcstod",
+    "wcstof", "wcstof32", "wcstof32x", "wcstof64_l", "wcstof64x", "wcstoimax", "wcstok", "wcstol", "wcstold",
+    "wcstoll_l", "wcstombs", "wcstoq", "wcstoul", "wcstoull_l", "wcstoumax", "wcstouq", "wcswcs", "wcswidth",
+    "wcsxfrm", "wctob", "wctomb", "wctrans", "wctrans_t", "wctype", "wctype_t", "wcwidth", "wint_t", "wmemchr",
+    "wmemcmp", "wmemcpy", "wmemmove", "wmempcpy", "wmemset", "wprintf", "write", "wscanf", "y0", "y1", "yn"};
 // clang-format on
 
 }  // namespace
@@ -193,8 +267,17 @@ bool is_library_macro(std::string_view text) {
 
 bool is_macro_of_the_code(std::string_view text) { return text.starts_with("DALEMBERT_") || text.ends_with("_C_API_H"); }
 
-bool is_library_function(std::string_view text) {
-  return std::binary_search(std::begin(library_functions), std::end(library_functions), text);
+bool is_library_name(std::string_view text) {
+  const auto is_listed = [](std::string_view name) {
+    return std::binary_search(std::begin(library_names), std::end(library_names), name);
+  };
+  for (const std::string_view prefix : {"pthread_", "PTHREAD_", "sched_", "TBB_"})
+    if (text.starts_with(prefix)) return true;
+  if (is_listed(text)) return true;
+  // sinf and sinl; strtok_r, isalpha_l, getc_unlocked, fopen64.
+  for (const std::string_view suffix : {"f", "l", "f32", "f32x", "f64", "f64x", "_r", "_l", "_unlocked", "64"})
+    if (text.ends_with(suffix) && is_listed(text.substr(0, text.size() - suffix.size()))) return true;
+  return false;
 }
 
 }  // namespace dalembert::ir

@@ -13,7 +13,8 @@ bool is_library_macro(std::string_view text);
 // any robot. No identifier can be called so.
 bool is_macro_of_the_code(std::string_view text);
 
-// Whether such a header declares the name at global scope: no namespace can be called so, while an enumerator can.
-bool is_library_function(std::string_view text);
+// Whether such a header declares the name at global scope, a function, a type or a constant: no namespace can be called so,
+// while an enumerator can.
+bool is_library_name(std::string_view text);
 
 }  // namespace dalembert::ir

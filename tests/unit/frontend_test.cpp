@@ -106,6 +106,15 @@ TEST(LibraryNames, CompriseEveryMacroOfTheHeaders) {
   for (const char* joint : {"_1", "__", "__left", "LF_HAA", "J1", "E1"}) EXPECT_FALSE(ir::is_library_macro(joint)) << joint;
 }
 
+TEST(LibraryNames, CompriseFunctionsTypesAndConstants) {
+  for (const char* taken :
+       {"sin", "sinf", "strtok_r", "tm", "timespec", "FILE", "size_t", "ptrdiff_t", "int32_t", "uint_fast8_t", "time_t",
+        "div_t", "double_t", "pthread_t", "sigaction", "siginfo_t", "off_t", "sched_param", "uint"})
+    EXPECT_TRUE(ir::is_library_name(taken)) << taken;
+  for (const char* robot : {"arm", "arm_t", "robot_t", "wolf", "golf", "panel", "model", "mahru", "scara", "t", "f"})
+    EXPECT_FALSE(ir::is_library_name(robot)) << robot;
+}
+
 TEST(Text, IsMadeUtf8) {
   EXPECT_EQ(frontend::as_utf8("gauch\xc3\xa9"), "gauch\xc3\xa9");
   EXPECT_EQ(frontend::as_utf8("gauch\xe9"), "gauch\xc3\xa9");                  // ISO 8859-1

@@ -131,6 +131,15 @@ TEST(NamedFunctions, AreNotCalledLikeWhatEveryHeaderHas) {
     EXPECT_EQ(frontend::taken_names(scene_of({}, {{name, {Quantity::gravity}}})).size(), 1u) << name;
 }
 
+// Nor so that C's names of results and of rollouts are the same.
+TEST(NamedFunctions, AreNotCalledLikeTheRolloutsOfAnother) {
+  const std::vector<Quantity> moved{Quantity::forward_dynamics}, held{Quantity::bias};
+  EXPECT_EQ(frontend::taken_names(scene_of({}, {{"rollout", moved}})).size(), 1u);
+  EXPECT_EQ(frontend::taken_names(scene_of({}, {{"free", moved}, {"rollout_free", held}})).size(), 1u);
+  EXPECT_EQ(frontend::taken_names(scene_of({}, {{"rollout_free", held}, {"free", moved}})).size(), 1u);
+  EXPECT_TRUE(frontend::taken_names(scene_of({}, {{"free", moved}, {"roll_out", held}})).empty());
+}
+
 // Nor like what says how another's constraints fared, which C's interface has a function for; nor what keeps another's
 // linkages.
 TEST(NamedFunctions, AreNotCalledLikeTheStatusOfAnother) {

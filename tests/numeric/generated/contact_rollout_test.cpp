@@ -185,6 +185,12 @@ TEST_F(ContactRollouts, FromC) {
                                                     of_c.q.data(), of_c.v.data(), of_c.stopped.data(), &options),
             0);
   EXPECT_TRUE(all == of_c);
+  // What no contact holds has none that come on.
+  EXPECT_EQ(
+      static_cast<BatchError>(stepping_biped_rollout_free(q.data(), v.data(), tau.data(), n, steps, h, 1, nullptr, nullptr,
+                                                          of_c.q.data(), of_c.v.data(), of_c.stopped.data(), &options)),
+      BatchError::active);
+  EXPECT_TRUE(all == of_c);
 }
 
 TEST_F(ContactRollouts, NameWhatIsWrong) {
