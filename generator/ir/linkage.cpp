@@ -113,7 +113,8 @@ ClosedState draw_closed(const KinematicTree& tree, Eigen::VectorXd& q, int tries
   const auto draw = [&](const Body& body, double reach, bool within) {
     if (body.turns()) return uniform(-std::numbers::pi, std::numbers::pi);
     const Limits& limits = body.limits;
-    if (within && std::isfinite(limits.lower) && std::isfinite(limits.upper) && limits.lower < limits.upper)
+    const double far = 100 * reach;  // limits of who means none
+    if (within && -far < limits.lower && limits.lower < limits.upper && limits.upper < far)
       return uniform(limits.lower, limits.upper);
     return uniform(-reach, reach);
   };

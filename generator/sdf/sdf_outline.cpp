@@ -549,6 +549,7 @@ class SdfReader {
     JointOutline out;
     out.name = prefix + joint.Name();
     out.line = line_of(joint.Element());
+    warn_of_elements(joint.Element(), place(out));
     const auto refuse = [&](const std::string& what, const char* remedy) {
       add_error(errors_, {Severity::error, file_, place(out), what, remedy});
     };

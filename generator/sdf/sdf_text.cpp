@@ -82,11 +82,16 @@ std::string_view attribute(std::string_view tag, std::string_view name) {
 
 // Elements whose text is numbers, by what they stand in. Those of <inertial> and of gearboxes are read by themselves.
 struct Numbers {
-  std::string_view within, name;  // the former empty: anything
+  std::string_view within, name;
   size_t count;
   bool may_be_infinite = false;
 };
-constexpr std::array all_numbers{Numbers{"", "pose", 6},
+constexpr std::array all_numbers{Numbers{"model", "pose", 6},
+                                 Numbers{"link", "pose", 6},
+                                 Numbers{"joint", "pose", 6},
+                                 Numbers{"frame", "pose", 6},
+                                 Numbers{"inertial", "pose", 6},
+                                 Numbers{"include", "pose", 6},
                                  Numbers{"axis", "xyz", 3},
                                  Numbers{"axis2", "xyz", 3},
                                  Numbers{"dynamics", "damping", 1},
@@ -103,9 +108,27 @@ constexpr std::array all_numbers{Numbers{"", "pose", 6},
 
 const Numbers* numbers_of(std::string_view within, std::string_view name) {
   const auto* const found = std::find_if(all_numbers.begin(), all_numbers.end(), [&](const Numbers& numbers) {
-    return numbers.name == name && (numbers.within.empty() || numbers.within == within);
+    return numbers.name == name && numbers.within == within;
   });
   return found == all_numbers.end() ? nullptr : found;
+}
+
+// Text as a parser of XML has it: without comments, CDATA as it is. Nothing where it has references, which a parser decodes.
+std::optional<std::string> plain_text(std::string_view text) {
+  std::string plain;
+  while (!text.empty()) {
+    const size_t begin = std::min(text.find('<'), text.size());
+    if (text.substr(0, begin).find('&') != nowhere) return {};
+    plain.append(text, 0, begin);
+    text.remove_prefix(begin);
+    constexpr std::string_view cdata = "<![CDATA[";
+    if (text.empty()) break;
+    const size_t end = end_of_markup(text, 0);
+    if (end == nowhere) return {};
+    if (text.starts_with(cdata)) plain.append(text, cdata.size(), end - cdata.size() - 3);
+    text.remove_prefix(end);
+  }
+  return plain;
 }
 
 // What is to stand instead of an element's text; nothing: it may stay. `remark` tells what is wrong with it.
@@ -120,8 +143,10 @@ std::optional<std::string> corrected(const Numbers& numbers, std::string_view ta
   };
   if (all && all->empty() && numbers.name == "pose") return {};  // zeros, as SDF has it
   if (!all || all->size() != count || !std::all_of(all->begin(), all->end(), is_usable)) {
+    const char* const finite = numbers.may_be_infinite ? "" : "finite ";
     remark(Severity::error,
-           count == 1 ? element + " is not a finite number" : fmt::format("{} is not {} finite numbers", element, count),
+           count == 1 ? fmt::format("{} is not a {}number", element, finite)
+                      : fmt::format("{} is not {} {}numbers", element, count, finite),
            count == 1 ? "write a decimal number" : "write decimal numbers, with blanks between them");
     return {};
   }
@@ -165,6 +190,8 @@ SdfText without_idle_elements(const std::string& text, const std::function<std::
     kept = end;
   };
   size_t begin_of_idle = 0;
+  // Of whom nobody knows what numbers within mean: elements of other namespaces.
+  const auto is_foreign = [](std::string_view name) { return name.find(':') != nowhere; };
   for (size_t at = all.find('<'); at != nowhere; at = all.find('<', at)) {
     const size_t end = end_of_markup(all, at);
     if (end == nowhere) return {text, result.root, result.errors, result.warnings};
@@ -186,15 +213,19 @@ SdfText without_idle_elements(const std::string& text, const std::function<std::
         if (const std::string other = found(std::string(trimmed(all.substr(content, at - content)))); !other.empty())
           pass(content, at, other);
       } else if (const Numbers* const numbers =
-                     idle == 0 && open.size() > 1 ? numbers_of(open[open.size() - 2], name) : nullptr) {
+                     idle == 0 && open.size() > 1 && std::none_of(open.begin(), open.end(), is_foreign)
+                         ? numbers_of(open[open.size() - 2], name)
+                         : nullptr) {
         const std::string_view numerals = all.substr(content, at - content);
         const auto remark = [&](Severity severity, std::string what, std::string remedy) {
           const auto line = 1 + std::count(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(content), '\n');
           (severity == Severity::error ? result.errors : result.warnings)
               .push_back({severity, "", fmt::format("line {}", line), std::move(what), std::move(remedy)});
         };
-        if (numerals.find('<') == nowhere)  // a comment within is libsdformat's to judge
-          if (const auto instead = corrected(*numbers, start, numerals, remark)) pass(content, at, *instead);
+        if (const auto plain = plain_text(numerals)) {
+          const auto instead = corrected(*numbers, start, *plain, remark);
+          if (instead || *plain != numerals) pass(content, at, instead ? *instead : *plain);
+        }
       }
       if (closes || is_empty) {
         const size_t level = open.size();

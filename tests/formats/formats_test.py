@@ -424,7 +424,9 @@ class Sdf(Folder):
                 ({"pose": "<pose>1 0 0 0 0</pose>"}, 2, "<pose>1 0 0 0 0</pose> is not 6 finite numbers"),
                 ({"axis": "<dynamics><damping>1.5.2</damping></dynamics>"}, 3, "<damping>1.5.2</damping> is not a finite number"),
                 ({"axis": "<dynamics><friction>inf</friction></dynamics>"}, 3, "<friction>inf</friction> is not a finite number"),
-                ({"axis": "<limit><lower>-1,5</lower></limit>"}, 3, "<lower>-1,5</lower> is not a finite number"),
+                ({"axis": "<limit><lower>-1,5</lower></limit>"}, 3, "<lower>-1,5</lower> is not a number"),
+                ({"axis": "<limit><lower><![CDATA[-1,5]]></lower></limit>"}, 3, "<lower>-1,5</lower> is not a number"),
+                ({"axis": "<dynamics><damping><!-- d -->0,5</damping></dynamics>"}, 3, "<damping>0,5</damping> is not a finite number"),
         ):
             with self.subTest(message):
                 status, out, said = said_of(**what)
@@ -447,7 +449,8 @@ class Sdf(Folder):
                 self.assertEqual(said.count("warning"), 1, said)
         for what in ({}, {"axis": "<limit><lower>-inf</lower><upper>inf</upper></limit>"}, {"pose": "<pose/>"}, {"pose": "<pose> </pose>"},
                      {"world": '<world name="w"><gravity>0 0 -9.81</gravity>{}</world>'}, {"world": '<world name="w">{}</world>'},
-                     {"joint": "<own:pos xmlns:own='http://here'>3</own:pos>"}):
+                     {"joint": "<own:pos xmlns:own='http://here'>3</own:pos>"}, {"more": "<own:grasp><pose>1 2 3</pose></own:grasp>"},
+                     {"pose": "<pose>1 0 <!-- up --> 0\n0 <![CDATA[ 0 ]]>0</pose>"}, {"pose": "<pose>1 0 0 0 &#48; 0</pose>"}):
             status, _, said = said_of(**what)
             self.assertEqual((status, said), (0, ""), what)
 

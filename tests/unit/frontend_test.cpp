@@ -111,7 +111,8 @@ TEST(LibraryNames, CompriseFunctionsTypesAndConstants) {
        {"sin", "sinf", "strtok_r", "tm", "timespec", "FILE", "size_t", "ptrdiff_t", "int32_t", "uint_fast8_t", "time_t",
         "div_t", "double_t", "pthread_t", "sigaction", "siginfo_t", "off_t", "sched_param", "uint"})
     EXPECT_TRUE(ir::is_library_name(taken)) << taken;
-  for (const char* robot : {"arm", "arm_t", "robot_t", "wolf", "golf", "panel", "model", "mahru", "scara", "t", "f"})
+  for (const char* robot :
+       {"arm", "arm_t", "robot_t", "wolf", "golf", "panel", "model", "mahru", "scara", "link_l", "index_r", "t", "f"})
     EXPECT_FALSE(ir::is_library_name(robot)) << robot;
 }
 
