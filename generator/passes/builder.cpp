@@ -1,6 +1,7 @@
 #include "passes/builder.hpp"
 
 #include <algorithm>
+#include <stdexcept>
 #include <utility>
 
 #include "passes/joints.hpp"
@@ -136,7 +137,10 @@ void SweepBuilder::hand_on(int role, const Vec3& x, int from) {
 int Builder::role(const ir::Role& role) {
   auto& roles = algorithm_.roles;
   const auto at = std::find_if(roles.begin(), roles.end(), [&](const ir::Role& r) { return r.name == role.name; });
-  if (at != roles.end()) return static_cast<int>(at - roles.begin());
+  if (at != roles.end()) {
+    if (at->shape != role.shape) throw std::logic_error("two roles are called " + role.name);
+    return static_cast<int>(at - roles.begin());
+  }
   roles.push_back(role);
   return static_cast<int>(roles.size()) - 1;
 }

@@ -8,6 +8,7 @@
 
 #include "both_forms.hpp"
 #include "commands/generic_engine.hpp"
+#include "frontend/urdf_reader.hpp"
 #include "long_tests.hpp"
 #include "reference/engine.hpp"
 
@@ -500,6 +501,42 @@ TEST(AlgorithmAt, DerivativesWithConstraintsDrawnToTheirPlacesAreDifferences) {
         }
       }
     }
+  }
+}
+
+// Links and frames that are called as contacts, loops and places of other links are among roles: each result is of its own.
+TEST(NamesOfLinks, MayBeThoseOfContactsAndLoops) {
+  std::string text = "<robot name='r'><link name='base'/>", parent = "base";
+  int joint = 0;
+  for (const std::string name : {"a", "tip", "ground_tip", "contact_c", "own_contact_c", "loop_l_a", "ground_contact_c"}) {
+    text += "<link name='" + name +
+            "'><inertial><origin xyz='0.1 0.02 0'/><mass value='1'/><inertia ixx='0.1' iyy='0.12' izz='0.15' ixy='0'"
+            " ixz='0' iyz='0'/></inertial></link><joint name='j" +
+            std::to_string(joint) + "' type='continuous'><parent link='" + parent + "'/><child link='" + name +
+            "'/><origin xyz='0.3 0 0.1'/><axis xyz='" + (joint % 2 == 0 ? "0 0 1" : "0 1 0") + "'/></joint>";
+    parent = name, ++joint;
+  }
+  Diagnostics warnings;
+  const ir::RobotDescription robot = frontend::read_urdf_text("r.urdf", text + "</robot>", warnings);
+  ir::Scene scene;
+  scene.outputs = {ir::Quantity::constraint_jacobian, ir::Quantity::constraint_bias, ir::Quantity::impact,
+                   ir::Quantity::constrained_forward_dynamics};
+  scene.contacts = {{"c", "a", ir::ContactType::point, {0.1, 0.2, 0}, false}};
+  ir::Loop loop;
+  loop.name = "l", loop.links = {"tip", "ground_contact_c"}, loop.type = ir::LoopType::point;
+  scene.loops = {loop};
+  for (const ir::LinkQuantityRow& row : ir::link_quantities())
+    for (const char* link : {"tip", "ground_tip", "contact_c", "own_contact_c", "loop_l_a", "ground_contact_c"})
+      scene.frames.push_back({row.quantity, link});
+  for (const ir::Base base : {ir::Base::fixed, ir::Base::floating}) {
+    scene.base = base;
+    expect_generic_values(model_of(robot, scene));
+    ir::Scene one = scene;
+    one.frames = {{ir::LinkQuantity::jacobian, "ground_tip"}, {ir::LinkQuantity::pose, "tip"}};
+    expect_generic_values(model_of(robot, one));
+    one.frames = {{ir::LinkQuantity::twist, "contact_c"}};
+    one.contacts.front().link = "contact_c";
+    expect_generic_values(model_of(robot, one));
   }
 }
 

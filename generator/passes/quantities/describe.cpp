@@ -20,8 +20,17 @@ void describe(Builder& b, ir::Quantity quantity) {
 
 }  // namespace
 
+// What a link is called among roles and sweeps, where contacts and loops have their members' names, and link_place() has one of
+// its own: one that looks like these is set apart, for of two of one name the second would be taken for the first.
+static std::string name_among_roles(const std::string& link) {
+  const std::string name = ir::identifier(link);
+  for (const char* taken : {"ground_", "contact_", "loop_", "own_"})
+    if (name.starts_with(taken)) return "own_" + name;
+  return name;
+}
+
 LinkFrame link_frame(const std::string& link, const ir::KinematicTree& tree, const ir::NormalTree& normal) {
-  LinkFrame frame{ir::identifier(link)};
+  LinkFrame frame{name_among_roles(link)};
   for (const ir::LinkPlacement& at : tree.links) {
     if (at.link != link) continue;
     frame.body = at.body;
