@@ -224,7 +224,9 @@ SdfText without_idle_elements(const std::string& text, const std::function<std::
         };
         if (const auto plain = plain_text(numerals)) {
           const auto instead = corrected(*numbers, start, *plain, remark);
-          if (instead || *plain != numerals) pass(content, at, instead ? *instead : *plain);
+          std::string written = instead ? *instead : *plain;
+          std::replace(written.begin(), written.end(), '\n', ' ');  // lines are counted by what it stands for
+          if (instead || *plain != numerals) pass(content, at, written);
         }
       }
       if (closes || is_empty) {

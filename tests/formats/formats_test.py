@@ -447,6 +447,8 @@ class Sdf(Folder):
                 self.assertEqual(status, 0, said)
                 self.assertRegex(said, message)
                 self.assertEqual(said.count("warning"), 1, said)
+        # A line within numbers moves no line behind them.
+        self.assertIn("(line 4): warning: unknown element <xzy>", said_of(pose="<pose>1 0 <!-- up --> 0\n0 0 0</pose>", axis="<xzy>1</xzy>")[2])
         for what in ({}, {"axis": "<limit><lower>-inf</lower><upper>inf</upper></limit>"}, {"pose": "<pose/>"}, {"pose": "<pose> </pose>"},
                      {"world": '<world name="w"><gravity>0 0 -9.81</gravity>{}</world>'}, {"world": '<world name="w">{}</world>'},
                      {"joint": "<own:pos xmlns:own='http://here'>3</own:pos>"}, {"more": "<own:grasp><pose>1 2 3</pose></own:grasp>"},
