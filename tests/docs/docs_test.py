@@ -52,7 +52,7 @@ RUN_ELSEWHERE = {
     "mpirun -np 2 build/release/bin/farm identify --candidates 100000 --recording build/try/recording.h5 --out build/try/loads.h5":
         "the same",
     "/usr/bin/python3 examples/farm/read.py build/try/loads.h5": "the same",
-    "python3 tests/matrix/run.py": "three quarters of an hour; a slice of it is the test matrix.slice",
+    "python3 tests/matrix/run.py": "hours; a slice of it is the test matrix.slice",
 }
 
 project, build = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2])

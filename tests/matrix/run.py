@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Compiles generated code in many ways, runs its self-test, and tabulates what is right and what is not.
 
-    python3 tests/matrix/run.py                  the whole matrix (three quarters of an hour on two idle cores), and tests/README.md's table anew
+    python3 tests/matrix/run.py                  the whole matrix (some two hours on two cores), and tests/README.md's table anew
     python3 tests/matrix/run.py --slice ci       what `sh tests/run.sh` runs: a minute
 
 The self-test compares with results that the generator computed in 50 digits. It is compiled once by the machine's own g++; a
