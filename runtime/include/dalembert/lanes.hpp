@@ -6,6 +6,7 @@
 // stores need no alignment.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <initializer_list>
@@ -103,6 +104,14 @@ inline constexpr int lanes_together = least(lanes_for(limbs),
 
 // Arrays over bodies are padded to this many elements, so that whole lanes can be read and written at their end.
 constexpr int padded(int n) { return (n + 7) / 8 * 8; }
+
+// Of an array that is written before it is read, where a compiler does not see that and would warn; costs no instruction.
+template <class T, std::size_t n>
+DALEMBERT_INLINE void written_before_read([[maybe_unused]] T (&x)[n]) {
+#if defined(__GNUC__)
+  if constexpr (std::is_arithmetic_v<T>) __asm__("" : "=m"(x));
+#endif
+}
 
 template <int n, class T>
 DALEMBERT_INLINE Lanes<T, n> load(const T* from) {

@@ -89,7 +89,8 @@ __attribute__((noinline)) static FactorStatus<T> bounded_status_by_factor(const 
   };
   T unit[2 * some - 1] = {}, x[n * some], bounds[some];
   unit[some - 1] = T(1);
-  int run[n];  // where the coordinates above one begin that follow each other up to it
+  written_before_read(x);  // of rows above j, those at `begin` or beyond are read, and stored by then
+  int run[n];              // where the coordinates above one begin that follow each other up to it
   for (int j = 0; j < n; ++j) run[j] = j > 0 && above[j] == j - 1 ? run[j - 1] : j;
   for (int last = n - 1; last >= 0; last -= some) {
     const int first = last - some + 1, begin = first > 0 ? first : 0;
