@@ -1,7 +1,7 @@
 # dalembert_add_robot(TARGET URDF file [SCENE file] [NAME name] [TASKS] [BATCH] [NATIVE] [NO_SELF_TEST] [OPTIONS option...])
 #
-# Adds the static library TARGET: the dynamics of one robot in one use, generated while building and again whenever the URDF, the
-# scene or the generator changes (and compiled again only when the generated code itself does). Link it like any other library:
+# Adds the static library TARGET: the dynamics of one robot in one use, generated while building and again whenever the URDF (with
+# what a .xacro or .sdf includes), the scene or the generator changes (and compiled again only when the generated code itself does). Link it like any other library:
 #
 #     dalembert_add_robot(my_robot URDF my_robot.urdf OPTIONS --base fixed)
 #     target_link_libraries(my_controller PRIVATE my_robot)
@@ -54,7 +54,7 @@ function(dalembert_add_robot target)
       string(REPLACE "parallel" "tasks" keyword "${CMAKE_MATCH_1}")
       string(TOUPPER "${keyword}" keyword)
       message(FATAL_ERROR "dalembert_add_robot(${target}): OPTIONS has ${option}; the keyword ${keyword} is for that")
-    elseif(option MATCHES "^(-o|--out|--package|--language)$")
+    elseif(option MATCHES "^(-o|--out|--package|--language|--depfile)$")
       message(FATAL_ERROR "dalembert_add_robot(${target}): OPTIONS has ${option}; leave it out: the library is made of what stands in the build folder")
     endif()
   endforeach()
@@ -107,9 +107,10 @@ function(dalembert_add_robot target)
   add_custom_command(
     OUTPUT "${stamp}"
     BYPRODUCTS ${files}
-    COMMAND dalembert::dalembert ${command} ${ARG_OPTIONS}
+    COMMAND dalembert::dalembert ${command} --depfile "${stamp}.d" ${ARG_OPTIONS}
     COMMAND ${CMAKE_COMMAND} -E touch "${stamp}"
     DEPENDS ${inputs} $<TARGET_FILE:dalembert::dalembert>
+    DEPFILE "${stamp}.d"
     COMMENT "Generating the dynamics of ${ARG_NAME}"
     VERBATIM)
 

@@ -3,9 +3,7 @@
 #include <fmt/format.h>
 
 #include <filesystem>
-#include <fstream>
 #include <functional>
-#include <iterator>
 
 #include "backend/code_name.hpp"
 #include "backend/code_text.hpp"
@@ -17,11 +15,6 @@
 
 namespace dalembert {
 namespace {
-
-std::string hash_of_file(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  return backend::hash_of(std::string(std::istreambuf_iterator<char>(file), {}));
-}
 
 backend::Folder folder(const Model& model, const Lowered& lowered) {
   backend::Folder folder;
@@ -54,7 +47,7 @@ backend::Folder folder(const Model& model, const Lowered& lowered) {
     return code;
   };
   for (const LoweredFunction& f : lowered.functions) folder.functions.push_back(input(f, model));
-  folder.source = std::filesystem::path(model.description.file).filename().string();
+  folder.source = std::filesystem::path(model.description.files.front()).filename().string();
   folder.command_line = model.command_line;
   return folder;
 }
@@ -63,7 +56,7 @@ std::vector<backend::OutputFile> emit(const Model& model, std::optional<ir::Self
   Lowered lowered = lower(model);
   decide_tasks(model, lowered);
   backend::Folder code = folder(model, lowered);
-  code.source_hash = hash_of_file(model.description.file);
+  code.source_hash = backend::hash_of(model.description.text);
   code.report = left_out(model, lowered);
   code.self_test = std::move(self_test);
   return backend::emit(code);

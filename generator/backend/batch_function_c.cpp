@@ -42,9 +42,8 @@ std::string BatchFunction::c_definitions() const {
     given += fmt::format("    batch.{0} = options->{0};\n", g.each);
   if (reads_workspace(code_)) given = "    batch.workspace = options->workspace;\n" + given;
   return fmt::format(
-             "int {0}_batch_{1}(const {2}* q, const {2}* v, const {2}* input, size_t n, const {0}_{1}_batch_results* "
-             "results,\n"
-             "    int* status, const {0}_batch_options* options) {{\n"
+             "__attribute__((weak)) int {0}_batch_{1}(const {2}* q, const {2}* v, const {2}* input, size_t n,\n"
+             "    const {0}_{1}_batch_results* results, int* status, const {0}_batch_options* options) {{\n"
              "  {0}::Batch batch;\n"
              "  batch.count = n, batch.q = q, batch.v = v, batch.input = input;\n"
              "  if (options) {{\n"
@@ -81,8 +80,9 @@ std::string BatchFunction::rollout_declaration() const {
 
 std::string BatchFunction::rollout_definition(const std::string& given) const {
   return fmt::format(
-      "int {0}_rollout_{1}(const {2}* q, const {2}* v, const {2}* input, size_t n, size_t steps, {2} time_step, int method,\n"
-      "    {2}* last_q, {2}* last_v, {2}* path_q, {2}* path_v, int* stopped, const {0}_batch_options* options) {{\n"
+      "__attribute__((weak)) int {0}_rollout_{1}(const {2}* q, const {2}* v, const {2}* input, size_t n, size_t steps,\n"
+      "    {2} time_step, int method, {2}* last_q, {2}* last_v, {2}* path_q, {2}* path_v, int* stopped,\n"
+      "    const {0}_batch_options* options) {{\n"
       "  {0}::Batch batch;\n"
       "  batch.count = n, batch.q = q, batch.v = v, batch.input = input;\n"
       "  if (options) {{\n"

@@ -104,8 +104,15 @@ void add_generate(Command& command) {
       ->check(CLI::IsMember({"c++", "c"}))
       ->excludes("--package")
       ->type_name("c++|c");
+  const auto depfile = std::make_shared<std::string>();
+  command.parser
+      .add_option(
+          "--depfile", *depfile,
+          "written as well: a rule for make and ninja that FILE, less its .d, is made of the robot's files, included ones "
+          "too, and the scene")
+      ->type_name("FILE.d");
   const auto compiler = add_compiler_options(command.parser);
-  command.run = [&command, folder, package, language, compiler](Diagnostics& warnings) {
+  command.run = [&command, folder, package, language, depfile, compiler](Diagnostics& warnings) {
     backend::check_folder(*folder);
     std::string told;
     const Request request = planned_request(command, *compiler, told);
@@ -115,9 +122,11 @@ void add_generate(Command& command) {
       warnings.push_back({Severity::warning, "", "key 'parallel'",
                           fmt::format("task graphs are left out of {}", *package ? "packages" : "code for hosts in C"),
                           "generate without --package and --language c to have them, and link oneTBB"});
-    return print_result(told + (*package           ? generate_package(model, *folder)
-                                : *language == "c" ? generate_c(model, *folder)
-                                                   : generate(model, *folder)));
+    const std::string done = *package           ? generate_package(model, *folder)
+                             : *language == "c" ? generate_c(model, *folder)
+                                                : generate(model, *folder);
+    if (!depfile->empty()) write_depfile(*depfile, model, request.scene_file);
+    return print_result(told + done);
   };
 }
 

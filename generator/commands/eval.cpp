@@ -29,15 +29,22 @@ void append_rows(std::string& text, const Eigen::MatrixXd& matrix) {
     }
 }
 
+// What stands between blanks has none.
+std::string in_one_word(std::string name) {
+  for (char& c : name)
+    if (c == ' ' || c == '\t') c = '_';
+  return name;
+}
+
 // In columns as wide as their widest word.
 std::string labelled(const Labels& labels, const Eigen::MatrixXd& matrix) {
   std::vector<std::vector<std::string>> lines;
   if (!labels.columns.empty()) {
     lines.push_back({""});
-    lines.back().insert(lines.back().end(), labels.columns.begin(), labels.columns.end());
+    for (const std::string& column : labels.columns) lines.back().push_back(in_one_word(column));
   }
   for (Eigen::Index i = 0; i < matrix.rows(); ++i) {
-    lines.push_back({labels.rows.empty() ? "" : labels.rows[static_cast<size_t>(i)]});
+    lines.push_back({labels.rows.empty() ? "" : in_one_word(labels.rows[static_cast<size_t>(i)])});
     for (Eigen::Index k = 0; k < matrix.cols(); ++k)
       lines.back().push_back(std::isnan(matrix(i, k)) ? "nan" : fmt::format("{:.6g}", matrix(i, k)));
   }

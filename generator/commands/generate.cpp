@@ -4,7 +4,11 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
 #include <stdexcept>
+#include <system_error>
+
+#include "frontend/robot_file.hpp"
 
 namespace dalembert {
 
@@ -53,6 +57,42 @@ std::string generate_c(const Model& whole, const std::string& folder) {
   backend::add_files(folder, {header});
   files.push_back(std::move(header));
   return written(model, files, folder);
+}
+
+namespace {
+
+// As make and ninja read it.
+std::string in_rule(const std::string& path) {
+  std::string text;
+  for (const char c : path) {
+    if (c == ' ' || c == '#') text += '\\';
+    if (c == '$') text += '$';
+    text += c;
+  }
+  return text;
+}
+
+}  // namespace
+
+void write_depfile(const std::string& file, const Model& model, const std::string& scene_file) {
+  namespace fs = std::filesystem;
+  const auto refuse = [](const std::string& what, const char* remedy) {
+    throw InputError({Severity::error, "", "option --depfile", what, remedy});
+  };
+  constexpr std::string_view ending = ".d";
+  if (!file.ends_with(ending)) refuse(fmt::format("'{}' does not end in .d", file), "call it what it is a rule for, and .d");
+  std::vector<std::string> sources = frontend::files_of(model.description);
+  if (!scene_file.empty()) sources.push_back(fs::absolute(scene_file).lexically_normal().string());
+  std::string text = in_rule(fs::absolute(file.substr(0, file.size() - ending.size())).lexically_normal().string()) + ":";
+  for (const std::string& source : sources) text += " \\\n  " + in_rule(source);
+  const std::string making = file + ".part";
+  std::ofstream stream(making, std::ios::binary);
+  stream << text << '\n' << std::flush;
+  std::error_code error;
+  if (stream) fs::rename(making, file, error);
+  if (stream && !error) return;
+  fs::remove(making, error);
+  refuse(fmt::format("{} cannot be written", file), "name a file in a folder that is there and can be written");
 }
 
 }  // namespace dalembert

@@ -56,14 +56,6 @@ Names contact_rows(const ir::Scene& scene) {
   return names;
 }
 
-// What is printed between blanks has none.
-Names in_one_word(Names names) {
-  for (std::string& name : names)
-    for (char& c : name)
-      if (c == ' ' || c == '\t') c = '_';
-  return names;
-}
-
 Names names_along(ir::Extent extent, const Model& model) {
   switch (extent) {
     case ir::Extent::one: return {};
@@ -89,8 +81,7 @@ Labels labels_of(const Model& model, const Output& output) {
     return some;
   };
   const ir::Selection selection = output.selection();
-  return {in_one_word(asked(names_along(rows, model), selection.rows)),
-          in_one_word(asked(names_along(columns, model), selection.columns))};
+  return {asked(names_along(rows, model), selection.rows), asked(names_along(columns, model), selection.columns)};
 }
 
 Words words_of(const Output& output) {

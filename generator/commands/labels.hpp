@@ -8,7 +8,7 @@
 
 namespace dalembert {
 
-// A word per row and per column, without blanks: "base_linear_x", "left_knee", "angular_z". Of a single number, of a vector's
+// A name per row and per column: "base_linear_x", "left_knee", "angular_z". Of a single number, of a vector's
 // only column, none.
 struct Labels {
   std::vector<std::string> rows, columns;

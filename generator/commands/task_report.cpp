@@ -13,11 +13,16 @@ namespace {
 
 using ir::Task;
 
+bool is_one(const FunctionTasks& f) { return f.plan.tasks.size() == 1 && !f.plan.divided(); }
+std::string text_of_one(const FunctionTasks& f) {
+  return fmt::format("{}: one task, {}; nothing to be gained by a second thread", f.function,
+                     time_text(ir::serial_time(f.plan)));
+}
+
 std::string of_function(const FunctionTasks& f, int threads) {
   const std::vector<Task>& tasks = f.plan.tasks;
   const double serial = ir::serial_time(f.plan), longest = ir::critical_path(f.plan);
-  if (tasks.size() == 1 && !f.plan.divided())
-    return fmt::format("  {}: one task, {}; nothing to be gained by a second thread\n", f.function, time_text(serial));
+  if (is_one(f)) return "  " + text_of_one(f) + "\n";
   const ir::TaskSchedule schedule = ir::schedule_tasks(f.plan, threads);
   std::string text = fmt::format(
       "  {}: {}, {} one after another, {} along the longest way{}\n    on {} thread{}: {}, {:.2f} times as fast as serial "
@@ -78,13 +83,16 @@ std::string tasks_svg(const std::vector<FunctionTasks>& functions, int threads) 
   const ir::TaskSchedule schedule = ir::schedule_tasks(f.plan, threads);
   constexpr double left = 70, width = 1000, row = 44, box = 30, top = 40;
   const double height = top + row * threads + 30, scale = width / std::max(schedule.nanoseconds, 1.0);
+  const std::string title = is_one(f)
+                                ? text_of_one(f)
+                                : fmt::format("{}: {} tasks on {} threads, {} expected, {:.2f} times as fast as serial code",
+                                              f.function, tasks.size(), threads, time_text(schedule.nanoseconds),
+                                              ir::serial_time(f.plan) / std::max(schedule.nanoseconds, 1.0));
   std::string svg = fmt::format(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {:.0f} {:.0f}\" font-family=\"sans-serif\" font-size=\"11\">\n"
-      "<!-- {} -->\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n<text x=\"{}\" y=\"20\" font-size=\"14\">{}: {} "
-      "tasks on {} threads, "
-      "{} expected, {:.2f} times as fast as serial code</text>\n",
-      left + width + 20, height, backend::banner_mark, left, f.function, tasks.size(), threads, time_text(schedule.nanoseconds),
-      ir::serial_time(f.plan) / std::max(schedule.nanoseconds, 1.0));
+      "<!-- {} -->\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n<text x=\"{}\" y=\"20\" "
+      "font-size=\"14\">{}</text>\n",
+      left + width + 20, height, backend::banner_mark, left, title);
   const auto y = [&](int thread) { return top + row * thread; };
   for (int t = 0; t < threads; ++t) svg += fmt::format("<text x=\"4\" y=\"{:.0f}\">thread {}</text>\n", y(t) + 19, t + 1);
   for (size_t t = 0; t < tasks.size(); ++t)

@@ -1,12 +1,19 @@
 #include "commands/temporary_folder.hpp"
 
+#include <fcntl.h>
+#include <spawn.h>
 #include <stdlib.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
+#include <cerrno>
 #include <cstdlib>
 #include <string>
 #include <system_error>
 
 #include "diagnostics.hpp"
+
+extern char** environ;
 
 namespace dalembert {
 
@@ -22,11 +29,29 @@ TemporaryFolder::TemporaryFolder() {
                       "set TMPDIR to a folder that can be written"});
   }
   path_ = pattern;
+  // Signals end this program at once, whatever its threads and compilers are at; nothing of it can run then.
+  int ends[2];
+  if (pipe2(ends, O_CLOEXEC) != 0) return;
+  std::string shell = "sh", option = "-c", name = "dalembert", path = path_.string(),
+              text = R"(trap '' INT TERM HUP QUIT; read -r nothing; rm -rf -- "$1" || { sleep 1; rm -rf -- "$1"; })";
+  char* const arguments[] = {shell.data(), option.data(), text.data(), name.data(), path.data(), nullptr};
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_adddup2(&actions, ends[0], STDIN_FILENO);
+  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+  posix_spawn_file_actions_adddup2(&actions, STDOUT_FILENO, STDERR_FILENO);
+  if (posix_spawn(&keeper_, "/bin/sh", &actions, nullptr, arguments, environ) != 0) keeper_ = 0;
+  posix_spawn_file_actions_destroy(&actions);
+  close(ends[0]);
+  alive_ = ends[1];
 }
 
 TemporaryFolder::~TemporaryFolder() {
   std::error_code ignored;
   fs::remove_all(path_, ignored);
+  if (alive_ >= 0) close(alive_);
+  while (keeper_ > 0 && waitpid(keeper_, nullptr, 0) < 0 && errno == EINTR) {
+  }
 }
 
 }  // namespace dalembert

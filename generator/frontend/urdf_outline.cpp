@@ -90,8 +90,11 @@ class OutlineReader {
       return *robot;
     }
     if (!document.RootElement()) refuse(file_, "", "this is not XML", "a URDF is an XML file whose root is <robot>");
+    const bool sdf = document.RootElement()->ValueStr() == "sdf";
     refuse(file_, fmt::format("<{}> (line {})", document.RootElement()->Value(), document.RootElement()->Row()),
-           "there is no <robot> element", "a URDF's root is <robot>; convert other formats such as SDF or MJCF to URDF first");
+           "there is no <robot> element",
+           sdf ? "call an SDF .sdf; where xacro prints it, expand it first: xacro FILE > robot.sdf"
+               : "a URDF's root is <robot>; convert other formats such as MJCF to URDF first");
   }
 
   // TinyXML takes the first '>' for the end of DOCTYPE.

@@ -58,6 +58,9 @@ struct UrdfOutline {
   std::vector<ir::Loop> loops;       // of an SDF: joints to links that have a parent already
   bool floating_root = false;        // the root hung on a floating joint
   Frame root_pose = {};              // of an SDF: where the root link stands in the model
+  // Of an SDF: what it includes.
+  std::vector<std::string> included_files = {};
+  std::string included_text = {};
 };
 
 // Reads the text of a URDF. `file` is for the diagnostics, and for the name of a robot without one. Throws InputError with

@@ -128,7 +128,9 @@ ir::RobotDescription read_urdf(const std::string& path, Diagnostics& warnings) {
 }
 
 ir::RobotDescription read_urdf_text(const std::string& file, const std::string& text, Diagnostics& warnings) {
-  return robot_of(file, read_outline(file, text, warnings), warnings);
+  ir::RobotDescription robot = robot_of(file, read_outline(file, text, warnings), warnings);
+  robot.text = text;
+  return robot;
 }
 
 ir::RobotDescription robot_of(const std::string& file, UrdfOutline outline, Diagnostics& warnings) {
@@ -139,6 +141,7 @@ ir::RobotDescription robot_of(const std::string& file, UrdfOutline outline, Diag
 
   ir::RobotDescription robot;
   robot.file = file;
+  robot.files = {file};
   robot.name = outline.robot;
   robot.floating_root = outline.floating_root;
   robot.loops = std::move(outline.loops);

@@ -69,7 +69,9 @@ struct Joint {
 };
 
 struct RobotDescription {
-  std::string file;  // as the user named it
+  std::string file;                // in diagnostics
+  std::vector<std::string> files;  // read: the user's own as he named it, then those it includes; of a .xacro its own alone
+  std::string text;                // of them all; of a .xacro as xacro expands it
   std::string name;
   std::vector<Link> links;
   std::vector<Joint> joints;  // in urdfdom's order: alphabetical by name

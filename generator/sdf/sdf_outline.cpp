@@ -60,6 +60,11 @@ std::string text_of(const sdf::ElementPtr& element) {
   return element->GetValue() ? std::string(trimmed(element->GetValue()->GetAsString())) : std::string();
 }
 
+std::string bytes_of(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
 // The numbers of an element as they are written.
 template <size_t count>
 std::optional<std::array<double, count> > written_numbers(const sdf::ElementPtr& element) {
@@ -146,8 +151,8 @@ class SdfReader {
  private:
   // The text without what is idle. Included files are given to libsdformat as copies of which the same holds.
   SdfText essential(const std::string& path, int depth = 0) {
-    std::ifstream file(path, std::ios::binary);
-    const std::string text{std::istreambuf_iterator<char>(file), {}};
+    const std::string text = bytes_of(path);
+    if (depth > 0) include(path, text);
     SdfText sdf = without_idle_elements(text, [&](const std::string& uri) { return copy_of_included(uri, path, depth); });
     for (Diagnostic& error : sdf.errors) {
       error.file = path;
@@ -159,12 +164,23 @@ class SdfReader {
     }
     return sdf;
   }
+  void include(const std::string& path, const std::string& text) {
+    std::vector<std::string>& files = outline_.included_files;
+    if (std::find(files.begin(), files.end(), path) != files.end()) return;
+    files.push_back(path);
+    outline_.included_text += text;
+  }
   std::string copy_of_included(const std::string& uri, const std::string& from, int depth) {
     constexpr int deepest = 20;  // files that include themselves
     std::string path = sdf::findFile(uri, true, true, config_);
     if (path.empty() && uri.find("://") == std::string::npos) path = (std::filesystem::path(from).parent_path() / uri).string();
     std::error_code ignored;
-    if (std::filesystem::is_directory(path, ignored)) path = sdf::getModelFilePath(path);
+    if (std::filesystem::is_directory(path, ignored)) {
+      for (const char* name : {"model.config", "manifest.xml"})  // of which one says what the model's file is
+        if (const auto config = std::filesystem::path(path) / name; std::filesystem::is_regular_file(config, ignored))
+          include(config.string(), bytes_of(config.string()));
+      path = sdf::getModelFilePath(path);
+    }
     if (!std::filesystem::is_regular_file(path, ignored)) return "";  // libsdformat says so
     if (depth == deepest) {
       add_error(errors_, {Severity::error, from, fmt::format("<uri>{}</uri>", uri), "files include each other without end",

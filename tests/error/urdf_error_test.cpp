@@ -140,7 +140,7 @@ const Case defects[] = {
     {"no_parent_link",
      "joint 'j' (line 15): error: <parent> has no link; add <parent link=\"...\"/>"},
     {"no_robot",
-     "<sdf> (line 1): error: there is no <robot> element; a URDF's root is <robot>; convert other formats such as SDF or MJCF to URDF first"},
+     "<sdf> (line 1): error: there is no <robot> element; call an SDF .sdf; where xacro prints it, expand it first: xacro FILE > robot.sdf"},
     {"not_xml",
      "error: this is not XML; a URDF is an XML file whose root is <robot>"},
     {"nothing_moves",

@@ -15,7 +15,7 @@ import tempfile
 import unittest
 import xml.etree.ElementTree as xml
 
-dalembert, project = sys.argv[1], pathlib.Path(sys.argv[2])
+dalembert, project = os.path.abspath(sys.argv[1]), pathlib.Path(sys.argv[2])
 JOINTS = ("link_1_joint", "link_2_joint", "link_3_joint")  # of tests/robots/skew_axes.urdf
 has_sdf = os.environ.get("DALEMBERT_TEST_SDF", "1") == "1"
 
@@ -535,6 +535,30 @@ class Sdf(Folder):
         itself = self.write("models/arm/arm.sdf", robot.read_text().replace("model://arm", "arm.sdf"))
         self.assertIn("files include each other without end", run("info", itself)[2])
 
+    def test_what_is_included_tells_robots_apart(self):
+        """The banner's hash, and the key of compiled code, are of all files; they are what code is made of, for a build's rules."""
+        leg = self.folder / "models" / "leg"
+        leg.mkdir(parents=True)
+        (leg / "model.config").write_text('<model><name>leg</name><version>1.0</version><sdf version="1.9">leg.sdf</sdf></model>')
+        text = f'<sdf version="1.9"><model name="leg"><link name="a">{self.INERTIAL.format("0 0 0")}</link></model></sdf>'
+        (leg / "leg.sdf").write_text(text)
+        robot = self.write("of_legs.sdf", '<sdf version="1.9"><model name="m">\n<include><uri>model://leg</uri></include></model></sdf>')
+        models = {"SDF_PATH": str(self.folder / "models"), "XDG_CACHE_HOME": str(self.folder / "cache")}
+
+        def banner():
+            status, _, said = run("generate", robot, "--base", "floating", "-o", self.folder / "code", "--depfile", self.folder / "code.d",
+                                  variables=models)
+            self.assertEqual(status, 0, said)
+            return (self.folder / "code/dynamics.hpp").read_text().split("\n")[0]
+
+        first = banner()
+        self.assertEqual((self.folder / "code.d").read_text().replace(" \\\n ", "").split(),
+                         [f"{self.folder}/code:", str(robot), str(leg / "model.config"), str(leg / "leg.sdf")])
+        (leg / "leg.sdf").write_text(text.replace("<mass>", "<mass>1"))
+        self.assertNotEqual(banner(), first)
+        (leg / "leg.sdf").write_text(text)
+        self.assertEqual(banner(), first)
+
     def test_nothing_is_said_that_is_not_ours(self):
         robot = self.write("comma.sdf", '<sdf version="1.9"><model name="m">\n<link name="a"><pose>0,0,1 0 0 0</pose></link></model></sdf>')
         status, out, said = run("info", robot)
@@ -549,6 +573,71 @@ class NoSdf(Folder):
 
 
 class Xacro(Folder):
+    LINK = '<link name="a"><inertial><mass value="{}"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link>'
+
+    def expanded(self, robot, *lines, said="", deps=""):
+        """Puts a program xacro into the folder that prints these lines, says something, and knows what is included."""
+        self.write("said", said)
+        self.write("out", "\n".join(lines) + "\n")
+        self.write("xacro", f"""#!/bin/sh
+if test "$1" = --deps; then printf '%s' '{deps}'; exit; fi
+test "$1" = "{robot}" || exit 1
+/bin/cat '{self.folder}/said' >&2
+exec /bin/cat '{self.folder}/out'
+""").chmod(0o755)
+
+    def test_lines_are_those_of_what_it_prints(self):
+        robot = self.write("a.urdf.xacro", "<robot/>")
+        self.expanded(robot, '<robot name="r">', self.LINK.format(1), self.LINK.format("x"), "</robot>")
+        status, out, said = run("info", robot, path=str(self.folder))
+        self.assertEqual((status, out), (2, ""))
+        self.assertIn(f"{robot}, expanded: link 'a' (line 3): error:", said)
+        self.expanded(robot, '<sdf version="1.9"/>')
+        self.assertIn("expand it first: xacro FILE > robot.sdf", run("info", robot, path=str(self.folder))[2])
+
+    def test_its_warnings_are_passed_on(self):
+        robot = self.write("a.urdf.xacro", "<robot/>")
+        self.expanded(robot, '<robot name="r">', self.LINK.format(1), "</robot>",
+                      said="warning: redefining global symbol: pi\nwhen processing file: a\nwarning: another\n\n")
+        status, _, said = run("info", robot, "--base", "floating", path=str(self.folder))
+        self.assertEqual(status, 0, said)
+        self.assertIn("xacro: warning: xacro says: redefining global symbol: pi, when processing file: a; correct the file\n", said)
+        self.assertIn("xacro: warning: xacro says: another;", said)
+
+    def test_names_that_it_takes_for_something_else(self):
+        self.write("-a.xacro", "<robot/>")
+        self.expanded("./-a.xacro", '<robot name="r">', self.LINK.format(1), "</robot>")
+        words = [dalembert, "info", "--base", "floating", "--", "-a.xacro"]
+        result = subprocess.run(words, capture_output=True, text=True, cwd=self.folder, env={"PATH": str(self.folder)})
+        self.assertEqual((result.returncode, result.stderr), (0, ""))
+        robot = self.write("a:=b.xacro", "<robot/>")
+        self.assertIn("xacro takes a name with ':=' for an argument; give the file", run("info", robot, path=str(self.folder))[2])
+
+    def test_what_is_included_is_known(self):
+        """The banner's hash is of what xacro prints, however the file was called; --depfile names all files."""
+        robot, included = self.write("a b.xacro", "<robot/>"), self.write("c $ d.xacro", "")
+        scene = self.write("scene.yaml", "base: floating\n")
+
+        def banner(mass, called):
+            self.expanded(robot, '<?xml version="1.0" ?>', f"<!-- |    This document was autogenerated by xacro from {called} | -->",
+                          '<robot name="r">', self.LINK.format(mass), "</robot>", deps=f"{included} {robot}")
+            status, _, said = run("generate", robot, "--scene", scene, "-o", self.folder / "code", "--depfile", self.folder / "a stamp.d",
+                                  path=str(self.folder))
+            self.assertEqual(status, 0, said)
+            return (self.folder / "code/dynamics.hpp").read_text().split("\n")[0]
+
+        first = banner(1, "x")
+        self.assertEqual(banner(1, "y"), first)
+        self.assertNotEqual(banner(2, "y"), first)
+        here = str(self.folder)
+        self.assertEqual((self.folder / "a stamp.d").read_text(),
+                         f"{here}/a\\ stamp: \\\n  {here}/a\\ b.xacro \\\n  {here}/c\\ $$\\ d.xacro \\\n  {scene}\n")
+        for name, says in (("stamp", "'stamp' does not end in .d"), ("nowhere/a.d", "nowhere/a.d cannot be written")):
+            status, _, said = run("generate", project / "tests/robots/pendulum.urdf", "--base", "fixed", "-o", self.folder / "code",
+                                  "--depfile", name)
+            self.assertEqual(status, 2)
+            self.assertIn(says, said)
+
     def test_it_is_run_where_it_is(self):
         urdf = project / "tests/robots/pendulum.urdf"
         robot = self.write("pendulum.xacro", "<robot/>")

@@ -124,6 +124,44 @@ run_well("configure on the build folder" ${CMAKE_COMMAND} -S "${WORK}/from_build
 run_well("build on it" ${CMAKE_COMMAND} --build "${WORK}/from_build/build")
 run_well("run that" "${WORK}/from_build/build/from_build")
 
+# A robot that xacro expands, by a program that stands in for it: what is included is followed.
+set(folder "${WORK}/from_xacro")
+file(WRITE "${folder}/bin/xacro" "#!/bin/sh
+if test \"$1\" = --deps; then printf %s '${folder}/mass.xacro'; exit; fi
+exec sed \"s/MASS/$(cat '${folder}/mass.xacro')/\" \"$1\"
+")
+file(CHMOD "${folder}/bin/xacro" PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE)
+file(WRITE "${folder}/mass.xacro" "3")
+file(WRITE "${folder}/arm.urdf.xacro" "<robot name=\"arm\"><link name=\"a\"/><link name=\"b\"><inertial><mass value=\"MASS\"/>
+<inertia ixx=\"1\" ixy=\"0\" ixz=\"0\" iyy=\"1\" iyz=\"0\" izz=\"1\"/></inertial></link>
+<joint name=\"j\" type=\"continuous\"><parent link=\"a\"/><child link=\"b\"/><axis xyz=\"0 0 1\"/></joint></robot>")
+file(WRITE "${folder}/CMakeLists.txt" "cmake_minimum_required(VERSION 3.25)
+project(from_xacro LANGUAGES CXX)
+find_package(dalembert REQUIRED)
+dalembert_add_robot(arm URDF arm.urdf.xacro NO_SELF_TEST OPTIONS --base fixed)
+add_custom_target(code DEPENDS \"\${CMAKE_CURRENT_BINARY_DIR}/dalembert/arm/arm.stamp\")
+")
+set(ENV{PATH} "${folder}/bin:$ENV{PATH}")
+run_well("configure what xacro expands" ${CMAKE_COMMAND} -S "${folder}" -B "${folder}/build" -G "${GENERATOR}"
+         "-DCMAKE_PREFIX_PATH=${WORK}/prefix")
+foreach(expected "Generating" "" "Generating" "")
+  run_well("generate from what xacro expands" ${CMAKE_COMMAND} --build "${folder}/build" --target code)
+  string(REGEX MATCH "Generating" done "${output}")
+  if(NOT done STREQUAL expected)
+    message(FATAL_ERROR "'${done}' instead of '${expected}'")
+  endif()
+  file(STRINGS "${folder}/build/dalembert/arm/arm/dynamics.hpp" banner LIMIT_COUNT 1)
+  list(APPEND banners "${banner}")
+  if(done STREQUAL "")
+    file(WRITE "${folder}/mass.xacro" "4")
+  endif()
+endforeach()
+list(REMOVE_DUPLICATES banners)
+list(LENGTH banners count)
+if(NOT count EQUAL 2)
+  message(FATAL_ERROR "the included file changed, and the code did not: ${banners}")
+endif()
+
 run_well("build again" ${CMAKE_COMMAND} --build "${WORK}/build")
 if(output MATCHES "Generating|Building")
   message(FATAL_ERROR "nothing changed, and yet something was built again")

@@ -332,7 +332,7 @@ def begins_with_what_goes_badly(page, rows):
 
 
 def interrupt():
-    """An interrupted run leaves what was there."""
+    """An interrupted run leaves what was there, and what it compiled nowhere."""
     before = {path.name: path.read_bytes() for path in (work / "out").iterdir()}
     with subprocess.Popen(command, stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL, start_new_session=True,
                           env=os.environ | {"TMPDIR": str(work)}) as run:
@@ -341,6 +341,10 @@ def interrupt():
         demand(run.wait(60) != 0, "the run is over before it can be interrupted")
     after = {path.name: path.read_bytes() for path in (work / "out").iterdir()}
     demand(before == after, "an interrupted run leaves something behind")
+    until = time.time() + 30
+    while (left := list(work.glob("dalembert.*"))) and time.time() < until:
+        time.sleep(0.1)
+    demand(not left, f"an interrupted run leaves {left}")
 
 
 def main():

@@ -107,7 +107,7 @@ std::string key_of(const Request& request, const CompilerOptions& options) {
   hash.add("generator", generator_id());
   for (const std::string& file : {request.robot, request.scene_file}) {
     hash.add("file", fs::path(file).filename().string());
-    if (!file.empty()) hash.add("content", frontend::is_xacro(file) ? frontend::expanded_xacro(file) : bytes_of(file));
+    if (!file.empty()) hash.add("content", file == request.robot ? frontend::robot_text(file) : bytes_of(file));
   }
   for (const frontend::Setting& setting : request.settings) hash.add(setting.key, setting.text);
   hash.add("form", request.form);
