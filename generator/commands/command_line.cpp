@@ -114,6 +114,7 @@ void add_generate(Command& command) {
   const auto compiler = add_compiler_options(command.parser);
   command.run = [&command, folder, package, language, depfile, compiler](Diagnostics& warnings) {
     backend::check_folder(*folder);
+    if (!depfile->empty()) check_depfile(*depfile);
     std::string told;
     const Request request = planned_request(command, *compiler, told);
     const Model model = read_model(request, warnings);

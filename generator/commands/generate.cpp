@@ -61,6 +61,12 @@ std::string generate_c(const Model& whole, const std::string& folder) {
 
 namespace {
 
+constexpr std::string_view depfile_ending = ".d";
+
+[[noreturn]] void refuse_depfile(const std::string& what, const char* remedy) {
+  throw InputError({Severity::error, "", "option --depfile", what, remedy});
+}
+
 // As make and ninja read it.
 std::string in_rule(const std::string& path) {
   std::string text;
@@ -74,16 +80,17 @@ std::string in_rule(const std::string& path) {
 
 }  // namespace
 
+void check_depfile(const std::string& file) {
+  if (!file.ends_with(depfile_ending))
+    refuse_depfile(fmt::format("'{}' does not end in .d", file), "call it what it is a rule for, and .d");
+}
+
 void write_depfile(const std::string& file, const Model& model, const std::string& scene_file) {
   namespace fs = std::filesystem;
-  const auto refuse = [](const std::string& what, const char* remedy) {
-    throw InputError({Severity::error, "", "option --depfile", what, remedy});
-  };
-  constexpr std::string_view ending = ".d";
-  if (!file.ends_with(ending)) refuse(fmt::format("'{}' does not end in .d", file), "call it what it is a rule for, and .d");
   std::vector<std::string> sources = frontend::files_of(model.description);
   if (!scene_file.empty()) sources.push_back(fs::absolute(scene_file).lexically_normal().string());
-  std::string text = in_rule(fs::absolute(file.substr(0, file.size() - ending.size())).lexically_normal().string()) + ":";
+  std::string text =
+      in_rule(fs::absolute(file.substr(0, file.size() - depfile_ending.size())).lexically_normal().string()) + ":";
   for (const std::string& source : sources) text += " \\\n  " + in_rule(source);
   const std::string making = file + ".part";
   std::ofstream stream(making, std::ios::binary);
@@ -92,7 +99,7 @@ void write_depfile(const std::string& file, const Model& model, const std::strin
   if (stream) fs::rename(making, file, error);
   if (stream && !error) return;
   fs::remove(making, error);
-  refuse(fmt::format("{} cannot be written", file), "name a file in a folder that is there and can be written");
+  refuse_depfile(fmt::format("{} cannot be written", file), "name a file in a folder that is there and can be written");
 }
 
 }  // namespace dalembert

@@ -13,8 +13,11 @@ std::string generate(const Model& model, const std::string& folder);
 // The same code for hosts in C: NAME.h, a C header, is all that is promised; what it declares is in code/, C++ inside.
 std::string generate_c(const Model& model, const std::string& folder);
 
-// Writes a rule for make and ninja: FILE, less its `.d`, is made of the robot's files and of the scene's, where there is one.
-// Throws InputError where FILE has another name or cannot be written.
+// Throws InputError where a file of rules is not called .d.
+void check_depfile(const std::string& file);
+
+// Writes a rule for make and ninja: the file, less its `.d`, is made of the robot's files and of the scene's, where there is
+// one. Throws InputError where it cannot be written.
 void write_depfile(const std::string& file, const Model& model, const std::string& scene_file);
 
 }  // namespace dalembert
