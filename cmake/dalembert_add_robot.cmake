@@ -1,7 +1,8 @@
 # dalembert_add_robot(TARGET URDF file [SCENE file] [NAME name] [TASKS] [BATCH] [NATIVE] [NO_SELF_TEST] [OPTIONS option...])
 #
-# Adds the static library TARGET: the dynamics of one robot in one use, generated while building and again whenever the URDF (with
-# what a .xacro or .sdf includes), the scene or the generator changes (and compiled again only when the generated code itself does). Link it like any other library:
+# Adds the static library TARGET: the dynamics of one robot in one use, generated while building and again whenever the URDF, what
+# a .xacro or .sdf includes, the scene or the generator changes (and compiled again only when the generated code itself does). Link
+# it like any other library:
 #
 #     dalembert_add_robot(my_robot URDF my_robot.urdf OPTIONS --base fixed)
 #     target_link_libraries(my_controller PRIVATE my_robot)
@@ -29,6 +30,10 @@
 
 include(CheckCXXCompilerFlag)
 include("${CMAKE_CURRENT_LIST_DIR}/dalembert_check_compiler.cmake")
+
+# Of whoever calls, an older one would have ninja take depfiles for those of other rules.
+cmake_policy(PUSH)
+cmake_policy(SET CMP0116 NEW)
 
 function(dalembert_add_robot target)
   cmake_parse_arguments(PARSE_ARGV 1 ARG "TASKS;BATCH;NATIVE;NO_SELF_TEST" "URDF;SCENE;NAME" "OPTIONS")
@@ -133,6 +138,8 @@ function(dalembert_add_robot target)
     _dalembert_run_self_test(${target} ${ARG_NAME} "${include_dir}")
   endif()
 endfunction()
+
+cmake_policy(POP)
 
 # What NATIVE stands for, into the variable of that name.
 function(_dalembert_native_flags name)

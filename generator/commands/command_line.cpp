@@ -105,16 +105,17 @@ void add_generate(Command& command) {
       ->excludes("--package")
       ->type_name("c++|c");
   const auto depfile = std::make_shared<std::string>();
-  command.parser
-      .add_option(
-          "--depfile", *depfile,
-          "written as well: a rule for make and ninja that FILE, less its .d, is made of the robot's files, included ones "
-          "too, and the scene")
-      ->type_name("FILE.d");
+  const CLI::Option* const writes_rule =
+      command.parser
+          .add_option(
+              "--depfile", *depfile,
+              "written as well: a rule for make and ninja that FILE, less its .d, is made of the robot's files, included ones "
+              "too, and the scene")
+          ->type_name("FILE.d");
   const auto compiler = add_compiler_options(command.parser);
-  command.run = [&command, folder, package, language, depfile, compiler](Diagnostics& warnings) {
+  command.run = [&command, folder, package, language, depfile, writes_rule, compiler](Diagnostics& warnings) {
     backend::check_folder(*folder);
-    if (!depfile->empty()) check_depfile(*depfile);
+    if (writes_rule->count() > 0) check_depfile(*depfile);
     std::string told;
     const Request request = planned_request(command, *compiler, told);
     const Model model = read_model(request, warnings);
@@ -126,7 +127,7 @@ void add_generate(Command& command) {
     const std::string done = *package           ? generate_package(model, *folder)
                              : *language == "c" ? generate_c(model, *folder)
                                                 : generate(model, *folder);
-    if (!depfile->empty()) write_depfile(*depfile, model, request.scene_file);
+    if (writes_rule->count() > 0) write_depfile(*depfile, model, request.scene_file);
     return print_result(told + done);
   };
 }

@@ -81,8 +81,11 @@ std::string in_rule(const std::string& path) {
 }  // namespace
 
 void check_depfile(const std::string& file) {
-  if (!file.ends_with(depfile_ending))
-    refuse_depfile(fmt::format("'{}' does not end in .d", file), "call it what it is a rule for, and .d");
+  const std::filesystem::path path = file;
+  if (!file.ends_with(depfile_ending) || path.stem() == depfile_ending)
+    refuse_depfile(fmt::format("'{}' is no name that ends in .d", file), "call it what it is a rule for, and .d");
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path, ignored)) refuse_depfile(fmt::format("{} is a folder", file), "name a file");
 }
 
 void write_depfile(const std::string& file, const Model& model, const std::string& scene_file) {

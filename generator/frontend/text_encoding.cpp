@@ -7,7 +7,39 @@ namespace dalembert::frontend {
 
 namespace {
 
-void append(std::string& utf8, std::uint32_t code) {
+// Behind the mark; half of a pair without the other is kept as it is.
+std::string from_utf16(std::string_view text, bool big_endian) {
+  std::string utf8;
+  const auto unit = [&](size_t at) -> std::uint32_t {
+    const auto byte = [&](size_t i) { return static_cast<std::uint32_t>(static_cast<unsigned char>(text[i])); };
+    return big_endian ? byte(at) << 8 | byte(at + 1) : byte(at + 1) << 8 | byte(at);
+  };
+  for (size_t at = 0; at + 1 < text.size(); at += 2) {
+    std::uint32_t code = unit(at);
+    if (code >= 0xd800 && code < 0xdc00 && at + 3 < text.size()) {
+      const std::uint32_t low = unit(at + 2);
+      if (low >= 0xdc00 && low < 0xe000) {
+        code = 0x10000 + ((code - 0xd800) << 10) + (low - 0xdc00);
+        at += 2;
+      }
+    }
+    append_utf8(utf8, code);
+  }
+  return utf8;
+}
+
+bool is_utf8(std::string_view text) {
+  while (!text.empty()) {
+    const size_t length = utf8_length(text);
+    if (length == 0) return false;
+    text.remove_prefix(length);
+  }
+  return true;
+}
+
+}  // namespace
+
+void append_utf8(std::string& utf8, std::uint32_t code) {
   const auto tail = [&](int shift) { utf8 += static_cast<char>(0x80 | ((code >> shift) & 0x3f)); };
   if (code < 0x80) {
     utf8 += static_cast<char>(code);
@@ -25,38 +57,6 @@ void append(std::string& utf8, std::uint32_t code) {
     tail(0);
   }
 }
-
-// Behind the mark; half of a pair without the other is kept as it is.
-std::string from_utf16(std::string_view text, bool big_endian) {
-  std::string utf8;
-  const auto unit = [&](size_t at) -> std::uint32_t {
-    const auto byte = [&](size_t i) { return static_cast<std::uint32_t>(static_cast<unsigned char>(text[i])); };
-    return big_endian ? byte(at) << 8 | byte(at + 1) : byte(at + 1) << 8 | byte(at);
-  };
-  for (size_t at = 0; at + 1 < text.size(); at += 2) {
-    std::uint32_t code = unit(at);
-    if (code >= 0xd800 && code < 0xdc00 && at + 3 < text.size()) {
-      const std::uint32_t low = unit(at + 2);
-      if (low >= 0xdc00 && low < 0xe000) {
-        code = 0x10000 + ((code - 0xd800) << 10) + (low - 0xdc00);
-        at += 2;
-      }
-    }
-    append(utf8, code);
-  }
-  return utf8;
-}
-
-bool is_utf8(std::string_view text) {
-  while (!text.empty()) {
-    const size_t length = utf8_length(text);
-    if (length == 0) return false;
-    text.remove_prefix(length);
-  }
-  return true;
-}
-
-}  // namespace
 
 size_t utf8_length(std::string_view text) {
   const auto byte = [&](size_t i) { return static_cast<unsigned char>(text[i]); };
@@ -77,7 +77,7 @@ std::string as_utf8(const std::string& text) {
   if (view.starts_with("\xfe\xff")) return from_utf16(view.substr(2), true);
   if (is_utf8(view)) return std::string(view);
   std::string utf8;
-  for (char c : view) append(utf8, static_cast<unsigned char>(c));
+  for (char c : view) append_utf8(utf8, static_cast<unsigned char>(c));
   return utf8;
 }
 

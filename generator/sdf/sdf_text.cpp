@@ -5,13 +5,18 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <iterator>
 #include <optional>
 #include <string_view>
+#include <system_error>
+#include <utility>
 #include <vector>
 
 #include "frontend/numbers.hpp"
+#include "frontend/text_encoding.hpp"
 
 namespace dalembert::frontend {
 
@@ -113,14 +118,35 @@ const Numbers* numbers_of(std::string_view within, std::string_view name) {
   return found == all_numbers.end() ? nullptr : found;
 }
 
-// Text as a parser of XML has it: without comments, CDATA as it is. Nothing where it has references, which a parser decodes.
+// What stands between & and ; as the character it is for: false where there is no such.
+bool append_referred(std::string& plain, std::string_view name) {
+  using Entity = std::pair<std::string_view, char>;
+  for (const auto& [entity, is] : {Entity{"amp", '&'}, {"lt", '<'}, {"gt", '>'}, {"quot", '"'}, {"apos", '\''}})
+    if (name == entity) return plain += is, true;
+  if (!name.starts_with('#')) return false;
+  const bool hexadecimal = name.starts_with("#x");
+  name.remove_prefix(hexadecimal ? 2 : 1);
+  std::uint32_t code = 0;
+  const auto read = std::from_chars(name.data(), name.data() + name.size(), code, hexadecimal ? 16 : 10);
+  if (name.empty() || read.ec != std::errc() || read.ptr != name.data() + name.size() || code == 0 || code > 0x10ffff)
+    return false;
+  append_utf8(plain, code);
+  return true;
+}
+
+// Text as a parser of XML has it: without comments, CDATA as it is, references decoded. Nothing where it is not well-formed.
 std::optional<std::string> plain_text(std::string_view text) {
   std::string plain;
   while (!text.empty()) {
-    const size_t begin = std::min(text.find('<'), text.size());
-    if (text.substr(0, begin).find('&') != nowhere) return {};
+    const size_t begin = std::min(text.find_first_of("<&"), text.size());
     plain.append(text, 0, begin);
     text.remove_prefix(begin);
+    if (text.starts_with('&')) {
+      const size_t end = text.find(';');
+      if (end == nowhere || !append_referred(plain, text.substr(1, end - 1))) return {};
+      text.remove_prefix(end + 1);
+      continue;
+    }
     constexpr std::string_view cdata = "<![CDATA[";
     if (text.empty()) break;
     const size_t end = end_of_markup(text, 0);
@@ -210,8 +236,9 @@ SdfText without_idle_elements(const std::string& text, const std::function<std::
       } else if (open.empty() || open.back() != name) {
         return {text, result.root, result.errors, result.warnings};
       } else if (idle == 0 && name == "uri" && open.size() > 1 && open[open.size() - 2] == "include") {
-        if (const std::string other = found(std::string(trimmed(all.substr(content, at - content)))); !other.empty())
-          pass(content, at, other);
+        const std::optional<std::string> uri = plain_text(all.substr(content, at - content));
+        if (const std::string other = uri ? found(std::string(trimmed(*uri))) : ""; !other.empty())
+          pass(content, at, "<![CDATA[" + other + "]]>");
       } else if (const Numbers* const numbers =
                      idle == 0 && open.size() > 1 && std::none_of(open.begin(), open.end(), is_foreign)
                          ? numbers_of(open[open.size() - 2], name)

@@ -536,28 +536,32 @@ class Sdf(Folder):
         self.assertIn("files include each other without end", run("info", itself)[2])
 
     def test_what_is_included_tells_robots_apart(self):
-        """The banner's hash, and the key of compiled code, are of all files; they are what code is made of, for a build's rules."""
-        leg = self.folder / "models" / "leg"
+        """The banner's hash and the key of compiled code are of all files, which are what a build's rule names. A URI with a reference."""
+        leg = self.folder / "models" / "leg&foot"
         leg.mkdir(parents=True)
         (leg / "model.config").write_text('<model><name>leg</name><version>1.0</version><sdf version="1.9">leg.sdf</sdf></model>')
         text = f'<sdf version="1.9"><model name="leg"><link name="a">{self.INERTIAL.format("0 0 0")}</link></model></sdf>'
         (leg / "leg.sdf").write_text(text)
-        robot = self.write("of_legs.sdf", '<sdf version="1.9"><model name="m">\n<include><uri>model://leg</uri></include></model></sdf>')
+        robot = self.write("of_legs.sdf", '<sdf version="1.9"><model name="m">\n<include><uri>model://leg&amp;foot</uri></include></model></sdf>')
         models = {"SDF_PATH": str(self.folder / "models"), "XDG_CACHE_HOME": str(self.folder / "cache")}
 
-        def banner():
-            status, _, said = run("generate", robot, "--base", "floating", "-o", self.folder / "code", "--depfile", self.folder / "code.d",
-                                  variables=models)
+        def done(*words):
+            status, out, said = run(*words, "--base", "floating", "--outputs", "mass_matrix", variables=models)
             self.assertEqual(status, 0, said)
-            return (self.folder / "code/dynamics.hpp").read_text().split("\n")[0]
+            return out
 
-        first = banner()
+        def banner_and_entry():
+            done("generate", robot, "-o", self.folder / "code", "--depfile", self.folder / "code.d")
+            return (self.folder / "code/dynamics.hpp").read_text().split("\n")[0], done("build", robot, "--flags", "-O0")
+
+        first = banner_and_entry()
         self.assertEqual((self.folder / "code.d").read_text().replace(" \\\n ", "").split(),
                          [f"{self.folder}/code:", str(robot), str(leg / "model.config"), str(leg / "leg.sdf")])
         (leg / "leg.sdf").write_text(text.replace("<mass>", "<mass>1"))
-        self.assertNotEqual(banner(), first)
+        for one, other in zip(first, banner_and_entry()):
+            self.assertNotEqual(one, other)
         (leg / "leg.sdf").write_text(text)
-        self.assertEqual(banner(), first)
+        self.assertEqual(banner_and_entry(), first)
 
     def test_nothing_is_said_that_is_not_ours(self):
         robot = self.write("comma.sdf", '<sdf version="1.9"><model name="m">\n<link name="a"><pose>0,0,1 0 0 0</pose></link></model></sdf>')
@@ -601,7 +605,7 @@ exec /bin/cat '{self.folder}/out'
                       said="warning: redefining global symbol: pi\nwhen processing file: a\nwarning: another\n\n")
         status, _, said = run("info", robot, "--base", "floating", path=str(self.folder))
         self.assertEqual(status, 0, said)
-        self.assertIn("xacro: warning: xacro says: redefining global symbol: pi, when processing file: a; correct the file\n", said)
+        self.assertIn("xacro: warning: xacro says: redefining global symbol: pi, when processing file: a; see to it that it has nothing to say\n", said)
         self.assertIn("xacro: warning: xacro says: another;", said)
 
     def test_names_that_it_takes_for_something_else(self):
@@ -616,6 +620,7 @@ exec /bin/cat '{self.folder}/out'
     def test_what_is_included_is_known(self):
         """The banner's hash is of what xacro prints, however the file was called; --depfile names all files."""
         robot, included = self.write("a b.xacro", "<robot/>"), self.write("c $ d.xacro", "")
+        (self.folder / "c").mkdir()
         scene = self.write("scene.yaml", "base: floating\n")
 
         def banner(mass, called):
@@ -632,7 +637,8 @@ exec /bin/cat '{self.folder}/out'
         here = str(self.folder)
         self.assertEqual((self.folder / "a stamp.d").read_text(),
                          f"{here}/a\\ stamp: \\\n  {here}/a\\ b.xacro \\\n  {here}/c\\ $$\\ d.xacro \\\n  {scene}\n")
-        for name, says in (("stamp", "'stamp' does not end in .d"), ("nowhere/a.d", "nowhere/a.d cannot be written")):
+        for name, says in (("stamp", "'stamp' is no name that ends in .d"), (".d", "'.d' is no name"), ("", "'' is no name"),
+                           ("nowhere/a.d", "nowhere/a.d cannot be written")):
             status, _, said = run("generate", project / "tests/robots/pendulum.urdf", "--base", "fixed", "-o", self.folder / "code",
                                   "--depfile", name)
             self.assertEqual(status, 2)

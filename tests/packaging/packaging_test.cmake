@@ -135,7 +135,7 @@ file(WRITE "${folder}/mass.xacro" "3")
 file(WRITE "${folder}/arm.urdf.xacro" "<robot name=\"arm\"><link name=\"a\"/><link name=\"b\"><inertial><mass value=\"MASS\"/>
 <inertia ixx=\"1\" ixy=\"0\" ixz=\"0\" iyy=\"1\" iyz=\"0\" izz=\"1\"/></inertial></link>
 <joint name=\"j\" type=\"continuous\"><parent link=\"a\"/><child link=\"b\"/><axis xyz=\"0 0 1\"/></joint></robot>")
-file(WRITE "${folder}/CMakeLists.txt" "cmake_minimum_required(VERSION 3.25)
+file(WRITE "${folder}/CMakeLists.txt" "cmake_minimum_required(VERSION 3.16)
 project(from_xacro LANGUAGES CXX)
 find_package(dalembert REQUIRED)
 dalembert_add_robot(arm URDF arm.urdf.xacro NO_SELF_TEST OPTIONS --base fixed)

@@ -334,11 +334,12 @@ def begins_with_what_goes_badly(page, rows):
 def interrupt():
     """An interrupted run leaves what was there, and what it compiled nowhere."""
     before = {path.name: path.read_bytes() for path in (work / "out").iterdir()}
-    with subprocess.Popen(command, stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL, start_new_session=True,
-                          env=os.environ | {"TMPDIR": str(work)}) as run:
-        time.sleep(1)
-        os.killpg(run.pid, signal.SIGINT)
-        demand(run.wait(60) != 0, "the run is over before it can be interrupted")
+    for by in (signal.SIGINT, signal.SIGKILL):
+        with subprocess.Popen(command, stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL, start_new_session=True,
+                              env=os.environ | {"TMPDIR": str(work)}) as run:
+            time.sleep(1)
+            os.killpg(run.pid, by)
+            demand(run.wait(60) != 0, "the run is over before it can be interrupted")
     after = {path.name: path.read_bytes() for path in (work / "out").iterdir()}
     demand(before == after, "an interrupted run leaves something behind")
     until = time.time() + 30
