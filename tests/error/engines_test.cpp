@@ -112,6 +112,23 @@ TEST(Eval, NamesRowsAndColumnsWhereAskedTo) {
   EXPECT_EQ(eval("gravity", {"--json", "--labels"}).status, 2);
 }
 
+TEST(Eval, NamesOfManyWordsAreOneBetweenBlanksAndThemselvesInJson) {
+  const TemporaryFolder folder;
+  write_text(folder.path() + "/r.urdf",
+             "<robot name='r'><link name='a'/><link name='b'><inertial><mass value='1'/><inertia ixx='1' ixy='0' ixz='0' "
+             "iyy='1' iyz='0' izz='1'/></inertial></link><joint name='left knee' type='continuous'><parent link='a'/><child "
+             "link='b'/><axis xyz='0 0 1'/></joint></robot>");
+  const auto eval = [&](const std::string& style) {
+    const Outcome outcome = run_dalembert(
+        {"eval", "r.urdf", "--base", "fixed", "--engine", "generic", "--output", "mass_matrix", "--state", "-", style},
+        folder.path(), "0 0\n");
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    return outcome.out;
+  };
+  EXPECT_EQ(eval("--labels"), "           left_knee\nleft_knee          1\n");
+  EXPECT_NE(eval("--json").find("\"rows\": [\"left knee\"],\n  \"columns\": [\"left knee\"]"), std::string::npos);
+}
+
 // NaN where the scene says nothing is read.
 TEST(Eval, DoesNotReadWhatTheQuantityDoesNotDependOn) {
   struct Case {

@@ -337,7 +337,11 @@ def interrupt():
     for by in (signal.SIGINT, signal.SIGKILL):
         with subprocess.Popen(command, stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL, start_new_session=True,
                               env=os.environ | {"TMPDIR": str(work)}) as run:
-            time.sleep(1)
+            until = time.time() + 60
+            while not list(work.glob("dalembert.*")) and time.time() < until:
+                time.sleep(0.01)
+            time.sleep(0.5)
+            demand(list(work.glob("dalembert.*")), "nothing is compiled where TMPDIR says")
             os.killpg(run.pid, by)
             demand(run.wait(60) != 0, "the run is over before it can be interrupted")
     after = {path.name: path.read_bytes() for path in (work / "out").iterdir()}

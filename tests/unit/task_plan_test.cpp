@@ -224,6 +224,11 @@ TEST_F(TaskPlans, IsTold) {
   EXPECT_NE(tasks_text(graphs, 4).find("on the longest way: "), std::string::npos);
   const std::string drawn = tasks_svg(graphs, 4);
   for (const Task& task : graphs.front().plan.tasks) EXPECT_NE(drawn.find(task.name + ":"), drawn.npos) << task.name;
+  const Model small = tree(1, 2, "auto");
+  const std::vector<FunctionTasks> one = tasks_of_functions(small, lower(small));
+  const char* const said = "nothing to be gained by a second thread";
+  EXPECT_NE(tasks_text(one, 2).find(said), std::string::npos);
+  EXPECT_NE(tasks_svg(one, 2).find(said), std::string::npos);
 }
 
 }  // namespace
