@@ -15,7 +15,7 @@
 namespace dalembert::frontend {
 
 ir::RobotDescription read_sdf(const std::string& path, Diagnostics& warnings) {
-  const std::string text = read_text_file(path, "SDF", xml_bytes);  // whether it can be read is said by us
+  (void)read_text_file(path, "SDF", xml_bytes);  // whether it can be read is said by us
 #ifdef DALEMBERT_SDF
   // It stays open: what it threw and warned of outlives the call.
   const std::filesystem::path library = std::filesystem::canonical("/proc/self/exe").parent_path() / DALEMBERT_SDF;
@@ -35,12 +35,7 @@ ir::RobotDescription read_sdf(const std::string& path, Diagnostics& warnings) {
     const Silence silence;
     outline_of(path, warnings, outline);
   }
-  const std::vector<std::string> files = std::move(outline.included_files);
-  const std::string included = std::move(outline.included_text);
-  ir::RobotDescription robot = robot_of(path, std::move(outline), warnings);
-  robot.files.insert(robot.files.end(), files.begin(), files.end());
-  robot.text = text + included;
-  return robot;
+  return robot_of(path, std::move(outline), warnings);
 #else
   (void)warnings;
   throw InputError({Severity::error, path, "SDF", "this program was built without libsdformat, which reads SDF",

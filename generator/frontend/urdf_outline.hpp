@@ -53,14 +53,13 @@ struct JointOutline {
 
 struct UrdfOutline {
   std::string robot;
-  std::vector<LinkOutline> links;    // in the file's order
-  std::vector<JointOutline> joints;  // in the file's order
-  std::vector<ir::Loop> loops;       // of an SDF: joints to links that have a parent already
-  bool floating_root = false;        // the root hung on a floating joint
-  Frame root_pose = {};              // of an SDF: where the root link stands in the model
-  // Of an SDF: what it includes.
-  std::vector<std::string> included_files = {};
-  std::string included_text = {};
+  std::vector<LinkOutline> links;          // in the file's order
+  std::vector<JointOutline> joints;        // in the file's order
+  std::vector<ir::Loop> loops;             // of an SDF: joints to links that have a parent already
+  bool floating_root = false;              // the root hung on a floating joint
+  Frame root_pose = {};                    // of an SDF: where the root link stands in the model
+  std::vector<std::string> included = {};  // files, of an SDF
+  std::string text = {};                   // of the file, and of those that it includes
 };
 
 // Reads the text of a URDF. `file` is for the diagnostics, and for the name of a robot without one. Throws InputError with

@@ -128,9 +128,9 @@ ir::RobotDescription read_urdf(const std::string& path, Diagnostics& warnings) {
 }
 
 ir::RobotDescription read_urdf_text(const std::string& file, const std::string& text, Diagnostics& warnings) {
-  ir::RobotDescription robot = robot_of(file, read_outline(file, text, warnings), warnings);
-  robot.text = text;
-  return robot;
+  UrdfOutline outline = read_outline(file, text, warnings);
+  outline.text = text;
+  return robot_of(file, std::move(outline), warnings);
 }
 
 ir::RobotDescription robot_of(const std::string& file, UrdfOutline outline, Diagnostics& warnings) {
@@ -142,6 +142,8 @@ ir::RobotDescription robot_of(const std::string& file, UrdfOutline outline, Diag
   ir::RobotDescription robot;
   robot.file = file;
   robot.files = {file};
+  robot.files.insert(robot.files.end(), outline.included.begin(), outline.included.end());
+  robot.text = std::move(outline.text);
   robot.name = outline.robot;
   robot.floating_root = outline.floating_root;
   robot.loops = std::move(outline.loops);

@@ -153,6 +153,7 @@ class SdfReader {
   SdfText essential(const std::string& path, int depth = 0) {
     const std::string text = bytes_of(path);
     if (depth > 0) include(path, text);
+    else outline_.text = text;
     SdfText sdf = without_idle_elements(text, [&](const std::string& uri) { return copy_of_included(uri, path, depth); });
     for (Diagnostic& error : sdf.errors) {
       error.file = path;
@@ -165,10 +166,10 @@ class SdfReader {
     return sdf;
   }
   void include(const std::string& path, const std::string& text) {
-    std::vector<std::string>& files = outline_.included_files;
+    std::vector<std::string>& files = outline_.included;
     if (std::find(files.begin(), files.end(), path) != files.end()) return;
     files.push_back(path);
-    outline_.included_text += text;
+    outline_.text += text;
   }
   std::string copy_of_included(const std::string& uri, const std::string& from, int depth) {
     constexpr int deepest = 20;  // files that include themselves
