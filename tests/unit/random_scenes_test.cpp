@@ -111,7 +111,7 @@ ir::Scene scene_of(Draw& draw, Movable robot) {
   ir::Scene scene;
   if (draw.one_in(3)) {
     scene.placed = {{"sole", draw.of(robot.links), {0.1, -0.2, 0.3}, {0.4, 0, -0.7}},
-                    {"heel", draw.of(robot.links), {0, 0, 0.1}, {}}};
+                    {"heel", draw.of(robot.links), {0, 0, 0.1}, {0, 0, 0}}};
     for (const ir::Frame& frame : scene.placed) robot.links.push_back(frame.name);
   }
   scene.base = draw.one_in(2) ? ir::Base::fixed : ir::Base::floating;
