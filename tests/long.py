@@ -1,8 +1,9 @@
 """Everything that takes hours, by one command that may be stopped and gone on with: see tests/long.sh.
 
-The table in tests/README.md is what is remembered, on another machine too: a row says what a stage was run on, by a digest of its
-commands and of the files that it is about. Exit status: 0 all stages asked for have passed, 1 one has failed, 2 a stage is asked for
-that there is none of. What it needs is installed first; where that fails it is 1, too.
+What is remembered, on another machine too, is in the repository: a row of the table in tests/README.md says what a stage was run on,
+by a digest of its commands and of the files that it is about; passed.txt says which cells of the matrix and which compiled cases were
+right. Exit status: 0 all stages asked for have passed, 1 one has failed, 2 a stage is asked for that there is none of. What it needs is
+installed first; where that fails it is 1, too.
 """
 import argparse
 import dataclasses
@@ -40,7 +41,6 @@ class Stage:
     commands: list
     environment: dict = dataclasses.field(default_factory=dict)  # more than the caller's
     about: tuple = (".", ":!docs", ":!*.md")  # the files that it is run on, as git's pathspecs
-    cases: int = 0  # of tests/random/compiled.py behind the commands, some at a time: gone on with behind the last that are right
 
 
 # What the generator is made of, and what it emits is compiled with.
@@ -49,7 +49,8 @@ STAGES = {
     "release": Stage("every test, those of benchmarks too", workflow("release"), about=(".",)),
     "dev": Stage("the tests of sh tests/run.sh with the address and undefined-behaviour sanitizers", workflow("dev")),
     "tsan": Stage("what runs on threads, with the thread sanitizer", workflow("tsan")),
-    "matrix": Stage("emitted code in many compilers", [*build_release("bin/dalembert"), ["python3", "tests/matrix/run.py"]],
+    "matrix": Stage("emitted code in many compilers",
+                    [*build_release("bin/dalembert"), ["python3", "tests/matrix/run.py", "--passed", "tests/matrix/passed.txt"]],
                     about=(*GENERATOR, "tests/matrix", "tests/*.py", "tests/robots", "tests/numeric/generated/mechanisms", "examples/mahru/*.urdf")),
     "fuzz": Stage("URDFs and scenes, a million each", [["sh", "tests/fuzz/run.sh", "all", "1000000"]],
                   about=(*GENERATOR, "tests/CMakeLists.txt", "tests/fuzz", "tests/error", "tests/robots", "examples/scenes")),
@@ -57,18 +58,18 @@ STAGES = {
                     [*build_release("random_scenes_test", "algorithm_test", "constraints_test"),
                      ["ctest", "--preset", "release", "-j", JOBS, "-R", "^(RandomScenes|RandomRobots|Algorithm|Constraints)[.]"]],
                     {"DALEMBERT_RANDOM_SCENES": "300", "DALEMBERT_RANDOM_ROBOTS": "10000", "DALEMBERT_LARGE_ROBOTS": "1"}),
-    "compiled": Stage("robots and scenes drawn at random, compiled", build_release("bin/dalembert"), cases=500,
+    "compiled": Stage("robots and scenes drawn at random, compiled",
+                      [*build_release("bin/dalembert"), ["python3", "tests/random/compiled.py", "build/release/bin/dalembert",
+                                                         "--cases", "500", "--passed", "tests/random/passed.txt"]],
                       about=(*GENERATOR, "tests/random", "tests/*.py", "tests/matrix/toolchain.py")),
 }
 
 
 def state_of_tree(stage):
     """A digest of the stage's commands and of the files that it is about, committed or not."""
-    files = [*STAGES[stage].about, ":!tests/README.md", ":!tests/long.*"]
+    files = [*STAGES[stage].about, ":!tests/README.md", ":!tests/long.*", ":!tests/*/passed.txt"]
     commands = [[word for word in command if word != JOBS] for command in STAGES[stage].commands]
     digest = hashlib.sha256(repr((commands, STAGES[stage].environment)).encode())
-    if STAGES[stage].cases:
-        digest.update(str(STAGES[stage].cases).encode())
     for words in (["ls-files", "--stage"], ["diff", "HEAD"], ["status", "--porcelain"]):
         digest.update(subprocess.run(["git", *words, "--", *files], cwd=ROOT, capture_output=True, check=True).stdout)
     return digest.hexdigest()[:16]  # longer than what git prints of commits, which tests/docs keeps out of pages
@@ -84,11 +85,6 @@ def machine():
 
 def in_words(seconds):
     return f"{seconds / 60:.0f} min" if seconds >= 90 else f"{seconds:.0f} s"
-
-
-def in_seconds(words):
-    number, unit = words.split()
-    return float(number) * (60 if unit == "min" else 1)
 
 
 def run(command, environment, log):
@@ -116,19 +112,10 @@ def result_in(text):
     skipped = text.count("***Skipped")
     found = [f"{m[1]} tests, {m[0]} failed" + (f", {skipped} skipped" if skipped else "")
              for m in re.findall(r"(\d+) tests? failed out of (\d+)", text)]
-    found += [f"{m} cells" for m in re.findall(r"(\d+ cells: \d+ right, \d+ wrong)", text)]
+    found += re.findall(r"(\d+ cells: \d+ right, \d+ wrong|\d+ cases: \d+ right, \d+ refused by name, \d+ wrong)", text)
+    found += [f"{m} known from runs before" for m in re.findall(r"(\d+)(?: of them)? known from runs before", text)]
     found += [f"{m} runs" for m in re.findall(r"stat::number_of_executed_units:\s+(\d+)", text)]
     return "; ".join(dict.fromkeys(found[-2:]))
-
-
-def cases_in(text):
-    """[cases, right, refused by name, wrong], of all runs that the text has the last line of; of a row likewise."""
-    found = re.findall(r"(\d+) cases[:,] (\d+) right, (\d+) refused by name, (\d+) wrong", text)
-    return [sum(int(number) for number in numbers) for numbers in zip(*found)] or [0, 0, 0, 0]
-
-
-def cases_in_words(counts):
-    return "{} cases, {} right, {} refused by name, {} wrong".format(*counts)
 
 
 def table():
@@ -163,32 +150,18 @@ def said_of(stage):
 
 
 def run_stage(name, log, again):
-    """Whether it passes; writes its row, between some cases and the next, too."""
-    stage, tree = STAGES[name], state_of_tree(name)
-    where, begun, counts = f"{datetime.date.today()}, {machine()}", time.time(), [0, 0, 0, 0]
-    before = row_of_this_tree(name)
-    if before is not None and before[2].startswith("so far") and not again:
-        counts, begun = cases_in(before[2]), begun - in_seconds(before[3])
-        where = before[4] if where in before[4] else before[4] + "; " + where
-
-    def write(outcome, found):
-        took = in_words(time.time() - begun)
-        print(f"   {outcome}; {found} after {took}", flush=True)
-        write_row([f"`{name}`", stage.what, f"{outcome}; {found}".strip("; "), took, where, f"`{tree}`"])
-
+    """Whether it passes; writes its row."""
+    stage, tree, begun = STAGES[name], state_of_tree(name), time.time()
+    for command in stage.commands if again else []:
+        if "--passed" in command:
+            (ROOT / command[command.index("--passed") + 1]).unlink(missing_ok=True)
     log.write_bytes(b"")
     passed = all(run(command, stage.environment, log) for command in stage.commands)
-    while passed and counts[0] < stage.cases:
-        size, some = log.stat().st_size, min(50, stage.cases - counts[0])
-        passed = run(["python3", "tests/random/compiled.py", "build/release/bin/dalembert", "--first", str(counts[0]), "--cases", str(some)],
-                     stage.environment, log)
-        more = cases_in(log.read_bytes()[size:].decode(errors="replace"))
-        passed = passed and more[0] == some
-        counts = [a + b for a, b in zip(counts, more)]
-        if passed and counts[0] < stage.cases:
-            write("so far", cases_in_words(counts))
-    found = cases_in_words(counts) if stage.cases else result_in(log.read_text(errors="replace"))
-    write("passed" if passed else "FAILED", found)
+    took, outcome = in_words(time.time() - begun), "passed" if passed else "FAILED"
+    found = result_in(log.read_text(errors="replace"))
+    print(f"   {outcome}; {found} after {took}", flush=True)
+    where = f"{datetime.date.today()}, {machine()}"
+    write_row([f"`{name}`", stage.what, f"{outcome}; {found}".strip("; "), took, where, f"`{tree}`"])
     return passed
 
 

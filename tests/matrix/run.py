@@ -22,6 +22,7 @@ import time
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 import design
 import emitted_code
+import passed
 import table
 import toolchain
 
@@ -60,8 +61,7 @@ class Matrix:
         self.work.mkdir(parents=True, exist_ok=True)
         self.include = ["-std=c++17", "-I", ROOT / "runtime/include", "-isystem", options.eigen]
         self.lock, self.locks, self.generated = threading.Lock(), {}, set()
-        self.kept = self.work / "results.json"
-        self.results = json.loads(self.kept.read_text()) if self.kept.exists() else {}
+        self.passed, self.remembered = passed.Passed(options.passed or self.work / "passed.txt"), 0
 
     def once(self, name):
         with self.lock:
@@ -88,22 +88,24 @@ class Matrix:
                     raise RuntimeError(text)
         return code / "dynamics.cpp", test
 
-    def cell(self, cell):
+    def cell(self, number, cell):
         """(verdict, details): right, wrong, compiled (and not run), or absent (no such compiler or target)."""
         program, (compiler, level, target, lanes) = cell
         if not toolchain.there(compiler) or toolchain.macros(compiler, target) is None:
             return "absent", ""
         host = design.AARCH64 if target == "aarch64" else "g++"
         code, test = self.program(program, host)
-        key = json.dumps([cell, toolchain.version(compiler), digest(code), WARNINGS])
-        if key in self.results:
-            return self.results[key]
+        key = json.dumps([cell, toolchain.identity(compiler, target), digest(code), WARNINGS])
         name = hashlib.sha256(key.encode()).hexdigest()[:16]
+        launch = toolchain.runner(compiler, target)
+        before = self.passed.outcome(number, name)
+        if before == "right" or before == "compiled" and launch is None:
+            self.remembered += 1
+            return before, ""
         made, binary = self.work / f"{name}.o", self.work / name
         status, text = run([compiler, level, *WARNINGS, *toolchain.flags(target), f"-DDALEMBERT_LANES={lanes}", *self.include,
                             "-c", code, "-o", made])
         result = ("wrong", "does not compile: " + text[-400:]) if status != 0 else ("compiled", "")
-        launch = toolchain.runner(compiler, target)
         if status == 0 and launch is not None:
             status, text = run([host, made, test, "-o", binary])
             if status == 0:
@@ -111,16 +113,16 @@ class Matrix:
             result = ("right" if status == 0 else "wrong", text if status >= 0 else f"signal {-status}")
         for file in (made, binary):
             file.unlink(missing_ok=True)
-        with self.lock:
-            self.results[key] = result
+        if result[0] != "wrong":
+            self.passed.add(number, name, result[0])
         return result
 
     def run(self, cells):
         verdicts = {}
         until = time.monotonic() + 60 * self.options.minutes if self.options.minutes else float("inf")
         with concurrent.futures.ThreadPoolExecutor(self.options.jobs) as pool:
-            pending = {pool.submit(lambda c: self.cell(c) if time.monotonic() < until else ("not visited", ""), cell): cell
-                       for cell in cells}
+            pending = {pool.submit(lambda *c: self.cell(*c) if time.monotonic() < until else ("not visited", ""), *numbered): numbered[1]
+                       for numbered in enumerate(cells)}
             for n, job in enumerate(concurrent.futures.as_completed(pending), 1):
                 cell = pending[job]
                 verdict, details = verdicts[cell] = job.result()
@@ -131,13 +133,9 @@ class Matrix:
                     print(f"[{n}/{len(cells)}] {verdict:8} {' '.join(map(str, tools))}: {' '.join([*program[:2], design.name(program[2])])}"
                           f"{' | ' + details if verdict == 'wrong' else ''}", flush=True)
                 if n % 20 == 0:
-                    self.keep()
-        self.keep()
+                    self.passed.write()
+        self.passed.write()
         return verdicts
-
-    def keep(self):
-        with self.lock:
-            self.kept.write_text(json.dumps(self.results))
 
 
 def main():
@@ -149,14 +147,16 @@ def main():
     parser.add_argument("--eigen", default="/usr/include/eigen3")
     parser.add_argument("--precompiled", default="", help="flags by which g++ need not read Eigen for every self-test")
     parser.add_argument("--work", default=ROOT / "build/matrix")
+    parser.add_argument("--passed", help="the file that remembers what was right; default: passed.txt in --work")
     parser.add_argument("--page", help="the page whose table is written; default: tests/README.md for the whole matrix, else none")
     options = parser.parse_args()
 
     robots = [name for name, path in design.ROBOTS.items() if (ROOT / path).exists()]
     cells = getattr(design, options.slice)(robots)
-    verdicts = Matrix(options).run(cells)
+    matrix = Matrix(options)
+    verdicts = matrix.run(cells)
     machine = run([options.dalembert, "--machine"])[1].splitlines()[0]
-    text = table.written(verdicts, machine)
+    text = table.written(verdicts, matrix.remembered, machine)
     page = options.page or (ROOT / "tests/README.md" if options.slice == "whole" else None)
     if page:
         table.insert(pathlib.Path(page), text)

@@ -38,13 +38,14 @@ def order(name):
     return known.index(str(name)) if str(name) in known else len(known)
 
 
-def written(verdicts, machine):
+def written(verdicts, remembered, machine):
     total = collections.Counter(verdict for verdict, _ in verdicts.values())
     used = sorted({tools[0] for (_, tools), (verdict, _) in verdicts.items() if verdict in ("right", "wrong", "compiled")}, key=order)
     short = {c: c for c in design.COMPILERS} | {design.AARCH64: "aarch64"}
     lines = [
         f"{len(verdicts)} cells: {total['right']} right, {total['wrong']} wrong, {total['compiled']} compiled and not run, "
         f"{total['absent']} left out for want of the compiler"
+        f"{', ' + str(remembered) + ' of them known from runs before' if remembered else ''}"
         f"{', ' + str(total['not visited']) + ' not visited for want of time' if total['not visited'] else ''}. "
         f"{machine}, {datetime.date.today()}.",
         "",

@@ -26,6 +26,12 @@ def macros(compiler, target):
     return {line.split()[1] for line in run.stdout.splitlines()} if run.returncode == 0 else None
 
 
+@functools.cache
+def identity(compiler, target):
+    """What an outcome depends on: the compiler, and for the target `native` the machine as it sees it."""
+    return version(compiler) + (" " + " ".join(sorted(macros(compiler, target) or [])) if target == "native" else "")
+
+
 def flags(target):
     return [] if target == "aarch64" else [f"-march={target}"]
 

@@ -5,8 +5,8 @@
 A case is a robot (joints of every kind, light and massless links, axes along and askew, equal and unequal branches), a scene
 (any of the scene file's keys), a compiler, a level, a target and a width, and of one in four each output by code of its own, too. `dalembert check` has to pass, or to refuse the scene
 by name (exit status 2). What fails is made smaller as long as it fails in the same way, and said with its seed and its files.
-Cases that have passed are remembered in the folder by their seed, as long as what is generated, its self-test, the runtime headers it
-includes and the compiler stay the same. Exit status: 0 or 1.
+Cases that have passed are remembered by their seed, as long as what is generated, its self-test, the runtime headers it includes
+and the compiler stay the same. Exit status: 0 or 1.
 """
 
 import argparse
@@ -24,6 +24,7 @@ import sys
 
 sys.path[:0] = [str(pathlib.Path(__file__).resolve().parents[1] / folder) for folder in (".", "matrix")]
 import emitted_code
+import passed
 import toolchain
 
 # From the joints' own table: what a joint may be turned into.
@@ -271,7 +272,7 @@ def what_is_compiled(dalembert, folder, case, runtime):
     t, code = case["toolchain"], folder / "code"
     if not toolchain.there(t["compiler"]):
         return None
-    text = toolchain.version(t["compiler"]) + t["flags"]
+    text = toolchain.identity(t["compiler"], "native" if "-march=native" in t["flags"] else "any") + t["flags"]
     for output in [None] if t["together"] else [None, *case["scene"]["outputs"]]:
         scene = {**case["scene"], **({"outputs": [output]} if output else {})}
         try:
@@ -285,7 +286,7 @@ def what_is_compiled(dalembert, folder, case, runtime):
             return None
         else:
             text += "refused"
-    return hashlib.sha256(text.encode()).hexdigest()[:24]
+    return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
 def run(dalembert, folder, case):
@@ -307,12 +308,15 @@ def run(dalembert, folder, case):
     return wrong, said
 
 
-def run_unless_known(dalembert, folder, case, runtime, known):
-    """As run(), and the digest: a case that has passed with this digest is not run again."""
+def run_unless_known(dalembert, folder, case, runtime, seed, known):
+    """As run(), but a case that has passed is not run again: "known"."""
     digest = what_is_compiled(dalembert, folder, case, runtime)
-    if digest is not None and digest == known:
-        return "ok", "", digest
-    return *run(dalembert, folder, case), digest
+    if digest is not None and known.outcome(seed, digest):
+        return "known", ""
+    outcome, said = run(dalembert, folder, case)
+    if outcome == "ok" and digest is not None:
+        known.add(seed, digest, "right")
+    return outcome, said
 
 
 def smaller(dalembert, folder, case, wrong):
@@ -356,38 +360,37 @@ def main():
     parser.add_argument("--first", type=int, default=0, metavar="SEED")
     parser.add_argument("--jobs", type=int, default=len(os.sched_getaffinity(0)), help="cases at a time, a core each at most")
     parser.add_argument("--work", type=pathlib.Path, default=pathlib.Path(__file__).resolve().parents[2] / "build" / "random")
+    parser.add_argument("--passed", type=pathlib.Path, help="the file that remembers what was right; default: passed.txt in --work")
     parser.add_argument("--native", action="store_true", help="this machine's target alone")
     options = parser.parse_args()
     quantities = words(options.dalembert, "outputs A,B,...")
     options.work.mkdir(parents=True, exist_ok=True)
     given = [pathlib.Path(folder) for folder in os.environ.get("DALEMBERT_INCLUDE", "").split(":") if folder]
     runtime = next((folder for folder in given if (folder / "dalembert/version.hpp").exists()), emitted_code.RUNTIME)
-    notes = options.work / "passed.json"
-    known = json.loads(notes.read_text()) if notes.exists() else {}
-    passed = known.setdefault("native" if options.native else "all", {})
+    known = passed.Passed(options.passed or options.work / ("native.txt" if options.native else "passed.txt"))
     outcomes, wrong = [], []
     with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
         futures = {pool.submit(run_unless_known, options.dalembert, options.work / f"{s}", case_of(s, quantities, options.native),
-                               runtime, passed.get(str(s))): s for s in range(options.first, options.first + options.cases)}
+                               runtime, s, known): s for s in range(options.first, options.first + options.cases)}
         for done, future in enumerate(concurrent.futures.as_completed(futures), 1):
-            seed, (outcome, said, digest) = futures[future], future.result()
+            seed, (outcome, said) = futures[future], future.result()
             outcomes.append(outcome)
-            if outcome in ("ok", "refused"):
-                if outcome == "ok":
-                    passed[str(seed)] = digest
-                    notes.write_text(json.dumps(known))
+            known.write()
+            if outcome in ("ok", "known", "refused"):
                 shutil.rmtree(options.work / f"{seed}")
             else:
                 wrong.append((seed, outcome))
                 print(f"case {seed}: {outcome}\n{said[-1500:]}", flush=True)
             if done % 25 == 0:
                 print(f"{done} of {options.cases}", flush=True)
-    print(f"{options.cases} cases: {outcomes.count('ok')} right, {outcomes.count('refused')} refused by name, {len(wrong)} wrong")
+    remembered, right = outcomes.count("known"), outcomes.count("known") + outcomes.count("ok")
+    print(f"{options.cases} cases: {right} right, {outcomes.count('refused')} refused by name, {len(wrong)} wrong"
+          + (f"; {remembered} known from runs before" if remembered else ""))
     for seed, outcome in wrong[:5]:
         folder = options.work / f"{seed}"
         least = smaller(options.dalembert, folder, case_of(seed, quantities, options.native), outcome)
         print(f"case {seed}, {outcome}, made smaller: {(folder / 'command').read_text()}{json.dumps(least['scene'])}", flush=True)
-    if outcomes.count("ok") < len(outcomes) / 2:
+    if right < len(outcomes) / 2:
         print("more than half of the cases are refused or wrong: the draw is no test")
         return 1
     return 1 if wrong else 0
