@@ -4,7 +4,7 @@
 #   build     the generator, the libraries its code needs, and what the Python package is built with
 #   example   the controller's plant (MuJoCo) and pictures (gnuplot, matplotlib)
 #   test      test framework, second compiler, and the programs that results are compared with
-#   fuzz      the compiler with a fuzzer in it
+#   fuzz      the compiler with a fuzzer in it, and valgrind: for tests/fuzz and tests/long.sh
 #   sdf       libsdformat, by which the generator reads SDF; it is built without where there is none
 #   farm      MPI and HDF5, for examples/farm, which is left out without; part of `test`
 #   package   what the Debian package is checked with; its test is skipped without
@@ -17,7 +17,7 @@ build="g++ cmake ninja-build pkg-config libeigen3-dev liburdfdom-dev libtinyxml-
 example="libmujoco-dev gnuplot-nox python3-matplotlib"
 test="libgtest-dev clang g++-aarch64-linux-gnu make python3 libmujoco-dev libdart-dev libdart-utils-dev libdart-utils-urdf-dev
       libdart-external-ikfast-dev libassimp-dev libtinyxml2-dev dart-doc liborocos-kdl-dev libbenchmark-dev chromium-headless-shell python3-hypothesis"
-fuzz="clang libclang-rt-dev"
+fuzz="clang libclang-rt-dev valgrind"
 farm="openmpi-bin libopenmpi-dev libhdf5-dev python3-h5py"
 test="$test $farm"
 sdf="libsdformat-dev"
