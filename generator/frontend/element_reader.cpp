@@ -121,7 +121,14 @@ void ElementReader::only_children(const TiXmlElement& element, std::initializer_
               "put what it stands for in its place, or remove it");
     } else if (tag.starts_with("xacro:") || tag == "include") {  // old files include without a prefix
       if (!is_in(tag, {"xacro:property", "xacro:arg", "xacro:macro"})) note_xacro(*child, fmt::format("<{}>", tag));
-    } else if (tag.find(':') != tag.npos) {  // a prefix: somebody else's extension
+    } else if (const size_t prefix = tag.find(':'); prefix != tag.npos) {  // somebody else's extension
+      if (is_in(tag.substr(prefix + 1), {"link", "joint"}))
+        warning(*child, fmt::format("<{}> is no element of URDF and is ignored", tag),
+                fmt::format("write a <{}> in its place where the dynamics needs it", tag.substr(prefix + 1)),
+                fmt::format("element {}", tag));
+    } else if (tag == "loop_joint") {  // Drake's of old
+      warning(*child, "<loop_joint> is no element of URDF and is ignored: what it closes is open",
+              "say in the scene what holds which links together: loops", "element loop_joint");
     } else if (!is_in(tag, once)) {
       warning(*child, fmt::format("unknown element <{}> in <{}> is ignored", tag, element.Value()), known_names(known));
     } else if (!seen.insert(tag).second) {

@@ -109,9 +109,15 @@ ir::JointType joint_type(ElementReader& read, const TiXmlElement& element) {
     return std::find_if(these.begin(), these.end(), [&](const auto& row) { return row.first == name; });
   };
   if (const auto found = among(words); found != words.end()) return found->second;
+  if (name == "spherical" || name == "ball") {  // as Bullet has it
+    read.warning(element, fmt::format("URDF has no joints of type '{}': a ball is taken", name),
+                 "where others are to read the file, write type=\"floating\", and in the scene joints: {joint: spherical}",
+                 "ball in a URDF");
+    return ir::JointType::spherical;
+  }
   if (!name.empty())
     read.error(element, fmt::format("joints of type '{}' are not supported", name),
-               among(of_scenes) != of_scenes.end() || name == "ball" || name == "screw"
+               among(of_scenes) != of_scenes.end() || name == "screw"
                    ? "write a type of URDF's, and what the joint is in the scene: joints: {joint: ...}"
                    : fmt::format("use {} or {}", fmt::join(all, ", "), last));
   return ir::JointType::fixed;
@@ -214,7 +220,7 @@ JointOutline read_joint(ElementReader& read, const TiXmlElement& element, const 
   outline.child = end(read, element, "child");
   outline.origin = frame(read, element);
   if (ir::row_of(outline.type).has_axis) outline.axis = axis(read, element);
-  else if (outline.type == ir::JointType::floating) {
+  else if (outline.type == ir::JointType::floating || outline.type == ir::JointType::spherical) {
     const std::optional<Eigen::Vector3d> direction = axis_of_another_kind(element);
     outline.axis_is_known = direction.has_value();
     outline.axis = direction.value_or(outline.axis);

@@ -133,7 +133,7 @@ class SdfReader {
     stop_on_errors();
     sdf::Root root;
     const sdf::Errors errors = root.LoadSdfString(sdf.text, config_);
-    take_causes(errors);
+    take_causes(errors, sdf.root);
     stop_on_errors();
     warn_of_doubts(sdf.text, errors);
     const sdf::Model& model = only_model(root);
@@ -246,7 +246,7 @@ class SdfReader {
       const auto warn = [&](const std::string& what, const std::string& remedy) {
         warnings_.push_back({Severity::warning, original_of(within->FilePath()), element, what, remedy});
       };
-      if (name.find(':') != name.npos) continue;
+      if (name.find(':') != name.npos || (name == "screw_thread_pitch" && of->GetName() == "joint")) continue;
       if (!of->HasElementDescription(name)) {
         std::vector<std::string> known;
         for (unsigned int i = 0; i < of->GetElementDescriptionCount(); ++i)
@@ -261,7 +261,7 @@ class SdfReader {
     }
   }
   // Of errors while a file is read those that others do not follow from. Inertias are judged by the robot's own check.
-  void take_causes(const sdf::Errors& errors) {
+  void take_causes(const sdf::Errors& errors, const std::string& root) {
     const auto is_lookup = [](const sdf::Error& error) { return error.Code() == sdf::ErrorCode::URI_LOOKUP; };
     const bool lookup = std::any_of(errors.begin(), errors.end(), is_lookup);
     for (const sdf::Error& error : errors) {
@@ -270,13 +270,25 @@ class SdfReader {
           error.Message().starts_with("Error reading element <") || error.Code() == sdf::ErrorCode::STRING_READ;
       if (encloses && !errors_.empty()) continue;
       if (error.Code() == sdf::ErrorCode::STRING_READ)
-        add_error(errors_, {Severity::error, file_, "SDF", "libsdformat says: Unable to read it", "correct what is no XML"});
+        add_error(errors_, root == "gazebo" ? Diagnostic{Severity::error, file_, "<gazebo>",
+                                                         "libsdformat cannot read it: it is of SDF's first versions",
+                                                         "bring it to <sdf version=\"1.6\"> or later, as 'ign sdf' or 'gz sdf' do"}
+                                            : Diagnostic{Severity::error, file_, "SDF", "libsdformat says: Unable to read it",
+                                                         "correct what is no XML"});
       else take(error, lookup ? remedy_of_lookup(error.Message()) : "correct the element it names");
     }
   }
   // Of a robot beside others the folder is seldom far.
   std::string remedy_of_lookup(const std::string& message) const {
     const size_t scheme = message.find("://"), begin = scheme == message.npos ? message.find('[') + 1 : scheme + 3;
+    const std::string_view before = std::string_view(message).substr(0, scheme == message.npos ? 0 : scheme);
+    if (before.ends_with("http") || before.ends_with("https")) {
+      std::string_view path = std::string_view(message).substr(begin, message.find(']', begin) - begin);
+      while (path.ends_with('/')) path.remove_suffix(1);
+      return fmt::format("nothing is downloaded here: fetch the model, and include it as model://{} with SDF_PATH=FOLDER, the "
+                         "folder that holds the model's",
+                         path.substr(path.rfind('/') + 1));
+    }
     const std::string name = message.substr(begin, message.find_first_of("/]", begin) - begin);
     std::string holder = "FOLDER";
     std::error_code ignored;
@@ -305,13 +317,25 @@ class SdfReader {
           vector(world.Gravity()) != Eigen::Vector3d(0, 0, -9.81))  // the scene's
         ignore("world", world.Name(), "its gravity", "say it in the scene: gravity");
     }
+    const auto named = [](const std::vector<const sdf::Model*>& some) {
+      std::vector<std::string> names;
+      for (const sdf::Model* model : some) names.push_back("'" + model->Name() + "'");
+      return fmt::format("{}", fmt::join(names, ", "));
+    };
+    // A robot on its ground, among houses.
+    const auto stands = [](const sdf::Model* model) { return model->Static() && model->JointCount() == 0; };
+    const auto still = std::stable_partition(models.begin(), models.end(), [&](const sdf::Model* m) { return !stands(m); });
+    if (still - models.begin() == 1 && models.size() > 1) {
+      warnings_.push_back({Severity::notice, file_, "SDF",
+                           fmt::format("models that are static are left out: {}", named({still, models.end()})),
+                           "what holds the robot there is for the scene to say: base, contacts"});
+      return *models.front();
+    }
     if (models.size() == 1) return *models.front();
-    std::vector<std::string> names;
-    for (const sdf::Model* model : models) names.push_back("'" + model->Name() + "'");
     throw InputError(
         {Severity::error, file_, "SDF",
-         models.empty() ? "there is no model" : fmt::format("there are {} models: {}", models.size(), fmt::join(names, ", ")),
-         "leave one, the robot, in the file"});
+         models.empty() ? "there is no model" : fmt::format("there are {} models: {}", models.size(), named(models)),
+         "leave one, the robot, in the file; others may stay where they are static and have no joints"});
   }
 
   // in_whole: the model's pose in the whole one.

@@ -216,6 +216,14 @@ SdfText without_idle_elements(const std::string& text, const std::function<std::
     kept = end;
   };
   size_t begin_of_idle = 0;
+  std::string_view tag_of_idle;
+  // A file of nothing but a light, such as model://sun, has to have one where it is included.
+  const auto instead_of_idle = [&](std::string_view name) -> std::string {
+    if (open.empty()) return "";
+    if (name == "plugin" && open.back() == "model") return "<dalembert:plugin/>";
+    if (name != "light" || open.back() != "sdf" || open.size() > 1) return "";
+    return fmt::format("<light name='{}' type='point'/>", attribute(tag_of_idle, "name"));
+  };
   // Of whom nobody knows what numbers within mean: elements of other namespaces.
   const auto is_foreign = [](std::string_view name) { return name.find(':') != nowhere; };
   for (size_t at = all.find('<'); at != nowhere; at = all.find('<', at)) {
@@ -231,7 +239,7 @@ SdfText without_idle_elements(const std::string& text, const std::function<std::
         content = end, start = tag;
         if (idle == 0 && is_idle(name)) {
           idle = open.size();
-          begin_of_idle = at;
+          begin_of_idle = at, tag_of_idle = tag;
         }
       } else if (open.empty() || open.back() != name) {
         return {text, result.root, result.errors, result.warnings};
@@ -260,7 +268,7 @@ SdfText without_idle_elements(const std::string& text, const std::function<std::
         const size_t level = open.size();
         open.pop_back();
         if (idle == level) {
-          pass(begin_of_idle, end, name == "plugin" && !open.empty() && open.back() == "model" ? "<dalembert:plugin/>" : "");
+          pass(begin_of_idle, end, instead_of_idle(name));
           idle = 0;
         }
       }

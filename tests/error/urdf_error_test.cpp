@@ -161,7 +161,7 @@ const Case defects[] = {
     {"unknown_child",
      "joint 'k' (line 19): error: its child link 'hand' does not exist; add the link, or choose from a, b"},
     {"unknown_joint_type",
-     "joint 'j' (line 14): error: joints of type 'spherical' are not supported; write a type of URDF's, and what the joint is in the scene: joints: {joint: ...}"},
+     "joint 'j' (line 14): error: joints of type 'universal' are not supported; write a type of URDF's, and what the joint is in the scene: joints: {joint: ...}"},
     {"unknown_parent",
      "joint 'j' (line 14): error: its parent link 'base_lnk' does not exist; add the link, or did you mean 'base_link'?"},
     {"welded_body_at_fault",
@@ -190,6 +190,10 @@ const Case defects[] = {
 };
 
 const Case doubts[] = {
+    {"ball_joint",
+     "robot 'r' (line 19): warning: <drake:joint> is no element of URDF and is ignored; write a <joint> in its place where the dynamics needs it\n"
+     "robot 'r' (line 20): warning: <loop_joint> is no element of URDF and is ignored: what it closes is open; say in the scene what holds which links together: loops\n"
+     "joint 'j' (line 14): warning: URDF has no joints of type 'ball': a ball is taken; where others are to read the file, write type=\"floating\", and in the scene joints: {joint: spherical}"},
     {"blank_products",
      "link 'b' (line 11): warning: <inertia> has a blank ixz, iyz: zero is taken; write the number, 0 if it is none"},
     {"colliding_joints",

@@ -535,6 +535,26 @@ class Sdf(Folder):
         itself = self.write("models/arm/arm.sdf", robot.read_text().replace("model://arm", "arm.sdf"))
         self.assertIn("files include each other without end", run("info", itself)[2])
 
+    def test_worlds_as_gazebo_has_them(self):
+        """A light alone in an included file, and a ground that is static, beside the robot; models of the web."""
+        for name, text in (("sun", '<light name="sun" type="directional"><diffuse>1 1</diffuse></light>'),
+                           ("ground_plane", '<model name="ground_plane"><static>true</static><link name="link"/></model>')):
+            (self.folder / "models" / name).mkdir(parents=True)
+            (self.folder / "models" / name / "model.config").write_text(f"<model><name>{name}</name><sdf>model.sdf</sdf></model>")
+            (self.folder / "models" / name / "model.sdf").write_text(f'<sdf version="1.6">{text}</sdf>')
+        robot = f'<model name="m"><link name="a">{self.INERTIAL.format("0 0 0")}</link></model>'
+        world = self.write("a.world", f"""<sdf version="1.6"><world name="w"><include><uri>model://sun</uri></include>
+<include><uri>model://ground_plane</uri></include>{robot}</world></sdf>""")
+        status, out, said = run("info", world, "--base", "floating", variables={"SDF_PATH": str(self.folder / "models")})
+        self.assertEqual(status, 0, said)
+        self.assertIn("notice: models that are static are left out: 'ground_plane'; what holds the robot there", said)
+        self.assertNotIn("warning", said)
+        remote = self.write("b.world", f'<sdf version="1.6"><world name="w"><include><uri>https://fuel.gazebosim.org/1.0/a/models/Sun</uri></include>'
+                                       f"{robot}</world></sdf>")
+        self.assertIn("nothing is downloaded here: fetch the model, and include it as model://Sun with SDF_PATH=FOLDER", run("info", remote)[2])
+        old = self.write("c.world", f'<gazebo version="1.2">{robot}</gazebo>')
+        self.assertIn("<gazebo>: error: libsdformat cannot read it: it is of SDF's first versions", run("info", old)[2])
+
     def test_what_is_included_tells_robots_apart(self):
         """The banner's hash and the key of compiled code are of all files, which are what a build's rule names. A URI with a reference."""
         leg = self.folder / "models" / "leg&foot"
@@ -616,6 +636,13 @@ exec /bin/cat '{self.folder}/out'
         self.assertEqual((result.returncode, result.stderr), (0, ""))
         robot = self.write("a:=b.xacro", "<robot/>")
         self.assertIn("xacro takes a name with ':=' for an argument; give the file", run("info", robot, path=str(self.folder))[2])
+
+    def test_macros_alone_are_no_robot(self):
+        robot = self.write("a_macro.xacro", '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:macro name="m"><link name="a"/></xacro:macro></robot>')
+        self.expanded(robot, '<robot name="r">', "</robot>")
+        status, out, said = run("info", robot, path=str(self.folder))
+        self.assertEqual((status, out), (2, ""))
+        self.assertIn("xacro: error: it expands to no links: the file defines macros and calls none that has them; name the file that includes", said)
 
     def test_what_is_included_is_known(self):
         """The banner's hash is of what xacro prints, however the file was called; --depfile names all files."""
