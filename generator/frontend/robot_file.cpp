@@ -144,7 +144,8 @@ ir::RobotDescription read_robot(const std::string& path, Diagnostics& warnings) 
   pass_on(said.complaints, path, warnings);
   if (said.printed.find("<link") == said.printed.npos &&
       read_text_file(path, "xacro", xml_bytes).find("<xacro:macro") != std::string::npos)
-    throw InputError({Severity::error, path, "xacro", "it expands to no links: the file defines macros and calls none that has them",
+    throw InputError({Severity::error, path, "xacro",
+                      "it expands to no links: the file defines macros and calls none that has them",
                       "name the file that includes this one and calls its macros"});
   ir::RobotDescription robot = read_urdf_text(path + ", expanded", said.printed, warnings);  // whose lines they are
   robot.files = {path};

@@ -272,7 +272,7 @@ class SdfReader {
       if (error.Code() == sdf::ErrorCode::STRING_READ)
         add_error(errors_, root == "gazebo" ? Diagnostic{Severity::error, file_, "<gazebo>",
                                                          "libsdformat cannot read it: it is of SDF's first versions",
-                                                         "bring it to <sdf version=\"1.6\"> or later, as 'ign sdf' or 'gz sdf' do"}
+                                                         "bring it to <sdf version=\"1.6\"> or later"}
                                             : Diagnostic{Severity::error, file_, "SDF", "libsdformat says: Unable to read it",
                                                          "correct what is no XML"});
       else take(error, lookup ? remedy_of_lookup(error.Message()) : "correct the element it names");
@@ -285,9 +285,10 @@ class SdfReader {
     if (before.ends_with("http") || before.ends_with("https")) {
       std::string_view path = std::string_view(message).substr(begin, message.find(']', begin) - begin);
       while (path.ends_with('/')) path.remove_suffix(1);
-      return fmt::format("nothing is downloaded here: fetch the model, and include it as model://{} with SDF_PATH=FOLDER, the "
-                         "folder that holds the model's",
-                         path.substr(path.rfind('/') + 1));
+      return fmt::format(
+          "nothing is downloaded here: fetch the model, and include it as model://{} with SDF_PATH=FOLDER, the "
+          "folder that holds the model's",
+          path.substr(path.rfind('/') + 1));
     }
     const std::string name = message.substr(begin, message.find_first_of("/]", begin) - begin);
     std::string holder = "FOLDER";
