@@ -110,9 +110,12 @@ ir::JointType joint_type(ElementReader& read, const TiXmlElement& element) {
   };
   if (const auto found = among(words); found != words.end()) return found->second;
   if (name == "spherical" || name == "ball") {  // as Bullet has it
-    read.warning(element, fmt::format("URDF has no joints of type '{}': a ball is taken", name),
-                 "where others are to read the file, write type=\"floating\", and in the scene joints: {joint: spherical}",
-                 "ball in a URDF");
+    const char* const joint = element.Attribute("name");
+    read.warning(
+        element, fmt::format("URDF has no joints of type '{}': a ball is taken", name),
+        fmt::format("where others are to read the file, write type=\"continuous\", and in the scene joints: {{{}: spherical}}",
+                    joint ? joint : "joint"),
+        "ball in a URDF");
     return ir::JointType::spherical;
   }
   if (!name.empty())

@@ -193,7 +193,7 @@ const Case doubts[] = {
     {"ball_joint",
      "robot 'r' (line 18): warning: <drake:joint> is no element of URDF and is ignored; write a <joint> in its place where the dynamics needs it\n"
      "robot 'r' (line 19): warning: <loop_joint> is no element of URDF and is ignored: what it closes is open; say in the scene what holds which links together: loops\n"
-     "joint 'j' (line 14): warning: URDF has no joints of type 'ball': a ball is taken; where others are to read the file, write type=\"floating\", and in the scene joints: {joint: spherical}"},
+     "joint 'j' (line 14): warning: URDF has no joints of type 'ball': a ball is taken; where others are to read the file, write type=\"continuous\", and in the scene joints: {j: spherical}"},
     {"blank_products",
      "link 'b' (line 11): warning: <inertia> has a blank ixz, iyz: zero is taken; write the number, 0 if it is none"},
     {"colliding_joints",
