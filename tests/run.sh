@@ -1,7 +1,7 @@
 #!/bin/sh
 # sh tests/run.sh [CTEST OPTION...]   Installs what is missing, builds and runs every test; ends with ctest's summary.
 #
-# What fits into twenty minutes: without the benchmarks, and without what DALEMBERT_LONG_TESTS adds. tests/long.sh has those.
+# What is run before each landing: without the benchmarks, and without what DALEMBERT_LONG_TESTS adds. tests/long.sh has those.
 set -eu
 cd "$(dirname "$0")/.."
 
