@@ -70,8 +70,8 @@ References references(const Model& model, const Output& output, const std::vecto
     references.multiprecision.push_back(evaluate_multiprecision(model, output, state));
     const reference::Inputs at = inputs(state);
     references.least_scale =
-        std::max(references.least_scale,
-                 reference::LeastScale(model.tree, model.scene, at).of({output.quantity, output.link, output.of_link}));
+        std::max(references.least_scale, reference::LeastScale(model.tree, model.scene, at)
+                                             .of({output.quantity, output.link, output.of_link, output.selection()}));
   }
   references.tolerance = tolerance(model, output, states);
   if (model.scene.scalar == ir::ScalarType::float32) {
@@ -306,10 +306,12 @@ class Check {
         moved.add(ends.q[s], q);
       }
       const double error = std::max(turned.value(), moved.value());
-      const bool good = all_moved && error <= tolerance;
+      // Where rounding may be all of it, it may be what a status stops a motion for.
+      const bool told = expected_[o].tolerance < 1, good = !told || (all_moved && error <= tolerance);
       report_.passed = report_.passed && good;
+      not_told_ = not_told_ || !told;
       line(fmt::format("{}, {}", output.function.named ? output.function.name : output.name, name),
-           fmt::format("{:>14.2e}{:>14}{:>12.2g}", error, "", tolerance), "", good ? "" : "  DIFFERS");
+           fmt::format("{:>14.2e}{:>14}{:>12.2g}", error, "", tolerance), "", good ? (told ? "" : "  not told") : "  DIFFERS");
     }
   }
 

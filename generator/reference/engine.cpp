@@ -141,6 +141,18 @@ double moments_about_base(const ir::KinematicTree& tree, double gravity) {
   return gravity * sum;
 }
 
+// How far the masses may be from the base, on average.
+double reach_of_masses(const ir::KinematicTree& tree) {
+  double moments = 0, mass = tree.base.mass;
+  std::vector<double> away;
+  for (const ir::Body& body : tree.bodies) {
+    away.push_back((body.parent < 0 ? 0 : away[static_cast<std::size_t>(body.parent)]) + body.placement.translation().norm());
+    moments += body.inertia.mass * (away.back() + body.inertia.com.norm());
+    mass += body.inertia.mass;
+  }
+  return mass > 0 ? moments / mass : 0;
+}
+
 }  // namespace
 
 double LeastScale::largest_weight(ir::Quantity quantity) {
@@ -236,7 +248,14 @@ double LeastScale::of(const Wanted& wanted) {
     return (kind == ir::LinkScale::rate ? scale : scale * rate) / 1000;
   }
   switch (ir::row_of(*wanted.quantity).scale) {
-    case ir::Scale::own: break;
+    case ir::Scale::own:
+      // A joint whose axis goes through the centre of all that it moves does not move the centre of mass.
+      if (*wanted.quantity == ir::Quantity::center_of_mass_jacobian) scale = reach_of_masses(tree_);
+      if (!wanted.selection.whole())
+        scale = std::max(
+            scale,
+            evaluate(tree_, scene_, {{*wanted.quantity, ""}}, inputs_, Precision::float64).front().cwiseAbs().maxCoeff());
+      break;
     case ir::Scale::solved: return largest_turned(*wanted.quantity);
     case ir::Scale::constrained: return largest_free(*wanted.quantity);
     case ir::Scale::turning:

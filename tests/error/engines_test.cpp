@@ -312,6 +312,18 @@ TEST(Check, SaysWhatItCannotTell) {
   EXPECT_NE(outcome.out.find("  not told: what rounding does may be as large as the result"), outcome.out.npos) << outcome.out;
 }
 
+// A wheel moves no centre of mass, and all that its column has is rounding; a part of a result that is next to nothing is
+// measured against the whole. Motions that end where M is nearly singular are no differences.
+TEST(Check, MeasuresWhatVanishesAgainstWhatItIsMadeOf) {
+  const std::string robot = ERROR_ROBOTS "/turned_wheel.urdf";
+  for (const char* base : {"fixed", "floating"}) {
+    const Outcome outcome = run_dalembert(
+        {"check", robot, "--base", base, "--outputs", "[{center_of_mass_jacobian: {joints: [wheel]}}]", quickly[0], quickly[1]},
+        ".");
+    EXPECT_EQ(outcome.status, 0) << outcome.err << outcome.out;
+  }
+}
+
 // A robot without any mass has Jacobians, and no dynamics.
 TEST(Eval, NeedsAMassForDynamicsOnly) {
   const std::string robot = ERROR_ROBOTS "/no_mass_at_all.urdf";

@@ -352,6 +352,7 @@ const Case sound[] = {
     {"tabs_in_axis", "j: revolute, 0 -1 0 -> b"},
     {"utf16", "-> b\u00e9, 1 kg"},
     {"xacro_leftovers", "robot r (r)"},
+    {"turned_wheel", "1 moving joint"},
 };
 
 const Use uses[] = {
