@@ -1,13 +1,18 @@
 // What runs a call on several threads. The graph of tasks: each once, behind those it comes after, by however many threads
-// come. Divided work: each column once, behind what its thread prepared for it.
+// come. Divided work: each column once, behind what its thread prepared for it. Pieces of a batch. Each may be called from the
+// caller's own tasks.
 #include <gtest/gtest.h>
+#include <oneapi/tbb/enumerable_thread_specific.h>
 #include <oneapi/tbb/global_control.h>
+#include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/task_arena.h>
 #include <oneapi/tbb/task_group.h>
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <dalembert/divided_work.hpp>
+#include <dalembert/pieces_on_threads.hpp>
 #include <dalembert/task_graph.hpp>
 #include <memory>
 #include <random>
@@ -204,6 +209,63 @@ TEST(DividedWork, DoesNotWaitForThreadsThatDoNotCome) {
     elsewhere.wait();
   });
 }
+
+// Calls from the caller's own parallel loop, with an object per thread, as each thread has a workspace of its own: while a call
+// waits for others, its thread begins no other iteration, whose call would be with the same object. More threads than cores, so
+// that some are late.
+template <class Own>
+void expect_no_call_within_another() {
+#ifdef DALEMBERT_THREAD_SANITIZER
+  GTEST_SKIP()
+      << "the loop is the test's, and what oneTBB hands over for it is not told to the sanitizer; it is no race either";
+#endif
+  constexpr int threads = 8;
+  const tbb::global_control as_many(tbb::global_control::max_allowed_parallelism, threads);
+  tbb::task_arena arena(threads);
+  struct Caller {
+    Own own;
+    bool calls = false;
+  };
+  tbb::enumerable_thread_specific<std::unique_ptr<Caller>> callers([] { return std::make_unique<Caller>(); });
+  std::atomic<int> within{0};
+  arena.execute([&] {
+    tbb::parallel_for(
+        0, 20000,
+        [&](int) {
+          Caller& caller = *callers.local();
+          if (caller.calls) ++within;
+          caller.calls = true;
+          caller.own.run();
+          caller.calls = false;
+        },
+        tbb::simple_partitioner{});
+  });
+  EXPECT_EQ(within, 0);
+}
+void take_a_while() {
+  const auto end = std::chrono::steady_clock::now() + std::chrono::microseconds(5);
+  while (std::chrono::steady_clock::now() < end) detail::pause();
+}
+
+struct OwnGraph : TaskGraph {
+  OwnGraph() : TaskGraph(4) {
+    for (int i = 0; i < 6; ++i) add(take_a_while);
+  }
+};
+struct OwnWork : DividedWork {
+  OwnWork() : DividedWork(4) {
+    add([](int, int, int) { take_a_while(); }, 64, 4, 300, {});
+  }
+};
+struct OwnPieces {
+  void run() {
+    pieces_on_threads(12, 1, [](std::size_t, std::size_t) { take_a_while(); });
+  }
+};
+
+TEST(TaskGraph, RunsInTasksOfTheCallers) { expect_no_call_within_another<OwnGraph>(); }
+TEST(DividedWork, IsDoneInTasksOfTheCallers) { expect_no_call_within_another<OwnWork>(); }
+TEST(PiecesOnThreads, AreDoneInTasksOfTheCallers) { expect_no_call_within_another<OwnPieces>(); }
 
 }  // namespace
 }  // namespace dalembert

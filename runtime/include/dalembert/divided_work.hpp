@@ -3,7 +3,8 @@
 //
 // Each thread has a stretch of the work, much the same in every call, for what it writes is in its caches; it takes half of
 // what is left of it at a time, from the front. Who has finished takes from the back of another's, and has a longer stretch the
-// next time. Nobody waits for a thread that has not come: its stretch is taken too.
+// next time. Nobody waits for a thread that has not come: its stretch is taken too. As in task_graph.hpp, who calls takes no
+// other task of oneTBB's while it waits.
 #pragma once
 
 #include <oneapi/tbb/task_arena.h>
@@ -113,14 +114,16 @@ class DividedWork {
     }
     undone_.store(all_, std::memory_order_release);
     detail::happens_before(&helpers_);
-    for (int i = 1; i < threads; ++i)
-      helpers_.run([this] {
-        detail::happens_after(&helpers_);
-        help();
-        detail::happens_before(this);
-      });
-    take_part(0);
-    helpers_.wait();
+    tbb::this_task_arena::isolate([this, threads] {
+      for (int i = 1; i < threads; ++i)
+        helpers_.run([this] {
+          detail::happens_after(&helpers_);
+          help();
+          detail::happens_before(this);
+        });
+      take_part(0);
+      helpers_.wait();
+    });
     detail::happens_after(this);
   }
 

@@ -2,7 +2,8 @@
 //
 // oneTBB lends the threads; which task runs next is decided here, since tasks take microseconds and a message of oneTBB's own
 // flow graph costs a good part of one. The thread that calls takes tasks like any other: what threads that come late have not
-// begun it does itself, so that a worker whose core is lent out holds up what it has begun and no more.
+// begun it does itself, so that a worker whose core is lent out holds up what it has begun and no more. Who calls may run in a
+// task of oneTBB's itself: while it waits, it takes no other task of the caller's, which might call with the same workspace.
 #pragma once
 
 #include <oneapi/tbb/task_arena.h>
@@ -59,14 +60,16 @@ class TaskGraph {
     left_.store(static_cast<int>(tasks_.size()), std::memory_order_relaxed);
     for (std::size_t word = 0; word < ready_.size(); ++word) ready_[word].store(first_[word], std::memory_order_release);
     detail::happens_before(&helpers_);
-    for (int i = 1; i < threads; ++i)
-      helpers_.run([this] {
-        detail::happens_after(&helpers_);
-        take_part();
-        detail::happens_before(this);
-      });
-    take_part();
-    helpers_.wait();
+    tbb::this_task_arena::isolate([this, threads] {
+      for (int i = 1; i < threads; ++i)
+        helpers_.run([this] {
+          detail::happens_after(&helpers_);
+          take_part();
+          detail::happens_before(this);
+        });
+      take_part();
+      helpers_.wait();
+    });
     detail::happens_after(this);
   }
 
