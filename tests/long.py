@@ -26,13 +26,17 @@ JOBS = str(os.cpu_count())
 SETUP = ["sh", "cmake/setup.sh", "build", "example", "test", "sdf", "fuzz", "matrix"]
 
 
-def workflow(preset):
-    return [["cmake", "--preset", preset], ["cmake", "--build", "--preset", preset, "-j", JOBS],
+def workflow(preset, *options):
+    return [["cmake", "--preset", preset, *options], ["cmake", "--build", "--preset", preset, "-j", JOBS],
             ["ctest", "--preset", preset, "-j", JOBS]]
 
 
-def build_release(*targets):
-    return [["cmake", "--preset", "release"], ["cmake", "--build", "--preset", "release", "-j", JOBS, "--target", *targets]]
+def build_release(*targets, options=()):
+    return [["cmake", "--preset", "release", *options], ["cmake", "--build", "--preset", "release", "-j", JOBS, "--target", *targets]]
+
+
+# The defaults, but not behind `sh tests/run.sh` in the same folder.
+LONG = "-DDALEMBERT_LONG_TESTS=ON"
 
 
 @dataclasses.dataclass
@@ -46,7 +50,8 @@ class Stage:
 # What the generator is made of, and what it emits is compiled with.
 GENERATOR = ("CMakeLists.txt", "CMakePresets.json", "cmake", "generator", "runtime", "templates")
 STAGES = {
-    "release": Stage("every test, those of benchmarks too", workflow("release"), about=(".",)),
+    "release": Stage("every test, those of benchmarks too", workflow("release", LONG, "-DDALEMBERT_BUILD_BENCHMARKS=ON"),
+                     about=(".",)),
     "dev": Stage("the tests of sh tests/run.sh with the address and undefined-behaviour sanitizers", workflow("dev")),
     "tsan": Stage("what runs on threads, with the thread sanitizer", workflow("tsan")),
     "matrix": Stage("emitted code in many compilers",
@@ -55,7 +60,7 @@ STAGES = {
     "fuzz": Stage("URDFs and scenes, a million each", [["sh", "tests/fuzz/run.sh", "all", "1000000"]],
                   about=(*GENERATOR, "tests/CMakeLists.txt", "tests/fuzz", "tests/error", "tests/robots", "examples/scenes")),
     "random": Stage("scenes and robots drawn at random, interpreted, some in valgrind; every quantity alone of large robots",
-                    [*build_release("random_scenes_test", "algorithm_test", "constraints_test"),
+                    [*build_release("random_scenes_test", "algorithm_test", "constraints_test", options=[LONG]),
                      ["ctest", "--preset", "release", "-j", JOBS, "-R", "^(RandomScenes|RandomRobots|Algorithm|Constraints)[.]"],
                      # What is read before it is set, which no sanitizer of these compilers finds.
                      ["env", "DALEMBERT_RANDOM_SCENES=24", "DALEMBERT_RANDOM_ROBOTS=60", "valgrind", "--quiet", "--error-exitcode=1",
