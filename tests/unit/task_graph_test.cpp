@@ -215,7 +215,7 @@ TEST(DividedWork, DoesNotWaitForThreadsThatDoNotCome) {
 // that some are late.
 template <class Own>
 void expect_no_call_within_another() {
-#ifdef DALEMBERT_THREAD_SANITIZER
+#ifdef __SANITIZE_THREAD__
   GTEST_SKIP()
       << "the loop is the test's, and what oneTBB hands over for it is not told to the sanitizer; it is no race either";
 #endif
