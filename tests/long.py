@@ -61,7 +61,7 @@ STAGES = {
                   about=(*GENERATOR, "tests/CMakeLists.txt", "tests/fuzz", "tests/error", "tests/robots", "examples/scenes")),
     "random": Stage("scenes and robots drawn at random, interpreted, some in valgrind; every quantity alone of large robots",
                     [*build_release("random_scenes_test", "algorithm_test", "constraints_test", options=[LONG]),
-                     ["ctest", "--preset", "release", "-j", JOBS, "-R", "^(RandomScenes|RandomRobots|Algorithm|Constraints)[.]"],
+                     ["ctest", "--preset", "release", "-j", JOBS, "--timeout", "7200", "-R", "^(RandomScenes|RandomRobots|Algorithm|Constraints)[.]"],
                      # What is read before it is set, which no sanitizer of these compilers finds.
                      ["env", "DALEMBERT_RANDOM_SCENES=24", "DALEMBERT_RANDOM_ROBOTS=60", "valgrind", "--quiet", "--error-exitcode=1",
                       "build/release/bin/random_scenes_test", "--gtest_filter=RandomRobots.*:*/quadruped:*/hand:*/frames_without_inertia"]],
