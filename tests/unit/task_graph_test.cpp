@@ -228,18 +228,19 @@ void expect_no_call_within_another() {
   };
   tbb::enumerable_thread_specific<std::unique_ptr<Caller>> callers([] { return std::make_unique<Caller>(); });
   std::atomic<int> within{0};
-  arena.execute([&] {
-    tbb::parallel_for(
-        0, 20000,
-        [&](int) {
-          Caller& caller = *callers.local();
-          if (caller.calls) ++within;
-          caller.calls = true;
-          caller.own.run();
-          caller.calls = false;
-        },
-        tbb::simple_partitioner{});
-  });
+  for (int round = 0; round < 1000; ++round)  // short loops: threads take parts of calls once there is no iteration left
+    arena.execute([&] {
+      tbb::parallel_for(
+          0, 20,
+          [&](int) {
+            Caller& caller = *callers.local();
+            if (caller.calls) ++within;
+            caller.calls = true;
+            caller.own.run();
+            caller.calls = false;
+          },
+          tbb::simple_partitioner{});
+    });
   EXPECT_EQ(within, 0);
 }
 void take_a_while() {
