@@ -15,10 +15,13 @@ class Pruning {
  public:
   explicit Pruning(RollState& state) : state_(state), slots_(state.program.segments.size()) {
     for (std::size_t s = 0; s < slots_.size(); ++s) slots_[s].read = read_by_results(state.plan.segments[s]);
+    const Live& live = state.unroll.live();
     for (const ir::Sweep& sweep : state.algorithm.sweeps) {
+      if (!sweep.over.is_base()) continue;
       std::vector<NodeId> roots;
-      for (const ir::Value& v : sweep.stores) roots.push_back(v.node);
-      if (sweep.over.is_base()) each_input(sweep.graph, roots, [&](const ir::Input& in) { read_of_body(in); });
+      for (const ir::Value& v : sweep.stores)
+        if ((v.coordinate < 0 ? live.base : live.coordinate)[live.at(v.role, v.component)]) roots.push_back(v.node);
+      each_input(sweep.graph, roots, [&](const ir::Input& in) { read_of_body(in); });
     }
   }
 
