@@ -53,6 +53,7 @@ std::string BatchFunction::contact_program() const {
                                          {"type", function_of(code_).type},
                                          {"struck_by", function_of(*impact_).name},
                                          {"result", function_of(*impact_).impact_result()},
+                                         {"status", own_name(*impact_, "status")},
                                          {"given", std::to_string(at)},
                                          {"first_active", std::to_string(first)},
                                          {"constraints", std::to_string(constraint_count())},

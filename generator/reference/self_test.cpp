@@ -20,6 +20,7 @@ namespace {
 constexpr int most_states = 3, most_states_of_many_coordinates = 2, many_coordinates = 200;
 constexpr Eigen::Index most_elements = 2500;                       // other than zero, compared whole
 constexpr Eigen::Index sampled_elements = 1000, most_columns = 8;  // of larger matrices
+constexpr double most_by_condition = 1.0 / 16;  // of the largest element
 constexpr long most_pairs = 600;  // of a body and an ancestor: as many as 50 digits are quick for
 
 using Kind = ir::Expectation::Kind;
@@ -166,7 +167,9 @@ class Comparison {
     e.tolerance = 512 * epsilon();
     // The least scale is a thousandth of the terms that cancel: what vanishes is as wrong as a few of their last places.
     e.tolerance = std::max(e.tolerance, 4096 * epsilon() * least_scale_ / e.scale);
-    if (std::isfinite(condition_)) e.tolerance = std::max(e.tolerance, 5 * condition_ * epsilon());
+    // All that a condition can do to rounding seldom comes to pass, and a product of conditions still less: beyond a few digits
+    // what the generic engine loses in the same scalar says more.
+    if (std::isfinite(condition_)) e.tolerance = std::max(e.tolerance, std::min(5 * condition_ * epsilon(), most_by_condition));
     if (std::isfinite(error)) e.tolerance = std::max(e.tolerance, 64 * error);
   }
 

@@ -125,19 +125,21 @@ struct Switched<Program, std::void_t<decltype(Program::constraints)>> {
   static constexpr int count = Program::constraints, first = Program::first_active;
 };
 
-// Impacts of the motions of a block in which something comes on; `before`: what acted in the last step. Whether there were any.
+// Impacts of the motions of a block in which something comes on; `before`: what acted in the last step. status: as impacts
+// have it, -1 where there was none. Whether there were any.
 template <class T, int nq, int nv, class Program, class Block, class V>
 DALEMBERT_BLOCK bool strike_where_on(Program& program, Block& block, const V* before, const RolloutBlock<T, nq, nv>& motion,
-                                     int states) {
+                                     int states, int* status) {
   using On = Switched<Program>;
   bool any = false;
+  for (int j = 0; j < batch_width<T>; ++j) status[j] = -1;
   for (int j = 0; j < states; ++j) {
     bool comes_on = false;
     for (int c = 0; c < On::count; ++c)
       comes_on |=
           lane<batch_width<T>, T>(block.given[On::first + c], j) > T(0) && !(lane<batch_width<T>, T>(before[c], j) > T(0));
     if (!comes_on || motion.stopped[j] >= 0) continue;
-    program.strike(block, j);
+    status[j] = program.strike(block, j);
     any = true;
   }
   return any;
@@ -203,6 +205,7 @@ static inline void roll_out(Program&& program, const Rollout<T>& rollout, const 
   Block blocks[strip];
   V began_v[On::count > 0 ? strip : 1][nv];
   bool struck[strip] = {};
+  int of_impact[On::count > 0 ? strip : 1][w];
   detail::RolloutBlock<T, nq, nv> motions[strip];
   const V h = broadcast<w, T>(rollout.time_step);
   for (Block& block : blocks) {
@@ -249,19 +252,21 @@ static inline void roll_out(Program&& program, const Rollout<T>& rollout, const 
               rollout.user);
         }
         if constexpr (On::count > 0) {
-          struck[b] = detail::strike_where_on<T, nq, nv>(program, block, before, motions[b], states[b]);
+          struck[b] = detail::strike_where_on<T, nq, nv>(program, block, before, motions[b], states[b], of_impact[b]);
           if (struck[b])
             detail::copy_numbers<T, nv>(motions[b].v, began_v[b]), detail::copy_numbers<T, nv>(block.v, motions[b].v);
         }
       }
       int status[strip][w];
-      const auto keep_status = [&](bool begins) {
+      for (int b = 0; b < count; ++b)
+        for (int j = 0; j < w; ++j) status[b][j] = struck[b] ? of_impact[On::count > 0 ? b : 0][j] : -1;
+      const auto keep_status = [&] {
         for (int b = 0; b < count; ++b)
-          for (int j = 0; j < w; ++j) status[b][j] = begins ? blocks[b].status[j] : std::max(status[b][j], blocks[b].status[j]);
+          for (int j = 0; j < w; ++j) status[b][j] = std::max(status[b][j], blocks[b].status[j]);
       };
       if (rollout.method != RolloutMethod::rk4) {  // a linearly implicit step is the same, with v̇ of its own program
         accelerate();
-        keep_status(true);
+        keep_status();
         for (int b = 0; b < count; ++b) {
           auto& m = motions[b];
           const V* const a = blocks[b].values + acceleration;
@@ -276,7 +281,7 @@ static inline void roll_out(Program&& program, const Rollout<T>& rollout, const 
             motions[b].step[i] = motions[b].change[i] = motions[b].steps[i] = motions[b].changes[i] = V{};
         for (int stage = 0; stage < 4; ++stage) {
           accelerate();
-          keep_status(stage == 0);
+          keep_status();
           const V ahead = broadcast<w, T>(forward[stage]), share = broadcast<w, T>(weight[stage]);
           for (int b = 0; b < count; ++b) {
             auto& m = motions[b];

@@ -2,8 +2,10 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Core>
+#include <dalembert/batch.hpp>
 #include <dalembert/integrators/rk4.hpp>
 #include <dalembert/integrators/semi_implicit_euler.hpp>
+#include <dalembert/rollout.hpp>
 #include <limits>
 #include <random>
 #include <vector>
@@ -174,6 +176,41 @@ TEST_F(ContactRollouts, StopBeforeAnImpact) {
     for (std::size_t i = 0; i < nv; ++i)
       EXPECT_EQ(some.v[(bad * steps + step) * nv + i], some.v[(bad * steps + at - 1) * nv + i]);
   EXPECT_TRUE(std::equal(all.v.begin(), all.v.begin() + static_cast<std::ptrdiff_t>(bad * steps * nv), some.v.begin()));
+}
+
+// Something that comes on in the first step, with an impact that cannot be solved for in one motion.
+struct ImpactOfOneFails {
+  using Block = dalembert::BatchBlock<double, 1, 1, 1, 1, 0, 0, 1>;
+  [[maybe_unused]] static constexpr int strip = 1, constraints = 1, first_active = 0;
+  static void with_given(Block& block, std::size_t, int) noexcept { block.given[0] = Block::V{}; }
+  static void run(Block* blocks, int count) noexcept {
+    for (int b = 0; b < count; ++b) blocks[b].values[0] = Block::V{};
+  }
+  static int strike(Block& block, int state) noexcept {
+    double v = 0;
+    dalembert::take_state<double>(block.v, 1, state, &v);
+    const double still = 0;
+    dalembert::put_state<double>(&still, 1, state, block.v);
+    return v == 3 ? 0 : -1;
+  }
+};
+
+TEST(ContactRollout, StopsWhereAnImpactIsNotSolved) {
+  constexpr std::size_t count = 4;
+  const double q[count] = {}, v[count] = {1, 2, 3, 4}, on[2 * count] = {1, 1, 1, 1, 1, 1, 1, 1};
+  for (const RolloutMethod method : {RolloutMethod::semi_implicit_euler, RolloutMethod::rk4}) {
+    double last_v[count];
+    int stopped[count];
+    dalembert::Rollout<double> rollout;
+    rollout.steps = 2, rollout.time_step = h, rollout.method = method, rollout.active = on;
+    rollout.last_v = last_v, rollout.stopped = stopped;
+    dalembert::roll_out<1, 1, double>(ImpactOfOneFails{}, rollout, q, v, nullptr, BatchLayout::rows, BatchLayout::rows, 0, count,
+                                      0, [](ImpactOfOneFails::Block&) {});
+    for (std::size_t s = 0; s < count; ++s) {
+      EXPECT_EQ(stopped[s], s == 2 ? 0 : -1);
+      EXPECT_EQ(last_v[s], s == 2 ? 3 : 0);
+    }
+  }
 }
 
 TEST_F(ContactRollouts, FromC) {
