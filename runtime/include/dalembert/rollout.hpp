@@ -205,7 +205,7 @@ static inline void roll_out(Program&& program, const Rollout<T>& rollout, const 
   Block blocks[strip];
   V began_v[On::count > 0 ? strip : 1][nv];
   bool struck[strip] = {};
-  int of_impact[On::count > 0 ? strip : 1][w];
+  int of_impact[On::count > 0 ? strip : 1][w] = {};
   detail::RolloutBlock<T, nq, nv> motions[strip];
   const V h = broadcast<w, T>(rollout.time_step);
   for (Block& block : blocks) {
