@@ -20,7 +20,7 @@ namespace {
 constexpr int most_states = 3, most_states_of_many_coordinates = 2, many_coordinates = 200;
 constexpr Eigen::Index most_elements = 2500;                       // other than zero, compared whole
 constexpr Eigen::Index sampled_elements = 1000, most_columns = 8;  // of larger matrices
-constexpr double most_by_condition = 1.0 / 16;  // of the largest element
+constexpr double most_by_condition = 1.0 / 16;                     // of the largest element
 constexpr long most_pairs = 600;  // of a body and an ancestor: as many as 50 digits are quick for
 
 using Kind = ir::Expectation::Kind;

@@ -89,7 +89,8 @@ TEST(SelfTest, BothPrecisionsAgree) {
 // A product of conditions is larger than what can be lost: what is wrong by a tenth is found all the same.
 TEST(SelfTest, FindsWhatIsWrongByATenthWhereContactsHold) {
   const std::map<std::string, std::string> contacts{
-      {"quadruped", "{front_left_3_shank: point, front_right_3_shank: point, hind_left_3_shank: point, hind_right_3_shank: point}"},
+      {"quadruped",
+       "{front_left_3_shank: point, front_right_3_shank: point, hind_left_3_shank: point, hind_right_3_shank: point}"},
       {"mahru", "{left_foot: weld, right_foot: weld}"}};
   for (const auto& [robot, held] : contacts)
     for (const char* scalar : {"double", "float"}) {

@@ -204,8 +204,8 @@ TEST(ContactRollout, StopsWhereAnImpactIsNotSolved) {
     dalembert::Rollout<double> rollout;
     rollout.steps = 2, rollout.time_step = h, rollout.method = method, rollout.active = on;
     rollout.last_v = last_v, rollout.stopped = stopped;
-    dalembert::roll_out<1, 1, double>(ImpactOfOneFails{}, rollout, q, v, nullptr, BatchLayout::rows, BatchLayout::rows, 0, count,
-                                      0, [](ImpactOfOneFails::Block&) {});
+    dalembert::roll_out<1, 1, double>(ImpactOfOneFails{}, rollout, q, v, nullptr, BatchLayout::rows, BatchLayout::rows, 0,
+                                      count, 0, [](ImpactOfOneFails::Block&) {});
     for (std::size_t s = 0; s < count; ++s) {
       EXPECT_EQ(stopped[s], s == 2 ? 0 : -1);
       EXPECT_EQ(last_v[s], s == 2 ? 3 : 0);
