@@ -20,7 +20,6 @@ namespace {
 constexpr int most_states = 3, most_states_of_many_coordinates = 2, many_coordinates = 200;
 constexpr Eigen::Index most_elements = 2500;                       // other than zero, compared whole
 constexpr Eigen::Index sampled_elements = 1000, most_columns = 8;  // of larger matrices
-constexpr double most_by_condition = 1.0 / 16;                     // of the largest element
 constexpr long most_pairs = 600;  // of a body and an ancestor: as many as 50 digits are quick for
 
 using Kind = ir::Expectation::Kind;
@@ -34,6 +33,17 @@ class Uniform {
  private:
   std::mt19937_64 engine_{1743};
 };
+
+// What is allowed for a condition at most, relative to the largest element: all that it can do to rounding seldom comes to
+// pass, and a product of conditions still less; beyond a few digits what the generic engine loses in the same scalar says more.
+// Derivatives of what constraints hold are another matter: they are of the solution, not of the steps by which it is found, and
+// where rows say nearly the same, these may leave all of it.
+double most_by_condition(const Wanted& wanted) {
+  if (!wanted.quantity) return 1.0 / 16;
+  const ir::QuantityRow& row = ir::row_of(*wanted.quantity);
+  const bool is_derivative = row.scale == ir::Scale::constrained && row.columns != ir::Extent::one;
+  return is_derivative ? std::numeric_limits<double>::infinity() : 1.0 / 16;
+}
 
 double rounded(double x, ir::ScalarType scalar) { return scalar == ir::ScalarType::float32 ? static_cast<float>(x) : x; }
 
@@ -122,13 +132,14 @@ Eigen::VectorXd products(const Eigen::MatrixXd& matrix) {
 class Comparison {
  public:
   Comparison(int array, int state, const Eigen::MatrixXd& exact, const Eigen::MatrixXd& generic, double least_scale,
-             double condition, ir::ScalarType scalar)
+             double condition, double most_by_condition, ir::ScalarType scalar)
       : array_(array),
         state_(state),
         exact_(exact),
         generic_(generic),
         least_scale_(least_scale),
         condition_(condition),
+        most_by_condition_(most_by_condition),
         scalar_(scalar) {}
 
   ir::Expectation elements(bool symmetric) const {
@@ -167,9 +178,8 @@ class Comparison {
     e.tolerance = 512 * epsilon();
     // The least scale is a thousandth of the terms that cancel: what vanishes is as wrong as a few of their last places.
     e.tolerance = std::max(e.tolerance, 4096 * epsilon() * least_scale_ / e.scale);
-    // All that a condition can do to rounding seldom comes to pass, and a product of conditions still less: beyond a few digits
-    // what the generic engine loses in the same scalar says more.
-    if (std::isfinite(condition_)) e.tolerance = std::max(e.tolerance, std::min(5 * condition_ * epsilon(), most_by_condition));
+    if (std::isfinite(condition_))
+      e.tolerance = std::max(e.tolerance, std::min(5 * condition_ * epsilon(), most_by_condition_));
     if (std::isfinite(error)) e.tolerance = std::max(e.tolerance, 64 * error);
   }
 
@@ -179,7 +189,8 @@ class Comparison {
   int array_, state_;
   const Eigen::MatrixXd &exact_, &generic_;
   double least_scale_;
-  double condition_;  // of what is solved for: by how much rounding may be magnified
+  double condition_,
+      most_by_condition_;  // of what is solved for: by how much rounding may be magnified, and what is allowed for it
   ir::ScalarType scalar_;
 };
 
@@ -210,7 +221,7 @@ ir::Expectation implicit_step(int array, int state, double step, ir::KinematicTr
   const Eigen::MatrixXd exact = evaluate(tree, scene, {wanted}, inputs, exactly).front(),
                         generic = evaluate(tree, scene, {wanted}, inputs, usual).front();
   ir::Expectation e = Comparison(array, state, exact, generic, LeastScale(tree, scene, inputs).of(wanted),
-                                 condition(wanted, tree, scene, inputs), scene.scalar)
+                                 condition(wanted, tree, scene, inputs), most_by_condition(wanted), scene.scalar)
                           .elements(false);
   const double epsilon =
       scene.scalar == ir::ScalarType::float32 ? std::numeric_limits<float>::epsilon() : std::numeric_limits<double>::epsilon();
@@ -258,7 +269,7 @@ ir::SelfTest self_test(const ir::KinematicTree& original, const ir::Scene& origi
     LeastScale least(tree, scene, inputs);
     for (size_t a = 0; a < wanted.size(); ++a) {
       const Comparison comparison(static_cast<int>(a), s, exact[a], generic[a], least.of(wanted[a]),
-                                  condition(wanted[a], tree, scene, inputs), scene.scalar);
+                                  condition(wanted[a], tree, scene, inputs), most_by_condition(wanted[a]), scene.scalar);
       const bool vector = exact[a].cols() == 1, symmetric = wanted[a].quantity == ir::Quantity::mass_matrix;
       if (s == 0 || vector) test.expectations.push_back(comparison.elements(symmetric));
       if (!vector) test.expectations.push_back(comparison.rows());
