@@ -53,9 +53,8 @@ double mass_condition(const ir::KinematicTree& tree, const ir::Scene& scene, con
 
 namespace {
 
-// The largest eigenvalue by the least, of a symmetric matrix with a diagonal of ones; where that is none to a proximal step,
-// what is lost there, once or several times.
-double symmetric_condition(Eigen::MatrixXd D, int times = 1) {
+// The eigenvalues of a symmetric matrix whose diagonal is made ones, so that units do not count; by the largest.
+Eigen::VectorXd relative_eigenvalues(Eigen::MatrixXd D) {
   for (Eigen::Index i = 0; i < D.rows(); ++i) {
     const double length = std::sqrt(D(i, i));
     if (!(length > 0)) continue;
@@ -63,9 +62,16 @@ double symmetric_condition(Eigen::MatrixXd D, int times = 1) {
     D.col(i) /= length;
   }
   const Eigen::VectorXd values = eigenvalues(D);
-  const double largest = values.maxCoeff(), mu = Proximal<double>::mu;
-  const bool redundant = values.minCoeff() <= 100 * mu * largest;
-  return redundant ? std::pow(16 / mu, times) : largest / values.minCoeff();
+  return values / values.maxCoeff();
+}
+
+// To a proximal step an eigenvalue of up to so many mu is none.
+constexpr double given_up = 100;
+
+// The largest of them by the least; where that is none, what is lost there, once or several times.
+double symmetric_condition(const Eigen::MatrixXd& D, int times = 1) {
+  const double least = relative_eigenvalues(D).minCoeff(), mu = Proximal<double>::mu;
+  return least <= given_up * mu ? std::pow(16 / mu, times) : 1 / least;
 }
 
 // Of what constraints can do for coordinates without a motor.
@@ -98,6 +104,10 @@ double linkage_condition(const ir::KinematicTree& tree, const Inputs& inputs) {
   return pivot > 0 ? 4 / (pivot * pivot) : std::numeric_limits<double>::infinity();
 }
 
+Eigen::MatrixXd along_rows(const ir::KinematicTree& tree, const ir::Scene& scene, const Inputs& inputs) {
+  return evaluate(tree, scene, {{ir::Quantity::delassus_matrix, ""}}, inputs, Precision::extended).front();
+}
+
 double condition_of_solution(const Wanted& wanted, const ir::KinematicTree& tree, const ir::Scene& scene,
                              const Inputs& inputs) {
   if (!wanted.quantity) return 0;
@@ -105,19 +115,26 @@ double condition_of_solution(const Wanted& wanted, const ir::KinematicTree& tree
   if (!ir::is_solved(ir::row_of(*wanted.quantity).scale)) return 0;
   const double of_mass = mass_condition(tree, scene, inputs);
   if (ir::row_of(*wanted.quantity).scale == ir::Scale::solved) return of_mass;
-  // Rows of one length, so that units do not count. Where rows say the same, and at velocities that contradict them, forces are
-  // 1/mu of what is asked for, and cancel; as they turn with q, forces without meaning ask for others 1/mu as large.
+  // Where rows say the same, and at velocities that contradict them, forces are 1/mu of what is asked for, and cancel; as they
+  // turn with q, forces without meaning ask for others 1/mu as large.
   const bool by_q = *wanted.quantity == ir::Quantity::constrained_forward_dynamics_dq ||
                     *wanted.quantity == ir::Quantity::constraint_forces_dq;
-  return of_mass *
-         symmetric_condition(evaluate(tree, scene, {{ir::Quantity::delassus_matrix, ""}}, inputs, Precision::extended).front(),
-                             by_q ? 2 : 1);
+  return of_mass * symmetric_condition(along_rows(tree, scene, inputs), by_q ? 2 : 1);
 }
 
 }  // namespace
 
 double condition(const Wanted& wanted, const ir::KinematicTree& tree, const ir::Scene& scene, const Inputs& inputs) {
   return std::max(condition_of_solution(wanted, tree, scene, inputs), linkage_condition(tree, inputs));
+}
+
+bool depends_on_steps(const Wanted& wanted, const ir::KinematicTree& tree, const ir::Scene& scene, const Inputs& inputs) {
+  if (!wanted.quantity) return false;
+  const ir::QuantityRow& row = ir::row_of(*wanted.quantity);
+  if (row.scale != ir::Scale::constrained || row.columns == ir::Extent::one) return false;
+  const double mu = scene.scalar == ir::ScalarType::float32 ? Proximal<float>::mu : Proximal<double>::mu;
+  const Eigen::VectorXd values = relative_eigenvalues(along_rows(tree, scene, inputs));
+  return (values.array() > mu / 1000 && values.array() < given_up * mu).any();
 }
 
 double LeastScale::largest_mass() {

@@ -47,6 +47,11 @@ double mass_condition(const ir::KinematicTree& tree, const ir::Scene& scene, con
 // solved by; else zero.
 double condition(const Wanted& wanted, const ir::KinematicTree& tree, const ir::Scene& scene, const Inputs& inputs);
 
+// Whether it is a derivative with constraints of which more than rounding is lost: such a one is of the solution, and not of
+// the proximal steps by which forces are found, and rows say so little that is new (next to mu of the most) that these neither
+// find what it asks for nor give it up.
+bool depends_on_steps(const Wanted& wanted, const ir::KinematicTree& tree, const ir::Scene& scene, const Inputs& inputs);
+
 // What a quantity's elements are to be measured against at least. Where a robot makes a quantity vanish (C of a turntable,
 // gravity of whatever moves in a horizontal plane), its largest element is rounding noise of larger terms that cancel. So every
 // quantity counts as at least a thousandth of the scale in its row (ir::Scale).

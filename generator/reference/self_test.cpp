@@ -34,17 +34,6 @@ class Uniform {
   std::mt19937_64 engine_{1743};
 };
 
-// What is allowed for a condition at most, relative to the largest element: all that it can do to rounding seldom comes to
-// pass, and a product of conditions still less; beyond a few digits what the generic engine loses in the same scalar says more.
-// Derivatives of what constraints hold are another matter: they are of the solution, not of the steps by which it is found, and
-// where rows say nearly the same, these may leave all of it.
-double most_by_condition(const Wanted& wanted) {
-  if (!wanted.quantity) return 1.0 / 16;
-  const ir::QuantityRow& row = ir::row_of(*wanted.quantity);
-  const bool is_derivative = row.scale == ir::Scale::constrained && row.columns != ir::Extent::one;
-  return is_derivative ? std::numeric_limits<double>::infinity() : 1.0 / 16;
-}
-
 double rounded(double x, ir::ScalarType scalar) { return scalar == ir::ScalarType::float32 ? static_cast<float>(x) : x; }
 
 Eigen::VectorXd rounded(const Eigen::VectorXd& x, ir::ScalarType scalar) {
@@ -128,18 +117,29 @@ Eigen::VectorXd products(const Eigen::MatrixXd& matrix) {
   return sum.cast<double>();
 }
 
+double epsilon_of(ir::ScalarType scalar) {
+  return scalar == ir::ScalarType::float32 ? std::numeric_limits<float>::epsilon() : std::numeric_limits<double>::epsilon();
+}
+
+// What is allowed, relative to the largest element, for what a condition does to rounding. All that it can do seldom comes to
+// pass, and a product of conditions still less: beyond a few digits what the generic engine loses in the same scalar says more.
+double allowed_by_condition(const Wanted& wanted, const ir::KinematicTree& tree, const ir::Scene& scene, const Inputs& inputs) {
+  const double all = 5 * condition(wanted, tree, scene, inputs) * epsilon_of(scene.scalar);
+  if (!std::isfinite(all)) return 0;
+  return depends_on_steps(wanted, tree, scene, inputs) ? all : std::min(all, 1.0 / 16);
+}
+
 // Elements of an output at one state, and what it is by the generic engine in the scalar.
 class Comparison {
  public:
   Comparison(int array, int state, const Eigen::MatrixXd& exact, const Eigen::MatrixXd& generic, double least_scale,
-             double condition, double most_by_condition, ir::ScalarType scalar)
+             double by_condition, ir::ScalarType scalar)
       : array_(array),
         state_(state),
         exact_(exact),
         generic_(generic),
         least_scale_(least_scale),
-        condition_(condition),
-        most_by_condition_(most_by_condition),
+        by_condition_(by_condition),
         scalar_(scalar) {}
 
   ir::Expectation elements(bool symmetric) const {
@@ -167,9 +167,7 @@ class Comparison {
   }
 
  private:
-  double epsilon() const {
-    return scalar_ == ir::ScalarType::float32 ? std::numeric_limits<float>::epsilon() : std::numeric_limits<double>::epsilon();
-  }
+  double epsilon() const { return epsilon_of(scalar_); }
 
   void measure(ir::Expectation& e, const Eigen::MatrixXd& exact, const Eigen::MatrixXd& generic, double largest) const {
     e.scale = std::max(largest, least_scale_);
@@ -178,8 +176,7 @@ class Comparison {
     e.tolerance = 512 * epsilon();
     // The least scale is a thousandth of the terms that cancel: what vanishes is as wrong as a few of their last places.
     e.tolerance = std::max(e.tolerance, 4096 * epsilon() * least_scale_ / e.scale);
-    if (std::isfinite(condition_))
-      e.tolerance = std::max(e.tolerance, std::min(5 * condition_ * epsilon(), most_by_condition_));
+    e.tolerance = std::max(e.tolerance, by_condition_);
     if (std::isfinite(error)) e.tolerance = std::max(e.tolerance, 64 * error);
   }
 
@@ -189,8 +186,7 @@ class Comparison {
   int array_, state_;
   const Eigen::MatrixXd &exact_, &generic_;
   double least_scale_;
-  double condition_,
-      most_by_condition_;  // of what is solved for: by how much rounding may be magnified, and what is allowed for it
+  double by_condition_;
   ir::ScalarType scalar_;
 };
 
@@ -221,11 +217,9 @@ ir::Expectation implicit_step(int array, int state, double step, ir::KinematicTr
   const Eigen::MatrixXd exact = evaluate(tree, scene, {wanted}, inputs, exactly).front(),
                         generic = evaluate(tree, scene, {wanted}, inputs, usual).front();
   ir::Expectation e = Comparison(array, state, exact, generic, LeastScale(tree, scene, inputs).of(wanted),
-                                 condition(wanted, tree, scene, inputs), most_by_condition(wanted), scene.scalar)
+                                 allowed_by_condition(wanted, tree, scene, inputs), scene.scalar)
                           .elements(false);
-  const double epsilon =
-      scene.scalar == ir::ScalarType::float32 ? std::numeric_limits<float>::epsilon() : std::numeric_limits<double>::epsilon();
-  e.tolerance += 2 * epsilon * (fastest / step + e.scale) / e.scale;
+  e.tolerance += 2 * epsilon_of(scene.scalar) * (fastest / step + e.scale) / e.scale;
   return e;
 }
 
@@ -269,7 +263,7 @@ ir::SelfTest self_test(const ir::KinematicTree& original, const ir::Scene& origi
     LeastScale least(tree, scene, inputs);
     for (size_t a = 0; a < wanted.size(); ++a) {
       const Comparison comparison(static_cast<int>(a), s, exact[a], generic[a], least.of(wanted[a]),
-                                  condition(wanted[a], tree, scene, inputs), most_by_condition(wanted[a]), scene.scalar);
+                                  allowed_by_condition(wanted[a], tree, scene, inputs), scene.scalar);
       const bool vector = exact[a].cols() == 1, symmetric = wanted[a].quantity == ir::Quantity::mass_matrix;
       if (s == 0 || vector) test.expectations.push_back(comparison.elements(symmetric));
       if (!vector) test.expectations.push_back(comparison.rows());
