@@ -300,8 +300,9 @@ struct RowsInRegisters {
   Row rows[m];
 
   DALEMBERT_INLINE void invert() {
-    T pivot = lane<w, T>(rows[0].piece[Columns::of(0) / w], Columns::of(0) % w);
-    for_constants<m>([&](auto j) DALEMBERT_IN_BLOCK { pivot = invert_by<decltype(j)::value>(pivot); });
+    T pivot = element<0>(rows[0]);
+    for_constants<m / 2>([&](auto pair) DALEMBERT_IN_BLOCK { pivot = invert_by_two<2 * decltype(pair)::value>(pivot); });
+    if constexpr (m % 2 == 1) invert_by_last(pivot);
   }
   DALEMBERT_INLINE Row diagonal() const {
     Row all{};
@@ -325,33 +326,83 @@ struct RowsInRegisters {
   }
 
  private:
-  // The next pivot, which is found before the rows: it is what everything after it waits for.
+  template <int r>
+  static DALEMBERT_INLINE T element(const Row& row) {
+    constexpr int at = Columns::of(r);
+    return lane<w, T>(row.piece[at / w], at % w);
+  }
+  template <int r>
+  static DALEMBERT_INLINE void set(Row& row, T x) {
+    constexpr int at = Columns::of(r);
+    row.piece[at / w] = with_lane_of<w, T, at % w>(row.piece[at / w], broadcast<w, T>(x));
+  }
+  template <int r, int s>
+  static DALEMBERT_INLINE void clear(Row& row) {
+    for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK {
+      constexpr int first = Columns::of(r) - decltype(i)::value * w, second = Columns::of(s) - decltype(i)::value * w;
+      if constexpr ((first >= 0 && first < w) || (second >= 0 && second < w)) {
+        const Lanes<T, w> none{}, stays = each_lane<w, T>([](int l) { return T(l == first || l == second ? 0 : 1); });
+        row.piece[i] = stays > none ? row.piece[i] : none;
+      }
+    });
+  }
+  // Row r less, or more where it has been a pivot's before pivot j, `factor` times another.
+  template <int r, int j>
+  DALEMBERT_INLINE void subtract(const Lanes<T, w>& factor, const Row& from) {
+    for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK {
+      if constexpr (r < j) rows[r].piece[i] += factor * from.piece[i];
+      else rows[r].piece[i] -= factor * from.piece[i];
+    });
+  }
+
+  // Two pivots, so that the rest is read and cleared once for both. Returns the next one, which is found before the rows: it is
+  // what everything after it waits for.
   template <int j>
-  DALEMBERT_INLINE T invert_by(T pivot) {
-    constexpr int column = Columns::of(j), piece = column / w, next = j + 1 < m ? Columns::of(least(j + 1, m - 1)) : 0;
-    const T reciprocal = T(1) / pivot;
+  DALEMBERT_INLINE T invert_by_two(T pivot) {
+    const T reciprocal = T(1) / pivot, beside = element<j + 1>(rows[j]), share = beside * reciprocal,
+            second_reciprocal = T(1) / (element<j + 1>(rows[j + 1]) - beside * share), common = share * second_reciprocal;
+    Row first, left, second, own;
+    for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK {
+      first.piece[i] = rows[j].piece[i] * broadcast<w, T>(reciprocal);
+      left.piece[i] = rows[j + 1].piece[i] - broadcast<w, T>(beside) * first.piece[i];
+      second.piece[i] = left.piece[i] * broadcast<w, T>(second_reciprocal);
+      own.piece[i] = first.piece[i] - broadcast<w, T>(share) * second.piece[i];
+    });
     T following = T(0);
-    if constexpr (j + 1 < m) {
-      const T beside = lane<w, T>(rows[j].piece[next / w], next % w);
-      following = lane<w, T>(rows[j + 1].piece[next / w], next % w) - beside * (beside * reciprocal);
+    if constexpr (j + 2 < m) {
+      constexpr int next = least(j + 2, m - 1);
+      const T x = element<next>(rows[j]), y = element<next>(left);
+      following = element<next>(rows[next]) - x * (x * reciprocal) - y * (y * second_reciprocal);
     }
+    alignas(64) T was[padded], second_was[padded];
+    rows[j].store(was), left.store(second_was);
+    set<j>(first, reciprocal), set<j + 1>(first, T(0));
+    set<j>(second, -common), set<j + 1>(second, second_reciprocal);
+    for_constants<m>([&](auto of_r) DALEMBERT_IN_BLOCK {
+      constexpr int r = decltype(of_r)::value;
+      if constexpr (r != j && r != j + 1) {
+        clear<j, j + 1>(rows[r]);
+        subtract<r, j>(broadcast<w, T>(was[Columns::of(r)]), first);
+        subtract<r, j>(broadcast<w, T>(second_was[Columns::of(r)]), second);
+      }
+    });
+    set<j>(own, reciprocal + share * common), set<j + 1>(own, -common);
+    rows[j] = own, rows[j + 1] = second;
+    return following;
+  }
+  DALEMBERT_INLINE void invert_by_last(T pivot) {
+    constexpr int j = m - 1;
+    const T reciprocal = T(1) / pivot;
     alignas(64) T was[padded];
     rows[j].store(was);
     Row solved;
     for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK { solved.piece[i] = rows[j].piece[i] * broadcast<w, T>(reciprocal); });
-    solved.piece[piece] = with_lane_of<w, T, column % w>(solved.piece[piece], broadcast<w, T>(reciprocal));
-    for_constants<m>([&](auto r) DALEMBERT_IN_BLOCK {
-      if constexpr (decltype(r)::value != j) {
-        const Lanes<T, w> factor = broadcast<w, T>(was[Columns::of(decltype(r)::value)]);
-        rows[r].piece[piece] = with_lane_of<w, T, column % w>(rows[r].piece[piece], Lanes<T, w>{});
-        for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK {
-          if constexpr (decltype(r)::value < j) rows[r].piece[i] += factor * solved.piece[i];
-          else rows[r].piece[i] -= factor * solved.piece[i];
-        });
-      }
+    set<j>(solved, reciprocal);
+    for_constants<j>([&](auto r) DALEMBERT_IN_BLOCK {
+      clear<j, j>(rows[r]);
+      subtract<decltype(r)::value, j>(broadcast<w, T>(was[Columns::of(decltype(r)::value)]), solved);
     });
     rows[j] = solved;
-    return following;
   }
 };
 

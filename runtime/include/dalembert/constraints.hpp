@@ -496,10 +496,16 @@ struct WayByLimbs {
     constexpr auto& moving = Rows::moving;
     constexpr int w = native_lanes, whole = (moving.size + w - 1) / w * w;
     T own[whole > 0 ? whole : 1];
-    for (int i = 0; i < moving.size; ++i) own[i] = limbs.pivot(moving.at[i]);
-    for (int i = moving.size; i < whole; ++i) own[i] = T(1);
-    for (int i = 0; i < whole; i += w) store<w, T>(own + i, T(1) / load<w>(own + i));
-    for (int i = 0; i < moving.size; ++i) reciprocals[moving.at[i]] = own[i];
+    // With constants for indices: of indices in a loop compilers make gathers and scatters, which are slow.
+    constexpr bool constants = whole <= 64;
+    each_index<whole / w, constants>([&](auto piece) DALEMBERT_IN_BLOCK {
+      const int from = piece * w;
+      const Lanes<T, w> pivots = each_lane<w, T>([&](int lane) DALEMBERT_IN_BLOCK {
+        return from + lane < moving.size ? limbs.pivot(moving.at[least(from + lane, moving.size - 1)]) : T(1);
+      });
+      store<w, T>(own + from, T(1) / pivots);
+    });
+    each_index<moving.size, constants>([&](auto i) DALEMBERT_IN_BLOCK { reciprocals[moving.at[i]] = own[i]; });
   }
 
   template <class Blocks>
