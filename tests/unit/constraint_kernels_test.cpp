@@ -72,6 +72,13 @@ void expect_dense(const Shape& shape, SolveConstrained<double> solve, double tol
       std::vector<double> active, none(static_cast<size_t>(all), 0.0), some = none;
       for (int c = 0; c < count; ++c) active.push_back((mask >> c) & 1u ? 1 : 0);
       for (size_t r = 0; r < some.size(); ++r) some[r] = 0.1 + 0.01 * static_cast<double>(r);
+      for (int c = 0; c < count; ++c) {
+        std::vector<double> negative = some;
+        negative[static_cast<size_t>(shape.first(c))] = -0.01;
+        const Result<double> result = solved(solve, s, effort, right, active, negative);
+        EXPECT_EQ(result.status.least_pivot == -1, active[static_cast<size_t>(c)] > 0)
+            << "constraint " << c << ", mask " << mask;
+      }
       for (const std::vector<double>& regularization : {none, some}) {
         SCOPED_TRACE(testing::Message() << "seed " << seed << ", mask " << mask << ", R " << regularization.front());
         const auto [x, forces] = dense(s, effort, right, active, regularization);

@@ -133,6 +133,26 @@ TEST(LimbsApart, RowsThatSayTheSameAreTold) {
   EXPECT_LT(status.least_pivot, 1e-7);
 }
 
+// A negative regularization is told, of what acts.
+TEST(LimbsApart, NegativeRegularizationIsTold) {
+  System s(shape_of<All>(above_legs), 3);
+  const Limbs limbs(s, 3);
+  const int all = s.shape.all();
+  const auto wrenches = in<double>(limbs.wrenches), b = in<double>(numbers(all, 2));
+  const Eigen::VectorXd start = ((s.U * s.D.asDiagonal()).inverse() * numbers(n, 1)).cast<double>();
+  const BesideEachOther numbers_of_limbs(limbs, s.D);
+  for (const int row : {0, 7, 11})
+    for (const double given : {-1e-3, 1e-3})
+      for (const double acts : {0.0, 1.0}) {
+        std::vector<double> room(static_cast<size_t>(constraint_room(s.shape.count, 3, n, all))), active(4, 1.0), R(12, 0.01);
+        R[static_cast<size_t>(row)] = given, active[static_cast<size_t>(row / 3)] = acts;
+        Eigen::VectorXd x = start, f(all);
+        const auto status = solve_constrained_by_limbs<n, All, Legs>(numbers_of_limbs.limbs(), wrenches.data(), b.data(),
+                                                                     active.data(), R.data(), room.data(), f.data(), x.data());
+        EXPECT_EQ(status.least_pivot == -1, given < 0 && acts > 0) << row << ": " << given << ", " << acts;
+      }
+}
+
 // What rows along the world's axes bear in inverse dynamics: a limb in each lane, against their wrenches on the base.
 template <class Rows>
 void expect_support() {

@@ -19,7 +19,7 @@ struct ConstraintStatus {
   // without the rounding of v̇. m/s^2 or rad/s^2; of an impact, m/s or rad/s.
   T residual = T(0);
   // The least that is left of a row's N when all others are eliminated, its pivot as the last of them; at most 1: near mu where
-  // rows say what others say. Of inverse dynamics -1: a row that acts has a weight that is none.
+  // rows say what others say. -1: a row that acts has a negative regularization or, of inverse dynamics, a weight that is none.
   T least_pivot = T(1);
   int rank = 0;  // how many rows that act say something new; one with regularization may do so, whatever the others say
 };

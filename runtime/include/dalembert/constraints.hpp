@@ -565,6 +565,7 @@ DALEMBERT_INLINE ConstraintStatus<T> solve(const Way& way, const T* right, const
   using Row = BlockRow<T, w, pieces>;
   const V none{}, one = broadcast<w, T>(T(1));
   Row known[count], held[count], regular[count], more[count];
+  V negative{};
   T sums[count][2], sum = T(0);
   each_index<count>([&](auto c) DALEMBERT_IN_BLOCK {
     const int own = Rows::rows[c], linear = Rows::linear[c];
@@ -592,6 +593,7 @@ DALEMBERT_INLINE ConstraintStatus<T> solve(const Way& way, const T* right, const
       const auto is_own = row < broadcast<w, T>(T(own));
       held[c].piece[i] = is_own ? acting > none ? hold : none : none;
       regular[c].piece[i] = acting > none ? sides[0].piece[i] : none;
+      negative += regular[c].piece[i] < none ? one : none;
       more[c].piece[i] = is_own ? acting > none ? hold + regular[c].piece[i] : one : one;
       left[0].piece[i] = acting > none ? sides[1].piece[i] : none;
     });
@@ -621,6 +623,7 @@ DALEMBERT_INLINE ConstraintStatus<T> solve(const Way& way, const T* right, const
     for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK { redundancy.add(held[c].piece[i] * left_of[c].piece[i]); });
   });
   redundancy.of_all().tell(acting, status);
+  if (BlockRow<T, w, 1>{{negative}}.total() > T(0)) status.least_pivot = T(-1);
 
   // Products with an inverse leave an error of its condition: the last step adds what is missing.
   Row before[count], rest[count], solved[count];

@@ -216,7 +216,7 @@ DALEMBERT_INLINE ConstraintStatus<T> solve_limbs_apart(const Limbs& limbs, const
 
   // c, mu N, and what the diagonal has more.
   V known[rows], held[rows], regular[rows], more[rows], all_along[rows], at_joints[steps];
-  V of_limb = none;
+  V of_limb = none, negative = none;
   for_constants<rows>([&](auto r) DALEMBERT_IN_BLOCK {
     all_along[r] = apart.diagonal(r);
     of_limb += all_along[r];
@@ -229,6 +229,7 @@ DALEMBERT_INLINE ConstraintStatus<T> solve_limbs_apart(const Limbs& limbs, const
     const V hold = (all_along[r] > none ? broadcast<lanes, T>(Proximal<T>::mu) : one) * mean;
     held[r] = given > none ? hold : none;
     regular[r] = given > none ? regular[r] : none;
+    negative += regular[r] < none ? one : none;
     more[r] = given > none ? hold + regular[r] : one;
     known[r] = given > none ? known[r] : none;
   });
@@ -253,6 +254,7 @@ DALEMBERT_INLINE ConstraintStatus<T> solve_limbs_apart(const Limbs& limbs, const
   RedundancyInLanes<T, lanes> redundancy;
   for_constants<rows>([&](auto r) DALEMBERT_IN_BLOCK { redundancy.add(held[r] * apart.left_of(r)); });
   redundancy.of_all().tell(acting, status);
+  if (BlockRow<T, lanes, 1>{{negative}}.total() > T(0)) status.least_pivot = T(-1);
 
   // Products with an inverse leave an error of its condition: the last step adds what is missing.
   V before[rows], rest[rows], solved[rows];
