@@ -15,9 +15,9 @@
 #   BATCH    emit functions of many states at once as well (NAME/batch.hpp; NAME/batch_tasks.hpp, for which a program that includes
 #            it links oneTBB). Without it the scene's key `batch` is taken to be false.
 #   NATIVE   optimise the code for the processor that compiles it, whatever the build type: -O3 -march=native. With AVX and FMA
-#            it is two to four times as fast as plain x86-64 code (MAHRU, g++ 12); it runs on no older processor. The interface
-#            to it stays the same. The variable DALEMBERT_NATIVE_LEVEL says another level than -O3, for builds in which speed
-#            does not matter.
+#            a humanoid's is two to three times as fast as plain x86-64 code, an arm's 1.1 to 1.6 times (g++ 12); it runs on
+#            no older processor. The interface to it stays the same. The variable DALEMBERT_NATIVE_LEVEL says another level
+#            than -O3, for builds in which speed does not matter.
 #   NO_SELF_TEST  don't run the code's self-test (NAME/self_test.hpp) after building it. By default a small program does, as
 #            part of the build and before anything that links TARGET: a compiler or flags that spoil the code stop the build,
 #            with the element that is wrong. Not run when cross-compiling without CMAKE_CROSSCOMPILING_EMULATOR; to be left out
