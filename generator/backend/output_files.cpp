@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <set>
 #include <utility>
 
 #include "diagnostics.hpp"
@@ -72,6 +73,13 @@ class Staged {
 // What stands beside the other files after some runs only: left from an earlier one, it would be compiled with this one's.
 constexpr const char* not_of_every_run[] = {"tasks.hpp", "tasks.cpp", "batch.hpp", "batch.cpp", "batch_tasks.hpp"};
 
+// Itself, and those within that the files are in.
+std::set<fs::path> folders_of(const std::string& folder, const std::vector<OutputFile>& files) {
+  std::set<fs::path> folders{folder};
+  for (const OutputFile& file : files) folders.insert((fs::path(folder) / file.name).parent_path());
+  return folders;
+}
+
 bool is_ours(const fs::path& path) {
   std::string start(4096, '\0');
   std::ifstream file(path, std::ios::binary);
@@ -95,8 +103,11 @@ void check_folder(const std::string& folder) {
 void add_files(const std::string& folder, const std::vector<OutputFile>& files) {
   check_folder(folder);
   std::error_code error, ignored;
-  fs::create_directories(folder, error);
-  if (!fs::is_directory(folder, ignored)) refuse(folder, "the folder cannot be made" + (error ? ": " + error.message() : ""));
+  for (const fs::path& each : folders_of(folder, files)) {
+    check_folder(each.string());
+    fs::create_directories(each, error);
+    if (!fs::is_directory(each, ignored)) refuse(each, "the folder cannot be made" + (error ? ": " + error.message() : ""));
+  }
   Staged staged;
   for (const OutputFile& file : files)
     if (const fs::path path = fs::path(folder) / file.name; !holds(path, file.text)) staged.add(path, file.text);
@@ -112,11 +123,13 @@ void write_files(const std::string& folder, const std::vector<OutputFile>& files
                         "move it, or name another folder with -o"});
   }
   add_files(folder, files);
-  for (const char* name : not_of_every_run) {
-    const fs::path path = fs::path(folder) / name;
-    const bool produced = std::any_of(files.begin(), files.end(), [&](const OutputFile& file) { return file.name == name; });
-    if (!produced && fs::is_regular_file(path, error) && is_ours(path)) fs::remove(path, error);
-  }
+  for (const fs::path& each : folders_of(folder, files))
+    for (const char* name : not_of_every_run) {
+      const fs::path path = each / name;
+      const bool produced =
+          std::any_of(files.begin(), files.end(), [&](const OutputFile& file) { return fs::path(folder) / file.name == path; });
+      if (!produced && fs::is_regular_file(path, error) && is_ours(path)) fs::remove(path, error);
+    }
 }
 
 }  // namespace dalembert::backend

@@ -53,9 +53,9 @@ std::string generate_c(const Model& whole, const std::string& folder) {
       "// Eigen's and dalembert's headers, where there are neither exceptions nor run-time types, too, and link with the C++\n"
       "// library, whose `new` create() calls and nothing else.\n");
   c_api->text = banner + fmt::format("#include \"../{}.h\"\n", model.name);
-  backend::write_files(code.string(), files);
-  backend::add_files(folder, {header});
+  for (backend::OutputFile& file : files) file.name = "code/" + file.name;
   files.push_back(std::move(header));
+  backend::write_files(folder, files);
   return written(model, files, folder);
 }
 

@@ -117,9 +117,13 @@ std::string generate_package(const Model& whole, const std::string& folder) {
               {"results", results_table(model)},
               {"coordinates", coordinates_table(model)},
               {"figures", figures(model)}})};
-  backend::write_files((fs::path(folder) / model.name).string(), code);
-  for (const auto& [place, files] : headers) backend::write_files((fs::path(folder) / "include" / place).string(), files);
-  backend::write_files(folder, about);
+  std::vector<backend::OutputFile> all = about;
+  const auto add = [&](const fs::path& place, const std::vector<backend::OutputFile>& files) {
+    for (const backend::OutputFile& file : files) all.push_back({(place / file.name).string(), file.text});
+  };
+  add(model.name, code);
+  for (const auto& [place, files] : headers) add(fs::path("include") / place, files);
+  backend::write_files(folder, all);
   return fmt::format("{}: a package in {}; build it with cmake, and run its self-test with ctest\n", model.name, folder);
 }
 

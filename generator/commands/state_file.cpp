@@ -29,6 +29,16 @@ void normalise_quaternion(State& state, int first, bool of_base, const std::stri
   quaternion /= length;
 }
 
+std::string first_that_is_none(const std::string& line) {
+  std::istringstream words(line);
+  std::string word;
+  int number = 0;
+  do words >> word, ++number;
+  while (words && frontend::parse_number(word));
+  constexpr std::size_t most = 20;
+  return fmt::format("'{}', number {}", word.substr(0, most), number);
+}
+
 }  // namespace
 
 std::vector<State> read_states(const std::string& path, const ir::KinematicTree& tree, ir::Function function,
@@ -55,7 +65,8 @@ std::vector<State> read_states_text(const std::string& file, const std::string& 
     if (line.find_first_not_of(" \t\r\f\v") == line.npos) continue;
     const std::string place = fmt::format("line {}", number);
     const std::optional<std::vector<double>> values = frontend::parse_numbers(line);
-    if (!values) throw InputError({Severity::error, file, place, "something on it is not a number", layout});
+    if (!values)
+      throw InputError({Severity::error, file, place, "something on it is not a number: " + first_that_is_none(line), layout});
     if (static_cast<Eigen::Index>(values->size()) != count)
       throw InputError(
           {Severity::error, file, place, fmt::format("there are {} numbers instead of {}", values->size(), count), layout});

@@ -3,6 +3,7 @@
 
 #include <map>
 #include <optional>
+#include <set>
 
 #include "frontend/function_names.hpp"
 #include "frontend/nearest.hpp"
@@ -89,8 +90,10 @@ ir::Part SceneKeys::part_of(const std::string& name, const ir::Parts& has, const
       refuse(entry.value, fmt::format("no {} of {} are named", entry.key.scalar == "links" ? "links" : "joints", name), remedy);
     return list;
   };
+  std::set<std::string> given;
   for (const auto& entry : node.entries) {
     const std::string key = entry.key.is_scalar() ? entry.key.scalar : "";
+    if (!given.insert(key).second) refuse(entry.key, fmt::format("'{}' is given twice", key), "keep one of them");
     if (key == "joints") part.joints = names(entry);
     else if (key == "subtree") part.subtrees = names(entry);
     else if (key == "base") part.base = choice<bool>(entry.value, {{"true", true}, {"false", false}});

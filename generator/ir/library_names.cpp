@@ -386,7 +386,7 @@ constexpr std::string_view library_names[] = {
 bool is_library_macro(std::string_view text) {
   for (const std::string_view prefix : {"EIGEN_", "TBB_", "ONETBB_", "SYS_"})
     if (text.starts_with(prefix)) return true;
-  if (text.size() > 4 && text.starts_with("__") && text.ends_with("__")) return true;  // __LINE__, __linux__
+  if (text.starts_with("__") && text.ends_with("__") && text.find_first_not_of('_') != text.npos) return true;  // __linux__
   return std::binary_search(std::begin(macros), std::end(macros), text);
 }
 

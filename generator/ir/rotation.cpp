@@ -19,7 +19,7 @@ Eigen::Matrix3d rotation_from_rpy(const Eigen::Vector3d& rpy) {
 Eigen::Matrix3d rotation_about(const Eigen::Vector3d& axis, double angle) {
   if (angle == 0) return Eigen::Matrix3d::Identity();
   for (int i = 0; i < 3; ++i)
-    if (std::abs(axis[i]) == 1) return rotation_from_rpy(axis * angle);
+    if (std::abs(axis[i]) == 1 && axis.cwiseAbs().sum() == 1) return rotation_from_rpy(axis * angle);
   return Eigen::AngleAxisd(angle, axis).toRotationMatrix();
 }
 

@@ -138,7 +138,7 @@ int Builder::role(const ir::Role& role) {
   auto& roles = algorithm_.roles;
   const auto at = std::find_if(roles.begin(), roles.end(), [&](const ir::Role& r) { return r.name == role.name; });
   if (at != roles.end()) {
-    if (at->shape != role.shape) throw std::logic_error("two roles are called " + role.name);
+    if (at->shape != role.shape || at->meaning != role.meaning) throw std::logic_error("two roles are called " + role.name);
     return static_cast<int>(at - roles.begin());
   }
   roles.push_back(role);

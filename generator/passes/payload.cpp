@@ -30,7 +30,7 @@ std::map<int, ir::NodeId> payload_parameters(ir::Graph& graph, const ir::Kinemat
   // Moments of the whole body, payload welded on: their trace about the common centre of mass is the body's half trace. A body
   // without mass has no such centre while its payloads are empty: a mass below all rounding makes 0/0 a zero.
   constexpr double no_mass = 1e-36;
-  Sym mass = constant(own.mass > 0 ? own.mass : no_mass), trace = constant(own.second.trace());
+  Sym mass = constant(own.mass != 0 ? own.mass : no_mass), trace = constant(own.second.trace());
   Vec3 first = constant3(own.first);
   Sym added_mass = constant(0);
   Vec3 added_first = constant3(Eigen::Vector3d::Zero());

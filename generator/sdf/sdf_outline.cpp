@@ -17,6 +17,7 @@
 #include <optional>
 #include <sdf/sdf.hh>
 #include <set>
+#include <stdexcept>
 #include <string_view>
 #include <tuple>
 #include <vector>
@@ -123,6 +124,16 @@ class SdfReader {
   SdfReader(const std::string& file, Diagnostics& warnings) : file_(file), warnings_(warnings) {}
 
   UrdfOutline read() {
+    try {
+      return read_file();
+    } catch (const std::logic_error& error) {  // of std::stoi and its like, where libsdformat does not look before
+      throw InputError({Severity::error, file_, "SDF", fmt::format("libsdformat cannot read it, and fails ({})", error.what()),
+                        "correct versions and <uri>s, in what it includes and in the model.config beside that too"});
+    }
+  }
+
+ private:
+  UrdfOutline read_file() {
     sdf::Console::Instance()->SetQuiet(true);
     for (const char* variable : {"GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RESOURCE_PATH", "GAZEBO_MODEL_PATH"})
       if (const char* const folders = std::getenv(variable)) config_.AddURIPath("model://", folders);
@@ -148,7 +159,6 @@ class SdfReader {
     return std::move(outline_);
   }
 
- private:
   // The text without what is idle. Included files are given to libsdformat as copies of which the same holds.
   SdfText essential(const std::string& path, int depth = 0) {
     const std::string text = bytes_of(path);

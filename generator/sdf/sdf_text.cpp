@@ -217,6 +217,14 @@ SdfText without_idle_elements(const std::string& text, const std::function<std::
   };
   size_t begin_of_idle = 0;
   std::string_view tag_of_idle;
+  const auto remark_at = [&](size_t at, Severity severity, std::string what, std::string remedy) {
+    const auto line = 1 + std::count(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(at), '\n');
+    (severity == Severity::error ? result.errors : result.warnings)
+        .push_back({severity, "", fmt::format("line {}", line), std::move(what), std::move(remedy)});
+  };
+  const auto fault = [&](size_t at, std::string what, std::string remedy) {
+    remark_at(at, Severity::error, std::move(what), std::move(remedy));
+  };
   // A file of nothing but a light, such as model://sun, has to have one where it is included.
   const auto instead_of_idle = [&](std::string_view name) -> std::string {
     if (open.empty()) return "";
@@ -235,6 +243,10 @@ SdfText without_idle_elements(const std::string& text, const std::function<std::
       const bool closes = tag[1] == '/', is_empty = tag[tag.size() - 2] == '/';
       if (!closes) {
         if (result.root.empty()) result.root = name;
+        else if (open.empty()) fault(at, fmt::format("a second <{}> stands behind the first", name), "keep one of them");
+        if (const std::string_view version = attribute(tag, "version");
+            open.empty() && name == "sdf" && version.find_first_not_of("0123456789.") != nowhere)
+          fault(at, fmt::format("<sdf version=\"{}\"> is no version", version), "write one, such as 1.9");
         open.push_back(name);
         content = end, start = tag;
         if (idle == 0 && is_idle(name)) {
@@ -253,9 +265,7 @@ SdfText without_idle_elements(const std::string& text, const std::function<std::
                          : nullptr) {
         const std::string_view numerals = all.substr(content, at - content);
         const auto remark = [&](Severity severity, std::string what, std::string remedy) {
-          const auto line = 1 + std::count(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(content), '\n');
-          (severity == Severity::error ? result.errors : result.warnings)
-              .push_back({severity, "", fmt::format("line {}", line), std::move(what), std::move(remedy)});
+          remark_at(content, severity, std::move(what), std::move(remedy));
         };
         if (const auto plain = plain_text(numerals)) {
           const auto instead = corrected(*numbers, start, *plain, remark);
@@ -263,6 +273,12 @@ SdfText without_idle_elements(const std::string& text, const std::function<std::
           std::replace(written.begin(), written.end(), '\n', ' ');  // lines are counted by what it stands for
           if (instead || *plain != numerals) pass(content, at, written);
         }
+      }
+      if (const bool blank = is_empty || (closes && trimmed(all.substr(content, at - content)).empty());
+          blank && idle == 0 && open.size() > 1) {
+        const std::string_view within = open[open.size() - 2];
+        if (within == "inertial" && name == "mass") fault(at, "<mass> has no number", "write its mass in kg");
+        if (within == "include" && name == "uri") fault(at, "<include> has no <uri>", "write the model's, such as model://arm");
       }
       if (closes || is_empty) {
         const size_t level = open.size();

@@ -109,7 +109,7 @@ TEST(States, BadOnesAreRefusedWithTheirLine) {
   expect_refused(eval("0 0\n0\n", fixed), "standard input: line 2: error: there are 1 numbers instead of 2");
   expect_refused(eval("0 0 0\n", fixed), "standard input: line 1: error: there are 3 numbers instead of 2");
   expect_refused(eval("0 zero\n", fixed), "standard input: line 1: error: something on it is not a number");
-  expect_refused(eval("0 0,5\n", fixed), "standard input: line 1: error: something on it is not a number");
+  expect_refused(eval("0 0,5\n", fixed), "standard input: line 1: error: something on it is not a number: '0,5', number 2");
   expect_refused(eval("0 0 0  0 0 0 0  0   0 0 0 0 0 0 0\n"), "line 1: error: the base's quaternion has length 0; give a unit");
   expect_refused(run_dalembert({"eval", sound, "--state", "no_such", "--output", "bias"}, "."),
                  "no_such: error: there is no such file; name a state file that can be read");

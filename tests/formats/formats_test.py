@@ -486,6 +486,10 @@ class Sdf(Folder):
             status, out, said = said_of(f"<mass>{text}</mass>{moments}")
             self.assertEqual((status, out), (2, ""), said)
             self.assertRegex(said, rf"link 'a' \(line 2\): error: <mass>{text}</mass> is not a (finite )?number; write")
+        for blank in ("<mass></mass>", "<mass> </mass>", "<mass/>"):  # libsdformat takes 1 kg
+            status, out, said = said_of(blank + moments)
+            self.assertEqual((status, out), (2, ""), said)
+            self.assertIn("line 2: error: <mass> has no number; write its mass in kg", said)
         self.assertIn("<iyy>0,1</iyy> is not a number", said_of("<mass>1</mass>" + moments.replace("<iyy>0.1", "<iyy>0,1"))[2])
         # What no body has is judged as in a URDF.
         status, _, said = said_of("<mass>1</mass><inertia><ixx>0.1</ixx><iyy>0.1</iyy><izz>0.3</izz></inertia>")
@@ -494,6 +498,21 @@ class Sdf(Folder):
         status, _, said = said_of("<mass>-1</mass>" + moments)
         self.assertEqual(status, 2)
         self.assertNotIn("libsdformat", said)
+
+    def test_what_libsdformat_falls_over_or_passes_over_is_refused(self):
+        model = "<model name='m'><link name='a'/></model>"
+        for text, message in (
+                (f"<sdf version='abc'>{model}</sdf>", 'line 1: error: <sdf version="abc"> is no version; write one, such as 1.9'),
+                ("<sdf version='99999999999999999999.1'>" + model + "</sdf>", "SDF: error: libsdformat cannot read it"),
+                ("<sdf version='1.9'>\n<include><uri> </uri></include></sdf>", "line 2: error: <include> has no <uri>"),
+                ("<sdf version='1.9'><include><uri/></include></sdf>", "line 1: error: <include> has no <uri>"),
+                (f"<sdf version='1.9'>{model}</sdf>\n<sdf version='1.9'>{model}</sdf>",
+                 "line 2: error: a second <sdf> stands behind the first; keep one of them")):
+            with self.subTest(text):
+                status, out, said = run("info", self.write("m.sdf", text))
+                self.assertEqual((status, out), (2, ""), said)
+                self.assertIn(message, said)
+                self.assertNotIn("defect of dalembert", said)
 
     IDLE = ("<visual name='v'><geometry><box><size>1 1 1</size></box></geometry><material><script><name>Gazebo/Grey</name></script></material>"
             "</visual><!-- <link> --><collision name='c'>\n<surface><friction><ode><mu>much</mu></ode></friction></surface></collision>"

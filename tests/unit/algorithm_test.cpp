@@ -508,7 +508,8 @@ TEST(AlgorithmAt, DerivativesWithConstraintsDrawnToTheirPlacesAreDifferences) {
 TEST(NamesOfLinks, MayBeThoseOfContactsAndLoops) {
   std::string text = "<robot name='r'><link name='base'/>", parent = "base";
   int joint = 0;
-  for (const std::string name : {"a", "tip", "ground_tip", "contact_c", "own_contact_c", "loop_l_a", "ground_contact_c"}) {
+  for (const std::string name :
+       {"a", "tip", "ground_tip", "contact_c", "own_contact_c", "loop_l_a", "ground_contact_c", "twist"}) {
     text += "<link name='" + name +
             "'><inertial><origin xyz='0.1 0.02 0'/><mass value='1'/><inertia ixx='0.1' iyy='0.12' izz='0.15' ixy='0'"
             " ixz='0' iyz='0'/></inertial></link><joint name='j" +
@@ -526,7 +527,7 @@ TEST(NamesOfLinks, MayBeThoseOfContactsAndLoops) {
   loop.name = "l", loop.links = {"tip", "ground_contact_c"}, loop.type = ir::LoopType::point;
   scene.loops = {loop};
   for (const ir::LinkQuantityRow& row : ir::link_quantities())
-    for (const char* link : {"tip", "ground_tip", "contact_c", "own_contact_c", "loop_l_a", "ground_contact_c"})
+    for (const char* link : {"tip", "ground_tip", "contact_c", "own_contact_c", "loop_l_a", "ground_contact_c", "twist"})
       scene.frames.push_back({row.quantity, link});
   for (const ir::Base base : {ir::Base::fixed, ir::Base::floating}) {
     scene.base = base;
@@ -537,6 +538,12 @@ TEST(NamesOfLinks, MayBeThoseOfContactsAndLoops) {
     one.frames = {{ir::LinkQuantity::twist, "contact_c"}};
     one.contacts.front().link = "contact_c";
     expect_generic_values(model_of(robot, one));
+    ir::Scene beside;  // of which both have roles called after accelerations and twists
+    beside.base = base;
+    beside.functions = {{"f",
+                         {ir::Quantity::inverse_dynamics_dq, ir::Quantity::inverse_dynamics_dv},
+                         {{ir::LinkQuantity::acceleration_bias, "twist"}}}};
+    expect_generic_values(model_of(robot, beside));
   }
 }
 

@@ -311,6 +311,8 @@ TEST(Rotation, ZerosAndOnesAreExact) {
   EXPECT_NE(ir::rotation_from_rpy({-1.5708, 0, 0})(1, 1), 0);  // not snapped
   const Eigen::Vector3d skew = Eigen::Vector3d(1, -2, 0.5).normalized();
   EXPECT_LE((ir::rotation_about(skew, 2.2) - Eigen::AngleAxisd(2.2, skew).toRotationMatrix()).norm(), 1e-15);
+  const Eigen::Vector3d nearly_z(1e-8, 0, 1);  // of length 1 but for rounding
+  EXPECT_LE((ir::rotation_about(nearly_z, 3) - Eigen::AngleAxisd(3, nearly_z).toRotationMatrix()).norm(), 1e-15);
 }
 
 TEST(Rotation, SquareTurnsAreExactAndOthersUntouched) {

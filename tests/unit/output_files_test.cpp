@@ -51,6 +51,19 @@ TEST_F(OutputFiles, AreWrittenAndNothingElseIs) {
   EXPECT_EQ(count(), 2u);
 }
 
+TEST_F(OutputFiles, OfFoldersWithinAreWrittenTogetherOrNotAtAll) {
+  write({{"a.hpp", ours}, {"code/b.hpp", ours}, {"code/tasks.cpp", ours}});
+  EXPECT_EQ(text("code/b.hpp"), ours);
+  write({{"a.hpp", ours + "1"}, {"code/b.hpp", ours + "1"}});
+  EXPECT_EQ(text("code/b.hpp"), ours + "1");
+  EXPECT_FALSE(fs::exists(root_ / "out/code/tasks.cpp")) << "it would be compiled with the others";
+  std::ofstream(root_ / "out/c.txt") << "the user's";
+  EXPECT_THROW(write({{"code/b.hpp", ours + "2"}, {"code/d.hpp", ours}, {"c.txt", ours}}), InputError);
+  EXPECT_EQ(text("code/b.hpp"), ours + "1");
+  EXPECT_EQ(text("c.txt"), "the user's");
+  EXPECT_FALSE(fs::exists(root_ / "out/code/d.hpp"));
+}
+
 TEST_F(OutputFiles, AreLeftAloneWhenTheyStayTheSame) {
   write({{"a.hpp", ours + "1"}, {"b.hpp", ours + "1"}});
   const fs::file_time_type old = fs::file_time_type::clock::now() - std::chrono::hours(1);

@@ -31,7 +31,7 @@ void describe_right(Builder& b, const ConstraintRows& rows, bool impact, int arr
     roles.assign(static_cast<std::size_t>(count), role);
   } else {
     for (int i = 0; i < count; ++i)
-      roles.push_back(b.role({name + "_row_" + std::to_string(i), "bc" + std::to_string(i),
+      roles.push_back(b.role({"row_" + std::to_string(i) + "_" + name, "bc" + std::to_string(i),
                               "what J dv of " + rows.constraint().of + " shall be", impact ? "m/s, rad/s" : "m/s^2, rad/s^2",
                               Shape::scalar}));
   }

@@ -178,8 +178,8 @@ HeldRoles ContactRows::wrench(Builder& b) const {
   const LinkPlace at = link_place(b, frame_, Frame::base);
   const std::string of = " of contact " + contact_.name;
   const HeldRoles roles{b.role({"hold_" + name(), "Fl", "f, n" + of + " about the base's origin", "N, N m", Shape::wrench}),
-                        b.role({"hold_" + name() + "_moment", "nl", "n" + of + " about its point", "N m", Shape::vector}),
-                        at.origin, !contact_.along_link};
+                        b.role({"moment_hold_" + name(), "nl", "n" + of + " about its point", "N m", Shape::vector}), at.origin,
+                        !contact_.along_link};
   if (b.has("hold_" + name())) return roles;
   SweepBuilder s = b.sweep_of_base("hold_" + name(),
                                    contact_.along_link ? "f = X f_c, n = X n_c + x x f" : "f = X0' f_c, n = X0' n_c + x x f");

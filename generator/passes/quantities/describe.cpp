@@ -26,7 +26,7 @@ static std::string name_among_roles(const std::string& link) {
   const std::string name = ir::identifier(link);
   for (const char* taken : {"ground_", "contact_", "loop_", "own_"})
     if (name.starts_with(taken)) return "own_" + name;
-  return name;
+  return name == "twist" ? "own_" + name : name;  // acceleration_twist is all bodies'
 }
 
 LinkFrame link_frame(const std::string& link, const ir::KinematicTree& tree, const ir::NormalTree& normal) {

@@ -156,7 +156,7 @@ class LoopRows : public ConstraintRows {
     const HeldRoles roles{
         b.role({"hold_" + name(), "Fl", "f, n of loop " + loop_.name + " on its second link about the base's origin", "N, N m",
                 Shape::wrench}),
-        b.role({"hold_" + name() + "_moment", "nl", "n of loop " + loop_.name + " about its point", "N m", Shape::vector}),
+        b.role({"moment_hold_" + name(), "nl", "n of loop " + loop_.name + " about its point", "N m", Shape::vector}),
         m.at[1].origin, false};
     if (b.has("hold_" + name())) return roles;
     SweepBuilder s =
