@@ -52,7 +52,9 @@ class ParagraphWriter {
   }
 
   std::string run() const {
-    const std::string body = paragraph_.written.empty() ? text_of_loop() : written_out();
+    const std::string body = paragraph_.written.empty() ? text_of_loop()
+                             : segment_.width == 1      ? written_out()
+                                                        : written_out_in_lanes();
     return fmt::format("  // {}\n  {{\n{}  }}\n", fmt::join(paragraph_.equations, "\n  // "), body);
   }
 
@@ -83,6 +85,61 @@ class ParagraphWriter {
       text += fmt::format("    const dalembert::Lanes<Scalar, 1> {}[] = {{{}}};\n", name(role), fmt::join(values, ", "));
     }
     return text + handed_on();
+  }
+
+  // Step after step, with what all limbs' constants are in place.
+  std::string written_out_in_lanes() const {
+    std::string text = fmt::format("    using V [[maybe_unused]] = {};\n", target_.type());
+    if (loop_.direction == Direction::outwards) text += carried_from_outside();
+    for (size_t i = 0; i < paragraph_.written.size(); ++i) text += lanes_text(i);
+    const size_t last = paragraph_.written.size() - 1;
+    for (const auto& [role, components] : carried_) {
+      if (!hands_on(role)) continue;
+      std::vector<std::string> values;
+      for (const ir::Carried* c : components) values.push_back(carried_text(last, *c));
+      text += fmt::format("    const V {}[] = {{{}}};\n", name(role), fmt::join(values, ", "));
+    }
+    if (loop_.in_parts()) text = part_by_part(text);
+    return text + handed_on();
+  }
+
+  std::string lanes_text(size_t i) const {
+    const ir::LimbStep& step = paragraph_.written[i];
+    const std::string lane = loop_.in_parts() ? " + lane" : "";
+    const std::string in_table = fmt::format("{}{}", step.place * loop_.width, lane),
+                      slot = fmt::format("{}{}", loop_.first_slot + step.place * loop_.width, lane);
+    int temporaries = 0;
+    PrintStyle s;
+    s.type = "V";
+    s.scalar = code_.scene.scalar;
+    s.indent = "    ";
+    s.flat_sums = true;
+    s.broadcast = [this](const std::string& number) { return target_.broadcast(number); };
+    s.name = [&](ir::NodeId) { return fmt::format("t{}_{}", ++temporaries, i + 1); };
+    const auto carried = [&](const ir::Input& in) { return i == 0 ? variable(in.index, in.component) : variable(in, i); };
+    const auto own = [&](const ir::Address& a) { return fmt::format("{} + {}", kept(code_, a.role, a.component), slot); };
+    s.input = [&](const ir::Input& in) {
+      switch (in.kind) {
+        case InputKind::carried: return carried(in);
+        case InputKind::kept: return in.body == ir::Address::own ? target_.load(own(address(in))) : of_all(address(in));
+        default:
+          return target_.load(fmt::format("{}_{} + {}", segment_.name, column_name(rolled_.columns, in.index), in_table));
+      }
+    };
+    s.input_name = [&](const ir::Input& in) {
+      return in.kind == InputKind::carried ? carried(in) : fmt::format("{}_{}", input_name(in), i + 1);
+    };
+    std::vector<Sink> sinks;
+    for (const ir::Store& store : step.stores) sinks.push_back(stored(step.graph, store.node, own(store.to)));
+    const bool last = i + 1 == paragraph_.written.size();
+    for (const ir::Carried& c : step.carried)
+      if (!step.graph.is_constant(c.node) && (!last || hands_on(c.role)))
+        sinks.push_back({c.node, fmt::format("const V {} = ", carried_name(c, i)), ";"});
+    std::vector<std::string> bodies;
+    for (const int l : paragraph_.live_lanes)
+      if (const int body = segment_.bodies[static_cast<size_t>(l)][static_cast<size_t>(step.place)]; body >= 0)
+        bodies.push_back(body_text(body));
+    return fmt::format("    // {}\n", fmt::join(bodies, ", ")) + print(step.graph, sinks, s);
   }
 
   std::string step_text(size_t i) const {
@@ -130,7 +187,9 @@ class ParagraphWriter {
     for (const ir::Carried& own : paragraph_.written[step].carried)
       if (own.role == c.role && own.component == c.component) {
         const ir::Node& n = paragraph_.written[step].graph[own.node];
-        return n.op == ir::Op::constant ? literal(n.value, code_.scene.scalar) : carried_name(own, step);
+        if (n.op != ir::Op::constant) return carried_name(own, step);
+        const std::string number = literal(n.value, code_.scene.scalar);
+        return segment_.width == 1 ? number : target_.broadcast(number);
       }
     throw std::logic_error("a value is read of a branch that it does not leave");
   }
@@ -233,16 +292,16 @@ class ParagraphWriter {
   std::string own(const ir::Address& a) const { return kept(code_, a.role, a.component) + " + slot"; }
   std::string of_all(const ir::Address& a) const { return target_.broadcast(number(code_, a)); }
 
+  Sink stored(const ir::Graph& graph, ir::NodeId node, const std::string& to) const {
+    const ir::Node& n = graph[node];
+    if (n.op == ir::Op::constant) return {node, target_.store_constant(to), "));"};
+    if (n.op == ir::Op::input && n.input.kind == InputKind::table) return {node, target_.store_column(to), "));"};
+    return {node, target_.store(to), ");"};
+  }
+
   std::vector<Sink> sinks() const {
     std::vector<Sink> sinks;
-    for (const ir::Store& s : paragraph_.stores) {
-      const std::string to = own(s.to);
-      const ir::Node& n = paragraph_.graph[s.node];
-      if (n.op == ir::Op::constant) sinks.push_back({s.node, target_.store_constant(to), "));"});
-      else if (n.op == ir::Op::input && n.input.kind == InputKind::table)
-        sinks.push_back({s.node, target_.store_column(to), "));"});
-      else sinks.push_back({s.node, target_.store(to), ");"});
-    }
+    for (const ir::Store& s : paragraph_.stores) sinks.push_back(stored(paragraph_.graph, s.node, own(s.to)));
     for (const auto& [role, components] : carried_)
       for (size_t i = 0; i < components.size(); ++i) {
         const std::string to = fmt::format("next_{}[{}] = ", name(role), i);
@@ -259,6 +318,7 @@ class ParagraphWriter {
     std::vector<std::string> parents;  // slots to gather from
     const std::string at_lane = loop_.in_parts() ? " + lane" : "";
     for (const auto& [role, components] : carried_) {
+      if (!paragraph_.written.empty() && !begins_with(role)) continue;
       std::vector<std::string> values;
       for (const ir::Carried* c : components) {
         if (loop_.direction == Direction::inwards) continue;
@@ -285,6 +345,15 @@ class ParagraphWriter {
     if (!parents.empty())
       tables = fmt::format("    static constexpr int parents[] = {{{}}};\n", fmt::join(parents, ", ")) + tables;
     return tables + text;
+  }
+
+  // Whether the first of the steps that are written out reads it.
+  bool begins_with(int role) const {
+    const ir::LimbStep& first = paragraph_.written.front();
+    bool found = false;
+    ir::each_input(first.graph, first.roots(),
+                   [&](const ir::Input& in) { found = found || (in.kind == InputKind::carried && in.index == role); });
+    return found;
   }
 
   // Runs of components of a role that go to one body in the same way are one call.
@@ -332,10 +401,13 @@ std::string segment_tables(const CodeInput& code, size_t segment) {
   std::set<int> read;
   for (const ir::SegmentStage& stage : c.stages)
     for (const ir::Paragraph& p : stage.paragraphs) {
-      if (!p.written.empty()) continue;
-      ir::each_input(p.graph, p.roots(), [&](const ir::Input& in) {
-        if (in.kind == InputKind::table) read.insert(in.index);
-      });
+      const auto note = [&](const ir::Graph& graph, const std::vector<ir::NodeId>& roots) {
+        ir::each_input(graph, roots, [&](const ir::Input& in) {
+          if (in.kind == InputKind::table) read.insert(in.index);
+        });
+      };
+      if (p.written.empty()) note(p.graph, p.roots());
+      for (const ir::LimbStep& step : p.written) note(step.graph, step.roots());
     }
   std::string text;
   for (int column : read) {

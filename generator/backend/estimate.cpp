@@ -106,19 +106,32 @@ void add_straight(const ir::Graph& graph, const std::vector<ir::NodeId>& roots, 
   of(f, Feature::stores) += static_cast<double>(roots.size());
 }
 
-void add_written(const std::vector<ir::LimbStep>& steps, int lanes, Features& f) {
-  const double before = of(f, Feature::scalar);
+// Of one register.
+double operations_in_lanes(const ir::Graph& graph, const std::vector<ir::NodeId>& roots, const std::vector<ir::Store>& stores,
+                           int lanes) {
+  const Work work(graph, roots, fused(lanes));
+  return work.operations() + 4 * work.divisions() + static_cast<double>(stores.size()) / 2;
+}
+
+void add_written(const std::vector<ir::LimbStep>& steps, const ir::SlotLoop& loop, int lanes, Features& f) {
+  const bool alone = loop.width == 1;
+  const Feature feature = alone ? Feature::scalar : Feature::lanes;
+  const double before = of(f, feature);
   double recurrence = 0;
   for (const ir::LimbStep& step : steps) {
-    add_straight(step.graph, step.roots(), lanes, f);
-    of(f, Feature::waiting) += until_lanes_read * static_cast<double>(step.stores.size());
+    if (alone) {
+      add_straight(step.graph, step.roots(), lanes, f);
+      of(f, Feature::waiting) += until_lanes_read * static_cast<double>(step.stores.size());
+    } else {
+      of(f, Feature::lanes) += loop.side_by_side(lanes) * operations_in_lanes(step.graph, step.roots(), step.stores, lanes);
+    }
     if (&step == &steps.front() || &step == &steps.back()) continue;
     std::vector<ir::NodeId> handed;
     for (const ir::Carried& c : step.carried) handed.push_back(c.node);
     const auto carried = [](const ir::Input& in) { return in.kind == ir::InputKind::carried; };
     recurrence += Work(step.graph, step.roots(), fused(lanes)).longest(carried, handed);
   }
-  of(f, Feature::waiting) += std::max(0.0, recurrence - (of(f, Feature::scalar) - before) / begun_in_a_cycle);
+  of(f, Feature::waiting) += std::max(0.0, recurrence - (of(f, feature) - before) / begun_in_a_cycle);
 }
 
 void add_paragraph(const ir::Paragraph& p, int lanes, Features& f) {
@@ -130,10 +143,9 @@ void add_paragraph(const ir::Paragraph& p, int lanes, Features& f) {
   // The first step's inputs, the last step's outputs: nothing else is there to be done.
   const double ends = p.loop.by_steps() ? work.longest([](const ir::Input&) { return true; }, roots) : 0;
   of(f, Feature::waiting) += ends;
-  if (!p.written.empty()) return add_written(p.written, lanes, f);
+  if (!p.written.empty()) return add_written(p.written, p.loop, lanes, f);
   const double trips = p.loop.trips(lanes);
-  const double operations =
-      p.loop.side_by_side(lanes) * (work.operations() + 4 * work.divisions() + static_cast<double>(p.stores.size()) / 2);
+  const double operations = p.loop.side_by_side(lanes) * operations_in_lanes(p.graph, roots, p.stores, lanes);
   of(f, Feature::lanes) += trips * operations;
   of(f, Feature::loops) += 1;
   if (p.loop.by_steps())

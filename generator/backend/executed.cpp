@@ -22,7 +22,7 @@ ir::Operations of(const ir::Graph& graph, const std::vector<ir::NodeId>& roots, 
 ir::Operations paragraph(const ir::Paragraph& p) {
   ir::Operations sum;
   if (p.written.empty()) sum = of(p.graph, p.roots(), p.loop.computed(counted_lanes));
-  for (const ir::LimbStep& step : p.written) sum += of(step.graph, step.roots());
+  for (const ir::LimbStep& step : p.written) sum += of(step.graph, step.roots(), p.loop.computed(counted_lanes) / p.loop.steps);
   // Sums over lanes, and what they are added to.
   for (const ir::HandedOn& h : p.handed) sum.add += static_cast<long>(h.lanes.size()) - (h.first ? 1 : 0);
   return sum;

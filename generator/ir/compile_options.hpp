@@ -21,7 +21,7 @@ struct CompileOptions {
   bool share = true;            // equal subexpressions are computed once
   bool move_parameters = true;  // inertial parameters move towards the base
   bool pack = true;             // limbs stand side by side in lanes
-  bool write_limbs = true;      // loops over a limb that stands alone are written out, with its bodies' constants in place
+  bool write_limbs = true;      // short loops along limbs are written out, with bodies' constants in place
   bool join = true;             // of a task graph, what is too little for a task is joined with another
   bool weigh = true;            // … and threads divide elements where, and come as many as, pays; not: wherever they can
   std::shared_ptr<const MachineCosts> costs{};  // what choices go by; null: the committed constants

@@ -48,7 +48,7 @@ struct Plan {
   Form form = Form::straight;
   Order order = Order::as_written;  // of the straight form
   bool tasks = false;
-  bool write_limbs = true;  // whether loops over a limb that stands alone are written out
+  bool write_limbs = true;  // whether short loops along limbs are written out
   bool join_tasks = true, weigh_tasks = true;
   std::shared_ptr<const MachineCosts> costs{};  // as of the compile options
   bool sweeps_apart = false;                    // of tasks: each thread sweeps for itself, and only elements are divided

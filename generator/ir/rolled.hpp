@@ -66,11 +66,13 @@ struct Carried {
   }
 };
 
-// What one body does of a limb that is written out, body after body. Inputs: `carried` from the step before, `kept`.
+// What one step of a loop does that is written out, step after step. Inputs: `carried` from the step before, `kept`, and, of
+// limbs side by side, `table` where their constants differ.
 struct LimbStep {
-  int body = 0;
+  int place = 0;  // among the segment's steps
+  int body = 0;   // of the first lane that is read
   Graph graph;
-  std::vector<Store> stores;     // to the body's slot
+  std::vector<Store> stores;     // to the slots of the step; of a limb that stands alone, to the body's
   std::vector<Carried> carried;  // to the next step, which reads it, or, of the last inwards, to whoever it hangs on
 
   std::vector<NodeId> roots() const;  // all of them
@@ -119,6 +121,7 @@ struct Paragraph {
   std::vector<Store> stores;  // to this slot
   std::vector<Carried> carried;
   std::vector<HandedOn> handed{};   // inwards, behind the last step
+  std::vector<int> live_lanes{};    // whose numbers anybody reads
   std::vector<LimbStep> written{};  // in the order in which they run; none: it is a loop
 
   std::vector<NodeId> roots() const;  // of the loop

@@ -6,6 +6,7 @@
 #include "passes/joints.hpp"
 #include "passes/joints/quaternion.hpp"
 #include "passes/levels.hpp"
+#include "passes/live_lanes.hpp"
 #include "passes/parameters.hpp"
 #include "passes/roll_state.hpp"
 #include "passes/write_limbs.hpp"
@@ -200,6 +201,7 @@ ir::RolledProgram roll(const ir::Algorithm& algorithm, Unroll& unroll, const ir:
   roll_results(state);
   place(state);
   leave_in_slots(state);
+  find_live_lanes(algorithm, plan, state.program);
   write_limbs(plan, state.program);
   return std::move(state.program);
 }

@@ -1,5 +1,6 @@
-// Loops of the rolled form that are written out: of a limb that stands alone, whose lanes would be one, body after body with
-// the body's constants in place. So zeros and ones of its tables fold, and what is carried is a variable.
+// Loops of the rolled form that are written out, step after step with their constants in place: of a limb that stands alone,
+// whose lanes would be one, and of limbs side by side that are alike, so that much folds. So zeros and ones of their tables
+// fold, and what is carried is a variable.
 #pragma once
 
 #include "ir/plan.hpp"

@@ -152,7 +152,7 @@ class RolledRun {
                                                                       : kept(c.from.size() == 1 ? c.from.front() : c.from[at]);
             carried[{c.role, c.component}].push_back(start);
           }
-        for (const LimbStep& step : p.written) take(step, carried);
+        for (const LimbStep& step : p.written) take(step, p, code, carried);
         for (int i = 0; i < loop.steps && p.written.empty(); ++i) {
           const int first = loop.step(i) * loop.width;  // of the segment's slots
           std::vector<std::vector<double>> values;
@@ -174,7 +174,8 @@ class RolledRun {
           for (int lane = 0; lane < loop.width; ++lane) {
             const auto at = static_cast<std::size_t>(lane);
             for (const auto& [to, node] : p.stores)
-              kept(to, loop.first_slot + first + lane) = values[at][static_cast<std::size_t>(node)];
+              kept(to, loop.first_slot + first + lane) =
+                  is_live(p, lane) ? values[at][static_cast<std::size_t>(node)] : std::nan("");
             for (const Carried& c : p.carried)
               carried[{c.role, c.component}][at] = values[at][static_cast<std::size_t>(c.node)];
           }
@@ -190,18 +191,34 @@ class RolledRun {
 
   using OfLanes = std::map<std::pair<int, int>, std::vector<double>>;
 
-  // What one body of a limb that is written out does.
-  void take(const LimbStep& step, OfLanes& carried) {
-    const std::vector<double> values = interpret<double>(step.graph, [&](const Input& in) {
-      switch (in.kind) {
-        case InputKind::kept: return kept(address(in));
-        case InputKind::carried: return carried.at({in.index, in.component}).front();
-        default: return input_(in);
-      }
-    });
-    const auto value = [&](NodeId node) { return values[static_cast<std::size_t>(node)]; };
-    for (const auto& [to, node] : step.stores) kept(to) = value(node);
-    for (const Carried& c : step.carried) carried.at({c.role, c.component}).front() = value(c.node);
+  // What others would leave nobody may need.
+  static bool is_live(const Paragraph& p, int lane) {
+    return std::find(p.live_lanes.begin(), p.live_lanes.end(), lane) != p.live_lanes.end();
+  }
+
+  // What one step that is written out does.
+  void take(const LimbStep& step, const Paragraph& p, const SegmentCode& code, OfLanes& carried) {
+    const SlotLoop& loop = p.loop;
+    std::vector<std::vector<double>> values;
+    const auto slot = [&](int lane) { return loop.first_slot + step.place * loop.width + lane; };
+    for (int lane = 0; lane < loop.width; ++lane)
+      values.push_back(interpret<double>(step.graph, [&](const Input& in) {
+        const auto at = static_cast<std::size_t>(lane);
+        switch (in.kind) {
+          case InputKind::table:
+            return code.columns[static_cast<std::size_t>(in.index)]
+                .values[static_cast<std::size_t>(step.place * loop.width) + at];
+          case InputKind::kept: return kept(address(in), slot(lane));
+          case InputKind::carried: return carried.at({in.index, in.component})[at];
+          default: return input_(in);
+        }
+      }));
+    for (int lane = 0; lane < loop.width; ++lane) {
+      const auto at = static_cast<std::size_t>(lane);
+      const auto value = [&](NodeId node) { return values[at][static_cast<std::size_t>(node)]; };
+      for (const auto& [to, node] : step.stores) kept(to, slot(lane)) = is_live(p, lane) ? value(node) : std::nan("");
+      for (const Carried& c : step.carried) carried.at({c.role, c.component})[at] = value(c.node);
+    }
   }
 
   // Where blocks find a joint of the limb above a lane.
