@@ -312,7 +312,7 @@ class SdfReader {
   void stop_on_errors() const {
     if (!errors_.empty()) throw InputError(errors_);
   }
-  void ignore(const char* kind, const std::string& name, const std::string& what, const char* remedy) {
+  void ignore(const char* kind, const std::string& name, const std::string& what, const std::string& remedy) {
     warnings_.push_back({Severity::warning, file_, fmt::format("{} '{}'", kind, name), what + " is ignored", remedy});
   }
 
@@ -487,6 +487,7 @@ class SdfReader {
     if (out.type != ir::JointType::fixed && out.type != ir::JointType::spherical && (!axis || (turns_two_ways && !second)))
       return refuse(axis ? "it has no second axis" : "it has no axis",
                     turns_two_ways ? "write its <axis> and <axis2>" : "write its <axis>, with the direction as <xyz>");
+    warn_of_what_others_have(joint, out);
     std::string parent, child;
     const size_t before = errors_.size();
     take(joint.ResolveParentLink(parent));
@@ -555,6 +556,24 @@ class SdfReader {
     outline_.joints.push_back(std::move(out));
   }
 
+  // Elements that joints of other types have: SDF allows them in each.
+  void warn_of_what_others_have(const sdf::Joint& joint, const JointOutline& out) {
+    const std::string type = joint.Element()->Get<std::string>("type");
+    const bool has_second = out.type == ir::JointType::universal, is_screw = out.type == ir::JointType::helical;
+    for (const auto& [element, belongs] : {std::pair{"axis2", has_second},
+                                           {"thread_pitch", is_screw},
+                                           {"screw_thread_pitch", is_screw},
+                                           {"gearbox_ratio", false},
+                                           {"gearbox_reference_body", false}})
+      if (!belongs && joint.Element()->HasElement(element))
+        ignore("joint", out.name, fmt::format("its <{}>", element),
+               fmt::format("a {} joint has none: remove it, or correct the joint's type", type));
+    const sdf::JointAxis* const axis = joint.Axis(0);
+    if (out.type == ir::JointType::spherical && axis && (axis->Damping() != 0 || axis->Friction() != 0))
+      ignore("joint", out.name, "the damping and friction of its <axis>",
+             "a ball has no axis: say them in the scene, damping and friction");
+  }
+
   // A joint to a link that hangs on another one already holds the two together.
   void add_loop(const sdf::Joint& joint, JointOutline& out, const Pose3d& in_parent, const Pose3d& in_child) {
     const auto isometry = [](const Pose3d& pose) {
@@ -605,6 +624,7 @@ class SdfReader {
     const auto refuse = [&](const std::string& what, const char* remedy) {
       add_error(errors_, {Severity::error, file_, place(out), what, remedy});
     };
+    warn_of_what_others_have(joint, out);
     std::string parent, child;
     const size_t before = errors_.size();
     take(joint.ResolveParentLink(parent));

@@ -514,6 +514,23 @@ class Sdf(Folder):
                 self.assertIn(message, said)
                 self.assertNotIn("defect of dalembert", said)
 
+    def test_what_joints_of_another_type_have_is_told(self):
+        inertial = self.INERTIAL.format("0.1 0 0")
+        axis = "<axis><xyz>0 0 1</xyz><dynamics><damping>0.5</damping></dynamics></axis>"
+        for kind, within, told in (
+                ("revolute", axis + axis.replace("axis>", "axis2>"), ["its <axis2> is ignored; a revolute joint has none"]),
+                ("prismatic", axis + "<thread_pitch>3</thread_pitch><gearbox_ratio>2</gearbox_ratio>",
+                 ["its <thread_pitch> is ignored; a prismatic joint has none", "its <gearbox_ratio> is ignored"]),
+                ("ball", axis, ["the damping and friction of its <axis> is ignored; a ball has no axis: say them in the scene"]),
+                ("screw", axis + "<thread_pitch>3</thread_pitch>", []), ("fixed", "", []),
+                ("universal", axis + axis.replace("axis>", "axis2>").replace("0 0 1", "0 1 0"), [])):
+            with self.subTest(kind):
+                status, _, said = run("info", self.write("m.sdf", f"<sdf version='1.9'><model name='m'><link name='a'>{inertial}</link><link name='b'>{inertial}</link>"
+                                                         f"<joint name='j' type='{kind}'><parent>a</parent><child>b</child>{within}</joint></model></sdf>"))
+                self.assertEqual(status, 0, said)
+                for message in told: self.assertIn(f"joint 'j': warning: {message}", said)
+                if not told: self.assertNotIn("is ignored", said)
+
     IDLE = ("<visual name='v'><geometry><box><size>1 1 1</size></box></geometry><material><script><name>Gazebo/Grey</name></script></material>"
             "</visual><!-- <link> --><collision name='c'>\n<surface><friction><ode><mu>much</mu></ode></friction></surface></collision>"
             "<sensor name='s' type='camera'><camera><horizontal_fov>9</horizontal_fov></camera></sensor><light/><battery><![CDATA[<]]></battery>")

@@ -49,16 +49,19 @@ TEST(TableCopies, AreFoundInText) {
 
 class EmittedCode : public ::testing::TestWithParam<TestRobot> {};
 
-// Of a tree of ten equal branches two joints long.
+// Of a tree of ten branches two joints long, alike but for their numbers, which would be written in place if they were the
+// same.
 TEST(Tables, HaveNamesOfTheirOwn) {
   const auto link = [](const std::string& name) {
-    return "<link name='" + name +
-           "'><inertial><origin xyz='0.15 0.01 -0.02'/><mass value='2'/>"
-           "<inertia ixx='0.0018' ixy='0.0004' ixz='-0.0003' iyy='0.0161' iyz='0.0002' izz='0.0157'/></inertial></link>";
+    const std::string digit(1, static_cast<char>('0' + name[0] % 10));
+    return "<link name='" + name + "'><inertial><origin xyz='0.1" + digit + " 0.01" + digit + " -0.02" + digit +
+           "'/><mass value='2." + digit + "'/><inertia ixx='0.0118' ixy='0.0004" + digit + "' ixz='-0.0003" + digit +
+           "' iyy='0.0161' iyz='0.0002" + digit + "' izz='0.0157'/></inertial></link>";
   };
   const auto joint = [](const std::string& parent, const std::string& child, const char* axis) {
-    return "<joint name='to_" + child + "' type='continuous'><origin xyz='0.3 0 0.02'/><parent link='" + parent +
-           "'/><child link='" + child + "'/><axis xyz='" + axis + "'/></joint>";
+    return "<joint name='to_" + child + "' type='continuous'><origin xyz='0.3" +
+           std::string(1, static_cast<char>('0' + child[0] % 10)) + " 0 0.02'/><parent link='" + parent + "'/><child link='" +
+           child + "'/><axis xyz='" + axis + "'/></joint>";
   };
   std::string text = "<robot name='tree'>" + link("base");
   for (char branch = 'a'; branch < 'k'; ++branch) {
