@@ -73,6 +73,12 @@ struct ConstraintRows {
     for (const int r : rows) most = r > most ? r : most;
     return dalembert::block_rows(most);
   }
+  // The constraint that a row is of.
+  static constexpr int of_row(int row) {
+    int c = 0;
+    while (row >= first(c + 1)) ++c;
+    return c;
+  }
   static constexpr int longest(int begin = 0, int behind = count) {
     int most = 0;
     for (int c = begin; c < behind; ++c) most = lengths[c] > most ? lengths[c] : most;

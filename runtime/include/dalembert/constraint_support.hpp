@@ -54,17 +54,17 @@ __attribute__((noinline, cold)) static bool mend_weights(const T* active, const 
 // rounding beside others. Nobody waits for the answer.
 template <class Rows, class T>
 DALEMBERT_INLINE bool are_ordinary(const T* active, const T* weights) {
-  T sums[2] = {}, sizes[2] = {};  // the same, unless one is negative or no number
-  each_index<Rows::count>([&](auto c) DALEMBERT_IN_BLOCK {
-    const bool acts = active[c] > T(0);
-    for_constants<6>([&](auto r) DALEMBERT_IN_BLOCK {
-      if (r >= Rows::rows[c]) return;
-      const T weight = acts ? weights[Rows::first(c) + r] : T(0);
-      sums[r % 2] += weight;
-      sizes[r % 2] += weight < T(0) ? -weight : weight;
-    });
+  constexpr int all = Rows::first(Rows::count);
+  T sum = T(0), size = T(0);  // the same, unless one is negative or no number
+  each_piece<all>([&](auto lanes, auto at) DALEMBERT_IN_BLOCK {
+    constexpr int w = decltype(lanes)::value, from = decltype(at)::value;
+    using Row = BlockRow<T, w, 1>;
+    const Lanes<T, w> given = load<w>(weights + from),
+                      acts = each_lane<w, T>([&](int lane) { return active[Rows::of_row(from + lane)]; }),
+                      weight = acts > Lanes<T, w>{} ? given : Lanes<T, w>{};
+    sum += Row{{weight}}.total();
+    size += Row{{weight < Lanes<T, w>{} ? -weight : weight}}.total();
   });
-  const T sum = sums[0] + sums[1], size = sizes[0] + sizes[1];
   constexpr T most = sizeof(T) == 8 ? T(1e100) : T(1e10), least = T(1) / most;
   return sum == size && sum <= most && (sum >= least || sum == T(0));
 }
@@ -126,6 +126,17 @@ DALEMBERT_INLINE void solve_support(T (&a)[u][u], const T (&held)[u], const T (&
     });
   });
 }
+// The inverse of a, positive definite; its half below the diagonal is read.
+template <class T>
+DALEMBERT_INLINE void invert_three(const T (&a)[3][3], T (&to)[3][3]) {
+  const T first = T(1) / a[0][0], x = a[1][0] * first, y = a[2][0] * first;
+  const T b = a[1][1] - x * a[1][0], c = a[2][1] - y * a[1][0], d = a[2][2] - y * a[2][0];
+  const T of_rest = T(1) / (b * d - c * c), cx = c * x, cy = c * y;
+  const T u = d * x - cy, v = b * y - cx;
+  to[1][1] = d * of_rest, to[2][2] = b * of_rest, to[2][1] = to[1][2] = -(c * of_rest);
+  to[1][0] = to[0][1] = -(u * of_rest), to[2][0] = to[0][2] = -(v * of_rest);
+  to[0][0] = first + (u * x + v * y) * of_rest;
+}
 // The same of a base along the world's axes: forces have nothing to do with each other, nor with moments about their own axes.
 template <class T>
 DALEMBERT_INLINE void solve_support_of_base(const T (&a)[6][6], const T (&held)[6], const T (&to)[6], T (&y)[6],
@@ -149,7 +160,7 @@ DALEMBERT_INLINE void solve_support_of_base(const T (&a)[6][6], const T (&held)[
       rest[k][l] = own;
     });
   });
-  invert_few(rest, inverse);
+  invert_three(rest, inverse);
   Redundancy<T> redundancy;
   for_constants<3>([&](auto i) DALEMBERT_IN_BLOCK {
     constexpr int next = (decltype(i)::value + 1) % 3, last = (decltype(i)::value + 2) % 3;
@@ -209,11 +220,16 @@ DALEMBERT_INLINE void solve_support_in_loops(T (&L)[u][u], const T (&held)[u], c
   }
 }
 
-// The largest error so far; NaN once one is.
-template <class T>
-DALEMBERT_INLINE void keep_largest(T& most, T error) {
-  const T size = error < T(0) ? -error : error;
-  most = size > most || size != size ? size : most;
+// The largest error of those at f(0), f(1), …; NaN once one is no number.
+template <int count, class T, class F>
+DALEMBERT_INLINE T largest_error(const F& f) {
+  T most = T(0), undefined = T(0);
+  for (int i = 0; i < count; ++i) {
+    const T size = std::fabs(f(i));
+    most = size > most ? size : most;
+    undefined += size - size;
+  }
+  return most + undefined;
 }
 
 // Of J_u' W J_u, the half below the diagonal.
@@ -457,7 +473,7 @@ __attribute__((noinline)) static ConstraintStatus<T> support(const T* jacobian, 
     });
   });
   for (int k = 0; k < n; ++k) to[k] -= borne[k];
-  for (int i = 0; i < u; ++i) constraint_detail::keep_largest(status.residual, to[Without::at[i]]);
+  if constexpr (u > 0) status.residual = constraint_detail::largest_error<u, T>([&](int i) { return to[Without::at[i]]; });
   return status;
 }
 
@@ -479,18 +495,17 @@ __attribute__((noinline)) static ConstraintStatus<T> support_by_wrenches(const A
     });
     constraint_detail::bear<Rows>(c, axes, pushed, to);
   });
-  constraint_detail::for_constants<base>([&](auto j)
-                                             DALEMBERT_IN_BLOCK { constraint_detail::keep_largest(status.residual, to[j]); });
+  status.residual = constraint_detail::largest_error<base, T>([&](int j) { return to[j]; });
   return status;
 }
 
 // The same where all rows are along the world's axes: seen along these, what rows push the base with is ones, and where they
 // push it. turn: the base's axes in the world, column by column. points: where constraints act, from the base's origin along
-// the world's axes, three numbers each.
+// the world's axes, three numbers each. In place of a call: points and weights have just been
+// computed, and need not go through memory.
 template <int n, class Rows, class Axes, class T>
-__attribute__((noinline)) static ConstraintStatus<T> support_at_points(const Axes& axes, const T* turn, const T* points,
-                                                                       const T* active, const T* weights, T* forces,
-                                                                       T* to) noexcept {
+DALEMBERT_INLINE ConstraintStatus<T> support_at_points(const Axes& axes, const T* turn, const T* points, const T* active,
+                                                       const T* weights, T* forces, T* to) noexcept {
   using namespace constraint_detail;
   constexpr int base = 6;
   using Support = std::conditional_t<(limbs_beside<Rows, Axes>().slot >= 0), RowsAtPointsBeside<Rows, Axes, T>,
@@ -508,7 +523,7 @@ __attribute__((noinline)) static ConstraintStatus<T> support_at_points(const Axe
   solve_support_of_base(A, held, lacking, y, status);
   if (!used.are_weights) status.least_pivot = T(-1);
   rows.bear(turn, y, forces, to);
-  for_constants<base>([&](auto j) DALEMBERT_IN_BLOCK { keep_largest(status.residual, to[j]); });
+  status.residual = largest_error<base, T>([&](int j) { return to[j]; });
   return status;
 }
 

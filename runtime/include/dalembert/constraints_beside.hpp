@@ -115,6 +115,14 @@ struct ConstraintsBeside {
   // Sums over limbs of some numbers.
   template <int some>
   static DALEMBERT_INLINE void over_limbs(const BlockRow<T, lanes, 1> (&of)[some], T (&to)[some]) {
+    if constexpr (lanes == 2 && shuffles_in_registers) {
+      for_constants<some / 2>([&](auto two) DALEMBERT_IN_BLOCK {
+        constexpr int i = 2 * decltype(two)::value;
+        const V a = of[i].piece[0], b = of[i + 1].piece[0], sums = shuffled<T, 0, 2>(a, b) + shuffled<T, 1, 3>(a, b);
+        to[i] = sums[0], to[i + 1] = sums[1];
+      });
+      return;
+    }
     for_constants<some / 4>([&](auto four) DALEMBERT_IN_BLOCK {
       constexpr int i = 4 * decltype(four)::value;
       const Lanes<T, 4> sums = sums_of_four(of + i);
