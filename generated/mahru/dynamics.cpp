@@ -8,7 +8,7 @@
 #include <dalembert/runs.hpp>
 #include <dalembert/sincos.hpp>
 namespace mahru {
-inline namespace code_f9834f5c {
+inline namespace code_51f8b668 {
 namespace {
 
 // Branches side by side in lanes; slot = first + step * width + lane.
@@ -1938,10 +1938,10 @@ void elements_left_hip_yaw_x4(Workspace& workspace) noexcept {
 void results(Workspace& workspace) noexcept {
   Workspace::Scratch& scratch = workspace.scratch;
   static_cast<void>(scratch);
-  for (int k = 0; k < 25; ++k) {
+  dalembert::each_constant<25>([&](auto k) DALEMBERT_IN_BLOCK {
     workspace.gravity[6 + k] = scratch.gravity_torque(0)[joint_slot[k]];
     workspace.bias[6 + k] = scratch.bias_torque(0)[joint_slot[k]];
-  }
+  });
 }
 
 }  // namespace stages
@@ -1958,5 +1958,5 @@ void evaluate(const Scalar* q, const Scalar* v, Workspace& workspace) noexcept {
   stages::results(workspace);
 }
 
-}  // namespace code_f9834f5c
+}  // namespace code_51f8b668
 }  // namespace mahru

@@ -18,7 +18,7 @@ static_assert(dalembert::runtime_version == 15,
               "mahru was generated for another runtime: generate it again");
 
 namespace mahru {
-inline namespace code_f9834f5c {  // other content has another name, and none is linked in the other's place
+inline namespace code_51f8b668 {  // other content has another name, and none is linked in the other's place
 
 using Scalar = double;
 
@@ -176,7 +176,7 @@ void results(Workspace& workspace) noexcept;
 
 }  // namespace stages
 
-}  // namespace code_f9834f5c
+}  // namespace code_51f8b668
 }  // namespace mahru
 
 // Notes

@@ -97,9 +97,12 @@ std::string joint_results(const CodeInput& code) {
                                    kept(code, r.role, i)));
   }
   if (of_all.empty()) return text;
-  const std::string loop = fmt::format("  for (int k = 0; k < {}; ++k) ", code.tree.joints());
-  if (of_all.size() == 1) return text + loop + of_all.front();
-  return text + loop + "{\n    " + fmt::format("{}", fmt::join(of_all, "    ")) + "  }\n";
+  const std::string each = fmt::format("{}", fmt::join(of_all, "    "));
+  constexpr size_t few = 64;  // beyond which looking slots up costs less than fetching the text
+  if (static_cast<size_t>(code.tree.joints()) * of_all.size() <= few)
+    return text + fmt::format("  dalembert::each_constant<{}>([&](auto k) DALEMBERT_IN_BLOCK {{\n    {}  }});\n",
+                              code.tree.joints(), each);
+  return text + fmt::format("  for (int k = 0; k < {}; ++k) {{\n    {}  }}\n", code.tree.joints(), each);
 }
 
 bool joint_loops(const CodeInput& code) {

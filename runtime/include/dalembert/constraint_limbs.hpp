@@ -184,7 +184,7 @@ DALEMBERT_INLINE void accelerate_outwards(const Limbs& limbs, T* x) {
         });
         const auto yields = [&](int j) DALEMBERT_IN_BLOCK { return at_joint.gain(j) * moved[j]; };
         const auto first = yields(0) + yields(1), second = yields(2) + yields(3), third = yields(4) + yields(5);
-        const Lanes<T, lanes> rate = own - (first + second + third);
+        const Lanes<T, lanes> rate = (own - first) - (second + third);
         for_constants<lanes>([&](auto l) DALEMBERT_IN_BLOCK {
           constexpr int c = group.chain[decltype(l)::value];
           if constexpr (c >= 0)

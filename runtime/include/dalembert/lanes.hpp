@@ -278,6 +278,12 @@ DALEMBERT_INLINE void for_constants(const F& f) {
 
 }  // namespace detail
 
+// The same for generated code: what short loops look up in tables of constants is known while compiling.
+template <int count, class F>
+DALEMBERT_INLINE void each_constant(const F& f) {
+  detail::for_constants<count>(f);
+}
+
 // What a loop hands from step to step, and what it hands on at its end. Written out, not loops: arrays that only constants
 // index stay in registers.
 namespace detail {

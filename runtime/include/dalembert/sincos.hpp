@@ -90,13 +90,13 @@ DALEMBERT_INLINE void store_for_limbs(T* to, const Lanes<double, w>& x) {
   }
 }
 
-// Of `count` registers of w angles: the i-th holds read(place(i)) and what follows, and its sines and cosines go there.
-template <int count, int w, class T, class Place, class Read>
-DALEMBERT_BLOCK void sincos_each(const Place& place, const Read& read, T* sine, T* cosine) {
+// Of `count` registers of w angles, angles(i) being the i-th, whose sines and cosines go to place(i) and behind it.
+template <int count, int w, class T, class Place, class Angles>
+DALEMBERT_BLOCK void sincos_each(const Place& place, const Angles& angles, T* sine, T* cosine) {
   const auto large_by_library = [&]() DALEMBERT_IN_BLOCK {
     T angle[count * w], s[count * w], c[count * w];
     for (int i = 0; i < count; ++i) {
-      store<w, T>(angle + i * w, each_lane<w, T>([&](int j) { return read(place(i) + j); }));
+      store<w, T>(angle + i * w, angles(i));
       if constexpr (sincos_vector_limit < 0) continue;
       store<w, T>(s + i * w, load<w>(sine + place(i)));
       store<w, T>(c + i * w, load<w>(cosine + place(i)));
@@ -111,30 +111,56 @@ DALEMBERT_BLOCK void sincos_each(const Place& place, const Read& read, T* sine, 
   using V = Lanes<double, w>;
   V largest{}, smallest{};  // NaN is neither: one that nobody needs changes nothing else
   for (int i = 0; i < count; ++i) {
-    const int at = place(i);
     V s, c;
-    const V x = each_lane<w, double>([&](int j) { return static_cast<double>(read(at + j)); });
+    const V x = __builtin_convertvector(angles(i), V);
     largest = x > largest ? x : largest;
     smallest = x < smallest ? x : smallest;
     sincos_reduced<w>(x, s, c);
-    store_for_limbs<w>(sine + at, s);
-    store_for_limbs<w>(cosine + at, c);
+    store_for_limbs<w>(sine + place(i), s);
+    store_for_limbs<w>(cosine + place(i), c);
   }
   const V size = largest > -smallest ? largest : -smallest;
   bool small = true;
   for (int j = 0; j < w; ++j) small &= size[j] <= sincos_vector_limit;
   if (__builtin_expect(!small, 0)) large_by_library();
 }
-template <int n, class T, class Read>
-DALEMBERT_BLOCK void sincos_row(const Read& read, T* sine, T* cosine) {
-  constexpr int w = angle_lanes(n);
-  sincos_each<(n + w - 1) / w, w>([](int i) { return w * i; }, read, sine, cosine);
+// Of angles that stand at place(i) and behind it, too;
+template <int count, int w, class T, class Place>
+DALEMBERT_BLOCK void sincos_in_place(const T* angle, const Place& place, T* sine, T* cosine) {
+  sincos_each<count, w>(
+      place, [=](int i) DALEMBERT_IN_BLOCK { return load<w>(angle + place(i)); }, sine, cosine);
 }
-template <int slots, int fours, int most, class T, class Read>
-DALEMBERT_BLOCK void sincos_limbs(const Read& read, const int* first_of_four, T* sine, T* cosine) {
-  constexpr int w = least(angle_lanes(slots), most);
-  if constexpr (w == 8) sincos_row<slots>(read, sine, cosine);
-  else sincos_each<fours * 4 / w, w>([=](int i) { return first_of_four[i * w / 4] + i * w % 4; }, read, sine, cosine);
+// or of angle[at[place(i)]] and so on. As long as they are few they are brought together ahead, with constants for indices:
+// where a loop looks each one up, that is a third of its instructions.
+template <int count, int w, class T, class Place>
+DALEMBERT_BLOCK void sincos_gathered(const T* angle, const int* at, const Place& place, T* sine, T* cosine) {
+  const auto gathered = [=](int i) DALEMBERT_IN_BLOCK { return gather<w>(angle, at + place(i)); };
+  if constexpr (count <= 16) {
+    alignas(64) T ahead[count * w];
+    for_constants<count>([&](auto i) DALEMBERT_IN_BLOCK { store<w, T>(ahead + i * w, gathered(i)); });
+    sincos_each<count, w>(
+        place, [&](int i) DALEMBERT_IN_BLOCK { return load<w>(ahead + i * w); }, sine, cosine);
+  } else {
+    sincos_each<count, w>(place, gathered, sine, cosine);
+  }
+}
+
+// Registers one behind the other, or at fours of slots.
+template <int n>
+struct AnglesInRow {
+  static constexpr int w = angle_lanes(n), count = (n + w - 1) / w;
+  int operator()(int i) const { return w * i; }
+};
+template <int slots, int fours, int most>
+struct AnglesAtFours {
+  static constexpr int w = least(angle_lanes(slots), most), count = fours * 4 / w;
+  const int* first_of_four;
+  int operator()(int i) const { return first_of_four[i * w / 4] + i * w % 4; }
+};
+template <int slots, int fours, int most>
+DALEMBERT_INLINE auto places_of_slots([[maybe_unused]] const int* first_of_four) {
+  if constexpr (least(angle_lanes(slots), most) == 8) return AnglesInRow<slots>{};
+  else return AnglesAtFours<slots, fours, most>{first_of_four};
 }
 
 }  // namespace detail
@@ -142,12 +168,14 @@ DALEMBERT_BLOCK void sincos_limbs(const Read& read, const int* first_of_four, T*
 // angle (rad), sine, cosine: arrays of padded(n) elements that do not overlap; angle's padding must hold numbers (zeros).
 template <int n, class T>
 DALEMBERT_BLOCK void sincos(const T* angle, T* sine, T* cosine) {
-  detail::sincos_row<n>([angle](int i) { return angle[i]; }, sine, cosine);
+  using Row = detail::AnglesInRow<n>;
+  detail::sincos_in_place<Row::count, Row::w>(angle, Row{}, sine, cosine);
 }
 // Of angle[at[0]], …, angle[at[n − 1]]; `at`, sine and cosine have padded(n) elements.
 template <int n, class T>
 DALEMBERT_BLOCK void sincos_at(const T* angle, const int* at, T* sine, T* cosine) {
-  detail::sincos_row<n>([angle, at](int i) { return angle[at[i]]; }, sine, cosine);
+  using Row = detail::AnglesInRow<n>;
+  detail::sincos_gathered<Row::count, Row::w>(angle, at, Row{}, sine, cosine);
 }
 
 // Of the angles of limbs: those of the slots first_of_four[0], … and the three behind each of them, so many fours. Other slots,
@@ -155,12 +183,14 @@ DALEMBERT_BLOCK void sincos_at(const T* angle, const int* at, T* sine, T* cosine
 // where what comes behind takes no more slots at a time, and so waits for no more.
 template <int slots, int fours, int most = 8, class T>
 DALEMBERT_BLOCK void sincos_of_slots(const T* angle, const int* first_of_four, T* sine, T* cosine) {
-  detail::sincos_limbs<slots, fours, most>([angle](int i) { return angle[i]; }, first_of_four, sine, cosine);
+  const auto places = detail::places_of_slots<slots, fours, most>(first_of_four);
+  detail::sincos_in_place<places.count, places.w>(angle, places, sine, cosine);
 }
 // The angle of a slot is angle[at[slot]].
 template <int slots, int fours, int most = 8, class T>
 DALEMBERT_BLOCK void sincos_of_slots_at(const T* angle, const int* at, const int* first_of_four, T* sine, T* cosine) {
-  detail::sincos_limbs<slots, fours, most>([angle, at](int i) { return angle[at[i]]; }, first_of_four, sine, cosine);
+  const auto places = detail::places_of_slots<slots, fours, most>(first_of_four);
+  detail::sincos_gathered<places.count, places.w>(angle, at, places, sine, cosine);
 }
 
 }  // namespace dalembert
