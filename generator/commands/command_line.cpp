@@ -209,6 +209,10 @@ void add_eval(Command& command) {
     const Engine engine = options->engine == "generic" ? Engine::generic
                           : options->engine == "batch" ? Engine::batch
                                                        : Engine::generated;
+    for (const char* option : {"--compiler", "--flags", "--lanes"})
+      if (engine == Engine::generic && command.parser.count(option) > 0)
+        warnings.push_back({Severity::warning, "", fmt::format("option {}", option),
+                            "it is ignored: the generic engine compiles nothing", "leave it out, or take --engine generated"});
     const Style style = options->labels ? Style::labels : options->json ? Style::json : Style::numbers;
     return print_result(evaluate(model, options->state, options->output, engine, style, *compiler, warnings));
   };

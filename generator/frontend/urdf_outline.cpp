@@ -80,7 +80,7 @@ class OutlineReader {
     if (document.Error() && !document.RootElement())
       refuse(file_, "", "this is not XML", "a URDF is an XML file whose root is <robot>");
     if (document.Error())
-      refuse(file_, fmt::format("line {}, column {}", document.ErrorRow(), document.ErrorCol()),
+      refuse(file_, document.ErrorRow() > 0 ? fmt::format("line {}, column {}", document.ErrorRow(), document.ErrorCol()) : "",
              fmt::format("this is not well-formed XML: {}", document.ErrorDesc()), "close the tag or quote opened there");
     if (const TiXmlElement* robot = document.FirstChildElement("robot")) {
       check_beside(*robot, document);

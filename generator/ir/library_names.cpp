@@ -386,7 +386,13 @@ constexpr std::string_view library_names[] = {
 bool is_library_macro(std::string_view text) {
   for (const std::string_view prefix : {"EIGEN_", "TBB_", "ONETBB_", "SYS_"})
     if (text.starts_with(prefix)) return true;
-  if (text.starts_with("__") && text.ends_with("__") && text.find_first_not_of('_') != text.npos) return true;  // __linux__
+  if (text.starts_with("__")) {
+    const std::string_view rest = text.substr(2);
+    if (rest.ends_with("__") && rest.find_first_not_of('_') != rest.npos) return true;  // __linux__
+    if (rest.starts_with("cpp_") || (!rest.empty() && rest[0] >= 'A' && rest[0] <= 'Z')) return true;
+    for (const std::string_view old : {"amd64", "cplusplus", "i386", "k8", "linux", "unix", "x86_64"})
+      if (rest == old) return true;
+  }
   return std::binary_search(std::begin(macros), std::end(macros), text);
 }
 

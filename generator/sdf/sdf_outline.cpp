@@ -370,7 +370,13 @@ class SdfReader {
         add_joint(model, joint, prefix, in_whole);
     for (uint64_t i = 0; i < model.JointCount(); ++i)
       if (const sdf::Joint& joint = *model.JointByIndex(i); joint.Type() == sdf::JointType::GEARBOX) add_gearbox(joint, prefix);
-    for (uint64_t i = 0; i < model.FrameCount(); ++i) add_frame(*model.FrameByIndex(i), prefix);
+    for (uint64_t i = 0; i < model.FrameCount(); ++i) add_frame(model, *model.FrameByIndex(i), prefix);
+  }
+
+  // Of what stands for a frame of the model's: none of its own has that name.
+  static std::string free_name(const sdf::Model& model, std::string name) {
+    while (model.LinkNameExists(name) || model.JointNameExists(name) || model.FrameNameExists(name)) name += '_';
+    return name;
   }
 
   // A robot that no joint holds to the world floats, and has no link that stands for the world.
@@ -536,9 +542,9 @@ class SdfReader {
                "those of the first are each coordinate's: say them in the scene, damping and friction");
     }
     if (!is_identity(in_child)) {  // the child keeps its frame
-      const LinkOutline between{out.name + "_frame", out.line, {}};
+      const LinkOutline between{prefix + free_name(model, joint.Name() + "_frame"), out.line, {}};
       JointOutline weld;
-      weld.name = out.name + "_to_" + child;
+      weld.name = prefix + free_name(model, joint.Name() + "_to_" + child);
       weld.line = out.line;
       weld.type = ir::JointType::fixed;
       weld.parent = between.name;
@@ -720,13 +726,13 @@ class SdfReader {
              "say it in the scene: stiffness");
   }
 
-  void add_frame(const sdf::Frame& from, const std::string& prefix) {
+  void add_frame(const sdf::Model& model, const sdf::Frame& from, const std::string& prefix) {
     std::string body;
     const size_t before = errors_.size();
     take(from.ResolveAttachedToBody(body));
     if (errors_.size() > before || body == "__model__") return;
     JointOutline weld;
-    weld.name = prefix + from.Name() + "_weld";
+    weld.name = prefix + free_name(model, from.Name() + "_weld");
     weld.line = line_of(from.Element());
     weld.type = ir::JointType::fixed;
     weld.parent = prefix + body;

@@ -514,6 +514,16 @@ class Sdf(Folder):
                 self.assertIn(message, said)
                 self.assertNotIn("defect of dalembert", said)
 
+    def test_names_made_for_frames_of_joints_keep_out_of_the_model_s_own(self):
+        inertial = self.INERTIAL.format("0.1 0 0")
+        links = "".join(f"<link name='{name}'><pose>{x} 0 0 0 0 0</pose>{inertial}</link>" for x, name in enumerate(("a", "b", "j_frame")))
+        robot = self.write("frames.sdf", f"""<sdf version='1.9'><model name='m'>{links}<frame name='tip' attached_to='b'/>
+<joint name='j' type='revolute'><pose>0.1 0 0 0 0 0</pose><parent>a</parent><child>b</child><axis><xyz>0 0 1</xyz></axis></joint>
+<joint name='tip_weld' type='revolute'><parent>b</parent><child>j_frame</child><axis><xyz>0 1 0</xyz></axis></joint></model></sdf>""")
+        status, out, said = run("info", robot, "--base", "fixed")
+        self.assertEqual(status, 0, said)
+        self.assertIn("tip_weld", out)
+
     def test_what_joints_of_another_type_have_is_told(self):
         inertial = self.INERTIAL.format("0.1 0 0")
         axis = "<axis><xyz>0 0 1</xyz><dynamics><damping>0.5</damping></dynamics></axis>"

@@ -102,7 +102,8 @@ TEST(LibraryNames, CompriseEveryMacroOfTheHeaders) {
       }
     EXPECT_GT(macros, 500) << language;
   }
-  for (const char* predefined : {"__LINE__", "__linux__"}) EXPECT_TRUE(ir::is_library_macro(predefined)) << predefined;
+  for (const char* predefined : {"__LINE__", "__linux__", "__cplusplus"})
+    EXPECT_TRUE(ir::is_library_macro(predefined)) << predefined;
   for (const char* joint : {"_1", "__", "__left", "LF_HAA", "J1", "E1"}) EXPECT_FALSE(ir::is_library_macro(joint)) << joint;
 }
 
