@@ -176,7 +176,8 @@ void add_projections(const CodeInput& code, int lanes, Features& f) {
     if (bodies.empty()) continue;
     const double columns = static_cast<double>(p.columns.size()),
                  registers = static_cast<double>(ir::row_counts(bodies, lanes).registers);
-    of(f, Feature::lanes) += registers * (Work(p.graph, p.columns, fused(lanes)).operations() + columns / 2);
+    constexpr double waited = 25;  // for sums that few joints have: each is a chain, and the next body's begin behind them
+    of(f, Feature::lanes) += registers * (Work(p.graph, p.columns, fused(lanes)).operations() + columns / 2 + waited);
     of(f, Feature::loops) += 1;
     if (!code.is_rolled()) continue;
     // Copies of the joints' numbers, and of bodies' that are the base's rows, of which every second sum takes a product with
@@ -185,7 +186,8 @@ void add_projections(const CodeInput& code, int lanes, Features& f) {
     const ir::Operations of_base = ir::count(rolled.graph, ir::uses(rolled.graph, rolled.roots()));
     const double each = static_cast<double>(of_base.multiply) + static_cast<double>(of_base.add) / (fused(lanes) ? 2 : 1);
     of(f, Feature::scalar) += each * static_cast<double>(bodies.size());
-    of(f, Feature::stores) += static_cast<double>(rolled.base.size() * bodies.size());
+    constexpr double read_apart = 3;  // each number from a line of its own
+    of(f, Feature::stores) += read_apart * static_cast<double>(rolled.base.size() * bodies.size());
     of(f, Feature::stores) += 6.0 * code.tree.joints() * (1 + columns * base_rows(code) / 60);
   }
 }
