@@ -149,13 +149,13 @@ DALEMBERT_BLOCK void sincos_gathered(const T* angle, const int* at, const Place&
 template <int n>
 struct AnglesInRow {
   static constexpr int w = angle_lanes(n), count = (n + w - 1) / w;
-  int operator()(int i) const { return w * i; }
+  DALEMBERT_INLINE int operator()(int i) const { return w * i; }
 };
 template <int slots, int fours, int most>
 struct AnglesAtFours {
   static constexpr int w = least(angle_lanes(slots), most), count = fours * 4 / w;
   const int* first_of_four;
-  int operator()(int i) const { return first_of_four[i * w / 4] + i * w % 4; }
+  DALEMBERT_INLINE int operator()(int i) const { return first_of_four[i * w / 4] + i * w % 4; }
 };
 template <int slots, int fours, int most>
 DALEMBERT_INLINE auto places_of_slots([[maybe_unused]] const int* first_of_four) {
