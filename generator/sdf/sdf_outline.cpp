@@ -24,6 +24,7 @@
 
 #include "frontend/nearest.hpp"
 #include "frontend/numbers.hpp"
+#include "frontend/text_encoding.hpp"
 #include "frontend/urdf_outline.hpp"
 #include "sdf/sdf_text.hpp"
 
@@ -164,7 +165,8 @@ class SdfReader {
     const std::string text = bytes_of(path);
     if (depth > 0) include(path, text);
     else outline_.text = text;
-    SdfText sdf = without_idle_elements(text, [&](const std::string& uri) { return copy_of_included(uri, path, depth); });
+    SdfText sdf =
+        without_idle_elements(as_utf8(text), [&](const std::string& uri) { return copy_of_included(uri, path, depth); });
     for (Diagnostic& error : sdf.errors) {
       error.file = path;
       add_error(errors_, std::move(error));

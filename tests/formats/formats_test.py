@@ -524,6 +524,20 @@ class Sdf(Folder):
         self.assertEqual(status, 0, said)
         self.assertIn("tip_weld", out)
 
+    def test_files_of_other_encodings_are_read(self):
+        text = f"""<?xml version='1.0' encoding='UTF-16'?>
+<sdf version='1.9'><model name='m'><link name='a'>{self.INERTIAL.format("0.1 0 0")}</link><link name='größe'>{self.INERTIAL.format("0.1 0 0")}</link>
+<joint name='j' type='revolute'><parent>a</parent><child>größe</child><axis><xyz>0 0 1</xyz></axis></joint></model></sdf>"""
+        told = []
+        for encoding in ("utf-8", "utf-16", "utf-8-sig"):
+            robot = self.write("encoded.sdf", "")
+            robot.write_bytes(text.encode(encoding))
+            status, out, said = run("info", robot, "--base", "fixed")
+            self.assertEqual(status, 0, f"{encoding}: {said}")
+            told.append(out)
+        self.assertEqual(told[0], told[1])
+        self.assertEqual(told[0], told[2])
+
     def test_what_joints_of_another_type_have_is_told(self):
         inertial = self.INERTIAL.format("0.1 0 0")
         axis = "<axis><xyz>0 0 1</xyz><dynamics><damping>0.5</damping></dynamics></axis>"
