@@ -51,6 +51,16 @@ bool is_idle(std::string_view name) {
   return std::find(idle_elements.begin(), idle_elements.end(), name) != idle_elements.end();
 }
 
+// Of those that libsdformat knows.
+constexpr std::array<std::string_view, 9> joint_types{"ball",     "continuous", "fixed", "gearbox",  "prismatic",
+                                                      "revolute", "revolute2",  "screw", "universal"};
+bool is_joint_type(std::string_view type) {  // in capitals too
+  std::string lower(trimmed(type));
+  std::transform(lower.begin(), lower.end(), lower.begin(),
+                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
+  return std::find(joint_types.begin(), joint_types.end(), lower) != joint_types.end();
+}
+
 constexpr size_t nowhere = std::string_view::npos;
 
 // Behind the tag, comment or the like that begins at `at`; nowhere where the text ends in it.
@@ -176,6 +186,8 @@ std::optional<std::string> corrected(const Numbers& numbers, std::string_view ta
            count == 1 ? "write a decimal number" : "write decimal numbers, with blanks between them");
     return {};
   }
+  if (numbers.name == "xyz" && std::all_of(all->begin(), all->end(), [](double number) { return number == 0; }))
+    remark(Severity::error, element + " is no direction", "write the axis, such as 0 0 1");
   if (!quaternion) return {};
   const double length = std::hypot(std::hypot((*all)[3], (*all)[4]), std::hypot((*all)[5], (*all)[6]));
   if (length == 0 || !std::isfinite(length)) {
@@ -247,6 +259,10 @@ SdfText without_idle_elements(const std::string& text, const std::function<std::
         if (const std::string_view version = attribute(tag, "version");
             open.empty() && name == "sdf" && version.find_first_not_of("0123456789.") != nowhere)
           fault(at, fmt::format("<sdf version=\"{}\"> is no version", version), "write one, such as 1.9");
+        if (idle == 0 && name == "joint" && !open.empty() && open.back() == "model" && !is_joint_type(attribute(tag, "type")))
+          fault(at,
+                fmt::format("joint '{}' has the type '{}', which there is not", attribute(tag, "name"), attribute(tag, "type")),
+                fmt::format("choose from {}", fmt::join(joint_types, ", ")));
         open.push_back(name);
         content = end, start = tag;
         if (idle == 0 && is_idle(name)) {

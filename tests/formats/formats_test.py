@@ -538,6 +538,17 @@ class Sdf(Folder):
         self.assertEqual(told[0], told[1])
         self.assertEqual(told[0], told[2])
 
+    def test_axes_and_types_of_joints_that_are_none_are_told_with_their_line(self):
+        for kind, axis, message in (("revolute", "0 0.0 0", "line 3: error: <xyz>0 0.0 0</xyz> is no direction; write the axis, such as 0 0 1"),
+                                    ("revolut", "0 0 1", "line 2: error: joint 'j' has the type 'revolut', which there is not; choose from ball, ")):
+            robot = self.write("joint.sdf", f"""<sdf version='1.9'><model name='m'><link name='a'/><link name='b'/>
+<joint name='j' type='{kind}'><parent>a</parent><child>b</child>
+<axis><xyz>{axis}</xyz></axis></joint></model></sdf>""")
+            status, out, said = run("info", robot)
+            self.assertEqual((status, out), (2, ""), said)
+            self.assertIn(message, said)
+            self.assertNotIn("libsdformat says", said)
+
     def test_what_joints_of_another_type_have_is_told(self):
         inertial = self.INERTIAL.format("0.1 0 0")
         axis = "<axis><xyz>0 0 1</xyz><dynamics><damping>0.5</damping></dynamics></axis>"
@@ -546,7 +557,7 @@ class Sdf(Folder):
                 ("prismatic", axis + "<thread_pitch>3</thread_pitch><gearbox_ratio>2</gearbox_ratio>",
                  ["its <thread_pitch> is ignored; a prismatic joint has none", "its <gearbox_ratio> is ignored"]),
                 ("ball", axis, ["the damping and friction of its <axis> is ignored; a ball has no axis: say them in the scene"]),
-                ("screw", axis + "<thread_pitch>3</thread_pitch>", []), ("fixed", "", []),
+                ("screw", axis + "<thread_pitch>3</thread_pitch>", []), ("fixed", "", []), ("Revolute", axis, []),
                 ("universal", axis + axis.replace("axis>", "axis2>").replace("0 0 1", "0 1 0"), [])):
             with self.subTest(kind):
                 status, _, said = run("info", self.write("m.sdf", f"<sdf version='1.9'><model name='m'><link name='a'>{inertial}</link><link name='b'>{inertial}</link>"
