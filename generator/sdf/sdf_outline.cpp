@@ -632,7 +632,6 @@ class SdfReader {
     const auto refuse = [&](const std::string& what, const char* remedy) {
       add_error(errors_, {Severity::error, file_, place(out), what, remedy});
     };
-    warn_of_what_others_have(joint, out);
     std::string parent, child;
     const size_t before = errors_.size();
     take(joint.ResolveParentLink(parent));

@@ -191,6 +191,7 @@ class Sdf(Folder):
             said = run("info", sdf, "--base", "fixed")[2]
             self.assertRegex(said, rf"joint 'first' \(line \d+\): notice: it is a gearbox: joint '{JOINTS[1]}' follows '{JOINTS[0]}' times -2")
             self.assertRegex(said, "<mimic> is left out")
+            self.assertNotIn("is ignored", said)
         for gears, said in (((first, first.replace('"first"', '"again"')), f"joint '{JOINTS[1]}' follows '{JOINTS[0]}' already"),
                             ((first.replace(">2<", ">0<"),), "its gearbox_ratio is no ratio"),
                             ((re.sub("<gearbox_ref.*body>", "", first),), "it has no gearbox_reference_body"),
