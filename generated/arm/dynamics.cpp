@@ -7,7 +7,7 @@
 #include <dalembert/sincos.hpp>
 #include <dalembert/straight_line.hpp>
 namespace arm {
-inline namespace code_e7a45187 {
+inline namespace code_52dd5065 {
 
 DALEMBERT_STRAIGHT_LINE void evaluate(const Scalar* __restrict q, const Scalar* __restrict v, Workspace& __restrict workspace) noexcept {
   // Sines and cosines of all angles together.
@@ -893,5 +893,5 @@ DALEMBERT_STRAIGHT_LINE void evaluate(const Scalar* __restrict q, const Scalar* 
   workspace.jacobian_link_07[41] = R_zz_link_07_joint * X_zz_base + (R_zy_link_07_joint * X_zy_base + R_zx_link_07_joint * X_zx_base);
 }
 
-}  // namespace code_e7a45187
+}  // namespace code_52dd5065
 }  // namespace arm

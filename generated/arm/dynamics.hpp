@@ -14,11 +14,11 @@
 #include <dalembert/arguments.hpp>
 #include <dalembert/version.hpp>
 
-static_assert(dalembert::runtime_version == 15,
+static_assert(dalembert::runtime_version == 16,
               "arm was generated for another runtime: generate it again");
 
 namespace arm {
-inline namespace code_e7a45187 {  // other content has another name, and none is linked in the other's place
+inline namespace code_52dd5065 {  // other content has another name, and none is linked in the other's place
 
 using Scalar = double;
 
@@ -120,7 +120,7 @@ inline Result<6, 7> jacobian_link_07(const Workspace& workspace) {
 }
 void jacobian_link_07(const Workspace&&) = delete;
 
-}  // namespace code_e7a45187
+}  // namespace code_52dd5065
 }  // namespace arm
 
 // Notes

@@ -14,11 +14,11 @@
 #include <dalembert/arguments.hpp>
 #include <dalembert/version.hpp>
 
-static_assert(dalembert::runtime_version == 15,
+static_assert(dalembert::runtime_version == 16,
               "mahru was generated for another runtime: generate it again");
 
 namespace mahru {
-inline namespace code_51f8b668 {  // other content has another name, and none is linked in the other's place
+inline namespace code_37a90853 {  // other content has another name, and none is linked in the other's place
 
 using Scalar = double;
 
@@ -176,7 +176,7 @@ void results(Workspace& workspace) noexcept;
 
 }  // namespace stages
 
-}  // namespace code_51f8b668
+}  // namespace code_37a90853
 }  // namespace mahru
 
 // Notes

@@ -4,7 +4,7 @@
 namespace dalembert {
 
 // Raised whenever generated code of an earlier generator no longer compiles or behaves the same against this runtime.
-inline constexpr int runtime_version = 15;
+inline constexpr int runtime_version = 16;
 
 // Before C++17 `new` gives a workspace less than the alignment it has, and the code crashes.
 static_assert(__cplusplus >= 201703L, "dalembert needs C++17: compile with -std=c++17 or later");
