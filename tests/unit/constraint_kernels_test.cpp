@@ -202,6 +202,27 @@ TEST(ConstraintKernels, SupportAtPointsIsWhatTheirWrenchesGive) {
   expect_support_at_points<ConstraintRows<At12<6>, At16<3>, At21<3>>, InPairs>(above);
 }
 
+// Of one point next to the base's origin nothing but mu holds its moments.
+template <class T>
+void expect_numbers_of_small_levers() {
+  using Rows = ConstraintRows<At12<3>>;
+  const std::vector<T> axes(6 * n, T(0));
+  const T turn[] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, active[] = {1};
+  for (const T lever : {T(1e-5), T(1), T(100)})
+    for (int exponent = -12; exponent <= 12; ++exponent) {
+      const T points[] = {lever, 0, lever}, weight = std::pow(T(10), T(exponent)), weights[] = {weight, weight, weight};
+      T forces[3], to[n] = {0, 0, 10, 1};
+      const auto status = support_at_points<n, Rows>(AxesInArray<T>{axes.data()}, turn, points, active, weights, forces, to);
+      for (const T x : to) EXPECT_TRUE(std::isfinite(x)) << lever << ", 1e" << exponent;
+      EXPECT_TRUE(std::isfinite(status.residual)) << lever << ", 1e" << exponent;
+      EXPECT_EQ(status.rank, 3) << lever << ", 1e" << exponent;
+    }
+}
+TEST(ConstraintKernels, SupportIsOfNumbersWhereWeightsAndLeversAreSmall) {
+  expect_numbers_of_small_levers<double>();
+  expect_numbers_of_small_levers<float>();
+}
+
 // f = W J_u y, J_u' f what is lacking at the coordinates u.
 TEST(ConstraintKernels, SupportIsTheLeastByItsWeights) {
   using Rows = ConstraintRows<At12<6>, From12To16<5, 3>, At21<3>>;

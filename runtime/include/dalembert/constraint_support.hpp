@@ -65,7 +65,8 @@ DALEMBERT_INLINE bool are_ordinary(const T* active, const T* weights) {
     sum += Row{{weight}}.total();
     size += Row{{weight < Lanes<T, w>{} ? -weight : weight}}.total();
   });
-  constexpr T most = sizeof(T) == 8 ? T(1e100) : T(1e10), least = T(1) / most;
+  // With squares of levers and mu, and two of these multiplied (invert_three), they have to be numbers still.
+  constexpr T most = sizeof(T) == 8 ? T(1e100) : T(1e4), least = T(1) / most;
   return sum == size && sum <= most && (sum >= least || sum == T(0));
 }
 
