@@ -33,13 +33,6 @@ std::vector<RowRun> row_runs(const KinematicTree& tree, int body, const std::vec
   return runs;
 }
 
-bool by_rows(const KinematicTree& tree, int body) {
-  constexpr int few = 3;
-  int above = 0;
-  for (int i = body; i >= 0; i = tree.bodies[static_cast<std::size_t>(i)].parent) ++above;
-  return above > few;
-}
-
 int computed_rows(const RowRun& run, int lanes) {
   const auto whole = [&](int w) { return (run.count + w - 1) / w * w; };
   if (lanes > 4 && run.count >= lanes) return whole(lanes);

@@ -17,10 +17,6 @@ struct RowRun {
 // `rows`: where each row stands in what is asked for (OutputArray::row_map), empty where all do.
 std::vector<RowRun> row_runs(const KinematicTree& tree, int body, const std::vector<int>& rows = {});
 
-// Whether lanes along rows give a body's columns where the rest is straight lines: of fewer joints above it those know more
-// zeros.
-bool by_rows(const KinematicTree& tree, int body);
-
 // Rows that lanes compute of a run: whole registers of `lanes` (at most four, but where a run fills a wider one), the last
 // overlapping the one before; of a shorter run a register of two, or a number alone.
 int computed_rows(const RowRun& run, int lanes);

@@ -1,5 +1,6 @@
 #include "passes/project_by_rows.hpp"
 
+#include <map>
 #include <set>
 
 #include "ir/moved_links.hpp"
@@ -31,6 +32,45 @@ ir::Operations rest(const ir::Operations& whole, const ir::Operations& part) {
   return {whole.add - part.add, whole.multiply - part.multiply, whole.divide - part.divide, whole.sincos - part.sincos};
 }
 
+// Operations and stores of a projection's rows of joints, by the body's first column: of what no other element needs.
+std::map<int, long> alone_in_line(const ir::Program& program, const ir::Projection& p, int base_rows) {
+  constexpr int nobody = -1, several = -2;
+  const int columns = static_cast<int>(p.columns.size());
+  std::vector<int> user(static_cast<std::size_t>(program.graph.size()), nobody);
+  std::map<int, long> alone;
+  const auto use = [&](ir::NodeId node, int by) {
+    if (node == ir::no_node) return;
+    int& one = user[static_cast<std::size_t>(node)];
+    one = one == nobody || one == by ? by : several;
+  };
+  for (const ir::OutputElement& e : program.elements) {
+    const bool of_joint = e.array == p.array && e.row >= base_rows;
+    const int by = of_joint ? e.column / columns * columns : several;
+    use(e.node, by);
+    if (of_joint) ++alone[by];
+  }
+  for (ir::NodeId id = program.graph.size() - 1; id >= 0; --id) {
+    const int by = user[static_cast<std::size_t>(id)];
+    if (by == nobody) continue;
+    const ir::Node& n = program.graph[id];
+    use(n.a, by), use(n.b, by);
+    ir::Operations own;
+    own.count(n.op);
+    if (by != several) alone[by] += own.total();
+  }
+  return alone;
+}
+
+// Whether lanes along rows take less time than straight lines, which know more zeros: of registers of four, the usual ones.
+// A body's first register waits for its own sums, the next are computed beside it.
+bool lanes_pay(const ir::Projection& p, const ir::ProjectedBody& body, long alone) {
+  const long each = ir::count(p.graph, ir::uses(p.graph, p.columns)).total();
+  constexpr long handed_on = 30;
+  const long registers = ir::row_counts({body}, 4).registers;
+  const long in_lanes = each + handed_on + registers * (each / 2 + static_cast<long>(p.columns.size()));
+  return alone > in_lanes;
+}
+
 }  // namespace
 
 void project_by_rows(ir::Algorithm& algorithm, ir::Program& program, Unroll& unroll, const ir::KinematicTree& tree) {
@@ -48,7 +88,8 @@ void project_by_rows(ir::Algorithm& algorithm, ir::Program& program, Unroll& unr
     const ir::OutputArray& to = algorithm.arrays[static_cast<std::size_t>(p.array)];
     if (columns <= most_in_line || to.is_part()) continue;
     p.by_rows = projected_bodies(tree, p, to);
-    std::erase_if(p.by_rows, [&](const ir::ProjectedBody& body) { return !ir::by_rows(tree, body.body); });
+    std::map<int, long> alone = alone_in_line(program, p, base_rows);
+    std::erase_if(p.by_rows, [&](const ir::ProjectedBody& body) { return !lanes_pay(p, body, alone[body.column]); });
     if (p.by_rows.empty()) continue;
     const ir::Operations in_line = operations_of(program, {p.array});
     std::set<int> theirs;  // first columns

@@ -1,4 +1,4 @@
-// Projections of straight lines: bodies with several joints above them get their columns from lanes that run along rows, behind
+// Projections of straight lines: bodies of which that takes less time get their columns from lanes that run along rows, behind
 // all straight lines, which leave what those are made of.
 #pragma once
 

@@ -140,6 +140,23 @@ TEST(CountedElements, OfProjectionsByRows) {
     }
 }
 
+// Lanes give a body's columns where straight lines, which know more zeros, would take longer: not of a planar arm.
+TEST(CountedElements, LanesLeavePlanarArmsToStraightLines) {
+  const auto bodies_in_lanes = [](bool planar) {
+    ir::RobotDescription robot = chain(4);
+    if (planar)
+      for (ir::Joint& joint : robot.joints) joint.axis = Eigen::Vector3d::UnitZ();
+    ir::Scene scene;
+    scene.base = ir::Base::fixed;
+    scene.outputs = {Quantity::regressor};
+    Model model = model_of(robot, scene);
+    model.options.form = ir::Form::straight;
+    return lower(model).functions.front().first().algorithm.projections.front().by_rows.size();
+  };
+  EXPECT_GT(bodies_in_lanes(false), 0u);
+  EXPECT_EQ(bodies_in_lanes(true), 0u);
+}
+
 // What parts of such a joint do to each other is added to elements that are there.
 TEST(CountedElements, OfJointsWithQuaternions) {
   for (const std::vector<Quantity>& asked : outputs)
