@@ -27,16 +27,25 @@ bool fused(int lanes) { return lanes > 2; }
 
 int registers(int count, int lanes) { return (count + lanes - 1) / lanes; }
 
+// Of `all` divisions those that something waits for: `in_a_row` wait for each other, and others begin meanwhile.
+double waited_divisions(double all, double in_a_row) {
+  constexpr double begun_meanwhile = 0.3;
+  return in_a_row + begun_meanwhile * std::max(0.0, all - in_a_row);
+}
+
 // Multiply-adds, and what stands alone, of a graph; and cycles from one of its inputs to one of its outputs.
 class Work {
  public:
   // `fused`: whether a product and a sum are one instruction.
   Work(const ir::Graph& graph, const std::vector<ir::NodeId>& roots, bool fused)
-      : graph_(graph), uses_(ir::uses(graph, roots)), fused_(fused) {
+      : graph_(graph), uses_(ir::uses(graph, roots)), fused_(fused), divisions_behind_(static_cast<size_t>(graph.size())) {
     for (ir::NodeId id = 0; id < graph.size(); ++id) {
       const ir::Node& n = graph[id];
       if (used(id) == 0) continue;
       if (n.op == ir::Op::divide) ++divisions_;
+      for (const ir::NodeId from : {n.a, n.b})
+        if (from != ir::no_node) behind(id) = std::max(behind(id), behind(from));
+      if (n.op == ir::Op::divide) most_divisions_ = std::max(most_divisions_, ++behind(id));
       if (n.op == ir::Op::multiply) ++operations_;
       if ((n.op == ir::Op::add || n.op == ir::Op::subtract) && !absorbs(n)) ++operations_;
     }
@@ -44,6 +53,7 @@ class Work {
 
   double operations() const { return operations_; }
   double divisions() const { return divisions_; }
+  double divisions_waited_for() const { return waited_divisions(divisions_, most_divisions_); }
 
   // Cycles from what `starts` says to each of `ends`; the longest way.
   template <class Starts>
@@ -67,6 +77,7 @@ class Work {
   }
 
  private:
+  int& behind(ir::NodeId id) { return divisions_behind_[static_cast<size_t>(id)]; }
   std::int32_t used(ir::NodeId id) const { return uses_[static_cast<size_t>(id)]; }
   bool is_product(ir::NodeId id) const { return graph_[id].op == ir::Op::multiply && used(id) == 1; }
   // A sum with a product that nobody else reads is one instruction with it.
@@ -84,14 +95,18 @@ class Work {
   const std::vector<std::int32_t> uses_;
   const bool fused_;
   double operations_ = 0, divisions_ = 0;
+  std::vector<int> divisions_behind_;  // of each node, one behind the other
+  int most_divisions_ = 0;
 };
 
 void add_kernels(const CodeInput& code, Features& f) {
   const ir::CoordinateTree tree = ir::coordinate_tree(code.tree);
+  const double in_a_row = ir::most_above(tree) + 1;
   for (const ir::Kernel& kernel : code.algorithm.kernels) {
     const ir::Operations o = ir::operations_of(kernel, code.tree, true, code.is_rolled());
     of(f, Feature::step_operations) += static_cast<double>(o.multiply);
-    of(f, Feature::divide) += static_cast<double>(o.divide);
+    of(f, Feature::divide) +=
+        waited_divisions(static_cast<double>(o.divide), std::min(in_a_row, static_cast<double>(o.divide)));
     if (kernel.of_constraints()) continue;
     const bool solves = kernel.kind == ir::Kernel::Kind::factor || kernel.kind == ir::Kernel::Kind::solve;
     if (!solves || tree.size() > most_written_out)
@@ -102,7 +117,7 @@ void add_kernels(const CodeInput& code, Features& f) {
 void add_straight(const ir::Graph& graph, const std::vector<ir::NodeId>& roots, int lanes, Features& f) {
   const Work work(graph, roots, fused(lanes));
   of(f, Feature::scalar) += work.operations();
-  of(f, Feature::divide) += work.divisions();
+  of(f, Feature::divide) += work.divisions_waited_for();
   of(f, Feature::stores) += static_cast<double>(roots.size());
 }
 
@@ -210,9 +225,9 @@ double fetched(double instructions, int lanes) {
 // ns per unit of each feature; by registers of two, four and eight. Those of `along` are read off the elements' times of chains
 // of 50 to 500 joints (AMD EPYC, Zen 4).
 constexpr Features constants[3] = {
-    {1.82, 0.116, 0.0984, 5.57, 6.46, 0.133, 0.0418, 0, 0.292, 0.25, 0.073, 0.059, 43.1},
-    {4.71, 0.143, 0.12, 5.9, 4.06, 0.154, 0.0988, 0, 0.345, 0.15, 0.0147, 0.031, 22.5},
-    {3.05, 0.136, 0.0779, 13.4, 4.06, 0.145, 0.119, 0, 0.531, 0.31, 0.0573, 0.0208, 26.1},
+    {4.02, 0.121, 0.098, 7.28, 5.59, 0.146, 0.0371, 0, 0.292, 0.25, 0.0593, 0.0787, 22.2},
+    {4.18, 0.163, 0.12, 5.39, 4.64, 0.152, 0.101, 0, 0.345, 0.15, 0.019, 0.0633, 16.6},
+    {3.28, 0.131, 0.0948, 11.3, 4.19, 0.162, 0.0844, 0, 0.531, 0.31, 0.061, 0.0682, 10.5},
 };
 
 }  // namespace

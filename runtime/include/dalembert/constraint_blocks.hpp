@@ -459,7 +459,10 @@ DALEMBERT_INLINE void sum_tile(int begin, int count, const Factor& factor, const
   for (int k = 0; k < count; ++k) {
     const T* const column = from(k) + begin;
     Lanes<T, w> x[pieces];
-    for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK { x[i] = load<w>(column + i * w); });
+    for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK {
+      x[i] = load<w>(column + i * w);
+      keep_in_register<T>(x[i]);
+    });
     for_constants<columns>([&](auto j) DALEMBERT_IN_BLOCK {
       const Lanes<T, w> times = broadcast<w, T>(factor(j, k));
       for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK {

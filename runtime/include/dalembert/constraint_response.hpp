@@ -174,7 +174,8 @@ DALEMBERT_INLINE void subtract_changes(const ResponseParts<n, Rows, const T>& pa
       sum[j] = k + j < first ? Lanes<T, w>{} : detail::load_piece<n, w>(to + (k + j) * n, i);
     });
     const auto subtract = [&](int r) DALEMBERT_IN_BLOCK {
-      const Lanes<T, w> x = load<w>(parts.columns + r * stride + i);
+      Lanes<T, w> x = load<w>(parts.columns + r * stride + i);
+      keep_in_register<T>(x);
       for_constants<columns>([&](auto j) DALEMBERT_IN_BLOCK { sum[j] -= broadcast<w, T>(changes[(k + j) * m + r]) * x; });
     };
     if constexpr (end - begin <= in_registers) {

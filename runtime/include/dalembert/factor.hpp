@@ -41,17 +41,44 @@ DALEMBERT_INLINE void along(const int* path, int count, int first, int end, cons
   for (int i = 0; i < count + end - first; ++i) f(i < count ? path[i] : first + i - count);
 }
 
-// to[i] = -the sum over k of factors[k] from[k][i], for `eights` times eight elements; k: as in along().
-template <int n, int eights, class T>
-DALEMBERT_BLOCK void negative_sum(const int* path, int count, int first, int end, const T* factors, const T* from, T* to) {
-  constexpr int w = native_lanes, pieces = eights * 8 / w;
-  Lanes<T, w> sum[pieces]{};
-  along(path, count, first, end, [&](int k) DALEMBERT_IN_BLOCK {
-    const Lanes<T, w> factor = broadcast<w, T>(factors[k]);
-    const T* column = from + k * inverse_stride(n);
-    for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK { sum[i] -= factor * load<w>(column + w * i); });
+// Rows of (L' D L)^-1 of a chain from `first` on, before the chain: rows `begin` to `begin + rows` of it, of `eights` times
+// eight columns from i on. Each is minus the sum over k above it of L's element times row k.
+template <int n, int eights, int begin, int rows, class T>
+DALEMBERT_INLINE void negative_sums(const int* path, int count, int first, const T* factor, T* inverse, int i) {
+  constexpr int w = native_lanes, pieces = eights * 8 / w, stride = inverse_stride(n);
+  const T* const factors = factor + (first + begin) * n;
+  Lanes<T, w> sum[rows][pieces]{};
+  along(path, count, first, first + begin, [&](int k) DALEMBERT_IN_BLOCK {
+    const T* const row = inverse + k * stride + i;
+    Lanes<T, w> x[pieces];
+    for_constants<pieces>([&](auto p) DALEMBERT_IN_BLOCK {
+      x[p] = load<w>(row + w * p);
+      keep_in_register<T>(x[p]);
+    });
+    for_constants<rows>([&](auto r) DALEMBERT_IN_BLOCK {
+      const Lanes<T, w> times = broadcast<w, T>(factors[r * n + k]);
+      for_constants<pieces>([&](auto p) DALEMBERT_IN_BLOCK { sum[r][p] -= times * x[p]; });
+    });
   });
-  for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK { store<w, T>(to + w * i, sum[i]); });
+  for_constants<rows>([&](auto r) DALEMBERT_IN_BLOCK {
+    for_constants<decltype(r)::value>([&](auto k) DALEMBERT_IN_BLOCK {
+      const Lanes<T, w> times = broadcast<w, T>(factors[r * n + first + begin + k]);
+      for_constants<pieces>([&](auto p) DALEMBERT_IN_BLOCK { sum[r][p] -= times * sum[k][p]; });
+    });
+    for_constants<pieces>(
+        [&](auto p) DALEMBERT_IN_BLOCK { store<w, T>(inverse + (first + begin + r) * stride + i + w * p, sum[r][p]); });
+  });
+}
+
+// All m rows of the chain, as many at a time as registers hold.
+template <int n, int m, int eights, class T, int begin = 0>
+DALEMBERT_INLINE void negative_chain_sums(const int* path, int count, int first, const T* factor, T* inverse, int i) {
+  constexpr int registers = native_lanes < 4   ? 8
+                            : native_lanes < 8 ? 12
+                                               : 24,
+                rows = least(m - begin, registers * native_lanes / (8 * eights));
+  negative_sums<n, eights, begin, rows, T>(path, count, first, factor, inverse, i);
+  if constexpr (begin + rows < m) negative_chain_sums<n, m, eights, T, begin + rows>(path, count, first, factor, inverse, i);
 }
 
 // Of a column of n numbers, those from `begin` on: the last lanes may reach beyond its end.
@@ -76,26 +103,20 @@ DALEMBERT_INLINE void store_piece(T* column, int begin, const Lanes<T, w>& x) {
 
 // Rows of (L' D L)^-1 of the m coordinates of a chain from `first` on, and the columns that mirror them, as far as they lie
 // before the chain.
-template <int n, class T>
-__attribute__((noinline)) static void invert_before_chain(int first, int m, const int* path, int count, const T* factor,
+template <int n, int m, class T>
+__attribute__((noinline)) static void invert_before_chain(int first, const int* path, int count, const T* factor,
                                                           T* inverse) noexcept {
-  constexpr int stride = inverse_stride(n);
-  for (int r = first; r < first + m; ++r) {
-    const T* const row = factor + r * n;
-    T* const to = inverse + r * stride;
-    const auto sums = [&](auto eights, int i) DALEMBERT_IN_BLOCK {
-      detail::negative_sum<n, decltype(eights)::value>(path, count, first, r, row, inverse + i, to + i);
-    };
-    int i = 0;
-    for (; i + 24 < first; i += 32) sums(std::integral_constant<int, 4>{}, i);
-    if (i + 16 < first) {
-      sums(std::integral_constant<int, 3>{}, i);
-    } else if (i + 8 < first) {
-      sums(std::integral_constant<int, 2>{}, i);
-    } else if (i < first) {
-      sums(std::integral_constant<int, 1>{}, i);
+  constexpr int stride = inverse_stride(n), most = native_lanes < 8 ? 1 : 4;
+  int i = 0;
+  for (; i + 8 * (most - 1) < first; i += 8 * most)
+    detail::negative_chain_sums<n, m, most, T>(path, count, first, factor, inverse, i);
+  detail::for_constants<most - 1>([&](auto fewer) DALEMBERT_IN_BLOCK {
+    constexpr int eights = most - 1 - decltype(fewer)::value;
+    if (i < first && i + 8 * (eights - 1) < first) {
+      detail::negative_chain_sums<n, m, eights, T>(path, count, first, factor, inverse, i);
+      i += 8 * eights;
     }
-  }
+  });
   for (int j = 0; j < first; j += 4)
     for (int r = first; r < first + m; r += 4) {
       Lanes<T, 4> rows[4], turned[4];
@@ -117,7 +138,7 @@ __attribute__((noinline)) static void invert_chain(int first, CoordinatesAbove a
   constexpr int w = m <= 4 && native_lanes > 4 ? 4 : native_lanes, pieces = ((m <= 4 ? 4 : 8) + w - 1) / w;
   constexpr int stride = inverse_stride(n);
   const int *const path = above.coordinates, count = above.count;
-  if (first > 0) invert_before_chain<n>(first, m, path, count, factor, inverse);
+  if (first > 0) invert_before_chain<n, m>(first, path, count, factor, inverse);
   // Between the chain's own, lanes over its rows. At first columns of its L^-1, from the last, since
   // L^-1 e_k = e_k - the sum over j beyond k of L_jk L^-1 e_j.
   Lanes<T, w> row[m][pieces];
@@ -172,7 +193,8 @@ DALEMBERT_INLINE void negative_product_tile(const int* path, int count, int firs
     Lanes<T, w> factor[columns];
     for_constants<columns>([&](auto j) DALEMBERT_IN_BLOCK { factor[j] = broadcast<w, T>(b[j * n + k]); });
     for_constants<pieces>([&](auto i) DALEMBERT_IN_BLOCK {
-      const Lanes<T, w> x = load<w>(column + w * i);
+      Lanes<T, w> x = load<w>(column + w * i);
+      keep_in_register<T>(x);
       for_constants<columns>([&](auto j) DALEMBERT_IN_BLOCK { sum[j][i] -= factor[j] * x; });
     });
   });

@@ -256,6 +256,15 @@ DALEMBERT_INLINE Lanes<T, 2 * n> load_twice(const T* from) {
   return detail::joined<T>(x, x);
 }
 
+// Has a value that several operations take stay in its register: g++ reads it again for each, where reading is what bounds.
+template <class T, class V>
+DALEMBERT_INLINE void keep_in_register([[maybe_unused]] V& x) {
+#if defined(__x86_64__)
+  if constexpr ((std::is_same_v<T, double> || std::is_same_v<T, float>)&&sizeof(V) <= 8 * doubles_in_register)
+    __asm__("" : "+v"(x));
+#endif
+}
+
 // The value, as if it had been computed. A loop that stores nothing but a table is taken for a memcpy of constants, which g++
 // 12.2 expands wrongly for targets with AVX-512: it writes 32 bytes {a, a, 0, 0} as {a, a, a, a}.
 template <class V>

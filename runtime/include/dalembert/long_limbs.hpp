@@ -46,15 +46,6 @@ class TileOfFactors {
   alignas(64) T at_[3 * n * long_limb_tile + run_lanes];  // a short run's register reads behind the last row
 };
 
-// Has a value stay in its register: compilers read it again for every operation that takes it, and reading is what bounds.
-template <class T, class V>
-DALEMBERT_INLINE void keep_in_register([[maybe_unused]] V& x) {
-#if defined(__x86_64__)
-  if constexpr ((std::is_same_v<T, double> || std::is_same_v<T, float>)&&sizeof(V) <= 8 * doubles_in_register)
-    __asm__("" : "+v"(x));
-#endif
-}
-
 // A term of a sum, by number.
 template <int number, class Terms>
 struct TermOf {
