@@ -15,8 +15,8 @@ TaskGraph::TaskGraph(Workspace& workspace) : graph_(1) {
     stages::inwards_left_hip_yaw_x4(*w);
     stages::inwards_waist(*w);
     stages::elements_left_hip_yaw_x4(*w);
-    stages::base(*w);
     stages::elements_waist(*w);
+    stages::base(*w);
     stages::results(*w);
   });
 }

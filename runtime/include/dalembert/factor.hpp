@@ -107,14 +107,14 @@ template <int n, int m, class T>
 __attribute__((noinline)) static void invert_before_chain(int first, const int* path, int count, const T* factor,
                                                           T* inverse) noexcept {
   constexpr int stride = inverse_stride(n), most = native_lanes < 8 ? 1 : 4;
-  int i = 0;
-  for (; i + 8 * (most - 1) < first; i += 8 * most)
-    detail::negative_chain_sums<n, m, most, T>(path, count, first, factor, inverse, i);
+  int column = 0;
+  for (; column + 8 * (most - 1) < first; column += 8 * most)
+    detail::negative_chain_sums<n, m, most, T>(path, count, first, factor, inverse, column);
   detail::for_constants<most - 1>([&](auto fewer) DALEMBERT_IN_BLOCK {
     constexpr int eights = most - 1 - decltype(fewer)::value;
-    if (i < first && i + 8 * (eights - 1) < first) {
-      detail::negative_chain_sums<n, m, eights, T>(path, count, first, factor, inverse, i);
-      i += 8 * eights;
+    if (column < first && column + 8 * (eights - 1) < first) {
+      detail::negative_chain_sums<n, m, eights, T>(path, count, first, factor, inverse, column);
+      column += 8 * eights;
     }
   });
   for (int j = 0; j < first; j += 4)

@@ -31,9 +31,9 @@ DALEMBERT_INLINE void sincos_reduced(const Lanes<double, n>& x, Lanes<double, n>
   std::memcpy(&quadrant, &shifted, sizeof quadrant);
 
   // The first difference is exact. Where the second leaves much, it rounds and the third hardly changes it; where it leaves
-  // little, it is exact and the third rounds.
-  const V r = ((x - k * half_pi_1) - k * half_pi_2) - k * half_pi_3;
-  const V z = r * r, z2 = z * z;
+  // little, it is exact and the third rounds. The square need not wait for the third: it changes that by less than 1e-17.
+  const V nearly = (x - k * half_pi_1) - k * half_pi_2, r = nearly - k * half_pi_3;
+  const V z = nearly * nearly, z2 = z * z;
   // clang-format off
   const V s = ((1.58969099521155010221e-10 * z - 2.50507602534068634195e-08) * z2 +
                (2.75573137070700676789e-06 * z - 1.98412698298579493134e-04)) * z2 +
@@ -110,19 +110,46 @@ DALEMBERT_BLOCK void sincos_each(const Place& place, const Angles& angles, T* si
   if constexpr (sincos_vector_limit < 0) return large_by_library();
   using V = Lanes<double, w>;
   V largest{}, smallest{};  // NaN is neither: one that nobody needs changes nothing else
-  for (int i = 0; i < count; ++i) {
-    V s, c;
+  const auto of_register = [&](int i, V& s, V& c) DALEMBERT_IN_BLOCK {
     const V x = __builtin_convertvector(angles(i), V);
     largest = x > largest ? x : largest;
     smallest = x < smallest ? x : smallest;
     sincos_reduced<w>(x, s, c);
+  };
+  const auto stored = [&](int i, const V& s, const V& c) DALEMBERT_IN_BLOCK {
     store_for_limbs<w>(sine + place(i), s);
     store_for_limbs<w>(cosine + place(i), c);
+  };
+  const auto any_is_large = [&]() DALEMBERT_IN_BLOCK {
+    const V size = largest > -smallest ? largest : -smallest;
+    bool small = true;
+    for (int j = 0; j < w; ++j) small &= size[j] <= sincos_vector_limit;
+    return __builtin_expect(!small, 0);
+  };
+  // Of few registers, whoever reads numbers one by one takes them from these, sooner than they come from where they are stored,
+  // as long as nobody else writes there; and as long as there are registers: of sixteen too many are held.
+  constexpr int few = native_lanes < 8 || w > 4 ? 0 : 2;
+  if constexpr (count <= few) {
+    V s[count], c[count];
+    for_constants<count>([&](auto i) DALEMBERT_IN_BLOCK { of_register(i, s[i], c[i]); });
+    if (any_is_large()) {
+      double angle[count * w], of_s[count * w], of_c[count * w];
+      for_constants<count>([&](auto i) DALEMBERT_IN_BLOCK {
+        store<w, double>(angle + i * w, __builtin_convertvector(angles(i), V));
+        store<w, double>(of_s + i * w, s[i]), store<w, double>(of_c + i * w, c[i]);
+      });
+      sincos_large(angle, of_s, of_c, count * w);
+      for_constants<count>([&](auto i) DALEMBERT_IN_BLOCK { s[i] = load<w>(of_s + i * w), c[i] = load<w>(of_c + i * w); });
+    }
+    for_constants<count>([&](auto i) DALEMBERT_IN_BLOCK { stored(i, s[i], c[i]); });
+  } else {
+    for (int i = 0; i < count; ++i) {
+      V s, c;
+      of_register(i, s, c);
+      stored(i, s, c);
+    }
+    if (any_is_large()) large_by_library();
   }
-  const V size = largest > -smallest ? largest : -smallest;
-  bool small = true;
-  for (int j = 0; j < w; ++j) small &= size[j] <= sincos_vector_limit;
-  if (__builtin_expect(!small, 0)) large_by_library();
 }
 // Of angles that stand at place(i) and behind it, too;
 template <int count, int w, class T, class Place>
