@@ -1,7 +1,10 @@
 // The runtime's factors of M along the tree, and what is solved with them, against what they were made from.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <dalembert/factor.hpp>
 #include <dalembert/solve.hpp>
+#include <limits>
 #include <random>
 #include <vector>
 
@@ -96,6 +99,80 @@ TEST(FactorKernels, InFloatToo) {
   expect_factors<7, 7, arm, float>(1e-5);
   expect_factors<23, 17, tree, float>(1e-4);
   expect_factors<72, 64, large, float>(1e-3);
+}
+
+// M's inverse, and minus its product with a matrix that has numbers where one coordinate stands above another. Twice: what the
+// first time leaves beyond the matrix must not matter.
+template <int n, const Chains& chains, class T>
+void expect_inverse(double tolerance) {
+  const System system(chains);
+  const std::vector<T> U(system.U.begin(), system.U.end()), D(system.D.begin(), system.D.end());
+  std::vector<T> inverse(static_cast<size_t>(inverse_size(n))), plain(static_cast<size_t>(n * n) + 8, T(-7)), b(plain),
+      product(plain);
+  const auto path_above = [](int c) {  // the nearest first
+    std::vector<int> path;
+    detail::each_above(chains, c, [&](int begin, int behind, int) {
+      for (int i = begin; i < behind; ++i) path.push_back(i);
+    });
+    std::sort(path.rbegin(), path.rend());
+    return path;
+  };
+  std::mt19937 engine(11);
+  std::uniform_real_distribution<double> number(-1, 1);
+  for (int r = 0; r < n; ++r)
+    for (int s = 0; s < n; ++s) {
+      const bool related = r == s || system.at(system.U, std::min(r, s), std::max(r, s)) != 0;
+      b[static_cast<size_t>(s * n + r)] = related ? T(number(engine)) : T(0);
+    }
+  for (int again = 0; again < 2; ++again) {
+    detail::for_constants<chains.count>([&](auto chain) {
+      constexpr int c = decltype(chain)::value, first = chains.begin[c], m = chains.begin[c + 1] - first;
+      const std::vector<int> path = path_above(c);
+      invert_chain<n, m>(first, {path.data(), static_cast<int>(path.size())}, U.data(), D.data(), inverse.data());
+    });
+    without_padding<n>(inverse.data(), plain.data());
+    for (int r = 0; r < n; ++r)
+      for (int s = 0; s < n; ++s) {
+        double sum = 0;
+        for (int k = 0; k < n; ++k)
+          sum += system.at(system.M, r, k) * static_cast<double>(plain[static_cast<size_t>(s * n + k)]);
+        EXPECT_NEAR(sum, r == s ? 1 : 0, tolerance) << r << ' ' << s;
+      }
+    for (int c = 0; c < chains.count; ++c) {
+      const std::vector<int> path = path_above(c);
+      int last = chains.begin[c + 1] - 1;  // the last coordinate that the chain's first stands above
+      for (int k = last + 1; k < n; ++k)
+        if (system.at(system.U, chains.begin[c], k) != 0) last = k;
+      negative_product_chain<n>(chains.begin[c], chains.begin[c + 1], last, {path.data(), static_cast<int>(path.size())},
+                                inverse.data(), b.data(), product.data());
+    }
+    for (int r = 0; r < n; ++r)
+      for (int s = 0; s < n; ++s) {
+        double sum = 0;
+        for (int k = 0; k < n; ++k)
+          sum -= static_cast<double>(plain[static_cast<size_t>(k * n + r)]) *
+                 static_cast<double>(b[static_cast<size_t>(s * n + k)]);
+        EXPECT_NEAR(product[static_cast<size_t>(s * n + r)], sum, tolerance) << r << ' ' << s;
+      }
+    for (int i = 0; i < 8; ++i) {
+      EXPECT_EQ(plain[static_cast<size_t>(n * n + i)], T(-7));
+      EXPECT_EQ(product[static_cast<size_t>(n * n + i)], T(-7));
+    }
+    const auto places = static_cast<size_t>(inverse_stride(n));
+    for (size_t k = 0; k < static_cast<size_t>(n); ++k)
+      std::fill(inverse.begin() + static_cast<long>(k * places + n), inverse.begin() + static_cast<long>((k + 1) * places),
+                std::numeric_limits<T>::quiet_NaN());
+  }
+}
+
+TEST(FactorKernels, InvertAndMultiplyAChainAtATime) {
+  expect_inverse<1, one, double>(1e-15);
+  expect_inverse<7, arm, double>(1e-14);
+  expect_inverse<23, tree, double>(1e-13);
+  expect_inverse<72, large, double>(1e-12);
+  expect_inverse<7, arm, float>(1e-5);
+  expect_inverse<23, tree, float>(1e-4);
+  expect_inverse<72, large, float>(1e-3);
 }
 
 }  // namespace
