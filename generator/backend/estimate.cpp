@@ -30,7 +30,7 @@ int registers(int count, int lanes) { return (count + lanes - 1) / lanes; }
 // Of `all` divisions those that something waits for: `in_a_row` wait for each other, and others begin meanwhile.
 double waited_divisions(double all, double in_a_row) {
   constexpr double begun_meanwhile = 0.3;
-  return in_a_row + begun_meanwhile * std::max(0.0, all - in_a_row);
+  return std::min(all, in_a_row) + begun_meanwhile * std::max(0.0, all - in_a_row);
 }
 
 // Multiply-adds, and what stands alone, of a graph; and cycles from one of its inputs to one of its outputs.
@@ -105,8 +105,7 @@ void add_kernels(const CodeInput& code, Features& f) {
   for (const ir::Kernel& kernel : code.algorithm.kernels) {
     const ir::Operations o = ir::operations_of(kernel, code.tree, true, code.is_rolled());
     of(f, Feature::step_operations) += static_cast<double>(o.multiply);
-    of(f, Feature::divide) +=
-        waited_divisions(static_cast<double>(o.divide), std::min(in_a_row, static_cast<double>(o.divide)));
+    of(f, Feature::divide) += waited_divisions(static_cast<double>(o.divide), in_a_row);
     if (kernel.of_constraints()) continue;
     const bool solves = kernel.kind == ir::Kernel::Kind::factor || kernel.kind == ir::Kernel::Kind::solve;
     if (!solves || tree.size() > most_written_out)
@@ -236,7 +235,7 @@ const Features& committed_constants(int lanes) { return constants[width_index(la
 
 int usual_lanes(const CodeInput& code) { return code.plan.costs ? code.plan.costs->lanes : register_widths[usual_width]; }
 
-const char* const feature_names[feature_count] = {"call",   "scalar",          "fetched",    "sines", "divide",
+const char* const feature_names[feature_count] = {"call",   "scalar",          "fetched",    "sines", "divisions",
                                                   "lanes",  "waiting",         "loops",      "tiles", "along",
                                                   "stores", "step_operations", "step_chains"};
 

@@ -58,6 +58,8 @@ def robot(name):
     if name in OTHERS:
         return OTHERS[name]
     name, _, base = name.partition(":")
+    if name.endswith(".urdf"):
+        return name, base or "floating"
     return str(ROOT / "tests" / "robots" / f"{name}.urdf"), base or ("fixed" if name.startswith(FIXED) else "floating")
 
 
@@ -75,7 +77,7 @@ def label(way):
 
 def built(name, quantity, way, target, tree=ROOT):
     """The shared object of one way by a checkout's generator and runtime, what its estimate is made of, and the plan."""
-    folder = FOLDER / name.replace(":", "_") / quantity / f"{label(way).replace(' ', '_')}_{target}{'' if tree == ROOT else '_other'}"
+    folder = FOLDER / re.sub(r"[:/]", "_", name) / quantity / f"{label(way).replace(' ', '_')}_{target}{'' if tree == ROOT else '_other'}"
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
     dalembert = tree / "build" / "release" / "bin" / "dalembert"
@@ -230,7 +232,7 @@ def fit(options):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--robots", default=",".join(SHAPES), help="of tests/robots, NAME or NAME:fixed or NAME:floating, and " + ", ".join(OTHERS))
+    parser.add_argument("--robots", default=",".join(SHAPES), help="of tests/robots, NAME or NAME:fixed or NAME:floating, " + ", ".join(OTHERS) + ", and files: FILE.urdf or FILE.urdf:fixed")
     parser.add_argument("--quantities", default="M,M+C,bias,fd,minv,id,g,dfd,cmm,com")
     parser.add_argument("--targets", default="native,avx2,sse2", help="of " + ", ".join(TARGETS))
     parser.add_argument("--rounds", type=int, default=51)

@@ -73,9 +73,7 @@ DALEMBERT_INLINE void negative_sums(const int* path, int count, int first, const
 // All m rows of the chain, as many at a time as registers hold.
 template <int n, int m, int eights, class T, int begin = 0>
 DALEMBERT_INLINE void negative_chain_sums(const int* path, int count, int first, const T* factor, T* inverse, int i) {
-  constexpr int registers = native_lanes < 4   ? 8
-                            : native_lanes < 8 ? 12
-                                               : 24,
+  constexpr int registers = native_lanes < 4 ? 8 : 3 * native_lanes,
                 rows = least(m - begin, registers * native_lanes / (8 * eights));
   negative_sums<n, eights, begin, rows, T>(path, count, first, factor, inverse, i);
   if constexpr (begin + rows < m) negative_chain_sums<n, m, eights, T, begin + rows>(path, count, first, factor, inverse, i);
