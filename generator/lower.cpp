@@ -10,6 +10,7 @@
 #include "passes/plan.hpp"
 #include "passes/project_by_rows.hpp"
 #include "passes/quantities/quantities.hpp"
+#include "passes/reference.hpp"
 #include "passes/roll.hpp"
 #include "passes/schedule.hpp"
 #include "passes/unroll.hpp"
@@ -134,7 +135,7 @@ class Lowering {
       std::vector<LoweredSection> sections = described(function, solver, true);
       if (sections.size() > 1) continue;
       LoweredSection f = std::move(sections.front());
-      passes::UnrollOptions options{options_, tree_.joints() < 200, implicit, ir::Elements::counted};
+      passes::UnrollOptions options{options_, tree_.joints() < 200, implicit, ir::Elements::counted, references(f)};
       // Kernels written out add to it: of a long chain's M the cube of its joints.
       const long without_kernels =
           cost_of(ir::operations(passes::Unroll(f.algorithm, tree_, normal_, model_.scene, options).program()));
@@ -162,6 +163,29 @@ class Lowering {
   passes::Unroll unrolled(const ir::Algorithm& algorithm, ir::Elements elements, bool names = false) const {
     return {algorithm, tree_, normal_, model_.scene, passes::UnrollOptions{options_, names, false, elements}};
   }
+  // Makes a section a straight line, but for its kernels.
+  void unroll(LoweredSection& f, const std::vector<int>& references, bool names) const {
+    passes::Unroll whole(f.algorithm, tree_, normal_, model_.scene, {options_, names, false, ir::Elements::kept, references});
+    f.program = whole.take_program();
+    passes::project_by_rows(f.algorithm, f.program, whole, tree_);
+  }
+  // The frames by which that is the fastest; for batches too, so that these round as single calls do.
+  std::vector<int> references(const LoweredSection& f) const {
+    if (!model_.options.refer) return {};
+    return passes::reference_bodies(f.algorithm, tree_, [&](const std::vector<int>& bodies) {
+      LoweredSection tried = f;
+      tried.plan.form = ir::Form::straight;
+      unroll(tried, bodies, false);
+      return estimated(tried, backend::usual_width);
+    });
+  }
+
+  // `width`: of registers, by its place in backend::register_widths.
+  double estimated(const LoweredSection& f, size_t width) const {
+    return backend::estimate(
+        {tree_, normal_, model_.scene, f.algorithm, f.program, f.plan, f.rolled, model_.name, &model_.tree},
+        backend::register_widths[width]);
+  }
 
   void add_ways(ir::Solver solver, std::vector<Way>& ways) const {
     const std::vector<LoweredSection> lowered = described(solver);
@@ -186,18 +210,14 @@ class Lowering {
           f.rolled = passes::roll(f.algorithm, unrolls[section], tree_, model_.scene, f.plan, options_);
           f.program = unrolls[section].take_program();
         } else {
-          passes::Unroll whole = unrolled(f.algorithm, ir::Elements::kept, names);
-          f.program = whole.take_program();
-          passes::project_by_rows(f.algorithm, f.program, whole, tree_);
+          unroll(f, references(f), names);
           if (lowered.size() == 1) passes::write_out_kernels(f.algorithm, f.program, ir::coordinate_tree(tree_));
           way.candidate.order = f.plan.order = planned_.order.value_or(ir::Order::as_written);
           if (f.plan.order != ir::Order::as_written)
             f.program.order = passes::schedule(f.program.graph, f.program.roots(), f.plan.order);
         }
         for (size_t width = 0; width < backend::register_widths.size(); ++width)
-          way.candidate.nanoseconds[width] += backend::estimate(
-              {tree_, normal_, model_.scene, f.algorithm, f.program, f.plan, f.rolled, model_.name, &model_.tree},
-              backend::register_widths[width]);
+          way.candidate.nanoseconds[width] += estimated(f, width);
       }
       ways.push_back(std::move(way));
     }

@@ -86,6 +86,7 @@ ir::CompileOptions compile_options(const Request& request) {
     if (pass == "fold") options.fold = false;
     if (pass == "share") options.share = false;
     if (pass == "move_parameters") options.move_parameters = false;
+    if (pass == "refer") options.refer = false;
     if (pass == "pack") options.pack = false;
     if (pass == "join") options.join = false;
     if (pass == "weigh") options.weigh = false;

@@ -7,11 +7,11 @@
 #include <dalembert/sincos.hpp>
 #include <dalembert/straight_line.hpp>
 namespace arm {
-inline namespace code_52dd5065 {
+inline namespace code_2d6c81e8 {
 
 DALEMBERT_STRAIGHT_LINE void evaluate(const Scalar* __restrict q, const Scalar* __restrict v, Workspace& __restrict workspace) noexcept {
   // Sines and cosines of all angles together.
-  static constexpr int angle_at[] = {1, 2, 3, 4, 5, 6, 0, 0};
+  static constexpr int angle_at[] = {2, 1, 3, 4, 5, 6, 0, 0};
   constexpr int angles = 7;
   alignas(64) Scalar sine[dalembert::padded(angles)], cosine[dalembert::padded(angles)];
   dalembert::sincos_at<angles>(q, angle_at, sine, cosine);
@@ -42,88 +42,74 @@ DALEMBERT_STRAIGHT_LINE void evaluate(const Scalar* __restrict q, const Scalar* 
   const Scalar t23 = 0.5 * t20;
 
   // link_02_joint -> link_02: R = Rp Rk Rz(q), p = pp + Rp pk, J = [p x z; z], V = Vp + J dq, dJ = ad(Vp) J
-  const Scalar sin_link_02_joint = sine[0];
-  const Scalar cos_link_02_joint = cosine[0];
-  const Scalar R_yx_link_02_joint = 0.43323618787753304 * sin_link_02_joint - 0.2839690328110661 * cos_link_02_joint;
-  const Scalar R_yy_link_02_joint = 0.3357833174556199 * cos_link_02_joint - 0.7906750613976922 * sin_link_02_joint;
-  const Scalar t24 = 0.4325960619297159 * sin_link_02_joint + 0.8981153334192917 * cos_link_02_joint;
-  const Scalar t25 = 0.2839690328110661 * sin_link_02_joint + 0.43323618787753304 * cos_link_02_joint;
-  const Scalar R_xy_link_02_joint = 0.3357833174556199 * sin_link_02_joint + 0.7906750613976922 * cos_link_02_joint;
-  const Scalar R_xz_link_02_joint = 0.4325960619297159 * cos_link_02_joint - 0.8981153334192917 * sin_link_02_joint;
+  const Scalar sin_link_03_joint = sine[0];
+  const Scalar cos_link_03_joint = cosine[0];
+  const Scalar R_xx_link_02_joint = 0.22330384065932543 * sin_link_03_joint + 0.229289370904341 * cos_link_03_joint;
+  const Scalar R_xy_link_02_joint = 0.22330384065932543 * cos_link_03_joint - 0.229289370904341 * sin_link_03_joint;
+  const Scalar R_yx_link_02_joint = 0.5554413475197789 * sin_link_03_joint + 0.7687719588469026 * cos_link_03_joint;
+  const Scalar R_yy_link_02_joint = 0.5554413475197789 * cos_link_03_joint - 0.7687719588469026 * sin_link_03_joint;
+  const Scalar R_zx_link_02_joint = 0.5970059126013644 * cos_link_03_joint - 0.8010120499794037 * sin_link_03_joint;
+  const Scalar t24 = 0.8010120499794037 * cos_link_03_joint + 0.5970059126013644 * sin_link_03_joint;
+  const Scalar p_x_link_02_joint = 0.4019450738767276 * R_yx_link_02_joint + 0.2717984621449093 * R_xx_link_02_joint;
+  const Scalar p_y_link_02_joint = 0.4019450738767276 * R_yy_link_02_joint + 0.2717984621449093 * R_xy_link_02_joint;
 
-  // link_03_joint -> link_03: R = Rp Rk Rz(q), p = pp + Rp pk, J = [p x z; z], V = Vp + J dq, dJ = ad(Vp) J
-  const Scalar sin_link_03_joint = sine[1];
-  const Scalar cos_link_03_joint = cosine[1];
-  const Scalar R_zx_link_03_joint = 0.037904217325393584 + (0.316977262206784 * R_yx_link_02_joint + 0.9473973712952163 * t25);
-  const Scalar R_zy_link_03_joint = 0.02268556108114268 + (0.316977262206784 * R_yy_link_02_joint - 0.9473973712952163 * R_xy_link_02_joint);
-  const Scalar R_zz_link_03_joint = -0.003503103508105306 - (0.316977262206784 * t24 + 0.9473973712952163 * R_xz_link_02_joint);
-  const Scalar t26 = 0.6851664329488153 + (0.5554413475197789 * R_yx_link_02_joint - 0.22330384065932543 * t25);
-  const Scalar t27 = 0.41007006771765875 + (0.5554413475197789 * R_yy_link_02_joint + 0.22330384065932543 * R_xy_link_02_joint);
-  const Scalar t28 = -0.06332300478055237 + (0.22330384065932543 * R_xz_link_02_joint - 0.5554413475197789 * t24);
-  const Scalar t29 = -0.5106644919972763 + (0.7687719588469026 * R_yx_link_02_joint - 0.229289370904341 * t25);
-  const Scalar t30 = -0.3056311762283464 + (0.7687719588469026 * R_yy_link_02_joint + 0.229289370904341 * R_xy_link_02_joint);
-  const Scalar t31 = 0.04719555499651508 + (0.229289370904341 * R_xz_link_02_joint - 0.7687719588469026 * t24);
-  const Scalar R_yx_link_03_joint = cos_link_03_joint * t26 - sin_link_03_joint * t29;
-  const Scalar R_yy_link_03_joint = cos_link_03_joint * t27 - sin_link_03_joint * t30;
-  const Scalar R_yz_link_03_joint = cos_link_03_joint * t28 - sin_link_03_joint * t31;
-  const Scalar R_xx_link_03_joint = sin_link_03_joint * t26 + cos_link_03_joint * t29;
-  const Scalar R_xy_link_03_joint = sin_link_03_joint * t27 + cos_link_03_joint * t30;
-  const Scalar R_xz_link_03_joint = sin_link_03_joint * t28 + cos_link_03_joint * t31;
-  const Scalar p_z_link_03_joint = 0.4019450738767276 * t24 - 0.2717984621449093 * R_xz_link_02_joint;
-  const Scalar p_x_link_03_joint = -0.051958511200873914 + (0.2717984621449093 * t25 - 0.4019450738767276 * R_yx_link_02_joint);
-  const Scalar p_y_link_03_joint = -0.294569690866505 - (0.4019450738767276 * R_yy_link_02_joint + 0.2717984621449093 * R_xy_link_02_joint);
-  const Scalar J_x_link_03_joint = R_zz_link_03_joint * p_y_link_03_joint - R_zy_link_03_joint * p_z_link_03_joint;
-  const Scalar J_y_link_03_joint = R_zx_link_03_joint * p_z_link_03_joint - R_zz_link_03_joint * p_x_link_03_joint;
-  const Scalar J_z_link_03_joint = R_zy_link_03_joint * p_x_link_03_joint - R_zx_link_03_joint * p_y_link_03_joint;
+  // link_01_joint -> link_01: R = Rp Rk Rz(q), p = pp + Rp pk, J = [p x z; z], V = Vp + J dq, dJ = ad(Vp) J
+  const Scalar sin_link_02_joint = sine[1];
+  const Scalar cos_link_02_joint = cosine[1];
+  const Scalar t25 = R_xx_link_02_joint * sin_link_02_joint + R_yx_link_02_joint * cos_link_02_joint;
+  const Scalar t26 = R_xx_link_02_joint * cos_link_02_joint - R_yx_link_02_joint * sin_link_02_joint;
+  const Scalar t27 = R_xy_link_02_joint * sin_link_02_joint + R_yy_link_02_joint * cos_link_02_joint;
+  const Scalar t28 = R_xy_link_02_joint * cos_link_02_joint - R_yy_link_02_joint * sin_link_02_joint;
+  const Scalar t29 = 0.316977262206784 * cos_link_02_joint - 0.9473973712952163 * sin_link_02_joint;
+  const Scalar t30 = 0.316977262206784 * sin_link_02_joint + 0.9473973712952163 * cos_link_02_joint;
+  const Scalar R_zx_link_01_joint = 0.07905374804558882 * R_zx_link_02_joint + (0.4325960619297159 * t26 - 0.8981153334192917 * t25);
+  const Scalar R_zy_link_01_joint = 0.4325960619297159 * t28 - 0.8981153334192917 * t27 - 0.07905374804558882 * t24;
+  const Scalar R_zz_link_01_joint = -0.003503103508105306 - (0.8981153334192917 * t29 + 0.4325960619297159 * t30);
+  const Scalar p_x_link_01_joint = p_x_link_02_joint - (0.051958511200873914 * (0.8553759371865042 * R_zx_link_02_joint + (0.2839690328110661 * t25 + 0.43323618787753304 * t26)) - 0.294569690866505 * (0.3357833174556199 * t25 + 0.7906750613976922 * t26 - 0.5119399486289911 * R_zx_link_02_joint));
+  const Scalar p_y_link_01_joint = p_y_link_02_joint + (0.294569690866505 * (0.5119399486289911 * t24 + (0.3357833174556199 * t27 + 0.7906750613976922 * t28)) + 0.051958511200873914 * (0.8553759371865042 * t24 - (0.2839690328110661 * t27 + 0.43323618787753304 * t28)));
+  const Scalar p_z_link_01_joint = -0.1300936994832208 + (0.294569690866505 * (0.02268556108114268 + (0.3357833174556199 * t29 - 0.7906750613976922 * t30)) + 0.051958511200873914 * (0.037904217325393584 + (0.43323618787753304 * t30 - 0.2839690328110661 * t29)));
+  const Scalar J_x_link_01_joint = R_zz_link_01_joint * p_y_link_01_joint - R_zy_link_01_joint * p_z_link_01_joint;
+  const Scalar J_y_link_01_joint = R_zx_link_01_joint * p_z_link_01_joint - R_zz_link_01_joint * p_x_link_01_joint;
+  const Scalar J_z_link_01_joint = R_zy_link_01_joint * p_x_link_01_joint - R_zx_link_01_joint * p_y_link_01_joint;
+
+  // link_02_joint -> link_02: R = Rp Rk Rz(q), p = pp + Rp pk, J = [p x z; z], V = Vp + J dq, dJ = ad(Vp) J
+  const Scalar t31 = 0.1300936994832208 * t24 + 0.044312933854636874 * p_y_link_02_joint;
+  const Scalar J_y_link_02_joint = 0.044312933854636874 * p_x_link_02_joint - 0.1300936994832208 * R_zx_link_02_joint;
+  const Scalar t32 = R_zx_link_02_joint * p_y_link_02_joint + t24 * p_x_link_02_joint;
 
   // link_04_joint -> link_04: R = Rp Rk Rz(q), p = pp + Rp pk, J = [p x z; z], V = Vp + J dq, dJ = ad(Vp) J
   const Scalar sin_link_04_joint = sine[2];
   const Scalar cos_link_04_joint = cosine[2];
-  const Scalar t32 = 0.7430615558047939 * R_zx_link_03_joint + (0.603527927254887 * R_yx_link_03_joint + 0.2891601032445157 * R_xx_link_03_joint);
-  const Scalar t33 = 0.7430615558047939 * R_zy_link_03_joint + (0.603527927254887 * R_yy_link_03_joint + 0.2891601032445157 * R_xy_link_03_joint);
-  const Scalar t34 = 0.7430615558047939 * R_zz_link_03_joint + (0.603527927254887 * R_yz_link_03_joint + 0.2891601032445157 * R_xz_link_03_joint);
-  const Scalar t35 = 0.05425688212055105 * R_yx_link_03_joint + 0.9148696609090242 * R_xx_link_03_joint - 0.40008710837861816 * R_zx_link_03_joint;
-  const Scalar t36 = 0.05425688212055105 * R_yy_link_03_joint + 0.9148696609090242 * R_xy_link_03_joint - 0.40008710837861816 * R_zy_link_03_joint;
-  const Scalar t37 = 0.05425688212055105 * R_yz_link_03_joint + 0.9148696609090242 * R_xz_link_03_joint - 0.40008710837861816 * R_zz_link_03_joint;
-  const Scalar t38 = 0.7954937031592246 * R_yx_link_03_joint - 0.2817799464827628 * R_xx_link_03_joint - 0.5364604645211005 * R_zx_link_03_joint;
-  const Scalar t39 = 0.7954937031592246 * R_yy_link_03_joint - 0.2817799464827628 * R_xy_link_03_joint - 0.5364604645211005 * R_zy_link_03_joint;
-  const Scalar t40 = 0.7954937031592246 * R_yz_link_03_joint - 0.2817799464827628 * R_xz_link_03_joint - 0.5364604645211005 * R_zz_link_03_joint;
-  const Scalar R_yx_link_04_joint = cos_link_04_joint * t35 - sin_link_04_joint * t38;
-  const Scalar R_yy_link_04_joint = cos_link_04_joint * t36 - sin_link_04_joint * t39;
-  const Scalar R_yz_link_04_joint = cos_link_04_joint * t37 - sin_link_04_joint * t40;
-  const Scalar R_xx_link_04_joint = sin_link_04_joint * t35 + cos_link_04_joint * t38;
-  const Scalar R_xy_link_04_joint = sin_link_04_joint * t36 + cos_link_04_joint * t39;
-  const Scalar R_xz_link_04_joint = sin_link_04_joint * t37 + cos_link_04_joint * t40;
-  const Scalar p_x_link_04_joint = p_x_link_03_joint + (0.052051582283540794 * R_xx_link_03_joint - 0.29241658532927894 * R_yx_link_03_joint);
-  const Scalar p_y_link_04_joint = p_y_link_03_joint + (0.052051582283540794 * R_xy_link_03_joint - 0.29241658532927894 * R_yy_link_03_joint);
-  const Scalar p_z_link_04_joint = p_z_link_03_joint + (0.052051582283540794 * R_xz_link_03_joint - 0.29241658532927894 * R_yz_link_03_joint);
-  const Scalar J_x_link_04_joint = t33 * p_z_link_04_joint - t34 * p_y_link_04_joint;
-  const Scalar J_y_link_04_joint = t34 * p_x_link_04_joint - t32 * p_z_link_04_joint;
-  const Scalar J_z_link_04_joint = t32 * p_y_link_04_joint - t33 * p_x_link_04_joint;
+  const Scalar R_yx_link_04_joint = 0.2817799464827628 * sin_link_04_joint + 0.9148696609090242 * cos_link_04_joint;
+  const Scalar R_yy_link_04_joint = 0.05425688212055105 * cos_link_04_joint - 0.7954937031592246 * sin_link_04_joint;
+  const Scalar R_yz_link_04_joint = 0.5364604645211005 * sin_link_04_joint - 0.40008710837861816 * cos_link_04_joint;
+  const Scalar R_xx_link_04_joint = 0.9148696609090242 * sin_link_04_joint - 0.2817799464827628 * cos_link_04_joint;
+  const Scalar R_xy_link_04_joint = 0.05425688212055105 * sin_link_04_joint + 0.7954937031592246 * cos_link_04_joint;
+  const Scalar t33 = 0.40008710837861816 * sin_link_04_joint + 0.5364604645211005 * cos_link_04_joint;
 
   // link_05_joint -> link_05: R = Rp Rk Rz(q), p = pp + Rp pk, J = [p x z; z], V = Vp + J dq, dJ = ad(Vp) J
   const Scalar sin_link_05_joint = sine[3];
   const Scalar cos_link_05_joint = cosine[3];
-  const Scalar R_zx_link_05_joint = 0.3329432234859793 * t32 + (0.8054047256230948 * R_xx_link_04_joint - 0.4903794835418309 * R_yx_link_04_joint);
-  const Scalar R_zy_link_05_joint = 0.3329432234859793 * t33 + (0.8054047256230948 * R_xy_link_04_joint - 0.4903794835418309 * R_yy_link_04_joint);
-  const Scalar R_zz_link_05_joint = 0.3329432234859793 * t34 + (0.8054047256230948 * R_xz_link_04_joint - 0.4903794835418309 * R_yz_link_04_joint);
-  const Scalar t41 = 0.18307338467681866 * t32 + (0.8714997348188931 * R_yx_link_04_joint + 0.4549421370169765 * R_xx_link_04_joint);
-  const Scalar t42 = 0.18307338467681866 * t33 + (0.8714997348188931 * R_yy_link_04_joint + 0.4549421370169765 * R_xy_link_04_joint);
-  const Scalar t43 = 0.18307338467681866 * t34 + (0.8714997348188931 * R_yz_link_04_joint + 0.4549421370169765 * R_xz_link_04_joint);
-  const Scalar t44 = 0.9250042949942119 * t32 + (0.004021732443507842 * R_yx_link_04_joint - 0.3799353628058515 * R_xx_link_04_joint);
-  const Scalar t45 = 0.9250042949942119 * t33 + (0.004021732443507842 * R_yy_link_04_joint - 0.3799353628058515 * R_xy_link_04_joint);
-  const Scalar t46 = 0.9250042949942119 * t34 + (0.004021732443507842 * R_yz_link_04_joint - 0.3799353628058515 * R_xz_link_04_joint);
-  const Scalar R_yx_link_05_joint = cos_link_05_joint * t41 - sin_link_05_joint * t44;
-  const Scalar R_yy_link_05_joint = cos_link_05_joint * t42 - sin_link_05_joint * t45;
-  const Scalar R_yz_link_05_joint = cos_link_05_joint * t43 - sin_link_05_joint * t46;
-  const Scalar R_xx_link_05_joint = sin_link_05_joint * t41 + cos_link_05_joint * t44;
-  const Scalar R_xy_link_05_joint = sin_link_05_joint * t42 + cos_link_05_joint * t45;
-  const Scalar R_xz_link_05_joint = sin_link_05_joint * t43 + cos_link_05_joint * t46;
-  const Scalar p_x_link_05_joint = p_x_link_04_joint + (0.30187083417088606 * R_xx_link_04_joint - 0.09958675907324187 * R_yx_link_04_joint);
-  const Scalar p_y_link_05_joint = p_y_link_04_joint + (0.30187083417088606 * R_xy_link_04_joint - 0.09958675907324187 * R_yy_link_04_joint);
-  const Scalar p_z_link_05_joint = p_z_link_04_joint + (0.30187083417088606 * R_xz_link_04_joint - 0.09958675907324187 * R_yz_link_04_joint);
-  const Scalar J_x_link_05_joint = R_zz_link_05_joint * p_y_link_05_joint - R_zy_link_05_joint * p_z_link_05_joint;
-  const Scalar J_y_link_05_joint = R_zx_link_05_joint * p_z_link_05_joint - R_zz_link_05_joint * p_x_link_05_joint;
+  const Scalar R_zx_link_05_joint = 0.09627389687776765 + (0.8054047256230948 * R_xx_link_04_joint - 0.4903794835418309 * R_yx_link_04_joint);
+  const Scalar R_zy_link_05_joint = 0.20094053356405372 + (0.8054047256230948 * R_xy_link_04_joint - 0.4903794835418309 * R_yy_link_04_joint);
+  const Scalar R_zz_link_05_joint = 0.247397309638155 - (0.4903794835418309 * R_yz_link_04_joint + 0.8054047256230948 * t33);
+  const Scalar t34 = 0.05293751881447182 + (0.8714997348188931 * R_yx_link_04_joint + 0.4549421370169765 * R_xx_link_04_joint);
+  const Scalar t35 = 0.11048990038953696 + (0.8714997348188931 * R_yy_link_04_joint + 0.4549421370169765 * R_xy_link_04_joint);
+  const Scalar t36 = 0.1360347940444064 + (0.8714997348188931 * R_yz_link_04_joint - 0.4549421370169765 * t33);
+  const Scalar t37 = 0.26747433744214677 + (0.004021732443507842 * R_yx_link_04_joint - 0.3799353628058515 * R_xx_link_04_joint);
+  const Scalar t38 = 0.5582659248597248 + (0.004021732443507842 * R_yy_link_04_joint - 0.3799353628058515 * R_xy_link_04_joint);
+  const Scalar t39 = 0.6873351305645157 + (0.004021732443507842 * R_yz_link_04_joint + 0.3799353628058515 * t33);
+  const Scalar R_yx_link_05_joint = cos_link_05_joint * t34 - sin_link_05_joint * t37;
+  const Scalar R_yy_link_05_joint = cos_link_05_joint * t35 - sin_link_05_joint * t38;
+  const Scalar R_yz_link_05_joint = cos_link_05_joint * t36 - sin_link_05_joint * t39;
+  const Scalar R_xx_link_05_joint = sin_link_05_joint * t34 + cos_link_05_joint * t37;
+  const Scalar R_xy_link_05_joint = sin_link_05_joint * t35 + cos_link_05_joint * t38;
+  const Scalar R_xz_link_05_joint = sin_link_05_joint * t36 + cos_link_05_joint * t39;
+  const Scalar t40 = 0.09958675907324187 * R_yz_link_04_joint + 0.30187083417088606 * t33;
+  const Scalar p_x_link_05_joint = 0.052051582283540794 + (0.30187083417088606 * R_xx_link_04_joint - 0.09958675907324187 * R_yx_link_04_joint);
+  const Scalar p_y_link_05_joint = -0.29241658532927894 + (0.30187083417088606 * R_xy_link_04_joint - 0.09958675907324187 * R_yy_link_04_joint);
+  const Scalar J_x_link_05_joint = R_zy_link_05_joint * t40 + R_zz_link_05_joint * p_y_link_05_joint;
+  const Scalar t41 = R_zz_link_05_joint * p_x_link_05_joint + R_zx_link_05_joint * t40;
   const Scalar J_z_link_05_joint = R_zy_link_05_joint * p_x_link_05_joint - R_zx_link_05_joint * p_y_link_05_joint;
 
   // link_06_joint -> link_06: R = Rp Rk Rz(q), p = pp + Rp pk, J = [p x z; z], V = Vp + J dq, dJ = ad(Vp) J
@@ -132,21 +118,21 @@ DALEMBERT_STRAIGHT_LINE void evaluate(const Scalar* __restrict q, const Scalar* 
   const Scalar R_zx_link_06_joint = 0.3919633354817911 * R_zx_link_05_joint + (0.8407778022108343 * R_yx_link_05_joint + 0.3734399964485699 * R_xx_link_05_joint);
   const Scalar R_zy_link_06_joint = 0.3919633354817911 * R_zy_link_05_joint + (0.8407778022108343 * R_yy_link_05_joint + 0.3734399964485699 * R_xy_link_05_joint);
   const Scalar R_zz_link_06_joint = 0.3919633354817911 * R_zz_link_05_joint + (0.8407778022108343 * R_yz_link_05_joint + 0.3734399964485699 * R_xz_link_05_joint);
-  const Scalar t47 = 0.18494525999966993 * R_zx_link_05_joint + (0.8632648790698307 * R_xx_link_05_joint - 0.46964773966048723 * R_yx_link_05_joint);
-  const Scalar t48 = 0.18494525999966993 * R_zy_link_05_joint + (0.8632648790698307 * R_xy_link_05_joint - 0.46964773966048723 * R_yy_link_05_joint);
-  const Scalar t49 = 0.18494525999966993 * R_zz_link_05_joint + (0.8632648790698307 * R_xz_link_05_joint - 0.46964773966048723 * R_yz_link_05_joint);
-  const Scalar t50 = 0.9011991979810254 * R_zx_link_05_joint - (0.26930222416703953 * R_yx_link_05_joint + 0.33958256377064233 * R_xx_link_05_joint);
-  const Scalar t51 = 0.9011991979810254 * R_zy_link_05_joint - (0.26930222416703953 * R_yy_link_05_joint + 0.33958256377064233 * R_xy_link_05_joint);
-  const Scalar t52 = 0.9011991979810254 * R_zz_link_05_joint - (0.26930222416703953 * R_yz_link_05_joint + 0.33958256377064233 * R_xz_link_05_joint);
-  const Scalar R_yx_link_06_joint = cos_link_06_joint * t47 - sin_link_06_joint * t50;
-  const Scalar R_yy_link_06_joint = cos_link_06_joint * t48 - sin_link_06_joint * t51;
-  const Scalar R_yz_link_06_joint = cos_link_06_joint * t49 - sin_link_06_joint * t52;
-  const Scalar R_xx_link_06_joint = sin_link_06_joint * t47 + cos_link_06_joint * t50;
-  const Scalar R_xy_link_06_joint = sin_link_06_joint * t48 + cos_link_06_joint * t51;
-  const Scalar R_xz_link_06_joint = sin_link_06_joint * t49 + cos_link_06_joint * t52;
+  const Scalar t42 = 0.18494525999966993 * R_zx_link_05_joint + (0.8632648790698307 * R_xx_link_05_joint - 0.46964773966048723 * R_yx_link_05_joint);
+  const Scalar t43 = 0.18494525999966993 * R_zy_link_05_joint + (0.8632648790698307 * R_xy_link_05_joint - 0.46964773966048723 * R_yy_link_05_joint);
+  const Scalar t44 = 0.18494525999966993 * R_zz_link_05_joint + (0.8632648790698307 * R_xz_link_05_joint - 0.46964773966048723 * R_yz_link_05_joint);
+  const Scalar t45 = 0.9011991979810254 * R_zx_link_05_joint - (0.26930222416703953 * R_yx_link_05_joint + 0.33958256377064233 * R_xx_link_05_joint);
+  const Scalar t46 = 0.9011991979810254 * R_zy_link_05_joint - (0.26930222416703953 * R_yy_link_05_joint + 0.33958256377064233 * R_xy_link_05_joint);
+  const Scalar t47 = 0.9011991979810254 * R_zz_link_05_joint - (0.26930222416703953 * R_yz_link_05_joint + 0.33958256377064233 * R_xz_link_05_joint);
+  const Scalar R_yx_link_06_joint = cos_link_06_joint * t42 - sin_link_06_joint * t45;
+  const Scalar R_yy_link_06_joint = cos_link_06_joint * t43 - sin_link_06_joint * t46;
+  const Scalar R_yz_link_06_joint = cos_link_06_joint * t44 - sin_link_06_joint * t47;
+  const Scalar R_xx_link_06_joint = sin_link_06_joint * t42 + cos_link_06_joint * t45;
+  const Scalar R_xy_link_06_joint = sin_link_06_joint * t43 + cos_link_06_joint * t46;
+  const Scalar R_xz_link_06_joint = sin_link_06_joint * t44 + cos_link_06_joint * t47;
   const Scalar p_x_link_06_joint = p_x_link_05_joint + (0.023300071708266076 * R_yx_link_05_joint + 0.1818586705204187 * R_xx_link_05_joint);
   const Scalar p_y_link_06_joint = p_y_link_05_joint + (0.023300071708266076 * R_yy_link_05_joint + 0.1818586705204187 * R_xy_link_05_joint);
-  const Scalar p_z_link_06_joint = p_z_link_05_joint + (0.023300071708266076 * R_yz_link_05_joint + 0.1818586705204187 * R_xz_link_05_joint);
+  const Scalar p_z_link_06_joint = 0.023300071708266076 * R_yz_link_05_joint + 0.1818586705204187 * R_xz_link_05_joint - t40;
   const Scalar J_x_link_06_joint = R_zz_link_06_joint * p_y_link_06_joint - R_zy_link_06_joint * p_z_link_06_joint;
   const Scalar J_y_link_06_joint = R_zx_link_06_joint * p_z_link_06_joint - R_zz_link_06_joint * p_x_link_06_joint;
   const Scalar J_z_link_06_joint = R_zy_link_06_joint * p_x_link_06_joint - R_zx_link_06_joint * p_y_link_06_joint;
@@ -157,18 +143,18 @@ DALEMBERT_STRAIGHT_LINE void evaluate(const Scalar* __restrict q, const Scalar* 
   const Scalar R_zx_link_07_joint = 0.04552988187375823 * R_zx_link_06_joint + (0.12892515939160784 * R_yx_link_06_joint + 0.9906085670598705 * R_xx_link_06_joint);
   const Scalar R_zy_link_07_joint = 0.04552988187375823 * R_zy_link_06_joint + (0.12892515939160784 * R_yy_link_06_joint + 0.9906085670598705 * R_xy_link_06_joint);
   const Scalar R_zz_link_07_joint = 0.04552988187375823 * R_zz_link_06_joint + (0.12892515939160784 * R_yz_link_06_joint + 0.9906085670598705 * R_xz_link_06_joint);
-  const Scalar t53 = 0.1373687901884311 * R_zx_link_06_joint + (0.12162444272081516 * R_xx_link_06_joint - 0.9830245726404897 * R_yx_link_06_joint);
-  const Scalar t54 = 0.1373687901884311 * R_zy_link_06_joint + (0.12162444272081516 * R_xy_link_06_joint - 0.9830245726404897 * R_yy_link_06_joint);
-  const Scalar t55 = 0.1373687901884311 * R_zz_link_06_joint + (0.12162444272081516 * R_xz_link_06_joint - 0.9830245726404897 * R_yz_link_06_joint);
-  const Scalar t56 = 0.989473013951734 * R_zx_link_06_joint + (0.13054115389726934 * R_yx_link_06_joint - 0.062467285841799114 * R_xx_link_06_joint);
-  const Scalar t57 = 0.989473013951734 * R_zy_link_06_joint + (0.13054115389726934 * R_yy_link_06_joint - 0.062467285841799114 * R_xy_link_06_joint);
-  const Scalar t58 = 0.989473013951734 * R_zz_link_06_joint + (0.13054115389726934 * R_yz_link_06_joint - 0.062467285841799114 * R_xz_link_06_joint);
-  const Scalar R_yx_link_07_joint = cos_link_07_joint * t53 - sin_link_07_joint * t56;
-  const Scalar R_yy_link_07_joint = cos_link_07_joint * t54 - sin_link_07_joint * t57;
-  const Scalar R_yz_link_07_joint = cos_link_07_joint * t55 - sin_link_07_joint * t58;
-  const Scalar R_xx_link_07_joint = sin_link_07_joint * t53 + cos_link_07_joint * t56;
-  const Scalar R_xy_link_07_joint = sin_link_07_joint * t54 + cos_link_07_joint * t57;
-  const Scalar R_xz_link_07_joint = sin_link_07_joint * t55 + cos_link_07_joint * t58;
+  const Scalar t48 = 0.1373687901884311 * R_zx_link_06_joint + (0.12162444272081516 * R_xx_link_06_joint - 0.9830245726404897 * R_yx_link_06_joint);
+  const Scalar t49 = 0.1373687901884311 * R_zy_link_06_joint + (0.12162444272081516 * R_xy_link_06_joint - 0.9830245726404897 * R_yy_link_06_joint);
+  const Scalar t50 = 0.1373687901884311 * R_zz_link_06_joint + (0.12162444272081516 * R_xz_link_06_joint - 0.9830245726404897 * R_yz_link_06_joint);
+  const Scalar t51 = 0.989473013951734 * R_zx_link_06_joint + (0.13054115389726934 * R_yx_link_06_joint - 0.062467285841799114 * R_xx_link_06_joint);
+  const Scalar t52 = 0.989473013951734 * R_zy_link_06_joint + (0.13054115389726934 * R_yy_link_06_joint - 0.062467285841799114 * R_xy_link_06_joint);
+  const Scalar t53 = 0.989473013951734 * R_zz_link_06_joint + (0.13054115389726934 * R_yz_link_06_joint - 0.062467285841799114 * R_xz_link_06_joint);
+  const Scalar R_yx_link_07_joint = cos_link_07_joint * t48 - sin_link_07_joint * t51;
+  const Scalar R_yy_link_07_joint = cos_link_07_joint * t49 - sin_link_07_joint * t52;
+  const Scalar R_yz_link_07_joint = cos_link_07_joint * t50 - sin_link_07_joint * t53;
+  const Scalar R_xx_link_07_joint = sin_link_07_joint * t48 + cos_link_07_joint * t51;
+  const Scalar R_xy_link_07_joint = sin_link_07_joint * t49 + cos_link_07_joint * t52;
+  const Scalar R_xz_link_07_joint = sin_link_07_joint * t50 + cos_link_07_joint * t53;
   const Scalar p_x_link_07_joint = p_x_link_06_joint + (0.34490286090188116 * R_yx_link_06_joint - 0.37439199452220717 * R_xx_link_06_joint);
   const Scalar p_y_link_07_joint = p_y_link_06_joint + (0.34490286090188116 * R_yy_link_06_joint - 0.37439199452220717 * R_xy_link_06_joint);
   const Scalar p_z_link_07_joint = p_z_link_06_joint + (0.34490286090188116 * R_yz_link_06_joint - 0.37439199452220717 * R_xz_link_06_joint);
@@ -177,35 +163,35 @@ DALEMBERT_STRAIGHT_LINE void evaluate(const Scalar* __restrict q, const Scalar* 
   const Scalar J_z_link_07_joint = R_zy_link_07_joint * p_x_link_07_joint - R_zx_link_07_joint * p_y_link_07_joint;
 
   // link_07_joint -> link_07: h = R hk + m p, S = R Sk R' + R hk p' + p (R hk)' + m p p'
-  const Scalar t59 = 0.9625098228859927 * t8 + (0.20716944100215853 * t10 - 0.17508758826035514 * t12) + t3 * t15 + 0.00944046260058589;
-  const Scalar t60 = 0.7351334745232172 * t10 - 0.6212921484997599 * t12 - 0.2712468264293142 * t8 + t4 * t15 + -0.02901883642303464;
-  const Scalar t61 = 0.7351334745232172 * t11 + 0.6212921484997599 * t13 - 0.2712468264293142 * t9 + t4 * t16 + -0.015841512325052473;
-  const Scalar t62 = 0.5 * t18 + 0.013791163561022108;
-  const Scalar t63 = 0.5 * t19 + 0.00859157095455969;
-  const Scalar t64 = workspace.payload_link_07.mass * p_x_link_07_joint;
-  const Scalar t65 = workspace.payload_link_07.mass * p_y_link_07_joint;
-  const Scalar t66 = workspace.payload_link_07.mass * p_z_link_07_joint;
-  const Scalar hk_x_link_07_joint = t64 + (t17 * R_zx_link_07_joint + (t22 * R_yx_link_07_joint + t21 * R_xx_link_07_joint));
-  const Scalar hk_y_link_07_joint = t65 + (t17 * R_zy_link_07_joint + (t22 * R_yy_link_07_joint + t21 * R_xy_link_07_joint));
-  const Scalar hk_z_link_07_joint = t66 + (t17 * R_zz_link_07_joint + (t22 * R_yz_link_07_joint + t21 * R_xz_link_07_joint));
-  const Scalar t67 = R_zx_link_07_joint * t60 + (R_yx_link_07_joint * t59 + (R_xx_link_07_joint * t62 + t21 * p_x_link_07_joint));
-  const Scalar t68 = R_zy_link_07_joint * t60 + (R_yy_link_07_joint * t59 + (R_xy_link_07_joint * t62 + t21 * p_y_link_07_joint));
-  const Scalar t69 = R_zz_link_07_joint * t60 + (R_yz_link_07_joint * t59 + (R_xz_link_07_joint * t62 + t21 * p_z_link_07_joint));
-  const Scalar t70 = R_zx_link_07_joint * t61 + (R_yx_link_07_joint * t63 + t22 * p_x_link_07_joint);
-  const Scalar t71 = R_zy_link_07_joint * t61 + (R_yy_link_07_joint * t63 + t22 * p_y_link_07_joint);
-  const Scalar t72 = R_zz_link_07_joint * t61 + (R_yz_link_07_joint * t63 + t22 * p_z_link_07_joint);
-  const Scalar t73 = t23 * R_zx_link_07_joint + t17 * p_x_link_07_joint;
-  const Scalar t74 = t23 * R_zy_link_07_joint + t17 * p_y_link_07_joint;
-  const Scalar t75 = t23 * R_zz_link_07_joint + t17 * p_z_link_07_joint;
-  const Scalar t76 = R_zx_link_07_joint * t73 + (R_yx_link_07_joint * t70 + R_xx_link_07_joint * t67);
-  const Scalar Sk_xx_link_07_joint = p_x_link_07_joint * t64 + (t76 + t76);
-  const Scalar Sk_xy_link_07_joint = p_y_link_07_joint * t64 + (R_zx_link_07_joint * t74 + (R_yx_link_07_joint * t71 + R_xx_link_07_joint * t68) + (R_zy_link_07_joint * t73 + (R_yy_link_07_joint * t70 + R_xy_link_07_joint * t67)));
-  const Scalar Sk_xz_link_07_joint = p_z_link_07_joint * t64 + (R_zx_link_07_joint * t75 + (R_yx_link_07_joint * t72 + R_xx_link_07_joint * t69) + (R_zz_link_07_joint * t73 + (R_yz_link_07_joint * t70 + R_xz_link_07_joint * t67)));
-  const Scalar t77 = R_zy_link_07_joint * t74 + (R_yy_link_07_joint * t71 + R_xy_link_07_joint * t68);
-  const Scalar Sk_yy_link_07_joint = p_y_link_07_joint * t65 + (t77 + t77);
-  const Scalar Sk_yz_link_07_joint = p_z_link_07_joint * t65 + (R_zy_link_07_joint * t75 + (R_yy_link_07_joint * t72 + R_xy_link_07_joint * t69) + (R_zz_link_07_joint * t74 + (R_yz_link_07_joint * t71 + R_xz_link_07_joint * t68)));
-  const Scalar t78 = R_zz_link_07_joint * t75 + (R_yz_link_07_joint * t72 + R_xz_link_07_joint * t69);
-  const Scalar Sk_zz_link_07_joint = p_z_link_07_joint * t66 + (t78 + t78);
+  const Scalar t54 = 0.9625098228859927 * t8 + (0.20716944100215853 * t10 - 0.17508758826035514 * t12) + t3 * t15 + 0.00944046260058589;
+  const Scalar t55 = 0.7351334745232172 * t10 - 0.6212921484997599 * t12 - 0.2712468264293142 * t8 + t4 * t15 + -0.02901883642303464;
+  const Scalar t56 = 0.7351334745232172 * t11 + 0.6212921484997599 * t13 - 0.2712468264293142 * t9 + t4 * t16 + -0.015841512325052473;
+  const Scalar t57 = 0.5 * t18 + 0.013791163561022108;
+  const Scalar t58 = 0.5 * t19 + 0.00859157095455969;
+  const Scalar t59 = workspace.payload_link_07.mass * p_x_link_07_joint;
+  const Scalar t60 = workspace.payload_link_07.mass * p_y_link_07_joint;
+  const Scalar t61 = workspace.payload_link_07.mass * p_z_link_07_joint;
+  const Scalar hk_x_link_07_joint = t59 + (t17 * R_zx_link_07_joint + (t22 * R_yx_link_07_joint + t21 * R_xx_link_07_joint));
+  const Scalar hk_y_link_07_joint = t60 + (t17 * R_zy_link_07_joint + (t22 * R_yy_link_07_joint + t21 * R_xy_link_07_joint));
+  const Scalar hk_z_link_07_joint = t61 + (t17 * R_zz_link_07_joint + (t22 * R_yz_link_07_joint + t21 * R_xz_link_07_joint));
+  const Scalar t62 = R_zx_link_07_joint * t55 + (R_yx_link_07_joint * t54 + (R_xx_link_07_joint * t57 + t21 * p_x_link_07_joint));
+  const Scalar t63 = R_zy_link_07_joint * t55 + (R_yy_link_07_joint * t54 + (R_xy_link_07_joint * t57 + t21 * p_y_link_07_joint));
+  const Scalar t64 = R_zz_link_07_joint * t55 + (R_yz_link_07_joint * t54 + (R_xz_link_07_joint * t57 + t21 * p_z_link_07_joint));
+  const Scalar t65 = R_zx_link_07_joint * t56 + (R_yx_link_07_joint * t58 + t22 * p_x_link_07_joint);
+  const Scalar t66 = R_zy_link_07_joint * t56 + (R_yy_link_07_joint * t58 + t22 * p_y_link_07_joint);
+  const Scalar t67 = R_zz_link_07_joint * t56 + (R_yz_link_07_joint * t58 + t22 * p_z_link_07_joint);
+  const Scalar t68 = t23 * R_zx_link_07_joint + t17 * p_x_link_07_joint;
+  const Scalar t69 = t23 * R_zy_link_07_joint + t17 * p_y_link_07_joint;
+  const Scalar t70 = t23 * R_zz_link_07_joint + t17 * p_z_link_07_joint;
+  const Scalar t71 = R_zx_link_07_joint * t68 + (R_yx_link_07_joint * t65 + R_xx_link_07_joint * t62);
+  const Scalar Sk_xx_link_07_joint = p_x_link_07_joint * t59 + (t71 + t71);
+  const Scalar Sk_xy_link_07_joint = p_y_link_07_joint * t59 + (R_zx_link_07_joint * t69 + (R_yx_link_07_joint * t66 + R_xx_link_07_joint * t63) + (R_zy_link_07_joint * t68 + (R_yy_link_07_joint * t65 + R_xy_link_07_joint * t62)));
+  const Scalar Sk_xz_link_07_joint = p_z_link_07_joint * t59 + (R_zx_link_07_joint * t70 + (R_yx_link_07_joint * t67 + R_xx_link_07_joint * t64) + (R_zz_link_07_joint * t68 + (R_yz_link_07_joint * t65 + R_xz_link_07_joint * t62)));
+  const Scalar t72 = R_zy_link_07_joint * t69 + (R_yy_link_07_joint * t66 + R_xy_link_07_joint * t63);
+  const Scalar Sk_yy_link_07_joint = p_y_link_07_joint * t60 + (t72 + t72);
+  const Scalar Sk_yz_link_07_joint = p_z_link_07_joint * t60 + (R_zy_link_07_joint * t70 + (R_yy_link_07_joint * t67 + R_xy_link_07_joint * t64) + (R_zz_link_07_joint * t69 + (R_yz_link_07_joint * t66 + R_xz_link_07_joint * t63)));
+  const Scalar t73 = R_zz_link_07_joint * t70 + (R_yz_link_07_joint * t67 + R_xz_link_07_joint * t64);
+  const Scalar Sk_zz_link_07_joint = p_z_link_07_joint * t61 + (t73 + t73);
 
   // link_07_joint -> link_07: F = A* J, G = A* dJ + B* J, H = P x Jv + D' Jw
   const Scalar F_vx_link_07_joint = R_zy_link_07_joint * hk_z_link_07_joint - R_zz_link_07_joint * hk_y_link_07_joint + workspace.payload_link_07.mass * J_x_link_07_joint;
@@ -214,48 +200,48 @@ DALEMBERT_STRAIGHT_LINE void evaluate(const Scalar* __restrict q, const Scalar* 
   const Scalar F_wx_link_07_joint = R_zx_link_07_joint * (Sk_yy_link_07_joint + Sk_zz_link_07_joint) - R_zy_link_07_joint * Sk_xy_link_07_joint - R_zz_link_07_joint * Sk_xz_link_07_joint + (J_z_link_07_joint * hk_y_link_07_joint - J_y_link_07_joint * hk_z_link_07_joint);
   const Scalar F_wy_link_07_joint = R_zy_link_07_joint * (Sk_xx_link_07_joint + Sk_zz_link_07_joint) - R_zx_link_07_joint * Sk_xy_link_07_joint - R_zz_link_07_joint * Sk_yz_link_07_joint + (J_x_link_07_joint * hk_z_link_07_joint - J_z_link_07_joint * hk_x_link_07_joint);
   const Scalar F_wz_link_07_joint = R_zz_link_07_joint * (Sk_xx_link_07_joint + Sk_yy_link_07_joint) - (R_zy_link_07_joint * Sk_yz_link_07_joint + R_zx_link_07_joint * Sk_xz_link_07_joint) + (J_y_link_07_joint * hk_x_link_07_joint - J_x_link_07_joint * hk_y_link_07_joint);
-  workspace.mass_matrix[6] = F_wz_link_07_joint;
-  workspace.mass_matrix[42] = F_wz_link_07_joint;
+  workspace.mass_matrix[20] = F_wz_link_07_joint;
+  workspace.mass_matrix[44] = F_wz_link_07_joint;
 
   // link_07_joint -> link_07: M_ik = F_k.J_i
   workspace.mass_matrix[48] = J_z_link_07_joint * F_vz_link_07_joint + (J_y_link_07_joint * F_vy_link_07_joint + J_x_link_07_joint * F_vx_link_07_joint) + (R_zz_link_07_joint * F_wz_link_07_joint + (R_zy_link_07_joint * F_wy_link_07_joint + R_zx_link_07_joint * F_wx_link_07_joint));
-  const Scalar t79 = J_z_link_06_joint * F_vz_link_07_joint + (J_y_link_06_joint * F_vy_link_07_joint + J_x_link_06_joint * F_vx_link_07_joint) + (R_zz_link_06_joint * F_wz_link_07_joint + (R_zy_link_06_joint * F_wy_link_07_joint + R_zx_link_06_joint * F_wx_link_07_joint));
-  workspace.mass_matrix[41] = t79;
-  workspace.mass_matrix[47] = t79;
-  const Scalar t80 = J_z_link_05_joint * F_vz_link_07_joint + (J_y_link_05_joint * F_vy_link_07_joint + J_x_link_05_joint * F_vx_link_07_joint) + (R_zz_link_05_joint * F_wz_link_07_joint + (R_zy_link_05_joint * F_wy_link_07_joint + R_zx_link_05_joint * F_wx_link_07_joint));
-  workspace.mass_matrix[34] = t80;
-  workspace.mass_matrix[46] = t80;
-  const Scalar t81 = J_z_link_04_joint * F_vz_link_07_joint + (J_y_link_04_joint * F_vy_link_07_joint + J_x_link_04_joint * F_vx_link_07_joint) - (t34 * F_wz_link_07_joint + (t33 * F_wy_link_07_joint + t32 * F_wx_link_07_joint));
-  workspace.mass_matrix[27] = t81;
-  workspace.mass_matrix[45] = t81;
-  const Scalar t82 = J_z_link_03_joint * F_vz_link_07_joint + (J_y_link_03_joint * F_vy_link_07_joint + J_x_link_03_joint * F_vx_link_07_joint) + (R_zz_link_03_joint * F_wz_link_07_joint + (R_zy_link_03_joint * F_wy_link_07_joint + R_zx_link_03_joint * F_wx_link_07_joint));
-  workspace.mass_matrix[20] = t82;
-  workspace.mass_matrix[44] = t82;
-  const Scalar t83 = 0.004107515053297791 * F_vy_link_07_joint - 0.02328683812362767 * F_vx_link_07_joint - 0.22536818783666127 * F_vz_link_07_joint + (0.07905374804558882 * F_wz_link_07_joint - (0.5119399486289911 * F_wy_link_07_joint + 0.8553759371865042 * F_wx_link_07_joint));
-  workspace.mass_matrix[13] = t83;
-  workspace.mass_matrix[43] = t83;
+  const Scalar t74 = J_z_link_06_joint * F_vz_link_07_joint + (J_y_link_06_joint * F_vy_link_07_joint + J_x_link_06_joint * F_vx_link_07_joint) + (R_zz_link_06_joint * F_wz_link_07_joint + (R_zy_link_06_joint * F_wy_link_07_joint + R_zx_link_06_joint * F_wx_link_07_joint));
+  workspace.mass_matrix[41] = t74;
+  workspace.mass_matrix[47] = t74;
+  const Scalar t75 = J_z_link_05_joint * F_vz_link_07_joint + (J_x_link_05_joint * F_vx_link_07_joint - t41 * F_vy_link_07_joint) + (R_zz_link_05_joint * F_wz_link_07_joint + (R_zy_link_05_joint * F_wy_link_07_joint + R_zx_link_05_joint * F_wx_link_07_joint));
+  workspace.mass_matrix[34] = t75;
+  workspace.mass_matrix[46] = t75;
+  const Scalar t76 = 0.03867752971370907 * F_vy_link_07_joint + 0.21728352283789928 * F_vx_link_07_joint - 0.11596979357014561 * F_vz_link_07_joint - (0.7430615558047939 * F_wz_link_07_joint + (0.603527927254887 * F_wy_link_07_joint + 0.2891601032445157 * F_wx_link_07_joint));
+  workspace.mass_matrix[27] = t76;
+  workspace.mass_matrix[45] = t76;
+  const Scalar t77 = J_y_link_02_joint * F_vy_link_07_joint - t31 * F_vx_link_07_joint - t32 * F_vz_link_07_joint + (R_zx_link_02_joint * F_wx_link_07_joint - t24 * F_wy_link_07_joint - 0.044312933854636874 * F_wz_link_07_joint);
+  workspace.mass_matrix[13] = t77;
+  workspace.mass_matrix[43] = t77;
+  const Scalar t78 = J_z_link_01_joint * F_vz_link_07_joint + (J_y_link_01_joint * F_vy_link_07_joint + J_x_link_01_joint * F_vx_link_07_joint) + (R_zz_link_01_joint * F_wz_link_07_joint + (R_zy_link_01_joint * F_wy_link_07_joint + R_zx_link_01_joint * F_wx_link_07_joint));
+  workspace.mass_matrix[6] = t78;
+  workspace.mass_matrix[42] = t78;
 
   // link_06_joint -> link_06: h = R hk + m p, S = R Sk R' + R hk p' + p (R hk)' + m p p'
-  const Scalar t84 = 0.04032735645432932 * R_xx_link_06_joint - 0.4176226600989166 * p_x_link_06_joint - 0.1299935922858627 * R_yx_link_06_joint - 0.026356795567310666 * R_zx_link_06_joint;
-  const Scalar t85 = 0.04032735645432932 * R_xy_link_06_joint - 0.4176226600989166 * p_y_link_06_joint - 0.1299935922858627 * R_yy_link_06_joint - 0.026356795567310666 * R_zy_link_06_joint;
-  const Scalar t86 = 0.04032735645432932 * R_xz_link_06_joint - 0.4176226600989166 * p_z_link_06_joint - 0.1299935922858627 * R_yz_link_06_joint - 0.026356795567310666 * R_zz_link_06_joint;
-  const Scalar t87 = 0.06899817623755677 * R_zx_link_06_joint + (0.13964277130099453 * R_yx_link_06_joint + 0.8697688641033599 * p_x_link_06_joint);
-  const Scalar t88 = 0.06899817623755677 * R_zy_link_06_joint + (0.13964277130099453 * R_yy_link_06_joint + 0.8697688641033599 * p_y_link_06_joint);
-  const Scalar t89 = 0.06899817623755677 * R_zz_link_06_joint + (0.13964277130099453 * R_yz_link_06_joint + 0.8697688641033599 * p_z_link_06_joint);
-  const Scalar t90 = R_yx_link_06_joint * t87 + R_xx_link_06_joint * t84;
-  const Scalar t91 = R_yy_link_06_joint * t88 + R_xy_link_06_joint * t85;
-  const Scalar t92 = R_yz_link_06_joint * t89 + R_xz_link_06_joint * t86;
+  const Scalar t79 = 0.04032735645432932 * R_xx_link_06_joint - 0.4176226600989166 * p_x_link_06_joint - 0.1299935922858627 * R_yx_link_06_joint - 0.026356795567310666 * R_zx_link_06_joint;
+  const Scalar t80 = 0.04032735645432932 * R_xy_link_06_joint - 0.4176226600989166 * p_y_link_06_joint - 0.1299935922858627 * R_yy_link_06_joint - 0.026356795567310666 * R_zy_link_06_joint;
+  const Scalar t81 = 0.04032735645432932 * R_xz_link_06_joint - 0.4176226600989166 * p_z_link_06_joint - 0.1299935922858627 * R_yz_link_06_joint - 0.026356795567310666 * R_zz_link_06_joint;
+  const Scalar t82 = 0.06899817623755677 * R_zx_link_06_joint + (0.13964277130099453 * R_yx_link_06_joint + 0.8697688641033599 * p_x_link_06_joint);
+  const Scalar t83 = 0.06899817623755677 * R_zy_link_06_joint + (0.13964277130099453 * R_yy_link_06_joint + 0.8697688641033599 * p_y_link_06_joint);
+  const Scalar t84 = 0.06899817623755677 * R_zz_link_06_joint + (0.13964277130099453 * R_yz_link_06_joint + 0.8697688641033599 * p_z_link_06_joint);
+  const Scalar t85 = R_yx_link_06_joint * t82 + R_xx_link_06_joint * t79;
+  const Scalar t86 = R_yy_link_06_joint * t83 + R_xy_link_06_joint * t80;
+  const Scalar t87 = R_yz_link_06_joint * t84 + R_xz_link_06_joint * t81;
 
   // link_06_joint -> link_06: h, S, P, D summed over the subtree
   const Scalar h_x_link_06_joint = hk_x_link_07_joint + (0.8697688641033599 * R_yx_link_06_joint - 0.4176226600989166 * R_xx_link_06_joint);
   const Scalar h_y_link_06_joint = hk_y_link_07_joint + (0.8697688641033599 * R_yy_link_06_joint - 0.4176226600989166 * R_xy_link_06_joint);
   const Scalar h_z_link_06_joint = hk_z_link_07_joint + (0.8697688641033599 * R_yz_link_06_joint - 0.4176226600989166 * R_xz_link_06_joint);
-  const Scalar S_xx_link_06_joint = Sk_xx_link_07_joint + (t90 + t90);
-  const Scalar S_xy_link_06_joint = Sk_xy_link_07_joint + (R_yx_link_06_joint * t88 + R_xx_link_06_joint * t85 + (R_yy_link_06_joint * t87 + R_xy_link_06_joint * t84));
-  const Scalar S_xz_link_06_joint = Sk_xz_link_07_joint + (R_yx_link_06_joint * t89 + R_xx_link_06_joint * t86 + (R_yz_link_06_joint * t87 + R_xz_link_06_joint * t84));
-  const Scalar S_yy_link_06_joint = Sk_yy_link_07_joint + (t91 + t91);
-  const Scalar S_yz_link_06_joint = Sk_yz_link_07_joint + (R_yy_link_06_joint * t89 + R_xy_link_06_joint * t86 + (R_yz_link_06_joint * t88 + R_xz_link_06_joint * t85));
-  const Scalar S_zz_link_06_joint = Sk_zz_link_07_joint + (t92 + t92);
+  const Scalar S_xx_link_06_joint = Sk_xx_link_07_joint + (t85 + t85);
+  const Scalar S_xy_link_06_joint = Sk_xy_link_07_joint + (R_yx_link_06_joint * t83 + R_xx_link_06_joint * t80 + (R_yy_link_06_joint * t82 + R_xy_link_06_joint * t79));
+  const Scalar S_xz_link_06_joint = Sk_xz_link_07_joint + (R_yx_link_06_joint * t84 + R_xx_link_06_joint * t81 + (R_yz_link_06_joint * t82 + R_xz_link_06_joint * t79));
+  const Scalar S_yy_link_06_joint = Sk_yy_link_07_joint + (t86 + t86);
+  const Scalar S_yz_link_06_joint = Sk_yz_link_07_joint + (R_yy_link_06_joint * t84 + R_xy_link_06_joint * t81 + (R_yz_link_06_joint * t83 + R_xz_link_06_joint * t80));
+  const Scalar S_zz_link_06_joint = Sk_zz_link_07_joint + (t87 + t87);
 
   // link_06_joint -> link_06: F = A* J, G = A* dJ + B* J, H = P x Jv + D' Jw
   const Scalar F_vx_link_06_joint = R_zy_link_06_joint * h_z_link_06_joint - R_zz_link_06_joint * h_y_link_06_joint + workspace.payload_link_07.mass * J_x_link_06_joint;
@@ -264,181 +250,169 @@ DALEMBERT_STRAIGHT_LINE void evaluate(const Scalar* __restrict q, const Scalar* 
   const Scalar F_wx_link_06_joint = R_zx_link_06_joint * (S_yy_link_06_joint + S_zz_link_06_joint) - R_zy_link_06_joint * S_xy_link_06_joint - R_zz_link_06_joint * S_xz_link_06_joint + (J_z_link_06_joint * h_y_link_06_joint - J_y_link_06_joint * h_z_link_06_joint);
   const Scalar F_wy_link_06_joint = R_zy_link_06_joint * (S_xx_link_06_joint + S_zz_link_06_joint) - R_zx_link_06_joint * S_xy_link_06_joint - R_zz_link_06_joint * S_yz_link_06_joint + (J_x_link_06_joint * h_z_link_06_joint - J_z_link_06_joint * h_x_link_06_joint);
   const Scalar F_wz_link_06_joint = R_zz_link_06_joint * (S_xx_link_06_joint + S_yy_link_06_joint) - (R_zy_link_06_joint * S_yz_link_06_joint + R_zx_link_06_joint * S_xz_link_06_joint) + (J_y_link_06_joint * h_x_link_06_joint - J_x_link_06_joint * h_y_link_06_joint);
-  workspace.mass_matrix[5] = F_wz_link_06_joint;
-  workspace.mass_matrix[35] = F_wz_link_06_joint;
+  workspace.mass_matrix[19] = F_wz_link_06_joint;
+  workspace.mass_matrix[37] = F_wz_link_06_joint;
 
   // link_06_joint -> link_06: M_ik = F_k.J_i
   workspace.mass_matrix[40] = J_z_link_06_joint * F_vz_link_06_joint + (J_y_link_06_joint * F_vy_link_06_joint + J_x_link_06_joint * F_vx_link_06_joint) + (R_zz_link_06_joint * F_wz_link_06_joint + (R_zy_link_06_joint * F_wy_link_06_joint + R_zx_link_06_joint * F_wx_link_06_joint));
-  const Scalar t93 = J_z_link_05_joint * F_vz_link_06_joint + (J_y_link_05_joint * F_vy_link_06_joint + J_x_link_05_joint * F_vx_link_06_joint) + (R_zz_link_05_joint * F_wz_link_06_joint + (R_zy_link_05_joint * F_wy_link_06_joint + R_zx_link_05_joint * F_wx_link_06_joint));
-  workspace.mass_matrix[33] = t93;
-  workspace.mass_matrix[39] = t93;
-  const Scalar t94 = J_z_link_04_joint * F_vz_link_06_joint + (J_y_link_04_joint * F_vy_link_06_joint + J_x_link_04_joint * F_vx_link_06_joint) - (t34 * F_wz_link_06_joint + (t33 * F_wy_link_06_joint + t32 * F_wx_link_06_joint));
-  workspace.mass_matrix[26] = t94;
-  workspace.mass_matrix[38] = t94;
-  const Scalar t95 = J_z_link_03_joint * F_vz_link_06_joint + (J_y_link_03_joint * F_vy_link_06_joint + J_x_link_03_joint * F_vx_link_06_joint) + (R_zz_link_03_joint * F_wz_link_06_joint + (R_zy_link_03_joint * F_wy_link_06_joint + R_zx_link_03_joint * F_wx_link_06_joint));
-  workspace.mass_matrix[19] = t95;
-  workspace.mass_matrix[37] = t95;
-  const Scalar t96 = 0.004107515053297791 * F_vy_link_06_joint - 0.02328683812362767 * F_vx_link_06_joint - 0.22536818783666127 * F_vz_link_06_joint + (0.07905374804558882 * F_wz_link_06_joint - (0.5119399486289911 * F_wy_link_06_joint + 0.8553759371865042 * F_wx_link_06_joint));
-  workspace.mass_matrix[12] = t96;
-  workspace.mass_matrix[36] = t96;
+  const Scalar t88 = J_z_link_05_joint * F_vz_link_06_joint + (J_x_link_05_joint * F_vx_link_06_joint - t41 * F_vy_link_06_joint) + (R_zz_link_05_joint * F_wz_link_06_joint + (R_zy_link_05_joint * F_wy_link_06_joint + R_zx_link_05_joint * F_wx_link_06_joint));
+  workspace.mass_matrix[33] = t88;
+  workspace.mass_matrix[39] = t88;
+  const Scalar t89 = 0.03867752971370907 * F_vy_link_06_joint + 0.21728352283789928 * F_vx_link_06_joint - 0.11596979357014561 * F_vz_link_06_joint - (0.7430615558047939 * F_wz_link_06_joint + (0.603527927254887 * F_wy_link_06_joint + 0.2891601032445157 * F_wx_link_06_joint));
+  workspace.mass_matrix[26] = t89;
+  workspace.mass_matrix[38] = t89;
+  const Scalar t90 = J_y_link_02_joint * F_vy_link_06_joint - t31 * F_vx_link_06_joint - t32 * F_vz_link_06_joint + (R_zx_link_02_joint * F_wx_link_06_joint - t24 * F_wy_link_06_joint - 0.044312933854636874 * F_wz_link_06_joint);
+  workspace.mass_matrix[12] = t90;
+  workspace.mass_matrix[36] = t90;
+  const Scalar t91 = J_z_link_01_joint * F_vz_link_06_joint + (J_y_link_01_joint * F_vy_link_06_joint + J_x_link_01_joint * F_vx_link_06_joint) + (R_zz_link_01_joint * F_wz_link_06_joint + (R_zy_link_01_joint * F_wy_link_06_joint + R_zx_link_01_joint * F_wx_link_06_joint));
+  workspace.mass_matrix[5] = t91;
+  workspace.mass_matrix[35] = t91;
 
   // link_05_joint -> link_05: h = R hk + m p, S = R Sk R' + R hk p' + p (R hk)' + m p p'
-  const Scalar t97 = 0.039303298657082104 * R_zx_link_05_joint + (0.12321572623583785 * R_yx_link_05_joint + (0.09806978644733777 * R_xx_link_05_joint + 0.648545824357382 * p_x_link_05_joint));
-  const Scalar t98 = 0.039303298657082104 * R_zy_link_05_joint + (0.12321572623583785 * R_yy_link_05_joint + (0.09806978644733777 * R_xy_link_05_joint + 0.648545824357382 * p_y_link_05_joint));
-  const Scalar t99 = 0.039303298657082104 * R_zz_link_05_joint + (0.12321572623583785 * R_yz_link_05_joint + (0.09806978644733777 * R_xz_link_05_joint + 0.648545824357382 * p_z_link_05_joint));
-  const Scalar t100 = 0.03124618367831379 * R_zx_link_05_joint + (0.05381750800270231 * R_yx_link_05_joint + 0.3333449207252153 * p_x_link_05_joint);
-  const Scalar t101 = 0.03124618367831379 * R_zy_link_05_joint + (0.05381750800270231 * R_yy_link_05_joint + 0.3333449207252153 * p_y_link_05_joint);
-  const Scalar t102 = 0.03124618367831379 * R_zz_link_05_joint + (0.05381750800270231 * R_yz_link_05_joint + 0.3333449207252153 * p_z_link_05_joint);
-  const Scalar t103 = R_yx_link_05_joint * t100 + R_xx_link_05_joint * t97;
-  const Scalar t104 = R_yy_link_05_joint * t101 + R_xy_link_05_joint * t98;
-  const Scalar t105 = R_yz_link_05_joint * t102 + R_xz_link_05_joint * t99;
+  const Scalar t92 = 0.039303298657082104 * R_zx_link_05_joint + (0.12321572623583785 * R_yx_link_05_joint + (0.09806978644733777 * R_xx_link_05_joint + 0.648545824357382 * p_x_link_05_joint));
+  const Scalar t93 = 0.039303298657082104 * R_zy_link_05_joint + (0.12321572623583785 * R_yy_link_05_joint + (0.09806978644733777 * R_xy_link_05_joint + 0.648545824357382 * p_y_link_05_joint));
+  const Scalar t94 = 0.039303298657082104 * R_zz_link_05_joint + (0.12321572623583785 * R_yz_link_05_joint + (0.09806978644733777 * R_xz_link_05_joint - 0.648545824357382 * t40));
+  const Scalar t95 = 0.03124618367831379 * R_zx_link_05_joint + (0.05381750800270231 * R_yx_link_05_joint + 0.3333449207252153 * p_x_link_05_joint);
+  const Scalar t96 = 0.03124618367831379 * R_zy_link_05_joint + (0.05381750800270231 * R_yy_link_05_joint + 0.3333449207252153 * p_y_link_05_joint);
+  const Scalar t97 = 0.03124618367831379 * R_zz_link_05_joint + (0.05381750800270231 * R_yz_link_05_joint - 0.3333449207252153 * t40);
+  const Scalar t98 = R_yx_link_05_joint * t95 + R_xx_link_05_joint * t92;
+  const Scalar t99 = R_yy_link_05_joint * t96 + R_xy_link_05_joint * t93;
+  const Scalar t100 = R_yz_link_05_joint * t97 + R_xz_link_05_joint * t94;
 
   // link_05_joint -> link_05: h, S, P, D summed over the subtree
   const Scalar h_x_link_05_joint = h_x_link_06_joint + (0.3333449207252153 * R_yx_link_05_joint + 0.648545824357382 * R_xx_link_05_joint);
   const Scalar h_y_link_05_joint = h_y_link_06_joint + (0.3333449207252153 * R_yy_link_05_joint + 0.648545824357382 * R_xy_link_05_joint);
   const Scalar h_z_link_05_joint = h_z_link_06_joint + (0.3333449207252153 * R_yz_link_05_joint + 0.648545824357382 * R_xz_link_05_joint);
-  const Scalar S_xx_link_05_joint = S_xx_link_06_joint + (t103 + t103);
-  const Scalar S_xy_link_05_joint = S_xy_link_06_joint + (R_yx_link_05_joint * t101 + R_xx_link_05_joint * t98 + (R_yy_link_05_joint * t100 + R_xy_link_05_joint * t97));
-  const Scalar S_xz_link_05_joint = S_xz_link_06_joint + (R_yx_link_05_joint * t102 + R_xx_link_05_joint * t99 + (R_yz_link_05_joint * t100 + R_xz_link_05_joint * t97));
-  const Scalar S_yy_link_05_joint = S_yy_link_06_joint + (t104 + t104);
-  const Scalar S_yz_link_05_joint = S_yz_link_06_joint + (R_yy_link_05_joint * t102 + R_xy_link_05_joint * t99 + (R_yz_link_05_joint * t101 + R_xz_link_05_joint * t98));
-  const Scalar S_zz_link_05_joint = S_zz_link_06_joint + (t105 + t105);
+  const Scalar S_xx_link_05_joint = S_xx_link_06_joint + (t98 + t98);
+  const Scalar S_xy_link_05_joint = S_xy_link_06_joint + (R_yx_link_05_joint * t96 + R_xx_link_05_joint * t93 + (R_yy_link_05_joint * t95 + R_xy_link_05_joint * t92));
+  const Scalar S_xz_link_05_joint = S_xz_link_06_joint + (R_yx_link_05_joint * t97 + R_xx_link_05_joint * t94 + (R_yz_link_05_joint * t95 + R_xz_link_05_joint * t92));
+  const Scalar S_yy_link_05_joint = S_yy_link_06_joint + (t99 + t99);
+  const Scalar S_yz_link_05_joint = S_yz_link_06_joint + (R_yy_link_05_joint * t97 + R_xy_link_05_joint * t94 + (R_yz_link_05_joint * t96 + R_xz_link_05_joint * t93));
+  const Scalar S_zz_link_05_joint = S_zz_link_06_joint + (t100 + t100);
 
   // link_05_joint -> link_05: F = A* J, G = A* dJ + B* J, H = P x Jv + D' Jw
   const Scalar F_vx_link_05_joint = R_zy_link_05_joint * h_z_link_05_joint - R_zz_link_05_joint * h_y_link_05_joint + workspace.payload_link_07.mass * J_x_link_05_joint;
-  const Scalar F_vy_link_05_joint = R_zz_link_05_joint * h_x_link_05_joint - R_zx_link_05_joint * h_z_link_05_joint + workspace.payload_link_07.mass * J_y_link_05_joint;
+  const Scalar F_vy_link_05_joint = R_zz_link_05_joint * h_x_link_05_joint - R_zx_link_05_joint * h_z_link_05_joint - workspace.payload_link_07.mass * t41;
   const Scalar F_vz_link_05_joint = R_zx_link_05_joint * h_y_link_05_joint - R_zy_link_05_joint * h_x_link_05_joint + workspace.payload_link_07.mass * J_z_link_05_joint;
-  const Scalar F_wx_link_05_joint = R_zx_link_05_joint * (S_yy_link_05_joint + S_zz_link_05_joint) - R_zy_link_05_joint * S_xy_link_05_joint - R_zz_link_05_joint * S_xz_link_05_joint + (J_z_link_05_joint * h_y_link_05_joint - J_y_link_05_joint * h_z_link_05_joint);
+  const Scalar F_wx_link_05_joint = R_zx_link_05_joint * (S_yy_link_05_joint + S_zz_link_05_joint) - R_zy_link_05_joint * S_xy_link_05_joint - R_zz_link_05_joint * S_xz_link_05_joint + (t41 * h_z_link_05_joint + J_z_link_05_joint * h_y_link_05_joint);
   const Scalar F_wy_link_05_joint = R_zy_link_05_joint * (S_xx_link_05_joint + S_zz_link_05_joint) - R_zx_link_05_joint * S_xy_link_05_joint - R_zz_link_05_joint * S_yz_link_05_joint + (J_x_link_05_joint * h_z_link_05_joint - J_z_link_05_joint * h_x_link_05_joint);
-  const Scalar F_wz_link_05_joint = R_zz_link_05_joint * (S_xx_link_05_joint + S_yy_link_05_joint) - (R_zy_link_05_joint * S_yz_link_05_joint + R_zx_link_05_joint * S_xz_link_05_joint) + (J_y_link_05_joint * h_x_link_05_joint - J_x_link_05_joint * h_y_link_05_joint);
-  workspace.mass_matrix[4] = F_wz_link_05_joint;
-  workspace.mass_matrix[28] = F_wz_link_05_joint;
+  const Scalar F_wz_link_05_joint = R_zz_link_05_joint * (S_xx_link_05_joint + S_yy_link_05_joint) - (R_zy_link_05_joint * S_yz_link_05_joint + R_zx_link_05_joint * S_xz_link_05_joint) - (J_x_link_05_joint * h_y_link_05_joint + t41 * h_x_link_05_joint);
+  workspace.mass_matrix[18] = F_wz_link_05_joint;
+  workspace.mass_matrix[30] = F_wz_link_05_joint;
 
   // link_05_joint -> link_05: M_ik = F_k.J_i
-  workspace.mass_matrix[32] = J_z_link_05_joint * F_vz_link_05_joint + (J_y_link_05_joint * F_vy_link_05_joint + J_x_link_05_joint * F_vx_link_05_joint) + (R_zz_link_05_joint * F_wz_link_05_joint + (R_zy_link_05_joint * F_wy_link_05_joint + R_zx_link_05_joint * F_wx_link_05_joint));
-  const Scalar t106 = J_z_link_04_joint * F_vz_link_05_joint + (J_y_link_04_joint * F_vy_link_05_joint + J_x_link_04_joint * F_vx_link_05_joint) - (t34 * F_wz_link_05_joint + (t33 * F_wy_link_05_joint + t32 * F_wx_link_05_joint));
-  workspace.mass_matrix[25] = t106;
-  workspace.mass_matrix[31] = t106;
-  const Scalar t107 = J_z_link_03_joint * F_vz_link_05_joint + (J_y_link_03_joint * F_vy_link_05_joint + J_x_link_03_joint * F_vx_link_05_joint) + (R_zz_link_03_joint * F_wz_link_05_joint + (R_zy_link_03_joint * F_wy_link_05_joint + R_zx_link_03_joint * F_wx_link_05_joint));
-  workspace.mass_matrix[18] = t107;
-  workspace.mass_matrix[30] = t107;
-  const Scalar t108 = 0.004107515053297791 * F_vy_link_05_joint - 0.02328683812362767 * F_vx_link_05_joint - 0.22536818783666127 * F_vz_link_05_joint + (0.07905374804558882 * F_wz_link_05_joint - (0.5119399486289911 * F_wy_link_05_joint + 0.8553759371865042 * F_wx_link_05_joint));
-  workspace.mass_matrix[11] = t108;
-  workspace.mass_matrix[29] = t108;
+  workspace.mass_matrix[32] = J_z_link_05_joint * F_vz_link_05_joint + (J_x_link_05_joint * F_vx_link_05_joint - t41 * F_vy_link_05_joint) + (R_zz_link_05_joint * F_wz_link_05_joint + (R_zy_link_05_joint * F_wy_link_05_joint + R_zx_link_05_joint * F_wx_link_05_joint));
+  const Scalar t101 = 0.03867752971370907 * F_vy_link_05_joint + 0.21728352283789928 * F_vx_link_05_joint - 0.11596979357014561 * F_vz_link_05_joint - (0.7430615558047939 * F_wz_link_05_joint + (0.603527927254887 * F_wy_link_05_joint + 0.2891601032445157 * F_wx_link_05_joint));
+  workspace.mass_matrix[25] = t101;
+  workspace.mass_matrix[31] = t101;
+  const Scalar t102 = J_y_link_02_joint * F_vy_link_05_joint - t31 * F_vx_link_05_joint - t32 * F_vz_link_05_joint + (R_zx_link_02_joint * F_wx_link_05_joint - t24 * F_wy_link_05_joint - 0.044312933854636874 * F_wz_link_05_joint);
+  workspace.mass_matrix[11] = t102;
+  workspace.mass_matrix[29] = t102;
+  const Scalar t103 = J_z_link_01_joint * F_vz_link_05_joint + (J_y_link_01_joint * F_vy_link_05_joint + J_x_link_01_joint * F_vx_link_05_joint) + (R_zz_link_01_joint * F_wz_link_05_joint + (R_zy_link_01_joint * F_wy_link_05_joint + R_zx_link_01_joint * F_wx_link_05_joint));
+  workspace.mass_matrix[4] = t103;
+  workspace.mass_matrix[28] = t103;
 
   // link_04_joint -> link_04: h = R hk + m p, S = R Sk R' + R hk p' + p (R hk)' + m p p'
-  const Scalar t109 = 0.028169651236579316 * t32 + (0.2667700094194666 * R_xx_link_04_joint + 1.4163639564566821 * p_x_link_04_joint - 0.1771180706255309 * R_yx_link_04_joint);
-  const Scalar t110 = 0.028169651236579316 * t33 + (0.2667700094194666 * R_xy_link_04_joint + 1.4163639564566821 * p_y_link_04_joint - 0.1771180706255309 * R_yy_link_04_joint);
-  const Scalar t111 = 0.028169651236579316 * t34 + (0.2667700094194666 * R_xz_link_04_joint + 1.4163639564566821 * p_z_link_04_joint - 0.1771180706255309 * R_yz_link_04_joint);
-  const Scalar t112 = 0.06598801749090834 * R_yx_link_04_joint - 0.8279621973639056 * p_x_link_04_joint - 0.026709871884345218 * t32;
-  const Scalar t113 = 0.06598801749090834 * R_yy_link_04_joint - 0.8279621973639056 * p_y_link_04_joint - 0.026709871884345218 * t33;
-  const Scalar t114 = 0.06598801749090834 * R_yz_link_04_joint - 0.8279621973639056 * p_z_link_04_joint - 0.026709871884345218 * t34;
-  const Scalar t115 = R_yx_link_04_joint * t112 + R_xx_link_04_joint * t109;
-  const Scalar t116 = R_yy_link_04_joint * t113 + R_xy_link_04_joint * t110;
-  const Scalar t117 = R_yz_link_04_joint * t114 + R_xz_link_04_joint * t111;
+  const Scalar t104 = 0.008145539259931275 + (0.2667700094194666 * R_xx_link_04_joint + 0.07372398502294637 - 0.1771180706255309 * R_yx_link_04_joint);
+  const Scalar t105 = 0.01700117122230578 + (0.2667700094194666 * R_xy_link_04_joint + -0.41416831173053054 - 0.1771180706255309 * R_yy_link_04_joint);
+  const Scalar t106 = 0.020931784874331064 - (0.1771180706255309 * R_yz_link_04_joint + 0.2667700094194666 * t33);
+  const Scalar t107 = 0.06598801749090834 * R_yx_link_04_joint + -0.05082017175547363;
+  const Scalar t108 = 0.06598801749090834 * R_yy_link_04_joint + 0.22598972491927735;
+  const Scalar t109 = -0.01984707895772828 + 0.06598801749090834 * R_yz_link_04_joint;
+  const Scalar t110 = R_yx_link_04_joint * t107 + R_xx_link_04_joint * t104;
+  const Scalar t111 = R_yy_link_04_joint * t108 + R_xy_link_04_joint * t105;
+  const Scalar t112 = R_yz_link_04_joint * t109 - t33 * t106;
 
   // link_04_joint -> link_04: h, S, P, D summed over the subtree
   const Scalar h_x_link_04_joint = h_x_link_05_joint + (1.4163639564566821 * R_xx_link_04_joint - 0.8279621973639056 * R_yx_link_04_joint);
   const Scalar h_y_link_04_joint = h_y_link_05_joint + (1.4163639564566821 * R_xy_link_04_joint - 0.8279621973639056 * R_yy_link_04_joint);
-  const Scalar h_z_link_04_joint = h_z_link_05_joint + (1.4163639564566821 * R_xz_link_04_joint - 0.8279621973639056 * R_yz_link_04_joint);
-  const Scalar S_xx_link_04_joint = S_xx_link_05_joint + (t115 + t115);
-  const Scalar S_xy_link_04_joint = S_xy_link_05_joint + (R_yx_link_04_joint * t113 + R_xx_link_04_joint * t110 + (R_yy_link_04_joint * t112 + R_xy_link_04_joint * t109));
-  const Scalar S_xz_link_04_joint = S_xz_link_05_joint + (R_yx_link_04_joint * t114 + R_xx_link_04_joint * t111 + (R_yz_link_04_joint * t112 + R_xz_link_04_joint * t109));
-  const Scalar S_yy_link_04_joint = S_yy_link_05_joint + (t116 + t116);
-  const Scalar S_yz_link_04_joint = S_yz_link_05_joint + (R_yy_link_04_joint * t114 + R_xy_link_04_joint * t111 + (R_yz_link_04_joint * t113 + R_xz_link_04_joint * t110));
-  const Scalar S_zz_link_04_joint = S_zz_link_05_joint + (t117 + t117);
+  const Scalar h_z_link_04_joint = h_z_link_05_joint - (0.8279621973639056 * R_yz_link_04_joint + 1.4163639564566821 * t33);
+  const Scalar S_xx_link_04_joint = S_xx_link_05_joint + (t110 + t110);
+  const Scalar S_xy_link_04_joint = S_xy_link_05_joint + (R_yx_link_04_joint * t108 + R_xx_link_04_joint * t105 + (R_yy_link_04_joint * t107 + R_xy_link_04_joint * t104));
+  const Scalar S_xz_link_04_joint = S_xz_link_05_joint + (R_yx_link_04_joint * t109 + R_xx_link_04_joint * t106 + (R_yz_link_04_joint * t107 - t33 * t104));
+  const Scalar S_yy_link_04_joint = S_yy_link_05_joint + (t111 + t111);
+  const Scalar S_yz_link_04_joint = S_yz_link_05_joint + (R_yy_link_04_joint * t109 + R_xy_link_04_joint * t106 + (R_yz_link_04_joint * t108 - t33 * t105));
+  const Scalar S_zz_link_04_joint = S_zz_link_05_joint + (t112 + t112);
 
   // link_04_joint -> link_04: F = A* J, G = A* dJ + B* J, H = P x Jv + D' Jw
-  const Scalar F_vx_link_04_joint = t34 * h_y_link_04_joint - t33 * h_z_link_04_joint + workspace.payload_link_07.mass * J_x_link_04_joint;
-  const Scalar F_vy_link_04_joint = t32 * h_z_link_04_joint - t34 * h_x_link_04_joint + workspace.payload_link_07.mass * J_y_link_04_joint;
-  const Scalar F_vz_link_04_joint = t33 * h_x_link_04_joint - t32 * h_y_link_04_joint + workspace.payload_link_07.mass * J_z_link_04_joint;
-  const Scalar F_wx_link_04_joint = t34 * S_xz_link_04_joint + (t33 * S_xy_link_04_joint - t32 * (S_yy_link_04_joint + S_zz_link_04_joint)) + (J_z_link_04_joint * h_y_link_04_joint - J_y_link_04_joint * h_z_link_04_joint);
-  const Scalar F_wy_link_04_joint = t34 * S_yz_link_04_joint + (t32 * S_xy_link_04_joint - t33 * (S_xx_link_04_joint + S_zz_link_04_joint)) + (J_x_link_04_joint * h_z_link_04_joint - J_z_link_04_joint * h_x_link_04_joint);
-  const Scalar F_wz_link_04_joint = t33 * S_yz_link_04_joint + t32 * S_xz_link_04_joint - t34 * (S_xx_link_04_joint + S_yy_link_04_joint) + (J_y_link_04_joint * h_x_link_04_joint - J_x_link_04_joint * h_y_link_04_joint);
-  workspace.mass_matrix[3] = F_wz_link_04_joint;
-  workspace.mass_matrix[21] = F_wz_link_04_joint;
+  const Scalar F_vx_link_04_joint = 0.7430615558047939 * h_y_link_04_joint - 0.603527927254887 * h_z_link_04_joint + 0.21728352283789928 * workspace.payload_link_07.mass;
+  const Scalar F_vy_link_04_joint = 0.2891601032445157 * h_z_link_04_joint - 0.7430615558047939 * h_x_link_04_joint + 0.03867752971370907 * workspace.payload_link_07.mass;
+  const Scalar F_vz_link_04_joint = 0.603527927254887 * h_x_link_04_joint - 0.2891601032445157 * h_y_link_04_joint - 0.11596979357014561 * workspace.payload_link_07.mass;
+  const Scalar F_wx_link_04_joint = 0.7430615558047939 * S_xz_link_04_joint + (0.603527927254887 * S_xy_link_04_joint - 0.2891601032445157 * (S_yy_link_04_joint + S_zz_link_04_joint)) - (0.03867752971370907 * h_z_link_04_joint + 0.11596979357014561 * h_y_link_04_joint);
+  const Scalar F_wy_link_04_joint = 0.7430615558047939 * S_yz_link_04_joint + (0.2891601032445157 * S_xy_link_04_joint - 0.603527927254887 * (S_xx_link_04_joint + S_zz_link_04_joint)) + (0.11596979357014561 * h_x_link_04_joint + 0.21728352283789928 * h_z_link_04_joint);
+  const Scalar F_wz_link_04_joint = 0.603527927254887 * S_yz_link_04_joint + 0.2891601032445157 * S_xz_link_04_joint - 0.7430615558047939 * (S_xx_link_04_joint + S_yy_link_04_joint) + (0.03867752971370907 * h_x_link_04_joint - 0.21728352283789928 * h_y_link_04_joint);
+  workspace.mass_matrix[17] = F_wz_link_04_joint;
+  workspace.mass_matrix[23] = F_wz_link_04_joint;
 
   // link_04_joint -> link_04: M_ik = F_k.J_i
-  workspace.mass_matrix[24] = J_z_link_04_joint * F_vz_link_04_joint + (J_y_link_04_joint * F_vy_link_04_joint + J_x_link_04_joint * F_vx_link_04_joint) - (t34 * F_wz_link_04_joint + (t33 * F_wy_link_04_joint + t32 * F_wx_link_04_joint));
-  const Scalar t118 = J_z_link_03_joint * F_vz_link_04_joint + (J_y_link_03_joint * F_vy_link_04_joint + J_x_link_03_joint * F_vx_link_04_joint) + (R_zz_link_03_joint * F_wz_link_04_joint + (R_zy_link_03_joint * F_wy_link_04_joint + R_zx_link_03_joint * F_wx_link_04_joint));
-  workspace.mass_matrix[17] = t118;
-  workspace.mass_matrix[23] = t118;
-  const Scalar t119 = 0.004107515053297791 * F_vy_link_04_joint - 0.02328683812362767 * F_vx_link_04_joint - 0.22536818783666127 * F_vz_link_04_joint + (0.07905374804558882 * F_wz_link_04_joint - (0.5119399486289911 * F_wy_link_04_joint + 0.8553759371865042 * F_wx_link_04_joint));
-  workspace.mass_matrix[10] = t119;
-  workspace.mass_matrix[22] = t119;
-
-  // link_03_joint -> link_03: h = R hk + m p, S = R Sk R' + R hk p' + p (R hk)' + m p p'
-  const Scalar t120 = 0.015533618999577774 * R_xx_link_03_joint + 0.3011686139958337 * p_x_link_03_joint - 0.0928689507974381 * R_yx_link_03_joint - 0.001568916725289497 * R_zx_link_03_joint;
-  const Scalar t121 = 0.015533618999577774 * R_xy_link_03_joint + 0.3011686139958337 * p_y_link_03_joint - 0.0928689507974381 * R_yy_link_03_joint - 0.001568916725289497 * R_zy_link_03_joint;
-  const Scalar t122 = 0.015533618999577774 * R_xz_link_03_joint + 0.3011686139958337 * p_z_link_03_joint - 0.0928689507974381 * R_yz_link_03_joint - 0.001568916725289497 * R_zz_link_03_joint;
-  const Scalar t123 = 0.22976954398901653 * R_yx_link_03_joint - 1.6326323406638645 * p_x_link_03_joint - 0.029096847091465435 * R_zx_link_03_joint;
-  const Scalar t124 = 0.22976954398901653 * R_yy_link_03_joint - 1.6326323406638645 * p_y_link_03_joint - 0.029096847091465435 * R_zy_link_03_joint;
-  const Scalar t125 = 0.22976954398901653 * R_yz_link_03_joint - 1.6326323406638645 * p_z_link_03_joint - 0.029096847091465435 * R_zz_link_03_joint;
-  const Scalar t126 = R_yx_link_03_joint * t123 + R_xx_link_03_joint * t120;
-  const Scalar t127 = R_yy_link_03_joint * t124 + R_xy_link_03_joint * t121;
-  const Scalar t128 = R_yz_link_03_joint * t125 + R_xz_link_03_joint * t122;
+  workspace.mass_matrix[24] = 0.03867752971370907 * F_vy_link_04_joint + 0.21728352283789928 * F_vx_link_04_joint - 0.11596979357014561 * F_vz_link_04_joint - (0.7430615558047939 * F_wz_link_04_joint + (0.603527927254887 * F_wy_link_04_joint + 0.2891601032445157 * F_wx_link_04_joint));
+  const Scalar t113 = J_y_link_02_joint * F_vy_link_04_joint - t31 * F_vx_link_04_joint - t32 * F_vz_link_04_joint + (R_zx_link_02_joint * F_wx_link_04_joint - t24 * F_wy_link_04_joint - 0.044312933854636874 * F_wz_link_04_joint);
+  workspace.mass_matrix[10] = t113;
+  workspace.mass_matrix[22] = t113;
+  const Scalar t114 = J_z_link_01_joint * F_vz_link_04_joint + (J_y_link_01_joint * F_vy_link_04_joint + J_x_link_01_joint * F_vx_link_04_joint) + (R_zz_link_01_joint * F_wz_link_04_joint + (R_zy_link_01_joint * F_wy_link_04_joint + R_zx_link_01_joint * F_wx_link_04_joint));
+  workspace.mass_matrix[3] = t114;
+  workspace.mass_matrix[21] = t114;
 
   // link_03_joint -> link_03: h, S, P, D summed over the subtree
-  const Scalar h_x_link_03_joint = h_x_link_04_joint + (0.3011686139958337 * R_xx_link_03_joint - 1.6326323406638645 * R_yx_link_03_joint);
-  const Scalar h_y_link_03_joint = h_y_link_04_joint + (0.3011686139958337 * R_xy_link_03_joint - 1.6326323406638645 * R_yy_link_03_joint);
-  const Scalar h_z_link_03_joint = h_z_link_04_joint + (0.3011686139958337 * R_xz_link_03_joint - 1.6326323406638645 * R_yz_link_03_joint);
-  const Scalar S_xx_link_03_joint = S_xx_link_04_joint + (t126 + t126);
-  const Scalar S_xy_link_03_joint = S_xy_link_04_joint + (R_yx_link_03_joint * t124 + R_xx_link_03_joint * t121 + (R_yy_link_03_joint * t123 + R_xy_link_03_joint * t120));
-  const Scalar S_xz_link_03_joint = S_xz_link_04_joint + (R_yx_link_03_joint * t125 + R_xx_link_03_joint * t122 + (R_yz_link_03_joint * t123 + R_xz_link_03_joint * t120));
-  const Scalar S_yy_link_03_joint = S_yy_link_04_joint + (t127 + t127);
-  const Scalar S_yz_link_03_joint = S_yz_link_04_joint + (R_yy_link_03_joint * t125 + R_xy_link_03_joint * t122 + (R_yz_link_03_joint * t124 + R_xz_link_03_joint * t121));
-  const Scalar S_zz_link_03_joint = S_zz_link_04_joint + (t128 + t128);
+  const Scalar h_x_link_03_joint = h_x_link_04_joint + 0.3011686139958337;
+  const Scalar h_y_link_03_joint = h_y_link_04_joint + -1.6326323406638645;
+  const Scalar S_xx_link_03_joint = S_xx_link_04_joint + 0.031067237999155548;
+  const Scalar S_xz_link_03_joint = S_xz_link_04_joint + -0.001568916725289497;
+  const Scalar S_yy_link_03_joint = S_yy_link_04_joint + 0.45953908797803306;
+  const Scalar S_yz_link_03_joint = S_yz_link_04_joint + -0.029096847091465435;
 
   // link_03_joint -> link_03: F = A* J, G = A* dJ + B* J, H = P x Jv + D' Jw
-  const Scalar F_vx_link_03_joint = R_zy_link_03_joint * h_z_link_03_joint - R_zz_link_03_joint * h_y_link_03_joint + workspace.payload_link_07.mass * J_x_link_03_joint;
-  const Scalar F_vy_link_03_joint = R_zz_link_03_joint * h_x_link_03_joint - R_zx_link_03_joint * h_z_link_03_joint + workspace.payload_link_07.mass * J_y_link_03_joint;
-  const Scalar F_vz_link_03_joint = R_zx_link_03_joint * h_y_link_03_joint - R_zy_link_03_joint * h_x_link_03_joint + workspace.payload_link_07.mass * J_z_link_03_joint;
-  const Scalar F_wx_link_03_joint = R_zx_link_03_joint * (S_yy_link_03_joint + S_zz_link_03_joint) - R_zy_link_03_joint * S_xy_link_03_joint - R_zz_link_03_joint * S_xz_link_03_joint + (J_z_link_03_joint * h_y_link_03_joint - J_y_link_03_joint * h_z_link_03_joint);
-  const Scalar F_wy_link_03_joint = R_zy_link_03_joint * (S_xx_link_03_joint + S_zz_link_03_joint) - R_zx_link_03_joint * S_xy_link_03_joint - R_zz_link_03_joint * S_yz_link_03_joint + (J_x_link_03_joint * h_z_link_03_joint - J_z_link_03_joint * h_x_link_03_joint);
-  const Scalar F_wz_link_03_joint = R_zz_link_03_joint * (S_xx_link_03_joint + S_yy_link_03_joint) - (R_zy_link_03_joint * S_yz_link_03_joint + R_zx_link_03_joint * S_xz_link_03_joint) + (J_y_link_03_joint * h_x_link_03_joint - J_x_link_03_joint * h_y_link_03_joint);
-  workspace.mass_matrix[2] = F_wz_link_03_joint;
-  workspace.mass_matrix[14] = F_wz_link_03_joint;
+  const Scalar F_wz_link_03_joint = S_xx_link_03_joint + S_yy_link_03_joint;
+  workspace.mass_matrix[16] = F_wz_link_03_joint;
 
   // link_03_joint -> link_03: M_ik = F_k.J_i
-  workspace.mass_matrix[16] = J_z_link_03_joint * F_vz_link_03_joint + (J_y_link_03_joint * F_vy_link_03_joint + J_x_link_03_joint * F_vx_link_03_joint) + (R_zz_link_03_joint * F_wz_link_03_joint + (R_zy_link_03_joint * F_wy_link_03_joint + R_zx_link_03_joint * F_wx_link_03_joint));
-  const Scalar t129 = 0.004107515053297791 * F_vy_link_03_joint - 0.02328683812362767 * F_vx_link_03_joint - 0.22536818783666127 * F_vz_link_03_joint + (0.07905374804558882 * F_wz_link_03_joint - (0.5119399486289911 * F_wy_link_03_joint + 0.8553759371865042 * F_wx_link_03_joint));
-  workspace.mass_matrix[9] = t129;
-  workspace.mass_matrix[15] = t129;
+  const Scalar t115 = J_y_link_02_joint * h_x_link_03_joint + t31 * h_y_link_03_joint + (t24 * S_yz_link_03_joint - R_zx_link_02_joint * S_xz_link_03_joint - 0.044312933854636874 * F_wz_link_03_joint);
+  workspace.mass_matrix[9] = t115;
+  workspace.mass_matrix[15] = t115;
+  const Scalar t116 = J_y_link_01_joint * h_x_link_03_joint - J_x_link_01_joint * h_y_link_03_joint + (R_zz_link_01_joint * F_wz_link_03_joint - (R_zy_link_01_joint * S_yz_link_03_joint + R_zx_link_01_joint * S_xz_link_03_joint));
+  workspace.mass_matrix[2] = t116;
+  workspace.mass_matrix[14] = t116;
 
   // link_02_joint -> link_02: h = R hk + m p, S = R Sk R' + R hk p' + p (R hk)' + m p p'
-  const Scalar t130 = -0.040084801931458844 + (0.8354533352070876 * R_yx_link_02_joint + (0.09575228863201367 - 0.3680318940625942 * t25));
-  const Scalar t131 = -0.023990634467801225 + (0.8354533352070876 * R_yy_link_02_joint + (0.3680318940625942 * R_xy_link_02_joint + 0.5428508517699449));
-  const Scalar t132 = 0.0037046328924915154 + (0.3680318940625942 * R_xz_link_02_joint - 0.8354533352070876 * t24);
-  const Scalar t133 = 0.5279585386835652 * R_yx_link_02_joint + 0.07594461506305261;
-  const Scalar t134 = 0.5279585386835652 * R_yy_link_02_joint + 0.6503855687849468;
-  const Scalar t135 = 0.004006592791843918 - 0.5279585386835652 * t24;
-  const Scalar t136 = R_yx_link_02_joint * t133 - t25 * t130;
-  const Scalar t137 = R_yy_link_02_joint * t134 + R_xy_link_02_joint * t131;
-  const Scalar t138 = R_xz_link_02_joint * t132 - t24 * t135;
+  const Scalar t117 = 0.0468622043113645 * R_zx_link_02_joint + (0.8354533352070876 * R_yx_link_02_joint + (0.3680318940625942 * R_xx_link_02_joint - 1.842860513493758 * p_x_link_02_joint));
+  const Scalar t118 = 0.8354533352070876 * R_yy_link_02_joint + (0.3680318940625942 * R_xy_link_02_joint - 1.842860513493758 * p_y_link_02_joint) - 0.0468622043113645 * t24;
+  const Scalar t119 = 0.050681882780983276 * R_zx_link_02_joint + (0.5279585386835652 * R_yx_link_02_joint - 2.2959987745608506 * p_x_link_02_joint);
+  const Scalar t120 = 0.5279585386835652 * R_yy_link_02_joint - 2.2959987745608506 * p_y_link_02_joint - 0.050681882780983276 * t24;
+  const Scalar t121 = R_yx_link_02_joint * t119 + R_xx_link_02_joint * t117;
+  const Scalar t122 = R_yy_link_02_joint * t120 + R_xy_link_02_joint * t118;
 
   // link_02_joint -> link_02: h, S, P, D summed over the subtree
-  const Scalar h_x_link_02_joint = h_x_link_03_joint + (1.842860513493758 * t25 - 2.2959987745608506 * R_yx_link_02_joint);
+  const Scalar h_x_link_02_joint = h_x_link_03_joint - (2.2959987745608506 * R_yx_link_02_joint + 1.842860513493758 * R_xx_link_02_joint);
   const Scalar h_y_link_02_joint = h_y_link_03_joint - (2.2959987745608506 * R_yy_link_02_joint + 1.842860513493758 * R_xy_link_02_joint);
-  const Scalar h_z_link_02_joint = h_z_link_03_joint + (2.2959987745608506 * t24 - 1.842860513493758 * R_xz_link_02_joint);
-  const Scalar S_xx_link_02_joint = S_xx_link_03_joint + (t136 + t136);
-  const Scalar S_xy_link_02_joint = S_xy_link_03_joint + (R_yx_link_02_joint * t134 - t25 * t131 + (R_yy_link_02_joint * t133 + R_xy_link_02_joint * t130));
-  const Scalar S_xz_link_02_joint = S_xz_link_03_joint + (R_yx_link_02_joint * t135 - t25 * t132 + (R_xz_link_02_joint * t130 - t24 * t133));
-  const Scalar S_yy_link_02_joint = S_yy_link_03_joint + (t137 + t137);
-  const Scalar S_yz_link_02_joint = S_yz_link_03_joint + (R_yy_link_02_joint * t135 + R_xy_link_02_joint * t132 + (R_xz_link_02_joint * t131 - t24 * t134));
-  const Scalar S_zz_link_02_joint = S_zz_link_03_joint + (t138 + t138);
+  const Scalar h_z_link_02_joint = h_z_link_04_joint + 1.0181418005573093;
+  const Scalar S_xx_link_02_joint = S_xx_link_03_joint + (t121 + t121);
+  const Scalar S_xy_link_02_joint = S_xy_link_04_joint + -0.0928689507974381 + (R_yx_link_02_joint * t120 + R_xx_link_02_joint * t118 + (R_yy_link_02_joint * t119 + R_xy_link_02_joint * t117));
+  const Scalar S_xz_link_02_joint = S_xz_link_03_joint + (0.46379996382287136 * R_yx_link_02_joint + 0.153815201979787 * R_xx_link_02_joint + (0.316977262206784 * t119 - 0.9473973712952163 * t117));
+  const Scalar S_yy_link_02_joint = S_yy_link_03_joint + (t122 + t122);
+  const Scalar S_yz_link_02_joint = S_yz_link_03_joint + (0.46379996382287136 * R_yy_link_02_joint + 0.153815201979787 * R_xy_link_02_joint + (0.316977262206784 * t120 - 0.9473973712952163 * t118));
+  const Scalar S_zz_link_02_joint = S_zz_link_04_joint + 0.0025798494465725796;
 
   // link_02_joint -> link_02: F = A* J, G = A* dJ + B* J, H = P x Jv + D' Jw
-  const Scalar F_wz_link_02_joint = 0.07905374804558882 * (S_xx_link_02_joint + S_yy_link_02_joint) + (0.5119399486289911 * S_yz_link_02_joint + 0.8553759371865042 * S_xz_link_02_joint) + (0.02328683812362767 * h_y_link_02_joint + 0.004107515053297791 * h_x_link_02_joint);
-  workspace.mass_matrix[1] = F_wz_link_02_joint;
-  workspace.mass_matrix[7] = F_wz_link_02_joint;
+  const Scalar F_vx_link_02_joint = 0.044312933854636874 * h_y_link_02_joint - t24 * h_z_link_02_joint - workspace.payload_link_07.mass * t31;
+  const Scalar F_vy_link_02_joint = workspace.payload_link_07.mass * J_y_link_02_joint - (R_zx_link_02_joint * h_z_link_02_joint + 0.044312933854636874 * h_x_link_02_joint);
+  const Scalar F_vz_link_02_joint = t24 * h_x_link_02_joint + R_zx_link_02_joint * h_y_link_02_joint - workspace.payload_link_07.mass * t32;
+  const Scalar t123 = S_yy_link_02_joint + S_zz_link_02_joint;
+  const Scalar t124 = S_xx_link_02_joint + S_zz_link_02_joint;
+  const Scalar t125 = S_xx_link_02_joint + S_yy_link_02_joint;
+  const Scalar F_wx_link_02_joint = 0.044312933854636874 * S_xz_link_02_joint + (t24 * S_xy_link_02_joint + R_zx_link_02_joint * t123) - (J_y_link_02_joint * h_z_link_02_joint + t32 * h_y_link_02_joint);
+  const Scalar F_wy_link_02_joint = 0.044312933854636874 * S_yz_link_02_joint - (t24 * t124 + R_zx_link_02_joint * S_xy_link_02_joint) + (t32 * h_x_link_02_joint - t31 * h_z_link_02_joint);
+  const Scalar F_wz_link_02_joint = t31 * h_y_link_02_joint + J_y_link_02_joint * h_x_link_02_joint - (0.044312933854636874 * t125 + (R_zx_link_02_joint * S_xz_link_02_joint - t24 * S_yz_link_02_joint));
 
   // link_02_joint -> link_02: M_ik = F_k.J_i
-  const Scalar t139 = 0.004107515053297791 * (0.8553759371865042 * h_z_link_02_joint + 0.07905374804558882 * h_x_link_02_joint + 0.004107515053297791 * workspace.payload_link_07.mass) + 0.02328683812362767 * (0.07905374804558882 * h_y_link_02_joint + 0.5119399486289911 * h_z_link_02_joint + 0.02328683812362767 * workspace.payload_link_07.mass) - 0.22536818783666127 * (0.5119399486289911 * h_x_link_02_joint - 0.8553759371865042 * h_y_link_02_joint - 0.22536818783666127 * workspace.payload_link_07.mass);
-  const Scalar t140 = 0.5119399486289911 * (0.8553759371865042 * S_xy_link_02_joint - 0.5119399486289911 * (S_xx_link_02_joint + S_zz_link_02_joint) - 0.07905374804558882 * S_yz_link_02_joint + (0.22536818783666127 * h_x_link_02_joint - 0.02328683812362767 * h_z_link_02_joint)) + 0.8553759371865042 * (0.5119399486289911 * S_xy_link_02_joint - 0.8553759371865042 * (S_yy_link_02_joint + S_zz_link_02_joint) - 0.07905374804558882 * S_xz_link_02_joint - (0.004107515053297791 * h_z_link_02_joint + 0.22536818783666127 * h_y_link_02_joint));
-  workspace.mass_matrix[8] = t139 + (0.07905374804558882 * F_wz_link_02_joint - t140) + 0.2;
+  workspace.mass_matrix[8] = J_y_link_02_joint * F_vy_link_02_joint - t31 * F_vx_link_02_joint - t32 * F_vz_link_02_joint + (R_zx_link_02_joint * F_wx_link_02_joint - t24 * F_wy_link_02_joint - 0.044312933854636874 * F_wz_link_02_joint) + 0.2;
+  const Scalar t126 = J_z_link_01_joint * F_vz_link_02_joint + (J_y_link_01_joint * F_vy_link_02_joint + J_x_link_01_joint * F_vx_link_02_joint) + (R_zz_link_01_joint * F_wz_link_02_joint + (R_zy_link_01_joint * F_wy_link_02_joint + R_zx_link_01_joint * F_wx_link_02_joint));
+  workspace.mass_matrix[1] = t126;
+  workspace.mass_matrix[7] = t126;
 
   // link_01_joint -> link_01: M_ik = F_k.J_i
-  workspace.mass_matrix[0] = 0.2 + (S_xx_link_02_joint + 0.10489898502007447 + (S_yy_link_02_joint + 0.7799923486886977));
+  const Scalar t127 = J_z_link_01_joint * (R_zx_link_01_joint * h_y_link_02_joint - R_zy_link_01_joint * h_x_link_02_joint + workspace.payload_link_07.mass * J_z_link_01_joint) + (J_y_link_01_joint * (R_zz_link_01_joint * h_x_link_02_joint - R_zx_link_01_joint * h_z_link_02_joint + workspace.payload_link_07.mass * J_y_link_01_joint) + J_x_link_01_joint * (R_zy_link_01_joint * h_z_link_02_joint - R_zz_link_01_joint * h_y_link_02_joint + workspace.payload_link_07.mass * J_x_link_01_joint));
+  const Scalar t128 = R_zy_link_01_joint * (R_zy_link_01_joint * t124 - R_zx_link_01_joint * S_xy_link_02_joint - R_zz_link_01_joint * S_yz_link_02_joint + (J_x_link_01_joint * h_z_link_02_joint - J_z_link_01_joint * h_x_link_02_joint)) + R_zx_link_01_joint * (R_zx_link_01_joint * t123 - R_zy_link_01_joint * S_xy_link_02_joint - R_zz_link_01_joint * S_xz_link_02_joint + (J_z_link_01_joint * h_y_link_02_joint - J_y_link_01_joint * h_z_link_02_joint));
+  workspace.mass_matrix[0] = t127 + (R_zz_link_01_joint * (R_zz_link_01_joint * t125 - (R_zy_link_01_joint * S_yz_link_02_joint + R_zx_link_01_joint * S_xz_link_02_joint) + (J_y_link_01_joint * h_x_link_02_joint - J_x_link_01_joint * h_y_link_02_joint)) + t128) + 1.0848913337087722;
 
   // link_01_joint -> link_01: down = (Rk Rz(q))' down_p
   const Scalar sin_link_01_joint = sine[6];
@@ -447,445 +421,445 @@ DALEMBERT_STRAIGHT_LINE void evaluate(const Scalar* __restrict q, const Scalar* 
   const Scalar down_y_link_01_joint = 6.314175386518497 * cos_link_01_joint - 1.5791144842006493 * sin_link_01_joint;
 
   // link_02_joint -> link_02: down = (Rk Rz(q))' down_p
-  const Scalar t141 = 3.175198710237499 + (0.7906750613976922 * down_y_link_01_joint - 0.43323618787753304 * down_x_link_01_joint);
-  const Scalar t142 = -6.592049487451813 + (0.3357833174556199 * down_y_link_01_joint - 0.2839690328110661 * down_x_link_01_joint);
+  const Scalar t129 = 3.175198710237499 + (0.7906750613976922 * down_y_link_01_joint - 0.43323618787753304 * down_x_link_01_joint);
+  const Scalar t130 = -6.592049487451813 + (0.3357833174556199 * down_y_link_01_joint - 0.2839690328110661 * down_x_link_01_joint);
   const Scalar down_z_link_02_joint = 0.5802442068337085 - (0.5119399486289911 * down_y_link_01_joint + 0.8553759371865042 * down_x_link_01_joint);
-  const Scalar down_x_link_02_joint = sin_link_02_joint * t142 + cos_link_02_joint * t141;
-  const Scalar down_y_link_02_joint = cos_link_02_joint * t142 - sin_link_02_joint * t141;
+  const Scalar down_x_link_02_joint = sin_link_02_joint * t130 + cos_link_02_joint * t129;
+  const Scalar down_y_link_02_joint = cos_link_02_joint * t130 - sin_link_02_joint * t129;
 
   // link_03_joint -> link_03: down = (Rk Rz(q))' down_p
-  const Scalar t143 = 0.5970059126013644 * down_z_link_02_joint + (0.7687719588469026 * down_y_link_02_joint + 0.229289370904341 * down_x_link_02_joint);
-  const Scalar t144 = 0.5554413475197789 * down_y_link_02_joint + 0.22330384065932543 * down_x_link_02_joint - 0.8010120499794037 * down_z_link_02_joint;
+  const Scalar t131 = 0.5970059126013644 * down_z_link_02_joint + (0.7687719588469026 * down_y_link_02_joint + 0.229289370904341 * down_x_link_02_joint);
+  const Scalar t132 = 0.5554413475197789 * down_y_link_02_joint + 0.22330384065932543 * down_x_link_02_joint - 0.8010120499794037 * down_z_link_02_joint;
   const Scalar down_z_link_03_joint = 0.316977262206784 * down_y_link_02_joint - 0.9473973712952163 * down_x_link_02_joint - 0.044312933854636874 * down_z_link_02_joint;
-  const Scalar down_x_link_03_joint = sin_link_03_joint * t144 + cos_link_03_joint * t143;
-  const Scalar down_y_link_03_joint = cos_link_03_joint * t144 - sin_link_03_joint * t143;
+  const Scalar down_x_link_03_joint = sin_link_03_joint * t132 + cos_link_03_joint * t131;
+  const Scalar down_y_link_03_joint = cos_link_03_joint * t132 - sin_link_03_joint * t131;
 
   // link_04_joint -> link_04: down = (Rk Rz(q))' down_p
-  const Scalar t145 = 0.7954937031592246 * down_y_link_03_joint - 0.2817799464827628 * down_x_link_03_joint - 0.5364604645211005 * down_z_link_03_joint;
-  const Scalar t146 = 0.05425688212055105 * down_y_link_03_joint + 0.9148696609090242 * down_x_link_03_joint - 0.40008710837861816 * down_z_link_03_joint;
-  const Scalar t147 = 0.7430615558047939 * down_z_link_03_joint + (0.603527927254887 * down_y_link_03_joint + 0.2891601032445157 * down_x_link_03_joint);
-  const Scalar down_x_link_04_joint = sin_link_04_joint * t146 + cos_link_04_joint * t145;
-  const Scalar down_y_link_04_joint = cos_link_04_joint * t146 - sin_link_04_joint * t145;
+  const Scalar t133 = 0.7954937031592246 * down_y_link_03_joint - 0.2817799464827628 * down_x_link_03_joint - 0.5364604645211005 * down_z_link_03_joint;
+  const Scalar t134 = 0.05425688212055105 * down_y_link_03_joint + 0.9148696609090242 * down_x_link_03_joint - 0.40008710837861816 * down_z_link_03_joint;
+  const Scalar t135 = 0.7430615558047939 * down_z_link_03_joint + (0.603527927254887 * down_y_link_03_joint + 0.2891601032445157 * down_x_link_03_joint);
+  const Scalar down_x_link_04_joint = sin_link_04_joint * t134 + cos_link_04_joint * t133;
+  const Scalar down_y_link_04_joint = cos_link_04_joint * t134 - sin_link_04_joint * t133;
 
   // link_05_joint -> link_05: down = (Rk Rz(q))' down_p
-  const Scalar t148 = 0.9250042949942119 * t147 + (0.004021732443507842 * down_y_link_04_joint - 0.3799353628058515 * down_x_link_04_joint);
-  const Scalar t149 = 0.18307338467681866 * t147 + (0.8714997348188931 * down_y_link_04_joint + 0.4549421370169765 * down_x_link_04_joint);
-  const Scalar down_z_link_05_joint = 0.3329432234859793 * t147 + (0.8054047256230948 * down_x_link_04_joint - 0.4903794835418309 * down_y_link_04_joint);
-  const Scalar down_x_link_05_joint = sin_link_05_joint * t149 + cos_link_05_joint * t148;
-  const Scalar down_y_link_05_joint = cos_link_05_joint * t149 - sin_link_05_joint * t148;
+  const Scalar t136 = 0.9250042949942119 * t135 + (0.004021732443507842 * down_y_link_04_joint - 0.3799353628058515 * down_x_link_04_joint);
+  const Scalar t137 = 0.18307338467681866 * t135 + (0.8714997348188931 * down_y_link_04_joint + 0.4549421370169765 * down_x_link_04_joint);
+  const Scalar down_z_link_05_joint = 0.3329432234859793 * t135 + (0.8054047256230948 * down_x_link_04_joint - 0.4903794835418309 * down_y_link_04_joint);
+  const Scalar down_x_link_05_joint = sin_link_05_joint * t137 + cos_link_05_joint * t136;
+  const Scalar down_y_link_05_joint = cos_link_05_joint * t137 - sin_link_05_joint * t136;
 
   // link_06_joint -> link_06: down = (Rk Rz(q))' down_p
-  const Scalar t150 = 0.9011991979810254 * down_z_link_05_joint - (0.26930222416703953 * down_y_link_05_joint + 0.33958256377064233 * down_x_link_05_joint);
-  const Scalar t151 = 0.18494525999966993 * down_z_link_05_joint + (0.8632648790698307 * down_x_link_05_joint - 0.46964773966048723 * down_y_link_05_joint);
+  const Scalar t138 = 0.9011991979810254 * down_z_link_05_joint - (0.26930222416703953 * down_y_link_05_joint + 0.33958256377064233 * down_x_link_05_joint);
+  const Scalar t139 = 0.18494525999966993 * down_z_link_05_joint + (0.8632648790698307 * down_x_link_05_joint - 0.46964773966048723 * down_y_link_05_joint);
   const Scalar down_z_link_06_joint = 0.3919633354817911 * down_z_link_05_joint + (0.8407778022108343 * down_y_link_05_joint + 0.3734399964485699 * down_x_link_05_joint);
-  const Scalar down_x_link_06_joint = sin_link_06_joint * t151 + cos_link_06_joint * t150;
-  const Scalar down_y_link_06_joint = cos_link_06_joint * t151 - sin_link_06_joint * t150;
+  const Scalar down_x_link_06_joint = sin_link_06_joint * t139 + cos_link_06_joint * t138;
+  const Scalar down_y_link_06_joint = cos_link_06_joint * t139 - sin_link_06_joint * t138;
 
   // link_07_joint -> link_07: down = (Rk Rz(q))' down_p
-  const Scalar t152 = 0.989473013951734 * down_z_link_06_joint + (0.13054115389726934 * down_y_link_06_joint - 0.062467285841799114 * down_x_link_06_joint);
-  const Scalar t153 = 0.1373687901884311 * down_z_link_06_joint + (0.12162444272081516 * down_x_link_06_joint - 0.9830245726404897 * down_y_link_06_joint);
+  const Scalar t140 = 0.989473013951734 * down_z_link_06_joint + (0.13054115389726934 * down_y_link_06_joint - 0.062467285841799114 * down_x_link_06_joint);
+  const Scalar t141 = 0.1373687901884311 * down_z_link_06_joint + (0.12162444272081516 * down_x_link_06_joint - 0.9830245726404897 * down_y_link_06_joint);
 
   // link_07_joint -> link_07: g = -(h x down)_z (revolute), -m down_z (prismatic); h_p += Rk Rz(q) h + m p
-  workspace.gravity[6] = -(t21 * (cos_link_07_joint * t153 - sin_link_07_joint * t152) - t22 * (sin_link_07_joint * t153 + cos_link_07_joint * t152));
-  const Scalar t154 = t21 * cos_link_07_joint - t22 * sin_link_07_joint;
-  const Scalar t155 = t22 * cos_link_07_joint + t21 * sin_link_07_joint;
-  const Scalar t156 = 0.04552988187375823 * t17 + (0.1373687901884311 * t155 + 0.989473013951734 * t154);
+  workspace.gravity[6] = -(t21 * (cos_link_07_joint * t141 - sin_link_07_joint * t140) - t22 * (sin_link_07_joint * t141 + cos_link_07_joint * t140));
+  const Scalar t142 = t21 * cos_link_07_joint - t22 * sin_link_07_joint;
+  const Scalar t143 = t22 * cos_link_07_joint + t21 * sin_link_07_joint;
+  const Scalar t144 = 0.04552988187375823 * t17 + (0.1373687901884311 * t143 + 0.989473013951734 * t142);
 
   // link_06_joint -> link_06: g = -(h x down)_z (revolute), -m down_z (prismatic); h_p += Rk Rz(q) h + m p
-  const Scalar t157 = -0.4176226600989166 + (0.9906085670598705 * t17 + (0.12162444272081516 * t155 - 0.062467285841799114 * t154) - 0.37439199452220717 * workspace.payload_link_07.mass);
-  const Scalar t158 = 0.8697688641033599 + (0.34490286090188116 * workspace.payload_link_07.mass + (0.12892515939160784 * t17 + (0.13054115389726934 * t154 - 0.9830245726404897 * t155)));
-  workspace.gravity[5] = -(down_y_link_06_joint * t157 - down_x_link_06_joint * t158);
-  const Scalar t159 = cos_link_06_joint * t157 - sin_link_06_joint * t158;
-  const Scalar t160 = cos_link_06_joint * t158 + sin_link_06_joint * t157;
-  const Scalar t161 = 0.3919633354817911 * t156 + (0.18494525999966993 * t160 + 0.9011991979810254 * t159);
+  const Scalar t145 = -0.4176226600989166 + (0.9906085670598705 * t17 + (0.12162444272081516 * t143 - 0.062467285841799114 * t142) - 0.37439199452220717 * workspace.payload_link_07.mass);
+  const Scalar t146 = 0.8697688641033599 + (0.34490286090188116 * workspace.payload_link_07.mass + (0.12892515939160784 * t17 + (0.13054115389726934 * t142 - 0.9830245726404897 * t143)));
+  workspace.gravity[5] = -(down_y_link_06_joint * t145 - down_x_link_06_joint * t146);
+  const Scalar t147 = cos_link_06_joint * t145 - sin_link_06_joint * t146;
+  const Scalar t148 = cos_link_06_joint * t146 + sin_link_06_joint * t145;
+  const Scalar t149 = 0.3919633354817911 * t144 + (0.18494525999966993 * t148 + 0.9011991979810254 * t147);
 
   // link_05_joint -> link_05: g = -(h x down)_z (revolute), -m down_z (prismatic); h_p += Rk Rz(q) h + m p
-  const Scalar t162 = 0.648545824357382 + (0.1818586705204187 * workspace.payload_link_07.mass + (0.3734399964485699 * t156 + (0.8632648790698307 * t160 - 0.33958256377064233 * t159)));
-  const Scalar t163 = 0.3333449207252153 + (0.023300071708266076 * workspace.payload_link_07.mass + (0.8407778022108343 * t156 - (0.46964773966048723 * t160 + 0.26930222416703953 * t159)));
-  workspace.gravity[4] = -(down_y_link_05_joint * t162 - down_x_link_05_joint * t163);
-  const Scalar t164 = cos_link_05_joint * t162 - sin_link_05_joint * t163;
-  const Scalar t165 = cos_link_05_joint * t163 + sin_link_05_joint * t162;
-  const Scalar t166 = 0.3329432234859793 * t161 + (0.18307338467681866 * t165 + 0.9250042949942119 * t164);
+  const Scalar t150 = 0.648545824357382 + (0.1818586705204187 * workspace.payload_link_07.mass + (0.3734399964485699 * t144 + (0.8632648790698307 * t148 - 0.33958256377064233 * t147)));
+  const Scalar t151 = 0.3333449207252153 + (0.023300071708266076 * workspace.payload_link_07.mass + (0.8407778022108343 * t144 - (0.46964773966048723 * t148 + 0.26930222416703953 * t147)));
+  workspace.gravity[4] = -(down_y_link_05_joint * t150 - down_x_link_05_joint * t151);
+  const Scalar t152 = cos_link_05_joint * t150 - sin_link_05_joint * t151;
+  const Scalar t153 = cos_link_05_joint * t151 + sin_link_05_joint * t150;
+  const Scalar t154 = 0.3329432234859793 * t149 + (0.18307338467681866 * t153 + 0.9250042949942119 * t152);
 
   // link_04_joint -> link_04: g = -(h x down)_z (revolute), -m down_z (prismatic); h_p += Rk Rz(q) h + m p
-  const Scalar t167 = 1.4163639564566821 + (0.30187083417088606 * workspace.payload_link_07.mass + (0.8054047256230948 * t161 + (0.4549421370169765 * t165 - 0.3799353628058515 * t164)));
-  const Scalar t168 = -0.8279621973639056 + (0.8714997348188931 * t165 + 0.004021732443507842 * t164 - 0.4903794835418309 * t161 - 0.09958675907324187 * workspace.payload_link_07.mass);
-  workspace.gravity[3] = -(down_y_link_04_joint * t167 - down_x_link_04_joint * t168);
-  const Scalar t169 = cos_link_04_joint * t167 - sin_link_04_joint * t168;
-  const Scalar t170 = cos_link_04_joint * t168 + sin_link_04_joint * t167;
-  const Scalar t171 = 0.7430615558047939 * t166 - (0.40008710837861816 * t170 + 0.5364604645211005 * t169);
+  const Scalar t155 = 1.4163639564566821 + (0.30187083417088606 * workspace.payload_link_07.mass + (0.8054047256230948 * t149 + (0.4549421370169765 * t153 - 0.3799353628058515 * t152)));
+  const Scalar t156 = -0.8279621973639056 + (0.8714997348188931 * t153 + 0.004021732443507842 * t152 - 0.4903794835418309 * t149 - 0.09958675907324187 * workspace.payload_link_07.mass);
+  workspace.gravity[3] = -(down_y_link_04_joint * t155 - down_x_link_04_joint * t156);
+  const Scalar t157 = cos_link_04_joint * t155 - sin_link_04_joint * t156;
+  const Scalar t158 = cos_link_04_joint * t156 + sin_link_04_joint * t155;
+  const Scalar t159 = 0.7430615558047939 * t154 - (0.40008710837861816 * t158 + 0.5364604645211005 * t157);
 
   // link_03_joint -> link_03: g = -(h x down)_z (revolute), -m down_z (prismatic); h_p += Rk Rz(q) h + m p
-  const Scalar t172 = 0.3011686139958337 + (0.052051582283540794 * workspace.payload_link_07.mass + (0.2891601032445157 * t166 + (0.9148696609090242 * t170 - 0.2817799464827628 * t169)));
-  const Scalar t173 = -1.6326323406638645 + (0.603527927254887 * t166 + (0.05425688212055105 * t170 + 0.7954937031592246 * t169) - 0.29241658532927894 * workspace.payload_link_07.mass);
-  workspace.gravity[2] = -(down_y_link_03_joint * t172 - down_x_link_03_joint * t173);
-  const Scalar t174 = cos_link_03_joint * t172 - sin_link_03_joint * t173;
-  const Scalar t175 = cos_link_03_joint * t173 + sin_link_03_joint * t172;
-  const Scalar t176 = 0.5970059126013644 * t174 - 0.8010120499794037 * t175 - 0.044312933854636874 * t171;
+  const Scalar t160 = 0.3011686139958337 + (0.052051582283540794 * workspace.payload_link_07.mass + (0.2891601032445157 * t154 + (0.9148696609090242 * t158 - 0.2817799464827628 * t157)));
+  const Scalar t161 = -1.6326323406638645 + (0.603527927254887 * t154 + (0.05425688212055105 * t158 + 0.7954937031592246 * t157) - 0.29241658532927894 * workspace.payload_link_07.mass);
+  workspace.gravity[2] = -(down_y_link_03_joint * t160 - down_x_link_03_joint * t161);
+  const Scalar t162 = cos_link_03_joint * t160 - sin_link_03_joint * t161;
+  const Scalar t163 = cos_link_03_joint * t161 + sin_link_03_joint * t160;
+  const Scalar t164 = 0.5970059126013644 * t162 - 0.8010120499794037 * t163 - 0.044312933854636874 * t159;
 
   // link_02_joint -> link_02: g = -(h x down)_z (revolute), -m down_z (prismatic); h_p += Rk Rz(q) h + m p
-  const Scalar t177 = -1.842860513493758 + (0.22330384065932543 * t175 + 0.229289370904341 * t174 - 0.9473973712952163 * t171 - 0.2717984621449093 * workspace.payload_link_07.mass);
-  const Scalar t178 = -2.2959987745608506 + (0.316977262206784 * t171 + (0.5554413475197789 * t175 + 0.7687719588469026 * t174) - 0.4019450738767276 * workspace.payload_link_07.mass);
-  workspace.gravity[1] = -(down_y_link_02_joint * t177 - down_x_link_02_joint * t178);
-  const Scalar t179 = cos_link_02_joint * t177 - sin_link_02_joint * t178;
-  const Scalar t180 = cos_link_02_joint * t178 + sin_link_02_joint * t177;
+  const Scalar t165 = -1.842860513493758 + (0.22330384065932543 * t163 + 0.229289370904341 * t162 - 0.9473973712952163 * t159 - 0.2717984621449093 * workspace.payload_link_07.mass);
+  const Scalar t166 = -2.2959987745608506 + (0.316977262206784 * t159 + (0.5554413475197789 * t163 + 0.7687719588469026 * t162) - 0.4019450738767276 * workspace.payload_link_07.mass);
+  workspace.gravity[1] = -(down_y_link_02_joint * t165 - down_x_link_02_joint * t166);
+  const Scalar t167 = cos_link_02_joint * t165 - sin_link_02_joint * t166;
+  const Scalar t168 = cos_link_02_joint * t166 + sin_link_02_joint * t165;
 
   // link_01_joint -> link_01: g = -(h x down)_z (revolute), -m down_z (prismatic); h_p += Rk Rz(q) h + m p
-  const Scalar t181 = down_y_link_01_joint * (-0.4242698814435158 - (0.051958511200873914 * workspace.payload_link_07.mass + (0.8553759371865042 * t176 + (0.2839690328110661 * t180 + 0.43323618787753304 * t179)))) - down_x_link_01_joint * (-2.4826673504320618 + (0.3357833174556199 * t180 + 0.7906750613976922 * t179 - 0.5119399486289911 * t176 - 0.294569690866505 * workspace.payload_link_07.mass));
-  workspace.gravity[0] = -t181;
+  const Scalar t169 = down_y_link_01_joint * (-0.4242698814435158 - (0.051958511200873914 * workspace.payload_link_07.mass + (0.8553759371865042 * t164 + (0.2839690328110661 * t168 + 0.43323618787753304 * t167)))) - down_x_link_01_joint * (0.3357833174556199 * t168 + 0.7906750613976922 * t167 - 0.5119399486289911 * t164 - 0.294569690866505 * workspace.payload_link_07.mass + -2.4826673504320618);
+  workspace.gravity[0] = -t169;
 
   // link_02_joint -> link_02: w, dw and a of the body along its own axes
-  const Scalar t182 = v[0] * (0.051958511200873914 * v[0]) - down_x_link_01_joint;
-  const Scalar t183 = v[0] * (0.294569690866505 * v[0]) - down_y_link_01_joint;
-  const Scalar t184 = 0.4325960619297159 * v[0];
-  const Scalar t185 = 0.8981153334192917 * v[0];
-  const Scalar w_x_link_02_joint = cos_link_02_joint * t184 - sin_link_02_joint * t185;
-  const Scalar t186 = sin_link_02_joint * t184 + cos_link_02_joint * t185;
+  const Scalar t170 = v[0] * (0.051958511200873914 * v[0]) - down_x_link_01_joint;
+  const Scalar t171 = v[0] * (0.294569690866505 * v[0]) - down_y_link_01_joint;
+  const Scalar t172 = 0.4325960619297159 * v[0];
+  const Scalar t173 = 0.8981153334192917 * v[0];
+  const Scalar w_x_link_02_joint = cos_link_02_joint * t172 - sin_link_02_joint * t173;
+  const Scalar t174 = sin_link_02_joint * t172 + cos_link_02_joint * t173;
   const Scalar w_z_link_02_joint = v[1] + 0.07905374804558882 * v[0];
-  const Scalar t187 = v[1] * t186;
-  const Scalar t188 = v[1] * w_x_link_02_joint;
-  const Scalar t189 = -3.175198710237499 + (0.7906750613976922 * t183 - 0.43323618787753304 * t182);
-  const Scalar t190 = 6.592049487451813 + (0.3357833174556199 * t183 - 0.2839690328110661 * t182);
-  const Scalar a_z_link_02_joint = -0.5802442068337085 - (0.5119399486289911 * t183 + 0.8553759371865042 * t182);
-  const Scalar a_x_link_02_joint = sin_link_02_joint * t190 + cos_link_02_joint * t189;
-  const Scalar a_y_link_02_joint = cos_link_02_joint * t190 - sin_link_02_joint * t189;
+  const Scalar t175 = v[1] * t174;
+  const Scalar t176 = v[1] * w_x_link_02_joint;
+  const Scalar t177 = -3.175198710237499 + (0.7906750613976922 * t171 - 0.43323618787753304 * t170);
+  const Scalar t178 = 6.592049487451813 + (0.3357833174556199 * t171 - 0.2839690328110661 * t170);
+  const Scalar a_z_link_02_joint = -0.5802442068337085 - (0.5119399486289911 * t171 + 0.8553759371865042 * t170);
+  const Scalar a_x_link_02_joint = sin_link_02_joint * t178 + cos_link_02_joint * t177;
+  const Scalar a_y_link_02_joint = cos_link_02_joint * t178 - sin_link_02_joint * t177;
 
   // link_03_joint -> link_03: w, dw and a of the body along its own axes
-  const Scalar t191 = 0.4019450738767276 * w_z_link_02_joint;
-  const Scalar t192 = 0.2717984621449093 * w_z_link_02_joint;
-  const Scalar t193 = 0.2717984621449093 * t186 + 0.4019450738767276 * w_x_link_02_joint;
-  const Scalar t194 = a_x_link_02_joint + (w_z_link_02_joint * t192 + t186 * t193);
-  const Scalar t195 = a_y_link_02_joint + (w_x_link_02_joint * t193 + w_z_link_02_joint * t191);
-  const Scalar t196 = t186 * t191 - w_x_link_02_joint * t192 + (a_z_link_02_joint + (0.4019450738767276 * t187 - 0.2717984621449093 * t188));
-  const Scalar t197 = 0.5970059126013644 * w_z_link_02_joint + (0.229289370904341 * w_x_link_02_joint - 0.7687719588469026 * t186);
-  const Scalar t198 = 0.22330384065932543 * w_x_link_02_joint - 0.5554413475197789 * t186 - 0.8010120499794037 * w_z_link_02_joint;
-  const Scalar w_x_link_03_joint = sin_link_03_joint * t198 + cos_link_03_joint * t197;
-  const Scalar w_y_link_03_joint = cos_link_03_joint * t198 - sin_link_03_joint * t197;
-  const Scalar w_z_link_03_joint = v[2] - (0.044312933854636874 * w_z_link_02_joint + (0.316977262206784 * t186 + 0.9473973712952163 * w_x_link_02_joint));
-  const Scalar t199 = 0.7687719588469026 * t188 + 0.229289370904341 * t187;
-  const Scalar t200 = 0.5554413475197789 * t188 + 0.22330384065932543 * t187;
-  const Scalar alpha_z_link_03_joint = 0.9473973712952163 * t187 - 0.316977262206784 * t188;
-  const Scalar alpha_x_link_03_joint = v[2] * w_y_link_03_joint - (sin_link_03_joint * t200 + cos_link_03_joint * t199);
-  const Scalar alpha_y_link_03_joint = sin_link_03_joint * t199 - cos_link_03_joint * t200 - v[2] * w_x_link_03_joint;
-  const Scalar t201 = 0.5970059126013644 * t196 + (0.7687719588469026 * t195 + 0.229289370904341 * t194);
-  const Scalar t202 = 0.5554413475197789 * t195 + 0.22330384065932543 * t194 - 0.8010120499794037 * t196;
-  const Scalar a_z_link_03_joint = 0.316977262206784 * t195 - 0.9473973712952163 * t194 - 0.044312933854636874 * t196;
-  const Scalar a_x_link_03_joint = sin_link_03_joint * t202 + cos_link_03_joint * t201;
-  const Scalar a_y_link_03_joint = cos_link_03_joint * t202 - sin_link_03_joint * t201;
+  const Scalar t179 = 0.4019450738767276 * w_z_link_02_joint;
+  const Scalar t180 = 0.2717984621449093 * w_z_link_02_joint;
+  const Scalar t181 = 0.2717984621449093 * t174 + 0.4019450738767276 * w_x_link_02_joint;
+  const Scalar t182 = a_x_link_02_joint + (w_z_link_02_joint * t180 + t174 * t181);
+  const Scalar t183 = a_y_link_02_joint + (w_x_link_02_joint * t181 + w_z_link_02_joint * t179);
+  const Scalar t184 = t174 * t179 - w_x_link_02_joint * t180 + (a_z_link_02_joint + (0.4019450738767276 * t175 - 0.2717984621449093 * t176));
+  const Scalar t185 = 0.5970059126013644 * w_z_link_02_joint + (0.229289370904341 * w_x_link_02_joint - 0.7687719588469026 * t174);
+  const Scalar t186 = 0.22330384065932543 * w_x_link_02_joint - 0.5554413475197789 * t174 - 0.8010120499794037 * w_z_link_02_joint;
+  const Scalar w_x_link_03_joint = sin_link_03_joint * t186 + cos_link_03_joint * t185;
+  const Scalar w_y_link_03_joint = cos_link_03_joint * t186 - sin_link_03_joint * t185;
+  const Scalar w_z_link_03_joint = v[2] - (0.044312933854636874 * w_z_link_02_joint + (0.316977262206784 * t174 + 0.9473973712952163 * w_x_link_02_joint));
+  const Scalar t187 = 0.7687719588469026 * t176 + 0.229289370904341 * t175;
+  const Scalar t188 = 0.5554413475197789 * t176 + 0.22330384065932543 * t175;
+  const Scalar alpha_z_link_03_joint = 0.9473973712952163 * t175 - 0.316977262206784 * t176;
+  const Scalar alpha_x_link_03_joint = v[2] * w_y_link_03_joint - (sin_link_03_joint * t188 + cos_link_03_joint * t187);
+  const Scalar alpha_y_link_03_joint = sin_link_03_joint * t187 - cos_link_03_joint * t188 - v[2] * w_x_link_03_joint;
+  const Scalar t189 = 0.5970059126013644 * t184 + (0.7687719588469026 * t183 + 0.229289370904341 * t182);
+  const Scalar t190 = 0.5554413475197789 * t183 + 0.22330384065932543 * t182 - 0.8010120499794037 * t184;
+  const Scalar a_z_link_03_joint = 0.316977262206784 * t183 - 0.9473973712952163 * t182 - 0.044312933854636874 * t184;
+  const Scalar a_x_link_03_joint = sin_link_03_joint * t190 + cos_link_03_joint * t189;
+  const Scalar a_y_link_03_joint = cos_link_03_joint * t190 - sin_link_03_joint * t189;
 
   // link_04_joint -> link_04: w, dw and a of the body along its own axes
-  const Scalar t203 = 0.29241658532927894 * w_z_link_03_joint;
-  const Scalar t204 = 0.052051582283540794 * w_z_link_03_joint;
-  const Scalar t205 = 0.052051582283540794 * w_y_link_03_joint + 0.29241658532927894 * w_x_link_03_joint;
-  const Scalar t206 = a_x_link_03_joint + 0.29241658532927894 * alpha_z_link_03_joint - (w_z_link_03_joint * t204 + w_y_link_03_joint * t205);
-  const Scalar t207 = w_x_link_03_joint * t205 + w_z_link_03_joint * t203 + (a_y_link_03_joint + 0.052051582283540794 * alpha_z_link_03_joint);
-  const Scalar t208 = w_x_link_03_joint * t204 - w_y_link_03_joint * t203 + (a_z_link_03_joint - (0.052051582283540794 * alpha_y_link_03_joint + 0.29241658532927894 * alpha_x_link_03_joint));
-  const Scalar t209 = 0.7954937031592246 * w_y_link_03_joint - 0.2817799464827628 * w_x_link_03_joint - 0.5364604645211005 * w_z_link_03_joint;
-  const Scalar t210 = 0.05425688212055105 * w_y_link_03_joint + 0.9148696609090242 * w_x_link_03_joint - 0.40008710837861816 * w_z_link_03_joint;
-  const Scalar w_x_link_04_joint = sin_link_04_joint * t210 + cos_link_04_joint * t209;
-  const Scalar w_y_link_04_joint = cos_link_04_joint * t210 - sin_link_04_joint * t209;
+  const Scalar t191 = 0.29241658532927894 * w_z_link_03_joint;
+  const Scalar t192 = 0.052051582283540794 * w_z_link_03_joint;
+  const Scalar t193 = 0.052051582283540794 * w_y_link_03_joint + 0.29241658532927894 * w_x_link_03_joint;
+  const Scalar t194 = a_x_link_03_joint + 0.29241658532927894 * alpha_z_link_03_joint - (w_z_link_03_joint * t192 + w_y_link_03_joint * t193);
+  const Scalar t195 = w_x_link_03_joint * t193 + w_z_link_03_joint * t191 + (a_y_link_03_joint + 0.052051582283540794 * alpha_z_link_03_joint);
+  const Scalar t196 = w_x_link_03_joint * t192 - w_y_link_03_joint * t191 + (a_z_link_03_joint - (0.052051582283540794 * alpha_y_link_03_joint + 0.29241658532927894 * alpha_x_link_03_joint));
+  const Scalar t197 = 0.7954937031592246 * w_y_link_03_joint - 0.2817799464827628 * w_x_link_03_joint - 0.5364604645211005 * w_z_link_03_joint;
+  const Scalar t198 = 0.05425688212055105 * w_y_link_03_joint + 0.9148696609090242 * w_x_link_03_joint - 0.40008710837861816 * w_z_link_03_joint;
+  const Scalar w_x_link_04_joint = sin_link_04_joint * t198 + cos_link_04_joint * t197;
+  const Scalar w_y_link_04_joint = cos_link_04_joint * t198 - sin_link_04_joint * t197;
   const Scalar w_z_link_04_joint = v[3] - (0.7430615558047939 * w_z_link_03_joint + (0.603527927254887 * w_y_link_03_joint + 0.2891601032445157 * w_x_link_03_joint));
-  const Scalar t211 = 0.7954937031592246 * alpha_y_link_03_joint - 0.2817799464827628 * alpha_x_link_03_joint - 0.5364604645211005 * alpha_z_link_03_joint;
-  const Scalar t212 = 0.05425688212055105 * alpha_y_link_03_joint + 0.9148696609090242 * alpha_x_link_03_joint - 0.40008710837861816 * alpha_z_link_03_joint;
-  const Scalar t213 = 0.7430615558047939 * alpha_z_link_03_joint + (0.603527927254887 * alpha_y_link_03_joint + 0.2891601032445157 * alpha_x_link_03_joint);
-  const Scalar alpha_x_link_04_joint = v[3] * w_y_link_04_joint + (sin_link_04_joint * t212 + cos_link_04_joint * t211);
-  const Scalar alpha_y_link_04_joint = cos_link_04_joint * t212 - sin_link_04_joint * t211 - v[3] * w_x_link_04_joint;
-  const Scalar t214 = 0.7954937031592246 * t207 - 0.2817799464827628 * t206 - 0.5364604645211005 * t208;
-  const Scalar t215 = 0.05425688212055105 * t207 + 0.9148696609090242 * t206 - 0.40008710837861816 * t208;
-  const Scalar t216 = 0.7430615558047939 * t208 + (0.603527927254887 * t207 + 0.2891601032445157 * t206);
-  const Scalar a_x_link_04_joint = sin_link_04_joint * t215 + cos_link_04_joint * t214;
-  const Scalar a_y_link_04_joint = cos_link_04_joint * t215 - sin_link_04_joint * t214;
+  const Scalar t199 = 0.7954937031592246 * alpha_y_link_03_joint - 0.2817799464827628 * alpha_x_link_03_joint - 0.5364604645211005 * alpha_z_link_03_joint;
+  const Scalar t200 = 0.05425688212055105 * alpha_y_link_03_joint + 0.9148696609090242 * alpha_x_link_03_joint - 0.40008710837861816 * alpha_z_link_03_joint;
+  const Scalar t201 = 0.7430615558047939 * alpha_z_link_03_joint + (0.603527927254887 * alpha_y_link_03_joint + 0.2891601032445157 * alpha_x_link_03_joint);
+  const Scalar alpha_x_link_04_joint = v[3] * w_y_link_04_joint + (sin_link_04_joint * t200 + cos_link_04_joint * t199);
+  const Scalar alpha_y_link_04_joint = cos_link_04_joint * t200 - sin_link_04_joint * t199 - v[3] * w_x_link_04_joint;
+  const Scalar t202 = 0.7954937031592246 * t195 - 0.2817799464827628 * t194 - 0.5364604645211005 * t196;
+  const Scalar t203 = 0.05425688212055105 * t195 + 0.9148696609090242 * t194 - 0.40008710837861816 * t196;
+  const Scalar t204 = 0.7430615558047939 * t196 + (0.603527927254887 * t195 + 0.2891601032445157 * t194);
+  const Scalar a_x_link_04_joint = sin_link_04_joint * t203 + cos_link_04_joint * t202;
+  const Scalar a_y_link_04_joint = cos_link_04_joint * t203 - sin_link_04_joint * t202;
 
   // link_05_joint -> link_05: w, dw and a of the body along its own axes
-  const Scalar t217 = 0.09958675907324187 * w_z_link_04_joint;
-  const Scalar t218 = 0.30187083417088606 * w_z_link_04_joint;
-  const Scalar t219 = 0.30187083417088606 * w_y_link_04_joint + 0.09958675907324187 * w_x_link_04_joint;
-  const Scalar t220 = a_x_link_04_joint - 0.09958675907324187 * t213 - (w_z_link_04_joint * t218 + w_y_link_04_joint * t219);
-  const Scalar t221 = w_x_link_04_joint * t219 + w_z_link_04_joint * t217 + (a_y_link_04_joint - 0.30187083417088606 * t213);
-  const Scalar t222 = w_x_link_04_joint * t218 - w_y_link_04_joint * t217 - (t216 + (0.30187083417088606 * alpha_y_link_04_joint + 0.09958675907324187 * alpha_x_link_04_joint));
-  const Scalar t223 = 0.004021732443507842 * w_y_link_04_joint - 0.3799353628058515 * w_x_link_04_joint - 0.9250042949942119 * w_z_link_04_joint;
-  const Scalar t224 = 0.8714997348188931 * w_y_link_04_joint + 0.4549421370169765 * w_x_link_04_joint - 0.18307338467681866 * w_z_link_04_joint;
-  const Scalar w_x_link_05_joint = sin_link_05_joint * t224 + cos_link_05_joint * t223;
-  const Scalar w_y_link_05_joint = cos_link_05_joint * t224 - sin_link_05_joint * t223;
+  const Scalar t205 = 0.09958675907324187 * w_z_link_04_joint;
+  const Scalar t206 = 0.30187083417088606 * w_z_link_04_joint;
+  const Scalar t207 = 0.30187083417088606 * w_y_link_04_joint + 0.09958675907324187 * w_x_link_04_joint;
+  const Scalar t208 = a_x_link_04_joint - 0.09958675907324187 * t201 - (w_z_link_04_joint * t206 + w_y_link_04_joint * t207);
+  const Scalar t209 = w_x_link_04_joint * t207 + w_z_link_04_joint * t205 + (a_y_link_04_joint - 0.30187083417088606 * t201);
+  const Scalar t210 = w_x_link_04_joint * t206 - w_y_link_04_joint * t205 - (t204 + (0.30187083417088606 * alpha_y_link_04_joint + 0.09958675907324187 * alpha_x_link_04_joint));
+  const Scalar t211 = 0.004021732443507842 * w_y_link_04_joint - 0.3799353628058515 * w_x_link_04_joint - 0.9250042949942119 * w_z_link_04_joint;
+  const Scalar t212 = 0.8714997348188931 * w_y_link_04_joint + 0.4549421370169765 * w_x_link_04_joint - 0.18307338467681866 * w_z_link_04_joint;
+  const Scalar w_x_link_05_joint = sin_link_05_joint * t212 + cos_link_05_joint * t211;
+  const Scalar w_y_link_05_joint = cos_link_05_joint * t212 - sin_link_05_joint * t211;
   const Scalar w_z_link_05_joint = v[4] + (0.8054047256230948 * w_x_link_04_joint - 0.4903794835418309 * w_y_link_04_joint - 0.3329432234859793 * w_z_link_04_joint);
-  const Scalar t225 = 0.9250042949942119 * t213 + (0.004021732443507842 * alpha_y_link_04_joint - 0.3799353628058515 * alpha_x_link_04_joint);
-  const Scalar t226 = 0.18307338467681866 * t213 + (0.8714997348188931 * alpha_y_link_04_joint + 0.4549421370169765 * alpha_x_link_04_joint);
-  const Scalar alpha_z_link_05_joint = 0.3329432234859793 * t213 + (0.8054047256230948 * alpha_x_link_04_joint - 0.4903794835418309 * alpha_y_link_04_joint);
-  const Scalar alpha_x_link_05_joint = v[4] * w_y_link_05_joint + (sin_link_05_joint * t226 + cos_link_05_joint * t225);
-  const Scalar alpha_y_link_05_joint = cos_link_05_joint * t226 - sin_link_05_joint * t225 - v[4] * w_x_link_05_joint;
-  const Scalar t227 = 0.004021732443507842 * t221 - 0.3799353628058515 * t220 - 0.9250042949942119 * t222;
-  const Scalar t228 = 0.8714997348188931 * t221 + 0.4549421370169765 * t220 - 0.18307338467681866 * t222;
-  const Scalar a_z_link_05_joint = 0.8054047256230948 * t220 - 0.4903794835418309 * t221 - 0.3329432234859793 * t222;
-  const Scalar a_x_link_05_joint = sin_link_05_joint * t228 + cos_link_05_joint * t227;
-  const Scalar a_y_link_05_joint = cos_link_05_joint * t228 - sin_link_05_joint * t227;
+  const Scalar t213 = 0.9250042949942119 * t201 + (0.004021732443507842 * alpha_y_link_04_joint - 0.3799353628058515 * alpha_x_link_04_joint);
+  const Scalar t214 = 0.18307338467681866 * t201 + (0.8714997348188931 * alpha_y_link_04_joint + 0.4549421370169765 * alpha_x_link_04_joint);
+  const Scalar alpha_z_link_05_joint = 0.3329432234859793 * t201 + (0.8054047256230948 * alpha_x_link_04_joint - 0.4903794835418309 * alpha_y_link_04_joint);
+  const Scalar alpha_x_link_05_joint = v[4] * w_y_link_05_joint + (sin_link_05_joint * t214 + cos_link_05_joint * t213);
+  const Scalar alpha_y_link_05_joint = cos_link_05_joint * t214 - sin_link_05_joint * t213 - v[4] * w_x_link_05_joint;
+  const Scalar t215 = 0.004021732443507842 * t209 - 0.3799353628058515 * t208 - 0.9250042949942119 * t210;
+  const Scalar t216 = 0.8714997348188931 * t209 + 0.4549421370169765 * t208 - 0.18307338467681866 * t210;
+  const Scalar a_z_link_05_joint = 0.8054047256230948 * t208 - 0.4903794835418309 * t209 - 0.3329432234859793 * t210;
+  const Scalar a_x_link_05_joint = sin_link_05_joint * t216 + cos_link_05_joint * t215;
+  const Scalar a_y_link_05_joint = cos_link_05_joint * t216 - sin_link_05_joint * t215;
 
   // link_06_joint -> link_06: w, dw and a of the body along its own axes
-  const Scalar t229 = 0.023300071708266076 * w_z_link_05_joint;
-  const Scalar t230 = 0.1818586705204187 * w_z_link_05_joint;
-  const Scalar t231 = 0.023300071708266076 * w_x_link_05_joint - 0.1818586705204187 * w_y_link_05_joint;
-  const Scalar t232 = w_y_link_05_joint * t231 - w_z_link_05_joint * t230 + (a_x_link_05_joint - 0.023300071708266076 * alpha_z_link_05_joint);
-  const Scalar t233 = a_y_link_05_joint + 0.1818586705204187 * alpha_z_link_05_joint - (w_x_link_05_joint * t231 + w_z_link_05_joint * t229);
-  const Scalar t234 = w_y_link_05_joint * t229 + w_x_link_05_joint * t230 + (a_z_link_05_joint + (0.023300071708266076 * alpha_x_link_05_joint - 0.1818586705204187 * alpha_y_link_05_joint));
-  const Scalar t235 = 0.9011991979810254 * w_z_link_05_joint - (0.26930222416703953 * w_y_link_05_joint + 0.33958256377064233 * w_x_link_05_joint);
-  const Scalar t236 = 0.18494525999966993 * w_z_link_05_joint + (0.8632648790698307 * w_x_link_05_joint - 0.46964773966048723 * w_y_link_05_joint);
-  const Scalar w_x_link_06_joint = sin_link_06_joint * t236 + cos_link_06_joint * t235;
-  const Scalar w_y_link_06_joint = cos_link_06_joint * t236 - sin_link_06_joint * t235;
+  const Scalar t217 = 0.023300071708266076 * w_z_link_05_joint;
+  const Scalar t218 = 0.1818586705204187 * w_z_link_05_joint;
+  const Scalar t219 = 0.023300071708266076 * w_x_link_05_joint - 0.1818586705204187 * w_y_link_05_joint;
+  const Scalar t220 = w_y_link_05_joint * t219 - w_z_link_05_joint * t218 + (a_x_link_05_joint - 0.023300071708266076 * alpha_z_link_05_joint);
+  const Scalar t221 = a_y_link_05_joint + 0.1818586705204187 * alpha_z_link_05_joint - (w_x_link_05_joint * t219 + w_z_link_05_joint * t217);
+  const Scalar t222 = w_y_link_05_joint * t217 + w_x_link_05_joint * t218 + (a_z_link_05_joint + (0.023300071708266076 * alpha_x_link_05_joint - 0.1818586705204187 * alpha_y_link_05_joint));
+  const Scalar t223 = 0.9011991979810254 * w_z_link_05_joint - (0.26930222416703953 * w_y_link_05_joint + 0.33958256377064233 * w_x_link_05_joint);
+  const Scalar t224 = 0.18494525999966993 * w_z_link_05_joint + (0.8632648790698307 * w_x_link_05_joint - 0.46964773966048723 * w_y_link_05_joint);
+  const Scalar w_x_link_06_joint = sin_link_06_joint * t224 + cos_link_06_joint * t223;
+  const Scalar w_y_link_06_joint = cos_link_06_joint * t224 - sin_link_06_joint * t223;
   const Scalar w_z_link_06_joint = v[5] + (0.3919633354817911 * w_z_link_05_joint + (0.8407778022108343 * w_y_link_05_joint + 0.3734399964485699 * w_x_link_05_joint));
-  const Scalar t237 = 0.9011991979810254 * alpha_z_link_05_joint - (0.26930222416703953 * alpha_y_link_05_joint + 0.33958256377064233 * alpha_x_link_05_joint);
-  const Scalar t238 = 0.18494525999966993 * alpha_z_link_05_joint + (0.8632648790698307 * alpha_x_link_05_joint - 0.46964773966048723 * alpha_y_link_05_joint);
+  const Scalar t225 = 0.9011991979810254 * alpha_z_link_05_joint - (0.26930222416703953 * alpha_y_link_05_joint + 0.33958256377064233 * alpha_x_link_05_joint);
+  const Scalar t226 = 0.18494525999966993 * alpha_z_link_05_joint + (0.8632648790698307 * alpha_x_link_05_joint - 0.46964773966048723 * alpha_y_link_05_joint);
   const Scalar alpha_z_link_06_joint = 0.3919633354817911 * alpha_z_link_05_joint + (0.8407778022108343 * alpha_y_link_05_joint + 0.3734399964485699 * alpha_x_link_05_joint);
-  const Scalar alpha_x_link_06_joint = v[5] * w_y_link_06_joint + (sin_link_06_joint * t238 + cos_link_06_joint * t237);
-  const Scalar alpha_y_link_06_joint = cos_link_06_joint * t238 - sin_link_06_joint * t237 - v[5] * w_x_link_06_joint;
-  const Scalar t239 = 0.9011991979810254 * t234 - (0.26930222416703953 * t233 + 0.33958256377064233 * t232);
-  const Scalar t240 = 0.18494525999966993 * t234 + (0.8632648790698307 * t232 - 0.46964773966048723 * t233);
-  const Scalar a_z_link_06_joint = 0.3919633354817911 * t234 + (0.8407778022108343 * t233 + 0.3734399964485699 * t232);
-  const Scalar a_x_link_06_joint = sin_link_06_joint * t240 + cos_link_06_joint * t239;
-  const Scalar a_y_link_06_joint = cos_link_06_joint * t240 - sin_link_06_joint * t239;
+  const Scalar alpha_x_link_06_joint = v[5] * w_y_link_06_joint + (sin_link_06_joint * t226 + cos_link_06_joint * t225);
+  const Scalar alpha_y_link_06_joint = cos_link_06_joint * t226 - sin_link_06_joint * t225 - v[5] * w_x_link_06_joint;
+  const Scalar t227 = 0.9011991979810254 * t222 - (0.26930222416703953 * t221 + 0.33958256377064233 * t220);
+  const Scalar t228 = 0.18494525999966993 * t222 + (0.8632648790698307 * t220 - 0.46964773966048723 * t221);
+  const Scalar a_z_link_06_joint = 0.3919633354817911 * t222 + (0.8407778022108343 * t221 + 0.3734399964485699 * t220);
+  const Scalar a_x_link_06_joint = sin_link_06_joint * t228 + cos_link_06_joint * t227;
+  const Scalar a_y_link_06_joint = cos_link_06_joint * t228 - sin_link_06_joint * t227;
 
   // link_07_joint -> link_07: w, dw and a of the body along its own axes
-  const Scalar t241 = 0.34490286090188116 * w_z_link_06_joint;
-  const Scalar t242 = 0.37439199452220717 * w_z_link_06_joint;
-  const Scalar t243 = 0.37439199452220717 * w_y_link_06_joint + 0.34490286090188116 * w_x_link_06_joint;
-  const Scalar t244 = w_z_link_06_joint * t242 + w_y_link_06_joint * t243 + (a_x_link_06_joint - 0.34490286090188116 * alpha_z_link_06_joint);
-  const Scalar t245 = a_y_link_06_joint - 0.37439199452220717 * alpha_z_link_06_joint - (w_x_link_06_joint * t243 + w_z_link_06_joint * t241);
-  const Scalar t246 = w_y_link_06_joint * t241 - w_x_link_06_joint * t242 + (a_z_link_06_joint + (0.37439199452220717 * alpha_y_link_06_joint + 0.34490286090188116 * alpha_x_link_06_joint));
-  const Scalar t247 = 0.989473013951734 * w_z_link_06_joint + (0.13054115389726934 * w_y_link_06_joint - 0.062467285841799114 * w_x_link_06_joint);
-  const Scalar t248 = 0.1373687901884311 * w_z_link_06_joint + (0.12162444272081516 * w_x_link_06_joint - 0.9830245726404897 * w_y_link_06_joint);
-  const Scalar w_x_link_07_joint = sin_link_07_joint * t248 + cos_link_07_joint * t247;
-  const Scalar w_y_link_07_joint = cos_link_07_joint * t248 - sin_link_07_joint * t247;
+  const Scalar t229 = 0.34490286090188116 * w_z_link_06_joint;
+  const Scalar t230 = 0.37439199452220717 * w_z_link_06_joint;
+  const Scalar t231 = 0.37439199452220717 * w_y_link_06_joint + 0.34490286090188116 * w_x_link_06_joint;
+  const Scalar t232 = w_z_link_06_joint * t230 + w_y_link_06_joint * t231 + (a_x_link_06_joint - 0.34490286090188116 * alpha_z_link_06_joint);
+  const Scalar t233 = a_y_link_06_joint - 0.37439199452220717 * alpha_z_link_06_joint - (w_x_link_06_joint * t231 + w_z_link_06_joint * t229);
+  const Scalar t234 = w_y_link_06_joint * t229 - w_x_link_06_joint * t230 + (a_z_link_06_joint + (0.37439199452220717 * alpha_y_link_06_joint + 0.34490286090188116 * alpha_x_link_06_joint));
+  const Scalar t235 = 0.989473013951734 * w_z_link_06_joint + (0.13054115389726934 * w_y_link_06_joint - 0.062467285841799114 * w_x_link_06_joint);
+  const Scalar t236 = 0.1373687901884311 * w_z_link_06_joint + (0.12162444272081516 * w_x_link_06_joint - 0.9830245726404897 * w_y_link_06_joint);
+  const Scalar w_x_link_07_joint = sin_link_07_joint * t236 + cos_link_07_joint * t235;
+  const Scalar w_y_link_07_joint = cos_link_07_joint * t236 - sin_link_07_joint * t235;
   const Scalar w_z_link_07_joint = v[6] + (0.04552988187375823 * w_z_link_06_joint + (0.12892515939160784 * w_y_link_06_joint + 0.9906085670598705 * w_x_link_06_joint));
-  const Scalar t249 = 0.989473013951734 * alpha_z_link_06_joint + (0.13054115389726934 * alpha_y_link_06_joint - 0.062467285841799114 * alpha_x_link_06_joint);
-  const Scalar t250 = 0.1373687901884311 * alpha_z_link_06_joint + (0.12162444272081516 * alpha_x_link_06_joint - 0.9830245726404897 * alpha_y_link_06_joint);
+  const Scalar t237 = 0.989473013951734 * alpha_z_link_06_joint + (0.13054115389726934 * alpha_y_link_06_joint - 0.062467285841799114 * alpha_x_link_06_joint);
+  const Scalar t238 = 0.1373687901884311 * alpha_z_link_06_joint + (0.12162444272081516 * alpha_x_link_06_joint - 0.9830245726404897 * alpha_y_link_06_joint);
   const Scalar alpha_z_link_07_joint = 0.04552988187375823 * alpha_z_link_06_joint + (0.12892515939160784 * alpha_y_link_06_joint + 0.9906085670598705 * alpha_x_link_06_joint);
-  const Scalar alpha_x_link_07_joint = v[6] * w_y_link_07_joint + (sin_link_07_joint * t250 + cos_link_07_joint * t249);
-  const Scalar alpha_y_link_07_joint = cos_link_07_joint * t250 - sin_link_07_joint * t249 - v[6] * w_x_link_07_joint;
-  const Scalar t251 = 0.989473013951734 * t246 + (0.13054115389726934 * t245 - 0.062467285841799114 * t244);
-  const Scalar t252 = 0.1373687901884311 * t246 + (0.12162444272081516 * t244 - 0.9830245726404897 * t245);
-  const Scalar a_z_link_07_joint = 0.04552988187375823 * t246 + (0.12892515939160784 * t245 + 0.9906085670598705 * t244);
-  const Scalar a_x_link_07_joint = sin_link_07_joint * t252 + cos_link_07_joint * t251;
-  const Scalar a_y_link_07_joint = cos_link_07_joint * t252 - sin_link_07_joint * t251;
+  const Scalar alpha_x_link_07_joint = v[6] * w_y_link_07_joint + (sin_link_07_joint * t238 + cos_link_07_joint * t237);
+  const Scalar alpha_y_link_07_joint = cos_link_07_joint * t238 - sin_link_07_joint * t237 - v[6] * w_x_link_07_joint;
+  const Scalar t239 = 0.989473013951734 * t234 + (0.13054115389726934 * t233 - 0.062467285841799114 * t232);
+  const Scalar t240 = 0.1373687901884311 * t234 + (0.12162444272081516 * t232 - 0.9830245726404897 * t233);
+  const Scalar a_z_link_07_joint = 0.04552988187375823 * t234 + (0.12892515939160784 * t233 + 0.9906085670598705 * t232);
+  const Scalar a_x_link_07_joint = sin_link_07_joint * t240 + cos_link_07_joint * t239;
+  const Scalar a_y_link_07_joint = cos_link_07_joint * t240 - sin_link_07_joint * t239;
 
   // link_07_joint -> link_07: f = m a + dw x h + w x (w x h), n = h x a + I dw + w x I w
-  const Scalar t253 = t18 + 0.027582327122044215;
-  const Scalar t254 = t19 + 0.01718314190911938;
-  const Scalar t255 = t17 * w_y_link_07_joint - t22 * w_z_link_07_joint;
-  const Scalar t256 = t21 * w_z_link_07_joint - t17 * w_x_link_07_joint;
-  const Scalar t257 = t22 * w_x_link_07_joint - t21 * w_y_link_07_joint;
-  const Scalar fk_vx_link_07_joint = w_y_link_07_joint * t257 - w_z_link_07_joint * t256 + (t17 * alpha_y_link_07_joint - t22 * alpha_z_link_07_joint + workspace.payload_link_07.mass * a_x_link_07_joint);
-  const Scalar fk_vy_link_07_joint = w_z_link_07_joint * t255 - w_x_link_07_joint * t257 + (t21 * alpha_z_link_07_joint - t17 * alpha_x_link_07_joint + workspace.payload_link_07.mass * a_y_link_07_joint);
-  const Scalar fk_vz_link_07_joint = w_x_link_07_joint * t256 - w_y_link_07_joint * t255 + (t22 * alpha_x_link_07_joint - t21 * alpha_y_link_07_joint + workspace.payload_link_07.mass * a_z_link_07_joint);
-  const Scalar t258 = t20 + t254;
-  const Scalar t259 = t20 + t253;
-  const Scalar t260 = t253 + t254;
-  const Scalar t261 = w_x_link_07_joint * t258 - t59 * w_y_link_07_joint - t60 * w_z_link_07_joint;
-  const Scalar t262 = w_y_link_07_joint * t259 - t59 * w_x_link_07_joint - t61 * w_z_link_07_joint;
-  const Scalar t263 = w_z_link_07_joint * t260 - (t61 * w_y_link_07_joint + t60 * w_x_link_07_joint);
-  const Scalar fk_wx_link_07_joint = w_y_link_07_joint * t263 - w_z_link_07_joint * t262 + (alpha_x_link_07_joint * t258 - t59 * alpha_y_link_07_joint - t60 * alpha_z_link_07_joint + (t22 * a_z_link_07_joint - t17 * a_y_link_07_joint));
-  const Scalar fk_wy_link_07_joint = w_z_link_07_joint * t261 - w_x_link_07_joint * t263 + (alpha_y_link_07_joint * t259 - t59 * alpha_x_link_07_joint - t61 * alpha_z_link_07_joint + (t17 * a_x_link_07_joint - t21 * a_z_link_07_joint));
-  const Scalar fk_wz_link_07_joint = w_x_link_07_joint * t262 - w_y_link_07_joint * t261 + (alpha_z_link_07_joint * t260 - (t61 * alpha_y_link_07_joint + t60 * alpha_x_link_07_joint) + (t21 * a_y_link_07_joint - t22 * a_x_link_07_joint));
+  const Scalar t241 = t18 + 0.027582327122044215;
+  const Scalar t242 = t19 + 0.01718314190911938;
+  const Scalar t243 = t17 * w_y_link_07_joint - t22 * w_z_link_07_joint;
+  const Scalar t244 = t21 * w_z_link_07_joint - t17 * w_x_link_07_joint;
+  const Scalar t245 = t22 * w_x_link_07_joint - t21 * w_y_link_07_joint;
+  const Scalar fk_vx_link_07_joint = w_y_link_07_joint * t245 - w_z_link_07_joint * t244 + (t17 * alpha_y_link_07_joint - t22 * alpha_z_link_07_joint + workspace.payload_link_07.mass * a_x_link_07_joint);
+  const Scalar fk_vy_link_07_joint = w_z_link_07_joint * t243 - w_x_link_07_joint * t245 + (t21 * alpha_z_link_07_joint - t17 * alpha_x_link_07_joint + workspace.payload_link_07.mass * a_y_link_07_joint);
+  const Scalar fk_vz_link_07_joint = w_x_link_07_joint * t244 - w_y_link_07_joint * t243 + (t22 * alpha_x_link_07_joint - t21 * alpha_y_link_07_joint + workspace.payload_link_07.mass * a_z_link_07_joint);
+  const Scalar t246 = t20 + t242;
+  const Scalar t247 = t20 + t241;
+  const Scalar t248 = t241 + t242;
+  const Scalar t249 = w_x_link_07_joint * t246 - t54 * w_y_link_07_joint - t55 * w_z_link_07_joint;
+  const Scalar t250 = w_y_link_07_joint * t247 - t54 * w_x_link_07_joint - t56 * w_z_link_07_joint;
+  const Scalar t251 = w_z_link_07_joint * t248 - (t56 * w_y_link_07_joint + t55 * w_x_link_07_joint);
+  const Scalar fk_wx_link_07_joint = w_y_link_07_joint * t251 - w_z_link_07_joint * t250 + (alpha_x_link_07_joint * t246 - t54 * alpha_y_link_07_joint - t55 * alpha_z_link_07_joint + (t22 * a_z_link_07_joint - t17 * a_y_link_07_joint));
+  const Scalar fk_wy_link_07_joint = w_z_link_07_joint * t249 - w_x_link_07_joint * t251 + (alpha_y_link_07_joint * t247 - t54 * alpha_x_link_07_joint - t56 * alpha_z_link_07_joint + (t17 * a_x_link_07_joint - t21 * a_z_link_07_joint));
+  const Scalar fk_wz_link_07_joint = w_x_link_07_joint * t250 - w_y_link_07_joint * t249 + (alpha_z_link_07_joint * t248 - (t56 * alpha_y_link_07_joint + t55 * alpha_x_link_07_joint) + (t21 * a_y_link_07_joint - t22 * a_x_link_07_joint));
   workspace.bias[6] = fk_wz_link_07_joint;
 
   // link_07_joint -> link_07: C v + g = n_z (revolute), f_z (prismatic); f_p += R f, n_p += R n + p x R f
-  const Scalar t264 = cos_link_07_joint * fk_vx_link_07_joint - sin_link_07_joint * fk_vy_link_07_joint;
-  const Scalar t265 = cos_link_07_joint * fk_vy_link_07_joint + sin_link_07_joint * fk_vx_link_07_joint;
-  const Scalar t266 = 0.9906085670598705 * fk_vz_link_07_joint + (0.12162444272081516 * t265 - 0.062467285841799114 * t264);
-  const Scalar t267 = 0.12892515939160784 * fk_vz_link_07_joint + (0.13054115389726934 * t264 - 0.9830245726404897 * t265);
-  const Scalar t268 = 0.04552988187375823 * fk_vz_link_07_joint + (0.1373687901884311 * t265 + 0.989473013951734 * t264);
-  const Scalar t269 = cos_link_07_joint * fk_wx_link_07_joint - sin_link_07_joint * fk_wy_link_07_joint;
-  const Scalar t270 = cos_link_07_joint * fk_wy_link_07_joint + sin_link_07_joint * fk_wx_link_07_joint;
+  const Scalar t252 = cos_link_07_joint * fk_vx_link_07_joint - sin_link_07_joint * fk_vy_link_07_joint;
+  const Scalar t253 = cos_link_07_joint * fk_vy_link_07_joint + sin_link_07_joint * fk_vx_link_07_joint;
+  const Scalar t254 = 0.9906085670598705 * fk_vz_link_07_joint + (0.12162444272081516 * t253 - 0.062467285841799114 * t252);
+  const Scalar t255 = 0.12892515939160784 * fk_vz_link_07_joint + (0.13054115389726934 * t252 - 0.9830245726404897 * t253);
+  const Scalar t256 = 0.04552988187375823 * fk_vz_link_07_joint + (0.1373687901884311 * t253 + 0.989473013951734 * t252);
+  const Scalar t257 = cos_link_07_joint * fk_wx_link_07_joint - sin_link_07_joint * fk_wy_link_07_joint;
+  const Scalar t258 = cos_link_07_joint * fk_wy_link_07_joint + sin_link_07_joint * fk_wx_link_07_joint;
 
   // link_06_joint -> link_06: f = m a + dw x h + w x (w x h), n = h x a + I dw + w x I w
-  const Scalar t271 = 0.8697688641033599 * w_z_link_06_joint;
-  const Scalar t272 = 0.4176226600989166 * w_z_link_06_joint;
-  const Scalar t273 = 0.4176226600989166 * w_y_link_06_joint + 0.8697688641033599 * w_x_link_06_joint;
-  const Scalar t274 = 0.026356795567310666 * w_z_link_06_joint + (0.1299935922858627 * w_y_link_06_joint + 0.27928554260198907 * w_x_link_06_joint);
-  const Scalar t275 = 0.08065471290865864 * w_y_link_06_joint + 0.1299935922858627 * w_x_link_06_joint - 0.06899817623755677 * w_z_link_06_joint;
-  const Scalar t276 = 0.3599402555106477 * w_z_link_06_joint - (0.06899817623755677 * w_y_link_06_joint - 0.026356795567310666 * w_x_link_06_joint);
+  const Scalar t259 = 0.8697688641033599 * w_z_link_06_joint;
+  const Scalar t260 = 0.4176226600989166 * w_z_link_06_joint;
+  const Scalar t261 = 0.4176226600989166 * w_y_link_06_joint + 0.8697688641033599 * w_x_link_06_joint;
+  const Scalar t262 = 0.026356795567310666 * w_z_link_06_joint + (0.1299935922858627 * w_y_link_06_joint + 0.27928554260198907 * w_x_link_06_joint);
+  const Scalar t263 = 0.08065471290865864 * w_y_link_06_joint + 0.1299935922858627 * w_x_link_06_joint - 0.06899817623755677 * w_z_link_06_joint;
+  const Scalar t264 = 0.3599402555106477 * w_z_link_06_joint - (0.06899817623755677 * w_y_link_06_joint - 0.026356795567310666 * w_x_link_06_joint);
 
   // link_06_joint -> link_06: C v + g = n_z (revolute), f_z (prismatic); f_p += R f, n_p += R n + p x R f
-  const Scalar t277 = t266 + (w_z_link_06_joint * t272 + w_y_link_06_joint * t273 - 0.8697688641033599 * alpha_z_link_06_joint);
-  const Scalar t278 = t267 - (w_x_link_06_joint * t273 + w_z_link_06_joint * t271 + 0.4176226600989166 * alpha_z_link_06_joint);
-  const Scalar t279 = t268 + (w_y_link_06_joint * t271 - w_x_link_06_joint * t272 + (0.4176226600989166 * alpha_y_link_06_joint + 0.8697688641033599 * alpha_x_link_06_joint));
-  const Scalar t280 = 0.34490286090188116 * t268 + (0.9906085670598705 * fk_wz_link_07_joint + (0.12162444272081516 * t270 - 0.062467285841799114 * t269)) + (w_y_link_06_joint * t276 - w_z_link_06_joint * t275 + (0.026356795567310666 * alpha_z_link_06_joint + (0.1299935922858627 * alpha_y_link_06_joint + 0.27928554260198907 * alpha_x_link_06_joint) + 0.8697688641033599 * a_z_link_06_joint));
-  const Scalar t281 = 0.37439199452220717 * t268 + (0.12892515939160784 * fk_wz_link_07_joint + (0.13054115389726934 * t269 - 0.9830245726404897 * t270)) + (w_z_link_06_joint * t274 - w_x_link_06_joint * t276 + (0.08065471290865864 * alpha_y_link_06_joint + 0.1299935922858627 * alpha_x_link_06_joint - 0.06899817623755677 * alpha_z_link_06_joint + 0.4176226600989166 * a_z_link_06_joint));
-  const Scalar bias_link_06_joint = 0.04552988187375823 * fk_wz_link_07_joint + (0.1373687901884311 * t270 + 0.989473013951734 * t269) - (0.34490286090188116 * t266 + 0.37439199452220717 * t267) + (w_x_link_06_joint * t275 - w_y_link_06_joint * t274 + (0.3599402555106477 * alpha_z_link_06_joint - (0.06899817623755677 * alpha_y_link_06_joint - 0.026356795567310666 * alpha_x_link_06_joint) - (0.8697688641033599 * a_x_link_06_joint + 0.4176226600989166 * a_y_link_06_joint)));
+  const Scalar t265 = t254 + (w_z_link_06_joint * t260 + w_y_link_06_joint * t261 - 0.8697688641033599 * alpha_z_link_06_joint);
+  const Scalar t266 = t255 - (w_x_link_06_joint * t261 + w_z_link_06_joint * t259 + 0.4176226600989166 * alpha_z_link_06_joint);
+  const Scalar t267 = t256 + (w_y_link_06_joint * t259 - w_x_link_06_joint * t260 + (0.4176226600989166 * alpha_y_link_06_joint + 0.8697688641033599 * alpha_x_link_06_joint));
+  const Scalar t268 = 0.34490286090188116 * t256 + (0.9906085670598705 * fk_wz_link_07_joint + (0.12162444272081516 * t258 - 0.062467285841799114 * t257)) + (w_y_link_06_joint * t264 - w_z_link_06_joint * t263 + (0.026356795567310666 * alpha_z_link_06_joint + (0.1299935922858627 * alpha_y_link_06_joint + 0.27928554260198907 * alpha_x_link_06_joint) + 0.8697688641033599 * a_z_link_06_joint));
+  const Scalar t269 = 0.37439199452220717 * t256 + (0.12892515939160784 * fk_wz_link_07_joint + (0.13054115389726934 * t257 - 0.9830245726404897 * t258)) + (w_z_link_06_joint * t262 - w_x_link_06_joint * t264 + (0.08065471290865864 * alpha_y_link_06_joint + 0.1299935922858627 * alpha_x_link_06_joint - 0.06899817623755677 * alpha_z_link_06_joint + 0.4176226600989166 * a_z_link_06_joint));
+  const Scalar bias_link_06_joint = 0.04552988187375823 * fk_wz_link_07_joint + (0.1373687901884311 * t258 + 0.989473013951734 * t257) - (0.34490286090188116 * t254 + 0.37439199452220717 * t255) + (w_x_link_06_joint * t263 - w_y_link_06_joint * t262 + (0.3599402555106477 * alpha_z_link_06_joint - (0.06899817623755677 * alpha_y_link_06_joint - 0.026356795567310666 * alpha_x_link_06_joint) - (0.8697688641033599 * a_x_link_06_joint + 0.4176226600989166 * a_y_link_06_joint)));
   workspace.bias[5] = bias_link_06_joint;
-  const Scalar t282 = cos_link_06_joint * t277 - sin_link_06_joint * t278;
-  const Scalar t283 = cos_link_06_joint * t278 + sin_link_06_joint * t277;
-  const Scalar t284 = 0.3734399964485699 * t279 + (0.8632648790698307 * t283 - 0.33958256377064233 * t282);
-  const Scalar t285 = 0.8407778022108343 * t279 - (0.46964773966048723 * t283 + 0.26930222416703953 * t282);
-  const Scalar t286 = 0.3919633354817911 * t279 + (0.18494525999966993 * t283 + 0.9011991979810254 * t282);
-  const Scalar t287 = cos_link_06_joint * t280 - sin_link_06_joint * t281;
-  const Scalar t288 = cos_link_06_joint * t281 + sin_link_06_joint * t280;
+  const Scalar t270 = cos_link_06_joint * t265 - sin_link_06_joint * t266;
+  const Scalar t271 = cos_link_06_joint * t266 + sin_link_06_joint * t265;
+  const Scalar t272 = 0.3734399964485699 * t267 + (0.8632648790698307 * t271 - 0.33958256377064233 * t270);
+  const Scalar t273 = 0.8407778022108343 * t267 - (0.46964773966048723 * t271 + 0.26930222416703953 * t270);
+  const Scalar t274 = 0.3919633354817911 * t267 + (0.18494525999966993 * t271 + 0.9011991979810254 * t270);
+  const Scalar t275 = cos_link_06_joint * t268 - sin_link_06_joint * t269;
+  const Scalar t276 = cos_link_06_joint * t269 + sin_link_06_joint * t268;
 
   // link_05_joint -> link_05: f = m a + dw x h + w x (w x h), n = h x a + I dw + w x I w
-  const Scalar t289 = 0.3333449207252153 * w_z_link_05_joint;
-  const Scalar t290 = 0.648545824357382 * w_z_link_05_joint;
-  const Scalar t291 = 0.3333449207252153 * w_x_link_05_joint - 0.648545824357382 * w_y_link_05_joint;
-  const Scalar t292 = 0.10763501600540462 * w_x_link_05_joint - 0.12321572623583785 * w_y_link_05_joint - 0.039303298657082104 * w_z_link_05_joint;
-  const Scalar t293 = 0.19613957289467554 * w_y_link_05_joint - 0.12321572623583785 * w_x_link_05_joint - 0.03124618367831379 * w_z_link_05_joint;
-  const Scalar t294 = 0.30377458890008013 * w_z_link_05_joint - (0.03124618367831379 * w_y_link_05_joint + 0.039303298657082104 * w_x_link_05_joint);
+  const Scalar t277 = 0.3333449207252153 * w_z_link_05_joint;
+  const Scalar t278 = 0.648545824357382 * w_z_link_05_joint;
+  const Scalar t279 = 0.3333449207252153 * w_x_link_05_joint - 0.648545824357382 * w_y_link_05_joint;
+  const Scalar t280 = 0.10763501600540462 * w_x_link_05_joint - 0.12321572623583785 * w_y_link_05_joint - 0.039303298657082104 * w_z_link_05_joint;
+  const Scalar t281 = 0.19613957289467554 * w_y_link_05_joint - 0.12321572623583785 * w_x_link_05_joint - 0.03124618367831379 * w_z_link_05_joint;
+  const Scalar t282 = 0.30377458890008013 * w_z_link_05_joint - (0.03124618367831379 * w_y_link_05_joint + 0.039303298657082104 * w_x_link_05_joint);
 
   // link_05_joint -> link_05: C v + g = n_z (revolute), f_z (prismatic); f_p += R f, n_p += R n + p x R f
-  const Scalar t295 = t284 + (w_y_link_05_joint * t291 - w_z_link_05_joint * t290 - 0.3333449207252153 * alpha_z_link_05_joint);
-  const Scalar t296 = t285 + (0.648545824357382 * alpha_z_link_05_joint - (w_x_link_05_joint * t291 + w_z_link_05_joint * t289));
-  const Scalar t297 = t286 + (w_y_link_05_joint * t289 + w_x_link_05_joint * t290 + (0.3333449207252153 * alpha_x_link_05_joint - 0.648545824357382 * alpha_y_link_05_joint));
-  const Scalar t298 = 0.023300071708266076 * t286 + (0.3734399964485699 * bias_link_06_joint + (0.8632648790698307 * t288 - 0.33958256377064233 * t287)) + (w_y_link_05_joint * t294 - w_z_link_05_joint * t293 + (0.10763501600540462 * alpha_x_link_05_joint - 0.12321572623583785 * alpha_y_link_05_joint - 0.039303298657082104 * alpha_z_link_05_joint + 0.3333449207252153 * a_z_link_05_joint));
-  const Scalar t299 = 0.8407778022108343 * bias_link_06_joint - (0.46964773966048723 * t288 + 0.26930222416703953 * t287) - 0.1818586705204187 * t286 + (w_z_link_05_joint * t292 - w_x_link_05_joint * t294 + (0.19613957289467554 * alpha_y_link_05_joint - 0.12321572623583785 * alpha_x_link_05_joint - 0.03124618367831379 * alpha_z_link_05_joint - 0.648545824357382 * a_z_link_05_joint));
-  const Scalar bias_link_05_joint = 0.1818586705204187 * t285 - 0.023300071708266076 * t284 + (0.3919633354817911 * bias_link_06_joint + (0.18494525999966993 * t288 + 0.9011991979810254 * t287)) + (w_x_link_05_joint * t293 - w_y_link_05_joint * t292 + (0.30377458890008013 * alpha_z_link_05_joint - (0.03124618367831379 * alpha_y_link_05_joint + 0.039303298657082104 * alpha_x_link_05_joint) + (0.648545824357382 * a_y_link_05_joint - 0.3333449207252153 * a_x_link_05_joint)));
+  const Scalar t283 = t272 + (w_y_link_05_joint * t279 - w_z_link_05_joint * t278 - 0.3333449207252153 * alpha_z_link_05_joint);
+  const Scalar t284 = t273 + (0.648545824357382 * alpha_z_link_05_joint - (w_x_link_05_joint * t279 + w_z_link_05_joint * t277));
+  const Scalar t285 = t274 + (w_y_link_05_joint * t277 + w_x_link_05_joint * t278 + (0.3333449207252153 * alpha_x_link_05_joint - 0.648545824357382 * alpha_y_link_05_joint));
+  const Scalar t286 = 0.023300071708266076 * t274 + (0.3734399964485699 * bias_link_06_joint + (0.8632648790698307 * t276 - 0.33958256377064233 * t275)) + (w_y_link_05_joint * t282 - w_z_link_05_joint * t281 + (0.10763501600540462 * alpha_x_link_05_joint - 0.12321572623583785 * alpha_y_link_05_joint - 0.039303298657082104 * alpha_z_link_05_joint + 0.3333449207252153 * a_z_link_05_joint));
+  const Scalar t287 = 0.8407778022108343 * bias_link_06_joint - (0.46964773966048723 * t276 + 0.26930222416703953 * t275) - 0.1818586705204187 * t274 + (w_z_link_05_joint * t280 - w_x_link_05_joint * t282 + (0.19613957289467554 * alpha_y_link_05_joint - 0.12321572623583785 * alpha_x_link_05_joint - 0.03124618367831379 * alpha_z_link_05_joint - 0.648545824357382 * a_z_link_05_joint));
+  const Scalar bias_link_05_joint = 0.1818586705204187 * t273 - 0.023300071708266076 * t272 + (0.3919633354817911 * bias_link_06_joint + (0.18494525999966993 * t276 + 0.9011991979810254 * t275)) + (w_x_link_05_joint * t281 - w_y_link_05_joint * t280 + (0.30377458890008013 * alpha_z_link_05_joint - (0.03124618367831379 * alpha_y_link_05_joint + 0.039303298657082104 * alpha_x_link_05_joint) + (0.648545824357382 * a_y_link_05_joint - 0.3333449207252153 * a_x_link_05_joint)));
   workspace.bias[4] = bias_link_05_joint;
-  const Scalar t300 = cos_link_05_joint * t295 - sin_link_05_joint * t296;
-  const Scalar t301 = cos_link_05_joint * t296 + sin_link_05_joint * t295;
-  const Scalar t302 = 0.8054047256230948 * t297 + (0.4549421370169765 * t301 - 0.3799353628058515 * t300);
-  const Scalar t303 = 0.8714997348188931 * t301 + 0.004021732443507842 * t300 - 0.4903794835418309 * t297;
-  const Scalar t304 = 0.3329432234859793 * t297 + (0.18307338467681866 * t301 + 0.9250042949942119 * t300);
-  const Scalar t305 = cos_link_05_joint * t298 - sin_link_05_joint * t299;
-  const Scalar t306 = cos_link_05_joint * t299 + sin_link_05_joint * t298;
+  const Scalar t288 = cos_link_05_joint * t283 - sin_link_05_joint * t284;
+  const Scalar t289 = cos_link_05_joint * t284 + sin_link_05_joint * t283;
+  const Scalar t290 = 0.8054047256230948 * t285 + (0.4549421370169765 * t289 - 0.3799353628058515 * t288);
+  const Scalar t291 = 0.8714997348188931 * t289 + 0.004021732443507842 * t288 - 0.4903794835418309 * t285;
+  const Scalar t292 = 0.3329432234859793 * t285 + (0.18307338467681866 * t289 + 0.9250042949942119 * t288);
+  const Scalar t293 = cos_link_05_joint * t286 - sin_link_05_joint * t287;
+  const Scalar t294 = cos_link_05_joint * t287 + sin_link_05_joint * t286;
 
   // link_04_joint -> link_04: f = m a + dw x h + w x (w x h), n = h x a + I dw + w x I w
-  const Scalar t307 = 0.8279621973639056 * w_z_link_04_joint;
-  const Scalar t308 = 1.4163639564566821 * w_z_link_04_joint;
-  const Scalar t309 = 1.4163639564566821 * w_y_link_04_joint + 0.8279621973639056 * w_x_link_04_joint;
-  const Scalar t310 = 0.028169651236579316 * w_z_link_04_joint + (0.1771180706255309 * w_y_link_04_joint + 0.13197603498181668 * w_x_link_04_joint);
-  const Scalar t311 = 0.5335400188389332 * w_y_link_04_joint + 0.1771180706255309 * w_x_link_04_joint - 0.026709871884345218 * w_z_link_04_joint;
-  const Scalar t312 = 0.6655160538207499 * w_z_link_04_joint - (0.026709871884345218 * w_y_link_04_joint - 0.028169651236579316 * w_x_link_04_joint);
+  const Scalar t295 = 0.8279621973639056 * w_z_link_04_joint;
+  const Scalar t296 = 1.4163639564566821 * w_z_link_04_joint;
+  const Scalar t297 = 1.4163639564566821 * w_y_link_04_joint + 0.8279621973639056 * w_x_link_04_joint;
+  const Scalar t298 = 0.028169651236579316 * w_z_link_04_joint + (0.1771180706255309 * w_y_link_04_joint + 0.13197603498181668 * w_x_link_04_joint);
+  const Scalar t299 = 0.5335400188389332 * w_y_link_04_joint + 0.1771180706255309 * w_x_link_04_joint - 0.026709871884345218 * w_z_link_04_joint;
+  const Scalar t300 = 0.6655160538207499 * w_z_link_04_joint - (0.026709871884345218 * w_y_link_04_joint - 0.028169651236579316 * w_x_link_04_joint);
 
   // link_04_joint -> link_04: C v + g = n_z (revolute), f_z (prismatic); f_p += R f, n_p += R n + p x R f
-  const Scalar t313 = t302 - (w_z_link_04_joint * t308 + w_y_link_04_joint * t309 + 0.8279621973639056 * t213);
-  const Scalar t314 = t303 + (w_x_link_04_joint * t309 + w_z_link_04_joint * t307 - 1.4163639564566821 * t213);
-  const Scalar t315 = w_x_link_04_joint * t308 - w_y_link_04_joint * t307 - (1.4163639564566821 * alpha_y_link_04_joint + 0.8279621973639056 * alpha_x_link_04_joint) - t304;
-  const Scalar t316 = 0.09958675907324187 * t304 + (0.8054047256230948 * bias_link_05_joint + (0.4549421370169765 * t306 - 0.3799353628058515 * t305)) + (w_y_link_04_joint * t312 - w_z_link_04_joint * t311 + (0.1771180706255309 * alpha_y_link_04_joint + 0.13197603498181668 * alpha_x_link_04_joint - 0.028169651236579316 * t213 + 0.8279621973639056 * t216));
-  const Scalar t317 = 0.30187083417088606 * t304 + (0.8714997348188931 * t306 + 0.004021732443507842 * t305 - 0.4903794835418309 * bias_link_05_joint) + (w_z_link_04_joint * t310 - w_x_link_04_joint * t312 + (0.026709871884345218 * t213 + (0.5335400188389332 * alpha_y_link_04_joint + 0.1771180706255309 * alpha_x_link_04_joint) + 1.4163639564566821 * t216));
-  const Scalar bias_link_04_joint = 0.09958675907324187 * t302 + 0.30187083417088606 * t303 - (0.3329432234859793 * bias_link_05_joint + (0.18307338467681866 * t306 + 0.9250042949942119 * t305)) + (w_x_link_04_joint * t311 - w_y_link_04_joint * t310 + (0.8279621973639056 * a_x_link_04_joint + 1.4163639564566821 * a_y_link_04_joint - (0.6655160538207499 * t213 + (0.026709871884345218 * alpha_y_link_04_joint - 0.028169651236579316 * alpha_x_link_04_joint))));
+  const Scalar t301 = t290 - (w_z_link_04_joint * t296 + w_y_link_04_joint * t297 + 0.8279621973639056 * t201);
+  const Scalar t302 = t291 + (w_x_link_04_joint * t297 + w_z_link_04_joint * t295 - 1.4163639564566821 * t201);
+  const Scalar t303 = w_x_link_04_joint * t296 - w_y_link_04_joint * t295 - (1.4163639564566821 * alpha_y_link_04_joint + 0.8279621973639056 * alpha_x_link_04_joint) - t292;
+  const Scalar t304 = 0.09958675907324187 * t292 + (0.8054047256230948 * bias_link_05_joint + (0.4549421370169765 * t294 - 0.3799353628058515 * t293)) + (w_y_link_04_joint * t300 - w_z_link_04_joint * t299 + (0.1771180706255309 * alpha_y_link_04_joint + 0.13197603498181668 * alpha_x_link_04_joint - 0.028169651236579316 * t201 + 0.8279621973639056 * t204));
+  const Scalar t305 = 0.30187083417088606 * t292 + (0.8714997348188931 * t294 + 0.004021732443507842 * t293 - 0.4903794835418309 * bias_link_05_joint) + (w_z_link_04_joint * t298 - w_x_link_04_joint * t300 + (0.026709871884345218 * t201 + (0.5335400188389332 * alpha_y_link_04_joint + 0.1771180706255309 * alpha_x_link_04_joint) + 1.4163639564566821 * t204));
+  const Scalar bias_link_04_joint = 0.09958675907324187 * t290 + 0.30187083417088606 * t291 - (0.3329432234859793 * bias_link_05_joint + (0.18307338467681866 * t294 + 0.9250042949942119 * t293)) + (w_x_link_04_joint * t299 - w_y_link_04_joint * t298 + (0.8279621973639056 * a_x_link_04_joint + 1.4163639564566821 * a_y_link_04_joint - (0.6655160538207499 * t201 + (0.026709871884345218 * alpha_y_link_04_joint - 0.028169651236579316 * alpha_x_link_04_joint))));
   workspace.bias[3] = bias_link_04_joint;
-  const Scalar t318 = cos_link_04_joint * t313 - sin_link_04_joint * t314;
-  const Scalar t319 = cos_link_04_joint * t314 + sin_link_04_joint * t313;
-  const Scalar t320 = 0.9148696609090242 * t319 - 0.2817799464827628 * t318 - 0.2891601032445157 * t315;
-  const Scalar t321 = 0.05425688212055105 * t319 + 0.7954937031592246 * t318 - 0.603527927254887 * t315;
-  const Scalar t322 = 0.7430615558047939 * t315 + (0.40008710837861816 * t319 + 0.5364604645211005 * t318);
-  const Scalar t323 = cos_link_04_joint * t316 - sin_link_04_joint * t317;
-  const Scalar t324 = cos_link_04_joint * t317 + sin_link_04_joint * t316;
+  const Scalar t306 = cos_link_04_joint * t301 - sin_link_04_joint * t302;
+  const Scalar t307 = cos_link_04_joint * t302 + sin_link_04_joint * t301;
+  const Scalar t308 = 0.9148696609090242 * t307 - 0.2817799464827628 * t306 - 0.2891601032445157 * t303;
+  const Scalar t309 = 0.05425688212055105 * t307 + 0.7954937031592246 * t306 - 0.603527927254887 * t303;
+  const Scalar t310 = 0.7430615558047939 * t303 + (0.40008710837861816 * t307 + 0.5364604645211005 * t306);
+  const Scalar t311 = cos_link_04_joint * t304 - sin_link_04_joint * t305;
+  const Scalar t312 = cos_link_04_joint * t305 + sin_link_04_joint * t304;
 
   // link_03_joint -> link_03: f = m a + dw x h + w x (w x h), n = h x a + I dw + w x I w
-  const Scalar t325 = 1.6326323406638645 * w_z_link_03_joint;
-  const Scalar t326 = 0.3011686139958337 * w_z_link_03_joint;
-  const Scalar t327 = 0.3011686139958337 * w_y_link_03_joint + 1.6326323406638645 * w_x_link_03_joint;
-  const Scalar t328 = 0.001568916725289497 * w_z_link_03_joint + (0.0928689507974381 * w_y_link_03_joint + 0.45953908797803306 * w_x_link_03_joint);
-  const Scalar t329 = 0.029096847091465435 * w_z_link_03_joint + (0.031067237999155548 * w_y_link_03_joint + 0.0928689507974381 * w_x_link_03_joint);
-  const Scalar t330 = 0.4906063259771886 * w_z_link_03_joint + (0.029096847091465435 * w_y_link_03_joint + 0.001568916725289497 * w_x_link_03_joint);
+  const Scalar t313 = 1.6326323406638645 * w_z_link_03_joint;
+  const Scalar t314 = 0.3011686139958337 * w_z_link_03_joint;
+  const Scalar t315 = 0.3011686139958337 * w_y_link_03_joint + 1.6326323406638645 * w_x_link_03_joint;
+  const Scalar t316 = 0.001568916725289497 * w_z_link_03_joint + (0.0928689507974381 * w_y_link_03_joint + 0.45953908797803306 * w_x_link_03_joint);
+  const Scalar t317 = 0.029096847091465435 * w_z_link_03_joint + (0.031067237999155548 * w_y_link_03_joint + 0.0928689507974381 * w_x_link_03_joint);
+  const Scalar t318 = 0.4906063259771886 * w_z_link_03_joint + (0.029096847091465435 * w_y_link_03_joint + 0.001568916725289497 * w_x_link_03_joint);
 
   // link_03_joint -> link_03: C v + g = n_z (revolute), f_z (prismatic); f_p += R f, n_p += R n + p x R f
-  const Scalar t331 = t320 + (1.6326323406638645 * alpha_z_link_03_joint - (w_z_link_03_joint * t326 + w_y_link_03_joint * t327));
-  const Scalar t332 = t321 + (w_x_link_03_joint * t327 + w_z_link_03_joint * t325 + 0.3011686139958337 * alpha_z_link_03_joint);
-  const Scalar t333 = w_x_link_03_joint * t326 - w_y_link_03_joint * t325 - (0.3011686139958337 * alpha_y_link_03_joint + 1.6326323406638645 * alpha_x_link_03_joint) - t322;
-  const Scalar t334 = 0.29241658532927894 * t322 + (0.9148696609090242 * t324 - 0.2817799464827628 * t323 - 0.2891601032445157 * bias_link_04_joint) + (w_y_link_03_joint * t330 - w_z_link_03_joint * t329 + (0.001568916725289497 * alpha_z_link_03_joint + (0.0928689507974381 * alpha_y_link_03_joint + 0.45953908797803306 * alpha_x_link_03_joint) - 1.6326323406638645 * a_z_link_03_joint));
-  const Scalar t335 = 0.052051582283540794 * t322 + (0.05425688212055105 * t324 + 0.7954937031592246 * t323 - 0.603527927254887 * bias_link_04_joint) + (w_z_link_03_joint * t328 - w_x_link_03_joint * t330 + (0.029096847091465435 * alpha_z_link_03_joint + (0.031067237999155548 * alpha_y_link_03_joint + 0.0928689507974381 * alpha_x_link_03_joint) - 0.3011686139958337 * a_z_link_03_joint));
-  const Scalar bias_link_03_joint = 0.29241658532927894 * t320 + 0.052051582283540794 * t321 - (0.7430615558047939 * bias_link_04_joint + (0.40008710837861816 * t324 + 0.5364604645211005 * t323)) + (w_x_link_03_joint * t329 - w_y_link_03_joint * t328 + (0.4906063259771886 * alpha_z_link_03_joint + (0.029096847091465435 * alpha_y_link_03_joint + 0.001568916725289497 * alpha_x_link_03_joint) + (1.6326323406638645 * a_x_link_03_joint + 0.3011686139958337 * a_y_link_03_joint)));
+  const Scalar t319 = t308 + (1.6326323406638645 * alpha_z_link_03_joint - (w_z_link_03_joint * t314 + w_y_link_03_joint * t315));
+  const Scalar t320 = t309 + (w_x_link_03_joint * t315 + w_z_link_03_joint * t313 + 0.3011686139958337 * alpha_z_link_03_joint);
+  const Scalar t321 = w_x_link_03_joint * t314 - w_y_link_03_joint * t313 - (0.3011686139958337 * alpha_y_link_03_joint + 1.6326323406638645 * alpha_x_link_03_joint) - t310;
+  const Scalar t322 = 0.29241658532927894 * t310 + (0.9148696609090242 * t312 - 0.2817799464827628 * t311 - 0.2891601032445157 * bias_link_04_joint) + (w_y_link_03_joint * t318 - w_z_link_03_joint * t317 + (0.001568916725289497 * alpha_z_link_03_joint + (0.0928689507974381 * alpha_y_link_03_joint + 0.45953908797803306 * alpha_x_link_03_joint) - 1.6326323406638645 * a_z_link_03_joint));
+  const Scalar t323 = 0.052051582283540794 * t310 + (0.05425688212055105 * t312 + 0.7954937031592246 * t311 - 0.603527927254887 * bias_link_04_joint) + (w_z_link_03_joint * t316 - w_x_link_03_joint * t318 + (0.029096847091465435 * alpha_z_link_03_joint + (0.031067237999155548 * alpha_y_link_03_joint + 0.0928689507974381 * alpha_x_link_03_joint) - 0.3011686139958337 * a_z_link_03_joint));
+  const Scalar bias_link_03_joint = 0.29241658532927894 * t308 + 0.052051582283540794 * t309 - (0.7430615558047939 * bias_link_04_joint + (0.40008710837861816 * t312 + 0.5364604645211005 * t311)) + (w_x_link_03_joint * t317 - w_y_link_03_joint * t316 + (0.4906063259771886 * alpha_z_link_03_joint + (0.029096847091465435 * alpha_y_link_03_joint + 0.001568916725289497 * alpha_x_link_03_joint) + (1.6326323406638645 * a_x_link_03_joint + 0.3011686139958337 * a_y_link_03_joint)));
   workspace.bias[2] = bias_link_03_joint;
-  const Scalar t336 = cos_link_03_joint * t331 - sin_link_03_joint * t332;
-  const Scalar t337 = cos_link_03_joint * t332 + sin_link_03_joint * t331;
-  const Scalar t338 = 0.22330384065932543 * t337 + 0.229289370904341 * t336 - 0.9473973712952163 * t333;
-  const Scalar t339 = 0.316977262206784 * t333 + (0.5554413475197789 * t337 + 0.7687719588469026 * t336);
-  const Scalar t340 = 0.5970059126013644 * t336 - 0.8010120499794037 * t337 - 0.044312933854636874 * t333;
-  const Scalar t341 = cos_link_03_joint * t334 - sin_link_03_joint * t335;
-  const Scalar t342 = cos_link_03_joint * t335 + sin_link_03_joint * t334;
+  const Scalar t324 = cos_link_03_joint * t319 - sin_link_03_joint * t320;
+  const Scalar t325 = cos_link_03_joint * t320 + sin_link_03_joint * t319;
+  const Scalar t326 = 0.22330384065932543 * t325 + 0.229289370904341 * t324 - 0.9473973712952163 * t321;
+  const Scalar t327 = 0.316977262206784 * t321 + (0.5554413475197789 * t325 + 0.7687719588469026 * t324);
+  const Scalar t328 = 0.5970059126013644 * t324 - 0.8010120499794037 * t325 - 0.044312933854636874 * t321;
+  const Scalar t329 = cos_link_03_joint * t322 - sin_link_03_joint * t323;
+  const Scalar t330 = cos_link_03_joint * t323 + sin_link_03_joint * t322;
 
   // link_02_joint -> link_02: f = m a + dw x h + w x (w x h), n = h x a + I dw + w x I w
-  const Scalar t343 = 2.2959987745608506 * w_z_link_02_joint;
-  const Scalar t344 = 1.842860513493758 * w_z_link_02_joint;
-  const Scalar t345 = 1.842860513493758 * t186 + 2.2959987745608506 * w_x_link_02_joint;
-  const Scalar t346 = 0.8354533352070876 * t186 + 1.0559170773671305 * w_x_link_02_joint - 0.0468622043113645 * w_z_link_02_joint;
-  const Scalar t347 = 0.050681882780983276 * w_z_link_02_joint + (0.7360637881251884 * t186 + 0.8354533352070876 * w_x_link_02_joint);
-  const Scalar t348 = 1.7919808654923188 * w_z_link_02_joint - (0.0468622043113645 * w_x_link_02_joint - 0.050681882780983276 * t186);
+  const Scalar t331 = 2.2959987745608506 * w_z_link_02_joint;
+  const Scalar t332 = 1.842860513493758 * w_z_link_02_joint;
+  const Scalar t333 = 1.842860513493758 * t174 + 2.2959987745608506 * w_x_link_02_joint;
+  const Scalar t334 = 0.8354533352070876 * t174 + 1.0559170773671305 * w_x_link_02_joint - 0.0468622043113645 * w_z_link_02_joint;
+  const Scalar t335 = 0.050681882780983276 * w_z_link_02_joint + (0.7360637881251884 * t174 + 0.8354533352070876 * w_x_link_02_joint);
+  const Scalar t336 = 1.7919808654923188 * w_z_link_02_joint - (0.0468622043113645 * w_x_link_02_joint - 0.050681882780983276 * t174);
 
   // link_02_joint -> link_02: C v + g = n_z (revolute), f_z (prismatic); f_p += R f, n_p += R n + p x R f
-  const Scalar t349 = t338 + (w_z_link_02_joint * t344 + t186 * t345);
-  const Scalar t350 = t339 + (w_x_link_02_joint * t345 + w_z_link_02_joint * t343);
-  const Scalar t351 = t340 + (t186 * t343 - w_x_link_02_joint * t344 + (2.2959987745608506 * t187 - 1.842860513493758 * t188));
-  const Scalar t352 = 0.22330384065932543 * t342 + 0.229289370904341 * t341 - 0.9473973712952163 * bias_link_03_joint - 0.4019450738767276 * t340 + (w_z_link_02_joint * t347 - t186 * t348 + (0.8354533352070876 * t188 - 1.0559170773671305 * t187 - 2.2959987745608506 * a_z_link_02_joint));
-  const Scalar t353 = 0.2717984621449093 * t340 + (0.316977262206784 * bias_link_03_joint + (0.5554413475197789 * t342 + 0.7687719588469026 * t341)) + (w_z_link_02_joint * t346 - w_x_link_02_joint * t348 + (0.8354533352070876 * t187 - 0.7360637881251884 * t188 + 1.842860513493758 * a_z_link_02_joint));
-  const Scalar bias_link_02_joint = 0.4019450738767276 * t338 - 0.2717984621449093 * t339 + (0.5970059126013644 * t341 - 0.8010120499794037 * t342 - 0.044312933854636874 * bias_link_03_joint) + (t186 * t346 - w_x_link_02_joint * t347 + (0.050681882780983276 * t188 + 0.0468622043113645 * t187 + (2.2959987745608506 * a_x_link_02_joint - 1.842860513493758 * a_y_link_02_joint)));
+  const Scalar t337 = t326 + (w_z_link_02_joint * t332 + t174 * t333);
+  const Scalar t338 = t327 + (w_x_link_02_joint * t333 + w_z_link_02_joint * t331);
+  const Scalar t339 = t328 + (t174 * t331 - w_x_link_02_joint * t332 + (2.2959987745608506 * t175 - 1.842860513493758 * t176));
+  const Scalar t340 = 0.22330384065932543 * t330 + 0.229289370904341 * t329 - 0.9473973712952163 * bias_link_03_joint - 0.4019450738767276 * t328 + (w_z_link_02_joint * t335 - t174 * t336 + (0.8354533352070876 * t176 - 1.0559170773671305 * t175 - 2.2959987745608506 * a_z_link_02_joint));
+  const Scalar t341 = 0.2717984621449093 * t328 + (0.316977262206784 * bias_link_03_joint + (0.5554413475197789 * t330 + 0.7687719588469026 * t329)) + (w_z_link_02_joint * t334 - w_x_link_02_joint * t336 + (0.8354533352070876 * t175 - 0.7360637881251884 * t176 + 1.842860513493758 * a_z_link_02_joint));
+  const Scalar bias_link_02_joint = 0.4019450738767276 * t326 - 0.2717984621449093 * t327 + (0.5970059126013644 * t329 - 0.8010120499794037 * t330 - 0.044312933854636874 * bias_link_03_joint) + (t174 * t334 - w_x_link_02_joint * t335 + (0.050681882780983276 * t176 + 0.0468622043113645 * t175 + (2.2959987745608506 * a_x_link_02_joint - 1.842860513493758 * a_y_link_02_joint)));
   workspace.bias[1] = bias_link_02_joint;
-  const Scalar t354 = cos_link_02_joint * t349 - sin_link_02_joint * t350;
-  const Scalar t355 = cos_link_02_joint * t350 + sin_link_02_joint * t349;
-  const Scalar t356 = 0.07905374804558882 * bias_link_02_joint + (0.4325960619297159 * (cos_link_02_joint * t352 - sin_link_02_joint * t353) - 0.8981153334192917 * (cos_link_02_joint * t353 + sin_link_02_joint * t352)) - (0.294569690866505 * (0.8553759371865042 * t351 + (0.2839690328110661 * t355 + 0.43323618787753304 * t354)) + 0.051958511200873914 * (0.3357833174556199 * t355 + 0.7906750613976922 * t354 - 0.5119399486289911 * t351));
+  const Scalar t342 = cos_link_02_joint * t337 - sin_link_02_joint * t338;
+  const Scalar t343 = cos_link_02_joint * t338 + sin_link_02_joint * t337;
+  const Scalar t344 = 0.07905374804558882 * bias_link_02_joint + (0.4325960619297159 * (cos_link_02_joint * t340 - sin_link_02_joint * t341) - 0.8981153334192917 * (cos_link_02_joint * t341 + sin_link_02_joint * t340)) - (0.294569690866505 * (0.8553759371865042 * t339 + (0.2839690328110661 * t343 + 0.43323618787753304 * t342)) + 0.051958511200873914 * (0.3357833174556199 * t343 + 0.7906750613976922 * t342 - 0.5119399486289911 * t339));
 
   // link_01_joint -> link_01: C v + g = n_z (revolute), f_z (prismatic); f_p += R f, n_p += R n + p x R f
-  workspace.bias[0] = t356 + (0.4242698814435158 * down_y_link_01_joint - 2.4826673504320618 * down_x_link_01_joint);
+  workspace.bias[0] = t344 + (0.4242698814435158 * down_y_link_01_joint - 2.4826673504320618 * down_x_link_01_joint);
 
   // base base: X = R Rl, x = p + R pl
   const Scalar X_zx_base = 0.9625098228859927 * R_yx_link_07_joint - 0.2712468264293142 * R_zx_link_07_joint;
   const Scalar X_zy_base = 0.9625098228859927 * R_yy_link_07_joint - 0.2712468264293142 * R_zy_link_07_joint;
   const Scalar X_zz_base = 0.9625098228859927 * R_yz_link_07_joint - 0.2712468264293142 * R_zz_link_07_joint;
-  workspace.jacobian_link_07[5] = X_zz_base;
+  workspace.jacobian_link_07[17] = X_zz_base;
   const Scalar X_yx_base = 0.7351334745232172 * R_zx_link_07_joint + (0.20716944100215853 * R_yx_link_07_joint + 0.6454917484757458 * R_xx_link_07_joint);
   const Scalar X_yy_base = 0.7351334745232172 * R_zy_link_07_joint + (0.20716944100215853 * R_yy_link_07_joint + 0.6454917484757458 * R_xy_link_07_joint);
   const Scalar X_yz_base = 0.7351334745232172 * R_zz_link_07_joint + (0.20716944100215853 * R_yz_link_07_joint + 0.6454917484757458 * R_xz_link_07_joint);
-  workspace.jacobian_link_07[4] = X_yz_base;
+  workspace.jacobian_link_07[16] = X_yz_base;
   const Scalar X_xx_base = 0.6212921484997599 * R_zx_link_07_joint + (0.17508758826035514 * R_yx_link_07_joint - 0.763767243765877 * R_xx_link_07_joint);
   const Scalar X_xy_base = 0.6212921484997599 * R_zy_link_07_joint + (0.17508758826035514 * R_yy_link_07_joint - 0.763767243765877 * R_xy_link_07_joint);
   const Scalar X_xz_base = 0.6212921484997599 * R_zz_link_07_joint + (0.17508758826035514 * R_yz_link_07_joint - 0.763767243765877 * R_xz_link_07_joint);
-  workspace.jacobian_link_07[3] = X_xz_base;
+  workspace.jacobian_link_07[15] = X_xz_base;
 
   // link_01_joint -> link_01: J_l = X' [Jv + Jw x x; Jw]
-  workspace.jacobian_link_07[0] = p_x_link_07_joint * X_xy_base - p_y_link_07_joint * X_xx_base;
-  workspace.jacobian_link_07[1] = p_x_link_07_joint * X_yy_base - p_y_link_07_joint * X_yx_base;
-  workspace.jacobian_link_07[2] = p_x_link_07_joint * X_zy_base - p_y_link_07_joint * X_zx_base;
+  const Scalar t345 = J_x_link_01_joint + (R_zy_link_01_joint * p_z_link_07_joint - R_zz_link_01_joint * p_y_link_07_joint);
+  const Scalar t346 = J_y_link_01_joint + (R_zz_link_01_joint * p_x_link_07_joint - R_zx_link_01_joint * p_z_link_07_joint);
+  const Scalar t347 = J_z_link_01_joint + (R_zx_link_01_joint * p_y_link_07_joint - R_zy_link_01_joint * p_x_link_07_joint);
+  workspace.jacobian_link_07[3] = R_zz_link_01_joint * X_xz_base + (R_zy_link_01_joint * X_xy_base + R_zx_link_01_joint * X_xx_base);
+  workspace.jacobian_link_07[4] = R_zz_link_01_joint * X_yz_base + (R_zy_link_01_joint * X_yy_base + R_zx_link_01_joint * X_yx_base);
+  workspace.jacobian_link_07[5] = R_zz_link_01_joint * X_zz_base + (R_zy_link_01_joint * X_zy_base + R_zx_link_01_joint * X_zx_base);
+  workspace.jacobian_link_07[0] = X_xz_base * t347 + (X_xy_base * t346 + X_xx_base * t345);
+  workspace.jacobian_link_07[1] = X_yz_base * t347 + (X_yy_base * t346 + X_yx_base * t345);
+  workspace.jacobian_link_07[2] = X_zz_base * t347 + (X_zy_base * t346 + X_zx_base * t345);
 
   // link_02_joint -> link_02: J_l = X' [Jv + Jw x x; Jw]
-  const Scalar t357 = -0.02328683812362767 - (0.07905374804558882 * p_y_link_07_joint + 0.5119399486289911 * p_z_link_07_joint);
-  const Scalar t358 = 0.004107515053297791 + (0.8553759371865042 * p_z_link_07_joint + 0.07905374804558882 * p_x_link_07_joint);
-  const Scalar t359 = -0.22536818783666127 + (0.5119399486289911 * p_x_link_07_joint - 0.8553759371865042 * p_y_link_07_joint);
-  workspace.jacobian_link_07[9] = 0.07905374804558882 * X_xz_base - (0.5119399486289911 * X_xy_base + 0.8553759371865042 * X_xx_base);
-  workspace.jacobian_link_07[10] = 0.07905374804558882 * X_yz_base - (0.5119399486289911 * X_yy_base + 0.8553759371865042 * X_yx_base);
-  workspace.jacobian_link_07[11] = 0.07905374804558882 * X_zz_base - (0.5119399486289911 * X_zy_base + 0.8553759371865042 * X_zx_base);
-  workspace.jacobian_link_07[6] = X_xz_base * t359 + (X_xy_base * t358 + X_xx_base * t357);
-  workspace.jacobian_link_07[7] = X_yz_base * t359 + (X_yy_base * t358 + X_yx_base * t357);
-  workspace.jacobian_link_07[8] = X_zz_base * t359 + (X_zy_base * t358 + X_zx_base * t357);
+  const Scalar t348 = 0.044312933854636874 * p_y_link_07_joint - t24 * p_z_link_07_joint - t31;
+  const Scalar t349 = J_y_link_02_joint - (R_zx_link_02_joint * p_z_link_07_joint + 0.044312933854636874 * p_x_link_07_joint);
+  const Scalar t350 = t24 * p_x_link_07_joint + R_zx_link_02_joint * p_y_link_07_joint - t32;
+  workspace.jacobian_link_07[9] = R_zx_link_02_joint * X_xx_base - t24 * X_xy_base - 0.044312933854636874 * X_xz_base;
+  workspace.jacobian_link_07[10] = R_zx_link_02_joint * X_yx_base - t24 * X_yy_base - 0.044312933854636874 * X_yz_base;
+  workspace.jacobian_link_07[11] = R_zx_link_02_joint * X_zx_base - t24 * X_zy_base - 0.044312933854636874 * X_zz_base;
+  workspace.jacobian_link_07[6] = X_xz_base * t350 + (X_xy_base * t349 + X_xx_base * t348);
+  workspace.jacobian_link_07[7] = X_yz_base * t350 + (X_yy_base * t349 + X_yx_base * t348);
+  workspace.jacobian_link_07[8] = X_zz_base * t350 + (X_zy_base * t349 + X_zx_base * t348);
 
   // link_03_joint -> link_03: J_l = X' [Jv + Jw x x; Jw]
-  const Scalar t360 = J_x_link_03_joint + (R_zy_link_03_joint * p_z_link_07_joint - R_zz_link_03_joint * p_y_link_07_joint);
-  const Scalar t361 = J_y_link_03_joint + (R_zz_link_03_joint * p_x_link_07_joint - R_zx_link_03_joint * p_z_link_07_joint);
-  const Scalar t362 = J_z_link_03_joint + (R_zx_link_03_joint * p_y_link_07_joint - R_zy_link_03_joint * p_x_link_07_joint);
-  workspace.jacobian_link_07[15] = R_zz_link_03_joint * X_xz_base + (R_zy_link_03_joint * X_xy_base + R_zx_link_03_joint * X_xx_base);
-  workspace.jacobian_link_07[16] = R_zz_link_03_joint * X_yz_base + (R_zy_link_03_joint * X_yy_base + R_zx_link_03_joint * X_yx_base);
-  workspace.jacobian_link_07[17] = R_zz_link_03_joint * X_zz_base + (R_zy_link_03_joint * X_zy_base + R_zx_link_03_joint * X_zx_base);
-  workspace.jacobian_link_07[12] = X_xz_base * t362 + (X_xy_base * t361 + X_xx_base * t360);
-  workspace.jacobian_link_07[13] = X_yz_base * t362 + (X_yy_base * t361 + X_yx_base * t360);
-  workspace.jacobian_link_07[14] = X_zz_base * t362 + (X_zy_base * t361 + X_zx_base * t360);
+  workspace.jacobian_link_07[12] = p_x_link_07_joint * X_xy_base - p_y_link_07_joint * X_xx_base;
+  workspace.jacobian_link_07[13] = p_x_link_07_joint * X_yy_base - p_y_link_07_joint * X_yx_base;
+  workspace.jacobian_link_07[14] = p_x_link_07_joint * X_zy_base - p_y_link_07_joint * X_zx_base;
 
   // link_04_joint -> link_04: J_l = X' [Jv + Jw x x; Jw]
-  const Scalar t363 = J_x_link_04_joint + (t34 * p_y_link_07_joint - t33 * p_z_link_07_joint);
-  const Scalar t364 = J_y_link_04_joint + (t32 * p_z_link_07_joint - t34 * p_x_link_07_joint);
-  const Scalar t365 = J_z_link_04_joint + (t33 * p_x_link_07_joint - t32 * p_y_link_07_joint);
-  workspace.jacobian_link_07[21] = -(t34 * X_xz_base + (t33 * X_xy_base + t32 * X_xx_base));
-  workspace.jacobian_link_07[22] = -(t34 * X_yz_base + (t33 * X_yy_base + t32 * X_yx_base));
-  workspace.jacobian_link_07[23] = -(t34 * X_zz_base + (t33 * X_zy_base + t32 * X_zx_base));
-  workspace.jacobian_link_07[18] = X_xz_base * t365 + (X_xy_base * t364 + X_xx_base * t363);
-  workspace.jacobian_link_07[19] = X_yz_base * t365 + (X_yy_base * t364 + X_yx_base * t363);
-  workspace.jacobian_link_07[20] = X_zz_base * t365 + (X_zy_base * t364 + X_zx_base * t363);
+  const Scalar t351 = 0.21728352283789928 + (0.7430615558047939 * p_y_link_07_joint - 0.603527927254887 * p_z_link_07_joint);
+  const Scalar t352 = 0.03867752971370907 + (0.2891601032445157 * p_z_link_07_joint - 0.7430615558047939 * p_x_link_07_joint);
+  const Scalar t353 = -0.11596979357014561 + (0.603527927254887 * p_x_link_07_joint - 0.2891601032445157 * p_y_link_07_joint);
+  workspace.jacobian_link_07[21] = -(0.7430615558047939 * X_xz_base + (0.603527927254887 * X_xy_base + 0.2891601032445157 * X_xx_base));
+  workspace.jacobian_link_07[22] = -(0.7430615558047939 * X_yz_base + (0.603527927254887 * X_yy_base + 0.2891601032445157 * X_yx_base));
+  workspace.jacobian_link_07[23] = -(0.7430615558047939 * X_zz_base + (0.603527927254887 * X_zy_base + 0.2891601032445157 * X_zx_base));
+  workspace.jacobian_link_07[18] = X_xz_base * t353 + (X_xy_base * t352 + X_xx_base * t351);
+  workspace.jacobian_link_07[19] = X_yz_base * t353 + (X_yy_base * t352 + X_yx_base * t351);
+  workspace.jacobian_link_07[20] = X_zz_base * t353 + (X_zy_base * t352 + X_zx_base * t351);
 
   // link_05_joint -> link_05: J_l = X' [Jv + Jw x x; Jw]
-  const Scalar t366 = J_x_link_05_joint + (R_zy_link_05_joint * p_z_link_07_joint - R_zz_link_05_joint * p_y_link_07_joint);
-  const Scalar t367 = J_y_link_05_joint + (R_zz_link_05_joint * p_x_link_07_joint - R_zx_link_05_joint * p_z_link_07_joint);
-  const Scalar t368 = J_z_link_05_joint + (R_zx_link_05_joint * p_y_link_07_joint - R_zy_link_05_joint * p_x_link_07_joint);
+  const Scalar t354 = J_x_link_05_joint + (R_zy_link_05_joint * p_z_link_07_joint - R_zz_link_05_joint * p_y_link_07_joint);
+  const Scalar t355 = R_zz_link_05_joint * p_x_link_07_joint - R_zx_link_05_joint * p_z_link_07_joint - t41;
+  const Scalar t356 = J_z_link_05_joint + (R_zx_link_05_joint * p_y_link_07_joint - R_zy_link_05_joint * p_x_link_07_joint);
   workspace.jacobian_link_07[27] = R_zz_link_05_joint * X_xz_base + (R_zy_link_05_joint * X_xy_base + R_zx_link_05_joint * X_xx_base);
   workspace.jacobian_link_07[28] = R_zz_link_05_joint * X_yz_base + (R_zy_link_05_joint * X_yy_base + R_zx_link_05_joint * X_yx_base);
   workspace.jacobian_link_07[29] = R_zz_link_05_joint * X_zz_base + (R_zy_link_05_joint * X_zy_base + R_zx_link_05_joint * X_zx_base);
-  workspace.jacobian_link_07[24] = X_xz_base * t368 + (X_xy_base * t367 + X_xx_base * t366);
-  workspace.jacobian_link_07[25] = X_yz_base * t368 + (X_yy_base * t367 + X_yx_base * t366);
-  workspace.jacobian_link_07[26] = X_zz_base * t368 + (X_zy_base * t367 + X_zx_base * t366);
+  workspace.jacobian_link_07[24] = X_xz_base * t356 + (X_xy_base * t355 + X_xx_base * t354);
+  workspace.jacobian_link_07[25] = X_yz_base * t356 + (X_yy_base * t355 + X_yx_base * t354);
+  workspace.jacobian_link_07[26] = X_zz_base * t356 + (X_zy_base * t355 + X_zx_base * t354);
 
   // link_06_joint -> link_06: J_l = X' [Jv + Jw x x; Jw]
-  const Scalar t369 = J_x_link_06_joint + (R_zy_link_06_joint * p_z_link_07_joint - R_zz_link_06_joint * p_y_link_07_joint);
-  const Scalar t370 = J_y_link_06_joint + (R_zz_link_06_joint * p_x_link_07_joint - R_zx_link_06_joint * p_z_link_07_joint);
-  const Scalar t371 = J_z_link_06_joint + (R_zx_link_06_joint * p_y_link_07_joint - R_zy_link_06_joint * p_x_link_07_joint);
+  const Scalar t357 = J_x_link_06_joint + (R_zy_link_06_joint * p_z_link_07_joint - R_zz_link_06_joint * p_y_link_07_joint);
+  const Scalar t358 = J_y_link_06_joint + (R_zz_link_06_joint * p_x_link_07_joint - R_zx_link_06_joint * p_z_link_07_joint);
+  const Scalar t359 = J_z_link_06_joint + (R_zx_link_06_joint * p_y_link_07_joint - R_zy_link_06_joint * p_x_link_07_joint);
   workspace.jacobian_link_07[33] = R_zz_link_06_joint * X_xz_base + (R_zy_link_06_joint * X_xy_base + R_zx_link_06_joint * X_xx_base);
   workspace.jacobian_link_07[34] = R_zz_link_06_joint * X_yz_base + (R_zy_link_06_joint * X_yy_base + R_zx_link_06_joint * X_yx_base);
   workspace.jacobian_link_07[35] = R_zz_link_06_joint * X_zz_base + (R_zy_link_06_joint * X_zy_base + R_zx_link_06_joint * X_zx_base);
-  workspace.jacobian_link_07[30] = X_xz_base * t371 + (X_xy_base * t370 + X_xx_base * t369);
-  workspace.jacobian_link_07[31] = X_yz_base * t371 + (X_yy_base * t370 + X_yx_base * t369);
-  workspace.jacobian_link_07[32] = X_zz_base * t371 + (X_zy_base * t370 + X_zx_base * t369);
+  workspace.jacobian_link_07[30] = X_xz_base * t359 + (X_xy_base * t358 + X_xx_base * t357);
+  workspace.jacobian_link_07[31] = X_yz_base * t359 + (X_yy_base * t358 + X_yx_base * t357);
+  workspace.jacobian_link_07[32] = X_zz_base * t359 + (X_zy_base * t358 + X_zx_base * t357);
 
   // link_07_joint -> link_07: J_l = X' [Jv + Jw x x; Jw]
   workspace.jacobian_link_07[39] = R_zz_link_07_joint * X_xz_base + (R_zy_link_07_joint * X_xy_base + R_zx_link_07_joint * X_xx_base);
@@ -893,5 +867,5 @@ DALEMBERT_STRAIGHT_LINE void evaluate(const Scalar* __restrict q, const Scalar* 
   workspace.jacobian_link_07[41] = R_zz_link_07_joint * X_zz_base + (R_zy_link_07_joint * X_zy_base + R_zx_link_07_joint * X_zx_base);
 }
 
-}  // namespace code_52dd5065
+}  // namespace code_2d6c81e8
 }  // namespace arm

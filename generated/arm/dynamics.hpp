@@ -18,7 +18,7 @@ static_assert(dalembert::runtime_version == 16,
               "arm was generated for another runtime: generate it again");
 
 namespace arm {
-inline namespace code_52dd5065 {  // other content has another name, and none is linked in the other's place
+inline namespace code_2d6c81e8 {  // other content has another name, and none is linked in the other's place
 
 using Scalar = double;
 
@@ -120,7 +120,7 @@ inline Result<6, 7> jacobian_link_07(const Workspace& workspace) {
 }
 void jacobian_link_07(const Workspace&&) = delete;
 
-}  // namespace code_52dd5065
+}  // namespace code_2d6c81e8
 }  // namespace arm
 
 // Notes
@@ -129,14 +129,14 @@ void jacobian_link_07(const Workspace&&) = delete;
 // (--without fold,share,move_parameters), with the default outputs and those asked for. Here: what is left.
 //                                 multiply             add         sin/cos          divide
 //                           before    here  before    here  before    here  before    here
-// all together                6390    1931    5370    1488       7       7       0       0
-//   I   bodies outwards       1425     627    1010     416       7       7       0       0
-//   II  sums inwards          1737     875    1628     724       0       0       0       0
-//   III elements              3228     429    2732     348       0       0       0       0
-// mass_matrix                 1986     875    1640     718       7       6       0       0
-//   I   bodies outwards        462     258     294     170       7       6       0       0
-//   II  sums inwards           576     347     536     314       0       0       0       0
-//   III elements               948     270     810     234       0       0       0       0
+// all together                6390    1853    5370    1426       7       7       0       0
+//   I   bodies outwards       1425     595    1010     394       7       7       0       0
+//   II  sums inwards          1737     819    1628     679       0       0       0       0
+//   III elements              3228     439    2732     353       0       0       0       0
+// mass_matrix                 1986     797    1640     656       7       6       0       0
+//   I   bodies outwards        462     226     294     148       7       6       0       0
+//   II  sums inwards           576     291     536     269       0       0       0       0
+//   III elements               948     280     810     239       0       0       0       0
 // gravity                      304     188     221     132       7       7       0       0
 //   I   bodies outwards        127      76      74      48       7       7       0       0
 //   II  sums inwards           168     112     144      84       0       0       0       0
@@ -144,10 +144,10 @@ void jacobian_link_07(const Workspace&&) = delete;
 // bias                        1241     783    1048     580       7       7       0       0
 //   I   bodies outwards        560     297     444     200       7       7       0       0
 //   II  sums inwards           681     486     604     380       0       0       0       0
-// jacobian_link_07             810     411     555     281       7       6       0       0
-//   I   bodies outwards        462     252     294     167       7       6       0       0
+// jacobian_link_07             810     379     555     259       7       6       0       0
+//   I   bodies outwards        462     220     294     145       7       6       0       0
 //   III elements               348     159     261     114       0       0       0       0
-// evaluate, executed                  1931            1488               8               0
+// evaluate, executed                  1853            1426               8               0
 // Left out: coriolis_matrix
 // Not read by mass_matrix: positions of link_01_joint, velocities
 // Not read by gravity: velocities

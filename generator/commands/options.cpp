@@ -89,7 +89,7 @@ SharedOptions::SharedOptions(CLI::App& command) {
       ->check(CLI::IsMember({"auto", "straight", "rolled"}))
       ->type_name("auto|straight|rolled");
   command.add_option("--without", request_.without, "passes to leave out, to see what they are worth")
-      ->check(CLI::IsMember({"fold", "share", "move_parameters", "pack", "write_limbs", "join", "weigh"}))
+      ->check(CLI::IsMember({"fold", "share", "move_parameters", "refer", "pack", "write_limbs", "join", "weigh"}))
       ->delimiter(',')
       ->type_name("PASS,...");
   command.add_flag(

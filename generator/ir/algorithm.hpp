@@ -83,6 +83,13 @@ struct Value {
   int coordinate = -1;  // over the base: to which of its coordinates it belongs; −1: to the base itself
 };
 
+// Of a sweep outwards that says where bodies are: the same roles of a body from those of one below it, whose parameters,
+// coordinates and roles (carried) the graph reads; and what they are at the body whose frame is that of reference.
+struct Back {
+  Graph graph;
+  std::vector<Value> stores{}, at_reference{};
+};
+
 struct Sweep {
   std::string name;               // "poses"
   std::string equation;           // what it computes, for the reader
@@ -91,6 +98,9 @@ struct Sweep {
   Graph graph;
   std::vector<Value> stores{};   // roles of the body
   std::vector<Value> carries{};  // inwards: what is handed on to the parent, in the parent's terms
+  // Where the frame of reference is a matter of choice (passes/reference.hpp):
+  std::optional<Back> back{};       // of poses
+  bool first_at_its_joint = false;  // of moments: those of a branch's first body count at its joint's axis instead
 };
 
 // Three components of a role of the lower body times three of a role of the upper one.

@@ -20,6 +20,7 @@ struct CompileOptions {
   bool fold = true;             // zeros, ones and constants disappear
   bool share = true;            // equal subexpressions are computed once
   bool move_parameters = true;  // inertial parameters move towards the base
+  bool refer = true;            // straight lines choose the frame of reference of each branch of a fixed base
   bool pack = true;             // limbs stand side by side in lanes
   bool write_limbs = true;      // short loops along limbs are written out, with bodies' constants in place
   bool join = true;             // of a task graph, what is too little for a task is joined with another

@@ -12,14 +12,21 @@ using ir::InputKind;
 
 ir::Sweep& SweepBuilder::sweep() { return builder_.algorithm_.sweeps[sweep_]; }
 
-Sym SweepBuilder::constant(double value) { return {&sweep().graph, sweep().graph.constant(value)}; }
+ir::Graph& SweepBuilder::graph() { return part_ == Part::whole ? sweep().graph : sweep().back->graph; }
+
+SweepBuilder SweepBuilder::back() {
+  sweep().back = ir::Back{builder_.new_graph()};
+  return {builder_, sweep_, Part::back};
+}
+
+Sym SweepBuilder::constant(double value) { return {&graph(), graph().constant(value)}; }
 
 Mat3 SweepBuilder::constant(const Eigen::Matrix3d& m) {
   return {constant(Eigen::Vector3d(m.row(0))), constant(Eigen::Vector3d(m.row(1))), constant(Eigen::Vector3d(m.row(2)))};
 }
 
 Sym SweepBuilder::input(InputKind kind, int index, int component, int body) {
-  return {&sweep().graph, sweep().graph.input({kind, index, component, body})};
+  return {&graph(), graph().input({kind, index, component, body})};
 }
 
 Vec3 SweepBuilder::three(InputKind kind, int role, int from, int body) {
@@ -116,7 +123,11 @@ Vec3 SweepBuilder::gravity_in_base() {
 }
 
 void SweepBuilder::store(int role, int component, Sym x, int coordinate) {
-  sweep().stores.push_back({role, component, x.id, coordinate});
+  ir::Sweep& s = sweep();
+  (part_ == Part::whole  ? s.stores
+   : part_ == Part::back ? s.back->stores
+                         : s.back->at_reference)
+      .push_back({role, component, x.id, coordinate});
 }
 
 void SweepBuilder::store(int role, const Vec3& x, int from, int coordinate) {

@@ -29,6 +29,9 @@ class Builder;
 class SweepBuilder {
  public:
   SweepBuilder(Builder& builder, std::size_t sweep) : builder_(builder), sweep_(sweep) {}
+  // What it has the other way (ir::Back): stores go to the body above the one that is read; those at_reference(), of constants.
+  SweepBuilder back();
+  SweepBuilder at_reference() const { return {builder_, sweep_, Part::at_reference}; }
 
   Sym constant(double value);
   Vec3 constant(const Eigen::Vector3d& v) { return {constant(v[0]), constant(v[1]), constant(v[2])}; }
@@ -46,6 +49,8 @@ class SweepBuilder {
   Sym rate();
   Sym acceleration();  // of the joint, as inverse dynamics takes it
   Sym effort();        // on the joint, as forward dynamics takes it
+  // Of moments: those of a branch's first body may count at its joint's axis (axis_inertia_p).
+  void leave_first_to_its_joint() { sweep().first_at_its_joint = true; }
 
   // A role of the body.
   Sym own(int role, int component = 0) { return input(ir::InputKind::state, role, component); }
@@ -78,13 +83,18 @@ class SweepBuilder {
   void hand_on(int role, const Vec3& x, int from = 0);
 
  private:
+  enum class Part { whole, back, at_reference };
+
+  SweepBuilder(Builder& builder, std::size_t sweep, Part part) : builder_(builder), sweep_(sweep), part_(part) {}
   ir::Sweep& sweep();
+  ir::Graph& graph();
   Sym input(ir::InputKind kind, int index, int component = 0, int body = -1);
   Vec3 three(ir::InputKind kind, int role, int from, int body);
   Twist first_six(ir::InputKind kind);
 
   Builder& builder_;
   std::size_t sweep_;
+  Part part_ = Part::whole;
 };
 
 class Builder {

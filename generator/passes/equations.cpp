@@ -30,6 +30,12 @@ Pose pose(const Pose& parent, const BodyConstants& body, const JointPosition& q)
   return {rotation, parent.position + parent.rotation * body.translation + slide};
 }
 
+Pose pose_of_parent(const Pose& pose, const BodyConstants& body, const JointPosition& q) {
+  const Mat3 rotation = turned(pose.rotation, {-q.sine, q.cosine, q.displacement}) * transpose(body.rotation);
+  const Vec3 moved = rotation * body.translation, slide = q.displacement * column(pose.rotation, 2);
+  return {rotation, pose.position - moved - slide};
+}
+
 Twist joint_twist(const Pose& pose, const BodyConstants& body) {
   const Vec3 z = column(pose.rotation, 2);
   const Vec3 sliding = body.sliding * z;

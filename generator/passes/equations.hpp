@@ -55,6 +55,8 @@ struct JointForces {
 Mat3 turned(const Mat3& axes, const JointPosition& q);
 // Phase I (eq. 20): ⁰Ad_k. R = R_p R_k Rz(q), p = p_p + R_p p_k, slid along z by a joint that slides.
 Pose pose(const Pose& parent, const BodyConstants& body, const JointPosition& q);
+// The parent's from the body's: R_p = R Rz(q)ᵀ R_kᵀ.
+Pose pose_of_parent(const Pose& pose, const BodyConstants& body, const JointPosition& q);
 // Phase I: J = ⁰Ad_k E_k = [p × z; z] where it turns, [z; 0] where it slides.
 Twist joint_twist(const Pose& pose, const BodyConstants& body);
 // Phase I: V = V_p + J q̇.

@@ -28,6 +28,7 @@ constexpr Group groups[] = {
     {damping_p, ir::Shape::scalar, "damping", "N m s/rad or N s/m", true},
     {friction_p, ir::Shape::scalar, "friction", "N m or N", true},
     {half_armature_p, ir::Shape::scalar, "half_armature", "kg m^2 or kg", true},
+    {axis_inertia_p, ir::Shape::scalar, "axis_inertia", "kg m^2 or kg", true},
     {stiffness_p, ir::Shape::scalar, "stiffness", "N m/rad or N/m", true},
     {half_stiffness_p, ir::Shape::scalar, "half_stiffness", "N m/rad or N/m", true},
     {rest_p, ir::Shape::scalar, "rest", "rad or m", false},
@@ -73,8 +74,10 @@ std::string parameter_unit(int parameter) { return group_of(parameter).unit; }
 
 bool is_inertial(int parameter) { return group_of(parameter).inertial; }
 
+bool is_of_moments(int parameter) { return parameter >= mass_p && parameter <= half_trace_p; }
+
 std::optional<double> value_elsewhere(int parameter) {
-  if (parameter == armature_p) return 1;  // a pivot of nothing else
+  if (parameter == armature_p || parameter == axis_inertia_p) return 1;  // a pivot of nothing else
   return is_inertial(parameter) ? std::optional(0.0) : std::nullopt;
 }
 
@@ -85,7 +88,7 @@ double parameter_value(int parameter, const ir::KinematicTree& tree, const ir::N
     const auto [to, back] = tree.held[which - wrenches];
     return (tree.is_above(body, to) ? 1 : 0) - (tree.is_above(body, back) ? 1 : 0);
   }
-  const bool of_moments = parameter >= mass_p && parameter <= half_trace_p;
+  const bool of_moments = is_of_moments(parameter);
   if (body < 0) {  // the base's link is the frame of reference
     if (parameter == first_part_p || parameter == moves_p) return 1;
     if (of_moments) return moment_value(parameter, normal.base);
@@ -106,7 +109,8 @@ double parameter_value(int parameter, const ir::KinematicTree& tree, const ir::N
   switch (parameter) {
     case turning_p: return n.turning * per_unit;
     case sliding_p: return n.sliding * per_unit;
-    case armature_p: return joint.driven() ? 0 : joint.armature;  // a driven joint's are counted at its driver
+    case armature_p:
+    case axis_inertia_p: return joint.driven() ? 0 : joint.armature;  // a driven joint's are counted at its driver
     case half_armature_p: return joint.driven() ? 0 : 0.5 * joint.armature;
     case damping_p: return joint.driven() ? 0 : joint.damping;
     case friction_p: return joint.driven() ? 0 : joint.friction;
@@ -126,6 +130,12 @@ double parameter_value(int parameter, const ir::KinematicTree& tree, const ir::N
     return entry(reference ? Eigen::Matrix3d(Eigen::Matrix3d::Identity()) : n.rotation, parameter - pose_rotation_p);
   if (parameter >= translation_p) return n.translation[parameter - translation_p];
   return entry(n.rotation, parameter - rotation_p);
+}
+
+double inertia_about_axis(const ir::KinematicTree& tree, const ir::NormalTree& normal, int body) {
+  const double turning = parameter_value(turning_p, tree, normal, body);
+  const Eigen::Matrix3d& second = normal.bodies[static_cast<size_t>(body)].moments.second;
+  return turning * turning * (second(0, 0) + second(1, 1));
 }
 
 }  // namespace dalembert::passes

@@ -26,6 +26,7 @@ enum Parameter : int {
   damping_p,
   friction_p,
   half_armature_p,  // of the armature; nothing where no body is
+  axis_inertia_p,   // armature, and what a branch's first body has about its axis where that stands for its moments
   stiffness_p,
   half_stiffness_p,
   rest_p,                                    // where the spring is at rest
@@ -45,10 +46,14 @@ std::string parameter_name(int parameter);
 std::string parameter_unit(int parameter);
 // Whether it is of inertia: nothing may come from a place that no body takes.
 bool is_inertial(int parameter);
+// Whether it is a mass, a moment or made of them.
+bool is_of_moments(int parameter);
 // What such a place must have: of inertia, zero; of the armature, something that can be divided by; nullopt: anything will do.
 std::optional<double> value_elsewhere(int parameter);
 
 // Of a body, or of the base (−1). A driven joint's twist is per unit of its driver's coordinate.
 double parameter_value(int parameter, const ir::KinematicTree& tree, const ir::NormalTree& normal, int body);
+// Of a body that turns: what its moments make it about its joint's axis, per unit of the coordinate squared, kg m².
+double inertia_about_axis(const ir::KinematicTree& tree, const ir::NormalTree& normal, int body);
 
 }  // namespace dalembert::passes

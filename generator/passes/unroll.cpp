@@ -34,6 +34,8 @@ Unroll::Unroll(const ir::Algorithm& algorithm, const ir::KinematicTree& tree, co
       implicit_(options.implicit ? ir::implicit_joints(tree) : std::vector<ir::ImplicitJoint>()),
       producer_(algorithm.roles.size(), -1),
       base_producer_(algorithm.roles.size(), -1),
+      towards_(tree.bodies.size(), -1),
+      at_its_joint_(tree.bodies.size(), false),
       values_((tree.bodies.size() + 7) * static_cast<std::size_t>(live_.offset.back()), no_node),
       handed_((tree.bodies.size() + 1) * static_cast<std::size_t>(live_.offset.back()), no_node),
       done_(algorithm.sweeps.size(), std::vector<bool>(tree.bodies.size() + 1, false)),
@@ -52,6 +54,7 @@ Unroll::Unroll(const ir::Algorithm& algorithm, const ir::KinematicTree& tree, co
     payload_[place(body, -1)].merge(
         quaternion_parameters(program_.graph, tree, normal, positions_, coordinates_, scene.rates_zero, body));
   add_implicit_joints();
+  for (const int body : options_.references) refer_to(body);
   find_companions();
   if (counts_elements()) column_is_ = Column::met;
   for (const Loop& loop : loops()) run_loop(loop);
@@ -75,8 +78,9 @@ void Unroll::reserve_elements() {
 // To the armature, the armature having been zero or not.
 void Unroll::add_implicit_joints() {
   for (std::size_t i = 0; i < implicit_.size(); ++i)
-    payload_[place(implicit_[i].body, -1)][armature_p] =
-        program_.graph.input({InputKind::implicit, static_cast<int>(i), ir::implicit_inertia});
+    for (const int parameter : {armature_p, axis_inertia_p})
+      payload_[place(implicit_[i].body, -1)][parameter] =
+          program_.graph.input({InputKind::implicit, static_cast<int>(i), ir::implicit_inertia});
 }
 
 // What acts on a joint, less how much harder its spring pulls behind the step than before it, the joint moving on as it does.
@@ -240,7 +244,20 @@ void Unroll::run_sweep(int sweep, int body) {
     set_tag();  // what was asked for may have run other sweeps
     return id;
   };
-  const auto copied = [&](NodeId node) { return copy.node(node, of_input); };
+  std::map<NodeId, NodeId> placed;  // what the body below has told already
+  if (from.back && body >= 0 && towards_[static_cast<std::size_t>(body)] >= 0) {
+    place_from_below(sweep, body);
+    for (const ir::Value& v : from.stores)
+      if (const NodeId node = values_[index(place(body, -1), v.role, v.component)]; node != no_node) placed[v.node] = node;
+    set_tag();
+  }
+  const auto copied = [&](NodeId id) {
+    const auto known = [&](NodeId node) {
+      const auto at = placed.find(node);
+      return at == placed.end() ? no_node : at->second;
+    };
+    return copy.node_until(id, known, of_input);
+  };
   const auto wanted = [&](const ir::Value& v) {
     const std::size_t at = live_.at(v.role, v.component);
     return body >= 0 ? live_.body[at] : v.coordinate < 0 ? live_.base[at] : live_.coordinate[at];
@@ -254,7 +271,7 @@ void Unroll::run_sweep(int sweep, int body) {
     if (wanted(v)) all.push_back(v.node);
   for (const ir::Value& v : from.carries)
     if (handed_on(v)) all.push_back(v.node);
-  copy.nodes(all, of_input);
+  if (placed.empty()) copy.nodes(all, of_input);
   for (const ir::Value& v : from.stores) {
     if (!wanted(v)) continue;
     const NodeId node = copied(v.node);
@@ -270,9 +287,44 @@ void Unroll::run_sweep(int sweep, int body) {
   program_.graph.set_tag(tag_ = outer);
 }
 
+// Poses go out from the body, and from it up to the first of its branch. Of the first body M and what is made of it know only
+// what turns or slides at its own joint: a number, but for payloads.
+void Unroll::refer_to(int body) {
+  int first = body;
+  towards_[static_cast<std::size_t>(body)] = body;
+  for (int above = body; (above = tree_.bodies[static_cast<std::size_t>(first)].parent) >= 0; first = above)
+    towards_[static_cast<std::size_t>(above)] = first;
+  const ir::NormalBody& n = normal_.bodies[static_cast<std::size_t>(first)];
+  const bool massless_turn = n.sliding == 0 && n.moments.mass == 0, slide = n.turning == 0;
+  const auto& added = payload_[place(first, -1)];
+  const bool loaded = std::any_of(added.begin(), added.end(), [](const auto& p) { return is_of_moments(p.first); });
+  at_its_joint_[static_cast<std::size_t>(first)] = !loaded && (massless_turn || slide);
+}
+
+// The poses of a body above the one whose frame is that of reference, the next one to it having its own.
+void Unroll::place_from_below(int sweep, int body) {
+  const ir::Back& back = *algorithm_.sweeps[static_cast<std::size_t>(sweep)].back;
+  const int below = towards_[static_cast<std::size_t>(body)];
+  const std::vector<ir::Value>& stores = below == body ? back.at_reference : back.stores;
+  const auto at = [&](const ir::Value& v) -> NodeId& { return values_[index(place(body, -1), v.role, v.component)]; };
+  if (at(stores.front()) != no_node) return;
+  if (below != body) place_from_below(sweep, below);
+  program_.graph.set_tag(tag_ = {static_cast<std::int16_t>(sweep), body});
+  ir::Copy copy(back.graph, program_.graph);
+  for (const ir::Value& v : stores) {
+    at(v) = copy.node(v.node, [&](const ir::Input& in) {
+      return in.kind == InputKind::parameter ? parameter(in.index, below) : value(in.index, in.component, below);
+    });
+    name(at(v), algorithm_.roles[static_cast<std::size_t>(v.role)], v.component, body);
+  }
+}
+
 NodeId Unroll::input(const ir::Sweep& sweep, const ir::Input& in, int body) {
   switch (in.kind) {
-    case InputKind::parameter: return parameter(in.index, body);
+    case InputKind::parameter: {
+      const bool elsewhere = sweep.first_at_its_joint && body >= 0 && at_its_joint_[static_cast<std::size_t>(body)];
+      return elsewhere && is_of_moments(in.index) ? program_.graph.constant(0) : parameter(in.index, body);
+    }
     case InputKind::state: return value(in.index, in.component, body);
     case InputKind::of_body: return value(in.index, in.component, in.body);
     case InputKind::carried: {
@@ -308,7 +360,10 @@ NodeId Unroll::kept(int role, int component, int body) {
 }
 
 NodeId Unroll::plain_parameter(int parameter, int body) {
-  return program_.graph.constant(parameter_value(parameter, tree_, normal_, body));
+  double value = parameter_value(parameter, tree_, normal_, body);
+  if (parameter == axis_inertia_p && body >= 0 && at_its_joint_[static_cast<std::size_t>(body)])
+    value += inertia_about_axis(tree_, normal_, body);
+  return program_.graph.constant(value);
 }
 
 NodeId Unroll::parameter(int parameter, int body) {

@@ -29,6 +29,7 @@ struct UnrollOptions {
   bool names = true;      // keep names for reading
   bool implicit = false;  // dampers and springs as a linearly implicit step has them (ir/implicit_joints.hpp)
   ir::Elements elements = ir::Elements::kept;
+  std::vector<int> references{};  // bodies whose frames their branches have for theirs; else the first body's, or the base's
 };
 
 class Unroll {
@@ -81,6 +82,8 @@ class Unroll {
   ir::NodeId implicit_effort(ir::NodeId effort, int body);
   void find_companions();
   void run_sweep(int sweep, int body);
+  void refer_to(int body);
+  void place_from_below(int sweep, int body);
   void run_pairs(int pairs, int body);
   void run_projection(int projection, int body);
   void count_elements();
@@ -115,6 +118,8 @@ class Unroll {
   std::vector<int> base_producer_;                  // … for the base alone or its coordinates
   std::vector<std::map<int, ir::NodeId>> payload_;  // per body + 1
   std::vector<std::vector<int>> companions_;        // per sweep outwards: those anywhere that run beside it, body by body
+  std::vector<int> towards_;        // per body above the one whose frame is that of reference the next to it; that one: itself
+  std::vector<bool> at_its_joint_;  // per body: its moments count at its joint's axis
   std::vector<ir::NodeId> values_, handed_;
   std::vector<std::vector<bool>> done_;                       // per sweep and body + 1
   std::map<std::tuple<int, int, int>, ir::NodeId> elements_;  // array, column, row

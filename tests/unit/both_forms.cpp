@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
 #include <stdexcept>
 
 #include "commands/generic_engine.hpp"
@@ -106,6 +107,20 @@ ir::KinematicTree welded(ir::KinematicTree tree, const std::string& link, const 
 
 namespace {
 
+// A body of each branch of a fixed base: lines go by the frame of one that is so many joints up it, on every fourth robot by
+// that of the first.
+std::vector<int> some_references(const ir::KinematicTree& tree) {
+  std::map<int, int> of_branch;  // by its first body
+  for (int body = 0; body < tree.joints() && tree.base_coordinates() == 0; ++body) {
+    int first = body, above = 0;
+    for (int at = body; (at = tree.bodies[static_cast<size_t>(at)].parent) >= 0; ++above) first = at;
+    if (above > 0 && above == tree.joints() % 4) of_branch.emplace(first, body);
+  }
+  std::vector<int> bodies;
+  for (const auto& [first, body] : of_branch) bodies.push_back(body);
+  return bodies;
+}
+
 // One section behind what those before left.
 std::array<ir::Arrays, 2> run_section(const ir::Algorithm& algorithm, bool only, const ir::KinematicTree& tree,
                                       const ir::NormalTree& normal, const Model& model, const State& state,
@@ -134,8 +149,9 @@ std::array<ir::Arrays, 2> run_section(const ir::Algorithm& algorithm, bool only,
     }
   };
   ir::Algorithm written_out = algorithm;
-  ir::Program line = unroll.program();
-  passes::project_by_rows(written_out, line, unroll, tree);
+  passes::Unroll by_frames(algorithm, tree, normal, model.scene, {{}, false, false, ir::Elements::kept, some_references(tree)});
+  ir::Program line = by_frames.take_program();
+  passes::project_by_rows(written_out, line, by_frames, tree);
   if (only) passes::write_out_kernels(written_out, line, ir::coordinate_tree(tree));
   ir::Arrays straight = ir::run(written_out, line, tree, input, left[0], state.acting);
   if (tree.bodies.empty()) return {straight, straight};  // a base alone

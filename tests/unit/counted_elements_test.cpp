@@ -126,6 +126,7 @@ TEST(CountedElements, OfProjectionsByRows) {
       scene.base = base;
       scene.outputs = asked;
       Model model = model_of(chain(9), scene);
+      model.options.refer = false;  // elements are counted by the first body's frame
       const std::vector<OperationCost> in_line = operation_costs(lower_to_programs(model), model.tree);
       model.options.form = ir::Form::straight;
       const Lowered straight = lower(model);
