@@ -172,7 +172,7 @@ class Lowering {
   // The frames by which that is the fastest; for batches too, so that these round as single calls do.
   std::vector<int> references(const LoweredSection& f) const {
     if (!model_.options.refer) return {};
-    return passes::reference_bodies(f.algorithm, tree_, [&](const std::vector<int>& bodies) {
+    return passes::reference_bodies(f.algorithm, tree_, normal_, [&](const std::vector<int>& bodies) {
       LoweredSection tried = f;
       tried.plan.form = ir::Form::straight;
       unroll(tried, bodies, false);

@@ -1,35 +1,75 @@
 #include "passes/reference.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace dalembert::passes {
 namespace {
 
 // Further up a branch no robot has gained: less is saved beyond than the first rows of M cost more.
-constexpr int furthest = 4;
+constexpr std::size_t furthest = 4;
 // Of what a straight line is chosen for; longer ones take long to compare.
 constexpr int most_joints = 64;
+// Moments of inertia about the frame's origin, against those about the first body's, that count as no more.
+constexpr double as_near = 1.5;
+
+using Path = std::vector<int>;  // from the first body of a branch to one of its bodies
+
+Path path_to(const ir::KinematicTree& tree, int body) {
+  Path path;
+  for (int at = body; at >= 0; at = tree.bodies[static_cast<std::size_t>(at)].parent) path.push_back(at);
+  std::reverse(path.begin(), path.end());
+  return path;
+}
+
+// The most that the bodies behind a branch's first can have about the origin of the path's last, slides at rest: Σ m d², kg m².
+double spread(const ir::NormalTree& normal, const Path& path) {
+  std::vector<double> away(normal.bodies.size(), -1);  // of their origins, along the joints; −1: not of the branch
+  double length = 0;
+  for (std::size_t i = path.size(); i-- > 0;) {
+    away[static_cast<std::size_t>(path[i])] = length;
+    length += normal.bodies[static_cast<std::size_t>(path[i])].translation.norm();
+  }
+  double sum = 0;
+  for (std::size_t k = 0; k < normal.bodies.size(); ++k) {
+    const ir::NormalBody& n = normal.bodies[k];
+    if (n.parent < 0) continue;
+    if (const double before = away[static_cast<std::size_t>(n.parent)]; away[k] < 0 && before >= 0)
+      away[k] = before + n.translation.norm();
+    if (away[k] < 0) continue;
+    const double reach = std::sqrt(std::max(0.0, n.own.second.trace())) + std::sqrt(n.own.mass) * away[k];
+    sum += reach * reach;
+  }
+  return sum;
+}
+
+bool is_as_near(const ir::KinematicTree& tree, const ir::NormalTree& normal, const Path& path) {
+  const auto slides = [&](int body) {
+    return tree.bodies[static_cast<std::size_t>(body)].slides() && !tree.carries_reference(static_cast<std::size_t>(body));
+  };
+  return std::none_of(path.begin(), path.end(), slides) && spread(normal, path) <= as_near * spread(normal, {path.front()});
+}
 
 }  // namespace
 
-std::vector<int> reference_bodies(const ir::Algorithm& algorithm, const ir::KinematicTree& tree,
+std::vector<int> reference_bodies(const ir::Algorithm& algorithm, const ir::KinematicTree& tree, const ir::NormalTree& normal,
                                   const std::function<double(const std::vector<int>&)>& cost) {
   const bool free = std::any_of(algorithm.sweeps.begin(), algorithm.sweeps.end(),
                                 [](const ir::Sweep& sweep) { return sweep.back.has_value(); });
   if (!free || tree.base_coordinates() > 0 || tree.joints() > most_joints) return {};
   std::vector<int> best;
   double least = cost(best);
-  int branch = -1;  // whose body stands last in `best`
+  int last = -1;  // the first body of the branch whose body stands last in `best`
   for (int body = 0; body < tree.joints(); ++body) {
-    int first = body, above = 0;
-    for (int at = body; (at = tree.bodies[static_cast<std::size_t>(at)].parent) >= 0; ++above) first = at;
-    if (above == 0 || above > furthest) continue;
+    const Path path = path_to(tree, body);
+    const bool near = path.size() > 1 && path.size() <= furthest + 1 && is_as_near(tree, normal, path);
+    if (!near) continue;
     std::vector<int> tried = best;
-    if (branch == first) tried.pop_back();
+    if (last == path.front()) tried.pop_back();
     tried.push_back(body);
     const double costs = cost(tried);
     if (costs >= least) continue;
-    least = costs, best = std::move(tried), branch = first;
+    least = costs, best = std::move(tried), last = path.front();
   }
   return best;
 }

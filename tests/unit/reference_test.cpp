@@ -1,5 +1,5 @@
-// Frames of reference up a branch: whichever body's it is, M and what is made of it are the same; where a choice saves operations
-// it is made, and where the base moves there is none.
+// Frames of reference up a branch: whichever body's it is, M and what is made of it are the same; where a choice saves
+// operations it is made, and where the base moves there is none.
 #include "passes/reference.hpp"
 
 #include <gtest/gtest.h>
@@ -102,6 +102,33 @@ TEST(Reference, IsChosenWhereItSavesOperations) {
   scene.base = ir::Base::floating;
   const Model model = model_of(robot("chain_7"), scene);
   EXPECT_EQ(operations(model, true), operations(model, false));
+}
+
+// The third of four bodies, 100 m along a light link, from the first two, which are heavy.
+TEST(Reference, IsNotFarFromWhatIsHeavy) {
+  ir::RobotDescription arm = robot("chain_7");
+  ir::Scene scene;
+  scene.base = ir::Base::fixed;
+  scene.outputs = {Quantity::mass_matrix};
+  const auto chosen = [&] {
+    const Model model = model_of(arm, scene);
+    const ir::NormalTree normal = passes::normalise(model.tree, passes::normalise_options(model.scene, true));
+    const ir::Algorithm algorithm = passes::describe(ir::functions_of(model.scene).front(), model.tree, normal, model.scene,
+                                                     ir::Solver::articulated_bodies, {})
+                                        .front();
+    // Further up is cheaper.
+    const auto cost = [](const std::vector<int>& bodies) { return bodies.empty() ? 0.0 : -bodies.back(); };
+    return passes::reference_bodies(algorithm, model.tree, normal, cost);
+  };
+  EXPECT_EQ(chosen(), std::vector<int>{4});
+  arm.joints[3].origin.translation().x() += 100;
+  for (const size_t light : {4u, 5u, 6u, 7u}) {
+    arm.links[light].inertia->mass *= 1e-9;
+    arm.links[light].inertia->inertia *= 1e-9;
+  }
+  EXPECT_EQ(chosen(), std::vector<int>{2});
+  scene.joints[arm.joints[2].name] = {ir::JointType::prismatic, 0, {0, 1, 0}};
+  EXPECT_EQ(chosen(), std::vector<int>{1});
 }
 
 }  // namespace
