@@ -50,6 +50,20 @@ bool is_as_near(const ir::KinematicTree& tree, const ir::NormalTree& normal, con
   return std::none_of(path.begin(), path.end(), slides) && spread(normal, path) <= as_near * spread(normal, {path.front()});
 }
 
+// Whether what is asked of one body reads no joint for it that is not above that body.
+bool reads_no_more(const ir::Algorithm& algorithm, const ir::KinematicTree& tree, const Path& path) {
+  const auto of_others = [&](const ir::Sweep& sweep) {
+    if (sweep.over.contains(tree, path.front()) && !sweep.over.contains(tree, path.back())) return true;
+    for (ir::NodeId id = 0; id < sweep.graph.size(); ++id) {
+      const ir::Node& n = sweep.graph[id];
+      if (n.op != ir::Op::input || n.input.kind != ir::InputKind::of_body || n.input.body < 0) continue;
+      if (tree.is_above(path.front(), n.input.body) && !tree.is_above(path.back(), n.input.body)) return true;
+    }
+    return false;
+  };
+  return std::none_of(algorithm.sweeps.begin(), algorithm.sweeps.end(), of_others);
+}
+
 }  // namespace
 
 std::vector<int> reference_bodies(const ir::Algorithm& algorithm, const ir::KinematicTree& tree, const ir::NormalTree& normal,
@@ -62,8 +76,9 @@ std::vector<int> reference_bodies(const ir::Algorithm& algorithm, const ir::Kine
   int last = -1;  // the first body of the branch whose body stands last in `best`
   for (int body = 0; body < tree.joints(); ++body) {
     const Path path = path_to(tree, body);
-    const bool near = path.size() > 1 && path.size() <= furthest + 1 && is_as_near(tree, normal, path);
-    if (!near) continue;
+    const bool fits = path.size() > 1 && path.size() <= furthest + 1 && is_as_near(tree, normal, path) &&
+                      reads_no_more(algorithm, tree, path);
+    if (!fits) continue;
     std::vector<int> tried = best;
     if (last == path.front()) tried.pop_back();
     tried.push_back(body);

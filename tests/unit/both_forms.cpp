@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <map>
 #include <stdexcept>
 
 #include "commands/generic_engine.hpp"
@@ -17,6 +16,7 @@
 #include "passes/plan.hpp"
 #include "passes/project_by_rows.hpp"
 #include "passes/quantities/quantities.hpp"
+#include "passes/reference.hpp"
 #include "passes/resolve_parts.hpp"
 #include "passes/roll.hpp"
 #include "passes/unroll.hpp"
@@ -107,18 +107,19 @@ ir::KinematicTree welded(ir::KinematicTree tree, const std::string& link, const 
 
 namespace {
 
-// A body of each branch of a fixed base: lines go by the frame of one that is so many joints up it, on every fourth robot by
-// that of the first.
-std::vector<int> some_references(const ir::KinematicTree& tree) {
-  std::map<int, int> of_branch;  // by its first body
-  for (int body = 0; body < tree.joints() && tree.base_coordinates() == 0; ++body) {
-    int first = body, above = 0;
-    for (int at = body; (at = tree.bodies[static_cast<size_t>(at)].parent) >= 0; ++above) first = at;
-    if (above > 0 && above == tree.joints() % 4) of_branch.emplace(first, body);
-  }
-  std::vector<int> bodies;
-  for (const auto& [first, body] : of_branch) bodies.push_back(body);
-  return bodies;
+// Lines go by the frames of bodies so many joints up each branch of a fixed base, as many as may be; on every fourth robot by
+// those of the first.
+std::vector<int> some_references(const ir::Algorithm& algorithm, const ir::KinematicTree& tree, const ir::NormalTree& normal) {
+  const auto cost = [&](const std::vector<int>& bodies) {
+    double sum = 0;
+    for (const int body : bodies) {
+      int above = 0;
+      for (int at = body; (at = tree.bodies[static_cast<size_t>(at)].parent) >= 0;) ++above;
+      sum -= above > tree.joints() % 4 ? 0 : above;
+    }
+    return sum;
+  };
+  return passes::reference_bodies(algorithm, tree, normal, cost);
 }
 
 // One section behind what those before left.
@@ -149,7 +150,8 @@ std::array<ir::Arrays, 2> run_section(const ir::Algorithm& algorithm, bool only,
     }
   };
   ir::Algorithm written_out = algorithm;
-  passes::Unroll by_frames(algorithm, tree, normal, model.scene, {{}, false, false, ir::Elements::kept, some_references(tree)});
+  passes::Unroll by_frames(algorithm, tree, normal, model.scene,
+                           {{}, false, false, ir::Elements::kept, some_references(algorithm, tree, normal)});
   ir::Program line = by_frames.take_program();
   passes::project_by_rows(written_out, line, by_frames, tree);
   if (only) passes::write_out_kernels(written_out, line, ir::coordinate_tree(tree));
