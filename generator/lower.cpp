@@ -132,7 +132,7 @@ class Lowering {
     std::optional<LoweredSection> cheapest;
     long least = 0;
     for (const ir::Solver solver : passes::solvers(function, tree_, model_.scene)) {
-      std::vector<LoweredSection> sections = described(function, solver, true);
+      std::vector<LoweredSection> sections = described(function, solver, {true, model_.options.refer});
       if (sections.size() > 1) continue;
       LoweredSection f = std::move(sections.front());
       passes::UnrollOptions options{options_, tree_.joints() < 200, implicit, ir::Elements::counted, references(f)};
@@ -152,10 +152,12 @@ class Lowering {
     return cheapest;
   }
 
-  std::vector<LoweredSection> described(ir::Solver solver) const { return described(function_, solver, false); }
-  std::vector<LoweredSection> described(const ir::EmittedFunction& function, ir::Solver solver, bool in_one_section) const {
+  std::vector<LoweredSection> described(ir::Solver solver, bool line = false) const {
+    return described(function_, solver, {false, line});
+  }
+  std::vector<LoweredSection> described(const ir::EmittedFunction& function, ir::Solver solver, passes::Purpose purpose) const {
     std::vector<LoweredSection> sections;
-    for (ir::Algorithm& section : passes::describe(function, tree_, normal_, model_.scene, solver, options_, in_one_section))
+    for (ir::Algorithm& section : passes::describe(function, tree_, normal_, model_.scene, solver, options_, purpose))
       sections.push_back({std::move(section), {}, {}, {}});
     return sections;
   }
@@ -188,7 +190,7 @@ class Lowering {
   }
 
   void add_ways(ir::Solver solver, std::vector<Way>& ways) const {
-    const std::vector<LoweredSection> lowered = described(solver);
+    const std::vector<LoweredSection> lowered = described(solver), lines = described(solver, model_.options.refer);
     // Nobody reads a straight line of a million statements.
     const bool names = tree_.joints() < 200;
     std::vector<passes::Unroll> unrolls;
@@ -202,7 +204,7 @@ class Lowering {
     if (options.form == ir::Form::automatic && planned_.form) options.form = *planned_.form;
     const std::vector<ir::Form> forms = passes::forms(tree_, model_.scene, operations, options);
     for (const ir::Form form : forms) {
-      Way way{lowered, {form, solver, ir::Order::as_written, {}}};
+      Way way{form == ir::Form::straight ? lines : lowered, {form, solver, ir::Order::as_written, {}}};
       for (size_t section = 0; section < lowered.size(); ++section) {
         LoweredSection& f = way.sections[section];
         f.plan = passes::plan(tree_, model_.scene, form, model_.options, passes::rows_in_pairs(f.algorithm, tree_));

@@ -240,6 +240,13 @@ void Builder::behind(const std::string& name, const std::string& type, int accel
        describe});
 }
 
+// The section is complete.
+void Builder::end_section(ir::Algorithm next) {
+  for (ir::Sweep& sweep : algorithm_.sweeps) sweep.first_at_its_joint = sweep.first_at_its_joint && !keeps_moments_of_first_;
+  keeps_moments_of_first_ = false;
+  before_.push_back(std::exchange(algorithm_, std::move(next)));
+}
+
 std::vector<ir::Algorithm> Builder::take() {
   // In the order of quantities.def, whatever the order asked for: what is differentiated with constraints comes last.
   std::sort(behind_.begin(), behind_.end(), [](const Behind& a, const Behind& b) { return a.quantity < b.quantity; });
@@ -252,10 +259,10 @@ std::vector<ir::Algorithm> Builder::take() {
       next.section.quantities.push_back(last->quantity);
     next.arrays = algorithm_.arrays;
     next.inherited = next.arrays.size();
-    before_.push_back(std::exchange(algorithm_, std::move(next)));
+    end_section(std::move(next));
     std::for_each(first, last, [this](const Behind& b) { b.describe(*this); });
   }
-  before_.push_back(std::move(algorithm_));
+  end_section({});
   return std::move(before_);
 }
 

@@ -97,12 +97,18 @@ class SweepBuilder {
   Part part_ = Part::whole;
 };
 
+// What a description is for.
+struct Purpose {
+  bool in_one_section = false;  // nothing is to stand behind the first section that can do without, though it may take longer
+  bool line = false;            // no loops are made of it: parameters that few bodies have cost nothing
+};
+
 class Builder {
  public:
   // References the trees and the scene.
   Builder(const ir::EmittedFunction& function, const ir::KinematicTree& tree, const ir::NormalTree& normal,
-          const ir::Scene& scene, ir::Solver solver, const ir::Graph::Options& options, bool in_one_section = false)
-      : tree_(tree), normal_(normal), scene_(scene), solver_(solver), options_(options), in_one_section_(in_one_section) {
+          const ir::Scene& scene, ir::Solver solver, const ir::Graph::Options& options, Purpose purpose = {})
+      : tree_(tree), normal_(normal), scene_(scene), solver_(solver), options_(options), purpose_(purpose) {
     algorithm_.function = function;
     algorithm_.section = {0, function.name, function.type, function.inputs, function.quantities};
   }
@@ -148,8 +154,9 @@ class Builder {
   // Whether equations with M are solved by M's factors: joints driven by others cannot be eliminated body by body, and where
   // the factors are asked for they serve all that is solved.
   bool factors() const;
-  // Whether nothing is to stand behind the first section that can do without, though it may take longer.
-  bool in_one_section() const { return in_one_section_; }
+  const Purpose& purpose() const { return purpose_; }
+  // Where others than M and C ask for the moments of a branch's first body.
+  void keep_moments_of_first() { keeps_moments_of_first_ = true; }
   void solve_by(int factor) { algorithm_.factor = factor; }
   // The array of a quantity that the function computes.
   int output(ir::Quantity quantity);
@@ -170,12 +177,15 @@ class Builder {
     ir::Quantity quantity;
     std::function<void(Builder&)> describe;
   };
+  void end_section(ir::Algorithm next);
+
   const ir::KinematicTree& tree_;
   const ir::NormalTree& normal_;
   const ir::Scene& scene_;
   const ir::Solver solver_;
   const ir::Graph::Options options_;
-  const bool in_one_section_;
+  const Purpose purpose_;
+  bool keeps_moments_of_first_ = false;  // in this section
   ir::Algorithm algorithm_;
   std::vector<ir::Algorithm> before_{};  // the sections before
   std::vector<Behind> behind_{};

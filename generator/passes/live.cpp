@@ -75,6 +75,7 @@ class Walk {
     for (const ir::Value& v : s.carries)
       if (const std::size_t at = live_.at(v.role, v.component); live_.handed[at] || live_.handed_base[at])
         at_body.push_back(v.node);
+    if (s.back && !at_body.empty()) of_reference(*s.back);
     each_input(s.graph, at_body, [&](const ir::Input& in) {
       if (in.kind == InputKind::state) live_.body[live_.at(in.index, in.component)] = true;
       if (in.kind == InputKind::carried && s.direction == Direction::inwards)
@@ -88,6 +89,12 @@ class Walk {
       if (in.kind == InputKind::carried) live_.handed_base[live_.at(in.index, in.component)] = true;
       if (in.kind == InputKind::of_body) of_body(in);
     });
+  }
+  // What the body whose frame is that of reference has already.
+  void of_reference(const ir::Back& back) {
+    std::vector<ir::NodeId> nodes;
+    for (const ir::Value& v : back.at_reference) nodes.push_back(v.node);
+    each_input(back.graph, nodes, [&](const ir::Input& in) { live_.body[live_.at(in.index, in.component)] = true; });
   }
   void of_body(const ir::Input& in) { (in.body < 0 ? live_.base : live_.body)[live_.at(in.index, in.component)] = true; }
 

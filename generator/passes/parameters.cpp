@@ -37,6 +37,7 @@ constexpr Group groups[] = {
     {link_translation_p, ir::Shape::vector, "link_translation", "m", false},
     {moves_p, ir::Shape::scalar, "moves", "", false},
     {first_part_p, ir::Shape::scalar, "first_part", "", false},
+    {on_base_p, ir::Shape::scalar, "on_base", "", false},
     {joint_twist_p, ir::Shape::wrench, "joint_twist", "m/s, rad/s", false},
     {bears_p, ir::Shape::scalar, "bears", "", false},
 };
@@ -119,6 +120,7 @@ double parameter_value(int parameter, const ir::KinematicTree& tree, const ir::N
     case rest_p: return joint.spring.rest;
     case own_coordinate_p: return joint.driven() ? 0 : 1;
     case moves_p: return joint.of_quaternion() ? 0 : 1;
+    case on_base_p: return n.parent < 0 ? 1 : 0;
     case first_part_p: return joint.of_quaternion() && joint.part > 0 ? 0 : 1;
     default: break;
   }

@@ -35,6 +35,7 @@ enum Parameter : int {
   link_translation_p = link_rotation_p + 9,  // 3: the link's origin
   moves_p = link_translation_p + 3,          // 1; where the first body of a joint has all its motion: 0
   first_part_p,                              // 1; of a body behind the first of its joint: 0
+  on_base_p,                                 // 1 of what hangs on the base, else 0
   joint_twist_p,  // 6: of a joint whose orientation is a quaternion, at its first body, all its motion
   // And on: one per external wrench, 1 where it acts on the body or beyond it; behind them one per constraint, 1 where its
   // force does, −1 where the opposite does.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 namespace dalembert::passes {
 namespace {
@@ -70,23 +71,29 @@ std::vector<int> reference_bodies(const ir::Algorithm& algorithm, const ir::Kine
                                   const std::function<double(const std::vector<int>&)>& cost) {
   const bool free = std::any_of(algorithm.sweeps.begin(), algorithm.sweeps.end(),
                                 [](const ir::Sweep& sweep) { return sweep.back.has_value(); });
-  if (!free || tree.base_coordinates() > 0 || tree.joints() > most_joints) return {};
-  std::vector<int> best;
-  double least = cost(best);
-  int last = -1;  // the first body of the branch whose body stands last in `best`
+  if (!free || tree.base_coordinates() > 0) return {};
+  std::map<int, int> best;  // by the first body of the branch
+  for (int body = 0; body < tree.joints(); ++body)
+    if (tree.bodies[static_cast<std::size_t>(body)].parent < 0) best[body] = body;
+  const auto bodies = [](const std::map<int, int>& of_branches) {
+    std::vector<int> all;
+    for (const auto& [first, body] : of_branches) all.push_back(body);
+    return all;
+  };
+  if (tree.joints() > most_joints) return bodies(best);
+  double least = cost(bodies(best));
   for (int body = 0; body < tree.joints(); ++body) {
     const Path path = path_to(tree, body);
     const bool fits = path.size() > 1 && path.size() <= furthest + 1 && is_as_near(tree, normal, path) &&
                       reads_no_more(algorithm, tree, path);
     if (!fits) continue;
-    std::vector<int> tried = best;
-    if (last == path.front()) tried.pop_back();
-    tried.push_back(body);
-    const double costs = cost(tried);
+    std::map<int, int> tried = best;
+    tried[path.front()] = body;
+    const double costs = cost(bodies(tried));
     if (costs >= least) continue;
-    least = costs, best = std::move(tried), last = path.front();
+    least = costs, best = std::move(tried);
   }
-  return best;
+  return bodies(best);
 }
 
 }  // namespace dalembert::passes

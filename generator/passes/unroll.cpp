@@ -298,7 +298,9 @@ void Unroll::refer_to(int body) {
   const bool massless_turn = n.sliding == 0 && n.moments.mass == 0, slide = n.turning == 0;
   const auto& added = payload_[place(first, -1)];
   const bool loaded = std::any_of(added.begin(), added.end(), [](const auto& p) { return is_of_moments(p.first); });
-  at_its_joint_[static_cast<std::size_t>(first)] = !loaded && (massless_turn || slide);
+  const bool asked_for = std::any_of(algorithm_.sweeps.begin(), algorithm_.sweeps.end(),
+                                     [](const ir::Sweep& sweep) { return sweep.first_at_its_joint; });
+  at_its_joint_[static_cast<std::size_t>(first)] = asked_for && !loaded && (massless_turn || slide);
 }
 
 // The poses of a body above the one whose frame is that of reference, the next one to it having its own.

@@ -123,9 +123,10 @@ std::vector<int> some_references(const ir::Algorithm& algorithm, const ir::Kinem
 }
 
 // One section behind what those before left.
-std::array<ir::Arrays, 2> run_section(const ir::Algorithm& algorithm, bool only, const ir::KinematicTree& tree,
-                                      const ir::NormalTree& normal, const Model& model, const State& state,
-                                      const Payload& payload, const std::array<ir::Arrays, 2>& left, const Gains& gains) {
+std::array<ir::Arrays, 2> run_section(const ir::Algorithm& algorithm, const ir::Algorithm& line_of, bool only,
+                                      const ir::KinematicTree& tree, const ir::NormalTree& normal, const Model& model,
+                                      const State& state, const Payload& payload, const std::array<ir::Arrays, 2>& left,
+                                      const Gains& gains) {
   const ir::Section& section = algorithm.section;
   const auto array = [&](int index) { return algorithm.arrays[static_cast<size_t>(index)].name; };
   passes::Unroll unroll(algorithm, tree, normal, model.scene, {{}, false});
@@ -149,9 +150,9 @@ std::array<ir::Arrays, 2> run_section(const ir::Algorithm& algorithm, bool only,
       default: return std::nan("");
     }
   };
-  ir::Algorithm written_out = algorithm;
-  passes::Unroll by_frames(algorithm, tree, normal, model.scene,
-                           {{}, false, false, ir::Elements::kept, some_references(algorithm, tree, normal)});
+  ir::Algorithm written_out = line_of;
+  passes::Unroll by_frames(line_of, tree, normal, model.scene,
+                           {{}, false, false, ir::Elements::kept, some_references(line_of, tree, normal)});
   ir::Program line = by_frames.take_program();
   passes::project_by_rows(written_out, line, by_frames, tree);
   if (only) passes::write_out_kernels(written_out, line, ir::coordinate_tree(tree));
@@ -241,9 +242,10 @@ std::array<ir::Arrays, 2> run_function(const ir::EmittedFunction& function, cons
   const ir::NormalTree normal = passes::normalise(tree, passes::normalise_options(model.scene, true));
   if (!solver) solver = passes::solvers(function, tree, model.scene).front();
   const std::vector<ir::Algorithm> sections = passes::describe(function, tree, normal, model.scene, *solver, {});
+  const std::vector<ir::Algorithm> lines = passes::describe(function, tree, normal, model.scene, *solver, {}, {false, true});
   std::array<ir::Arrays, 2> results;
-  for (const ir::Algorithm& section : sections)
-    results = run_section(section, sections.size() == 1, tree, normal, model, state, payload, results, gains);
+  for (size_t i = 0; i < sections.size(); ++i)
+    results = run_section(sections[i], lines.at(i), sections.size() == 1, tree, normal, model, state, payload, results, gains);
   return results;
 }
 

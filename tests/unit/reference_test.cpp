@@ -117,7 +117,7 @@ TEST(Reference, IsNotFarFromWhatIsHeavy) {
                                                      ir::Solver::articulated_bodies, {})
                                         .front();
     // Further up is cheaper.
-    const auto cost = [](const std::vector<int>& bodies) { return bodies.empty() ? 0.0 : -bodies.back(); };
+    const auto cost = [](const std::vector<int>& bodies) { return -bodies.front(); };
     return passes::reference_bodies(algorithm, model.tree, normal, cost);
   };
   EXPECT_EQ(chosen(), std::vector<int>{4});

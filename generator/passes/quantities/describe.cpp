@@ -60,8 +60,8 @@ std::vector<ir::Algorithm> describe(const ir::EmittedFunction& function, const i
 
 std::vector<ir::Algorithm> describe(const ir::EmittedFunction& function, const ir::KinematicTree& tree,
                                     const ir::NormalTree& normal, const ir::Scene& scene, ir::Solver solver,
-                                    const ir::Graph::Options& options, bool in_one_section) {
-  Builder b(function, tree, normal, scene, solver, options, in_one_section);
+                                    const ir::Graph::Options& options, Purpose purpose) {
+  Builder b(function, tree, normal, scene, solver, options, purpose);
   // What is made before its turn, for what asks for it, stands in the order asked for all the same.
   for (const ir::Quantity quantity : function.quantities) b.output(quantity);
   for (const ir::Quantity quantity : function.quantities) describe(b, quantity);

@@ -82,7 +82,7 @@ int accelerations_by_factors(Builder& b) {
 // Behind v̇, where sweeps do not give it.
 void derive(Builder& b, ir::Quantity quantity, int array, void (*by)(Builder&, int)) {
   const bool all_own = b.tree().independent_joints() == b.tree().joints();
-  const bool in_sweeps = all_own && (!b.factors() || b.in_one_section());
+  const bool in_sweeps = all_own && (!b.factors() || b.purpose().in_one_section);
   // dv̇/dv alone does not depend on v̇.
   if (in_sweeps || !b.computes(ir::Quantity::forward_dynamics_dq)) return by(b, array);
   padded_inverse(b);

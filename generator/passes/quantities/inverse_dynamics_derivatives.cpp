@@ -79,17 +79,25 @@ int subtree_wrench(Builder& b, const Poses& p, const SumRoles& own, int accelera
   return total;
 }
 
+// What pushes the robot from outside does so along the base's axes, and loops are looked at from one branch and the other.
+Frame frame_of(const Builder& b) {
+  const bool pushed = !b.scene().wrenches.empty() || !b.scene().constraints().empty();
+  return b.purpose().line && !pushed && !b.tree().any_quaternion() ? Frame::cheapest : Frame::base;
+}
+
 Factors factors(Builder& b) {
-  const Poses p = poses(b, Frame::base);
-  const int acceleration = accelerations(b);
+  const Frame frame = frame_of(b);
+  const Poses p = poses(b, frame);
+  const int acceleration = accelerations(b, frame);
   const int mass = composite_mass(b);
-  const BodyAndSubtree sums = christoffel_sums(b, Frame::base);
+  const BodyAndSubtree sums = christoffel_sums(b, frame);
+  if (frame == Frame::cheapest) b.keep_moments_of_first();
   const int wrench = subtree_wrench(b, p, sums.body, acceleration);
   const int external = external_wrenches(b);
   const WorldWrenchRoles in_world = world_wrenches(b);
   const bool quaternions = b.tree().any_quaternion();
   const Factors r{quaternions ? b.role({"joint_force", "fJ", "f.S", "N, N m", Shape::scalar}) : -1,
-                  forces(b, Frame::base).inertia,
+                  forces(b, frame).inertia,
                   b.role({"twice_transposed", "H", "H = 2 B' S, its angular part", "kg m^2/s", Shape::vector}),
                   b.role({"by_position", "Nq", "2 B Psi' + I Psi'' + S x* f", "N, N m", Shape::wrench}),
                   b.role({"by_velocity", "Nv", "2 B S + I (Psi' + S')", "N s, N m s", Shape::wrench}),
@@ -168,8 +176,8 @@ Factors factors(Builder& b) {
 AxisMotion axis_motion(Builder& b) {
   const Factors f = factors(b);
   const int drift = b.tree().any_quaternion() ? b.role({"axis_drift", "Psid", "Psi'", "m/s, rad/s", Shape::wrench})
-                                              : poses(b, Frame::base).joint_rate;
-  return {drift, f.rates, f.curvature, accelerations(b)};
+                                              : poses(b, frame_of(b)).joint_rate;
+  return {drift, f.rates, f.curvature, accelerations(b, frame_of(b))};
 }
 
 BaseAxisMotion base_axis_motion(Builder& b, SweepBuilder& base, const Twist& unit) {

@@ -23,10 +23,9 @@ void describe_link_quantity(Builder& builder, const LinkFrame& link, ir::LinkQua
 std::vector<ir::Solver> solvers(const ir::EmittedFunction& function, const ir::KinematicTree& tree, const ir::Scene& scene);
 
 // One function, section by section: its quantities, in their order, then those of links; then what waits for either.
-// in_one_section: nothing waits that can do without (Builder::in_one_section()).
 std::vector<ir::Algorithm> describe(const ir::EmittedFunction& function, const ir::KinematicTree& tree,
                                     const ir::NormalTree& normal, const ir::Scene& scene, ir::Solver solver,
-                                    const ir::Graph::Options& options, bool in_one_section = false);
+                                    const ir::Graph::Options& options, Purpose purpose = {});
 // By the first of its solvers.
 std::vector<ir::Algorithm> describe(const ir::EmittedFunction& function, const ir::KinematicTree& tree,
                                     const ir::NormalTree& normal, const ir::Scene& scene, const ir::Graph::Options& options);

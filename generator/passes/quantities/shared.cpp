@@ -253,4 +253,18 @@ GravityRoles gravity_torques(Builder& b) {
   return r;
 }
 
+int gravity_in_reference(Builder& b) {
+  const int down = gravity_torques(b).down;
+  const int role = b.role({"reference_down", "G", "gravity along the frame of reference", "m/s^2", Shape::vector});
+  if (b.has("reference_gravity")) return role;
+  SweepBuilder base = b.sweep_of_base("base_reference_gravity", "G = 0");
+  base.store(role, base.zero());
+  SweepBuilder s = b.sweep("reference_gravity", "G = Gp", Direction::outwards);
+  s.store(role, s.carried3(role));
+  SweepBuilder back = s.back();
+  back.store(role, back.carried3(role));
+  back.at_reference().store(role, back.carried3(down));
+  return role;
+}
+
 }  // namespace dalembert::passes

@@ -22,9 +22,9 @@ Twist velocity_of(SweepBuilder& s, const Poses& roles);
 // One along a coordinate of the base, zero along the others.
 Twist unit_twist(SweepBuilder& s, int coordinate);
 
-// A: how the twist changes, gravity taken off, in the base's axes about its origin; for the accelerations the function is
+// A: how the twist changes, gravity taken off, in the frame's axes about its origin; for the accelerations the function is
 // given.
-int accelerations(Builder& builder);
+int accelerations(Builder& builder, Frame frame = Frame::base);
 Twist acceleration_of(SweepBuilder& s, int role);
 
 // What derivatives of inverse dynamics are made of, per joint: Ψ̇, Ψ̇ + Ṡ and Ψ̈ of its twist; and A of every body.
@@ -57,6 +57,10 @@ struct ForceRoles {
   int inertia, bias, transposed;
 };
 ForceRoles forces(Builder& builder, Frame frame = Frame::cheapest);
+
+// Gravity along the axes of a branch's frame of reference, on a fixed base: the same for all its bodies. Of lines alone, which
+// know where that is.
+int gravity_in_reference(Builder& builder);
 
 // g_i of every coordinate; also what the bias is at rest.
 struct GravityRoles {
