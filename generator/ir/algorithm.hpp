@@ -83,8 +83,8 @@ struct Value {
   int coordinate = -1;  // over the base: to which of its coordinates it belongs; −1: to the base itself
 };
 
-// Of a sweep outwards that says where bodies are: the same roles of a body from those of one below it, whose parameters,
-// coordinates and roles (carried) the graph reads; and what they are at the body whose frame is that of reference.
+// Of a sweep outwards by a frame of reference: the same roles of a body from those of one below it, whose parameters,
+// coordinates and roles (carried) the graph reads; and what they are at the body whose frame that is, from what it has itself.
 struct Back {
   Graph graph;
   std::vector<Value> stores{}, at_reference{};

@@ -29,7 +29,7 @@ class Builder;
 class SweepBuilder {
  public:
   SweepBuilder(Builder& builder, std::size_t sweep) : builder_(builder), sweep_(sweep) {}
-  // What it has the other way (ir::Back): stores go to the body above the one that is read; those at_reference(), of constants.
+  // What it has the other way (ir::Back): stores go to the body above the one that is read, those at_reference() to itself.
   SweepBuilder back();
   SweepBuilder at_reference() const { return {builder_, sweep_, Part::at_reference}; }
 
