@@ -21,7 +21,10 @@ int accelerations(Builder& b, Frame frame) {
   SweepBuilder s = b.sweep(in + "accelerations", "A = Ap + J ddq + dJ dq", Direction::outwards);
   const Twist joint = joint_of(s, p);
   Twist above{s.carried3(a, 0), s.carried3(a, 3)};
-  if (!of_base) above.linear = above.linear - s.parameter(on_base_p) * s.own3(down);
+  if (!of_base) {
+    const Vec3 weight = s.own3(down);
+    above.linear = above.linear - s.parameter(on_base_p) * weight;
+  }
   const Twist moved = body_twist(above, joint, solved ? s.own(solution.acceleration) : s.acceleration());
   const Sym rate = s.rate();
   s.store(a, body_twist(moved, {s.own3(p.joint_rate, 0), s.own3(p.joint_rate, 3)}, rate));
