@@ -257,11 +257,12 @@ DALEMBERT_INLINE Lanes<T, 2 * n> load_twice(const T* from) {
 }
 
 // Has a value that several operations take stay in its register: g++ reads it again for each, where reading is what bounds.
+// Vectors of less than 16 bytes have no register of their own.
 template <class T, class V>
 DALEMBERT_INLINE void keep_in_register([[maybe_unused]] V& x) {
 #if defined(__x86_64__)
-  if constexpr ((std::is_same_v<T, double> || std::is_same_v<T, float>)&&sizeof(V) <= 8 * doubles_in_register)
-    __asm__("" : "+v"(x));
+  constexpr bool fits = std::is_arithmetic_v<V> || (sizeof(V) >= 16 && sizeof(V) <= 8 * doubles_in_register);
+  if constexpr ((std::is_same_v<T, double> || std::is_same_v<T, float>)&&fits) __asm__("" : "+v"(x));
 #endif
 }
 
