@@ -131,8 +131,8 @@ void warn_of_idle_keys(const ir::Scene& scene, const ir::KinematicTree& tree, Di
   if (scene.linearly_implicit && ir::implicit_joints(tree).empty())
     keys.warn("rollouts", "no joint has a damper or a spring, and linearly implicit steps are those of semi-implicit Euler",
               "give joints damping, stiffness or elastic, or leave linearly_implicit out");
-  const auto read = [&](passes::Parameter parameter) { return keys.reads().parameter(parameter); };
-  if (!scene.armature.empty() && !read(passes::armature_p) && !read(passes::axis_inertia_p) && !read(passes::half_armature_p))
+  if (!scene.armature.empty() && !keys.reads().parameter(passes::armature_p) &&
+      !keys.reads().parameter(passes::half_armature_p))
     keys.warn("armature", "no output depends on armature",
               "ask for mass_matrix, kinetic_energy, inverse_dynamics or forward_dynamics");
   if (scene.gravity_kind == ir::GravityKind::run_time && !keys.reads().input(ir::InputKind::gravity))

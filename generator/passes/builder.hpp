@@ -155,6 +155,9 @@ class Builder {
   // the factors are asked for they serve all that is solved.
   bool factors() const;
   const Purpose& purpose() const { return purpose_; }
+  // Whether a branch may have the frame of any of its bodies for its frame of reference (passes/reference.hpp).
+  bool chooses_reference() const { return moves_reference() && purpose_.line; }
+  int armature() const { return chooses_reference() ? axis_inertia_p : armature_p; }  // on M's diagonal
   // Where others than M and C ask for the moments of a branch's first body.
   void keep_moments_of_first() { keeps_moments_of_first_ = true; }
   void solve_by(int factor) { algorithm_.factor = factor; }

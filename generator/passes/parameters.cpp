@@ -78,7 +78,7 @@ bool is_inertial(int parameter) { return group_of(parameter).inertial; }
 bool is_of_moments(int parameter) { return parameter >= mass_p && parameter <= half_trace_p; }
 
 std::optional<double> value_elsewhere(int parameter) {
-  if (parameter == armature_p || parameter == axis_inertia_p) return 1;  // a pivot of nothing else
+  if (parameter == armature_p) return 1;  // a pivot of nothing else
   return is_inertial(parameter) ? std::optional(0.0) : std::nullopt;
 }
 

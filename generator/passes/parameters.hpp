@@ -26,7 +26,7 @@ enum Parameter : int {
   damping_p,
   friction_p,
   half_armature_p,  // of the armature; nothing where no body is
-  axis_inertia_p,   // armature, and what a branch's first body has about its axis where that stands for its moments
+  axis_inertia_p,   // of lines: armature, and what a branch's first body has about its axis where that stands for its moments
   stiffness_p,
   half_stiffness_p,
   rest_p,                                    // where the spring is at rest

@@ -7,7 +7,8 @@
 namespace dalembert::passes {
 namespace {
 
-// Further up a branch no robot has gained: less is saved beyond than the first rows of M cost more.
+// Of arms and chains of three to ten joints the second or third body was the best: further up the first rows of M cost more
+// than is saved beyond.
 constexpr std::size_t furthest = 4;
 // Of what a straight line is chosen for; longer ones take long to compare.
 constexpr int most_joints = 64;
@@ -71,7 +72,7 @@ std::vector<int> reference_bodies(const ir::Algorithm& algorithm, const ir::Kine
                                   const std::function<double(const std::vector<int>&)>& cost) {
   const bool free = std::any_of(algorithm.sweeps.begin(), algorithm.sweeps.end(),
                                 [](const ir::Sweep& sweep) { return sweep.back.has_value(); });
-  if (!free || tree.base_coordinates() > 0) return {};
+  if (!free) return {};
   std::map<int, int> best;  // by the first body of the branch
   for (int body = 0; body < tree.joints(); ++body)
     if (tree.bodies[static_cast<std::size_t>(body)].parent < 0) best[body] = body;

@@ -16,8 +16,8 @@
 namespace dalembert::passes {
 
 // A body of each branch, by which a line is cheapest (UnrollOptions::references); none where the base moves or no sweep has a
-// choice. None through whose joints what is asked of a link would go that are not above
-// it. `cost`: of a line by such bodies, in any unit.
+// choice. None through whose joints what is asked of a link would go that are not above it. `cost`: of a line by such bodies,
+// in any unit.
 std::vector<int> reference_bodies(const ir::Algorithm& algorithm, const ir::KinematicTree& tree, const ir::NormalTree& normal,
                                   const std::function<double(const std::vector<int>&)>& cost);
 

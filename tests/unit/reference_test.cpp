@@ -31,7 +31,7 @@ void expect_same_by_every_body(const Model& model) {
   Model loaded = model;
   for (const std::string& link : model.scene.payloads) loaded.tree = welded(loaded.tree, link, tool);
   const ir::Algorithm algorithm =
-      passes::describe(function, model.tree, normal, model.scene, ir::Solver::articulated_bodies, {}).front();
+      passes::describe(function, model.tree, normal, model.scene, ir::Solver::articulated_bodies, {}, {false, true}).front();
   for (int body = 0; body < model.tree.joints(); ++body) {
     SCOPED_TRACE(model.tree.bodies[static_cast<size_t>(body)].joint);
     passes::Unroll unroll(algorithm, model.tree, normal, model.scene, {{}, false, false, ir::Elements::kept, {body}});
@@ -114,7 +114,7 @@ TEST(Reference, IsNotFarFromWhatIsHeavy) {
     const Model model = model_of(arm, scene);
     const ir::NormalTree normal = passes::normalise(model.tree, passes::normalise_options(model.scene, true));
     const ir::Algorithm algorithm = passes::describe(ir::functions_of(model.scene).front(), model.tree, normal, model.scene,
-                                                     ir::Solver::articulated_bodies, {})
+                                                     ir::Solver::articulated_bodies, {}, {false, true})
                                         .front();
     // Further up is cheaper.
     const auto cost = [](const std::vector<int>& bodies) { return -bodies.front(); };

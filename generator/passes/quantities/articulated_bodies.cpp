@@ -138,7 +138,7 @@ Articulated articulated_bodies(Builder& b) {
   each(below, total, [&](int role, int i, Sym x) { s.store(role, i, x); });
   const Twist joint = joint_of(s, p), whole{s.own3(force, 0), s.own3(force, 3)}, less = below * joint;
   const Twist u{whole.linear - less.linear, whole.angular - less.angular};
-  const Sym armature = s.parameter(axis_inertia_p), pivot = element(u, joint) + armature, inverse_pivot = inverse(pivot);
+  const Sym armature = s.parameter(b.armature()), pivot = element(u, joint) + armature, inverse_pivot = inverse(pivot);
   const Twist v{inverse_pivot * u.linear, inverse_pivot * u.angular};
   s.store(r.gain, v);
   s.store(r.inverse_pivot, inverse_pivot);

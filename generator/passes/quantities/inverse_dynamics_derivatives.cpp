@@ -82,7 +82,7 @@ int subtree_wrench(Builder& b, const Poses& p, const SumRoles& own, int accelera
 // What pushes the robot from outside does so along the base's axes, and loops are looked at from one branch and the other.
 Frame frame_of(const Builder& b) {
   const bool pushed = !b.scene().wrenches.empty() || !b.scene().constraints().empty();
-  return b.purpose().line && !pushed && !b.tree().any_quaternion() ? Frame::cheapest : Frame::base;
+  return b.chooses_reference() && !pushed && !b.tree().any_quaternion() ? Frame::cheapest : Frame::base;
 }
 
 Factors factors(Builder& b) {

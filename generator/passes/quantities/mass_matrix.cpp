@@ -13,7 +13,7 @@ void describe_mass_matrix(Builder& b, int array) {
   m.equation = "M_ik = F_k.J_i";
   m.above = {{force, 0, p.joint_linear, 0}, {force, 3, p.joint_angular, 0}};
   m.symmetric = true;
-  m.diagonal = axis_inertia_p;
+  m.diagonal = b.armature();
   b.pairs(m);
 }
 

@@ -35,7 +35,7 @@ int diagonal_apart(Builder& b) {
   const Poses p = poses(b);
   const int force = forces(b).inertia;
   SweepBuilder s = b.sweep("diagonals_apart", "M_kk = F_k.J_k", Direction::anywhere);
-  const Sym armature = s.parameter(axis_inertia_p);
+  const Sym armature = s.parameter(b.armature());
   const Twist joint = joint_of(s, p);
   s.store(role, element({s.own3(force, 0), s.own3(force, 3)}, joint) + armature);
   if (b.base_coordinates() == 0) return array;

@@ -70,7 +70,7 @@ Poses poses(Builder& b, Frame frame) {
   s.store(r.joint_angular, joint.angular);
   s.store(r.velocity, velocity);
   s.store(r.joint_rate, joint_twist_rate(before, joint));
-  if (!reference || !b.moves_reference()) return r;
+  if (!reference || !b.chooses_reference()) return r;
   SweepBuilder back = s.back();
   const Vec3 bz = back.carried3(r.rotation, 6), by = back.carried3(r.rotation, 3), bx = back.carried3(r.rotation, 0);
   const Pose below{rotation_from(bx, by, bz), back.carried3(r.position)};
@@ -143,7 +143,7 @@ BodyAndSubtree body_and_subtree_sums(Builder& b, Frame frame) {
   for (int i = 0; i < 6; ++i) m.store(own.second, i, s.second[static_cast<std::size_t>(i)]);
   m.store(own.momentum, s.momentum);
   for (int i = 0; i < 3; ++i) m.store(own.bias, s.bias[static_cast<std::size_t>(i)], 3 * i);
-  if (in.empty() && b.moves_reference()) m.leave_first_to_its_joint();
+  if (in.empty() && b.chooses_reference()) m.leave_first_to_its_joint();
 
   SweepBuilder a = accumulate(b, in + "accumulate", "h, S, P, D");
   add_up(a, own.first, total.first, Shape::vector);
