@@ -105,7 +105,9 @@ void add_kernels(const CodeInput& code, Features& f) {
   for (const ir::Kernel& kernel : code.algorithm.kernels) {
     const ir::Operations o = ir::operations_of(kernel, code.tree, true, code.is_rolled());
     of(f, Feature::step_operations) += static_cast<double>(o.multiply);
-    of(f, Feature::divide) += waited_divisions(static_cast<double>(o.divide), in_a_row);
+    // A solution is divided by pivots that are all there.
+    const double waiting = kernel.kind == ir::Kernel::Kind::solve ? 1 : in_a_row;
+    of(f, Feature::divide) += waited_divisions(static_cast<double>(o.divide), waiting);
     if (kernel.of_constraints()) continue;
     const bool solves = kernel.kind == ir::Kernel::Kind::factor || kernel.kind == ir::Kernel::Kind::solve;
     if (!solves || tree.size() > most_written_out)
@@ -118,6 +120,12 @@ void add_straight(const ir::Graph& graph, const std::vector<ir::NodeId>& roots, 
   of(f, Feature::scalar) += work.operations();
   of(f, Feature::divide) += work.divisions_waited_for();
   of(f, Feature::stores) += static_cast<double>(roots.size());
+}
+
+// Cycles that the longest way from an input to a root takes beyond what all operations do.
+double waits_of_straight(const ir::Graph& graph, const std::vector<ir::NodeId>& roots, int lanes) {
+  const Work work(graph, roots, fused(lanes));
+  return std::max(0.0, work.longest([](const ir::Input&) { return true; }, roots) - work.operations() / begun_in_a_cycle);
 }
 
 // Of one register.
@@ -135,7 +143,7 @@ void add_written(const std::vector<ir::LimbStep>& steps, const ir::SlotLoop& loo
   for (const ir::LimbStep& step : steps) {
     if (alone) {
       add_straight(step.graph, step.roots(), lanes, f);
-      of(f, Feature::waiting) += until_lanes_read * static_cast<double>(step.stores.size());
+      of(f, Feature::waits) += until_lanes_read * static_cast<double>(step.stores.size());
     } else {
       of(f, Feature::lanes) += loop.side_by_side(lanes) * operations_in_lanes(step.graph, step.roots(), step.stores, lanes);
     }
@@ -145,7 +153,7 @@ void add_written(const std::vector<ir::LimbStep>& steps, const ir::SlotLoop& loo
     const auto carried = [](const ir::Input& in) { return in.kind == ir::InputKind::carried; };
     recurrence += Work(step.graph, step.roots(), fused(lanes)).longest(carried, handed);
   }
-  of(f, Feature::waiting) += std::max(0.0, recurrence - (of(f, feature) - before) / begun_in_a_cycle);
+  of(f, Feature::waits) += std::max(0.0, recurrence - (of(f, feature) - before) / begun_in_a_cycle);
 }
 
 void add_paragraph(const ir::Paragraph& p, int lanes, Features& f) {
@@ -156,14 +164,14 @@ void add_paragraph(const ir::Paragraph& p, int lanes, Features& f) {
   const auto carried = [](const ir::Input& in) { return in.kind == ir::InputKind::carried; };
   // The first step's inputs, the last step's outputs: nothing else is there to be done.
   const double ends = p.loop.by_steps() ? work.longest([](const ir::Input&) { return true; }, roots) : 0;
-  of(f, Feature::waiting) += ends;
+  of(f, Feature::waits) += ends;
   if (!p.written.empty()) return add_written(p.written, p.loop, lanes, f);
   const double trips = p.loop.trips(lanes);
   const double operations = p.loop.side_by_side(lanes) * operations_in_lanes(p.graph, roots, p.stores, lanes);
   of(f, Feature::lanes) += trips * operations;
   of(f, Feature::loops) += 1;
   if (p.loop.by_steps())
-    of(f, Feature::waiting) += std::max(0.0, (trips - 1) * (work.longest(carried, handed) - operations / begun_in_a_cycle));
+    of(f, Feature::waits) += std::max(0.0, (trips - 1) * (work.longest(carried, handed) - operations / begun_in_a_cycle));
 }
 
 void add_elements(const CodeInput& code, size_t segment, int lanes, Features& f) {
@@ -225,8 +233,8 @@ double fetched(double instructions, int lanes) {
 // of 50 to 500 joints (AMD EPYC, Zen 4).
 constexpr Features constants[3] = {
     {4.02, 0.121, 0.098, 7.28, 5.59, 0.146, 0.0371, 0, 0.292, 0.25, 0.0593, 0.0787, 22.2},
-    {4.18, 0.163, 0.12, 5.39, 4.64, 0.152, 0.101, 0, 0.345, 0.15, 0.019, 0.0633, 16.6},
-    {3.28, 0.131, 0.0948, 11.3, 4.19, 0.162, 0.0844, 0, 0.531, 0.31, 0.061, 0.0682, 10.5},
+    {4.18, 0.163, 0.12, 5.39, 4.64, 0.152, 0.101, 0, 0.345, 0.15, 0.019, 0.0633, 13.3},
+    {3.28, 0.131, 0.0948, 11.3, 3.2, 0.162, 0.0844, 0, 0.531, 0.31, 0.061, 0.0546, 7.4},
 };
 
 }  // namespace
@@ -236,7 +244,7 @@ const Features& committed_constants(int lanes) { return constants[width_index(la
 int usual_lanes(const CodeInput& code) { return code.plan.costs ? code.plan.costs->lanes : register_widths[usual_width]; }
 
 const char* const feature_names[feature_count] = {"call",   "scalar",          "fetched",    "sines", "divisions",
-                                                  "lanes",  "waiting",         "loops",      "tiles", "along",
+                                                  "lanes",  "waits",           "loops",      "tiles", "along",
                                                   "stores", "step_operations", "step_chains"};
 
 namespace {
@@ -287,6 +295,7 @@ Features features(const CodeInput& code, int lanes) {
   if (!code.is_rolled()) {
     add_steps_behind(code, lanes, f);
     add_straight(code.program.graph, code.program.roots(), lanes, f);
+    of(f, Feature::waits) = waits_of_straight(code.program.graph, code.program.roots(), lanes);
     of(f, Feature::fetched) = fetched(of(f, Feature::scalar), lanes);
     of(f, Feature::sines) = registers(static_cast<int>(straight_operations(code).sincos), lanes);
     return f;

@@ -17,7 +17,7 @@ enum class Feature {
   sines,            // registers of angles
   divide,           // divisions and square roots of straight code
   lanes,            // operations of loops over limbs, a register of lanes at a time
-  waiting,          // cycles that loops over a limb's steps wait for the step before, beyond what their operations take
+  waits,            // cycles that a line, or a loop from step to step, takes beyond its operations
   loops,            // loops that begin
   tiles,            // operations of blocks of matrices, a register at a time
   along,            // the same of long limbs, which need no shuffles
