@@ -44,6 +44,7 @@ OTHERS = {"WAM": (f"{DATA}/urdf/wam/wam.urdf", "fixed"), "KR5": (f"{DATA}/urdf/K
           "Atlas": (f"{DATA}/sdf/atlas/atlas_v3_no_head.urdf", "floating")}
 TARGETS = {"native": "-march=native", "avx512": "-march=x86-64-v4", "avx2": "-march=x86-64-v3", "sse2": "-march=x86-64"}
 LANES = {"native": 8, "avx512": 8, "avx2": 4, "sse2": 2}
+QUIET = {"check": True, "stdout": subprocess.PIPE, "stderr": subprocess.DEVNULL, "text": True}
 WRAPPER = """#include "r/dynamics.cpp"
 extern "C" void form_run(const double* q, const double* v, [[maybe_unused]] const double* more, void* workspace) {
   r::together(q, v, MORE *static_cast<r::Workspace*>(workspace));
@@ -75,21 +76,27 @@ def label(way):
     return (form or "auto") + (" by " + solver if solver else "")
 
 
-def built(name, quantity, way, target, tree=ROOT):
-    """The shared object of one way by a checkout's generator and runtime, what its estimate is made of, and the plan."""
-    folder = FOLDER / re.sub(r"[:/]", "_", name) / quantity / f"{label(way).replace(' ', '_')}_{target}{'' if tree == ROOT else '_other'}"
+def compiled(name, target, tree, scene):
+    """The shared object of a scene's function `together` by a checkout's generator and runtime."""
+    folder = FOLDER / f"{name}_{target}{'' if tree == ROOT else '_other'}"
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
-    dalembert = tree / "build" / "release" / "bin" / "dalembert"
-    quiet = {"check": True, "stdout": subprocess.PIPE, "stderr": subprocess.DEVNULL, "text": True}
-    subprocess.run([dalembert, "generate", *scene(name, quantity, way), "--name", "r", "-o", folder / "r"], **quiet)
-    told = json.loads(subprocess.run([dalembert, "info", "--json", *scene(name, quantity, way)], **quiet).stdout)
+    subprocess.run([tree / "build" / "release" / "bin" / "dalembert", "generate", *scene, "--name", "r", "-o", folder / "r"], **QUIET)
     more = "more, " if "const Scalar* v, const Scalar* " in (folder / "r" / "dynamics.hpp").read_text() else ""
     (folder / "code.cpp").write_text(WRAPPER)
     subprocess.run(["c++", "-O3", *TARGETS[target].split(), "-std=c++17", "-shared", "-fPIC", f"-DMORE={more}", "-I", folder,
                     "-I", tree / "runtime" / "include", "-isystem", "/usr/include/eigen3", folder / "code.cpp", "-o", folder / "code.so"],
                    check=True)
-    return folder / "code.so", told.get("estimates", {}).get(f"together {LANES[target]}"), told.get("plan", {}).get("together", [None])[0]
+    return folder / "code.so"
+
+
+def built(name, quantity, way, target, tree=ROOT):
+    """The shared object of one way by a checkout's generator and runtime, what its estimate is made of, and the plan."""
+    own = scene(name, quantity, way)
+    code = compiled(f"{re.sub('[:/]', '_', name)}/{quantity}/{label(way).replace(' ', '_')}", target, tree, own)
+    dalembert = tree / "build" / "release" / "bin" / "dalembert"
+    told = json.loads(subprocess.run([dalembert, "info", "--json", *own], **QUIET).stdout)
+    return code, told.get("estimates", {}).get(f"together {LANES[target]}"), told.get("plan", {}).get("together", [None])[0]
 
 
 def timed(objects, rounds, prefix):
