@@ -54,7 +54,7 @@ DALEMBERT_BLOCK void lanes(const F& f) {
 
 // Column l of four rows of `width` lanes: out[l] = (rows[0][l], rows[1][l], rows[2][l], rows[3][l]).
 template <class T>
-DALEMBERT_INLINE void transpose(const Lanes<T, 4>* rows, Lanes<T, 4>* out) {
+static DALEMBERT_INLINE void transpose(const Lanes<T, 4>* rows, Lanes<T, 4>* out) {
 #if defined(__AVX512F__) && defined(__clang__)  // GCC 12 joins registers by way of memory
   using W = Lanes<T, 8>;                        // two permutations of registers twice as wide
   const W upper = shuffled<T, 0, 1, 2, 3, 4, 5, 6, 7>(rows[0], rows[1]);
@@ -76,7 +76,7 @@ DALEMBERT_INLINE void transpose(const Lanes<T, 4>* rows, Lanes<T, 4>* out) {
 #endif
 }
 template <class T>
-DALEMBERT_INLINE void transpose(const Lanes<T, 2>* rows, Lanes<T, 4>* out) {
+static DALEMBERT_INLINE void transpose(const Lanes<T, 2>* rows, Lanes<T, 4>* out) {
   const Lanes<T, 4> a = shuffled<T, 0, 2, 1, 3>(rows[0], rows[1]), b = shuffled<T, 0, 2, 1, 3>(rows[2], rows[3]);
   out[0] = shuffled<T, 0, 1, 4, 5>(a, b);
   out[1] = shuffled<T, 2, 3, 6, 7>(a, b);
@@ -84,7 +84,7 @@ DALEMBERT_INLINE void transpose(const Lanes<T, 2>* rows, Lanes<T, 4>* out) {
 
 // The same for two rows.
 template <class T>
-DALEMBERT_INLINE void transpose_pair(const Lanes<T, 4>* rows, Lanes<T, 2>* out) {
+static DALEMBERT_INLINE void transpose_pair(const Lanes<T, 4>* rows, Lanes<T, 2>* out) {
   const Lanes<T, 4> a = shuffled<T, 0, 4, 2, 6>(rows[0], rows[1]), b = shuffled<T, 1, 5, 3, 7>(rows[0], rows[1]);
   out[0] = shuffled<T, 0, 1>(a, a);
   out[1] = shuffled<T, 0, 1>(b, b);
@@ -92,7 +92,7 @@ DALEMBERT_INLINE void transpose_pair(const Lanes<T, 4>* rows, Lanes<T, 2>* out) 
   out[3] = shuffled<T, 2, 3>(b, b);
 }
 template <class T>
-DALEMBERT_INLINE void transpose_pair(const Lanes<T, 2>* rows, Lanes<T, 2>* out) {
+static DALEMBERT_INLINE void transpose_pair(const Lanes<T, 2>* rows, Lanes<T, 2>* out) {
   out[0] = shuffled<T, 0, 2>(rows[0], rows[1]);
   out[1] = shuffled<T, 1, 3>(rows[0], rows[1]);
 }
@@ -108,7 +108,7 @@ constexpr int together(int width, int steps) {
 
 // Four steps of four limbs in two registers: turned[l] has limb l's.
 template <class T>
-DALEMBERT_INLINE void turn_row(const Lanes<T, 8>* steps, Lanes<T, 4>* turned) {
+static DALEMBERT_INLINE void turn_row(const Lanes<T, 8>* steps, Lanes<T, 4>* turned) {
   const Lanes<T, 8> first = shuffled<T, 0, 4, 8, 12, 1, 5, 9, 13>(steps[0], steps[1]);
   const Lanes<T, 8> last = shuffled<T, 2, 6, 10, 14, 3, 7, 11, 15>(steps[0], steps[1]);
   turned[0] = shuffled<T, 0, 1, 2, 3>(first, first);
@@ -118,8 +118,8 @@ DALEMBERT_INLINE void turn_row(const Lanes<T, 8>* steps, Lanes<T, 4>* turned) {
 }
 // Four rows of two steps of four limbs: turned[l] has limb l's at the first step, turned[4 + l] at the second.
 template <class T>
-DALEMBERT_INLINE void turn_columns(const Lanes<T, 8>& r0, const Lanes<T, 8>& r1, const Lanes<T, 8>& r2, const Lanes<T, 8>& r3,
-                                   Lanes<T, 4>* turned) {
+static DALEMBERT_INLINE void turn_columns(const Lanes<T, 8>& r0, const Lanes<T, 8>& r1, const Lanes<T, 8>& r2,
+                                          const Lanes<T, 8>& r3, Lanes<T, 4>* turned) {
   using W = Lanes<T, 8>;
   const W a = shuffled<T, 0, 8, 2, 10, 4, 12, 6, 14>(r0, r1), b = shuffled<T, 1, 9, 3, 11, 5, 13, 7, 15>(r0, r1);
   const W c = shuffled<T, 0, 8, 2, 10, 4, 12, 6, 14>(r2, r3), d = shuffled<T, 1, 9, 3, 11, 5, 13, 7, 15>(r2, r3);
@@ -132,7 +132,7 @@ DALEMBERT_INLINE void turn_columns(const Lanes<T, 8>& r0, const Lanes<T, 8>& r1,
 }
 // The same of two rows.
 template <class T>
-DALEMBERT_INLINE void turn_columns(const Lanes<T, 8>& r0, const Lanes<T, 8>& r1, Lanes<T, 2>* turned) {
+static DALEMBERT_INLINE void turn_columns(const Lanes<T, 8>& r0, const Lanes<T, 8>& r1, Lanes<T, 2>* turned) {
   using W = Lanes<T, 8>;
   const W a = shuffled<T, 0, 8, 2, 10, 4, 12, 6, 14>(r0, r1), b = shuffled<T, 1, 9, 3, 11, 5, 13, 7, 15>(r0, r1);
   turned[0] = shuffled<T, 0, 1>(a, a), turned[2] = shuffled<T, 2, 3>(a, a);
@@ -143,26 +143,26 @@ DALEMBERT_INLINE void turn_columns(const Lanes<T, 8>& r0, const Lanes<T, 8>& r1,
 
 // The same of two limbs: four steps in two registers, …
 template <class T>
-DALEMBERT_INLINE void turn_row(const Lanes<T, 4>* steps, Lanes<T, 4>* turned) {
+static DALEMBERT_INLINE void turn_row(const Lanes<T, 4>* steps, Lanes<T, 4>* turned) {
   turned[0] = shuffled<T, 0, 2, 4, 6>(steps[0], steps[1]);
   turned[1] = shuffled<T, 1, 3, 5, 7>(steps[0], steps[1]);
 }
 // … four rows of two steps: turned[l] has limb l's at the first step, turned[2 + l] at the second, …
 template <class T>
-DALEMBERT_INLINE void turn_columns(const Lanes<T, 4>& r0, const Lanes<T, 4>& r1, const Lanes<T, 4>& r2, const Lanes<T, 4>& r3,
-                                   Lanes<T, 4>* turned) {
+static DALEMBERT_INLINE void turn_columns(const Lanes<T, 4>& r0, const Lanes<T, 4>& r1, const Lanes<T, 4>& r2,
+                                          const Lanes<T, 4>& r3, Lanes<T, 4>* turned) {
   const Lanes<T, 4> rows[4] = {r0, r1, r2, r3};
   transpose<T>(rows, turned);
 }
 // … and two rows.
 template <class T>
-DALEMBERT_INLINE void turn_columns(const Lanes<T, 4>& r0, const Lanes<T, 4>& r1, Lanes<T, 2>* turned) {
+static DALEMBERT_INLINE void turn_columns(const Lanes<T, 4>& r0, const Lanes<T, 4>& r1, Lanes<T, 2>* turned) {
   const Lanes<T, 4> rows[2] = {r0, r1};
   transpose_pair<T>(rows, turned);
 }
 
 template <class T>
-DALEMBERT_INLINE void store_count(T* to, const Lanes<T, 4>& x, int count) {
+static DALEMBERT_INLINE void store_count(T* to, const Lanes<T, 4>& x, int count) {
   if (count >= 4) {
     store<4, T>(to, x);
   } else if (count == 3) {
@@ -179,18 +179,18 @@ DALEMBERT_INLINE void store_count(T* to, const Lanes<T, 4>& x, int count) {
   }
 }
 template <class T>
-DALEMBERT_INLINE void store_count(T* to, const Lanes<T, 2>& x, int count) {
+static DALEMBERT_INLINE void store_count(T* to, const Lanes<T, 2>& x, int count) {
   if (count >= 2) store<2, T>(to, x);
   else if (count == 1) *to = x[0];
 }
 
 // The same of eight limbs: out[l] has limb l's.
 template <class T>
-DALEMBERT_INLINE void transpose(const Lanes<T, 8>* rows, Lanes<T, 4>* out) {
+static DALEMBERT_INLINE void transpose(const Lanes<T, 8>* rows, Lanes<T, 4>* out) {
   turn_columns<T>(rows[0], rows[1], rows[2], rows[3], out);
 }
 template <class T>
-DALEMBERT_INLINE void transpose_pair(const Lanes<T, 8>* rows, Lanes<T, 2>* out) {
+static DALEMBERT_INLINE void transpose_pair(const Lanes<T, 8>* rows, Lanes<T, 2>* out) {
   turn_columns<T>(rows[0], rows[1], out);
 }
 

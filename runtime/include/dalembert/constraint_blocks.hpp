@@ -17,7 +17,7 @@ constexpr int lanes_in_block(int padded) { return least(native_lanes, padded); }
 
 // Elements of J, one or several in lanes, but for those that are rounding. What is not a number stays so.
 template <class T, class Numbers>
-DALEMBERT_INLINE Numbers without_rounding(const Numbers& x) {
+static DALEMBERT_INLINE Numbers without_rounding(const Numbers& x) {
   return x * x <= Numbers{} + Proximal<T>::unmoved * Proximal<T>::unmoved ? Numbers{} : x;
 }
 
@@ -26,7 +26,7 @@ enum class Into { set, add };
 // to[r][s] = the sum over k of a[k][r] b[k][s], as many rows of a block as say something; or this more or less. a and b:
 // `count` times `padded` numbers.
 template <int rows, int padded, Into how, class T>
-DALEMBERT_INLINE void products(const T* a, const T* b, int count, T* to) {
+static DALEMBERT_INLINE void products(const T* a, const T* b, int count, T* to) {
   constexpr int w = lanes_in_block(padded), pieces = padded / w;
   Lanes<T, w> sum[rows][pieces];
   for_constants<rows>([&](auto r) DALEMBERT_IN_BLOCK {
@@ -51,7 +51,7 @@ DALEMBERT_INLINE void products(const T* a, const T* b, int count, T* to) {
 
 // f(0), …, f(count - 1): with constants where they are few.
 template <int count, bool constants = count <= 4, class F>
-DALEMBERT_INLINE void each_index(const F& f) {
+static DALEMBERT_INLINE void each_index(const F& f) {
   if constexpr (constants) {
     for_constants<count>(f);
   } else {
@@ -61,7 +61,7 @@ DALEMBERT_INLINE void each_index(const F& f) {
 
 // f(0), f(1), … for the coordinates above constraint c: with constants where they are few and c is one.
 template <class Rows, class C, class F>
-DALEMBERT_INLINE void each_above(C c, const F& f) {
+static DALEMBERT_INLINE void each_above(C c, const F& f) {
   if constexpr (std::is_same_v<C, int>) {
     for (int k = 0; k < Rows::lengths[c]; ++k) f(k);
   } else {
@@ -208,7 +208,7 @@ struct ErrorInLanes {
 
 // The sums of four rows' numbers.
 template <class T, int w, int pieces>
-DALEMBERT_INLINE Lanes<T, 4> sums_of_four(const BlockRow<T, w, pieces>* rows) {
+static DALEMBERT_INLINE Lanes<T, 4> sums_of_four(const BlockRow<T, w, pieces>* rows) {
   if constexpr (w < 4 || !shuffles_in_registers) {
     return each_lane<4, T>([&](int i) DALEMBERT_IN_BLOCK { return rows[i].total(); });
   } else {
@@ -227,7 +227,7 @@ DALEMBERT_INLINE Lanes<T, 4> sums_of_four(const BlockRow<T, w, pieces>* rows) {
   }
 }
 template <class T, int w, int pieces>
-DALEMBERT_INLINE void totals_of_four(const BlockRow<T, w, pieces>* rows, T* to) {
+static DALEMBERT_INLINE void totals_of_four(const BlockRow<T, w, pieces>* rows, T* to) {
   store<4, T>(to, sums_of_four(rows));
 }
 
@@ -239,7 +239,7 @@ DALEMBERT_INLINE void totals_of_four(const BlockRow<T, w, pieces>* rows, T* to) 
 // Elements of a pivot's column are those of its row, with the other sign where they have been pivots themselves. Single numbers
 // are written behind registers: what is read next has been there for long.
 template <int m, int padded, class T>
-DALEMBERT_INLINE void invert_rows(T* a) {
+static DALEMBERT_INLINE void invert_rows(T* a) {
   constexpr int w = native_lanes, pieces = padded / w;
   using Pieces = Lanes<T, w>[pieces];
   for (int j = 0; j + 1 < m; j += 2) {
@@ -410,7 +410,7 @@ struct RowsInRegisters {
 // several in lanes. No number waits for more than it needs. Pivots follow each other: a block of them inverted by itself would
 // leave nothing right of rows that say what others say.
 template <int u, class T>
-DALEMBERT_INLINE void invert_few(T (&a)[u][u], T (&inverse)[u][u]) {
+static DALEMBERT_INLINE void invert_few(T (&a)[u][u], T (&inverse)[u][u]) {
   T reciprocals[u], L[u][u], of_L[u][u];
   const auto behind = [](auto of_j, const auto& f) DALEMBERT_IN_BLOCK {
     constexpr int from = decltype(of_j)::value + 1;
@@ -447,7 +447,8 @@ DALEMBERT_INLINE void invert_few(T (&a)[u][u], T (&inverse)[u][u]) {
 // `columns` columns to(j) = base(j) more, or less, by the sum over k < count of factor(j, k) from(k): `pieces` registers of
 // each from `begin` on. base: null where it is none.
 template <int columns, int pieces, bool negative, class T, class Factor, class From, class Base, class To>
-DALEMBERT_INLINE void sum_tile(int begin, int count, const Factor& factor, const From& from, const Base& base, const To& to) {
+static DALEMBERT_INLINE void sum_tile(int begin, int count, const Factor& factor, const From& from, const Base& base,
+                                      const To& to) {
   constexpr int w = native_lanes;
   Lanes<T, w> sum[columns][pieces];
   for_constants<columns>([&](auto j) DALEMBERT_IN_BLOCK {
@@ -478,7 +479,7 @@ DALEMBERT_INLINE void sum_tile(int begin, int count, const Factor& factor, const
 
 // The same of `size` numbers of each of them, whole registers.
 template <int columns, int size, bool negative, class T, class Factor, class From, class Base, class To>
-DALEMBERT_INLINE void sum_columns(int count, const Factor& factor, const From& from, const Base& base, const To& to) {
+static DALEMBERT_INLINE void sum_columns(int count, const Factor& factor, const From& from, const Base& base, const To& to) {
   constexpr int w = native_lanes, all = (size + w - 1) / w, at_once = least(all, columns == 1 ? 8 : columns == 2 ? 4 : 2);
   constexpr int rest = all % at_once;
   int begin = 0;

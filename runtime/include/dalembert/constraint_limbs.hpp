@@ -140,7 +140,7 @@ struct TwistsOfGroups<Groups, T, std::integer_sequence<int, g...>> {
 // x = L^-1 x, M = L' D L, by articulated bodies from the base outwards: every coordinate moves by what it is less what the
 // motion above makes it yield, and every body by that more. Groups of a stage side by side, for each waits for itself alone.
 template <class Tree, class Limbs, class T>
-DALEMBERT_INLINE void accelerate_outwards(const Limbs& limbs, T* x) {
+static DALEMBERT_INLINE void accelerate_outwards(const Limbs& limbs, T* x) {
   constexpr int base = 6;
   using Groups = ChainsInLanes<Tree, Limbs>;
   T twist[Tree::count][base];  // of each chain's last body

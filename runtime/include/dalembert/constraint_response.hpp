@@ -16,7 +16,7 @@ namespace constraint_detail {
 
 // f(columns, first): six columns at a time, and those that are left.
 template <int count, class F>
-DALEMBERT_INLINE void in_sixes(const F& f) {
+static DALEMBERT_INLINE void in_sixes(const F& f) {
   for (int j = 0; j + 6 <= count; j += 6) f(std::integral_constant<int, 6>{}, j);
   if constexpr (count % 6 > 0) f(std::integral_constant<int, count % 6>{}, count - count % 6);
 }
@@ -78,7 +78,7 @@ struct ResponseParts {
 
 // The inverse of J M^-1 J' + R + mu N, and mu N, as solve_constrained() has them, where it is not asked for.
 template <int n, class Rows, class T>
-DALEMBERT_INLINE void invert_response(const ResponseParts<n, Rows, T>& parts, const T* active, const T* regularization) {
+static DALEMBERT_INLINE void invert_response(const ResponseParts<n, Rows, T>& parts, const T* active, const T* regularization) {
   using Parts = ResponseParts<n, Rows, T>;
   constexpr int m = Parts::m, padded = Parts::padded, stride = Parts::stride;
   T* const turned = parts.rows;  // M^-1 J', a row per coordinate
@@ -126,7 +126,7 @@ __attribute__((noinline)) static void project_inverse(const ResponseParts<n, Row
 // Where rows say what others say, numbers of L are as large as 1 / mu, and what rounding does to them is felt along rows that
 // say something new: it is of L's size, and so from a share of it on more than of the last digits.
 template <int n, class Rows, class T>
-DALEMBERT_INLINE bool rounding_is_felt(const ResponseParts<n, Rows, T>& parts) {
+static DALEMBERT_INLINE bool rounding_is_felt(const ResponseParts<n, Rows, T>& parts) {
   using Parts = ResponseParts<n, Rows, T>;
   T share = T(0);
   for (int r = 0; r < Parts::m; ++r) {
@@ -164,8 +164,8 @@ __attribute__((noinline)) static void refine_response(const ResponseParts<n, Row
 
 // `columns` columns of `to` from k on, which are zero before column `first`, less B times the changes of rows begin … end - 1.
 template <int n, class Rows, int columns, int begin, int end, class T>
-DALEMBERT_INLINE void subtract_changes(const ResponseParts<n, Rows, const T>& parts, int first, int k, const T* changes,
-                                       T* to) {
+static DALEMBERT_INLINE void subtract_changes(const ResponseParts<n, Rows, const T>& parts, int first, int k, const T* changes,
+                                              T* to) {
   constexpr int m = Rows::first(Rows::count), w = native_lanes, stride = inverse_stride(n), in_registers = 6;
   DALEMBERT_KEEP_LOOP
   for (int i = 0; i < n; i += w) {

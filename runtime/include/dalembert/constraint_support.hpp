@@ -53,7 +53,7 @@ __attribute__((noinline, cold)) static bool mend_weights(const T* active, const 
 // Whether weights of rows that act are such that no product of them is infinite or lost, and none is negative by more than
 // rounding beside others. Nobody waits for the answer.
 template <class Rows, class T>
-DALEMBERT_INLINE bool are_ordinary(const T* active, const T* weights) {
+static DALEMBERT_INLINE bool are_ordinary(const T* active, const T* weights) {
   constexpr int all = Rows::first(Rows::count);
   T sum = T(0), size = T(0);  // the same, unless one is negative or no number
   each_piece<all>([&](auto lanes, auto at) DALEMBERT_IN_BLOCK {
@@ -90,7 +90,7 @@ struct Weights {
 // mu N of A's coordinates: N is the mean of A's diagonal over the base's first three, along its axes, and over the three that
 // turn it, whichever way the base stands; of any other its own. An N so small that its inverse is next to infinity is none.
 template <int u, int base, class T, class Diagonal>
-DALEMBERT_INLINE void hold(const Diagonal& diagonal, T* held) {
+static DALEMBERT_INLINE void hold(const Diagonal& diagonal, T* held) {
   const T least = sizeof(T) == 8 ? T(1e-270) : T(1e-25);
   const auto of = [=](T N) { return Proximal<T>::mu * (N > least ? N : T(1)); };
   for (int i = 0; i < base; i += 3)
@@ -100,7 +100,7 @@ DALEMBERT_INLINE void hold(const Diagonal& diagonal, T* held) {
 
 // y of (A + mu N) y = to + mu N y, a few times over. solve: y by (A + mu N)^-1 of what it is given.
 template <int u, class T, class Solve>
-DALEMBERT_INLINE void approach(const T (&held)[u], const T (&to)[u], T (&y)[u], const Solve& solve) {
+static DALEMBERT_INLINE void approach(const T (&held)[u], const T (&to)[u], T (&y)[u], const Solve& solve) {
   solve(to);
   for_constants<Proximal<T>::steps - 1>([&](auto) DALEMBERT_IN_BLOCK {
     T right[u];
@@ -111,8 +111,8 @@ DALEMBERT_INLINE void approach(const T (&held)[u], const T (&to)[u], T (&y)[u], 
 
 // That y, and how much of it rows can bear. Of A the half below the diagonal is read and spoilt.
 template <int u, class T>
-DALEMBERT_INLINE void solve_support(T (&a)[u][u], const T (&held)[u], const T (&to)[u], T (&y)[u],
-                                    ConstraintStatus<T>& status) {
+static DALEMBERT_INLINE void solve_support(T (&a)[u][u], const T (&held)[u], const T (&to)[u], T (&y)[u],
+                                           ConstraintStatus<T>& status) {
   T inverse[u][u];
   for_constants<u>([&](auto i) DALEMBERT_IN_BLOCK { a[i][i] += held[i]; });
   invert_few(a, inverse);
@@ -129,7 +129,7 @@ DALEMBERT_INLINE void solve_support(T (&a)[u][u], const T (&held)[u], const T (&
 }
 // The inverse of a, positive definite; its half below the diagonal is read.
 template <class T>
-DALEMBERT_INLINE void invert_three(const T (&a)[3][3], T (&to)[3][3]) {
+static DALEMBERT_INLINE void invert_three(const T (&a)[3][3], T (&to)[3][3]) {
   const T first = T(1) / a[0][0], x = a[1][0] * first, y = a[2][0] * first;
   const T b = a[1][1] - x * a[1][0], c = a[2][1] - y * a[1][0], d = a[2][2] - y * a[2][0];
   const T of_rest = T(1) / (b * d - c * c), cx = c * x, cy = c * y;
@@ -140,8 +140,8 @@ DALEMBERT_INLINE void invert_three(const T (&a)[3][3], T (&to)[3][3]) {
 }
 // The same of a base along the world's axes: forces have nothing to do with each other, nor with moments about their own axes.
 template <class T>
-DALEMBERT_INLINE void solve_support_of_base(const T (&a)[6][6], const T (&held)[6], const T (&to)[6], T (&y)[6],
-                                            ConstraintStatus<T>& status) {
+static DALEMBERT_INLINE void solve_support_of_base(const T (&a)[6][6], const T (&held)[6], const T (&to)[6], T (&y)[6],
+                                                   ConstraintStatus<T>& status) {
   T of_force[3], lever[3][3], rest[3][3], inverse[3][3];
   const auto others = [](auto i, const auto& f) DALEMBERT_IN_BLOCK {
     f(std::integral_constant<int, (decltype(i)::value + 1) % 3>{});
@@ -188,8 +188,8 @@ DALEMBERT_INLINE void solve_support_of_base(const T (&a)[6][6], const T (&held)[
 }
 // The same of many coordinates.
 template <int u, class T>
-DALEMBERT_INLINE void solve_support_in_loops(T (&L)[u][u], const T (&held)[u], const T (&to)[u], T (&y)[u],
-                                             ConstraintStatus<T>& status) {
+static DALEMBERT_INLINE void solve_support_in_loops(T (&L)[u][u], const T (&held)[u], const T (&to)[u], T (&y)[u],
+                                                    ConstraintStatus<T>& status) {
   for (int i = 0; i < u; ++i) L[i][i] += held[i], y[i] = T(0);
   for (int i = 0; i < u; ++i) {  // D's reciprocals on the diagonal
     const T reciprocal = L[i][i] = T(1) / L[i][i];
@@ -223,7 +223,7 @@ DALEMBERT_INLINE void solve_support_in_loops(T (&L)[u][u], const T (&held)[u], c
 
 // The largest error of those at f(0), f(1), …; NaN once one is no number.
 template <int count, class T, class F>
-DALEMBERT_INLINE T largest_error(const F& f) {
+static DALEMBERT_INLINE T largest_error(const F& f) {
   T most = T(0), undefined = T(0);
   for (int i = 0; i < count; ++i) {
     const T size = std::fabs(f(i));
@@ -235,7 +235,7 @@ DALEMBERT_INLINE T largest_error(const F& f) {
 
 // Of J_u' W J_u, the half below the diagonal.
 template <int all, int u, class T>
-DALEMBERT_INLINE void products_of_rows(const T (&jacobian)[u][all], const T* weight, T (&to)[u][u]) {
+static DALEMBERT_INLINE void products_of_rows(const T (&jacobian)[u][all], const T* weight, T (&to)[u][u]) {
   if constexpr (u <= 8) {
     constexpr int w = least(native_lanes, 4), pieces = (u + w - 1) / w;
     using Row = BlockRow<T, w, pieces>;
@@ -269,8 +269,8 @@ DALEMBERT_INLINE void products_of_rows(const T (&jacobian)[u][all], const T* wei
 
 // Forces f = W J_u y, and how y was found.
 template <class Rows, class Without, class T>
-DALEMBERT_INLINE ConstraintStatus<T> support_forces(const T* jacobian, const T* active, const T* weights, const T* to,
-                                                    T* forces) {
+static DALEMBERT_INLINE ConstraintStatus<T> support_forces(const T* jacobian, const T* active, const T* weights, const T* to,
+                                                           T* forces) {
   constexpr int all = Rows::first(Rows::count), u = Without::count;
   ConstraintStatus<T> status;
   if constexpr (u == 0) {
@@ -307,7 +307,7 @@ DALEMBERT_INLINE ConstraintStatus<T> support_forces(const T* jacobian, const T* 
 
 // Of a wrench on the base, along its axes about its origin, that constraint c bears: what is left to do.
 template <class Rows, class C, class Axes, class T>
-DALEMBERT_INLINE void bear(C c, const Axes& axes, const T (&wrench)[6], T* to) {
+static DALEMBERT_INLINE void bear(C c, const Axes& axes, const T (&wrench)[6], T* to) {
   for_constants<6>([&](auto j) DALEMBERT_IN_BLOCK { to[j] -= wrench[j]; });
   each_above<Rows>(c, [&](auto k) DALEMBERT_IN_BLOCK {
     if (k < 6) return;
@@ -505,8 +505,8 @@ __attribute__((noinline)) static ConstraintStatus<T> support_by_wrenches(const A
 // the world's axes, three numbers each. In place of a call: points and weights have just been
 // computed, and need not go through memory.
 template <int n, class Rows, class Axes, class T>
-DALEMBERT_INLINE ConstraintStatus<T> support_at_points(const Axes& axes, const T* turn, const T* points, const T* active,
-                                                       const T* weights, T* forces, T* to) noexcept {
+static DALEMBERT_INLINE ConstraintStatus<T> support_at_points(const Axes& axes, const T* turn, const T* points, const T* active,
+                                                              const T* weights, T* forces, T* to) noexcept {
   using namespace constraint_detail;
   constexpr int base = 6;
   using Support = std::conditional_t<(limbs_beside<Rows, Axes>().slot >= 0), RowsAtPointsBeside<Rows, Axes, T>,

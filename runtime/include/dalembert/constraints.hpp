@@ -214,12 +214,12 @@ struct ConstraintBlocks {
 
 // The numbers of constraint c's rows, of all rows', zero behind them.
 template <class T, int own, int shift, class V, int... lane>
-DALEMBERT_INLINE V first_lanes(const V& x, std::integer_sequence<int, lane...>) {
+static DALEMBERT_INLINE V first_lanes(const V& x, std::integer_sequence<int, lane...>) {
   constexpr int n = static_cast<int>(sizeof...(lane));
   return shuffled<T, (lane < own ? lane + shift : n)...>(x, V{});
 }
 template <class Rows, class Row, class C, class T>
-DALEMBERT_INLINE Row own_rows(C c, const T* all) {
+static DALEMBERT_INLINE Row own_rows(C c, const T* all) {
   constexpr int w = Row::width;
   if constexpr (std::is_same_v<C, int> || w < 2) {
     return Row::of([&](int r) { return r < Rows::rows[c] ? all[Rows::first(c) + least(r, Rows::rows[c] - 1)] : T(0); });
@@ -239,7 +239,7 @@ DALEMBERT_INLINE Row own_rows(C c, const T* all) {
   }
 }
 template <class Rows, class C, class T, int w, int pieces>
-DALEMBERT_INLINE void store_rows(C c, const BlockRow<T, w, pieces>& row, T* all) {
+static DALEMBERT_INLINE void store_rows(C c, const BlockRow<T, w, pieces>& row, T* all) {
   if constexpr (std::is_same_v<C, int>) {
     alignas(64) T numbers[w * pieces];
     row.store(numbers);
@@ -410,7 +410,7 @@ struct InverseOfManyRows {
 
 // x = U^-1 x.
 template <int n, class Tree, class T>
-DALEMBERT_INLINE void eliminate_upwards(const T* factor, T* x) {
+static DALEMBERT_INLINE void eliminate_upwards(const T* factor, T* x) {
   for_constants<Tree::count>([&](auto step) DALEMBERT_IN_BLOCK {
     using Chain = typename Tree::template chain<Tree::count - 1 - decltype(step)::value>;
     constexpr int first = Chain::first, count = Chain::count;
@@ -434,7 +434,7 @@ DALEMBERT_INLINE void eliminate_upwards(const T* factor, T* x) {
 
 // x = U'^-1 D^-1 x.
 template <int n, class Tree, class T>
-DALEMBERT_INLINE void substitute_downwards(const T* factor, const T* reciprocals, T* x) {
+static DALEMBERT_INLINE void substitute_downwards(const T* factor, const T* reciprocals, T* x) {
   for_constants<Tree::count>([&](auto c) DALEMBERT_IN_BLOCK {
     using Chain = typename Tree::template chain<decltype(c)::value>;
     constexpr int first = Chain::first, count = Chain::count;
@@ -528,7 +528,7 @@ struct WayByLimbs {
 };
 
 template <int n, class Rows, class Way, class T>
-DALEMBERT_INLINE void delassus(const Way& way, T* room, T* to) {
+static DALEMBERT_INLINE void delassus(const Way& way, T* room, T* to) {
   using Blocks = ConstraintBlocks<n, Rows, T>;
   constexpr int all = Rows::first(Rows::count);
   const Blocks blocks(room);
@@ -549,8 +549,8 @@ DALEMBERT_INLINE void delassus(const Way& way, T* room, T* to) {
 // at_rest: whether x is zero. kept: null, or where the inverse of all rows goes, rows_in_lanes() numbers each, and behind it mu
 // N.
 template <int n, class Rows, class Tree, bool at_rest, class Way, class T>
-DALEMBERT_INLINE ConstraintStatus<T> solve(const Way& way, const T* right, const T* active, const T* regularization, T* room,
-                                           T* forces, T* x, T* kept = nullptr) {
+static DALEMBERT_INLINE ConstraintStatus<T> solve(const Way& way, const T* right, const T* active, const T* regularization,
+                                                  T* room, T* forces, T* x, T* kept = nullptr) {
   using Blocks = ConstraintBlocks<n, Rows, T>;
   constexpr int count = Rows::count, padded = Blocks::padded, w = Blocks::w;
   const Blocks blocks(room);
@@ -665,8 +665,8 @@ DALEMBERT_INLINE ConstraintStatus<T> solve(const Way& way, const T* right, const
 }
 
 template <int n, class Rows, class Tree, bool at_rest, class Limbs, class T>
-DALEMBERT_INLINE ConstraintStatus<T> solve_by_limbs(const Limbs& limbs, const T* wrenches, const T* right, const T* active,
-                                                    const T* regularization, T* room, T* forces, T* x) {
+static DALEMBERT_INLINE ConstraintStatus<T> solve_by_limbs(const Limbs& limbs, const T* wrenches, const T* right,
+                                                           const T* active, const T* regularization, T* room, T* forces, T* x) {
   if constexpr (are_points_of_limbs_apart<Rows, Limbs>()) {
     static_cast<void>(room);  // made for any number of lanes
     return solve_limbs_apart<n, Rows, Tree, at_rest>(limbs, wrenches, right, active, regularization, forces, x);

@@ -25,7 +25,7 @@ namespace detail {
 
 // f(how many lanes, from where on) over `count` elements, whole registers first.
 template <int count, class F>
-DALEMBERT_INLINE void each_piece(const F& f) {
+static DALEMBERT_INLINE void each_piece(const F& f) {
   constexpr int w = least(native_lanes, 4), whole = count / w * w;
   for_constants<count / w>([&](auto i) DALEMBERT_IN_BLOCK {
     f(std::integral_constant<int, w>{}, std::integral_constant<int, decltype(i)::value * w>{});
@@ -36,7 +36,7 @@ DALEMBERT_INLINE void each_piece(const F& f) {
 
 // f(k) for each k of `path`, then for those from `first` up to `end`. One loop, so that sums stay in registers.
 template <class F>
-DALEMBERT_INLINE void along(const int* path, int count, int first, int end, const F& f) {
+static DALEMBERT_INLINE void along(const int* path, int count, int first, int end, const F& f) {
   DALEMBERT_KEEP_LOOP
   for (int i = 0; i < count + end - first; ++i) f(i < count ? path[i] : first + i - count);
 }
@@ -44,7 +44,7 @@ DALEMBERT_INLINE void along(const int* path, int count, int first, int end, cons
 // Rows of (L' D L)^-1 of a chain from `first` on, before the chain: rows `begin` to `begin + rows` of it, of `eights` times
 // eight columns from i on. Each is minus the sum over k above it of L's element times row k.
 template <int n, int eights, int begin, int rows, class T>
-DALEMBERT_INLINE void negative_sums(const int* path, int count, int first, const T* factor, T* inverse, int i) {
+static DALEMBERT_INLINE void negative_sums(const int* path, int count, int first, const T* factor, T* inverse, int i) {
   constexpr int w = native_lanes, pieces = eights * 8 / w, stride = inverse_stride(n);
   const T* const factors = factor + (first + begin) * n;
   Lanes<T, w> sum[rows][pieces]{};
@@ -72,7 +72,7 @@ DALEMBERT_INLINE void negative_sums(const int* path, int count, int first, const
 
 // All m rows of the chain, as many at a time as registers hold.
 template <int n, int m, int eights, class T, int begin = 0>
-DALEMBERT_INLINE void negative_chain_sums(const int* path, int count, int first, const T* factor, T* inverse, int i) {
+static DALEMBERT_INLINE void negative_chain_sums(const int* path, int count, int first, const T* factor, T* inverse, int i) {
   constexpr int registers = native_lanes < 4 ? 8 : 3 * native_lanes,
                 rows = least(m - begin, registers * native_lanes / (8 * eights));
   negative_sums<n, eights, begin, rows, T>(path, count, first, factor, inverse, i);
@@ -81,14 +81,14 @@ DALEMBERT_INLINE void negative_chain_sums(const int* path, int count, int first,
 
 // Of a column of n numbers, those from `begin` on: the last lanes may reach beyond its end.
 template <int n, int w, class T>
-DALEMBERT_INLINE Lanes<T, w> load_piece(const T* column, int begin) {
+static DALEMBERT_INLINE Lanes<T, w> load_piece(const T* column, int begin) {
   constexpr int rest = n % w;
   if constexpr (rest > 0)
     if (begin + w > n) return load_first<rest, w, T>(column + begin);
   return load<w>(column + begin);
 }
 template <int n, int w, class T>
-DALEMBERT_INLINE void store_piece(T* column, int begin, const Lanes<T, w>& x) {
+static DALEMBERT_INLINE void store_piece(T* column, int begin, const Lanes<T, w>& x) {
   constexpr int rest = n % w;
   if (begin + w <= n) {
     store<w, T>(column + begin, x);
@@ -182,8 +182,8 @@ namespace detail {
 
 // `columns` columns of -a b, `eights` times eight elements of each from `begin` on.
 template <int n, int columns, int eights, class T>
-DALEMBERT_INLINE void negative_product_tile(const int* path, int count, int first, int last, const T* a, const T* b, T* result,
-                                            int begin) {
+static DALEMBERT_INLINE void negative_product_tile(const int* path, int count, int first, int last, const T* a, const T* b,
+                                                   T* result, int begin) {
   constexpr int w = native_lanes, pieces = eights * 8 / w;
   Lanes<T, w> sum[columns][pieces]{};
   along(path, count, first, last + 1, [&](int k) DALEMBERT_IN_BLOCK {
@@ -202,8 +202,8 @@ DALEMBERT_INLINE void negative_product_tile(const int* path, int count, int firs
 }
 
 template <int n, int columns, class T>
-DALEMBERT_INLINE void negative_product_columns(const int* path, int count, int first, int last, const T* a, const T* b,
-                                               T* result) {
+static DALEMBERT_INLINE void negative_product_columns(const int* path, int count, int first, int last, const T* a, const T* b,
+                                                      T* result) {
   constexpr int eights = (n + 7) / 8, some = eights % product_eights;
   for (int i = 0; i + product_eights <= eights; i += product_eights)
     negative_product_tile<n, columns, product_eights, T>(path, count, first, last, a, b, result, 8 * i);

@@ -203,8 +203,8 @@ struct LimbsApart {
 
 // As solve() of constraints.hpp, by articulated bodies. x comes as D^-1 L'^-1 of the efforts; at_rest: whether it is zero.
 template <int n, class Rows, class Tree, bool at_rest, class Limbs, class T>
-DALEMBERT_INLINE ConstraintStatus<T> solve_limbs_apart(const Limbs& limbs, const T* wrenches, const T* right, const T* active,
-                                                       const T* regularization, T* forces, T* x) {
+static DALEMBERT_INLINE ConstraintStatus<T> solve_limbs_apart(const Limbs& limbs, const T* wrenches, const T* right,
+                                                              const T* active, const T* regularization, T* forces, T* x) {
   using Apart = LimbsApart<Rows, Limbs, T>;
   using Beside = typename Apart::Beside;
   using V = typename Apart::V;

@@ -22,20 +22,20 @@ namespace detail {
 
 // f(first coordinate, coordinate behind the last one, how many above the first) for each chain above one, the nearest first.
 template <class F>
-DALEMBERT_INLINE void each_above(const Chains& chains, int chain, const F& f) {
+static DALEMBERT_INLINE void each_above(const Chains& chains, int chain, const F& f) {
   for (int c = chains.above[chain]; c >= 0; c = chains.above[c]) f(chains.begin[c], chains.begin[c + 1], chains.depth[c]);
 }
 
 // to -= factor from, as far as `count` elements reach.
 template <class T>
-DALEMBERT_INLINE void subtract(const T& factor, const T* from, T* to, int count) {
+static DALEMBERT_INLINE void subtract(const T& factor, const T* from, T* to, int count) {
   constexpr int w = native_lanes;
   for (int i = 0; i < count; i += w) store<w, T>(to + i, load<w>(to + i) - broadcast<w, T>(factor) * load<w>(from + i));
 }
 
 // The same of chains that are constants, which f gets as constants: first coordinate, how many there are, how many above.
 template <const Chains& chains, int chain, class F>
-DALEMBERT_INLINE void each_constant_above(const F& f) {
+static DALEMBERT_INLINE void each_constant_above(const F& f) {
   constexpr int c = chains.above[chain];
   if constexpr (c >= 0) {
     f(std::integral_constant<int, chains.begin[c]>{}, std::integral_constant<int, chains.begin[c + 1] - chains.begin[c]>{},
@@ -46,14 +46,14 @@ DALEMBERT_INLINE void each_constant_above(const F& f) {
 
 // f(count), a number from 1 to `most`, as a constant.
 template <int most, class F>
-DALEMBERT_INLINE void with_constant(int count, const F& f) {
+static DALEMBERT_INLINE void with_constant(int count, const F& f) {
   if (count == most) f(std::integral_constant<int, most>{});
   else if constexpr (most > 1) with_constant<most - 1>(count, f);
 }
 
 // Columns of a chain, `depth` rows above its own m, from the last to the first: each less its multiples of those behind it.
 template <int m, int depth, int stride, class T>
-DALEMBERT_INLINE void eliminate_own(T* columns, T (&reciprocal)[m]) {
+static DALEMBERT_INLINE void eliminate_own(T* columns, T (&reciprocal)[m]) {
   constexpr int w = native_lanes, pieces = (depth + m + w - 1) / w;
   if constexpr (m * pieces <= (doubles_in_register < 8 ? 12 : 24)) {  // in registers
     Lanes<T, w> column[m][pieces];
@@ -84,7 +84,7 @@ DALEMBERT_INLINE void eliminate_own(T* columns, T (&reciprocal)[m]) {
 // Rows of U in the columns of a chain of m, and the columns of `count` coordinates above it less their multiples of these:
 // coordinates from `begin` on, of which the first has `at` others above it.
 template <int n, int m, int stride, class T>
-DALEMBERT_INLINE void eliminate_above(int first, int begin, int count, int at, const T* reciprocal, T* room, T* factor) {
+static DALEMBERT_INLINE void eliminate_above(int first, int begin, int count, int at, const T* reciprocal, T* room, T* factor) {
   constexpr int w = native_lanes;
   const T* const columns = room + first * stride;
   for (int i = begin; i < begin + count; ++i) {
