@@ -24,32 +24,48 @@ Path path_to(const ir::KinematicTree& tree, int body) {
   return path;
 }
 
-// The most that the bodies behind a branch's first can have about the origin of the path's last, slides at rest: Σ m d², kg m².
-double spread(const ir::NormalTree& normal, const Path& path) {
-  std::vector<double> away(normal.bodies.size(), -1);  // of their origins, along the joints; −1: not of the branch
+// Against that about the joint of the first of these bodies: as much as rounding may cost them where the frame is far from them
+// and from the first body too.
+constexpr double near_enough = 30;
+
+// Of each body and those behind it the most that they can have about the origin of the path's last, slides at rest: Σ m d²,
+// kg m²; −1 of bodies that are not behind the path's first.
+std::vector<double> spreads(const ir::NormalTree& normal, const Path& path) {
+  std::vector<double> away(normal.bodies.size(), -1),
+      sums(normal.bodies.size(), -1);  // away: of their origins, along the joints
   double length = 0;
   for (std::size_t i = path.size(); i-- > 0;) {
     away[static_cast<std::size_t>(path[i])] = length;
     length += normal.bodies[static_cast<std::size_t>(path[i])].translation.norm();
   }
-  double sum = 0;
   for (std::size_t k = 0; k < normal.bodies.size(); ++k) {
     const ir::NormalBody& n = normal.bodies[k];
-    if (n.parent < 0) continue;
-    if (const double before = away[static_cast<std::size_t>(n.parent)]; away[k] < 0 && before >= 0)
-      away[k] = before + n.translation.norm();
+    if (n.parent >= 0 && away[k] < 0 && away[static_cast<std::size_t>(n.parent)] >= 0)
+      away[k] = away[static_cast<std::size_t>(n.parent)] + n.translation.norm();
     if (away[k] < 0) continue;
     const double reach = std::sqrt(std::max(0.0, n.own.second.trace())) + std::sqrt(n.own.mass) * away[k];
-    sum += reach * reach;
+    sums[k] = reach * reach;
   }
-  return sum;
+  for (std::size_t k = normal.bodies.size(); k-- > 0;)
+    if (const int parent = normal.bodies[k].parent; parent >= 0 && sums[k] >= 0 && sums[static_cast<std::size_t>(parent)] >= 0)
+      sums[static_cast<std::size_t>(parent)] += sums[k];
+  return sums;
 }
 
+// Whether masses are no farther than from the first body, all together and behind each joint: the lightest link has its row in
+// M.
 bool is_as_near(const ir::KinematicTree& tree, const ir::NormalTree& normal, const Path& path) {
   const auto slides = [&](int body) {
     return tree.bodies[static_cast<std::size_t>(body)].slides() && !tree.carries_reference(static_cast<std::size_t>(body));
   };
-  return std::none_of(path.begin(), path.end(), slides) && spread(normal, path) <= as_near * spread(normal, {path.front()});
+  if (std::any_of(path.begin(), path.end(), slides)) return false;
+  const std::vector<double> from_first = spreads(normal, {path.front()}), from_last = spreads(normal, path);
+  const auto first = static_cast<std::size_t>(path.front());
+  if (from_last[first] > as_near * from_first[first]) return false;
+  for (std::size_t k = 0; k < from_last.size(); ++k)
+    if (from_last[k] > as_near * from_first[k] && from_last[k] > near_enough * spreads(normal, {static_cast<int>(k)})[k])
+      return false;
+  return true;
 }
 
 // Whether what is asked of one body reads no joint for it that is not above that body.
