@@ -22,7 +22,7 @@ static DALEMBERT_INLINE void in_sixes(const F& f) {
 }
 
 // Coordinates side by side that rows begin … end - 1 know, and no others: run by run, from which on each goes.
-template <int n, class Rows>
+template <int n, class Rows, int = native_lanes>
 struct KnownColumns {
   struct Table {
     int count = 0, column[n + 1] = {}, begin[n] = {}, end[n] = {};
@@ -49,7 +49,7 @@ struct KnownColumns {
 };
 
 // Where what respond() makes stands in its room.
-template <int n, class Rows, class T>
+template <int n, class Rows, class T, int = native_lanes>
 struct ResponseParts {
   static constexpr int m = Rows::first(Rows::count), padded = rows_in_lanes(m), stride = inverse_stride(n);
   static_assert(padded <= padded_rows(m), "the compiler makes room for registers of eight");

@@ -320,7 +320,7 @@ static DALEMBERT_INLINE void bear(C c, const Axes& axes, const T (&wrench)[6], T
 }
 
 // Rows along the world's axes at points, one constraint after another. turn: the base's axes in the world, column by column.
-template <class Rows, class Axes, class T>
+template <class Rows, class Axes, class T, int = native_lanes>
 struct RowsAtPoints {
   static constexpr int base = 6;
   const Axes& axes;
@@ -377,7 +377,7 @@ struct RowsAtPoints {
 };
 
 // The same of limbs beside each other, all constraints at once.
-template <class Rows, class Axes, class T>
+template <class Rows, class Axes, class T, int = native_lanes>
 struct RowsAtPointsBeside {
   using Beside = ConstraintsBeside<Rows, Axes, T>;
   using V = typename Beside::V;

@@ -26,7 +26,7 @@ namespace dalembert {
 namespace constraint_detail {
 
 // What is solved in.
-template <int n, class Rows, class T>
+template <int n, class Rows, class T, int = native_lanes>
 struct ConstraintBlocks {
   static constexpr int count = Rows::count, rows = Rows::block_rows(), longest = Rows::longest();
   static constexpr int padded = block_lanes(rows), block = rows * padded, w = lanes_in_block(padded), pieces = padded / w;
@@ -253,7 +253,7 @@ static DALEMBERT_INLINE void store_rows(C c, const BlockRow<T, w, pieces>& row, 
 }
 
 // Columns padded as blocks are, constraint by constraint.
-template <class Rows, int padded>
+template <class Rows, int padded, int = native_lanes>
 struct BlockColumns {
   static constexpr int of(int r) {
     int c = 0;
@@ -456,7 +456,7 @@ static DALEMBERT_INLINE void substitute_downwards(const T* factor, const T* reci
 }
 
 // How rows and efforts go up the tree, and accelerations down: by M's factors,
-template <int n, class T>
+template <int n, class T, int = native_lanes>
 struct WayByFactor {
   const T *jacobian, *factor, *pivots;
 
@@ -485,7 +485,7 @@ struct WayByFactor {
   }
 };
 // or by articulated bodies, where x comes as what `upwards` makes.
-template <int n, class Limbs, class T>
+template <int n, class Limbs, class T, int = native_lanes>
 struct WayByLimbs {
   const T* wrenches;
   const Limbs& limbs;

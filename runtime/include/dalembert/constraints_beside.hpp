@@ -46,7 +46,7 @@ constexpr LanesOfLimbs limbs_beside() {
 }
 
 // Such constraints, a number of each in a lane, and of the joints above them.
-template <class Rows, class Limbs, class T>
+template <class Rows, class Limbs, class T, int = native_lanes>
 struct ConstraintsBeside {
   static constexpr int base = 6, lanes = lanes_for(Rows::count), steps = Rows::longest() - base;
   static constexpr LanesOfLimbs in = limbs_beside<Rows, Limbs>();

@@ -78,7 +78,8 @@ inline constexpr int doubles_in_register = 2;
 inline constexpr int doubles_in_register = 1;
 #endif
 
-// The width of loops over bodies.
+// The width of loops over bodies. What depends on it is static, or has it for a parameter: of a program with code of two widths
+// one would else be taken for the other where it is not inlined.
 #if defined(DALEMBERT_LANES)
 static_assert(DALEMBERT_LANES == 1 || DALEMBERT_LANES == 2 || DALEMBERT_LANES == 4 || DALEMBERT_LANES == 8,
               "DALEMBERT_LANES is 1, 2, 4 or 8, or is not defined: the target's own registers");

@@ -24,7 +24,7 @@ constexpr bool are_points_of_limbs_apart() {
   return Rows::count >= 3 && Rows::rows[0] == 3 && limbs_beside<Rows, Limbs>().slot >= 0;
 }
 
-template <class Rows, class Limbs, class T>
+template <class Rows, class Limbs, class T, int = native_lanes>
 struct LimbsApart {
   using Beside = ConstraintsBeside<Rows, Limbs, T>;
   static constexpr int base = Beside::base, rows = 3, steps = Beside::steps, lanes = Beside::lanes;
