@@ -99,15 +99,16 @@ class Work {
   int most_divisions_ = 0;
 };
 
+bool any_input(const ir::Input&) { return true; }
+
 void add_kernels(const CodeInput& code, Features& f) {
   const ir::CoordinateTree tree = ir::coordinate_tree(code.tree);
   const double in_a_row = ir::most_above(tree) + 1;
   for (const ir::Kernel& kernel : code.algorithm.kernels) {
     const ir::Operations o = ir::operations_of(kernel, code.tree, true, code.is_rolled());
     of(f, Feature::step_operations) += static_cast<double>(o.multiply);
-    // A solution is divided by pivots that are all there.
-    const double waiting = kernel.kind == ir::Kernel::Kind::solve ? 1 : in_a_row;
-    of(f, Feature::divide) += waited_divisions(static_cast<double>(o.divide), waiting);
+    const bool by_known_pivots = kernel.kind == ir::Kernel::Kind::solve;
+    of(f, Feature::divide) += waited_divisions(static_cast<double>(o.divide), by_known_pivots ? 1 : in_a_row);
     if (kernel.of_constraints()) continue;
     const bool solves = kernel.kind == ir::Kernel::Kind::factor || kernel.kind == ir::Kernel::Kind::solve;
     if (!solves || tree.size() > most_written_out)
@@ -115,17 +116,12 @@ void add_kernels(const CodeInput& code, Features& f) {
   }
 }
 
-void add_straight(const ir::Graph& graph, const std::vector<ir::NodeId>& roots, int lanes, Features& f) {
-  const Work work(graph, roots, fused(lanes));
+Work add_straight(const ir::Graph& graph, const std::vector<ir::NodeId>& roots, int lanes, Features& f) {
+  Work work(graph, roots, fused(lanes));
   of(f, Feature::scalar) += work.operations();
   of(f, Feature::divide) += work.divisions_waited_for();
   of(f, Feature::stores) += static_cast<double>(roots.size());
-}
-
-// Cycles that the longest way from an input to a root takes beyond what all operations do.
-double waits_of_straight(const ir::Graph& graph, const std::vector<ir::NodeId>& roots, int lanes) {
-  const Work work(graph, roots, fused(lanes));
-  return std::max(0.0, work.longest([](const ir::Input&) { return true; }, roots) - work.operations() / begun_in_a_cycle);
+  return work;
 }
 
 // Of one register.
@@ -163,7 +159,7 @@ void add_paragraph(const ir::Paragraph& p, int lanes, Features& f) {
   const Work work(p.graph, roots, fused(lanes));
   const auto carried = [](const ir::Input& in) { return in.kind == ir::InputKind::carried; };
   // The first step's inputs, the last step's outputs: nothing else is there to be done.
-  const double ends = p.loop.by_steps() ? work.longest([](const ir::Input&) { return true; }, roots) : 0;
+  const double ends = p.loop.by_steps() ? work.longest(any_input, roots) : 0;
   of(f, Feature::waits) += ends;
   if (!p.written.empty()) return add_written(p.written, p.loop, lanes, f);
   const double trips = p.loop.trips(lanes);
@@ -294,8 +290,9 @@ Features features(const CodeInput& code, int lanes) {
   of(f, Feature::call) = 1;
   if (!code.is_rolled()) {
     add_steps_behind(code, lanes, f);
-    add_straight(code.program.graph, code.program.roots(), lanes, f);
-    of(f, Feature::waits) = waits_of_straight(code.program.graph, code.program.roots(), lanes);
+    const std::vector<ir::NodeId> roots = code.program.roots();
+    const Work work = add_straight(code.program.graph, roots, lanes, f);
+    of(f, Feature::waits) = std::max(0.0, work.longest(any_input, roots) - work.operations() / begun_in_a_cycle);
     of(f, Feature::fetched) = fetched(of(f, Feature::scalar), lanes);
     of(f, Feature::sines) = registers(static_cast<int>(straight_operations(code).sincos), lanes);
     return f;

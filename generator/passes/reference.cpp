@@ -12,8 +12,9 @@ namespace {
 constexpr std::size_t furthest = 4;
 // Of what a straight line is chosen for; longer ones take long to compare.
 constexpr int most_joints = 64;
-// Moments of inertia about the frame's origin, against those about the first body's, that count as no more.
-constexpr double as_near = 1.5;
+// Moments of inertia about the frame's origin, against those about the first body's, that count as no more; and against those
+// about a joint, of what is behind it, where neither frame is near.
+constexpr double as_near = 1.5, near_enough = 30;
 
 using Path = std::vector<int>;  // from the first body of a branch to one of its bodies
 
@@ -24,15 +25,11 @@ Path path_to(const ir::KinematicTree& tree, int body) {
   return path;
 }
 
-// Against that about the joint of the first of these bodies: as much as rounding may cost them where the frame is far from them
-// and from the first body too.
-constexpr double near_enough = 30;
-
-// Of each body and those behind it the most that they can have about the origin of the path's last, slides at rest: Σ m d²,
-// kg m²; −1 of bodies that are not behind the path's first.
+// Of the path's first body, and of each behind it, the most that it and those behind it can have about the origin of the path's
+// last, slides at rest: Σ m d², kg m².
 std::vector<double> spreads(const ir::NormalTree& normal, const Path& path) {
-  std::vector<double> away(normal.bodies.size(), -1),
-      sums(normal.bodies.size(), -1);  // away: of their origins, along the joints
+  std::vector<double> away(normal.bodies.size(), -1);  // of their origins, along the joints; −1: not of the branch
+  std::vector<double> sums(normal.bodies.size(), 0);
   double length = 0;
   for (std::size_t i = path.size(); i-- > 0;) {
     away[static_cast<std::size_t>(path[i])] = length;
@@ -40,20 +37,20 @@ std::vector<double> spreads(const ir::NormalTree& normal, const Path& path) {
   }
   for (std::size_t k = 0; k < normal.bodies.size(); ++k) {
     const ir::NormalBody& n = normal.bodies[k];
-    if (n.parent >= 0 && away[k] < 0 && away[static_cast<std::size_t>(n.parent)] >= 0)
-      away[k] = away[static_cast<std::size_t>(n.parent)] + n.translation.norm();
+    const double before = n.parent < 0 ? -1 : away[static_cast<std::size_t>(n.parent)];
+    if (away[k] < 0 && before >= 0) away[k] = before + n.translation.norm();
     if (away[k] < 0) continue;
     const double reach = std::sqrt(std::max(0.0, n.own.second.trace())) + std::sqrt(n.own.mass) * away[k];
     sums[k] = reach * reach;
   }
   for (std::size_t k = normal.bodies.size(); k-- > 0;)
-    if (const int parent = normal.bodies[k].parent; parent >= 0 && sums[k] >= 0 && sums[static_cast<std::size_t>(parent)] >= 0)
+    if (const int parent = normal.bodies[k].parent; parent >= 0 && sums[k] > 0)
       sums[static_cast<std::size_t>(parent)] += sums[k];
   return sums;
 }
 
-// Whether masses are no farther than from the first body, all together and behind each joint: the lightest link has its row in
-// M.
+// Whether masses are no farther than from the first body, all together and behind each joint: M's smallest element is rounded
+// by the squared distances of what is behind its own.
 bool is_as_near(const ir::KinematicTree& tree, const ir::NormalTree& normal, const Path& path) {
   const auto slides = [&](int body) {
     return tree.bodies[static_cast<std::size_t>(body)].slides() && !tree.carries_reference(static_cast<std::size_t>(body));

@@ -104,31 +104,52 @@ TEST(Reference, IsChosenWhereItSavesOperations) {
   EXPECT_EQ(operations(model, true), operations(model, false));
 }
 
+// The furthest up that may be chosen, of M.
+std::vector<int> furthest(const ir::RobotDescription& arm, const ir::Scene& scene) {
+  const Model model = model_of(arm, scene);
+  const ir::NormalTree normal = passes::normalise(model.tree, passes::normalise_options(model.scene, true));
+  const ir::Algorithm algorithm = passes::describe(ir::functions_of(model.scene).front(), model.tree, normal, model.scene,
+                                                   ir::Solver::articulated_bodies, {}, {false, true})
+                                      .front();
+  const auto cost = [](const std::vector<int>& bodies) { return -bodies.front(); };
+  return passes::reference_bodies(algorithm, model.tree, normal, cost);
+}
+
+void make_light(ir::RobotDescription& arm, size_t link, double factor) {
+  arm.links[link].inertia->mass *= factor;
+  arm.links[link].inertia->inertia *= factor;
+}
+
 // The third of four bodies, 100 m along a light link, from the first two, which are heavy.
 TEST(Reference, IsNotFarFromWhatIsHeavy) {
   ir::RobotDescription arm = robot("chain_7");
   ir::Scene scene;
   scene.base = ir::Base::fixed;
   scene.outputs = {Quantity::mass_matrix};
-  const auto chosen = [&] {
-    const Model model = model_of(arm, scene);
-    const ir::NormalTree normal = passes::normalise(model.tree, passes::normalise_options(model.scene, true));
-    const ir::Algorithm algorithm = passes::describe(ir::functions_of(model.scene).front(), model.tree, normal, model.scene,
-                                                     ir::Solver::articulated_bodies, {}, {false, true})
-                                        .front();
-    // Further up is cheaper.
-    const auto cost = [](const std::vector<int>& bodies) { return -bodies.front(); };
-    return passes::reference_bodies(algorithm, model.tree, normal, cost);
-  };
+  const auto chosen = [&] { return furthest(arm, scene); };
   EXPECT_EQ(chosen(), std::vector<int>{4});
   arm.joints[3].origin.translation().x() += 100;
-  for (const size_t light : {4u, 5u, 6u, 7u}) {
-    arm.links[light].inertia->mass *= 1e-9;
-    arm.links[light].inertia->inertia *= 1e-9;
-  }
+  for (const size_t light : {4u, 5u, 6u, 7u}) make_light(arm, light, 1e-9);
   EXPECT_EQ(chosen(), std::vector<int>{2});
   scene.joints[arm.joints[2].name] = {ir::JointType::prismatic, 0, {0, 1, 0}};
   EXPECT_EQ(chosen(), std::vector<int>{1});
+}
+
+// A link beside a heavy boom 10 m away. Where it is light, its row of M would be rounded by ten metres squared.
+TEST(Reference, IsNotFarFromWhatIsLight) {
+  ir::RobotDescription crane = robot("chain_7");
+  crane.joints[2].parent = crane.joints[1].parent;
+  crane.children[1] = {1, 2}, crane.children[2].clear();
+  crane.joints[2].origin.translation().x() += 10;
+  crane.links[2].inertia->inertia *= 1e5;
+  ir::Scene scene;
+  scene.base = ir::Base::fixed;
+  scene.outputs = {Quantity::mass_matrix};
+  EXPECT_GT(furthest(crane, scene).front(), 1);
+  make_light(crane, 2, 1e-3);
+  EXPECT_GT(furthest(crane, scene).front(), 1);
+  crane.links[2].inertia->inertia *= 1e-5;
+  EXPECT_LE(furthest(crane, scene).front(), 1);  // the light link itself is as far from the boom as the first
 }
 
 }  // namespace
