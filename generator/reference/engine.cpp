@@ -170,6 +170,22 @@ double reach_of_masses(const ir::KinematicTree& tree) {
   return mass > 0 ? moments / mass : 0;
 }
 
+// How far points that contacts and loops hold may be from the base: levers that cancel where a joint's axis goes through one.
+double reach_of_constraints(const ir::KinematicTree& tree, const ir::Scene& scene) {
+  double reach = 0;
+  const auto add = [&](const std::string& link, const Eigen::Vector3d& at) {
+    const ir::LinkPlacement& placed = *tree.find_link(link);
+    double own = (placed.placement * at).norm();
+    for (int body = placed.body; body >= 0; body = tree.bodies[static_cast<std::size_t>(body)].parent)
+      own += tree.bodies[static_cast<std::size_t>(body)].placement.translation().norm();
+    reach = std::max(reach, own);
+  };
+  for (const ir::Contact& contact : scene.contacts) add(contact.link, contact.at);
+  for (const ir::Loop& loop : scene.loops)
+    for (std::size_t i = 0; i < 2; ++i) add(loop.links[i], loop.at[i].translation());
+  return reach;
+}
+
 }  // namespace
 
 double LeastScale::largest_weight(ir::Quantity quantity) {
@@ -236,6 +252,15 @@ double LeastScale::largest_of_loops() {
   return speed * inputs_.v.cwiseAbs().sum();
 }
 
+// Of rows of contacts and loops, where what joints do to a point cancels.
+double LeastScale::largest_lever(ir::Quantity quantity) {
+  const double reach = reach_of_constraints(tree_, scene_);
+  if (quantity != ir::Quantity::delassus_matrix) return reach;
+  const Eigen::MatrixXd inverse =
+      evaluate(tree_, scene_, {{ir::Quantity::inverse_mass_matrix, ""}}, inputs_, Precision::float64).front();
+  return reach * reach * inverse.cwiseAbs().maxCoeff();
+}
+
 // What wrenches on links push joints with, whatever cancels: one that turns with its link does not change with the link's
 // joint.
 double LeastScale::largest_push() {
@@ -268,12 +293,16 @@ double LeastScale::of(const Wanted& wanted) {
     case ir::Scale::own:
       // A joint whose axis goes through the centre of all that it moves does not move the centre of mass.
       if (*wanted.quantity == ir::Quantity::center_of_mass_jacobian) scale = reach_of_masses(tree_);
+      if (*wanted.quantity == ir::Quantity::constraint_jacobian) scale = largest_lever(*wanted.quantity);
       if (!wanted.selection.whole())
         scale = std::max(
             scale,
             evaluate(tree_, scene_, {{*wanted.quantity, ""}}, inputs_, Precision::float64).front().cwiseAbs().maxCoeff());
       break;
-    case ir::Scale::solved: return largest_turned(*wanted.quantity);
+    case ir::Scale::solved:
+      if (*wanted.quantity != ir::Quantity::delassus_matrix) return largest_turned(*wanted.quantity);
+      scale = largest_lever(*wanted.quantity);
+      break;
     case ir::Scale::constrained: return largest_free(*wanted.quantity);
     case ir::Scale::turning:
       scale = evaluate(tree_, scene_, {{jacobian_of(*wanted.quantity), ""}}, inputs_, Precision::float64)
@@ -281,7 +310,8 @@ double LeastScale::of(const Wanted& wanted) {
                   .cwiseAbs()
                   .maxCoeff() *
               rate * rate;
-      if (*wanted.quantity == ir::Quantity::constraint_bias) scale = std::max(scale, largest_of_loops());
+      if (*wanted.quantity == ir::Quantity::constraint_bias)
+        scale = std::max({scale, largest_of_loops(), largest_lever(*wanted.quantity) * rate * rate});
       break;
     case ir::Scale::momentum: scale = largest_mass() * rate; break;
     case ir::Scale::weight: scale = largest_weight(*wanted.quantity); break;

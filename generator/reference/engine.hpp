@@ -68,6 +68,7 @@ class LeastScale {
   double largest_weight(ir::Quantity quantity);  // over directions of gravity
   double largest_free(ir::Quantity quantity);    // of accelerations and velocities that contacts keep down
   double largest_of_loops();
+  double largest_lever(ir::Quantity quantity);  // of constraints' points
   double largest_push();
   double largest_turned(ir::Quantity quantity);  // of what cancels in derivatives of v'
 

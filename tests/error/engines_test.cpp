@@ -324,6 +324,15 @@ TEST(Check, MeasuresWhatVanishesAgainstWhatItIsMadeOf) {
   }
 }
 
+// Nor does a joint move a point on its own axis: rows that are rounding, and what is made of them.
+TEST(Check, MeasuresRowsOfPointsThatNothingMovesAgainstTheirLevers) {
+  const Outcome outcome = run_dalembert(
+      {"check", ERROR_ROBOTS "/../robots/two_branches_at_base.urdf", "--base", "fixed", "--contacts", "{b_01: point}",
+       "--functions", "rows=constraint_jacobian,constraint_bias,delassus_matrix", "--outputs", "[]", quickly[0], quickly[1]},
+      ".");
+  EXPECT_EQ(outcome.status, 0) << outcome.err << outcome.out;
+}
+
 // A robot without any mass has Jacobians, and no dynamics.
 TEST(Eval, NeedsAMassForDynamicsOnly) {
   const std::string robot = ERROR_ROBOTS "/no_mass_at_all.urdf";
