@@ -258,7 +258,9 @@ double LeastScale::largest_lever(ir::Quantity quantity) {
   if (quantity != ir::Quantity::delassus_matrix) return reach;
   const Eigen::MatrixXd inverse =
       evaluate(tree_, scene_, {{ir::Quantity::inverse_mass_matrix, ""}}, inputs_, Precision::float64).front();
-  return reach * reach * inverse.cwiseAbs().maxCoeff();
+  double largest = 0;  // of what stands above them
+  for (const int k : ir::constraint_paths(tree_, scene_).moving()) largest = std::max(largest, inverse(k, k));
+  return reach * reach * largest;
 }
 
 // What wrenches on links push joints with, whatever cancels: one that turns with its link does not change with the link's
