@@ -36,7 +36,7 @@ void append(std::vector<char>& to, const Eigen::VectorXd& numbers) {
 BatchEngine::BatchEngine(const Model& whole, const std::vector<Output>& outputs, const CompilerOptions& options)
     : model_(asked_for(whole, outputs)),
       code_(model_.name, compile_without_self_test(model_), options),
-      acting_setters_(model_, code_) {
+      input_setters_(model_, code_) {
   for (const ir::EmittedFunction& f : ir::functions_of(model_.scene)) {
     const std::string name = model_.name + "_batch_" + f.name;
     Call call{f.name, reinterpret_cast<void*>(code_.function<void()>(name)), {}, {}, {}};
@@ -107,7 +107,7 @@ void BatchEngine::evaluate(const std::vector<State>& states) {
   const bool single = scalar_bytes(model_) == 4;
   const Columns all = single ? columns<float>(states) : columns<double>(states);
   run(all);
-  const auto otherwise = [](const State& state) { return !state.acting.active.empty(); };
+  const auto otherwise = [](const State& state) { return !state.acting.active.empty() || !state.loading.empty(); };
   if (std::none_of(states.begin(), states.end(), otherwise)) return;
   const std::unique_ptr<void, void (*)(void*)> workspace(code_.function<void*()>(model_.name + "_create")(),
                                                          code_.function<void(void*)>(model_.name + "_destroy"));
@@ -115,8 +115,8 @@ void BatchEngine::evaluate(const std::vector<State>& states) {
   std::vector<Call> results = calls_;
   for (size_t s = 0; s < states.size(); ++s) {
     if (!otherwise(states[s])) continue;
-    single ? acting_setters_.set<float>(states[s].acting, workspace.get())
-           : acting_setters_.set<double>(states[s].acting, workspace.get());
+    single ? input_setters_.set<float>(states[s].acting, states[s].loading, workspace.get())
+           : input_setters_.set<double>(states[s].acting, states[s].loading, workspace.get());
     run(all, workspace.get());
     for (size_t c = 0; c < results.size(); ++c) {
       results[c].status[s] = calls_[c].status[s];

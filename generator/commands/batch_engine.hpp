@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "commands/acting_setters.hpp"
 #include "commands/compiler.hpp"
+#include "commands/input_setters.hpp"
 #include "commands/output.hpp"
 #include "commands/state_file.hpp"
 #include "commands/timing.hpp"
@@ -71,7 +71,7 @@ class BatchEngine {
 
   Model model_;
   LoadedCode code_;
-  ActingSetters acting_setters_;
+  InputSetters input_setters_;
   std::vector<Call> calls_;
 };
 

@@ -76,7 +76,7 @@ GeneratedEngine::GeneratedEngine(const Model& whole, const std::vector<Output>& 
                       task_graphs_ ? function(task_graphs_call(name_, f.name)) : nullptr});
   for (const ir::ExternalWrench& wrench : model.scene.wrenches)
     wrench_setters_.push_back(function(name_ + "_set_wrench_" + ir::identifier(wrench.link)));
-  acting_setters_ = ActingSetters(model, code_);
+  input_setters_ = InputSetters(model, code_);
 }
 
 template <class Scalar>
@@ -93,7 +93,7 @@ void GeneratedEngine::set_inputs(const State& state) {
   const Eigen::VectorX<Scalar> values = state.wrenches.cast<Scalar>();
   for (size_t i = 0; i < wrench_setters_.size() && values.size() > 0; ++i)
     reinterpret_cast<void (*)(const Scalar*, Workspace*)>(wrench_setters_[i])(values.data() + 6 * i, workspace_.get());
-  acting_setters_.set<Scalar>(state.acting, workspace_.get());
+  input_setters_.set<Scalar>(state.acting, state.loading, workspace_.get());
 }
 
 template <class Scalar>

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "commands/acting_setters.hpp"
 #include "commands/compiler.hpp"
+#include "commands/input_setters.hpp"
 #include "commands/output.hpp"
 #include "commands/state_file.hpp"
 #include "commands/timing.hpp"
@@ -84,7 +84,7 @@ class GeneratedEngine {
 
   std::vector<Call> calls_;
   std::vector<void*> wrench_setters_;  // void(const Scalar* wrench, Workspace*), of the scene's in order
-  ActingSetters acting_setters_;
+  InputSetters input_setters_;
   std::unique_ptr<Workspace, void (*)(Workspace*)> workspace_;
   std::unique_ptr<TaskGraphs, void (*)(TaskGraphs*)> task_graphs_;
   bool by_task_graph_ = false;

@@ -12,7 +12,9 @@ Eigen::MatrixXd evaluate(const Model& model, const Output& output, const State& 
 
 }  // namespace
 
-reference::Inputs inputs(const State& state) { return {state.q, state.v, state.more, state.wrenches, state.acting}; }
+reference::Inputs inputs(const State& state) {
+  return {state.q, state.v, state.more, state.wrenches, state.acting, state.loading};
+}
 
 Eigen::MatrixXd evaluate_generic(const Model& model, const Output& output, const State& state) {
   return evaluate(model, output, state, reference::Precision::float64);

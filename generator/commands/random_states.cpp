@@ -2,9 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <cstdint>
 #include <numbers>
 #include <random>
+
+#include "reference/loading.hpp"
 
 namespace dalembert {
 
@@ -60,6 +63,24 @@ ir::Acting random_acting(const ir::Scene& scene, unsigned number) {
   acting.regularization.resize(scene.constraint_rows());
   for (double& more : acting.regularization) more = uniform(0.1, 1);
   return acting;
+}
+
+ir::Loading random_loading(const ir::KinematicTree& tree, const ir::Scene& scene, unsigned number) {
+  Uniform uniform(number);
+  ir::Loading loading;
+  for (std::size_t i = 0; i < scene.payloads.size(); ++i) {
+    ir::Inertia payload = reference::make_payload(tree, static_cast<int>(i));
+    const double more = uniform(0.2, 2);
+    payload.mass *= more;
+    payload.inertia *= more;
+    for (double& x : payload.com) x = uniform(-0.1, 0.1);
+    loading.payloads.push_back(payload);
+  }
+  if (scene.gravity_kind == ir::GravityKind::run_time) {
+    const double z = uniform(-1, 1), angle = uniform(-std::numbers::pi, std::numbers::pi), away = std::sqrt(1 - z * z);
+    loading.gravity = uniform(5, 12) * Eigen::Vector3d(away * std::cos(angle), away * std::sin(angle), z);
+  }
+  return loading;
 }
 
 }  // namespace dalembert

@@ -18,4 +18,8 @@ std::vector<State> random_states(const ir::KinematicTree& tree, int count);
 // and 1. Another draw for each number.
 ir::Acting random_acting(const ir::Scene& scene, unsigned number);
 
+// What the scene's robot may carry: compact payloads, up to as heavy as a link is; and where gravity is given at run time, one
+// of 5 to 12 m/s² in any direction. Another draw for each number.
+ir::Loading random_loading(const ir::KinematicTree& tree, const ir::Scene& scene, unsigned number);
+
 }  // namespace dalembert

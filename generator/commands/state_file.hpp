@@ -9,6 +9,7 @@
 #include "ir/acting.hpp"
 #include "ir/function.hpp"
 #include "ir/kinematic_tree.hpp"
+#include "ir/loading.hpp"
 
 namespace dalembert {
 
@@ -19,6 +20,7 @@ struct State {
   Eigen::VectorXd more{};      // nv: what the function takes besides; empty where it takes nothing
   Eigen::VectorXd wrenches{};  // six numbers for each of the scene's, where the function takes something besides
   ir::Acting acting{};         // as in a new workspace, where the state is a file's
+  ir::Loading loading{};       // likewise
 };
 
 // What is read of a file or a pipe: some hundred thousand states of a humanoid.

@@ -8,6 +8,7 @@
 #include "ir/constraint_paths.hpp"
 #include "reference/digits50.hpp"
 #include "reference/eigenvalues.hpp"
+#include "reference/loading.hpp"
 
 namespace dalembert::reference {
 
@@ -23,6 +24,14 @@ std::vector<Eigen::MatrixXd> evaluate_whole(const ir::KinematicTree& tree, const
 
 std::vector<Eigen::MatrixXd> evaluate(const ir::KinematicTree& tree, const ir::Scene& scene, const std::vector<Wanted>& wanted,
                                       const Inputs& inputs, Precision precision) {
+  if (!inputs.loading.empty()) {
+    ir::KinematicTree loaded = tree;
+    ir::Scene own = scene;
+    load(inputs.loading, loaded, own);
+    Inputs others = inputs;
+    others.loading = {};
+    return evaluate(loaded, own, wanted, others, precision);
+  }
   std::vector<Eigen::MatrixXd> results = evaluate_whole(tree, scene, wanted, inputs, precision);
   for (std::size_t i = 0; i < wanted.size(); ++i)
     if (!wanted[i].selection.whole()) results[i] = wanted[i].selection.of(results[i]);
@@ -61,8 +70,9 @@ Eigen::VectorXd relative_eigenvalues(Eigen::MatrixXd D) {
     D.row(i) /= length;
     D.col(i) /= length;
   }
-  const Eigen::VectorXd values = eigenvalues(D);
-  return values / values.maxCoeff();
+  Eigen::VectorXd values = eigenvalues(D);
+  if (const double largest = values.maxCoeff(); largest > 0) values /= largest;
+  return values;
 }
 
 // To a proximal step an eigenvalue of up to so many mu is none.
@@ -114,7 +124,7 @@ double condition_of_solution(const Wanted& wanted, const ir::KinematicTree& tree
   if (ir::row_of(*wanted.quantity).scale == ir::Scale::supported) return support_condition(tree, scene, inputs);
   if (!ir::is_solved(ir::row_of(*wanted.quantity).scale)) return 0;
   const double of_mass = mass_condition(tree, scene, inputs);
-  if (ir::row_of(*wanted.quantity).scale == ir::Scale::solved) return of_mass;
+  if (ir::row_of(*wanted.quantity).scale == ir::Scale::solved || !std::isfinite(of_mass)) return of_mass;
   // Where rows say the same, and at velocities that contradict them, forces are 1/mu of what is asked for, and cancel; as they
   // turn with q, forces without meaning ask for others 1/mu as large.
   const bool by_q = *wanted.quantity == ir::Quantity::constrained_forward_dynamics_dq ||
@@ -192,9 +202,11 @@ double LeastScale::largest_weight(ir::Quantity quantity) {
   if (const auto known = weight_.find(quantity); known != weight_.end()) return known->second;
   double& largest = weight_[quantity] = moments_about_base(tree_, scene_.gravity.norm());
   ir::Scene turned = scene_;
+  Inputs inputs = inputs_;
+  inputs.loading.gravity.reset();
   for (int i = 0; i < 3; ++i) {
     turned.gravity = scene_.gravity.norm() * Eigen::Vector3d::Unit(i);
-    const Eigen::MatrixXd result = evaluate(tree_, turned, {{quantity, ""}}, inputs_, Precision::float64).front();
+    const Eigen::MatrixXd result = evaluate(tree_, turned, {{quantity, ""}}, inputs, Precision::float64).front();
     largest = std::max(largest, result.cwiseAbs().maxCoeff());
   }
   return largest;

@@ -9,6 +9,7 @@
 
 #include "ir/acting.hpp"
 #include "ir/kinematic_tree.hpp"
+#include "ir/loading.hpp"
 #include "ir/part.hpp"
 #include "ir/scene.hpp"
 
@@ -29,12 +30,13 @@ struct Inputs {
       more{};  // nv: what the function of the quantity takes besides (ir/function.hpp); empty where it takes nothing
   Eigen::VectorXd wrenches{};  // six numbers for each of the scene's; empty: all are zero
   ir::Acting acting{};         // of the scene's constraints
+  ir::Loading loading{};       // of the scene's payloads, and gravity where it is given at run time
 };
 
 enum class Precision { float32, float64, extended, digits_50 };  // extended: long double
 
-// The results, each rows × columns that are asked for, computed in the precision and then rounded to double. Gravity is the
-// scene's, whatever its kind; velocities count as zero where the scene says so.
+// The results, each rows × columns that are asked for, computed in the precision and then rounded to double. Gravity that
+// the inputs do not give is the scene's, whatever its kind; velocities count as zero where the scene says so.
 std::vector<Eigen::MatrixXd> evaluate(const ir::KinematicTree& tree, const ir::Scene& scene, const std::vector<Wanted>& wanted,
                                       const Inputs& inputs, Precision precision);
 

@@ -10,8 +10,8 @@
 
 #include "ir/emitted_function.hpp"
 #include "ir/implicit_joints.hpp"
-#include "passes/combine_inertia.hpp"
 #include "reference/engine.hpp"
+#include "reference/loading.hpp"
 
 namespace dalembert::reference {
 
@@ -65,33 +65,20 @@ ir::SelfTest::State make_state(const ir::KinematicTree& tree, int turns, Uniform
   return state;
 }
 
-// Payloads half as heavy as a link, compact, their principal axes askew.
-ir::Inertia make_payload(const ir::KinematicTree& tree, int index, ir::ScalarType scalar) {
-  double mass = tree.base.mass;
-  for (const ir::Body& body : tree.bodies) mass += body.inertia.mass;
-  mass *= 0.5 / (tree.joints() + 1);
-  const double m = mass > 0 ? mass / (1 + index) : 1;
-  ir::Inertia payload{m, {0.05, -0.03, 0.07}, Eigen::Matrix3d()};
-  payload.inertia << 5.1e-3, 3e-4, -2e-4, 3e-4, 6.3e-3, 4e-4, -2e-4, 4e-4, 4.7e-3;
-  payload.inertia *= m;
-  const auto round = [&](double x) { return rounded(x, scalar); };
-  return {round(payload.mass), payload.com.unaryExpr(round), payload.inertia.unaryExpr(round)};
-}
-
 // The robot with its run-time inputs set: gravity in the scene, payloads in the tree.
 void set_inputs(ir::SelfTest& test, ir::KinematicTree& tree, ir::Scene& scene) {
+  const auto round = [&](double x) { return rounded(x, scene.scalar); };
   test.gravity = rounded(Eigen::Vector3d(1.3, -2.1, -8.7), scene.scalar);
-  if (scene.gravity_kind == ir::GravityKind::run_time) scene.gravity = test.gravity;
   test.wrenches.resize(6 * static_cast<Eigen::Index>(scene.wrenches.size()));
   for (Eigen::Index i = 0; i < test.wrenches.size(); ++i)
-    test.wrenches[i] = rounded((i % 2 ? -2.25 : 3.5) * static_cast<double>(i + 1), scene.scalar);
-  const ir::KinematicTree empty = tree;
-  for (const std::string& link : scene.payloads) {
-    test.payloads.push_back(make_payload(empty, static_cast<int>(test.payloads.size()), scene.scalar));
-    const ir::LinkPlacement* const placed = tree.find_link(link);
-    ir::Inertia& carrier = placed->body < 0 ? tree.base : tree.bodies[static_cast<size_t>(placed->body)].inertia;
-    carrier = passes::combined({carrier, passes::moved(test.payloads.back(), placed->placement)});
+    test.wrenches[i] = round((i % 2 ? -2.25 : 3.5) * static_cast<double>(i + 1));
+  for (std::size_t i = 0; i < scene.payloads.size(); ++i) {
+    const ir::Inertia payload = make_payload(tree, static_cast<int>(i));
+    test.payloads.push_back({round(payload.mass), payload.com.unaryExpr(round), payload.inertia.unaryExpr(round)});
   }
+  ir::Loading loading{test.payloads, {}};
+  if (scene.gravity_kind == ir::GravityKind::run_time) loading.gravity = test.gravity;
+  load(loading, tree, scene);
 }
 
 // Bodies with each of their ancestors, which is what the generic engine's time goes with.

@@ -333,6 +333,18 @@ TEST(Check, MeasuresRowsOfPointsThatNothingMovesAgainstTheirLevers) {
   EXPECT_EQ(outcome.status, 0) << outcome.err << outcome.out;
 }
 
+// M of which nothing is left at any state is no agreement of zeros: a point mass on its own joint's axis, held and not.
+TEST(Check, DoesNotTellWhereMIsSingularAtEveryState) {
+  for (const char* output : {"constrained_forward_dynamics", "delassus_matrix", "impact"}) {
+    const Outcome outcome = run_dalembert({"check", ERROR_ROBOTS "/point_mass_on_axis.urdf", "--base", "fixed", "--payloads",
+                                           "b", "--contacts", "b=point", "--outputs", output, quickly[0], quickly[1]},
+                                          ".");
+    EXPECT_EQ(outcome.status, 0) << outcome.err << outcome.out;
+    EXPECT_NE(outcome.out.find("  not told\n"), outcome.out.npos) << outcome.err << outcome.out;
+    EXPECT_NE(outcome.out.find("in half of them payloads, some contacts"), outcome.out.npos) << outcome.out;
+  }
+}
+
 // A robot without any mass has Jacobians, and no dynamics.
 TEST(Eval, NeedsAMassForDynamicsOnly) {
   const std::string robot = ERROR_ROBOTS "/no_mass_at_all.urdf";
