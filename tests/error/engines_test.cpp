@@ -345,6 +345,15 @@ TEST(Check, DoesNotTellWhereMIsSingularAtEveryState) {
   }
 }
 
+// Twenty kilometres from the base the generic engine, which takes moments about the base, loses what emitted code keeps.
+TEST(Check, SaysWhereTheGenericEngineIsOff) {
+  const Outcome outcome = run_dalembert(
+      {"check", ERROR_ROBOTS "/far_from_base.urdf", "--base", "fixed", "--outputs", "mass_matrix", quickly[0], quickly[1]},
+      ".");
+  EXPECT_EQ(outcome.status, 0) << outcome.err << outcome.out;
+  EXPECT_NE(outcome.out.find("  the generic engine is off\n"), outcome.out.npos) << outcome.out;
+}
+
 // A robot without any mass has Jacobians, and no dynamics.
 TEST(Eval, NeedsAMassForDynamicsOnly) {
   const std::string robot = ERROR_ROBOTS "/no_mass_at_all.urdf";

@@ -339,6 +339,7 @@ const Case sound[] = {
     {"comments_between_tags", "j: revolute, 0 0 1 -> b"},
     {"comments_beside_robot", "robot r (r)"},
     {"doctype", "robot r (r)"},
+    {"far_from_base", "2 moving joints"},
     {"floating_root", "floating base 'a', 1 moving joints, 2 links"},
     {"latin1", "-> b\u00e9, 1 kg"},
     {"light_base", "floating base 'a'"},
