@@ -31,11 +31,11 @@ endfunction()
 # dalembert_read_eigen_precompiled(DIRECTORY...)   the targets there and below that have no precompiled header of their own: tests
 #                                                  and examples, whose emitted code is many small files
 #
-# A target whose sources define EIGEN_... before they include Eigen, or whose objects are looked into, has the property
-# DALEMBERT_EIGEN_AS_IT_IS.
+# A target whose sources define EIGEN_... before they include Eigen, or have flags that it was not compiled with, or whose objects are
+# looked into, has the property DALEMBERT_EIGEN_AS_IT_IS.
 function(dalembert_read_eigen_precompiled)
   get_property(flags GLOBAL PROPERTY DALEMBERT_PRECOMPILED_EIGEN)
-  if(CMAKE_BUILD_TYPE STREQUAL "Debug" OR NOT CMAKE_CXX_COMPILER_ID STREQUAL "GNU" OR NOT flags)
+  if(CMAKE_BUILD_TYPE STREQUAL "Debug" OR NOT CMAKE_CXX_COMPILER_ID MATCHES "^(GNU|Clang)$" OR NOT flags)
     return()
   endif()
   foreach(directory IN LISTS ARGN)

@@ -7,9 +7,9 @@ cd "$(dirname "$0")/.."
 
 echo "== Packages"
 sh cmake/setup.sh build example test
-echo "== Configuring (build/release)"
-cmake --preset release -DDALEMBERT_BUILD_BENCHMARKS=OFF -DDALEMBERT_LONG_TESTS=OFF
+echo "== Configuring (build/landing)"
+cmake --preset landing
 echo "== Building"
-cmake --build --preset release -j "$(nproc)"
+cmake --build --preset landing -j "$(nproc)"
 echo "== Testing"
-exec ctest --preset release -j "$(nproc)" "$@"
+exec ctest --preset landing -j "$(nproc)" "$@"

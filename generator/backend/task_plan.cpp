@@ -316,7 +316,8 @@ TaskPlan plan_apart(const CodeInput& code) {
   }
   // The base's elements are the caller's.
   for (const ir::BaseStage& b : code.rolled.base)
-    if (!b.elements.empty() && plan.end->calls.empty()) plan.end->calls.push_back("static_cast<void>(scratch)");
+    if (!b.elements.empty() && plan.end->calls.empty())
+      plan.end->calls.push_back("static_cast<void>(scratch), static_cast<void>(w)");
   return plan;
 }
 

@@ -15,7 +15,11 @@ PyObject *singular_error = nullptr, *singular_warning = nullptr, *stopped_warnin
 PyObject *name_out = nullptr, *name_status = nullptr, *name_constraints = nullptr, *name_q = nullptr, *name_v = nullptr,
          *name_active = nullptr;
 PyTypeObject* constraint_status_type = nullptr;
-PyTypeObject function_type = {PyVarObject_HEAD_INIT(nullptr, 0)};
+PyTypeObject function_type = [] {
+  PyTypeObject type{};
+  type.ob_base = {PyObject_HEAD_INIT(nullptr) 0};
+  return type;
+}();
 
 namespace {
 
