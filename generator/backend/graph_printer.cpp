@@ -197,10 +197,10 @@ class Printer {
       case Op::sine:
       case Op::cosine: return {style_.sine_or_cosine(graph_, id), atom, 0, {}};
       case Op::sign: {
-        // In lanes both numbers must be of the lanes' type.
-        return {fmt::format("({0} > 0 ? {1} : {2}) - ({0} < 0 ? {1} : {2})", operand(n.a, product), literal(1, style_.scalar),
-                            literal(0, style_.scalar)),
-                sum,
+        // In lanes numbers must be of the lanes' type. What is no number stays none.
+        return {fmt::format("({0} > 0 ? {1} : ({0} < 0 ? {2} : {0}))", operand(n.a, product), literal(1, style_.scalar),
+                            literal(-1, style_.scalar)),
+                atom,
                 2,
                 {}};
       }

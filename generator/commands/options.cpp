@@ -80,7 +80,7 @@ SharedOptions::SharedOptions(CLI::App& command) {
       .add_option("ROBOT", request_.robot, "URDF file; a .xacro is expanded by the program xacro, a .sdf read by libsdformat")
       ->required()
       ->type_name("FILE");
-  command.add_option("--scene", request_.scene_file, "scene file (YAML); the options below are its keys and override it")
+  command.add_option("--scene", request_.scene_file, "scene file (YAML); keys that are given as options, too, override it")
       ->type_name("FILE");
   command.add_option("--name", request_.name, "namespace of the generated code, default: the robot's name")->type_name("NAME");
   command

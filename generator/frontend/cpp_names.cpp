@@ -40,8 +40,11 @@ std::unordered_map<std::string, std::string> rename(const std::string& file, std
       continue;
     }
     const std::string was = place(element), old = element.name;
+    // Where all names that begin so are reserved, no ending helps.
+    const bool by_beginning = !reserved(ir::identifier(old + '_'), are_joints).empty();
+    const std::string stem = by_beginning ? "joint_" + old : old;
     int& ending = tried[identifier];
-    do element.name = ++ending == 1 ? old + '_' : fmt::format("{}_{}", old, ending);
+    do element.name = ++ending > 1 ? fmt::format("{}_{}", stem, ending) : by_beginning ? stem : stem + '_';
     while (names.count(ir::identifier(element.name)) || !reserved(ir::identifier(element.name), are_joints).empty());
     names.insert(ir::identifier(element.name));
     renamed.emplace(old, element.name);

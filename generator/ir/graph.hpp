@@ -74,8 +74,8 @@ class Graph {
   // Makes room for about so many nodes: growing to millions of them step by step takes as long as making them.
   void reserve(std::size_t nodes);
 
-  // The node of that value: one there is already or a new one. Angles in rad; sign(x) is −1, 0 or 1. Operands are nodes of
-  // this graph.
+  // The node of that value: one there is already or a new one. Angles in rad; sign(x) is −1, 0 or 1, of what is no number
+  // itself. Operands are nodes of this graph.
   NodeId constant(double value);
   NodeId input(Input input);
   NodeId sine(NodeId a) { return unary(Op::sine, a); }

@@ -13,7 +13,8 @@ namespace dalembert::ir {
 // "/j1" → "_j1", "left-arm 2" → "left_arm_2", "3dof" → "_3dof". An empty name gives "_".
 std::string identifier(std::string_view name);
 
-// Whether the text is reserved by the language: a keyword up to C++20 or an alternative token such as `and`.
+// Whether the text is reserved by the language: a keyword up to C++20, of g++ or clang++ besides, or an alternative token such
+// as `and`.
 bool is_cpp_keyword(std::string_view text);
 
 }  // namespace dalembert::ir

@@ -50,7 +50,7 @@ void EvaluatedRows::evaluate(const double* q, const double* rate) {
       case Op::input: value = n.input.kind == InputKind::position ? q[n.input.index] : rate[n.input.index]; break;
       case Op::sine: value = std::sin(of(n.a)); break;
       case Op::cosine: value = std::cos(of(n.a)); break;
-      case Op::sign: value = static_cast<double>((of(n.a) > 0) - (of(n.a) < 0)); break;
+      case Op::sign: value = of(n.a) > 0 ? 1 : of(n.a) < 0 ? -1 : of(n.a); break;
       case Op::negate: value = -of(n.a); break;
       case Op::add: value = of(n.a) + of(n.b); break;
       case Op::subtract: value = of(n.a) - of(n.b); break;

@@ -68,10 +68,9 @@ bool can_hold(PyObject* who, PyObject* name, Holds holds, const void* numbers, i
   };
   for (npy_intp i = 0; i < size; ++i) {
     const bool none_below = holds != Holds::nothing && i >= before;
-    if (!std::isfinite(number(i)) || (none_below && number(i) < 0))
-      return complain(i, holds != Holds::nothing && i == 0 ? "true or false"
-                         : none_below                      ? "a finite number, zero or more"
-                                                           : "a finite number");
+    const bool switches = holds != Holds::nothing && i == 0;  // which is not off
+    if (!std::isfinite(number(i)) || (none_below && number(i) < 0) || (switches && number(i) != 1))
+      return complain(i, switches ? "true or false" : none_below ? "a finite number, zero or more" : "a finite number");
   }
   if (holds == Holds::contact && rows == 6 && number(1) != 0 && number(7) == 0 && number(8) == 0 && number(9) == 0)
     return number(10) != 0 || complain(10, "a quaternion x y z w in anchor[3] to anchor[6], such as 0 0 0 1: it has no length");

@@ -222,6 +222,8 @@ const Case doubts[] = {
      "link 'b' (line 11): warning: <inertia> has no iyz: zero is taken; give all of ixx, ixy, ixz, iyy, iyz, izz in kg m²"},
     {"inertia_but_no_mass_on_a_slide",
      "joint 'j': warning: nothing that moves there has a mass: M is singular; lock such joints with massless: lock in the scene, give the links <inertial>, or the joints an armature in the scene"},
+    {"joint_of_the_compiler",
+     "joint 'typeof' (line 14): warning: the name is a keyword of C++; it is called 'typeof_' here"},
     {"keyword_joint",
      "joint 'xor' (line 14): warning: the name is a keyword of C++; it is called 'xor_' here"},
     {"keyword_link",
@@ -234,6 +236,8 @@ const Case doubts[] = {
      "link 'b' (line 11): warning: <inertia> has ixy=\"0.1\" and iyx=\"0\": ixy is taken; leave out the wrong one (the first of 2 such warnings; --verbose shows all)"},
     {"macro_joint",
      "joint 'NAN' (line 14): warning: the name is a macro of the C++ library; it is called 'NAN_' here"},
+    {"macro_prefix_joint",
+     "joint 'TBB_arm' (line 14): warning: the name is a macro of the C++ library; it is called 'joint_TBB_arm' here"},
     {"malformed_damping",
      "joint 'j' (line 18): warning: <dynamics damping=\"0.1 Nms\"> is not a number: it is not used; write finite decimal numbers such as 0.25 or 1e-3\n"
      "joint 'j': warning: <dynamics damping> is left out; ask for it with damping: urdf in the scene\n"

@@ -194,6 +194,13 @@ class Rollouts(unittest.TestCase):
         _, status = single.forward_dynamics_rollout(q, v, tau, time_step=self.h, return_status=True)
         self.assertEqual(status.tolist(), [5 if m == 2 else -1 for m in range(self.n)])
 
+    def test_one_array_for_both_results_is_refused(self):
+        b = np.zeros((self.n, arm.nv))
+        with self.assertRaisesRegex(ValueError, "out's two arrays share memory"):
+            arm.forward_dynamics_rollout(self.q, self.v, self.tau, time_step=self.h, out=(b, b))
+        with self.assertRaisesRegex(TypeError, "no argument 'a'"):
+            arm.forward_dynamics_rollout(self.q, self.v, a=self.tau, time_step=self.h)
+
     def test_wrong_ones_are_refused_by_name(self):
         f, Q, V, TAU, nv = double.forward_dynamics_rollout, self.Q, self.V, self.TAU, double.nv
         h = dict(time_step=self.h)
@@ -284,7 +291,7 @@ class ConstraintStatuses(unittest.TestCase):
         before = r.contact_held.tolist()
         for text, contact in (
                 (r"contact_held: kp is inf, expected a finite number", Contact(kp=inf)), (r"kd is nan", Contact(kd=nan)),
-                (r"active is nan, expected true or false", Contact(active=nan)), (r"restitution is -inf", Contact(restitution=-inf)),
+                (r"active is nan, expected true or false", Contact(active=nan)), (r"active is 0.5, expected true", Contact(active=0.5)), (r"restitution is -inf", Contact(restitution=-inf)),
                 (r"anchor\[2\] is inf", Contact(anchor=(0, 0, inf, 0, 0, 0, 1))),
                 (r"anchor\[6\] is 0.0, expected a quaternion x y z w in anchor\[3\]", Contact(kp=1, anchor=(0,) * 7)),
                 (r"regularization\[5\] is inf, expected a finite number, zero or more", Contact(regularization=with_last(inf))),
@@ -411,6 +418,8 @@ class SwitchedContacts(unittest.TestCase):
         for error, text, call in (
                 (ValueError, r"active has shape \(19, 6, 2\), expected \(steps, 3\) for all motions or \(n, steps, 3\)",
                  lambda: f(self.Q, self.V, self.TAU, active=self.active[:, :, :2], **h)),
+                (ValueError, r"active is 0.5 somewhere, expected true or false",
+                 lambda: f(self.Q, self.V, self.TAU, active=0.5 * self.active, **h)),
                 (ValueError, r"active has 5 steps, and tau has 6", lambda: f(self.Q, self.V, self.TAU, active=self.active[:, :5], **h)),
                 (ValueError, r"active has 6 steps, and `steps` is 7", lambda: f(self.Q, self.V, active=self.active, steps=7, **h)),
                 (ValueError, r"q has 19 motions and active has 5", lambda: f(self.Q, self.V, active=self.active[:5], **h)),
@@ -846,6 +855,37 @@ class Loading(unittest.TestCase):
         ):
             with self.subTest(text), self.assertRaisesRegex(error, text):
                 call()
+
+    def test_of_what_was_given_then(self):
+        """Whatever becomes of the caller's objects, files and working directory."""
+        text = pathlib.Path(robots.robot("double_pendulum")).read_text().replace("link_01_joint", "NaN_joint").replace("link_02_joint", "b")
+        here = os.getcwd()
+        with tempfile.TemporaryDirectory() as folder:
+            try:
+                for name in ("there", "elsewhere"):
+                    os.mkdir(os.path.join(folder, name))
+                os.chdir(os.path.join(folder, "there"))
+                pathlib.Path("arm.urdf").write_text(text)
+                pathlib.Path("scene.yaml").write_text("base: fixed\nlocked: [b]\n")
+                outputs = ["bias"]
+                arm = dalembert.load("arm.urdf", scene="scene.yaml", outputs=outputs, friction={"NaN_joint": 2.0}, flags=robots.quick)
+                outputs.append("mass_matrix")
+                os.chdir(os.path.join(folder, "elsewhere"))
+                self.assertEqual((arm.nv, arm.info()["nv"]), (1, 1))
+                self.assertNotIn("mass_matrix", arm.info()["quantities"])
+                # Its joint has one velocity, of which friction reads the sign alone.
+                self.assertTrue(np.isnan(arm.bias([0.0], [np.nan])).all())
+                self.assertTrue(np.isnan(arm.bias(np.zeros((9, 1)), np.full((9, 1), np.nan))).all())
+                kept = pickle.dumps(arm)
+                pathlib.Path("../there/arm.urdf").write_text(text.replace('mass value="', 'mass value="2'))
+                self.assertEqual(pickle.loads(kept).bias([0.3], [1.0]), arm.bias([0.3], [1.0]))
+                for file in arm._folder.iterdir():  # as `dalembert cache --clear` does, of others nothing
+                    if file.is_file():
+                        file.unlink()
+                with self.assertRaisesRegex(ValueError, "arm.urdf is not what it was when the robot that is pickled was loaded"):
+                    pickle.loads(kept)
+            finally:
+                os.chdir(here)
 
     def test_what_is_passed_over_is_warned_about(self):
         with self.assertWarnsRegex(dalembert.InputWarning, "unknown"):

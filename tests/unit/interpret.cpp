@@ -29,7 +29,7 @@ std::vector<Scalar> interpret(const Graph& graph, const InputValue& input) {
       case Op::input: v = input(n.input); break;
       case Op::sine: v = sin(at(n.a)); break;
       case Op::cosine: v = cos(at(n.a)); break;
-      case Op::sign: v = Scalar((at(n.a) > Scalar(0)) - (at(n.a) < Scalar(0))); break;
+      case Op::sign: v = at(n.a) > Scalar(0) ? Scalar(1) : at(n.a) < Scalar(0) ? Scalar(-1) : at(n.a); break;
       case Op::negate: v = -at(n.a); break;
       case Op::add: v = at(n.a) + at(n.b); break;
       case Op::subtract: v = at(n.a) - at(n.b); break;

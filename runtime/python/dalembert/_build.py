@@ -3,6 +3,7 @@
 import difflib
 import functools
 import json
+import math
 import numbers
 import os
 import pathlib
@@ -97,11 +98,25 @@ def setting(key, value):
         return "none"
     if isinstance(value, str):
         return value
-    value = _plain(value)
-    if isinstance(value, float):
-        return repr(value)
-    # YAML reads JSON, but for the numbers that are none.
-    return json.dumps(value, ensure_ascii=False).replace("NaN", ".nan").replace("Infinity", ".inf")
+    return _yaml(_plain(value))
+
+
+def _yaml(value):
+    """A plain value as YAML has it in one line: JSON, but for the numbers that are none."""
+    if isinstance(value, dict):
+        return "{" + ", ".join(f"{json.dumps(k, ensure_ascii=False)}: {_yaml(v)}" for k, v in value.items()) + "}"
+    if isinstance(value, list):
+        return "[" + ", ".join(map(_yaml, value)) + "]"
+    if isinstance(value, float) and not math.isfinite(value):
+        return ".nan" if math.isnan(value) else ".inf" if value > 0 else "-.inf"
+    return json.dumps(value, ensure_ascii=False)
+
+
+def own(keywords):
+    """The keywords of load() as they are now, whatever becomes of the caller's lists, arrays and generators."""
+    names = scene_keys()
+    return {k: _plain(v) if k in names and k != "scalar" else
+            list(v) if k == "flags" and v is not None and not isinstance(v, str) and hasattr(v, "__iter__") else v for k, v in keywords.items()}
 
 
 def arguments(urdf, keywords):
@@ -114,10 +129,13 @@ def arguments(urdf, keywords):
         if key in OPTIONS:
             if value is not None:
                 if key == "flags" and not isinstance(value, str):
+                    if not hasattr(value, "__iter__"):
+                        raise TypeError(f"load(): flags are of type {type(value).__name__}, expected one string or a list of them")
                     if any(" " in flag for flag in value):
                         raise ValueError("load(): a flag with a blank in it cannot be handed on; give flags without")
                     value = " ".join(value)
-                words.append(f"--{key}={os.fspath(value) if key == 'scene' else value}")
+                if value != "":
+                    words.append(f"--{key}={os.fspath(value) if key == 'scene' else value}")
         elif key in names and (value is None and key != "gravity" or value is False and key == "batch"):
             continue  # not given; whether a robot's batches are used makes no other code
         elif key in names:
@@ -126,6 +144,8 @@ def arguments(urdf, keywords):
             raise TypeError(f"load() has no keyword '{key}'" + did_you_mean(key, names + list(OPTIONS)))
     outputs = keywords.get("outputs")
     if outputs is not None:
+        if not hasattr(outputs, "__iter__"):
+            raise TypeError(f"load(): outputs are of type {type(outputs).__name__}, expected a list of names, or one string of them")
         known = [*(row["name"] for row in _registry()["quantities"]), *_registry()["aliases"]]
         if isinstance(outputs, str) and "{" in outputs:
             outputs = []  # parts of results, in YAML: the generator looks names up

@@ -2,6 +2,7 @@
 
 import collections
 import functools
+import hashlib
 import inspect
 import json
 import keyword
@@ -36,6 +37,8 @@ def _members(value, **counts):
             part = part[:wanted]
         if len(part) != wanted:
             raise ValueError(f"{name} of {type(value).__name__} has {len(part)} number{'s' * (len(part) != 1)}, expected {wanted}")
+        if part.dtype.kind not in "biuf":
+            raise ValueError(f"{name} of {type(value).__name__} is {part.tolist()}, expected numbers")
         parts.append(part.astype(float))
     return numpy.concatenate(parts)
 
@@ -98,13 +101,14 @@ def load(urdf, **keywords):
 
     urdf: the file's name. Keywords: `scene`, a YAML file; the scene's keys (docs/scene.md), which override it: base, gravity,
     outputs, functions, frames, locked, ...; and compiler, flags (one string, or a list of them), form, lanes, name, as of
-    `dalembert generate` and `check`.
+    `dalembert generate` and `check`. None stands for a keyword that is not given, but for gravity, of which it leaves none.
     batch: True compiles the functions' batches now, False never, one state then being computed after another; without, a function's
     batch is compiled when it is called for n states first.
     Raises InputError (a ValueError) where the input is wrong, KeyError for a quantity that there is not, TypeError for an unknown
     keyword, SelfTestError where the compiled code does not compute what it should. Whoever else loads the same at the same time
     waits; the code is compiled once.
     """
+    keywords = _build.own(keywords)
     for _ in range(3):  # somebody may clear the cache in between
         folder = pathlib.Path(_build.run("build", _build.arguments(urdf, keywords))[1].rstrip("\n"))
         try:
@@ -228,7 +232,11 @@ class Rollout:
         active = more.pop("active", None) if self._switching else None
         if active is not None and self._switching[1] is None:
             raise ValueError(f"{self.__name__}: no function tells what an impact does where a contact comes on: add 'impact' to outputs")
-        if steps is None and tau is None and active is None:
+        if active is not None and (given := numpy.asarray(active)).dtype.kind in "iuf" and not ((given == 0) | (given == 1)).all():
+            raise ValueError(f"{self.__name__}: active is {given[(given != 0) & (given != 1)][0]} somewhere, expected true or false")
+        if isinstance(out, (tuple, list)) and len(out) == 2 and all(isinstance(x, numpy.ndarray) for x in out) and numpy.may_share_memory(*out):
+            raise ValueError(f"{self.__name__}: out's two arrays share memory, expected one for q and one for v")
+        if steps is None and tau is None and active is None and self.__signature__.parameters.keys() >= more.keys():
             raise TypeError(f"{self.__name__} needs steps, or {self._takes}, whose steps they are")
         if steps is not None and (not isinstance(steps, numbers.Integral) or steps < 0):
             raise ValueError(f"{self.__name__}: steps is {steps!r}, expected a whole number, 0 or more")
@@ -262,8 +270,10 @@ class Robot:
             raise FileNotFoundError(code)
         self = cls.__new__(cls)
         self.__dict__["_urdf"] = os.path.abspath(os.fspath(urdf))
-        self.__dict__["_keywords"] = dict(keywords)
+        self.__dict__["_keywords"] = keywords = {k: os.path.abspath(os.fspath(x)) if k == "scene" and x is not None else x
+                                                 for k, x in keywords.items()}
         self.__dict__["_folder"] = folder
+        self.__dict__["_inputs"] = [_digest(file) for file in (self._urdf, keywords.get("scene"))]
         self._set_facts(facts)
         self._set_run_time(facts["run_time"])
         batches = None if keywords.get("batch") is False else _Batches(folder, self._urdf, self._keywords)
@@ -656,7 +666,11 @@ class Robot:
         if return_status:
             return result, LinkageStatus(error[0].item(), least_pivot[0].item(), linkage[0].item()) if single else LinkageStatus(
                 error, least_pivot, linkage)
-        toggle = linkage >= 0
+        finite = numpy.isfinite(rows).all(axis=1)
+        toggle = (linkage >= 0) & finite
+        if not finite.all():
+            warnings.warn(f"close_loops: {(~finite).sum()} of {len(rows)} states, the first of them number {finite.argmin()}, have numbers that are "
+                          "not finite, and stay as they are", RuntimeWarning, stacklevel=2)
         if single and toggle[0]:
             raise _core.SingularError(f"close_loops: linkage {linkage[0]} (from 0) is at a toggle point: its loops do not tell where the "
                                       "joints that follow go")
@@ -664,7 +678,7 @@ class Robot:
             warnings.warn(f"close_loops: loops are at toggle points at {toggle.sum()} of {len(rows)} states, the first of them number "
                           f"{toggle.argmax()}: joints that follow stay where they were; return_status=True tells which",
                           _core.SingularWarning, stacklevel=2)
-        left = numpy.where(toggle, 0.0, error)
+        left = numpy.where(toggle | ~finite, 0.0, error)
         if left.max(initial=0) > (1e-6 if self.dtype == numpy.float64 else 1e-3):
             warnings.warn(f"close_loops: loops stay open by up to {left.max():.3g} (m, rad)" +
                           ("" if single else f" at state {left.argmax()}") + ": begin nearer to where they are closed", RuntimeWarning,
@@ -691,7 +705,7 @@ class Robot:
     # ---- As a value
 
     def __reduce__(self):
-        return _again, (os.fspath(self._folder), self._urdf, self._keywords, self._run_time.copy())
+        return _again, (os.fspath(self._folder), self._urdf, self._keywords, self._run_time.copy(), self._inputs)
 
     def __repr__(self):
         return (f"<dalembert.Robot {self.name}: {'floating' if self.floating_base else 'fixed'} base, nq = {self.nq}, "
@@ -705,7 +719,15 @@ def _fields(facts):
     return [r["field"] for r in facts["results"]]
 
 
-def _again(folder, urdf, keywords, run_time):
+def _digest(file):
+    """Of a file's bytes, or None."""
+    try:
+        return hashlib.sha256(pathlib.Path(file).read_bytes()).hexdigest() if file else None
+    except OSError:
+        return None
+
+
+def _again(folder, urdf, keywords, run_time, inputs):
     """A pickled robot: the same compiled code where it is still kept, else loaded again from the same inputs."""
     try:
         with warnings.catch_warnings():
@@ -713,7 +735,8 @@ def _again(folder, urdf, keywords, run_time):
             robot = Robot._of_entry(pathlib.Path(folder), urdf, keywords)
     except FileNotFoundError:
         robot = load(urdf, **keywords)
-    if robot._run_time.shape != run_time.shape:
-        raise ValueError(f"{urdf} is not what it was when the robot was pickled")
+        for file, was, now in zip((urdf, keywords.get("scene")), inputs, robot._inputs):
+            if was != now:
+                raise ValueError(f"{file} is not what it was when the robot that is pickled was loaded: load it again")
     robot._run_time[:] = run_time
     return robot

@@ -104,7 +104,7 @@ VectorX<S> expanded_newton_euler(const Model<S>& model, const Kinematics<S>& kin
   VectorX<S> tau = joint_forces<S>(model, kinematics, base_needed, std::move(needed));
   for (int k = 0; k < model.joints(); ++k) {
     const Body<S>& body = model.bodies[static_cast<size_t>(k)];
-    const S rate = v[base + k], sign = rate > S(0) ? S(1) : rate < S(0) ? S(-1) : S(0);
+    const S rate = v[base + k], sign = rate > S(0) ? S(1) : rate < S(0) ? S(-1) : rate;  // NaN stays
     tau[base + k] += body.armature * v_dot[base + k] + body.damping * rate + body.friction * sign +
                      body.stiffness * (q[positions + k] - body.rest);
   }
