@@ -158,6 +158,16 @@ TEST(Eval, DoesNotReadWhatTheQuantityDoesNotDependOn) {
   }
 }
 
+TEST(Eval, RefusesWhatWouldSpoilSines) {
+  for (const std::string engine : {"generated", "batch"}) {
+    const Outcome outcome = run_dalembert({"eval", arm, "--base", "fixed", "--output", "mass_matrix", "--engine", engine,
+                                           "--state", "-", "--flags", "-std=c++17 -O1 -ffast-math"},
+                                          ".", "0.1 -0.2 0.3 0.4 1 2 3 4\n");
+    EXPECT_NE(outcome.status, 0) << outcome.out;
+    EXPECT_NE(outcome.err.find("compile this file without"), std::string::npos) << outcome.err;
+  }
+}
+
 // A state is what the function takes, even for a result that depends on less.
 TEST(Eval, GivesResultsOfTheScenesFunctionsByTheirNames) {
   const std::string state = "0.1 -0.2 0.3 0.4 1 2 3 4";

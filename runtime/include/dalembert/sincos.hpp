@@ -11,6 +11,10 @@
 
 #include "dalembert/lanes.hpp"
 
+#if (defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)) && !defined(DALEMBERT_LIBRARY_SINES)
+#error "-ffast-math and -fassociative-math drop the rounding by which angles are reduced: compile this file without"
+#endif
+
 namespace dalembert {
 
 inline constexpr double sincos_fast_limit = 1e5;
