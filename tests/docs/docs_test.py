@@ -61,7 +61,7 @@ update = "--update" in sys.argv[3:]
 
 def output_of(script):
     """Exit status and output of a script, in which build/release stands for BUILD."""
-    script = re.sub("build/(release|example)(?=/)", f"'{build}'", script)
+    script = re.sub(r"build/(release|example)(?![\w-])", f"'{build}'", script)
     result = subprocess.run(["sh", "-e", "-c", script], cwd=project, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
     return result.returncode, result.stdout
 
