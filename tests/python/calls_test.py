@@ -198,6 +198,10 @@ class Rollouts(unittest.TestCase):
         b = np.zeros((self.n, arm.nv))
         with self.assertRaisesRegex(ValueError, "out's two arrays share memory"):
             arm.forward_dynamics_rollout(self.q, self.v, self.tau, time_step=self.h, out=(b, b))
+        both = np.empty((self.n, arm.nq + arm.nv))  # columns of one array do not
+        expected = arm.forward_dynamics_rollout(self.q, self.v, self.tau, time_step=self.h)
+        arm.forward_dynamics_rollout(self.q, self.v, self.tau, time_step=self.h, out=(both[:, :arm.nq], both[:, arm.nq:]))
+        self.assertTrue((both == np.hstack(expected)).all())
         with self.assertRaisesRegex(TypeError, "no argument 'a'"):
             arm.forward_dynamics_rollout(self.q, self.v, a=self.tau, time_step=self.h)
 
@@ -729,6 +733,12 @@ class States(unittest.TestCase):
             crank.close_loops([well, across])
         with self.assertWarnsRegex(RuntimeWarning, r"stay open by up to .* at state 1: begin nearer"):
             crank.close_loops([well, [0.3, -0.1, 1e6]])
+        with warnings.catch_warnings(record=True) as said:
+            warnings.simplefilter("always")
+            some = np.array([well, [0.3, np.nan, 0.6], [np.nan, -0.1, 0.6]])
+            kept = crank.close_loops(some)
+        self.assertEqual([str(s.message)[:70] for s in said], ["close_loops: 2 of 3 states, the first of them number 1, have numbers t"])
+        np.testing.assert_array_equal(kept, [closed, *some[1:]])
         for text, wrong in ((r"q has shape \(2,\)", [0, 0]), (r"q\[1\] is nan", [0, np.nan, 0])):
             with self.assertRaisesRegex(ValueError, text):
                 crank.close_loops(wrong)
@@ -878,7 +888,9 @@ class Loading(unittest.TestCase):
                 self.assertTrue(np.isnan(arm.bias(np.zeros((9, 1)), np.full((9, 1), np.nan))).all())
                 kept = pickle.dumps(arm)
                 pathlib.Path("../there/arm.urdf").write_text(text.replace('mass value="', 'mass value="2'))
-                self.assertEqual(pickle.loads(kept).bias([0.3], [1.0]), arm.bias([0.3], [1.0]))
+                again = pickle.loads(kept)
+                self.assertEqual(again.bias([0.3], [1.0]), arm.bias([0.3], [1.0]))
+                kept = pickle.dumps(again)
                 for file in arm._folder.iterdir():  # as `dalembert cache --clear` does, of others nothing
                     if file.is_file():
                         file.unlink()

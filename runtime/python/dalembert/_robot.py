@@ -234,7 +234,7 @@ class Rollout:
             raise ValueError(f"{self.__name__}: no function tells what an impact does where a contact comes on: add 'impact' to outputs")
         if active is not None and (given := numpy.asarray(active)).dtype.kind in "iuf" and not ((given == 0) | (given == 1)).all():
             raise ValueError(f"{self.__name__}: active is {given[(given != 0) & (given != 1)][0]} somewhere, expected true or false")
-        if isinstance(out, (tuple, list)) and len(out) == 2 and all(isinstance(x, numpy.ndarray) for x in out) and numpy.may_share_memory(*out):
+        if isinstance(out, (tuple, list)) and len(out) == 2 and all(isinstance(x, numpy.ndarray) for x in out) and numpy.shares_memory(*out):
             raise ValueError(f"{self.__name__}: out's two arrays share memory, expected one for q and one for v")
         if steps is None and tau is None and active is None and self.__signature__.parameters.keys() >= more.keys():
             raise TypeError(f"{self.__name__} needs steps, or {self._takes}, whose steps they are")
@@ -659,6 +659,7 @@ class Robot:
         if single and not numpy.isfinite(rows).all():
             at = int(numpy.isfinite(rows[0]).argmin())
             raise ValueError(f"close_loops: q[{at}] is {rows[0, at]}, and the function needs finite numbers")
+        finite = numpy.isfinite(rows).all(axis=1)
         rows = numpy.array(rows, dtype=self.dtype, order="C")
         told = _core.close_loops(self._library, rows)
         error, least_pivot, linkage = told[:, 0].copy(), told[:, 1].copy(), told[:, 2].astype(numpy.int32)
@@ -666,7 +667,6 @@ class Robot:
         if return_status:
             return result, LinkageStatus(error[0].item(), least_pivot[0].item(), linkage[0].item()) if single else LinkageStatus(
                 error, least_pivot, linkage)
-        finite = numpy.isfinite(rows).all(axis=1)
         toggle = (linkage >= 0) & finite
         if not finite.all():
             warnings.warn(f"close_loops: {(~finite).sum()} of {len(rows)} states, the first of them number {finite.argmin()}, have numbers that are "
@@ -739,4 +739,5 @@ def _again(folder, urdf, keywords, run_time, inputs):
             if was != now:
                 raise ValueError(f"{file} is not what it was when the robot that is pickled was loaded: load it again")
     robot._run_time[:] = run_time
+    robot.__dict__["_inputs"] = inputs  # of its code: files may be others by now
     return robot
