@@ -90,7 +90,8 @@ std::optional<double> cost_of_edits(std::string_view name, std::string_view othe
 std::optional<double> cost(std::string_view name, std::string_view other) {
   const std::vector<std::string> parts = parts_of(name), others = parts_of(other);
   const std::string whole = joined(parts), its_whole = joined(others);
-  if (whole == its_whole) return 0;
+  // Closest of these is what an ending made distinct: 'a_b_' of 'a_b' (cpp_names.hpp).
+  if (whole == its_whole) return other.starts_with(name) ? 0 : 0.001;
   std::vector<std::string> sorted = parts, its_sorted = others;
   std::sort(sorted.begin(), sorted.end());
   std::sort(its_sorted.begin(), its_sorted.end());

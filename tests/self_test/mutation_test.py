@@ -18,7 +18,7 @@ PROJECT, WORK = pathlib.Path(PROJECT), pathlib.Path(WORK)
 WORK.mkdir(parents=True, exist_ok=True)
 INCLUDE = ["-std=c++17", f"-I{WORK}", f"-I{PROJECT}/runtime/include", "-isystem", EIGEN]
 PLAIN = ["-O0", "-fPIC", *PRECOMPILED.split()]
-EACH = 7 if os.environ.get("DALEMBERT_LONG_TESTS") else 2  # mutations of each kind
+EACH = 7 if os.environ.get("DALEMBERT_LONG_TESTS") else 1  # mutations of each kind
 AVX512 = ["-O2", "-march=skylake-avx512"]
 
 MAIN = """

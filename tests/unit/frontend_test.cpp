@@ -212,8 +212,8 @@ TEST(Suggestion, FindsWhatWasMeant) {
                                             "com_jacobian"},
       links{"base",       "head",      "left_foot",         "right_foot",         "left_hand",
             "right_hand", "left_shin", "left_hip_yaw_link", "right_hip_yaw_link", "left_shoulder_pitch_link"},
-      joints{"waist",     "left_hip_yaw", "left_hip_roll", "left_hip_pitch",
-             "left_knee", "right_knee",   "left_elbow",    "right_elbow"},
+      renamed{"foot-b", "foot_b_"}, joints{"waist",     "left_hip_yaw", "left_hip_roll", "left_hip_pitch",
+                                           "left_knee", "right_knee",   "left_elbow",    "right_elbow"},
       keys{"gravity", "outputs", "locked", "frames", "payloads", "wrenches", "contacts", "damping", "friction", "armature"};
   struct Misspelt {
     const char* name;
@@ -248,6 +248,7 @@ TEST(Suggestion, FindsWhatWasMeant) {
                           {"constrained_dynamics", quantities, "'constrained_forward_dynamics'"},
                           {"constraint_force", quantities, "'constraint_forces'"},
                           {"delassus", quantities, "'delassus_matrix'"},
+                          {"foot_b", renamed, "'foot_b_'"},
                           {"foot", links, "'left_foot' or 'right_foot'"},
                           {"lfoot", links, "'left_foot'"},
                           {"l_foot", links, "'left_foot'"},
