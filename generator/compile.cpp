@@ -118,7 +118,9 @@ std::vector<FunctionTasks> tasks_of_functions(const Model& model, Lowered lowere
     const backend::CodeInput& f = code.functions[i];
     const bool emitted = f.plan.tasks && f.is_rolled();
     if (!emitted) lowered.functions[i].sections.front().plan.sweeps_apart = backend::better_apart(f);
-    all.push_back({f.algorithm.function.name, emitted, backend::plan_tasks(f), backend::usual_lanes(f)});
+    ir::TaskPlan plan = backend::plan_tasks(f);
+    const int threads = backend::threads_of(f, plan);
+    all.push_back({f.algorithm.function.name, emitted, std::move(plan), backend::usual_lanes(f), threads});
   }
   return all;
 }

@@ -30,7 +30,8 @@ struct FunctionTasks {
   std::string function;
   bool emitted = false;
   ir::TaskPlan plan;
-  int lanes = 4;  // of the registers that this is expected on
+  int lanes = 4;    // of the registers that this is expected on
+  int threads = 1;  // the most that the code asks for
 };
 std::vector<FunctionTasks> tasks_of_functions(const Model& model, Lowered lowered);
 

@@ -2,10 +2,24 @@
 
 #include <fmt/format.h>
 
+#include <cstdio>
 #include <map>
 #include <utility>
 
 namespace dalembert {
+
+namespace {
+// Of what compilers say, lines and tabs stay.
+std::string without_control(const std::string& text) {
+  std::string shown;
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if ((byte < 0x20 && c != '\n' && c != '\t') || byte == 0x7f) shown += fmt::format("\\x{:02x}", byte);
+    else shown += c;
+  }
+  return shown;
+}
+}  // namespace
 
 std::string to_string(const Diagnostic& d) {
   std::string text;
@@ -14,7 +28,12 @@ std::string to_string(const Diagnostic& d) {
   const char* names[] = {"notice", "warning", "error"};
   text += fmt::format("{}: {}", names[static_cast<int>(d.severity)], d.message);
   if (!d.remedy.empty()) text += "; " + d.remedy;
-  return text;
+  return without_control(text);
+}
+
+void tell(std::string_view text) {
+  std::fwrite(text.data(), 1, text.size(), stderr);
+  std::fflush(stderr);
 }
 
 std::vector<int> alike(const Diagnostics& diagnostics) {

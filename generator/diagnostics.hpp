@@ -7,6 +7,7 @@
 
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace dalembert {
@@ -22,7 +23,8 @@ struct Diagnostic {
   std::string kind = {};  // what it has in common with others that are told as one; empty: the message
 };
 
-// `file: element: severity: message; remedy`, one line, without the final newline.
+// `file: element: severity: message; remedy`, one line, without the final newline. Control characters, which a terminal would
+// obey, are written as \\x1b.
 std::string to_string(const Diagnostic& diagnostic);
 
 using Diagnostics = std::vector<Diagnostic>;
@@ -34,6 +36,9 @@ std::vector<int> alike(const Diagnostics& diagnostics);
 // One line each, as they come. Of warnings of one kind in one file only the first, with their number; all of them when
 // `verbose`. Errors and notices are never left out.
 std::vector<std::string> lines(const Diagnostics& diagnostics, bool verbose);
+
+// Writes to stderr. What cannot be written there is lost: nobody is left to be told.
+void tell(std::string_view text);
 
 // Bad input or usage: exit status 2. Holds at least one diagnostic of severity error (and any warnings met before it).
 class InputError : public std::runtime_error {

@@ -1,8 +1,10 @@
 #include "backend/output_files.hpp"
 
+#include <signal.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -28,6 +30,63 @@ bool holds(const fs::path& path, const std::string& text) {
   return file && std::equal(std::istreambuf_iterator<char>(file), {}, text.begin(), text.end());
 }
 
+// Signals that end a program wait while it is there: what is written would stay under names of its own.
+class Undisturbed {
+ public:
+  Undisturbed() {
+    sigset_t ending;
+    sigemptyset(&ending);
+    for (const int signal : {SIGHUP, SIGINT, SIGQUIT, SIGTERM}) sigaddset(&ending, signal);
+    pthread_sigmask(SIG_BLOCK, &ending, &before_);
+  }
+  ~Undisturbed() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
+
+ private:
+  sigset_t before_;
+};
+
+constexpr const char* temporary_ending = ".new";  // and the process's number
+
+// What programs have left that were killed all the same.
+void remove_left_over(const fs::path& path) {
+  std::error_code ignored;
+  const std::string start = path.filename().string() + temporary_ending;
+  std::vector<fs::path> left;
+  const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+  for (fs::directory_iterator entry(folder, ignored), end; !ignored && entry != end; entry.increment(ignored)) {
+    const std::string name = entry->path().filename().string();
+    if (!name.starts_with(start) || name.size() == start.size()) continue;
+    const std::string digits = name.substr(start.size());
+    if (digits.find_first_not_of("0123456789") != digits.npos || digits.size() > 9) continue;
+    if (kill(std::stoi(digits), 0) != 0 && errno == ESRCH) left.push_back(entry->path());
+  }
+  for (const fs::path& file : left) fs::remove(file, ignored);
+}
+
+// What is written: of a link, what it leads to.
+fs::path target(const fs::path& named) {
+  std::error_code error;
+  fs::path path = named;
+  if (fs::is_symlink(named, error)) {
+    path = fs::canonical(named, error);
+    if (error) refuse(named, "the link leads nowhere");
+  }
+  if (fs::is_directory(path, error)) refuse(path, "a folder stands in the file's place");
+  if (fs::exists(path, error) && access(path.c_str(), W_OK) != 0) refuse(path, "the file cannot be written");
+  return path;
+}
+
+// /dev/null or a pipe: written to, and left where it is.
+bool is_no_file(const fs::path& path) {
+  std::error_code ignored;
+  return fs::exists(path, ignored) && !fs::is_regular_file(path, ignored);
+}
+
+void write_through(const fs::path& path, const std::string& text) {
+  std::ofstream file(path, std::ios::binary);
+  if (!(file << text << std::flush)) refuse(path, "it cannot be written");
+}
+
 // Files under their temporary names, until all of them are renamed; those that are not, are removed.
 class Staged {
  public:
@@ -36,19 +95,12 @@ class Staged {
     for (const auto& [temporary, path] : files_) fs::remove(temporary, ignored);
   }
 
-  // What a link leads to is written, and keeps its permissions.
-  void add(const fs::path& named, const std::string& text) {
+  // A file that was there keeps its permissions.
+  void add(const fs::path& path, const std::string& text) {
     std::error_code error;
-    fs::path path = named;
-    if (fs::is_symlink(named, error)) {
-      path = fs::canonical(named, error);
-      if (error) refuse(named, "the link leads nowhere");
-    }
-    if (fs::is_directory(path, error)) refuse(path, "a folder stands in the file's place");
     const fs::file_status before = fs::status(path, error);
-    if (fs::exists(before) && access(path.c_str(), W_OK) != 0) refuse(path, "the file cannot be written");
     fs::path temporary = path;
-    temporary += ".new" + std::to_string(getpid());
+    temporary += temporary_ending + std::to_string(getpid());
     files_.emplace_back(temporary, path);
     std::ofstream file(temporary, std::ios::binary | std::ios::trunc);
     file << text;
@@ -108,9 +160,17 @@ void add_files(const std::string& folder, const std::vector<OutputFile>& files) 
     fs::create_directories(each, error);
     if (!fs::is_directory(each, ignored)) refuse(each, "the folder cannot be made" + (error ? ": " + error.message() : ""));
   }
+  std::vector<fs::path> paths;
+  for (const OutputFile& file : files) paths.push_back(target(fs::path(folder) / file.name));
+  for (size_t i = 0; i < files.size(); ++i)  // may wait for a reader, and is not undone
+    if (is_no_file(paths[i])) write_through(paths[i], files[i].text);
+  const Undisturbed undisturbed;
   Staged staged;
-  for (const OutputFile& file : files)
-    if (const fs::path path = fs::path(folder) / file.name; !holds(path, file.text)) staged.add(path, file.text);
+  for (size_t i = 0; i < files.size(); ++i) {
+    if (is_no_file(paths[i])) continue;
+    remove_left_over(paths[i]);
+    if (!holds(paths[i], files[i].text)) staged.add(paths[i], files[i].text);
+  }
   staged.rename();
 }
 

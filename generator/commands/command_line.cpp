@@ -11,6 +11,7 @@
 #include <functional>
 #include <iterator>
 #include <memory>
+#include <sstream>
 
 #include "commands/build.hpp"
 #include "commands/cache.hpp"
@@ -43,7 +44,7 @@ constexpr const char* first_steps =
     "  dalembert generate ROBOT.urdf --base fixed -o DIR   its code, here of an arm that stands on something";
 
 void print(const Diagnostics& diagnostics, bool verbose = false) {
-  for (const std::string& line : lines(diagnostics, verbose)) fmt::print(stderr, "{}\n", line);
+  for (const std::string& line : lines(diagnostics, verbose)) tell(line + "\n");
 }
 
 // Results whole or not at all: a full disk or a closed pipe is not success.
@@ -167,7 +168,7 @@ void add_info(Command& command) {
       return print_result(tasks_text(tasks, *threads));
     }
     if (stage->empty() && !*json) return print_result(describe(model) + (told.empty() ? "" : "\n" + told));
-    if (!told.empty()) fmt::print(stderr, "{}", told);
+    if (!told.empty()) tell(told);
     if (stage->empty()) return print_result(describe_json(model));
     const auto at = std::find(std::begin(stage_names), std::end(stage_names), *stage);
     return print_result(dump(model, static_cast<Stage>(at - std::begin(stage_names))));
@@ -397,7 +398,11 @@ int parse_and_run(int argc, const char* const* argv, Diagnostics& warnings, bool
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app.exit(error);  // --help
+    if (error.get_exit_code() == 0) {  // --help
+      std::ostringstream text;
+      app.exit(error, text);
+      return print_result(text.str());
+    }
     throw InputError({Severity::error, "", "command line", error.what(), remedy_of(app, argc, argv)});
   }
   for (const PlainCommand& command : plain)

@@ -95,13 +95,14 @@ void write_depfile(const std::string& file, const Model& model, const std::strin
   std::string text =
       in_rule(fs::absolute(file.substr(0, file.size() - depfile_ending.size())).lexically_normal().string()) + ":";
   for (const std::string& source : sources) text += " \\\n  " + in_rule(source);
-  const std::string making = file + ".part";
+  const bool is_device = fs::exists(file) && !fs::is_regular_file(file);  // which a renamed file would replace
+  const std::string making = is_device ? file : file + ".part";
   std::ofstream stream(making, std::ios::binary);
   stream << text << '\n' << std::flush;
   std::error_code error;
-  if (stream) fs::rename(making, file, error);
+  if (stream && !is_device) fs::rename(making, file, error);
   if (stream && !error) return;
-  fs::remove(making, error);
+  if (!is_device) fs::remove(making, error);
   refuse_depfile(fmt::format("{} cannot be written", file), "name a file in a folder that is there and can be written");
 }
 

@@ -19,23 +19,31 @@ std::string text_of_one(const FunctionTasks& f) {
                      time_text(ir::serial_time(f.plan)));
 }
 
+// On so many threads, of which the code asks for some.
+ir::TaskSchedule schedule_of(const FunctionTasks& f, int threads) {
+  return ir::schedule_tasks(f.plan, std::min(threads, f.threads));
+}
+
+double time_on(const FunctionTasks& f, int threads) {
+  return std::min(threads, f.threads) == 1 ? ir::serial_time(f.plan) : schedule_of(f, threads).nanoseconds;
+}
+
 std::string of_function(const FunctionTasks& f, int threads) {
   const std::vector<Task>& tasks = f.plan.tasks;
   const double serial = ir::serial_time(f.plan), longest = ir::critical_path(f.plan);
   if (is_one(f)) return "  " + text_of_one(f) + "\n";
-  const ir::TaskSchedule schedule = ir::schedule_tasks(f.plan, threads);
+  const double expected = time_on(f, threads);
   std::string text = fmt::format(
       "  {}: {}, {} one after another, {} along the longest way{}\n    on {} thread{}: {}, {:.2f} times as fast as serial "
       "code; "
-      "more than {} would be of no use\n",
+      "more than {} are not made use of\n",
       f.function, f.plan.divided() ? "elements in stretches" : fmt::format("{} tasks", tasks.size()), time_text(serial),
       time_text(longest), f.emitted ? "" : "; nothing for several threads is generated (parallel: tasks would)", threads,
-      threads == 1 ? "" : "s", time_text(threads == 1 ? serial : schedule.nanoseconds),
-      threads == 1 ? 1.0 : serial / schedule.nanoseconds, ir::useful_threads(f.plan));
+      threads == 1 ? "" : "s", time_text(expected), serial / expected, f.threads);
   std::string counts, ratios;
   for (int p = 1; p <= 64; p *= 2) {
     counts += fmt::format("{:>7}", p);
-    ratios += fmt::format("{:>7.2f}", p == 1 ? 1.0 : serial / ir::schedule_tasks(f.plan, p).nanoseconds);
+    ratios += fmt::format("{:>7.2f}", serial / time_on(f, p));
   }
   text += fmt::format("    threads  {}\n    speed-up {}\n", counts, ratios);
   if (f.plan.divided()) {
@@ -80,7 +88,7 @@ std::string tasks_svg(const std::vector<FunctionTasks>& functions, int threads) 
     return a.plan.tasks.size() < b.plan.tasks.size();
   });
   const std::vector<Task>& tasks = f.plan.tasks;
-  const ir::TaskSchedule schedule = ir::schedule_tasks(f.plan, threads);
+  const ir::TaskSchedule schedule = schedule_of(f, threads);
   constexpr double left = 70, width = 1000, row = 44, box = 30, top = 40;
   const double height = top + row * threads + 30, scale = width / std::max(schedule.nanoseconds, 1.0);
   const std::string title = is_one(f)

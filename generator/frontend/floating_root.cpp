@@ -75,7 +75,7 @@ void take_floating_root(const std::string& file, UrdfOutline& outline, Diagnosti
 
   std::erase_if(outline.joints, [&](const JointOutline& j) { return lost.count(j.parent) > 0; });
   std::erase_if(outline.links, [&](const LinkOutline& link) { return lost.count(link.name) > 0; });
-  outline.floating_root = true;
+  outline.floating_root = joint.name;
 }
 
 }  // namespace dalembert::frontend

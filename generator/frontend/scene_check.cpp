@@ -104,6 +104,11 @@ void SceneCheck::kept_link(const std::string& key, const std::string& name) {
 bool SceneCheck::known(const std::string& key, const char* kind, const std::string& name,
                        const std::unordered_map<std::string, int>& names) {
   if (names.count(name)) return true;
+  if (&names == &joints_ && !name.empty() && name == robot_.floating_root) {
+    error(locate(key, name), fmt::format("joint '{}' is the floating base, and none of the joints that move on it", name),
+          scene_.base == ir::Base::floating ? "remove it here; base: fixed welds its link to the world" : "remove it here");
+    return false;
+  }
   for (const auto& [joint, elasticity] : scene_.elastic)
     if (name == joint + "_spring" || name == joint + "_motor") {
       error(locate(key, name), fmt::format("'{}' is a part of elastic joint '{}'", name, joint),
@@ -145,7 +150,7 @@ void SceneCheck::error(const std::string& where, std::string message, std::strin
 }
 
 ir::Base default_base(const ir::RobotDescription& robot) {
-  if (robot.floating_root) return ir::Base::floating;
+  if (!robot.floating_root.empty()) return ir::Base::floating;
   if (robot.links[static_cast<size_t>(robot.root)].name == "world") return ir::Base::fixed;
   std::vector<int> welded{robot.root};
   for (size_t i = 0; i < welded.size(); ++i) {

@@ -40,6 +40,7 @@ void SceneCheck::placed() {
   for (const ir::Frame& frame : scene_.placed) {
     const std::string key = place_of(frame);
     const std::string link = key + part_of_entry + "link";
+    if (frame.name.empty()) error("frames", "a frame has an empty name", "give it one");
     if (const auto other = names.find(ir::identifier(frame.name)); other != names.end())
       error(key, fmt::format("frame '{}' is called as {} is", frame.name, other->second),
             links_.contains(frame.name) ? fmt::format("give it a name of its own: {{my_frame: {{link: {}, ...}}}}", frame.link)
@@ -97,6 +98,7 @@ void SceneCheck::contacts() {
   for (const std::vector<ir::Loop>* list : {&scene_.loops, &scene_.embedded})
     for (const ir::Loop& loop : *list) {
       const std::string key = "loops/" + loop.name;
+      if (loop.name.empty()) error("loops", "a loop has an empty name", "give it one");
       for (const std::string& link : loop.links) kept_link(key + part_of_entry + "links", link);
       for (const std::string& joint : loop.independent) free_joint(key + part_of_entry + "independent", joint);
       if (const std::string id = ir::identifier(loop.name); !loops.insert(id).second)

@@ -18,7 +18,7 @@ std::string named(const std::vector<std::string>& joints) {
 
 void SceneCheck::say_what_base_is_taken() {
   const ir::Link& root = robot_.links[static_cast<size_t>(robot_.root)];
-  if (document_.given.count("base") || robot_.floating_root || root.name == "world") return;
+  if (document_.given.count("base") || !robot_.floating_root.empty() || root.name == "world") return;
   const bool floats = scene_.base == ir::Base::floating;
   const bool any_moves =
       std::any_of(robot_.joints.begin(), robot_.joints.end(), [&](const ir::Joint& joint) { return moves(joint); });

@@ -56,7 +56,7 @@ struct UrdfOutline {
   std::vector<LinkOutline> links;          // in the file's order
   std::vector<JointOutline> joints;        // in the file's order
   std::vector<ir::Loop> loops;             // of an SDF: joints to links that have a parent already
-  bool floating_root = false;              // the root hung on a floating joint
+  std::string floating_root;               // the floating joint that the root hung on
   Frame root_pose = {};                    // of an SDF: where the root link stands in the model
   std::vector<std::string> included = {};  // files, of an SDF
   std::string text = {};                   // of the file, and of those that it includes

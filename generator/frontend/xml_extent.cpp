@@ -1,5 +1,7 @@
 #include "frontend/xml_extent.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cctype>
 #include <string_view>
@@ -121,11 +123,20 @@ class Walk {
   void reference() {
     const bool hexadecimal = at_ + 2 < text_.size() && text_[at_ + 2] == 'x';
     const size_t first = at_ + (hexadecimal ? 3 : 2);
+    constexpr unsigned long most = 0x10ffff;  // of all characters there are
     size_t i = first;
+    unsigned long means = 0;
     const auto is_digit = [&](unsigned char c) { return hexadecimal ? std::isxdigit(c) : std::isdigit(c); };
-    while (i < text_.size() && is_digit(static_cast<unsigned char>(text_[i]))) ++i;
+    for (; i < text_.size() && is_digit(static_cast<unsigned char>(text_[i])); ++i) {
+      const int c = std::tolower(static_cast<unsigned char>(text_[i]));
+      means =
+          std::min((hexadecimal ? 16 : 10) * means + static_cast<unsigned long>(c <= '9' ? c - '0' : c - 'a' + 10), most + 1);
+    }
     if (i == first || i >= text_.size() || text_[i] != ';')
       throw XmlError("a character reference is malformed", "write it like &#38; or &#x26;, and '&' itself as &amp;", at_);
+    if (means == 0 || means > most)  // which TinyXML cuts a value off at, or drops
+      throw XmlError(fmt::format("{} is no character", text_.substr(at_, std::min<size_t>(i + 1 - at_, 20))), "leave it out",
+                     at_);
     at_ = i + 1;
   }
 

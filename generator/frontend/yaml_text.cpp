@@ -93,6 +93,9 @@ class TreeBuilder : public YAML::EventHandler {
     if (anchor != YAML::NullAnchor) anchors_[anchor] = node;
     if (open_.empty()) root = std::move(node);
     else if (Open& above = open_.back(); above.node.is_sequence()) above.node.items.push_back(std::move(node));
+    else if (!above.key && node.is_scalar() && node.scalar == "<<")
+      throw YamlError("merge keys (<<) are not read", "write the entries out; aliases of whole values are read", node.line,
+                      node.column);
     else if (!above.key) above.key = std::move(node);
     else above.node.entries.push_back({std::move(*std::exchange(above.key, std::nullopt)), std::move(node)});
   }

@@ -78,8 +78,8 @@ struct RobotDescription {
   int root = -1;              // index into links
   // Per link: the joints whose parent it is, in urdfdom's order.
   std::vector<std::vector<int>> children;
-  std::vector<Loop> loops;     // joints of the file that close loops, its own parent link first
-  bool floating_root = false;  // the file hangs the root on a floating joint
+  std::vector<Loop> loops;    // joints of the file that close loops, its own parent link first
+  std::string floating_root;  // the floating joint that the file hangs the root on
   // Of the root link in the frame that a fixed base stands in; where the base floats, q says where it is.
   Eigen::Isometry3d root_pose = Eigen::Isometry3d::Identity();
 };

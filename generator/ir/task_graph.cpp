@@ -30,14 +30,14 @@ struct Edges {
   }
 };
 
-// Of each task: ns from its beginning to the end of all, on the longest way.
-std::vector<double> ways(const std::vector<Task>& tasks, const Edges& edges) {
+// Of each task: ns from its beginning to the end of all, on the longest way, where each costs so much beside what it computes.
+std::vector<double> ways(const std::vector<Task>& tasks, const Edges& edges, double cost) {
   std::vector<double> way(tasks.size(), -1);
   const auto of = [&](const auto& self, std::size_t t) -> double {
     if (way[t] >= 0) return way[t];
     double longest = 0;
     for (const int b : edges.before[t]) longest = std::max(longest, self(self, static_cast<std::size_t>(b)));
-    return way[t] = longest + tasks[t].nanoseconds + task_cost;
+    return way[t] = longest + tasks[t].nanoseconds + cost;
   };
   for (std::size_t t = 0; t < tasks.size(); ++t) of(of, t);
   return way;
@@ -263,7 +263,7 @@ std::vector<Task> chains_joined(std::vector<Task> tasks) {
 
 std::vector<Task> in_order(const std::vector<Task>& tasks) {
   const Edges edges(tasks);
-  const std::vector<double> way = ways(tasks, edges);
+  const std::vector<double> way = ways(tasks, edges, task_cost);
   std::vector<int> order(tasks.size()), number(tasks.size());
   std::iota(order.begin(), order.end(), 0);
   // A task's way is longer than that of any that comes after it.
@@ -325,7 +325,7 @@ double critical_path(const TaskPlan& plan) {
     }
     return (plan.end->calls.empty() ? longest : sum_of(plan.preparations)) + plan.end->nanoseconds;
   }
-  const std::vector<double> way = ways(plan.tasks, Edges(plan.tasks));
+  const std::vector<double> way = ways(plan.tasks, Edges(plan.tasks), 0);
   return way.empty() ? 0 : *std::max_element(way.begin(), way.end());
 }
 

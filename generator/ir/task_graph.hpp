@@ -65,6 +65,7 @@ bool worth_a_graph(const TaskPlan& plan);
 // Of tasks that threads divide, what they take in the measure of divided_work.hpp.
 int units_of(double nanoseconds);
 
+// ns of what is computed: altogether, and on the longest way through the tasks, which no number of threads is faster than.
 double serial_time(const TaskPlan& plan);
 double critical_path(const TaskPlan& plan);
 

@@ -45,8 +45,10 @@ void check_solvable(const ir::RobotDescription& robot, const ir::KinematicTree& 
   if (solved == asked.end()) return;
   const char* name = ir::row_of(*solved).name;
   std::vector<std::string> massless;
-  for (const int joint : passes::joints_without_mass(tree, scene))
-    massless.push_back(passes::in_words(tree.bodies[static_cast<size_t>(joint)]));
+  for (const int joint : passes::joints_without_mass(tree, scene))  // coordinates of one stand side by side
+    if (std::string words = passes::in_words(tree.bodies[static_cast<size_t>(joint)]);
+        massless.empty() || massless.back() != words)
+      massless.push_back(std::move(words));
   if (!massless.empty())
     throw InputError({Severity::error, robot.file, fmt::format("joint {}", fmt::join(massless, ", ")),
                       fmt::format("moves no mass: the mass matrix is singular, and there is no {}", name),

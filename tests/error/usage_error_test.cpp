@@ -1,5 +1,6 @@
 // Bad usage, bad state files, and places that cannot be written: exit status 2, a remedy, nothing on stdout.
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 
 #include <cstdlib>
@@ -92,8 +93,45 @@ TEST(Usage, HelpIsAResult) {
 
 TEST(Usage, AFullDiskIsNotSuccess) {
   if (!std::filesystem::exists("/dev/full")) GTEST_SKIP();
-  const std::string command = std::string("'") + dalembert_path() + "' info '" + sound + "' >/dev/full 2>/dev/null";
-  EXPECT_EQ(WEXITSTATUS(std::system(command.c_str())), 2);
+  for (const std::string& what : {"info '" + sound + "'", std::string("--version"), std::string("eval --help")}) {
+    const std::string command = std::string("'") + dalembert_path() + "' " + what + " >/dev/full 2>/dev/null";
+    EXPECT_EQ(WEXITSTATUS(std::system(command.c_str())), 2) << what;
+  }
+}
+
+// Nobody hears the notice of a floating base; what was asked for is as good. A file that is opened does not take the stream's
+// place.
+TEST(Usage, WhereStderrCannotBeWrittenTheStatusIsTheSame) {
+  const TemporaryFolder folder;
+  const auto status = [&](const std::string& words) {
+    return WEXITSTATUS(std::system(("'" + std::string(dalembert_path()) + "' " + words).c_str()));
+  };
+  for (const std::string& lost : {std::string(" 2>&-"), std::string(" 2>/dev/full")}) {
+    if (lost == " 2>/dev/full" && !std::filesystem::exists("/dev/full")) continue;
+    EXPECT_EQ(status("info '" + sound + "' >/dev/null" + lost), 0) << lost;
+    EXPECT_EQ(status("info no_such.urdf" + lost), 2) << lost;
+    EXPECT_EQ(status("generate '" + sound + "' -o '" + folder.path() + "/code' <&- >/dev/null" + lost), 0) << lost;
+  }
+  for (const auto& file : std::filesystem::directory_iterator(folder.path() + "/code"))
+    EXPECT_EQ(text_of(file.path().string()).find("notice: "), std::string::npos) << file.path();
+}
+
+// As /dev/null, which a renamed file would replace for the whole system.
+TEST(Usage, WhatIsNoFileOfADiskIsWrittenToAndStays) {
+  const TemporaryFolder folder;
+  const std::string pipe = folder.path() + "/pipe.svg", got = folder.path() + "/got.svg";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  const std::string command = "timeout 60 cat '" + pipe + "' >'" + got + "' & '" + dalembert_path() + "' info '" + sound +
+                              "' --threads 2 --schedule '" + pipe + "' >/dev/null 2>&1; status=$?; wait; exit $status";
+  EXPECT_EQ(WEXITSTATUS(std::system(command.c_str())), 0);
+  EXPECT_TRUE(std::filesystem::is_fifo(pipe));
+  EXPECT_NE(text_of(got).find("</svg>"), std::string::npos);
+}
+
+TEST(Usage, ControlCharactersDoNotReachTheTerminal) {
+  const Outcome run = run_dalembert({"info", sound, "--locked", "\x1b[31mj=0"}, ".");
+  expect_refused(run, "\\x1b[31mj");
+  EXPECT_EQ(run.err.find('\x1b'), std::string::npos);
 }
 
 Outcome eval(const std::string& states, std::vector<std::string> options = {}) {

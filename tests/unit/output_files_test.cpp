@@ -3,10 +3,14 @@
 
 #include <gtest/gtest.h>
 #include <stdlib.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <thread>
 
 #include "commands/json.hpp"
 #include "diagnostics.hpp"
@@ -122,6 +126,42 @@ TEST_F(OutputFiles, ThatCannotBeWrittenAreRefused) {
   fs::create_directories(root_ / "out/a.hpp/inside");  // a folder in the file's place
   EXPECT_THROW(write({{"0.hpp", ours}, {"a.hpp", ours}, {"b.hpp", ours}}), InputError);
   EXPECT_EQ(count(), 1u);  // neither the others nor temporary files stay
+}
+
+// Of a run that was killed between writing and renaming; what others may be writing stays.
+TEST_F(OutputFiles, LeftOverUnderTemporaryNamesAreRemoved) {
+  fs::create_directories(root_ / "out");
+  const pid_t gone = fork();
+  if (gone == 0) _exit(0);
+  waitpid(gone, nullptr, 0);
+  const std::string over = "a.hpp.new" + std::to_string(gone), in_use = "a.hpp.new" + std::to_string(getppid());
+  for (const std::string& name : {over, in_use, std::string("a.hpp.news"), "b.hpp.new" + std::to_string(gone)})
+    std::ofstream(root_ / "out" / name) << "half of";
+  write({{"a.hpp", ours}});
+  EXPECT_FALSE(fs::exists(root_ / "out" / over));
+  EXPECT_EQ(text(in_use), "half of");
+  EXPECT_EQ(count(), 4u);  // with a.hpp
+}
+
+// A device or a pipe, by itself or behind a link.
+TEST_F(OutputFiles, ThatAreNoneOfADiskStay) {
+  fs::create_directories(root_ / "out");
+  const std::string pipe = (root_ / "out/a.hpp").string();
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  fs::create_symlink("a.hpp", root_ / "out/b.hpp");
+  for (const char* name : {"a.hpp", "b.hpp"}) {
+    std::string got;
+    std::thread reader([&] {
+      std::ifstream file(pipe);
+      got.assign(std::istreambuf_iterator<char>(file), {});
+    });
+    write({{name, ours + name}, {"c.hpp", ours}});
+    reader.join();
+    EXPECT_EQ(got, ours + name);
+    EXPECT_TRUE(fs::is_fifo(pipe));
+    EXPECT_EQ(text("c.hpp"), ours);
+    EXPECT_EQ(count(), 3u);
+  }
 }
 
 TEST(Json, StringsAreEscaped) {

@@ -102,6 +102,16 @@ TEST(Xml, MalformedReferencesHideNothing) {
   EXPECT_EQ(refusal("<a b='&#38;'>&#x26; &amp; & &x;</a>"), "");
 }
 
+// TinyXML ends a value at the first, and drops the others.
+TEST(Xml, ReferencesToNoCharacterAreRefused) {
+  for (const char* reference : {"&#0;", "&#x0;", "&#000;", "&#1114112;", "&#x110000;", "&#18446744073709551616;"}) {
+    const std::string message = std::string("r.urdf: line 2: error: ") + reference + " is no character; leave it out";
+    EXPECT_EQ(refusal(std::string("<a\nb='1") + reference + "5'/>"),
+              message.substr(0, message.find("&#")) + std::string(reference).substr(0, 20) + " is no character; leave it out");
+  }
+  EXPECT_EQ(refusal("<a b='&#1;&#x10FFFF;'/>"), "");
+}
+
 TEST(Xml, TextThatTinyXmlWouldReadBeyondOrNotAtAll) {
   EXPECT_EQ(refusal("<a>\xf0"), "r.urdf: line 1: error: the text ends inside a character; save the file as text in UTF-8");
   EXPECT_EQ(refusal("<a b='\xe2\x82"),

@@ -4,8 +4,9 @@
 #include <unistd.h>
 
 #include <cmath>
-#include <cstdio>
 #include <utility>
+
+#include "diagnostics.hpp"
 
 namespace dalembert::reporting {
 
@@ -22,11 +23,11 @@ std::string time_left(double seconds, std::size_t done, std::size_t count) {
 Progress::Progress(std::string what, std::size_t count)
     : what_(std::move(what)), count_(count), terminal_(isatty(STDERR_FILENO) == 1) {
   if (terminal_) say(0);
-  else fmt::print(stderr, "report: {}, {} to do\n", what_, count_);
+  else tell(fmt::format("report: {}, {} to do\n", what_, count_));
 }
 
 Progress::~Progress() {
-  if (terminal_) fmt::print(stderr, "{}", erase_line);
+  if (terminal_) tell(erase_line);
 }
 
 void Progress::step() {
@@ -39,8 +40,8 @@ void Progress::say(std::size_t done) {
   const std::lock_guard lock(saying_);
   if (done < said_) return;  // another thread was faster
   said_ = done;
-  fmt::print(stderr, "{}report: {}, {} of {}{}{}", terminal_ ? erase_line : "", what_, done, count_,
-             time_left(seconds, done, count_), terminal_ ? "" : "\n");
+  tell(fmt::format("{}report: {}, {} of {}{}{}", terminal_ ? erase_line : "", what_, done, count_,
+                   time_left(seconds, done, count_), terminal_ ? "" : "\n"));
 }
 
 }  // namespace dalembert::reporting

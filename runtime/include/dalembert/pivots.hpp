@@ -98,14 +98,15 @@ __attribute__((noinline)) static FactorStatus<T> bounded_status_by_factor(const 
     for (int j = begin; j < n; ++j) {
       const T* const column = factor + j * n;
       Each sum, other;
-      for (int i = above[j]; i >= begin; i = above[run[i]]) {
-        int from = run[i] > begin ? run[i] : begin;  // upwards: the newest x, which has to be waited for, comes last
-        for (; from < i; from += 2) {
-          sum.add(column[from], x + from * some);
-          other.add(column[from + 1], x + (from + 1) * some);
+      if constexpr (n > 1)  // none is above the only one, which g++ does not see and warns of
+        for (int i = above[j]; i >= begin; i = above[run[i]]) {
+          int from = run[i] > begin ? run[i] : begin;  // upwards: the newest x, which has to be waited for, comes last
+          for (; from < i; from += 2) {
+            sum.add(column[from], x + from * some);
+            other.add(column[from + 1], x + (from + 1) * some);
+          }
+          if (from == i) sum.add(column[i], x + i * some);
         }
-        if (from == i) sum.add(column[i], x + i * some);
-      }
       for_constants<registers>([&](auto r) DALEMBERT_IN_BLOCK {
         Lanes<T, w> own = -(sum.of[r] + other.of[r]);
         if (j <= last) own += load<w>(unit + (last - j) + r * w);
