@@ -1,6 +1,7 @@
 """The farm: the same file bit for bit whatever the number of ranks, killed ten times or never; errors say what is wrong and leave
 nothing. usage: farm_test.py FARM MPIRUN"""
 
+import fcntl
 import hashlib
 import os
 import pathlib
@@ -188,15 +189,38 @@ class Kills(Folder):
         self.assertEqual((result.returncode, "another run is at work" in result.stderr), (2, True), result.stderr)
         process.kill()
         process.wait()
-        for option, value, text in (("--seed", 2, "it says 'seed 1', and this run 'seed 2'"),
-                                    ("--block", 2 * BLOCK, "it says 'block 1024', and this run 'block 2048'")):
-            result = farm(*arguments, option, value)
+        larger = [2 * BLOCK if word == BLOCK else word for word in arguments]
+        for other, text in (((*arguments, "--seed", 2), "it says 'seed 1', and this run 'seed 2'"),
+                            (larger, "it says 'block 1024', and this run 'block 2048'")):
+            result = farm(*other)
             self.assertEqual((result.returncode, text in result.stderr), (2, True), result.stderr)
         # Of a program that computes other bits.
         settings = pathlib.Path(f"{out}.work/settings")
         settings.write_text(settings.read_text().replace("results ", "results 1"))
         result = farm(*arguments)
         self.assertEqual((result.returncode, "it says 'results 1" in result.stderr), (2, True), result.stderr)
+
+
+    def test_a_run_that_waited_for_another_finds_it_complete(self):
+        """While the second waits, the first ends and takes its folder away."""
+        out = self.folder / "out.h5"
+        work = self.folder / "out.h5.work"
+        arguments = ("sweep", "--results-only", "--states", 3000, "--out", out)
+        self.good(farm(*arguments))
+        first = out.read_bytes()
+        out.rename(self.folder / "ready.h5")
+        work.mkdir()
+        with open(work / "lock", "w") as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+            with subprocess.Popen([FARM, *map(str, arguments)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as second:
+                time.sleep(1)
+                (self.folder / "ready.h5").rename(out)
+                shutil.rmtree(work)
+                fcntl.flock(lock, fcntl.LOCK_UN)
+                said, wrong = second.communicate(timeout=60)
+        self.assertEqual((second.returncode, said), (0, f"{out} is complete already\n"), wrong)
+        self.assertEqual(out.read_bytes(), first)
+        self.assertFalse(work.exists())
 
 
 class Errors(Folder):
@@ -219,6 +243,10 @@ class Errors(Folder):
         self.refused("sweep: needs --out", "sweep", "--states", 5)
         self.refused("--out: has no value", "sweep", "--states", 5, "--out")
         self.refused("'--stats': no such option", "sweep", "--stats", 5)
+        self.refused("--states: is given twice", "sweep", "--states", 5, "--states", 6, *out)
+        self.refused("--candidates: is no option of 'sweep'", "sweep", "--candidates", 5, *out)
+        self.refused("--seed: is no option of 'record'", "record", "--seed", 3, *out)
+        self.refused("--results-only: is no option of 'identify'", "identify", "--candidates", 5, "--results-only", *out)
         self.refused("1500 is no multiple of 1024", "sweep", "--states", 5, "--block", 1500, *out)
         self.refused("the folder cannot be made: No such file", "sweep", "--states", 5, "--out", self.folder / "not/there.h5")
         (self.folder / "text.h5").write_text("text")

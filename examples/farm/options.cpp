@@ -2,6 +2,7 @@
 
 #include <cerrno>
 #include <cstdlib>
+#include <set>
 
 #include "error.hpp"
 
@@ -35,10 +36,23 @@ std::uint64_t number(const std::string& option, const std::string& text, std::ui
   return value;
 }
 
+struct Known {
+  const char *option, *commands;
+};
+constexpr Known all[] = {{"--states", "sweep"},        {"--candidates", "identify"},      {"--recording", "identify"},
+                         {"--seed", "sweep identify"}, {"--block", "sweep identify"},     {"--results-only", "sweep"},
+                         {"--steps", "record"},        {"--out", "sweep identify record"}};
+const Known* known(const std::string& option) {
+  for (const Known& one : all)
+    if (option == one.option) return &one;
+  return nullptr;
+}
+
 }  // namespace
 
 Options read_options(int count, char** words) {
   Options options;
+  std::set<std::string> given;
   constexpr std::uint64_t most = std::uint64_t{1} << 53;
   for (int i = 1; i < count; ++i) {
     const std::string word = words[i];
@@ -46,18 +60,17 @@ Options read_options(int count, char** words) {
       options.help = true;
       return options;
     }
-    if (word == "--results-only") {
-      options.results_only = true;
-      continue;
-    }
     if (word.rfind("--", 0) != 0) {
       if (!options.command.empty()) throw Error("'" + word + "': one command only, and '" + options.command + "' is one");
       options.command = word;
       continue;
     }
-    const bool known = word == "--states" || word == "--candidates" || word == "--out" || word == "--recording" ||
-                       word == "--seed" || word == "--block" || word == "--steps";
-    if (!known) throw Error("'" + word + "': no such option; 'farm --help' lists them");
+    if (!known(word)) throw Error("'" + word + "': no such option; 'farm --help' lists them");
+    if (!given.insert(word).second) throw Error(word + ": is given twice");
+    if (word == "--results-only") {
+      options.results_only = true;
+      continue;
+    }
     if (i + 1 == count) throw Error(word + ": has no value");
     const std::string value = words[++i];
     if (word == "--states" || word == "--candidates") options.items = number(word, value, 1, most);
@@ -76,6 +89,9 @@ Options read_options(int count, char** words) {
   if (!sweep && !identify && options.command != "record")
     throw Error(options.command.empty() ? "no command; 'farm --help' lists them"
                                         : "'" + options.command + "': no such command; there are sweep, identify and record");
+  for (const std::string& option : given)
+    if (std::string(known(option)->commands).find(options.command) == std::string::npos)
+      throw Error(option + ": is no option of '" + options.command + "'; 'farm --help' says whose it is");
   if (options.out.empty()) throw Error(options.command + ": needs --out FILE.h5");
   if ((sweep || identify) && options.items == 0)
     throw Error(options.command + (sweep ? ": needs --states N" : ": needs --candidates N"));

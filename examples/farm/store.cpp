@@ -198,6 +198,14 @@ void reserve(const std::string& path, std::uint64_t bytes) {
 
 // ---- Rank 0
 
+// Whether what is open still stands there under its name.
+static bool is_still(const File& file, const std::string& name) {
+  struct stat open {
+  }, there{};
+  return fstat(file.descriptor(), &open) == 0 && stat(name.c_str(), &there) == 0 && open.st_dev == there.st_dev &&
+         open.st_ino == there.st_ino;
+}
+
 Keeper::Keeper(Place place, const Job& job, std::uint64_t block, std::uint64_t fingerprint) : place_(std::move(place)) {
   no_hdf5_messages();
   const std::uint64_t items = job.items(), blocks = (items + block - 1) / block;
@@ -214,22 +222,24 @@ Keeper::Keeper(Place place, const Job& job, std::uint64_t block, std::uint64_t f
   if (getrlimit(RLIMIT_FSIZE, &most) == 0 && most.rlim_cur != RLIM_INFINITY && bytes > most.rlim_cur)
     throw Error(place_.out() + ": " + size_text(bytes) + " are more than a file may have here ('ulimit -f': " +
                 size_text(most.rlim_cur) + "); compute fewer items, or raise the limit");
-  if (exists(place_.out())) {
-    const std::string differs = difference(read_settings(place_.out()), results);
-    if (!differs.empty())
-      throw Error(place_.out() + ": is there, of another run: " + differs + "; name another file with --out, or remove it");
-    remove_folder(place_);  // killed between the last two steps
-    start_.complete = true;
-    return;
-  }
-  const bool is_new = mkdir(place_.folder().c_str(), 0777) == 0;
-  if (!is_new && errno != EEXIST) throw system_error(place_.folder(), "the folder cannot be made", errno);
-  lock_ = std::make_unique<File>(place_.lock(), O_RDWR | O_CREAT);
-  // Whoever was killed a moment ago may hold it a moment longer.
-  bool mine = false;
-  for (int patience = 0; !(mine = flock(lock_->descriptor(), LOCK_EX | LOCK_NB) == 0) && patience < 30; ++patience)
-    std::this_thread::sleep_for(std::chrono::milliseconds(100));
-  if (!mine) throw Error(place_.folder() + ": another run is at work there; wait for it, or name another file with --out");
+  do {  // again where the run that was waited for has ended, and taken its folder away
+    if (exists(place_.out())) {
+      const std::string differs = difference(read_settings(place_.out()), results);
+      if (!differs.empty())
+        throw Error(place_.out() + ": is there, of another run: " + differs + "; name another file with --out, or remove it");
+      remove_folder(place_);  // killed between the last two steps
+      start_.complete = true;
+      return;
+    }
+    const bool is_new = mkdir(place_.folder().c_str(), 0777) == 0;
+    if (!is_new && errno != EEXIST) throw system_error(place_.folder(), "the folder cannot be made", errno);
+    lock_ = std::make_unique<File>(place_.lock(), O_RDWR | O_CREAT);
+    // Whoever was killed a moment ago may hold it a moment longer.
+    bool mine = false;
+    for (int patience = 0; !(mine = flock(lock_->descriptor(), LOCK_EX | LOCK_NB) == 0) && patience < 30; ++patience)
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    if (!mine) throw Error(place_.folder() + ": another run is at work there; wait for it, or name another file with --out");
+  } while (!is_still(*lock_, place_.lock()));
   if (exists(place_.data())) {
     const std::string differs = difference(read_text(place_.settings()), plan);
     if (!differs.empty())
