@@ -7,7 +7,7 @@
 #include <dalembert/sincos.hpp>
 #include <dalembert/straight_line.hpp>
 namespace arm {
-inline namespace code_2d6c81e8 {
+inline namespace code_e9756340 {
 
 DALEMBERT_STRAIGHT_LINE void evaluate(const Scalar* __restrict q, const Scalar* __restrict v, Workspace& __restrict workspace) noexcept {
   // Sines and cosines of all angles together.
@@ -867,5 +867,5 @@ DALEMBERT_STRAIGHT_LINE void evaluate(const Scalar* __restrict q, const Scalar* 
   workspace.jacobian_link_07[41] = R_zz_link_07_joint * X_zz_base + (R_zy_link_07_joint * X_zy_base + R_zx_link_07_joint * X_zx_base);
 }
 
-}  // namespace code_2d6c81e8
+}  // namespace code_e9756340
 }  // namespace arm

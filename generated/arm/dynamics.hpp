@@ -18,7 +18,7 @@ static_assert(dalembert::runtime_version == 16,
               "arm was generated for another runtime: generate it again");
 
 namespace arm {
-inline namespace code_2d6c81e8 {  // other content has another name, and none is linked in the other's place
+inline namespace code_e9756340 {  // other content has another name, and none is linked in the other's place
 
 using Scalar = double;
 
@@ -47,9 +47,11 @@ inline constexpr const char* body_names[] = {
 using VectorQ = dalembert::VectorQ<Scalar, nq>;
 using VectorV = dalembert::VectorV<Scalar, nv>;
 
-// A result: a matrix that looks into the workspace, column by column.
+// A result: a matrix that looks into the workspace, column by column. (Eigen takes a single row only as row by row.)
 template <int rows, int columns>
-using Result = Eigen::Map<const Eigen::Matrix<Scalar, rows, columns>, Eigen::Aligned64>;
+using Result = Eigen::Map<
+    const Eigen::Matrix<Scalar, rows, columns, rows == 1 && columns != 1 ? Eigen::RowMajor : Eigen::ColMajor>,
+    Eigen::Aligned64>;
 
 // Run-time inputs, results and scratch of a call: 1024 bytes, one per thread.
 struct Workspace;
@@ -120,7 +122,7 @@ inline Result<6, 7> jacobian_link_07(const Workspace& workspace) {
 }
 void jacobian_link_07(const Workspace&&) = delete;
 
-}  // namespace code_2d6c81e8
+}  // namespace code_e9756340
 }  // namespace arm
 
 // Notes

@@ -10,7 +10,7 @@
 #include "dynamics.hpp"
 
 namespace arm {
-inline namespace code_2d6c81e8 {
+inline namespace code_e9756340 {
 namespace {
 
 constexpr Scalar q_0[] = {
@@ -128,7 +128,7 @@ bool self_test(SelfTestReport* report) noexcept {
   return test.finish(report);
 }
 
-}  // namespace code_2d6c81e8
+}  // namespace code_e9756340
 }  // namespace arm
 
 // C++ of two robots of one name may be linked together: what C calls is weak where it stands beside that.

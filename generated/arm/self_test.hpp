@@ -7,7 +7,7 @@
 #include <dalembert/self_test.hpp>
 
 namespace arm {
-inline namespace code_2d6c81e8 {
+inline namespace code_e9756340 {
 
 using dalembert::SelfTestReport;
 
@@ -23,5 +23,5 @@ using dalembert::SelfTestReport;
 //   jacobian_link_07         every element at state 0; at every state each row's weighted sum
 bool self_test(SelfTestReport* report = nullptr) noexcept;
 
-}  // namespace code_2d6c81e8
+}  // namespace code_e9756340
 }  // namespace arm

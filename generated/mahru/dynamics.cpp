@@ -8,7 +8,7 @@
 #include <dalembert/runs.hpp>
 #include <dalembert/sincos.hpp>
 namespace mahru {
-inline namespace code_37a90853 {
+inline namespace code_c89c7fc9 {
 namespace {
 
 // Branches side by side in lanes; slot = first + step * width + lane.
@@ -1958,5 +1958,5 @@ void evaluate(const Scalar* q, const Scalar* v, Workspace& workspace) noexcept {
   stages::results(workspace);
 }
 
-}  // namespace code_37a90853
+}  // namespace code_c89c7fc9
 }  // namespace mahru

@@ -18,7 +18,7 @@ static_assert(dalembert::runtime_version == 16,
               "mahru was generated for another runtime: generate it again");
 
 namespace mahru {
-inline namespace code_37a90853 {  // other content has another name, and none is linked in the other's place
+inline namespace code_c89c7fc9 {  // other content has another name, and none is linked in the other's place
 
 using Scalar = double;
 
@@ -57,9 +57,11 @@ inline constexpr const char* body_names[] = {
 using VectorQ = dalembert::VectorQ<Scalar, nq>;
 using VectorV = dalembert::VectorV<Scalar, nv>;
 
-// A result: a matrix that looks into the workspace, column by column.
+// A result: a matrix that looks into the workspace, column by column. (Eigen takes a single row only as row by row.)
 template <int rows, int columns>
-using Result = Eigen::Map<const Eigen::Matrix<Scalar, rows, columns>, Eigen::Aligned64>;
+using Result = Eigen::Map<
+    const Eigen::Matrix<Scalar, rows, columns, rows == 1 && columns != 1 ? Eigen::RowMajor : Eigen::ColMajor>,
+    Eigen::Aligned64>;
 
 // Run-time inputs, results and scratch of a call: 50560 bytes, one per thread.
 struct Workspace;
@@ -176,7 +178,7 @@ void results(Workspace& workspace) noexcept;
 
 }  // namespace stages
 
-}  // namespace code_37a90853
+}  // namespace code_c89c7fc9
 }  // namespace mahru
 
 // Notes

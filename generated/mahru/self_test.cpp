@@ -10,7 +10,7 @@
 #include "dynamics.hpp"
 
 namespace mahru {
-inline namespace code_37a90853 {
+inline namespace code_c89c7fc9 {
 namespace {
 
 constexpr Scalar q_0[] = {
@@ -365,7 +365,7 @@ bool self_test(SelfTestReport* report) noexcept {
   return test.finish(report);
 }
 
-}  // namespace code_37a90853
+}  // namespace code_c89c7fc9
 }  // namespace mahru
 
 // C++ of two robots of one name may be linked together: what C calls is weak where it stands beside that.

@@ -7,7 +7,7 @@
 #include <dalembert/self_test.hpp>
 
 namespace mahru {
-inline namespace code_37a90853 {
+inline namespace code_c89c7fc9 {
 
 using dalembert::SelfTestReport;
 
@@ -23,5 +23,5 @@ using dalembert::SelfTestReport;
 //   bias                     every element at every state
 bool self_test(SelfTestReport* report = nullptr) noexcept;
 
-}  // namespace code_37a90853
+}  // namespace code_c89c7fc9
 }  // namespace mahru

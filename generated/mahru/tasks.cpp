@@ -4,7 +4,7 @@
 #include "tasks.hpp"
 
 namespace mahru {
-inline namespace code_37a90853 {
+inline namespace code_c89c7fc9 {
 
 TaskGraph::TaskGraph(Workspace& workspace) : graph_(1) {
   Workspace* const w = &workspace;
@@ -26,5 +26,5 @@ void TaskGraph::evaluate(const Scalar* q, const Scalar* v) {
   v_ = v;
   graph_.run();
 }
-}  // namespace code_37a90853
+}  // namespace code_c89c7fc9
 }  // namespace mahru

@@ -7,7 +7,7 @@
 #include "dynamics.hpp"
 
 namespace mahru {
-inline namespace code_37a90853 {
+inline namespace code_c89c7fc9 {
 
 // What evaluate() is made of as a graph of tasks, built once: 1 tasks. Runs the very functions that the serial
 // evaluate() runs, in an order that the graph allows, and gives the same bits. Pays where a task takes microseconds: on
@@ -31,5 +31,5 @@ class TaskGraph {
   const Scalar* q_ = nullptr;
   const Scalar* v_ = nullptr;
 };
-}  // namespace code_37a90853
+}  // namespace code_c89c7fc9
 }  // namespace mahru

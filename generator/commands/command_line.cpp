@@ -240,7 +240,11 @@ void add_report(Command& command) {
   command.parser.add_flag("--quick", options->quick, "fewer variants and states: under a minute for most robots");
   const auto compiler = add_compiler_options(command.parser);
   command.run = [&command, options, compiler](Diagnostics& warnings) {
-    const ReportSummary summary = write_report(read_model(command.shared.request(), warnings), *compiler, *options);
+    const Model model = read_model(command.shared.request(), warnings);
+    if (model.scene.scalar == ir::ScalarType::float32)
+      warnings.push_back({Severity::notice, "", "key 'scalar'", "the page's sentences and the exit status are of double code",
+                          "errors and times of float stand in its tables"});
+    const ReportSummary summary = write_report(model, *compiler, *options);
     const int printed = print_result(summary.text);
     return printed != good || summary.passed ? printed : check_failed;
   };

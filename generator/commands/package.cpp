@@ -15,6 +15,7 @@
 #include "commands/labels.hpp"
 #include "commands/output.hpp"
 #include "compile.hpp"
+#include "diagnostics.hpp"
 
 namespace dalembert {
 
@@ -90,7 +91,19 @@ std::string figures(const Model& model) {
 
 }  // namespace
 
+// CMake's own targets, and what stands in a package or beside it.
+static void check_package_name(const std::string& name) {
+  constexpr const char* taken[] = {"all",     "build",   "clean",          "depend",       "edit_cache",    "help",
+                                   "include", "install", "package",        "preinstall",   "rebuild_cache", "test",
+                                   "Eigen3",  "Testing", "package_source", "install_local"};
+  if (std::find(std::begin(taken), std::end(taken), name) == std::end(taken)) return;
+  throw InputError({Severity::error, "", "option --package",
+                    fmt::format("'{}' is what CMake, or a folder of the package, is called", name),
+                    "give another name with --name"});
+}
+
 std::string generate_package(const Model& whole, const std::string& folder) {
+  check_package_name(whole.name);
   backend::check_folder(folder);
   Model model = whole;
   model.scene.parallel = ir::Parallel::serial;  // which needs no library but Eigen

@@ -128,6 +128,15 @@ TEST(Usage, WhatIsNoFileOfADiskIsWrittenToAndStays) {
   EXPECT_NE(text_of(got).find("</svg>"), std::string::npos);
 }
 
+TEST(Usage, PackagesAreNotCalledAsTargetsOfCMake) {
+  const TemporaryFolder folder;
+  for (const char* name : {"test", "build", "include", "all"})
+    expect_refused(run_dalembert({"generate", sound, "--name", name, "--package", "-o", folder.path() + "/p"}, "."),
+                   "option --package: error: '" + std::string(name) + "' is what CMake, or a folder of the package, is called");
+  EXPECT_FALSE(std::filesystem::exists(folder.path() + "/p"));
+  EXPECT_EQ(run_dalembert({"generate", sound, "--name", "test", "-o", folder.path() + "/code"}, ".").status, 0);
+}
+
 TEST(Usage, ControlCharactersDoNotReachTheTerminal) {
   const Outcome run = run_dalembert({"info", sound, "--locked", "\x1b[31mj=0"}, ".");
   expect_refused(run, "\\x1b[31mj");

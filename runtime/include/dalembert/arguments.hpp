@@ -180,7 +180,7 @@ Checked<void, X...> call(const Function& function, const X&... x) {
 template <class Vector, class Columns, class Function>
 Checked<bool, Columns> call_on_columns(Columns&& columns, const Function& function) {
   if constexpr (detail::Check<Vector, Columns, false>::passed) {
-    Eigen::Ref<Eigen::Matrix<typename Vector::Scalar, Eigen::Dynamic, Eigen::Dynamic>> b(columns);
+    Eigen::Ref<Eigen::Matrix<typename Vector::Scalar, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor>> b(columns);
     if (b.rows() == Vector::RowsAtCompileTime)
       return {function(b.data(), static_cast<int>(b.cols()), static_cast<int>(b.outerStride()))};
   }
