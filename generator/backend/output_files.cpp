@@ -72,14 +72,7 @@ fs::path target(const fs::path& named) {
     if (error) refuse(named, "the link leads nowhere");
   }
   if (fs::is_directory(path, error)) refuse(path, "a folder stands in the file's place");
-  if (fs::exists(path, error) && access(path.c_str(), W_OK) != 0) refuse(path, "the file cannot be written");
   return path;
-}
-
-// /dev/null or a pipe: written to, and left where it is.
-bool is_no_file(const fs::path& path) {
-  std::error_code ignored;
-  return fs::exists(path, ignored) && !fs::is_regular_file(path, ignored);
 }
 
 void write_through(const fs::path& path, const std::string& text) {
@@ -99,6 +92,7 @@ class Staged {
   void add(const fs::path& path, const std::string& text) {
     std::error_code error;
     const fs::file_status before = fs::status(path, error);
+    if (fs::exists(before) && access(path.c_str(), W_OK) != 0) refuse(path, "the file cannot be written");
     fs::path temporary = path;
     temporary += temporary_ending + std::to_string(getpid());
     files_.emplace_back(temporary, path);
@@ -141,6 +135,11 @@ bool is_ours(const fs::path& path) {
 }
 
 }  // namespace
+
+bool is_no_file(const std::string& path) {
+  std::error_code ignored;
+  return fs::exists(path, ignored) && !fs::is_regular_file(path, ignored);
+}
 
 void check_folder(const std::string& folder) {
   std::error_code ignored;

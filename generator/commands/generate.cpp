@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <system_error>
 
+#include "backend/output_files.hpp"
 #include "frontend/robot_file.hpp"
 
 namespace dalembert {
@@ -95,7 +96,7 @@ void write_depfile(const std::string& file, const Model& model, const std::strin
   std::string text =
       in_rule(fs::absolute(file.substr(0, file.size() - depfile_ending.size())).lexically_normal().string()) + ":";
   for (const std::string& source : sources) text += " \\\n  " + in_rule(source);
-  const bool is_device = fs::exists(file) && !fs::is_regular_file(file);  // which a renamed file would replace
+  const bool is_device = backend::is_no_file(file);
   const std::string making = is_device ? file : file + ".part";
   std::ofstream stream(making, std::ios::binary);
   stream << text << '\n' << std::flush;
