@@ -89,18 +89,21 @@ std::string figures(const Model& model) {
          fmt::format("\nA workspace has {} bytes. Nothing is allocated, locked or thrown.\n", workspace_bytes(model, lowered));
 }
 
-}  // namespace
-
 // CMake's own targets, and what stands in a package or beside it.
-static void check_package_name(const std::string& name) {
-  constexpr const char* taken[] = {"all",     "build",   "clean",          "depend",       "edit_cache",    "help",
-                                   "include", "install", "package",        "preinstall",   "rebuild_cache", "test",
-                                   "Eigen3",  "Testing", "package_source", "install_local"};
+void check_package_name(const std::string& name) {
+  constexpr const char* taken[] = {"all",           "build",          "clean",
+                                   "depend",        "edit_cache",     "help",
+                                   "include",       "install",        "list_install_components",
+                                   "package",       "package_source", "preinstall",
+                                   "rebuild_cache", "test",           "Eigen3",
+                                   "Testing"};
   if (std::find(std::begin(taken), std::end(taken), name) == std::end(taken)) return;
   throw InputError({Severity::error, "", "option --package",
                     fmt::format("'{}' is what CMake, or a folder of the package, is called", name),
                     "give another name with --name"});
 }
+
+}  // namespace
 
 std::string generate_package(const Model& whole, const std::string& folder) {
   check_package_name(whole.name);
