@@ -141,7 +141,7 @@ def ci(_):
     return [
         (("mahru", "rolled", "gravity"), ("g++", "-O2", "native", 4)),
         (("humanoid", "rolled", "gravity"), ("g++", "-O2", "skylake-avx512", 4)),
-        (("quadruped", "rolled", ALL), ("g++", "-O0", "x86-64", 4)),
+        (("quadruped", "rolled", ALL), ("g++", "-O0", "x86-64", 1)),
         (("gantry_arms", "straight", ALL), ("g++", "-O3", "skylake-avx512", 4)),
         (("unequal_limbs", "rolled", STANDING), ("g++", "-O1", "native", 4)),
         (("ankle", "rolled", EMBEDDED), ("clang++", "-O2", "skylake-avx512", 8)),
