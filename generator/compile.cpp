@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <utility>
 
 #include "backend/code_name.hpp"
 #include "backend/code_text.hpp"

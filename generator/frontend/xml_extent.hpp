@@ -26,8 +26,8 @@ struct XmlError : std::runtime_error {
 };
 
 // Of a text in UTF-8, up to the place where TinyXML stops because it is malformed. Throws XmlError at a zero byte, a character
-// that is cut off by the end, and a character reference that is malformed or of no
-// character. Takes time in proportion to the text, and no memory.
+// that is cut off by the end, and a reference that is malformed or to no character. Takes time in proportion to the text, and
+// no memory.
 XmlExtent xml_extent(const std::string& text);
 
 }  // namespace dalembert::frontend

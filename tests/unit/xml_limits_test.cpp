@@ -104,11 +104,11 @@ TEST(Xml, MalformedReferencesHideNothing) {
 
 // TinyXML ends a value at the first, and drops the others.
 TEST(Xml, ReferencesToNoCharacterAreRefused) {
-  for (const char* reference : {"&#0;", "&#x0;", "&#000;", "&#1114112;", "&#x110000;", "&#18446744073709551616;"}) {
-    const std::string message = std::string("r.urdf: line 2: error: ") + reference + " is no character; leave it out";
+  for (const char* reference : {"&#0;", "&#x0;", "&#000;", "&#1114112;", "&#x110000;", "&#4294967296;"})
     EXPECT_EQ(refusal(std::string("<a\nb='1") + reference + "5'/>"),
-              message.substr(0, message.find("&#")) + std::string(reference).substr(0, 20) + " is no character; leave it out");
-  }
+              std::string("r.urdf: line 2: error: ") + reference + " is no character; leave it out");
+  EXPECT_EQ(refusal("<a b='&#18446744073709551616;'/>"),  // 2^64
+            "r.urdf: line 1: error: &#184467440737095516 is no character; leave it out");
   EXPECT_EQ(refusal("<a b='&#1;&#x10FFFF;'/>"), "");
 }
 
