@@ -125,31 +125,56 @@ class Lowering {
     if (line && is_whole_line(*line)) chosen.implicit = std::move(line);
   }
 
-  // For batches: the way of the fewest operations, a division being several. None where a section waits for another.
+  // For batches: the way of the fewest operations, a division being several. None where a section waits for constraints.
   std::optional<LoweredSection> straight_line(const ir::EmittedFunction& function, bool implicit) const {
-    constexpr long division = 6;
-    const auto cost_of = [](const ir::Operations& o) { return o.add + o.multiply + division * o.divide; };
     std::optional<LoweredSection> cheapest;
     long least = 0;
-    for (const ir::Solver solver : passes::solvers(function, tree_, model_.scene)) {
-      std::vector<LoweredSection> sections = described(function, solver, {true, model_.options.refer});
-      if (sections.size() > 1) continue;
-      LoweredSection f = std::move(sections.front());
-      passes::UnrollOptions options{options_, tree_.joints() < 200, implicit, ir::Elements::counted, references(f)};
-      // Kernels written out add to it: of a long chain's M the cube of its joints.
-      const long without_kernels =
-          cost_of(ir::operations(passes::Unroll(f.algorithm, tree_, normal_, model_.scene, options).program()));
-      if (without_kernels > division * most_operations || (least > 0 && without_kernels >= least)) continue;
-      options.elements = ir::Elements::kept;
-      f.program = passes::Unroll(f.algorithm, tree_, normal_, model_.scene, options).take_program();
-      f.plan.form = ir::Form::straight;
-      passes::write_out_kernels(f.algorithm, f.program, ir::coordinate_tree(tree_), true);
-      const long cost = cost_of(ir::operations(f.program));
-      if (least > 0 && cost >= least) continue;
-      least = cost;
-      cheapest = std::move(f);
-    }
+    for (const ir::Solver solver : passes::solvers(function, tree_, model_.scene))
+      for (const bool in_one_section : {true, false}) {
+        std::vector<LoweredSection> sections = described(function, solver, {in_one_section, model_.options.refer});
+        if (in_one_section != (sections.size() == 1) || !make_line(sections, implicit, least)) continue;
+        const long cost = cost_of(sections.front().program);
+        if (least > 0 && cost >= least) continue;
+        least = cost;
+        cheapest = std::move(sections.front());
+      }
     return cheapest;
+  }
+
+  static long cost_of(const ir::Program& program) {
+    constexpr long division = 6;
+    const ir::Operations o = ir::operations(program);
+    return o.add + o.multiply + division * o.divide;
+  }
+
+  // One straight line of all sections, kernels too. Returns false where there is none, or none that costs less than `least`
+  // (0: any).
+  bool make_line(std::vector<LoweredSection>& sections, bool implicit, long least) const {
+    // Kernels written out add to it: of a long chain's M the cube of its joints.
+    std::vector<passes::UnrollOptions> options;
+    long without_kernels = 0;
+    for (const LoweredSection& f : sections) {
+      options.push_back({options_, tree_.joints() < 200, implicit, ir::Elements::counted, references(f)});
+      without_kernels += cost_of(passes::Unroll(f.algorithm, tree_, normal_, model_.scene, options.back()).program());
+    }
+    if (without_kernels > 6 * most_operations || (least > 0 && sections.size() == 1 && without_kernels >= least)) return false;
+    for (size_t i = 0; i < sections.size(); ++i) {
+      options[i].elements = ir::Elements::kept;
+      sections[i].program = passes::Unroll(sections[i].algorithm, tree_, normal_, model_.scene, options[i]).take_program();
+      sections[i].plan.form = ir::Form::straight;
+    }
+    return write_out_kernels(sections, true) || sections.size() == 1;
+  }
+
+  // Of a straight line; sections become one. False: they are as they were (passes/write_out.hpp).
+  bool write_out_kernels(std::vector<LoweredSection>& sections, bool products) const {
+    std::vector<passes::SectionBehind> behind;
+    for (auto section = sections.begin() + 1; section != sections.end(); ++section)
+      behind.push_back({section->algorithm, section->program});
+    LoweredSection& first = sections.front();
+    if (!passes::write_out_kernels(first.algorithm, first.program, ir::coordinate_tree(tree_), products, behind)) return false;
+    sections.resize(1);
+    return true;
   }
 
   std::vector<LoweredSection> described(ir::Solver solver, bool line = false) const {
@@ -213,15 +238,25 @@ class Lowering {
           f.program = unrolls[section].take_program();
         } else {
           unroll(f, references(f), names);
-          if (lowered.size() == 1) passes::write_out_kernels(f.algorithm, f.program, ir::coordinate_tree(tree_));
-          way.candidate.order = f.plan.order = planned_.order.value_or(ir::Order::as_written);
-          if (f.plan.order != ir::Order::as_written)
-            f.program.order = passes::schedule(f.program.graph, f.program.roots(), f.plan.order);
         }
+      }
+      if (form == ir::Form::straight) finish_line(way);
+      for (const LoweredSection& f : way.sections)
         for (size_t width = 0; width < backend::register_widths.size(); ++width)
           way.candidate.nanoseconds[width] += estimated(f, width);
-      }
       ways.push_back(std::move(way));
+    }
+  }
+
+  // Kernels that pay as nodes, and the order. More than one section is joined where nothing is left beside the line: of robots
+  // with more joints it is slower than the sections (measured), for lanes fill the matrices between them.
+  void finish_line(Way& way) const {
+    if (way.sections.size() == 1 || tree_.nv() <= passes::most_of_products) write_out_kernels(way.sections, false);
+    way.candidate.order = planned_.order.value_or(ir::Order::as_written);
+    for (LoweredSection& f : way.sections) {
+      f.plan.order = way.candidate.order;
+      if (f.plan.order != ir::Order::as_written)
+        f.program.order = passes::schedule(f.program.graph, f.program.roots(), f.plan.order);
     }
   }
 

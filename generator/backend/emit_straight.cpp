@@ -79,9 +79,7 @@ std::string who(const CodeInput& code, const ir::Tag& tag) {
 
 // Where another order than that of the equations comes back to it.
 std::string return_to(const CodeInput& code, const ir::Tag& tag) {
-  const size_t equations = code.algorithm.sweeps.size() + code.algorithm.pairs.size() + code.algorithm.projections.size();
-  const bool of_all = tag.sweep >= 0 && static_cast<size_t>(tag.sweep) >= equations;
-  return of_all ? "  // the factors again\n" : fmt::format("  // {} again\n", comment_text(who(code, tag)));
+  return tag.body == ir::all_bodies ? "  // the factors again\n" : fmt::format("  // {} again\n", comment_text(who(code, tag)));
 }
 
 // Whether most of it are products of a body's numbers and those of another that is far away in the text.
@@ -91,15 +89,8 @@ bool fills_matrices(const CodeInput& code) { return !code.algorithm.pairs.empty(
 
 // What is computed, by the equation of the sweep, and for whom.
 std::string straight_heading(const CodeInput& code, const ir::Tag& tag) {
-  const ir::Algorithm& a = code.algorithm;
-  const auto at = static_cast<size_t>(tag.sweep), pairs = a.sweeps.size() + a.pairs.size(),
-             projections = pairs + a.projections.size();
-  const std::string equation = tag.sweep < 0          ? "moments of the payloads"
-                               : at < a.sweeps.size() ? a.sweeps[at].equation
-                               : at < pairs           ? a.pairs[at - a.sweeps.size()].equation
-                               : at < projections     ? a.projections[at - pairs].equation
-                                                      : a.written_out[at - projections];
-  if (tag.sweep >= 0 && at >= projections) return fmt::format("\n  // {}\n", equation);
+  const std::string equation = tag.sweep < 0 ? "moments of the payloads" : code.algorithm.equation(tag);
+  if (tag.body == ir::all_bodies) return fmt::format("\n  // {}\n", equation);
   return fmt::format("\n  // {}: {}\n", comment_text(who(code, tag)), equation);
 }
 

@@ -42,6 +42,15 @@ bool Section::computes(Quantity quantity) const {
   return std::find(quantities.begin(), quantities.end(), quantity) != quantities.end();
 }
 
+const std::string& Algorithm::equation(const Tag& tag) const {
+  auto at = static_cast<std::size_t>(tag.sweep);
+  if (at < sweeps.size()) return sweeps[at].equation;
+  at -= sweeps.size();
+  if (at < pairs.size()) return pairs[at].equation;
+  at -= pairs.size();
+  return at < projections.size() ? projections[at].equation : written_out[at - projections.size()];
+}
+
 std::vector<int> Algorithm::offsets() const {
   std::vector<int> first;
   int next = 0;

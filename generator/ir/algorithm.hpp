@@ -232,8 +232,9 @@ struct Algorithm {
   std::vector<Pairs> pairs;
   std::vector<Projection> projections;
   std::vector<Result> results;
-  std::vector<Kernel> kernels;           // in order, after all results
-  std::vector<std::string> written_out;  // equations of kernels that became nodes; tags count on to them
+  std::vector<Kernel> kernels;  // in order, after all results
+  // Equations of kernels that became nodes, and of the sections behind that did (passes/write_out.hpp); tags count on to them.
+  std::vector<std::string> written_out;
   std::optional<Guard> guard;
   int factor = -1;                     // the array that equations with M are solved by, if the code is to offer that
   std::optional<Embedding> embedding;  // then there are no sweeps
@@ -244,6 +245,9 @@ struct Algorithm {
   std::string own_name(const std::string& what) const {
     return section.is_first() ? function.own_name(what) : section.name + "_" + what;
   }
+  // The number of tags before those of what is written out; and the equation that a tag of a sweep or more stands for.
+  std::size_t written() const { return sweeps.size() + pairs.size() + projections.size(); }
+  const std::string& equation(const Tag& tag) const;
   // First of a role's components among all of them.
   std::vector<int> offsets() const;
 };

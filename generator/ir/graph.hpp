@@ -47,6 +47,7 @@ struct Input {
 
 // What a node was first made for: a sweep of the algorithm (or, counted on from there, pairs, projections and kernels) and the
 // body (−1: the base).
+inline constexpr std::int32_t all_bodies = -2;
 struct Tag {
   std::int16_t sweep = -1;
   std::int32_t body = -1;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <map>
+#include <string>
 #include <utility>
 
 #include "dalembert/chain_shapes.hpp"
@@ -58,16 +59,24 @@ class Writing {
     }
   }
 
-  void run() {
-    const std::size_t tags = algorithm_.sweeps.size() + algorithm_.pairs.size() + algorithm_.projections.size();
-    std::vector<ir::Kernel> left;
-    for (const ir::Kernel& kernel : algorithm_.kernels) {
+  void run(std::span<const SectionBehind> behind) {
+    write_out(std::exchange(algorithm_.kernels, {}));
+    for (const SectionBehind& section : behind) {
+      append(section.algorithm, section.program);
+      write_out(section.algorithm.kernels);
+    }
+    collect();
+    drop_unread();
+  }
+
+ private:
+  void write_out(const std::vector<ir::Kernel>& kernels) {
+    for (const ir::Kernel& kernel : kernels) {
       if (stays(kernel)) {
-        left.push_back(kernel);
+        algorithm_.kernels.push_back(kernel);
         continue;
       }
-      graph_.set_tag({static_cast<std::int16_t>(tags + algorithm_.written_out.size()), -1});
-      algorithm_.written_out.push_back(equation(kernel.kind));
+      begin(equation(kernel.kind), ir::all_bodies);
       switch (kernel.kind) {
         case Kind::factor: factor(kernel); break;
         case Kind::solve: solve(kernel); break;
@@ -75,16 +84,54 @@ class Writing {
         default: negative_product(kernel);
       }
     }
-    algorithm_.kernels = std::move(left);
-    collect();
-    drop_unread();
   }
 
- private:
-  // Rows of constraints; and products of whole matrices, which take a fraction of the time in lanes, but for the smallest.
+  // Of the nodes made from here on.
+  void begin(const std::string& equation, int body) {
+    std::vector<std::string>& equations = algorithm_.written_out;
+    const auto found = std::find(equations.begin(), equations.end(), equation);
+    const auto number = algorithm_.written() + static_cast<std::size_t>(found - equations.begin());
+    if (found == equations.end()) equations.push_back(equation);
+    graph_.set_tag({static_cast<std::int16_t>(number), body});
+  }
+
+  // The nodes of a section behind: what it reads of those before are nodes too.
+  void append(const ir::Algorithm& section, const ir::Program& program) {
+    algorithm_.arrays = section.arrays;
+    matrices_.resize(section.arrays.size());
+    const auto element = [this](int array, int row, int column) {
+      const NodeId node = of(array).at(row, column);
+      return node == no_node ? graph_.constant(0) : node;
+    };
+    const auto input = [&](const ir::Input& in) {
+      if (in.kind == ir::InputKind::acceleration) return element(section.section.accelerations, in.index, 0);
+      if (in.kind != ir::InputKind::element) return graph_.input(in);
+      const int rows = section.arrays[static_cast<std::size_t>(in.index)].rows;
+      return element(in.index, in.component % rows, in.component / rows);
+    };
+    ir::Copy copy(program.graph, graph_);
+    const std::vector<std::int32_t> used = ir::uses(program.graph, program.roots());
+    std::vector<std::string>& names = program_.names;
+    for (NodeId id = 0; id < program.graph.size(); ++id) {
+      if (used[static_cast<std::size_t>(id)] == 0) continue;
+      const ir::Tag tag = program.graph[id].tag;
+      if (tag.sweep >= 0) begin(section.equation(tag), tag.body);
+      else graph_.set_tag(tag);
+      const auto made = static_cast<std::size_t>(copy.node(id, input));
+      if (program.names.empty()) continue;
+      names.resize(std::max(names.size(), made + 1));
+      if (names[made].empty()) names[made] = program.names[static_cast<std::size_t>(id)];
+    }
+    for (const ir::OutputElement& e : program.elements) of(e.array).set(e.row, e.column, copy.node(e.node, input));
+    if (!section.guard) return;
+    std::vector<int>& cleared = algorithm_.guard->arrays;
+    for (const int array : section.guard->arrays)
+      if (std::find(cleared.begin(), cleared.end(), array) == cleared.end()) cleared.push_back(array);
+  }
+
+  // Rows of constraints; and products of whole matrices, but for the smallest.
   bool stays(const ir::Kernel& kernel) const {
-    constexpr int smallest = 4;
-    return kernel.of_constraints() || (kernel.kind == Kind::negative_product && !products_ && tree_.size() > smallest);
+    return kernel.of_constraints() || (kernel.kind == Kind::negative_product && !products_ && tree_.size() > most_of_products);
   }
   // Whether a kernel that stays has to do with the array.
   bool is_used(int array) const {
@@ -221,15 +268,25 @@ bool has_pivots(const ir::Program& program, int pivots, int size) {
 
 }  // namespace
 
-void write_out_kernels(ir::Algorithm& algorithm, ir::Program& program, const ir::CoordinateTree& tree, bool products) {
-  if (std::all_of(algorithm.kernels.begin(), algorithm.kernels.end(), [](const auto& k) { return k.of_constraints(); })) return;
+bool write_out_kernels(ir::Algorithm& algorithm, ir::Program& program, const ir::CoordinateTree& tree, bool products,
+                       std::span<const SectionBehind> behind) {
+  const auto of_constraints = [](const ir::Kernel& k) { return k.of_constraints(); };
+  if (std::all_of(algorithm.kernels.begin(), algorithm.kernels.end(), of_constraints)) return behind.empty();
   bool factored = false;  // else pivots are what articulated bodies leave
   for (const ir::Kernel& kernel : algorithm.kernels) {
-    if (kernel.kind == Kind::factor && !has_diagonal(program, kernel[Operand::mass], tree.size())) return;
+    if (kernel.kind == Kind::factor && !has_diagonal(program, kernel[Operand::mass], tree.size())) return false;
     factored = factored || kernel.kind == Kind::factor;
-    if (kernel.kind == Kind::invert && !factored && !has_pivots(program, kernel[Operand::pivots], tree.size())) return;
+    if (kernel.kind == Kind::invert && !factored && !has_pivots(program, kernel[Operand::pivots], tree.size())) return false;
   }
-  Writing(algorithm, program, tree, products).run();
+  const bool waits_for_constraints =
+      std::any_of(algorithm.kernels.begin(), algorithm.kernels.end(), of_constraints) ||
+      std::any_of(behind.begin(), behind.end(), [&](const SectionBehind& section) {
+        const std::vector<ir::Kernel>& kernels = section.algorithm.kernels;
+        return std::any_of(kernels.begin(), kernels.end(), of_constraints) || !section.algorithm.projections.empty();
+      });
+  if (!behind.empty() && waits_for_constraints) return false;
+  Writing(algorithm, program, tree, products).run(behind);
+  return true;
 }
 
 }  // namespace dalembert::passes

@@ -5,16 +5,30 @@
 // unfinished the next one's operations hide.
 #pragma once
 
+#include <span>
+
 #include "ir/algorithm.hpp"
 #include "ir/coordinate_tree.hpp"
 #include "ir/program.hpp"
 
 namespace dalembert::passes {
 
+// Up to so many coordinates products of whole matrices are written out too. Of larger trees they take a fraction of the time in
+// lanes of elements.
+inline constexpr int most_of_products = 4;
+
+struct SectionBehind {
+  const ir::Algorithm& algorithm;
+  const ir::Program& program;
+};
+
 // Adds them and takes the kernels out, with the arrays that nothing but they read. `program` is the algorithm's, unrolled, with
-// an element for every place of its arrays that is not zero in every state, and it is the function's only section: another
-// would read arrays of kernels. Products of whole matrices stay, unless `products` are to be written out as well: they take a
-// fraction of the time in lanes of elements.
-void write_out_kernels(ir::Algorithm& algorithm, ir::Program& program, const ir::CoordinateTree& tree, bool products = false);
+// an element for every place of its arrays that is not zero in every state. Products of whole matrices stay, unless they
+// are of few coordinates or `products` are to be written out as well.
+// The sections behind become part of the first: what they take for dv/dt are nodes then, and what both need is there once.
+// Returns false, all being left as it is, where a pivot may be missing in every state or, of more than one section, something
+// waits for rows of constraints.
+bool write_out_kernels(ir::Algorithm& algorithm, ir::Program& program, const ir::CoordinateTree& tree, bool products = false,
+                       std::span<const SectionBehind> behind = {});
 
 }  // namespace dalembert::passes

@@ -122,22 +122,19 @@ std::vector<int> some_references(const ir::Algorithm& algorithm, const ir::Kinem
   return passes::reference_bodies(algorithm, tree, normal, cost);
 }
 
-// One section behind what those before left.
-std::array<ir::Arrays, 2> run_section(const ir::Algorithm& algorithm, const ir::Algorithm& line_of, bool only,
-                                      const ir::KinematicTree& tree, const ir::NormalTree& normal, const Model& model,
-                                      const State& state, const Payload& payload, const std::array<ir::Arrays, 2>& left,
-                                      const Gains& gains) {
-  const ir::Section& section = algorithm.section;
-  const auto array = [&](int index) { return algorithm.arrays[static_cast<size_t>(index)].name; };
-  passes::Unroll unroll(algorithm, tree, normal, model.scene, {{}, false});
-  size_t form = 0;
-  const ir::FunctionInput input = [&](const ir::Input& in) {
+// What a section takes: `left` by those before it.
+ir::FunctionInput input_of(const ir::Algorithm& algorithm, const Model& model, const State& state, const Payload& payload,
+                           const Gains& gains, const ir::Arrays& left) {
+  return [&](const ir::Input& in) {
+    const auto array = [&](int index) { return left.at(algorithm.arrays[static_cast<size_t>(index)].name); };
     switch (in.kind) {
       case ir::InputKind::position: return state.q[in.index];
       case ir::InputKind::velocity: return state.v[in.index];
       case ir::InputKind::acceleration:
-      case ir::InputKind::effort:
-        return section.accelerations < 0 ? state.more[in.index] : left[form].at(array(section.accelerations))(in.index, 0);
+      case ir::InputKind::effort: {
+        const int accelerations = algorithm.section.accelerations;
+        return accelerations < 0 ? state.more[in.index] : array(accelerations)(in.index, 0);
+      }
       case ir::InputKind::gravity: return model.scene.gravity[in.component];
       case ir::InputKind::wrench: return state.wrenches[6 * in.index + in.component];
       case ir::InputKind::constraint:
@@ -145,25 +142,50 @@ std::array<ir::Arrays, 2> run_section(const ir::Algorithm& algorithm, const ir::
         if (in.component == ir::contact_restitution)
           return state.acting.restitution.empty() ? 0.0 : state.acting.restitution[static_cast<size_t>(in.index)];
         return in.component == ir::contact_kp ? gains.kp : gains.kd;
-      case ir::InputKind::element: return left[form].at(array(in.index))(in.component);
+      case ir::InputKind::element: return array(in.index)(in.component);
       case ir::InputKind::payload: return payload[static_cast<size_t>(in.component)];
       default: return std::nan("");
     }
   };
+}
+
+passes::Unroll line_by_frames(const ir::Algorithm& line, const ir::KinematicTree& tree, const ir::NormalTree& normal,
+                              const ir::Scene& scene) {
+  return {line, tree, normal, scene, {{}, false, false, ir::Elements::kept, some_references(line, tree, normal)}};
+}
+
+// One section behind what those before left.
+std::array<ir::Arrays, 2> run_section(const ir::Algorithm& algorithm, const ir::Algorithm& line_of, bool only,
+                                      const ir::KinematicTree& tree, const ir::NormalTree& normal, const Model& model,
+                                      const State& state, const Payload& payload, const std::array<ir::Arrays, 2>& left,
+                                      const Gains& gains) {
+  const auto input = [&](size_t form) { return input_of(algorithm, model, state, payload, gains, left[form]); };
+  passes::Unroll unroll(algorithm, tree, normal, model.scene, {{}, false});
   ir::Algorithm written_out = line_of;
-  passes::Unroll by_frames(line_of, tree, normal, model.scene,
-                           {{}, false, false, ir::Elements::kept, some_references(line_of, tree, normal)});
+  passes::Unroll by_frames = line_by_frames(line_of, tree, normal, model.scene);
   ir::Program line = by_frames.take_program();
   passes::project_by_rows(written_out, line, by_frames, tree);
   if (only) passes::write_out_kernels(written_out, line, ir::coordinate_tree(tree));
-  ir::Arrays straight = ir::run(written_out, line, tree, input, left[0], state.acting);
+  ir::Arrays straight = ir::run(written_out, line, tree, input(0), left[0], state.acting);
   if (tree.bodies.empty()) return {straight, straight};  // a base alone
-  form = 1;
   ir::CompileOptions options;
   options.write_limbs = tree.joints() % 2 == 0;  // loops over a limb alone on half of the robots, written out on the others
   const ir::Plan plan = passes::plan(tree, model.scene, ir::Form::rolled, options, passes::rows_in_pairs(algorithm, tree));
   const ir::RolledProgram program = passes::roll(algorithm, unroll, tree, model.scene, plan, {});
-  return {straight, ir::run(algorithm, program, plan, tree, model.scene.rates_zero, input, left[1], state.acting)};
+  return {straight, ir::run(algorithm, program, plan, tree, model.scene.rates_zero, input(1), left[1], state.acting)};
+}
+
+// All sections as one line, as batches have them. None where there is no such line.
+std::optional<ir::Arrays> run_joined(std::vector<ir::Algorithm> lines, const ir::KinematicTree& tree,
+                                     const ir::NormalTree& normal, const Model& model, const State& state,
+                                     const Payload& payload, const Gains& gains) {
+  std::vector<ir::Program> programs;
+  std::vector<passes::SectionBehind> behind;
+  for (const ir::Algorithm& line : lines) programs.push_back(line_by_frames(line, tree, normal, model.scene).take_program());
+  for (size_t i = 1; i < lines.size(); ++i) behind.push_back({lines[i], programs[i]});
+  if (!passes::write_out_kernels(lines[0], programs[0], ir::coordinate_tree(tree), true, behind)) return {};
+  const ir::FunctionInput input = input_of(lines[0], model, state, payload, gains, {});
+  return ir::run(lines[0], programs[0], tree, input, {}, state.acting);
 }
 
 }  // namespace
@@ -246,6 +268,9 @@ std::array<ir::Arrays, 2> run_function(const ir::EmittedFunction& function, cons
   std::array<ir::Arrays, 2> results;
   for (size_t i = 0; i < sections.size(); ++i)
     results = run_section(sections[i], lines.at(i), sections.size() == 1, tree, normal, model, state, payload, results, gains);
+  // On half of the robots the line is that of batches.
+  if (sections.size() > 1 && tree.nv() % 2 == 0)
+    if (const auto joined = run_joined(lines, tree, normal, model, state, payload, gains)) results[0] = *joined;
   return results;
 }
 
