@@ -10,6 +10,7 @@
 #include "backend/code_text.hpp"
 #include "backend/emit.hpp"
 #include "backend/emit_batch.hpp"
+#include "backend/emit_header.hpp"
 #include "backend/executed.hpp"
 #include "left_out.hpp"
 #include "reference/self_test.hpp"

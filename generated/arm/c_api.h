@@ -11,6 +11,26 @@ extern "C" {
 
 typedef struct arm_workspace arm_workspace;
 
+// Sizes, and where joints stand. q: joints [m, rad]; v: joint rates [m/s, rad/s].
+enum {
+  arm_q_size = 7,
+  arm_v_size = 7,
+  arm_q_index_link_01_joint = 0,
+  arm_v_index_link_01_joint = 0,
+  arm_q_index_link_02_joint = 1,
+  arm_v_index_link_02_joint = 1,
+  arm_q_index_link_03_joint = 2,
+  arm_v_index_link_03_joint = 2,
+  arm_q_index_link_04_joint = 3,
+  arm_v_index_link_04_joint = 3,
+  arm_q_index_link_05_joint = 4,
+  arm_v_index_link_05_joint = 4,
+  arm_q_index_link_06_joint = 5,
+  arm_v_index_link_06_joint = 5,
+  arm_q_index_link_07_joint = 6,
+  arm_v_index_link_07_joint = 6
+};
+
 int arm_nq(void);
 int arm_nv(void);
 

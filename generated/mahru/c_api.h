@@ -11,6 +11,63 @@ extern "C" {
 
 typedef struct mahru_workspace mahru_workspace;
 
+// Sizes, and where joints stand. q: base position in the world (3), quaternion x y z w (4), joints [m, rad]; v: base
+// linear (3), angular (3) in base axes, joint rates [m/s, rad/s].
+enum {
+  mahru_q_size = 32,
+  mahru_v_size = 31,
+  mahru_q_index_left_hip_yaw = 7,
+  mahru_v_index_left_hip_yaw = 6,
+  mahru_q_index_left_hip_roll = 8,
+  mahru_v_index_left_hip_roll = 7,
+  mahru_q_index_left_hip_pitch = 9,
+  mahru_v_index_left_hip_pitch = 8,
+  mahru_q_index_left_knee = 10,
+  mahru_v_index_left_knee = 9,
+  mahru_q_index_left_ankle_pitch = 11,
+  mahru_v_index_left_ankle_pitch = 10,
+  mahru_q_index_left_ankle_roll = 12,
+  mahru_v_index_left_ankle_roll = 11,
+  mahru_q_index_right_hip_yaw = 13,
+  mahru_v_index_right_hip_yaw = 12,
+  mahru_q_index_right_hip_roll = 14,
+  mahru_v_index_right_hip_roll = 13,
+  mahru_q_index_right_hip_pitch = 15,
+  mahru_v_index_right_hip_pitch = 14,
+  mahru_q_index_right_knee = 16,
+  mahru_v_index_right_knee = 15,
+  mahru_q_index_right_ankle_pitch = 17,
+  mahru_v_index_right_ankle_pitch = 16,
+  mahru_q_index_right_ankle_roll = 18,
+  mahru_v_index_right_ankle_roll = 17,
+  mahru_q_index_waist = 19,
+  mahru_v_index_waist = 18,
+  mahru_q_index_left_shoulder_pitch = 20,
+  mahru_v_index_left_shoulder_pitch = 19,
+  mahru_q_index_left_shoulder_roll = 21,
+  mahru_v_index_left_shoulder_roll = 20,
+  mahru_q_index_left_shoulder_yaw = 22,
+  mahru_v_index_left_shoulder_yaw = 21,
+  mahru_q_index_left_elbow = 23,
+  mahru_v_index_left_elbow = 22,
+  mahru_q_index_left_wrist_yaw = 24,
+  mahru_v_index_left_wrist_yaw = 23,
+  mahru_q_index_left_wrist_pitch = 25,
+  mahru_v_index_left_wrist_pitch = 24,
+  mahru_q_index_right_shoulder_pitch = 26,
+  mahru_v_index_right_shoulder_pitch = 25,
+  mahru_q_index_right_shoulder_roll = 27,
+  mahru_v_index_right_shoulder_roll = 26,
+  mahru_q_index_right_shoulder_yaw = 28,
+  mahru_v_index_right_shoulder_yaw = 27,
+  mahru_q_index_right_elbow = 29,
+  mahru_v_index_right_elbow = 28,
+  mahru_q_index_right_wrist_yaw = 30,
+  mahru_v_index_right_wrist_yaw = 29,
+  mahru_q_index_right_wrist_pitch = 31,
+  mahru_v_index_right_wrist_pitch = 30
+};
+
 int mahru_nq(void);
 int mahru_nv(void);
 

@@ -66,9 +66,6 @@ struct Folder {
 // The function's sections in order, behind them what it calls for embedded loops.
 std::vector<const CodeInput*> sections_of(const CodeInput& function);
 
-// sizeof(Workspace) of the emitted code: results, run-time inputs and room to work in, each array at a multiple of 64 bytes.
-std::size_t workspace_bytes(const Folder& folder);
-
 // Every file of the robot's folder; without a self-test its files are left out. Needs no input but its argument: the same code
 // gives the same bytes anywhere.
 std::vector<OutputFile> emit(const Folder& folder);

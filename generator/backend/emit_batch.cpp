@@ -8,6 +8,7 @@
 #include "backend/batch_function.hpp"
 #include "backend/code_name.hpp"
 #include "backend/code_text.hpp"
+#include "backend/emit_header.hpp"
 #include "backend/literals.hpp"
 #include "backend/templates.hpp"
 #include "diagnostics.hpp"

@@ -218,11 +218,9 @@ std::string opened_scope(const CodeInput& code, const std::string& text) {
                      text);
 }
 
-std::string embedded_joint_indices(const CodeInput& code) {
+std::string dependent_joints(const CodeInput& code) {
   const std::vector<int> positions = code.tree.positions();
-  std::string text =
-      "// Joints with a coordinate in v, in its order: a joint's position is q[q_index(joint)], its rate v[v_index(joint)].\n"
-      "// Dependent joints, which follow them by loops, have positions only:\n";
+  std::string text = "// Dependent joints, which follow the others by loops, have positions only:\n";
   for (const ir::Linkage& linkage : code.tree.linkages)
     for (const int k : linkage.dependent)
       text += comment_lines(fmt::format("  {:<32} q[{}]", code.tree.bodies[static_cast<size_t>(k)].joint,

@@ -14,7 +14,7 @@ std::string closing_declaration(const CodeInput& code);
 std::string embedded_statements(const CodeInput& code);
 // A function of the tree without embedded loops, in a scope of its own: it has another nv.
 std::string opened_scope(const CodeInput& code, const std::string& text);
-// Where joints' numbers are in q and v, for the header.
-std::string embedded_joint_indices(const CodeInput& code);
+// Where joints without a coordinate in v stand in q, for headers.
+std::string dependent_joints(const CodeInput& code);
 
 }  // namespace dalembert::backend

@@ -96,6 +96,8 @@ std::string constraints(const CodeInput& code) {
 
 }  // namespace
 
-std::string tables_of_robot(const CodeInput& code) { return links(code) + followers(code) + constraints(code); }
+std::string followers_and_constraints(const CodeInput& code) { return followers(code) + constraints(code); }
+
+std::string tables_of_robot(const CodeInput& code) { return links(code) + followers_and_constraints(code); }
 
 }  // namespace dalembert::backend

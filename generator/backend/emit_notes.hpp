@@ -7,8 +7,9 @@
 
 namespace dalembert::backend {
 
-// Links and the bodies that they move with, frames of the scene, joints that follow others, and whose rows are whose of
-// contacts and loops; as comments.
+// As comments: joints that follow others, and whose rows are whose of contacts and loops.
+std::string followers_and_constraints(const CodeInput& code);
+// … and links, the bodies that they move with, and frames of the scene.
 std::string tables_of_robot(const CodeInput& code);
 
 }  // namespace dalembert::backend

@@ -25,6 +25,9 @@ constexpr const char* of_the_folder[] = {"Scalar",
                                          "joint_names",
                                          "body_names",
                                          "q_index",
+                                         "q_size",
+                                         "v_size",
+                                         "constraint_rows",
                                          "quaternion_joints",
                                          "v_index",
                                          "VectorQ",
@@ -156,6 +159,8 @@ std::string fault_of_function_name(const std::string& name) {
     return fmt::format("'{}' cannot be the name of a function", name);
   if (ir::is_cpp_keyword(name)) return fmt::format("'{}' is a keyword of C++", name);
   if (ir::is_macro_of_the_code(name)) return fmt::format("'{}' could be a macro of the generated code", name);
+  if (name.starts_with("q_index_") || name.starts_with("v_index_"))
+    return fmt::format("'{}' could be a joint's place in the generated code", name);
   if (ir::is_library_macro(name)) return fmt::format("'{}' is a name of the C++ library", name);
   return "";
 }

@@ -244,6 +244,13 @@ SdfText without_idle_elements(const std::string& text, const std::function<std::
     if (name != "light" || open.back() != "sdf" || open.size() > 1) return "";
     return fmt::format("<light name='{}' type='point'/>", attribute(tag_of_idle, "name"));
   };
+  const auto check_version = [&](size_t at, std::string_view version) {
+    constexpr std::string_view versions[] = {"1.0", "1.2", "1.3", "1.4",  "1.5",  "1.6",
+                                             "1.7", "1.8", "1.9", "1.10", "1.11", "1.12"};
+    if (std::find(std::begin(versions), std::end(versions), version) != std::end(versions)) return;
+    fault(at, version.empty() ? "<sdf> has no version" : fmt::format("<sdf version=\"{}\"> is no version", version),
+          "write one, such as version=\"1.9\"");
+  };
   // Of whom nobody knows what numbers within mean: elements of other namespaces.
   const auto is_foreign = [](std::string_view name) { return name.find(':') != nowhere; };
   for (size_t at = all.find('<'); at != nowhere; at = all.find('<', at)) {
@@ -256,9 +263,7 @@ SdfText without_idle_elements(const std::string& text, const std::function<std::
       if (!closes) {
         if (result.root.empty()) result.root = name;
         else if (open.empty()) fault(at, fmt::format("a second <{}> stands behind the first", name), "keep one of them");
-        if (const std::string_view version = attribute(tag, "version");
-            open.empty() && name == "sdf" && version.find_first_not_of("0123456789.") != nowhere)
-          fault(at, fmt::format("<sdf version=\"{}\"> is no version", version), "write one, such as 1.9");
+        if (open.empty() && name == "sdf") check_version(at, attribute(tag, "version"));
         if (idle == 0 && name == "joint" && !open.empty() && open.back() == "model" && !is_joint_type(attribute(tag, "type")))
           fault(at,
                 fmt::format("joint '{}' has the type '{}', which there is not", attribute(tag, "name"), attribute(tag, "type")),

@@ -3,8 +3,6 @@
 #define DALEMBERT_IMPORTS_NUMPY
 #include <dlfcn.h>
 
-#include <algorithm>
-
 #include "arguments.hpp"
 #include "function.hpp"
 #include "motions.hpp"
@@ -27,11 +25,13 @@ PyObject* open_library(PyObject*, PyObject* args) {
 }
 
 PyObject* threads(PyObject*, PyObject* args) {
+  constexpr int most = 1024;
   int count = 0;
   if (!PyArg_ParseTuple(args, "|i", &count)) return nullptr;
-  if (PyTuple_GET_SIZE(args) > 0 && count < 1)
-    return PyErr_Format(PyExc_ValueError, "threads: %d threads are too few, expected 1 or more", count);
-  if (count > 0) Workers::instance().set_count(std::min(count, 1024));
+  if (PyTuple_GET_SIZE(args) > 0 && (count < 1 || count > most))
+    return PyErr_Format(PyExc_ValueError, "threads: %d threads are too %s, expected 1 to %d", count, count < 1 ? "few" : "many",
+                        most);
+  if (count > 0) Workers::instance().set_count(count);
   return PyLong_FromLong(Workers::instance().count());
 }
 

@@ -503,8 +503,10 @@ class Sdf(Folder):
     def test_what_libsdformat_falls_over_or_passes_over_is_refused(self):
         model = "<model name='m'><link name='a'/></model>"
         for text, message in (
-                (f"<sdf version='abc'>{model}</sdf>", 'line 1: error: <sdf version="abc"> is no version; write one, such as 1.9'),
-                ("<sdf version='99999999999999999999.1'>" + model + "</sdf>", "SDF: error: libsdformat cannot read it"),
+                (f"<sdf version='abc'>{model}</sdf>", 'line 1: error: <sdf version="abc"> is no version; write one, such as version="1.9"'),
+                (f"<sdf version='1.99'>{model}</sdf>", 'line 1: error: <sdf version="1.99"> is no version'),
+                (f"<sdf>{model}</sdf>", 'line 1: error: <sdf> has no version; write one, such as version="1.9"'),
+                ("<sdf version='99999999999999999999.1'>" + model + "</sdf>", "is no version"),
                 ("<sdf version='1.9'>\n<include><uri> </uri></include></sdf>", "line 2: error: <include> has no <uri>"),
                 ("<sdf version='1.9'><include><uri/></include></sdf>", "line 1: error: <include> has no <uri>"),
                 (f"<sdf version='1.9'>{model}</sdf>\n<sdf version='1.9'>{model}</sdf>",

@@ -56,12 +56,12 @@ endif()
 file(WRITE "${WORK}/c/host/host.c" "#include <stdio.h>
 #include \"../swinging.h\"
 int main(void) {
-  const double q[2] = {0.1, 0.2}, v[2] = {0.3, 0.4}, tau[2] = {1, 2};
+  const double q[swinging_q_size] = {0.1, 0.2}, v[swinging_v_size] = {0.3, 0.4}, tau[swinging_v_size] = {1, 2};
   double dv[2];
   int status = 7;
   swinging_forward_dynamics_batch_results results = {0};
   swinging_workspace* w = swinging_create();
-  if (!w || swinging_nq() != 2 || !swinging_self_test(NULL)) return 1;
+  if (!w || swinging_nq() != 2 || swinging_v_index_link_02_joint != 1 || swinging_q_index_link_02_joint != 1 || !swinging_self_test(NULL)) return 1;
   swinging_forward_dynamics(q, v, tau, w);
   results.forward_dynamics = dv;
   if (swinging_batch_forward_dynamics(q, v, tau, 1, &results, &status, NULL) != 0 || status != -1) return 2;

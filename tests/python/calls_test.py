@@ -807,7 +807,8 @@ class States(unittest.TestCase):
     def test_numbers_of_things_are_whole_and_there_are_some(self):
         for text, call in (("random: n is -1, expected", lambda: double.random(0, -1)),
                            ("random: n is 1.5, expected", lambda: double.random(0, 1.5)),
-                           ("threads: 0 threads are too few", lambda: dalembert.threads(0)),
+                           ("threads: 0 threads are too few, expected 1 to 1024", lambda: dalembert.threads(0)),
+                           ("threads: 1000000 threads are too many", lambda: dalembert.threads(10**6)),
                            (f"{10**19} steps are more", lambda: double.forward_dynamics_rollout(
                                double.neutral(), np.zeros(double.nv), steps=10**19, time_step=0.01)),
                            ("'bias' is given twice", lambda: single.evaluate(single.neutral(), np.zeros(single.nv),
