@@ -111,7 +111,9 @@ class Lowering {
   }
 
   void add_batch(LoweredFunction& chosen) const {
-    if (ir::operations(chosen.first().program).total() > most_operations) return;
+    long operations = 0;
+    for (const LoweredSection& section : chosen.sections) operations += ir::operations(section.program).total();
+    if (operations > most_operations) return;
     std::optional<LoweredSection> line = straight_line(function_, false);
     if (line && is_whole_line(*line)) chosen.batch = std::move(line);
   }
