@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <map>
 #include <string_view>
 #include <unordered_map>
 
@@ -147,7 +148,7 @@ class OutlineReader {
 
   // The name of a link or joint, when it has one; an error when it is taken. `lines`: where the names met so far are.
   std::optional<std::string> name(const TiXmlElement& element, const char* kind, std::unordered_map<std::string, int>& lines) {
-    read_.enter(fmt::format("{} number {}", kind, lines.size() + 1));
+    read_.enter(fmt::format("{} number {}", kind, ++met_[kind]));
     const std::optional<std::string> name = read_.required(element, "name", fmt::format("write <{} name=\"...\">", kind));
     if (!name) return std::nullopt;
     read_.enter(fmt::format("{} '{}'", kind, *name));
@@ -174,6 +175,7 @@ class OutlineReader {
   Diagnostics errors_;
   Diagnostics& warnings_;
   ElementReader read_;
+  std::map<std::string_view, int> met_;  // of each kind, with a name or without
 };
 
 }  // namespace

@@ -129,7 +129,8 @@ const Case defects[] = {
     {"no_joint_type",
      "joint 'j' (line 14): error: <joint> has no type; write type=\"revolute\", continuous, prismatic, planar, floating or fixed"},
     {"no_link_name",
-     "link number 2 (line 8): error: <link> has no name; write <link name=\"...\">"},
+     "link number 2 (line 8): error: <link> has no name; write <link name=\"...\">\n"
+     "link number 3 (line 19): error: <link> has no name; write <link name=\"...\">"},
     {"no_links",
      "robot 'r': error: there are no links; add at least one <link>"},
     {"no_mass_at_all",
