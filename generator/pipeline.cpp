@@ -142,7 +142,7 @@ Model read_model(const Request& request, Diagnostics& warnings) {
   check_size(model.description, model.tree);
   if (!request.for_one_output) {
     passes::check_mass(model.description, model.tree, model.scene);
-    reference::check_solvable(model.description, model.tree, model.scene);
+    reference::check_solvable(model.description, model.tree, model.scene, warnings);
     warn_of_idle_keys(model.scene, model.tree, warnings);
   }
   check_form(model.description, model.tree, model.options);

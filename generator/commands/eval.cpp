@@ -89,7 +89,7 @@ std::string evaluate(const Model& model, const std::string& state_file, const st
   const Output wanted = output_named(model, output);
   const ir::Scene scene = with_outputs(model, {wanted}).scene;
   passes::check_mass(model.description, model.tree, scene);
-  reference::check_solvable(model.description, model.tree, scene);
+  reference::check_solvable(model.description, model.tree, scene, warnings);
   const std::vector<State> states = read_states(state_file, model.tree, wanted.function.inputs, warnings);
   std::unique_ptr<GeneratedEngine> generated;
   if (engine == Engine::generated) generated = std::make_unique<GeneratedEngine>(model, std::vector{wanted}, options);

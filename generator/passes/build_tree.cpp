@@ -235,11 +235,11 @@ class TreeBuilder {
     for (int k : massless)
       if (const std::string name = in_words(tree_.bodies[at(k)]); names.empty() || names.back() != name) names.push_back(name);
     if (!names.empty() && !scene_.lock_massless)
-      warnings_.push_back({Severity::warning, robot_.file,
-                           fmt::format("joint{} {}", names.size() > 1 ? "s" : "", fmt::join(names, ", ")),
-                           "nothing that moves there has a mass: M is singular",
-                           "lock such joints with massless: lock in the scene, give the links <inertial>, or the joints an "
-                           "armature in the scene"});
+      warnings_.push_back(
+          {Severity::warning, robot_.file, fmt::format("joint{} {}", names.size() > 1 ? "s" : "", fmt::join(names, ", ")),
+           "nothing that moves there has a mass: M is singular",
+           "lock such joints with massless: lock in the scene, give the links <inertial> with a mass, or the joints an "
+           "armature in the scene"});
     for (size_t k = 0; k < tree_.bodies.size(); ++k)
       if (const ir::Body& body = tree_.bodies[k]; no_inertia_about_axis(body) && !carries_payload(static_cast<int>(k)) &&
                                                   !std::binary_search(massless.begin(), massless.end(), static_cast<int>(k)))

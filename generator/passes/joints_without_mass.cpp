@@ -114,13 +114,13 @@ void check_mass(const ir::RobotDescription& robot, const ir::KinematicTree& tree
   if (any_needs(scene, ir::Needs::center) && !has_center(tree, scene))
     throw InputError({Severity::error, robot.file, fmt::format("robot '{}'", robot.name),
                       "nothing that moves has a mass: there is no centre of mass",
-                      "give the links <inertial>, or leave out what refers to the centre of mass"});
+                      "give the links <inertial> with a mass, or leave out what refers to the centre of mass"});
   const bool any = any_needs(scene, ir::Needs::mass) || any_needs(scene, ir::Needs::center);
   if (!any || !moves_no_mass(tree, scene)) return;
   throw InputError({Severity::error, robot.file, fmt::format("robot '{}'", robot.name),
                     "nothing that moves has a mass: there are no dynamics",
-                    "give the links <inertial>, or ask for what needs none: --outputs wrench_influence, or --outputs '' "
-                    "--jacobians LINK"});
+                    "give the links <inertial> with a mass, or ask for what needs none: --outputs wrench_influence, or "
+                    "--outputs '' --jacobians LINK"});
 }
 
 }  // namespace dalembert::passes

@@ -135,7 +135,7 @@ const Case defects[] = {
      "robot 'r': error: there are no links; add at least one <link>"},
     {"no_mass_at_all",
      "link 'a' (line 3): warning: <inertial> has no <inertia>: zeros are taken; add <inertia ixx=... ixy=... ixz=... iyy=... iyz=... izz=.../> in kg m² (the first of 2 such warnings; --verbose shows all)\n"
-     "robot 'r': error: nothing that moves has a mass: there are no dynamics; give the links <inertial>, or ask for what needs none: --outputs wrench_influence, or --outputs '' --jacobians LINK"},
+     "robot 'r': error: nothing that moves has a mass: there are no dynamics; give the links <inertial> with a mass, or ask for what needs none: --outputs wrench_influence, or --outputs '' --jacobians LINK"},
     {"no_parent",
      "joint 'j' (line 14): error: the joint has no <parent>; add <parent link=\"...\"/>"},
     {"no_parent_link",
@@ -207,8 +207,8 @@ const Case doubts[] = {
      "joints 'j', 'k': warning: <dynamics damping> is left out; ask for it with damping: urdf in the scene\n"
      "joint 'j': warning: <dynamics friction> is left out; ask for it with friction: urdf in the scene"},
     {"end_tag_twice", "line 20: warning: </robot> outside of <robot> is ignored; remove it"},
-    {"floating_beside_moving", "joint 'free': warning: nothing that moves there has a mass: M is singular; lock such joints with massless: lock in the scene, give the links <inertial>, or the joints an armature in the scene"},
-    {"floating_leaf", "joint 'free': warning: nothing that moves there has a mass: M is singular; lock such joints with massless: lock in the scene, give the links <inertial>, or the joints an armature in the scene"},
+    {"floating_beside_moving", "joint 'free': warning: nothing that moves there has a mass: M is singular; lock such joints with massless: lock in the scene, give the links <inertial> with a mass, or the joints an armature in the scene"},
+    {"floating_leaf", "joint 'free': warning: nothing that moves there has a mass: M is singular; lock such joints with massless: lock in the scene, give the links <inertial> with a mass, or the joints an armature in the scene"},
     {"floating_root_with_inertia",
      "joint 'j' (line 14): warning: the inertia of link 'a' above this floating joint is not used: what is above it is the world and does not move; give it to the link below the joint\n"
      "joint 'j' (line 14): warning: the <origin> of this floating joint is not used; q gives the pose of its child in the world\n"
@@ -222,7 +222,7 @@ const Case doubts[] = {
     {"incomplete_inertia",
      "link 'b' (line 11): warning: <inertia> has no iyz: zero is taken; give all of ixx, ixy, ixz, iyy, iyz, izz in kg m²"},
     {"inertia_but_no_mass_on_a_slide",
-     "joint 'j': warning: nothing that moves there has a mass: M is singular; lock such joints with massless: lock in the scene, give the links <inertial>, or the joints an armature in the scene"},
+     "joint 'j': warning: nothing that moves there has a mass: M is singular; lock such joints with massless: lock in the scene, give the links <inertial> with a mass, or the joints an armature in the scene"},
     {"joint_of_the_compiler",
      "joint 'typeof' (line 14): warning: the name is a keyword of C++; it is called 'typeof_' here"},
     {"keyword_joint",
@@ -254,9 +254,9 @@ const Case doubts[] = {
      "joint 'k' (line 29): warning: <mimic multiplier=\"twice\"> is not a number: it is not used; write finite decimal numbers such as 0.25 or 1e-3\n"
      "joint 'k': warning: its <mimic> is left out: it is a joint of its own; ask for it with mimic: urdf in the scene"},
     {"massless_leaf",
-     "joint 'k': warning: nothing that moves there has a mass: M is singular; lock such joints with massless: lock in the scene, give the links <inertial>, or the joints an armature in the scene"},
+     "joint 'k': warning: nothing that moves there has a mass: M is singular; lock such joints with massless: lock in the scene, give the links <inertial> with a mass, or the joints an armature in the scene"},
     {"massless_subtree",
-     "joints 'k', 'l': warning: nothing that moves there has a mass: M is singular; lock such joints with massless: lock in the scene, give the links <inertial>, or the joints an armature in the scene"},
+     "joints 'k', 'l': warning: nothing that moves there has a mass: M is singular; lock such joints with massless: lock in the scene, give the links <inertial> with a mass, or the joints an armature in the scene"},
     {"mimic",
      "joint 'k': warning: its <mimic> is left out: it is a joint of its own; ask for it with mimic: urdf in the scene"},
     {"mimic_on_fixed_joint",
@@ -288,7 +288,8 @@ const Case doubts[] = {
     {"point_mass",
      "link 'b' (line 8): warning: the link has a mass but no rotational inertia: a point mass; give <inertia> if it has an extent"},
     {"point_mass_alone",
-     "link 'a' (line 2): warning: the link has a mass but no rotational inertia: a point mass; give <inertia> if it has an extent"},
+     "link 'a' (line 2): warning: the link has a mass but no rotational inertia: a point mass; give <inertia> if it has an extent\n"
+     "base 'a': warning: can move without moving any mass, wherever the robot stands: the mass matrix is singular; give link 'a' moments of inertia about every axis"},
     {"point_mass_on_axis",
      "joint 'j': warning: link 'b' has no inertia about the joint's axis: M is singular; give the link a rotational inertia, or the joint an armature in the scene\n"
      "link 'b' (line 8): warning: the link has a mass but no rotational inertia: a point mass; give <inertia> if it has an extent"},
@@ -299,7 +300,7 @@ const Case doubts[] = {
      "link 'b' (line 8): warning: the inertia breaks the triangle inequality by 0.5 kg m² (principal moments 1, 1, 2.5 kg m²); no body has such an inertia: no principal moment exceeds the sum of the others; it is used as given"},
     {"two_axes",
      "joint 'j' (line 17): warning: a second <axis> in <joint> is ignored; keep one of them"},
-    {"two_floating_roots", "joint 'k': warning: nothing that moves there has a mass: M is singular; lock such joints with massless: lock in the scene, give the links <inertial>, or the joints an armature in the scene"},
+    {"two_floating_roots", "joint 'k': warning: nothing that moves there has a mass: M is singular; lock such joints with massless: lock in the scene, give the links <inertial> with a mass, or the joints an armature in the scene"},
     {"unknown_attribute",
      "joint 'j' (line 18): warning: unknown attribute 'xzy' of <origin> is ignored; the known ones are xyz, rpy"},
     {"text_behind_robot", "line 21: warning: the text 'the end' outside of <robot> is ignored; remove it"},
@@ -374,18 +375,18 @@ const Use uses[] = {
     {"massless_driver_and_driven_locked", "massless_subtree", {"--mimic", "{l: {of: k, offset: 1}}", "--massless", "lock"}, 0,
      "joint 'k': warning: what moves no mass is locked, as the scene says; lock it by name to choose where", "1 moving joints"},
     {"floating_in_the_tree", "floating_leaf", {"--base", "fixed"}, 0,
-     "joint 'free': warning: nothing that moves there has a mass: M is singular; lock such joints with massless: lock in the scene, give the links <inertial>, or the joints an armature in the scene",
+     "joint 'free': warning: nothing that moves there has a mass: M is singular; lock such joints with massless: lock in the scene, give the links <inertial> with a mass, or the joints an armature in the scene",
      "nq = 8, nv = 7"},
     {"two_floating_in_the_world", "two_floating_roots", {"--base", "fixed"}, 0,
-     "joint 'k': warning: nothing that moves there has a mass: M is singular; lock such joints with massless: lock in the scene, give the links <inertial>, or the joints an armature in the scene",
+     "joint 'k': warning: nothing that moves there has a mass: M is singular; lock such joints with massless: lock in the scene, give the links <inertial> with a mass, or the joints an armature in the scene",
      "nq = 14, nv = 12"},
     {"floating_beside_a_joint_that_moves", "floating_beside_moving", {"--base", "fixed"}, 0,
-     "joint 'free': warning: nothing that moves there has a mass: M is singular; lock such joints with massless: lock in the scene, give the links <inertial>, or the joints an armature in the scene",
+     "joint 'free': warning: nothing that moves there has a mass: M is singular; lock such joints with massless: lock in the scene, give the links <inertial> with a mass, or the joints an armature in the scene",
      "nq = 8, nv = 7"},
     {"nothing_to_lock", "sound", {"--massless", "lock"}, 0, "", "1 moving joints"},
     {"no_centre_of_mass", "inertia_but_no_mass_on_a_slide",
      {"--base", "fixed", "--armature", "j=0.1", "--outputs", "gravity,center_of_mass"}, 2,
-     "robot 'r': error: nothing that moves has a mass: there is no centre of mass; give the links <inertial>, or leave out what refers to the centre of mass", ""},
+     "robot 'r': error: nothing that moves has a mass: there is no centre of mass; give the links <inertial> with a mass, or leave out what refers to the centre of mass", ""},
     {"no_mass_kinematics", "no_mass_at_all", {"--outputs", "wrench_influence", "--jacobians", "b", "--verbose"}, 0,
      "link 'a' (line 3): warning: <inertial> has no <inertia>: zeros are taken; add <inertia ixx=... ixy=... ixz=... iyy=... iyz=... izz=.../> in kg m²\n"
      "link 'b' (line 9): warning: <inertial> has no <inertia>: zeros are taken; add <inertia ixx=... ixy=... ixz=... iyy=... iyz=... izz=.../> in kg m²",
@@ -393,9 +394,10 @@ const Use uses[] = {
     {"no_mass_floating", "no_mass_at_all", {"--base", "floating", "--outputs", "gravity,wrench_influence", "--verbose"}, 2,
      "link 'a' (line 3): warning: <inertial> has no <inertia>: zeros are taken; add <inertia ixx=... ixy=... ixz=... iyy=... iyz=... izz=.../> in kg m²\n"
      "link 'b' (line 9): warning: <inertial> has no <inertia>: zeros are taken; add <inertia ixx=... ixy=... ixz=... iyy=... iyz=... izz=.../> in kg m²\n"
-     "robot 'r': error: nothing that moves has a mass: there are no dynamics; give the links <inertial>, or ask for what needs none: --outputs wrench_influence, or --outputs '' --jacobians LINK", ""},
+     "robot 'r': error: nothing that moves has a mass: there are no dynamics; give the links <inertial> with a mass, or ask for what needs none: --outputs wrench_influence, or --outputs '' --jacobians LINK", ""},
     {"negative_accepted", "negative_inertia", {"--inertia", "accept"}, 0,
-     "link 'b' (line 8): warning: the inertia is not positive definite (principal moments -1, 1, 1 kg m²) and used as given, as the scene says; correct <inertia>",
+     "link 'b' (line 8): warning: the inertia is not positive definite (principal moments -1, 1, 1 kg m²) and used as given, as the scene says; correct <inertia>\n"
+     "base 'a': warning: can move without moving any mass, wherever the robot stands: the mass matrix is singular; give link 'a' moments of inertia about every axis, or ask for --base fixed",
      "1 moving joints"},
     {"negative_repaired", "negative_inertia", {"--inertia", "repair"}, 0,
      "link 'b' (line 8): warning: the inertia is no body's (principal moments -1, 1, 1 kg m²) and repaired, as the scene says (principal moments 0, 1.5, 1.5 kg m²); correct <inertia>",
@@ -405,7 +407,8 @@ const Use uses[] = {
      "1 moving joints"},
     {"sound_repaired", "sound", {"--inertia", "repair"}, 0, "", "1 moving joints"},
     {"negative_mass_accepted", "negative_mass", {"--inertia", "accept"}, 0,
-     "link 'b' (line 8): warning: the mass is negative (-1 kg) and used as given, as the scene says", "1 moving joints"},
+     "link 'b' (line 8): warning: the mass is negative (-1 kg) and used as given, as the scene says\n"
+     "base 'a': warning: can move without moving any mass, wherever the robot stands: the mass matrix is singular; give link 'a' moments of inertia about every axis, or ask for --base fixed", "1 moving joints"},
     {"negative_mass_not_repaired", "negative_mass", {"--inertia", "repair"}, 2,
      "link 'b' (line 8): error: the mass is negative (-1 kg); give the link a mass of zero or more, or go on knowingly with inertia: accept in the scene", ""},
     {"negative_welded_by_a_lock", "negative_behind_joint", {"--locked", "k"}, 0,
@@ -450,20 +453,21 @@ const Use uses[] = {
      "base 'a', joint 'j': error: can move without moving any mass, wherever the robot stands: the mass matrix is singular, and there is no forward_dynamics; give link 'a' an <inertial> with a mass and an extent, or ask for --base fixed; or lock the joint, or give it an armature", ""},
     {"point_mass_floats", "point_mass_alone", {"--base", "floating", "--outputs", "forward_dynamics"}, 2,
      "link 'a' (line 2): warning: the link has a mass but no rotational inertia: a point mass; give <inertia> if it has an extent\n"
-     "base 'a': error: can move without moving any mass, wherever the robot stands: the mass matrix is singular, and there is no forward_dynamics; give link 'a' an <inertial> with a mass and an extent", ""},
+     "base 'a': error: can move without moving any mass, wherever the robot stands: the mass matrix is singular, and there is no forward_dynamics; give link 'a' moments of inertia about every axis", ""},
     {"point_mass_fixed", "point_mass_alone", {"--base", "fixed", "--outputs", "forward_dynamics"}, 2,
      "robot 'r': error: no joint is left to move and the base is fixed; give it a joint that moves, or give a link an <inertial> with a mass and an extent and ask for --base floating", ""},
     {"point_mass_fixed_without_inverse", "point_mass_alone", {"--base", "fixed", "--outputs", "mass_matrix"}, 2,
      "robot 'r': error: no joint is left to move and the base is fixed; give it a joint that moves, or ask for --base floating", ""},
     {"point_mass_floats_without_inverse", "point_mass_alone", {"--base", "floating", "--outputs", "mass_matrix"}, 0,
-     "link 'a' (line 2): warning: the link has a mass but no rotational inertia: a point mass; give <inertia> if it has an extent", "nv = 6"},
+     "link 'a' (line 2): warning: the link has a mass but no rotational inertia: a point mass; give <inertia> if it has an extent\n"
+     "base 'a': warning: can move without moving any mass, wherever the robot stands: the mass matrix is singular; give link 'a' moments of inertia about every axis", "nv = 6"},
     {"all_is_cut_off", "massless_base", {"--base", "fixed", "--cut", "b"}, 2,
      "robot 'r': error: no joint is left to move and the base is fixed; cut off less, or give a link an <inertial> with a mass and an extent and ask for --base floating", ""},
     {"all_that_moves_no_mass_is_locked", "no_mass_at_all", {"--base", "fixed", "--massless", "lock"}, 2,
      "link 'a' (line 3): warning: <inertial> has no <inertia>: zeros are taken; add <inertia ixx=... ixy=... ixz=... iyy=... iyz=... izz=.../> in kg m² (the first of 2 such warnings; --verbose shows all)\n"
      "joint 'j': warning: what moves no mass is locked, as the scene says; lock it by name to choose where\n"
      "robot 'r': error: no joint is left to move and the base is fixed; let a joint move a mass, or give a link an <inertial> with a mass and an extent and ask for --base floating", ""},
-    {"massless_base_needs_no_inverse", "massless_base", {"--base", "floating", "--outputs", "mass_matrix,inverse_dynamics"}, 0, "", "nv = 8"},
+    {"massless_base_needs_no_inverse", "massless_base", {"--base", "floating", "--outputs", "mass_matrix,inverse_dynamics"}, 0, "base 'a', joint 'j': warning: can move without moving any mass, wherever the robot stands: the mass matrix is singular; give link 'a' an <inertial> with a mass and an extent, or ask for --base fixed; or lock the joint, or give it an armature", "nv = 8"},
     {"massless_base_with_locked_joint", "massless_base", {"--base", "floating", "--outputs", "inverse_mass_matrix", "--locked", "j"}, 0, "", "nv = 7"},
     {"massless_base_with_payload", "massless_base", {"--base", "floating", "--outputs", "mass_matrix_factor", "--payloads", "a"}, 0, "", "nv = 8"},
     {"light_base_is_sound", "light_base", {"--outputs", "mass_matrix_factor,inverse_mass_matrix,forward_dynamics,forward_dynamics_dq,forward_dynamics_dv"}, 0, "", "nv = 8"},
