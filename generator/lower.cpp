@@ -133,39 +133,54 @@ class Lowering {
     long least = 0;
     for (const ir::Solver solver : passes::solvers(function, tree_, model_.scene))
       for (const bool in_one_section : {true, false}) {
-        std::vector<LoweredSection> sections = described(function, solver, {in_one_section, model_.options.refer});
-        if (in_one_section != (sections.size() == 1) || !make_line(sections, implicit, least)) continue;
-        const long cost = cost_of(sections.front().program);
-        if (least > 0 && cost >= least) continue;
-        least = cost;
-        cheapest = std::move(sections.front());
+        const std::vector<LoweredSection> sections = described(function, solver, {in_one_section, model_.options.refer});
+        if (in_one_section != (sections.size() == 1)) continue;
+        for (const Frames& frames : choices_of_frames(sections)) {
+          std::optional<LoweredSection> line = line_of(sections, frames, implicit, least);
+          const long cost = line ? cost_of(line->program) : 0;
+          if (!line || (least > 0 && cost >= least)) continue;
+          least = cost;
+          cheapest = std::move(line);
+        }
       }
     return cheapest;
   }
 
+  // Of each section, by the frames of which bodies it goes. Each by its own; or all by the last one's, the longest: then they
+  // have more in common.
+  using Frames = std::vector<std::vector<int>>;
+  std::vector<Frames> choices_of_frames(const std::vector<LoweredSection>& sections) const {
+    Frames own;
+    for (const LoweredSection& section : sections) own.push_back(references(section));
+    const Frames common(sections.size(), own.back());
+    return own == common ? std::vector<Frames>{own} : std::vector<Frames>{own, common};
+  }
+
+  static constexpr long division = 6;  // operations
   static long cost_of(const ir::Program& program) {
-    constexpr long division = 6;
     const ir::Operations o = ir::operations(program);
     return o.add + o.multiply + division * o.divide;
   }
 
-  // One straight line of all sections, kernels too. Returns false where there is none, or none that costs less than `least`
-  // (0: any).
-  bool make_line(std::vector<LoweredSection>& sections, bool implicit, long least) const {
+  // One straight line of all sections, kernels too. None where there is no such line, or none that costs less than `least` (0:
+  // any).
+  std::optional<LoweredSection> line_of(std::vector<LoweredSection> sections, const Frames& frames, bool implicit,
+                                        long least) const {
+    const auto unrolled = [&](size_t i, ir::Elements elements) {
+      const passes::UnrollOptions options{options_, tree_.joints() < 200, implicit, elements, frames[i]};
+      return passes::Unroll(sections[i].algorithm, tree_, normal_, model_.scene, options).take_program();
+    };
     // Kernels written out add to it: of a long chain's M the cube of its joints.
-    std::vector<passes::UnrollOptions> options;
     long without_kernels = 0;
-    for (const LoweredSection& f : sections) {
-      options.push_back({options_, tree_.joints() < 200, implicit, ir::Elements::counted, references(f)});
-      without_kernels += cost_of(passes::Unroll(f.algorithm, tree_, normal_, model_.scene, options.back()).program());
-    }
-    if (without_kernels > 6 * most_operations || (least > 0 && sections.size() == 1 && without_kernels >= least)) return false;
+    for (size_t i = 0; i < sections.size(); ++i) without_kernels += cost_of(unrolled(i, ir::Elements::counted));
+    const bool alone = sections.size() == 1;
+    if (without_kernels > division * most_operations || (least > 0 && alone && without_kernels >= least)) return {};
     for (size_t i = 0; i < sections.size(); ++i) {
-      options[i].elements = ir::Elements::kept;
-      sections[i].program = passes::Unroll(sections[i].algorithm, tree_, normal_, model_.scene, options[i]).take_program();
+      sections[i].program = unrolled(i, ir::Elements::kept);
       sections[i].plan.form = ir::Form::straight;
     }
-    return write_out_kernels(sections, true) || sections.size() == 1;
+    if (!write_out_kernels(sections, true) && !alone) return {};
+    return std::move(sections.front());
   }
 
   // Of a straight line; sections become one. False: they are as they were (passes/write_out.hpp).
