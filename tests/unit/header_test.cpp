@@ -197,6 +197,21 @@ TEST(Words, OfEmittedTextAreTheFields) {
               << cases()[i].name << ", " << file.name << ": '" << word << "' in: " << line;
 }
 
+// A ball has four numbers in q and three in v: what stands behind it is one further in q.
+TEST(HeaderForC, SaysWhereJointsStand) {
+  const Model model =
+      read_robot("chain_7", {{"base", "floating"}, {"joints", "{link_03_joint: spherical}"}, {"outputs", "bias"}});
+  std::string c_api;
+  for (const backend::OutputFile& file : compile_without_self_test(model))
+    if (file.name == "c_api.h") c_api = file.text;
+  for (const std::string item :
+       {"q_size = 17", "v_size = 15", "q_index_link_01_joint = 7", "v_index_link_01_joint = 6", "q_index_link_03_joint_x = 9",
+        "v_index_link_03_joint_x = 8", "q_index_link_03_joint_z = 9", "v_index_link_03_joint_z = 10",
+        "q_index_link_04_joint = 13", "v_index_link_04_joint = 11", "q_index_link_07_joint = 16", "v_index_link_07_joint = 14"})
+    EXPECT_TRUE(std::regex_search(c_api, std::regex("\\b" + model.name + "_" + item + "\\b"))) << item << "\n" << c_api;
+  EXPECT_NE(c_api.find("link_03_joint: quaternion x y z w q[9] to q[12]"), c_api.npos) << c_api;
+}
+
 TEST(Aliases, AreTheFieldsNamesForOurs) {
   for (const auto* aliases : {&ir::quantity_aliases(), &ir::link_quantity_aliases()})
     for (const ir::Alias& alias : *aliases) {

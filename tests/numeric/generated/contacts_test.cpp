@@ -16,6 +16,12 @@ struct standing_biped_workspace : standing_biped::Workspace {};  // as in c_api.
 
 namespace {
 
+// C knows the same places.
+static_assert(standing_biped_q_size == standing_biped::nq && standing_biped_v_size == standing_biped::nv &&
+              standing_biped_constraint_rows == 12);
+static_assert(standing_biped_q_index_right_5_toe_joint == q_index(standing_biped::Joint::right_5_toe_joint) &&
+              standing_biped_v_index_right_5_toe_joint == v_index(standing_biped::Joint::right_5_toe_joint));
+
 using Matrix = Eigen::MatrixXd;
 using Vector = Eigen::VectorXd;
 

@@ -21,6 +21,12 @@ struct slider_crank_embedded_workspace : slider_crank_embedded::Workspace {};
 
 namespace {
 
+// C knows the same places, of independent joints.
+static_assert(slider_crank_embedded_q_size == slider_crank_embedded::nq &&
+              slider_crank_embedded_v_size == slider_crank_embedded::nv &&
+              slider_crank_embedded_q_index_crank_turn == q_index(slider_crank_embedded::Joint::crank_turn) &&
+              slider_crank_embedded_v_index_crank_turn == v_index(slider_crank_embedded::Joint::crank_turn));
+
 using Matrix = Eigen::MatrixXd;
 using Vector = Eigen::VectorXd;
 
