@@ -129,12 +129,13 @@ class Lowering {
 
   // For batches: the way of the fewest operations, a division being several. Of sections joined only where each way has more
   // than one: what the first leaves for the next is then kept for long, and the line takes up to 1.17 times as long as one of
-  // more operations. None where a section waits for constraints.
+  // more operations. None with rows of constraints, which are kernels always.
   std::optional<LoweredSection> straight_line(const ir::EmittedFunction& function, bool implicit) const {
     std::optional<LoweredSection> cheapest;
     long least = 0;
     for (const ir::Solver solver : passes::solvers(function, tree_, model_.scene)) {
       const std::vector<LoweredSection> sections = described(function, solver, {true, model_.options.refer});
+      if (std::any_of(sections.begin(), sections.end(), has_constraints)) continue;
       for (const Frames& frames : choices_of_frames(sections)) {
         std::optional<LoweredSection> line = line_of(sections, frames, implicit, least);
         const long cost = line ? cost_of(line->program) : 0;
@@ -144,6 +145,11 @@ class Lowering {
       }
     }
     return cheapest;
+  }
+
+  static bool has_constraints(const LoweredSection& section) {
+    const std::vector<ir::Kernel>& kernels = section.algorithm.kernels;
+    return std::any_of(kernels.begin(), kernels.end(), [](const ir::Kernel& kernel) { return kernel.of_constraints(); });
   }
 
   // Of each section, by the frames of which bodies it goes. Each by its own; or all by the last one's, the longest: then they
