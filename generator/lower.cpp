@@ -15,6 +15,7 @@
 #include "passes/schedule.hpp"
 #include "passes/unroll.hpp"
 #include "passes/write_out.hpp"
+#include "passes/write_out_constraints.hpp"
 
 namespace dalembert {
 namespace {
@@ -103,11 +104,8 @@ class Lowering {
 
   // Of lines for batches. Longer ones take a compiler minutes, and kernels take a loop's time from there on.
   static constexpr long most_operations = 150000;
-  // Of what holds contacts and loops no block of states has a number for each.
   static bool is_whole_line(const LoweredSection& line) {
-    const ir::Program& program = line.program;
-    return line.algorithm.kernels.empty() && ir::operations(program).total() <= most_operations &&
-           !ir::inputs_read(program, ir::uses(program.graph, program.roots())).constraints;
+    return line.algorithm.kernels.empty() && ir::operations(line.program).total() <= most_operations;
   }
 
   void add_batch(LoweredFunction& chosen) const {
@@ -129,13 +127,13 @@ class Lowering {
 
   // For batches: the way of the fewest operations, a division being several. Of sections joined only where each way has more
   // than one: what the first leaves for the next is then kept for long, and the line takes up to 1.17 times as long as one of
-  // more operations. None with rows of constraints, which are kernels always.
+  // more operations. None with kernels that there are no nodes for.
   std::optional<LoweredSection> straight_line(const ir::EmittedFunction& function, bool implicit) const {
     std::optional<LoweredSection> cheapest;
     long least = 0;
     for (const ir::Solver solver : passes::solvers(function, tree_, model_.scene)) {
       const std::vector<LoweredSection> sections = described(function, solver, {true, model_.options.refer});
-      if (std::any_of(sections.begin(), sections.end(), has_constraints)) continue;
+      if (std::any_of(sections.begin(), sections.end(), is_called)) continue;
       for (const Frames& frames : choices_of_frames(sections)) {
         std::optional<LoweredSection> line = line_of(sections, frames, implicit, least);
         const long cost = line ? cost_of(line->program) : 0;
@@ -147,9 +145,10 @@ class Lowering {
     return cheapest;
   }
 
-  static bool has_constraints(const LoweredSection& section) {
+  static bool is_called(const LoweredSection& section) {
     const std::vector<ir::Kernel>& kernels = section.algorithm.kernels;
-    return std::any_of(kernels.begin(), kernels.end(), [](const ir::Kernel& kernel) { return kernel.of_constraints(); });
+    return std::any_of(kernels.begin(), kernels.end(),
+                       [](const ir::Kernel& kernel) { return kernel.of_constraints() && !passes::can_be_written_out(kernel); });
   }
 
   // Of each section, by the frames of which bodies it goes. Each by its own; or all by the last one's, the longest: then they
@@ -179,6 +178,9 @@ class Lowering {
     // Kernels written out add to it: of a long chain's M the cube of its joints.
     long without_kernels = 0;
     for (size_t i = 0; i < sections.size(); ++i) without_kernels += cost_of(unrolled(i, ir::Elements::counted));
+    for (const LoweredSection& section : sections)
+      for (const ir::Kernel& kernel : section.algorithm.kernels)
+        if (kernel.of_constraints() && ir::operations_of(kernel, tree_, false).total() > most_operations) return {};
     const bool alone = sections.size() == 1;
     if (without_kernels > division * most_operations || (least > 0 && alone && without_kernels >= least)) return {};
     for (size_t i = 0; i < sections.size(); ++i) {
@@ -190,12 +192,12 @@ class Lowering {
   }
 
   // Of a straight line; sections become one. False: they are as they were (passes/write_out.hpp).
-  bool write_out_kernels(std::vector<LoweredSection>& sections, bool products) const {
+  bool write_out_kernels(std::vector<LoweredSection>& sections, bool whole) const {
     std::vector<passes::SectionBehind> behind;
     for (auto section = sections.begin() + 1; section != sections.end(); ++section)
       behind.push_back({section->algorithm, section->program});
     LoweredSection& first = sections.front();
-    if (!passes::write_out_kernels(first.algorithm, first.program, ir::coordinate_tree(tree_), products, behind)) return false;
+    if (!passes::write_out_kernels(first.algorithm, first.program, ir::coordinate_tree(tree_), whole, behind)) return false;
     sections.resize(1);
     return true;
   }

@@ -26,7 +26,11 @@ std::string of_all(const RunTimeInput& input, const ir::Scene& scene) {
         "      const Scalar* const of_all = batch.workspace ? batch.workspace->{} : usual;\n",
         fmt::join(numbers, ", "), input.name);
   }
-  for (int i = 0; i < input.size(); ++i) numbers.push_back("of_each." + input.element(i).substr(input.name.size() + 1));
+  for (const RunTimeInput::Member& member : input.members) {
+    const std::string own = "of_each." + member.name.substr(input.name.size() + 1);
+    if (member.size == 0) numbers.push_back(member.flag ? "Scalar(" + own + ")" : own);
+    for (int i = 0; i < member.size; ++i) numbers.push_back(fmt::format("{}[{}]", own, i));
+  }
   return fmt::format(
       "      const {0} of_each = batch.workspace ? batch.workspace->{1} : {0}{{}};\n"
       "      const Scalar of_all[] = {{{2}}};\n",
@@ -60,7 +64,9 @@ std::string part(const std::string& name, const std::string& statements) {
 
 bool reads_workspace(const CodeInput& code) { return !ir::run_time_inputs(code.scene).empty(); }
 
-BatchFunction::BatchFunction(const CodeInput& code, const CodeInput* impact) : code_(code), impact_(impact), program_(code) {
+// Impacts are computed by a call of their function, which takes all that there is.
+BatchFunction::BatchFunction(const CodeInput& code, const CodeInput* impact)
+    : code_(code), impact_(impact), program_(code, impact && function_of(code).moves_as_held()) {
   if (code.implicit && rolls_out()) implicit_.emplace(code, code.implicit);
 }
 
@@ -90,13 +96,7 @@ std::string BatchFunction::header() const {
 std::string BatchFunction::source() const {
   const ir::EmittedFunction& f = function_of(code_);
   std::string definitions, run;
-  if (program_.by_calls()) {
-    run = "    for (int i = 0; i < count; ++i) call_for_each(blocks[i]);\n";
-    definitions = calls(false);
-  } else {
-    straight(program_, run, definitions);
-    if (program_.checked().size() == 2) definitions += status();
-  }
+  write_program(run, definitions);
   return render(
       "batch_function.cpp",
       {{"function", f.name},
@@ -109,14 +109,14 @@ std::string BatchFunction::source() const {
        {"more_members", program_.by_calls() ? ", {}" : ""},
        {"run_is", program_.by_calls() ? "" : "static "},
        {"more", *f.input() ? "nv" : "0"},
-       {"given", std::to_string(given_count(code_))},
+       {"given", std::to_string(program_.given_count())},
        {"angles", std::to_string(program_.angles())},
        {"kept", std::to_string(program_.kept())},
        {"elements", std::to_string(program_.elements())},
        {"parts", std::to_string(program_.parts())},
        {"widest", std::to_string(widest())},
        {"fill", fill()},
-       {"with_given", with_given()},
+       {"with_given", with_given(program_)},
        {"run", run},
        {"definitions", definitions},
        {"tables", tables()},
@@ -143,7 +143,7 @@ std::string BatchFunction::tasks() const {
 std::size_t BatchFunction::bytes() const { return implicit_ ? std::max(bytes(program_), bytes(*implicit_)) : bytes(program_); }
 
 std::size_t BatchFunction::bytes(const BatchProgram& program) const {
-  const int given = given_count(code_) + (&program == &program_ ? 0 : implicit_numbers()) + constraint_count();
+  const int given = program.given_count() + (&program == &program_ ? 0 : implicit_numbers()) + constraint_count();
   const std::size_t registers = static_cast<std::size_t>(code_.robot->nq() + 2 * code_.robot->nv() + given +
                                                          3 * program.angles() + program.kept() + program.elements() + 1);
   std::size_t moving = rolls_out() ? static_cast<std::size_t>(2 * code_.robot->nq() + 7 * code_.robot->nv()) : 0;
@@ -158,6 +158,16 @@ std::size_t BatchFunction::bytes(const BatchProgram& program) const {
 std::string BatchFunction::shape(const BatchArray& a) {
   return is_matrix(a) ? fmt::format("{} x {}; packed: {} numbers", a.array.rows, a.array.columns, a.packed.size())
                       : std::to_string(a.array.rows);
+}
+
+void BatchFunction::write_program(std::string& run, std::string& definitions) const {
+  if (program_.by_calls()) {
+    run += "    for (int i = 0; i < count; ++i) call_for_each(blocks[i]);\n";
+    definitions += calls();
+    return;
+  }
+  straight(program_, run, definitions);
+  if (program_.checked().size() == 2) definitions += status();
 }
 
 void BatchFunction::straight(const BatchProgram& program, std::string& run, std::string& definitions) {
@@ -176,7 +186,7 @@ void BatchFunction::straight(const BatchProgram& program, std::string& run, std:
   }
 }
 
-std::string BatchFunction::call(const CodeInput& called, bool switched) const {
+std::string BatchFunction::call(const CodeInput& called) const {
   std::string text =
       "      Scalar q[nq], v[nv];\n"
       "      dalembert::take_state<Scalar>(block.q, nq, state, q);\n"
@@ -188,19 +198,16 @@ std::string BatchFunction::call(const CodeInput& called, bool switched) const {
         "      dalembert::take_state<Scalar>(block.input, nv, state, {0});\n",
         vectors[2]);
   int at = 0;
-  for (const RunTimeInput& input : ir::inputs_of_each_state(code_.scene))
+  for (const RunTimeInput& input : program_.given())
     for (const RunTimeInput::Member& member : input.members) {
-      text += fmt::format("      dalembert::take_state<Scalar>(block.given + {}, {}, state, {}workspace.{});\n", at,
-                          member.count(), member.size > 0 ? "" : "&", member.name);
+      if (member.flag)
+        text += fmt::format("      workspace.{} = dalembert::lane<width, Scalar>(block.given[{}], state) > Scalar(0);\n",
+                            member.name, at);
+      else
+        text += fmt::format("      dalembert::take_state<Scalar>(block.given + {}, {}, state, {}workspace.{});\n", at,
+                            member.count(), member.size > 0 ? "" : "&", member.name);
       at += member.count();
     }
-  for (const ir::Constraint& c : code_.scene.constraints()) {
-    if (!program_.by_calls()) break;  // what is in lanes reads none
-    text += fmt::format("      if (batch.workspace) workspace.{0} = batch.workspace->{0};\n", c.member);
-    if (switched)
-      text += fmt::format("      workspace.{}.active = dalembert::lane<width, Scalar>(block.given[{}], state) > Scalar(0);\n",
-                          c.member, at++);
-  }
   return text + fmt::format("      {}({}, workspace);\n", function_of(called).name, arguments_of(called));
 }
 
@@ -210,15 +217,15 @@ std::string BatchFunction::status() const {
          "    Workspace workspace;\n"
          "    for (int state = 0; state < width; ++state) {\n"
          "      if (block.status[state] < 0) continue;\n" +
-         call(code_, false) + fmt::format("      block.status[state] = workspace.{}.coordinate;\n", own_name(code_, "status")) +
+         call(code_) + fmt::format("      block.status[state] = workspace.{}.coordinate;\n", own_name(code_, "status")) +
          "    }\n  }\n";
 }
 
-std::string BatchFunction::calls(bool switched) const {
+std::string BatchFunction::calls() const {
   std::string text =
       "  void call_for_each(Block& block) noexcept {\n"
       "    for (int state = 0; state < block.states; ++state) {\n" +
-      call(code_, switched);
+      call(code_);
   for (const BatchArray& a : program_.results()) {
     // Packed is row by row, and the workspace has columns.
     if (!is_matrix(a))
@@ -250,10 +257,10 @@ std::string BatchFunction::fill() const {
   return text;
 }
 
-std::string BatchFunction::with_given() const {
+std::string BatchFunction::with_given(const BatchProgram& program) const {
   std::string text;
   int at = 0;
-  for (const RunTimeInput& g : ir::inputs_of_each_state(code_.scene)) {
+  for (const RunTimeInput& g : program.given()) {
     text += fmt::format(
         "    {{\n{}      dalembert::read_given<{}, Scalar>(batch.{}, of_all, batch.states, first, states, block.given + "
         "{});\n"

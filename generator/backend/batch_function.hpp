@@ -46,16 +46,16 @@ class BatchFunction {
   static std::string shape(const BatchArray& a);
 
   // Parts of the sources, by what they are in the templates.
+  void write_program(std::string& run, std::string& definitions) const;
   static void straight(const BatchProgram& program, std::string& run, std::string& definitions);
   // The function itself at the state `state` of a block, into a `workspace`: this one, or another that takes the same, or less.
-  // switched: which contacts and loops act stands in the block.
-  std::string call(const CodeInput& called, bool switched) const;
+  std::string call(const CodeInput& called) const;
   // The same at each state of a block.
-  std::string calls(bool switched) const;
+  std::string calls() const;
   // Near a singular M, by the function itself: states are few, and the bounds that tell are as much work as the rest.
   std::string status() const;
   std::string fill() const;
-  std::string with_given() const;
+  std::string with_given(const BatchProgram& program) const;
   std::string checks() const;
   int widest() const;
   std::string tables() const;

@@ -38,7 +38,7 @@ std::string BatchFunction::c_definitions() const {
   const std::string n = code_.name, s = scalar_name(code_.scene.scalar);
   std::string fields, given;
   for (const BatchArray& a : program_.results()) fields += fmt::format("    to.{0} = results->{0};\n", a.array.name);
-  for (const RunTimeInput& g : ir::inputs_of_each_state(code_.scene))
+  for (const RunTimeInput& g : ir::run_time_inputs(code_.scene))
     given += fmt::format("    batch.{0} = options->{0};\n", g.each);
   if (reads_workspace(code_)) given = "    batch.workspace = options->workspace;\n" + given;
   return fmt::format(

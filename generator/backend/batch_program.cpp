@@ -37,24 +37,23 @@ std::vector<int> BatchArray::by_rows() const {
   return places;
 }
 
-int given_place(const CodeInput& code, const ir::Input& input) {
-  if (input.kind == ir::InputKind::implicit) return given_count(code) + ir::implicit_numbers * input.index + input.component;
-  int place = input.component;
-  for (const ir::RunTimeInput& given : ir::inputs_of_each_state(code.scene)) {
-    if (given.kind == input.kind && given.index == input.index) return place;
-    place += given.size();
+int BatchProgram::given_place(const ir::Input& input) const {
+  int place = 0;
+  for (const ir::RunTimeInput& own : given_) {
+    if (own.kind == input.kind && own.index == input.index) return place + own.number_of(input.component);
+    place += own.size();
   }
   throw std::logic_error("no run-time input of a batch");
 }
 
-int given_count(const CodeInput& code) {
+int BatchProgram::given_count() const {
   int count = 0;
-  for (const ir::RunTimeInput& input : ir::inputs_of_each_state(code.scene)) count += input.size();
+  for (const ir::RunTimeInput& own : given_) count += own.size();
   return count;
 }
 
-BatchProgram::BatchProgram(const CodeInput& code, const CodeInput* line)
-    : by_calls_(!line), code_(by_calls_ ? code : *line), graph_(code_.program.graph) {
+BatchProgram::BatchProgram(const CodeInput& code, const CodeInput* line, bool all_given)
+    : by_calls_(!line), code_(by_calls_ ? code : *line), graph_(code_.program.graph), given_(ir::run_time_inputs(code.scene)) {
   if (by_calls_) {
     place_all();
     return;
@@ -62,10 +61,19 @@ BatchProgram::BatchProgram(const CodeInput& code, const CodeInput* line)
   place_elements();
   find_angles();
   cut();
+  if (!all_given) std::erase_if(given_, [this](const ir::RunTimeInput& input) { return !reads(input); });
   const ir::InputsRead read = ir::inputs_read(code_.program, uses_);
   reads_positions_ = !read.positions.empty();
   reads_velocities_ = !read.velocities.empty();
   reads_input_ = read.input;
+}
+
+bool BatchProgram::reads(const ir::RunTimeInput& input) const {
+  for (NodeId id = 0; id < graph_.size(); ++id) {
+    const ir::Node& n = graph_[id];
+    if (uses_[at(id)] > 0 && n.op == Op::input && n.input.kind == input.kind && n.input.index == input.index) return true;
+  }
+  return false;
 }
 
 void BatchProgram::place_elements() {
@@ -189,8 +197,17 @@ std::string BatchProgram::input_text(const ir::Input& input) const {
     case ir::InputKind::state: return fmt::format("block.scratch[{}]", input.index);
     case ir::InputKind::received: return fmt::format("block.values[{}]", input.index);
     case ir::InputKind::table: return fmt::format("block.{}[{}]", input.component == 0 ? "sine" : "cosine", input.index);
-    default: return fmt::format("block.given[{}]", given_place(code_, input));
+    case ir::InputKind::implicit:
+      return fmt::format("block.given[{}]", given_count() + ir::implicit_numbers * input.index + input.component);
+    default: return given_text(input);
   }
+}
+
+std::string BatchProgram::given_text(const ir::Input& input) const {
+  const std::string number = fmt::format("block.given[{}]", given_place(input));
+  if (input.kind != ir::InputKind::constraint || input.component == ir::contact_active) return number;
+  const int active = given_place({input.kind, input.index, ir::contact_active});
+  return fmt::format("(block.given[{}] > 0 ? {} : {})", active, number, literal(0, code_.scene.scalar));  // as single calls do
 }
 
 std::string BatchProgram::angle_statements() const {
@@ -246,6 +263,10 @@ std::string BatchProgram::part_statements(int part) const {
   style.scalar = code_.scene.scalar;
   style.flat_sums = true;
   style.input = [this](const ir::Input& in) { return input_text(in); };
+  style.input_name = [this](const ir::Input& in) {
+    const bool is_chosen = in.kind == ir::InputKind::constraint && in.component != ir::contact_active;
+    return is_chosen ? fmt::format("given_{}", given_place(in)) : input_text(in);
+  };
   style.name = [&](NodeId id) { return names[at(id)]; };
   style.heading = [this](const ir::Tag& tag) { return straight_heading(code_, tag); };
   style.broadcast = [](const std::string& number) { return broadcast_begin + number + ")"; };

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "backend/emit.hpp"
+#include "ir/run_time_inputs.hpp"
 
 namespace dalembert::backend {
 
@@ -25,12 +26,18 @@ class BatchProgram {
  public:
   // Of the function's straight form for batches. Arrays between are none of its results.
   // Where there is none (CodeInput::batch), the function itself is called for one state after another: nothing is printed here,
-  // and every element of a result has a place.
-  explicit BatchProgram(const CodeInput& code) : BatchProgram(code, code.batch) {}
+  // and every element of a result has a place. all_given: a block has all run-time inputs, not only those that the line reads.
+  explicit BatchProgram(const CodeInput& code, bool all_given = false) : BatchProgram(code, code.batch, all_given) {}
   // Of another line of the function's, or null: of none.
-  BatchProgram(const CodeInput& code, const CodeInput* line);
+  BatchProgram(const CodeInput& code, const CodeInput* line, bool all_given = false);
 
   bool by_calls() const { return by_calls_; }
+
+  // The run-time inputs that a block of states has, one behind the other; how many numbers they are, and where the one of an
+  // input of the scene stands.
+  const std::vector<ir::RunTimeInput>& given() const { return given_; }
+  int given_count() const;
+  int given_place(const ir::Input& input) const;
 
   const std::vector<BatchArray>& results() const { return results_; }
   // M's pivots and diagonal, where the function has a guard.
@@ -50,17 +57,20 @@ class BatchProgram {
   std::string part_statements(int part) const;
 
  private:
+  bool reads(const ir::RunTimeInput& input) const;
   void place_elements();
   void place_all();
   void find_angles();
   void cut();
   std::string input_text(const ir::Input& input) const;
+  std::string given_text(const ir::Input& input) const;
   bool is_free(ir::NodeId id) const;
 
   const bool by_calls_;
   const CodeInput& code_;
   const ir::Graph& graph_;
   std::vector<std::int32_t> uses_;
+  std::vector<ir::RunTimeInput> given_;
   std::vector<BatchArray> results_, checked_;
   std::vector<std::vector<int>> places_;   // per node: among the values
   std::vector<int> zeros_;                 // of vectors: places of elements that are zero in every state
@@ -70,10 +80,5 @@ class BatchProgram {
   long operations_ = 0;
   bool reads_positions_ = false, reads_velocities_ = false, reads_input_ = false;
 };
-
-// How many run-time inputs of the scene stand before it in a block, by kind of input; and all of them. What linearly implicit
-// steps add stands behind them.
-int given_place(const CodeInput& code, const ir::Input& input);
-int given_count(const CodeInput& code);
 
 }  // namespace dalembert::backend

@@ -23,7 +23,7 @@ std::string BatchFunction::rollout() const {
   if (!rolls_out()) return "";
   return render("rollout.cpp", {{"function", f.name},
                                 {"type", f.type},
-                                {"more_members", program_.by_calls() ? ", {}" : ""},
+                                {"more_members", program_.by_calls() || has_impacts() ? ", {}" : ""},
                                 {"moved_by", std::to_string(moved_by(program_)->first)},
                                 {"joints", joints_that_turn()},
                                 {"finish", finish()},
@@ -40,35 +40,42 @@ int BatchFunction::implicit_numbers() const {
 }
 
 std::string BatchFunction::contact_program() const {
-  const int first = given_count(code_);
-  std::string as_set, strike = call(*impact_, true);
+  const int first = program_.given_count();
+  std::string as_set, as_in_step, run, definitions, strike = call(*impact_);
   for (size_t line = 0; line < strike.size(); line = strike.find('\n', line) + 1) strike.erase(line, 2);  // in no loop
-  int at = first;
-  for (const ir::Constraint& c : code_.scene.constraints())
-    as_set += fmt::format(
-        "    block.given[{}] = dalembert::broadcast<width, Scalar>(!batch.workspace || batch.workspace->{}.active ? 1 : "
-        "0);\n",
-        at++, c.member);
+  write_program(run, definitions);
+  int at = first, index = 0;
+  for (; index < constraint_count(); ++index, ++at) {
+    const int given = program_.given_place({ir::InputKind::constraint, index, ir::contact_active});
+    as_set += fmt::format("    block.given[{}] = block.given[{}];\n", at, given);
+    as_in_step += fmt::format("    block.given[{}] = block.given[{}];\n", given, at);
+  }
   return render("rollout_contacts.cpp", {{"function", function_of(code_).name},
                                          {"type", function_of(code_).type},
                                          {"struck_by", function_of(*impact_).name},
                                          {"result", function_of(*impact_).impact_result()},
                                          {"status", own_name(*impact_, "status")},
+                                         {"how", program_.by_calls() ? ", called for one after another" : ""},
                                          {"given", std::to_string(at)},
+                                         {"angles", std::to_string(program_.angles())},
+                                         {"kept", std::to_string(program_.kept())},
+                                         {"elements", std::to_string(program_.elements())},
+                                         {"parts", std::to_string(program_.parts())},
                                          {"first_active", std::to_string(first)},
                                          {"constraints", std::to_string(constraint_count())},
-                                         {"elements", std::to_string(program_.elements())},
-                                         {"with_given", with_given()},
+                                         {"with_given", with_given(program_)},
                                          {"as_set", as_set},
+                                         {"as_in_step", as_in_step},
                                          {"strike", strike},
-                                         {"definitions", calls(true)}});
+                                         {"run", run},
+                                         {"definitions", definitions}});
 }
 
 std::string BatchFunction::implicit_program() const {
   if (!implicit_) return "";
   std::string run, definitions, constants;
   straight(*implicit_, run, definitions);
-  int at = given_count(code_);
+  int at = implicit_->given_count();
   for (const ir::ImplicitJoint& joint : ir::implicit_joints(code_.implicit->tree)) {
     const std::string damping = literal(joint.damping, code_.scene.scalar),
                       stiffness = literal(joint.stiffness, code_.scene.scalar);
@@ -92,7 +99,7 @@ std::string BatchFunction::implicit_program() const {
                                          {"kept", std::to_string(implicit_->kept())},
                                          {"elements", std::to_string(implicit_->elements())},
                                          {"parts", std::to_string(implicit_->parts())},
-                                         {"with_given", with_given()},
+                                         {"with_given", with_given(*implicit_)},
                                          {"constants", constants},
                                          {"run", run},
                                          {"definitions", definitions}});

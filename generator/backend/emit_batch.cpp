@@ -21,24 +21,20 @@ using ir::RunTimeInput;
 
 // Beside the member of a batch that has one for each state.
 std::string comment_of_each(const RunTimeInput& input) {
-  std::string text = fmt::format("{} numbers each: {}", input.size(), comment_text(input.meaning));
-  if (input.type.empty()) return text;
-  std::vector<std::string> members;
-  for (const RunTimeInput::Member& member : input.members) members.push_back(member.name.substr(input.name.size() + 1));
-  return text + fmt::format(", as a {}: {}", input.type, fmt::join(members, ", "));
+  return fmt::format("{} numbers each{}: {}", input.size(),
+                     input.type.empty() ? "" : fmt::format(", in the order of {}", input.type), comment_text(input.meaning));
 }
 
 std::string given_members(const CodeInput& code) {
   if (!reads_workspace(code)) return "";
-  const std::vector<RunTimeInput> all = ir::inputs_of_each_state(code.scene);
   std::string text =
-      all.empty()
-          ? "  // How contacts and loops hold: as in this workspace, or without one as in a new workspace.\n"
-          : "  // Run-time inputs: those of this workspace for all states, or without one what a new workspace has; or, "
-            "where there is a\n"
-            "  // pointer, one for each state, laid out as states are.\n";
-  text += "  const Workspace* workspace = nullptr;\n";
-  for (const RunTimeInput& g : all) text += fmt::format("  const Scalar* {} = nullptr;  // {}\n", g.each, comment_of_each(g));
+      "  // Run-time inputs: those of this workspace for all states, or without one what a new workspace has; or, where there "
+      "is "
+      "a\n"
+      "  // pointer, one for each state, laid out as states are.\n"
+      "  const Workspace* workspace = nullptr;\n";
+  for (const RunTimeInput& g : ir::run_time_inputs(code.scene))
+    text += fmt::format("  const Scalar* {} = nullptr;  // {}\n", g.each, comment_of_each(g));
   return text;
 }
 
@@ -77,7 +73,7 @@ std::string batch_c_declarations(const Folder& folder) {
   const CodeInput& code = folder.common();
   const std::string n = code.name, s = scalar_name(code.scene.scalar);
   std::string given;
-  for (const RunTimeInput& g : ir::inputs_of_each_state(code.scene))
+  for (const RunTimeInput& g : ir::run_time_inputs(code.scene))
     given += fmt::format("  const {}* {};  // {}\n", s, g.each, comment_of_each(g));
   if (reads_workspace(code))
     given =

@@ -45,7 +45,8 @@ class SelfTestText {
   // Run-time inputs have values of their own.
   std::string inputs() const {
     std::string text;
-    for (const ir::RunTimeInput& input : ir::inputs_of_each_state(code_.scene)) {
+    for (const ir::RunTimeInput& input : ir::run_time_inputs(code_.scene)) {
+      if (input.kind == ir::InputKind::constraint) continue;  // as in a new workspace
       const std::vector<double> values = test_.given(input);
       for (int i = 0; i < input.size(); ++i)
         text += fmt::format("  workspace.{} = {};\n", input.element(i),
@@ -115,7 +116,7 @@ class SelfTestText {
     std::string text = "    Batch batch;\n    batch.count = 1;\n    batch.matrices = dalembert::MatrixLayout::by_columns;\n";
     text += fmt::format("    batch.q = q_{0};\n    batch.v = v_{0};\n", s);
     if (takes_more()) text += fmt::format("    batch.input = input_{};\n", s);
-    if (!ir::inputs_of_each_state(code_.scene).empty()) text += "    batch.workspace = &workspace;\n";
+    if (!ir::run_time_inputs(code_.scene).empty()) text += "    batch.workspace = &workspace;\n";
     return text;
   }
 

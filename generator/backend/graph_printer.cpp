@@ -209,6 +209,14 @@ class Printer {
       case Op::subtract: return style_.flat_sums ? sum_of(n) : binary(" - ", sum, product);
       case Op::multiply: return binary(" * ", product, sign);
       case Op::divide: return binary(" / ", product, sign);
+      case Op::where: {
+        const std::string chosen = operand(n.b, product);
+        return {fmt::format("({} > 0 ? {} : {})", operand(n.a, product),
+                            style_.broadcast && is_number(n.b) ? style_.broadcast(chosen) : chosen, literal(0, style_.scalar)),
+                atom,
+                2 + text_of_[at(n.a)].operations + text_of_[at(n.b)].operations,
+                {}};
+      }
     }
     return {};
   }

@@ -70,7 +70,7 @@ BatchEngine::Columns BatchEngine::columns(const std::vector<State>& states) cons
 std::vector<char> BatchEngine::options(const Columns& columns, const void* workspace) const {
   // NAME_batch_options of c_api.h: a workspace for all states, then an array for each of its inputs.
   std::vector<const void*> given{workspace};
-  for (const ir::RunTimeInput& input : ir::inputs_of_each_state(model_.scene)) {
+  for (const ir::RunTimeInput& input : ir::run_time_inputs(model_.scene)) {
     const bool is_wrench = input.kind == ir::InputKind::wrench;
     const std::vector<char>* const own = is_wrench ? &columns.of_wrench[static_cast<size_t>(input.index)] : nullptr;
     given.push_back(own && !own->empty() ? own->data() : nullptr);

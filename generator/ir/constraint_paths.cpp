@@ -52,7 +52,7 @@ int ConstraintPaths::block_rows() const {
 
 ConstraintPaths constraint_paths(const KinematicTree& tree, const Scene& scene) {
   const CoordinateTree coordinates = coordinate_tree(tree);
-  ConstraintPaths paths{{0}, {}, {0}, {}, {}, {}};
+  ConstraintPaths paths{{0}, {}, {0}, {}, {}, {}, {}};
   const auto add = [&](const std::vector<int>& one, const std::vector<int>& other, int rows, int linear) {
     const auto fork = std::mismatch(one.begin(), one.end(), other.begin(), other.end());
     const auto tail = [&](const std::vector<int>& list, std::vector<int>::const_iterator from) {
@@ -83,6 +83,8 @@ ConstraintPaths constraint_paths(const KinematicTree& tree, const Scene& scene) 
   for (const Loop& loop : scene.loops)
     add(coordinates_above(tree, coordinates, loop.links[0]), coordinates_above(tree, coordinates, loop.links[1]), loop.rows(),
         loop.linear_rows());
+  paths.regularization.assign(scene.contacts.size(), contact_rows);
+  paths.regularization.resize(scene.contacts.size() + scene.loops.size(), loop_rows);
   return paths;
 }
 

@@ -18,6 +18,7 @@ struct ConstraintPaths {
   // Of each list: how many stand above both bodies of a loop, the first of the list, and, counting these, where those above one
   // of them alone end; the others follow. Of a contact: the length.
   std::vector<int> common, split;
+  std::vector<int> regularization;  // of each, the component of the input that its first row's is (ir/contact.hpp)
 
   int count() const { return static_cast<int>(first.size()) - 1; }
   int length(std::size_t c) const { return begin[c + 1] - begin[c]; }

@@ -183,6 +183,12 @@ NodeId Graph::divide(NodeId a, NodeId b) {
   return intern({Op::divide, a, b, 0, {}, {}});
 }
 
+NodeId Graph::where(NodeId a, NodeId b) {
+  if (options_.fold && is_constant(a)) return (*this)[a].value > 0 ? b : constant(0);
+  if (options_.fold && is_constant(b, 0)) return b;
+  return intern({Op::where, a, b, 0, {}, {}});
+}
+
 NodeId Graph::make(Op op, NodeId a, NodeId b, double value) {
   switch (op) {
     case Op::constant: return constant(value);
@@ -195,6 +201,7 @@ NodeId Graph::make(Op op, NodeId a, NodeId b, double value) {
     case Op::subtract: return subtract(a, b);
     case Op::multiply: return multiply(a, b);
     case Op::divide: return divide(a, b);
+    case Op::where: return where(a, b);
   }
   return no_node;
 }

@@ -14,7 +14,7 @@ namespace dalembert::ir {
 using NodeId = std::int32_t;
 inline constexpr NodeId no_node = -1;
 
-enum class Op : std::uint8_t { constant, input, sine, cosine, sign, negate, add, subtract, multiply, divide };
+enum class Op : std::uint8_t { constant, input, sine, cosine, sign, negate, add, subtract, multiply, divide, where };
 
 // Where a value enters. `index` and `component` say which one, in the terms of `kind`.
 enum class InputKind : std::uint8_t {
@@ -76,7 +76,7 @@ class Graph {
   void reserve(std::size_t nodes);
 
   // The node of that value: one there is already or a new one. Angles in rad; sign(x) is −1, 0 or 1, of what is no number
-  // itself. Operands are nodes of this graph.
+  // itself; where(a, b) is b where a is above zero, else zero. Operands are nodes of this graph.
   NodeId constant(double value);
   NodeId input(Input input);
   NodeId sine(NodeId a) { return unary(Op::sine, a); }
@@ -87,6 +87,7 @@ class Graph {
   NodeId subtract(NodeId a, NodeId b);
   NodeId multiply(NodeId a, NodeId b);
   NodeId divide(NodeId a, NodeId b);
+  NodeId where(NodeId a, NodeId b);
   // Any of them but an input; what an operation has no use for is ignored.
   NodeId make(Op op, NodeId a, NodeId b, double value);
 

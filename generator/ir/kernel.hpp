@@ -34,11 +34,13 @@ struct Kernel {
   int first = 0;  // negative_product, derive: efforts' columns before this one are zero, and so far to's
   // Of constraints.
   ConstraintPaths paths{};
-  int solutions = 2;            // proximal steps
-  bool of_forces = false;       // respond: whether derivatives of forces are asked for, here or later
-  int turning_rows = 0;         // derive
-  std::vector<int> undriven{};  // support: the coordinates u, of which the first are the base's
-  int base_undriven = 0;        // how many
+  int solutions = 2;  // proximal steps, and as dalembert/constraint_shapes.hpp has them:
+  double mu = 0, unmoved = 0;
+  double least = 0, largest = 0;  // support: an N that is none, and a weight
+  bool of_forces = false;         // respond: whether derivatives of forces are asked for, here or later
+  int turning_rows = 0;           // derive
+  std::vector<int> undriven{};    // support: the coordinates u, of which the first are the base's
+  int base_undriven = 0;          // how many
 
   explicit Kernel(Kind k, std::initializer_list<std::pair<Operand, int>> operands = {}) : kind(k) {
     arrays_.fill(-1);

@@ -56,6 +56,7 @@ void EvaluatedRows::evaluate(const double* q, const double* rate) {
       case Op::subtract: value = of(n.a) - of(n.b); break;
       case Op::multiply: value = of(n.a) * of(n.b); break;
       case Op::divide: value = of(n.a) / of(n.b); break;
+      case Op::where: value = of(n.a) > 0 ? of(n.b) : 0; break;
     }
   }
 }

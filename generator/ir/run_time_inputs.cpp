@@ -42,12 +42,14 @@ RunTimeInput wrench(const Scene& scene, int index) {
 
 RunTimeInput constraint(const Constraint& c, int index) {
   RunTimeInput input{InputKind::constraint, index, c.member, c.loop ? "Loop" : "Contact"};
+  const std::string word = c.loop ? "loop" : "contact";
+  input.each = word + "s" + c.member.substr(word.size());
   const std::string rows = std::to_string(c.rows);
   input.meaning = "of " + c.of;
   input.unit = c.loop ? "1, 1/s^2, 1/s, 1, 1/kg" : "1, 1/s^2, 1/s, 1, m, 1/kg";
   input.help = "how " + c.of + (c.loop ? " hold each other" : " is held") + ": active (1 or 0), kp, kd, restitution, " +
                (c.loop ? "" : "anchor (3, quaternion x y z w), ") + "regularization (" + rows + "), weight (" + rows + ")";
-  input.members = {{c.member + ".active"}, {c.member + ".kp"}, {c.member + ".kd"}, {c.member + ".restitution"}};
+  input.members = {{c.member + ".active", 0, true}, {c.member + ".kp"}, {c.member + ".kd"}, {c.member + ".restitution"}};
   input.start = {1, 0, 0, 0};
   const auto array = [&](const char* name, const std::vector<double>& start) {
     input.members.push_back({c.member + name, static_cast<int>(start.size())});
@@ -61,11 +63,10 @@ RunTimeInput constraint(const Constraint& c, int index) {
 
 }  // namespace
 
-std::string RunTimeInput::element(int component) const {
-  int at = kind == InputKind::constraint ? component + 1 : component;  // whether it acts is no number of a program's
+std::string RunTimeInput::number(int i) const {
   for (const Member& member : members) {
-    if (at < member.count()) return member.size > 0 ? member.name + "[" + std::to_string(at) + "]" : member.name;
-    at -= member.count();
+    if (i < member.count()) return member.size > 0 ? member.name + "[" + std::to_string(i) + "]" : member.name;
+    i -= member.count();
   }
   return "";
 }
@@ -77,12 +78,6 @@ std::vector<RunTimeInput> run_time_inputs(const Scene& scene) {
   for (size_t i = 0; i < scene.wrenches.size(); ++i) all.push_back(wrench(scene, static_cast<int>(i)));
   const std::vector<Constraint> constraints = scene.constraints();
   for (size_t i = 0; i < constraints.size(); ++i) all.push_back(constraint(constraints[i], static_cast<int>(i)));
-  return all;
-}
-
-std::vector<RunTimeInput> inputs_of_each_state(const Scene& scene) {
-  std::vector<RunTimeInput> all = run_time_inputs(scene);
-  std::erase_if(all, [](const RunTimeInput& input) { return input.each.empty(); });
   return all;
 }
 

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "dalembert/chain_shapes.hpp"
+#include "passes/write_out_constraints.hpp"
 
 namespace dalembert::passes {
 namespace {
@@ -22,41 +23,19 @@ const char* equation(Kind kind) {
     case Kind::solve: return "(U D U')^-1 (tau - (C v + g))";
     case Kind::invert: return "X = (U D U')^-1: U' X = D^-1 U^-1, row by row";
     case Kind::negative_product: return "-X times the derivatives of inverse dynamics";
-    default: return "";  // kernels of constraints are called
+    default: return "";
   }
 }
 
-// A matrix of nodes: what is zero in every state is not there.
-class Matrix {
- public:
-  NodeId at(int row, int column) const {
-    const auto found = nodes_.find({column, row});
-    return found == nodes_.end() ? no_node : found->second;
-  }
-  void set(int row, int column, NodeId node) {
-    if (node != no_node) nodes_[{column, row}] = node;
-  }
-  const std::map<std::pair<int, int>, NodeId>& nodes() const { return nodes_; }  // by column and row
-
- private:
-  std::map<std::pair<int, int>, NodeId> nodes_;
-};
-
 class Writing {
  public:
-  Writing(ir::Algorithm& algorithm, ir::Program& program, const ir::CoordinateTree& tree, bool products)
+  Writing(ir::Algorithm& algorithm, ir::Program& program, const ir::CoordinateTree& tree, bool whole)
       : algorithm_(algorithm),
         program_(program),
         graph_(program.graph),
-        tree_(tree),
-        products_(products),
-        matrices_(program.arrays.size()) {
+        whole_(whole),
+        matrices_(program.graph, tree, program.arrays.size()) {
     for (const ir::OutputElement& e : program.elements) of(e.array).set(e.row, e.column, e.node);
-    for (int k = 0; k < tree.size(); ++k) {
-      above_.emplace_back();
-      for (int i = tree.above[static_cast<std::size_t>(k)]; i >= 0; i = tree.above[static_cast<std::size_t>(i)])
-        above_.back().push_back(i);
-    }
   }
 
   void run(std::span<const SectionBehind> behind) {
@@ -76,12 +55,13 @@ class Writing {
         algorithm_.kernels.push_back(kernel);
         continue;
       }
-      begin(equation(kernel.kind), ir::all_bodies);
+      begin(kernel.of_constraints() ? equation_of_constraints(kernel) : equation(kernel.kind), ir::all_bodies);
       switch (kernel.kind) {
         case Kind::factor: factor(kernel); break;
         case Kind::solve: solve(kernel); break;
         case Kind::invert: invert(kernel); break;
-        default: negative_product(kernel);
+        case Kind::negative_product: negative_product(kernel); break;
+        default: write_out_constraints(kernel, matrices_);
       }
     }
   }
@@ -129,9 +109,10 @@ class Writing {
       if (std::find(cleared.begin(), cleared.end(), array) == cleared.end()) cleared.push_back(array);
   }
 
-  // Rows of constraints; and products of whole matrices, but for the smallest.
+  // Rows of constraints, and products of whole matrices but for the smallest, unless no kernel is to stay.
   bool stays(const ir::Kernel& kernel) const {
-    return kernel.of_constraints() || (kernel.kind == Kind::negative_product && !products_ && tree_.size() > most_of_products);
+    return !whole_ &&
+           (kernel.of_constraints() || (kernel.kind == Kind::negative_product && matrices_.size() > most_of_products));
   }
   // Whether a kernel that stays has to do with the array.
   bool is_used(int array) const {
@@ -141,81 +122,70 @@ class Writing {
     });
   }
 
-  Matrix& of(int array) { return matrices_[static_cast<std::size_t>(array)]; }
-  const std::vector<int>& above(int k) const { return above_[static_cast<std::size_t>(k)]; }  // the nearest first
-
-  // x - a b, where any may be zero.
-  NodeId less(NodeId x, NodeId a, NodeId b) {
-    if (a == no_node || b == no_node) return x;
-    const NodeId product = graph_.multiply(a, b);
-    return x == no_node ? graph_.negate(product) : graph_.subtract(x, product);
-  }
-  NodeId reciprocal(NodeId pivot) { return graph_.divide(graph_.constant(1), pivot); }
+  MatrixOfNodes& of(int array) { return matrices_.of(array); }
 
   // U and D of M = U D U', from the last coordinate to the first.
   void factor(const ir::Kernel& kernel) {
-    const Matrix& mass = of(kernel[Operand::mass]);
-    Matrix rest = mass;
-    for (int k = tree_.size() - 1; k >= 0; --k) {
-      const NodeId pivot = rest.at(k, k), inverse = reciprocal(pivot);
+    const MatrixOfNodes& mass = of(kernel[Operand::mass]);
+    MatrixOfNodes rest = mass;
+    for (int k = matrices_.size() - 1; k >= 0; --k) {
+      const NodeId pivot = rest.at(k, k), inverse = matrices_.reciprocal(pivot);
       of(kernel[Operand::diagonal]).set(k, 0, mass.at(k, k));
       of(kernel[Operand::pivots]).set(k, 0, pivot);
       of(kernel[Operand::factor]).set(k, k, pivot);
-      for (const int i : above(k)) {
+      for (const int i : matrices_.above(k)) {
         if (rest.at(i, k) == no_node) continue;
         const NodeId u = graph_.multiply(rest.at(i, k), inverse);
         of(kernel[Operand::factor]).set(i, k, u);
-        for (int j = i; j >= 0; j = tree_.above[static_cast<std::size_t>(j)])
-          rest.set(j, i, less(rest.at(j, i), u, rest.at(j, k)));
+        for (int j = i; j >= 0; j = matrices_.directly_above(j))
+          rest.set(j, i, matrices_.less(rest.at(j, i), u, rest.at(j, k)));
       }
     }
   }
 
   // (U D U')^-1 x.
   void solve(const ir::Kernel& kernel) {
-    const Matrix& u = of(kernel[Operand::factor]);
-    Matrix& x = of(kernel[Operand::to]);
-    for (int k = tree_.size() - 1; k >= 0; --k)
-      for (const int i : above(k)) x.set(i, 0, less(x.at(i, 0), u.at(i, k), x.at(k, 0)));
-    for (int k = 0; k < tree_.size(); ++k) {
-      if (x.at(k, 0) != no_node) x.set(k, 0, graph_.multiply(x.at(k, 0), reciprocal(u.at(k, k))));
-      for (const int i : above(k)) x.set(k, 0, less(x.at(k, 0), u.at(i, k), x.at(i, 0)));
-    }
+    const MatrixOfNodes& u = of(kernel[Operand::factor]);
+    MatrixOfNodes& x = of(kernel[Operand::to]);
+    matrices_.eliminate_upwards(u, x);
+    matrices_.substitute_downwards(
+        u, [&u](int k) { return u.at(k, k); }, x);
   }
 
   // X = (U D U')^-1: row k of U' X = D^-1 U^-1, whose right side is zero before its diagonal.
   void invert(const ir::Kernel& kernel) {
-    const Matrix &u = of(kernel[Operand::factor]), &pivots = of(kernel[Operand::pivots]);
-    Matrix x;
-    for (int k = 0; k < tree_.size(); ++k)
+    const MatrixOfNodes &u = of(kernel[Operand::factor]), &pivots = of(kernel[Operand::pivots]);
+    MatrixOfNodes x;
+    for (int k = 0; k < matrices_.size(); ++k)
       for (int j = 0; j <= k; ++j) {
-        NodeId sum = j == k ? reciprocal(pivots.at(k, 0)) : no_node;
-        for (const int i : above(k)) sum = less(sum, u.at(i, k), x.at(i, j));
+        NodeId sum = j == k ? matrices_.reciprocal(pivots.at(k, 0)) : no_node;
+        for (const int i : matrices_.above(k)) sum = matrices_.less(sum, u.at(i, k), x.at(i, j));
         x.set(k, j, sum);
         x.set(j, k, sum);
       }
     of(kernel[Operand::to]) = x;
     const int padded = kernel[Operand::inverse];
     for (const auto& [place, node] : x.nodes())  // by column and row
-      of(padded).set(place.first * inverse_stride(tree_.size()) + place.second, 0, node);
+      of(padded).set(place.first * inverse_stride(matrices_.size()) + place.second, 0, node);
     inverses_[padded] = std::move(x);
   }
 
   void negative_product(const ir::Kernel& kernel) {
-    const Matrix &a = inverses_.at(kernel[Operand::inverse]), &b = of(kernel[Operand::efforts]);
-    Matrix& product = of(kernel[Operand::to]);  // the columns before the first are there
-    for (int j = kernel.first; j < tree_.size(); ++j)
-      for (int i = 0; i < tree_.size(); ++i) {
+    const MatrixOfNodes &a = inverses_.at(kernel[Operand::inverse]), &b = of(kernel[Operand::efforts]);
+    MatrixOfNodes& product = of(kernel[Operand::to]);  // the columns before the first are there
+    for (int j = kernel.first; j < matrices_.size(); ++j)
+      for (int i = 0; i < matrices_.size(); ++i) {
         NodeId sum = no_node;
-        for (int k = 0; k < tree_.size(); ++k) sum = less(sum, a.at(i, k), b.at(k, j));
+        for (int k = 0; k < matrices_.size(); ++k) sum = matrices_.less(sum, a.at(i, k), b.at(k, j));
         product.set(i, j, sum);
       }
   }
 
   void collect() {
     program_.elements.clear();
-    for (std::size_t array = 0; array < matrices_.size(); ++array)
-      for (const auto& [place, node] : matrices_[array].nodes())
+    const std::vector<MatrixOfNodes>& all = matrices_.all();
+    for (std::size_t array = 0; array < all.size(); ++array)
+      for (const auto& [place, node] : all[array].nodes())
         if (!graph_.is_constant(node, 0))
           program_.elements.push_back({static_cast<int>(array), place.second, place.first, node});
     program_.names.resize(program_.names.empty() ? 0 : static_cast<std::size_t>(graph_.size()));
@@ -241,11 +211,9 @@ class Writing {
   ir::Algorithm& algorithm_;
   ir::Program& program_;
   ir::Graph& graph_;
-  const ir::CoordinateTree& tree_;
-  const bool products_;
-  std::vector<Matrix> matrices_;
-  std::map<int, Matrix> inverses_;  // by the array that has them with padding
-  std::vector<std::vector<int>> above_;
+  const bool whole_;
+  WrittenMatrices matrices_;
+  std::map<int, MatrixOfNodes> inverses_;  // by the array that has them with padding
 };
 
 }  // namespace
@@ -268,24 +236,27 @@ bool has_pivots(const ir::Program& program, int pivots, int size) {
 
 }  // namespace
 
-bool write_out_kernels(ir::Algorithm& algorithm, ir::Program& program, const ir::CoordinateTree& tree, bool products,
+bool write_out_kernels(ir::Algorithm& algorithm, ir::Program& program, const ir::CoordinateTree& tree, bool whole,
                        std::span<const SectionBehind> behind) {
-  const auto of_constraints = [](const ir::Kernel& k) { return k.of_constraints(); };
-  if (std::all_of(algorithm.kernels.begin(), algorithm.kernels.end(), of_constraints)) return behind.empty();
+  const auto stays = [whole](const ir::Kernel& k) { return k.of_constraints() && !(whole && can_be_written_out(k)); };
+  if (std::all_of(algorithm.kernels.begin(), algorithm.kernels.end(), stays)) return behind.empty();
   bool factored = false;  // else pivots are what articulated bodies leave
   for (const ir::Kernel& kernel : algorithm.kernels) {
     if (kernel.kind == Kind::factor && !has_diagonal(program, kernel[Operand::mass], tree.size())) return false;
     factored = factored || kernel.kind == Kind::factor;
-    if (kernel.kind == Kind::invert && !factored && !has_pivots(program, kernel[Operand::pivots], tree.size())) return false;
+    const bool divides = kernel.kind == Kind::invert || (whole && kernel.of_constraints());
+    if (divides && !factored && kernel[Operand::pivots] >= 0 && !has_pivots(program, kernel[Operand::pivots], tree.size()))
+      return false;
   }
+  const auto any_stays = [&](const std::vector<ir::Kernel>& kernels) {
+    return std::any_of(kernels.begin(), kernels.end(), stays);
+  };
   const bool waits_for_constraints =
-      std::any_of(algorithm.kernels.begin(), algorithm.kernels.end(), of_constraints) ||
-      std::any_of(behind.begin(), behind.end(), [&](const SectionBehind& section) {
-        const std::vector<ir::Kernel>& kernels = section.algorithm.kernels;
-        return std::any_of(kernels.begin(), kernels.end(), of_constraints) || !section.algorithm.projections.empty();
+      any_stays(algorithm.kernels) || std::any_of(behind.begin(), behind.end(), [&](const SectionBehind& section) {
+        return any_stays(section.algorithm.kernels) || !section.algorithm.projections.empty();
       });
-  if (!behind.empty() && waits_for_constraints) return false;
-  Writing(algorithm, program, tree, products).run(behind);
+  if ((whole || !behind.empty()) && waits_for_constraints) return false;
+  Writing(algorithm, program, tree, whole).run(behind);
   return true;
 }
 

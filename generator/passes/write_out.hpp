@@ -23,12 +23,12 @@ struct SectionBehind {
 };
 
 // Adds them and takes the kernels out, with the arrays that nothing but they read. `program` is the algorithm's, unrolled, with
-// an element for every place of its arrays that is not zero in every state. Products of whole matrices stay, unless they
-// are of few coordinates or `products` are to be written out as well.
+// an element for every place of its arrays that is not zero in every state. Rows of constraints stay, and products of whole
+// matrices unless they are of few coordinates; of a `whole` line nothing does.
 // The sections behind become part of the first: what they take for dv/dt are nodes then, and what both need is there once.
-// Returns false, all being left as it is, where a pivot may be missing in every state or, of more than one section, something
-// waits for rows of constraints.
-bool write_out_kernels(ir::Algorithm& algorithm, ir::Program& program, const ir::CoordinateTree& tree, bool products = false,
+// Returns false, all being left as it is, where a pivot may be missing in every state, where a whole line has a kernel that is
+// called in any case or, of more than one section, something waits for rows of constraints.
+bool write_out_kernels(ir::Algorithm& algorithm, ir::Program& program, const ir::CoordinateTree& tree, bool whole = false,
                        std::span<const SectionBehind> behind = {});
 
 }  // namespace dalembert::passes

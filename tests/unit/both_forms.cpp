@@ -122,6 +122,26 @@ std::vector<int> some_references(const ir::Algorithm& algorithm, const ir::Kinem
   return passes::reference_bodies(algorithm, tree, normal, cost);
 }
 
+// What a contact or loop is given.
+double of_constraint(const ir::Input& in, const ir::Scene& scene, const ir::Acting& acting, const Gains& gains) {
+  const auto c = static_cast<size_t>(in.index);
+  const bool active = acting.active.empty() || acting.active[c];
+  if (in.component == ir::contact_active) return active ? 1 : 0;
+  const std::vector<ir::Constraint> all = scene.constraints();
+  const int row = in.component - (all[c].loop ? ir::loop_rows : ir::contact_rows);
+  if (row >= 0) {
+    int first = 0;
+    for (size_t before = 0; before < c; ++before) first += all[before].rows;
+    const bool is_weight = row >= all[c].rows;
+    const Eigen::VectorXd& given = is_weight ? acting.weights : acting.regularization;
+    if (!active) return 0;
+    return given.size() > 0 ? given[first + row % all[c].rows] : is_weight ? 1 : 0;
+  }
+  if (in.component >= ir::contact_anchor) return gains.anchor[in.component - ir::contact_anchor];
+  if (in.component == ir::contact_restitution) return acting.restitution.empty() ? 0.0 : acting.restitution[c];
+  return in.component == ir::contact_kp ? gains.kp : gains.kd;
+}
+
 // What a section takes: `left` by those before it.
 ir::FunctionInput input_of(const ir::Algorithm& algorithm, const Model& model, const State& state, const Payload& payload,
                            const Gains& gains, const ir::Arrays& left) {
@@ -137,11 +157,7 @@ ir::FunctionInput input_of(const ir::Algorithm& algorithm, const Model& model, c
       }
       case ir::InputKind::gravity: return model.scene.gravity[in.component];
       case ir::InputKind::wrench: return state.wrenches[6 * in.index + in.component];
-      case ir::InputKind::constraint:
-        if (in.component >= ir::contact_anchor) return gains.anchor[in.component - ir::contact_anchor];
-        if (in.component == ir::contact_restitution)
-          return state.acting.restitution.empty() ? 0.0 : state.acting.restitution[static_cast<size_t>(in.index)];
-        return in.component == ir::contact_kp ? gains.kp : gains.kd;
+      case ir::InputKind::constraint: return of_constraint(in, model.scene, state.acting, gains);
       case ir::InputKind::element: return array(in.index)(in.component);
       case ir::InputKind::payload: return payload[static_cast<size_t>(in.component)];
       default: return std::nan("");
@@ -164,8 +180,11 @@ std::array<ir::Arrays, 2> run_section(const ir::Algorithm& algorithm, const ir::
   ir::Algorithm written_out = line_of;
   passes::Unroll by_frames = line_by_frames(line_of, tree, normal, model.scene);
   ir::Program line = by_frames.take_program();
-  passes::project_by_rows(written_out, line, by_frames, tree);
-  if (only) passes::write_out_kernels(written_out, line, ir::coordinate_tree(tree));
+  // On half of the robots the line is that of batches.
+  const bool whole =
+      only && tree.nv() % 2 == 0 && passes::write_out_kernels(written_out, line, ir::coordinate_tree(tree), true);
+  if (!whole) passes::project_by_rows(written_out, line, by_frames, tree);
+  if (only && !whole) passes::write_out_kernels(written_out, line, ir::coordinate_tree(tree));
   ir::Arrays straight = ir::run(written_out, line, tree, input(0), left[0], state.acting);
   if (tree.bodies.empty()) return {straight, straight};  // a base alone
   ir::CompileOptions options;

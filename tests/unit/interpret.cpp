@@ -35,6 +35,7 @@ std::vector<Scalar> interpret(const Graph& graph, const InputValue& input) {
       case Op::subtract: v = at(n.a) - at(n.b); break;
       case Op::multiply: v = at(n.a) * at(n.b); break;
       case Op::divide: v = at(n.a) / at(n.b); break;
+      case Op::where: v = at(n.a) > Scalar(0) ? at(n.b) : Scalar(0); break;
     }
   }
   return value;

@@ -238,11 +238,14 @@ TEST(NamedFunctions, LeaveTheOutputsAlone) {
 }
 
 // A register of states has no place for how a contact holds each of them; what contacts do not touch needs none.
-TEST(NamedFunctions, AreCalledStateByStateWhereContactsHoldAndNowhereElse) {
+TEST(NamedFunctions, AreCalledStateByStateForDerivativesWhereContactsHoldAndNowhereElse) {
   ir::Scene scene =
       scene_of({Quantity::constrained_forward_dynamics}, {{"free", {Quantity::bias, Quantity::forward_dynamics}},
                                                           {"rows", {Quantity::constraint_jacobian, Quantity::constraint_bias}},
-                                                          {"struck", {Quantity::impact}}});
+                                                          {"struck", {Quantity::impact}},
+                                                          {"borne", {Quantity::constrained_inverse_dynamics}},
+                                                          {"response", {Quantity::constrained_forward_dynamics_dtau}},
+                                                          {"derived", {Quantity::constraint_forces_dq}}});
   scene.batch = true;
   Model model = model_of(scene);
   model.scene.contacts = {ir::Contact{"tip", model.tree.links.back().link}};
@@ -250,8 +253,13 @@ TEST(NamedFunctions, AreCalledStateByStateWhereContactsHoldAndNowhereElse) {
   model.tree = passes::build_tree(model.description, model.scene, warnings);
   std::map<std::string, bool> in_lanes;
   for (const LoweredFunction& f : lower(model).functions) in_lanes[f.name()] = f.batch.has_value();
-  EXPECT_EQ(in_lanes,
-            (std::map<std::string, bool>{{"forward_dynamics", false}, {"free", true}, {"rows", true}, {"struck", false}}));
+  EXPECT_EQ(in_lanes, (std::map<std::string, bool>{{"forward_dynamics", true},
+                                                   {"free", true},
+                                                   {"rows", true},
+                                                   {"struck", true},
+                                                   {"borne", true},
+                                                   {"response", false},
+                                                   {"derived", false}}));
 }
 
 }  // namespace

@@ -24,9 +24,8 @@ TEST(RunTimeInputs, StandInOneOrder) {
   for (const RunTimeInput& input : run_time_inputs(scene())) names.push_back(input.name), each.push_back(input.each);
   EXPECT_EQ(names, (std::vector<std::string>{"gravity_vector", "payload_left_hand", "wrench_tool", "wrench_foot",
                                              "contact_sole", "loop_rod"}));
-  EXPECT_EQ(each,
-            (std::vector<std::string>{"gravity_vectors", "payloads_left_hand", "wrenches_tool", "wrenches_foot", "", ""}));
-  EXPECT_EQ(inputs_of_each_state(scene()).size(), 4u);
+  EXPECT_EQ(each, (std::vector<std::string>{"gravity_vectors", "payloads_left_hand", "wrenches_tool", "wrenches_foot",
+                                            "contacts_sole", "loops_rod"}));
   EXPECT_TRUE(run_time_inputs(Scene{}).empty());
 }
 
@@ -61,7 +60,10 @@ TEST(RunTimeInputs, ElementsAreWhatProgramsKnowByComponents) {
   EXPECT_EQ(element(InputKind::constraint, 0, contact_kd), "contact_sole.kd");
   EXPECT_EQ(element(InputKind::constraint, 0, contact_restitution), "contact_sole.restitution");
   EXPECT_EQ(element(InputKind::constraint, 0, contact_anchor + 6), "contact_sole.anchor[6]");
+  EXPECT_EQ(element(InputKind::constraint, 0, contact_active), "contact_sole.active");
+  EXPECT_EQ(element(InputKind::constraint, 0, contact_rows + 2), "contact_sole.regularization[2]");
   EXPECT_EQ(element(InputKind::constraint, 1, contact_kd), "loop_rod.kd");
+  EXPECT_EQ(element(InputKind::constraint, 1, loop_rows), "loop_rod.regularization[0]");
   EXPECT_THROW(run_time_input(scene(), {InputKind::velocity, 0, 0}), std::logic_error);
 }
 

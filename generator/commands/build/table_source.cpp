@@ -18,7 +18,7 @@ std::string set_run_time_inputs(const Model& model) {
   int at = 0;
   for (const ir::RunTimeInput& input : ir::run_time_inputs(model.scene))
     for (const ir::RunTimeInput::Member& member : input.members) {
-      if (member.name.ends_with(".active")) text += fmt::format("    workspace.{} = values[{}] > 0;\n", member.name, at);
+      if (member.flag) text += fmt::format("    workspace.{} = values[{}] > 0;\n", member.name, at);
       else if (member.size == 0) text += fmt::format("    workspace.{} = values[{}];\n", member.name, at);
       else
         text += fmt::format("    for (int i = 0; i < {1}; ++i) workspace.{0}[i] = values[{2} + i];\n", member.name, member.size,
@@ -86,10 +86,9 @@ std::string batch_class(const Library& library, size_t index) {
   int given = 0;
   std::string each, pointers;
   for (const ir::RunTimeInput& input : inputs) {
-    if (!input.each.empty())
-      each += fmt::format(
-          "    batch.{} = dalembert::table::gathered(from + {}, step, {}, n, room + {} * dalembert::table::states_together);\n",
-          input.each, given, input.size(), given);
+    each += fmt::format(
+        "    batch.{} = dalembert::table::gathered(from + {}, step, {}, n, room + {} * dalembert::table::states_together);\n",
+        input.each, given, input.size(), given);
     given += input.size();
   }
   for (size_t i = 0; i < f.results.size(); ++i)

@@ -95,7 +95,12 @@ int response_array(Builder& b) { return room_called(b, "response", response_room
 ir::Kernel kernel_of_constraints(const Builder& b, Kind kind) {
   ir::Kernel kernel(kind);
   kernel.paths = ir::constraint_paths(b.tree(), b.scene());
-  kernel.solutions = b.scene().scalar == ir::ScalarType::float32 ? Proximal<float>::steps : Proximal<double>::steps;
+  const auto as = [&](auto proximal) {
+    kernel.solutions = proximal.steps, kernel.mu = proximal.mu, kernel.unmoved = proximal.unmoved;
+    kernel.least = proximal.least, kernel.largest = proximal.largest;
+  };
+  if (b.scene().scalar == ir::ScalarType::float32) as(Proximal<float>());
+  else as(Proximal<double>());
   return kernel;
 }
 

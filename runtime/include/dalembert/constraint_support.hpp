@@ -7,7 +7,6 @@
 #include <dalembert/constraint_limbs.hpp>
 #include <dalembert/constraint_shapes.hpp>
 #include <dalembert/constraints_beside.hpp>
-#include <limits>
 
 namespace dalembert {
 
@@ -39,7 +38,7 @@ __attribute__((noinline, cold)) static bool mend_weights(const T* active, const 
   for (int c = 0; c < Rows::count; ++c)
     for (int r = Rows::first(c); r < Rows::first(c + 1); ++r) {
       const T given = active[c] > T(0) ? weights[r] : T(0);
-      const bool is_weight = given >= T(0) && given <= std::numeric_limits<T>::max();
+      const bool is_weight = given >= T(0) && given <= Proximal<T>::largest;
       to[r] = is_weight ? given : T(0);
       are_weights = are_weights && is_weight;
       most = to[r] > most ? to[r] : most;
@@ -88,11 +87,10 @@ struct Weights {
 };
 
 // mu N of A's coordinates: N is the mean of A's diagonal over the base's first three, along its axes, and over the three that
-// turn it, whichever way the base stands; of any other its own. An N so small that its inverse is next to infinity is none.
+// turn it, whichever way the base stands; of any other its own.
 template <int u, int base, class T, class Diagonal>
 static DALEMBERT_INLINE void hold(const Diagonal& diagonal, T* held) {
-  const T least = sizeof(T) == 8 ? T(1e-270) : T(1e-25);
-  const auto of = [=](T N) { return Proximal<T>::mu * (N > least ? N : T(1)); };
+  const auto of = [](T N) { return Proximal<T>::mu * (N > Proximal<T>::least ? N : T(1)); };
   for (int i = 0; i < base; i += 3)
     held[i] = held[i + 1] = held[i + 2] = of((diagonal(i) + diagonal(i + 1) + diagonal(i + 2)) * T(1.0 / 3));
   for (int i = base; i < u; ++i) held[i] = of(diagonal(i));
