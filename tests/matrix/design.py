@@ -27,8 +27,8 @@ URDFS = ROBOTS | {"humanoid": "tests/robots/humanoid.urdf", "grippers": "tests/r
 # scene's own, joints with a motor behind a spring.
 PUSHED, DRIVEN, ELASTIC = "pushed", "driven", "elastic"
 # And: links that are held, by M's factors and by articulated bodies, rows and columns of some joints, a parallel ankle whose rods'
-# loops are embedded.
-HELD, STANDING, PARTS, EMBEDDED = "held", "standing", "parts", "embedded"
+# loops are embedded; many states at once, on contacts too.
+HELD, STANDING, PARTS, EMBEDDED, BATCHED = "held", "standing", "parts", "embedded", "batched"
 LINKS = {"mahru": ("left_hand", "right_foot"), "unequal_limbs": ("b_3", "d_5"), "gantry_arms": ("a_tool", "b_carriage"),
          "hexapod": ("leg_2_3_tibia", "leg_6_2_femur"), "hand": ("f1_index_4_distal", "f4_small_2_proximal")}
 JOINTS = {"mahru": ("left_elbow", "right_elbow"), "unequal_limbs": ("b_2_joint", "d_4_joint"),
@@ -68,6 +68,8 @@ def options(robot, outputs):
         weld, point = LINKS[robot]
         return ["--base", "floating", "--outputs", "constrained_forward_dynamics,constraint_forces,impact,constrained_inverse_dynamics",
                 "--contacts", f"{{{weld}: weld, {point}: point}}"]
+    if outputs == BATCHED:
+        return [*options(robot, STANDING), "--batch", "true", "--rollouts", "impacts", "--functions", "{free: [bias, forward_dynamics]}"]
     if outputs == PARTS:
         link, _ = LINKS[robot]
         rows = f"{{subtree: {link}}}"
@@ -97,7 +99,15 @@ def parts(program):
 
 def constraints(_):
     """Contacts, parts of results and embedded loops: each with every compiler; levels, targets and widths take turns."""
-    scenes = [*itertools.product(LINKS, FORMS, [HELD, STANDING, PARTS]), *itertools.product(["ankle"], FORMS, [EMBEDDED])]
+    return taking_turns([*itertools.product(LINKS, FORMS, [HELD, STANDING, PARTS]), *itertools.product(["ankle"], FORMS, [EMBEDDED])])
+
+
+def batches(_):
+    """Batches and rollouts, likewise: of functions with contacts and without."""
+    return taking_turns(itertools.product(LINKS, ["rolled"], [BATCHED]))
+
+
+def taking_turns(scenes):
     cells = []
     for i, (scene, compiler) in enumerate(itertools.product(scenes, [*COMPILERS, AARCH64])):
         target = "aarch64" if compiler == AARCH64 else TARGETS[i * 7 % len(TARGETS)]
@@ -106,7 +116,7 @@ def constraints(_):
 
 
 def whole(robots):
-    """Five parts, see tests/README.md: the defect's neighbourhood in full, aarch64, scenes, and every toolchain on programs that
+    """Six parts, see tests/README.md: the defect's neighbourhood in full, aarch64, scenes, and every toolchain on programs that
     take turns."""
     cells = [(program, tools)
              for program in itertools.product(["mahru", "gantry_arms", "hand"], ["rolled"], ["gravity"])
@@ -132,6 +142,7 @@ def whole(robots):
         met.update((part, value) for part in parts(best) for value in tools)
         uses[best] += 1
         cells.append((best, tools))
+    cells += batches(robots)
     return list(dict.fromkeys(cells))
 
 

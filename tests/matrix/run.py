@@ -51,7 +51,13 @@ def run(command, **more):
 
 
 def digest(code):
-    return emitted_code.digest(code.parent / name for name in (code.name, "dynamics.hpp", "self_test.cpp", "self_test.hpp"))
+    names = [code.name, "dynamics.hpp", "self_test.cpp", "self_test.hpp"]
+    return emitted_code.digest(path for path in [*(code.parent / name for name in names), *batch_of(code)])
+
+
+def batch_of(code):
+    """The files of its batches, if it has any."""
+    return [path for path in (code.parent / "batch.cpp", code.parent / "batch.hpp") if path.exists()]
 
 
 class Matrix:
@@ -102,16 +108,19 @@ class Matrix:
         if before == "right" or before == "compiled" and launch is None:
             self.remembered += 1
             return before, ""
-        made, binary = self.work / f"{name}.o", self.work / name
-        status, text = run([compiler, level, *WARNINGS, *toolchain.flags(target), f"-DDALEMBERT_LANES={lanes}", *self.include,
-                            "-c", code, "-o", made])
+        binary, made, status, text = self.work / name, [], 0, ""
+        for source in [code, *batch_of(code)[:1]]:
+            made.append(self.work / f"{name}_{source.stem}.o")
+            if status == 0:
+                status, text = run([compiler, level, *WARNINGS, *toolchain.flags(target), f"-DDALEMBERT_LANES={lanes}",
+                                    *self.include, "-c", source, "-o", made[-1]])
         result = ("wrong", "does not compile: " + text[-400:]) if status != 0 else ("compiled", "")
         if status == 0 and launch is not None:
-            status, text = run([host, made, test, "-o", binary])
+            status, text = run([host, *made, test, "-o", binary])
             if status == 0:
                 status, text = run([*launch, binary], timeout=100)
             result = ("right" if status == 0 else "wrong", text if status >= 0 else f"signal {-status}")
-        for file in (made, binary):
+        for file in (*made, binary):
             file.unlink(missing_ok=True)
         if result[0] != "wrong":
             self.passed.add(number, name, result[0])
@@ -140,7 +149,7 @@ class Matrix:
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--slice", choices=["whole", "ci", "constraints"], default="whole")
+    parser.add_argument("--slice", choices=["whole", "ci", "constraints", "batches"], default="whole")
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--minutes", type=float, help="stop after so long")
     parser.add_argument("--dalembert", default=ROOT / "build/release/bin/dalembert")
