@@ -22,9 +22,9 @@ struct Contact {
 
 // What a contact is given at run time, as components of an input; behind them regularization and weight of each row. A loop
 // has no anchor.
-inline constexpr int contact_active = -1, contact_kp = 0, contact_kd = 1, contact_restitution = 2,
-                     contact_anchor = 3,  // position, quaternion x y z w
-    contact_rows = 10, loop_rows = 3;
+inline constexpr int contact_active = -1, contact_kp = 0, contact_kd = 1, contact_restitution = 2;
+inline constexpr int contact_anchor = 3;  // position, quaternion x y z w
+inline constexpr int contact_rows = 10, loop_rows = 3;
 
 // More rows than any robot stands on; what is solved for takes the cube of them.
 inline constexpr int most_constraint_rows = 96;

@@ -36,11 +36,11 @@ struct Kernel {
   ConstraintPaths paths{};
   int solutions = 2;  // proximal steps, and as dalembert/constraint_shapes.hpp has them:
   double mu = 0, unmoved = 0;
-  double least = 0, largest = 0;  // support: an N that is none, and a weight
-  bool of_forces = false;         // respond: whether derivatives of forces are asked for, here or later
-  int turning_rows = 0;           // derive
-  std::vector<int> undriven{};    // support: the coordinates u, of which the first are the base's
-  int base_undriven = 0;          // how many
+  double least = 0, largest = 0, smallest = 0;  // support
+  bool of_forces = false;                       // respond: whether derivatives of forces are asked for, here or later
+  int turning_rows = 0;                         // derive
+  std::vector<int> undriven{};                  // support: the coordinates u, of which the first are the base's
+  int base_undriven = 0;                        // how many
 
   explicit Kernel(Kind k, std::initializer_list<std::pair<Operand, int>> operands = {}) : kind(k) {
     arrays_.fill(-1);

@@ -71,13 +71,13 @@ class ConstraintWriting {
     const std::vector<int>& u = kernel_.undriven;
     const int size = static_cast<int>(u.size());
     std::vector<Column> own;  // J_u, per row
-    Column weights, lacking;
+    Column lacking;
+    const Column weights = this->weights();
     const MatrixOfNodes J = kernel_.by_wrenches() ? wrenches() : m_.of(kernel_[Operand::jacobian]);
     for (const int k : u) lacking.push_back(to.at(k, 0));
     for (int r = 0; r < rows(); ++r) {
       own.emplace_back();
       for (const int k : u) own.back().push_back(without_rounding(r, J.at(r, k), false));
-      weights.push_back(weight(r));
     }
     MatrixOfNodes along;
     for (int i = 0; i < size; ++i)
@@ -260,7 +260,7 @@ class ConstraintWriting {
     for (int r = 0; r < rows(); ++r) {
       const int c = constraint_of_[at(r)];
       regular.push_back(given(c, paths_.regularization[at(c)] + r - paths_.first[at(c)]));
-      const NodeId off = graph_.subtract(graph_.constant(1), one_where_on(r));
+      const NodeId one = graph_.constant(1), acts = one_where_on(r), off = graph_.subtract(one, acts);
       const NodeId more = m_.sum(m_.sum(held[at(r)], regular.back()), off);
       rest.set(r, r, m_.sum(rest.at(r, r), more));
     }
@@ -282,7 +282,22 @@ class ConstraintWriting {
     return f;
   }
 
-  // Of a row in inverse dynamics; zero of one that does not act, and in the place of what is no weight.
+  // Of rows in inverse dynamics, as parts of their sum: how large all are does not matter.
+  Column weights() {
+    // Some hundred of the largest numbers have a sum.
+    const NodeId part = graph_.constant(0x1p-7), smallest = graph_.constant(kernel_.smallest);
+    Column all;
+    NodeId sum = no_node;
+    for (int r = 0; r < rows(); ++r) {
+      const NodeId own = weight(r);
+      all.push_back(graph_.multiply(part, own));
+      sum = m_.sum(sum, all.back());
+    }
+    const NodeId more = graph_.subtract(sum, smallest), inverse = m_.reciprocal(sum), scale = graph_.where(more, inverse);
+    for (NodeId& own : all) own = graph_.multiply(own, scale);
+    return all;
+  }
+  // Zero of one that does not act, and in the place of what is no weight.
   NodeId weight(int row) {
     const int c = constraint_of_[at(row)], own_row = row - paths_.first[at(c)],
               count = paths_.first[at(c) + 1] - paths_.first[at(c)];

@@ -108,6 +108,7 @@ def batches(_):
 
 
 def taking_turns(scenes):
+    """Each scene with every compiler; levels, targets and widths take turns."""
     cells = []
     for i, (scene, compiler) in enumerate(itertools.product(scenes, [*COMPILERS, AARCH64])):
         target = "aarch64" if compiler == AARCH64 else TARGETS[i * 7 % len(TARGETS)]

@@ -97,7 +97,7 @@ ir::Kernel kernel_of_constraints(const Builder& b, Kind kind) {
   kernel.paths = ir::constraint_paths(b.tree(), b.scene());
   const auto as = [&](auto proximal) {
     kernel.solutions = proximal.steps, kernel.mu = proximal.mu, kernel.unmoved = proximal.unmoved;
-    kernel.least = proximal.least, kernel.largest = proximal.largest;
+    kernel.least = proximal.least, kernel.largest = proximal.largest, kernel.smallest = proximal.smallest;
   };
   if (b.scene().scalar == ir::ScalarType::float32) as(Proximal<float>());
   else as(Proximal<double>());

@@ -37,8 +37,10 @@ struct Proximal {
   static constexpr int steps = wide ? 3 : 4;
   // Elements of J that are rounding, 64 epsilons of a metre or of one: rows of nothing else would hold what they do not touch.
   static constexpr T unmoved = wide ? T(0x1p-46) : T(0x1p-17);
-  // An N so small that its inverse is next to infinity is none; a weight is no more than the largest number.
-  static constexpr T least = wide ? T(1e-270) : T(1e-25), largest = std::numeric_limits<T>::max();
+  // An N so small that its inverse is next to infinity is none. A weight is no more than the largest number, and all of them
+  // together no less than the smallest.
+  static constexpr T least = wide ? T(1e-270) : T(1e-25), largest = std::numeric_limits<T>::max(),
+                     smallest = std::numeric_limits<T>::min();
   // mu of a row. What no joint moves is held as firmly as others are: by mu alone, rounding of what it asks for would be a
   // force.
   static constexpr T of(T inverse_inertia) { return inverse_inertia > T(0) ? mu : T(1); }

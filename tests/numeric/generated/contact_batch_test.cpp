@@ -2,9 +2,12 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
 #include <dalembert/batch.hpp>
 #include <limits>
 #include <random>
+#include <string>
 #include <vector>
 
 #include "held_quadruped/batch.hpp"
@@ -63,6 +66,14 @@ struct Given {
     to.active = from[0] > 0, to.kp = from[1], to.kd = from[2], to.restitution = from[3];
     if constexpr (anchored) std::copy_n(from + 4, 7, to.anchor);
     std::copy_n(from + size - 2 * of_rows, of_rows, to.regularization);
+    std::copy_n(from + size - of_rows, of_rows, to.weight);
+  }
+  void scale_weights(double times) {
+    for (std::size_t s = 0; s < n; ++s)
+      for (int r = 0; r < of_rows; ++r) {
+        double& weight = numbers[(s + 1) * size - of_rows + static_cast<std::size_t>(r)];
+        weight = times * (0.1 + std::abs(weight));
+      }
   }
 };
 
@@ -136,6 +147,30 @@ TEST_F(ContactBatches, TellRowsAndImpacts) {
     expect_near(state(bias, s, rows), single(workspace.told_constraint_bias), 1e-13, "dJ v");
     expect_near(matrix(delassus, s, rows), single(workspace.told_delassus_matrix, rows), 1e-12, "J M^-1 J'");
     expect_near(state(after, s, nv), single(workspace.struck_impact), 1e-11, "v after");
+  }
+}
+
+// Whatever the weights are in all: their ratios count. What is none bears nothing.
+TEST_F(ContactBatches, BearWhatSingleCallsSay) {
+  using Limits = std::numeric_limits<double>;
+  quadruped::BorneBatchResults results;
+  results.borne_constrained_inverse_dynamics = accelerations.data(), results.borne_inverse_constraint_forces = forces.data();
+  for (const double size : {1.0, 1e-290, 1e200, Limits::max() / 4}) {
+    for (std::size_t s = 0; s < n; ++s) hind.numbers[s * hind.size] = 1;  // six rows bear all
+    const Given<3, true> front_before = front;
+    const Given<6, true> hind_before = hind;
+    const Given<3, false> rod_before = rod;
+    front.scale_weights(size), hind.scale_weights(size), rod.scale_weights(size);
+    front.numbers[2 * front.size - 2] = -size, front.numbers[3 * front.size - 1] = Limits::infinity();
+    front.numbers[4 * front.size - 3] = Limits::quiet_NaN();
+    ASSERT_EQ(quadruped::borne_batch(batch(), results), BatchError::none);
+    for (std::size_t s = 0; s < n; ++s) {
+      set(s);
+      quadruped::borne(&q[s * nq], &v[s * nv], &tau[s * nv], workspace);
+      expect_near(state(accelerations, s, nv), single(workspace.borne_constrained_inverse_dynamics), 1e-11, "tau");
+      expect_near(state(forces, s, rows), single(workspace.borne_inverse_constraint_forces), 1e-11, "f");
+    }
+    front = front_before, hind = hind_before, rod = rod_before;
   }
 }
 
