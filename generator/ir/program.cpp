@@ -22,7 +22,6 @@ void InputsRead::add(const Input& in) {
   if (in.kind == InputKind::position) positions.insert(in.index);
   if (in.kind == InputKind::velocity) velocities.insert(in.index);
   input = input || in.kind == InputKind::acceleration || in.kind == InputKind::effort;
-  constraints = constraints || in.kind == InputKind::constraint;
 }
 
 InputsRead inputs_read(const Program& program, const std::vector<std::int32_t>& uses) {

@@ -70,7 +70,6 @@ struct InputsRead {
   std::set<int> positions;   // indices into q
   std::set<int> velocities;  // indices into v
   bool input = false;        // what the function takes besides q and v
-  bool constraints = false;  // how contacts and loops hold
   int base_positions = 0;    // as in Program
 
   void add(const Input& in);
