@@ -152,11 +152,8 @@ def ci(_):
     forms, other lanes, a debug build; clang, which compiles the rest of `sh tests/run.sh`, for other targets."""
     return [
         (("mahru", "rolled", "gravity"), ("g++", "-O2", "native", 4)),
-        (("humanoid", "rolled", "gravity"), ("g++", "-O2", "skylake-avx512", 4)),
         (("quadruped", "rolled", ALL), ("g++", "-O0", "x86-64", 1)),
         (("gantry_arms", "straight", ALL), ("g++", "-O3", "skylake-avx512", 4)),
         (("unequal_limbs", "rolled", STANDING), ("g++", "-O1", "native", 4)),
         (("ankle", "rolled", EMBEDDED), ("clang++", "-O2", "skylake-avx512", 8)),
-        (("unequal_limbs", "rolled", PARTS), ("g++", "-O2", "x86-64", 4)),
-        (("grippers", "rolled", FUNCTIONS), ("clang++", "-O2", "x86-64-v3", 4)),
     ]

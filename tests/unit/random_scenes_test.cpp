@@ -395,7 +395,7 @@ std::vector<std::string> files_of_ones_own() {
 
 TEST(RandomRobots, AreWhatTheGenericEngineComputes) {
   const char* const asked_for = std::getenv("DALEMBERT_RANDOM_ROBOTS");
-  const unsigned robots = asked_for ? static_cast<unsigned>(std::atoi(asked_for)) : 150;
+  const unsigned robots = asked_for ? static_cast<unsigned>(std::atoi(asked_for)) : 100;
   ASSERT_GT(robots, 0u) << "DALEMBERT_RANDOM_ROBOTS=" << asked_for << " is no number of robots";
   const char* const from = std::getenv("DALEMBERT_RANDOM_FIRST");
   const unsigned first = from ? static_cast<unsigned>(std::atoi(from)) : 0;
@@ -453,7 +453,7 @@ TEST_P(RandomScenes, AreWhatTheGenericEngineComputes) {
   const char* const asked_for = std::getenv("DALEMBERT_RANDOM_SCENES");
   const ir::RobotDescription description = robot(GetParam().name);
   const Movable movable = movable_of(description);
-  const unsigned scenes = asked_for ? static_cast<unsigned>(std::atoi(asked_for)) : 8;
+  const unsigned scenes = asked_for ? static_cast<unsigned>(std::atoi(asked_for)) : 5;
   ASSERT_GT(scenes, 0u) << "DALEMBERT_RANDOM_SCENES=" << asked_for << " is no number of scenes";
   unsigned compared = 0;
   for (unsigned seed = 0; seed < scenes; ++seed) {
