@@ -148,7 +148,7 @@ def whole(robots):
 
 
 def ci(_):
-    """What fits into a minute with the compilers that cmake/setup.sh's group `test` installs: the defect of g++ 12.2, both
+    """What fits into less than a minute with the compilers that cmake/setup.sh's group `test` installs: the defect of g++ 12.2, both
     forms, other lanes, a debug build; clang, which compiles the rest of `sh tests/run.sh`, for other targets."""
     return [
         (("mahru", "rolled", "gravity"), ("g++", "-O2", "native", 4)),

@@ -2,7 +2,7 @@
 """Compiles generated code in many ways, runs its self-test, and tabulates what is right and what is not.
 
     python3 tests/matrix/run.py                  the whole matrix (some two hours on two cores), and tests/README.md's table anew
-    python3 tests/matrix/run.py --slice ci       what `sh tests/run.sh` runs: a minute
+    python3 tests/matrix/run.py --slice ci       what `sh tests/run.sh` runs: less than a minute
 
 The self-test compares with results that the generator computed in 50 digits. It is compiled once by the machine's own g++; a
 cell of the matrix is one way to compile the code under test. Cells that were run before with the same code and compiler are not
