@@ -1,7 +1,7 @@
 #!/bin/sh
 # sh emitted_code_test.sh DALEMBERT PROJECT EIGEN WORK COMPILER [FLAG...]
 #
-# Generates robots that between them use every form of emitted code (DALEMBERT_LONG_TESTS: and more), and compiles each file with COMPILER FLAG...
+# Generates six robots that between them use every form of emitted code, and compiles each emitted file with COMPILER FLAG...
 # and warnings as errors, Eigen being a system header as it is to users. Without a FLAG also what must not compile: wrong_uses.cpp.
 # Exit status: 0 good, 1 a file does not compile or shares functions or tables, or compiles and should not, 77 this machine cannot
 # tell.
@@ -35,12 +35,10 @@ generate_robot() {
 generate_robot quadruped --base floating --form rolled --parallel tasks \
   --outputs mass_matrix,coriolis_matrix,gravity,bias,mass_matrix_factor,forward_dynamics,inverse_mass_matrix
 generate_robot prismatic_mix --base fixed --form straight --parallel serial
-if [ "${DALEMBERT_LONG_TESTS:-}" ]; then
-  generate_robot hand --base fixed --form rolled --scalar float --parallel serial
-  # Loops over limbs that have nothing to read or to write.
-  generate_robot massless_fingers --base fixed --form rolled --parallel serial \
-    --outputs kinetic_energy,center_of_mass,momentum_matrix,inverse_dynamics_dq
-fi
+generate_robot hand --base fixed --form rolled --scalar float --parallel serial
+# Loops over limbs that have nothing to read or to write.
+generate_robot massless_fingers --base fixed --form rolled --parallel serial \
+  --outputs kinetic_energy,center_of_mass,momentum_matrix,inverse_dynamics_dq
 # States by lanes, and motions of a base that floats.
 generate_robot double_pendulum --base floating --joints "{link_02_joint: spherical}" --parallel serial --outputs forward_dynamics --batch true --rollouts linearly_implicit
 
